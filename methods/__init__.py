@@ -1,0 +1,1 @@
+"""What the integrators are: exact data and one generic step per family, standard library only."""

@@ -1,0 +1,1 @@
+"""What floats do: step, run and read out, with NumPy and without SymPy."""

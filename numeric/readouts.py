@@ -1,0 +1,55 @@
+"""What is read out of a final state: errors, energy, phase. Floats or arrays in, the same out."""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias
+
+import numpy as np
+
+# A float or an array of them; pairs (q, v) broadcast against each other.
+Floats: TypeAlias = Any
+State: TypeAlias = tuple[Floats, Floats]
+
+
+def exact_state(start: State, t: Floats) -> State:
+    """(q₀ cos t + v₀ sin t, v₀ cos t - q₀ sin t), the solution of q' = v, v' = -q at time t, in floats."""
+    q, v = start
+    c, s = np.cos(t), np.sin(t)
+    return q * c + v * s, v * c - q * s
+
+
+def state_error(state: State, exact: State) -> Floats:
+    """The Euclidean distance between two states; does not overflow where it is representable (hypot)."""
+    return np.hypot(state[0] - exact[0], state[1] - exact[1])
+
+
+def energy(state: State) -> Floats:
+    """½(q² + v²). Overflows to inf from |q| about 1.3e154, long before the state itself does."""
+    q, v = state
+    return (q * q + v * v) / 2
+
+
+def energy_change(state: State, start: State) -> Floats:
+    """½(q² + v²) at `state` minus the same at `start`."""
+    return energy(state) - energy(start)
+
+
+def phase_error(state: State, exact: State) -> Floats:
+    """The signed angle in degrees, in [-180, 180), by which `state` is ahead of (clockwise from) `exact`.
+
+    atan2 of cross and dot product, so it is wrapped by construction: whole turns are not counted. At the origin the
+    angle is undefined: NaN in an array, None for a single state, never 0.
+    """
+    (q, v), (q_exact, v_exact) = _to_unit_box(*state), _to_unit_box(*exact)
+    ahead = np.degrees(np.arctan2(q * v_exact - v * q_exact, q * q_exact + v * v_exact))
+    ahead = np.where(ahead == 180, -180.0, ahead)
+    if ahead.ndim:
+        return ahead
+    return None if np.isnan(ahead) else float(ahead)
+
+
+def _to_unit_box(q: Floats, v: Floats) -> State:
+    """(q, v) divided by max(|q|, |v|), so that products neither overflow nor underflow; NaN at the origin."""
+    size = np.maximum(np.abs(q), np.abs(v))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.divide(q, size), np.divide(v, size)

@@ -1,0 +1,197 @@
+"""Certified decimals: an exact number is enclosed by Arb balls until every digit asked for is settled."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any, TypeAlias, TypeVar
+
+import sympy
+from flint import arb, ctx, fmpq, fmpz
+
+# A real number, known exactly: a rational, a SymPy expression, or a procedure that returns an Arb ball around the
+# number at Arb's current precision, the smaller the higher that is.
+Exact: TypeAlias = Fraction | sympy.Expr | Callable[[], arb]
+T = TypeVar("T")
+
+HALF_EVEN = "half-even"
+HALF_AWAY = "half-away"
+ROUNDINGS = (HALF_EVEN, HALF_AWAY)
+
+FIRST_BITS = 128
+# A number still undecided at this precision is, for every value this project prints, a tie: see `settle`.
+LAST_BITS = 1 << 17
+# Binary exponents beyond this are refused rather than written out as fractions of gigabytes.
+LARGEST_EXPONENT = 1 << 18
+
+
+class Uncertified(ArithmeticError):
+    """No enclosure up to LAST_BITS settled the question: the number is on the decision point, or has no enclosure."""
+
+
+def enclose(value: Exact) -> arb:
+    """An Arb ball that contains `value`, at Arb's current precision. Raises TypeError for an unknown function."""
+    if isinstance(value, sympy.Basic):
+        return _enclose_expression(value)
+    if callable(value):
+        return value()
+    return arb(fmpq(value.numerator, value.denominator))
+
+
+def settle(value: Exact, read: Callable[[Fraction], T]) -> T:
+    """read(value), for a `read` that is constant on intervals: Ziv's loop.
+
+    The precision doubles until both ends of the enclosure read the same; a rational is read directly, so ties of
+    rationals are exact. Raises Uncertified if precision LAST_BITS does not separate the number from a jump of
+    `read`, which for an irrational number cannot happen for ever.
+    """
+    if isinstance(value, int | Fraction):
+        return read(Fraction(value))
+    bits = FIRST_BITS
+    while bits <= LAST_BITS:
+        with ctx.workprec(bits):
+            ball = enclose(value)
+        if ball.is_finite():
+            low, high = endpoints(ball)
+            if (at_low := read(low)) == read(high):
+                return at_low
+        bits *= 2
+    raise Uncertified(f"undecided at {LAST_BITS} bits: the number is too close to a rounding boundary, or on it")
+
+
+def endpoints(ball: arb) -> tuple[Fraction, Fraction]:
+    """The two ends of a finite ball, as exact rationals."""
+    middle, radius = (_dyadic(part) for part in (ball.mid(), ball.rad()))
+    return middle - radius, middle + radius
+
+
+def sign(value: Exact) -> int:
+    """-1, 0 or 1, certified. A zero is recognised only if it is rational or enclosed exactly; else Uncertified."""
+    return settle(value, lambda x: (x > 0) - (x < 0))
+
+
+def is_less(a: Exact, b: Exact) -> bool:
+    """a < b, certified by disjoint enclosures. Raises Uncertified if a = b and neither is rational."""
+    return sign(lambda: enclose(a) - enclose(b)) < 0
+
+
+def fixed(value: Exact, places: int, rounding: str = HALF_EVEN) -> str:
+    """`value` correctly rounded to `places` digits after the point, e.g. "-0.479167". A zero has no sign."""
+    return settle(value, lambda x: _fixed(x, places, rounding))
+
+
+def significant(value: Exact, digits: int, rounding: str = HALF_EVEN) -> str:
+    """`value` correctly rounded to `digits` significant digits: plain from 1e-5 up to 10**digits, else like "3.3e-4".
+
+    Zero is "0". Raises ValueError if digits < 1.
+    """
+    if digits < 1:
+        raise ValueError(f"digits = {digits}; ask for at least one")
+
+    def read(x: Fraction) -> str:
+        if x == 0:
+            return "0"
+        decade = _decade(_rounded(x, digits, rounding))
+        if -5 <= decade < digits:
+            return _fixed(x, digits - 1 - decade, rounding)
+        return _scientific(x, digits, rounding)
+
+    return settle(value, read)
+
+
+def scientific(value: Exact, digits: int, rounding: str = HALF_EVEN) -> str:
+    """`value` correctly rounded to `digits` significant digits, always with an exponent, e.g. "-6.7e-5"."""
+    return settle(value, lambda x: _scientific(x, digits, rounding))
+
+
+def _enclose_expression(expr: sympy.Basic) -> arb:
+    if isinstance(expr, sympy.Rational):
+        return arb(fmpq(int(expr.p), int(expr.q)))
+    if isinstance(expr, sympy.CRootOf):
+        return _enclose_root(expr)
+    if expr == sympy.pi:
+        return arb.pi()
+    if isinstance(expr, sympy.Pow):
+        base, exponent = (_enclose_expression(a) for a in expr.args)
+        return base.sqrt() if expr.exp == sympy.Rational(1, 2) else base**exponent
+    if expr.func not in _FUNCTIONS:
+        raise TypeError(f"no ball arithmetic for {expr.func.__name__} in {expr}")
+    return _FUNCTIONS[expr.func](*(_enclose_expression(a) for a in expr.args))
+
+
+def _enclose_root(root: Any) -> arb:
+    digits = ctx.prec * 3 // 10
+    middle = root.eval_rational(dx=sympy.Rational(1, 10**digits))
+    return _enclose_expression(middle) + arb(0, (1, -(digits * 3)))
+
+
+def _fold(operation: Callable[[arb, arb], arb]) -> Callable[..., arb]:
+    def fold(first: arb, *rest: arb) -> arb:
+        for ball in rest:
+            first = operation(first, ball)
+        return first
+
+    return fold
+
+
+_FUNCTIONS: dict[Any, Callable[..., arb]] = {
+    sympy.Add: _fold(lambda a, b: a + b),
+    sympy.Mul: _fold(lambda a, b: a * b),
+    sympy.cos: arb.cos,
+    sympy.sin: arb.sin,
+    sympy.tan: arb.tan,
+    sympy.acos: arb.acos,
+    sympy.asin: arb.asin,
+    sympy.atan: arb.atan,
+    sympy.atan2: arb.atan2,
+    sympy.log: arb.log,
+    sympy.exp: arb.exp,
+    sympy.Abs: abs,
+}
+
+
+def _dyadic(exact_ball: arb) -> Fraction:
+    mantissa, exponent = (int(part) for part in exact_ball.man_exp())
+    if abs(exponent) > LARGEST_EXPONENT:
+        raise Uncertified("the number lies outside 10**-78000 .. 10**78000, too long to write out")
+    return Fraction(mantissa) * Fraction(2) ** exponent
+
+
+def _round_to_integer(x: Fraction, rounding: str) -> int:
+    """|x| rounded to an integer. Half-even sends a tie to the even neighbour, half-away outwards."""
+    if rounding not in ROUNDINGS:
+        raise ValueError(f"unknown rounding {rounding!r}; choose one of {', '.join(ROUNDINGS)}")
+    x = abs(x)
+    return round(x) if rounding == HALF_EVEN else int(x + Fraction(1, 2))
+
+
+def _decade(x: Fraction) -> int:
+    """The largest e with 10**e <= |x|, for x != 0."""
+    e = (abs(x.numerator).bit_length() - x.denominator.bit_length()) * 30103 // 100000  # 0.30103 > log10(2)
+    while Fraction(10) ** (e + 1) <= abs(x):
+        e += 1
+    while Fraction(10) ** e > abs(x):
+        e -= 1
+    return e
+
+
+def _rounded(x: Fraction, digits: int, rounding: str) -> Fraction:
+    unit = Fraction(10) ** (_decade(x) - digits + 1)
+    return _round_to_integer(x / unit, rounding) * unit
+
+
+def _fixed(x: Fraction, places: int, rounding: str) -> str:
+    # fmpz prints integers of any length; Python's own str() refuses beyond 4300 digits.
+    digits = str(fmpz(_round_to_integer(x * 10**places, rounding))).zfill(places + 1)
+    text = f"{digits[:-places]}.{digits[-places:]}" if places else digits
+    return f"-{text}" if x < 0 and text.strip("0.") else text
+
+
+def _scientific(x: Fraction, digits: int, rounding: str) -> str:
+    if x == 0:
+        return "0"
+    rounded = _rounded(x, digits, rounding)
+    decade = _decade(rounded)
+    mantissa = str(fmpz(int(rounded / Fraction(10) ** (decade - digits + 1))))
+    point = f".{mantissa[1:]}" if digits > 1 else ""
+    return f"{'-' if x < 0 else ''}{mantissa[0]}{point}e{decade}"

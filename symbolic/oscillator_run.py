@@ -1,0 +1,128 @@
+"""One run on the oscillator, exactly: final state, errors, energy and phase to any number of certified digits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import sympy
+from flint import arb
+
+from methods.rationals import step_count
+from methods.schemes import Method
+from symbolic.certified import Exact, enclose
+from symbolic.n_steps import Entries, apply, as_balls, matrix_at, power
+from symbolic.one_step import one_step_matrix
+
+# Above this many bits a power of M is only enclosed: the fraction would be longer than anyone reads.
+LONGEST_FRACTION = 4_000
+
+
+@dataclass(frozen=True)
+class OscillatorRun:
+    """N = t/h steps of `method` on q' = v, v' = -q from the rational state `start`.
+
+    Every quantity is a Fraction where it is rational and short, else an enclosing procedure (`certified.Exact`).
+    The start is rational and t too, so the exact state is rational only at t = 0 or from the origin, where the
+    enclosures are exact: hence no question asked of these numbers is an undecidable tie
+    (Lindemann: cos t and sin t are transcendental at rational t != 0).
+    Raises ValueError if h does not divide t.
+    """
+
+    method: Method
+    h: Fraction
+    t: Fraction
+    start: tuple[Fraction, Fraction] = (Fraction(1), Fraction(0))
+
+    def __post_init__(self) -> None:
+        """Refuse a step that does not divide the interval."""
+        step_count(self.t, self.h)
+
+    @property
+    def steps(self) -> int:
+        """N = t / h."""
+        return step_count(self.t, self.h)
+
+    @cached_property
+    def _matrix(self) -> Entries:
+        return matrix_at(one_step_matrix(self.method), self.h)
+
+    @property
+    def has_short_fractions(self) -> bool:
+        """True when M(h)ᴺ is kept as fractions rather than as balls."""
+        bits = max(max(abs(x.numerator).bit_length(), x.denominator.bit_length()) for x in self._matrix)
+        return bool(bits * self.steps <= LONGEST_FRACTION)
+
+    @cached_property
+    def final_state(self) -> tuple[Exact, Exact]:
+        """(q_N, v_N) = M(h)ᴺ (q₀, v₀)."""
+        if self.has_short_fractions:
+            q, v = apply(power(self._matrix, self.steps), *self.start)
+            return q, v
+        return lambda: _numerical(self)[0], lambda: _numerical(self)[1]
+
+    @cached_property
+    def exact_state(self) -> tuple[Exact, Exact]:
+        """(q₀ cos t + v₀ sin t, v₀ cos t - q₀ sin t)."""
+        q, v, t = (sympy.Rational(x.numerator, x.denominator) for x in (*self.start, self.t))
+        c, s = sympy.cos(t), sympy.sin(t)
+        return q * c + v * s, v * c - q * s
+
+    @property
+    def state_error(self) -> Exact:
+        """The Euclidean distance between the numerical and the exact final state."""
+        return lambda: _distance(_numerical(self), _analytic(self))
+
+    @property
+    def energy(self) -> Exact:
+        """½(q_N² + v_N²)."""
+        if self.has_short_fractions:
+            return _energy(*self.final_state)
+        return lambda: _energy(*_numerical(self))
+
+    @property
+    def energy_change(self) -> Exact:
+        """½(q_N² + v_N²) - ½(q₀² + v₀²)."""
+        before = _energy(*self.start)
+        if self.has_short_fractions:
+            return _energy(*self.final_state) - before
+        return lambda: _energy(*_numerical(self)) - enclose(before)
+
+    @property
+    def phase_error(self) -> Exact | None:
+        """The angle, in degrees in [-180, 180), by which the numerical final state is ahead of the exact one.
+
+        atan2 of cross and dot product, so whole turns are not counted. None where an angle is undefined: at the
+        origin.
+        """
+        origin = (Fraction(0), Fraction(0))
+        if origin in (self.start, self.final_state):
+            return None
+        return lambda: _angle_between(_numerical(self), _analytic(self)) * 180 / arb.pi()
+
+
+def _numerical(run: OscillatorRun) -> tuple[arb, arb]:
+    q, v = (enclose(x) for x in run.start)
+    return apply(power(as_balls(run._matrix), run.steps), q, v)
+
+
+def _analytic(run: OscillatorRun) -> tuple[arb, arb]:
+    (q, v), t = (enclose(x) for x in run.start), enclose(run.t)
+    c, s = t.cos(), t.sin()
+    return q * c + v * s, v * c - q * s
+
+
+def _distance(a: tuple[arb, arb], b: tuple[arb, arb]) -> arb:
+    return ((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2).sqrt()
+
+
+def _energy(q: Any, v: Any) -> Any:
+    return (q * q + v * v) / 2
+
+
+def _angle_between(numerical: tuple[arb, arb], exact: tuple[arb, arb]) -> arb:
+    """How far `numerical` is ahead (clockwise) of `exact`, in radians."""
+    (q, v), (q_exact, v_exact) = numerical, exact
+    return arb.atan2(q * v_exact - v * q_exact, q * q_exact + v * v_exact)
