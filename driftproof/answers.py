@@ -5,6 +5,8 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any, TypeAlias
 
+from flint import fmpq
+
 from methods.catalogue import method_named
 from methods.schemes import Method
 from numeric.steppers import evaluations_per_step
@@ -18,8 +20,15 @@ def number(value: Exact | None, digits: int, rounding: str = HALF_EVEN, unit: st
     """{"exact": "337/384" or None, "decimal": correctly rounded digits, "unit": ...}; None for an undefined value."""
     if value is None:
         return None
-    answer: Answer = {"exact": None if callable(value) else str(value), "decimal": significant(value, digits, rounding)}
+    answer: Answer = {"exact": _exact_text(value), "decimal": significant(value, digits, rounding)}
     return answer if unit is None else {**answer, "unit": unit}
+
+
+def _exact_text(value: Exact) -> str | None:
+    if isinstance(value, Fraction):
+        # fmpq prints fractions of any length; Python's own str() refuses beyond 4300 digits.
+        return str(fmpq(value.numerator, value.denominator))
+    return None if callable(value) else str(value)
 
 
 def step_answer(key: str, h: Fraction, start: tuple[Fraction, Fraction], digits: int, rounding: str) -> Answer:

@@ -52,7 +52,7 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Print one line that names the problem and where to read more, and exit with status 2."""
-        self.exit(BAD_INPUT, f"{self.prog}: {message} (`{self.prog} --help` shows how)\n")
+        self.exit(BAD_INPUT, f"{self.prog}: {' '.join(message.split())} (`{self.prog} --help` shows how)\n")
 
 
 def _rational(what: str) -> Callable[[str], Fraction]:

@@ -11,7 +11,7 @@ from math import ceil, floor
 LONGEST_TEXT = 1200
 LARGEST_EXPONENT = 1200
 
-_EXPONENT = re.compile(r"[eE]([+-]?\d+)\s*$")
+_EXPONENT = re.compile(r"[eE]([+-]?\d[\d_]*)\s*$")
 
 
 def parse_rational(text: str, what: str = "number") -> Fraction:
@@ -24,7 +24,7 @@ def parse_rational(text: str, what: str = "number") -> Fraction:
     text = text.strip().replace("\N{MINUS SIGN}", "-")
     exponent = _EXPONENT.search(text)
     shown = text if len(text) <= 40 else text[:37] + "..."
-    if len(text) > LONGEST_TEXT or (exponent and abs(int(exponent[1])) > LARGEST_EXPONENT):
+    if len(text) > LONGEST_TEXT or (exponent and abs(int(exponent[1].replace("_", ""))) > LARGEST_EXPONENT):
         raise ValueError(
             f"{what}: {shown!r} is too long; at most {LONGEST_TEXT} characters, exponent {LARGEST_EXPONENT}"
         )

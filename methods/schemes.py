@@ -33,6 +33,7 @@ class RungeKutta:
 
     def __post_init__(self) -> None:
         """Promote integers, then refuse a tableau that is not square or not exact."""
+        _demand_iterable(self.a, f"{self.key}: a")
         rows = tuple(_exact(row, f"{self.key}: a[{i}]") for i, row in enumerate(self.a))
         object.__setattr__(self, "a", rows)
         object.__setattr__(self, "b", _exact(self.b, f"{self.key}: b"))
@@ -79,13 +80,15 @@ class Splitting:
 
     def __post_init__(self) -> None:
         """Promote integers, then refuse unknown sub-steps and inexact coefficients."""
-        if not self.parts:
+        _demand_iterable(self.parts, f"{self.key}: parts")
+        parts = tuple(self.parts)
+        if not parts:
             raise MethodError(f"{self.key}: parts is empty; a splitting has at least one kick or drift")
-        for i, part in enumerate(self.parts):
+        for i, part in enumerate(parts):
             if not isinstance(part, tuple) or len(part) != 2 or part[0] not in SUBSTEPS:
                 raise MethodError(f"{self.key}: parts[{i}] is {part!r}; write ('kick', c) or ('drift', c)")
-        coefficients = _exact((c for _, c in self.parts), f"{self.key}: parts")
-        kinds = (kind for kind, _ in self.parts)
+        coefficients = _exact((c for _, c in parts), f"{self.key}: parts")
+        kinds = (kind for kind, _ in parts)
         object.__setattr__(self, "parts", tuple(zip(kinds, coefficients, strict=True)))
 
     def inconsistencies(self) -> dict[str, Fraction]:
@@ -100,9 +103,13 @@ Method: TypeAlias = RungeKutta | Splitting
 
 
 def _exact(values: Iterable[object], where: str) -> tuple[Fraction, ...]:
+    _demand_iterable(values, where)
+    return tuple(_exact_coefficient(value, f"{where}[{i}]") for i, value in enumerate(values))
+
+
+def _demand_iterable(values: object, where: str) -> None:
     if isinstance(values, str) or not isinstance(values, Iterable):
         raise MethodError(f"{where} is {values!r}; write a tuple of exact coefficients")
-    return tuple(_exact_coefficient(value, f"{where}[{i}]") for i, value in enumerate(values))
 
 
 def _exact_coefficient(value: object, where: str) -> Fraction:

@@ -115,7 +115,10 @@ class _Finished:
 
     @property
     def exact(self) -> State:
-        return readouts.exact_state(self.start, self.t)
+        q, v = readouts.exact_state(self.start, self.t)
+        if not (isfinite(q) and isfinite(v)):
+            raise NonFiniteReadout(f"the exact state at t = {self.t:g} overflows binary64")
+        return q, v
 
 
 _READ: dict[str, Callable[[_Finished], Any]] = {

@@ -59,6 +59,8 @@ class Scene:
 
     def __post_init__(self) -> None:
         """Refuse unknown names, an empty request and an h that does not divide t."""
+        if Path(self.name).name != self.name:
+            raise SceneError(f"scene {self.name!r}: a name has no folders in it; figures are named after it")
         if not (self.readouts or self.certified or self.panels):
             raise SceneError(f"scene {self.name!r} asks for nothing; name readouts, certified or panels")
         _check_names(self.name, "readout", self.readouts, READOUTS)
@@ -129,7 +131,9 @@ def read_scene(path: Path) -> Scene:
         table = tomllib.loads(text.decode(), parse_float=str)
     except OSError as error:
         raise SceneError(f"{path}: {error.strerror}") from None
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except SceneError:
+        raise
+    except (ValueError, RecursionError) as error:  # tomllib lets int() and the stack complain in their own words
         raise SceneError(f"{path}: not TOML: {error}") from None
     return _scene_from(table, path)
 

@@ -39,24 +39,31 @@ def enclose(value: Exact) -> arb:
 
 
 def settle(value: Exact, read: Callable[[Fraction], T]) -> T:
-    """read(value), for a `read` that is constant on intervals: Ziv's loop.
+    """read(value), for a `read` that is constant on intervals, by Ziv's loop (ziv-1991, section 2).
 
     The precision doubles until both ends of the enclosure read the same; a rational is read directly, so ties of
     rationals are exact. Raises Uncertified if precision LAST_BITS does not separate the number from a jump of
     `read`, which for an irrational number cannot happen for ever.
     """
+    if isinstance(value, sympy.Rational):
+        value = Fraction(int(value.p), int(value.q))
     if isinstance(value, int | Fraction):
         return read(Fraction(value))
     bits = FIRST_BITS
     while bits <= LAST_BITS:
         with ctx.workprec(bits):
             ball = enclose(value)
-        if ball.is_finite():
+        if ball.is_finite() and not _is_vague(ball):
             low, high = endpoints(ball)
             if (at_low := read(low)) == read(high):
                 return at_low
         bits *= 2
     raise Uncertified(f"undecided at {LAST_BITS} bits: the number is too close to a rounding boundary, or on it")
+
+
+def _is_vague(ball: arb) -> bool:
+    """True when 0 lies in a ball wider than 2: it settles nothing, and its ends may be too long to write out."""
+    return bool(ball.rad() > 1) and bool(ball.contains(0))
 
 
 def endpoints(ball: arb) -> tuple[Fraction, Fraction]:

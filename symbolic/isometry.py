@@ -34,9 +34,9 @@ class OwnNorm:
         """rho, rounded up; exact where it is rational."""
         return root_above(self.rho_squared)
 
-    def squared(self, q: Fraction, v: Fraction) -> Fraction:
-        """|(q, v)|²."""
-        return self.qq * q * q + self.qv * q * v + self.vv * v * v
+    def length(self, q: Fraction, v: Fraction) -> Fraction:
+        """|(q, v)|, rounded up; exact where it is rational."""
+        return root_above(self.qq * q * q + self.qv * q * v + self.vv * v * v)
 
     def largest_of_signs(self, q: Fraction, v: Fraction) -> Fraction:
         """An upper bound of |(±q, ±v)|, and of the norm of everything between, for q, v >= 0."""

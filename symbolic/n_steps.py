@@ -44,6 +44,27 @@ def power(matrix: Entries, n: int) -> Entries:
     return result
 
 
+def short_power(matrix: Entries, n: int, bits: int) -> Entries | None:
+    """matrix**n over Fractions, or None once a numerator or denominator on the way is longer than `bits` bits.
+
+    Short powers are not only the small ones: a matrix of finite order has none but short powers.
+    """
+    result: Entries = (Fraction(1), Fraction(0), Fraction(0), Fraction(1))
+    while n:
+        if n & 1:
+            result = multiply(result, matrix)
+        n >>= 1
+        if n:
+            matrix = multiply(matrix, matrix)
+        if max(_length(x) for x in (*result, *matrix)) > bits:
+            return None
+    return result
+
+
+def _length(x: Fraction) -> int:
+    return max(abs(x.numerator).bit_length(), x.denominator.bit_length())
+
+
 def multiply(a: Entries, b: Entries) -> Entries:
     """The 2x2 matrix product a b."""
     return (

@@ -18,7 +18,8 @@ Polynomial: TypeAlias = Any
 
 RING, H = ring("h", QQ)
 MATRICES = RING.to_domain()
-_STATE_RING, _Q, _V, _STATE_H = ring("q, v, h", QQ)
+# A step run on these generators yields polynomials in the state and h.
+STATE_RING, STATE_Q, STATE_V, STATE_H = ring("q, v, h", QQ)
 
 
 def rational(x: Fraction | int) -> Any:
@@ -30,7 +31,18 @@ def rational(x: Fraction | int) -> Any:
 
 def one_step_matrix(method: Method) -> DomainMatrix:
     """M(h) with (q₁, v₁)ᵀ = M(h) (q₀, v₀)ᵀ for q' = v, v' = -q: a 2x2 matrix over Q[h]."""
-    return matrix_of(stepper(method, lambda c: _STATE_RING.ground_new(rational(c))))
+    return matrix_of(exact_stepper(method))
+
+
+def exact_stepper(method: Method) -> Step:
+    """The step of `method` over Q[q, v, h]: its coefficients are rationals of that ring."""
+    return stepper(method, lambda c: STATE_RING.ground_new(rational(c)))
+
+
+def symbolic_step(step: Step, force: Force = oscillator) -> tuple[Polynomial, Polynomial]:
+    """(q₁, v₁) as polynomials in Q[q, v, h]: the step run on the generators q, v and h."""
+    q1, v1 = step(force, STATE_Q, STATE_V, STATE_H)
+    return q1, v1
 
 
 def matrix_of(step: Step, force: Force = oscillator) -> DomainMatrix:
@@ -38,7 +50,7 @@ def matrix_of(step: Step, force: Force = oscillator) -> DomainMatrix:
 
     Raises ValueError if the step turns out not to be linear in the state.
     """
-    q1, v1 = step(force, _Q, _V, _STATE_H)
+    q1, v1 = symbolic_step(step, force)
     return DomainMatrix([_linear_coefficients(q1, "q"), _linear_coefficients(v1, "v")], (2, 2), MATRICES)
 
 

@@ -17,7 +17,7 @@ Tree: TypeAlias = tuple["Tree", ...]
 
 @cache
 def rooted_trees(order: int) -> tuple[Tree, ...]:
-    """All rooted trees with `order` vertices: 1, 1, 2, 4, 9, 20, ... (hairer-norsett-wanner-1993, II.2 Table 2.1)."""
+    """All rooted trees with `order` vertices: 1, 1, 2, 4, 9, 20, ... (hairer-norsett-wanner-1993, II.2)."""
     return tuple(sorted(set(_forests(order - 1, order - 1))))
 
 
@@ -39,7 +39,7 @@ def vertices(tree: Tree) -> int:
 
 
 def density(tree: Tree) -> int:
-    """γ(t) = r(t) Π γ(child): the exact solution's weight of the tree is 1/γ(t) (butcher-2016, 304)."""
+    """γ(t) = r(t) Π γ(child): the exact solution's weight of the tree is 1/γ(t) (hairer-norsett-wanner-1993, II.2)."""
     return vertices(tree) * prod(density(child) for child in tree)
 
 

@@ -8,12 +8,12 @@ from functools import cached_property
 from typing import Any
 
 import sympy
-from flint import arb
+from flint import arb, ctx
 
 from methods.rationals import step_count
 from methods.schemes import Method
 from symbolic.certified import Exact, enclose
-from symbolic.n_steps import Entries, apply, as_balls, matrix_at, power
+from symbolic.n_steps import Entries, apply, as_balls, matrix_at, power, short_power
 from symbolic.one_step import one_step_matrix
 
 # Above this many bits a power of M is only enclosed: the fraction would be longer than anyone reads.
@@ -25,8 +25,8 @@ class OscillatorRun:
     """N = t/h steps of `method` on q' = v, v' = -q from the rational state `start`.
 
     Every quantity is a Fraction where it is rational and short, else an enclosing procedure (`certified.Exact`).
-    The start is rational and t too, so the exact state is rational only at t = 0 or from the origin, where the
-    enclosures are exact: hence no question asked of these numbers is an undecidable tie
+    The start is rational and t too, so the exact state is rational only at t = 0, where Fractions are returned, or
+    from the origin, where the enclosures are exact: hence no question asked of these numbers is an undecidable tie
     (Lindemann: cos t and sin t are transcendental at rational t != 0).
     Raises ValueError if h does not divide t.
     """
@@ -49,23 +49,34 @@ class OscillatorRun:
     def _matrix(self) -> Entries:
         return matrix_at(one_step_matrix(self.method), self.h)
 
+    @cached_property
+    def _enclosures(self) -> dict[int, tuple[arb, arb]]:
+        """The final state in balls, by precision: every readout needs it, and a long run has thousands of squarings."""
+        return {}
+
+    @cached_property
+    def _power(self) -> Entries | None:
+        """M(h)ᴺ in fractions, None where they are longer than LONGEST_FRACTION."""
+        return short_power(self._matrix, self.steps, LONGEST_FRACTION)
+
     @property
     def has_short_fractions(self) -> bool:
         """True when M(h)ᴺ is kept as fractions rather than as balls."""
-        bits = max(max(abs(x.numerator).bit_length(), x.denominator.bit_length()) for x in self._matrix)
-        return bool(bits * self.steps <= LONGEST_FRACTION)
+        return self._power is not None
 
     @cached_property
     def final_state(self) -> tuple[Exact, Exact]:
         """(q_N, v_N) = M(h)ᴺ (q₀, v₀)."""
-        if self.has_short_fractions:
-            q, v = apply(power(self._matrix, self.steps), *self.start)
+        if self._power is not None:
+            q, v = apply(self._power, *self.start)
             return q, v
         return lambda: _numerical(self)[0], lambda: _numerical(self)[1]
 
     @cached_property
     def exact_state(self) -> tuple[Exact, Exact]:
         """(q₀ cos t + v₀ sin t, v₀ cos t - q₀ sin t)."""
+        if self.t == 0:
+            return self.start
         q, v, t = (sympy.Rational(x.numerator, x.denominator) for x in (*self.start, self.t))
         c, s = sympy.cos(t), sympy.sin(t)
         return q * c + v * s, v * c - q * s
@@ -73,6 +84,8 @@ class OscillatorRun:
     @property
     def state_error(self) -> Exact:
         """The Euclidean distance between the numerical and the exact final state."""
+        if self.t == 0:
+            return Fraction(0)
         return lambda: _distance(_numerical(self), _analytic(self))
 
     @property
@@ -100,12 +113,16 @@ class OscillatorRun:
         origin = (Fraction(0), Fraction(0))
         if origin in (self.start, self.final_state):
             return None
+        if self.t == 0:
+            return Fraction(0)
         return lambda: _angle_between(_numerical(self), _analytic(self)) * 180 / arb.pi()
 
 
 def _numerical(run: OscillatorRun) -> tuple[arb, arb]:
-    q, v = (enclose(x) for x in run.start)
-    return apply(power(as_balls(run._matrix), run.steps), q, v)
+    if ctx.prec not in run._enclosures:
+        q, v = (enclose(x) for x in run.start)
+        run._enclosures[ctx.prec] = apply(power(as_balls(run._matrix), run.steps), q, v)
+    return run._enclosures[ctx.prec]
 
 
 def _analytic(run: OscillatorRun) -> tuple[arb, arb]:

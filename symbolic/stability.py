@@ -67,7 +67,7 @@ class AtStep:
     def bounded(self) -> bool:
         """True when sup over n of |M(h)ⁿ| is finite: every |λ| <= 1, and |λ| = 1 only without a Jordan block.
 
-        Decided exactly from the signs of 1 - det and 1 + det ± tr (Jury's conditions; jury-1964, 1.2).
+        Decided exactly from the signs of 1 - det and 1 + det ± tr (jury-1964, chapter 3).
         """
         t, d = trace(self.m), determinant(self.m)
         area, plus, minus = (self._sign(p) for p in (1 - d, 1 + d + t, 1 + d - t))

@@ -1,0 +1,114 @@
+"""Keeps the ledger while the proofs run, prints it, and publishes values when, and only when, all of them pass."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from driftproof.values import VALUES_FILE
+from proofs.ledger import Entry, Ledger
+
+LEDGER_FILE = Path(__file__).with_name("ledger.md")
+PUBLISHED = "published"
+_LEDGER = pytest.StashKey[Ledger]()
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.stash[_LEDGER] = Ledger()
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> Iterator[None]:
+    # Before -k and -m deselect, so that what is left out can be called "not run".
+    here = [item for item in items if Path(__file__).parent in item.path.parents]
+    entries = [entry for item in here for entry in _entries(item)]
+    try:
+        config.stash[_LEDGER].add((item.nodeid for item in here), entries)
+    except ValueError as error:
+        raise pytest.UsageError(str(error)) from None
+    yield
+
+
+def _entries(item: pytest.Item) -> list[Entry]:
+    marker = item.get_closest_marker("claim")
+    if marker is None:
+        return []
+    parameters = getattr(item, "callspec", None)
+    row = parameters.params.get("row") if parameters else None
+    statement = row.sentence if row else (getattr(item, "function").__doc__ or "").strip().split("\n")[0]  # noqa: B009
+    return [
+        Entry(claim, item.nodeid, statement, marker.kwargs["evidence"], marker.kwargs["by"]) for claim in marker.args
+    ]
+
+
+@pytest.fixture
+def publish(request: pytest.FixtureRequest) -> Any:
+    """publish(**value): hand a proved value to values.json; it is written only if the whole run is green."""
+    return lambda **value: request.node.user_properties.append((PUBLISHED, value))
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    if hasattr(session.config, "workeroutput"):  # a worker of pytest-xdist: the controller collects nothing itself
+        ledger = session.config.stash[_LEDGER]
+        session.config.workeroutput["ledger"] = {
+            "tests": sorted(ledger.tests),
+            "entries": [dataclasses.asdict(entry) for entry in ledger.entries.values()],
+        }
+
+
+class _Controller:
+    """Collects reports from this process or, under pytest-xdist, from all workers."""
+
+    def __init__(self, ledger: Ledger) -> None:
+        self.ledger = ledger
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        if report.when == "call" or report.outcome != "passed":
+            self.ledger.record(report.nodeid, report.outcome)
+        if report.when == "call" and report.passed:
+            self.ledger.published += [value for name, value in report.user_properties if name == PUBLISHED]
+
+    @pytest.hookimpl(optionalhook=True)
+    def pytest_testnodedown(self, node: Any) -> None:
+        sent = getattr(node, "workeroutput", {}).get("ledger")
+        if sent:
+            self.ledger.add(sent["tests"], [Entry(**entry) for entry in sent["entries"]])
+
+    def pytest_terminal_summary(self, terminalreporter: Any, exitstatus: int) -> None:
+        if not self.ledger.entries:
+            return
+        width = terminalreporter._tw.fullwidth
+        terminalreporter.section("ledger")
+        terminalreporter.write_line(self.ledger.text(width))
+        terminalreporter.write_line(_publish(self.ledger, exitstatus))
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_sessionstart(session: pytest.Session) -> None:
+    if not hasattr(session.config, "workerinput"):
+        session.config.pluginmanager.register(_Controller(session.config.stash[_LEDGER]), "driftproof-ledger")
+
+
+def _publish(ledger: Ledger, exitstatus: int) -> str:
+    """Write values.json and ledger.md if every proof passed; say in one line what became of them."""
+    if exitstatus != 0 or not ledger.complete:
+        return f"{VALUES_FILE.name} not written: only a whole run in which every proof passes may publish"
+    changed = [path.name for path, text in _files(ledger) if _write_if_changed(path, text)]
+    return f"wrote {' and '.join(changed)}" if changed else f"{VALUES_FILE.name} and {LEDGER_FILE.name} are up to date"
+
+
+def _files(ledger: Ledger) -> list[tuple[Path, str]]:
+    return [(VALUES_FILE, ledger.values()), (LEDGER_FILE, ledger.markdown())]
+
+
+def _write_if_changed(path: Path, text: str) -> bool:
+    if path.exists() and path.read_text(encoding="utf-8") == text:
+        return False
+    draft = path.with_suffix(".draft")
+    draft.write_text(text, encoding="utf-8")
+    draft.replace(path)
+    return True

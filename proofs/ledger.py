@@ -1,0 +1,120 @@
+"""The ledger: what each claim is worth after a run of the proofs, as a table, and the values the run may publish."""
+
+from __future__ import annotations
+
+import textwrap
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+from driftproof.text import as_json, table
+from proofs.claims import EVIDENCE, REQUIRED, WAITING
+
+NOT_RUN = "not run"
+ROUNDING = "half-even"
+# A statement is cut to the terminal, but never to fewer characters than still make sense.
+SHORTEST = 80
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A claim as its proof states it: the test that settles it, the evidence that a pass gives, and how."""
+
+    claim: str
+    test: str
+    statement: str
+    evidence: str
+    technique: str
+
+
+@dataclass
+class Ledger:
+    """The entries of all collected proofs, the outcome of each test that ran, and what the passing ones published."""
+
+    entries: dict[str, Entry] = field(default_factory=dict)
+    tests: set[str] = field(default_factory=set)
+    outcomes: dict[str, str] = field(default_factory=dict)
+    published: list[dict[str, Any]] = field(default_factory=list)
+
+    def add(self, tests: Iterable[str], entries: Iterable[Entry]) -> None:
+        """Take in what was collected. Raises ValueError if two tests claim the same statement."""
+        self.tests.update(tests)
+        for entry in entries:
+            known = self.entries.setdefault(entry.claim, entry)
+            if known != entry:
+                raise ValueError(f"{entry.claim} is claimed by both {known.test} and {entry.test}")
+
+    def record(self, test: str, outcome: str) -> None:
+        """Note one phase of a test; a failure in any phase outweighs passes."""
+        if self.outcomes.get(test) in (None, "passed"):
+            self.outcomes[test] = outcome
+
+    def standing(self, claim: str) -> str:
+        """The evidence for a claim if its proof passed, else "failed", "skipped" or "not run"."""
+        entry = self.entries.get(claim)
+        outcome = self.outcomes.get(entry.test, NOT_RUN) if entry else NOT_RUN
+        return entry.evidence if entry and outcome == "passed" else outcome
+
+    @property
+    def complete(self) -> bool:
+        """True when every required claim has a proof and every collected test ran and passed."""
+        return all(self.standing(claim) in EVIDENCE for claim in REQUIRED) and all(
+            self.outcomes.get(test) == "passed" for test in self.tests
+        )
+
+    def totals(self) -> str:
+        """One line: how many claims stand how, and how many wait."""
+        counts = Counter(self.standing(claim) for claim in REQUIRED)
+        order = [*EVIDENCE, "failed", "skipped", NOT_RUN]
+        parts = [f"{counts[standing]} {standing}" for standing in order if counts[standing]]
+        return f"{len(REQUIRED)} claims: {', '.join(parts)}; {len(WAITING)} waiting"
+
+    def text(self, width: int) -> str:
+        """The table for a terminal of `width` columns, then what was not run, what waits, and the totals."""
+        rows = [["claim", "evidence", "technique", "statement"]]
+        used = max(len(entry.technique) for entry in self.entries.values()) + 23  # the other columns and the gaps
+        for claim in REQUIRED:
+            if entry := self.entries.get(claim):
+                statement = textwrap.shorten(entry.statement, max(width - used, SHORTEST), placeholder=" …")
+                rows.append([claim, self.standing(claim), entry.technique, statement])
+        missing = [claim for claim in REQUIRED if claim not in self.entries]
+        lines = [table(rows)]
+        if missing:
+            lines.append(textwrap.fill(f"not run: {', '.join(missing)}", width))
+        lines += [f"waiting: {claim}  {reason}" for claim, reason in WAITING.items()]
+        return "\n".join([*lines, self.totals()])
+
+    def markdown(self) -> str:
+        """The same table, statements in full, for a file that is read in a browser."""
+        lines = [
+            "# Ledger",
+            "",
+            "What each statement of the lesson is worth. Written by `pytest proofs/` when every proof passes.",
+            "",
+            self.totals() + ".",
+            "",
+            "| claim | statement | evidence | technique |",
+            "|---|---|---|---|",
+        ]
+        for claim in REQUIRED:
+            entry = self.entries[claim]
+            statement = entry.statement.replace("|", "\\|")
+            lines.append(f"| {claim} | {statement} | {entry.evidence} | {entry.technique} |")
+        lines += ["", "Waiting for the scene page:", ""]
+        lines += [f"- {claim}: {reason}" for claim, reason in WAITING.items()]
+        return "\n".join(lines) + "\n"
+
+    def values(self) -> str:
+        """values.json: every published value by id, with what each claim prints. Byte-stable.
+
+        Raises ValueError if two proofs publish different values under one id, or one claim twice.
+        """
+        values: dict[str, dict[str, Any]] = {}
+        for item in self.published:
+            value = values.setdefault(item["id"], {key: item[key] for key in ("exact", "decimal", "evidence")})
+            printed = value.setdefault("printed", {})
+            if value["decimal"] != item["decimal"] or value["exact"] != item["exact"] or item["claim"] in printed:
+                raise ValueError(f"{item['id']} is published twice, and not alike (claim {item['claim']})")
+            printed[item["claim"]] = item["text"]
+        return as_json({"rounding": ROUNDING, "values": values}) + "\n"

@@ -1,0 +1,147 @@
+"""Every number the lesson prints: which claim prints it, how it is spelled, and what it is. One row each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from driftproof.answers import number
+from methods.rationals import parse_rational
+from proofs.claims import CERTIFIED, COUNTED, PROVED
+from proofs.quantities import QUANTITIES, Quantity
+from symbolic.certified import fixed, scientific
+
+DIGITS = 30
+EQUALS, ROUNDS = "=", "≈"
+TECHNIQUES = {PROVED: "exact rational arithmetic", CERTIFIED: "ball enclosure", COUNTED: "counted calls"}
+
+
+@dataclass(frozen=True)
+class Printed:
+    """A number in the lesson: claim, "=" if the text spells the value itself or "≈" if it rounds it, text, id."""
+
+    claim: str
+    relation: str
+    text: str
+    id: str
+
+    @property
+    def quantity(self) -> Quantity:
+        """What the text stands for."""
+        return QUANTITIES[self.id]
+
+    @property
+    def sentence(self) -> str:
+        """The claim in words, for the ledger."""
+        words = self.quantity.words
+        return f"{words[0].upper()}{words[1:]} {self.relation} {self.text}."
+
+    def is_spelled(self, text: str) -> bool:
+        """True if `text` spells the value: equal to it, or its correct rounding to as many digits as `text` shows."""
+        value = self.quantity.value()
+        if self.relation == EQUALS:
+            return parse_rational(text) == value
+        if "e" in text:
+            return text == scientific(value, sum(map(str.isdigit, text.split("e")[0])))
+        return text == fixed(value, len(text.partition(".")[2]))
+
+    def published(self) -> dict[str, Any]:
+        """The value as values.json holds it, with the claim that prints it."""
+        answer = number(self.quantity.value(), DIGITS)
+        assert answer is not None
+        return {"id": self.id, "claim": self.claim, "text": self.text, "evidence": self.quantity.evidence, **answer}
+
+
+ROWS: tuple[Printed, ...] = (
+    Printed("L023", "=", "0.5", "exact.energy"),
+    Printed("L066", "=", "0.5", "first_step.h"),
+    Printed("L067", "=", "1", "forward_euler.first_step.q"),
+    Printed("L068", "=", "-0.5", "forward_euler.first_step.v"),
+    Printed("L069", "=", "-0.5", "symplectic_euler.first_step.v"),
+    Printed("L070", "=", "0.75", "symplectic_euler.first_step.q"),
+    Printed("L071", "=", "4", "rk4.stages"),
+    Printed("L072", "=", "0", "rk4.first_step.k1.q"),
+    Printed("L073", "=", "-1", "rk4.first_step.k1.v"),
+    Printed("L074", "=", "-0.25", "rk4.first_step.k2.q"),
+    Printed("L075", "=", "-1", "rk4.first_step.k2.v"),
+    Printed("L076", "=", "-0.25", "rk4.first_step.k3.q"),
+    Printed("L077", "=", "-0.9375", "rk4.first_step.k3.v"),
+    Printed("L078", "=", "-0.46875", "rk4.first_step.k4.q"),
+    Printed("L079", "=", "-0.875", "rk4.first_step.k4.v"),
+    Printed("L080", "=", "337/384", "rk4.first_step.q"),
+    Printed("L081", "=", "-23/48", "rk4.first_step.v"),
+    Printed("L082", "≈", "0.877604", "rk4.first_step.q"),
+    Printed("L083", "≈", "-0.479167", "rk4.first_step.v"),
+    Printed("L084", "≈", "0.877583", "exact.first_step.q"),
+    Printed("L085", "≈", "-0.479426", "exact.first_step.v"),
+    Printed("L086", "=", "0.500000", "exact.energy"),
+    Printed("L087", "=", "0.625000", "forward_euler.first_step.energy"),
+    Printed("L088", "=", "0.406250", "symplectic_euler.first_step.energy"),
+    Printed("L089", "≈", "0.499895", "rk4.first_step.energy"),
+    Printed("L096", "=", "0.5", "exact.energy"),
+    Printed("L112", "≈", "-3.129", "forward_euler.default.q"),
+    Printed("L113", "≈", "1.229", "forward_euler.default.v"),
+    Printed("L114", "≈", "-0.839", "exact.default.q"),
+    Printed("L115", "≈", "0.544", "exact.default.v"),
+    Printed("L116", "≈", "2.390297", "forward_euler.default.state_error"),
+    Printed("L117", "≈", "5.651029", "forward_euler.default.energy"),
+    Printed("L118", "≈", "5.151029", "forward_euler.default.energy_change"),
+    Printed("L119", "≈", "-11.508", "forward_euler.default.phase_error"),
+    Printed("L120", "=", "40", "default.steps"),
+    Printed("L121", "=", "40", "forward_euler.default.evaluations"),
+    Printed("L122", "≈", "2.390297", "forward_euler.default.state_error"),
+    Printed("L124", "=", "0.25", "default.h"),
+    Printed("L125", "≈", "2.390", "forward_euler.default.state_error"),
+    Printed("L126", "≈", "5.151", "forward_euler.default.energy_change"),
+    Printed("L127", "=", "40", "forward_euler.default.evaluations"),
+    Printed("L128", "≈", "0.090", "symplectic_euler.default.state_error"),
+    Printed("L129", "≈", "-0.054", "symplectic_euler.default.energy_change"),
+    Printed("L130", "=", "40", "symplectic_euler.default.evaluations"),
+    Printed("L131", "≈", "3.3e-4", "rk4.default.state_error"),
+    Printed("L132", "≈", "-6.7e-5", "rk4.default.energy_change"),
+    Printed("L133", "=", "160", "rk4.default.evaluations"),
+    Printed("L137", "=", "0.5", "exact.energy"),
+    Printed("L140", "=", "40", "default.steps"),
+    Printed("L141", "≈", "5.651029", "forward_euler.default.energy"),
+    Printed("L142", "=", "0.1", "small_steps.h"),
+    Printed("L144", "=", "100", "small_steps.steps"),
+    Printed("L145", "=", "0.5", "compare.h"),
+    Printed("L166", "=", "-3", "symplectic_euler.stability_boundary.step1.q"),
+    Printed("L167", "=", "-2", "symplectic_euler.stability_boundary.step1.v"),
+    Printed("L168", "=", "5", "symplectic_euler.stability_boundary.step2.q"),
+    Printed("L169", "=", "4", "symplectic_euler.stability_boundary.step2.v"),
+    Printed("L170", "=", "-7", "symplectic_euler.stability_boundary.step3.q"),
+    Printed("L171", "=", "-6", "symplectic_euler.stability_boundary.step3.v"),
+    Printed("L172", "=", "-11", "symplectic_euler.stability_boundary.step5.q"),
+    Printed("L173", "=", "-10", "symplectic_euler.stability_boundary.step5.v"),
+    Printed("L181", "=", "2.5", "largest_h"),
+    Printed("L195", "=", "40", "forward_euler.default.evaluations"),
+    Printed("L196", "=", "160", "rk4.default.evaluations"),
+    Printed("L210", "=", "1.000000", "forward_euler.first_step.q"),
+    Printed("L211", "=", "-0.500000", "forward_euler.first_step.v"),
+    Printed("L212", "=", "0.625000", "forward_euler.first_step.energy"),
+    Printed("L213", "=", "0.750000", "symplectic_euler.first_step.q"),
+    Printed("L214", "=", "-0.500000", "symplectic_euler.first_step.v"),
+    Printed("L215", "=", "0.406250", "symplectic_euler.first_step.energy"),
+    Printed("L216", "≈", "0.877604", "rk4.first_step.q"),
+    Printed("L217", "≈", "-0.479167", "rk4.first_step.v"),
+    Printed("L218", "≈", "0.499895", "rk4.first_step.energy"),
+    Printed("L219", "≈", "-0.839072", "exact.default.q"),
+    Printed("L220", "≈", "0.544021", "exact.default.v"),
+    Printed("L221", "≈", "2.390297", "forward_euler.default.state_error"),
+    Printed("L222", "≈", "5.651029", "forward_euler.default.energy"),
+    Printed("L223", "≈", "0.089779", "symplectic_euler.default.state_error"),
+    Printed("L224", "≈", "0.446303", "symplectic_euler.default.energy"),
+    Printed("L225", "≈", "0.000325", "rk4.default.state_error"),
+    Printed("L226", "≈", "0.499933", "rk4.default.energy"),
+    Printed("L229", "=", "0.5", "forward_euler.exercise_1.q"),
+    Printed("L230", "=", "1", "forward_euler.exercise_1.v"),
+    Printed("L231", "=", "1", "symplectic_euler.exercise_1.v"),
+    Printed("L232", "=", "0.5", "symplectic_euler.exercise_1.q"),
+    Printed("L233", "=", "0.625", "forward_euler.exercise_1.energy"),
+    Printed("L234", "=", "0.625", "symplectic_euler.exercise_1.energy"),
+    Printed("L237", "=", "0.5", "symplectic_euler.exercise_1.invariant"),
+    Printed("L241", "=", "100", "forward_euler.exercise_2.steps"),
+    Printed("L242", "=", "25", "rk4.exercise_2.steps"),
+    Printed("L243", "=", "100", "rk4.exercise_2.evaluations"),
+)

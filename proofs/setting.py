@@ -1,0 +1,62 @@
+"""The lesson's setting: its methods, its start and interval, and its runs, as the exact side sees them."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+
+from sympy.polys.matrices import DomainMatrix
+
+from methods.catalogue import METHODS
+from numeric.run import run_method
+from numeric.scenes import PRESETS, Scene
+from symbolic.n_steps import apply, matrix_at, power
+from symbolic.one_step import Polynomial, exact_stepper, one_step_matrix, symbolic_step
+from symbolic.oscillator_run import OscillatorRun
+
+EULER, SYMPLECTIC, RK4 = LESSON_METHODS = ("forward_euler", "symplectic_euler", "rk4")
+START = (Q(1), Q(0))
+END = Q(10)
+FIRST_H = Q(1, 2)
+DEFAULT_H, SMALL_H, COMPARE_H, BOUNDARY_H = (
+    PRESETS[name].h for name in ("default", "small_steps", "compare", "stability_boundary")
+)
+
+
+def M(key: str) -> DomainMatrix:
+    """The one-step matrix of the method `key`, over Q[h]. Looked up at each call, so that a planted error is seen."""
+    return one_step_matrix(METHODS[key])
+
+
+def step_of(key: str) -> tuple[Polynomial, Polynomial]:
+    """(q₁, v₁) of one step of `key`, in Q[q, v, h]."""
+    return symbolic_step(exact_stepper(METHODS[key]))
+
+
+def run(key: str, h: Q, t: Q = END, start: tuple[Q, Q] = START) -> OscillatorRun:
+    """The exact run of `key` over [0, t]."""
+    return OscillatorRun(METHODS[key], h, t, start)
+
+
+def state_after(key: str, n: int, h: Q, start: tuple[Q, Q] = START) -> tuple[Q, Q]:
+    """The state after n steps, as fractions."""
+    return apply(power(matrix_at(M(key), h), n), *start)
+
+
+def rates(key: str, h: Q, start: tuple[Q, Q] = START) -> list[tuple[Q, Q]]:
+    """The slopes kᵢ = F(z + h Σⱼ aᵢⱼ kⱼ) of one step of an explicit Runge-Kutta method, with F(q, v) = (v, -q)."""
+    slopes: list[tuple[Q, Q]] = []
+    for row in METHODS[key].a:
+        q, v = (start[i] + h * sum(a * k[i] for a, k in zip(row, slopes, strict=False)) for i in (0, 1))
+        slopes.append((v, -q))
+    return slopes
+
+
+def counted_evaluations(key: str, h: Q) -> int:
+    """The calls of the force that a float run over the lesson's interval really makes."""
+    scene = Scene("cost", key, h, END, START, readouts=("evaluations",))
+    return int(run_method(scene, key)["evaluations"])
+
+
+def energy(q: Q, v: Q) -> Q:
+    """½(q² + v²)."""
+    return (q * q + v * v) / 2

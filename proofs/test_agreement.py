@@ -1,0 +1,90 @@
+"""The float steppers against the exact expressions, within rounding bounds that are derived from the steppers."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+
+import numpy as np
+from hypothesis import assume, example, given
+from hypothesis import strategies as st
+
+from methods.problems import oscillator
+from numeric.readouts import energy
+from numeric.steppers import HAND_WRITTEN
+from proofs.claims import FUZZED, claim
+from proofs.setting import EULER, LESSON_METHODS, RK4, SYMPLECTIC, M
+from symbolic.energy import energy_multiplier
+from symbolic.n_steps import apply, matrix_at
+from symbolic.one_step import at_rational
+from symbolic.roundoff import step_bound
+
+floats = st.floats(allow_nan=False, allow_infinity=False)
+BOUNDS = {key: step_bound(HAND_WRITTEN[key]) for key in LESSON_METHODS}
+
+
+def rounding_error(key: str, h: float, q: float, v: float) -> tuple[Q, Q]:
+    """|float step - exact step|, component by component, from the very doubles that the step was given."""
+    reached = HAND_WRITTEN[key](oscillator, q, v, h)
+    exact = apply(matrix_at(M(key), Q(h)), Q(q), Q(v))
+    return abs(Q(reached[0]) - exact[0]), abs(Q(reached[1]) - exact[1])
+
+
+@claim("L053", evidence=FUZZED, by="derived bound held")
+@given(h=st.floats(0, 2), q=floats, v=floats)
+@example(h=0.1, q=1.0, v=0.0)
+@example(h=5e-324, q=5e-324, v=-0.0)
+def test_modified_quadratic_kept_up_to_rounding(h: float, q: float, v: float) -> None:
+    """In floats the modified quadratic is kept up to rounding: its change stays within the bound derived for the step.
+
+    With e the step's rounding error, I(z + e) - I(z) = 2 z·Se + e·Se, and |S| has the entries ½ and h/4.
+    """
+    step, bound = HAND_WRITTEN[SYMPLECTIC], BOUNDS[SYMPLECTIC]
+    assume(bound.is_safe(Q(h), Q(q), Q(v)))
+
+    def invariant(x: Q, y: Q) -> Q:
+        return (x * x + y * y - Q(h) * x * y) / 2
+
+    reached = tuple(map(Q, step(oscillator, q, v, h)))
+    exact = apply(matrix_at(M(SYMPLECTIC), Q(h)), Q(q), Q(v))
+    dq, dv = bound.error_of(Q(h), Q(q), Q(v))
+    (a, b), half_h = map(abs, exact), Q(h) / 2
+    allowed = a * dq + b * dv + half_h * (a * dv + b * dq) + (dq * dq + dv * dv + Q(h) * dq * dv) / 2
+    assert abs(invariant(*reached) - invariant(Q(q), Q(v))) <= allowed
+
+
+@given(key=st.sampled_from(LESSON_METHODS), h=floats, q=floats, v=floats)
+def test_float_steppers_agree_with_exact_steps_to_roundoff(key: str, h: float, q: float, v: float) -> None:
+    """Every float step from any state with any h stays within the bound derived by running the stepper itself."""
+    bound = BOUNDS[key]
+    assume(bound.is_safe(Q(h), Q(q), Q(v)))
+    errors = rounding_error(key, h, q, v)
+    assert all(error <= limit for error, limit in zip(errors, bound.error_of(Q(h), Q(q), Q(v)), strict=True))
+
+
+def test_bound_notices_a_step_of_another_method() -> None:
+    """The bound is no blank cheque: a step that uses the old velocity breaks it."""
+    h, q, v = 0.25, 1.0, 0.5
+    wrong = HAND_WRITTEN[EULER](oscillator, q, v, h)
+    exact = apply(matrix_at(M(SYMPLECTIC), Q(h)), Q(q), Q(v))
+    assert abs(Q(wrong[0]) - exact[0]) > BOUNDS[SYMPLECTIC].error_of(Q(h), Q(q), Q(v))[0]
+
+
+def test_one_float_euler_step_adds_no_energy_of_tiny_h() -> None:
+    """Below h = 2⁻²⁶·⁵ one float Euler step from (1, 0) leaves the energy at exactly ½; just above it does not."""
+    largest = float.fromhex("0x1.6a09e667f3bccp-27")
+
+    def energy_after(h: float) -> float:
+        return float(energy(HAND_WRITTEN[EULER](oscillator, 1.0, 0.0, h)))
+
+    assert energy_after(largest) == 0.5 < energy_after(np.nextafter(largest, 1))
+    assert Q(largest) ** 2 < Q(1, 2**53) < Q(float(np.nextafter(largest, 1))) ** 2
+
+
+def test_no_double_is_a_tenth_or_two_root_two() -> None:
+    """Float 0.1 is not 1/10, and no double squares to 8: claims about the reals and about floats use different h."""
+    assert Q(0.1) != Q(1, 10)
+    near = float(np.sqrt(8.0))
+    squares = [Q(x) ** 2 for x in (np.nextafter(near, 0), near, np.nextafter(near, 9))]
+    assert 8 not in squares
+    multiplier = energy_multiplier(M(RK4))
+    assert [at_rational(multiplier, Q(float(x))) > 1 for x in (np.nextafter(near, 0), near)] == [False, True]

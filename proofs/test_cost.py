@@ -1,0 +1,162 @@
+"""Steps and evaluations: counted, and what a count does not say."""
+
+from __future__ import annotations
+
+from collections import Counter
+from fractions import Fraction as Q
+from typing import Any
+
+import pytest
+
+from methods.rationals import step_count
+from numeric.scenes import PRESETS
+from numeric.steppers import HAND_WRITTEN
+from proofs.claims import CERTIFIED, COUNTED, PROVED, RESTRICTED, claim
+from proofs.setting import (
+    DEFAULT_H,
+    END,
+    EULER,
+    FIRST_H,
+    LESSON_METHODS,
+    RK4,
+    START,
+    SYMPLECTIC,
+    counted_evaluations,
+    energy,
+    run,
+    state_after,
+)
+from symbolic.certified import is_less
+
+
+class Tally:
+    """A number that counts the operations made with it, into a counter shared by all that come of it."""
+
+    def __init__(self, operations: Counter[str]) -> None:
+        """Start with the shared counter."""
+        self.operations = operations
+
+    def _count(self, name: str) -> Tally:
+        self.operations[name] += 1
+        return self
+
+    def __add__(self, other: object) -> Tally:
+        """Count an addition."""
+        return self._count("+")
+
+    def __mul__(self, other: object) -> Tally:
+        """Count a multiplication."""
+        return self._count("*")
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: object) -> Tally:
+        """Count a division."""
+        return self._count("/")
+
+
+def operations_of(key: str) -> Counter[str]:
+    """What one step of the hand-written stepper does, the calls of the force under "F"."""
+    operations: Counter[str] = Counter()
+    number = Tally(operations)
+    HAND_WRITTEN[key](lambda q: q._count("F"), number, number, number)
+    return operations
+
+
+@claim("L092", evidence=COUNTED, by="counted calls")
+def test_rk4_step_makes_four_evaluations(publish: Any) -> None:
+    """A step of RK4 calls the acceleration four times."""
+    assert operations_of(RK4)["F"] == 4
+    publish(**_whole("rk4.evaluations_per_step", "L092", "4"))
+
+
+@claim("L093", evidence=COUNTED, by="counted calls")
+def test_euler_steps_make_one_evaluation(publish: Any) -> None:
+    """A step of either Euler method calls it once."""
+    for key in (EULER, SYMPLECTIC):
+        assert operations_of(key)["F"] == 1
+        publish(**_whole(f"{key}.evaluations_per_step", "L093", "1"))
+
+
+@claim("L194", evidence=COUNTED, by="counted calls")
+def test_evaluations_per_step_are_one_one_and_four(publish: Any) -> None:
+    """Each Euler step evaluates the acceleration once, each RK4 step four times: 20 steps make 20, 20 and 80."""
+    assert [counted_evaluations(key, FIRST_H) for key in LESSON_METHODS] == [20, 20, 80]
+    publish(**_whole("rk4.evaluations_per_step", "L194", "4"))
+
+
+@claim("L138", "L198", evidence=COUNTED, by="operations counted")
+def test_evaluations_are_not_all_the_work() -> None:
+    """The count is one operation of several: RK4 makes 4 evaluations to Euler's 1, but 32 other operations to 4."""
+    others = {key: operations_of(key).total() - operations_of(key)["F"] for key in LESSON_METHODS}
+    assert others == {EULER: 4, SYMPLECTIC: 4, RK4: 32}
+    assert others[RK4] != 4 * others[EULER]
+
+
+@claim("L094", evidence=RESTRICTED, by="exact quotient")
+def test_every_run_ends_at_ten_of_h_that_divides_it() -> None:
+    """Each run goes from (1, 0) to t = 10: N·h = 10 exactly, for every preset step.
+
+    Needed: an h that divides 10. With h = 3 no number of steps ends there.
+    """
+    for scene in PRESETS.values():
+        assert (scene.start, scene.steps * scene.h) == (START, END)
+    with pytest.raises(ValueError, match="does not divide"):
+        step_count(END, Q(3))
+    # In floats a hundred times 0.1 is 10, but a hundred additions of 0.1 are not.
+    assert 100 * 0.1 == 10
+    assert sum([0.1] * 100) != 10
+
+
+@claim("L203", evidence=PROVED, by="dyadic step")
+def test_whole_number_of_quarters_is_ten() -> None:
+    """Each method starts afresh, and forty steps of 1/4 make exactly 10, in floats too, because 1/4 is dyadic."""
+    assert step_count(END, DEFAULT_H) * DEFAULT_H == END
+    assert Q(0.25) == DEFAULT_H
+    assert Q(0.1) != PRESETS["small_steps"].h
+    twice = [state_after(key, 1, DEFAULT_H) for key in LESSON_METHODS for _ in range(2)]
+    assert twice[::2] == twice[1::2]
+
+
+@claim("L197", evidence=COUNTED, by="counted calls")
+def test_same_step_means_different_budgets() -> None:
+    """At the same step the budgets differ, 40 and 160 evaluations; at a quarter of the step Euler spends 160, too."""
+    assert (counted_evaluations(EULER, DEFAULT_H), counted_evaluations(RK4, DEFAULT_H)) == (40, 160)
+    assert counted_evaluations(EULER, DEFAULT_H / 4) == counted_evaluations(RK4, DEFAULT_H)
+
+
+@claim("L227", evidence=PROVED, by="exact rational arithmetic")
+def test_exercise_one_energies_are_five_eighths() -> None:
+    """Exercise 1: from (0, 1) with h = ½ both Euler methods reach the energy 5/8."""
+    energies = [energy(*state_after(key, 1, FIRST_H, (Q(0), Q(1)))) for key in (EULER, SYMPLECTIC)]
+    assert energies == [Q(5, 8), Q(5, 8)]
+    assert energy(*state_after(SYMPLECTIC, 1, FIRST_H)) != Q(5, 8)
+
+
+@claim("L235", evidence=PROVED, by="exact values compared")
+def test_exercise_one_energy_is_above_the_start() -> None:
+    """5/8 is above the initial ½."""
+    assert energy(*state_after(SYMPLECTIC, 1, FIRST_H, (Q(0), Q(1)))) > energy(Q(0), Q(1)) == Q(1, 2)
+
+
+@claim("L239", evidence=COUNTED, by="counted calls")
+def test_exercise_two_budgets_are_equal(publish: Any) -> None:
+    """Exercise 2: over 10, forward Euler with h = 1/10 and RK4 with h = 2/5 both make a hundred evaluations."""
+    assert counted_evaluations(EULER, Q(1, 10)) == counted_evaluations(RK4, Q(2, 5)) == 100
+    publish(**_whole(f"{EULER}.exercise_2.evaluations", "L239", "100"))
+
+
+@claim("L244", evidence=CERTIFIED, by="disjoint enclosures")
+def test_equal_counts_are_not_equal_accuracy() -> None:
+    """Equal counts promise neither equal accuracy nor equal work: at a hundred evaluations RK4 is 290 times nearer.
+
+    The other operations come to 25 times 32 against 100 times 4.
+    """
+    euler, rk4 = run(EULER, Q(1, 10)).state_error, run(RK4, Q(2, 5)).state_error
+    assert is_less(rk4, Q(22, 10_000))
+    assert is_less(Q(64, 100), euler)
+    assert 25 * (operations_of(RK4).total() - 4) != 100 * (operations_of(EULER).total() - 1)
+
+
+def _whole(key: str, claimed: str, text: str) -> dict[str, str]:
+    return {"id": key, "claim": claimed, "text": text, "exact": text, "decimal": text, "evidence": COUNTED}

@@ -1,0 +1,92 @@
+"""The list of claims is complete: what is not proved is named, and nothing else waits."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from proofs.claims import NOT_VERIFIABLE, REQUIRED, STATEMENTS, WAITING, claim
+from proofs.ledger import Entry, Ledger
+
+LESSON = Path(__file__).parents[2] / "shared" / "lesson" / "claims.json"
+ABOUT_DIAGRAMS = {"L095", "L101", "L102", "L105", "L109", "L110", "L139", "L149"}
+
+
+def test_statements_are_required_waiting_or_not_verifiable() -> None:
+    """249 statements: 220 to prove, 8 about diagrams that wait, 21 that state nothing to verify."""
+    assert (len(STATEMENTS), len(REQUIRED), len(WAITING), len(NOT_VERIFIABLE)) == (249, 220, 8, 21)
+    assert set(REQUIRED) | set(WAITING) | set(NOT_VERIFIABLE) == set(STATEMENTS)
+    assert not set(WAITING) & set(NOT_VERIFIABLE)
+
+
+def test_nothing_waits_but_claims_about_diagrams() -> None:
+    """The waiting list is exactly the claims about what the diagrams look like."""
+    assert set(WAITING) == ABOUT_DIAGRAMS
+
+
+@pytest.mark.skipif(not LESSON.exists(), reason="the lesson's own list of claims is not beside this checkout")
+def test_required_and_waiting_are_the_verifiable_claims_of_the_lesson() -> None:
+    """Against the lesson's own inventory: what it calls verifiable is what is proved or waits."""
+    inventory = json.loads(LESSON.read_text(encoding="utf-8"))["claims"]
+    verifiable = {entry["id"] for entry in inventory if entry["verifiable"]}
+    assert verifiable == set(REQUIRED) | set(WAITING)
+
+
+@pytest.mark.skipif(not LESSON.exists(), reason="the lesson's own list of claims is not beside this checkout")
+def test_printed_texts_and_decimals_are_those_of_the_lesson() -> None:
+    """Against the lesson's own inventory: the texts we prove are the texts it prints, the values those it lists."""
+    from proofs.printed import ROWS
+    from symbolic.certified import significant
+
+    inventory = {entry["id"]: entry for entry in json.loads(LESSON.read_text(encoding="utf-8"))["claims"]}
+    for row in ROWS:
+        assert inventory[row.claim]["printed"] == row.text
+        assert _agree(inventory[row.claim]["decimal"], significant(row.quantity.value(), 30))
+    printed = {key for key, entry in inventory.items() if entry["printed"] is not None}
+    others = {"L005", "L050", "L058", "L092", "L093", "L094", "L155", "L179", "L191", "L194", "L203", "L209", "L246"}
+    assert printed - {row.claim for row in ROWS} == others
+
+
+def _agree(theirs: str, ours: str) -> bool:
+    """Equal in the 20 digits that both lists have."""
+    from fractions import Fraction
+
+    a, b = Fraction(theirs), Fraction(ours)
+    return abs(a - b) * 10**20 <= abs(b)
+
+
+def test_claim_refuses_an_unknown_id_and_unknown_evidence() -> None:
+    """A proof cannot be marked with a claim that does not exist, nor with evidence of no known kind."""
+    with pytest.raises(ValueError, match="L999 is not a claim"):
+        claim("L999", evidence="PROVED", by="nothing")
+    with pytest.raises(ValueError, match="L095 is not a claim"):
+        claim("L095", evidence="PROVED", by="nothing")
+    with pytest.raises(ValueError, match="none of PROVED"):
+        claim("L010", evidence="BELIEVED", by="nothing")
+
+
+def test_ledger_tells_failed_and_not_run_from_proved() -> None:
+    """The ledger calls a claim proved only when its test passed, and is incomplete otherwise."""
+    ledger = Ledger()
+    ledger.add(
+        ["a", "b"], [Entry("L010", "a", "first", "PROVED", "how"), Entry("L036", "b", "second", "PROVED", "how")]
+    )
+    assert ledger.standing("L010") == "not run"
+    ledger.record("a", "passed")
+    ledger.record("b", "passed")
+    ledger.record("b", "failed")  # a failing teardown outweighs a passing call
+    assert (ledger.standing("L010"), ledger.standing("L036")) == ("PROVED", "failed")
+    assert not ledger.complete
+    with pytest.raises(ValueError, match="claimed by both"):
+        ledger.add(["c"], [Entry("L010", "c", "again", "PROVED", "how")])
+
+
+def test_ledger_refuses_two_values_under_one_id() -> None:
+    """Two proofs that publish different values under one id stop the publication."""
+    one = {"id": "x", "exact": "1", "decimal": "1", "evidence": "PROVED", "claim": "L067", "text": "1"}
+    assert '"x"' in Ledger(published=[one]).values()
+    for change in ({"claim": "L068", "decimal": "2"}, {}):
+        with pytest.raises(ValueError, match="published twice"):
+            Ledger(published=[one, {**one, **change}]).values()

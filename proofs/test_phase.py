@@ -1,0 +1,207 @@
+"""Distance and angle: what the state error, the energy and the wrapped phase each see, and what they cannot."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+from typing import Any
+
+import sympy
+from sympy import QQ, Rational, atan2, cos, pi, ring, sin, sqrt
+
+from numeric import readouts
+from proofs.claims import CERTIFIED, COUNTED, PROVED, RESTRICTED, claim
+from proofs.setting import DEFAULT_H, EULER, LESSON_METHODS, RK4, START, SYMPLECTIC, M, energy, run
+from symbolic.certified import fixed, is_less, sign
+from symbolic.one_step import H
+from symbolic.oscillator_run import OscillatorRun
+from symbolic.phase import leading_term, phase_error_series, phase_per_step
+
+_, q, v, x, y = ring("q, v, x, y", QQ)
+QUARTER = ((Q(1), Q(0)), (Q(0), Q(-1)))
+
+
+@claim("L134", evidence=CERTIFIED, by="two formulas enclosed")
+def test_state_error_is_euclidean_distance() -> None:
+    """The state error is the Euclidean distance of two states: its square is (q - x)² + (v - y)²."""
+    exact = run(EULER, DEFAULT_H)
+    squared = (exact.final_state[0] - exact.exact_state[0]) ** 2 + (exact.final_state[1] - exact.exact_state[1]) ** 2
+    assert fixed(exact.state_error, 30) == fixed(sympy.sqrt(squared), 30)
+    assert readouts.state_error((3.0, 0.0), (0.0, 4.0)) == 5
+    assert (q - x) ** 2 + (v - y) ** 2 != (q - x) ** 2 - (v - y) ** 2
+
+
+@claim("L108", "L152", evidence=PROVED, by="E is half r²")
+def test_energy_is_half_the_squared_radius() -> None:
+    """Energy is distance from the origin, E = r²/2: equal radii are equal energies, whatever the angle."""
+    r, angle = sympy.symbols("r angle", positive=True)
+    state = (r * cos(angle), -r * sin(angle))
+    assert sympy.trigsimp(readouts.energy(state) - r**2 / 2) == 0
+    assert sympy.simplify(sympy.trigsimp(readouts.energy(state)).diff(angle)) == 0
+    assert sympy.trigsimp(readouts.energy(state)).diff(r) != 0
+
+
+@claim("L153", evidence=PROVED, by="rotated state")
+def test_phase_error_is_the_angle_between_states() -> None:
+    """Phase error is a wrong place on the cycle: turning a state by α changes its phase by α and not its energy."""
+    t, alpha = sympy.symbols("t alpha", real=True)
+    ahead = (cos(t + alpha), -sin(t + alpha))
+    exact = (cos(t), -sin(t))
+    cross = ahead[0] * exact[1] - ahead[1] * exact[0]
+    dot = ahead[0] * exact[0] + ahead[1] * exact[1]
+    assert sympy.simplify(cross - sin(alpha)) == 0
+    assert sympy.simplify(dot - cos(alpha)) == 0
+    assert sympy.trigsimp(readouts.energy(ahead)) == Rational(1, 2)
+
+
+@claim("L154", evidence=PROVED, by="antipodal states")
+def test_equal_energy_states_up_to_two_radii_apart() -> None:
+    """States of equal energy can be far apart: as far as twice the radius, for z and -z."""
+    assert readouts.energy((q, v)) == readouts.energy((-q, -v))
+    assert (q - -q) ** 2 + (v - -v) ** 2 == 4 * (2 * readouts.energy((q, v)))
+
+
+@claim("L155", evidence=PROVED, by="exact values compared")
+def test_two_states_share_the_energy_one_half() -> None:
+    """(1, 0) and (0, -1) both have energy ½."""
+    assert [energy(*state) for state in QUARTER] == [Q(1, 2), Q(1, 2)]
+    assert QUARTER[0] != QUARTER[1]
+
+
+@claim("L156", evidence=PROVED, by="exact angle")
+def test_those_states_are_a_quarter_cycle_apart() -> None:
+    """Their phase angles atan2(-v, q) are 0 and π/2: a quarter of a cycle."""
+    angles = [atan2(-Rational(state[1]), Rational(state[0])) for state in QUARTER]
+    assert angles == [0, pi / 2]
+    assert angles[1] - angles[0] == 2 * pi / 4
+
+
+@claim("L157", evidence=PROVED, by="half-angle identity")
+def test_phase_angle_of_the_solution_is_time() -> None:
+    """The phase angle atan2(-v, q) of the exact solution is t, modulo 2π: -v = sin t and q = cos t."""
+    t = sympy.Symbol("t", real=True)
+    q_exact, v_exact = cos(t), -sin(t)
+    tangent_half = sin(t) / (1 + cos(t))  # tan(t/2), which determines the angle
+    assert sympy.simplify(-v_exact / (1 + q_exact) - tangent_half) == 0
+    assert atan2(-v_exact.subs(t, pi / 3), q_exact.subs(t, pi / 3)) == pi / 3
+    assert atan2(v_exact.subs(t, pi / 3), q_exact.subs(t, pi / 3)) == -pi / 3  # the sign matters
+
+
+@claim("L158", evidence=CERTIFIED, by="ball enclosure")
+def test_phase_error_compares_final_angles() -> None:
+    """The readout compares the final angles: for the default run 40·atan(1/4) - 10 radians, from the two angles."""
+    by_angles = (40 * sympy.atan(Rational(1, 4)) - 10) * 180 / pi
+    assert fixed(run(EULER, DEFAULT_H).phase_error, 25) == fixed(by_angles, 25)  # type: ignore[arg-type]
+    assert fixed(run(EULER, DEFAULT_H).phase_error, 25) != fixed(-by_angles, 25)  # type: ignore[arg-type]
+
+
+@claim("L135", evidence=RESTRICTED, by="cases at the ends")
+def test_phase_error_is_wrapped_to_half_open_turn() -> None:
+    """The phase error is the signed shortest angle, from -180° up to but not including 180°, positive ahead.
+
+    Needed: a state off the origin, where there is no angle, and a choice between -180° and 180°, which are one angle.
+    """
+    exact = (1, 0)  # cross = q v_exact - v q_exact = -v and dot = q, so the angle is atan2(-v, q)
+    assert [_ahead(state, exact) for state in ((0, -1), (1, 0), (0, 1), (1, -1))] == [pi / 2, 0, -pi / 2, pi / 4]
+    assert _ahead((-1, 0), exact) == pi  # the one angle with two names; the readout calls it -180°:
+    assert readouts.phase_error((-1.0, 0.0), (1.0, 0.0)) == -180
+    assert _ahead((0, 0), exact) is sympy.nan  # no angle at all
+    assert readouts.phase_error((-1.0, -0.0), (1.0, 0.0)) == -180
+    assert readouts.phase_error((0.0, 0.0), (1.0, 0.0)) is None
+    assert OscillatorRun(_method(EULER), Q(1), Q(1), (Q(0), Q(0))).phase_error is None
+
+
+@claim("L159", evidence=CERTIFIED, by="disjoint enclosures")
+def test_phase_error_is_the_shortest_of_all_differences() -> None:
+    """Of all angle differences that are equal up to whole turns, the readout is the shortest.
+
+    Shown on a run that lags by more than half a turn.
+    """
+    late = run(EULER, Q(5, 2))
+    wrapped = late.phase_error
+    unwrapped = (4 * sympy.atan(Rational(5, 2)) - 10) * 180 / pi  # the angles without wrapping
+    assert fixed(unwrapped + 360, 20) == fixed(wrapped, 20)  # type: ignore[arg-type]
+    assert is_less(unwrapped, sympy.Integer(-180))
+    assert sign(unwrapped + 360) > 0
+    assert is_less(unwrapped + 360, sympy.Integer(180))
+
+
+@claim("L160", evidence=PROVED, by="angle grows with t")
+def test_positive_phase_error_is_ahead() -> None:
+    """A positive phase error is ahead: the angle atan2(-v, q) grows at rate 1, so a later state has a larger one."""
+    rate = (q * q + v * v, q * q + v * v)  # numerator and denominator of d/dt atan2(-v, q)
+    dq, dv = v, -q
+    assert (q * -dv - -v * dq, q**2 + v**2) == rate
+    assert readouts.phase_error(readouts.exact_state((1.0, 0.0), 2.0), readouts.exact_state((1.0, 0.0), 1.0)) > 0
+    assert readouts.phase_error(readouts.exact_state((1.0, 0.0), 1.0), readouts.exact_state((1.0, 0.0), 2.0)) < 0
+
+
+@claim("L136", "L161", evidence=PROVED, by="period of the angle")
+def test_wrapping_hides_whole_turns() -> None:
+    """Whole turns are not counted: a state that lags by a full cycle is the same state, so no readout can tell."""
+    t, n = sympy.symbols("t", real=True), sympy.Symbol("n", integer=True)
+    assert sympy.simplify(cos(t + 2 * pi * n) - cos(t)) == 0
+    assert sympy.simplify(sin(t + 2 * pi * n) - sin(t)) == 0
+    assert sympy.simplify(cos(t + pi * n) - cos(t)) != 0  # half turns do show
+
+
+@claim("L240", "L245", evidence=PROVED, by="one circle, all phases")
+def test_energy_fixes_radius_and_not_phase() -> None:
+    """The right energy fixes the radius and leaves the phase free: every angle on the circle has that energy.
+
+    So an endpoint with the right energy need not be accurate.
+    """
+    r, alpha, beta = sympy.symbols("r alpha beta", positive=True)
+    states = [(r * cos(angle), -r * sin(angle)) for angle in (alpha, beta)]
+    assert sympy.trigsimp(readouts.energy(states[0]) - readouts.energy(states[1])) == 0
+    distance = sum((a - b) ** 2 for a, b in zip(*states, strict=True))
+    assert sympy.simplify(distance - 4 * r**2 * sin((alpha - beta) / 2) ** 2) == 0
+
+
+@claim("L246", evidence=PROVED, by="exact values compared")
+def test_quarter_cycle_error_keeps_the_energy() -> None:
+    """The numerical result (0, -1) for the exact (1, 0) has the right energy, ½."""
+    assert energy(*QUARTER[1]) == energy(*QUARTER[0]) == Q(1, 2)
+
+
+@claim("L247", evidence=PROVED, by="exact distance")
+def test_quarter_cycle_error_is_root_two(publish: Any) -> None:
+    """Its state error is sqrt 2."""
+    squared = sum((a - b) ** 2 for a, b in zip(*QUARTER, strict=True))
+    assert sqrt(Rational(squared)) == sqrt(2)
+    value = {"exact": "sqrt(2)", "decimal": "1.41421356237309504880168872421", "evidence": PROVED}
+    publish(id="quarter_cycle.state_error", claim="L247", text="√2", **value)
+
+
+@claim("L003", "L007", evidence=COUNTED, by="readouts counted")
+def test_four_quantities_are_read_apart() -> None:
+    """State error, energy error, phase error and cost are four readouts: no one of them determines another.
+
+    Shown by runs of the default scene that agree in one and differ in the rest.
+    """
+    runs = [run(key, DEFAULT_H) for key in LESSON_METHODS]
+    assert len({fixed(r.state_error, 9) for r in runs}) == 3
+    assert len({r.energy_change for r in runs}) == 3
+    assert len({fixed(r.phase_error, 9) for r in runs}) == 3  # type: ignore[arg-type]
+    names = ("state_error", "energy_change", "phase_error", "evaluations")
+    from numeric.scenes import PRESETS
+
+    assert set(names) <= set(PRESETS["default"].readouts)
+
+
+def test_leading_phase_errors_have_the_signs_of_a_lag_and_a_lead() -> None:
+    """For small h RK4 lags by h⁵/120 per step and symplectic Euler leads by h³/24."""
+    assert leading_term(phase_error_series(M(RK4), 8)) == (5, -QQ(1, 120))
+    assert leading_term(phase_error_series(M(SYMPLECTIC), 8)) == (3, QQ(1, 24))
+    assert sympy.simplify(sympy.cos(phase_per_step(M(SYMPLECTIC))) - (1 - H.as_expr() ** 2 / 2)) == 0
+    assert START == (1, 0)
+
+
+def _ahead(state: tuple[int, int], exact: tuple[int, int]) -> sympy.Expr:
+    (a, b), (c, d) = state, exact
+    return atan2(sympy.Integer(a * d - b * c), sympy.Integer(a * c + b * d))
+
+
+def _method(key: str) -> Any:
+    from methods.catalogue import METHODS
+
+    return METHODS[key]

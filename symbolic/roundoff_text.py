@@ -1,0 +1,78 @@
+"""Rounding bounds as formulas that a person reads."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from symbolic.one_step import Polynomial
+from symbolic.roundoff import StepBound
+
+# The first power of d is the bound that one quotes; from the third on the formulas are long and say nothing new.
+SHOWN_POWERS = 2
+
+
+def first_order_text(bound: StepBound) -> list[str]:
+    """The two lines |dq| <= u (...|q| + ...|v|) and |dv| <= ..., the bound up to u**2 and eta, for h >= 0."""
+    lines = []
+    for name, row in zip("qv", bound.first_order, strict=True):
+        columns = [(_sum(_univariate(entry)), state) for entry, state in zip(row, ("|q|", "|v|"), strict=True)]
+        lines.append(f"|d{name}| <= u ({' + '.join(_times(c, state) for c, state in columns if c != '0')})")
+    return lines
+
+
+def full_text(bound: StepBound, powers: int | None = SHOWN_POWERS) -> list[str]:
+    """One line for each power of d and eta and each component, ending at d**powers; None shows every power kept.
+
+    The last line says what was left out, so that nothing looks complete that is not.
+    """
+    lines, hidden = [], 0
+    for name, row, free in zip("qv", bound.error, bound.underflow, strict=True):
+        grouped: dict[tuple[int, int], list[str]] = {}
+        for entry, state in zip((*row, free), ("|q|", "|v|", ""), strict=True):
+            for key, by_step in sorted(_by_d_and_eta(entry).items()):
+                grouped.setdefault(key, []).append(_times(_sum(by_step), state))
+        for (in_eta, in_d), parts in sorted(grouped.items()):
+            if powers is not None and in_d > powers:
+                hidden += 1
+                continue
+            lines.append(f"|d{name}|: {_power('eta', in_eta)}{_power('d', in_d)}({' + '.join(parts)})")
+    return [*lines, f"and {hidden} lines with higher powers of d"] if hidden else lines
+
+
+def format_text(bound: StepBound) -> str:
+    """What u, d and eta are in the bound's format."""
+    fmt = bound.format
+    return f"{fmt.name}: u = 2**-{fmt.precision}, d = u/(1 + u), eta = 2**{fmt.emin - fmt.precision + 1}"
+
+
+def _by_d_and_eta(entry: Polynomial) -> dict[tuple[int, int], dict[int, Fraction]]:
+    """{(power of eta, power of d): {power of h: coefficient}}."""
+    grouped: dict[tuple[int, int], dict[int, Fraction]] = {}
+    for (in_d, in_eta, in_h, *_), c in entry.terms():
+        grouped.setdefault((in_eta, in_d), {})[in_h] = Fraction(int(c.numerator), int(c.denominator))
+    return grouped
+
+
+def _univariate(entry: Polynomial) -> dict[int, Fraction]:
+    return {in_h: Fraction(int(c.numerator), int(c.denominator)) for (in_h,), c in entry.terms()}
+
+
+def _sum(by_step: dict[int, Fraction]) -> str:
+    return " + ".join(_term(c, k) for k, c in sorted(by_step.items())) or "0"
+
+
+def _term(c: Fraction, k: int) -> str:
+    step = _power("h", k).rstrip(" ")
+    return (step if c == 1 else f"{c} {step}") if step else str(c)
+
+
+def _power(name: str, k: int) -> str:
+    return "" if k == 0 else f"{name} " if k == 1 else f"{name}**{k} "
+
+
+def _times(coefficient: str, state: str) -> str:
+    if not state:
+        return coefficient
+    if coefficient == "1":
+        return state
+    return f"({coefficient}) {state}" if " + " in coefficient else f"{coefficient} {state}"

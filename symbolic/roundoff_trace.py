@@ -1,0 +1,89 @@
+"""A step run on `Rounded` numbers, and the list of operations that it turned out to be."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from fractions import Fraction
+from typing import TypeAlias
+
+from methods.problems import oscillator
+from methods.schemes import Method
+from methods.stepping import Force, Lift, Step, stepper
+from symbolic.float_formats import FloatFormat
+from symbolic.one_step import Polynomial
+from symbolic.roundoff_number import H, Q, RefusedOperation, Rounded, V, constant, majorant, rational_value
+
+# What a bound can be asked about: a method of the catalogue, or anybody's step function.
+Subject: TypeAlias = Method | Step
+# Powers of (q, v), or of (h, q, v), with their coefficients.
+Terms: TypeAlias = dict[tuple[int, ...], Fraction]
+
+
+class NotLinear(ValueError):
+    """The step is not linear in the state, so it has no one-step matrix and no error matrix."""
+
+
+def trace(subject: Subject, fmt: FloatFormat, force: Force = oscillator, h: Fraction | None = None) -> list[Rounded]:
+    """[q1, v1] of one step from symbolic (q, v), by running the step itself; `subject` is it, or a method.
+
+    With `h` given (a number of the format) the step size is that constant rather than a symbol. Raises
+    RefusedOperation where the step does what cannot be bounded.
+    """
+    size = Rounded(fmt, H) if h is None else constant(h, fmt)
+    step = subject if callable(subject) else stepper(subject, lift_to(fmt))
+    outputs = step(force, Rounded(fmt, Q), Rounded(fmt, V), size)
+    return [x if isinstance(x, Rounded) else constant(_demand_number(x), fmt) for x in outputs]
+
+
+def lift_to(fmt: FloatFormat) -> Lift:
+    """The lift of exact coefficients to floats of the format: 1/6 becomes the nearest one, and owns up to it."""
+    return lambda exact: constant(exact, fmt)
+
+
+def program(outputs: Iterable[Rounded]) -> list[Rounded]:
+    """Every number the outputs depend on, operands before results, each once."""
+    order: dict[int, Rounded] = {}
+
+    def visit(x: Rounded) -> None:
+        if id(x) not in order:
+            for operand, _ in x.operands:
+                visit(operand)
+            order[id(x)] = x
+
+    for output in outputs:
+        visit(output)
+    return list(order.values())
+
+
+def magnitude(x: Rounded) -> Polynomial:
+    """|x| + error, a bound on |x^|, and on what was rounded to give it."""
+    return majorant(x.exact) + x.error
+
+
+def in_format(polynomial: Polynomial, fmt: FloatFormat) -> Terms:
+    """The polynomial in (h, q, v) that is left when the format's own d and eta are put in."""
+    terms: Terms = {}
+    for (in_d, in_eta, *powers), c in polynomial.terms():
+        value = Fraction(int(c.numerator), int(c.denominator)) * fmt.relative_error**in_d * fmt.eta**in_eta
+        terms[tuple(powers)] = terms.get(tuple(powers), Fraction(0)) + value
+    return terms
+
+
+def at_step(terms: Terms, h: Fraction) -> Terms:
+    """The polynomial in (q, v) that is left at this h."""
+    left: Terms = {}
+    for (in_h, *powers), c in terms.items():
+        left[tuple(powers)] = left.get(tuple(powers), Fraction(0)) + c * h**in_h
+    return left
+
+
+def at_state(terms: Terms, q: Fraction, v: Fraction) -> Fraction:
+    """The value at this (q, v)."""
+    return sum((c * q**in_q * v**in_v for (in_q, in_v), c in terms.items()), Fraction(0))
+
+
+def _demand_number(x: object) -> Fraction:
+    exact = rational_value(x)
+    if exact is None:
+        raise RefusedOperation(f"the step returned {x!r}, which is {type(x).__name__} and not a number")
+    return exact
