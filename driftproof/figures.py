@@ -31,7 +31,7 @@ def draw(panel: str, scene: Scene, trajectory: tuple[Any, Any], folder: Path) ->
         _PANELS[panel](axes, scene, times, states)
         axes.set_title(f"{METHODS[scene.selected].title}, h = {scene.h}, t = {scene.t}")
         axes.grid(alpha=0.3)
-        axes.legend(loc="best")
+        figure.legend(loc="outside lower center", ncols=4, frameon=False)
         path = folder / f"{scene.name}_{panel}.svg"
         _save(figure, path)
     return path
