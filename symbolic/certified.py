@@ -118,6 +118,8 @@ def _enclose_expression(expr: sympy.Basic) -> arb:
         return _enclose_root(expr)
     if expr == sympy.pi:
         return arb.pi()
+    if expr == sympy.E:
+        return arb(1).exp()
     if isinstance(expr, sympy.Pow):
         base, exponent = (_enclose_expression(a) for a in expr.args)
         return base.sqrt() if expr.exp == sympy.Rational(1, 2) else base**exponent
