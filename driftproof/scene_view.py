@@ -59,11 +59,13 @@ def scene_text(scene: Scene, shown: dict[str, Any]) -> str:
 
 
 def draw_scene(scene: Scene, folder: Path) -> list[Path]:
-    """Write the figures that the scene names as SVG files into `folder`; the plotting library is imported here."""
+    """Write the figures that the scene names as SVG files into `folder`; where it names any, matplotlib is imported."""
+    figures = [panel for panel in scene.panels if panel in FIGURES]
+    if not figures:
+        return []
     from driftproof.figures import draw
 
-    figures = [panel for panel in scene.panels if panel in FIGURES]
-    readouts = run_method(_asking_for(scene, ("trajectory",)), scene.selected) if figures else {}
+    readouts = run_method(_asking_for(scene, ("trajectory",)), scene.selected)
     return [draw(panel, scene, readouts["trajectory"], folder) for panel in figures]
 
 

@@ -80,8 +80,8 @@ def run_method(scene: Scene, key: str, counter: Counter = range) -> Readouts:
             f"{scene.steps} steps are more than {MOST_STEPS}; `driftproof run` answers any number of steps, certified"
         )
     force = CountedForce(oscillator) if "evaluations" in scene.readouts else oscillator
-    start = (_to_float(scene.start[0], "start q"), _to_float(scene.start[1], "start v"))
-    h, t = _to_float(scene.h, "h"), _time_to_float(scene.t)
+    start = (nearest_double(scene.start[0], "start q"), nearest_double(scene.start[1], "start v"))
+    h, t = nearest_double(scene.h, "h"), _timenearest_double(scene.t)
     path = [start] if "trajectory" in scene.readouts else None
     record = (lambda q, v: path.append((q, v))) if path is not None else None
     state = integrate(float_stepper(key), force, start, h, scene.steps, record, counter)
@@ -143,7 +143,7 @@ def _finite_readout(name: str, finished: _Finished) -> Any:
     return value
 
 
-def _to_float(x: Fraction, what: str) -> float:
+def nearest_double(x: Fraction, what: str) -> float:
     """The double nearest to x. Raises ValueError where that would be infinite, or zero for an x that is not."""
     try:
         nearest = float(x)
@@ -154,9 +154,9 @@ def _to_float(x: Fraction, what: str) -> float:
     return nearest
 
 
-def _time_to_float(t: Fraction) -> float:
+def _timenearest_double(t: Fraction) -> float:
     """The double nearest to t, if that is near enough for cos and sin to mean anything; else ValueError."""
-    nearest = _to_float(t, "t")
+    nearest = nearest_double(t, "t")
     if abs(Fraction(nearest) - t) > COARSEST_TIME:
         raise ValueError("t is too large for binary64 to hold its fraction; `driftproof run` answers it, certified")
     return nearest

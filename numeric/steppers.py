@@ -2,7 +2,8 @@
 
 Each takes (force, q, v, h) and returns (q₁, v₁); `force(q)` is the acceleration. They hold integers only, so they run
 unchanged on a float, on arrays of states and of h (by broadcasting), and in the precision of their arguments. h = 0
-returns the state; a negative h steps back in time; infinities and NaN pass through by the rules of IEEE 754.
+returns the state, up to the signs of zeros and as long as no sum of slopes overflows; a negative h steps back in time;
+infinities and NaN pass through by the rules of IEEE 754.
 """
 
 from __future__ import annotations

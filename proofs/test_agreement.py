@@ -18,6 +18,9 @@ from symbolic.n_steps import apply, matrix_at
 from symbolic.one_step import at_rational
 from symbolic.roundoff import step_bound
 
+# The double nearest to 1/10, and the smallest subnormal: named, because no literal would say which number it is.
+TENTH = float(Q(1, 10))
+TINY = float.fromhex("0x1p-1074")
 floats = st.floats(allow_nan=False, allow_infinity=False)
 BOUNDS = {key: step_bound(HAND_WRITTEN[key]) for key in LESSON_METHODS}
 
@@ -31,8 +34,8 @@ def rounding_error(key: str, h: float, q: float, v: float) -> tuple[Q, Q]:
 
 @claim("L053", evidence=FUZZED, by="derived bound held")
 @given(h=st.floats(0, 2), q=floats, v=floats)
-@example(h=0.1, q=1.0, v=0.0)
-@example(h=5e-324, q=5e-324, v=-0.0)
+@example(h=TENTH, q=1.0, v=0.0)
+@example(h=TINY, q=TINY, v=-0.0)
 def test_modified_quadratic_kept_up_to_rounding(h: float, q: float, v: float) -> None:
     """In floats the modified quadratic is kept up to rounding: its change stays within the bound derived for the step.
 
@@ -82,7 +85,7 @@ def test_one_float_euler_step_adds_no_energy_of_tiny_h() -> None:
 
 def test_no_double_is_a_tenth_or_two_root_two() -> None:
     """Float 0.1 is not 1/10, and no double squares to 8: claims about the reals and about floats use different h."""
-    assert Q(0.1) != Q(1, 10)
+    assert Q(TENTH) != Q(1, 10)
     near = float(np.sqrt(8.0))
     squares = [Q(x) ** 2 for x in (np.nextafter(near, 0), near, np.nextafter(near, 9))]
     assert 8 not in squares

@@ -103,9 +103,10 @@ def test_every_run_ends_at_ten_of_h_that_divides_it() -> None:
         assert (scene.start, scene.steps * scene.h) == (START, END)
     with pytest.raises(ValueError, match="does not divide"):
         step_count(END, Q(3))
-    # In floats a hundred times 0.1 is 10, but a hundred additions of 0.1 are not.
-    assert 100 * 0.1 == 10
-    assert sum([0.1] * 100) != 10
+    # In floats a hundred times a tenth is 10, but a hundred additions of it are not.
+    tenth = float(Q(1, 10))
+    assert 100 * tenth == 10
+    assert sum([tenth] * 100) != 10
 
 
 @claim("L203", evidence=PROVED, by="dyadic step")
@@ -113,7 +114,7 @@ def test_whole_number_of_quarters_is_ten() -> None:
     """Each method starts afresh, and forty steps of 1/4 make exactly 10, in floats too, because 1/4 is dyadic."""
     assert step_count(END, DEFAULT_H) * DEFAULT_H == END
     assert Q(0.25) == DEFAULT_H
-    assert Q(0.1) != PRESETS["small_steps"].h
+    assert Q(float(Q(1, 10))) != PRESETS["small_steps"].h
     twice = [state_after(key, 1, DEFAULT_H) for key in LESSON_METHODS for _ in range(2)]
     assert twice[::2] == twice[1::2]
 

@@ -1,0 +1,34 @@
+"""`driftproof values`: the numbers of the lesson, proved."""
+
+from __future__ import annotations
+
+import argparse
+
+from driftproof.arguments import Commands
+
+
+def add(commands: Commands) -> None:
+    """Describe the command."""
+    from driftproof.values import FORMATS
+
+    parser = commands.add_parser(
+        "values",
+        help="the numbers of the lesson, proved",
+        description="Print every number that the lesson prints, by id, as the last green run of the proofs wrote it.",
+        epilog=(
+            "examples:\n"
+            "  driftproof values\n"
+            "  driftproof values --only 'rk4.*' --format md\n"
+            "  driftproof values --only '*.state_error' --format csv\n"
+        ),
+    )
+    parser.add_argument("--only", default="*", metavar="PATTERN", help="ids that match this shell pattern")
+    parser.add_argument("--format", choices=tuple(FORMATS), default="json", help="json is canonical")
+    parser.set_defaults(answer=answer)
+
+
+def answer(options: argparse.Namespace) -> str:
+    """The published values in the format asked for."""
+    from driftproof.values import published_values, render_values
+
+    return render_values(published_values(options.only), options.format)
