@@ -1,0 +1,94 @@
+"""`driftproof roundoff` and `run --budget`: formulas, bounds in u, and the error of a float run in its two parts."""
+
+import json
+from fractions import Fraction as Q
+
+import pytest
+
+from driftproof.cli import main
+from driftproof.rounding import budget_answer, roundoff_answer
+from methods.catalogue import METHODS
+from symbolic.float_formats import BINARY32
+
+
+def decimal(answer):
+    return Q(answer["decimal"])
+
+
+def budget(key, h=Q(1, 4), t=Q(10), start=(Q(1), Q(0))):
+    return budget_answer(key, h, t, start, 15, "half-even", range)
+
+
+@pytest.mark.parametrize(
+    ("key", "dq"),
+    [
+        ("forward_euler", "|dq| <= u (|q| + 2 h |v|)"),
+        ("symplectic_euler", "|dq| <= u ((1 + 4 h**2) |q| + 3 h |v|)"),
+        ("rk4", "|dq| <= u ((1 + 23/6 h**2 + 5/12 h**4) |q| + (37/6 h + 3/2 h**3) |v|)"),
+    ],
+)
+def test_first_order_forms_are_those_derived_by_hand(key, dq):
+    answer = roundoff_answer(key, [])
+    assert answer["first_order"][0] == dq
+    assert answer["program"] == "hand-written"
+    assert answer["differences_from_definition"] == []
+
+
+def test_sharper_form_is_never_above_the_plain_one():
+    (at,) = roundoff_answer("rk4", [Q(5, 2)])["at"]
+    pairs = zip(at["sharp"], at["plain"], strict=True)
+    assert all(decimal(sharp) < decimal(plain) for sharp, plain in pairs)
+
+
+def test_other_formats_take_the_generic_step():
+    answer = roundoff_answer("rk4", [Q(1, 3)], BINARY32)
+    assert answer["program"] == "generic"
+    assert Q(answer["at"][0]["h"]) == BINARY32.nearest(Q(1, 3)) != Q(1, 3)
+
+
+def test_a_program_that_is_not_the_definition_is_reported(monkeypatch):
+    monkeypatch.setitem(METHODS, "rk4", METHODS["midpoint2"])
+    assert "coefficient of h**3" in " ".join(roundoff_answer("rk4", [])["differences_from_definition"])
+
+
+@pytest.mark.parametrize(("key", "most"), [("forward_euler", 200), ("symplectic_euler", 90), ("rk4", 115)])
+def test_theorem_bounds_the_lesson_s_runs_in_few_units(key, most):
+    answer = budget(key)
+    assert decimal(answer["rounding_in_u"]) <= decimal(answer["bound"]["in_u"]) <= most
+
+
+@pytest.mark.parametrize("key", list(METHODS))
+def test_state_error_is_at_most_truncation_plus_rounding(key):
+    answer = budget(key, start=(Q(3, 7), Q(-2)))
+    # each of the three is rounded in the 15th digit of a number below 16
+    last_place = Q(1, 10**13)
+    assert decimal(answer["state_error"]) <= decimal(answer["truncation"]) + decimal(answer["rounding"]) + last_place
+
+
+def test_budget_is_about_the_double_that_is_run():
+    assert budget("rk4", Q(1, 10))["h_run"] == "0.1 (the double nearest to 1/10)"
+    assert budget("rk4", Q(1, 4))["h_run"] == "1/4"
+
+
+def test_without_a_norm_of_its_own_there_is_no_theorem_and_it_says_so():
+    answer = budget("symplectic_euler", Q(2))
+    assert answer["rounding"]["exact"] == "0"
+    assert answer["bound"]["value"] is None
+    assert "real eigenvectors" in answer["bound"]["reason"]
+
+
+def test_commands_print_text_and_json(capsys):
+    assert main(["roundoff", "rk4", "--h", "1/4", "--format", "json"]) == 0
+    assert json.loads(capsys.readouterr().out)["at"][0]["h"] == "1/4"
+    assert main(["roundoff", "velocity_verlet", "--float", "binary16"]) == 0
+    assert "binary16: u = 2**-11" in capsys.readouterr().out
+    assert main(["run", "rk4", "--h", "1/4", "--t", "10", "--budget"]) == 0
+    assert "proved bound" in capsys.readouterr().out
+
+
+def test_bad_questions_get_one_line(capsys):
+    for arguments in (["roundoff", "rk9"], ["run", "rk4", "--h", "1e-400", "--t", "1e-399", "--budget"]):
+        assert main(arguments) == 2
+        captured = capsys.readouterr()
+        assert captured.out == ""
+        assert captured.err.count("\n") == 1
