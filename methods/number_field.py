@@ -5,21 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import total_ordering
+from functools import cache, lru_cache, total_ordering
 from itertools import zip_longest
+from math import copysign, isqrt
 from typing import TypeAlias
 
-# Coefficients of a polynomial over Q, constant term first, no trailing zero.
-Polynomial: TypeAlias = tuple[Fraction, ...]
+from methods.irreducibility import is_irreducible
+from methods.polynomials import Polynomial, divide, product, real_roots_between, trimmed, value_at
 
 
 @dataclass(frozen=True)
 class NumberField:
     """Q(α), for the one real root α of an irreducible polynomial over Q that lies in a given rational interval.
 
-    `minimal` has integer coefficients, constant term first; it must be irreducible, else equality in the field would
-    not be equality of numbers (the tests check every field of the catalogue). `low` < α < `high`, and the polynomial
-    changes sign there. `name` is how α is written, e.g. "sqrt(3)". Raises ValueError without a change of sign.
+    `minimal` has integer coefficients, constant term first; `low` < α < `high`, and the polynomial changes sign there.
+    `name` is how α is written, e.g. "sqrt(3)". Raises ValueError without a change of sign, for several roots in the
+    interval, and for a polynomial that factors, with which equality in the field would not be equality of numbers.
     """
 
     name: str
@@ -28,11 +29,14 @@ class NumberField:
     high: Fraction
 
     def __post_init__(self) -> None:
-        """Refuse an interval over whose ends the polynomial does not change sign."""
-        if len(self.minimal) < 3 or self._at(self.low) * self._at(self.high) >= 0:
-            raise ValueError(
-                f"{self.name}: needs degree 2 or more, and a change of sign on the interval"
-            )
+        """Refuse an interval without a change of sign or with several roots, and a polynomial that factors."""
+        changes = self.low < self.high and self._at(self.low) * self._at(self.high) < 0
+        if len(self.minimal) < 3 or not self.minimal[-1] or not changes:
+            raise ValueError(f"{self.name}: needs degree 2 or more, and a change of sign on the interval")
+        if real_roots_between(self.minimal, self.low, self.high) != 1:
+            raise ValueError(f"{self.name}: several roots lie between {self.low} and {self.high}; narrow the interval")
+        if not is_irreducible(self.minimal):
+            raise ValueError(f"{self.name}: the minimal polynomial is reducible, a product of two over Q")
 
     @property
     def degree(self) -> int:
@@ -46,18 +50,20 @@ class NumberField:
 
     def enclosure(self, bits: int) -> tuple[Fraction, Fraction]:
         """Rational ends, at most 2**-bits apart, with α between them: by bisection on dyadic points."""
-        low, high = self.low, self.high
-        rising = self._at(high) > 0
-        while (high - low) * 2**bits > 1:
-            middle = (low + high) / 2
-            low, high = (low, middle) if (self._at(middle) > 0) == rising else (middle, high)
-        return low, high
+        return _bisected(self, bits)
 
     def _at(self, x: Fraction) -> Fraction:
-        value = Fraction(0)
-        for coefficient in reversed(self.minimal):
-            value = value * x + coefficient
-        return value
+        return value_at(self.minimal, x)
+
+
+@lru_cache(maxsize=256)
+def _bisected(field: NumberField, bits: int) -> tuple[Fraction, Fraction]:
+    low, high = field.low, field.high
+    rising = value_at(field.minimal, high) > 0
+    while (high - low) * 2**bits > 1:
+        middle = (low + high) / 2
+        low, high = (low, middle) if (value_at(field.minimal, middle) > 0) == rising else (middle, high)
+    return low, high
 
 
 @total_ordering
@@ -81,6 +87,12 @@ class Algebraic:
         """True when no power of the generator occurs."""
         return len(self.coefficients) <= 1
 
+    def as_fraction(self) -> Fraction:
+        """The number as a Fraction. Raises ValueError for an irrational one."""
+        if not self.is_rational:
+            raise ValueError(f"{self} is irrational")
+        return self.coefficients[0] if self.coefficients else Fraction(0)
+
     def __add__(self, other: object) -> Algebraic:
         """The sum, in the field."""
         return self._combine(other, lambda a, b: tuple(x + y for x, y in zip_longest(a, b, fillvalue=Fraction(0))))
@@ -101,17 +113,17 @@ class Algebraic:
 
     def __mul__(self, other: object) -> Algebraic:
         """The product, in the field."""
-        return self._combine(other, _product)
+        return self._combine(other, product)
 
     __rmul__ = __mul__
 
     def __truediv__(self, other: object) -> Algebraic:
         """The quotient, in the field. Raises ZeroDivisionError."""
-        return self._combine(other, lambda a, b: _product(a, _inverse(b, self.field.minimal)))
+        return self._combine(other, lambda a, b: product(a, _inverse(b, self.field.minimal)))
 
     def __rtruediv__(self, other: object) -> Algebraic:
         """The quotient, in the field. Raises ZeroDivisionError."""
-        return self._combine(other, lambda a, b: _product(b, _inverse(a, self.field.minimal)))
+        return self._combine(other, lambda a, b: product(b, _inverse(a, self.field.minimal)))
 
     def __pow__(self, exponent: int) -> Algebraic:
         """An integer power; negative ones by the inverse."""
@@ -130,7 +142,7 @@ class Algebraic:
 
     def __hash__(self) -> int:
         """Equal numbers hash alike, rational ones like their Fraction."""
-        return hash(self.coefficients[0] if self.coefficients else 0) if self.is_rational else hash(self.coefficients)
+        return hash(self.as_fraction()) if self.is_rational else hash(self.coefficients)
 
     def __bool__(self) -> bool:
         """False for zero."""
@@ -152,11 +164,14 @@ class Algebraic:
             bits *= 2
 
     def __float__(self) -> float:
-        """The double nearest to the number: the enclosure shrinks until both its ends round to the same double."""
+        """The double nearest to the number: the enclosure shrinks until both its ends round to the same double.
+
+        That happens, as an irrational number lies strictly between two ties. Raises OverflowError beyond the doubles.
+        """
         bits = 64
         while True:
             low, high = (float(end) for end in self.enclosure(bits))
-            if low == high:
+            if low == high and copysign(1, low) == copysign(1, high):
                 return low
             bits *= 2
 
@@ -192,49 +207,34 @@ class Algebraic:
 Exact: TypeAlias = Fraction | Algebraic
 
 
+@cache
 def square_root(n: int) -> Algebraic:
     """sqrt n for an integer n > 1 that is no square. Raises ValueError for another n."""
-    floor = next(k for k in range(n + 1) if (k + 1) ** 2 > n) if n > 1 else 0
+    floor = isqrt(max(n, 0))
     if floor * floor == n or n < 2:
         raise ValueError(f"square_root({n}): n must be above 1 and no square")
     return NumberField(f"sqrt({n})", (-n, 0, 1), Fraction(floor), Fraction(floor + 1)).generator
 
 
+@cache
 def cube_root(n: int) -> Algebraic:
     """n ** (1/3) for an integer n > 1 that is no cube. Raises ValueError for another n."""
-    floor = next(k for k in range(n + 1) if (k + 1) ** 3 > n) if n > 1 else 0
+    floor = _integer_cube_root(max(n, 0))
     if floor**3 == n or n < 2:
         raise ValueError(f"cube_root({n}): n must be above 1 and no cube")
     return NumberField(f"{n}**(1/3)", (-n, 0, 0, 1), Fraction(floor), Fraction(floor + 1)).generator
 
 
-def _trimmed(polynomial: Sequence[Fraction]) -> Polynomial:
-    end = len(polynomial)
-    while end and not polynomial[end - 1]:
-        end -= 1
-    return tuple(polynomial[:end])
-
-
-def _product(a: Polynomial, b: Polynomial) -> Polynomial:
-    product = [Fraction(0)] * max(len(a) + len(b) - 1, 0)
-    for i, x in enumerate(a):
-        for j, y in enumerate(b):
-            product[i + j] += x * y
-    return tuple(product)
-
-
-def _divide(a: Sequence[Fraction], b: Sequence[Fraction | int]) -> tuple[Polynomial, Polynomial]:
-    """Quotient and remainder of polynomials over Q; b is trimmed and not zero."""
-    rest, quotient = list(a), [Fraction(0)] * max(len(a) - len(b) + 1, 0)
-    for i in reversed(range(len(quotient))):
-        factor = quotient[i] = rest[i + len(b) - 1] / b[-1]
-        for j, y in enumerate(b):
-            rest[i + j] -= factor * y
-    return _trimmed(quotient), _trimmed(rest)
+def _integer_cube_root(n: int) -> int:
+    low, high = 0, n + 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if middle**3 <= n else (low, middle)
+    return low
 
 
 def _remainder(a: Sequence[Fraction], minimal: Sequence[int]) -> Polynomial:
-    return _trimmed(a) if len(a) < len(minimal) else _divide(a, minimal)[1]
+    return trimmed(a) if len(a) < len(minimal) else divide(a, minimal)[1]
 
 
 def _inverse(a: Polynomial, minimal: Sequence[int]) -> Polynomial:
@@ -244,10 +244,10 @@ def _inverse(a: Polynomial, minimal: Sequence[int]) -> Polynomial:
     r0, r1 = tuple(Fraction(x) for x in minimal), a
     u0, u1 = (), (Fraction(1),)  # type: tuple[Polynomial, Polynomial]
     while len(r1) > 1:
-        quotient, rest = _divide(r0, r1)
-        step = _product(quotient, u1)
+        quotient, rest = divide(r0, r1)
+        step = product(quotient, u1)
         r0, r1 = r1, rest
-        u0, u1 = u1, _trimmed([x - y for x, y in zip_longest(u0, step, fillvalue=Fraction(0))])
+        u0, u1 = u1, trimmed([x - y for x, y in zip_longest(u0, step, fillvalue=Fraction(0))])
     return tuple(x / r1[0] for x in u1)
 
 
