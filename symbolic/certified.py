@@ -83,7 +83,12 @@ def is_less(a: Exact, b: Exact) -> bool:
 
 
 def fixed(value: Exact, places: int, rounding: str = HALF_EVEN) -> str:
-    """`value` correctly rounded to `places` digits after the point, e.g. "-0.479167". A zero has no sign."""
+    """`value` correctly rounded to `places` digits after the point, e.g. "-0.479167". A zero has no sign.
+
+    Raises ValueError if places < 0.
+    """
+    if places < 0:
+        raise ValueError(f"places = {places}; ask for none at least")
     return settle(value, lambda x: _fixed(x, places, rounding))
 
 
@@ -92,8 +97,7 @@ def significant(value: Exact, digits: int, rounding: str = HALF_EVEN) -> str:
 
     Zero is "0". Raises ValueError if digits < 1.
     """
-    if digits < 1:
-        raise ValueError(f"digits = {digits}; ask for at least one")
+    _demand_a_digit(digits)
 
     def read(x: Fraction) -> str:
         if x == 0:
@@ -107,8 +111,17 @@ def significant(value: Exact, digits: int, rounding: str = HALF_EVEN) -> str:
 
 
 def scientific(value: Exact, digits: int, rounding: str = HALF_EVEN) -> str:
-    """`value` correctly rounded to `digits` significant digits, always with an exponent, e.g. "-6.7e-5"."""
+    """`value` correctly rounded to `digits` significant digits, always with an exponent, e.g. "-6.7e-5"; zero is "0".
+
+    Raises ValueError if digits < 1.
+    """
+    _demand_a_digit(digits)
     return settle(value, lambda x: _scientific(x, digits, rounding))
+
+
+def _demand_a_digit(digits: int) -> None:
+    if digits < 1:
+        raise ValueError(f"digits = {digits}; ask for at least one")
 
 
 def _enclose_expression(expr: sympy.Basic) -> arb:
