@@ -10,10 +10,12 @@ from typing import Any
 import pytest
 
 from driftproof.values import VALUES_FILE
+from proofs.claims import RESTRICTED
 from proofs.ledger import Entry, Ledger
 
 LEDGER_FILE = Path(__file__).with_name("ledger.md")
 PUBLISHED = "published"
+NEEDED = "Needed:"
 _LEDGER = pytest.StashKey[Ledger]()
 
 
@@ -39,10 +41,22 @@ def _entries(item: pytest.Item) -> list[Entry]:
         return []
     parameters = getattr(item, "callspec", None)
     row = parameters.params.get("row") if parameters else None
-    statement = row.sentence if row else (getattr(item, "function").__doc__ or "").strip().split("\n")[0]  # noqa: B009
+    documented: Any = item
+    statement = row.sentence if row else _statement(documented.function.__doc__, marker.kwargs["evidence"], item.nodeid)
     return [
         Entry(claim, item.nodeid, statement, marker.kwargs["evidence"], marker.kwargs["by"]) for claim in marker.args
     ]
+
+
+def _statement(docstring: str | None, evidence: str, test: str) -> str:
+    """The first line of the docstring; of a restricted claim, the hypothesis it needs as well."""
+    first, _, rest = (docstring or "").strip().partition("\n")
+    if evidence != RESTRICTED:
+        return first
+    needed = " ".join(rest.partition(NEEDED)[2].split("\n\n")[0].split())
+    if not needed:
+        raise pytest.UsageError(f"{test} is RESTRICTED, so its docstring has to say what is {NEEDED!r}")
+    return f"{first} {NEEDED} {needed}"
 
 
 @pytest.fixture

@@ -43,8 +43,9 @@ def leading_state_error(key: str, at: sympy.Expr = T) -> sympy.Expr:
 def test_smaller_step_smaller_energy_error_only_of_small_h() -> None:
     """Forward Euler's energy error over a fixed interval falls with the step only while h < 1.98029...
 
-    E(T)/E₀ = exp(T log(1 + h²)/h), and the exponent falls with h exactly where 2h²/(1 + h²) > log(1 + h²). Needed: at
-    t = 10 the step 2 gives the factor 5⁵ = 3125 and the larger step 5/2 only (29/4)⁴ = 2762.8..., both on offer.
+    E(T)/E₀ = exp(T log(1 + h²)/h), and the exponent falls with h exactly where 2h²/(1 + h²) > log(1 + h²). Needed: a
+    step below that; at t = 10 the step 2 gives the factor 5⁵ = 3125, the larger step 5/2 only (29/4)⁴ = 2762.8..., and
+    both are on offer.
     """
     growth = sympy.log(1 + h**2) / h
     slope = sympy.together(growth.diff(h) * h**2)
@@ -107,8 +108,8 @@ def test_rk4_compare_run_follows_more_closely() -> None:
 def test_rk4_follows_more_closely_on_the_steps_on_offer() -> None:
     """For four evaluations a step instead of one, RK4 follows the solution more closely.
 
-    True at t = 10 for every preset step and the largest on offer. Needed: a step in that range; one step of h = 4 from
-    (1, 0) is farther off with RK4 than with forward Euler.
+    True at t = 10 for every preset step and the largest on offer. Needed: a step not much larger; one step of h = 4
+    from (1, 0) is farther off with RK4 than with forward Euler.
     """
     from numeric.steppers import evaluations_per_step
 

@@ -97,7 +97,7 @@ def test_evaluations_are_not_all_the_work() -> None:
 def test_every_run_ends_at_ten_of_h_that_divides_it() -> None:
     """Each run goes from (1, 0) to t = 10: N·h = 10 exactly, for every preset step.
 
-    Needed: an h that divides 10. With h = 3 no number of steps ends there.
+    Needed: an h that divides 10; with h = 3 no number of steps ends there.
     """
     for scene in PRESETS.values():
         assert (scene.start, scene.steps * scene.h) == (START, END)
@@ -149,7 +149,7 @@ def test_exercise_two_budgets_are_equal(publish: Any) -> None:
 
 @claim("L244", evidence=CERTIFIED, by="disjoint enclosures")
 def test_equal_counts_are_not_equal_accuracy() -> None:
-    """Equal counts promise neither equal accuracy nor equal work: at a hundred evaluations RK4 is 290 times nearer.
+    """Equal counts promise neither equal accuracy nor equal work: at 100 evaluations RK4 is over 290 times nearer.
 
     The other operations come to 25 times 32 against 100 times 4.
     """

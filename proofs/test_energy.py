@@ -58,7 +58,9 @@ def test_forward_euler_energy_multiplier_eq_one_add_h_sq() -> None:
 def test_forward_euler_energy_grows_of_nonzero_state() -> None:
     """Each forward Euler step with h > 0 adds the energy h²E, which is positive unless the state is the origin.
 
-    Needed: a nonzero state. At the origin nothing grows. In floats small steps add nothing: see `test_agreement`.
+    Needed: a nonzero state, for at the origin nothing grows.
+
+    In floats a tiny step adds nothing at all: see `test_agreement`.
     """
     gain = E(*step_of(EULER)) - E(q, v)
     assert gain == h**2 * E(q, v)

@@ -69,7 +69,7 @@ def test_two_states_share_the_energy_one_half() -> None:
 
 @claim("L156", evidence=PROVED, by="exact angle")
 def test_those_states_are_a_quarter_cycle_apart() -> None:
-    """Their phase angles atan2(-v, q) are 0 and π/2: a quarter of a cycle."""
+    """The phase angles atan2(-v, q) of (1, 0) and (0, -1) are 0 and π/2: they differ by a quarter of a cycle."""
     angles = [atan2(-Rational(state[1]), Rational(state[0])) for state in QUARTER]
     assert angles == [0, pi / 2]
     assert angles[1] - angles[0] == 2 * pi / 4
@@ -165,7 +165,7 @@ def test_quarter_cycle_error_keeps_the_energy() -> None:
 
 @claim("L247", evidence=PROVED, by="exact distance")
 def test_quarter_cycle_error_is_root_two(publish: Any) -> None:
-    """Its state error is sqrt 2."""
+    """The numerical result (0, -1) for the exact (1, 0) has the state error sqrt 2."""
     squared = sum((a - b) ** 2 for a, b in zip(*QUARTER, strict=True))
     assert sqrt(Rational(squared)) == sqrt(2)
     value = {"exact": "sqrt(2)", "decimal": "1.41421356237309504880168872421", "evidence": PROVED}

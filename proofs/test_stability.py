@@ -108,7 +108,7 @@ def test_rk4_energy_multiplier() -> None:
 
 @claim("L177", evidence=PROVED, by="visible sign, Sturm")
 def test_rk4_energy_multiplier_lt_one_of_h_lt_two_sqrt_two() -> None:
-    """Between 0 and 2 sqrt 2 the multiplier is below 1, so RK4 damps: 1 - m = h⁶(8 - h²)/576; it stays above 1/4."""
+    """Between 0 and 2 sqrt 2 the multiplier is below 1, so RK4 damps: 1 - m = h⁶(8 - h²)/576, and m >= 1/4."""
     m = energy_multiplier(M(RK4))
     assert 1 - m == H**6 * (8 - H**2) / 576
     assert m - RING.one / 4 == (H**2 - 6) ** 2 * (H**4 + 4 * H**2 + 12) / 576
