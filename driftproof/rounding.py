@@ -14,14 +14,14 @@ from methods.rationals import step_count
 from numeric.run import Counter, integrate, nearest_double
 from numeric.steppers import HAND_WRITTEN, float_stepper
 from symbolic.certified import Exact, enclose
-from symbolic.error_of_run import ErrorOfRun
-from symbolic.float_formats import BINARY64, FloatFormat
 from symbolic.n_steps import matrix_at
 from symbolic.one_step import one_step_matrix
-from symbolic.roundoff import StepBound, step_bound
-from symbolic.roundoff_n_steps import HypothesisFails, run_bound
-from symbolic.roundoff_sharp import sharp_bound
-from symbolic.roundoff_text import first_order_text, format_text, full_text
+from symbolic.rounding.error_of_run import ErrorOfRun
+from symbolic.rounding.formats import BINARY64, FloatFormat
+from symbolic.rounding.n_steps import HypothesisFails, run_bound
+from symbolic.rounding.sharp import sharp_bound
+from symbolic.rounding.step import StepBound, step_bound
+from symbolic.rounding.text import first_order_text, format_text, full_text
 
 # Bounds are quoted, not compared: few digits say enough.
 BOUND_DIGITS = 6

@@ -5,9 +5,9 @@ that type's unit roundoff, n the degree in h and |m| the sum of the result's |mo
 Horner's rule (two roundings per degree), multiplying by the state and adding the two columns: a monomial passes
 2n + 3 roundings, so with the final subtraction the error found is within (2n + 4) w (|m| + |error found|) of the true
 one; the bound has only non-negative terms and one more sum, so it is within (2n + 4) w of itself. Four more cover the
-arithmetic of the verdict and the products of roundings. Underflow and overflow in the wider type are excluded by
-`_LARGEST_DEGREE`. Steps that this does not clear are computed again in fractions, as are all where no wider type exists
-(float64 on some platforms); there nothing is in doubt.
+arithmetic of the verdict and the products of roundings. The wider type is chosen such that neither underflow nor
+overflow disturbs this. Steps that this does not clear are computed again in integers, as are all where no type is wide
+enough; there nothing is in doubt.
 """
 
 from __future__ import annotations
@@ -15,6 +15,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from math import inf, lcm, nextafter
+from operator import mul
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -27,9 +29,6 @@ Coefficients: TypeAlias = tuple[Fraction, ...]
 Table: TypeAlias = tuple[tuple[Coefficients, Coefficients], tuple[Coefficients, Coefficients]]
 
 BITS = {np.dtype(np.float16): np.uint16, np.dtype(np.float32): np.uint32, np.dtype(np.float64): np.uint64}
-# Up to this degree n every |h|**n |q| is in the wider type's normal range: its exponents are n + 1 times the narrow
-# type's. The bound's coefficients are at most one eta smaller, which counts like a state.
-_LARGEST_DEGREE = {np.dtype(np.float16): 41, np.dtype(np.float32): 5, np.dtype(np.float64): 14}
 
 
 class Envelope(NamedTuple):
@@ -43,7 +42,7 @@ class Envelope(NamedTuple):
 class Ratios(NamedTuple):
     """Error over bound, the larger of the two components: certainly from `low` to `high`. NaN after an overflow.
 
-    Where `high` exceeds 1, both are exact up to one rounding, and to 1 they compare as the exact ratio does.
+    1 is never between them: where it would be, both are the ratio itself, rounded, but not across 1.
     """
 
     low: Floats
@@ -79,24 +78,20 @@ class Worst:
 
 
 def error_ratios(step: Step, envelope: Envelope, h: Floats, q: Floats, v: Floats) -> Ratios:
-    """Error over bound of one step from each (q, v) at each h, arrays of one shape and float type.
-
-    Raises ValueError if the method's degree in h is too high for the wider type.
-    """
+    """Error over bound of one step from each (q, v) at each h, arrays of one shape and float type."""
     degree = max(len(c) for c in _all_coefficients(envelope)) - 1
-    if degree > _LARGEST_DEGREE[h.dtype]:
-        raise ValueError(f"degree {degree} in h; for {h.dtype} at most {_LARGEST_DEGREE[h.dtype]} can be checked")
     with np.errstate(all="ignore"):
         results = step(oscillator, q, v, h)
     finite = np.isfinite(results[0]) & np.isfinite(results[1])
     numbers = [np.where(finite, x, h.dtype.type(0)) for x in (h, q, v, *results)]
-    low, high = _ratios(envelope, numbers, degree, _wider(h.dtype))
-    unclear = high > 1
-    if unclear.any():
-        exact = _ratios(envelope, [x[unclear] for x in numbers], degree, np.dtype(object))
-        low[unclear], high[unclear] = exact
-    low[~finite] = high[~finite] = np.nan
-    return Ratios(low, high)
+    wide = _wider(h.dtype, degree)
+    if wide is None:
+        low = high = _ratios_in_integers(envelope, numbers)
+    else:
+        low, high = _ratios(envelope, numbers, degree, wide)
+        unclear = (low <= 1) & (high > 1)
+        low[unclear] = high[unclear] = _ratios_in_integers(envelope, [x[unclear] for x in numbers])
+    return Ratios(np.where(finite, low, np.nan), np.where(finite, high, np.nan))
 
 
 def worst_of(ratios: Ratios, h: Floats, q: Floats, v: Floats) -> Worst:
@@ -127,8 +122,8 @@ def exhaust(step: Step, envelope: Envelope, chunks: Iterable[Floats], states: Se
     return worst
 
 
-def every_finite(dtype: Any, chunk: int = 1 << 20) -> Iterator[Floats]:
-    """Every finite number of a 16- or 32-bit float type, in arrays of at most `chunk`, ordered by bit pattern."""
+def every_finite(dtype: Any, chunk: int = 1 << 14) -> Iterator[Floats]:
+    """Every finite number of a 16- or 32-bit float type, in arrays of at most `chunk`, which fit the cache."""
     bits = BITS[np.dtype(dtype)]
     patterns = 1 << (8 * np.dtype(dtype).itemsize)
     for start in range(0, patterns, chunk):
@@ -139,9 +134,9 @@ def every_finite(dtype: Any, chunk: int = 1 << 20) -> Iterator[Floats]:
 
 def _ratios(envelope: Envelope, numbers: Sequence[Floats], degree: int, wide: Any) -> Ratios:
     """The ratios from h, q, v and the two results, all finite, with the arithmetic of `wide`."""
-    *values, q1, v1 = (_widen(x, wide) for x in numbers)
+    *values, q1, v1 = (x.astype(wide) for x in numbers)
     sizes = [abs(x) for x in values]
-    doubt = (2 * degree + 8) * _unit_roundoff(wide)
+    doubt = np.ldexp(wide.type(2 * degree + 8), -1 - np.finfo(wide).nmant)
     lows, highs = [], []
     for i, result in enumerate((q1, v1)):
         found = abs(result - _linear(envelope.exact[i], values))
@@ -152,34 +147,86 @@ def _ratios(envelope: Envelope, numbers: Sequence[Floats], degree: int, wide: An
     return Ratios(np.maximum(*lows), np.maximum(*highs))
 
 
-def _wider(dtype: Any) -> Any:
-    """A type in which `dtype`'s steps can be checked; `object`, for fractions, where the platform has no such float."""
-    if dtype != np.float64:
-        return np.dtype(np.float64)
-    long = np.finfo(np.longdouble)
-    return np.dtype(np.longdouble) if long.nmant >= 63 and long.maxexp >= 16384 else np.dtype(object)
+def _ratios_in_integers(envelope: Envelope, numbers: Sequence[Floats]) -> Floats:
+    """The ratios themselves, rounded to binary64 but never across 1."""
+    exact = [_Linear.of((*row, ())) for row in envelope.exact]
+    bounds = [_Linear.of((*row, free)) for row, free in zip(envelope.error, envelope.underflow, strict=True)]
+    ratios = []
+    for point in zip(*(x.tolist() for x in numbers), strict=True):
+        *values, q1, v1 = (x.as_integer_ratio() for x in point)
+        sizes = [(abs(numerator), denominator) for numerator, denominator in values]
+        rows = zip((q1, v1), exact, bounds, strict=True)
+        ratios.append(max(_ratio(result, m.at(*values), bound.at(*sizes)) for result, m, bound in rows))
+    return np.array(ratios, dtype=np.float64)
 
 
-def _unit_roundoff(wide: Any) -> Any:
-    return Fraction(0) if wide.kind == "O" else np.ldexp(wide.type(1), -1 - np.finfo(wide).nmant)
+Rational: TypeAlias = tuple[int, int]
 
 
-def _widen(x: Floats, wide: Any) -> Floats:
-    return np.frompyfunc(Fraction, 1, 1)(x.astype(float)) if wide.kind == "O" else x.astype(wide)
+class _Linear(NamedTuple):
+    """a(h) q + b(h) v + c(h) in integers: three rows of numerators of one length, and their common denominator."""
+
+    rows: list[list[int]]
+    denominator: int
+
+    @staticmethod
+    def of(polynomials: tuple[Coefficients, Coefficients, Coefficients]) -> _Linear:
+        length = max(map(len, polynomials))
+        denominator = lcm(*(c.denominator for p in polynomials for c in map(Fraction, p)))
+        rows = [[int(c * denominator) for c in p] + [0] * (length - len(p)) for p in polynomials]
+        return _Linear(rows, denominator)
+
+    def at(self, h: Rational, q: Rational, v: Rational) -> Rational:
+        degree = len(self.rows[0]) - 1
+        powers = [h[0] ** j * h[1] ** (degree - j) for j in range(degree + 1)]
+        a, b, c = (sum(map(mul, row, powers)) for row in self.rows)
+        numerator = a * q[0] * v[1] + b * v[0] * q[1] + c * q[1] * v[1]
+        return numerator, self.denominator * h[1] ** max(degree, 0) * q[1] * v[1]
+
+
+def _ratio(result: Rational, exact: Rational, bound: Rational) -> float:
+    numerator = abs(result[0] * exact[1] - exact[0] * result[1]) * bound[1]
+    denominator = result[1] * exact[1] * bound[0]
+    if numerator <= denominator:
+        return numerator / denominator if denominator else 0.0
+    if denominator == 0 or numerator >> 1000 > denominator:
+        return inf
+    return max(numerator / denominator, nextafter(1.0, inf))
+
+
+def _wider(dtype: Any, degree: int) -> Any:
+    """A type in which steps of `dtype` can be checked, None where there is no such float type.
+
+    Its normal range must hold |h|**degree |q| eta, so degree + 2 times the exponent of the smallest subnormal; that the
+    largest numbers stay in range follows, their exponents being smaller.
+    """
+    narrow = np.finfo(dtype)
+    reach = (degree + 2) * -int(np.log2(narrow.smallest_subnormal))
+    for wide in (np.finfo(np.float64), np.finfo(np.longdouble)):
+        if wide.nmant >= narrow.nmant + 11 and -wide.minexp >= reach:
+            return wide.dtype
+    return None
 
 
 def _constant(c: Fraction, like: Floats) -> Any:
-    """`c` in the type of `like`, rounded once (to nearest, then exactly scaled)."""
-    if like.dtype.kind == "O" or c == 0:
-        return c if c else 0
-    shift = np.finfo(like.dtype).nmant + 1 - (abs(c.numerator).bit_length() - c.denominator.bit_length())
+    """`c` in the type of `like`, rounded once: an integer of as many bits as that type holds, exactly scaled."""
+    if c == 0:
+        return like.dtype.type(0)
+    exponent = abs(c.numerator).bit_length() - c.denominator.bit_length()
+    exponent -= abs(c) < Fraction(2) ** exponent
+    shift = np.finfo(like.dtype).nmant - exponent
     return np.ldexp(like.dtype.type(round(c * Fraction(2) ** shift)), -shift)
 
 
-def _horner(coefficients: Coefficients, h: Floats) -> Floats:
-    total = h * 0
-    for c in reversed(coefficients):
-        total = total * h + _constant(c, h)
+def _horner(coefficients: Coefficients, h: Floats) -> Any:
+    """The polynomial at h, an array; its constant, not an array, where it is one."""
+    if not coefficients:
+        return 0
+    total = _constant(coefficients[-1], h)
+    for c in reversed(coefficients[:-1]):
+        total = total * h
+        if c != 0:
+            total = total + _constant(c, h)
     return total
 
 
@@ -193,11 +240,8 @@ def _absolute(row: tuple[Coefficients, Coefficients]) -> tuple[Coefficients, Coe
 
 
 def _quotient(error: Floats, bound: Floats) -> Floats:
-    """error / bound; where the bound is 0, 0 for no error and infinity for any other. Never rounded down to 1."""
-    ratio = error / np.where(bound == 0, bound + 1, bound)
-    if ratio.dtype.kind == "O":
-        above = np.nextafter(1.0, 2.0)
-        ratio = np.array([max(float(x), above) if x > 1 else float(x) for x in ratio])
+    """error / bound, with 0 for no error and infinity for any other where the bound is 0."""
+    ratio = error / np.where(bound == 0, 1, bound)
     return np.where(bound == 0, np.where(error > 0, np.inf, 0.0), ratio)
 
 

@@ -25,17 +25,20 @@ def search(
     population: int = 1 << 14,
     counter: Counter = range,
 ) -> Worst:
-    """The worst step found by climbing: every (h, q, v) tries a neighbour and the worse of the two goes on.
+    """The worst step found by climbing: the half with the larger errors goes on twice, each tries a neighbour first.
 
-    A neighbour has its bit patterns moved by up to any power of two, from one ulp to many exponents. The first points
-    cover all exponents and the subnormals; low <= |h| <= high holds throughout. Checks population * (1 + generations)
-    steps; `counter` is `range` or a progress bar like it. The same seed finds the same step.
+    A neighbour has its bit patterns moved by up to any power of two, from one ulp to many exponents; if its error over
+    bound is larger, it takes the place. The first points cover all exponents and the subnormals; low <= |h| <= high
+    holds throughout. Checks population * (1 + generations) steps; `counter` is `range` or a progress bar like it. The
+    same seed finds the same step.
     """
     rng = np.random.default_rng(seed)
     points = _first_points(rng, np.dtype(dtype), h_range, population)
     ratios = error_ratios(step, envelope, *points)
     worst, scores = worst_of(ratios, *points), _scores(ratios)
     for _ in counter(generations):
+        larger = np.resize(np.argsort(scores)[population // 2 :], population)
+        points, scores = tuple(x[larger] for x in points), scores[larger]
         trial = _neighbours(rng, points, h_range)
         ratios = error_ratios(step, envelope, *trial)
         worst = worst.merged(worst_of(ratios, *trial))

@@ -16,7 +16,7 @@ from proofs.setting import EULER, LESSON_METHODS, RK4, SYMPLECTIC, M
 from symbolic.energy import energy_multiplier
 from symbolic.n_steps import apply, matrix_at
 from symbolic.one_step import at_rational
-from symbolic.roundoff import step_bound
+from symbolic.rounding.step import step_bound
 
 # The double nearest to 1/10, and the smallest subnormal: named, because no literal would say which number it is.
 TENTH = float(Q(1, 10))

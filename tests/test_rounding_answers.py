@@ -8,7 +8,7 @@ import pytest
 from driftproof.cli import main
 from driftproof.rounding import budget_answer, roundoff_answer
 from methods.catalogue import METHODS
-from symbolic.float_formats import BINARY32
+from symbolic.rounding.formats import BINARY32
 
 
 def decimal(answer):

@@ -9,7 +9,7 @@ from driftproof.arguments import Commands, add_format, add_method, nonzero_step
 
 def add(commands: Commands) -> None:
     """Describe the command."""
-    from symbolic.float_formats import FORMATS
+    from symbolic.rounding.formats import FORMATS
 
     parser = commands.add_parser(
         "roundoff",
@@ -36,7 +36,7 @@ def answer(options: argparse.Namespace) -> str:
     """The bound as formulas, and its values at each h."""
     from driftproof.rounding import roundoff_answer, roundoff_text
     from driftproof.text import as_json
-    from symbolic.float_formats import FORMATS
+    from symbolic.rounding.formats import FORMATS
 
     result = roundoff_answer(options.method, options.h, FORMATS[options.float])
     return as_json(result) if options.format == "json" else roundoff_text(result)

@@ -2,7 +2,7 @@
 
 E is a non-negative 2x2 matrix and r a vector of underflow terms, polynomials in d = u/(1+u), eta and |h|, with every
 power of d kept. They belong to a program, that is to one order of operations; the form that belongs to a definition
-is in `roundoff_any_order`, a sharper one for one given h in `roundoff_sharp`.
+is in `any_order`, a sharper one for one given h in `sharp`.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from sympy.polys.matrices import DomainMatrix
 from methods.problems import oscillator
 from methods.stepping import Force
 from symbolic import one_step
-from symbolic.float_formats import BINARY64, FloatFormat
 from symbolic.one_step import Polynomial
-from symbolic.roundoff_number import RING, Rounded
-from symbolic.roundoff_trace import (
+from symbolic.rounding.formats import BINARY64, FloatFormat
+from symbolic.rounding.number import RING, Rounded
+from symbolic.rounding.trace import (
     NotLinear,
     Subject,
     Terms,

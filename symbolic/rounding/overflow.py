@@ -6,9 +6,9 @@ from fractions import Fraction
 
 from methods.problems import oscillator
 from methods.stepping import Force
-from symbolic.float_formats import BINARY64, FloatFormat
-from symbolic.roundoff import linear_bound
-from symbolic.roundoff_trace import Subject, at_step, in_format, magnitude, program, trace
+from symbolic.rounding.formats import BINARY64, FloatFormat
+from symbolic.rounding.step import linear_bound
+from symbolic.rounding.trace import Subject, at_step, in_format, magnitude, program, trace
 
 
 def largest_safe_state(

@@ -6,7 +6,7 @@ Model. With d = u/(1+u) and eta the smallest subnormal, rounding a real x to nea
 * a product with an integer is one too, so b = 0;
 * multiplying or dividing by a power of two only moves the exponent, so a = 0.
 The bounds below are worst cases over a and b, so they hold whatever the state, at every scale, and also when a product
-and the sum it enters are fused into one rounding: that only drops an a, and keeps at most one b of eta/2.
+and the sum it enters are fused into one rounding: that drops the product's a, and keeps one b, of which it has one.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from typing import Any, NoReturn
 
 from sympy import QQ, ring
 
-from symbolic.float_formats import FloatFormat, is_power_of_two
 from symbolic.one_step import Polynomial, rational
+from symbolic.rounding.formats import FloatFormat, is_power_of_two
 
 # Bounds are polynomials in d, eta, |h|, |q|, |v| with non-negative coefficients, exact values polynomials in h, q, v;
 # one ring holds both.
@@ -119,7 +119,7 @@ class Rounded:
         return Rounded(self.format, -self.exact, ((self, -RING.one),))
 
     def __pos__(self) -> Rounded:
-        """X itself."""
+        """+x, the number itself."""
         return self
 
     def __getattr__(self, name: str) -> Any:

@@ -13,25 +13,27 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from flint import arb, ctx
 
 from methods.problems import oscillator
 from methods.stepping import Force
-from symbolic.certified import Uncertified, enclose, endpoints
-from symbolic.float_formats import BINARY64, FloatFormat, exponent
-from symbolic.isometry import NoOwnNorm, OwnNorm, own_norm
-from symbolic.roundoff import LinearBound
-from symbolic.roundoff_range import largest_safe_state
-from symbolic.roundoff_sharp import SharpBound, sharp_bound
-from symbolic.roundoff_trace import Subject
+from symbolic.certified import Uncertified, enclose, endpoints, scientific
+from symbolic.rounding.formats import BINARY64, FloatFormat
+from symbolic.rounding.overflow import largest_safe_state
+from symbolic.rounding.own_norm import NoOwnNorm, OwnNorm, own_norm
+from symbolic.rounding.sharp import SharpBound, sharp_bound
+from symbolic.rounding.step import LinearBound
+from symbolic.rounding.trace import Subject
 
-State = tuple[Fraction, Fraction]
+State: TypeAlias = tuple[Fraction, Fraction]
 # Upper bounds are rounded up from enclosures of at least this relative accuracy.
 SETTLED_BITS = 40
 FIRST_BITS = 256
 LAST_BITS = 1 << 16
+# A magnitude beyond this power of two is shown as one.
+LARGEST_WRITTEN_OUT = 4096
 
 
 class HypothesisFails(ValueError):
@@ -150,12 +152,14 @@ def _demand_number(what: str, x: Fraction, fmt: FloatFormat) -> None:
 def _demand_safe(run: _Run, safe: Fraction, fmt: FloatFormat) -> None:
     with ctx.workprec(FIRST_BITS):
         reach = run.reach()
-        if not reach <= enclose(safe):
-            power = int((reach.log() / arb(2).log()).upper().floor().unique_fmpz())
-            raise HypothesisFails(
-                f"overflow of {fmt.name} cannot be excluded within {run.steps} steps: "
-                f"states might reach 2**{power}, and a step is safe up to 2**{exponent(safe)}"
-            )
+        if reach <= enclose(safe):
+            return
+        power = int((reach.log() / arb(2).log()).upper().floor().unique_fmpz())
+    size = scientific(run.reach, 4) if power < LARGEST_WRITTEN_OUT else f"2**{power}"
+    raise HypothesisFails(
+        f"overflow of {fmt.name} cannot be excluded within {run.steps} steps: "
+        f"states might reach {size}, and a step is safe up to {scientific(safe, 4)}"
+    )
 
 
 def _above(ball: Callable[[], arb]) -> Fraction:

@@ -4,8 +4,8 @@ The error of a program obeys dx = sum of (partial derivative) times (operand's e
 operands' errors, exactly. Solved backwards, the error of an output is the sum over all operations i of
 adjoint_i * (own rounding_i + crossed_i), where adjoint_i is the derivative of the output by result i. The own rounding
 is at most d|x_i| + d propagated_i + eta/2. The leading part d |adjoint_i x_i| is a number times |a q + b v| once h is
-known, and keeps the cancellation inside a and b that the sum of |monomials| of `roundoff` gives away; the rest is of
-second order or underflow, where nothing is lost by bounding it as `roundoff` does.
+known, and keeps the cancellation inside a and b that the sum of |monomials| of `step` gives away; the rest is of
+second order or underflow, where nothing is lost by bounding it as `step` does.
 
 A product may be fused into some of the sums that use it and not into others, so its own rounding is weighed use by use,
 without the cancellation between uses. Hence this form holds under fusing, too.
@@ -20,11 +20,11 @@ from typing import TypeAlias
 
 from methods.problems import oscillator
 from methods.stepping import Force
-from symbolic.float_formats import BINARY64, FloatFormat
 from symbolic.one_step import Polynomial
-from symbolic.roundoff import COLUMNS, LinearBound, demand_linear, linear_bound
-from symbolic.roundoff_number import ETA, RING, D, Rounded, majorant
-from symbolic.roundoff_trace import Subject, Terms, at_step, in_format, program, trace
+from symbolic.rounding.formats import BINARY64, FloatFormat
+from symbolic.rounding.number import ETA, RING, D, Rounded, majorant
+from symbolic.rounding.step import COLUMNS, LinearBound, demand_linear, linear_bound
+from symbolic.rounding.trace import Subject, Terms, at_step, in_format, program, trace
 
 # (a, b, c) of a form a q + b v + c.
 Form: TypeAlias = tuple[Fraction, Fraction, Fraction]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from symbolic.one_step import Polynomial
-from symbolic.roundoff import StepBound
+from symbolic.rounding.step import StepBound
 
 # The first power of d is the bound that one quotes; from the third on the formulas are long and say nothing new.
 SHOWN_POWERS = 2

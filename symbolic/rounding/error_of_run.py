@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import TypeAlias
 
 from flint import arb
 
 from symbolic.certified import Exact, enclose
-from symbolic.n_steps import Entries, apply, as_balls, power
+from symbolic.n_steps import Entries, apply, as_balls, power, short_power
 
-State = tuple[Fraction, Fraction]
+State: TypeAlias = tuple[Fraction, Fraction]
 # Up to this many bits M**N is also formed exactly, to recognise a run without any rounding error.
 LONGEST_POWER = 20_000
 
@@ -49,8 +50,8 @@ class ErrorOfRun:
 
     @property
     def _is_exact(self) -> bool:
-        bits = max(max(abs(x.numerator).bit_length(), x.denominator.bit_length()) for x in self.matrix)
-        return bits * self.steps <= LONGEST_POWER and apply(power(self.matrix, self.steps), *self.start) == self.final
+        whole = short_power(self.matrix, self.steps, LONGEST_POWER)
+        return whole is not None and apply(whole, *self.start) == self.final
 
     def _floats(self) -> tuple[arb, arb]:
         return enclose(self.final[0]), enclose(self.final[1])

@@ -11,31 +11,38 @@ Fusing a product into a sum only drops factors.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from typing import NamedTuple
 
 from methods.schemes import Method
-from symbolic.float_formats import BINARY64, FloatFormat
-from symbolic.one_step import Polynomial
-from symbolic.roundoff import StepBound
-from symbolic.roundoff_number import ETA, RING, D, H, Q, Rounded, V, majorant
-from symbolic.roundoff_trace import Terms, at_state, at_step, in_format, program, trace
+from symbolic.one_step import Polynomial, rational
+from symbolic.rounding.formats import BINARY64, FloatFormat, power_of_two
+from symbolic.rounding.number import RING, D, H, Q, Rounded, V, majorant
+from symbolic.rounding.step import StepBound
+from symbolic.rounding.trace import Terms, at_state, at_step, in_format, program, trace
 
 
 @dataclass(frozen=True)
 class AnyOrderBound:
-    """|fl(step(z)) - M(h) z| <= `errors`, bounds for |dq| and |dv| in Q[d, eta, |h|, |q|, |v|].
+    """|fl(step(z)) - M(h) z| <= the sum over the monomials c D^k m of `counted` of c ((1+d)^k - 1)|m|, and underflow.
 
-    Holds for every program that associates and commutes the definition's sums and products as it likes, fuses them or
-    not, and rounds each coefficient; no monomial passes more than `roundings`. Whether some other program is inside,
-    one that multiplies out a bracket say, is for `covers` to decide.
+    `counted` holds them for dq and dv: here the power of D is the count k. `raised` is the same with small factors
+    raised. Holds for every program that associates and commutes the definition's sums and products as it likes, fuses
+    them or not, and rounds each coefficient, if nothing overflows. Whether some other program is inside, one that
+    multiplies out a bracket say, is for `covers` to decide.
     """
 
     format: FloatFormat
-    roundings: int
-    errors: tuple[Polynomial, Polynomial]
+    counted: tuple[Polynomial, Polynomial]
+    raised: tuple[Polynomial, Polynomial]
+
+    @property
+    def roundings(self) -> int:
+        """The most roundings that a monomial passes, in any order."""
+        return max(int(polynomial.degree(D)) for polynomial in self.counted)
 
     def error_of(self, h: Fraction, q: Fraction, v: Fraction) -> tuple[Fraction, Fraction]:
         """The bounds on |dq| and |dv| of one step from (q, v)."""
@@ -53,14 +60,37 @@ class AnyOrderBound:
 
     @cached_property
     def _terms(self) -> list[Terms]:
-        return [in_format(error, self.format) for error in self.errors]
+        growth, loss = 1 + self.format.relative_error, 1 + self.format.eta / 2
+        return [
+            _summed(
+                _weighted(counted, lambda k: growth**k - 1) + _weighted(raised, lambda k: (loss**k - 1) * growth**k)
+            )
+            for counted, raised in zip(self.counted, self.raised, strict=True)
+        ]
 
 
 def any_order_bound(method: Method, fmt: FloatFormat = BINARY64) -> AnyOrderBound:
-    """The any-order bound of a definition. Raises MethodError for an implicit method."""
-    tally_q, tally_v = (_tally_of(output) for output in trace(method, fmt))
-    roundings = max(tally_q.finished.degree(D), tally_v.finished.degree(D))
-    return AnyOrderBound(fmt, int(roundings), (_error(tally_q), _error(tally_v)))
+    """The any-order bound of a definition.
+
+    Raises MethodError for an implicit method, ValueError for a coefficient in the format's underflow range.
+    """
+    q, v = (_tally_of(output) for output in trace(method, fmt))
+    return AnyOrderBound(fmt, (q.finished, v.finished), (q.finished_raised, v.finished_raised))
+
+
+def _weighted(polynomial: Polynomial, weight: Callable[[int], Fraction]) -> list[tuple[tuple[int, ...], Fraction]]:
+    """The terms (powers of h, q, v; coefficient) with each power k of D replaced by weight(k)."""
+    return [
+        (tuple(powers), Fraction(int(c.numerator), int(c.denominator)) * weight(k))
+        for (k, _, *powers), c in polynomial.terms()
+    ]
+
+
+def _summed(terms: list[tuple[tuple[int, ...], Fraction]]) -> Terms:
+    total: Terms = {}
+    for powers, c in terms:
+        total[powers] = total.get(powers, Fraction(0)) + c
+    return total
 
 
 class _Tally(NamedTuple):
@@ -109,15 +139,8 @@ def _leaf(x: Rounded) -> _Tally:
     size = majorant(x.exact)
     if x.held is None:
         return _Tally(size, 1 + H if size == H else 1 + Q + V)
+    if 0 < size.LC < rational(power_of_two(x.format.emin)):
+        raise ValueError(f"the coefficient {size.LC} is in the underflow range of {x.format.name}")
     # A coefficient that this format holds may be another program's rounded one.
     count = RING.one if size == 1 else D
     return _Tally(count * size, count * max(size.LC, 1))
-
-
-def _error(tally: _Tally) -> Polynomial:
-    error = RING.zero
-    for (k, *powers), c in tally.finished.terms():
-        error += ((1 + D) ** k - 1) * RING({(0, *powers): c})
-    for (k, *powers), c in tally.finished_raised.terms():
-        error += ((1 + ETA / 2) ** k - 1) * (1 + D) ** k * RING({(0, *powers): c})
-    return error

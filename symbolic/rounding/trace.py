@@ -9,9 +9,9 @@ from typing import TypeAlias
 from methods.problems import oscillator
 from methods.schemes import Method
 from methods.stepping import Force, Lift, Step, stepper
-from symbolic.float_formats import FloatFormat
 from symbolic.one_step import Polynomial
-from symbolic.roundoff_number import H, Q, RefusedOperation, Rounded, V, constant, majorant, rational_value
+from symbolic.rounding.formats import FloatFormat
+from symbolic.rounding.number import H, Q, RefusedOperation, Rounded, V, constant, majorant, rational_value
 
 # What a bound can be asked about: a method of the catalogue, or anybody's step function.
 Subject: TypeAlias = Method | Step
@@ -31,7 +31,10 @@ def trace(subject: Subject, fmt: FloatFormat, force: Force = oscillator, h: Frac
     """
     size = Rounded(fmt, H) if h is None else constant(h, fmt)
     step = subject if callable(subject) else stepper(subject, lift_to(fmt))
-    outputs = step(force, Rounded(fmt, Q), Rounded(fmt, V), size)
+    result = step(force, Rounded(fmt, Q), Rounded(fmt, V), size)
+    outputs = list(result) if isinstance(result, Iterable) else []
+    if len(outputs) != 2:
+        raise RefusedOperation(f"the step returned {result!r}; it must return the pair (q1, v1)")
     return [x if isinstance(x, Rounded) else constant(_demand_number(x), fmt) for x in outputs]
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 
-from symbolic.float_formats import FloatFormat
+from symbolic.rounding.formats import FloatFormat
 
 
 @dataclass(frozen=True, eq=False)
