@@ -18,6 +18,7 @@ from driftproof.text import table
 from methods.catalogue import METHODS
 from methods.problems import oscillator
 from methods.stepping import stepper
+from methods.tables import basic
 from numeric.leapfrog import leapfrog
 from numeric.steppers import HAND_WRITTEN, rk4
 from numeric.worst_case import Envelope
@@ -33,7 +34,7 @@ from symbolic.rounding.step import step_bound
 
 FORMATS = {BINARY64: np.float64, BINARY32: np.float32, BINARY16: np.float16}
 RANGES = {"|h| <= 1/4": (0.0, 0.25), "|h| = 1/4": (0.25, 0.25), "|h| = 1": (1.0, 1.0), "|h| = 5/2": (2.5, 2.5)}
-PROGRAMS = {**HAND_WRITTEN, "leapfrog": leapfrog} | {f"generic {key}": m for key, m in METHODS.items()}
+PROGRAMS = {**HAND_WRITTEN, "leapfrog": leapfrog} | {f"generic {m.key}": m for m in basic.ENTRIES}
 
 
 def worst_over_bound() -> str:

@@ -7,15 +7,16 @@ from collections.abc import Sequence
 
 from driftproof import __version__
 from driftproof.arguments import BAD_INPUT, Parser
-from driftproof.commands import methods, roundoff, run, scene, scenes, step, values
+from driftproof.commands import facts, methods, roundoff, run, scene, scenes, step, values
 
 NO_ANSWER = 3
-COMMANDS = (methods, step, run, roundoff, scenes, scene, values)
+COMMANDS = (methods, facts, step, run, roundoff, scenes, scene, values)
 
 EXAMPLES = """\
 examples:
   driftproof step rk4 --h 1/2 --state 1,0          337/384 and -23/48, with decimals
   driftproof run forward_euler --h 1/4 --t 10      certified state, errors, energy and phase
+  driftproof facts rk4                             every exact fact of a method, or of your own tableau
   driftproof roundoff rk4 --h 1/4                  the rounding bound of a step, derived by running it
   driftproof scene default                         the lesson's readouts and its table
   driftproof values --only 'rk4.*' --format md     proved values, ready for a text

@@ -33,7 +33,7 @@ def draw(panel: str, scene: Scene, trajectory: tuple[Any, Any], folder: Path) ->
         axes.grid(alpha=0.3)
         figure.legend(loc="outside lower center", ncols=4, frameon=False)
         path = folder / f"{scene.name}_{panel}.svg"
-        _save(figure, path)
+        save(figure, path)
     return path
 
 
@@ -64,9 +64,10 @@ def _exact(scene: Scene, times: Any) -> Any:
     return exact_state((q, v), times)
 
 
-def _save(figure: Figure, path: Path) -> None:
+def save(figure: Figure, path: Path) -> None:
+    """Write the figure whole or not at all, as SVG or by the file's suffix."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, draft = tempfile.mkstemp(dir=path.parent, suffix=".svg")
+    handle, draft = tempfile.mkstemp(dir=path.parent, suffix=path.suffix)
     os.close(handle)
     try:
         figure.savefig(draft, metadata={"Date": None})

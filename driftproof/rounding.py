@@ -11,10 +11,11 @@ from driftproof.text import table
 from methods.catalogue import method_named
 from methods.problems import oscillator
 from methods.rationals import step_count
+from methods.schemes import MethodError
 from numeric.run import Counter, integrate, nearest_double
 from numeric.steppers import HAND_WRITTEN, float_stepper
 from symbolic.certified import Exact, enclose
-from symbolic.n_steps import matrix_at
+from symbolic.n_steps import exact_matrix_at
 from symbolic.one_step import one_step_matrix
 from symbolic.rounding.error_of_run import ErrorOfRun
 from symbolic.rounding.formats import BINARY64, FloatFormat
@@ -22,6 +23,7 @@ from symbolic.rounding.n_steps import HypothesisFails, run_bound
 from symbolic.rounding.sharp import sharp_bound
 from symbolic.rounding.step import StepBound, step_bound
 from symbolic.rounding.text import first_order_text, format_text, full_text
+from symbolic.rounding.trace import Subject
 
 # Bounds are quoted, not compared: few digits say enough.
 BOUND_DIGITS = 6
@@ -34,7 +36,7 @@ def roundoff_answer(key: str, steps: Sequence[Fraction], fmt: FloatFormat = BINA
     with its coefficients rounded to the format.
     """
     method = method_named(key)
-    subject = float_stepper(key) if fmt == BINARY64 and key in HAND_WRITTEN else method
+    subject = _program(key) if fmt == BINARY64 else method
     bound = step_bound(subject, fmt)
     return {
         "method": key,
@@ -46,6 +48,11 @@ def roundoff_answer(key: str, steps: Sequence[Fraction], fmt: FloatFormat = BINA
         "differences_from_definition": bound.differences(one_step_matrix(method)),
         "at": [_at(key, subject, bound, fmt.nearest(h)) for h in steps],
     }
+
+
+def _program(key: str) -> Subject:
+    """What a binary64 run of `key` executes: the hand-written step, or the definition with its coefficients rounded."""
+    return HAND_WRITTEN.get(key) or method_named(key)
 
 
 def _at(key: str, subject: Any, bound: StepBound, h: Fraction) -> Answer:
@@ -91,7 +98,7 @@ def budget_answer(
     exact_h, exact_start = Fraction(size), (Fraction(state[0]), Fraction(state[1]))
     final = integrate(float_stepper(key), oscillator, (state[0], state[1]), size, steps, counter=counter)
     reached = (Fraction(final[0]), Fraction(final[1]))
-    error = ErrorOfRun(matrix_at(one_step_matrix(method), exact_h), exact_h, steps, exact_start, reached)
+    error = ErrorOfRun(exact_matrix_at(method, exact_h), exact_h, steps, exact_start, reached)
     return {
         "h_run": str(exact_h) if exact_h == h else f"{size!r} (the double nearest to {h})",
         "final_state": [repr(x) for x in final],
@@ -109,8 +116,8 @@ def _in_u(value: Exact) -> Exact:
 
 def _theorem(key: str, h: Fraction, steps: int, start: tuple[Fraction, Fraction]) -> Answer:
     try:
-        bound = run_bound(float_stepper(key), h, steps, start).euclidean
-    except HypothesisFails as reason:
+        bound = run_bound(_program(key), h, steps, start).euclidean
+    except (HypothesisFails, MethodError) as reason:
         return {"value": None, "reason": str(reason)}
     return {
         "value": number(bound, BOUND_DIGITS),

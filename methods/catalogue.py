@@ -1,114 +1,59 @@
-"""The methods, one entry each. To add one, add an entry here and nothing anywhere else."""
+"""The methods by key. To add one, add an entry to the table of its family in `methods/tables`, and nothing else."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from difflib import get_close_matches
-from fractions import Fraction as Q
+from itertools import chain
 
-from methods.schemes import Method, RungeKutta, Splitting
+from methods.schemes import Method
+from methods.tables import (
+    basic,
+    collocation,
+    decimal_pairs,
+    decimal_splittings,
+    diagonally_implicit,
+    embedded,
+    explicit,
+    high_order_pairs,
+    implicit,
+    nystrom,
+    splittings,
+    stabilised,
+)
 
-_ENTRIES: tuple[Method, ...] = (
-    RungeKutta(
-        key="forward_euler",
-        title="Forward Euler",
-        claimed_order=1,
-        source="hairer-norsett-wanner-1993, I.7",
-        a=((Q(0),),),
-        b=(Q(1),),
-        c=(Q(0),),
-    ),
-    # Not `symplectic_euler_position_first`, which is its adjoint; both are called "the" symplectic Euler.
-    Splitting(
-        key="symplectic_euler",
-        title="Symplectic Euler",
-        claimed_order=1,
-        source="hairer-lubich-wanner-2006, I.1.2",
-        parts=(("kick", Q(1)), ("drift", Q(1))),
-    ),
-    Splitting(
-        key="symplectic_euler_position_first",
-        title="Symplectic Euler, position first",
-        claimed_order=1,
-        source="hairer-lubich-wanner-2006, I.1.2",
-        parts=(("drift", Q(1)), ("kick", Q(1))),
-    ),
-    Splitting(
-        key="velocity_verlet",
-        title="Velocity Verlet",
-        claimed_order=2,
-        source="hairer-lubich-wanner-2006, I.1.4",
-        parts=(("kick", Q(1, 2)), ("drift", Q(1)), ("kick", Q(1, 2))),
-    ),
-    Splitting(
-        key="position_verlet",
-        title="Position Verlet",
-        claimed_order=2,
-        source="hairer-lubich-wanner-2006, I.1.4",
-        parts=(("drift", Q(1, 2)), ("kick", Q(1)), ("drift", Q(1, 2))),
-    ),
-    RungeKutta(
-        key="heun2",
-        title="Heun's second-order method",
-        claimed_order=2,
-        source="butcher-2016, 231",
-        a=((Q(0), Q(0)), (Q(1), Q(0))),
-        b=(Q(1, 2), Q(1, 2)),
-        c=(Q(0), Q(1)),
-    ),
-    # The explicit midpoint rule; not `implicit_midpoint`, and not the two-step leapfrog of the same nickname.
-    RungeKutta(
-        key="midpoint2",
-        title="Explicit midpoint",
-        claimed_order=2,
-        source="butcher-2016, 231",
-        a=((Q(0), Q(0)), (Q(1, 2), Q(0))),
-        b=(Q(0), Q(1)),
-        c=(Q(0), Q(1, 2)),
-    ),
-    RungeKutta(
-        key="rk4",
-        title="Classical RK4",
-        claimed_order=4,
-        source="hairer-norsett-wanner-1993, II.1 Table 1.2",
-        a=(
-            (Q(0), Q(0), Q(0), Q(0)),
-            (Q(1, 2), Q(0), Q(0), Q(0)),
-            (Q(0), Q(1, 2), Q(0), Q(0)),
-            (Q(0), Q(0), Q(1), Q(0)),
-        ),
-        b=(Q(1, 6), Q(1, 3), Q(1, 3), Q(1, 6)),
-        c=(Q(0), Q(1, 2), Q(1, 2), Q(1)),
-    ),
-    RungeKutta(
-        key="rk38",
-        title="Kutta's 3/8 rule",
-        claimed_order=4,
-        source="hairer-norsett-wanner-1993, II.1 Table 1.2",
-        a=(
-            (Q(0), Q(0), Q(0), Q(0)),
-            (Q(1, 3), Q(0), Q(0), Q(0)),
-            (Q(-1, 3), Q(1), Q(0), Q(0)),
-            (Q(1), Q(-1), Q(1), Q(0)),
-        ),
-        b=(Q(1, 8), Q(3, 8), Q(3, 8), Q(1, 8)),
-        c=(Q(0), Q(1, 3), Q(2, 3), Q(1)),
-    ),
+TABLES = (
+    basic,
+    explicit,
+    stabilised,
+    embedded,
+    high_order_pairs,
+    decimal_pairs,
+    implicit,
+    diagonally_implicit,
+    collocation,
+    splittings,
+    decimal_splittings,
+    nystrom,
 )
 
 
-def _by_key(entries: tuple[Method, ...]) -> dict[str, Method]:
-    methods = {method.key: method for method in entries}
-    if len(methods) != len(entries):
-        raise ValueError("methods/catalogue.py: two entries share a key")
+def _by_key(entries: Iterable[Method]) -> dict[str, Method]:
+    methods: dict[str, Method] = {}
+    for method in entries:
+        if method.key in methods:
+            raise ValueError(f"methods/tables: two entries share the key {method.key}")
+        methods[method.key] = method
     return methods
 
 
-METHODS: dict[str, Method] = _by_key(_ENTRIES)
+METHODS: dict[str, Method] = _by_key(chain.from_iterable(table.ENTRIES for table in TABLES))
 
 
 def method_named(key: str) -> Method:
     """The catalogue entry `key`. Raises ValueError naming the closest keys if there is none."""
     if key in METHODS:
         return METHODS[key]
-    close = get_close_matches(key, METHODS, n=2, cutoff=0.4) or sorted(METHODS)
-    raise ValueError(f"unknown method {key!r}; did you mean {' or '.join(close)}? (`driftproof methods` lists all)")
+    close = get_close_matches(key, METHODS, n=2, cutoff=0.4)
+    hint = f"did you mean {' or '.join(close)}? " if close else ""
+    raise ValueError(f"unknown method {key[:60]!r}; {hint}(`driftproof methods` lists all)")

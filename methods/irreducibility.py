@@ -15,7 +15,7 @@ from methods.polynomials import divide, is_square_free, primitive
 
 LARGEST_DEGREE = 12
 # 2**e - 1 is prime for each of these e.
-MERSENNE_EXPONENTS = (61, 89, 107, 127, 521, 607, 1279, 2203, 4253)
+MERSENNE_EXPONENTS = (61, 89, 107, 127, 521, 607, 1279, 2203)
 _MOST_TRIALS = 500
 
 
@@ -26,7 +26,7 @@ class UndecidedError(ValueError):
 def is_irreducible(coefficients: Sequence[int]) -> bool:
     """True when the polynomial, constant term first, is no product of two over Q of positive degree.
 
-    Exact. Raises UndecidedError for a degree above 12 or coefficients of more than some 4000 bits, ValueError for a
+    Exact. Raises UndecidedError for a degree above 12 or coefficients of more than some 1000 bits, ValueError for a
     constant.
     """
     f = primitive(coefficients)

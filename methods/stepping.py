@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from fractions import Fraction
 from typing import Any, TypeAlias
 
-from methods.schemes import Method, MethodError, RungeKutta, Splitting, nonzero
+from methods.schemes import Method, MethodError, Nystrom, RungeKutta, Splitting, nonzero
 
 # Any type with + and * (and what its force needs); the arithmetic is the type's own.
 Number: TypeAlias = Any
 Force: TypeAlias = Callable[[Number], Number]
 Step: TypeAlias = Callable[[Force, Number, Number, Number], tuple[Number, Number]]
-Lift: TypeAlias = Callable[[Fraction], Number]
+# From an Exact; not typed so, because an arithmetic may know rationals only and refuse the rest.
+Lift: TypeAlias = Callable[[Any], Number]
 
 
 def stepper(method: Method, lift: Lift) -> Step:
@@ -25,8 +25,10 @@ def stepper(method: Method, lift: Lift) -> Step:
     """
     if isinstance(method, Splitting):
         return _splitting_stepper(method, lift)
-    if not method.explicit:
+    if not method.explicit or not isinstance(method, RungeKutta | Nystrom):
         raise MethodError(f"{method.key} is implicit: its stages are equations, so it has no explicit step")
+    if isinstance(method, Nystrom):
+        return _nystrom_stepper(method, lift)
     return _runge_kutta_stepper(method, lift)
 
 
@@ -56,6 +58,33 @@ def _runge_kutta_stepper(method: RungeKutta, lift: Lift) -> Step:
         return _advance(weights, slopes, q, v, h)
 
     return step
+
+
+def _nystrom_stepper(method: Nystrom, lift: Lift) -> Step:
+    rows = [[(j, lift(x)) for j, x in nonzero(row)] for row in method.a]
+    nodes = [lift(c) if c != 0 else None for c in method.c]
+    in_position = [(i, lift(x)) for i, x in nonzero(method.b_position)]
+    in_velocity = [(i, lift(x)) for i, x in nonzero(method.b_velocity)]
+
+    def step(force: Force, q: Number, v: Number, h: Number) -> tuple[Number, Number]:
+        forces: list[Number] = []
+        for node, row in zip(nodes, rows, strict=True):
+            stage = q if node is None else q + (node * h) * v
+            forces.append(force(_pushed(stage, row, forces, h * h)))
+        return _pushed(q + h * v, in_position, forces, h * h), _pushed(v, in_velocity, forces, h)
+
+    return step
+
+
+def _pushed(start: Number, weights: list[tuple[int, Number]], forces: list[Number], h: Number) -> Number:
+    """start + h Σ wᵢ kᵢ, the sum taken from the left."""
+    if not weights:
+        return start
+    (i, w), *rest = weights
+    total = w * forces[i]
+    for i, w in rest:
+        total = total + w * forces[i]
+    return start + h * total
 
 
 def _advance(

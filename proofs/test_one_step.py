@@ -16,7 +16,8 @@ from numeric.steppers import HAND_WRITTEN
 from proofs.claims import COUNTED, FUZZED, PROVED, claim
 from proofs.setting import EULER, FIRST_H, LESSON_METHODS, RK4, START, SYMPLECTIC, M, state_after, step_of
 from symbolic.one_step import STATE_H, STATE_Q, STATE_V, H, matrix, matrix_of, symbolic_step
-from symbolic.order import density, elementary_weight, failing_condition, rooted_trees, runge_kutta_order, vertices
+from symbolic.trees.order import elementary_weight, failing_condition, order
+from symbolic.trees.rooted import density, rooted_trees, vertices
 
 h, q, v = STATE_H, STATE_Q, STATE_V
 
@@ -133,7 +134,7 @@ def test_symplectic_euler_has_order_one_and_not_two() -> None:
 def test_rk4_has_four_stages_and_order_four_and_not_five() -> None:
     """RK4 forms four rates, and is of order four: all 8 order conditions up to 4 hold, one of order 5 fails."""
     rk4: Any = METHODS[RK4]
-    trees = [tree for order in range(1, 5) for tree in rooted_trees(order)]
+    trees = [tree for size in range(1, 5) for tree in rooted_trees(size)]
     assert len(rk4_slopes()) == rk4.stages == 4
     assert len(trees) == 8
     assert all(elementary_weight(rk4, tree) * density(tree) == 1 for tree in trees)
@@ -141,7 +142,7 @@ def test_rk4_has_four_stages_and_order_four_and_not_five() -> None:
     assert failing is not None
     assert vertices(failing[0]) == 5
     assert failing[1] != 0
-    assert runge_kutta_order(rk4) == 4
+    assert order(rk4).order == 4
 
 
 @claim("L059", "L207", evidence=PROVED, by="identity over Q[h,q,v]")

@@ -9,9 +9,11 @@ from typing import Any, TypeAlias, TypeVar
 import sympy
 from flint import arb, ctx, fmpq, fmpz
 
-# A real number, known exactly: a rational, a SymPy expression, or a procedure that returns an Arb ball around the
-# number at Arb's current precision, the smaller the higher that is.
-Exact: TypeAlias = Fraction | sympy.Expr | Callable[[], arb]
+from methods.number_field import Algebraic
+
+# A real number, known exactly: a rational, an element of a number field, a SymPy expression, or a procedure that
+# returns an Arb ball around the number at Arb's current precision, the smaller the higher that is.
+Exact: TypeAlias = Fraction | Algebraic | sympy.Expr | Callable[[], arb]
 T = TypeVar("T")
 
 HALF_EVEN = "half-even"
@@ -35,6 +37,9 @@ def enclose(value: Exact) -> arb:
         return _enclose_expression(value)
     if callable(value):
         return value()
+    if isinstance(value, Algebraic):
+        low, high = (arb(fmpq(end.numerator, end.denominator)) for end in value.enclosure(ctx.prec))
+        return low.union(high)
     return arb(fmpq(value.numerator, value.denominator))
 
 

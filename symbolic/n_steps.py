@@ -8,7 +8,10 @@ from typing import Any, TypeAlias
 import sympy
 from sympy.polys.matrices import DomainMatrix
 
+from methods.schemes import Method
 from symbolic.certified import enclose
+from symbolic.linear.oscillator import one_step_matrix as linear_one_step_matrix
+from symbolic.linear.polynomials import exact, scalar
 from symbolic.one_step import at_rational, determinant, entries, expression
 from symbolic.phase import phase_per_step
 
@@ -20,6 +23,18 @@ STEPS = sympy.Symbol("n", integer=True)
 def matrix_at(m: DomainMatrix, h: Fraction) -> Entries:
     """The entries of M(h) at a rational h, as Fractions."""
     qq, qv, vq, vv = (at_rational(entry, h) for entry in entries(m))
+    return qq, qv, vq, vv
+
+
+def exact_matrix_at(method: Method, h: Fraction) -> Entries:
+    """(M_qq, M_qv, M_vq, M_vv) at a rational h: rational, or in the number field of the method's coefficients.
+
+    Raises ValueError where M has a pole at h, so that the step has no solution.
+    """
+    try:
+        qq, qv, vq, vv = (exact(entry(scalar(h))) for row in linear_one_step_matrix(method) for entry in row)
+    except ZeroDivisionError:
+        raise ValueError(f"{method.key} has no step of h = {h}: its one-step matrix has a pole there") from None
     return qq, qv, vq, vv
 
 
@@ -45,10 +60,12 @@ def power(matrix: Entries, n: int) -> Entries:
 
 
 def short_power(matrix: Entries, n: int, bits: int) -> Entries | None:
-    """matrix**n over Fractions, or None once a numerator or denominator on the way is longer than `bits` bits.
+    """matrix**n over Fractions, or None if an entry is irrational or on the way longer than `bits` bits.
 
     Short powers are not only the small ones: a matrix of finite order has none but short powers.
     """
+    if not all(isinstance(x, Fraction) for x in matrix):
+        return None
     result: Entries = (Fraction(1), Fraction(0), Fraction(0), Fraction(1))
     while n:
         if n & 1:

@@ -13,8 +13,7 @@ from flint import arb, ctx
 from methods.rationals import step_count
 from methods.schemes import Method
 from symbolic.certified import Exact, enclose
-from symbolic.n_steps import Entries, apply, as_balls, matrix_at, power, short_power
-from symbolic.one_step import one_step_matrix
+from symbolic.n_steps import Entries, apply, as_balls, exact_matrix_at, power, short_power
 
 # Above this many bits a power of M is only enclosed: the fraction would be longer than anyone reads.
 LONGEST_FRACTION = 4_000
@@ -47,7 +46,7 @@ class OscillatorRun:
 
     @cached_property
     def _matrix(self) -> Entries:
-        return matrix_at(one_step_matrix(self.method), self.h)
+        return exact_matrix_at(self.method, self.h)
 
     @cached_property
     def _enclosures(self) -> dict[int, tuple[arb, arb]]:

@@ -21,9 +21,10 @@ from numeric.steppers import HAND_WRITTEN
 from symbolic.convergence import local_error
 from symbolic.energy import StateDependentEnergy, energy_multiplier, invariant_quadratic
 from symbolic.one_step import RING, H, determinant, matrix, matrix_of, one_step_matrix, rational, trace
-from symbolic.order import failing_condition, runge_kutta_order
 from symbolic.phase import leading_term, phase_error_series
 from symbolic.stability import stability_limit
+from symbolic.trees.order import failing_condition
+from symbolic.trees.order import order as tree_order
 from tests.nine import NINE
 
 RUNGE_KUTTA = [method for method in NINE.values() if isinstance(method, RungeKutta)]
@@ -42,7 +43,7 @@ def test_catalogue_holds_the_named_methods() -> None:
 
 
 def test_two_entries_with_one_key_are_refused() -> None:
-    with pytest.raises(ValueError, match="two entries share a key"):
+    with pytest.raises(ValueError, match="share the key rk4"):
         catalogue._by_key((METHODS["rk4"], METHODS["rk4"]))
 
 
@@ -50,7 +51,7 @@ def test_unknown_key_names_the_closest() -> None:
     with pytest.raises(ValueError, match="unknown method 'rk5'; did you mean rk4 or rk38") as caught:
         method_named("rk5")
     assert "\n" not in str(caught.value)
-    with pytest.raises(ValueError, match="did you mean forward_euler or heun2 or midpoint2"):
+    with pytest.raises(ValueError, match="lists all"):
         method_named("zzzzzzzz")
 
 
@@ -67,7 +68,7 @@ def test_runge_kutta_has_the_claimed_order_and_not_the_next(method: RungeKutta) 
     assert all(failing_condition(method, p) is None for p in range(1, order + 1))
     tree, residual = failing_condition(method, order + 1) or ((), 0)
     assert residual != 0, tree
-    assert runge_kutta_order(method) == order
+    assert tree_order(method).order == order
 
 
 def splitting_order(method: Splitting) -> int:

@@ -366,7 +366,8 @@ def test_help_teaches_by_example(command: tuple[str, ...], answer: Answer) -> No
 
 def test_examples_in_the_help_are_answered(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "mine.toml").write_text(help_scene(), encoding="utf-8")
+    for command, name in (("scene", "mine.toml"), ("facts", "tableau.toml")):
+        (tmp_path / name).write_text(help_file(command, name), encoding="utf-8")
     examples = [line.strip() for name in commands() for line in help_text(name).splitlines()]
     shown = [line for line in examples if line.startswith("driftproof ")]
     assert len(shown) >= 10
@@ -380,9 +381,9 @@ def help_text(command: str) -> str:
     return str(choices[command].epilog)
 
 
-def help_scene() -> str:
-    """The scene file that `driftproof scene --help` shows, without its remarks."""
-    lines = help_text("scene").split("mine.toml:\n")[1].splitlines()
+def help_file(command: str, name: str) -> str:
+    """The file that the command's --help shows, without its remarks."""
+    lines = help_text(command).split(f"{name}:\n")[1].splitlines()
     return "\n".join(line.strip().split("     ")[0] for line in lines)
 
 

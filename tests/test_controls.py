@@ -11,7 +11,7 @@ import pytest
 
 from methods.schemes import Method, RungeKutta, Splitting
 from symbolic.one_step import H, matrix, one_step_matrix, rational
-from symbolic.order import runge_kutta_order
+from symbolic.trees.order import order as tree_order
 from tests.nine import NINE
 
 # R(z) of the Runge-Kutta methods and the product of shears of the splittings as they stand in the books: the powers of
@@ -48,7 +48,7 @@ def explicit(method: Method) -> bool:
 
 def order(method: Method) -> bool:
     if isinstance(method, RungeKutta):
-        return runge_kutta_order(method) == method.claimed_order
+        return tree_order(method).order == method.claimed_order
     drifted = crossed = Q(0)
     for kind, c in method.parts:
         drifted, crossed = (drifted + c, crossed) if kind == "drift" else (drifted, crossed + c * drifted)

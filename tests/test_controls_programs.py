@@ -17,6 +17,7 @@ from numeric import readouts, run, steppers
 from numeric.scenes import Scene
 from symbolic import one_step
 from symbolic.certified import enclose, endpoints
+from symbolic.linear import oscillator as linear_oscillator
 from symbolic.one_step import H, matrix, matrix_of, one_step_matrix, rational
 from symbolic.oscillator_run import OscillatorRun
 from tests.nine import NINE
@@ -305,7 +306,7 @@ def test_every_check_of_the_table_catches_something() -> None:
 
 def test_common_error_of_exact_and_float_is_caught_by_a_witness_outside_both(monkeypatch: pytest.MonkeyPatch) -> None:
     """With the interpreter wrong on both sides the two sides agree, and only what is not stepped tells."""
-    for module in (one_step, steppers):
+    for module in (one_step, linear_oscillator, steppers):
         monkeypatch.setattr(module, "stepper", drift_backwards(vars(module)["stepper"]))
     assert ends_at_the_certified_end("velocity_verlet")
     assert "shear_product" in caught_by()

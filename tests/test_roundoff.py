@@ -11,7 +11,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from methods.catalogue import METHODS
 from methods.problems import oscillator
 from methods.stepping import stepper
 from numeric.leapfrog import leapfrog
@@ -27,6 +26,7 @@ from symbolic.rounding.soft_float import soft_lift
 from symbolic.rounding.step import StepBound, step_bound
 from symbolic.rounding.text import first_order_text, format_text, full_text
 from symbolic.rounding.trace import NotLinear
+from tests.nine import NINE
 
 ZERO, ONE = RING.zero, RING.one
 # Derived by hand for the lesson's order of operations: the coefficient of u in |dq| and |dv|, of |q| and |v|.
@@ -54,10 +54,10 @@ def test_first_order_form_notices_another_order_of_operations():
     assert step_bound(rk4_divided_first).first_order != BY_HAND["rk4"]
 
 
-@pytest.mark.parametrize("key", METHODS)
+@pytest.mark.parametrize("key", NINE)
 def test_the_same_run_proves_the_formula_of_every_method(key):
-    definition = one_step_matrix(METHODS[key])
-    assert step_bound(METHODS[key]).differences(definition) == []
+    definition = one_step_matrix(NINE[key])
+    assert step_bound(NINE[key]).differences(definition) == []
     if key in HAND_WRITTEN:
         assert step_bound(HAND_WRITTEN[key]).differences(definition) == []
 
@@ -67,17 +67,17 @@ def test_a_step_with_another_polynomial_is_reported_with_the_coefficient():
         q1, v1 = rk4(force, q, v, h)
         return q1 + h * h * h * v / 30, v1
 
-    (line,) = step_bound(rk4_with_a_fifth).differences(one_step_matrix(METHODS["rk4"]))
+    (line,) = step_bound(rk4_with_a_fifth).differences(one_step_matrix(NINE["rk4"]))
     assert line == "M_qv, coefficient of h**3: the program has -2/15, the definition -1/6"
-    assert len(step_bound(forward_euler).differences(one_step_matrix(METHODS["symplectic_euler"]))) == 1
-    assert step_bound(leapfrog).differences(one_step_matrix(METHODS["velocity_verlet"])) == []
+    assert len(step_bound(forward_euler).differences(one_step_matrix(NINE["symplectic_euler"]))) == 1
+    assert step_bound(leapfrog).differences(one_step_matrix(NINE["velocity_verlet"])) == []
 
 
 def test_a_decimal_constant_is_the_double_that_it_is_and_not_the_fraction_that_it_means():
     def euler_times_a_tenth(force, q, v, h):
         return q + 0.1 * h * v, v + 0.1 * h * force(q)
 
-    tenth = one_step_matrix(METHODS["forward_euler"]).to_list()[0][1] / 10
+    tenth = one_step_matrix(NINE["forward_euler"]).to_list()[0][1] / 10
     meant = matrix([[Q(1), tenth], [-tenth, Q(1)]])
     assert f"the program has {Q(0.1)}, the definition 1/10" in step_bound(euler_times_a_tenth).differences(meant)[0]
 
@@ -93,7 +93,7 @@ def test_a_lifted_coefficient_owns_up_to_its_distance_from_the_float(fmt):
 
 def _drift_by(c: Q, fmt: FloatFormat):
     """The first-order bound on |dq| per |v| of the sub-step q + (c h) v."""
-    drift = replace(METHODS["symplectic_euler"], parts=(("drift", c),))
+    drift = replace(NINE["symplectic_euler"], parts=(("drift", c),))
     return step_bound(drift, fmt).first_order[0][1]
 
 
@@ -163,7 +163,7 @@ def test_the_product_of_two_rounded_numbers_counts_both_errors_and_their_product
     assert error == (1 + D) * first * second - STEP**3 * VELOCITY + ETA / 2
 
 
-PROGRAMS = {**METHODS, **HAND_WRITTEN, "leapfrog": leapfrog}
+PROGRAMS = {**NINE, **HAND_WRITTEN, "leapfrog": leapfrog}
 
 
 def _as_step(program, fmt: FloatFormat):
@@ -249,7 +249,7 @@ def test_constants_of_every_exact_kind_are_taken_and_plain_uses_of_zero_and_one_
         return sum([q, Q(1, 2) * h * v, half * h * v]), np.int64(1) * v + 0 + 1.0 * h * force(q)
 
     bound = step_bound(step)
-    assert bound.differences(one_step_matrix(METHODS["forward_euler"])) == []
+    assert bound.differences(one_step_matrix(NINE["forward_euler"])) == []
     assert bound.first_order[1] == BY_HAND["forward_euler"][1]
 
 

@@ -10,7 +10,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from methods.catalogue import METHODS
 from methods.problems import oscillator
 from methods.stepping import stepper
 from numeric.leapfrog import leapfrog
@@ -21,8 +20,9 @@ from symbolic.one_step import one_step_matrix
 from symbolic.rounding.error_of_run import ErrorOfRun
 from symbolic.rounding.formats import BINARY32, BINARY64
 from symbolic.rounding.n_steps import run_bound
+from tests.nine import NINE
 
-VERLET = one_step_matrix(METHODS["velocity_verlet"])
+VERLET = one_step_matrix(NINE["velocity_verlet"])
 # Proved in Coq by VerifiedLeapfrog for this run: 0.0308. Twenty times better is 0.00154.
 PROVED_ELSEWHERE = Q(308, 10**4)
 
@@ -84,7 +84,7 @@ def test_other_starts_steps_and_h_up_to_2_are_bounded_too(start, h, steps):
 
 @pytest.mark.parametrize("key", HAND_WRITTEN)
 def test_the_error_of_a_run_splits_into_truncation_and_rounding(key):
-    found = error_of(HAND_WRITTEN[key], one_step_matrix(METHODS[key]), 0.25, 40, (1.0, 0.0), np.float64)
+    found = error_of(HAND_WRITTEN[key], one_step_matrix(NINE[key]), 0.25, 40, (1.0, 0.0), np.float64)
     total, truncation, rounding = (settle_to(x) for x in (found.total, found.truncation, found.rounding))
     assert abs(total - truncation) <= rounding
     assert 0 < rounding < 200 * BINARY64.u
@@ -106,7 +106,7 @@ def settle_to(value) -> Q:
 
 def test_ten_million_steps_are_certified_by_squaring():
     """Not by running them: of any state it can be said how far from M^N z0 it is, to any number of digits."""
-    matrix, steps = matrix_at(one_step_matrix(METHODS["symplectic_euler"]), Q(1, 4)), 10**7
+    matrix, steps = matrix_at(one_step_matrix(NINE["symplectic_euler"]), Q(1, 4)), 10**7
     origin = ErrorOfRun(matrix, Q(1, 4), steps, (Q(1), Q(0)), (Q(0), Q(0)))
     with mpmath.workdps(60):
         angle = mpmath.acos(1 - mpmath.mpf(1) / 32)  # 2 cos = 2 - h²
@@ -121,20 +121,20 @@ def test_ten_million_steps_are_certified_by_squaring():
 
 def test_a_run_without_rounding_has_rounding_error_zero_and_not_undecided():
     """h = 1, symplectic Euler: M**6 = 1, integers throughout."""
-    found = error_of(symplectic_euler, one_step_matrix(METHODS["symplectic_euler"]), 1.0, 600, (1.0, 0.0), np.float64)
+    found = error_of(symplectic_euler, one_step_matrix(NINE["symplectic_euler"]), 1.0, 600, (1.0, 0.0), np.float64)
     assert found.rounding == Q(0)
     assert found.final == (1, 0)
     assert significant(found.total, 10) == significant(found.truncation, 10)
 
 
 def test_nothing_is_lost_in_no_steps():
-    none = error_of(symplectic_euler, one_step_matrix(METHODS["symplectic_euler"]), 0.1, 0, (1.0, 0.0), np.float64)
+    none = error_of(symplectic_euler, one_step_matrix(NINE["symplectic_euler"]), 0.1, 0, (1.0, 0.0), np.float64)
     assert [significant(x, 5) for x in (none.total, none.truncation, none.rounding)] == ["0", "0", "0"]
 
 
 def test_the_step_that_floats_use_is_the_float_and_not_the_decimal():
     """1/10 in the place of the float 0.1 would show as rounding: (0.1 - 1/10) t, and the phase that it moves."""
-    euler = one_step_matrix(METHODS["symplectic_euler"])
+    euler = one_step_matrix(NINE["symplectic_euler"])
     honest = error_of(symplectic_euler, euler, 0.1, 1000, (1.0, 0.0), np.float32)
     decimal = ErrorOfRun(matrix_at(euler, Q(1, 10)), Q(1, 10), 1000, honest.start, honest.final)
     bound = run_bound(symplectic_euler, honest.h, 1000, (Q(1), Q(0)), BINARY32)
@@ -147,10 +147,10 @@ def test_the_step_that_floats_use_is_the_float_and_not_the_decimal():
     h=st.floats(-1.5, 1.5).filter(lambda h: abs(h) > 1e-3),
     start=st.tuples(*[st.floats(-2, 2)] * 2),
     steps=st.integers(1, 40),
-    key=st.sampled_from(sorted(METHODS)),
+    key=st.sampled_from(sorted(NINE)),
 )
 def test_the_theorem_bounds_the_certified_rounding_of_every_run(h, start, steps, key):
-    method = METHODS[key]
+    method = NINE[key]
     found = error_of(stepper(method, float), one_step_matrix(method), h, steps, start, np.float64)
     bound = run_bound(method, Q(h), steps, tuple(Q(x) for x in start))
     assert found.rounding == 0 or is_less(found.rounding, bound.euclidean)

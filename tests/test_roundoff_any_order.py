@@ -8,7 +8,6 @@ from itertools import product
 
 import pytest
 
-from methods.catalogue import METHODS
 from methods.problems import oscillator
 from methods.stepping import stepper
 from numeric.leapfrog import leapfrog
@@ -18,6 +17,7 @@ from symbolic.rounding.any_order import any_order_bound
 from symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 from symbolic.rounding.soft_float import soft_lift
 from symbolic.rounding.step import step_bound
+from tests.nine import NINE
 
 COARSE = FloatFormat("coarse", 4, -3, 3)
 
@@ -46,16 +46,16 @@ def rk4_with_a_detour(force, q, v, h):
 
 
 @pytest.mark.parametrize("fmt", [BINARY64, BINARY32, BINARY16], ids=lambda fmt: fmt.name)
-@pytest.mark.parametrize("key", METHODS)
+@pytest.mark.parametrize("key", NINE)
 def test_the_generic_and_the_hand_written_program_are_inside(key, fmt):
-    bound = any_order_bound(METHODS[key], fmt)
-    assert bound.covers(step_bound(METHODS[key], fmt))
+    bound = any_order_bound(NINE[key], fmt)
+    assert bound.covers(step_bound(NINE[key], fmt))
     if key in HAND_WRITTEN:
         assert bound.covers(step_bound(HAND_WRITTEN[key], fmt))
 
 
 def test_a_reassociated_step_leaves_its_program_s_bound_but_not_the_definition_s():
-    program, definition = step_bound(rk4), any_order_bound(METHODS["rk4"])
+    program, definition = step_bound(rk4), any_order_bound(NINE["rk4"])
     other = step_bound(rk4_reassociated)
     assert definition.covers(other)
     at = Q(1, 4), Q(1), Q(1)
@@ -68,49 +68,49 @@ def test_a_reassociated_step_leaves_its_program_s_bound_but_not_the_definition_s
 )
 def test_a_program_that_multiplies_out_or_takes_a_detour_is_not_said_to_be_inside(step, key):
     """The same polynomial, but from other sums: here q passes one more addition than the definition has for it."""
-    assert step_bound(step).differences(one_step_matrix(METHODS[key])) == []
-    assert not any_order_bound(METHODS[key]).covers(step_bound(step))
+    assert step_bound(step).differences(one_step_matrix(NINE[key])) == []
+    assert not any_order_bound(NINE[key]).covers(step_bound(step))
 
 
 def test_another_format_is_not_covered():
-    assert not any_order_bound(METHODS["rk4"], BINARY16).covers(step_bound(rk4, BINARY64))
+    assert not any_order_bound(NINE["rk4"], BINARY16).covers(step_bound(rk4, BINARY64))
 
 
 def test_the_price_of_any_order_is_small():
     at = Q(1, 4), Q(1), Q(1)
     for key, factor in (("forward_euler", Q(1)), ("symplectic_euler", Q(1)), ("rk4", Q(5, 4))):
-        own, every = step_bound(HAND_WRITTEN[key]).error_of(*at)[0], any_order_bound(METHODS[key]).error_of(*at)[0]
+        own, every = step_bound(HAND_WRITTEN[key]).error_of(*at)[0], any_order_bound(NINE[key]).error_of(*at)[0]
         assert own <= every <= own * factor * (1 + 8 * BINARY64.u)
 
 
 def test_a_sum_counts_the_most_additions_that_any_order_can_put_on_a_term():
     """RK4: coefficient, product, 3 additions, product by h, last addition for each of 4 slopes nested: 17 at most."""
-    assert any_order_bound(METHODS["forward_euler"]).roundings == 2
-    assert any_order_bound(METHODS["rk4"]).roundings == 17
+    assert any_order_bound(NINE["forward_euler"]).roundings == 2
+    assert any_order_bound(NINE["rk4"]).roundings == 17
 
 
 @pytest.mark.parametrize("fusing", [False, True])
-@pytest.mark.parametrize("step", [rk4, rk4_reassociated, stepper(METHODS["rk4"], lambda c: c)])
+@pytest.mark.parametrize("step", [rk4, rk4_reassociated, stepper(NINE["rk4"], lambda c: c)])
 def test_no_coarse_float_state_leaves_it_in_any_order_fused_or_not(step, fusing):
-    bound, lift = any_order_bound(METHODS["rk4"], COARSE), soft_lift(COARSE, fusing)
+    bound, lift = any_order_bound(NINE["rk4"], COARSE), soft_lift(COARSE, fusing)
     numbers = [COARSE.nearest(Q(n, 8)) for n in range(-12, 13, 3)]
     for h, q, v in product((Q(1, 8), Q(3, 8), Q(7, 8)), numbers, numbers):
         floats = step(oscillator, lift(q), lift(v), lift(h))
-        exact = stepper(METHODS["rk4"], lambda c: c)(oscillator, q, v, h)
+        exact = stepper(NINE["rk4"], lambda c: c)(oscillator, q, v, h)
         errors = [abs(x.value - y) for x, y in zip(floats, exact, strict=True)]
         assert all(e <= most for e, most in zip(errors, bound.error_of(h, q, v), strict=True))
 
 
 def test_a_wrong_coefficient_is_not_hidden_by_any_order():
-    wrong = replace(METHODS["rk4"], b=(Q(1, 6), Q(1, 3), Q(1, 3), Q(1, 6) + Q(1, 10**13)))
+    wrong = replace(NINE["rk4"], b=(Q(1, 6), Q(1, 3), Q(1, 3), Q(1, 6) + Q(1, 10**13)))
     floats = stepper(wrong, float)(oscillator, 1.0, 1.0, 0.25)
     exact = rk4(oscillator, Q(1), Q(1), Q(1, 4))
-    allowed = any_order_bound(METHODS["rk4"]).error_of(Q(1, 4), Q(1), Q(1))
+    allowed = any_order_bound(NINE["rk4"]).error_of(Q(1, 4), Q(1), Q(1))
     assert any(abs(Q(x) - y) > most for x, y, most in zip(floats, exact, allowed, strict=True))
 
 
 def test_a_coefficient_in_the_underflow_range_is_refused():
-    tiny = replace(METHODS["symplectic_euler"], parts=(("kick", Q(1, 10**6)), ("drift", Q(1))))
+    tiny = replace(NINE["symplectic_euler"], parts=(("kick", Q(1, 10**6)), ("drift", Q(1))))
     assert any_order_bound(tiny, BINARY32).roundings > 0
     with pytest.raises(ValueError, match="the coefficient 1/1000000 is in the underflow range of binary16"):
         any_order_bound(tiny, BINARY16)

@@ -11,7 +11,6 @@ from flint import ctx
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from methods.catalogue import METHODS
 from methods.problems import oscillator
 from methods.stepping import stepper
 from numeric.leapfrog import leapfrog
@@ -26,9 +25,10 @@ from symbolic.rounding.overflow import largest_safe_state
 from symbolic.rounding.own_norm import NoOwnNorm, OwnNorm, own_norm, root_above, swept_area
 from symbolic.rounding.sharp import sharp_bound
 from symbolic.rounding.step import LinearBound, step_bound
+from tests.nine import NINE
 
 ONE_ZERO = (Q(1), Q(0))
-PROGRAMS = {f"generic {key}": method for key, method in METHODS.items()} | {**HAND_WRITTEN, "leapfrog": leapfrog}
+PROGRAMS = {f"generic {key}": method for key, method in NINE.items()} | {**HAND_WRITTEN, "leapfrog": leapfrog}
 U = BINARY64.u
 
 
@@ -53,9 +53,9 @@ def test_any_matrix_is_a_similarity_in_the_area_that_it_sweeps():
     assert tuple(swept_area(at)) == (-RING.gens[0], 0, -RING.gens[0])
 
 
-@pytest.mark.parametrize("key", METHODS)
+@pytest.mark.parametrize("key", NINE)
 def test_the_norm_is_the_energy_or_the_invariant_that_the_exact_side_finds(key):
-    m = one_step_matrix(METHODS[key])
+    m = one_step_matrix(NINE[key])
     area = swept_area(m)
     try:
         expected, rho_squared = (RING.one, RING.zero, RING.one), energy_multiplier(m)
@@ -66,10 +66,10 @@ def test_the_norm_is_the_energy_or_the_invariant_that_the_exact_side_finds(key):
         assert area[i] * expected[j] == area[j] * expected[i]
 
 
-@pytest.mark.parametrize("key", METHODS)
+@pytest.mark.parametrize("key", NINE)
 def test_a_step_is_rho_times_an_isometry_of_its_norm(key):
     h = Q(3, 4)
-    m = matrix_at(one_step_matrix(METHODS[key]), h)
+    m = matrix_at(one_step_matrix(NINE[key]), h)
     norm = own_norm(m)
     form = lambda q, v: norm.qq * q * q + norm.qv * q * v + norm.vv * v * v
     for z in ((Q(1), Q(0)), (Q(0), Q(1)), (Q(2), Q(-3))):
@@ -78,7 +78,7 @@ def test_a_step_is_rho_times_an_isometry_of_its_norm(key):
 
 
 def test_there_is_no_norm_where_the_step_has_a_real_direction_and_one_just_before():
-    step = one_step_matrix(METHODS["symplectic_euler"])
+    step = one_step_matrix(NINE["symplectic_euler"])
     for h in (Q(2), Q(5, 2)):
         with pytest.raises(NoOwnNorm):
             own_norm(matrix_at(step, h))
@@ -106,7 +106,7 @@ def test_a_root_is_rounded_up_by_less_than_its_last_bits(x, scale):
     signs=st.tuples(*[st.sampled_from([1, -1])] * 2),
 )
 def test_the_gain_bounds_every_error_and_the_other_constants_every_state(key, h, e, z, signs):
-    norm = own_norm(matrix_at(one_step_matrix(METHODS[key]), h))
+    norm = own_norm(matrix_at(one_step_matrix(NINE[key]), h))
     error = ((e[0], e[1]), (e[2], e[3]))
     dq, dv = LinearBound(error, (Q(0), Q(0))).of(Q(z[0]), Q(z[1]))
     length = norm.length(Q(z[0]), Q(z[1]))
@@ -118,7 +118,7 @@ def test_the_gain_bounds_every_error_and_the_other_constants_every_state(key, h,
 
 def test_the_gain_is_attained():
     """Not only an upper bound: for the Euclidean norm and E = ((1, 2h), (2h, 1)) it is 1 + 2h, at z = (1, 1)."""
-    norm = own_norm(matrix_at(one_step_matrix(METHODS["forward_euler"]), Q(1, 4)))
+    norm = own_norm(matrix_at(one_step_matrix(NINE["forward_euler"]), Q(1, 4)))
     gain = norm.gain(((Q(1), Q(1, 2)), (Q(1, 2), Q(1))))
     assert Q(3, 2) <= gain <= Q(3, 2) * (1 + Q(1, 2**100))
 
@@ -165,7 +165,7 @@ def test_underflow_is_inside_the_theorem_and_would_break_it_outside():
     start = (BINARY64.eta, Q(0))
     bound = run_bound(forward_euler, h, steps, start)
     final = float_run(forward_euler, 0.25, steps, (float(BINARY64.eta), 0.0))
-    exact = apply(power(matrix_at(one_step_matrix(METHODS["forward_euler"]), h), steps), *start)
+    exact = apply(power(matrix_at(one_step_matrix(NINE["forward_euler"]), h), steps), *start)
     squared = sum((x - y) ** 2 for x, y in zip(final, exact, strict=True))
     assert final == start
     error, _ = step_bound(forward_euler).at(h)

@@ -10,7 +10,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from methods.catalogue import METHODS
 from methods.problems import oscillator
 from methods.stepping import stepper
 from numeric.leapfrog import leapfrog
@@ -24,9 +23,10 @@ from symbolic.rounding.sharp import sharp_bound
 from symbolic.rounding.soft_float import soft_lift
 from symbolic.rounding.step import step_bound
 from symbolic.rounding.trace import NotLinear
+from tests.nine import NINE
 
 WRITTEN_OUT = {**HAND_WRITTEN, "leapfrog": leapfrog}
-PROGRAMS = {f"generic {key}": method for key, method in METHODS.items()} | WRITTEN_OUT
+PROGRAMS = {f"generic {key}": method for key, method in NINE.items()} | WRITTEN_OUT
 COARSE = FloatFormat("coarse", 3, -1, 7)
 
 
@@ -89,7 +89,7 @@ def test_the_sharper_bound_holds_for_the_very_state_and_is_hardly_ever_above_the
 @pytest.mark.parametrize("key", PROGRAMS)
 def test_its_matrix_is_the_definition_s_at_that_h(key):
     h = Q(3, 8)
-    definition = METHODS[key.removeprefix("generic ").replace("leapfrog", "velocity_verlet")]
+    definition = NINE[key.removeprefix("generic ").replace("leapfrog", "velocity_verlet")]
     (qq, qv), (vq, vv) = sharp_bound(PROGRAMS[key], h).matrix
     assert (qq, qv, vq, vv) == matrix_at(one_step_matrix(definition), h)
 

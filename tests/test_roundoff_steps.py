@@ -10,7 +10,6 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from tqdm import tqdm
 
-from methods.catalogue import METHODS
 from methods.problems import oscillator
 from methods.stepping import stepper
 from numeric.leapfrog import leapfrog
@@ -21,10 +20,11 @@ from symbolic.n_steps import apply, matrix_at
 from symbolic.rounding.formats import BFLOAT16, BINARY16, BINARY32, BINARY64, FloatFormat, power_of_two
 from symbolic.rounding.soft_float import soft_lift
 from symbolic.rounding.step import StepBound, step_bound
+from tests.nine import NINE
 
 WRITTEN_OUT = {**HAND_WRITTEN, "leapfrog": leapfrog}
 # What is run on floats, and what its bound is derived from: a step function for both, or a method for both.
-PROGRAMS = {f"generic {key}": (stepper(m, float), m) for key, m in METHODS.items()}
+PROGRAMS = {f"generic {key}": (stepper(m, float), m) for key, m in NINE.items()}
 PROGRAMS |= {key: (step, step) for key, step in WRITTEN_OUT.items()}
 NATIVE = {BINARY64: np.float64, BINARY32: np.float32, BINARY16: np.float16}
 BOUNDS: dict[tuple[str, FloatFormat], StepBound] = {}
@@ -85,11 +85,11 @@ def test_a_float_step_is_within_its_bound_at_every_scale(key, fmt, data):
 
 
 @pytest.mark.parametrize("fmt", NATIVE, ids=lambda fmt: fmt.name)
-@pytest.mark.parametrize("key", METHODS)
+@pytest.mark.parametrize("key", NINE)
 def test_the_machine_lifts_each_coefficient_to_the_float_that_the_bound_assumes(key, fmt):
     """Fraction -> float -> float16 rounds twice, which might differ from once; for our coefficients it does not."""
     seen: list[Q] = []
-    stepper(METHODS[key], lambda c: seen.append(c) or c)
+    stepper(NINE[key], lambda c: seen.append(c) or c)
     assert seen
     assert all(Q(float(NATIVE[fmt](float(c)))) == fmt.nearest(c) for c in seen)
 

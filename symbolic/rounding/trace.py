@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import TypeAlias
 
 from methods.problems import oscillator
-from methods.schemes import Method
+from methods.schemes import Method, MethodError
 from methods.stepping import Force, Lift, Step, stepper
 from symbolic.one_step import Polynomial
 from symbolic.rounding.formats import FloatFormat
@@ -29,6 +29,8 @@ def trace(subject: Subject, fmt: FloatFormat, force: Force = oscillator, h: Frac
     With `h` given (a number of the format) the step size is that constant rather than a symbol. Raises
     RefusedOperation where the step does what cannot be bounded.
     """
+    if not callable(subject) and subject.field is not None:
+        raise MethodError(f"{subject.key} has coefficients in Q({subject.field.name}); bounds take rational ones")
     size = Rounded(fmt, H) if h is None else constant(h, fmt)
     step = subject if callable(subject) else stepper(subject, lift_to(fmt))
     result = step(force, Rounded(fmt, Q), Rounded(fmt, V), size)

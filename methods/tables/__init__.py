@@ -1,0 +1,1 @@
+"""The published tables behind the catalogue, a file per family; each exports its methods as ENTRIES."""

@@ -1,0 +1,125 @@
+"""Every exact fact of a method by name: who it is, its order by rooted trees, and what it does on linear problems."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, TypeAlias
+
+from methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
+from symbolic.linear.facts import FACTS as LINEAR_FACTS
+from symbolic.linear.facts import LinearFacts
+from symbolic.trees.alternating import nystrom_order, separable_order
+from symbolic.trees.modified import modified_equation
+from symbolic.trees.order import OrderFact, embedded_order, order, principal_error, runge_kutta_conditions
+from symbolic.trees.quadratic import algebraic_stability
+from symbolic.trees.rooted import written
+from symbolic.trees.simplifying import simplifying_assumptions
+from symbolic.trees.table import TooManyTrees
+
+Json: TypeAlias = Any
+Fact: TypeAlias = Callable[[LinearFacts], Json]
+TableauMethod: TypeAlias = RungeKutta | Collocation
+
+FAMILIES = {RungeKutta: "runge_kutta", Splitting: "splitting", Nystrom: "nystrom", Collocation: "collocation"}
+# Trees that the modified equation goes to.
+MODIFIED_ORDER = 5
+
+
+def general_order(method: Method) -> OrderFact[Any]:
+    """The order on the widest class of problems that the family is for: any y' = f(y) for Runge-Kutta and collocation,
+    separable Hamiltonians for splittings, q'' = F(q) for Nyström methods. Never the order on linear problems alone.
+    """
+    if isinstance(method, Splitting):
+        return separable_order(method)
+    if isinstance(method, Nystrom):
+        return nystrom_order(method)
+    return order(method)
+
+
+def _order_fails(facts: LinearFacts) -> Json:
+    found = general_order(facts.method)
+    return {"tree": written(found.failing_tree), "residual": str(found.residual)}
+
+
+def _stages(method: Method) -> int:
+    if isinstance(method, Splitting):
+        return sum(kind == "kick" for kind, _ in method.parts)
+    return method.stages
+
+
+def _embedded_order(facts: LinearFacts) -> Json:
+    if not isinstance(facts.method, RungeKutta):
+        return None
+    found = embedded_order(facts.method)
+    return None if found is None else found.order
+
+
+def _field(facts: LinearFacts) -> Json:
+    field = facts.method.field
+    return None if field is None else {"generator": field.name, "minpoly": [str(c) for c in field.minimal]}
+
+
+def _simplifying(method: TableauMethod) -> Json:
+    found = simplifying_assumptions(method)
+    degrees = {"B": found.b, "C": found.c, "D": found.d}
+    return {name: "oo" if degree is None else degree for name, degree in degrees.items()}
+
+
+def _principal_error(method: TableauMethod) -> Json:
+    try:
+        found = principal_error(runge_kutta_conditions(method))
+    except TooManyTrees as refusal:
+        return {"refused": str(refusal)}
+    coefficients = {written(tree): str(value) for tree, value in found.coefficients}
+    return {"vertices": found.vertices, "squared_norm": str(found.squared_norm), "coefficients": coefficients}
+
+
+def _modified_equation(method: TableauMethod) -> Json:
+    series = modified_equation(method, MODIFIED_ORDER)
+    return {written(tree): str(value) for tree, value in series.items() if value != 0}
+
+
+def _of_tableaux(fact: Callable[[TableauMethod], Json]) -> Fact:
+    """The fact, of methods that have a tableau; null for the others."""
+    return lambda facts: fact(facts.method) if isinstance(facts.method, RungeKutta | Collocation) else None
+
+
+IDENTITY: dict[str, Fact] = {
+    "method": lambda facts: facts.method.key,
+    "title": lambda facts: facts.method.title,
+    "family": lambda facts: FAMILIES[type(facts.method)],
+    "source": lambda facts: facts.method.source,
+    "stages": lambda facts: _stages(facts.method),
+    "explicit": lambda facts: isinstance(facts.method, Splitting) or facts.method.explicit,
+    "decimal": lambda facts: facts.method.decimal,
+    "field": _field,
+    "inconsistencies": lambda facts: {k: str(r) for k, r in facts.method.inconsistencies().items()},
+    "claimed_order": lambda facts: facts.method.claimed_order,
+}
+ORDER: dict[str, Fact] = {
+    "order": lambda facts: general_order(facts.method).order,
+    "order_fails": _order_fails,
+    "order_second_order_problems": lambda facts: (
+        nystrom_order(facts.method).order if isinstance(facts.method, Splitting | Nystrom) else None
+    ),
+    "embedded_order": _embedded_order,
+    "stage_order": _of_tableaux(lambda method: simplifying_assumptions(method).stage_order),
+    "simplifying_assumptions": _of_tableaux(_simplifying),
+    "principal_error": _of_tableaux(_principal_error),
+    "algebraically_stable": _of_tableaux(lambda method: algebraic_stability(method).holds),
+    "modified_equation": _of_tableaux(_modified_equation),
+}
+# Every fact by name, in the order in which a reader wants them.
+FACTS: dict[str, Fact] = {**IDENTITY, **ORDER, **LINEAR_FACTS}
+
+
+def facts_of(method: Method, names: Sequence[str] = tuple(FACTS), terms: int | None = None) -> dict[str, Json]:
+    """The named facts of the method, JSON-ready: numbers are strings, null is what the method has not.
+
+    Only those asked for are computed. `terms` is the length of series. Raises ValueError for an unknown name.
+    """
+    for name in names:
+        if name not in FACTS:
+            raise ValueError(f"unknown fact {name!r}; choose from {', '.join(FACTS)}")
+    facts = LinearFacts(method) if terms is None else LinearFacts(method, terms)
+    return {name: FACTS[name](facts) for name in names}

@@ -1,0 +1,172 @@
+"""The one-step matrix M(h) of any method on the oscillator, and on any linear system, with exact entries."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from methods.number_field import Exact
+from methods.problems import oscillator
+from methods.schemes import Collocation, Method, Nystrom, RungeKutta
+from methods.stepping import stepper
+from symbolic.linear.matrices import StepMatrix, of_matrix
+from symbolic.linear.polynomials import (
+    ONE,
+    ZERO,
+    Polynomial,
+    Scalar,
+    X,
+    dot,
+    even_part,
+    from_scalars,
+    in_square,
+    odd_part,
+    reflected,
+    scalar,
+    size_on_imaginary_axis,
+)
+from symbolic.linear.rational_functions import RationalFunction, fraction, reversed_sign
+from symbolic.linear.stability_function import resolvent, stability_function, stability_function_of_collocation
+from symbolic.linear.tableaux import Tableau
+
+
+def stability_function_of(method: Method) -> RationalFunction | None:
+    """R(z) where the method has one: Runge-Kutta and collocation methods; None for splittings and Nyström methods."""
+    if isinstance(method, RungeKutta):
+        return stability_function(method)
+    return stability_function_of_collocation(method.node_polynomial) if isinstance(method, Collocation) else None
+
+
+def one_step_matrix(method: Method) -> StepMatrix:
+    """M(h) with (q₁, v₁)ᵀ = M(h) (q₀, v₀)ᵀ for q' = v, v' = -q, also for implicit methods: entries in Q(h) or K(h)."""
+    r = stability_function_of(method)
+    if r is not None:
+        return rotation_like(r)
+    if isinstance(method, Nystrom) and not method.explicit:
+        return _implicit_nystrom_matrix(method)
+    step = stepper(method, scalar)
+    columns = [step(oscillator, q, v, X) for q, v in ((ONE, ZERO), (ZERO, ONE))]
+    return tuple(tuple(fraction(x) for x in row) for row in zip(*columns, strict=True))
+
+
+def rotation_like(r: RationalFunction) -> StepMatrix:
+    """R(hJ) = Re R(ih) I + Im R(ih) J with J = [[0, 1], [-1, 0]], since J² = -I."""
+    (even, odd), (den_even, den_odd) = (
+        (_at_minus_square(even_part(p)), _at_minus_square(odd_part(p))) for p in (r.num, r.den)
+    )
+    common = den_even * den_even + X * X * den_odd * den_odd
+    cosine = fraction(even * den_even + X * X * odd * den_odd, common)
+    sine = fraction(X * (odd * den_even - even * den_odd), common)
+    return (cosine, sine), (-sine, cosine)
+
+
+def linear_step_matrix(method: Method, rows: Sequence[Sequence[Exact | int]]) -> StepMatrix:
+    """M(h) with z₁ = M(h) z₀ for z' = Az, A given by its rows.
+
+    R(hA) for Runge-Kutta and collocation methods; splittings and explicit Nyström methods need A = [[0, I], [K, 0]],
+    that is q' = v, v' = Kq. Raises ValueError for another A, and for one that is not square.
+    """
+    exact_rows = [[scalar(x) for x in row] for row in rows]
+    if not exact_rows or any(len(row) != len(exact_rows) for row in exact_rows):
+        raise ValueError("the matrix of a linear system is square")
+    r = stability_function_of(method)
+    return of_matrix(r, exact_rows) if r is not None else _separable(method, exact_rows)
+
+
+def trace(m: StepMatrix) -> RationalFunction:
+    """tr M."""
+    return m[0][0] + m[1][1]
+
+
+def determinant(m: StepMatrix) -> RationalFunction:
+    """det M, the factor by which one step scales area."""
+    (qq, qv), (vq, vv) = m
+    return qq * vv - qv * vq
+
+
+def energy_multiplier(m: StepMatrix) -> RationalFunction | None:
+    """The μ(h²) with E(Mz) = μ E(z) for every z, as a function of h²; None where the change depends on the state."""
+    (qq, qv), (vq, vv) = m
+    gained = qq * qq + vq * vq
+    if gained != qv * qv + vv * vv or (qq * qv + vq * vv).num != 0:
+        return None
+    return RationalFunction(in_square(gained.num), in_square(gained.den))
+
+
+def is_matrix_symmetric(m: StepMatrix) -> bool:
+    """M(h) M(-h) = I: on the oscillator a step of -h undoes a step of h."""
+    back = tuple(tuple(reversed_sign(x) for x in row) for row in m)
+    (qq, qv), (vq, vv) = _product(m, back)
+    one, nil = fraction(ONE), fraction(ZERO)
+    return (qq, qv, vq, vv) == (one, nil, nil, one)
+
+
+def _product(a: StepMatrix, b: StepMatrix) -> StepMatrix:
+    (p, q), (r, s) = b
+    return tuple((x * p + y * r, x * q + y * s) for x, y in a)
+
+
+def energy_multiplier_of(r: RationalFunction) -> RationalFunction:
+    """|R(ih)|² as a function of h²: what one step of a method with this R does to the energy of the oscillator."""
+    return fraction(size_on_imaginary_axis(r.num), size_on_imaginary_axis(r.den))
+
+
+def _at_minus_square(p: Polynomial) -> Polynomial:
+    """p(-z²)."""
+    return spread(reflected(p))
+
+
+def spread(p: Polynomial) -> Polynomial:
+    """p(z²)."""
+    return from_scalars([x for c in p.coeffs() for x in (c, c * 0)])
+
+
+def _implicit_nystrom_matrix(method: Nystrom) -> StepMatrix:
+    """k = -(I + h²A)⁻¹ (1 q + hc v): every entry is a resolvent bᵀ(I - zA)⁻¹v at z = -h²."""
+    values = [[scalar(x) for x in row] for row in method.a]
+    nodes, weights, rates = (tuple(scalar(x) for x in row) for row in (method.c, method.b_position, method.b_velocity))
+    data = Tableau(tuple(map(tuple, values)), weights, nodes, method.field)
+
+    def response(b: tuple[Scalar, ...], v: tuple[Scalar, ...]) -> RationalFunction:
+        found = resolvent(data.weighted(b), v)
+        return fraction(_at_minus_square(found.num), _at_minus_square(found.den))
+
+    step, square = fraction(X), fraction(X * X)
+    one = fraction(ONE)
+    ones = data.power(0)
+    return (
+        (one - square * response(weights, ones), step - step * square * response(weights, nodes)),
+        (-(step * response(rates, ones)), one - square * response(rates, nodes)),
+    )
+
+
+@dataclass(frozen=True)
+class _Vector:
+    """A column of polynomials in h, with what a step needs: sums, multiples."""
+
+    entries: tuple[Polynomial, ...]
+
+    def __add__(self, other: _Vector) -> _Vector:
+        return _Vector(tuple(x + y for x, y in zip(self.entries, other.entries, strict=True)))
+
+    def __rmul__(self, factor: Polynomial) -> _Vector:
+        return _Vector(tuple(factor * x for x in self.entries))
+
+
+def _separable(method: Method, rows: list[list[Scalar]]) -> StepMatrix:
+    half, odd = divmod(len(rows), 2)
+    expected = [[int(j == i + half) for j in range(2 * half)] for i in range(half)]
+    if odd or rows[:half] != expected or any(x != 0 for row in rows[half:] for x in row[half:]):
+        raise ValueError("a splitting needs q' = v, v' = Kq: the matrix must be [[0, I], [K, 0]]")
+    stiffness = [row[:half] for row in rows[half:]]
+    step = stepper(method, scalar)
+
+    def force(q: _Vector) -> _Vector:
+        return _Vector(tuple(dot(q.entries, row) for row in stiffness))
+
+    columns = []
+    for k in range(2 * half):
+        start = [ONE if i == k else ZERO for i in range(2 * half)]
+        q, v = step(force, _Vector(tuple(start[:half])), _Vector(tuple(start[half:])), X)
+        columns.append((*q.entries, *v.entries))
+    return tuple(tuple(fraction(x) for x in row) for row in zip(*columns, strict=True))

@@ -1,0 +1,66 @@
+"""Collocation from its nodes' polynomial M(x) = Π (x - cᵢ) over Q alone: order and R(z), no node ever computed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import count
+
+from flint import fmpq, fmpq_poly
+
+from methods.number_field import Exact
+from symbolic.trees.weights import distinct_nodes
+
+
+@dataclass(frozen=True)
+class QuadratureFact:
+    """Order s + k and not s + k + 1: ∫₀¹ M(x) xʲ dx = 0 for j < k, and `residual`, not zero, for j = k, M monic.
+
+    The residual is also what 1/(p + 1) has beyond the quadrature formula's value for the first power it misses, xᵖ.
+    """
+
+    order: int
+    residual: Fraction
+
+
+def collocation_order(nodes: Sequence[Exact]) -> QuadratureFact:
+    """The order of the collocation method at the roots of M, which is that of its quadrature formula, s + k.
+
+    M is orthogonal on [0, 1] to k powers (hairer-lubich-wanner-2006, II.1.2 Theorem 1.5); Gauss has k = s.
+    `nodes` is M's coefficients, constant term first. Raises ValueError if M is constant or has a multiple root.
+    """
+    polynomial = distinct_nodes(nodes)
+    power = fmpq_poly([0, 1])
+    for k in count():  # ends at k = s, since M is not orthogonal to itself
+        moment = (polynomial * power**k).integral()(1)
+        if moment != 0:
+            return QuadratureFact(int(polynomial.degree()) + k, _fraction(moment / polynomial.leading_coefficient()))
+    raise AssertionError("unreachable: count has no end")
+
+
+def collocation_stability_function(nodes: Sequence[Exact]) -> tuple[tuple[Fraction, ...], tuple[Fraction, ...]]:
+    """R(z) = Σ M⁽ˢ⁻ᵏ⁾(1) zᵏ / Σ M⁽ˢ⁻ᵏ⁾(0) zᵏ in lowest terms: numerator and denominator, ascending, the latter from 1.
+
+    A theorem about all collocation methods (hairer-wanner-1996, IV.3 Theorem 3.10). Raises ValueError as above.
+    """
+    derivative = distinct_nodes(nodes)
+    at_one: list[fmpq] = []
+    at_zero: list[fmpq] = []
+    while derivative.degree() >= 0:
+        at_one.append(derivative(1))
+        at_zero.append(derivative(0))
+        derivative = derivative.derivative()
+    numerator, denominator = fmpq_poly(at_one[::-1]), fmpq_poly(at_zero[::-1])
+    common = numerator.gcd(denominator)
+    numerator, denominator = numerator // common, denominator // common
+    scale = denominator(0)
+    return _fractions(numerator / scale), _fractions(denominator / scale)
+
+
+def _fractions(polynomial: fmpq_poly) -> tuple[Fraction, ...]:
+    return tuple(map(_fraction, polynomial.coeffs()))
+
+
+def _fraction(x: fmpq) -> Fraction:
+    return Fraction(int(x.numerator), int(x.denominator))

@@ -1,0 +1,144 @@
+"""Tables of rooted trees: every tree once, as a smaller tree to whose root one more branch is joined."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass
+from functools import cache, cached_property
+from itertools import chain, repeat
+
+Column = tuple[int, ...]
+
+# Of one colour: all trees of up to 15 vertices. More would be a mistake rather than a question.
+MOST_TREES = 100_000
+
+
+class TooManyTrees(ValueError):
+    """More trees of one order than anybody asks for on purpose: too many to make and to read."""
+
+
+@dataclass(frozen=True)
+class TreeTable:
+    """All rooted trees with at most `order` vertices, numbered from 0 by vertices, then by largest branch, then rest.
+
+    Tree t is the tree `rest[t]` with the tree `branch[t]` joined to its root, where `branch[t]` is at least every
+    branch of `rest[t]`: so each tree occurs once, and the trees of one size that may take a given branch are a run of
+    consecutive numbers. Single vertices have branch -1 and come in `kinds` colours, of which the first `internal` may
+    carry branches; one of each for ordinary rooted trees. `first[n]` is the number of the first tree with n vertices.
+    """
+
+    kinds: int
+    internal: int
+    first: Column
+    rest: Column
+    branch: Column
+
+    @property
+    def order(self) -> int:
+        """The largest number of vertices in the table."""
+        return len(self.first) - 2
+
+    def ids(self, vertices: int) -> range:
+        """The numbers of the trees with so many vertices."""
+        return range(self.first[vertices], self.first[vertices + 1])
+
+    @cached_property
+    def size(self) -> Column:
+        """r(t), the number of vertices, of every tree."""
+        return tuple(chain.from_iterable(repeat(n, len(self.ids(n))) for n in range(1, self.order + 1)))
+
+    @cached_property
+    def kind(self) -> Column:
+        """The colour of the root, from 0, of every tree."""
+        kind = list(range(self.kinds))
+        for rest in self.rest[self.kinds :]:
+            kind.append(kind[rest])
+        return tuple(kind)
+
+    @cached_property
+    def density(self) -> Column:
+        """γ(t) = r(t) Π γ(branch), of every tree (hairer-norsett-wanner-1993, II.2)."""
+        below, density = [1] * self.kinds, [1] * self.kinds  # `below` is Π γ(branch)
+        for n in range(2, self.order + 1):
+            rest, branch = self._column(self.rest, n), self._column(self.branch, n)
+            new = [below[r] * density[b] for r, b in zip(rest, branch, strict=True)]
+            below += new
+            density += [n * x for x in new]
+        return tuple(density)
+
+    @cached_property
+    def symmetry(self) -> Column:
+        """σ(t) = Π σ(branch) Π (multiplicity)!, of every tree (hairer-lubich-wanner-2006, III.1.2)."""
+        symmetry, copies = [1] * self.kinds, [0] * self.kinds  # `copies`: how often the largest branch occurs
+        for n in range(2, self.order + 1):
+            rest, branch = self._column(self.rest, n), self._column(self.branch, n)
+            new = [copies[r] + 1 if self.branch[r] == b else 1 for r, b in zip(rest, branch, strict=True)]
+            symmetry += [symmetry[r] * symmetry[b] * k for r, b, k in zip(rest, branch, new, strict=True)]
+            copies += new
+        return tuple(symmetry)
+
+    def _column(self, column: Column, vertices: int) -> Column:
+        return column[self.first[vertices] : self.first[vertices + 1]]
+
+    def join(self, root: int, branch: int) -> int:
+        """The number of the tree u ∘ v: the tree `branch` joined by an edge to the root of the tree `root`.
+
+        Butcher's product (hairer-lubich-wanner-2006, VI.7.2). Raises KeyError if it is larger than the table.
+        """
+        found = self._joins.get((root, branch))
+        if found is None:
+            if self.branch[root] <= branch:
+                raise KeyError(f"tree {root} with branch {branch} is larger than the table of order {self.order}")
+            found = self.join(self.join(self.rest[root], branch), self.branch[root])
+            self._joins[root, branch] = found
+        return found
+
+    @cached_property
+    def _joins(self) -> dict[tuple[int, int], int]:
+        pairs = zip(self.rest[self.kinds :], self.branch[self.kinds :], strict=True)
+        return {pair: self.kinds + t for t, pair in enumerate(pairs)}
+
+    @cached_property
+    def cuts(self) -> tuple[tuple[tuple[int, int, int], ...], ...]:
+        """Of every tree, what remains and what falls off when one edge is cut: (remaining, fallen, number of edges)."""
+        result: list[dict[tuple[int, int], int]] = [{} for _ in range(self.kinds)]
+        for rest, branch in zip(self.rest[self.kinds :], self.branch[self.kinds :], strict=True):
+            found = {(self.join(left, branch), fallen): n for (left, fallen), n in result[rest].items()}
+            found[rest, branch] = found.get((rest, branch), 0) + 1
+            for (left, fallen), n in result[branch].items():
+                pair = self.join(rest, left), fallen
+                found[pair] = found.get(pair, 0) + n
+            result.append(found)
+        return tuple(tuple((left, fallen, n) for (left, fallen), n in found.items()) for found in result)
+
+
+def tree_table(order: int, kinds: int = 1, internal: int = 1) -> TreeTable:
+    """The table of all rooted trees with at most `order` vertices; each table extends the one before.
+
+    There are 1, 1, 2, 4, 9, 20, 48, 115, 286, ... trees of order 1, 2, ... (hairer-norsett-wanner-1993, II.2). Raises
+    ValueError if order < 1, and TooManyTrees.
+    """
+    if order < 1 or not 1 <= internal <= kinds:
+        raise ValueError(f"trees of order {order}, {kinds} kinds of vertices, {internal} with branches: too few")
+    return _table(order, kinds, internal)
+
+
+@cache
+def _table(order: int, kinds: int, internal: int) -> TreeTable:
+    if order == 1:
+        return TreeTable(kinds, internal, (0, 0, kinds), tuple(range(kinds)), (-1,) * kinds)
+    smaller = _table(order - 1, kinds, internal)
+    rests: list[int] = []
+    branches: list[int] = []
+    for size in range(1, order):
+        # Single vertices that may not carry a branch are numbered after those that may.
+        low, high = smaller.first[order - size], smaller.first[order - size + 1]
+        high = internal if order - size == 1 else high
+        for branch in smaller.ids(size):
+            end = bisect_right(smaller.branch, branch, low, high)
+            rests += range(low, end)
+            branches += repeat(branch, end - low)
+            if len(rests) > MOST_TREES:
+                raise TooManyTrees(f"there are more than {MOST_TREES} trees of order {order}")
+    first = (*smaller.first, len(smaller.rest) + len(rests))
+    return TreeTable(kinds, internal, first, (*smaller.rest, *rests), (*smaller.branch, *branches))

@@ -1,0 +1,144 @@
+"""Families with a parameter: R(z) and the error constant as functions of it, stability as exact sets."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+
+import pytest
+from flint import fmpq_poly
+
+from methods.catalogue import METHODS
+from methods.number_field import square_root
+from methods.schemes import MethodError
+from symbolic.linear.families import (
+    EXPLICIT_ORDER_2,
+    FAMILIES,
+    SDIRK_ORDER_2,
+    SDIRK_STIFFLY_ACCURATE,
+    Family,
+    family_error_constant,
+    family_stability,
+)
+from symbolic.linear.implicit_stability import a_stability, i_stability, l_stability
+from symbolic.linear.parameter_sets import Interval, critical_polynomials, describe, parameter_set
+from symbolic.linear.phase import error_constant
+from symbolic.linear.polynomials import exact, from_scalars, scalar
+from symbolic.linear.rational_functions import RationalFunction, fraction
+from symbolic.linear.real_roots import RealRoot, rational_root, sign_at
+from symbolic.linear.stability_function import stability_function
+from symbolic.linear.text import rational_text
+
+T = fmpq_poly([0, 1])
+ROOT_3 = square_root(3)
+
+
+def texts(entries: tuple[RationalFunction, ...], name: str) -> list[str]:
+    return [rational_text(f, name) for f in entries]
+
+
+def test_r_of_the_sdirk_family_as_a_function_of_gamma() -> None:
+    r = family_stability(SDIRK_ORDER_2)
+    assert texts(r.num, "g") == ["1", "1 - 2*g", "1/2 - 2*g + g**2"]
+    assert texts(r.den, "g") == ["1", "-2*g", "g**2"]
+    power, constant = family_error_constant(SDIRK_ORDER_2)
+    assert (power, rational_text(constant, "g")) == (3, "-1/6 + g - g**2")
+    assert exact(constant(scalar(Q(1, 2) + ROOT_3 / 6))) == 0  # order 3 there
+
+
+def test_r_of_the_explicit_family_does_not_depend_on_its_parameter() -> None:
+    r = family_stability(EXPLICIT_ORDER_2)
+    assert (texts(r.num, "a"), texts(r.den, "a")) == (["1", "1", "1/2"], ["1"])
+    for value, key in ((Q(1), "heun2"), (Q(1, 2), "midpoint2")):
+        member, known = EXPLICIT_ORDER_2.member(value), METHODS[key]
+        assert (member.a, member.b, member.c) == (known.a, known.b, known.c)
+    with pytest.raises(MethodError, match="pole"):
+        EXPLICIT_ORDER_2.member(Q(0))
+
+
+VALUES = [Q(1, 4), Q(-3), Q(7, 5), Q(1, 2), 1 - square_root(2) / 2]
+
+
+@pytest.mark.parametrize("key", FAMILIES)
+@pytest.mark.parametrize("value", VALUES)
+def test_functions_of_the_parameter_are_those_of_each_member(key: str, value: Q) -> None:
+    family, at = FAMILIES[key], scalar(value)
+    r = family_stability(family)
+    member = stability_function(family.member(value))
+    num, den = (from_scalars([f(at) for f in row]) for row in (r.num, r.den))
+    assert fraction(num, den) == member
+    power, constant = family_error_constant(family)
+    found = error_constant(member)
+    assert exact(constant(at)) == (found.coefficient if found.power == power else 0)
+
+
+SETS = {
+    "sdirk_order_2": ("[1/4, oo)", "[1/4, oo)", "{1 - sqrt(2)/2} U {1 + sqrt(2)/2}"),
+    "sdirk_stiffly_accurate": 3 * ("[1 - sqrt(2)/2, 1 + sqrt(2)/2]",),
+    "explicit_order_2": 3 * ("empty",),
+}
+
+
+@pytest.mark.parametrize("key", SETS)
+def test_stability_as_an_exact_set(key: str) -> None:
+    found = tuple(describe(parameter_set(FAMILIES[key], decide)) for decide in (a_stability, i_stability, l_stability))
+    assert found == SETS[key]
+
+
+@pytest.mark.parametrize("key", ["sdirk_order_2", "sdirk_stiffly_accurate"])
+@pytest.mark.parametrize("offset", [Q(0), Q(1, 10**30), Q(-1, 10**30), Q(1, 7), Q(-1, 7)])
+def test_members_near_the_ends_agree_with_the_set(key: str, offset: Q) -> None:
+    (interval,) = parameter_set(FAMILIES[key], a_stability)
+    assert interval.low is not None
+    value = (interval.low.rational or (1 - square_root(2) / 2)) + offset
+    inside = offset >= 0
+    assert bool(a_stability(stability_function(FAMILIES[key].member(value)))) == inside
+
+
+ONE, NIL = fraction(fmpq_poly([1])), fraction(fmpq_poly())
+PARAMETER = fraction(T)
+THETA = Family(
+    key="theta",
+    title="Theta method",
+    parameter="theta",
+    source="x",
+    a=((NIL, NIL), (ONE - PARAMETER, PARAMETER)),
+    b=(ONE - PARAMETER, PARAMETER),
+    c=(NIL, ONE),
+)
+
+
+def test_theta_method() -> None:
+    assert describe(parameter_set(THETA, a_stability)) == "[1/2, oo)"
+    assert describe(parameter_set(THETA, l_stability)) == "{1}"
+    assert texts(family_stability(THETA).num, "t") == ["1", "1 - t"]
+
+
+def test_a_pole_and_a_bounded_set_are_cut_out() -> None:
+    """gamma = 1/t: A-stable for 0 < t <= 4, and not defined at 0."""
+    inverse = fraction(fmpq_poly([1]), T)
+    half = fraction(fmpq_poly([1]), 2 * fmpq_poly([1]))
+    rows = ((inverse, NIL), (ONE - inverse - inverse, inverse))
+    family = Family("inverse", "Inverse", "t", "x", rows, (half, half), (inverse, ONE))
+    assert describe(parameter_set(family, a_stability)) == "(0, 4]"
+
+
+def test_a_cancellation_at_one_value_is_decided_there() -> None:
+    """R = (1 + z)/(1 + tz) is 1 at t = 1, where the pole in the left half-plane cancels."""
+    row = fraction(T)
+    family = Family("cancel", "Cancel", "t", "x", ((-row,),), (ONE - row,), (-row,))
+    assert describe(parameter_set(family, a_stability)) == "(-oo, -1] U {1}"
+    assert describe(parameter_set(family, i_stability)) == "(-oo, -1] U [1, oo)"
+
+
+def test_criticals_hold_the_ends() -> None:
+    polynomials = critical_polynomials(SDIRK_STIFFLY_ACCURATE)
+    ends = RealRoot((1, -4, 2), 0), RealRoot((1, -4, 2), 1)
+    assert all(any(sign_at(p, end) == 0 for p in polynomials) for end in ends)
+
+
+def test_intervals_print_their_ends() -> None:
+    two = rational_root(Q(2))
+    assert str(Interval(None, two, False, True)) == "(-oo, 2]"
+    assert str(Interval(two, None, False, False)) == "(2, oo)"
+    assert str(Interval(two, two, True, True)) == "{2}"
+    assert describe([]) == "empty"
