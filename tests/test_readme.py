@@ -28,7 +28,7 @@ def test_a_stale_readme_would_be_noticed(capsys):
     command, shown = CONSOLE[0]
     stale, printed = shown_and_printed(command, shown.replace("337/384", "337/385"), capsys)
     assert printed != stale
-    assert len(CONSOLE) == 4
+    assert len(CONSOLE) == 6
 
 
 def test_map_names_every_folder_of_the_house():
