@@ -6,6 +6,7 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 import sympy
+from flint import arb
 from sympy.polys.matrices import DomainMatrix
 
 from methods.schemes import Method
@@ -36,6 +37,18 @@ def exact_matrix_at(method: Method, h: Fraction) -> Entries:
     except ZeroDivisionError:
         raise ValueError(f"{method.key} has no step of h = {h}: its one-step matrix has a pole there") from None
     return qq, qv, vq, vv
+
+
+def exact_flow(start: tuple[Fraction, Fraction], t: Fraction) -> tuple[arb, arb]:
+    """(q₀ cos t + v₀ sin t, v₀ cos t - q₀ sin t), the exact state at time t, in balls at the current precision."""
+    (q, v), angle = (enclose(x) for x in start), enclose(t)
+    c, s = angle.cos(), angle.sin()
+    return q * c + v * s, v * c - q * s
+
+
+def distance(a: tuple[arb, arb], b: tuple[arb, arb]) -> arb:
+    """The Euclidean distance of two states in balls."""
+    return ((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2).sqrt()
 
 
 def as_balls(matrix: Entries) -> Entries:

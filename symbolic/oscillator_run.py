@@ -13,7 +13,7 @@ from flint import arb, ctx
 from methods.rationals import step_count
 from methods.schemes import Method
 from symbolic.certified import Exact, enclose
-from symbolic.n_steps import Entries, apply, as_balls, exact_matrix_at, power, short_power
+from symbolic.n_steps import Entries, apply, as_balls, distance, exact_flow, exact_matrix_at, power, short_power
 
 # Above this many bits a power of M is only enclosed: the fraction would be longer than anyone reads.
 LONGEST_FRACTION = 4_000
@@ -85,7 +85,7 @@ class OscillatorRun:
         """The Euclidean distance between the numerical and the exact final state."""
         if self.t == 0:
             return Fraction(0)
-        return lambda: _distance(_numerical(self), _analytic(self))
+        return lambda: distance(_numerical(self), exact_flow(self.start, self.t))
 
     @property
     def energy(self) -> Exact:
@@ -114,7 +114,7 @@ class OscillatorRun:
             return None
         if self.t == 0:
             return Fraction(0)
-        return lambda: _angle_between(_numerical(self), _analytic(self)) * 180 / arb.pi()
+        return lambda: _angle_between(_numerical(self), exact_flow(self.start, self.t)) * 180 / arb.pi()
 
 
 def _numerical(run: OscillatorRun) -> tuple[arb, arb]:
@@ -122,16 +122,6 @@ def _numerical(run: OscillatorRun) -> tuple[arb, arb]:
         q, v = (enclose(x) for x in run.start)
         run._enclosures[ctx.prec] = apply(power(as_balls(run._matrix), run.steps), q, v)
     return run._enclosures[ctx.prec]
-
-
-def _analytic(run: OscillatorRun) -> tuple[arb, arb]:
-    (q, v), t = (enclose(x) for x in run.start), enclose(run.t)
-    c, s = t.cos(), t.sin()
-    return q * c + v * s, v * c - q * s
-
-
-def _distance(a: tuple[arb, arb], b: tuple[arb, arb]) -> arb:
-    return ((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2).sqrt()
 
 
 def _energy(q: Any, v: Any) -> Any:

@@ -33,7 +33,7 @@ def test_a_stale_readme_would_be_noticed(capsys):
 
 def test_map_names_every_folder_of_the_house():
     named = set(re.findall(r"^(\w+)/ ", README, re.MULTILINE)) | {"numeric"}
-    folders = {path.name for path in ROOT.iterdir() if path.is_dir() and any(path.glob("*.py"))}
+    folders = {path.name for path in ROOT.iterdir() if path.is_dir() and any((*path.glob("*.py"), *path.glob("*.svg")))}
     assert folders == named
 
 

@@ -9,7 +9,7 @@ from typing import TypeAlias
 from flint import arb
 
 from symbolic.certified import Exact, enclose
-from symbolic.n_steps import Entries, apply, as_balls, power, short_power
+from symbolic.n_steps import Entries, apply, as_balls, distance, exact_flow, power, short_power
 
 State: TypeAlias = tuple[Fraction, Fraction]
 # Up to this many bits M**N is also formed exactly, to recognise a run without any rounding error.
@@ -36,17 +36,17 @@ class ErrorOfRun:
         """|z^_N - M^N z0|, what the floats did."""
         if self._is_exact:
             return Fraction(0)
-        return lambda: _distance(self._floats(), self._numerical())
+        return lambda: distance(self._floats(), self._numerical())
 
     @property
     def truncation(self) -> Exact:
         """|M^N z0 - z(t)|, what the method would do in exact arithmetic."""
-        return lambda: _distance(self._numerical(), self._analytic())
+        return lambda: distance(self._numerical(), self._analytic())
 
     @property
     def total(self) -> Exact:
         """|z^_N - z(t)|; at most rounding + truncation."""
-        return lambda: _distance(self._floats(), self._analytic())
+        return lambda: distance(self._floats(), self._analytic())
 
     @property
     def _is_exact(self) -> bool:
@@ -61,9 +61,4 @@ class ErrorOfRun:
         return apply(power(as_balls(self.matrix), self.steps), q, v)
 
     def _analytic(self) -> tuple[arb, arb]:
-        (q, v), t = (enclose(x) for x in self.start), enclose(self.steps * self.h)
-        return q * t.cos() + v * t.sin(), v * t.cos() - q * t.sin()
-
-
-def _distance(a: tuple[arb, arb], b: tuple[arb, arb]) -> arb:
-    return ((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2).sqrt()
+        return exact_flow(self.start, self.steps * self.h)
