@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
 
 from proofs.claims import NOT_VERIFIABLE, REQUIRED, STATEMENTS, WAITING, claim
 from proofs.ledger import Entry, Ledger
+from proofs.printed import ROWS
+from symbolic.certified import Exact, significant
 
 LESSON = Path(__file__).parents[2] / "shared" / "lesson" / "claims.json"
 ABOUT_DIAGRAMS = {"L095", "L101", "L102", "L105", "L109", "L110", "L139", "L149"}
@@ -37,24 +40,19 @@ def test_required_and_waiting_are_the_verifiable_claims_of_the_lesson() -> None:
 @pytest.mark.skipif(not LESSON.exists(), reason="the lesson's own list of claims is not beside this checkout")
 def test_printed_texts_and_decimals_are_those_of_the_lesson() -> None:
     """Against the lesson's own inventory: the texts we prove are the texts it prints, the values those it lists."""
-    from proofs.printed import ROWS
-    from symbolic.certified import significant
-
     inventory = {entry["id"]: entry for entry in json.loads(LESSON.read_text(encoding="utf-8"))["claims"]}
     for row in ROWS:
         assert inventory[row.claim]["printed"] == row.text
-        assert _agree(inventory[row.claim]["decimal"], significant(row.quantity.value(), 30))
+        assert _agree(inventory[row.claim]["decimal"], row.quantity.value())
     printed = {key for key, entry in inventory.items() if entry["printed"] is not None}
     others = {"L005", "L050", "L058", "L092", "L093", "L094", "L155", "L179", "L191", "L194", "L203", "L209", "L246"}
     assert printed - {row.claim for row in ROWS} == others
 
 
-def _agree(theirs: str, ours: str) -> bool:
-    """Equal in the 20 digits that both lists have."""
-    from fractions import Fraction
-
-    a, b = Fraction(theirs), Fraction(ours)
-    return abs(a - b) * 10**20 <= abs(b)
+def _agree(theirs: str, value: Exact) -> bool:
+    """Their decimal is the value, correctly rounded to as many digits as it shows."""
+    digits = len(theirs.lstrip("-0.").replace(".", ""))
+    return Fraction(theirs) == Fraction(significant(value, digits)) if digits else value == 0
 
 
 def test_claim_refuses_an_unknown_id_and_unknown_evidence() -> None:
