@@ -217,6 +217,23 @@ def test_zero_at_an_algebraic_number_is_decided_over_number_fields() -> None:
     assert vanishes_at(p * 0, root)
 
 
+def test_zero_is_decided_between_conjugates_that_nearly_coincide() -> None:
+    """1 ± 1e-30 sqrt(2): at 64 bits both look like roots of both factors of their minimal polynomial."""
+    tiny = Q(1, 10**30)
+    p = polynomial([-(1 + tiny * ROOT_2), 1])
+    minimal = (10**60 - 2, -2 * 10**60, 10**60)
+    divisor = 2
+    lower, upper = (RealRoot(tuple(c // divisor for c in minimal), k) for k in range(2))
+    assert positive_roots([p]) == [lower, upper]
+    assert (vanishes_at(p, lower), vanishes_at(p, upper)) == (False, True)
+    assert (sign_at(p, lower), sign_at(p, upper)) == (-1, 0)
+    assert radical_form(lower) == f"1 - sqrt(2)/{10**30}"
+    assert radical_form(upper) == f"1 + sqrt(2)/{10**30}"
+    with ctx.workprec(300):
+        assert lower.square_root().ball() ** 2 < upper.ball()
+        assert upper.square_root().ball() ** 2 > lower.ball()
+
+
 RADICALS = {
     (0, 1): "0",
     (-2, 1): "2",

@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 import pytest
-from flint import acb, acb_poly, arb, ctx, fmpq, fmpq_poly
+from flint import acb, arb, ctx, fmpq
 
 from methods.catalogue import METHODS
 from methods.schemes import Collocation, RungeKutta, Splitting
@@ -14,11 +14,10 @@ from symbolic.linear.facts import FACTS, LinearFacts
 from symbolic.linear.limits import INFINITY, Limit
 from symbolic.linear.matrices import StepMatrix
 from symbolic.linear.oscillator import one_step_matrix
-from symbolic.linear.polynomials import at_ball
-from symbolic.linear.rational_functions import RationalFunction
 from symbolic.linear.real_roots import ZERO, RealRoot
 from symbolic.linear.stability_function import stability_function_by_determinants, stability_function_by_moments
 from symbolic.linear.tableaux import tableau
+from tests.linear_examples import at, modulus
 
 WITH_R = [key for key, method in METHODS.items() if isinstance(method, RungeKutta | Collocation)]
 WITHOUT_R = [key for key in METHODS if key not in WITH_R]
@@ -131,11 +130,6 @@ def test_stability_of_the_classical_families(key: str) -> None:
 EPSILON = fmpq(1, 10**12)
 
 
-def modulus(r: RationalFunction, z: acb) -> arb:
-    num, den = (acb_poly([at_ball(fmpq_poly([1]) * c, arb(0)) for c in p.coeffs()]) for p in (r.num, r.den))
-    return abs(num(z) / den(z))
-
-
 def around(limit: Limit) -> tuple[arb, arb]:
     """Just inside and just outside, relative 1e-12; for 0 the second is tiny."""
     assert isinstance(limit, RealRoot)
@@ -173,7 +167,7 @@ def test_limits_of_matrices_in_balls(key: str) -> None:
 
 
 def radius(m: StepMatrix, h: arb) -> arb:
-    (qq, qv), (vq, vv) = [[at_ball(f.num, h) / at_ball(f.den, h) for f in row] for row in m]
+    (qq, qv), (vq, vv) = [[at(f, h) for f in row] for row in m]
     half, area = acb((qq + vv) / 2), acb(qq * vv - qv * vq)
     root = (half * half - area).sqrt()
     return abs(half + root).max(abs(half - root))

@@ -130,6 +130,25 @@ def test_a_cancellation_at_one_value_is_decided_there() -> None:
     assert describe(parameter_set(family, i_stability)) == "(-oo, -1] U [1, oo)"
 
 
+def test_a_pole_that_cancels_far_from_the_axis_is_found() -> None:
+    """R = (1 + z)/((1 + tz)(1 - 2z)²), composed of three steps: I-stable for every t, and at t = 1 A-stable."""
+    step = ONE - PARAMETER
+    two = ONE + ONE
+    rows = ((-PARAMETER, NIL, NIL), (step, two, NIL), (step, two, two))
+    family = Family("hidden", "Hidden", "t", "x", rows, (step, two, two), (-PARAMETER, two + step, two + two + step))
+    assert describe(parameter_set(family, i_stability)) == "(-oo, oo)"
+    assert describe(parameter_set(family, a_stability)) == "(-oo, 0] U {1}"
+
+
+def test_a_contact_that_opens_at_a_finite_point_of_the_axis_is_found() -> None:
+    """R = (1 + tz²)/(1 - z)³: the margin is y²(3 + 2t + (3 - t²)y² + y⁴), with a double root y² = 3 at t = 3."""
+    rows = ((ONE, NIL, NIL), (ONE, ONE, NIL), (NIL, ONE, ONE))
+    two = ONE + ONE
+    family = Family("contact", "Contact", "t", "x", rows, (-PARAMETER, two, ONE + PARAMETER), (ONE, two, two))
+    assert texts(family_stability(family).num, "t") == ["1", "0", "t"]
+    assert describe(parameter_set(family, a_stability)) == "[-3/2, 3]"
+
+
 def test_criticals_hold_the_ends() -> None:
     polynomials = critical_polynomials(SDIRK_STIFFLY_ACCURATE)
     ends = RealRoot((1, -4, 2), 0), RealRoot((1, -4, 2), 1)

@@ -7,34 +7,18 @@ from fractions import Fraction as Q
 from typing import Any
 
 import pytest
-from flint import acb, acb_poly, arb, ctx, fmpq, fmpq_poly
+from flint import acb, arb, ctx, fmpq, fmpq_poly
 from hypothesis import given
 
 from driftproof import strategies
-from methods.number_field import cube_root, square_root
-from methods.schemes import RungeKutta, Splitting
-from symbolic.linear.bounded_powers import boundary_of, bounded_limit, is_bounded
+from methods.schemes import RungeKutta
 from symbolic.linear.limits import INFINITY, Limit, data, first_failure, imaginary_limit, real_limit, smallest
-from symbolic.linear.matrices import StepMatrix
-from symbolic.linear.oscillator import one_step_matrix
-from symbolic.linear.polynomials import at_ball, evaluate, polynomial, scalar, sign
+from symbolic.linear.polynomials import polynomial
 from symbolic.linear.rational_functions import RationalFunction, fraction
-from symbolic.linear.real_roots import ZERO, RealRoot, rational_root, sign_at
+from symbolic.linear.real_roots import ZERO, RealRoot, rational_root
 from symbolic.linear.stability_function import stability_function
-from symbolic.one_step import one_step_matrix as polynomial_matrix
-from symbolic.stability import stability_limit
+from tests.linear_examples import ROOT_3, Z, chebyshev, modulus, sdirk
 from tests.nine import NINE
-
-Z = fmpq_poly([0, 1])
-ROOT_3 = square_root(3)
-
-
-def chebyshev(degree: int, argument: Any) -> Any:
-    """T of that degree at a polynomial, by its recurrence."""
-    before, now = argument * 0 + 1, argument
-    for _ in range(degree - 1):
-        before, now = now, 2 * argument * now - before
-    return now
 
 
 def ssp_second_order(stages: int) -> Any:
@@ -140,19 +124,6 @@ def test_a_weight_off_by_ten_to_the_minus_thirty_moves_the_limit_of_rk4() -> Non
     assert limit_text(imaginary_limit(fraction(r + 2 * TINY * Z**2))) not in ("0", "2*sqrt(2)")
 
 
-def sdirk(gamma: Any) -> RungeKutta:
-    one = Q(1)
-    return RungeKutta(
-        key="sdirk",
-        title="SDIRK",
-        claimed_order=2,
-        source="hairer-wanner-1996, IV.6",
-        a=((gamma, Q(0)), (one - 2 * gamma, gamma)),
-        b=(one / 2, one / 2),
-        c=(gamma, one - gamma),
-    )
-
-
 def test_limits_over_a_number_field() -> None:
     stable, unstable = (stability_function(sdirk(Q(1, 2) + s * ROOT_3 / 6)) for s in (1, -1))
     assert (real_limit(stable), imaginary_limit(stable)) == (INFINITY, INFINITY)
@@ -166,12 +137,6 @@ def test_limit_over_a_number_field_is_not_one_of_a_conjugate() -> None:
     assert limit_text(real_limit(r)) == "1 + sqrt(3)"
     conjugate = real_limit(fraction(polynomial([1, 1, (-ROOT_3 - 1) / 2])))
     assert data(conjugate, 6)["decimal"] == "0.898125"
-
-
-def ball_value(r: RationalFunction, z: acb) -> arb:
-    """|R(z)| as a ball, at Arb's current precision."""
-    num, den = (acb_poly([at_ball(fmpq_poly([c]), arb(0)) for c in p.coeffs()]) for p in (r.num, r.den))
-    return abs(num(z) / den(z))
 
 
 def assert_lost_at(limit: Limit, inside: Callable[[arb], Any], outside: Callable[[arb], Any]) -> None:
@@ -193,10 +158,10 @@ RUNGE_KUTTA = {key: m for key, m in NINE.items() if isinstance(m, RungeKutta)}
 def test_modulus_of_r_in_balls_on_both_sides_of_the_limits(key: str) -> None:
     r = stability_function(RUNGE_KUTTA[key])
     assert_lost_at(
-        real_limit(r), lambda x: ball_value(r, acb(-x)) <= 1 + x * 0 or x == 0, lambda x: ball_value(r, acb(-x)) > 1
+        real_limit(r), lambda x: modulus(r, acb(-x)) <= 1 + x * 0 or x == 0, lambda x: modulus(r, acb(-x)) > 1
     )
     assert_lost_at(
-        imaginary_limit(r), lambda y: ball_value(r, acb(0, y)) < 1 or y == 0, lambda y: ball_value(r, acb(0, y)) > 1
+        imaginary_limit(r), lambda y: modulus(r, acb(0, y)) < 1 or y == 0, lambda y: modulus(r, acb(0, y)) > 1
     )
 
 
@@ -206,119 +171,14 @@ def test_limits_of_random_methods_in_balls(method: RungeKutta) -> None:
     for limit, direction in ((real_limit(r), acb(-1)), (imaginary_limit(r), acb(0, 1))):
         if r.num.degree() > 0:
             assert limit is not INFINITY  # a polynomial grows
-            assert_lost_at(limit, lambda x, d=direction: ball_value(r, d * x) <= 1 or x == 0, lambda x: True)
+            assert_lost_at(limit, lambda x, d=direction: modulus(r, d * x) <= 1 or x == 0, lambda x: True)
             with ctx.workprec(2000):
-                assert ball_value(r, direction * first_point_beyond(limit)) > 1
+                assert modulus(r, direction * first_point_beyond(limit)) > 1
 
 
 def first_point_beyond(limit: Limit) -> arb:
     assert isinstance(limit, RealRoot)
     return limit.ball() * (1 + arb(2) ** -60) + (arb(2) ** -60 if limit == ZERO else 0)
-
-
-# ---- bounded powers of a matrix
-
-
-def step_matrix(*entries: Any) -> StepMatrix:
-    qq, qv, vq, vv = (fraction(Z * 0 + entry) for entry in entries)
-    return (qq, qv), (vq, vv)
-
-
-def companion(trace: Any, determinant: Any = 1) -> StepMatrix:
-    """A matrix with this trace and determinant that is never a multiple of the identity."""
-    return step_matrix(trace, -determinant, 1, 0)
-
-
-def sheared(s: Any, factor: int = 1) -> StepMatrix:
-    """± symplectic Euler with step s(h): the identity where s = 0, a Jordan block where |s| = 2."""
-    return step_matrix((1 - s * s) * factor, s * factor, -s * factor, factor)
-
-
-POWERS: dict[str, tuple[StepMatrix, str]] = {
-    "the identity": (step_matrix(1, 0, 0, 1), "oo"),
-    "a rotation by a right angle": (step_matrix(0, 1, -1, 0), "oo"),
-    "free flight, a Jordan block at every h": (step_matrix(1, Z, 0, 1), "0"),
-    "a Jordan block at every h but h = 1": (step_matrix(1, Z * (Z - 1), 0, 1), "0"),
-    "growth at once": (step_matrix(1 + Z, 0, 0, 1), "0"),
-    "eigenvalue 1 for ever, the other leaves at 2": (step_matrix(1, 0, 0, 1 - Z), "2"),
-    "eigenvalues 1 and -1": (step_matrix(1, Z, 0, -1), "oo"),
-    "trace touches 2 and returns, with a Jordan block": (companion(2 - (Z - 1) ** 2 * Z / 4), "1"),
-    "trace touches -2 and returns, with a Jordan block": (companion(-2 + (Z - 1) ** 2 * Z / 4), "1"),
-    "trace touches 2 and returns, through the identity": (sheared(Z * (1 - Z)), "2"),
-    "trace touches -2 and returns, through minus the identity": (sheared(Z * (1 - Z), -1), "2"),
-    "an irrational boundary": (step_matrix(0, 0, 0, (Z**2 - 2) / 3), "sqrt(5)"),
-    "a boundary without radicals": (step_matrix(0, 0, 0, (Z**5 - Z) / 3), "x**5 - x - 3"),
-    "a pole at 3": (((fraction(1 - Z, 3 - Z), fraction(Z * 0)), (fraction(Z * 0), fraction(Z * 0))), "2"),
-}
-
-
-@pytest.mark.parametrize("name", POWERS)
-def test_bounded_powers_of(name: str) -> None:
-    m, limit = POWERS[name]
-    assert limit_text(bounded_limit(m)) == limit
-
-
-def test_touch_through_the_identity_over_a_number_field() -> None:
-    """The step s(h) = h(√3 - h) is 0 at √3, which is no limit; the same trace with a Jordan block there is one."""
-    s = polynomial([0, ROOT_3, -1])
-    through = sheared(s)
-    limit = bounded_limit(through)
-    assert isinstance(limit, RealRoot)
-    assert limit.minimal == (4, 0, -7, 0, 1)  # (√3 + √11)/2, where s = -2
-    jordan = companion(2 - s * s)
-    assert limit_text(bounded_limit(jordan)) == "sqrt(3)"
-
-
-@pytest.mark.parametrize("key", NINE)
-def test_bounded_limit_agrees_with_the_derivation_over_polynomials(key: str) -> None:
-    """The second implementation works on SymPy's Q[h] and algebraic fields."""
-    ours, theirs = bounded_limit(one_step_matrix(NINE[key])), stability_limit(polynomial_matrix(NINE[key]))
-    if ours is INFINITY:
-        assert str(theirs) == "oo"
-    else:
-        assert isinstance(ours, RealRoot)
-        low, high = ours.interval()
-        assert low <= theirs <= high
-
-
-@given(strategies.splittings(max_pairs=3))
-def test_powers_of_random_splittings_inside_and_beyond(method: Splitting) -> None:
-    boundary = boundary_of(one_step_matrix(method))
-    limit = bounded_limit(one_step_matrix(method))
-
-    def bounded_at(x: Q) -> bool:
-        return is_bounded(boundary, lambda p: sign(evaluate(p, scalar(x))))
-
-    if limit is INFINITY:
-        assert bounded_at(Q(10**6, 7))
-    elif limit == ZERO:
-        assert not bounded_at(Q(1, 10**40))
-    else:
-        assert isinstance(limit, RealRoot)
-        with ctx.workprec(256):
-            point = limit.ball().mid() * 2**200
-        near = Q(int(point.unique_fmpz() or point.floor().unique_fmpz() or 0), 2**200)
-        assert bounded_at(near * Q(10**12 - 1, 10**12))
-        at_limit = is_bounded(boundary, lambda p: sign_at(p, limit))
-        assert not (at_limit and bounded_at(near * Q(10**12 + 1, 10**12)))
-
-
-def triple_jump() -> Splitting:
-    w = 1 / (2 - cube_root(2))
-    outer, inner = w, 1 - 2 * w
-    parts = (outer / 2, outer, (outer + inner) / 2, inner, (outer + inner) / 2, outer, outer / 2)
-    kinds = ("drift", "kick", "drift", "kick", "drift", "kick", "drift")
-    return Splitting("triple_jump", "Triple jump", 4, "yoshida-1990, 4", tuple(zip(kinds, parts, strict=True)))
-
-
-def test_limit_of_a_splitting_over_a_cubic_field() -> None:
-    limit = bounded_limit(one_step_matrix(triple_jump()))
-    assert data(limit) == {
-        "exact": None,
-        "minpoly": "x**6 - 36*x**4 + 432*x**2 - 864",
-        "interval": ["1", "2"],
-        "decimal": "1.573401947434540056629579441963",
-    }
 
 
 def test_smallest_of_some_limits() -> None:
