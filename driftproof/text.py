@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from methods.catalogue import METHODS
+from methods.schemes import Collocation, Nystrom, RungeKutta, Splitting
 from numeric.scenes import Scene
 
 # An exact form longer than this is left to --format json.
@@ -63,12 +64,14 @@ def _rows(name: str, value: Any) -> list[list[str]]:
     return [[label, value["decimal"] + unit, short]]
 
 
+FAMILIES = {RungeKutta: "Runge-Kutta", Collocation: "collocation", Splitting: "splitting", Nystrom: "Nyström"}
+
+
 def methods_text() -> str:
     """The catalogue: key, family, claimed order, title, source."""
     rows = [["method", "family", "order", "title", "source"]]
     for key, method in METHODS.items():
-        family = "Runge-Kutta" if hasattr(method, "a") else "splitting"
-        rows.append([key, family, str(method.claimed_order), method.title, method.source])
+        rows.append([key, FAMILIES[type(method)], str(method.claimed_order), method.title, method.source])
     return table(rows, right=(2,))
 
 
