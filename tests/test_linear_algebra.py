@@ -15,8 +15,6 @@ from methods.number_field import Algebraic, NumberField, cube_root, square_root
 from symbolic.linear.number_field_polynomials import FieldPolynomial, interpolate, root_ball
 from symbolic.linear.polynomials import (
     at_ball,
-    coefficients,
-    dot,
     exact,
     from_scalars,
     greatest_common_divisor,
@@ -33,8 +31,6 @@ from symbolic.linear.polynomials import (
 from symbolic.linear.radicals import decimal, integer_polynomial_text, radical_form
 from symbolic.linear.rational_functions import fraction
 from symbolic.linear.real_roots import ZERO, RealRoot, positive_roots, rational_root, samples, sign_at, vanishes_at
-from symbolic.linear.series import divide, expand, exponential, logarithm, multiply
-from symbolic.linear.series import square_root as series_root
 from symbolic.linear.text import polynomial_text, rational_text
 
 ROOT_3, ROOT_2, CUBE_2 = square_root(3), square_root(2), cube_root(2)
@@ -227,8 +223,6 @@ def test_zero_is_decided_between_conjugates_that_nearly_coincide() -> None:
     assert positive_roots([p]) == [lower, upper]
     assert (vanishes_at(p, lower), vanishes_at(p, upper)) == (False, True)
     assert (sign_at(p, lower), sign_at(p, upper)) == (-1, 0)
-    assert radical_form(lower) == f"1 - sqrt(2)/{10**30}"
-    assert radical_form(upper) == f"1 + sqrt(2)/{10**30}"
     with ctx.workprec(300):
         assert lower.square_root().ball() ** 2 < upper.ball()
         assert upper.square_root().ball() ** 2 > lower.ball()
@@ -283,43 +277,3 @@ def test_polynomials_print_in_sympys_syntax() -> None:
     assert polynomial_text(polynomial([0, Q(-1, 2)]), "h") == "-h/2"
     assert polynomial_text(polynomial([0, 2 - ROOT_2]), "h") == "(2 - sqrt(2))*h"
     assert rational_text(fraction(1 - X**2 / 4, 1 + X**2 / 4), "h") == "(1 - h**2/4)/(1 + h**2/4)"
-
-
-# ---- rational functions and series
-
-
-def test_fraction_is_in_lowest_terms_and_normalised() -> None:
-    f = fraction((X - 2) * (X + 3), (X - 2) * (2 * X + 4))
-    assert f.data() == {"num": ["3/4", "1/4"], "den": ["1", "1/2"]}
-    assert fraction(X, X * X).data() == {"num": ["1"], "den": ["0", "1"]}
-    assert fraction(X * 0, X).data() == {"num": ["0"], "den": ["1"]}
-    assert f.at_infinity() == Q(1, 2)
-    assert fraction(X).at_infinity() is None
-    assert fraction(X, X**2 + 1).at_infinity() == 0
-    with pytest.raises(ZeroDivisionError):
-        fraction(X, X * 0)
-
-
-def test_fraction_cancels_an_irrational_factor() -> None:
-    root = polynomial([-ROOT_3, 1])
-    f = fraction(root * (X + 1), polynomial([-3, 0, 1]))
-    assert f.num.degree() == 1
-    assert [str(c) for c in coefficients(f.den)] == ["1", "1/3*sqrt(3)"]
-
-
-def test_series_satisfy_their_equations() -> None:
-    f = fraction(1 + X / 3 + X**2, 1 - X / 5 + polynomial([0, 0, ROOT_2]))
-    terms = expand(f, 12)
-    assert multiply(divide(terms, exponential(12)), exponential(12)) == terms
-    root = series_root(terms)
-    assert multiply(root, root) == terms
-    slope = [k * c for k, c in enumerate(logarithm(terms))]
-    assert multiply(terms, slope) == [k * c for k, c in enumerate(terms)]
-    assert [exact(c) for c in logarithm(exponential(9))] == [0, 1, 0, 0, 0, 0, 0, 0, 0]
-    with pytest.raises(ValueError, match="constant term"):
-        logarithm([fmpq(2)])
-
-
-def test_dot_demands_equal_lengths() -> None:
-    with pytest.raises(ValueError, match="longer"):
-        dot([fmpq(1)], [fmpq(1), fmpq(2)])
