@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
+from typing import Any
 
 import pytest
-from flint import fmpq_poly
+from flint import fmpq, fmpq_poly
 
 from methods.catalogue import METHODS
 from methods.number_field import square_root
@@ -26,6 +27,7 @@ from symbolic.linear.polynomials import exact, from_scalars, scalar
 from symbolic.linear.rational_functions import RationalFunction, fraction
 from symbolic.linear.real_roots import RealRoot, rational_root, sign_at
 from symbolic.linear.stability_function import stability_function
+from symbolic.linear.subresultants import Pair, critical_polynomial
 from symbolic.linear.text import rational_text
 
 T = fmpq_poly([0, 1])
@@ -161,3 +163,17 @@ def test_intervals_print_their_ends() -> None:
     assert str(Interval(two, None, False, False)) == "(2, oo)"
     assert str(Interval(two, two, True, True)) == "{2}"
     assert describe([]) == "empty"
+
+
+def test_first_subresultant_that_is_not_zero_tells_where_roots_merge() -> None:
+    """(x - t)²(x - 1) always has a double root; t = 1 is where the distinct ones change in number."""
+
+    def at(t: fmpq) -> tuple[Any, Any]:
+        p = (T - t) ** 2 * (T - 1)
+        return p, p.derivative()
+
+    found = critical_polynomial(Pair(at, (3, 2), (2, 2)))
+    assert found(1) == 0
+    assert found(2) != 0
+    nothing = critical_polynomial(Pair(lambda t: (T * 0, T * 0), (2, 1), (0, 0)))
+    assert nothing is None
