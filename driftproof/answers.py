@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 from flint import fmpq
 
 from methods.catalogue import method_named
-from methods.schemes import Method, Splitting
+from methods.schemes import Method
 from numeric.steppers import evaluations_per_step
 from symbolic.certified import HALF_EVEN, Exact, significant
 from symbolic.oscillator_run import OscillatorRun
@@ -56,8 +56,7 @@ def run_answer(
 
 def _evaluations(run: OscillatorRun) -> Answer:
     """The evaluations of an explicit method; those of an implicit one depend on how its equations are solved."""
-    explicit = isinstance(run.method, Splitting) or run.method.explicit
-    return {"evaluations": run.steps * evaluations_per_step(run.method.key)} if explicit else {}
+    return {"evaluations": run.steps * evaluations_per_step(run.method.key)} if run.method.explicit else {}
 
 
 def _header(method: Method, h: Fraction, start: tuple[Fraction, Fraction], digits: int, rounding: str) -> Answer:

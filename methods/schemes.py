@@ -119,6 +119,11 @@ class Splitting:
         object.__setattr__(self, "parts", tuple(zip(kinds, coefficients, strict=True)))
         _demand_one_field(self.key, coefficients)
 
+    @property
+    def explicit(self) -> bool:
+        """True: each kick and each drift is a formula in what was known before it."""
+        return True
+
     @cached_property
     def field(self) -> NumberField | None:
         """The number field of the coefficients; None if all are rational."""

@@ -90,7 +90,7 @@ IDENTITY: dict[str, Fact] = {
     "family": lambda facts: FAMILIES[type(facts.method)],
     "source": lambda facts: facts.method.source,
     "stages": lambda facts: _stages(facts.method),
-    "explicit": lambda facts: isinstance(facts.method, Splitting) or facts.method.explicit,
+    "explicit": lambda facts: facts.method.explicit,
     "decimal": lambda facts: facts.method.decimal,
     "field": _field,
     "inconsistencies": lambda facts: {k: str(r) for k, r in facts.method.inconsistencies().items()},
