@@ -308,8 +308,3 @@ def _total(values: Iterable[Exact]) -> Exact:
 def _nonzero_residuals(residuals: dict[str, Exact]) -> dict[str, Exact]:
     exact = {condition: _exact_coefficient(residual, condition) for condition, residual in residuals.items()}
     return {condition: residual for condition, residual in exact.items() if residual}
-
-
-def nonzero(coefficients: Sequence[Exact]) -> list[tuple[int, Exact]]:
-    """The pairs (index, coefficient) with coefficient ≠ 0, in order: what a step has to multiply."""
-    return [(i, c) for i, c in enumerate(coefficients) if c != 0]

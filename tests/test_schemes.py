@@ -13,7 +13,7 @@ import sympy
 from hypothesis import given
 
 from driftproof import strategies
-from methods.schemes import MethodError, RungeKutta, Splitting, nonzero
+from methods.schemes import MethodError, RungeKutta, Splitting
 from methods.stepping import stepper
 
 HEUN = {"a": ((0, 0), (1, 0)), "b": (Q(1, 2), Q(1, 2)), "c": (0, 1)}
@@ -118,11 +118,6 @@ def test_inconsistency_is_reported_with_its_residual_and_not_refused() -> None:
     assert splitting((("kick", 1),)).inconsistencies() == {"sum(drifts) - 1": Q(-1)}
 
 
-def test_nonzero_keeps_indices_and_order() -> None:
-    assert nonzero([Q(0), Q(3), Q(0), Q(-1)]) == [(1, Q(3)), (3, Q(-1))]
-    assert nonzero([Q(0)]) == []
-
-
 @given(strategies.runge_kutta_methods())
 def test_drawn_runge_kutta_methods_are_explicit_and_consistent(method: RungeKutta) -> None:
     assert method.explicit
@@ -143,6 +138,6 @@ def test_step_takes_its_coefficients_through_lift_only() -> None:
         return c
 
     step = stepper(runge_kutta(), lift)
-    assert lifted == [Q(1), Q(1, 2), Q(1, 2)]  # the zeros are dropped
+    assert lifted == [Q(1, 2), Q(1, 2)]  # zeros and ones are dropped
     step(lambda q: -q, Q(1), Q(0), Q(1, 4))
     assert len(lifted) == 3
