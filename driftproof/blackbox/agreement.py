@@ -1,0 +1,189 @@
+"""A stepper beside the exact step of a method, over many steps: within the bound, or the simplest example beyond."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Literal
+
+from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.subject import Subject
+from driftproof.blackbox.tolerance import Allowance, Judgement, Tolerance
+from symbolic.certified import significant
+
+if TYPE_CHECKING:
+    from hypothesis.strategies import SearchStrategy
+
+    from methods.schemes import Method
+
+COMPONENTS = ("q", "v")
+WIDTHS: dict[str, Literal[16, 32, 64]] = {"binary16": 16, "binary32": 32, "binary64": 64}
+EXAMPLES = 1000
+
+
+@dataclass(frozen=True)
+class Domain:
+    """Where a stepper is tried: 0 < h <= `largest_step`, |q| and |v| at most `largest_state`, all their floats."""
+
+    largest_step: float = 2.0
+    largest_state: float = 1000.0
+
+    def __post_init__(self) -> None:
+        """Refuse what holds no step or no state."""
+        if not (0 < self.largest_step < float("inf") and 0 < self.largest_state < float("inf")):
+            raise ValueError(f"{self}: both ends are positive and finite")
+
+
+ORDINARY = Domain()
+NO_ALLOWANCE = Allowance()
+
+
+@dataclass(frozen=True)
+class Example:
+    """One step: its arguments, the answer, and what was wrong with it, or how near the bound it came.
+
+    `exact` and `error_over_bound` are of the worse component; `misbehaved` says what came instead of an answer.
+    """
+
+    q: float
+    v: float
+    h: float
+    answer: tuple[float, float] | None
+    component: str = ""
+    exact: str = ""
+    error_over_bound: float = 0.0
+    scaled_error: float = 0.0
+    misbehaved: str = ""
+
+    @property
+    def call(self) -> str:
+        """The arguments as one writes them."""
+        return f"q={self.q!r}, v={self.v!r}, h={self.h!r}"
+
+    @property
+    def words(self) -> str:
+        """What happened there."""
+        if self.answer is None:
+            return self.misbehaved
+        got = self.answer[COMPONENTS.index(self.component)]
+        return (
+            f"step({self.call}): {self.component} is {got!r}, exactly {self.exact}; "
+            f"error {self.error_over_bound:.3g} times the bound"
+        )
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """How a stepper compares with a method over `examples` steps.
+
+    `worst` is the example with the largest error over its bound among those tried; `failing`, where there is one, the
+    simplest that Hypothesis found of those beyond their bound. Sampling is evidence, no proof; the bound is proved.
+    """
+
+    method: str
+    examples: int
+    worst: Example
+    failing: Example | None
+    largest_scaled_error: float
+
+    @property
+    def holds(self) -> bool:
+        """True when no example was found beyond its bound."""
+        return self.failing is None
+
+
+def agreement(
+    subject: Subject,
+    method: Method,
+    allowance: Allowance = NO_ALLOWANCE,
+    domain: Domain = ORDINARY,
+    examples: int = EXAMPLES,
+) -> Agreement:
+    """The stepper against the method on the oscillator, at `examples` floats drawn alike on every run.
+
+    Raises ValueError where the method needs a solver tolerance, or takes none.
+    """
+    from hypothesis import HealthCheck, Phase, given, settings
+
+    tolerance = Tolerance(method, subject.format, allowance)
+    seen = _Seen()
+
+    @settings(
+        max_examples=examples,
+        database=None,
+        derandomize=True,
+        deadline=None,
+        phases=(Phase.generate, Phase.shrink),
+        suppress_health_check=list(HealthCheck),
+        report_multiple_bugs=False,
+    )
+    @given(*_arguments(domain, subject))
+    def check(q: float, v: float, h: float) -> None:
+        example = _example(subject, tolerance, q, v, h)
+        seen.add(example)
+        if _fails(example):
+            raise _Beyond
+
+    with suppress(_Beyond):
+        check()
+    return seen.summary(method.key)
+
+
+class _Beyond(AssertionError):
+    """The bound is exceeded: makes Hypothesis look for a simpler such example."""
+
+
+class _Seen:
+    """What a campaign has met; once an example fails, Hypothesis goes on to simpler ones, and ends on the simplest."""
+
+    def __init__(self) -> None:
+        self.examples = 0
+        self.worst: Example | None = None
+        self.failing: Example | None = None
+        self.largest_scaled_error = 0.0
+
+    def add(self, example: Example) -> None:
+        self.examples += self.failing is None
+        self.largest_scaled_error = max(self.largest_scaled_error, example.scaled_error)
+        if _fails(example):
+            self.failing = example
+        if self.worst is None or example.error_over_bound > self.worst.error_over_bound:
+            self.worst = example
+
+    def summary(self, method: str) -> Agreement:
+        assert self.worst is not None
+        return Agreement(method, self.examples, self.worst, self.failing, self.largest_scaled_error)
+
+
+def _fails(example: Example) -> bool:
+    return example.answer is None or example.error_over_bound > 1
+
+
+def _example(subject: Subject, tolerance: Tolerance, q: float, v: float, h: float) -> Example:
+    try:
+        answer = subject.step(q, v, h)
+    except Misbehaviour as error:
+        return Example(q, v, h, None, misbehaved=str(error))
+    judged = tolerance.judge(q, v, h, answer)
+    worse = max((0, 1), key=lambda i: judged[i].ratio)
+    judgement: Judgement = judged[worse]
+    exact = tolerance.exact(q, v, h)[worse]
+    return Example(
+        *(q, v, h, answer, COMPONENTS[worse], significant(lambda: exact, 20)),
+        *(judgement.ratio, max(j.scaled for j in judged)),
+    )
+
+
+def _arguments(domain: Domain, subject: Subject) -> tuple[SearchStrategy[float], ...]:
+    """q, v and h as floats of the subject's format, so that nothing is rounded on the way in."""
+    from hypothesis import strategies as st
+
+    width = WIDTHS[subject.format.name]
+
+    def held(x: float) -> float:
+        return float(subject.format.nearest(Fraction(x)))
+
+    size, step = held(domain.largest_state), held(domain.largest_step)
+    states = st.floats(-size, size, width=width)
+    return states, states, st.floats(0, step, width=width, exclude_min=True)

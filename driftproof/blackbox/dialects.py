@@ -1,0 +1,82 @@
+"""How a stepper wants its numbers, and how its answers are read: Python floats, arrays, other people's array types."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from driftproof.blackbox.findings import NotANumber, WrongShape
+
+# A float, or a number of the arithmetic that a dialect is for.
+Number: TypeAlias = Any
+Foreign: TypeAlias = Any
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """`write` makes of n numbers what the stepper takes; `read` makes n numbers of what it gives.
+
+    `number` makes one of them of a float. `read` raises WrongShape or NotANumber. All are exact, up to the rounding
+    to the stepper's own precision.
+    """
+
+    name: str
+    write: Callable[[Sequence[Number]], Foreign]
+    read: Callable[[Foreign, int], list[Number]]
+    number: Callable[[float], Number] = float
+
+
+def floats_in(value: Foreign, size: int) -> list[float]:
+    """The `size` real numbers that a scalar, a sequence or anybody's array holds, as Python floats.
+
+    Raises WrongShape for another number of them, NotANumber for what is not real.
+    """
+    array = as_array(value)
+    if array.size != size:
+        raise WrongShape(f"{size} number{'s' * (size != 1)} went in, {array.size} came out (shape {array.shape})")
+    return [float(x) for x in array.ravel()]
+
+
+def as_array(value: Foreign) -> np.ndarray[Any, Any]:
+    """The value as a NumPy array of real numbers. Raises NotANumber."""
+    if value is None:
+        raise NotANumber("it returns None")
+    plain = value.detach() if hasattr(value, "detach") else value  # a tensor that records its gradient
+    try:
+        array = np.asarray(plain)
+    except Exception as error:  # other people's arrays raise what they like
+        raise NotANumber(f"it returns {type(value).__name__}, which is not read as numbers: {error}") from None
+    if array.dtype.kind not in "fiub":
+        raise NotANumber(f"it returns {type(value).__name__} with entries of type {array.dtype}, not real numbers")
+    return array
+
+
+def type_of(value: Foreign) -> str:
+    """What the value's own library calls the type of its numbers: float, float64, torch.float32, ..."""
+    if isinstance(value, list | tuple) and value:
+        return type_of(value[0])
+    return str(getattr(value, "dtype", type(value).__name__))
+
+
+def _one(numbers: Sequence[Number]) -> Number:
+    if len(numbers) != 1:
+        raise WrongShape(f"a scalar holds one number, not {len(numbers)}")
+    return numbers[0]
+
+
+SCALARS = Dialect("Python floats", lambda numbers: float(_one(numbers)), floats_in)
+ARRAYS = Dialect("NumPy arrays", lambda numbers: np.array(numbers, dtype=np.float64), floats_in)
+LISTS = Dialect("lists", lambda numbers: [float(x) for x in numbers], floats_in)
+
+
+def dialect_of(make: Callable[[Any], Foreign]) -> Dialect:
+    """The dialect whose numbers `make` makes, of a list of floats: torch.tensor, jax.numpy.asarray, ..."""
+    return Dialect(f"{getattr(make, '__module__', '')}.{getattr(make, '__name__', 'array')}", make, floats_in)
+
+
+def dialect_of_scalars(make: Callable[[Any], Foreign]) -> Dialect:
+    """The dialect whose numbers `make` makes, of one float: numpy.float32, ..."""
+    return Dialect(dialect_of(make).name, lambda numbers: make(_one(numbers)), floats_in)

@@ -1,0 +1,125 @@
+"""Three doors into a stepper, found by the names of its parameters: its map alone, a force, a right-hand side."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+MAP, FORCE, FIELD = "map", "force", "field"
+# What a stepper behind each door is, as a reader writes it down.
+DOORS = {
+    MAP: "step(q, v, h) -> (q1, v1), or step(state, h) with state = [q, v]: the system is built in",
+    FORCE: "step(force, q, v, h) -> (q1, v1): q' = v, v' = force(q)",
+    FIELD: "step(f, t, y, h) -> y1: y' = f(t, y)",
+}
+FUNCTION, POSITION, VELOCITY, STATE, TIME, STEP = "function", "position", "velocity", "state", "time", "step"
+# The roles of the arguments, door by door; the time may be missing, and may be asked for anywhere.
+VARIANTS = (
+    (MAP, (POSITION, VELOCITY, STEP)),
+    (MAP, (STATE, STEP)),
+    (FORCE, (FUNCTION, POSITION, VELOCITY, STEP)),
+    (FIELD, (FUNCTION, STATE, STEP)),
+)
+# The order in which a stepper takes its arguments if their names do not tell.
+STANDARD_ORDER = {
+    MAP: (POSITION, VELOCITY, STEP),
+    FORCE: (FUNCTION, POSITION, VELOCITY, STEP),
+    FIELD: (FUNCTION, TIME, STATE, STEP),
+}
+_FUNCTIONS = (
+    *("f", "fun", "func", "function", "rhs", "field", "vector_field", "force", "forces", "acc", "accel"),
+    *("acceleration", "a", "deriv", "derivs", "derivative", "derivatives", "dydt", "dxdt", "ode", "system"),
+    *("dynamics", "get_force", "get_acceleration"),
+)
+_POSITIONS = ("q", "x", "r", "y", "pos", "position", "positions", "theta", "angle", "q0", "x0", "r0", "y0")
+_VELOCITIES = (
+    *("v", "vel", "velocity", "velocities", "p", "momentum", "omega", "qdot", "xdot", "q_dot", "x_dot"),
+    *("dq", "dx", "theta_dot", "v0", "p0"),
+)
+_STATES = ("y", "z", "s", "u", "x", "w", "state", "y0", "z0", "x0", "u0", "yn", "yi")
+# The names under which steppers in the wild take each argument.
+ROLES: dict[str, tuple[str, ...]] = {
+    FUNCTION: _FUNCTIONS,
+    POSITION: _POSITIONS,
+    VELOCITY: _VELOCITIES,
+    STATE: _STATES,
+    TIME: ("t", "time", "t0", "tn", "ti"),
+    STEP: ("h", "dt", "step", "step_size", "stepsize", "timestep", "time_step", "delta_t", "tau", "delta"),
+}
+# Further parameters of a built-in oscillator, set to what makes it q'' = -q.
+UNIT_PARAMETERS = ("m", "mass", "k", "stiffness", "omega", "omega0", "w", "w0")
+
+
+@dataclass(frozen=True)
+class Door:
+    """Which door a stepper has, and the roles of its arguments in the order in which it takes them.
+
+    `extra` are arguments besides, passed by name: the parameters of its oscillator, all 1. `names` are those of all
+    others, where they are passed by name, too.
+    """
+
+    kind: str
+    order: tuple[str, ...]
+    extra: Mapping[str, float] = field(default_factory=dict)
+    names: tuple[str, ...] = ()
+
+
+def door_of(step: Callable[..., Any], kind: str | None = None) -> Door:
+    """The door of a stepper, from the names of its parameters; with `kind`, that one.
+
+    Raises ValueError, saying what is allowed, if the names do not tell, or for an unknown kind.
+    """
+    if kind is not None and kind not in DOORS:
+        raise ValueError(f"unknown door {kind!r}; choose from {', '.join(DOORS)}")
+    names = _required_names(step)
+    if names is not None:
+        doors = (_fitted(names, *variant) for variant in VARIANTS if kind in (None, variant[0]))
+        found = next((door for door in doors if door is not None), None)
+        if found is not None:
+            return _by_name(found, step, names)
+    if kind is not None and (names is None or len(names) == len(STANDARD_ORDER[kind])):
+        return Door(kind, STANDARD_ORDER[kind])
+    shown = "(?)" if names is None else f"({', '.join(names)})"
+    choices = "; ".join(f"{kind}: {words}" for kind, words in DOORS.items())
+    raise ValueError(f"{_name(step)}{shown} is not one of these: {choices}. Bind other arguments, or name the door")
+
+
+def _name(step: Callable[..., Any]) -> str:
+    return getattr(step, "__qualname__", type(step).__name__)
+
+
+def _required_names(step: Callable[..., Any]) -> list[str] | None:
+    """The parameters that have no default; None where they cannot be told."""
+    try:
+        parameters = inspect.signature(step).parameters.values()
+    except (TypeError, ValueError):
+        return None
+    if any(p.kind is p.VAR_POSITIONAL for p in parameters):
+        return None
+    return [p.name for p in parameters if p.default is p.empty and p.kind is not p.VAR_KEYWORD]
+
+
+def _by_name(door: Door, step: Callable[..., Any], names: Sequence[str]) -> Door:
+    """The door with the names of its arguments, where an order does not tell which is which."""
+    parameters = inspect.signature(step).parameters
+    if door.extra or any(parameters[name].kind is inspect.Parameter.KEYWORD_ONLY for name in names):
+        return replace(door, names=tuple(name for name in names if name not in door.extra))
+    return door
+
+
+def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> Door | None:
+    """The door, if each name has one of the roles, each role one name, and the rest are parameters of an oscillator."""
+    open_roles, order, extra = [*roles, TIME], [], {}
+    for name in names:
+        word = name.lower().strip("_")
+        role = next((role for role in open_roles if word in ROLES[role]), None)
+        if role is not None:
+            open_roles.remove(role)
+            order.append(role)
+        elif kind == MAP and word in UNIT_PARAMETERS:
+            extra[name] = 1.0
+        else:
+            return None
+    return Door(kind, tuple(order), extra) if set(open_roles) <= {TIME} else None

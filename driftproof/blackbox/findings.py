@@ -1,0 +1,59 @@
+"""What a stepper did that no stepper should: failures with the call that shows them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+
+class Misbehaviour(Exception):
+    """A step that gave no usable answer; `kind` is one word for it, the message says what was seen."""
+
+    kind = "misbehaviour"
+
+
+class StepRaised(Misbehaviour):
+    """The stepper raised an exception of its own."""
+
+    kind = "raises"
+
+
+class WrongShape(Misbehaviour):
+    """The answer is not the number of numbers that went in."""
+
+    kind = "wrong_shape"
+
+
+class NotANumber(Misbehaviour):
+    """The answer holds something that is no real number: text, None, a complex number."""
+
+    kind = "not_a_number"
+
+
+class NotFinite(Misbehaviour):
+    """The answer is NaN or infinite where the exact one is an ordinary number; `answer` is what came."""
+
+    kind = "not_finite"
+
+    def __init__(self, seen: str, answer: tuple[Any, ...]) -> None:
+        """What was seen, in words and in numbers."""
+        super().__init__(seen)
+        self.answer = answer
+
+
+class NoSuchDoor(ValueError):
+    """The stepper takes no force, or no right-hand side, so that this question cannot be put to it."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of one experiment: its result; or one word for why there is none, and what was seen."""
+
+    result: Any = None
+    kind: str | None = None
+    seen: str = ""
+
+    @property
+    def failed(self) -> bool:
+        """True when there is no result."""
+        return self.kind is not None

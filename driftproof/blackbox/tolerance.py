@@ -1,0 +1,217 @@
+"""What one float step may differ from the exact one by: the definition's any-order bound, and what was asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache, cached_property
+from itertools import zip_longest
+from math import inf
+from typing import Any, NamedTuple, TypeAlias
+
+from flint import arb, ctx
+
+from methods.schemes import Method
+from symbolic.certified import enclose
+from symbolic.linear.oscillator import one_step_matrix
+from symbolic.linear.polynomials import coefficients
+from symbolic.rounding.any_order import AnyOrderBound, any_order_bound
+from symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat, power_of_two
+
+# A double times a double needs 106 bits, and a step of the longest program some 30 products: at this precision the
+# radii of all balls here are below 2**-200 of what they enclose, and no comparison with a bound of size u is undecided.
+BITS = 320
+# Σ cₖ hᵏ in balls, constant term first.
+Series: TypeAlias = Sequence[arb]
+# What is linear in the state: a series in h for |q|, one for |v|, one for 1.
+Columns: TypeAlias = Sequence[Series]
+COLUMNS = ((1, 0), (0, 1), (0, 0))  # as powers of q and v
+
+
+@dataclass(frozen=True)
+class Allowance:
+    """What a stepper is allowed beyond rounding the definition's sums and products in any order.
+
+    `step_in_binary32`: h is rounded to binary32 before it is used. `velocity_from_positions`: v is formed as a
+    difference of positions over h, which adds u (|q| + |q₁|)/h to its error. `flush_to_zero`: subnormal arguments and
+    results become 0. `solver_tolerance`: how far the solution of implicit stages may be off, relative to the sum of
+    |monomials|; needed for implicit methods, refused for explicit ones.
+    """
+
+    step_in_binary32: bool = False
+    velocity_from_positions: bool = False
+    flush_to_zero: bool = False
+    solver_tolerance: Fraction | None = None
+
+
+class Judgement(NamedTuple):
+    """One component of one step: its error over the bound, and in units of u over the sum of |monomials|.
+
+    `allowed` is decided in balls; `ratio` and `scaled` are floats for people, `scaled` 0 in the range of underflow.
+    """
+
+    allowed: bool
+    ratio: float
+    scaled: float
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """The exact step of `method` on the oscillator beside the bound on a float step's error, in one format.
+
+    Raises ValueError for an implicit method without `solver_tolerance`, and for an explicit one with it.
+    """
+
+    method: Method
+    format: FloatFormat = BINARY64
+    allowance: Allowance = Allowance()
+
+    def __post_init__(self) -> None:
+        """Refuse what has no meaning."""
+        given = self.allowance.solver_tolerance is not None
+        if self.method.explicit and given:
+            raise ValueError(f"{self.method.key} is explicit: its bound is derived, and takes no solver_tolerance")
+        if not self.method.explicit and not given:
+            raise ValueError(
+                f"{self.method.key} is implicit: how well its stages are solved is not its definition's; "
+                "say so, e.g. solver_tolerance=1e-10"
+            )
+
+    def exact(self, q: float, v: float, h: float) -> tuple[arb, arb]:
+        """The exact step from the very numbers given, in balls of negligible radius."""
+        with ctx.workprec(BITS):
+            at = arb(self._step(h))
+            (qq, qv), (vq, vv) = ([_horner(num, at) / _horner(den, at) for num, den in row] for row in self._matrix)
+            return qq * q + qv * v, vq * q + vv * v
+
+    def judge(self, q: float, v: float, h: float, answer: tuple[float, float]) -> tuple[Judgement, Judgement]:
+        """The two components of a float step, against the bound."""
+        expected = self.exact(q, v, h)
+        with ctx.workprec(BITS):
+            at, state = abs(arb(self._step(h))), (abs(arb(q)), abs(arb(v)))
+            judged = []
+            for i, (want, got) in enumerate(zip(expected, answer, strict=True)):
+                bound, size = self._bound(i, at, state), _at(self._size[i], at, state)
+                if i == 1 and self.allowance.velocity_from_positions:
+                    bound += enclose(self.format.u) * (state[0] + abs(expected[0])) / at
+                error = abs(arb(got) - want)
+                judged.append(_judgement(error, bound, self._unit(size)))
+            return judged[0], judged[1]
+
+    def _unit(self, size: arb) -> arb:
+        """u Σ|monomials|, infinite in the range of underflow: there an error says nothing about the method."""
+        unit = size * enclose(self.format.u)
+        return unit if bool(unit >= enclose(power_of_two(self.format.emin))) else arb.pos_inf()
+
+    def _step(self, h: float) -> float:
+        return float(BINARY32.nearest(Fraction(h))) if self.allowance.step_in_binary32 else h
+
+    def _bound(self, component: int, h: arb, state: tuple[arb, arb]) -> arb:
+        if self.allowance.solver_tolerance is not None:
+            tolerance = enclose(self.allowance.solver_tolerance)
+            return tolerance * _at(self._size[component], h, state) / self._denominator(h)
+        bound = _at(self._derived[component], h, state)
+        return bound + _at(self._flushed[component], h, state) if self.allowance.flush_to_zero else bound
+
+    def _denominator(self, h: arb) -> arb:
+        return abs(_horner(self._matrix[0][0][1], h))
+
+    @cached_property
+    def _matrix(self) -> list[list[tuple[Series, Series]]]:
+        rows = one_step_matrix(self.method)
+        return [[(_series(coefficients(x.num)), _series(coefficients(x.den))) for x in row] for row in rows]
+
+    @cached_property
+    def _any_order(self) -> AnyOrderBound:
+        return any_order_bound(self.method, self.format)
+
+    @cached_property
+    def _derived(self) -> list[Columns]:
+        """`AnyOrderBound.error_of`, in balls: its exact sums are long fractions, and here there are many steps."""
+        d, half_eta = self.format.relative_error, self.format.eta / 2
+
+        def rounded(k: int, _: int) -> arb:
+            return _compounded(d, k)
+
+        def lost(k: int, _: int) -> arb:
+            return _compounded(half_eta, k) * (1 + _compounded(d, k))
+
+        return [
+            [_sum(*pair) for pair in zip(_weighted(counted, rounded), _weighted(raised, lost), strict=True)]
+            for counted, raised in zip(self._any_order.counted, self._any_order.raised, strict=True)
+        ]
+
+    @cached_property
+    def _flushed(self) -> list[Columns]:
+        """Of each monomial with n factors and k roundings, n + k numbers may lose up to the smallest normal each.
+
+        A loss is passed on as an underflow is (`symbolic.rounding.any_order`): times the other factors of the
+        monomial, raised to at least 1, and their roundings.
+        """
+        d, smallest = self.format.relative_error, power_of_two(self.format.emin)
+
+        def lost(k: int, n: int) -> arb:
+            return _compounded(smallest, k + n) * (1 + _compounded(d, k))
+
+        return [_weighted(raised, lost) for raised in self._any_order.raised]
+
+    @cached_property
+    def _size(self) -> list[Columns]:
+        """The sum of |monomials| of the exact expression: of the definition's, before anything cancels."""
+        if self.method.explicit:
+            return [_weighted(counted, lambda k, n: arb(1)) for counted in self._any_order.counted]
+        return [[*([abs(c) for c in num] for num, _ in row), [arb(0)]] for row in self._matrix]
+
+
+def _judgement(error: arb, bound: arb, unit: arb) -> Judgement:
+    if not error.is_finite():
+        return Judgement(False, inf, inf)
+    return Judgement(bool(error <= bound), _ratio(error, bound), _ratio(error, unit))
+
+
+def _ratio(error: arb, bound: arb) -> float:
+    """The quotient as a float, for people: 0 where nothing is off, infinite where nothing is allowed."""
+    if bool(error == 0):
+        return 0.0
+    return float((error / bound).mid()) if bool(bound > 0) else inf
+
+
+def _series(ascending: Iterable[Any]) -> Series:
+    with ctx.workprec(BITS):
+        return [enclose(c) for c in ascending] or [arb(0)]
+
+
+def _weighted(polynomial: Any, weight: Callable[[int, int], arb]) -> Columns:
+    """The terms c Dᵏ m, m a product of n factors, as c weight(k, n), ascending in h for each of q, v and 1."""
+    by_column: list[dict[int, arb]] = [{} for _ in COLUMNS]
+    with ctx.workprec(BITS):
+        for (k, _, in_h, *in_state), c in polynomial.terms():
+            found = by_column[COLUMNS.index(tuple(in_state))]
+            size = enclose(Fraction(int(c.numerator), int(c.denominator)))
+            found[in_h] = found.get(in_h, arb(0)) + size * weight(k, in_h + sum(in_state))
+    return [[found.get(k, arb(0)) for k in range(max(found, default=0) + 1)] for found in by_column]
+
+
+@cache
+def _compounded(rate: Fraction, times: int) -> arb:
+    """(1 + rate)**times - 1, without the cancellation."""
+    with ctx.workprec(BITS):
+        return (enclose(rate).log1p() * times).expm1()
+
+
+def _sum(a: Series, b: Series) -> Series:
+    with ctx.workprec(BITS):
+        return [x + y for x, y in zip_longest(a, b, fillvalue=arb(0))]
+
+
+def _at(columns: Columns, h: arb, state: tuple[arb, arb]) -> arb:
+    q, v, one = (_horner(series, h) for series in columns)
+    return q * state[0] + v * state[1] + one
+
+
+def _horner(series: Series, x: arb) -> arb:
+    total = arb(0)
+    for c in reversed(series):
+        total = total * x + c
+    return total
