@@ -140,4 +140,4 @@ def test_step_takes_its_coefficients_through_lift_only() -> None:
     step = stepper(runge_kutta(), lift)
     assert lifted == [Q(1, 2), Q(1, 2)]  # zeros and ones are dropped
     step(lambda q: -q, Q(1), Q(0), Q(1, 4))
-    assert len(lifted) == 3
+    assert len(lifted) == 2
