@@ -6,7 +6,7 @@ from. It holds no number and no branch on a value, so it runs over whatever the 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from methods.number_field import Exact
@@ -19,7 +19,7 @@ FORCE = "force({})"
 class Source:
     """The lines of a step, which end with q1 and v1 known, and the coefficients that they name.
 
-    The lines read q, v, h and the names, and call the force as they were told to.
+    The lines read q, v, h and the names, and write the force as they were told to.
     """
 
     lines: tuple[str, ...]
@@ -30,14 +30,21 @@ class Source:
         """The names of the coefficients, in the order in which they come up."""
         return tuple(name for name, _ in self.coefficients)
 
+    def run(self) -> str:
+        """The text of make(coefficients...) -> run(q, v, h, steps) -> (q, v): so many steps in one loop."""
+        loop = ["for _ in range(steps):", *_indented([*self.lines, "q, v = q1, v1"])]
+        return self._made("run", ["def run(q, v, h, steps):", *_indented([*loop, "return q, v"])])
+
     def step(self) -> str:
         """The text of make(coefficients...) -> step(force, q, v, h) -> (q1, v1)."""
-        step = ["def step(force, q, v, h):", *_indented([*self.lines, "return q1, v1"])]
-        return "\n".join([f"def make({', '.join(self.names)}):", *_indented([*step, "return step"]), ""])
+        return self._made("step", ["def step(force, q, v, h):", *_indented([*self.lines, "return q1, v1"])])
+
+    def _made(self, name: str, lines: list[str]) -> str:
+        return "\n".join([f"def make({', '.join(self.names)}):", *_indented([*lines, f"return {name}"]), ""])
 
 
 def step_source(method: Method, force: str = FORCE) -> Source:
-    """The step of `method` for q' = v, v' = F(q), with F(x) written as `force.format(x)`.
+    """The step of `method` for q' = v, v' = F(q), with F(x) written as `force.format(x)`, x always a name.
 
     Sums are taken from the left, h multiplies a sum once, and a coefficient of 1 or -1 is not multiplied by: that is
     exact in every arithmetic. A stage that nothing uses is left out. Raises MethodError for an implicit method, whose
@@ -64,11 +71,15 @@ class _Writer:
         self.coefficients: dict[str, Exact] = {}
 
     def runge_kutta(self, method: RungeKutta) -> None:
-        """Slopes kᵢ = (kᵢ_q, kᵢ_v), then the sums of both components."""
+        """Stages qᵢ with slopes (kᵢ_q, kᵢ_v), then the sums of both components."""
+        slopes: dict[str, dict[int, str]] = {"q": {}, "v": {}}
         for i in _used(method.a, [method.b]):
-            q, v = (x + self._sum(" + h *", f"a{i + 1}", method.a[i], f"_{x}") for x in ("q", "v"))
-            self.lines += [f"k{i + 1}_q = {v}", f"k{i + 1}_v = {self.force.format(q)}"]
-        self.lines += [f"{x}1 = {x}{self._sum(' + h *', 'b', method.b, f'_{x}')}" for x in ("q", "v")]
+            moved = {x: self._sum(" + h *", f"a{i + 1}", method.a[i], slopes[x]) for x in slopes}
+            slopes["q"][i] = self._named(f"k{i + 1}_q", "v", moved["v"])
+            place = self._named(f"q_{i + 1}", "q", moved["q"])
+            slopes["v"][i] = f"k{i + 1}_v"
+            self.lines.append(f"k{i + 1}_v = {self.force.format(place)}")
+        self.lines += [f"{x}1 = {x}{self._sum(' + h *', 'b', method.b, slopes[x])}" for x in slopes]
 
     def splitting(self, method: Splitting) -> None:
         """Kicks and drifts, each from what the last one left."""
@@ -84,21 +95,30 @@ class _Writer:
 
     def nystrom(self, method: Nystrom) -> None:
         """Forces kᵢ at q + cᵢ h v + h² Σ aᵢⱼ kⱼ, then the two sums."""
+        forces: dict[int, str] = {}
         for i in _used(method.a, [method.b_position, method.b_velocity]):
             node = method.c[i]
             moved = f"{self._step(f'c{i + 1}', node)} * v" if node != 0 else ""
-            place = f"q{moved}{self._sum(' + h * h *', f'a{i + 1}', method.a[i])}"
-            self.lines.append(f"k{i + 1} = {self.force.format(place)}")
-        self.lines.append(f"q1 = q + h * v{self._sum(' + h * h *', 'p', method.b_position)}")
-        self.lines.append(f"v1 = v{self._sum(' + h *', 'b', method.b_velocity)}")
+            moved += self._sum(" + h * h *", f"a{i + 1}", method.a[i], forces)
+            forces[i] = f"k{i + 1}"
+            self.lines.append(f"{forces[i]} = {self.force.format(self._named(f'q_{i + 1}', 'q', moved))}")
+        self.lines.append(f"q1 = q + h * v{self._sum(' + h * h *', 'p', method.b_position, forces)}")
+        self.lines.append(f"v1 = v{self._sum(' + h *', 'b', method.b_velocity, forces)}")
 
-    def _sum(self, times: str, row: str, weights: Sequence[Exact], component: str = "") -> str:
+    def _named(self, name: str, start: str, moved: str) -> str:
+        """A name for start + what it moved by: a new one, or that of the start if it did not."""
+        if not moved:
+            return start
+        self.lines.append(f"{name} = {start}{moved}")
+        return name
+
+    def _sum(self, times: str, row: str, weights: Sequence[Exact], slopes: Mapping[int, str]) -> str:
         """The text of times (Σ wⱼ kⱼ), from the left; nothing where all weights are zero."""
         text = ""
-        for j, weight in enumerate(weights, 1):
+        for j, weight in enumerate(weights):
             if weight != 0:
-                sign, factor = self._factor(f"{row}_{j}", weight)
-                text += f"{f' {sign} ' if text else sign.removeprefix('+')}{factor}k{j}{component}"
+                sign, factor = self._factor(f"{row}_{j + 1}", weight)
+                text += f"{f' {sign} ' if text else sign.removeprefix('+')}{factor}{slopes[j]}"
         return f"{times} {f'({text})' if ' ' in text or '-' in text else text}" if text else ""
 
     def _step(self, name: str, c: Exact) -> str:
