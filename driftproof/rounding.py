@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
@@ -11,29 +12,32 @@ from driftproof.text import table
 from methods.catalogue import method_named
 from methods.problems import oscillator
 from methods.rationals import step_count
-from methods.schemes import MethodError
 from numeric.run import Counter, integrate, nearest_double
 from numeric.steppers import HAND_WRITTEN, float_stepper
-from symbolic.certified import Exact, enclose
+from symbolic.certified import AWAY, Exact, enclose
+from symbolic.linear.oscillator import one_step_matrix
 from symbolic.n_steps import exact_matrix_at
-from symbolic.one_step import one_step_matrix
 from symbolic.rounding.error_of_run import ErrorOfRun
 from symbolic.rounding.formats import BINARY64, FloatFormat
 from symbolic.rounding.n_steps import HypothesisFails, run_bound
 from symbolic.rounding.sharp import sharp_bound
 from symbolic.rounding.step import StepBound, step_bound
 from symbolic.rounding.text import first_order_text, format_text, full_text
-from symbolic.rounding.trace import Subject
+from symbolic.rounding.trace import Subject, program_of
 
 # Bounds are quoted, not compared: few digits say enough.
 BOUND_DIGITS = 6
+# What the rows of a table are about: `as_held` is there only for a program that rounds coefficients.
+ROWS = {"plain": "plain", "sharp": "sharp", "as_held": "as held"}
 
 
 def roundoff_answer(key: str, steps: Sequence[Fraction], fmt: FloatFormat = BINARY64) -> Answer:
     """The rounding bound of one step of the catalogue method `key`, as formulas and at each h of `steps`.
 
     Binary64 takes the program that float runs use, hand-written where there is one; other formats the generic step,
-    with its coefficients rounded to the format.
+    with its coefficients rounded to the format. All bounds are about the definition's exact M(h), the rounding of the
+    coefficients included, but for `as_held`: the sharp bound about the polynomial with the coefficients that the
+    program holds. Where it holds them all exactly, there is no such row.
     """
     method = method_named(key)
     subject = _program(key) if fmt == BINARY64 else method
@@ -45,6 +49,7 @@ def roundoff_answer(key: str, steps: Sequence[Fraction], fmt: FloatFormat = BINA
         "format": format_text(bound),
         "first_order": first_order_text(bound),
         "full": full_text(bound),
+        "rounds_coefficients": bound.rounds_constants,
         "differences_from_definition": bound.differences(one_step_matrix(method)),
         "at": [_at(key, subject, bound, fmt.nearest(h)) for h in steps],
     }
@@ -56,13 +61,15 @@ def _program(key: str) -> Subject:
 
 
 def _at(key: str, subject: Any, bound: StepBound, h: Fraction) -> Answer:
-    u = bound.format.u
-    plain, sharp = bound.at(h), sharp_bound(subject, h, bound.format).linear
-    rows = {
-        name: [number(x / u, BOUND_DIGITS, unit="u") for row in linear.error for x in row]
-        for name, linear in (("plain", plain), ("sharp", sharp))
-    }
+    bounds = {"plain": bound.at(h), "sharp": sharp_bound(subject, h, bound.format).linear}
+    if bound.rounds_constants:
+        bounds["as_held"] = sharp_bound(program_of(method_named(key), bound.format), h, bound.format).linear
+    rows = {name: [_in_units(x, bound.format) for row in linear.error for x in row] for name, linear in bounds.items()}
     return {"h": str(h), **rows, "per_step": _per_step(subject, h, bound.format)}
+
+
+def _in_units(bound: Fraction, fmt: FloatFormat) -> Answer | None:
+    return number(bound / fmt.u, BOUND_DIGITS, AWAY, unit="u")
 
 
 def _per_step(subject: Any, h: Fraction, fmt: FloatFormat) -> Answer:
@@ -73,7 +80,7 @@ def _per_step(subject: Any, h: Fraction, fmt: FloatFormat) -> Answer:
         return {"c": None, "reason": str(reason)}
     norm = theorem.norm
     return {
-        "c": number(theorem.growth / fmt.u, BOUND_DIGITS, unit="u"),
+        "c": _in_units(theorem.growth, fmt),
         "norm": {"q2": str(norm.qq), "qv": str(norm.qv), "v2": str(norm.vv)},
         "rho_squared": str(norm.rho_squared),
     }
@@ -117,11 +124,11 @@ def _in_u(value: Exact) -> Exact:
 def _theorem(key: str, h: Fraction, steps: int, start: tuple[Fraction, Fraction]) -> Answer:
     try:
         bound = run_bound(_program(key), h, steps, start).euclidean
-    except (HypothesisFails, MethodError) as reason:
+    except HypothesisFails as reason:
         return {"value": None, "reason": str(reason)}
     return {
-        "value": number(bound, BOUND_DIGITS),
-        "in_u": number(bound / BINARY64.u, BOUND_DIGITS, unit="u"),
+        "value": number(bound, BOUND_DIGITS, AWAY),
+        "in_u": _in_units(bound, BINARY64),
     }
 
 
@@ -132,18 +139,31 @@ def roundoff_text(answer: Answer) -> str:
         "To first order in u, for h >= 0:\n" + "\n".join(f"  {line}" for line in answer["first_order"]),
         "In full, |dz| <= E(h)|z| + r(h):\n" + "\n".join(f"  {line}" for line in answer["full"]),
     ]
-    different = answer["differences_from_definition"]
-    parts.append(
-        "\n".join(["The program is NOT the definition:", *different])
-        if different
-        else "The program's polynomial is the definition's."
-    )
+    parts.append(_about(answer))
+    if any(_DECIMAL.search(line) for line in (*answer["first_order"], *answer["full"])):
+        parts.append("Decimals in the formulas stand for fractions too long to read, and are rounded up.")
     return "\n\n".join([*parts, *(_at_text(at) for at in answer["at"])])
+
+
+_DECIMAL = re.compile(r"\d\.\d")
+
+
+def _about(answer: Answer) -> str:
+    """What the bounds are about: whose polynomial the program evaluates."""
+    different = answer["differences_from_definition"]
+    if different:
+        return "\n".join(["The program is NOT the definition:", *different])
+    if not answer["rounds_coefficients"]:
+        return "The program's polynomial is the definition's."
+    return (
+        "The program's polynomial is the definition's, with rounded coefficients. All bounds are about the\n"
+        'definition; only "as held" is about the polynomial with the coefficients that the program holds.'
+    )
 
 
 def _at_text(at: Answer) -> str:
     rows = [["", "|dq| per |q|", "|dq| per |v|", "|dv| per |q|", "|dv| per |v|"]]
-    rows += [[name, *(_with_unit(x) for x in at[name])] for name in ("plain", "sharp")]
+    rows += [[label, *(_with_unit(x) for x in at[name])] for name, label in ROWS.items() if name in at]
     step = at["per_step"]
     growth = f"c(h) = {_with_unit(step['c'])}" if step["c"] else f"no c(h): {step['reason']}"
     return f"At h = {at['h']}, {growth}\n{table(rows, right=(1, 2, 3, 4))}"

@@ -90,11 +90,12 @@ def _certified(scene: Scene, digits: int) -> dict[str, Any]:
 
 
 def _fixed(places: int) -> Callable[[float], str]:
-    return lambda x: f"{x:.{places}f}"
+    """How x is shown: a zero, also one that rounding makes, has no sign (the option z)."""
+    return lambda x: f"{x:z.{places}f}"
 
 
 def _state(state: tuple[float, float]) -> str:
-    return f"({state[0]:.3f}, {state[1]:.3f})"
+    return f"({', '.join(map(_fixed(3), state))})"
 
 
 # Label and format of each readout, as the lesson shows them.

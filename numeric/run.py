@@ -28,11 +28,15 @@ COARSEST_TIME = Fraction(1, 2**30)
 
 
 class NonFiniteState(ArithmeticError):
-    """The float range ended at step `step`. That is overflow of the number format; it says nothing of stability."""
+    """The float range ended at step `step`. That is overflow of the number format; it says nothing of stability.
+
+    Step 0 is the start, which was not finite before anything was computed.
+    """
 
     def __init__(self, step: int, state: State) -> None:
         """Say at which step the first non-finite state appeared."""
-        super().__init__(f"overflow: the state is no longer finite after step {step}")
+        overflow = f"overflow: the state is no longer finite after step {step}"
+        super().__init__(overflow if step else "the start itself is not finite")
         self.step = step
         self.state = state
 
@@ -53,10 +57,12 @@ def integrate(
     """The state after `steps` steps of size h, each in the precision of its arguments.
 
     `record(q, v)` is called after each step; `counter` is `range` or a progress bar like it. Raises NonFiniteState
-    at the first state that is not finite (in an ensemble: of any member).
+    at the first state that is not finite, the start included (in an ensemble: of any member).
     """
     q, v = start
     finite = isfinite if isinstance(q, float) and isinstance(v, float) else _all_finite
+    if not (finite(q) and finite(v)):
+        raise NonFiniteState(0, start)
     with np.errstate(over="ignore", invalid="ignore"):
         for i in counter(steps):
             q, v = step(force, q, v, h)

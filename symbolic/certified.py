@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from fractions import Fraction
-from typing import Any, TypeAlias, TypeVar
+from math import ceil
+from typing import TYPE_CHECKING, TypeAlias, TypeGuard, TypeVar
 
-import sympy
 from flint import arb, ctx, fmpq, fmpz
 
 from methods.number_field import Algebraic
 
+if TYPE_CHECKING:
+    import sympy
+
 # A real number, known exactly: a rational, an element of a number field, a SymPy expression, or a procedure that
 # returns an Arb ball around the number at Arb's current precision, the smaller the higher that is.
-Exact: TypeAlias = Fraction | Algebraic | sympy.Expr | Callable[[], arb]
+Exact: TypeAlias = "Fraction | Algebraic | sympy.Expr | Callable[[], arb]"
 T = TypeVar("T")
 
 HALF_EVEN = "half-even"
 HALF_AWAY = "half-away"
-ROUNDINGS = (HALF_EVEN, HALF_AWAY)
+AWAY = "away"
+ROUNDINGS = (HALF_EVEN, HALF_AWAY, AWAY)
 
 FIRST_BITS = 128
 # A number still undecided at this precision is, for every value this project prints, a tie: see `settle`.
@@ -33,8 +38,10 @@ class Uncertified(ArithmeticError):
 
 def enclose(value: Exact) -> arb:
     """An Arb ball that contains `value`, at Arb's current precision. Raises TypeError for an unknown function."""
-    if isinstance(value, sympy.Basic):
-        return _enclose_expression(value)
+    if _is_expression(value):
+        from symbolic.expression_balls import enclose_expression
+
+        return enclose_expression(value)
     if callable(value):
         return value()
     if isinstance(value, Algebraic):
@@ -50,7 +57,7 @@ def settle(value: Exact, read: Callable[[Fraction], T]) -> T:
     rationals are exact. Raises Uncertified if precision LAST_BITS does not separate the number from a jump of
     `read`, which for an irrational number cannot happen for ever.
     """
-    if isinstance(value, sympy.Rational):
+    if _is_expression(value) and value.is_Rational:
         value = Fraction(int(value.p), int(value.q))
     if isinstance(value, int | Fraction):
         return read(Fraction(value))
@@ -64,6 +71,12 @@ def settle(value: Exact, read: Callable[[Fraction], T]) -> T:
                 return at_low
         bits *= 2
     raise Uncertified(f"undecided at {LAST_BITS} bits: the number is too close to a rounding boundary, or on it")
+
+
+def _is_expression(value: object) -> TypeGuard[sympy.Basic]:
+    """True for what SymPy made; where SymPy has not been imported there is nothing of the kind."""
+    library = sys.modules.get("sympy")
+    return library is not None and isinstance(value, library.Basic)
 
 
 def _is_vague(ball: arb) -> bool:
@@ -129,54 +142,6 @@ def _demand_a_digit(digits: int) -> None:
         raise ValueError(f"digits = {digits}; ask for at least one")
 
 
-def _enclose_expression(expr: sympy.Basic) -> arb:
-    if isinstance(expr, sympy.Rational):
-        return arb(fmpq(int(expr.p), int(expr.q)))
-    if isinstance(expr, sympy.CRootOf):
-        return _enclose_root(expr)
-    if expr == sympy.pi:
-        return arb.pi()
-    if expr == sympy.E:
-        return arb(1).exp()
-    if isinstance(expr, sympy.Pow):
-        base, exponent = (_enclose_expression(a) for a in expr.args)
-        return base.sqrt() if expr.exp == sympy.Rational(1, 2) else base**exponent
-    if expr.func not in _FUNCTIONS:
-        raise TypeError(f"no ball arithmetic for {expr.func.__name__} in {expr}")
-    return _FUNCTIONS[expr.func](*(_enclose_expression(a) for a in expr.args))
-
-
-def _enclose_root(root: Any) -> arb:
-    digits = ctx.prec * 3 // 10
-    middle = root.eval_rational(dx=sympy.Rational(1, 10**digits))
-    return _enclose_expression(middle) + arb(0, (1, -(digits * 3)))
-
-
-def _fold(operation: Callable[[arb, arb], arb]) -> Callable[..., arb]:
-    def fold(first: arb, *rest: arb) -> arb:
-        for ball in rest:
-            first = operation(first, ball)
-        return first
-
-    return fold
-
-
-_FUNCTIONS: dict[Any, Callable[..., arb]] = {
-    sympy.Add: _fold(lambda a, b: a + b),
-    sympy.Mul: _fold(lambda a, b: a * b),
-    sympy.cos: arb.cos,
-    sympy.sin: arb.sin,
-    sympy.tan: arb.tan,
-    sympy.acos: arb.acos,
-    sympy.asin: arb.asin,
-    sympy.atan: arb.atan,
-    sympy.atan2: arb.atan2,
-    sympy.log: arb.log,
-    sympy.exp: arb.exp,
-    sympy.Abs: abs,
-}
-
-
 def _dyadic(exact_ball: arb) -> Fraction:
     mantissa, exponent = (int(part) for part in exact_ball.man_exp())
     if abs(exponent) > LARGEST_EXPONENT:
@@ -185,10 +150,12 @@ def _dyadic(exact_ball: arb) -> Fraction:
 
 
 def _round_to_integer(x: Fraction, rounding: str) -> int:
-    """|x| rounded to an integer. Half-even sends a tie to the even neighbour, half-away outwards."""
+    """|x| rounded to an integer. Half-even sends a tie to the even neighbour, half-away outwards, away everything."""
     if rounding not in ROUNDINGS:
         raise ValueError(f"unknown rounding {rounding!r}; choose one of {', '.join(ROUNDINGS)}")
     x = abs(x)
+    if rounding == AWAY:
+        return ceil(x)
     return round(x) if rounding == HALF_EVEN else int(x + Fraction(1, 2))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from decimal import ROUND_HALF_EVEN, ROUND_HALF_UP, Context, Decimal
+from decimal import ROUND_HALF_EVEN, ROUND_HALF_UP, ROUND_UP, Context, Decimal
 from fractions import Fraction as Q
 from typing import Any
 
@@ -15,7 +15,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from driftproof.strategies import finite_floats, rationals
-from symbolic import certified
+from symbolic import certified, expression_balls
 from symbolic.certified import (
     FIRST_BITS,
     HALF_AWAY,
@@ -62,11 +62,12 @@ def test_unknown_rounding_is_refused() -> None:
         fixed(Q(1, 8), 2, "half-up")
 
 
-@pytest.mark.parametrize("rounding", [ROUND_HALF_EVEN, ROUND_HALF_UP])
+@pytest.mark.parametrize(
+    ("rounding", "ours"), [(ROUND_HALF_EVEN, "half-even"), (ROUND_HALF_UP, "half-away"), (ROUND_UP, "away")]
+)
 @given(value=finite_floats(-60, 60), digits=st.integers(1, 20))
-def test_rationals_round_as_the_decimal_module_rounds(value: float, digits: int, rounding: str) -> None:
+def test_rationals_round_as_the_decimal_module_rounds(value: float, digits: int, rounding: str, ours: str) -> None:
     expected = Context(prec=digits, rounding=rounding).plus(Decimal(value))
-    ours = "half-even" if rounding == ROUND_HALF_EVEN else "half-away"
     assert Decimal(significant(Q(value), digits, ours)) == expected
     assert Decimal(scientific(Q(value), digits, ours)) == expected
 
@@ -287,8 +288,8 @@ def test_enclosure_that_is_off_by_a_little_is_noticed(monkeypatch: pytest.Monkey
     one = sympy.sin(sympy.Integer(1))
     assert_thirty_digits(one)
     fifteen = significant(one, 15)
-    broken = certified._FUNCTIONS | {sympy.sin: lambda x: x.sin() + arb(10) ** -20}
-    monkeypatch.setattr(certified, "_FUNCTIONS", broken)
+    broken = expression_balls._FUNCTIONS | {sympy.sin: lambda x: x.sin() + arb(10) ** -20}
+    monkeypatch.setattr(expression_balls, "_FUNCTIONS", broken)
     assert significant(one, 15) == fifteen  # 15 digits do not show it
     with pytest.raises(AssertionError):
         assert_thirty_digits(one)
@@ -310,3 +311,15 @@ def test_ball_of_a_rational_reads_as_the_rational_away_from_decisions(value: Q) 
     ball = lambda: arb(fmpq(3 * value.numerator, value.denominator)) / 3
     assert fixed(ball, 40) == fixed(value, 40)
     assert significant(ball, 40) == significant(value, 40)
+
+
+def test_only_an_expression_of_sympy_needs_sympy(modules_after: Callable[[str], set[str]]) -> None:
+    """Numbers of the other kinds are certified, and every fact is found, without; with SymPy at hand it is noticed."""
+    facts = "import symbolic.facts, driftproof.facts"
+    numbers = (
+        "import symbolic.certified as c; from methods.number_field import square_root; from fractions import Fraction"
+    )
+    asked = "c.fixed(square_root(2), 20); c.fixed(Fraction(1, 3), 20); c.sign(lambda: c.enclose(square_root(2)))"
+    assert "sympy" not in modules_after(f"{facts}; {numbers}; {asked}")
+    expression = "import sympy; c.fixed(sympy.sqrt(2), 20)"
+    assert {"sympy", "symbolic.expression_balls"} <= modules_after(f"{numbers}; {asked}; {expression}")

@@ -6,7 +6,7 @@ from fractions import Fraction as Q
 import pytest
 
 from driftproof.cli import main
-from driftproof.rounding import budget_answer, roundoff_answer
+from driftproof.rounding import budget_answer, roundoff_answer, roundoff_text
 from methods.catalogue import METHODS
 from symbolic.rounding.formats import BINARY32
 from tests.nine import NINE
@@ -66,6 +66,47 @@ def test_state_error_is_at_most_truncation_plus_rounding(key):
     assert decimal(answer["state_error"]) <= decimal(answer["truncation"]) + decimal(answer["rounding"]) + last_place
 
 
+def test_irrational_coefficients_have_bounds_about_the_definition_and_about_the_program_and_say_which():
+    answer = roundoff_answer("yoshida4", [Q(1, 4)])
+    assert answer["differences_from_definition"] == []
+    assert answer["rounds_coefficients"]
+    (at,) = answer["at"]
+    assert set(at) == {"h", "plain", "sharp", "as_held", "per_step"}
+    assert at["as_held"] != at["sharp"]
+    assert at["per_step"]["norm"]["q2"] == "1"
+    assert at["per_step"]["rho_squared"] == "1"
+    text = roundoff_text(answer)
+    assert 'only "as held" is about the polynomial with the coefficients that the program holds' in text
+    assert "as held" in text.splitlines()[-1]
+    assert "Decimals in the formulas" in text
+
+
+def test_a_program_that_holds_its_coefficients_exactly_has_no_bound_of_another_kind():
+    answer = roundoff_answer("rk4", [Q(1, 4)])
+    assert not answer["rounds_coefficients"]
+    assert "as_held" not in answer["at"][0]
+    text = roundoff_text(answer)
+    assert "as held" not in text
+    assert "Decimals" not in text
+    generic = roundoff_answer("rk4", [Q(1, 4)], BINARY32)
+    assert generic["rounds_coefficients"]
+    assert "as_held" in generic["at"][0]
+
+
+def test_printed_bounds_are_rounded_up():
+    for key in ("gill4", "dormand_prince54"):
+        (at,) = roundoff_answer(key, [Q(1, 3)])["at"]
+        numbers = [x for row in ("plain", "sharp", "as_held") for x in at[row]] + [at["per_step"]["c"]]
+        assert all(Q(x["exact"]) <= decimal(x) <= Q(x["exact"]) * (1 + Q(1, 10**5)) for x in numbers)
+        assert any(Q(x["exact"]) < decimal(x) for x in numbers)
+
+
+@pytest.mark.parametrize("key", ["gill4", "cooper_verner8", "yoshida4", "suzuki4", "mclachlan2"])
+def test_budget_of_an_irrational_method_is_within_its_proved_bound(key):
+    answer = budget(key)
+    assert 0 < decimal(answer["rounding"]) <= decimal(answer["bound"]["value"])
+
+
 def test_budget_is_about_the_double_that_is_run():
     assert budget("rk4", Q(1, 10))["h_run"] == "0.1 (the double nearest to 1/10)"
     assert budget("rk4", Q(1, 4))["h_run"] == "1/4"
@@ -88,7 +129,11 @@ def test_commands_print_text_and_json(capsys):
 
 
 def test_bad_questions_get_one_line(capsys):
-    for arguments in (["roundoff", "rk9"], ["run", "rk4", "--h", "1e-400", "--t", "1e-399", "--budget"]):
+    for arguments in (
+        ["roundoff", "rk9"],
+        ["roundoff", "gauss2"],
+        ["run", "rk4", "--h", "1e-400", "--t", "1e-399", "--budget"],
+    ):
         assert main(arguments) == 2
         captured = capsys.readouterr()
         assert captured.out == ""

@@ -15,13 +15,18 @@ from methods.problems import oscillator
 from methods.stepping import stepper
 from numeric.leapfrog import leapfrog
 from numeric.steppers import HAND_WRITTEN, forward_euler, rk4, symplectic_euler
-from symbolic.one_step import RING, H, matrix, one_step_matrix, rational
+from symbolic.linear.oscillator import one_step_matrix
+from symbolic.linear.polynomials import ONE as CONSTANT
+from symbolic.linear.polynomials import X
+from symbolic.linear.rational_functions import fraction
+from symbolic.one_step import RING, H, rational
 from symbolic.rounding.formats import BFLOAT16, BINARY16, BINARY32, BINARY64, FloatFormat
-from symbolic.rounding.number import ETA, D, RefusedOperation
-from symbolic.rounding.number import H as STEP
-from symbolic.rounding.number import Q as STATE
-from symbolic.rounding.number import V as VELOCITY
+from symbolic.rounding.number import RefusedOperation
 from symbolic.rounding.overflow import largest_safe_state
+from symbolic.rounding.polynomials import ETA, D
+from symbolic.rounding.polynomials import H as STEP
+from symbolic.rounding.polynomials import Q as STATE
+from symbolic.rounding.polynomials import V as VELOCITY
 from symbolic.rounding.soft_float import soft_lift
 from symbolic.rounding.step import StepBound, step_bound
 from symbolic.rounding.text import first_order_text, format_text, full_text
@@ -77,8 +82,8 @@ def test_a_decimal_constant_is_the_double_that_it_is_and_not_the_fraction_that_i
     def euler_times_a_tenth(force, q, v, h):
         return q + 0.1 * h * v, v + 0.1 * h * force(q)
 
-    tenth = one_step_matrix(NINE["forward_euler"]).to_list()[0][1] / 10
-    meant = matrix([[Q(1), tenth], [-tenth, Q(1)]])
+    one, tenth = fraction(CONSTANT), fraction(X / 10)
+    meant = ((one, tenth), (-tenth, one))
     assert f"the program has {Q(0.1)}, the definition 1/10" in step_bound(euler_times_a_tenth).differences(meant)[0]
 
 

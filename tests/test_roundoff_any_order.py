@@ -12,7 +12,7 @@ from methods.problems import oscillator
 from methods.stepping import stepper
 from numeric.leapfrog import leapfrog
 from numeric.steppers import HAND_WRITTEN, rk4
-from symbolic.one_step import one_step_matrix
+from symbolic.linear.oscillator import one_step_matrix
 from symbolic.rounding.any_order import any_order_bound
 from symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 from symbolic.rounding.soft_float import soft_lift

@@ -14,10 +14,8 @@ from symbolic.rounding.formats import (
     BINARY16,
     BINARY32,
     BINARY64,
-    FORMATS,
     FloatFormat,
     exponent,
-    format_named,
     is_power_of_two,
     power_of_two,
 )
@@ -129,9 +127,3 @@ def test_a_fusing_soft_float_rounds_a_product_and_its_sum_once():
 def test_a_soft_float_takes_no_constant_that_it_does_not_know():
     with pytest.raises(TypeError, match="str"):
         SoftFloat(Fraction(1), BINARY64) + "1"
-
-
-def test_a_format_is_found_by_name_and_a_wrong_name_lists_all():
-    assert format_named("bfloat16") is BFLOAT16
-    with pytest.raises(ValueError, match=", ".join(FORMATS)):
-        format_named("float8")

@@ -195,6 +195,19 @@ def test_overflowing_method_has_its_message_and_the_others_their_numbers() -> No
     assert "overflow: the state is no longer finite after step 883" in scene_text(scene, shown)
 
 
+def test_no_zero_is_shown_with_a_sign() -> None:
+    """Also where rounding makes it one; what is not rounded to zero keeps its sign, and JSON keeps the bits."""
+    readouts = {"final_state": (-0.0004, -0.0), "energy_change": -4e-7, "phase_error": -0.0004}
+    scene = Scene("s", "rk4", Q(1, 4), Q(1), readouts=tuple(readouts))
+    shown = scene_text(scene, {"readouts": readouts})
+    assert "(0.000, 0.000)" in shown
+    assert "-0" not in shown
+    assert scene_json(scene, {"readouts": readouts})["readouts"]["final_state"] == ["-0.0004", "-0.0"]
+    negative = {"final_state": (-0.0006, -1.0), "energy_change": -6e-7, "phase_error": -0.0006}
+    shown = scene_text(scene, {"readouts": negative})
+    assert all(text in shown for text in ("(-0.001, -1.000)", "-0.000001", "-0.001"))
+
+
 def test_scene_json_holds_strings_that_read_back_to_the_same_bits() -> None:
     scene = Scene("s", "rk4", Q(1, 4), Q(1), readouts=READOUTS, certified=("final_state",))
     shown = show_scene(scene, 20)

@@ -16,12 +16,14 @@ def add(commands: Commands) -> None:
         help="the rounding bound of one step, derived by running it",
         description=(
             "Derive the rounding bound of one step from its own program: as a formula, to first order and in full,\n"
-            "and in units of u at the step sizes asked for."
+            "and in units of u at the step sizes asked for. It bounds the distance to the definition's exact step;\n"
+            "where the program rounds coefficients, also that to the step with the coefficients that it holds."
         ),
         epilog=(
             "examples:\n"
             "  driftproof roundoff rk4\n"
             "  driftproof roundoff rk4 --h 1/4 --h 5/2\n"
+            "  driftproof roundoff yoshida4 --h 1/10\n"
             "  driftproof roundoff velocity_verlet --h 1/32 --float binary32\n"
         ),
     )

@@ -18,9 +18,10 @@ from functools import cached_property
 from typing import NamedTuple
 
 from methods.schemes import Method
-from symbolic.one_step import Polynomial, rational
+from symbolic.one_step import rational
 from symbolic.rounding.formats import BINARY64, FloatFormat, power_of_two
-from symbolic.rounding.number import RING, D, H, Q, Rounded, V, majorant
+from symbolic.rounding.number import Rounded
+from symbolic.rounding.polynomials import RING, D, H, Polynomial, Q, V, majorant
 from symbolic.rounding.step import StepBound
 from symbolic.rounding.trace import Terms, at_state, at_step, in_format, program, trace
 

@@ -82,10 +82,3 @@ BINARY32 = FloatFormat("binary32", 24, -126, 127)
 BINARY16 = FloatFormat("binary16", 11, -14, 15)
 BFLOAT16 = FloatFormat("bfloat16", 8, -126, 127)
 FORMATS: dict[str, FloatFormat] = {f.name: f for f in (BINARY64, BINARY32, BINARY16, BFLOAT16)}
-
-
-def format_named(name: str) -> FloatFormat:
-    """The format called `name`. Raises ValueError listing the known ones if there is none."""
-    if name not in FORMATS:
-        raise ValueError(f"unknown format {name!r}; one of {', '.join(FORMATS)}")
-    return FORMATS[name]

@@ -6,6 +6,7 @@ error e_n = fl^n(z0) - M^n z0 obeys |e_(n+1)| <= rho|e_n| + c|fl^n(z0)| + r <= (
     |e_N| <= ((rho + c)^N - rho^N) |z0| + r (1 + (rho + c) + ... + (rho + c)^(N-1)),
 
 and every state on the way has |fl^n(z0)| <= (rho + c)^n |z0| + r (1 + ... + (rho + c)^(n-1)), which must not overflow.
+All of this grows with rho, c, r and |z0|, so where M and the norm are irrational, rationals above these will do.
 """
 
 from __future__ import annotations

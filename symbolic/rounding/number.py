@@ -17,17 +17,18 @@ from fractions import Fraction
 from numbers import Rational, Real
 from typing import Any, NoReturn
 
-from sympy import QQ, ring
-
-from symbolic.one_step import Polynomial, rational
+from methods.number_field import Algebraic, Exact
+from symbolic.certified import settle
+from symbolic.one_step import rational
 from symbolic.rounding.formats import FloatFormat, is_power_of_two
+from symbolic.rounding.irrational import above, size
+from symbolic.rounding.polynomials import ETA, RING, D, Polynomial, constant_term, majorant, polynomial
 
-# Bounds are polynomials in d, eta, |h|, |q|, |v| with non-negative coefficients, exact values polynomials in h, q, v;
-# one ring holds both.
-RING, D, ETA, H, Q, V = ring("d, eta, h, q, v", QQ)
 # A bound on u = d/(1 - d) in powers of d, for errors of constants, which are known as multiples of u: for d <= 1/2,
 # u = d + d**2 + d**3/(1 - d) <= UNIT.
 UNIT = D + D**2 + 2 * D**3
+# Higher powers of d and of eta than these are put into these: they only make the bounds of long programs longer.
+MOST_D, MOST_ETA = 16, 2
 
 
 class RefusedOperation(TypeError):
@@ -35,10 +36,11 @@ class RefusedOperation(TypeError):
 
 
 class Rounded:
-    """A float x^ computed from q, v, h, known as a polynomial x over Q and a bound on |x^ - x|.
+    """A float x^ computed from q, v, h, known as a polynomial x, exactly, and a bound on |x^ - x|.
 
     `propagated` bounds what the operands' errors do to the result before it is rounded itself, so
-    error = propagated + [rounds] d (|x| + propagated) + [underflows] eta/2, where |x| is the sum of |monomials|.
+    error = propagated + [rounds] d (|x| + propagated) + [underflows] eta/2, where |x| is the sum of |monomials|, but
+    for the highest powers of d and eta, see `_shortened`.
     `operands` pairs each operand with the exact partial derivative of x by it; `crossed` bounds the product of two
     operands' errors, the only part of `propagated` that those derivatives do not give. `held` is the float itself
     where it is a known constant, `fusible` marks a product, which a compiler may fuse into a sum.
@@ -73,7 +75,7 @@ class Rounded:
         self.held: Fraction | None = None
         self.propagated: Polynomial = sum((majorant(partial) * x.error for x, partial in operands), crossed)
         relative = D * (majorant(exact) + self.propagated) if rounds else RING.zero
-        self.error: Polynomial = self.propagated + relative + (ETA / 2 if underflows else RING.zero)
+        self.error: Polynomial = _shortened(self.propagated + relative + (ETA / 2 if underflows else RING.zero), fmt)
 
     def __add__(self, other: object) -> Rounded:
         """x + y, rounded once."""
@@ -104,7 +106,7 @@ class Rounded:
         divisor = self._operand(other, "division")
         if divisor.held is None:
             _refuse("division by something that depends on q, v or h")
-        if divisor.held == 0 or divisor.exact == 0:
+        if divisor.held == 0 or not divisor.exact:
             _refuse("division by zero")
         return _product(self, _reciprocal(divisor))
 
@@ -159,15 +161,21 @@ for _name, _what in {
     setattr(Rounded, _name, _refusal(_what))
 
 
-def constant(exact: Fraction | int, fmt: FloatFormat) -> Rounded:
+def constant(exact: Exact | int, fmt: FloatFormat) -> Rounded:
     """The number of the format nearest to `exact`, with its distance from it as the error."""
-    exact = Fraction(exact)
-    return _known(fmt, RING.ground_new(rational(exact)), _nearest(fmt, exact))
+    exact = exact if isinstance(exact, Algebraic) else Fraction(exact)
+    return _known(fmt, polynomial(exact), _nearest(fmt, exact))
 
 
-def majorant(polynomial: Polynomial) -> Polynomial:
-    """The sum of |monomials|: at (|h|, |q|, |v|) it bounds |polynomial| at (h, q, v)."""
-    return RING.from_dict({powers: abs(c) for powers, c in polynomial.terms()})
+def _shortened(bound: Polynomial, fmt: FloatFormat) -> Polynomial:
+    """A bound nowhere below `bound` without the highest powers, since d <= 1/2, and eta <= 1 in all but toy formats."""
+    if fmt.eta > 1 or not any(in_d > MOST_D or in_eta > MOST_ETA for in_d, in_eta, *_ in bound.monoms()):
+        return bound
+    short: dict[tuple[int, ...], Any] = {}
+    for (in_d, in_eta, *powers), c in bound.terms():
+        kept = (min(in_d, MOST_D), min(in_eta, MOST_ETA), *powers)
+        short[kept] = short.get(kept, 0) + c / 2 ** max(in_d - MOST_D, 0)
+    return RING.from_dict(short)
 
 
 def _sum(x: Rounded, y: Rounded, sign: int) -> Rounded:
@@ -202,20 +210,25 @@ def _product(x: Rounded, y: Rounded) -> Rounded:
 def _reciprocal(divisor: Rounded) -> Rounded:
     """1/c as a factor: not a float, but multiplying by it rounds exactly as dividing by c does."""
     assert divisor.held is not None
-    return _known(divisor.format, RING.one / divisor.exact.LC, 1 / divisor.held)
+    return _known(divisor.format, polynomial(1 / constant_term(divisor.exact)), 1 / divisor.held)
 
 
 def _known(fmt: FloatFormat, exact: Polynomial, held: Fraction) -> Rounded:
-    """A constant that the program holds as `held` where the mathematics has `exact`; the error is their distance."""
+    """A constant that the program holds as `held` where the mathematics has `exact`; the error is their distance.
+
+    That distance and not the u|exact| that one knows beforehand: it is exact where it is rational, so 0 for a constant
+    that the format holds, and else rounded up by a relative 2**-GUARD_BITS at most.
+    """
     x = Rounded(fmt, exact)
     x.held = held
-    x.error = x.propagated = UNIT * (abs(exact.coeff(1) - rational(held)) / rational(fmt.u))
+    distance = above(size(constant_term(exact) - held))
+    x.error = x.propagated = UNIT * rational(distance / fmt.u)
     return x
 
 
-def _nearest(fmt: FloatFormat, exact: Fraction) -> Fraction:
+def _nearest(fmt: FloatFormat, exact: Exact) -> Fraction:
     try:
-        return fmt.nearest(exact)
+        return settle(exact, fmt.nearest)
     except OverflowError as overflow:
         raise OverflowError(f"{_place()}: a constant is out of range: {overflow}") from None
 

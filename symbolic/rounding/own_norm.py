@@ -8,9 +8,11 @@ from math import isqrt
 
 from sympy.polys.matrices import DomainMatrix
 
+from methods.number_field import Exact
 from symbolic.energy import Quadratic
 from symbolic.n_steps import Entries
 from symbolic.one_step import entries
+from symbolic.rounding.irrational import above, size
 
 # Rational upper bounds of square roots are good to about this many bits.
 ROOT_BITS = 200
@@ -22,12 +24,15 @@ class NoOwnNorm(ValueError):
 
 @dataclass(frozen=True)
 class OwnNorm:
-    """|z|² = qq·q² + qv·q·v + vv·v², positive definite, with |M z|² = rho_squared |z|² for every z."""
+    """|z|² = qq·q² + qv·q·v + vv·v², positive definite, with |M z|² = rho_squared |z|² for every z, all exactly.
 
-    qq: Fraction
-    qv: Fraction
-    vv: Fraction
-    rho_squared: Fraction
+    What is derived from them is rational, and rounded up where they are not.
+    """
+
+    qq: Exact
+    qv: Exact
+    vv: Exact
+    rho_squared: Exact
 
     @property
     def rho(self) -> Fraction:
@@ -40,7 +45,7 @@ class OwnNorm:
 
     def largest_of_signs(self, q: Fraction, v: Fraction) -> Fraction:
         """An upper bound of |(±q, ±v)|, and of the norm of everything between, for q, v >= 0."""
-        return root_above(self.qq * q * q + abs(self.qv) * q * v + self.vv * v * v)
+        return root_above(self.qq * q * q + size(self.qv) * q * v + self.vv * v * v)
 
     @property
     def euclidean_per_unit(self) -> Fraction:
@@ -60,7 +65,7 @@ class OwnNorm:
         (Eᵀ S+ E, S-): |z| is least, for given |q| and |v|, where the mixed term is negative.
         """
         (a, b), (c, d) = error
-        mixed = abs(self.qv) / 2
+        mixed = size(self.qv) / 2
         first = self.qq * a * a + 2 * mixed * a * c + self.vv * c * c
         cross = self.qq * a * b + mixed * (a * d + b * c) + self.vv * c * d
         last = self.qq * b * b + 2 * mixed * b * d + self.vv * d * d
@@ -70,7 +75,7 @@ class OwnNorm:
         return root_above((half + root_above(discriminant)) / self._determinant)
 
     @property
-    def _determinant(self) -> Fraction:
+    def _determinant(self) -> Exact:
         return self.qq * self.vv - self.qv**2 / 4
 
 
@@ -85,7 +90,7 @@ def swept_area(m: DomainMatrix) -> Quadratic:
 
 
 def own_norm(matrix: Entries) -> OwnNorm:
-    """The norm in which the rational matrix (M_qq, M_qv, M_vq, M_vv) is rho times an isometry, rho² = det M.
+    """The norm in which the exact matrix (M_qq, M_qv, M_vq, M_vv) is rho times an isometry, rho² = det M.
 
     From the area swept by a step, scaled so that the larger of its q² and v² coefficients is 1; the Euclidean norm for
     a multiple of the identity, which sweeps none. Raises NoOwnNorm where M has a real eigenvector otherwise.
@@ -96,12 +101,16 @@ def own_norm(matrix: Entries) -> OwnNorm:
         return OwnNorm(Fraction(1), Fraction(0), Fraction(1), determinant)
     if (qq + vv) ** 2 - 4 * determinant >= 0:
         raise NoOwnNorm("the step has real eigenvectors, so it is not a rotation times a factor in any norm")
-    scale = max(vq, -qv, key=abs)
+    scale = max(vq, -qv, key=size)
     return OwnNorm(vq / scale, (vv - qq) / scale, -qv / scale, determinant)
 
 
-def root_above(x: Fraction) -> Fraction:
-    """A rational r >= sqrt(x) for x >= 0, within a relative 2**-ROOT_BITS, and exact where sqrt(x) is that short."""
+def root_above(exact: Exact) -> Fraction:
+    """A rational r >= sqrt(x) for x >= 0, within a relative 2**-ROOT_BITS, and exact where sqrt(x) is that short.
+
+    For an irrational x within a relative 2**-GUARD_BITS.
+    """
+    x = above(exact)
     if x == 0:
         return Fraction(0)
     shift = max(0, ROOT_BITS - (x.numerator.bit_length() - x.denominator.bit_length()) // 2)

@@ -7,6 +7,8 @@ is at most d|x_i| + d propagated_i + eta/2. The leading part d |adjoint_i x_i| i
 known, and keeps the cancellation inside a and b that the sum of |monomials| of `step` gives away; the rest is of
 second order or underflow, where nothing is lost by bounding it as `step` does.
 
+Irrational a and b are replaced by rationals near them, and how near goes into the rest.
+
 A product may be fused into some of the sums that use it and not into others, so its own rounding is weighed use by use,
 without the cancellation between uses. Hence this form holds under fusing, too.
 """
@@ -18,11 +20,12 @@ from fractions import Fraction
 from itertools import product
 from typing import TypeAlias
 
+from methods.number_field import Exact
 from methods.problems import oscillator
 from methods.stepping import Force
-from symbolic.one_step import Polynomial
 from symbolic.rounding.formats import BINARY64, FloatFormat
-from symbolic.rounding.number import ETA, RING, D, Rounded, majorant
+from symbolic.rounding.number import Rounded
+from symbolic.rounding.polynomials import ETA, RING, D, Polynomial, majorant, nearly, terms
 from symbolic.rounding.step import COLUMNS, LinearBound, demand_linear, linear_bound
 from symbolic.rounding.trace import Subject, Terms, at_step, in_format, program, trace
 
@@ -36,12 +39,12 @@ _Derivatives: TypeAlias = list[tuple[Rounded, list[Polynomial]]]
 class SharpBound:
     """|dq| <= sum of |a q + b v + c| over `leading[0]` + the q row of `remainder`, and |dv| likewise, at this one h.
 
-    d is multiplied in. `matrix` is M(h), row by row. Holds for every state for which nothing overflows.
+    d is multiplied in. `matrix` is M(h), row by row, exact. Holds for every state for which nothing overflows.
     """
 
     format: FloatFormat
     h: Fraction
-    matrix: tuple[Pair, Pair]
+    matrix: tuple[tuple[Exact, Exact], tuple[Exact, Exact]]
     leading: tuple[tuple[Form, ...], tuple[Form, ...]]
     remainder: LinearBound
 
@@ -79,11 +82,18 @@ def sharp_bound(subject: Subject, h: Fraction, fmt: FloatFormat = BINARY64, forc
     if not fmt.holds(h):
         raise ValueError(f"h = {h} is not a {fmt.name} number; the nearest is {fmt.nearest(h)}")
     outputs = trace(subject, fmt, force, h)
-    derivatives = [_derivatives(output) for output in outputs]
-    leading_q, leading_v = (_leading(by, fmt) for by in derivatives)
-    rest_q, rest_v = (_remainder(by, fmt) for by in derivatives)
-    row_q, row_v = (_form(_state_terms(output.exact, fmt)) for output in outputs)
-    return SharpBound(fmt, h, (row_q[:2], row_v[:2]), (leading_q, leading_v), linear_bound(rest_q, rest_v))
+    (leading_q, rest_q), (leading_v, rest_v) = (_parts(output, fmt) for output in outputs)
+    row_q, row_v = (_row(output.exact) for output in outputs)
+    return SharpBound(fmt, h, (row_q, row_v), (leading_q, leading_v), linear_bound(rest_q, rest_v))
+
+
+def _parts(output: Rounded, fmt: FloatFormat) -> tuple[tuple[Form, ...], Terms]:
+    """The leading forms and the rest of one output."""
+    derivatives = _derivatives(output)
+    roundings = [nearly(rounding) for rounding in _roundings(derivatives)]
+    forms = (_form(_state_terms(middle, fmt)) for middle, _ in roundings)
+    rest = _remainder(derivatives) + sum((radius for _, radius in roundings), RING.zero)
+    return tuple(form for form in forms if any(form)), _state_terms(rest, fmt)
 
 
 def _derivatives(output: Rounded) -> _Derivatives:
@@ -99,23 +109,29 @@ def _derivatives(output: Rounded) -> _Derivatives:
     return [(x, by_use[id(x)]) for x in order]
 
 
-def _leading(derivatives: _Derivatives, fmt: FloatFormat) -> tuple[Form, ...]:
+def _roundings(derivatives: _Derivatives) -> list[Polynomial]:
+    """The leading part of each operation's own rounding, with the weight that it has in the output."""
     roundings: list[Polynomial] = []
     for x, uses in derivatives:
         own = D * x.exact if x.rounds else x.error if x.held is not None else RING.zero
         parts = uses if x.fusible else [sum(uses, RING.zero)]
         roundings += [own * part for part in parts]
-    forms = (_form(_state_terms(polynomial, fmt)) for polynomial in roundings)
-    return tuple(form for form in forms if any(form))
+    return roundings
 
 
-def _remainder(derivatives: _Derivatives, fmt: FloatFormat) -> Terms:
+def _remainder(derivatives: _Derivatives) -> Polynomial:
     rest = RING.zero
     for x, uses in derivatives:
         second_order = x.crossed + (D * x.propagated if x.rounds else RING.zero)
         own = second_order + (ETA / 2 if x.underflows else RING.zero)
         rest += own * sum((majorant(part) for part in uses), RING.zero)
-    return _state_terms(rest, fmt)
+    return rest
+
+
+def _row(exact: Polynomial) -> tuple[Exact, Exact]:
+    by_state = {(in_q, in_v): c for (_, _, _, in_q, in_v), c in terms(exact)}
+    demand_linear(by_state)
+    return by_state.get((1, 0), Fraction(0)), by_state.get((0, 1), Fraction(0))
 
 
 def _state_terms(polynomial: Polynomial, fmt: FloatFormat) -> Terms:
@@ -123,9 +139,9 @@ def _state_terms(polynomial: Polynomial, fmt: FloatFormat) -> Terms:
     return at_step(in_format(polynomial, fmt), Fraction(1))
 
 
-def _form(terms: Terms) -> Form:
-    demand_linear(terms)
-    a, b, c = (terms.get(column, Fraction(0)) for column in COLUMNS)
+def _form(by_state: Terms) -> Form:
+    demand_linear(by_state)
+    a, b, c = (by_state.get(column, Fraction(0)) for column in COLUMNS)
     return a, b, c
 
 

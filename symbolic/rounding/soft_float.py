@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 
+from methods.number_field import Exact
+from symbolic.certified import settle
 from symbolic.rounding.formats import FloatFormat
 
 
@@ -78,6 +80,6 @@ class SoftFloat:
         raise TypeError(f"{other!r} is {type(other).__name__}; constants are int, float or Fraction")
 
 
-def soft_lift(fmt: FloatFormat, fusing: bool = False) -> Callable[[Fraction], SoftFloat]:
+def soft_lift(fmt: FloatFormat, fusing: bool = False) -> Callable[[Exact], SoftFloat]:
     """The lift of exact numbers to floats of the format."""
-    return lambda exact: SoftFloat(fmt.nearest(exact), fmt, fusing)
+    return lambda exact: SoftFloat(settle(exact, fmt.nearest), fmt, fusing)

@@ -1,7 +1,8 @@
 """The rounding bound of a step, derived by running the step: |fl(step(z)) - M(h) z| <= E(h)|z| + r(h).
 
-E is a non-negative 2x2 matrix and r a vector of underflow terms, polynomials in d = u/(1+u), eta and |h|, with every
-power of d kept. They belong to a program, that is to one order of operations; the form that belongs to a definition
+E is a non-negative 2x2 matrix and r a vector of underflow terms, polynomials in d = u/(1+u), eta and |h|; nothing is
+dropped as being of higher order. M is that of the definition, exact; how its coefficients, rational or not, are rounded
+is part of E. They belong to a program, that is to one order of operations; the form that belongs to a definition
 is in `any_order`, a sharper one for one given h in `sharp`.
 """
 
@@ -15,12 +16,17 @@ from typing import NamedTuple, TypeAlias
 
 from sympy.polys.matrices import DomainMatrix
 
+from methods.number_field import Exact
 from methods.problems import oscillator
 from methods.stepping import Force
 from symbolic import one_step
-from symbolic.one_step import Polynomial
+from symbolic.linear.matrices import StepMatrix
+from symbolic.linear.polynomials import coefficients
+from symbolic.linear.rational_functions import RationalFunction
 from symbolic.rounding.formats import BINARY64, FloatFormat
-from symbolic.rounding.number import RING, Rounded
+from symbolic.rounding.irrational import middle_and_radius
+from symbolic.rounding.number import Rounded
+from symbolic.rounding.polynomials import RING, Polynomial, terms
 from symbolic.rounding.trace import (
     NotLinear,
     Subject,
@@ -36,6 +42,8 @@ from symbolic.rounding.trace import (
 Table: TypeAlias = tuple[tuple[Polynomial, Polynomial], tuple[Polynomial, Polynomial]]
 Coefficients: TypeAlias = tuple[Fraction, ...]
 CoefficientTable: TypeAlias = tuple[tuple[Coefficients, Coefficients], tuple[Coefficients, Coefficients]]
+# An entry of M(h): its coefficients by power of h.
+ByPower: TypeAlias = dict[int, Exact]
 
 # Powers of (q, v) in q, in v, and in what does not depend on the state.
 COLUMNS = ((1, 0), (0, 1), (0, 0))
@@ -69,16 +77,29 @@ class StepBound:
     outputs: tuple[Rounded, Rounded]
 
     @cached_property
-    def matrix(self) -> DomainMatrix:
-        """M(h) over Q[h]: the exact matrix of this very program, to be held against that of a definition."""
-        rows = [[_in_h(x.exact, column) for column in COLUMNS] for x in self.outputs]
-        if any(free != 0 for *_, free in rows):
+    def entries(self) -> tuple[ByPower, ByPower, ByPower, ByPower]:
+        """(M_qq, M_qv, M_vq, M_vv), exact, zeros left out: of this very program, but for the rounding of constants."""
+        (qq, qv, free_q), (vq, vv, free_v) = ([_in_h(x.exact, column) for column in COLUMNS] for x in self.outputs)
+        if free_q or free_v:
             raise NotLinear("the step is not linear in the state: it adds a constant of its own")
-        return DomainMatrix([row[:2] for row in rows], (2, 2), one_step.MATRICES)
+        return qq, qv, vq, vv
+
+    @property
+    def matrix(self) -> DomainMatrix:
+        """M(h) over Q[h]. Raises TypeError where coefficients are irrational."""
+        qq, qv, vq, vv = (
+            one_step.RING({(k,): one_step.rational(_fraction(c)) for k, c in entry.items()}) for entry in self.entries
+        )
+        return DomainMatrix([[qq, qv], [vq, vv]], (2, 2), one_step.MATRICES)
+
+    @property
+    def rounds_constants(self) -> bool:
+        """True when the program holds a constant rounded, so that its own polynomial is not M(h) to the last digit."""
+        return any(x.held is not None and bool(x.error) for x in program(self.outputs))
 
     @cached_property
     def error(self) -> Table:
-        """E(h): entries in Q[d, eta, |h|] with non-negative coefficients."""
+        """E(h): entries in Q[d, eta, |h|] with non-negative coefficients, rounded up where they are irrational."""
         (qq, qv, _), (vq, vv, _) = self._error_rows
         return (qq, qv), (vq, vv)
 
@@ -98,20 +119,21 @@ class StepBound:
 
     @cached_property
     def coefficients(self) -> tuple[CoefficientTable, CoefficientTable, tuple[Coefficients, Coefficients]]:
-        """(M, E, r) as plain fractions in this format, ascending in h or |h|: what a check of many steps evaluates."""
-        mqq, mqv, mvq, mvv = (_ascending(_univariate(entry)) for entry in one_step.entries(self.matrix))
-        (qq, qv, rq), (vq, vv, rv) = (
-            [_ascending(_in_column(terms, column)) for column in COLUMNS] for terms in self._error_terms
-        )
+        """(M, E, r) as plain fractions in this format, ascending in h or |h|: what a check of many steps evaluates.
+
+        Irrational coefficients of M are given as fractions near them, and E is larger by how near that is.
+        """
+        rows = zip((self.entries[:2], self.entries[2:]), self._error_terms, strict=True)
+        ((mqq, mqv), (qq, qv, rq)), ((mvq, mvv), (vq, vv, rv)) = (_row(entries, errors) for entries, errors in rows)
         return ((mqq, mqv), (mvq, mvv)), ((qq, qv), (vq, vv)), (rq, rv)
 
     def at(self, h: Fraction) -> LinearBound:
         """E(h) and r(h) at one h."""
-        return linear_bound(*(at_step(terms, abs(h)) for terms in self._error_terms))
+        return linear_bound(*(at_step(error, abs(h)) for error in self._error_terms))
 
     def error_of(self, h: Fraction, q: Fraction, v: Fraction) -> tuple[Fraction, Fraction]:
         """The bounds on |dq| and |dv| of one step from (q, v)."""
-        dq, dv = (at_state(at_step(terms, abs(h)), abs(q), abs(v)) for terms in self._error_terms)
+        dq, dv = (at_state(at_step(error, abs(h)), abs(q), abs(v)) for error in self._error_terms)
         return dq, dv
 
     def is_safe(self, h: Fraction, q: Fraction, v: Fraction) -> bool:
@@ -120,19 +142,22 @@ class StepBound:
         Sufficient: each operation's |exact| + error stays within the largest finite number.
         """
         return all(
-            at_state(at_step(terms, abs(h)), abs(q), abs(v)) <= self.format.largest for terms in self._magnitude_terms
+            at_state(at_step(size, abs(h)), abs(q), abs(v)) <= self.format.largest for size in self._magnitude_terms
         )
 
-    def differences(self, definition: DomainMatrix) -> list[str]:
-        """Where the program's polynomial is not the definition's: one line per coefficient, none if they are equal."""
+    def differences(self, definition: StepMatrix) -> list[str]:
+        """Where the program's polynomial is not the definition's: one line per coefficient, none if they are equal.
+
+        Equal means equal, also over a number field.
+        """
         names = ("M_qq", "M_qv", "M_vq", "M_vv")
-        pairs = zip(names, one_step.entries(self.matrix), one_step.entries(definition), strict=True)
+        pairs = zip(names, self.entries, (entry for row in definition for entry in row), strict=True)
         return [line for name, mine, theirs in pairs for line in _differences(name, mine, theirs)]
 
     @cached_property
     def _error_rows(self) -> list[list[Polynomial]]:
-        for terms in self._error_terms:
-            demand_linear(terms)
+        for error in self._error_terms:
+            demand_linear(error)
         return [[_in_d_eta_h(x.error, column) for column in COLUMNS] for x in self.outputs]
 
     @cached_property
@@ -157,9 +182,9 @@ def step_bound(subject: Subject, fmt: FloatFormat = BINARY64, force: Force = osc
 
 def linear_bound(dq: Terms, dv: Terms) -> LinearBound:
     """Two bounds that are linear in (|q|, |v|), as a matrix and a vector. Raises NotLinear."""
-    for terms in (dq, dv):
-        demand_linear(terms)
-    (qq, qv, rq), (vq, vv, rv) = ([terms.get(column, Fraction(0)) for column in COLUMNS] for terms in (dq, dv))
+    for bound in (dq, dv):
+        demand_linear(bound)
+    (qq, qv, rq), (vq, vv, rv) = ([bound.get(column, Fraction(0)) for column in COLUMNS] for bound in (dq, dv))
     return LinearBound(((qq, qv), (vq, vv)), (rq, rv))
 
 
@@ -170,10 +195,11 @@ def demand_linear(powers: Iterable[tuple[int, ...]]) -> None:
             raise NotLinear(f"the step is not linear in the state: it holds q**{in_q} * v**{in_v}")
 
 
-def _in_h(polynomial: Polynomial, column: tuple[int, int]) -> Polynomial:
-    """The coefficient of q, v or 1 in an exact polynomial, in Q[h]."""
-    demand_linear(polynomial.monoms())
-    return one_step.RING({(in_h,): c for (_, _, in_h, *state), c in polynomial.terms() if tuple(state) == column})
+def _in_h(polynomial: Polynomial, column: tuple[int, int]) -> ByPower:
+    """The coefficient of q, v or 1 in an exact polynomial."""
+    found = terms(polynomial)
+    demand_linear(powers for powers, _ in found)
+    return {in_h: c for (_, _, in_h, *state), c in found if tuple(state) == column}
 
 
 def _in_d_eta_h(polynomial: Polynomial, column: tuple[int, int]) -> Polynomial:
@@ -185,22 +211,37 @@ def _first_order(entry: Polynomial) -> Polynomial:
     return one_step.RING({(in_h,): c for (in_d, in_eta, in_h, *_), c in entry.terms() if (in_d, in_eta) == (1, 0)})
 
 
-def _in_column(terms: Terms, column: tuple[int, int]) -> dict[int, Fraction]:
-    return {in_h: c for (in_h, *state), c in terms.items() if tuple(state) == column}
+def _in_column(by_powers: Terms, column: tuple[int, int]) -> dict[int, Fraction]:
+    return {in_h: c for (in_h, *state), c in by_powers.items() if tuple(state) == column}
 
 
-def _univariate(polynomial: Polynomial) -> dict[int, Fraction]:
-    return {in_h: Fraction(int(c.numerator), int(c.denominator)) for (in_h,), c in polynomial.terms()}
+def _row(entries: Iterable[ByPower], errors: Terms) -> tuple[list[Coefficients], list[Coefficients]]:
+    """A row of M, and of (E, r) widened by how near to it the first is."""
+    middles, bounds = [], [_in_column(errors, column) for column in COLUMNS]
+    for entry, bound in zip(entries, bounds, strict=False):
+        balls = {k: middle_and_radius(c) for k, c in entry.items()}
+        middles.append({k: middle for k, (middle, _) in balls.items()})
+        for k, (_, radius) in balls.items():
+            bound[k] = bound.get(k, Fraction(0)) + radius
+    return [_ascending(x) for x in middles], [_ascending(x) for x in bounds]
 
 
 def _ascending(by_power: dict[int, Fraction]) -> Coefficients:
     return tuple(by_power.get(k, Fraction(0)) for k in range(max(by_power, default=-1) + 1))
 
 
-def _differences(name: str, mine: Polynomial, theirs: Polynomial) -> list[str]:
-    found, expected = _univariate(mine), _univariate(theirs)
+def _fraction(x: Exact) -> Fraction:
+    if not isinstance(x, Fraction):
+        raise TypeError(f"{x} is irrational: this one-step matrix is not over Q[h]")
+    return x
+
+
+def _differences(name: str, mine: ByPower, theirs: RationalFunction) -> list[str]:
+    if theirs.den.degree() > 0:
+        return [f"{name}: the definition's is no polynomial in h"]
+    expected = {k: c for k, c in enumerate(coefficients(theirs.num)) if c != 0}
     return [
-        f"{name}, coefficient of h**{k}: the program has {found.get(k, 0)}, the definition {expected.get(k, 0)}"
-        for k in sorted(found.keys() | expected.keys())
-        if found.get(k, 0) != expected.get(k, 0)
+        f"{name}, coefficient of h**{k}: the program has {mine.get(k, 0)}, the definition {expected.get(k, 0)}"
+        for k in sorted(mine.keys() | expected.keys())
+        if mine.get(k, 0) != expected.get(k, 0)
     ]

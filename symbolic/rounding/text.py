@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+from symbolic.certified import AWAY, significant
 from symbolic.one_step import Polynomial
 from symbolic.rounding.step import StepBound
 
-# The first power of d is the bound that one quotes; from the third on the formulas are long and say nothing new.
-SHOWN_POWERS = 2
+# The first power of d is the bound that one quotes; from the third on the formulas are long and say nothing new, and
+# so with the second of eta.
+SHOWN_POWERS = (2, 1)
+# A fraction of more bits than this, some 24 digits, is shown as a decimal instead, rounded up to SHOWN_DIGITS.
+LONGEST_BITS = 80
+SHOWN_DIGITS = 6
 
 
 def first_order_text(bound: StepBound) -> list[str]:
@@ -20,23 +25,24 @@ def first_order_text(bound: StepBound) -> list[str]:
     return lines
 
 
-def full_text(bound: StepBound, powers: int | None = SHOWN_POWERS) -> list[str]:
-    """One line for each power of d and eta and each component, ending at d**powers; None shows every power kept.
+def full_text(bound: StepBound, powers: tuple[int, int] | None = SHOWN_POWERS) -> list[str]:
+    """One line for each power of d and eta and each component, up to these `powers`; None shows every power kept.
 
     The last line says what was left out, so that nothing looks complete that is not.
     """
-    lines, hidden = [], 0
+    lines, hidden = [], []
     for name, row, free in zip("qv", bound.error, bound.underflow, strict=True):
         grouped: dict[tuple[int, int], list[str]] = {}
         for entry, state in zip((*row, free), ("|q|", "|v|", ""), strict=True):
             for key, by_step in sorted(_by_d_and_eta(entry).items()):
                 grouped.setdefault(key, []).append(_times(_sum(by_step), state))
         for (in_eta, in_d), parts in sorted(grouped.items()):
-            if powers is not None and in_d > powers:
-                hidden += 1
+            if powers is not None and (in_d > powers[0] or in_eta > powers[1]):
+                hidden.append(in_eta > powers[1])
                 continue
             lines.append(f"|d{name}|: {_power('eta', in_eta)}{_power('d', in_d)}({' + '.join(parts)})")
-    return [*lines, f"and {hidden} lines with higher powers of d"] if hidden else lines
+    higher = "d or eta" if any(hidden) else "d"
+    return [*lines, f"and {len(hidden)} lines with higher powers of {higher}"] if hidden else lines
 
 
 def format_text(bound: StepBound) -> str:
@@ -63,7 +69,13 @@ def _sum(by_step: dict[int, Fraction]) -> str:
 
 def _term(c: Fraction, k: int) -> str:
     step = _power("h", k).rstrip(" ")
-    return (step if c == 1 else f"{c} {step}") if step else str(c)
+    return (step if c == 1 else f"{_above(c)} {step}") if step else _above(c)
+
+
+def _above(c: Fraction) -> str:
+    """The coefficient of a bound: a larger one bounds as well."""
+    is_short = c.numerator.bit_length() + c.denominator.bit_length() <= LONGEST_BITS
+    return str(c) if is_short else significant(c, SHOWN_DIGITS, AWAY)
 
 
 def _power(name: str, k: int) -> str:

@@ -7,11 +7,12 @@ from fractions import Fraction
 from typing import TypeAlias
 
 from methods.problems import oscillator
-from methods.schemes import Method, MethodError
+from methods.schemes import Method
 from methods.stepping import Force, Lift, Step, stepper
-from symbolic.one_step import Polynomial
+from symbolic.certified import settle
 from symbolic.rounding.formats import FloatFormat
-from symbolic.rounding.number import H, Q, RefusedOperation, Rounded, V, constant, majorant, rational_value
+from symbolic.rounding.number import RefusedOperation, Rounded, constant, rational_value
+from symbolic.rounding.polynomials import H, Polynomial, Q, V, majorant, terms
 
 # What a bound can be asked about: a method of the catalogue, or anybody's step function.
 Subject: TypeAlias = Method | Step
@@ -29,8 +30,6 @@ def trace(subject: Subject, fmt: FloatFormat, force: Force = oscillator, h: Frac
     With `h` given (a number of the format) the step size is that constant rather than a symbol. Raises
     RefusedOperation where the step does what cannot be bounded.
     """
-    if not callable(subject) and subject.field is not None:
-        raise MethodError(f"{subject.key} has coefficients in Q({subject.field.name}); bounds take rational ones")
     size = Rounded(fmt, H) if h is None else constant(h, fmt)
     step = subject if callable(subject) else stepper(subject, lift_to(fmt))
     result = step(force, Rounded(fmt, Q), Rounded(fmt, V), size)
@@ -43,6 +42,14 @@ def trace(subject: Subject, fmt: FloatFormat, force: Force = oscillator, h: Frac
 def lift_to(fmt: FloatFormat) -> Lift:
     """The lift of exact coefficients to floats of the format: 1/6 becomes the nearest one, and owns up to it."""
     return lambda exact: constant(exact, fmt)
+
+
+def program_of(method: Method, fmt: FloatFormat) -> Step:
+    """The generic step of a definition with the coefficients that its program holds: what it computes up to rounding.
+
+    To the definition itself this is another method, by the rounding of its coefficients.
+    """
+    return stepper(method, lambda exact: settle(exact, fmt.nearest))
 
 
 def program(outputs: Iterable[Rounded]) -> list[Rounded]:
@@ -67,24 +74,24 @@ def magnitude(x: Rounded) -> Polynomial:
 
 def in_format(polynomial: Polynomial, fmt: FloatFormat) -> Terms:
     """The polynomial in (h, q, v) that is left when the format's own d and eta are put in."""
-    terms: Terms = {}
-    for (in_d, in_eta, *powers), c in polynomial.terms():
-        value = Fraction(int(c.numerator), int(c.denominator)) * fmt.relative_error**in_d * fmt.eta**in_eta
-        terms[tuple(powers)] = terms.get(tuple(powers), Fraction(0)) + value
-    return terms
+    left: Terms = {}
+    for (in_d, in_eta, *powers), c in terms(polynomial):
+        value = c * fmt.relative_error**in_d * fmt.eta**in_eta
+        left[tuple(powers)] = left.get(tuple(powers), Fraction(0)) + value
+    return left
 
 
-def at_step(terms: Terms, h: Fraction) -> Terms:
+def at_step(by_powers: Terms, h: Fraction) -> Terms:
     """The polynomial in (q, v) that is left at this h."""
     left: Terms = {}
-    for (in_h, *powers), c in terms.items():
+    for (in_h, *powers), c in by_powers.items():
         left[tuple(powers)] = left.get(tuple(powers), Fraction(0)) + c * h**in_h
     return left
 
 
-def at_state(terms: Terms, q: Fraction, v: Fraction) -> Fraction:
+def at_state(by_powers: Terms, q: Fraction, v: Fraction) -> Fraction:
     """The value at this (q, v)."""
-    return sum((c * q**in_q * v**in_v for (in_q, in_v), c in terms.items()), Fraction(0))
+    return sum((c * q**in_q * v**in_v for (in_q, in_v), c in by_powers.items()), Fraction(0))
 
 
 def _demand_number(x: object) -> Fraction:

@@ -1,0 +1,60 @@
+"""SymPy expressions as Arb balls."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import sympy
+from flint import arb, ctx, fmpq
+
+
+def enclose_expression(expr: sympy.Basic) -> arb:
+    """An Arb ball that contains the real number `expr`, at Arb's current precision. Raises TypeError for a function
+    that is not listed here.
+    """
+    if isinstance(expr, sympy.Rational):
+        return arb(fmpq(int(expr.p), int(expr.q)))
+    if isinstance(expr, sympy.CRootOf):
+        return _enclose_root(expr)
+    if expr == sympy.pi:
+        return arb.pi()
+    if expr == sympy.E:
+        return arb(1).exp()
+    if isinstance(expr, sympy.Pow):
+        base, exponent = (enclose_expression(a) for a in expr.args)
+        return base.sqrt() if expr.exp == sympy.Rational(1, 2) else base**exponent
+    if expr.func not in _FUNCTIONS:
+        raise TypeError(f"no ball arithmetic for {expr.func.__name__} in {expr}")
+    return _FUNCTIONS[expr.func](*(enclose_expression(a) for a in expr.args))
+
+
+def _enclose_root(root: Any) -> arb:
+    digits = ctx.prec * 3 // 10
+    middle = root.eval_rational(dx=sympy.Rational(1, 10**digits))
+    return enclose_expression(middle) + arb(0, (1, -(digits * 3)))
+
+
+def _fold(operation: Callable[[arb, arb], arb]) -> Callable[..., arb]:
+    def fold(first: arb, *rest: arb) -> arb:
+        for ball in rest:
+            first = operation(first, ball)
+        return first
+
+    return fold
+
+
+_FUNCTIONS: dict[Any, Callable[..., arb]] = {
+    sympy.Add: _fold(lambda a, b: a + b),
+    sympy.Mul: _fold(lambda a, b: a * b),
+    sympy.cos: arb.cos,
+    sympy.sin: arb.sin,
+    sympy.tan: arb.tan,
+    sympy.acos: arb.acos,
+    sympy.asin: arb.asin,
+    sympy.atan: arb.atan,
+    sympy.atan2: arb.atan2,
+    sympy.log: arb.log,
+    sympy.exp: arb.exp,
+    sympy.Abs: abs,
+}
