@@ -13,6 +13,8 @@ __version__ = "0.1.0"
 # Public name -> where it lives. Names resolve on first use (PEP 562).
 _PUBLIC = {
     "METHODS": "methods.catalogue",
+    "FAMILIES": "methods.families",
+    "read_method": "methods.tableau_file",
     "RungeKutta": "methods.schemes",
     "Splitting": "methods.schemes",
     "stepper": "methods.stepping",
@@ -21,6 +23,12 @@ _PUBLIC = {
     "energy_multiplier": "symbolic.energy",
     "invariant_quadratic": "symbolic.energy",
     "stability_limit": "symbolic.stability",
+    "facts_of": "symbolic.facts",
+    "system_facts": "symbolic.facts",
+    "order_within": "symbolic.facts",
+    "family_facts": "symbolic.family_facts",
+    "stability_function_of": "symbolic.linear.oscillator",
+    "boundary_points": "symbolic.linear.region",
     "significant": "symbolic.certified",
     "fixed": "symbolic.certified",
     "Scene": "numeric.scenes",
@@ -28,6 +36,11 @@ _PUBLIC = {
     "read_scene": "numeric.scenes",
     "run": "numeric.run",
     "published_values": "driftproof.values",
+    "identify": "driftproof.blackbox.identify",
+    "verify": "driftproof.blackbox.verify",
+    "assert_verified": "driftproof.blackbox.verify",
+    "Domain": "driftproof.blackbox.agreement",
+    "Allowance": "driftproof.blackbox.tolerance",
 }
 
 __all__ = sorted(_PUBLIC)

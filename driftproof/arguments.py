@@ -1,4 +1,4 @@
-"""What the command line takes: a parser that complains in one line, and exact numbers read from text."""
+"""What the command line takes and how it ends: a parser that complains in one line, numbers read exactly, statuses."""
 
 from __future__ import annotations
 
@@ -11,10 +11,15 @@ from typing import Any, NoReturn, TypeAlias
 
 from methods.rationals import parse_rational
 
-BAD_INPUT = 2
+REFUTED, BAD_INPUT, NO_ANSWER = 1, 2, 3
 MOST_DIGITS = 10_000
+MOST_EXAMPLES = 10**6
 # A float run longer than this shows a progress bar.
 LONG_RUN = 10**6
+
+
+class Refuted(Exception):
+    """The answer is no: the text is the whole answer, as it is printed, and the exit status is REFUTED."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -66,6 +71,25 @@ def digits(text: str) -> int:
     """A number of significant digits."""
     if not (text.isascii() and text.isdigit() and len(text) < 9 and 1 <= int(text) <= MOST_DIGITS):
         raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a number of digits from 1 to {MOST_DIGITS}")
+    return int(text)
+
+
+def positive_number(what: str) -> Callable[[str], float]:
+    """A reader of finite floats above zero, named `what` in its complaints."""
+
+    def parse(text: str) -> float:
+        value = float(rational(what)(text))
+        if not 0 < value < float("inf"):
+            raise argparse.ArgumentTypeError(f"{text[:20]!r} is no {what}; write a number above 0")
+        return value
+
+    return parse
+
+
+def number_of_examples(text: str) -> int:
+    """How many examples to try."""
+    if not (text.isascii() and text.isdigit() and len(text) < 9 and 1 <= int(text) <= MOST_EXAMPLES):
+        raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a number of examples from 1 to {MOST_EXAMPLES}")
     return int(text)
 
 

@@ -6,11 +6,10 @@ import sys
 from collections.abc import Sequence
 
 from driftproof import __version__
-from driftproof.arguments import BAD_INPUT, Parser
-from driftproof.commands import facts, methods, roundoff, run, scene, scenes, step, values
+from driftproof.arguments import BAD_INPUT, NO_ANSWER, REFUTED, Parser, Refuted
+from driftproof.commands import facts, identify, methods, roundoff, run, scene, scenes, step, values, verify
 
-NO_ANSWER = 3
-COMMANDS = (methods, facts, step, run, roundoff, scenes, scene, values)
+COMMANDS = (methods, facts, step, run, roundoff, identify, verify, scenes, scene, values)
 
 EXAMPLES = """\
 examples:
@@ -18,6 +17,8 @@ examples:
   driftproof run forward_euler --h 1/4 --t 10      certified state, errors, energy and phase
   driftproof facts rk4                             every exact fact of a method, or of your own tableau
   driftproof roundoff rk4 --h 1/4                  the rounding bound of a step, derived by running it
+  driftproof identify mylib.ode:step               which method your code really is
+  driftproof verify mylib.ode:step --method rk4    and whether it is right to roundoff
   driftproof scene default                         the lesson's readouts and its table
   driftproof values --only 'rk4.*' --format md     proved values, ready for a text
 
@@ -26,10 +27,13 @@ Numbers are read exactly: 0.1 is 1/10, and 1/4 is a quarter. `driftproof COMMAND
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; 0 if answered, 2 for bad input, 3 if the question has no answer in the arithmetic used."""
+    """Run the command line; the status is 0 if answered, 1 if the answer is no, 2 for bad input, 3 for no answer."""
     options = _parser().parse_args(arguments)
     try:
         print(options.answer(options), flush=True)
+    except Refuted as answer:
+        print(answer, flush=True)
+        return REFUTED
     except BrokenPipeError:
         sys.stderr.close()  # the reader has gone; a second complaint at exit would be noise
     except (ValueError, OSError) as error:

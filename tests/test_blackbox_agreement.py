@@ -1,5 +1,7 @@
 """A stepper beside a method: right ones agree, wrong ones give the simplest example, on every run the same."""
 
+from math import inf, nan
+
 import numpy as np
 import pytest
 
@@ -81,7 +83,7 @@ def test_binary32_steppers_are_tried_at_numbers_of_binary32():
     assert np.float32(result.worst.h) == result.worst.h
 
 
-@pytest.mark.parametrize("bad", [{"largest_step": 0.0}, {"largest_state": float("inf")}, {"largest_step": float("nan")}])
+@pytest.mark.parametrize("bad", [{"largest_step": 0.0}, {"largest_state": inf}, {"largest_step": nan}])
 def test_a_domain_without_steps_or_states_is_refused(bad):
     with pytest.raises(ValueError, match="positive and finite"):
         Domain(**bad)

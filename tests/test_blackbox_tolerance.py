@@ -1,4 +1,4 @@
-"""The tolerance of one step: it is the any-order bound, it lets right programs pass, and a wrong 13th digit fails it."""
+"""The tolerance of one step: the any-order bound, which right programs keep and a wrong 13th digit does not."""
 
 from fractions import Fraction
 from math import inf, ldexp, nan
@@ -92,7 +92,7 @@ def test_flushing_subnormals_is_allowed_only_where_it_is_asked_for():
 
 
 def test_a_tolerance_of_the_solver_is_for_implicit_methods_only():
-    with pytest.raises(ValueError, match="backward_euler is implicit.*solver_tolerance=1e-10"):
+    with pytest.raises(ValueError, match=r"backward_euler is implicit.*solver_tolerance=1e-10"):
         Tolerance(METHODS["backward_euler"])
     with pytest.raises(ValueError, match="rk4 is explicit"):
         Tolerance(RK4, allowance=Allowance(solver_tolerance=Fraction(1, 10)))

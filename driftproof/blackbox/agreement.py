@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from decimal import Decimal
 from fractions import Fraction
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.subject import Subject
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 COMPONENTS = ("q", "v")
 WIDTHS: dict[str, Literal[16, 32, 64]] = {"binary16": 16, "binary32": 32, "binary64": 64}
 EXAMPLES = 1000
+DIGITS = 20
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,11 @@ class Domain:
         """Refuse what holds no step or no state."""
         if not (0 < self.largest_step < float("inf") and 0 < self.largest_state < float("inf")):
             raise ValueError(f"{self}: both ends are positive and finite")
+
+    @property
+    def words(self) -> str:
+        """The domain as inequalities."""
+        return f"0 < h <= {self.largest_step:g}, |q|, |v| <= {self.largest_state:g}"
 
 
 ORDINARY = Domain()
@@ -62,6 +69,18 @@ class Example:
         return f"q={self.q!r}, v={self.v!r}, h={self.h!r}"
 
     @property
+    def data(self) -> dict[str, Any]:
+        """The same for programs; floats as text that gives them back to the last bit."""
+        return {
+            **{name: repr(getattr(self, name)) for name in ("q", "v", "h")},
+            "answer": None if self.answer is None else [repr(x) for x in self.answer],
+            "component": self.component or None,
+            "exact": self.exact or None,
+            "error_over_bound": f"{self.error_over_bound:.6g}",
+            "misbehaved": self.misbehaved or None,
+        }
+
+    @property
     def words(self) -> str:
         """What happened there."""
         if self.answer is None:
@@ -82,6 +101,7 @@ class Agreement:
     """
 
     method: str
+    domain: Domain
     examples: int
     worst: Example
     failing: Example | None
@@ -91,6 +111,28 @@ class Agreement:
     def holds(self) -> bool:
         """True when no example was found beyond its bound."""
         return self.failing is None
+
+    @property
+    def lines(self) -> list[str]:
+        """What was seen, and how to see it again."""
+        if self.failing is not None:
+            return [f"the simplest step beyond the bound: {self.failing.words}"]
+        return [
+            f"{self.examples} steps drawn from {self.domain.words}, every error within the derived bound",
+            f"nearest to it: {self.worst.words}",
+            f"largest error over the sum of |monomials|: {self.largest_scaled_error:.3g} u",
+        ]
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """The same for programs."""
+        return {
+            "method": self.method,
+            "examples": self.examples,
+            "worst": self.worst.data,
+            "failing": None if self.failing is None else self.failing.data,
+            "largest_scaled_error": f"{self.largest_scaled_error:.6g}",
+        }
 
 
 def agreement(
@@ -127,7 +169,7 @@ def agreement(
 
     with suppress(_Beyond):
         check()
-    return seen.summary(method.key)
+    return seen.summary(tolerance, domain)
 
 
 class _Beyond(AssertionError):
@@ -151,9 +193,11 @@ class _Seen:
         if self.worst is None or example.error_over_bound > self.worst.error_over_bound:
             self.worst = example
 
-    def summary(self, method: str) -> Agreement:
+    def summary(self, tolerance: Tolerance, domain: Domain) -> Agreement:
         assert self.worst is not None
-        return Agreement(method, self.examples, self.worst, self.failing, self.largest_scaled_error)
+        worst = _with_exact(self.worst, tolerance)
+        failing = None if self.failing is None else _with_exact(self.failing, tolerance)
+        return Agreement(tolerance.method.key, domain, self.examples, worst, failing, self.largest_scaled_error)
 
 
 def _fails(example: Example) -> bool:
@@ -168,11 +212,16 @@ def _example(subject: Subject, tolerance: Tolerance, q: float, v: float, h: floa
     judged = tolerance.judge(q, v, h, answer)
     worse = max((0, 1), key=lambda i: judged[i].ratio)
     judgement: Judgement = judged[worse]
-    exact = tolerance.exact(q, v, h)[worse]
-    return Example(
-        *(q, v, h, answer, COMPONENTS[worse], significant(lambda: exact, 20)),
-        *(judgement.ratio, max(j.scaled for j in judged)),
-    )
+    return Example(q, v, h, answer, COMPONENTS[worse], "", judgement.ratio, max(j.scaled for j in judged))
+
+
+def _with_exact(example: Example, tolerance: Tolerance) -> Example:
+    """The example with the exact value of its component written out."""
+    if example.answer is None:
+        return example
+    exact = tolerance.in_full(example.q, example.v, example.h)[COMPONENTS.index(example.component)]
+    text = significant(exact, DIGITS)
+    return replace(example, exact=text if exact != Fraction(text) else f"{Decimal(text).normalize():f}")
 
 
 def _arguments(domain: Domain, subject: Subject) -> tuple[SearchStrategy[float], ...]:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import faulthandler
 import os
 import pickle
 import sys
+import traceback
 import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -37,10 +39,7 @@ def serve(
                 send(_failure(error))
             return
         for experiment in experiments:
-            try:
-                send(Outcome(experiment(subject)))
-            except (Misbehaviour, ValueError) as error:
-                send(_failure(error))
+            send(_outcome(experiment, subject))
 
 
 def serve_stream(target: Target, experiments: Sequence[Experiment], stream: IO[bytes], log: Path) -> None:
@@ -48,6 +47,8 @@ def serve_stream(target: Target, experiments: Sequence[Experiment], stream: IO[b
     nowhere = os.open(os.devnull, os.O_WRONLY)
     for descriptor in (1, 2):
         os.dup2(nowhere, descriptor)
+    sys.stdout = sys.stderr = os.fdopen(nowhere, "w")  # a notebook's, or a test runner's, go elsewhere
+    faulthandler.disable()
 
     def send(outcome: Outcome) -> None:
         pickle.dump(outcome, stream)
@@ -55,6 +56,17 @@ def serve_stream(target: Target, experiments: Sequence[Experiment], stream: IO[b
 
     send(Outcome())
     serve(target, experiments, send, log)
+
+
+def _outcome(experiment: Experiment, subject: Subject) -> Outcome:
+    try:
+        return Outcome(experiment(subject))
+    except (Misbehaviour, ValueError) as error:
+        return _failure(error)
+    except Exception as error:  # ours: the stepper's own exceptions come as Misbehaviour
+        place = traceback.extract_tb(error.__traceback__)[-1]
+        where = f"{Path(place.filename).name}, line {place.lineno}"
+        return Outcome(kind="instrument_failed", seen=f"{type(error).__name__} in {where}: {error}; please report this")
 
 
 def _failure(error: Exception) -> Outcome:

@@ -44,6 +44,8 @@ class NotFinite(Misbehaviour):
 class NoSuchDoor(ValueError):
     """The stepper takes no force, or no right-hand side, so that this question cannot be put to it."""
 
+    kind = "no_such_door"
+
 
 @dataclass(frozen=True)
 class Outcome:

@@ -31,11 +31,12 @@ def opened(
     """
     found = door_of(step, door)
     failures: list[Misbehaviour] = []
-    for dialect in _dialects(found, array):
-        try:
-            return _tried(Subject(step, found, dialect, before=before))
-        except Misbehaviour as failure:
-            failures.append(failure)
+    for trial in (_one_step, _one_number) if found.kind == FIELD else (_one_step,):
+        for dialect in _dialects(found, array):
+            try:
+                return _tried(Subject(step, found, dialect, before=before), trial)
+            except Misbehaviour as failure:
+                failures.append(failure)
     raise failures[0]
 
 
@@ -46,14 +47,18 @@ def _dialects(door: Door, array: Callable[[Any], Any] | None) -> Sequence[Dialec
     return (ARRAYS, LISTS, SCALARS) if vectors else (SCALARS, ARRAYS)
 
 
-def _tried(subject: Subject) -> Subject:
+def _one_step(subject: Subject) -> None:
+    subject.step(*TRIAL_STATE, TRIAL_STEP)
+
+
+def _one_number(subject: Subject) -> None:
+    """A step of y' = -y, for a stepper that takes no more than one number."""
+    subject.step_field(lambda t, y: [-x for x in y], 0.0, TRIAL_STATE[:1], TRIAL_STEP)
+
+
+def _tried(subject: Subject, trial: Callable[[Subject], None]) -> Subject:
     """The subject after one call, with the format of its answer, and on its watch only whether it works in place."""
-    try:
-        subject.step(*TRIAL_STATE, TRIAL_STEP)
-    except Misbehaviour:
-        if subject.door.kind != FIELD:
-            raise
-        subject.step_field(lambda t, y: [-x for x in y], 0.0, TRIAL_STATE[:1], TRIAL_STEP)
+    trial(subject)
     subject.format = _format(subject.watch.types)
     # At rest a step written into its arguments changes nothing: that it works in place must be known by then.
     subject.watch = Watch(works_in_place=subject.watch.works_in_place)

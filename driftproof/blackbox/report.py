@@ -53,6 +53,10 @@ class Report:
         """The report for a program: canonical, keys sorted."""
         return as_json({"target": self.target, "verdict": self.verdict, "passed": self.passed, **self.data})
 
+    def written(self, form: str) -> str:
+        """The report as "text", "markdown" or "json"."""
+        return {"text": self.text, "markdown": self.markdown, "json": self.json}[form]()
+
     def __str__(self) -> str:
         """As `text`."""
         return self.text()

@@ -13,9 +13,10 @@ from typing import Any, NamedTuple, TypeAlias
 from flint import arb, ctx
 
 from methods.schemes import Method
-from symbolic.certified import enclose
+from symbolic.certified import Exact, enclose
 from symbolic.linear.oscillator import one_step_matrix
 from symbolic.linear.polynomials import coefficients
+from symbolic.n_steps import apply, exact_matrix_at
 from symbolic.rounding.any_order import AnyOrderBound, any_order_bound
 from symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat, power_of_two
 
@@ -36,7 +37,7 @@ class Allowance:
     `step_in_binary32`: h is rounded to binary32 before it is used. `velocity_from_positions`: v is formed as a
     difference of positions over h, which adds u (|q| + |q₁|)/h to its error. `flush_to_zero`: subnormal arguments and
     results become 0. `solver_tolerance`: how far the solution of implicit stages may be off, relative to the sum of
-    |monomials|; needed for implicit methods, refused for explicit ones.
+    |monomials| and beside the smallest normal number; needed for implicit methods, refused for explicit ones.
     """
 
     step_in_binary32: bool = False
@@ -85,6 +86,11 @@ class Tolerance:
             (qq, qv), (vq, vv) = ([_horner(num, at) / _horner(den, at) for num, den in row] for row in self._matrix)
             return qq * q + qv * v, vq * q + vv * v
 
+    def in_full(self, q: float, v: float, h: float) -> tuple[Exact, Exact]:
+        """The same as exact numbers, not balls: slower, and for people."""
+        matrix = exact_matrix_at(self.method, Fraction(self._step(h)))
+        return apply(matrix, Fraction(q), Fraction(v))
+
     def judge(self, q: float, v: float, h: float, answer: tuple[float, float]) -> tuple[Judgement, Judgement]:
         """The two components of a float step, against the bound."""
         expected = self.exact(q, v, h)
@@ -109,8 +115,8 @@ class Tolerance:
 
     def _bound(self, component: int, h: arb, state: tuple[arb, arb]) -> arb:
         if self.allowance.solver_tolerance is not None:
-            tolerance = enclose(self.allowance.solver_tolerance)
-            return tolerance * _at(self._size[component], h, state) / self._denominator(h)
+            relative = enclose(self.allowance.solver_tolerance) * _at(self._size[component], h, state)
+            return relative / self._denominator(h) + enclose(power_of_two(self.format.emin))
         bound = _at(self._derived[component], h, state)
         return bound + _at(self._flushed[component], h, state) if self.allowance.flush_to_zero else bound
 

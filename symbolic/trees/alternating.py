@@ -89,13 +89,13 @@ class NystromStages:
     written None here (hairer-norsett-wanner-1993, II.14).
     """
 
-    def __init__(self, method: NystromTableau) -> None:
-        """All coefficients lie in one field."""
+    def __init__(self, method: NystromTableau, scalars: Scalars | None = None) -> None:
+        """All coefficients lie in one field; or, with `scalars`, they are whatever these lift."""
         rows = (method.c, method.b_position, method.b_velocity, *method.a)
-        self.scalars = scalars_for(x for row in rows for x in row)
+        self.scalars = scalars or scalars_for(x for row in rows for x in row)
         self.bound = 2 * len(method.c)
-        self._velocity = TableauStages(method.a, method.b_velocity)
-        self._position = TableauStages(method.a, method.b_position)
+        self._velocity = TableauStages(method.a, method.b_velocity, self.scalars)
+        self._position = TableauStages(method.a, method.b_position, self.scalars)
         self._nodes = [self.scalars.lift(x) for x in method.c]
 
     def ones(self, colour: str) -> Stages:

@@ -40,14 +40,15 @@ def partitioned_conditions(
     return ColouredConditions(("q", "v"), TableauStages(a, b), TableauStages(a_hat, b_hat), internal=2, scalars=scalars)
 
 
-def conditions_with_nodes(method: Tableau) -> ColouredConditions:
+def conditions_with_nodes(method: Tableau, scalars: Scalars | None = None) -> ColouredConditions:
     """The conditions on every y' = f(t, y), where f is called at the times t + cᵢh that the method states.
 
     They are those of A and b if c is A's row sums (hairer-norsett-wanner-1993, II.1); a table that states
-    another c may fail earlier. Trees have a second kind of leaf, coloured t, for derivatives in t.
+    another c may fail earlier. Trees have a second kind of leaf, coloured t, for derivatives in t. With `scalars`, the
+    coefficients are whatever these lift.
     """
-    scalars = scalars_for([*method.b, *method.c, *(x for row in method.a for x in row)])
-    stages = TableauStages(method.a, method.b)
+    scalars = scalars or scalars_for([*method.b, *method.c, *(x for row in method.a for x in row)])
+    stages = TableauStages(method.a, method.b, scalars)
     return ColouredConditions(("y", "t"), stages, _Clock(method.c, scalars), internal=1, scalars=scalars)
 
 

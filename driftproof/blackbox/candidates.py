@@ -1,0 +1,232 @@
+"""What a reading is compared with: the explicit methods of the catalogue and their relatives, seen through a door."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache, cached_property, partial
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from driftproof.blackbox.sketching import Array, Sketch
+from driftproof.blackbox.tables import (
+    Lift,
+    Row,
+    Sized,
+    Tableau,
+    induced_by_nystrom,
+    induced_by_parts,
+    induced_by_tableau,
+    induced_repeated,
+    induced_scaled,
+    sized,
+    tableau_iterated,
+    tableau_of,
+    tableau_repeated,
+    tableau_scaled,
+    timed_stages,
+)
+from methods.catalogue import METHODS
+from methods.schemes import Method, MethodError, Nystrom, RungeKutta, Splitting
+from symbolic.linear.irreducible import Stages, reduced
+
+# A table through a door, without a drift through the field door: over the numbers that it is asked for.
+Recipe: TypeAlias = Callable[[Lift], tuple[Stages, Any]]
+
+# More steps of a method in one are not looked for.
+MOST_REPEATED = 4
+OTHER_KIND = {"kick": "drift", "drift": "kick"}
+EMBEDDED = "with the embedded weights propagated"
+ADJOINT = "its adjoint"
+EXCHANGED = "kicks and drifts exchanged"
+
+
+@dataclass(frozen=True)
+class Table:
+    """One table through one door, entries `Sized`: A above the rows of weights, the nodes if they count, the drift."""
+
+    entries: tuple[Row, ...]
+    nodes: Row | None
+    drift: Sized | None
+
+    @classmethod
+    def of(cls, stages: Stages, drift: Any) -> Table:
+        """From the stages as `symbolic.linear.irreducible` has them; `drift` is None through the field door."""
+        weights = stages.weights if drift is not None else stages.weights[:1]
+        entries = tuple(tuple(map(sized, row)) for row in (*stages.a, *weights))
+        nodes = tuple(map(sized, stages.c)) if len(stages.weights) > 1 else None
+        return cls(entries, nodes, None if drift is None else sized(drift))
+
+    @property
+    def calls(self) -> int:
+        """The number of stages."""
+        return len(self.entries[0])
+
+    @cached_property
+    def values(self) -> Array:
+        """The entries as the nearest floats."""
+        return np.array([[float(x.value) for x in row] for row in self.entries])
+
+    @cached_property
+    def node_values(self) -> Array:
+        """The nodes as the nearest floats; none where they do not count."""
+        return np.array([float(x.value) for x in self.nodes or ()])
+
+    @cached_property
+    def scales(self) -> Array:
+        """For each stage, the largest of the numbers that its answer is multiplied by on the way to any place."""
+        sizes = np.array([[x.size for x in row] for row in self.entries])
+        # A kick moves a place by itself times the drifts since.
+        kicks = np.zeros(self.calls) if self.drift is None else sizes[-1] * self.length
+        largest: Array = np.vstack([sizes, kicks]).max(axis=0)
+        return largest
+
+    @cached_property
+    def length(self) -> float:
+        """The largest of the nodes and the drift."""
+        return max((x.size for x in (*(self.nodes or ()), *filter(None, [self.drift]))), default=0.0)
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A method, or one made of it as `relation` says, with the table that a perfect reading of it has."""
+
+    key: str
+    relation: str
+    recipe: Recipe
+
+    @cached_property
+    def sketch(self) -> Sketch:
+        """Every stage, in floats."""
+        return Sketch(*self.recipe(float))
+
+    @cached_property
+    def raw(self) -> Table:
+        """Every stage."""
+        return Table.of(*self._exact)
+
+    @cached_property
+    def small(self) -> Table:
+        """Without stages that do not count, equal ones merged."""
+        stages, drift = self._exact
+        return Table.of(reduced(stages), drift)
+
+    @cached_property
+    def _exact(self) -> tuple[Stages, Any]:
+        return self.recipe(sized)
+
+
+@cache
+def field_methods(timed: bool) -> tuple[Candidate, ...]:
+    """The explicit Runge-Kutta methods of the catalogue, with their times or without."""
+    return tuple(in_field(method, timed) for method in _explicit())
+
+
+def in_field(method: RungeKutta, timed: bool) -> Candidate:
+    """An explicit Runge-Kutta method as its tableau is read, with its times or without."""
+    return Candidate(method.key, "", _in_field(partial(tableau_of, method), timed))
+
+
+@cache
+def force_methods() -> tuple[Candidate, ...]:
+    """The explicit methods of the catalogue, of every family."""
+    families = (RungeKutta, Splitting, Nystrom)
+    ranked = sorted((m for m in METHODS.values() if m.explicit), key=lambda m: families.index(type(m)))
+    return tuple(on_force(method) for method in ranked)
+
+
+def on_force(method: Method) -> Candidate:
+    """An explicit method as it is read through a force. Raises MethodError for an implicit one."""
+    if isinstance(method, Splitting):
+        return Candidate(method.key, "", partial(induced_by_parts, method.parts))
+    if isinstance(method, Nystrom) and method.explicit:
+        return Candidate(method.key, "", partial(induced_by_nystrom, method))
+    if isinstance(method, RungeKutta) and method.explicit:
+        return Candidate(method.key, "", _on_force(partial(tableau_of, method)))
+    raise MethodError(f"{method.key} is implicit: no coefficients of its stages can be read")
+
+
+def field_relatives(timed: bool, calls: int, factor: Fraction) -> Iterator[Candidate]:
+    """Relatives of the catalogue's methods with so many stages that count; `factor` is the step in units of h."""
+    for method, candidate in zip(_explicit(), field_methods(timed), strict=True):
+        key, stages, make = method.key, candidate.sketch.used, partial(tableau_of, method)
+        if method.b_embedded is not None and calls <= method.stages:
+            yield Candidate(key, EMBEDDED, _in_field(partial(make, weights=method.b_embedded), timed))
+        if factor not in (0, 1) and stages == calls:
+            yield Candidate(key, _scaling(factor), _in_field(_then(make, tableau_scaled, factor), timed))
+        for times in _repetitions(stages, calls):
+            yield Candidate(key, _repeating(times), _in_field(_then(make, tableau_repeated, times), timed))
+    for key, relation, iterated in _iterations(calls):
+        yield Candidate(key, relation, _in_field(iterated, timed))
+
+
+def force_relatives(calls: int, factor: Fraction) -> Iterator[Candidate]:
+    """Relatives through the force door; of splittings, also the adjoint, and kicks and drifts exchanged."""
+    for method in _explicit():
+        if method.b_embedded is not None and calls <= method.stages:
+            embedded = partial(tableau_of, method, weights=method.b_embedded)
+            yield Candidate(method.key, EMBEDDED, _on_force(embedded))
+    for splitting in METHODS.values():
+        if isinstance(splitting, Splitting):
+            yield from _rearranged(splitting, calls)
+    for candidate in force_methods():
+        key, stages = candidate.key, candidate.sketch.used
+        if factor not in (0, 1) and stages == calls:
+            yield Candidate(key, _scaling(factor), _then(candidate.recipe, induced_scaled, factor))
+        for times in _repetitions(stages, calls):
+            yield Candidate(key, _repeating(times), _then(candidate.recipe, induced_repeated, times))
+    for key, relation, iterated in _iterations(calls):
+        yield Candidate(key, relation, _on_force(iterated))
+
+
+def _rearranged(method: Splitting, calls: int) -> Iterator[Candidate]:
+    """The adjoint; the method with kicks for drifts and drifts for kicks; both."""
+    exchanged = tuple((OTHER_KIND[kind], x) for kind, x in method.parts)
+    words = {ADJOINT: method.parts[::-1], EXCHANGED: exchanged, f"{ADJOINT}, {EXCHANGED}": exchanged[::-1]}
+    for relation, parts in words.items():
+        if sum(kind == "kick" and x != 0 for kind, x in parts) == calls:
+            yield Candidate(method.key, relation, partial(induced_by_parts, parts))
+
+
+def _in_field(make: Callable[[Lift], Tableau], timed: bool) -> Recipe:
+    return lambda lift: (timed_stages(make(lift), timed), None)
+
+
+def _on_force(make: Callable[[Lift], Tableau]) -> Recipe:
+    return lambda lift: induced_by_tableau(make(lift))
+
+
+def _then(make: Callable[[Lift], Any], change: Callable[[Any, Any], Any], by: Fraction | int) -> Callable[[Lift], Any]:
+    return lambda lift: change(make(lift), by)
+
+
+def _iterations(calls: int) -> Iterator[tuple[str, str, Callable[[Lift], Tableau]]]:
+    """Each implicit method with its stages iterated in so many calls, if none that counts at the start counts again."""
+    for method in METHODS.values():
+        if isinstance(method, RungeKutta) and not method.explicit and calls > 1:
+            times, rest = divmod(calls - 1, sum(any(row) for row in method.a))
+            if not rest:
+                yield method.key, _iterating(times), _then(partial(tableau_of, method), tableau_iterated, times)
+
+
+def _scaling(factor: Fraction) -> str:
+    return f"with the step {factor} h in place of h"
+
+
+def _repeating(times: int) -> str:
+    return f"{times} steps of h/{times}"
+
+
+def _iterating(times: int) -> str:
+    return f"with {times} fixed-point iteration{'s' * (times > 1)} from the slope at the start: explicit"
+
+
+def _explicit() -> list[RungeKutta]:
+    return [m for m in METHODS.values() if isinstance(m, RungeKutta) and m.explicit]
+
+
+def _repetitions(stages: int, calls: int) -> Iterator[int]:
+    """How often so many stages may be repeated in so many calls: the last one of a step may be the next one's first."""
+    yield from (n for n in range(2, MOST_REPEATED + 1) if n * (stages - 1) < calls <= n * stages)

@@ -1,0 +1,176 @@
+"""A table read from floats beside an exact one: the same up to rounding, how far apart, or where they differ."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from math import ceil
+from typing import NamedTuple
+
+import numpy as np
+
+from driftproof.blackbox.candidates import Table
+from driftproof.blackbox.coefficients import is_nearest
+from driftproof.blackbox.probing import Rounding
+from driftproof.blackbox.sketching import Array
+from driftproof.blackbox.tables import Sized
+from methods.number_field import Exact
+
+
+class Place(NamedTuple):
+    """One coefficient in both tables: its name, the float that was read, and the exact number with its terms' size.
+
+    `scale` is the largest number that the answer of its stage is multiplied by.
+    """
+
+    name: str
+    seen: float
+    exact: Sized
+    scale: float
+
+
+class Distance(NamedTuple):
+    """Roundings between the coefficients: relative to the sizes of their terms, and to the largest in their column."""
+
+    of_terms: int
+    of_column: int
+    farthest: str
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """The table read, an exact one with as many stages, and the rounding that a program with so many calls may do.
+
+    A coefficient is the same if it is off by at most that many roundings of the largest in its column: so a code that
+    makes its coefficients by sums, in low storage or as convex combinations, is recognised, too.
+    """
+
+    read: Table
+    exact: Table
+    rounding: Rounding
+
+    def arrangement(self) -> tuple[int, ...] | None:
+        """For each stage read the exact stage that it is, all coefficients being the same; None if there is none."""
+        if self.read.drift is not None and not self._same_drift:
+            return None
+        as_it_stands = tuple(range(self.read.calls))
+        if not any(self._differing(as_it_stands)):
+            return as_it_stands
+        return next(self._extended(()), None)
+
+    def differences(self) -> list[Place]:
+        """The coefficients that are not the same, stages in the order in which they stand."""
+        return list(self._differing(tuple(range(self.read.calls))))
+
+    def distance(self, order: tuple[int, ...]) -> Distance:
+        """How far the coefficients are apart, the stages in the order of an `arrangement`: 0 if correctly rounded."""
+        apart = [(self._roundings(place), place.name) for place in self._places(order)]
+        farthest = max(apart, key=lambda pair: pair[0][1])
+        return Distance(max(own for (own, _), _ in apart), farthest[0][1], farthest[1])
+
+    @property
+    def size(self) -> int:
+        """The number of coefficients of an explicit table."""
+        calls, weights = self.read.calls, len(self.read.entries) - self.read.calls
+        nodes = calls if self.read.nodes is not None else 0
+        return calls * (calls - 1) // 2 + calls * weights + nodes + (self.read.drift is not None)
+
+    def _differing(self, order: tuple[int, ...]) -> Iterator[Place]:
+        """Found in arrays: most candidates are far off, and there are many."""
+        rows, columns = np.nonzero(self._apart(order))
+        nodes = self._nodes_apart(order)
+        places = list(self._places(order)) if len(rows) or any(nodes) or not self._same_drift else []
+        wrong = {self._name(i, j) for i, j in zip(rows.tolist(), columns.tolist(), strict=True)}
+        wrong |= {f"c[{i}]" for i, apart in enumerate(nodes) if apart}
+        wrong |= set() if self._same_drift else {"drift"}
+        return (place for place in places if place.name in wrong)
+
+    def _apart(self, order: tuple[int, ...]) -> Array:
+        calls = self.read.calls
+        rows = [*order, *range(calls, len(self.exact.entries))]
+        values = self.exact.values[np.ix_(rows, order)]
+        apart: Array = np.abs(self.read.values - values) > self._allowed[list(order)]
+        return apart
+
+    def _nodes_apart(self, order: tuple[int, ...]) -> list[bool]:
+        if self.exact.nodes is None:
+            return []
+        gaps = np.abs(self.read.node_values - self.exact.node_values[list(order)])
+        apart: list[bool] = (gaps > self._most(self.exact.length)).tolist()
+        return apart
+
+    @property
+    def _allowed(self) -> Array:
+        return np.array([self._most(scale) for scale in self.exact.scales])
+
+    def _most(self, scale: float) -> float:
+        # One more than the program's: the exact numbers are compared as the doubles next to them.
+        return self.rounding.of(scale) * (1 + 1 / self.rounding.most)
+
+    @property
+    def _same_drift(self) -> bool:
+        read, exact = self.read.drift, self.exact.drift
+        if read is None or exact is None:
+            return read is exact
+        return abs(float(read.value) - float(exact.value)) <= self._most(exact.size)
+
+    def _extended(self, chosen: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+        """The arrangements that begin with these stages, found one stage at a time."""
+        i, calls = len(chosen), self.read.calls
+        if i == calls:
+            yield chosen
+            return
+        for k in range(calls):
+            if k not in chosen and self._fits((*chosen, k)):
+                yield from self._extended((*chosen, k))
+
+    def _fits(self, chosen: tuple[int, ...]) -> bool:
+        """The newest stage has its weights, its node, and its entries with the stages chosen before."""
+        i, k, calls = len(chosen) - 1, chosen[-1], self.read.calls
+        read, exact, allowed = self.read.values, self.exact.values, self._allowed
+        if (np.abs(read[calls:, i] - exact[calls:, k]) > allowed[k]).any():
+            return False
+        if self.exact.nodes is not None:
+            gap = abs(self.read.node_values[i] - self.exact.node_values[k])
+            if gap > self._most(self.exact.length):
+                return False
+        return all(
+            abs(read[i, j] - exact[k, m]) <= allowed[m] and abs(read[j, i] - exact[m, k]) <= allowed[k]
+            for j, m in enumerate(chosen)
+        )
+
+    def _places(self, order: tuple[int, ...]) -> Iterator[Place]:
+        calls, scales = self.read.calls, self.exact.scales.tolist()
+        for i, node in enumerate(self.read.node_values.tolist() if self.exact.nodes is not None else []):
+            assert self.exact.nodes is not None
+            yield Place(f"c[{i}]", node, self.exact.nodes[order[i]], self.exact.length)
+        rows = [*order, *range(calls, len(self.exact.entries))]
+        for i, row in enumerate(rows):
+            for j, seen in enumerate(self.read.values[i].tolist()):
+                yield Place(self._name(i, j), seen, self.exact.entries[row][order[j]], scales[order[j]])
+        if self.read.drift is not None and self.exact.drift is not None:
+            yield Place("drift", float(self.read.drift.value), self.exact.drift, self.exact.drift.size)
+
+    def _name(self, row: int, column: int) -> str:
+        calls = self.read.calls
+        if row < calls:
+            return f"a[{row}][{column}]"
+        names = ("b",) if self.read.drift is None else ("b_position", "b_velocity")
+        return f"{names[row - calls]}[{column}]"
+
+    def _roundings(self, place: Place) -> tuple[int, int]:
+        """In units of u times the size of the terms, and of u times the largest number in the column."""
+        if is_nearest(place.seen, place.exact.value, self.rounding.format):
+            return 0, 0
+        gap = abs(Fraction(place.seen) - _near(place.exact.value)) / self.rounding.format.u
+        own = ceil(gap / Fraction(place.exact.size)) if place.exact.size else self.rounding.most + 1
+        return own, ceil(gap / Fraction(place.scale)) if place.scale else own
+
+
+def _near(exact: Exact) -> Fraction:
+    """The number, or a fraction so near to it that no count of roundings in any format changes."""
+    if isinstance(exact, Fraction):
+        return exact
+    low, high = exact.enclosure(256)
+    return (low + high) / 2

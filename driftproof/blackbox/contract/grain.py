@@ -1,0 +1,62 @@
+"""Answers that a rule has rounded: to whole numbers, decimals, multiples of a power of two, narrower floats."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from symbolic.rounding.formats import BINARY16, BINARY32, FloatFormat
+
+# The last decimal that is looked for; numbers of size 1000 have no more after the point.
+_DECIMALS = 12
+# With numbers down to 1/1000, a fixed point further down than this is none.
+_FIXED_POINT = 40
+# Numbers of a format have nearly all of its bits as a rule, and those of a fixed point as many as fit.
+_BITS_TO_SPARE = 5
+
+
+@dataclass(frozen=True)
+class Grain:
+    """The distance of the numbers between which a rule chooses, and the rule in words."""
+
+    size: float
+    words: str
+
+
+def grain_of(numbers: Sequence[float]) -> Grain | None:
+    """The coarsest grain on which all numbers lie; None if they lie on none, as those of a format do."""
+    if all(x.is_integer() for x in numbers):
+        return Grain(1.0, "answers are whole numbers")
+    decimals = next((k for k in range(1, _DECIMALS) if all(round(x, k) == x for x in numbers)), None)
+    if decimals is not None:
+        return Grain(10.0**-decimals, f"answers are rounded to {decimals} decimal{'s' * (decimals > 1)}")
+    last = max(-_last_bit(x) for x in numbers)
+    if last <= _FIXED_POINT and not _fills_a_format(numbers):
+        return Grain(2.0**-last, f"answers are multiples of 2**-{last}")
+    return None
+
+
+def narrow_format(numbers: Sequence[float]) -> FloatFormat | None:
+    """The narrowest format up to binary32 that holds all of these; None if none does, or if they lie on a grain."""
+    if grain_of(numbers) is not None:
+        return None
+    widest = max(map(significant_bits, numbers))
+    return next((fmt for fmt in (BINARY16, BINARY32) if widest <= fmt.precision), None)
+
+
+def _fills_a_format(numbers: Sequence[float]) -> bool:
+    """True when small numbers have nearly as many bits as large ones."""
+    bits = sorted(significant_bits(x) for x in numbers if x)
+    return bits[len(bits) // 4] >= bits[-1] - _BITS_TO_SPARE
+
+
+def significant_bits(x: float) -> int:
+    """The number of bits from the first to the last that is 1; 0 for 0."""
+    n = abs(Fraction(x).numerator)
+    return (n // (n & -n)).bit_length() if n else 0
+
+
+def _last_bit(x: float) -> int:
+    """The exponent of the last bit that is 1, at most 0."""
+    return 1 - Fraction(x).denominator.bit_length()

@@ -1,0 +1,107 @@
+"""A Nyström reading as a method with a few coefficients of its own changed: one wrong number shows in many places."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+
+import numpy as np
+
+from driftproof.blackbox.coefficients import difference
+from driftproof.blackbox.force_probe import ForceReading, Parts
+from driftproof.blackbox.probing import Rounding
+from driftproof.blackbox.sketching import Array
+from methods.catalogue import METHODS
+from methods.schemes import RungeKutta, Splitting
+from symbolic.linear.irreducible import Stages, reduced
+from symbolic.linear.structure import reduced_word
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """The method `key` with other values in a few of its own coefficients, each as "b[2]: -1/3 instead of 1/3"."""
+
+    key: str
+    differences: tuple[str, ...]
+
+
+def explanations(reading: ForceReading) -> Iterator[Explanation]:
+    """The Runge-Kutta methods that the reading is but for weights and a row of A, the splittings but for sub-steps."""
+    parts = reading.parts or ()
+    for method in METHODS.values():
+        if isinstance(method, RungeKutta) and method.explicit:
+            for kept in (range(method.stages), _used(method)):
+                if len(kept) == reading.calls:
+                    yield from _as_tableau(reading, method, kept)
+        elif isinstance(method, Splitting):
+            yield from _as_splitting(reading, parts, method)
+
+
+@cache
+def _used(method: RungeKutta) -> Sequence[int]:
+    """The stages that the step depends on, if those are not all; nodes that are all different keep others apart."""
+    labels = tuple(map(Fraction, range(method.stages)))
+    kept = [int(float(label)) for label in reduced(Stages(method.a, (method.b, method.b), labels)).c]
+    return kept if len(kept) < method.stages else ()
+
+
+def _as_splitting(reading: ForceReading, seen: Parts, method: Splitting) -> Iterator[Explanation]:
+    word = reduced_word(method)
+    if [kind for kind, _ in word] != [kind for kind, _ in seen]:
+        return
+    allowed = _rounding(reading).of(max(abs(float(x)) for _, x in word))
+    pairs = enumerate(zip(seen, word, strict=True))
+    wrong = [(f"{kind} {i}", x, exact) for i, ((kind, x), (_, exact)) in pairs if abs(x - float(exact)) > allowed]
+    yield Explanation(method.key, tuple(difference(*place, reading.format, allowed) for place in wrong))
+
+
+def _as_tableau(reading: ForceReading, method: RungeKutta, kept: Sequence[int]) -> Iterator[Explanation]:
+    """b is read as it is; with it, A is the method's, or the method's but for one row."""
+    a = np.array([[float(method.a[i][j]) for j in kept] for i in kept])
+    b, fmt = np.array(reading.b_velocity), reading.format
+    allowed = _rounding(reading).of(2 * max(1.0, float(np.abs(a).max(initial=0.0)), float(np.abs(b).max())))
+    weights = [(f"b[{j}]", x, method.b[j]) for j, x in zip(kept, b.tolist(), strict=True)]
+    wrong = [difference(*place, fmt) for place in weights if abs(place[1] - float(place[2])) > allowed]
+    if _induces(a, b, reading):
+        yield Explanation(method.key, tuple(wrong))
+        return
+    for i, row in _other_rows(a, b, reading):
+        changed = a.copy()
+        changed[i, :i] = row
+        if _induces(changed, b, reading):
+            # A row is a quotient by its weight, and as much less certain.
+            slack = allowed * max(1.0, 1 / abs(b[i]) if b[i] else 0.0)
+            entries = [(f"a[{kept[i]}][{kept[j]}]", x, method.a[kept[i]][kept[j]]) for j, x in enumerate(row.tolist())]
+            rows = [difference(*place, fmt, slack) for place in entries if abs(place[1] - float(place[2])) > slack]
+            yield Explanation(method.key, (*wrong, *rows))
+
+
+def _other_rows(a: Array, b: Array, reading: ForceReading) -> Iterator[tuple[int, Array]]:
+    """The row that each stage has if all others are the method's: by cᵢ, where one entry is off, or else by (bA)ⱼ."""
+    gaps = np.array(reading.c) - a.sum(axis=1)
+    rest = np.array(reading.b_position) - b @ a
+    for i in range(1, len(b)):
+        for j in range(i) if gaps[i] else ():
+            yield i, a[i, :i] + gaps[i] * (np.arange(i) == j)
+        if b[i]:
+            yield i, a[i, :i] + rest[:i] / b[i]
+
+
+def _induces(a: Array, b: Array, reading: ForceReading) -> bool:
+    """True when A and b have the reading as their table for q'' = F(q), up to the rounding of both."""
+    rounding, sizes = _rounding(reading), np.abs(a)
+    pairs: Sequence[tuple[Array, object, Array]] = (
+        (a @ a, reading.a, sizes @ sizes),
+        (b @ a, reading.b_position, np.abs(b) @ sizes),
+        (a.sum(axis=1), reading.c, sizes.sum(axis=1)),
+        (b.sum(), reading.drift, np.abs(b).sum()),
+    )
+    return all(
+        bool((np.abs(np.array(seen) - made) <= rounding.of(2 * float(size.max()))).all()) for made, seen, size in pairs
+    )
+
+
+def _rounding(reading: ForceReading) -> Rounding:
+    return Rounding(reading.format, reading.calls)

@@ -1,0 +1,245 @@
+"""The coefficients of somebody's step for q'' = F(q), read from its floats by answering its force with 0 and 1."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import groupby
+from math import fsum
+from typing import Any, NamedTuple, TypeAlias
+
+from driftproof.blackbox.coefficients import shown
+from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.probing import (
+    AT_REST,
+    BACKWARD,
+    CONTROLS,
+    Control,
+    NotReadable,
+    Rounding,
+    Row,
+    Script,
+    demand_as_said,
+    demand_calls,
+    demand_same,
+    performed,
+    unit,
+    varied,
+)
+from driftproof.blackbox.subject import Subject
+from symbolic.linear.irreducible import Stages, reduced
+from symbolic.rounding.formats import FloatFormat
+
+# Kicks and drifts in the order in which they are made, as in `methods.schemes.Splitting`.
+Parts: TypeAlias = tuple[tuple[str, float], ...]
+
+
+@dataclass(frozen=True)
+class ForceReading:
+    """Fᵢ is taken at q + cᵢhv + h² Σ aᵢⱼ Fⱼ; q₁ = q + drift·hv + h² Σ b_positionⱼ Fⱼ, v₁ = v + h Σ b_velocityⱼ Fⱼ.
+
+    The step's own float coefficients, calls being stages, in the order in which they are made; drift is 1 in a method.
+    """
+
+    c: Row
+    a: tuple[Row, ...]
+    b_position: Row
+    b_velocity: Row
+    drift: float
+    format: FloatFormat
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def calls(self) -> int:
+        """How often the force is called in a step."""
+        return len(self.c)
+
+    @property
+    def unused(self) -> tuple[int, ...]:
+        """The calls whose answers this step does not use, from 0: those for a next step, say."""
+        rows = (*self.a, self.b_position, self.b_velocity)
+        return tuple(j for j in range(self.calls) if not any(row[j] for row in rows))
+
+    @property
+    def stages(self) -> Stages:
+        """The coefficients without the drift, as exact numbers."""
+        rows = [tuple(map(Fraction, row)) for row in (*self.a, self.b_position, self.b_velocity)]
+        return Stages(tuple(rows[:-2]), (rows[-2], rows[-1]), tuple(map(Fraction, self.c)))
+
+    @property
+    def parts(self) -> Parts | None:
+        """The step as kicks v ← v + x·h·F(q) and drifts q ← q + x·h·v, if it is a composition of these; else None.
+
+        Neighbours of one kind are one, and what is 0 is left out. The drift after a kick is a quotient of coefficients.
+        """
+        return _parts(self)
+
+    @property
+    def lines(self) -> list[str]:
+        """The coefficients, each as the fraction that it is the rounding of where there is a telling one."""
+        rows = [("c", self.c), *((f"a[{i}]", row[:i]) for i, row in enumerate(self.a))]
+        rows += [("b_position", self.b_position), ("b_velocity", self.b_velocity)]
+        lines = [f"{name} = {', '.join(shown(x, self.format) for x in row)}" for name, row in rows if row]
+        if self.parts is not None:
+            steps = ", ".join(f"{kind} {shown(x, self.format)}" for kind, x in self.parts)
+            lines = [f"sub-steps: {steps or 'none'}"]
+        lines += [f"call {j} is made, and its answer is not used" for j in self.unused]
+        if abs(self.drift - 1) > Rounding(self.format, self.calls).of(1.0):
+            lines.append(f"without a force the position moves by {shown(self.drift, self.format)} h v, not by h v")
+        return [*lines, *self.remarks]
+
+
+def read_forces(subject: Subject) -> ForceReading:
+    """The coefficients of a step(force, q, v, h), or of a step(f, t, y, h) with y = [q, v], as exact floats.
+
+    With h = 1, one of q, v and the answers is 1 and all others 0: then products by h and by that one and sums with
+    zeros are exact, and what the code asks at and returns are its coefficients, up to the roundings of products among
+    themselves. Further steps control that the coefficients account for everything.
+
+    Raises NotReadable, saying what was seen, for a step that is adaptive, iterates, limits or remembers, that has drag
+    or a force of its own; NoSuchDoor where there is no force to give.
+    """
+    return _Probe(subject).reading()
+
+
+class _Run(NamedTuple):
+    """Where one step called the force, and what it returned."""
+
+    places: list[float]
+    q: float
+    v: float
+
+
+class _Probe:
+    """Steps of one subject with scripted forces."""
+
+    def __init__(self, subject: Subject) -> None:
+        self.subject = subject
+        silent = self._run(0.0, 0.0, 1.0, [])
+        self.calls = len(silent.places)
+        if not self.calls:
+            raise NotReadable("the force is never called")
+        demand_same(self.calls, silent, self._run(0.0, 0.0, 1.0, []))
+        for number in (*silent.places, silent.q, silent.v):
+            if number:
+                raise NotReadable(f"at rest at 0 and without a force, the step does not stay: it shows {number:.6g}")
+
+    def reading(self) -> ForceReading:
+        """The coefficients, controlled."""
+        still, moving = self._answered(1.0, 0.0, []), self._answered(0.0, 1.0, [])
+        self._demand_plain(still, moving)
+        columns = [self._column(j) for j in range(self.calls)]
+        a = tuple(tuple(column.places[i] for column in columns) for i in range(self.calls))
+        b_position, b_velocity = tuple(x.q for x in columns), tuple(x.v for x in columns)
+        self._demand_no_memory()
+        reading = ForceReading(tuple(moving.places), a, b_position, b_velocity, moving.q, self.subject.format)
+        for control in CONTROLS:
+            self._check(reading, control)
+        return replace(reading, remarks=self._remarks(reading))
+
+    def _run(self, q: float, v: float, h: float, forces: Sequence[float]) -> _Run:
+        script = Script(forces, 0.0)
+        q1, v1 = performed(lambda: self.subject.step_with(script, q, v, h))
+        return _Run(script.calls, q1, v1)
+
+    def _answered(self, q: float, v: float, forces: Sequence[float], h: float = AT_REST.h) -> _Run:
+        run = self._run(q, v, h, forces)
+        demand_calls(self.calls, len(run.places))
+        return run
+
+    def _column(self, j: int) -> _Run:
+        """What the answer 1 to call j adds to the place of each call and to the result."""
+        run = self._answered(0.0, 0.0, unit(self.calls, j))
+        if any(run.places[: j + 1]):
+            raise NotReadable(f"call {j} or one before depends on the answer to call {j}: the step remembers")
+        return run
+
+    def _demand_plain(self, still: _Run, moving: _Run) -> None:
+        """Raises NotReadable if q or v is not kept as it is: drag, a spring or a wall of its own."""
+        allowed = self._rounding.of(1.0)
+        weights = [(f"call {i} is made at", x, "q", 1.0) for i, x in enumerate(still.places)]
+        weights += [("the new position is", still.q, "q", 1.0), ("the new velocity holds", still.v, "q", 0.0)]
+        weights += [("the new velocity is", moving.v, "v", 1.0)]
+        found = [f"{what} {x:.6g} {of}, not {said:g} {of}" for what, x, of, said in weights if abs(x - said) > allowed]
+        if found:
+            raise NotReadable(f"with h = 1 and without a force, {'; '.join(found)}")
+
+    def _demand_no_memory(self) -> None:
+        """The same step after two different ones: after the last column, and after one without forces."""
+        first = self._controlled(CONTROLS[0])
+        self._answered(0.0, 0.0, [])
+        demand_same(self.calls, first, self._controlled(CONTROLS[0]))
+
+    def _controlled(self, control: Control) -> _Run:
+        return self._answered(*_start(control), varied(self.calls, control.salt), control.h)
+
+    def _check(self, reading: ForceReading, control: Control) -> None:
+        """One more step, which must go as the coefficients say."""
+        (q, v), h, forces = _start(control), control.h, varied(self.calls, control.salt)
+        run = self._controlled(control)
+        in_position, in_velocity = self._allowed(reading, q, v, h, forces)
+        rows = [*zip(reading.c, reading.a, strict=True), (reading.drift, reading.b_position)]
+        for i, ((node, row), seen) in enumerate(zip(rows, [*run.places, run.q], strict=True)):
+            name = f"the position of call {i}" if i < self.calls else "the new position"
+            demand_as_said(control, name, seen, q + h * (node * v + h * _dot(row, forces)), in_position)
+        said = v + h * _dot(reading.b_velocity, forces)
+        demand_as_said(control, "the new velocity", run.v, said, in_velocity)
+
+    def _allowed(
+        self, reading: ForceReading, q: float, v: float, h: float, forces: Sequence[float]
+    ) -> tuple[float, float]:
+        """How far the control's positions and its velocity may be off; the velocity may be formed from positions."""
+        length = max(1.0, abs(reading.drift), *map(abs, reading.c))
+        rows = (*reading.a, reading.b_position)
+        pushes = [max(length * abs(kick), *(abs(row[j]) for row in rows)) for j, kick in enumerate(reading.b_velocity)]
+        size = abs(q) + abs(h) * length * abs(v) + h * h * sum(x * abs(f) for x, f in zip(pushes, forces, strict=True))
+        # Twice: the coefficients read are rounded as much as the step that is compared with them.
+        return self._rounding.of(2 * size), self._rounding.of(2 * (abs(v) + 2 * size / abs(h)))
+
+    def _remarks(self, reading: ForceReading) -> tuple[str, ...]:
+        try:
+            self._check(reading, BACKWARD)
+        except (Misbehaviour, NotReadable) as error:
+            return (str(error),)
+        return ()
+
+    @property
+    def _rounding(self) -> Rounding:
+        return Rounding(self.subject.format, self.calls)
+
+
+def _start(control: Control) -> tuple[float, float]:
+    return control.start, 3 - control.start / 2
+
+
+def _dot(row: Sequence[float], forces: Sequence[float]) -> float:
+    return fsum(x * f for x, f in zip(row, forces, strict=True))
+
+
+def _parts(reading: ForceReading) -> Parts | None:
+    """A kick y at the time c moves every later place by y times the drift since: aᵢⱼ = yⱼ (cᵢ - cⱼ), and so the end."""
+    stages: Any = reduced(reading.stages)  # of fractions, not of numbers in a field
+    b_position, kicks = stages.weights
+    ends = [*zip(stages.c, stages.a, strict=True), (Fraction(reading.drift), b_position)]
+    length = max(1, *(abs(c) for c, _ in ends))
+    rounding = Rounding(reading.format, reading.calls)
+    for i, (end, row) in enumerate(ends):
+        for node, moved, kick in list(zip(stages.c, row, kicks, strict=True))[:i]:
+            if abs(moved - kick * (end - node)) > rounding.of(float(4 * length * abs(kick))):
+                return None
+    return tuple(_merged(_word(kicks, ends)))
+
+
+def _word(kicks: Sequence[Any], ends: Sequence[tuple[Any, Any]]) -> Iterator[tuple[str, float]]:
+    yield "drift", float(ends[0][0])
+    for j, kick in enumerate(kicks):
+        yield "kick", float(kick)
+        # A quotient of two roundings is nearer to the drift than the difference of two places, which may cancel.
+        (start, _), (end, row) = ends[j : j + 2]
+        yield "drift", float(row[j] / kick if kick else end - start)
+
+
+def _merged(word: Iterator[tuple[str, float]]) -> Iterator[tuple[str, float]]:
+    for kind, run in groupby((part for part in word if part[1]), key=lambda part: part[0]):
+        yield kind, fsum(x for _, x in run)

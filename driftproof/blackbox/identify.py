@@ -1,0 +1,183 @@
+"""Which method a float stepper really is: what its door lets us read, in words, the surest first."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property, partial
+from typing import Any, NamedTuple
+
+from driftproof.blackbox.agreement import agreement
+from driftproof.blackbox.contract.clauses import Clause
+from driftproof.blackbox.contract.whole import EXPERIMENTS, clauses_of
+from driftproof.blackbox.doors import DOORS
+from driftproof.blackbox.findings import Outcome
+from driftproof.blackbox.laboratory import TIME_LIMIT, Laboratory
+from driftproof.blackbox.linear_fit import Candidate, LinearFit, linear_fit
+from driftproof.blackbox.matching import Identity, Reading, matched
+from driftproof.blackbox.nonlinear import MeasuredOrder, measured_order
+from driftproof.blackbox.questions import Introduction, coefficients, introduction
+from driftproof.blackbox.read_order import ReadOrder, read_order
+from driftproof.blackbox.report import Json, Report, Section, sections
+from driftproof.blackbox.target import Target
+from methods.catalogue import METHODS
+from methods.schemes import Method
+
+# Examples of the rounding errors of a method that was recognised: enough to see their size.
+EXAMPLES = 200
+QUESTIONS = (introduction, coefficients, linear_fit, measured_order)
+
+
+def identify(
+    step: Callable[..., Any] | str,
+    *,
+    door: str | None = None,
+    array: Callable[[Any], Any] | str | None = None,
+    time_limit: float = TIME_LIMIT,
+    isolate: bool = True,
+) -> Report:
+    """Which method a float stepper is, of which order, how near to roundoff, and what it does besides.
+
+    `step` is a callable or "package.module:name". Its coefficients are read where it takes a right-hand side or a
+    force, its one-step matrix in any case; what is read is compared with the catalogue and with relatives of it.
+    `door`, `array`, `time_limit` and `isolate` are as for `verify`. Raises ValueError where the stepper cannot be
+    imported, or has no door.
+    """
+    laboratory = Laboratory(Target(step, door, array), time_limit, isolate)
+    outcomes = laboratory.run([*QUESTIONS, *EXPERIMENTS.values()])
+    if outcomes[0].kind == "bad_input":
+        raise ValueError(outcomes[0].seen)
+    introduced, read, fit, order = outcomes[: len(QUESTIONS)]
+    seen = Seen(introduced, read, fit, order, tuple(clauses_of(outcomes[len(QUESTIONS) :])))
+    rounding = None if seen.key is None else _rounding(laboratory, METHODS[seen.key])
+    return Report(laboratory.target.name, seen.verdict, None, _sections(seen, rounding), _data(seen, rounding))
+
+
+class _Recognised(NamedTuple):
+    """Coefficients, the methods that have them, and the order that they give."""
+
+    reading: Reading
+    identity: Identity
+    order: ReadOrder
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What came of each question."""
+
+    introduction: Outcome
+    coefficients: Outcome
+    linear: Outcome
+    order: Outcome
+    clauses: tuple[Clause, ...]
+
+    @cached_property
+    def read(self) -> _Recognised | None:
+        """The coefficients, where the door lets them be read and there are any, and what they are."""
+        reading: Reading | None = self.coefficients.result
+        if reading is None:
+            return None
+        identity = matched(reading)
+        return _Recognised(reading, identity, read_order(reading, next(iter(identity.matches), None)))
+
+    @property
+    def fit(self) -> LinearFit | None:
+        """The linear fit, where the stepper answered."""
+        fit: LinearFit | None = self.linear.result
+        return fit
+
+    @property
+    def key(self) -> str | None:
+        """The one explicit method of the catalogue that it is, as it stands and on the plain oscillator, if it is one.
+
+        Where several have the same coefficients or the same matrix, the first: they have one rounding bound here.
+        """
+        if self.read is not None:
+            keys: Sequence[str] = self.read.identity.keys
+        else:
+            best = None if self.fit is None else self.fit.best
+            keys = best.methods if best is not None and _on_the_oscillator(best) else ()
+        return next((key for key in keys if METHODS[key].explicit), None)
+
+    @property
+    def verdict(self) -> str:
+        """Which method it is, in one line."""
+        if self.introduction.failed:
+            return f"gives no answer: {self.introduction.seen}"
+        if self.read is not None and self.read.identity.matches:
+            first, *others = [match.name for match in self.read.identity.matches]
+            return f"it is {first}" + (f", the same step as {', '.join(others)}" if others else "")
+        if self.fit is not None and self.fit.best is not None:
+            keys = f" ({', '.join(self.fit.best.methods)})" if self.fit.best.extras == 0 else ""
+            return f"it is, as far as linear steps tell, {self.fit.best.words}{keys}"
+        if self.read is not None and self.read.identity.near:
+            return f"it is {self.read.identity.near[0].name}"
+        return "it is no method that is known here"
+
+
+def _on_the_oscillator(candidate: Candidate) -> bool:
+    """True for a method as it stands, of q' = v, v' = -q."""
+    rates = candidate.position, candidate.stiffness, candidate.damping
+    return candidate.extras == 0 and rates == (Fraction(1), Fraction(1), Fraction(0))
+
+
+def _rounding(laboratory: Laboratory, method: Method) -> Outcome:
+    return laboratory.run([partial(agreement, method=method, examples=EXAMPLES)])[0]
+
+
+def _sections(seen: Seen, rounding: Outcome | None) -> tuple[Section, ...]:
+    faults = [clause.words for clause in seen.clauses if clause.is_fault]
+    rest = [clause.words for clause in seen.clauses if not clause.is_fault]
+    return sections(
+        ("Stepper", _introduced(seen)),
+        ("Coefficients", [] if seen.read is None else [*seen.read.identity.lines, *seen.read.reading.lines]),
+        ("One-step matrix", [] if seen.fit is None else seen.fit.lines),
+        ("Order", _orders(seen)),
+        ("Rounding", [] if rounding is None or rounding.failed else rounding.result.lines),
+        ("Faults", faults),
+        ("Contract", rest),
+        ("Not answered", _not_answered(seen, rounding)),
+    )
+
+
+def _not_answered(seen: Seen, rounding: Outcome | None) -> list[str]:
+    failed = [o for o in _questions(seen, rounding) if o.failed and o.kind != "no_such_door"]
+    return [f"{o.kind}: {o.seen}" for o in failed]
+
+
+def _questions(seen: Seen, rounding: Outcome | None) -> Sequence[Outcome]:
+    questions = seen.introduction, seen.coefficients, seen.linear, seen.order
+    return questions if rounding is None else (*questions, rounding)
+
+
+def _introduced(seen: Seen) -> list[str]:
+    if seen.introduction.failed:
+        return []
+    opened: Introduction = seen.introduction.result
+    return [DOORS[opened.door], f"takes {opened.numbers}, works in {opened.format}"]
+
+
+def _orders(seen: Seen) -> list[str]:
+    by_trees = [] if seen.read is None else seen.read.order.lines
+    measured = [] if seen.order.failed else [seen.order.result.words]
+    linear_only = seen.order.kind == "no_such_door"
+    return [*by_trees, *measured, *(["on other than linear problems the order is not known"] if linear_only else [])]
+
+
+def _data(seen: Seen, rounding: Outcome | None) -> dict[str, Json]:
+    read, fit = seen.read, seen.fit
+    measured: MeasuredOrder | None = seen.order.result
+    return {
+        "door": None if seen.introduction.failed else seen.introduction.result.door,
+        "format": None if seen.introduction.failed else seen.introduction.result.format,
+        "method": seen.key,
+        "coefficients": None if read is None else [*read.identity.lines, *read.reading.lines],
+        "matrix": None if fit is None else list(fit.lines),
+        "order": None if read is None else read.order.order,
+        "linear_order": None if fit is None or fit.facts is None else fit.facts.linear_order,
+        "measured_order": None if measured is None else measured.order,
+        "rounding": None if rounding is None or rounding.failed else rounding.result.data,
+        "contract": [clause.as_dict() for clause in seen.clauses],
+        "not_answered": [{"kind": o.kind, "seen": o.seen} for o in _questions(seen, rounding) if o.failed],
+    }

@@ -1,0 +1,109 @@
+"""One formula in four arithmetics: floats search, balls certify, sizes bound, rational functions are printed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+from driftproof.blackbox.linear.sizes import COEFFICIENT_ROUNDINGS, Sized, exponential
+from methods.number_field import Exact
+from symbolic.certified import enclose
+from symbolic.linear.polynomials import ONE, X, polynomial
+from symbolic.linear.rational_functions import RationalFunction, fraction
+from symbolic.n_steps import Entries
+
+# A number of one of the arithmetics below.
+Number: TypeAlias = Any
+
+# Balls of this precision are far narrower than any rounding error that is compared with them.
+BITS = 256
+# exp in the arithmetic of rational functions is cut behind this power of h: enough for an order below it.
+SERIES_LENGTH = 24
+
+
+@dataclass(frozen=True)
+class Arithmetic:
+    """How an exact coefficient becomes a number of this arithmetic, and what its exponential is."""
+
+    name: str
+    number: Callable[[Exact], Number]
+    exponential: Callable[[Number], Number]
+
+
+@dataclass(frozen=True)
+class Function:
+    """A rational function of h, with the four operations."""
+
+    value: RationalFunction
+
+    def __add__(self, other: Function) -> Function:
+        """The sum."""
+        return Function(self.value + other.value)
+
+    def __sub__(self, other: Function) -> Function:
+        """The difference."""
+        return Function(self.value - other.value)
+
+    def __neg__(self) -> Function:
+        """The negative."""
+        return Function(-self.value)
+
+    def __mul__(self, other: Function) -> Function:
+        """The product."""
+        return Function(self.value * other.value)
+
+    def __truediv__(self, other: Function) -> Function:
+        """The quotient. Raises ZeroDivisionError."""
+        return Function(self.value * fraction(other.value.den, other.value.num))
+
+
+def _sized(x: Exact) -> Sized:
+    value = float(x)
+    return Sized(value, abs(value), 0 if abs(value) in (0, 1) else COEFFICIENT_ROUNDINGS)
+
+
+def _taylor(x: Function) -> Function:
+    """exp(x) up to the power SERIES_LENGTH of x."""
+    total = _function(Fraction(1))
+    for k in range(SERIES_LENGTH, 0, -1):
+        total = _function(Fraction(1)) + total * x * _function(Fraction(1, k))
+    return total
+
+
+def _function(x: Exact) -> Function:
+    return Function(RationalFunction(polynomial([x]), ONE))
+
+
+def function_of_step(scale: Exact = Fraction(1)) -> Function:
+    """The rational function (scale) h."""
+    return _function(scale) * Function(fraction(X))
+
+
+FLOATS = Arithmetic("floats", float, math.exp)
+BALLS = Arithmetic("balls", enclose, lambda x: x.exp())
+SIZES = Arithmetic("sizes", _sized, exponential)
+FUNCTIONS = Arithmetic("functions", _function, _taylor)
+
+
+def horner(coefficients: Sequence[Number], x: Number) -> Number:
+    """The polynomial with these coefficients, constant term first, at x."""
+    total = coefficients[-1]
+    for c in coefficients[-2::-1]:
+        total = total * x + c
+    return total
+
+
+def inverse(m: Entries) -> Entries:
+    """The inverse matrix."""
+    qq, qv, vq, vv = m
+    determinant = qq * vv - qv * vq
+    return vv / determinant, -qv / determinant, -vq / determinant, qq / determinant
+
+
+def identity(arithmetic: Arithmetic) -> Entries:
+    """The matrix of no step at all."""
+    one, zero = arithmetic.number(Fraction(1)), arithmetic.number(Fraction(0))
+    return one, zero, zero, one

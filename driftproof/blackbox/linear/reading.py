@@ -1,0 +1,211 @@
+"""The one-step matrix M(h) of a float stepper, read off its own steps, after a look at whether it has one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from math import isfinite, ldexp, log2, sqrt
+from typing import TypeAlias
+
+from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.subject import Subject
+from symbolic.rounding.formats import BINARY16, BINARY32, FloatFormat
+
+# M_qq, M_qv, M_vq, M_vv as floats.
+Floats: TypeAlias = tuple[float, float, float, float]
+
+# What a stepper turned out to be.
+LINEAR, LINEARISED, NOT_LINEAR = "linear", "linear at tiny states only", "not linear"
+NOT_REPEATABLE, NOT_AT_REST = "not repeatable", "not at rest in (0, 0)"
+
+# A generic state and step: their products and sums fill the significands of any format.
+STATE, STEP = (1 / 3, 0.7), 0.3
+# Steps in units of the system's own time, as dyadic numbers: both ways in time, and far beyond its time scale.
+DYADIC = ("1/256", "1/16", "1/8", "1/4", "1/2", "1", "-1/16", "-1/8", "-1/4", "-1/2", "-1")
+NOT_DYADIC = ("1/10", "3/10", "7/10", "-3/10")
+FAR = ("2", "4", "16", "-2", "-4")
+# No program of the catalogue is off by more than this many times u(|M| |z| + |z|) at the step of LINEARITY_STEP (a test
+# says so): twice as much, in a sum of three results, is no rounding.
+LINEARITY_ROUNDINGS, LINEARITY_STEP = 1 << 12, Fraction(1, 8)
+# Where a limit on the size of states would show.
+FAR_BITS = 20
+# The largest step that is tiny, in bits.
+LEAST_BITS = 12
+# Rates read at two steps of one size agree to this many bits unless noise is read.
+RATE_BITS = 10
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What was read: `steps` are pairs (h, M(h)), M(h) being rounded as its stepper rounds in `format`.
+
+    `kind` is LINEAR, LINEARISED (then read at states of size `amplitude`), or what stands in the way. `at_zero` is
+    M(h) at `tiny`, so small a step that M(h) is M(0) + h A, but for less than a rounding in the entries where M(0) is
+    zero; it is None where tiny steps show noise only. `unit` is a power of two near the system's own time. `ordinary`
+    is (h, M(h)) read at states of size 1, where the rest was not. `remarks` are for people.
+    """
+
+    format: FloatFormat
+    kind: str
+    amplitude: float = 1.0
+    unit: float = 1.0
+    tiny: float = 0.0
+    at_zero: Floats | None = None
+    steps: tuple[tuple[float, Floats], ...] = ()
+    ordinary: tuple[float, Floats] | None = None
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def starts_at_identity(self) -> bool:
+        """True when M(0) = I, as far as a tiny step tells."""
+        slack = 8 * (self.tiny / self.unit + float(self.format.u))
+        pairs = zip(self.at_zero or (), (1, 0, 0, 1), strict=False)
+        return self.at_zero is not None and all(abs(x - one) <= slack for x, one in pairs)
+
+    @property
+    def identifiable(self) -> bool:
+        """True when the steps are those of a linear map."""
+        return self.kind in (LINEAR, LINEARISED)
+
+
+def read(subject: Subject) -> Reading:
+    """The one-step matrix of a stepper at some twenty steps, by some seventy calls of it.
+
+    Lets a Misbehaviour pass at steps within the system's own time; beyond, and at negative steps, it is a remark.
+    """
+    fmt = _own_format(subject)
+    if not _repeats(subject):
+        return Reading(fmt, NOT_REPEATABLE, remarks=("the same call gives different answers",))
+    rest = subject.step(0.0, 0.0, _in_format(fmt, STEP))
+    if rest != (0.0, 0.0):
+        moved = f"a step of {STEP} from (0, 0) ends in ({rest[0]!r}, {rest[1]!r})"
+        return Reading(fmt, NOT_AT_REST, remarks=(moved,))
+    reading = _at_amplitude(subject, Reading(fmt, LINEAR))
+    seen = _nonlinearity(subject, reading, 1.0)
+    if seen is None:
+        return _with_steps(subject, replace(reading, remarks=_far_out(subject, reading)))
+    if fmt.emin < -4 * fmt.precision:
+        # Products of two states are below a rounding of one, and still ordinary numbers.
+        tiny = _at_amplitude(subject, Reading(fmt, LINEARISED, ldexp(1.0, -fmt.precision - 7)))
+        if tiny.at_zero is not None and _nonlinearity(subject, tiny, 1.0) is None:
+            remark = f"not linear at ordinary size: {seen}"
+            h = _in_format(fmt, tiny.unit / 4)
+            return _with_steps(subject, replace(tiny, ordinary=(h, _matrix(subject, h, 1.0)), remarks=(remark,)))
+    return _with_steps(subject, replace(reading, kind=NOT_LINEAR, remarks=(seen,)))
+
+
+def _own_format(subject: Subject) -> FloatFormat:
+    """The narrowest format that holds the answers to a generic step: that in which it was computed."""
+    answers = [Fraction(x) for x in subject.step(*STATE, STEP)]
+    narrower = (f for f in (BINARY16, BINARY32) if f.precision < subject.format.precision)
+    return next((f for f in narrower if all(map(f.holds, answers))), subject.format)
+
+
+def _repeats(subject: Subject) -> bool:
+    first = subject.step(*STATE, STEP)
+    subject.step(-STATE[1], STATE[0], STEP / 2)
+    return subject.step(*STATE, STEP) == first
+
+
+def _in_format(fmt: FloatFormat, x: float) -> float:
+    return float(fmt.nearest(Fraction(x)))
+
+
+def _matrix(subject: Subject, h: float, amplitude: float) -> Floats:
+    (qq, vq), (qv, vv) = subject.step(amplitude, 0.0, h), subject.step(0.0, amplitude, h)
+    return qq / amplitude, qv / amplitude, vq / amplitude, vv / amplitude
+
+
+def _at_amplitude(subject: Subject, reading: Reading) -> Reading:
+    """The reading with its tiny step and its unit of time."""
+    unit, p = 1.0, reading.format.precision
+    for _ in range(2):  # the first step is tiny in seconds, the second in the system's own time
+        for bits in sorted({p + 7, p // 2, LEAST_BITS}, reverse=True):
+            tiny = unit * ldexp(1.0, -bits)
+            m, finer = (_matrix(subject, h, reading.amplitude) for h in (tiny, tiny / 4))
+            if _same_rates(m, finer):
+                break
+        else:
+            return replace(reading, unit=unit)
+        rates = _without_what_is_smaller(m, finer)
+        reading = replace(reading, tiny=tiny, at_zero=rates)
+        found = _unit(rates, tiny)
+        if found == unit:
+            break
+        unit = found
+    return replace(reading, unit=unit)
+
+
+def _same_rates(m: Floats, finer: Floats) -> bool:
+    """True when M - M(0) is four times smaller at a fourth of the step, in the entries where M(0) is zero; or smaller.
+
+    Smaller it is without a rate, where the entries are O(h²); noise is as large at a fourth of the step.
+    """
+    pairs = [(x, 4 * y) for x, y in zip(growing(m), growing(finer), strict=True)]
+    return all(abs(y) <= abs(x) / 2 or abs(x - y) * 2**RATE_BITS <= abs(x) + abs(y) for x, y in pairs)
+
+
+def _without_what_is_smaller(m: Floats, finer: Floats) -> Floats:
+    """M with zeros for entries that are O(h²)."""
+    qq, qv, vq, vv = (0.0 if 4 * abs(y) <= abs(x) / 2 else x for x, y in zip(m, finer, strict=True))
+    return qq, qv, vq, vv
+
+
+def swapped(m: Floats) -> bool:
+    """True when M(0) exchanges position and velocity, for M read at a tiny step."""
+    return abs(m[0]) + abs(m[3]) < abs(m[1]) + abs(m[2])
+
+
+def growing(m: Floats) -> tuple[float, float]:
+    """The two entries of M, read at a tiny step, that are zero in M(0)."""
+    return (m[0], m[3]) if swapped(m) else (m[1], m[2])
+
+
+def _unit(m: Floats, tiny: float) -> float:
+    """The power of two nearest to 1/sqrt|ak|, for the rates a and k; 1 where there are none."""
+    position, velocity = growing(m)
+    frequency = sqrt(abs(position / tiny)) * sqrt(abs(velocity / tiny))
+    return ldexp(1.0, -round(log2(frequency))) if isfinite(frequency) and frequency else 1.0
+
+
+def _nonlinearity(subject: Subject, reading: Reading, size: float) -> str | None:
+    """What was seen of M(z + w) ≠ M(z) + M(w) at states of a size, times the amplitude; None if nothing was."""
+    h = _in_format(reading.format, reading.unit * float(LINEARITY_STEP))
+    (qq, qv, vq, vv), scale = _matrix(subject, h, reading.amplitude), size * reading.amplitude
+    for q, v in ((1.0, 1.0), (0.625, -0.75), (-1.5, 0.0)):
+        got = subject.step(scale * q, scale * v, h)
+        for x, (a, b) in zip(got, ((qq * q, qv * v), (vq * q, vv * v)), strict=True):
+            allowed = LINEARITY_ROUNDINGS * float(reading.format.u) * (abs(a) + abs(b) + abs(q) + abs(v))
+            off = abs(x / scale - (a + b))
+            if not off <= allowed:
+                start = f"({scale * q:g}, {scale * v:g})"
+                return f"a step of {h:g} from {start} is off the sum of its parts by {off:.1e} of their size"
+    return None
+
+
+def _far_out(subject: Subject, reading: Reading) -> tuple[str, ...]:
+    """What is seen of a limit on the size of states, as a remark."""
+    try:
+        seen = _nonlinearity(subject, reading, 2.0 ** min(FAR_BITS, reading.format.emax // 2))
+    except Misbehaviour as failure:
+        seen = str(failure)
+    return (f"not linear far out: {seen}",) if seen else ()
+
+
+def _with_steps(subject: Subject, reading: Reading) -> Reading:
+    found, failures = [], []
+    for text in (*DYADIC, *NOT_DYADIC, *FAR):
+        h = _in_format(reading.format, reading.unit * float(Fraction(text)))
+        try:
+            found.append((h, _matrix(subject, h, reading.amplitude)))
+        except Misbehaviour as failure:
+            if text not in FAR and h > 0:
+                raise
+            failures.append((h, str(failure)))
+    remarks = list(reading.remarks)
+    for backwards in (True, False):
+        at = [(h, seen) for h, seen in failures if (h < 0) == backwards]
+        if at:
+            steps = ", ".join(f"{h:g}" for h, _ in at)
+            remarks.append(f"no answer at h = {steps}: {at[0][1]}")
+    return replace(reading, steps=tuple(found), remarks=tuple(remarks))

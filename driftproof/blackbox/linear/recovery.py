@@ -1,0 +1,203 @@
+"""An unknown one-step matrix recovered from its values: each entry as a polynomial or a rational function of h.
+
+The values y at m steps determine m coefficients c = L y by a linear system; errors e of the values move them by at most
+|L| e. Of e it is assumed that the program rounds each monomial of the result at most ROUNDINGS times for each power of
+h: e = k u Σ |monomials|. Each coefficient is then read as the simplest rational within its error, and the function
+must meet every value at every other step, some of which are not dyadic, within the same k u Σ |monomials|.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from flint import fmpq, fmpq_mat
+
+from driftproof.blackbox.linear.arithmetics import horner
+from driftproof.blackbox.linear.reading import Reading
+from driftproof.blackbox.simple_rationals import simple_rational
+from symbolic.linear.polynomials import polynomial
+from symbolic.linear.rational_functions import RationalFunction, fraction
+
+# As many as any program of the catalogue spends on a power of h, times two: a stranger may be less direct.
+ROUNDINGS = 18
+# Steps that determine coefficients, in units of the reading's own time; the others check them.
+NODES = tuple(Fraction(x) for x in ("1/8", "1/4", "1/2", "1", "2", "4", "16"))
+BOTH_WAYS = tuple(sign * x for x in NODES[:-1] for sign in (1, -1))
+HALF_THE_DIGITS = 2.0**-10
+# A denominator with more coefficients needs more steps than are read.
+MOST_IN_DENOMINATOR = 4
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """A coefficient, known up to `error`; 0 where it is a simple rational, and taken to be that."""
+
+    value: Fraction
+    error: Fraction
+
+    def differs(self, other: Fraction) -> bool:
+        """True when it is certainly not the other number."""
+        return abs(self.value - other) > self.error
+
+    def __str__(self) -> str:
+        """The number, with its error unless it is taken to be exact."""
+        if self.error == 0:
+            return str(self.value)
+        return f"{float(self.value):.15g} (up to {float(self.error):.1g})"
+
+
+@dataclass(frozen=True)
+class Recovered:
+    """An entry: coefficients of the numerator and of the denominator in powers of h, constant terms first."""
+
+    num: tuple[Coefficient, ...]
+    den: tuple[Coefficient, ...]
+
+    @property
+    def exact(self) -> bool:
+        """True when all coefficients are simple rationals."""
+        return all(c.error == 0 for c in (*self.num, *self.den))
+
+    @property
+    def function(self) -> RationalFunction:
+        """The function, with the middles of what is known up to an error only."""
+        num, den = (polynomial([c.value for c in part]) for part in (self.num, self.den))
+        return fraction(num, den)
+
+
+@dataclass(frozen=True)
+class _Shape:
+    """Powers of x = h/unit in numerator and denominator; 1 is the constant term of the denominator."""
+
+    num: tuple[int, ...]
+    den: tuple[int, ...] = ()
+
+    @property
+    def size(self) -> int:
+        return len(self.num) + len(self.den)
+
+
+def recovered(reading: Reading) -> tuple[Recovered, Recovered, Recovered, Recovered] | None:
+    """The four entries of the matrix; None if one of them is no function of this kind."""
+    found = []
+    for i in range(4):
+        values = {Fraction(h) / Fraction(reading.unit): Fraction(m[i]) for h, m in reading.steps}
+        entry = next(_fitting(values, reading.format.u), None)
+        if entry is None:
+            return None
+        found.append(_in_seconds(entry, Fraction(reading.unit)))
+    qq, qv, vq, vv = found
+    return qq, qv, vq, vv
+
+
+def _fitting(values: dict[Fraction, Fraction], u: Fraction) -> Iterator[Recovered]:
+    """The functions that meet all values, those with the fewest coefficients first, polynomials before quotients."""
+    parity = _parity(values, u)
+    nodes = [x for x in (BOTH_WAYS if parity is None else NODES) if x in values]
+    for shape in _shapes(parity, len(nodes)):
+        picked = [nodes[round(i * (len(nodes) - 1) / max(shape.size - 1, 1))] for i in range(shape.size)]
+        entry = _solved(shape, picked, values, u)
+        if entry is not None and _meets(entry, values, u):
+            yield entry
+
+
+def _parity(values: dict[Fraction, Fraction], u: Fraction) -> int | None:
+    """0 or 1 where the values are those of an even or an odd function; None where they are not."""
+    pairs = [(x, y, values[-x]) for x, y in values.items() if x > 0 and -x in values]
+    for parity, sign in ((0, 1), (1, -1)):
+        if pairs and all(abs(y - sign * z) <= ROUNDINGS * u * (abs(y) + abs(z)) for _, y, z in pairs):
+            return parity
+    return None
+
+
+def _shapes(parity: int | None, most: int) -> Iterator[_Shape]:
+    """Numerators and denominators with at most so many coefficients: polynomials, then quotients."""
+    first, stride = (0, 1) if parity is None else (parity, 2)
+    powers = tuple(range(first, first + stride * most, stride))
+    for size in range(1, most + 1):
+        yield _Shape(powers[:size])
+    below = tuple(range(stride, stride * (MOST_IN_DENOMINATOR + 1), stride))
+    for size in range(2, most + 1):
+        for q in range(1, min(size, MOST_IN_DENOMINATOR + 1)):
+            yield _Shape(powers[: size - q], below[:q])
+
+
+def _solved(
+    shape: _Shape, nodes: Sequence[Fraction], values: dict[Fraction, Fraction], u: Fraction
+) -> Recovered | None:
+    """The function of a shape through the values at the nodes: Σ nᵢ xⁱ - y Σ dⱼ xʲ = y, with |L| e for each."""
+    rows = [[*(x**i for i in shape.num), *(-values[x] * x**j for j in shape.den)] for x in nodes]
+    matrix = fmpq_mat([[fmpq(c.numerator, c.denominator) for c in row] for row in rows])
+    if matrix.det() == 0:
+        return None
+    inverse = matrix.inv()
+    column = inverse * fmpq_mat(shape.size, 1, [fmpq(values[x].numerator, values[x].denominator) for x in nodes])
+    solution = [Fraction(int(c.p), int(c.q)) for c in column.entries()]
+    first = _entry(shape, [Coefficient(c, Fraction(0)) for c in solution])
+    if not _is_near(first, values):
+        return None
+    errors = [_allowed(first, x, values[x], u) for x in nodes]
+    table = [[abs(Fraction(int(c.p), int(c.q))) for c in row] for row in inverse.table()]
+    spread = [sum((b * e for b, e in zip(row, errors, strict=True)), Fraction(0)) for row in table]
+    return _entry(shape, [_read(x, e) for x, e in zip(solution, spread, strict=True)])
+
+
+def _is_near(entry: Recovered, values: dict[Fraction, Fraction]) -> bool:
+    """A quick look in floats, to half the digits, before errors are worked out."""
+    num, den = ([float(c.value) for c in part] for part in (entry.num, entry.den))
+    return all(_near_at(num, den, float(x), float(y)) for x, y in values.items())
+
+
+def _near_at(num: Sequence[float], den: Sequence[float], x: float, y: float) -> bool:
+    top, bottom = horner(num, x), horner(den, x)
+    sizes = horner([abs(c) for c in num], abs(x)) + abs(y) * horner([abs(c) for c in den], abs(x))
+    return bool(abs(top - y * bottom) <= HALF_THE_DIGITS * sizes)
+
+
+def _entry(shape: _Shape, coefficients: Sequence[Coefficient]) -> Recovered:
+    num = dict(zip(shape.num, coefficients, strict=False))
+    den = dict(zip(shape.den, coefficients[len(shape.num) :], strict=True)) | {0: _ONE}
+    return Recovered(*(tuple(p.get(i, _ZERO) for i in range(max(p) + 1)) for p in (num, den)))
+
+
+def _read(x: Fraction, error: Fraction) -> Coefficient:
+    simple = simple_rational(x, error)
+    return Coefficient(x, error) if simple is None else Coefficient(simple, Fraction(0))
+
+
+_ZERO, _ONE = Coefficient(Fraction(0), Fraction(0)), Coefficient(Fraction(1), Fraction(0))
+
+
+def _meets(entry: Recovered, values: dict[Fraction, Fraction], u: Fraction) -> bool:
+    """True when the function has all the values, up to what rounding allows."""
+    for x, y in values.items():
+        num, den = (_sum(part, x, lambda c: c) for part in (entry.num, entry.den))
+        if den == 0 or abs(num - y * den) > _allowed(entry, x, y, u):
+            return False
+    return True
+
+
+def _allowed(entry: Recovered, x: Fraction, y: Fraction, u: Fraction) -> Fraction:
+    """k u (|num|~ + |y| |den|~), which bounds |num - y den| to first order, for y in error by k u of its monomials."""
+    k = ROUNDINGS * (len(entry.num) + len(entry.den))
+    sizes = (_sum(part, abs(x), abs) for part in (entry.num, entry.den))
+    above, below = sizes
+    return k * u * (above + (abs(y) * below if len(entry.den) > 1 else 0))
+
+
+def _sum(part: Sequence[Coefficient], x: Fraction, of: Callable[[Fraction], Fraction]) -> Fraction:
+    total = Fraction(0)
+    for c in reversed(part):
+        total = total * x + of(c.value)
+    return total
+
+
+def _in_seconds(entry: Recovered, unit: Fraction) -> Recovered:
+    """The coefficients of powers of h, from those of h/unit."""
+    num, den = (
+        tuple(Coefficient(c.value / unit**i, c.error / unit**i) for i, c in enumerate(part))
+        for part in (entry.num, entry.den)
+    )
+    return Recovered(num, den)

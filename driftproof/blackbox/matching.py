@@ -1,0 +1,241 @@
+"""Which method of the catalogue a reading is; or which relative of one; or which one it is but for what."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from math import fsum
+from typing import NamedTuple, TypeAlias
+
+from driftproof.blackbox.candidates import (
+    Candidate,
+    Table,
+    field_methods,
+    field_relatives,
+    force_methods,
+    force_relatives,
+    in_field,
+    on_force,
+)
+from driftproof.blackbox.coefficients import difference
+from driftproof.blackbox.comparing import Comparison
+from driftproof.blackbox.explaining import explanations
+from driftproof.blackbox.force_probe import ForceReading
+from driftproof.blackbox.probing import Rounding, Row
+from driftproof.blackbox.simple_rationals import simple_rational
+from driftproof.blackbox.sketching import Sketch
+from driftproof.blackbox.tableau_probe import TableauReading
+from methods.schemes import Method, RungeKutta
+from symbolic.linear.irreducible import Stages, reduced
+
+# A coefficient that is a quotient or a root, computed where it is used, is off by so many roundings at most.
+FEW_ROUNDINGS = 4
+Reading: TypeAlias = TableauReading | ForceReading
+
+# A method that differs in more coefficients than so many, or in more than every third, is another method.
+FEW_DIFFERENCES = 3
+
+
+@dataclass(frozen=True)
+class Match:
+    """A method whose coefficients are those read, up to rounding; `relation` says how it is used if not as it stands.
+
+    `roundings` is 0 if each coefficient is the correctly rounded one; else each is off by at most so many u: relative
+    to the terms that it is made of, or where `summed`, relative to the largest in its column. `farthest` is the one
+    that is. `beside` are differences in calls whose answers the step does not use, as in an error estimate.
+    """
+
+    key: str
+    relation: str
+    roundings: int
+    farthest: str
+    summed: bool
+    beside: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """The key, and the relation."""
+        return f"{self.key}, {self.relation}" if self.relation else self.key
+
+    @property
+    def closeness(self) -> str:
+        """How near the coefficients are, in words."""
+        if not self.roundings:
+            return "every coefficient correctly rounded"
+        within = f"{self.roundings} rounding{'s' * (self.roundings > 1)}"
+        if not self.summed:
+            return f"every coefficient within {within}"
+        return f"the coefficients as sums make them: {self.farthest} is {within} of the largest in its column off"
+
+
+@dataclass(frozen=True)
+class Near:
+    """A method that has other values in a few places: lines such as "b[2]: -1/3 instead of 1/3"."""
+
+    key: str
+    differences: tuple[str, ...]
+
+    @property
+    def name(self) -> str:
+        """The method, and what it is not."""
+        return f"{self.key} but for {'; '.join(self.differences)}"
+
+
+@dataclass(frozen=True)
+class Identity:
+    """What a reading is: every method or relative that it cannot be told from; where there is none, what is nearest."""
+
+    matches: tuple[Match, ...] = ()
+    near: tuple[Near, ...] = ()
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The methods that it is as they stand; relatives are not among them."""
+        return tuple(match.key for match in self.matches if not match.relation)
+
+    @property
+    def lines(self) -> list[str]:
+        """What it is, in words."""
+        if self.matches:
+            names = "; ".join(match.name for match in self.matches)
+            tie = [f"through this door these cannot be told apart: {names}", self.matches[0].closeness]
+            only = [f"{self.matches[0].name}: {self.matches[0].closeness}"]
+            beside = [f"{m.key}: in a call whose answer is not used, {line}" for m in self.matches for line in m.beside]
+            return (only if len(self.matches) == 1 else tie) + beside
+        names_by_difference: dict[tuple[str, ...], list[str]] = {}
+        for near in self.near:
+            names_by_difference.setdefault(near.differences, []).append(near.key)
+        nearest = [f"nearest: {' or '.join(keys)} but for {'; '.join(d)}" for d, keys in names_by_difference.items()]
+        return ["no method of the catalogue", *nearest]
+
+
+def match_tableau(reading: TableauReading) -> Identity:
+    """The Runge-Kutta methods with the tableau read: its irreducible form up to the order of its stages.
+
+    The times count where the code uses them.
+    """
+    timed, rounding = reading.c is not None, Rounding(reading.format, reading.calls)
+    read = _Read.of(reading.stages, None, rounding)
+    relatives = field_relatives(timed, read.small.calls, _factor(reading.b, rounding))
+    return _identity(read, field_methods(timed), relatives, [])
+
+
+def match_forces(reading: ForceReading) -> Identity:
+    """The methods that take the step read on every q'' = F(q), of whichever family: their Nyström tables are compared.
+
+    Every explicit Runge-Kutta method and every splitting has one.
+    """
+    drift, rounding = Fraction(reading.drift), Rounding(reading.format, reading.calls)
+    read = _Read.of(reading.stages, drift, rounding)
+    relatives = force_relatives(read.small.calls, _factor((reading.drift,), rounding))
+    near = (Near(found.key, found.differences) for found in explanations(reading))
+    return _identity(read, force_methods(), relatives, near)
+
+
+def matched(reading: Reading) -> Identity:
+    """`match_tableau` or `match_forces`."""
+    return match_forces(reading) if isinstance(reading, ForceReading) else match_tableau(reading)
+
+
+def match_method(reading: Reading, method: Method) -> Identity:
+    """Whether the reading is this method, of the catalogue or not; if it is not, where it differs, if in few places.
+
+    Through the field door no splitting matches, and no method matches an implicit one.
+    """
+    rounding = Rounding(reading.format, reading.calls)
+    if isinstance(reading, ForceReading):
+        read = _Read.of(reading.stages, Fraction(reading.drift), rounding)
+        return _identity(read, [on_force(method)] if method.explicit else [], [], [])
+    read = _Read.of(reading.stages, None, rounding)
+    timed = reading.c is not None
+    candidates = [in_field(method, timed)] if isinstance(method, RungeKutta) and method.explicit else []
+    return _identity(read, candidates, [], [])
+
+
+class _Read(NamedTuple):
+    """A reading as a table, with all its stages and irreducible."""
+
+    raw: Table
+    small: Table
+    sketch: Sketch
+    rounding: Rounding
+
+    @classmethod
+    def of(cls, stages: Stages, drift: Fraction | None, rounding: Rounding) -> _Read:
+        """From the coefficients as exact numbers."""
+        return cls(Table.of(stages, drift), Table.of(reduced(stages), drift), Sketch(stages, drift), rounding)
+
+
+def _identity(
+    read: _Read, methods: Iterable[Candidate], relatives: Iterable[Candidate], explained: Iterable[Near]
+) -> Identity:
+    # Among those that cannot be told apart, a method that makes as many calls comes before a pair that makes more.
+    methods = sorted(methods, key=lambda candidate: candidate.sketch.calls != read.raw.calls)
+    matches = _best(m for c in methods for m in _match(read, c)) or _best(m for c in relatives for m in _match(read, c))
+    if matches:
+        return Identity(matches)
+    return Identity(near=_nearest([*explained, *(near for c in methods for near in _near(read, c))]))
+
+
+def _match(read: _Read, candidate: Candidate) -> Iterator[Match]:
+    # Most candidates are told apart without their exact tables, which take long to make.
+    if not read.sketch.may_be(candidate.sketch, read.rounding) or candidate.small.calls != read.small.calls:
+        return
+    comparison = Comparison(read.small, candidate.small, read.rounding)
+    order = comparison.arrangement()
+    if order is None:
+        return
+    distance = comparison.distance(order)
+    few = FEW_ROUNDINGS if read.raw.drift is None else read.rounding.most
+    summed = distance.of_terms > few
+    roundings = distance.of_column if summed else distance.of_terms
+    beside = _differences(read, read.raw, candidate.raw) if order == tuple(range(len(order))) else ()
+    yield Match(candidate.key, candidate.relation, roundings, distance.farthest, summed, beside or ())
+
+
+def _best(matches: Iterable[Match]) -> tuple[Match, ...]:
+    """Those with correctly rounded coefficients, if there are any; in few bits several are within a few roundings."""
+    ranked = [((match.summed, match.roundings > 0), match) for match in matches]
+    best = min((rank for rank, _ in ranked), default=None)
+    return tuple(match for rank, match in ranked if rank == best)
+
+
+def _near(read: _Read, candidate: Candidate) -> Iterator[Near]:
+    """With all stages against all, and irreducible against irreducible: a wrong zero can make a stage useless."""
+    pairs = []
+    if candidate.sketch.calls == read.raw.calls:
+        pairs.append((read.raw, candidate.raw))
+    if candidate.sketch.used == read.small.calls:
+        pairs.append((read.small, candidate.small))
+    for mine, its in pairs:
+        differences = _differences(read, mine, its)
+        if differences is not None:
+            yield Near(candidate.key, differences)
+
+
+def _differences(read: _Read, mine: Table, its: Table) -> tuple[str, ...] | None:
+    """The few coefficients in which the tables differ; None if they are more, or the tables have other sizes."""
+    if mine.calls != its.calls:
+        return None
+    comparison = Comparison(mine, its, read.rounding)
+    places = comparison.differences()
+    if len(places) > min(FEW_DIFFERENCES, max(1, comparison.size // 3)):
+        return None
+    return tuple(difference(p.name, p.seen, p.exact.value, read.rounding.format) for p in places)
+
+
+def _nearest(found: list[Near]) -> tuple[Near, ...]:
+    """Those with the fewest differences; of several of one method, the first."""
+    fewest = min((len(near.differences) for near in found if near.differences), default=0)
+    kept: dict[str, Near] = {}
+    for near in found:
+        if 0 < len(near.differences) == fewest <= FEW_DIFFERENCES:
+            kept.setdefault(near.key, near)
+    return tuple(kept.values())
+
+
+def _factor(weights: Row, rounding: Rounding) -> Fraction:
+    """By how much the weights are too many, as the simplest fraction that rounding allows: the step in units of h."""
+    found = simple_rational(fsum(weights), rounding.of(fsum(map(abs, weights))))
+    return Fraction(1) if found is None else found

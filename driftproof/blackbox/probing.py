@@ -1,0 +1,137 @@
+"""What the probes share: steps with scripted answers, written down, and how far rounding may carry what they return."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeAlias, TypeVar
+
+from driftproof.blackbox.findings import Misbehaviour
+from symbolic.rounding.formats import FloatFormat
+
+Row: TypeAlias = tuple[float, ...]
+Result = TypeVar("Result")
+
+# More calls in one step than any method in use makes: an iteration, or an adaptive solver.
+MOST_CALLS = 200
+
+
+class NotReadable(ValueError):
+    """The step has no coefficients that could be read through this door; the message says what was seen instead."""
+
+    kind = "not_readable"
+
+
+class _TooManyCalls(Misbehaviour):
+    """Raised inside a step, so that it ends; it never leaves this module."""
+
+
+class Script:
+    """A function that answers its j-th call by `answers[j]`, later ones by `silence`, and keeps what it is asked."""
+
+    def __init__(self, answers: Sequence[Any], silence: Any) -> None:
+        """Nothing asked yet."""
+        self._answers, self._silence = answers, silence
+        self.calls: list[Any] = []
+
+    def __call__(self, asked: Any) -> Any:
+        """The next answer. Ends the step after MOST_CALLS."""
+        if len(self.calls) == MOST_CALLS:
+            raise _TooManyCalls
+        self.calls.append(asked)
+        number = len(self.calls) - 1
+        return self._answers[number] if number < len(self._answers) else self._silence
+
+
+def performed(step: Callable[[], Result]) -> Result:
+    """What the step returns. Raises NotReadable after too many calls."""
+    try:
+        return step()
+    except _TooManyCalls:
+        raise NotReadable(f"one step makes more than {MOST_CALLS} calls: an iteration or an adaptive solver") from None
+
+
+def demand_calls(expected: int, seen: int) -> None:
+    """Raises NotReadable if another number of calls was made than with other answers."""
+    if seen != expected:
+        raise NotReadable(
+            f"the number of calls depends on the answers: {expected}, then {seen}: the step is adaptive or iterative"
+        )
+
+
+def demand_same(calls: int, first: object, second: object) -> None:
+    """Raises NotReadable if a step of so many calls went another way when it was taken again."""
+    if first != second:
+        seen = f"the same step of {calls} calls taken twice is not the same"
+        raise NotReadable(f"{seen}: it remembers the step before, or is random")
+
+
+def unit(size: int, place: int) -> list[float]:
+    """The answers 0, ..., 0, 1 with the 1 in the given place."""
+    return [0.0] * place + [1.0] + [0.0] * (size - place - 1)
+
+
+def varied(size: int, salt: int) -> list[float]:
+    """Answers of both signs, of sizes from 1/4 to 4 and all powers of two: products with coefficients are exact."""
+    return [(-1.0) ** (j * (j + salt) // 2) * 2.0 ** ((3 * j + salt) % 5 - 2) for j in range(size)]
+
+
+class Control(NamedTuple):
+    """A step that tells whether what was read is all there is: its start, its h, and which answers it gets.
+
+    `broken` says what the step is like if it takes another course than the coefficients say.
+    """
+
+    name: str
+    broken: str
+    h: float = 1.0
+    start: float = 0.0
+    time: float = 0.0
+    salt: int = 1
+
+
+# The step that coefficients are read from.
+AT_REST = Control("no answers", "")
+_SCALE = "it does not scale with h as a step of a method does"
+CONTROLS = (
+    Control("other answers", "the step is not linear in them: a limiter, an iteration or an error control", salt=2),
+    Control("h = 2", _SCALE, h=2.0),
+    Control("h = 1/2", _SCALE, h=0.5, salt=3),
+    Control("h = 3", _SCALE, h=3.0, salt=4),
+    Control("another start", "the step depends on where it starts", start=5.0, salt=5),
+    Control("the time 7", "the step depends on the time", time=7.0),
+    Control("everything other", "the step is not made of these terms alone", h=0.75, start=-3.0, time=2.0, salt=2),
+)
+# Many codes refuse to step back in time: then this one says nothing against the others.
+BACKWARD = Control("h = -1", "it does not step back as it steps forth", h=-1.0, salt=3)
+
+
+@dataclass(frozen=True)
+class Rounding:
+    """How far rounding may carry one number of a step that makes so many calls.
+
+    A program makes each number from the start and the answers by sums and products with constants. In the longest form
+    in use, low storage, an answer then passes a product and a sum in each of two registers at every later call, so four
+    roundings a call; and a few more as it enters and where the result is formed. A sum that passes k roundings errs by
+    at most k u, to first order, times the largest of its intermediate numbers, and these are of the size of the terms.
+    """
+
+    format: FloatFormat
+    calls: int
+
+    @property
+    def most(self) -> int:
+        """The number k of roundings that a program may spend on one number."""
+        return 4 * (self.calls + 2)
+
+    def of(self, size: float) -> float:
+        """How far a number of that size may be off: k u size, and as many underflows."""
+        return self.most * (float(self.format.u) * size + float(self.format.eta))
+
+
+def demand_as_said(control: Control, name: str, seen: float, said: float, allowed: float) -> None:
+    """Raises NotReadable if a number of a control differs from what the coefficients say by more than is allowed."""
+    if not abs(seen - said) <= allowed:
+        raise NotReadable(
+            f"with {control.name}, {name} is {seen:.6g} where the coefficients read say {said:.6g}: {control.broken}"
+        )

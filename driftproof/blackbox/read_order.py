@@ -1,0 +1,130 @@
+"""The order that the coefficients read really have: rounding them fails no condition, a wrong one does."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TypeAlias
+
+from driftproof.blackbox.candidates import Table
+from driftproof.blackbox.force_probe import ForceReading
+from driftproof.blackbox.matching import Match
+from driftproof.blackbox.probing import Rounding, Row
+from driftproof.blackbox.simple_rationals import simple_rational
+from driftproof.blackbox.tableau_probe import TableauReading
+from symbolic.trees.balls import Ball, BallNystrom, BallTableau, ProvableFailure, ball_order, linear_ball_order
+from symbolic.trees.balls import Row as BallRow
+from symbolic.trees.rooted import AnyTree, written
+
+Reading: TypeAlias = TableauReading | ForceReading
+
+# No explicit method in use has a higher one.
+HIGHEST_ORDER = 12
+
+
+@dataclass(frozen=True)
+class ReadOrder:
+    """The order of the coefficients read, on every problem that the door is for, and why it is not one higher.
+
+    `failing_tree` is written in brackets, its condition is Φ = 1/γ, and `residual` encloses Φ - 1/γ and excludes 0;
+    None where nothing fails up to HIGHEST_ORDER. `linear_order` is the order on linear problems. `untimed_order` is
+    the order on problems without the time: higher where the code calls its right-hand side at wrong times.
+    """
+
+    order: int
+    failing_tree: str | None
+    residual: tuple[Fraction, Fraction] | None
+    linear_order: int
+    untimed_order: int
+
+    @property
+    def reason(self) -> str:
+        """Why the order is not one higher, e.g. "the condition of tree [[τ],τ] fails by 1/720"."""
+        if self.residual is None:
+            return f"no condition up to order {self.order} fails"
+        low, high = self.residual
+        exact = simple_rational((low + high) / 2, (high - low) / 2)
+        amount = f"{float(low + high) / 2:.3g}" if exact is None else str(exact)
+        return f"the condition of tree {self.failing_tree} fails by {amount}"
+
+    @property
+    def lines(self) -> list[str]:
+        """The orders, in words."""
+        lines = [f"order {self.order}: {self.reason}"]
+        if self.linear_order != self.order:
+            lines.append(f"order {self.linear_order} on linear problems")
+        if self.untimed_order != self.order:
+            lines.append(f"order {self.untimed_order} on problems without the time: it is called at wrong times")
+        return lines
+
+    def beside(self, claimed: int) -> str:
+        """The claim beside what is so: "claims 4, has 4", or what is missing and why."""
+        text = f"claims {claimed}, has {self.order}"
+        return text if self.order >= claimed else f"{text}: {self.reason}"
+
+
+def read_order(reading: Reading, match: Match | None = None) -> ReadOrder:
+    """The largest p such that no condition of order at most p provably fails, the coefficients being balls.
+
+    Of a tableau that was recognised each has a radius of as many roundings as it is off the method. Else the radius is
+    as many as any program may spend on it, of the largest number in its column (`probing.Rounding`).
+    """
+    balls = _Balls(reading, match)
+    if isinstance(reading, ForceReading):
+        table = balls.nystrom(reading)
+        return _found(ball_order(table, HIGHEST_ORDER), linear_ball_order(table, HIGHEST_ORDER))
+    tableau = balls.tableau(reading)
+    untimed = found = ball_order(tableau, HIGHEST_ORDER)
+    if not balls.times_agree(reading):
+        found = ball_order(tableau, untimed.order + 1, timed=True)
+    return _found(found, linear_ball_order(tableau, HIGHEST_ORDER), untimed.order)
+
+
+def _found(failure: ProvableFailure[AnyTree], linear: int, untimed: int | None = None) -> ReadOrder:
+    tree = None if failure.failing_tree is None else written(failure.failing_tree)
+    return ReadOrder(failure.order, tree, failure.residual, linear, failure.order if untimed is None else untimed)
+
+
+class _Balls:
+    """The coefficients of a reading with their radii; those that are 0 are known to be."""
+
+    def __init__(self, reading: Reading, match: Match | None) -> None:
+        drift = Fraction(reading.drift) if isinstance(reading, ForceReading) else None
+        table, rounding = Table.of(reading.stages, drift), Rounding(reading.format, reading.calls)
+        self.own = isinstance(reading, TableauReading) and match is not None and not match.summed
+        self.unit = reading.format.u * (max(1, match.roundings) if self.own and match else rounding.most)
+        self.scales = table.scales.tolist()
+        # A node is the sum of a row, whose terms may be larger than the sum is.
+        self.length = max(table.length, *self.scales)
+
+    def tableau(self, reading: TableauReading) -> BallTableau:
+        """A, b, c."""
+        *a, b = (self._row(row, self.scales) for row in (*reading.a, reading.b))
+        return BallTableau(tuple(a), b, self._nodes(reading.c or (0.0,) * reading.calls))
+
+    def nystrom(self, reading: ForceReading) -> BallNystrom:
+        """c, A, both rows of weights, the drift."""
+        *a, b_position, b_velocity = (
+            self._row(row, self.scales) for row in (*reading.a, reading.b_position, reading.b_velocity)
+        )
+        (drift,) = self._nodes((reading.drift,))
+        return BallNystrom(self._nodes(reading.c), tuple(a), b_position, b_velocity, drift)
+
+    def times_agree(self, reading: TableauReading) -> bool:
+        """True when each time may be the sum of its row: then problems with the time have no more conditions."""
+        if reading.c is None:
+            return True
+        tableau = self.tableau(reading)
+        return all(
+            abs(Fraction(t) - sum(map(Fraction, row))) <= sum((x.radius for x in (*balls, node) if x), Fraction(0))
+            for t, row, balls, node in zip(reading.c, reading.a, tableau.a, tableau.c, strict=True)
+        )
+
+    def _nodes(self, row: Row) -> BallRow:
+        return self._row(row, [self.length] * len(row))
+
+    def _row(self, row: Row, scales: Sequence[float]) -> BallRow:
+        sizes = map(abs, row) if self.own else scales
+        pairs = zip(row, sizes, strict=True)
+        return tuple(Ball(Fraction(x), self.unit * Fraction(size)) if x else 0 for x, size in pairs)

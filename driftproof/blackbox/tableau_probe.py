@@ -1,0 +1,222 @@
+"""The coefficients of somebody's Runge-Kutta step, read from its floats by answering its right-hand side by 0, 1."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from math import fsum
+from typing import NamedTuple
+
+from driftproof.blackbox.coefficients import shown
+from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.probing import (
+    AT_REST,
+    BACKWARD,
+    CONTROLS,
+    Control,
+    NotReadable,
+    Rounding,
+    Row,
+    Script,
+    demand_as_said,
+    demand_calls,
+    demand_same,
+    performed,
+    unit,
+    varied,
+)
+from driftproof.blackbox.subject import Subject
+from symbolic.linear.irreducible import Stages
+from symbolic.rounding.formats import FloatFormat
+
+
+@dataclass(frozen=True)
+class TableauReading:
+    """Call i is made at t + cᵢh and y + h Σ aᵢⱼ kⱼ, the result is y + h Σ bⱼ kⱼ: the step's own float coefficients.
+
+    kⱼ is the answer to call j; calls are stages, in the order in which they are made. `c` is None where the right-hand
+    side is given no time. An embedded row of weights does not show through this door.
+    `remarks` are lines on what else was seen.
+    """
+
+    a: tuple[Row, ...]
+    b: Row
+    c: Row | None
+    format: FloatFormat
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def calls(self) -> int:
+        """How often the right-hand side is called in a step."""
+        return len(self.b)
+
+    @property
+    def unused(self) -> tuple[int, ...]:
+        """The calls whose answers this step does not use, from 0: those for a next step or an error estimate."""
+        columns = range(self.calls)
+        return tuple(j for j in columns if not self.b[j] and not any(row[j] for row in self.a))
+
+    @property
+    def stages(self) -> Stages:
+        """The coefficients as exact numbers; the weights stand twice where times are given, so that c counts, too."""
+        *a, b = (tuple(map(Fraction, row)) for row in (*self.a, self.b))
+        if self.c is None:
+            return Stages(tuple(a), (b,), tuple(Fraction(0) for _ in b))
+        return Stages(tuple(a), (b, b), tuple(map(Fraction, self.c)))
+
+    @property
+    def lines(self) -> list[str]:
+        """The coefficients, each as the fraction that it is the rounding of where there is a telling one."""
+        named = [*([] if self.c is None else [("c", self.c)]), *((f"a[{i}]", row[:i]) for i, row in enumerate(self.a))]
+        rows = [f"{name} = {_row(row, self.format)}" for name, row in [*named, ("b", self.b)] if row]
+        unused = [f"call {j} is made, and its answer is not used" for j in self.unused]
+        clock = ["the right-hand side is given no time"] if self.c is None else []
+        return [*rows, *unused, *clock, *self.remarks]
+
+
+def read_tableau(subject: Subject) -> TableauReading:
+    """The A, b and c of a step(f, t, y, h), exactly the floats that the code multiplies by.
+
+    From t = 0, y = 0 with h = 1, call j is answered by 1 and every other one by 0: then products by h and by the answer
+    and sums with zeros are exact, and what the code asks at and returns are its coefficients. A code that multiplies
+    first and divides later, such as h(k₁ + 2k₂ + 2k₃ + k₄)/6, has them as those quotients. Further steps control that
+    the coefficients account for everything.
+
+    Raises NotReadable, saying what was seen, for a step that is adaptive, iterates, limits or remembers; NoSuchDoor
+    where there is no right-hand side to give.
+    """
+    return _Probe(subject).reading()
+
+
+class _Run(NamedTuple):
+    """Where one step called: times (None where it was given none), places; and what it returned."""
+
+    times: list[float | None]
+    places: list[list[float]]
+    result: list[float]
+
+
+class _Probe:
+    """Steps of one subject with scripted answers, on two numbers where it takes vectors, on one where it does not."""
+
+    def __init__(self, subject: Subject) -> None:
+        self.subject = subject
+        self.size, self.silent = self._opened()
+        self.calls = len(self.silent.places)
+        if not self.calls:
+            raise NotReadable("the right-hand side is never called")
+        demand_same(self.calls, self.silent, self._run(self.size, [], AT_REST))
+        for numbers in (*self.silent.places, self.silent.result):
+            if any(numbers):
+                raise NotReadable(f"with all slopes 0, y = 0 does not stay: the step goes through {numbers[0]:.6g}")
+
+    def reading(self) -> TableauReading:
+        """The coefficients, controlled."""
+        columns = [self._column(j) for j in range(self.calls)]
+        *a, b = (tuple(column[i] for column in columns) for i in range(self.calls + 1))
+        clock = tuple(t for t in self.silent.times if t is not None)
+        c = clock if len(clock) == self.calls else None
+        self._demand_no_memory()
+        reading = TableauReading(tuple(a), b, c, self.subject.format)
+        for control in CONTROLS:
+            self._check(reading, control)
+        return replace(reading, remarks=self._remarks(reading))
+
+    def _opened(self) -> tuple[int, _Run]:
+        try:
+            return 2, self._run(2, [], AT_REST)
+        except Misbehaviour as failure:
+            with suppress(Misbehaviour):
+                return 1, self._run(1, [], AT_REST)
+            raise failure
+
+    def _run(self, size: int, answers: Sequence[Sequence[float]], control: Control) -> _Run:
+        script = Script(answers, [0.0] * size)
+        clock = float(control.time)
+
+        def rate(t: float, y: Sequence[float]) -> Sequence[float]:
+            # A callback that is given no time hands on the very object that it was made with.
+            slope: Sequence[float] = script((None if t is clock else t, list(y)))
+            return slope
+
+        result = performed(lambda: self.subject.step_field(rate, clock, _start(control, size), control.h))
+        return _Run([t for t, _ in script.calls], [y for _, y in script.calls], result)
+
+    def _column(self, j: int) -> list[float]:
+        """What the answer 1 to call j adds to the place of each call and to the result."""
+        answers = [[x, *[0.0] * (self.size - 1)] for x in unit(self.calls, j)]
+        run = self._run(self.size, answers, AT_REST)
+        demand_calls(self.calls, len(run.places))
+        column = [numbers[0] for numbers in (*run.places, run.result)]
+        if any(column[: j + 1]):
+            raise NotReadable(f"call {j} or one before depends on the answer to call {j}: the step remembers")
+        if any(number for numbers in (*run.places, run.result) for number in numbers[1:]):
+            raise NotReadable("the slope of one number of y moves another one")
+        return column
+
+    def _demand_no_memory(self) -> None:
+        """The same step after two different ones: after the last column, and after one without slopes."""
+        first = self._controlled(CONTROLS[0])
+        self._run(self.size, [], AT_REST)
+        demand_same(self.calls, first, self._controlled(CONTROLS[0]))
+
+    def _controlled(self, control: Control) -> _Run:
+        run = self._run(self.size, list(zip(*self._slopes(control), strict=True)), control)
+        demand_calls(self.calls, len(run.places))
+        return run
+
+    def _slopes(self, control: Control) -> list[list[float]]:
+        first = varied(self.calls, control.salt)
+        return [first, [-k for k in first]][: self.size]
+
+    def _check(self, reading: TableauReading, control: Control) -> None:
+        """One more step, which must go as the coefficients say."""
+        run, slopes = self._controlled(control), self._slopes(control)
+        seen = [*run.places, run.result]
+        for component, (y, answers) in enumerate(zip(_start(control, self.size), slopes, strict=True)):
+            asked = control._replace(broken=_UNLIKE) if component else control
+            self._compare(reading, asked, y, answers, [numbers[component] for numbers in seen])
+        self._compare_times(reading, control, run)
+
+    def _compare(
+        self, reading: TableauReading, control: Control, y: float, answers: Sequence[float], seen: Sequence[float]
+    ) -> None:
+        rows = (*reading.a, reading.b)
+        terms = [max(abs(row[j]) for row in rows) * abs(k) for j, k in enumerate(answers)]
+        # Twice: the coefficients read are rounded as much as the step that is compared with them.
+        allowed = self._rounding.of(2 * (abs(y) + abs(control.h) * sum(terms)))
+        for i, (row, number) in enumerate(zip(rows, seen, strict=True)):
+            said = y + control.h * fsum(x * k for x, k in zip(row, answers, strict=True))
+            name = f"y of call {i}" if i < self.calls else "the result"
+            demand_as_said(control, name, number, said, allowed)
+
+    def _compare_times(self, reading: TableauReading, control: Control, run: _Run) -> None:
+        nodes = reading.c or ()
+        allowed = self._rounding.of(2 * (abs(control.time) + abs(control.h) * max(map(abs, nodes), default=0.0)))
+        for i, (node, seen) in enumerate(zip(nodes, run.times, strict=False)):
+            said = control.time + control.h * node
+            demand_as_said(control, f"the time of call {i}", said if seen is None else seen, said, allowed)
+
+    def _remarks(self, reading: TableauReading) -> tuple[str, ...]:
+        try:
+            self._check(reading, BACKWARD)
+        except (Misbehaviour, NotReadable) as error:
+            return (str(error),)
+        return ()
+
+    @property
+    def _rounding(self) -> Rounding:
+        return Rounding(self.subject.format, self.calls)
+
+
+_UNLIKE = "the numbers of y are not stepped alike"
+
+
+def _start(control: Control, size: int) -> list[float]:
+    return [control.start, 0.0 - control.start][:size]
+
+
+def _row(row: Row, fmt: FloatFormat) -> str:
+    return ", ".join(shown(x, fmt) for x in row)

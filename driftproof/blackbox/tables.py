@@ -1,0 +1,194 @@
+"""Tables of coefficients as the two doors show them: made from a method's own, repeated, scaled or iterated.
+
+Entries are of any kind of number: floats for a sketch, `Sized` for a comparison.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+from methods.number_field import Exact
+from methods.schemes import Nystrom, RungeKutta
+from symbolic.linear.irreducible import Stages
+
+Number: TypeAlias = Any
+Row: TypeAlias = Sequence[Number]
+# From an exact coefficient; also from 0 and 1.
+Lift: TypeAlias = Callable[[Any], Number]
+# (A, b, c) of a Runge-Kutta method.
+Tableau: TypeAlias = tuple[Sequence[Row], Row, Row]
+# A Nyström table, and how far the position drifts in a step without a force, in units of h v.
+Induced: TypeAlias = tuple[Stages, Number]
+
+
+@dataclass(frozen=True)
+class Sized:
+    """An exact number, with the sum of the sizes of the terms that it was made of: what rounding errors scale with."""
+
+    value: Exact
+    size: float
+
+    def __add__(self, other: object) -> Sized:
+        """The sum: sizes are added, even where values cancel."""
+        right = sized(other)
+        return Sized(self.value + right.value, self.size + right.size)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: object) -> Sized:
+        """The difference; sizes are added."""
+        right = sized(other)
+        return Sized(self.value - right.value, self.size + right.size)
+
+    def __mul__(self, other: object) -> Sized:
+        """The product; so of sizes."""
+        right = sized(other)
+        return Sized(self.value * right.value, self.size * right.size)
+
+    def __eq__(self, other: object) -> bool:
+        """Equal values."""
+        return bool(self.value == sized(other).value)
+
+    def __hash__(self) -> int:
+        """Of the value."""
+        return hash(self.value)
+
+    def __bool__(self) -> bool:
+        """False for the value zero."""
+        return bool(self.value)
+
+
+def sized(x: Any) -> Sized:
+    """A number as it stands in a table: its size is its own."""
+    if isinstance(x, Sized):
+        return x
+    exact = Fraction(x) if isinstance(x, int) else x
+    return Sized(exact, abs(float(exact)))
+
+
+def stages(a: Sequence[Row], weights: Sequence[Row], c: Row) -> Stages:
+    """The three as tuples."""
+    rows: Callable[[Sequence[Row]], Any] = lambda rows: tuple(map(tuple, rows))
+    return Stages(rows(a), rows(weights), tuple(c))
+
+
+def timed_stages(tableau: Tableau, timed: bool) -> Stages:
+    """A Runge-Kutta table as `symbolic.linear.irreducible` reads it: where b stands twice, c counts as of Nyström's."""
+    a, b, c = tableau
+    return stages(a, (b, b), c) if timed else stages(a, (b,), [x * 0 for x in b])
+
+
+def tableau_of(method: RungeKutta, lift: Lift, weights: Sequence[Exact] | None = None) -> Tableau:
+    """A, b and c, or other weights in place of b."""
+    rows = [[lift(x) for x in row] for row in method.a]
+    return rows, [lift(x) for x in weights or method.b], [lift(x) for x in method.c]
+
+
+def tableau_scaled(tableau: Tableau, factor: Fraction) -> Tableau:
+    """The same method with the step factor·h."""
+    a, b, c = tableau
+    rows = [[x * factor for x in row] for row in a]
+    return rows, [x * factor for x in b], [x * factor for x in c]
+
+
+def tableau_repeated(tableau: Tableau, times: int) -> Tableau:
+    """The same method so many times with h/times."""
+    a, b, c = tableau
+    part, blank, size = Fraction(1, times), [b[0] * 0] * len(b), range(times)
+    step = [x * part for x in b]
+    rows = [[*step * i, *(x * part for x in row), *blank * (times - 1 - i)] for i in size for row in a]
+    return rows, step * times, [(node + i) * part for i in size for node in c]
+
+
+def tableau_iterated(tableau: Tableau, times: int) -> Tableau:
+    """An implicit method with so many fixed-point iterations from k = f(y) in place of a solver: it is explicit."""
+    a, b, c = tableau
+    blank = [b[0] * 0] * len(b)
+    rows: list[list[Number]] = [blank * (times + 1) for _ in b]
+    for i in range(times):
+        rows += [[*blank * i, *row, *blank * (times - i)] for row in a]
+    return rows, [*blank * times, *b], [*blank, *list(c) * times]
+
+
+def induced_by_tableau(tableau: Tableau) -> Induced:
+    """What a Runge-Kutta method is on q'' = F(q): c = A1, and A², bA, b; it drifts by Σ b, which is 1."""
+    a, b, _ = tableau
+    terms = [[(k, y) for k, y in enumerate(row) if y] for row in a]
+    squared = [_times(row, terms) for row in a]
+    return stages(squared, (_times(b, terms), b), [_sum(row) for row in a]), _sum(b)
+
+
+def induced_by_parts(parts: Sequence[tuple[str, Exact]], lift: Lift) -> Induced:
+    """What a splitting is on q'' = F(q): a kick y at the time c moves each later place by y times the drift since."""
+    at, kicks = lift(0), []
+    for kind, x in parts:
+        if kind == "drift":
+            at = at + lift(x)
+        elif x:
+            kicks.append((at, lift(x)))
+    kicks = kicks or [(at, lift(0))]
+    before = [kicks[:i] for i in range(len(kicks))]
+    later = [[lift(0)] * (len(kicks) - i) for i in range(len(kicks))]
+    rows = [
+        [*((c - start) * y for start, y in earlier), *blank]
+        for (c, _), earlier, blank in zip(kicks, before, later, strict=True)
+    ]
+    ends = [(at - c) * y for c, y in kicks]
+    return stages(rows, (ends, [y for _, y in kicks]), [c for c, _ in kicks]), at
+
+
+def induced_by_nystrom(method: Nystrom, lift: Lift) -> Induced:
+    """A Nyström method as it is; it drifts by 1."""
+    rows = [[lift(x) for x in row] for row in (*method.a, method.b_position, method.b_velocity)]
+    return stages(rows[:-2], (rows[-2], rows[-1]), [lift(x) for x in method.c]), lift(1)
+
+
+def induced_scaled(induced: Induced, factor: Fraction) -> Induced:
+    """The same method with the step factor·h."""
+    table, drift = induced
+    rows = [[x * (factor * factor) for x in row] for row in (*table.a, table.weights[0])]
+    kicks = [x * factor for x in table.weights[1]]
+    return stages(rows[:-1], (rows[-1], kicks), [x * factor for x in table.c]), drift * factor
+
+
+def induced_repeated(induced: Induced, times: int) -> Induced:
+    """The same method so many times with h/times: an earlier force acts by the drift since, and as at its own end."""
+    table, drift = induced
+    b_position, b_velocity = table.weights
+    part, size, zero = Fraction(1, times), range(times), drift * 0
+
+    def since(gap: int, node: Number) -> list[Number]:
+        pairs = zip(b_position, b_velocity, strict=True)
+        return [(end + (drift * gap + node) * kick) * (part * part) for end, kick in pairs]
+
+    rows = [
+        [
+            *(x for j in range(i) for x in since(i - j - 1, node)),
+            *(x * (part * part) for x in row),
+            *[zero] * (len(row) * (times - 1 - i)),
+        ]
+        for i in size
+        for node, row in zip(table.c, table.a, strict=True)
+    ]
+    ends = [x for j in size for x in since(times - j - 1, zero)]
+    nodes = [(drift * i + node) * part for i in size for node in table.c]
+    return stages(rows, (ends, [x * part for x in b_velocity] * times), nodes), drift
+
+
+def _sum(terms: Row) -> Number:
+    total = terms[0]
+    for x in terms[1:]:
+        total = total + x
+    return total
+
+
+def _times(row: Row, matrix: Sequence[Sequence[tuple[int, Number]]]) -> list[Number]:
+    """The row times a square matrix, of which the terms are given that are not zero."""
+    total = [row[0] * 0] * len(row)
+    for x, terms in zip(row, matrix, strict=True):
+        for k, y in terms if x else ():
+            total[k] = total[k] + x * y
+    return total

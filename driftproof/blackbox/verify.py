@@ -1,0 +1,127 @@
+"""Does this code do what its name says, to roundoff? Coefficients, rounding and order against the exact method."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from driftproof.blackbox.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY, Agreement, Domain, agreement
+from driftproof.blackbox.findings import Outcome
+from driftproof.blackbox.identify import identify
+from driftproof.blackbox.laboratory import TIME_LIMIT, Laboratory
+from driftproof.blackbox.matching import match_method
+from driftproof.blackbox.nonlinear import MeasuredOrder, measured_order
+from driftproof.blackbox.questions import coefficients
+from driftproof.blackbox.report import Json, Report, sections
+from driftproof.blackbox.target import Target
+from driftproof.blackbox.tolerance import Allowance, Tolerance
+from driftproof.facts import method_of
+from methods.schemes import Method
+
+# Of a question that a stepper's door does not allow, nothing follows.
+NOT_ASKED = ("no_such_door", "not_readable")
+
+
+@dataclass(frozen=True)
+class Check:
+    """One way to hold a stepper to a method: whether it passed (None: it could not be asked), and what was seen."""
+
+    title: str
+    passed: bool | None
+    lines: tuple[str, ...]
+    data: dict[str, Json]
+
+
+def verify(
+    step: Callable[..., Any] | str,
+    method: Method | str,
+    *,
+    door: str | None = None,
+    array: Callable[[Any], Any] | str | None = None,
+    examples: int = EXAMPLES,
+    domain: Domain = ORDINARY,
+    allowance: Allowance = NO_ALLOWANCE,
+    time_limit: float = TIME_LIMIT,
+    isolate: bool = True,
+) -> Report:
+    """Whether a float stepper is `method` on q'' = -q to the definition's any-order rounding bound, and no other one.
+
+    `step` is a callable or "package.module:name", `method` a catalogue key, a .toml file or a method. It is tried at
+    `examples` floats of the `domain`, with what `allowance` adds to the bound. Where it takes a force or a right-hand
+    side, its coefficients are read, too, and its order on the pendulum is measured. If it does not pass, the report
+    says what it is instead. `door` and `array` are for steppers whose parameters do not tell how they are called.
+    With `isolate` false it runs in this process, without a time limit.
+
+    Raises ValueError for a method, a door or an allowance that makes no sense.
+    """
+    asked = method_of(method) if isinstance(method, str) else method
+    Tolerance(asked, allowance=allowance)  # a question without sense is refused before anything runs
+    laboratory = Laboratory(Target(step, door, array), time_limit, isolate)
+    agreed = partial(agreement, method=asked, allowance=allowance, domain=domain, examples=examples)
+    outcomes = laboratory.run([agreed, coefficients, measured_order])
+    if all(outcome.kind == "bad_input" for outcome in outcomes):
+        raise ValueError(outcomes[0].seen)
+    checks = [check(asked, outcome) for check, outcome in zip(CHECKS, outcomes, strict=True)]
+    failed = [check for check in checks if check.passed is False]
+    if not failed:
+        return _report(laboratory.target, _agreed(asked, outcomes[0].result), checks)
+    instead = identify(step, door=door, array=array, time_limit=time_limit, isolate=isolate)
+    return _report(laboratory.target, f"is not {asked.key}; {instead.verdict}", checks, instead)
+
+
+def assert_verified(step: Callable[..., Any] | str, method: Method | str, **conditions: Any) -> None:
+    """`verify`, for a test: raises AssertionError with the whole report unless the stepper passes."""
+    __tracebackhide__ = True
+    report = verify(step, method, **conditions)
+    if not report.passed:
+        raise AssertionError(f"\n{report.text()}")
+
+
+def _check_rounding(method: Method, outcome: Outcome) -> Check:
+    if outcome.failed:
+        return Check("Rounding", False, (f"{outcome.kind}: {outcome.seen}",), {})
+    found: Agreement = outcome.result
+    return Check("Rounding", found.holds, tuple(found.lines), found.data)
+
+
+def _check_coefficients(method: Method, outcome: Outcome) -> Check:
+    if outcome.failed:
+        return Check("Coefficients", None if outcome.kind in NOT_ASKED else False, (outcome.seen,), {})
+    identity = match_method(outcome.result, method)
+    if identity.matches:
+        return Check("Coefficients", True, tuple(identity.lines), {})
+    differences = [f"those of {near.key} but for {'; '.join(near.differences)}" for near in identity.near]
+    return Check("Coefficients", False, tuple(differences) or (f"not those of {method.key}",), {})
+
+
+def _check_order(method: Method, outcome: Outcome) -> Check:
+    if outcome.failed:
+        return Check("Order", None if outcome.kind in NOT_ASKED else False, (outcome.seen,), {})
+    found: MeasuredOrder = outcome.result
+    passed = None if found.order is None else found.order >= method.claimed_order
+    claim = f"{method.key} has order {method.claimed_order}"
+    return Check("Order", passed, (claim, found.words), {"measured": found.order})
+
+
+CHECKS: Sequence[Callable[[Method, Outcome], Check]] = (_check_rounding, _check_coefficients, _check_order)
+
+
+def _agreed(method: Method, found: Agreement) -> str:
+    return (
+        f"is {method.key} to roundoff: {found.examples} steps within the derived bound, "
+        f"the largest error {found.worst.error_over_bound:.2f} of it"
+    )
+
+
+def _report(target: Target, verdict: str, checks: Sequence[Check], instead: Report | None = None) -> Report:
+    marks = {True: "passed", False: "FAILED", None: "not asked"}
+    parts = [(f"{check.title}: {marks[check.passed]}", check.lines) for check in checks]
+    data = {check.title.lower(): {"passed": check.passed, "seen": list(check.lines), **check.data} for check in checks}
+    if instead is not None:
+        read = instead.section("Coefficients") or instead.section("One-step matrix")
+        shown = [section for section in (read, instead.section("Faults"), instead.section("Not answered")) if section]
+        parts += [(f"What it is: {section.title.lower()}", section.lines) for section in shown]
+        data["instead"] = instead.data
+    return Report(target.name, verdict, all(check.passed is not False for check in checks), sections(*parts), data)

@@ -1,0 +1,160 @@
+"""The door of a stepper, told by the names of its parameters in the wild; what fits none is refused in a line."""
+
+import functools
+import inspect
+
+import pytest
+
+from driftproof.blackbox.doors import DOORS, FIELD, FORCE, MAP, STANDARD_ORDER, Door, door_of
+from driftproof.blackbox.opening import opened
+
+WILD = [
+    ("q, v, h", MAP, "position velocity step"),
+    ("x, v, dt", MAP, "position velocity step"),
+    ("q, p, h", MAP, "position velocity step"),
+    ("pos, vel, dt", MAP, "position velocity step"),
+    ("theta, omega, dt", MAP, "position velocity step"),
+    ("v, x, dt", MAP, "velocity position step"),
+    ("dt, x, v", MAP, "step position velocity"),
+    ("t, x, v, dt", MAP, "time position velocity step"),
+    ("X, V, dT", MAP, "position velocity step"),
+    ("_q, _v, _h", MAP, "position velocity step"),
+    ("state, dt", MAP, "state step"),
+    ("y, h", MAP, "state step"),
+    ("y, t, h", MAP, "state time step"),
+    ("z, tau", MAP, "state step"),
+    ("force, q, v, h", FORCE, "function position velocity step"),
+    ("x, v, dt, accel", FORCE, "position velocity step function"),
+    ("x, v, a, dt", FORCE, "position velocity function step"),
+    ("get_acceleration, r, v, timestep", FORCE, "function position velocity step"),
+    ("acc, t, x, v, dt", FORCE, "function time position velocity step"),
+    ("f, t, y, h", FIELD, "function time state step"),
+    ("f, y, t, dt", FIELD, "function state time step"),
+    ("t, y, h, f", FIELD, "time state step function"),
+    ("rhs, u, dt", FIELD, "function state step"),
+    ("fun, t0, y0, step_size", FIELD, "function time state step"),
+    ("dydt, tn, yn, h", FIELD, "function time state step"),
+    ("deriv, y, t, dt, args=()", FIELD, "function state time step"),
+    ("f, t, y, h, *, atol=1e-8, **options", FIELD, "function time state step"),
+]
+
+
+def parameters_of(step):
+    return str(inspect.signature(step))
+
+
+def with_parameters(parameters):
+    return eval(f"lambda {parameters}: None")
+
+
+@pytest.mark.parametrize(("parameters", "kind", "order"), WILD)
+def test_names_in_the_wild_tell_the_door(parameters, kind, order):
+    assert door_of(with_parameters(parameters)) == Door(kind, tuple(order.split()))
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        *("", "q", "q, v", "q, v, h, k, mode", "x, y, dt", "model, state, dt", "f, y, t_span", "f, y0, t"),
+        *("q, v, h, t, t0", "a, b, c", "*args", "state, action", "f, force, q, v, h"),
+    ],
+)
+def test_other_names_are_refused_in_one_line_that_shows_the_doors(parameters):
+    step = with_parameters(parameters)
+    with pytest.raises(ValueError, match="is not one of these") as caught:
+        door_of(step)
+    message = str(caught.value)
+    assert "\n" not in message
+    assert all(words in message for words in DOORS.values())
+    assert "<lambda>(" in message
+
+
+@pytest.mark.parametrize(("kind", "order"), STANDARD_ORDER.items())
+def test_a_door_that_is_named_takes_arguments_in_its_standard_order(kind, order):
+    parameters = ", ".join(f"argument{i}" for i in range(len(order)))
+    assert door_of(with_parameters(parameters), kind) == Door(kind, order)
+
+
+def test_a_door_that_is_named_is_taken_of_two_that_fit():
+    assert door_of(with_parameters("y, v, h"), MAP).order == ("position", "velocity", "step")
+    assert door_of(with_parameters("f, y, h"), FIELD).order == ("function", "state", "step")
+    with pytest.raises(ValueError, match="is not one of these"):
+        door_of(with_parameters("q, v, h"), FIELD)
+
+
+def test_an_unknown_door_is_refused_with_the_known_ones():
+    with pytest.raises(ValueError, match="unknown door 'window'; choose from map, force, field"):
+        door_of(with_parameters("q, v, h"), "window")
+
+
+def test_parameters_with_a_default_are_left_alone():
+    assert door_of(lambda q, v, h, k=4.0: None) == Door(MAP, ("position", "velocity", "step"))
+
+
+@pytest.mark.parametrize(
+    "step",
+    [
+        lambda q, v, h, k, m: (q + h * v, v - h * q * k / m),
+        lambda k, m, x, v, dt: (x + dt * v, v - dt * x * k / m),
+        lambda m, q, stiffness, v, h: (q + h * v, v - h * q * stiffness / m),
+        lambda q, v, omega, h: (q + h * v, v - h * q * omega**2),
+        lambda state, dt, w0: (state[0] + dt * state[1], state[1] - dt * state[0] * w0),
+    ],
+    ids=parameters_of,
+)
+def test_parameters_of_an_oscillator_are_set_to_1_wherever_they_stand(step):
+    assert set(door_of(step).extra.values()) == {1.0}
+    assert opened(step).step(1.0, 0.75, 0.25) == (1.1875, 0.5)
+
+
+@pytest.mark.parametrize(
+    "step",
+    [
+        lambda q, v, *, h: (q + h * v, v - h * q),
+        lambda q, *, v, dt: (q + dt * v, v - dt * q),
+        lambda *, dt, v, x: (x + dt * v, v - dt * x),
+        lambda k, q, v, *, h: (q + h * v, v - h * q * k),
+        lambda y, *, h: (y[0] + h * y[1], y[1] - h * y[0]),
+    ],
+    ids=parameters_of,
+)
+def test_parameters_by_name_only_are_passed_by_name(step):
+    assert opened(step).step(1.0, 0.75, 0.25) == (1.1875, 0.5)
+
+
+class Oscillator:
+    def step(self, q, v, h):
+        return q + h * v, v - h * q
+
+    def __call__(self, state, dt):
+        return state
+
+    @staticmethod
+    def advance(x, v, dt):
+        return x + dt * v, v - dt * x
+
+
+def general(f, t, y, h):
+    return y + h * f(t, y)
+
+
+def test_methods_objects_and_bound_functions_have_doors():
+    assert door_of(Oscillator().step).order == ("position", "velocity", "step")
+    assert door_of(Oscillator()).order == ("state", "step")
+    assert door_of(Oscillator.advance).kind == MAP
+    assert door_of(functools.partial(general, lambda t, y: -y)) == Door(MAP, ("time", "state", "step"))
+    assert door_of(functools.wraps(general)(lambda *arguments: general(*arguments))).kind == FIELD
+
+
+def test_a_step_size_that_is_bound_leaves_no_door():
+    with pytest.raises(ValueError, match=r"partial\(q, v\) is not one of these"):
+        door_of(functools.partial(Oscillator().step, h=0.1))
+
+
+@pytest.mark.parametrize("no_signature", [dict, max, 42])
+def test_without_a_signature_the_door_has_to_be_named(no_signature):
+    with pytest.raises((TypeError, ValueError)):
+        inspect.signature(no_signature).bind_partial(1, 2, 3, 4)
+    with pytest.raises(ValueError, match=r"\(\?\) is not one of these"):
+        door_of(no_signature)
+    assert door_of(no_signature, FIELD) == Door(FIELD, STANDARD_ORDER[FIELD])

@@ -1,0 +1,36 @@
+"""A report says the same as text, as Markdown and as JSON, and shows nothing that is not there."""
+
+import json
+
+from driftproof.blackbox.report import Report, sections
+
+REPORT = Report(
+    "mylib:step",
+    "is not rk4; it is rk38",
+    False,
+    sections(("Rounding", ["q is a_b*c"]), ("Faults", [])),
+    {"order": 4},
+)
+
+
+def test_a_section_without_lines_is_left_out():
+    assert [section.title for section in REPORT.sections] == ["Rounding"]
+    assert REPORT.section("Rounding").lines == ("q is a_b*c",)
+    assert REPORT.section("Faults") is None
+
+
+def test_text_has_the_target_the_verdict_and_the_sections():
+    assert REPORT.text() == "mylib:step\n  is not rk4; it is rk38\n\nRounding\n  q is a_b*c"
+    assert REPORT.written("text") == REPORT.text() == str(REPORT)
+
+
+def test_markdown_shows_lines_verbatim():
+    assert REPORT.written("markdown") == (
+        "### `mylib:step`: is not rk4; it is rk38\n\n**Rounding**\n\n- q is a\\_b\\*c"
+    )
+
+
+def test_json_holds_the_data_with_sorted_keys():
+    data = json.loads(REPORT.written("json"))
+    assert data == {"target": "mylib:step", "verdict": "is not rk4; it is rk38", "passed": False, "order": 4}
+    assert list(data) == sorted(data)

@@ -1,0 +1,42 @@
+"""A stepper by its name or as a callable: what is imported, and what is refused in one line."""
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.target import Target, imported
+from symbolic.rounding.formats import BINARY32
+
+
+def local_step(q, v, h):
+    return q + h * v, v - h * q
+
+
+def test_a_target_is_imported_by_its_name():
+    assert imported("numeric.steppers:rk4").__name__ == "rk4"
+    assert imported("tests.planted:Multistep.step").__qualname__ == "Multistep.step"
+    assert Target("numeric.steppers:rk4").open().step(1.0, 0.0, 0.0) == (1.0, 0.0)
+    assert Target(local_step).name == f"{__name__}:local_step"
+    assert Target("numeric.steppers:rk4").by_name
+    assert not Target(local_step).by_name
+    assert not Target("numeric.steppers:rk4", array=np.array).by_name
+    assert Target("numeric.steppers:rk4", array="numpy:float32").open().format is BINARY32
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("numeric.steppers", "'numeric.steppers' names no stepper; write package.module:function"),
+        ("numeric.steppers:", "names no stepper"),
+        (":rk4", "names no stepper"),
+        ("numeric/steppers.py:rk4", "names no stepper"),
+        ("numeric.steppers:rk4(1)", "names no stepper"),
+        ("numeric.steppers:rk5", "numeric.steppers:rk5 cannot be imported: AttributeError"),
+        ("no_such_module_here:step", "cannot be imported: ModuleNotFoundError"),
+        ("numeric.steppers:HAND_WRITTEN", "numeric.steppers:HAND_WRITTEN is dict, which cannot be called"),
+    ],
+)
+def test_a_name_without_a_stepper_is_refused_in_one_line(name, message):
+    with pytest.raises(ValueError, match=r".") as caught:
+        Target(name).open()
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
