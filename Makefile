@@ -2,8 +2,9 @@
 
 PYTHON ?= python3
 BIN := .venv/bin
+PEERS := build/peers
 
-.PHONY: proofs test lint thorough long clean
+.PHONY: proofs test lint thorough long docs bench clean
 
 proofs: .venv
 	$(BIN)/python -m pytest proofs
@@ -22,6 +23,22 @@ thorough: .venv
 long: .venv
 	$(BIN)/python -m pytest -n 2 -m long
 
+# The numbers, sessions and tables of docs/differences.md, written anew.
+docs: .venv
+	$(BIN)/python docs/pages.py
+
+# Times beside NodePy, kauri and RKkit, and their answers: about ten minutes. RKkit needs 2 GB of Sage, and is left out
+# of the report where that cannot be had.
+bench: $(PEERS)
+	$(PEERS)/bin/python benchmarks/report.py
+
+$(PEERS): requirements.lock benchmarks/peers.txt
+	$(PYTHON) -m venv $(PEERS)
+	$(PEERS)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(PEERS)/bin/python -m pip install --quiet --disable-pip-version-check -r benchmarks/peers.txt
+	-$(PEERS)/bin/python -m pip install --quiet --disable-pip-version-check 'RKkit[passagemath]==0.1.8'
+	touch $(PEERS)
+
 .venv: requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
@@ -29,4 +46,17 @@ long: .venv
 	touch .venv
 
 clean:
-	rm -rf .venv dist .hypothesis .mypy_cache .ruff_cache
+	rm -rf .venv build dist .hypothesis .mypy_cache .ruff_cache
+
+# Identifies steppers of some forty other packages, which want an environment of their own, and writes docs/gallery.md.
+GALLERY := build/gallery
+
+.PHONY: gallery
+
+gallery: $(GALLERY)
+	$(GALLERY)/bin/python -m examples.gallery.run
+
+$(GALLERY): pyproject.toml
+	$(PYTHON) -m venv $(GALLERY)
+	$(GALLERY)/bin/python -m pip install --quiet --disable-pip-version-check -e '.[gallery]'
+	touch $(GALLERY)

@@ -1,23 +1,28 @@
-"""Import time of the float side and start of the command line, against `import numpy`: python benchmarks/import_time.py
+"""Import time of the float side and start of the command line, beside numpy's: python benchmarks/import_time.py
 
-Fresh interpreters, interleaved so that a busy moment of the machine meets all of them; the minimum is the estimate, the
-median says how noisy the machine was. The goal of the project: `import numeric.run` takes at most 1.5 times numpy.
+Fresh interpreters, timed from inside, so that the start of Python itself is not counted; a round starts one for each
+subject in turn, so that a busy moment of the machine meets all of them.
 """
 
 from __future__ import annotations
 
 import argparse
-import platform
-import statistics
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-ROOT = Path(__file__).parents[1]
-GOAL = 1.5
+sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own packages, whatever else is installed
 
-# Name -> what a new interpreter does, timed from inside so that the start of Python itself is not counted.
+from benchmarks.timing import Goal, Section, Times, goal_rows, milliseconds, percent
+from driftproof.text import table
+
+ROOT = Path(__file__).parents[1]
+ROUNDS = 15
+# The most that `import numeric.run` may take, in imports of numpy.
+MOST = 1.5
+
+# Name -> what a new interpreter does.
 SUBJECTS = {
     "import numpy": "import numpy",
     "import numeric.run": "import numeric.run",
@@ -27,46 +32,60 @@ SUBJECTS = {
     "driftproof --help": "import contextlib, io\nwith contextlib.redirect_stdout(io.StringIO()):\n    "
     "from driftproof.cli import main\n    with contextlib.suppress(SystemExit): main(['--help'])",
 }
-TIMED = "import time\nstart = time.perf_counter()\n{code}\nprint(time.perf_counter() - start)"
+TIMED = "import time\nstart = time.perf_counter()\n{code}\nprint(1000 * (time.perf_counter() - start))"
+LOADED = "import sys\n{code}\nprint('sympy' in sys.modules)"
 
 
-def seconds(code: str) -> float:
+def new_interpreter(code: str) -> str:
+    """What `code` prints in a new interpreter at the root."""
+    command = [sys.executable, "-c", code]
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True, timeout=60).stdout.strip()
+
+
+def milliseconds_of(code: str) -> float:
     """What `code` takes in a new interpreter."""
-    command = [sys.executable, "-c", TIMED.format(code=code)]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True, timeout=60)
-    return float(done.stdout)
+    return float(new_interpreter(TIMED.format(code=code)))
 
 
 def measure(rounds: int) -> dict[str, list[float]]:
     """`rounds` timings of each subject, after one that warms the file cache and writes the bytecode."""
     for code in SUBJECTS.values():
-        seconds(code)
+        milliseconds_of(code)
     taken: dict[str, list[float]] = {name: [] for name in SUBJECTS}
     for _ in range(rounds):
         for name, code in SUBJECTS.items():
-            taken[name].append(seconds(code))
+            taken[name].append(milliseconds_of(code))
     return taken
 
 
-def report(taken: dict[str, list[float]]) -> str:
-    """A table of minimum and median in milliseconds, with the ratio to numpy, and a verdict on the goal."""
-    base = min(taken["import numpy"]), statistics.median(taken["import numpy"])
-    lines = [f"{'':20}{'min ms':>9}{'median ms':>12}{'min/numpy':>12}{'median/numpy':>15}"]
-    for name, times in taken.items():
-        least, middle = min(times), statistics.median(times)
-        lines.append(f"{name:20}{1e3 * least:9.1f}{1e3 * middle:12.1f}{least / base[0]:12.2f}{middle / base[1]:15.2f}")
-    ratio = min(taken["import numeric.run"]) / base[0]
-    verdict = "reached" if ratio <= GOAL else "missed"
-    lines.append(f"\ngoal: import numeric.run <= {GOAL} numpy: {ratio:.2f}, {verdict}")
-    rounds = len(taken["import numpy"])
-    return "\n".join([*lines, f"{rounds} rounds, Python {platform.python_version()}, {platform.machine()}"])
+def section(taken: Mapping[str, Sequence[float]], *, loads_sympy: bool) -> Section:
+    """The table, and the goals: numeric.run against numpy, and no SymPy after `import driftproof`."""
+    times = {name: Times(samples) for name, samples in taken.items()}
+    base = times["import numpy"].best
+    rows = [["in a new interpreter", "minimum", "median", "spread", "samples", "over numpy"]]
+    for name, t in times.items():
+        shown = (milliseconds(t.best), milliseconds(t.median), percent(t.spread), str(len(t.samples)))
+        rows.append([name, *shown, f"{t.best / base:.2f}"])
+    ratio = times["import numeric.run"].best / base
+    goals = [
+        Goal("import numeric.run over import numpy", f"≤ {MOST}", f"{ratio:.2f}", ratio <= MOST),
+        Goal("import driftproof loads SymPy", "no", "yes" if loads_sympy else "no", not loads_sympy),
+    ]
+    return Section("Import", rows, goals)
+
+
+def sections(rounds: int = ROUNDS) -> list[Section]:
+    """Measured."""
+    loads_sympy = new_interpreter(LOADED.format(code="import driftproof")) == "True"
+    return [section(measure(rounds), loads_sympy=loads_sympy)]
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--rounds", type=int, default=15, help="interpreters started per subject (default 15)")
-    print(report(measure(parser.parse_args(arguments).rounds)))
+    parser.add_argument("--rounds", type=int, default=ROUNDS, help=f"interpreters a subject (default {ROUNDS})")
+    for found in sections(parser.parse_args(arguments).rounds):
+        print(table(found.rows), table(goal_rows(found.goals)), sep="\n\n")
 
 
 if __name__ == "__main__":

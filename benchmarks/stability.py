@@ -1,173 +1,144 @@
-"""Stability functions, limits, whole fact sheets, beside NodePy where installed: python benchmarks/stability.py
+"""Stability functions, limits and properties, beside NodePy and RKkit: python benchmarks/stability.py
 
-Minimum of several runs in one process, ours with its cache of isolated roots emptied before each. NodePy's R(z) is
-exact for rational tableaux, its stability intervals and SSP coefficients are floats by bisection.
+Ours is exact; NodePy's R(z) is exact for rational tableaux, its stability intervals and SSP coefficients are floats;
+RKkit works with real algebraic numbers. A peer is handed its method as its own object, made before the clock starts,
+but RKkit keeps what a method has answered, so that its object is made anew in every call.
 """
 
 from __future__ import annotations
 
-import argparse
-import contextlib
-import importlib.util
-import io
-import platform
 import sys
-import time
-import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own `symbolic`, whatever else is installed
+sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own packages, whatever else is installed
 
+from flint import fmpq_poly
+
+from benchmarks.peers import (
+    installed,
+    nodepy_method,
+    rational_function,
+    read_nodepy,
+    read_rkkit,
+    rkkit_method,
+    six_digits,
+)
+from benchmarks.timing import Contestant, Row, Subject, cold_and_warm, measure, print_measured, with_peers
 from methods.catalogue import METHODS
-from methods.schemes import Collocation, RungeKutta
-from symbolic.linear import real_roots
-from symbolic.linear.facts import FACTS, LinearFacts
 from symbolic.linear.implicit_stability import a_stability, l_stability
 from symbolic.linear.limits import data, imaginary_limit, real_limit
 from symbolic.linear.monotonicity import ssp_coefficient
 from symbolic.linear.oscillator import stability_function_of
 from symbolic.linear.stability_function import stability_function, stability_function_of_collocation
+from symbolic.trees.quadratic import algebraic_stability
 
-Task = Callable[[], Any]
-
-
-def every_fact(key: str) -> None:
-    facts = LinearFacts(METHODS[key])
-    for name in FACTS:
-        facts.value(name)
+# Any: the catalogue holds methods of every family under its keys.
+METHOD: dict[str, Any] = {**METHODS}
 
 
-def whole_catalogue() -> None:
-    for key in METHODS:
-        every_fact(key)
+def r_of(key: str) -> dict[str, Contestant]:
+    """R(z), by the method's tableau or by its nodes."""
+    method = METHOD[key]
+    if hasattr(method, "node_polynomial"):
+        return cold_and_warm(lambda: stability_function_of_collocation(method.node_polynomial), read_r)
+    return cold_and_warm(lambda: stability_function(method), read_r)
 
 
-def explicit(key: str) -> RungeKutta:
-    method = METHODS[key]
-    if not isinstance(method, RungeKutta):
-        raise TypeError(f"{key} is no Runge-Kutta method")
-    return method
+def read_r(r: Any) -> str:
+    """Ours as the peers' are read; over a number field as it prints."""
+    return rational_function(r.num.coeffs(), r.den.coeffs()) if isinstance(r.num, fmpq_poly) else str(r)
 
 
-def nodes_of(key: str) -> Any:
-    method = METHODS[key]
-    if not isinstance(method, Collocation):
-        raise TypeError(f"{key} is not given by its nodes")
-    return method.node_polynomial
+def limits_of(key: str) -> Callable[[], Any]:
+    """Both limits, with R."""
+
+    def task() -> Any:
+        r = stability_function_of(METHOD[key])
+        return real_limit(r), imaginary_limit(r)
+
+    return task
 
 
-def limits_of(key: str) -> tuple[Any, Any]:
-    r = stability_function_of(METHODS[key])
-    if r is None:
-        raise TypeError(f"{key} has no stability function")
-    return real_limit(r), imaginary_limit(r)
+def read_limits(limits: Any) -> str:
+    """Both to six digits."""
+    return ", ".join(f"{float(data(limit, 8)['decimal']):.6g}" for limit in limits)
 
 
-# name: (ours, goal in ms or None, the peer's way from its own method object or None, key)
-def tasks() -> dict[str, tuple[Task, float | None, Callable[[Any], Any] | None, str]]:
-    def r_of(key: str) -> Task:
-        return lambda: stability_function(explicit(key))
+def nodepy_tasks() -> dict[str, dict[str, Contestant]]:
+    """Its stability functions, intervals, SSP coefficient and algebraic stability."""
 
-    def by_nodes(key: str) -> Task:
-        return lambda: stability_function_of_collocation(nodes_of(key))
+    def intervals(key: str) -> Contestant:
+        method = nodepy_method(METHOD[key])
+        task = lambda: (method.real_stability_interval(), method.imaginary_stability_interval())
+        return Contestant(task, lambda found: ", ".join(f"{float(x):.6g}" for x in found))
 
-    def peer_r(method: Any) -> Any:
-        return method.stability_function()
+    found = {
+        f"R(z) of {key}": {"nodepy": Contestant(nodepy_method(METHOD[key]).stability_function, read_nodepy)}
+        for key in ("rk4", "fehlberg78", "dop853")
+    }
+    found |= {f"both limits of {key}, with R": {"nodepy": intervals(key)} for key in ("rk4", "dop853")}
+    ssp, radau = nodepy_method(METHOD["ssprk104"]), nodepy_method(METHOD["radau_iia3"])
+    found["SSP coefficient of ssprk104"] = {"nodepy": Contestant(ssp.absolute_monotonicity_radius, six_digits())}
+    found["algebraic stability of radau_iia3"] = {"nodepy, floats": Contestant(radau.is_algebraically_stable)}
+    return found
 
-    def peer_limits(method: Any) -> Any:
-        return method.real_stability_interval(), method.imaginary_stability_interval()
 
-    gauss = stability_function_of(METHODS["gauss10"])
+def rkkit_tasks() -> dict[str, dict[str, Contestant]]:
+    """Its stability functions and properties."""
+    asked = {
+        "R(z) of rk4": ("rk4", lambda made: made.stability_function(), read_rkkit),
+        "R(z) of fehlberg78": ("fehlberg78", lambda made: made.stability_function(), read_rkkit),
+        "A- and L-stability of radau_iia3": ("radau_iia3", lambda made: (made.is_A_stable(), made.is_L_stable()), str),
+        "algebraic stability of radau_iia3": ("radau_iia3", lambda made: made.is_algebraically_stable(), str),
+    }
     return {
-        "R(z) of rk4": (r_of("rk4"), 0.1, peer_r, "rk4"),
-        "R(z) of fehlberg78": (r_of("fehlberg78"), 2, peer_r, "fehlberg78"),
-        "R(z) of dop853": (r_of("dop853"), None, peer_r, "dop853"),
-        "R(z) of gauss2, over Q(sqrt 3)": (r_of("gauss2"), None, None, "gauss2"),
-        "R(z) of gauss4 by its nodes": (by_nodes("gauss4"), 1, None, "gauss4"),
-        "R(z) of gauss5 by its nodes": (by_nodes("gauss5"), 1, None, "gauss5"),
-        "both limits of rk4, with R": (lambda: limits_of("rk4"), None, peer_limits, "rk4"),
-        "both limits of dop853, with R": (lambda: limits_of("dop853"), None, peer_limits, "dop853"),
-        "A- and L-stability of gauss10": (lambda: (a_stability(gauss), l_stability(gauss)), None, None, "gauss10"),
-        "SSP coefficient of ssprk104": (
-            lambda: ssp_coefficient(explicit("ssprk104")),
-            None,
-            lambda method: method.absolute_monotonicity_radius(),
-            "ssprk104",
-        ),
-        "every linear fact of rk4": (lambda: every_fact("rk4"), 50, None, "rk4"),
-        "every linear fact of dop853": (lambda: every_fact("dop853"), 2000, None, "dop853"),
-        f"every linear fact of {len(METHODS)} methods": (whole_catalogue, 60000, None, "rk4"),
+        name: {"RKkit": Contestant(lambda key=key, ask=ask: ask(rkkit_method(METHOD[key])), read)}
+        for name, (key, ask, read) in asked.items()
     }
 
 
-def least(task: Task, budget: float) -> float:
-    """The least time of one call in milliseconds, over at least one call and about `budget` seconds."""
-    best, spent = float("inf"), 0.0
-    while spent < budget or best == float("inf"):
-        real_roots._real_balls.cache_clear()
-        start = time.perf_counter()
-        task()
-        taken = time.perf_counter() - start
-        best, spent = min(best, taken), spent + taken
-    return 1e3 * best
+TASKS = {"nodepy": nodepy_tasks, "RKkit": rkkit_tasks}
 
 
-def peer_method(key: str, *, exact: bool = True) -> Any:
-    """The same tableau as NodePy's object, exact or in floats; None where NodePy is not installed."""
-    if importlib.util.find_spec("nodepy") is None:
-        return None
-    import numpy as np
-    import sympy
-    from nodepy import rk
+def properties(key: str) -> dict[str, Contestant]:
+    """A- and L-stability, with R."""
 
-    method, kind = explicit(key), object if exact else float
-    number = sympy.Rational if exact else lambda p, q: p / q
-    rows = [[number(*x.as_integer_ratio()) for x in row] for row in (*method.a, method.b)]
-    return rk.ExplicitRungeKuttaMethod(np.array(rows[:-1], dtype=kind), np.array(rows[-1], dtype=kind))
+    def task() -> Any:
+        r = stability_function_of(METHOD[key])
+        return bool(a_stability(r)), bool(l_stability(r))
+
+    return cold_and_warm(task)
 
 
-def timed_peer(way: Callable[[Any], Any] | None, key: str, budget: float) -> float | None:
-    if way is None:
-        return None
-    with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        method = peer_method(key)
-        return None if method is None else least(lambda: way(method), budget)
+def subjects() -> list[Subject]:
+    """The questions, each with ours and with the peers that are installed; goals in ms."""
+    goals = {"rk4": 0.1, "fehlberg78": 2, "gauss5": 1}
+    found = [
+        Subject(f"R(z) of {key}", r_of(key), goals.get(key))
+        for key in ("rk4", "fehlberg78", "dop853", "gauss2", "gauss5")
+    ]
+    found += [
+        Subject(f"both limits of {key}, with R", cold_and_warm(limits_of(key), read_limits))
+        for key in ("rk4", "dop853")
+    ]
+    radau, ssp = METHOD["radau_iia3"], METHOD["ssprk104"]
+    found += [Subject(f"A- and L-stability of {key}", properties(key)) for key in ("radau_iia3", "gauss10")]
+    found.append(Subject("algebraic stability of radau_iia3", cold_and_warm(lambda: algebraic_stability(radau).holds)))
+    read = six_digits(lambda limit: data(limit, 8)["decimal"])
+    found.append(Subject("SSP coefficient of ssprk104", cold_and_warm(lambda: ssp_coefficient(ssp), read)))
+    return with_peers(found, (tasks() for name, tasks in TASKS.items() if name in installed()))
 
 
-def table(budget: float) -> str:
-    lines = [f"{'':34}{'ms':>10}{'goal':>8}{'NodePy':>11}{'ratio':>8}"]
-    for name, (ours, goal, way, key) in tasks().items():
-        taken, peer = least(ours, budget), timed_peer(way, key, budget)
-        wanted = "" if goal is None else f"{goal:g}"
-        beside = "" if peer is None else f"{peer:11.3f}{peer / taken:8.0f}"
-        missed = "" if goal is None or taken <= goal else "  missed"
-        lines.append(f"{name:34}{taken:10.3f}{wanted:>8}{beside}{missed}")
-    return "\n".join(lines)
+def rows(rounds: int) -> list[Row]:
+    """All subjects, measured."""
+    return measure(subjects(), rounds)
 
 
-def answers() -> str:
-    """Where the answers differ: real limits of R that touches -1 or 1; NodePy needs minutes for 40 stages."""
-    lines = ["", f"{'real limit':34}{'ours':>10}{'':>8}{'NodePy':>11}"]
-    for key in ("rk4", "chebyshev10_1", "ssprk40_2"):
-        ours = data(limits_of(key)[0], 8)["decimal"]
-        with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            method = peer_method(key, exact=False) if explicit(key).stages <= 10 else None
-            peer = "" if method is None else f"{float(method.real_stability_interval()):.6g}"
-        lines.append(f"{key:34}{ours:>10}{'':>8}{peer:>11}")
-    return "\n".join(lines)
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--budget", type=float, default=0.3, metavar="SECONDS", help="per row and side")
-    budget = parser.parse_args().budget
-    print(table(budget))
-    print(answers())
-    print(f"\n{platform.python_implementation()} {platform.python_version()}, {platform.machine()}")
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Measure and print."""
+    print_measured(arguments, __doc__, rows)
 
 
 if __name__ == "__main__":

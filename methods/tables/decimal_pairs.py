@@ -112,7 +112,7 @@ def _tsitouras54() -> RungeKutta:
         key="tsitouras54",
         title="Tsitouras 5(4)",
         claimed_order=5,
-        source="tsitouras-2011, the table of coefficients",
+        source="tsitouras-2011, Table 1",
         c=c,
         a=tuple((*given, *(7 - len(given)) * row("0")) for given in (*rows, b[:6])),
         b=b,

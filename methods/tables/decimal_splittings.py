@@ -153,11 +153,12 @@ _COMPOSITIONS: tuple[Splitting, ...] = (
 )
 
 _KICK_DRIFT: tuple[Splitting, ...] = (
+    # Table 2 of the source is reported to have the first two kicks of this one swapped (principia-2026).
     Splitting(
         key="mclachlan_atela3",
         title="McLachlan-Atela optimal method of order 3",
         claimed_order=3,
-        source="mclachlan-atela-1992, Table 2, order 3",
+        source="mclachlan-atela-1992, equation 3.3",
         parts=alternating(
             "kick",
             row(

@@ -93,7 +93,7 @@ ENTRIES: tuple[Method, ...] = (
         key="sdirk4",
         title="Hairer-Wanner SDIRK4",
         claimed_order=4,
-        source="hairer-wanner-1996, IV.6 Table 6.5",
+        source="hairer-wanner-1996, IV.6, page 100",
         c=row("1/4 3/4 11/20 1/2 1"),
         a=square(
             """1/4

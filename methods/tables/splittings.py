@@ -74,7 +74,7 @@ _MCLACHLAN: tuple[Splitting, ...] = (
         key="mclachlan4",
         title="McLachlan's symmetric method of order 4, five forces",
         claimed_order=4,
-        source="mclachlan-1995, the symmetric methods of order 4, m = 5",
+        source="mclachlan-1995, Table 2, type S of order 4, m = 5",
         parts=alternating(
             "drift",
             palindrome(
@@ -97,7 +97,7 @@ ENTRIES: tuple[Method, ...] = (
         key="forest_ruth",
         title="Forest-Ruth, which is Yoshida's order 4, position first",
         claimed_order=4,
-        source="forest-ruth-1990, 4.8",
+        source="forest-ruth-1990, section 4",
         parts=verlet_composition("drift", _TRIPLE_JUMP),
     ),
     Splitting(

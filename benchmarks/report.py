@@ -1,0 +1,131 @@
+"""The whole report, beside every peer that is installed: python benchmarks/report.py (about eight minutes)
+
+Writes docs/benchmarks.md, and docs/peers.json, from which docs/differences.md takes what peers answer. `make bench`
+runs it in an environment that has the peers.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import platform
+import subprocess
+import sys
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own packages, whatever else is installed
+
+from benchmarks import answers, facts, import_time, order, peers, roundoff, stability
+from benchmarks.timing import LIMIT, ROUNDS, TURN, Goal, Row, Section, goal_rows, times_rows
+from docs.pages import markdown
+
+ROOT = Path(__file__).parents[1]
+TIMED = {
+    "Trees and orders": order.rows,
+    "Stability": stability.rows,
+    "Every fact": facts.rows,
+    "Rounding bounds": roundoff.rows,
+}
+HOW = f"""\
+`ours` starts with every cache emptied, before each call; `ours, warm` with what the calls before have left. In a round
+every contestant has one turn, in which a short task is repeated for {1000 * TURN:.0f} ms, so that a busy moment of the
+machine meets all of them; one that has spent {LIMIT:g} s gets no further turn, so that a slow one may have a single
+sample. The minimum is the estimate; the spread is the middle half of the samples, from end to end, over their median.
+"Over ours" is the ratio of minima, above 1 where we are faster. Garbage is not collected meanwhile. What a contestant
+answers is compared in the same run. Peers compute in floats where that is said."""
+
+
+def machine() -> str:
+    """The processor and the system, in words."""
+    cpuinfo = Path("/proc/cpuinfo")
+    lines = cpuinfo.read_text(encoding="utf-8").splitlines() if cpuinfo.exists() else []
+    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    model = models[0] if models else platform.processor() or platform.machine()
+    return f"{model}, {os.cpu_count()} processors, {platform.system()} {platform.machine()}"
+
+
+def versions() -> str:
+    """Of Python, of what we build on and of the peers."""
+    ours = [f"{name} {version(name)}" for name in ("numpy", "sympy", "python-flint")]
+    theirs = [f"{name} {found}" for name, found in peers.installed().items()]
+    python = f"{platform.python_implementation()} {platform.python_version()}"
+    return f"{python}, {', '.join(ours)}; peers: {', '.join(theirs) or 'none'}"
+
+
+def commit() -> str:
+    """The commit, and whether the checkout differs from it."""
+
+    def git(*arguments: str) -> str:
+        done = subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=False)
+        return done.stdout.strip()
+
+    return (git("rev-parse", "--short", "HEAD") or "unknown") + (
+        ", changed" if git("--no-optional-locks", "status", "--porcelain") else ""
+    )
+
+
+def page(timed: dict[str, list[Row]], sections: Sequence[Section], counts: dict[str, Any], rounds: int) -> str:
+    """docs/benchmarks.md."""
+    goals = [goal for found in timed.values() for row in found for goal in row.goals()]
+    goals += [goal for section in sections for goal in section.goals]
+    parts = ["# Benchmarks", head(rounds), "## Goals", summary(goals), markdown(goal_rows(goals))]
+    parts += ["## How it is measured", HOW]
+    for title, found in timed.items():
+        parts += [f"## {title}", markdown(times_rows(found))]
+    for section in sections:
+        parts += [f"## {section.title}", markdown(section.rows)]
+    parts += ["## Do peers answer the same?", agreement(counts)]
+    return "\n\n".join(part.strip() for part in parts) + "\n"
+
+
+def head(rounds: int) -> str:
+    """What made the page, when, of what, on what."""
+    at = datetime.now(UTC).strftime("%Y-%m-%d")
+    return (
+        f"Made by `make bench` on {at} from commit {commit()}, {rounds} rounds.\n\n"
+        f"* machine: {machine()}\n* versions: {versions()}"
+    )
+
+
+def summary(goals: Sequence[Goal]) -> str:
+    """How many are met, and which are not."""
+    missed = [goal.what for goal in goals if not goal.met]
+    return f"{len(goals) - len(missed)} of {len(goals)} goals are met" + (
+        f"; missed: {'; '.join(missed)}." if missed else "."
+    )
+
+
+def agreement(counts: dict[str, Any]) -> str:
+    """The number of answers that are ours, and that are not, by peer."""
+    if not counts:
+        return "No peer was installed."
+    rows = [["peer", "answers", "not ours", "no answer"]]
+    for name, peer in counts.items():
+        seen = list(peer["facts"].values())
+        differs, silent = (sum(len(fact[kind]) for fact in seen) for kind in ("differs", "silent"))
+        total = sum(fact["agree"] for fact in seen) + differs
+        rows.append([f"{name} {peer['version']}", str(total), str(differs), str(silent)])
+    return (
+        f"{markdown(rows)}\n[differences.md](differences.md) shows each answer that is not ours, and says who is right."
+    )
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Measure everything, and write both files."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--rounds", type=int, default=ROUNDS, help=f"turns of each contestant (default {ROUNDS})")
+    chosen = parser.parse_args(arguments)
+    timed = {title: measure(chosen.rounds) for title, measure in TIMED.items()}
+    sections = [*import_time.sections(), *roundoff.sections()]
+    found = answers.answers()
+    if found:
+        (ROOT / "docs" / "peers.json").write_text(answers.as_json(found), encoding="utf-8")
+    (ROOT / "docs" / "benchmarks.md").write_text(page(timed, sections, found, chosen.rounds), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

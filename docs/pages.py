@@ -1,0 +1,98 @@
+"""Pages that are held true: their commands, their Python sessions and their tables are written anew and compared.
+
+`python docs/pages.py` rewrites docs/differences.md in place. In a page, a block that opens with ```console and
+`$ driftproof ...` shows what the command prints; a block that opens with ```python holds a session with `>>>`; and a
+table follows the comment <!-- table: NAME -->, NAME one of `tables.TABLES`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import doctest
+import io
+import re
+import shlex
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT))  # the checkout's own packages, whatever else is installed
+
+CONSOLE = re.compile(r"```console\n\$ driftproof (.*?)\n(.*?)```", re.DOTALL)
+SESSION = re.compile(r"```python\n(.*?)```", re.DOTALL)
+TABLE = re.compile(r"<!-- table: (\w+) -->\n+(?:\|.*\n)*\n*")
+
+
+def printed(command: str) -> str:
+    """What `driftproof command` prints. Raises ValueError if it exits with an error; that the answer is no is none."""
+    from driftproof.arguments import REFUTED
+    from driftproof.cli import main
+
+    with contextlib.redirect_stdout(io.StringIO()) as out:
+        status = main(shlex.split(command))
+    if status not in (0, REFUTED):
+        raise ValueError(f"driftproof {command}: exit code {status}")
+    return out.getvalue()
+
+
+class _Recorder(doctest.DocTestRunner):
+    """Runs examples and keeps what they print, right or wrong."""
+
+    def __init__(self) -> None:
+        super().__init__(verbose=False)
+        self.got: list[str] = []
+
+    def report_start(self, *_: object) -> None:
+        """Nothing to say."""
+
+    def report_success(self, out: object, test: object, example: object, got: str) -> None:
+        """As expected."""
+        self.got.append(got)
+
+    report_failure = report_success
+
+    def report_unexpected_exception(self, out: object, test: object, example: doctest.Example, exc_info: tuple) -> None:
+        """A session that raises is no session. Raises what it raised."""
+        raise exc_info[1]
+
+
+def session(text: str, names: dict[str, object]) -> str:
+    """The session with the output that it has now; `names` are the variables, which it may change."""
+    examples = doctest.DocTestParser().get_examples(text)
+    runner, test = _Recorder(), doctest.DocTest(examples, {}, "page", None, None, text)
+    test.globs = names  # not a copy, so that the next session knows them
+    runner.run(test, clear_globs=False)
+    lines = []
+    for example, got in zip(examples, runner.got, strict=True):
+        first, *more = example.source.splitlines()
+        lines += [f">>> {first}", *(f"... {line}".rstrip() for line in more)]
+        lines += got.splitlines()
+    return "\n".join(lines) + "\n"
+
+
+def markdown(rows: Sequence[Sequence[str]]) -> str:
+    """A table in Markdown, its header first."""
+    header, *body = rows
+    lines = [header, ["---"] * len(header), *body]
+    return "".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |\n" for line in lines)
+
+
+def refreshed(page: str, tables: dict[str, Callable[[], list[list[str]]]]) -> str:
+    """The page with every block and every table as they are now; the sessions of a page share their variables."""
+    names: dict[str, object] = {}
+    page = CONSOLE.sub(lambda m: f"```console\n$ driftproof {m[1]}\n{printed(m[1])}```", page)
+    page = SESSION.sub(lambda m: f"```python\n{session(m[1], names)}```", page)
+    return TABLE.sub(lambda m: f"<!-- table: {m[1]} -->\n\n{markdown(tables[m[1]]())}\n", page).rstrip() + "\n"
+
+
+def main() -> None:
+    """Rewrite the page of differences."""
+    from docs.tables import TABLES
+
+    path = ROOT / "docs" / "differences.md"
+    path.write_text(refreshed(path.read_text(encoding="utf-8"), TABLES), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
