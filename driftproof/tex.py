@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -19,7 +19,9 @@ _NOTATION = (
     (re.compile(r"\*\*(\d+)"), r"^{\1}"),
     (re.compile(r"\*"), " "),
     (re.compile(r"\boo\b"), r"\\infty"),
+    (re.compile(r"\b(alpha|beta|gamma|delta|theta|lambda|mu|omega|sigma|tau)\b"), r"\\\1"),
 )
+_SETS = (("{", r"\{"), ("}", r"\}"), (" U ", r" \cup "), ("empty", r"\emptyset"), ("~", r"\approx "))
 _ESCAPED = str.maketrans({"_": r"\_", "^": r"\^{}", "#": r"\#", "&": r"\&", "%": r"\%", "τ": r"$\tau$"})
 
 
@@ -57,7 +59,9 @@ def _term(coefficient: str, factor: str) -> str:
         return number
     if coefficient in ("1", "-1"):
         return number[:-1] + factor
-    return f"({number}){factor}" if " " in coefficient else number + factor
+    if " " in coefficient:
+        return f"({number}){factor}"
+    return f"{number} {factor}" if number[-1].isalpha() else number + factor
 
 
 def _power(variable: str, power: int) -> str:
@@ -67,16 +71,90 @@ def _power(variable: str, power: int) -> str:
 
 
 def _tex(name: str, value: Json) -> str:
-    if isinstance(value, dict) and "num" in value:
-        top, bottom = (polynomial_tex(value[part], VARIABLES.get(name, "h")) for part in ("num", "den"))
-        return f"${top}$" if bottom == "1" else rf"$\frac{{{top}}}{{{bottom}}}$"
-    if isinstance(value, dict) and value.get("exact") and "decimal" in value:
-        exact = number_tex(value["exact"])
-        return (
-            f"${exact}$"
-            if value["decimal"] == value["exact"]
-            else rf"${exact} \approx {value['decimal'][:DECIMALS_SHOWN]}$"
-        )
-    if isinstance(value, dict) and "power" in value:
-        return f"${_term(value['coefficient'], _power('h', value['power']))}$"
+    """The value in one cell; what has no form of its own, as plain text with TeX's own characters escaped."""
+    if value == "oo":
+        return r"$\infty$"
+    if isinstance(value, dict):
+        for keys, tex in _FORMS:
+            if keys <= value.keys():
+                return tex(name, value)
+    if isinstance(value, list) and value and isinstance(value[0], list):
+        return f"${_matrix(name, value)}$"
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        return "; ".join(_tex(name, part) for part in value)
     return fact_text(name, value).replace("**", "^").translate(_ESCAPED)
+
+
+def _fraction(name: str, value: Json) -> str:
+    top, bottom = (polynomial_tex(value[part], VARIABLES.get(name, "h")) for part in ("num", "den"))
+    return top if bottom == "1" else rf"\frac{{{top}}}{{{bottom}}}"
+
+
+def _matrix(name: str, rows: Json) -> str:
+    cells = ((number_tex(x) if isinstance(x, str) else _fraction(name, x) for x in row) for row in rows)
+    body = r" \\ ".join(" & ".join(row) for row in cells)
+    return rf"\begin{{pmatrix}}{body}\end{{pmatrix}}"
+
+
+def _number(_: str, value: Json) -> str:
+    """In radicals, else by its polynomial; with the first digits."""
+    decimal = value["decimal"]
+    if not value.get("exact"):
+        place = rf"the root of ${number_tex(value['minpoly'])}$ in $({', '.join(value['interval'])})$"
+        if "generator" in value:
+            place = f"${number_tex(value['generator'])}$, {place}"
+        return rf"{place}, $\approx {_digits(decimal)}$"
+    exact = number_tex(value["exact"])
+    short = value["exact"] in (decimal, decimal.rstrip("0").rstrip("."))
+    return f"${exact}$" if short else rf"${exact} \approx {_digits(decimal)}$"
+
+
+def _digits(decimal: str) -> str:
+    """The first digits of the decimal, with its exponent if it has one."""
+    mantissa, _, exponent = decimal.partition("e")
+    power = rf" \cdot 10^{{{exponent}}}" if exponent else ""
+    return mantissa[:DECIMALS_SHOWN] + power
+
+
+def _complex(_: str, value: Json) -> str:
+    if value["exact"]:
+        return f"${number_tex(value['exact'])}$"
+    parts = f"{_digits(value['real'])} + {_digits(value['imaginary'])} I"
+    return rf"the root of ${number_tex(value['minpoly'])}$ near ${parts}$"
+
+
+def _leading_term(_: str, value: Json) -> str:
+    coefficient, power = value["coefficient"], _power("h", value["power"])
+    return f"${_term(coefficient, power)}$" if isinstance(coefficient, str) else f"{_number('', coefficient)} ${power}$"
+
+
+def _set(values: str) -> str:
+    for plain, tex in _SETS:
+        values = values.replace(plain, tex)
+    return number_tex(values)
+
+
+def _piece(_: str, value: Json) -> str:
+    """One piece of a limit as a function of a parameter."""
+    if value["curve"] is None:
+        found = _tex("", value["limit"])
+    else:
+        solved = f"${number_tex(value['formula'])}$" if value["formula"] else ""
+        found = solved or f"positive root {value['root']} of ${number_tex(value['curve'])}$"
+    return f"{found} on ${_set(value['where'])}$"
+
+
+def _eigenvalue(_: str, value: Json) -> str:
+    return f"{_tex('', value['value'])}: limit {_tex('', value['limit'])}"
+
+
+_FORMS: tuple[tuple[set[str], Callable[[str, Json], str]], ...] = (
+    ({"num"}, lambda name, value: f"${_fraction(name, value)}$"),
+    ({"minpoly", "decimal"}, _number),
+    ({"minpoly", "imaginary"}, _complex),
+    ({"power", "coefficient"}, _leading_term),
+    ({"set", "order"}, lambda _, value: f"{value['order']} on ${_set(value['set'])}$"),
+    ({"set"}, lambda _, value: f"${_set(value['set'])}$"),
+    ({"where", "curve"}, _piece),
+    ({"multiplicity", "limit"}, _eigenvalue),
+)

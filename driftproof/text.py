@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from methods.catalogue import METHODS
+from methods.families import FAMILIES as PARAMETRIC
 from methods.schemes import Collocation, Nystrom, RungeKutta, Splitting
 from numeric.scenes import Scene
 
@@ -68,10 +69,13 @@ FAMILIES = {RungeKutta: "Runge-Kutta", Collocation: "collocation", Splitting: "s
 
 
 def methods_text() -> str:
-    """The catalogue: key, family, claimed order, title, source."""
+    """The catalogue, families with a free parameter last: key, family, claimed order, title, source."""
     rows = [["method", "family", "order", "title", "source"]]
     for key, method in METHODS.items():
         rows.append([key, FAMILIES[type(method)], str(method.claimed_order), method.title, method.source])
+    for key, family in PARAMETRIC.items():
+        name = f"{FAMILIES[RungeKutta]} in {family.parameter}"
+        rows.append([key, name, str(family.claimed_order), family.title, family.source])
     return table(rows, right=(2,))
 
 

@@ -2,52 +2,53 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
-from itertools import chain
+from importlib import import_module
 
 from methods.schemes import Method
-from methods.tables import (
-    basic,
-    collocation,
-    decimal_pairs,
-    decimal_splittings,
-    diagonally_implicit,
-    embedded,
-    explicit,
-    high_order_pairs,
-    implicit,
-    nystrom,
-    splittings,
-    stabilised,
-)
 
+# The tables of `methods.tables`, in the order in which the methods are listed.
 TABLES = (
-    basic,
-    explicit,
-    stabilised,
-    embedded,
-    high_order_pairs,
-    decimal_pairs,
-    implicit,
-    diagonally_implicit,
-    collocation,
-    splittings,
-    decimal_splittings,
-    nystrom,
+    *("basic", "explicit", "stabilised", "embedded", "high_order_pairs", "decimal_pairs", "implicit"),
+    *("diagonally_implicit", "collocation", "splittings", "decimal_splittings", "nystrom"),
 )
 
 
-def _by_key(entries: Iterable[Method]) -> dict[str, Method]:
-    methods: dict[str, Method] = {}
-    for method in entries:
-        if method.key in methods:
-            raise ValueError(f"methods/tables: two entries share the key {method.key}")
-        methods[method.key] = method
-    return methods
+class Catalogue(Mapping[str, Method]):
+    """The methods of the tables by key. Tables are read one after the other, no further than to the key asked for."""
+
+    def __init__(self, tables: Iterable[str] = TABLES) -> None:
+        """Nothing is read yet."""
+        self._unread = deque(tables)
+        self._methods: dict[str, Method] = {}
+
+    def __getitem__(self, key: str) -> Method:
+        """The method. Raises KeyError."""
+        while key not in self._methods and self._unread:
+            self._read_next()
+        return self._methods[key]
+
+    def __iter__(self) -> Iterator[str]:
+        """The keys, in the order of the tables."""
+        while self._unread:
+            self._read_next()
+        return iter(self._methods)
+
+    def __len__(self) -> int:
+        """How many methods there are."""
+        return sum(1 for _ in self)
+
+    def _read_next(self) -> None:
+        for method in import_module(f"methods.tables.{self._unread[0]}").ENTRIES:
+            if method.key in self._methods:
+                raise ValueError(f"methods/tables: two entries share the key {method.key}")
+            self._methods[method.key] = method
+        self._unread.popleft()
 
 
-METHODS: dict[str, Method] = _by_key(chain.from_iterable(table.ENTRIES for table in TABLES))
+METHODS = Catalogue()
 
 
 def method_named(key: str) -> Method:

@@ -4,7 +4,7 @@ sum     = product (("+" | "-") product)*
 product = factor (("*" | "/") factor)*
 factor  = "-" factor | "+" factor | power
 power   = atom ["**" ["-"] integer]
-atom    = integer | decimal | name | "(" sum ")"
+atom    = integer | decimal | name | ("sqrt" | "cbrt") "(" integer ")" | "(" sum ")"
 """
 
 from __future__ import annotations
@@ -12,15 +12,25 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from fractions import Fraction
+from typing import Any, TypeAlias
 
-from methods.number_field import Algebraic, Exact
+from methods.number_field import Exact, cube_root, square_root
+from methods.parameters import PARAMETER, Function, function
 from methods.rationals import parse_rational
+
+# A Fraction, an element of a number field, or a function of a parameter: whatever the names stand for.
+Value: TypeAlias = Any
 
 LONGEST_EXPRESSION = 2000
 DEEPEST_NESTING = 40
 LARGEST_POWER = 64
 # A power of a power of a power would ask for gigabytes; no published coefficient comes near.
 LARGEST_BITS = 20_000
+# Of a function of a parameter: numerator and denominator together.
+MOST_COEFFICIENTS = 100
+# Digits under a root.
+LONGEST_RADICAND = 40
+RADICALS = {"sqrt": square_root, "cbrt": cube_root}
 
 _TOKEN = re.compile(r"\s*(\d[\d_]*(?:\.\d*)?(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?|[A-Za-z_]\w*|\*\*|[-+*/()])")
 
@@ -30,9 +40,32 @@ def parse_exact(text: str, roots: Mapping[str, Exact], what: str) -> Exact:
 
     The line begins with `what`. All operations are exact: "0.1" is 1/10, and "(1 + s3)/2" an element of s3's field.
     """
+    known = f"declared in [roots]: {', '.join(roots)}" if roots else "nothing is declared in [roots]"
+    value: Exact = _parsed(text, roots, what, f"is an unknown root; {known}")
+    return value
+
+
+def parse_number(text: str, what: str) -> Exact:
+    """The number that `text` spells without names, e.g. "1 - sqrt(2)/2". Raises ValueError, in one line."""
+    value: Exact = _parsed(text, {}, what, "is a name; write numbers, sqrt(n) and cbrt(n)")
+    return value
+
+
+def parse_function(text: str, parameter: str, what: str) -> Function:
+    """The rational function of the parameter that `text` spells, e.g. "1 - 1/(2*alpha)", its other numbers rational.
+
+    Raises ValueError, in one line.
+    """
+    value = _parsed(text, {parameter: PARAMETER}, what, f"is an unknown name; the parameter is {parameter}")
+    if not isinstance(value, Function | Fraction):
+        raise ValueError(f"{what}: {_shown(text)} is irrational; beside a parameter, numbers are rational")
+    return value if isinstance(value, Function) else function((value,))
+
+
+def _parsed(text: str, names: Mapping[str, Value], what: str, unknown: str) -> Value:
     if len(text) > LONGEST_EXPRESSION:
         raise ValueError(f"{what}: the expression has {len(text)} characters; at most {LONGEST_EXPRESSION} are read")
-    return _Parser(_tokens(text.replace("\N{MINUS SIGN}", "-"), what), roots, what).whole()
+    return _Parser(_tokens(text.replace("\N{MINUS SIGN}", "-"), what), names, what, unknown).whole()
 
 
 def _tokens(text: str, what: str) -> list[str]:
@@ -55,18 +88,21 @@ def _shown(text: str) -> str:
 class _Parser:
     """One pass over the tokens; each method reads what its name says and returns its value."""
 
-    def __init__(self, tokens: list[str], roots: Mapping[str, Exact], what: str) -> None:
-        self.tokens, self.roots, self.what = tokens, roots, what
+    def __init__(self, tokens: list[str], names: Mapping[str, Value], what: str, unknown: str) -> None:
+        self.tokens, self.names, self.what, self.unknown = tokens, names, what, unknown
         self.at = self.depth = 0
 
-    def whole(self) -> Exact:
+    def whole(self) -> Value:
         """The value of all tokens."""
-        value = self.sum()
+        try:
+            value = self.sum()
+        except TypeError:
+            raise self.error("numbers of two fields, or irrational ones beside a parameter, do not mix") from None
         if self.at < len(self.tokens):
             raise self.error(f"{_shown(self.tokens[self.at])} has no place")
         return value
 
-    def sum(self) -> Exact:
+    def sum(self) -> Value:
         """Products added and subtracted, from the left."""
         value = self.product()
         while (sign := self.peek()) in ("+", "-"):
@@ -75,7 +111,7 @@ class _Parser:
             value = self.small(value + term if sign == "+" else value - term)
         return value
 
-    def product(self) -> Exact:
+    def product(self) -> Value:
         """Factors multiplied and divided, from the left."""
         value = self.factor()
         while (sign := self.peek()) in ("*", "/"):
@@ -86,7 +122,7 @@ class _Parser:
             value = self.small(value * factor if sign == "*" else value / factor)
         return value
 
-    def factor(self) -> Exact:
+    def factor(self) -> Value:
         """A power with signs before it."""
         sign = self.peek()
         if sign not in ("+", "-"):
@@ -95,7 +131,7 @@ class _Parser:
         value = self.nested(self.factor)
         return -value if sign == "-" else value
 
-    def power(self) -> Exact:
+    def power(self) -> Value:
         """An atom, raised to a small integer if one follows."""
         base = self.atom()
         if self.peek() != "**":
@@ -108,13 +144,13 @@ class _Parser:
             raise self.error(f"the exponent {_shown(exponent)} is no integer from -{LARGEST_POWER} to {LARGEST_POWER}")
         if negative and not base:
             raise self.error("it divides by zero")
-        value: Exact = Fraction(1)
+        value: Value = Fraction(1)
         for _ in range(int(exponent)):
             value = self.small(value * base)
         return 1 / value if negative else value
 
-    def atom(self) -> Exact:
-        """A number, a name or a sum in parentheses."""
+    def atom(self) -> Value:
+        """A number, a name, a root or a sum in parentheses."""
         token = self.take()
         if token == "(":
             value = self.nested(self.sum)
@@ -123,14 +159,25 @@ class _Parser:
             return value
         if token[0].isdecimal() or token[0] == ".":
             return parse_rational(token, self.what)
-        if token in self.roots:
-            return self.roots[token]
+        if token in self.names:
+            return self.names[token]
+        if token in RADICALS and self.peek() == "(":
+            return self.radical(token)
         if token[0].isalpha() or token[0] == "_":
-            known = f"declared in [roots]: {', '.join(self.roots)}" if self.roots else "nothing is declared in [roots]"
-            raise self.error(f"{_shown(token)} is an unknown root; {known}")
+            raise self.error(f"{_shown(token)} {self.unknown}")
         raise self.error(f"{_shown(token)} has no place")
 
-    def nested(self, read: Callable[[], Exact]) -> Exact:
+    def radical(self, name: str) -> Value:
+        """A root of an integer, from its parenthesis on."""
+        inside, closing = (self.take(), self.take(), self.take())[1:]
+        if not inside.isdecimal() or len(inside) > LONGEST_RADICAND or closing != ")":
+            raise self.error(f"{name} takes one integer, as in {name}(2)")
+        try:
+            return RADICALS[name](int(inside))
+        except ValueError as error:
+            raise self.error(str(error)) from None
+
+    def nested(self, read: Callable[[], Value]) -> Value:
         """One level deeper. Refuses depths at which Python's own stack would be at stake."""
         self.depth += 1
         if self.depth > DEEPEST_NESTING:
@@ -139,9 +186,12 @@ class _Parser:
         self.depth -= 1
         return value
 
-    def small(self, value: Exact) -> Exact:
+    def small(self, value: Value) -> Value:
         """The value, unless its numbers have grown beyond all reason."""
-        for part in value.coefficients if isinstance(value, Algebraic) else (value,):
+        parts = (value,) if isinstance(value, Fraction) else value.coefficients
+        if len(parts) > MOST_COEFFICIENTS:
+            raise self.error("its degree in the parameter is too large")
+        for part in parts:
             if part.numerator.bit_length() + part.denominator.bit_length() > LARGEST_BITS:
                 raise self.error("its numbers are too large")
         return value

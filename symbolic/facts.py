@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any, TypeAlias
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from typing import Any, TypeAlias, TypeVar
 
 from methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
+from symbolic.certified import significant
 from symbolic.linear.facts import FACTS as LINEAR_FACTS
-from symbolic.linear.facts import LinearFacts
-from symbolic.trees.alternating import nystrom_order, separable_order
+from symbolic.linear.facts import ON_REQUEST, LinearFacts
+from symbolic.linear.radicals import DIGITS, integer_polynomial_text
+from symbolic.linear.systems import SYSTEM_FACTS, SystemFacts
+from symbolic.trees.alternating import nystrom_conditions, nystrom_order, separable_conditions, separable_order
 from symbolic.trees.modified import modified_equation
-from symbolic.trees.order import OrderFact, embedded_order, order, principal_error, runge_kutta_conditions
+from symbolic.trees.order import (
+    Conditions,
+    OrderFact,
+    embedded_conditions,
+    embedded_order,
+    order,
+    order_to_tolerance,
+    principal_error,
+    runge_kutta_conditions,
+)
 from symbolic.trees.quadratic import algebraic_stability
 from symbolic.trees.rooted import written
 from symbolic.trees.simplifying import simplifying_assumptions
@@ -19,10 +32,13 @@ from symbolic.trees.table import TooManyTrees
 Json: TypeAlias = Any
 Fact: TypeAlias = Callable[[LinearFacts], Json]
 TableauMethod: TypeAlias = RungeKutta | Collocation
+Subject = TypeVar("Subject")
 
 FAMILIES = {RungeKutta: "runge_kutta", Splitting: "splitting", Nystrom: "nystrom", Collocation: "collocation"}
 # Trees that the modified equation goes to.
 MODIFIED_ORDER = 5
+# Vertices to which an order to a tolerance goes: beyond the exact order, no further.
+TOLERANCE_ORDER = 12
 
 
 def general_order(method: Method) -> OrderFact[Any]:
@@ -34,6 +50,35 @@ def general_order(method: Method) -> OrderFact[Any]:
     if isinstance(method, Nystrom):
         return nystrom_order(method)
     return order(method)
+
+
+def general_conditions(method: Method) -> Conditions[Any]:
+    """The order conditions on the class of problems that `general_order` speaks of."""
+    if isinstance(method, Splitting):
+        return separable_conditions(method)
+    return nystrom_conditions(method) if isinstance(method, Nystrom) else runge_kutta_conditions(method)
+
+
+def order_within(method: Method, tolerance: Fraction) -> Json:
+    """The largest p such that every residual of the order conditions up to p is at most `tolerance` in size.
+
+    Not the order: that is decided by equality alone. Looked for up to TOLERANCE_ORDER, or to the order where that is
+    higher; likewise on second-order problems, and of an embedded method. Raises ValueError for a negative tolerance.
+    """
+
+    if tolerance < 0:
+        raise ValueError(f"tolerance {tolerance} is below zero")
+
+    def within(conditions: Conditions[Any], order: int = 0) -> int:
+        return order if order >= TOLERANCE_ORDER else order_to_tolerance(conditions, tolerance, TOLERANCE_ORDER)
+
+    second = embedded_conditions(method) if isinstance(method, RungeKutta) else None
+    return {
+        "tolerance": str(tolerance),
+        "order": within(general_conditions(method), general_order(method).order),
+        "order_second_order_problems": within(nystrom_conditions(method)) if isinstance(method, Splitting) else None,
+        "embedded_order": None if second is None else within(second),
+    }
 
 
 def _order_fails(facts: LinearFacts) -> Json:
@@ -56,7 +101,14 @@ def _embedded_order(facts: LinearFacts) -> Json:
 
 def _field(facts: LinearFacts) -> Json:
     field = facts.method.field
-    return None if field is None else {"generator": field.name, "minpoly": [str(c) for c in field.minimal]}
+    if field is None:
+        return None
+    return {
+        "generator": field.name,
+        "minpoly": integer_polynomial_text(field.minimal),
+        "interval": [str(field.low), str(field.high)],
+        "decimal": significant(field.generator, DIGITS),
+    }
 
 
 def _simplifying(method: TableauMethod) -> Json:
@@ -116,10 +168,25 @@ FACTS: dict[str, Fact] = {**IDENTITY, **ORDER, **LINEAR_FACTS}
 def facts_of(method: Method, names: Sequence[str] = tuple(FACTS), terms: int | None = None) -> dict[str, Json]:
     """The named facts of the method, JSON-ready: numbers are strings, null is what the method has not.
 
-    Only those asked for are computed. `terms` is the length of series. Raises ValueError for an unknown name.
+    Only those asked for are computed. `terms` is the length of series. Beside FACTS, points of the boundary of the
+    stability region may be named, "region_boundary". Raises ValueError for an unknown name.
     """
+    return answers({**FACTS, **ON_REQUEST}, names, LinearFacts(method) if terms is None else LinearFacts(method, terms))
+
+
+def system_facts(
+    method: Method, rows: Sequence[Sequence[Fraction]], names: Sequence[str] = tuple(SYSTEM_FACTS)
+) -> dict[str, Json]:
+    """The named facts of the method on z' = Az, A given by its rows: one-step matrix, eigenvalues, limits of h.
+
+    Raises ValueError for an unknown name, a matrix that is not square, and a system that the method is not for.
+    """
+    return answers(SYSTEM_FACTS, names, SystemFacts(method, rows))
+
+
+def answers(table: Mapping[str, Callable[[Subject], Json]], names: Sequence[str], subject: Subject) -> dict[str, Json]:
+    """What the table says of the subject, by name. Raises ValueError for a name that it does not have."""
     for name in names:
-        if name not in FACTS:
-            raise ValueError(f"unknown fact {name!r}; choose from {', '.join(FACTS)}")
-    facts = LinearFacts(method) if terms is None else LinearFacts(method, terms)
-    return {name: FACTS[name](facts) for name in names}
+        if name not in table:
+            raise ValueError(f"unknown fact {name!r}; choose from {', '.join(table)}")
+    return {name: table[name](subject) for name in names}

@@ -1,4 +1,4 @@
-"""Helpers that start fresh interpreters."""
+"""What several test files ask for: the command line, and fresh interpreters."""
 
 from __future__ import annotations
 
@@ -9,7 +9,36 @@ from pathlib import Path
 
 import pytest
 
+from driftproof.cli import main
+
 ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str, str]]:
+    """run(*arguments): exit status, standard output and standard error of `driftproof` with these arguments."""
+
+    def call(*arguments: str) -> tuple[int, str, str]:
+        try:
+            status = main(arguments)
+        except SystemExit as stopped:  # argparse leaves this way
+            status = int(stopped.code or 0)
+        out, err = capsys.readouterr()
+        return status, out, err
+
+    return call
+
+
+@pytest.fixture
+def answer(run: Callable[..., tuple[int, str, str]]) -> Callable[..., str]:
+    """answer(*arguments): standard output of a question that is answered, which is silent on standard error."""
+
+    def call(*arguments: str) -> str:
+        status, out, err = run(*arguments)
+        assert (status, err) == (0, "")
+        return out
+
+    return call
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ from flint import acb, acb_poly, arb, fmpq_poly
 
 from methods.number_field import cube_root, square_root
 from methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
+from symbolic.linear.limits import Limit, data
 from symbolic.linear.polynomials import at_ball, polynomial
 from symbolic.linear.rational_functions import RationalFunction, fraction
 from tests.nine import NINE
@@ -44,6 +45,16 @@ def chebyshev(degree: int, argument: Any) -> Any:
     for _ in range(degree - 1):
         before, now = now, 2 * argument * now - before
     return now
+
+
+def limit_text(limit: Limit) -> str:
+    """The limit in radicals, or its polynomial; "0" and "oo"."""
+    return record_text(data(limit))
+
+
+def record_text(record: Any) -> str:
+    """The same, of a limit as JSON has it."""
+    return str(record if isinstance(record, str) else record["exact"] or record["minpoly"])
 
 
 def modulus(r: RationalFunction, z: acb) -> arb:

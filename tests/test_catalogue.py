@@ -1,11 +1,10 @@
-"""Every catalogue entry is tied to something that is not its own step: order conditions, R(z), shears, print."""
+"""The catalogue: its keys, its hand-written steppers, and what stands in print of nine of its methods."""
 
 from __future__ import annotations
 
-import re
+from dataclasses import replace
 from fractions import Fraction as Q
-from functools import reduce
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import pytest
 from hypothesis import given
@@ -15,36 +14,36 @@ from sympy.polys.matrices import DomainMatrix
 from driftproof import strategies
 from methods import catalogue
 from methods.catalogue import METHODS, method_named
-from methods.schemes import Method, RungeKutta, Splitting
+from methods.schemes import Splitting
 from methods.stepping import stepper
 from numeric.steppers import HAND_WRITTEN
 from symbolic.convergence import local_error
 from symbolic.energy import StateDependentEnergy, energy_multiplier, invariant_quadratic
-from symbolic.one_step import RING, H, determinant, matrix, matrix_of, one_step_matrix, rational, trace
+from symbolic.one_step import determinant, matrix_of, one_step_matrix, rational, trace
 from symbolic.phase import leading_term, phase_error_series
 from symbolic.stability import stability_limit
-from symbolic.trees.order import failing_condition
-from symbolic.trees.order import order as tree_order
-from tests.nine import NINE
-
-RUNGE_KUTTA = [method for method in NINE.values() if isinstance(method, RungeKutta)]
-SPLITTINGS = [method for method in NINE.values() if isinstance(method, Splitting)]
-
-
-def by_key(method: Method) -> str:
-    return method.key
+from tests.entries import FILES
+from tests.nine import NINE, is_printed, polynomial
 
 
 def test_catalogue_holds_the_named_methods() -> None:
     named = "forward_euler symplectic_euler symplectic_euler_position_first velocity_verlet position_verlet rk4 rk38"
     assert set(METHODS) >= {*named.split(), "heun2", "midpoint2"}
-    assert len(RUNGE_KUTTA) + len(SPLITTINGS) == len(NINE) == 9
+    assert len(NINE) == 9
     assert all(key == method.key for key, method in METHODS.items())
 
 
+def test_no_more_tables_are_read_than_it_takes_to_find_a_method() -> None:
+    methods = catalogue.Catalogue()
+    assert methods["rk4"] == METHODS["rk4"]
+    assert list(methods._methods) == [method.key for method in FILES["basic"]]
+    assert "no_such_method" not in methods
+    assert list(methods) == list(METHODS)
+
+
 def test_two_entries_with_one_key_are_refused() -> None:
-    with pytest.raises(ValueError, match="share the key rk4"):
-        catalogue._by_key((METHODS["rk4"], METHODS["rk4"]))
+    with pytest.raises(ValueError, match="share the key forward_euler"):
+        len(catalogue.Catalogue(("basic", "basic")))
 
 
 def test_unknown_key_names_the_closest() -> None:
@@ -53,22 +52,6 @@ def test_unknown_key_names_the_closest() -> None:
     assert "\n" not in str(caught.value)
     with pytest.raises(ValueError, match="lists all"):
         method_named("zzzzzzzz")
-
-
-@pytest.mark.parametrize("method", NINE.values(), ids=by_key)
-def test_entry_is_consistent_and_says_where_it_comes_from(method: Method) -> None:
-    assert method.inconsistencies() == {}
-    assert re.fullmatch(r"[a-z-]+-\d{4}, \S.*", method.source)
-    assert method.title == method.title.strip() != ""
-
-
-@pytest.mark.parametrize("method", RUNGE_KUTTA, ids=by_key)
-def test_runge_kutta_has_the_claimed_order_and_not_the_next(method: RungeKutta) -> None:
-    order = method.claimed_order
-    assert all(failing_condition(method, p) is None for p in range(1, order + 1))
-    tree, residual = failing_condition(method, order + 1) or ((), 0)
-    assert residual != 0, tree
-    assert tree_order(method).order == order
 
 
 def splitting_order(method: Splitting) -> int:
@@ -80,69 +63,9 @@ def splitting_order(method: Splitting) -> int:
     return 0 if method.inconsistencies() else 1 if crossed != Q(1, 2) else 2
 
 
-@pytest.mark.parametrize("method", SPLITTINGS, ids=by_key)
-def test_splitting_has_the_claimed_order_and_not_the_next(method: Splitting) -> None:
-    assert splitting_order(method) == method.claimed_order == local_error(one_step_matrix(method)).linear_order
-
-
 @given(strategies.splittings())
 def test_splitting_order_condition_agrees_with_the_local_error_up_to_two(method: Splitting) -> None:
     assert min(local_error(one_step_matrix(method)).linear_order, 2) == splitting_order(method)
-
-
-def matrix_by_determinants(method: RungeKutta) -> DomainMatrix:
-    """R(hJ), from R(z) = det(I - zA + z 1 bᵀ) / det(I - zA) with z = hi, Re R and Im R the entries: no step is run."""
-    polynomials, z = ring("z", QQ)
-    a = [[rational(x) for x in row] for row in method.a]
-    b = [rational(x) for x in method.b]
-    s = range(method.stages)
-    unit = [[polynomials.one if i == j else polynomials.zero for j in s] for i in s]
-    below = DomainMatrix([[unit[i][j] - z * a[i][j] for j in s] for i in s], (len(s), len(s)), polynomials.to_domain())
-    above = DomainMatrix(
-        [[unit[i][j] - z * a[i][j] + z * b[j] for j in s] for i in s], (len(s), len(s)), polynomials.to_domain()
-    )
-    assert below.det() == polynomials.one  # an explicit method: A is nilpotent
-    real = imaginary = RING.zero
-    for (k,), coefficient in above.det().terms():
-        turned = coefficient * H**k * (-1 if k % 4 in (2, 3) else 1)  # iᵏ is 1, i, -1, -i
-        real, imaginary = (real + turned, imaginary) if k % 2 == 0 else (real, imaginary + turned)
-    return matrix([[real, imaginary], [-imaginary, real]])  # J = [[0, 1], [-1, 0]] plays i
-
-
-@pytest.mark.parametrize("method", RUNGE_KUTTA, ids=by_key)
-def test_one_step_matrix_is_the_stability_function_of_determinants(method: RungeKutta) -> None:
-    assert one_step_matrix(method) == matrix_by_determinants(method)
-
-
-@given(strategies.runge_kutta_methods())
-def test_stability_function_of_determinants_holds_for_drawn_methods(method: RungeKutta) -> None:
-    assert one_step_matrix(method) == matrix_by_determinants(method)
-
-
-def matrix_by_shears(method: Splitting) -> DomainMatrix:
-    """The product of [[1, 0], [-ch, 1]] for a kick and [[1, ch], [0, 1]] for a drift, the last one leftmost."""
-    shears = [
-        matrix([[1, 0], [-rational(c) * H, 1]]) if kind == "kick" else matrix([[1, rational(c) * H], [0, 1]])
-        for kind, c in method.parts
-    ]
-    return reduce(lambda product, shear: shear * product, shears)
-
-
-@pytest.mark.parametrize("method", SPLITTINGS, ids=by_key)
-def test_one_step_matrix_is_the_product_of_shears(method: Splitting) -> None:
-    assert one_step_matrix(method) == matrix_by_shears(method)
-
-
-@given(strategies.splittings())
-def test_drawn_splitting_is_a_product_of_shears_and_keeps_area(method: Splitting) -> None:
-    assert one_step_matrix(method) == matrix_by_shears(method)
-    assert determinant(one_step_matrix(method)) == 1
-
-
-def test_witnesses_tell_methods_apart() -> None:
-    assert matrix_by_determinants(NINE["heun2"]) != matrix_by_determinants(NINE["rk4"])
-    assert matrix_by_shears(NINE["symplectic_euler"]) != matrix_by_shears(NINE["symplectic_euler_position_first"])
-    assert determinant(one_step_matrix(NINE["rk4"])) != 1
 
 
 @pytest.mark.parametrize("key", HAND_WRITTEN)
@@ -154,6 +77,16 @@ def test_hand_written_stepper_is_the_definition_for_every_force(key: str) -> Non
     for force in (lambda x: -(w**2) * x, lambda x: w - 3 * x**2):
         assert HAND_WRITTEN[key](force, q, v, h) == defined(force, q, v, h)
     assert HAND_WRITTEN[key](lambda x: -x, q, v, h) != defined(lambda x: x, q, v, h)
+
+
+@pytest.mark.parametrize("key", NINE)
+def test_one_step_matrix_is_the_printed_one_and_an_exchange_of_sub_steps_is_noticed(key: str) -> None:
+    method = NINE[key]
+    assert is_printed(method)
+    if isinstance(method, Splitting):
+        other = {"kick": "drift", "drift": "kick"}
+        assert not is_printed(replace(method, parts=tuple((other[kind], c) for kind, c in method.parts)))
+        assert is_printed(replace(method, parts=method.parts[::-1])) is (method.claimed_order == 2)
 
 
 class Published(NamedTuple):
@@ -190,10 +123,6 @@ PUBLISHED = {
     "rk4": FOURTH_ORDER,
     "rk38": FOURTH_ORDER,
 }
-
-
-def polynomial(ascending: list[Q | int]) -> Any:
-    return sum((rational(c) * H**k for k, c in enumerate(ascending)), RING.zero)
 
 
 def facts(m: DomainMatrix) -> Published:

@@ -19,7 +19,7 @@ FLOOR = {"methods": (), "symbolic": ("methods",), "numeric": ("methods",)}
 FLOOR["driftproof"] = ("methods", "symbolic", "numeric")
 FLOOR["proofs"] = tuple(FLOOR)
 FLOOR["tests"] = tuple(FLOOR)
-WORLD = {"methods": (), "symbolic": ("sympy", "flint"), "numeric": ("numpy",)}
+WORLD = {"methods": (), "symbolic": ("sympy", "flint"), "numeric": ("numpy", "numba")}
 
 Tree = tuple[Path, ast.Module]
 

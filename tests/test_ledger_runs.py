@@ -16,7 +16,7 @@ PLANT = """
 from dataclasses import replace
 from fractions import Fraction
 from methods.catalogue import METHODS
-METHODS["rk4"] = replace(METHODS["rk4"], b=(Fraction(1, 6), Fraction(1, 3), Fraction(1, 4), Fraction(1, 4)))
+METHODS._methods["rk4"] = replace(METHODS["rk4"], b=(Fraction(1, 6), Fraction(1, 3), Fraction(1, 4), Fraction(1, 4)))
 """
 
 

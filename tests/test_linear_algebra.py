@@ -257,7 +257,7 @@ def test_radical_form_is_the_number(minimal: tuple[int, ...]) -> None:
 def test_radical_form_of_the_smaller_and_of_a_negative_root() -> None:
     assert radical_form(RealRoot((1, -3, 1), 0)) == "3/2 - sqrt(5)/2"
     assert radical_form(RealRoot((-8, 0, 1), 0)) == "-2*sqrt(2)"
-    assert radical_form(RealRoot((-1, -1, 1), 0)) == "-(-1/2 + sqrt(5)/2)"
+    assert radical_form(RealRoot((-1, -1, 1), 0)) == "1/2 - sqrt(5)/2"
 
 
 def test_radicals_that_nobody_can_read_are_left_out() -> None:

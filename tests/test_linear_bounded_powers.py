@@ -12,7 +12,7 @@ from hypothesis import given
 from driftproof import strategies
 from methods.schemes import Splitting
 from symbolic.linear.bounded_powers import boundary_of, bounded_limit, is_bounded
-from symbolic.linear.limits import INFINITY, Limit, data
+from symbolic.linear.limits import INFINITY, data
 from symbolic.linear.matrices import StepMatrix
 from symbolic.linear.oscillator import one_step_matrix
 from symbolic.linear.polynomials import evaluate, polynomial, scalar, sign
@@ -20,13 +20,8 @@ from symbolic.linear.rational_functions import fraction
 from symbolic.linear.real_roots import ZERO, RealRoot, sign_at
 from symbolic.one_step import one_step_matrix as polynomial_matrix
 from symbolic.stability import stability_limit
-from tests.linear_examples import NIL, ROOT_3, Z, triple_jump
+from tests.linear_examples import NIL, ROOT_3, Z, limit_text, triple_jump
 from tests.nine import NINE
-
-
-def limit_text(limit: Limit) -> str:
-    record = data(limit)
-    return record["exact"] or record["minpoly"]
 
 
 def step_matrix(*entries: Any, over: int = 1) -> StepMatrix:

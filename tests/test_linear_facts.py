@@ -1,35 +1,20 @@
-"""Every fact of every method in the catalogue: two formulas for R, published limits, limits in balls, JSON, time."""
+"""Facts of single methods as printed, two formulas for R, and the shape of the JSON."""
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import pytest
-from flint import acb, arb, ctx, fmpq
 
 from methods.catalogue import METHODS
 from methods.schemes import Collocation, RungeKutta, Splitting
-from symbolic.linear.facts import FACTS, LinearFacts
-from symbolic.linear.limits import INFINITY, Limit
-from symbolic.linear.matrices import StepMatrix
+from symbolic.linear.facts import LinearFacts
 from symbolic.linear.oscillator import one_step_matrix
-from symbolic.linear.real_roots import ZERO, RealRoot
 from symbolic.linear.stability_function import stability_function_by_determinants, stability_function_by_moments
 from symbolic.linear.tableaux import tableau
-from tests.linear_examples import at, modulus
+from tests.linear_examples import record_text
 
 WITH_R = [key for key, method in METHODS.items() if isinstance(method, RungeKutta | Collocation)]
-WITHOUT_R = [key for key in METHODS if key not in WITH_R]
-
-
-@pytest.mark.parametrize("key", METHODS)
-def test_every_fact_is_there_and_is_json(key: str) -> None:
-    facts = LinearFacts(METHODS[key], terms=8)
-    values = {name: facts.value(name) for name in FACTS}
-    assert json.loads(json.dumps(values)) == values
-    again = LinearFacts(METHODS[key], terms=8)
-    assert json.dumps({name: again.value(name) for name in FACTS}) == json.dumps(values)
 
 
 def test_only_what_is_asked_for_is_computed() -> None:
@@ -86,7 +71,7 @@ PRINTED: dict[tuple[str, str], str] = {
 @pytest.mark.parametrize("where", PUBLISHED)
 def test_published_exact_value(where: tuple[str, str]) -> None:
     key, fact = where
-    assert LinearFacts(METHODS[key]).value(fact)["exact"] == PUBLISHED[where]
+    assert record_text(LinearFacts(METHODS[key]).value(fact)) == PUBLISHED[where]
 
 
 @pytest.mark.parametrize("where", PRINTED)
@@ -122,55 +107,6 @@ def test_stability_of_the_classical_families(key: str) -> None:
         assert facts.value("sector")["degrees"] == "90"
     elif facts.stability_function is not None and facts.stability_function.den.degree() < 1:
         assert found == (False, False)
-
-
-# ---- limits in balls
-
-
-EPSILON = fmpq(1, 10**12)
-
-
-def around(limit: Limit) -> tuple[arb, arb]:
-    """Just inside and just outside, relative 1e-12; for 0 the second is tiny."""
-    assert isinstance(limit, RealRoot)
-    if limit == ZERO:
-        return arb(0), arb(2) ** -200
-    return limit.ball() * (1 - EPSILON), limit.ball() * (1 + EPSILON)
-
-
-@pytest.mark.parametrize("key", WITH_R)
-def test_limits_of_r_in_balls(key: str) -> None:
-    facts = LinearFacts(METHODS[key])
-    r = facts.stability_function
-    assert r is not None
-    with ctx.workprec(8000):
-        for limit, direction in ((facts.real_limit, acb(-1)), (facts.imaginary_limit, acb(0, 1))):
-            assert limit is not None
-            if limit is INFINITY:
-                for size in (1, 10, 10**6):
-                    assert not modulus(r, direction * size) > 1
-                continue
-            inside, outside = around(limit)
-            assert not modulus(r, direction * inside) > 1
-            assert modulus(r, direction * outside) > 1
-
-
-@pytest.mark.parametrize("key", WITHOUT_R)
-def test_limits_of_matrices_in_balls(key: str) -> None:
-    """Eigenvalues in balls: none outside the unit circle just inside the limit, one just outside."""
-    facts = LinearFacts(METHODS[key])
-    with ctx.workprec(8000):
-        inside, outside = around(facts.imaginary_limit)
-        if facts.imaginary_limit != ZERO:
-            assert not radius(facts.matrix, inside) > 1 + arb(2) ** -2000
-        assert radius(facts.matrix, outside) > 1
-
-
-def radius(m: StepMatrix, h: arb) -> arb:
-    (qq, qv), (vq, vv) = [[at(f, h) for f in row] for row in m]
-    half, area = acb((qq + vv) / 2), acb(qq * vv - qv * vq)
-    root = (half * half - area).sqrt()
-    return abs(half + root).max(abs(half - root))
 
 
 # ---- the shape of the JSON

@@ -9,52 +9,47 @@ import pytest
 from flint import fmpq, fmpq_poly
 
 from methods.catalogue import METHODS
+from methods.families import FAMILIES, Family
 from methods.number_field import square_root
 from methods.schemes import MethodError
-from symbolic.linear.families import (
-    EXPLICIT_ORDER_2,
-    FAMILIES,
-    SDIRK_ORDER_2,
-    SDIRK_STIFFLY_ACCURATE,
-    Family,
-    family_error_constant,
-    family_stability,
-)
+from symbolic.linear.bivariate import at_parameter
+from symbolic.linear.families import family_error_constant, family_stability
 from symbolic.linear.implicit_stability import a_stability, i_stability, l_stability
 from symbolic.linear.parameter_sets import Interval, critical_polynomials, describe, parameter_set
 from symbolic.linear.phase import error_constant
-from symbolic.linear.polynomials import exact, from_scalars, scalar
-from symbolic.linear.rational_functions import RationalFunction, fraction
+from symbolic.linear.polynomials import exact, scalar
+from symbolic.linear.rational_functions import fraction
 from symbolic.linear.real_roots import RealRoot, rational_root, sign_at
 from symbolic.linear.stability_function import stability_function
 from symbolic.linear.subresultants import Pair, critical_polynomial
 from symbolic.linear.text import rational_text
+from tests.family_examples import THETA, family
 
 T = fmpq_poly([0, 1])
 ROOT_3 = square_root(3)
 
 
-def texts(entries: tuple[RationalFunction, ...], name: str) -> list[str]:
-    return [rational_text(f, name) for f in entries]
+def texts(family: Family, name: str) -> tuple[list[str], list[str]]:
+    num, den = ([rational_text(f, name) for f in row] for row in family_stability(family).coefficients())
+    return num, den
 
 
 def test_r_of_the_sdirk_family_as_a_function_of_gamma() -> None:
-    r = family_stability(SDIRK_ORDER_2)
-    assert texts(r.num, "g") == ["1", "1 - 2*g", "1/2 - 2*g + g**2"]
-    assert texts(r.den, "g") == ["1", "-2*g", "g**2"]
-    power, constant = family_error_constant(SDIRK_ORDER_2)
+    num, den = texts(FAMILIES["sdirk_order_2"], "g")
+    assert num == ["1", "1 - 2*g", "1/2 - 2*g + g**2"]
+    assert den == ["1", "-2*g", "g**2"]
+    power, constant = family_error_constant(FAMILIES["sdirk_order_2"])
     assert (power, rational_text(constant, "g")) == (3, "-1/6 + g - g**2")
     assert exact(constant(scalar(Q(1, 2) + ROOT_3 / 6))) == 0  # order 3 there
 
 
 def test_r_of_the_explicit_family_does_not_depend_on_its_parameter() -> None:
-    r = family_stability(EXPLICIT_ORDER_2)
-    assert (texts(r.num, "a"), texts(r.den, "a")) == (["1", "1", "1/2"], ["1"])
+    assert texts(FAMILIES["explicit_order_2"], "a") == (["1", "1", "1/2"], ["1"])
     for value, key in ((Q(1), "heun2"), (Q(1, 2), "midpoint2")):
-        member, known = EXPLICIT_ORDER_2.member(value), METHODS[key]
+        member, known = FAMILIES["explicit_order_2"].member(value), METHODS[key]
         assert (member.a, member.b, member.c) == (known.a, known.b, known.c)
     with pytest.raises(MethodError, match="pole"):
-        EXPLICIT_ORDER_2.member(Q(0))
+        FAMILIES["explicit_order_2"].member(Q(0))
 
 
 VALUES = [Q(1, 4), Q(-3), Q(7, 5), Q(1, 2), 1 - square_root(2) / 2]
@@ -66,7 +61,7 @@ def test_functions_of_the_parameter_are_those_of_each_member(key: str, value: Q)
     family, at = FAMILIES[key], scalar(value)
     r = family_stability(family)
     member = stability_function(family.member(value))
-    num, den = (from_scalars([f(at) for f in row]) for row in (r.num, r.den))
+    num, den = (at_parameter(rows, at) for rows in (r.num, r.den))
     assert fraction(num, den) == member
     power, constant = family_error_constant(family)
     found = error_constant(member)
@@ -96,63 +91,48 @@ def test_members_near_the_ends_agree_with_the_set(key: str, offset: Q) -> None:
     assert bool(a_stability(stability_function(FAMILIES[key].member(value)))) == inside
 
 
-ONE, NIL = fraction(fmpq_poly([1])), fraction(fmpq_poly())
-PARAMETER = fraction(T)
-THETA = Family(
-    key="theta",
-    title="Theta method",
-    parameter="theta",
-    source="x",
-    a=((NIL, NIL), (ONE - PARAMETER, PARAMETER)),
-    b=(ONE - PARAMETER, PARAMETER),
-    c=(NIL, ONE),
-)
-
-
 def test_theta_method() -> None:
     assert describe(parameter_set(THETA, a_stability)) == "[1/2, oo)"
     assert describe(parameter_set(THETA, l_stability)) == "{1}"
-    assert texts(family_stability(THETA).num, "t") == ["1", "1 - t"]
+    assert texts(THETA, "t")[0] == ["1", "1 - t"]
+
+
+def test_a_factor_that_cancels_for_every_value_is_cancelled() -> None:
+    """The second stage is never used: R = 1/(1 - z), not (1 - tz)/((1 - z)(1 - tz))."""
+    idle = family("t", "1, 0; 1, t", "1, 0", "1, 1 + t")
+    assert texts(idle, "t") == (["1"], ["1", "-1"])
+    assert describe(parameter_set(idle, a_stability)) == "(-oo, oo)"
 
 
 def test_a_pole_and_a_bounded_set_are_cut_out() -> None:
     """gamma = 1/t: A-stable for 0 < t <= 4, and not defined at 0."""
-    inverse = fraction(fmpq_poly([1]), T)
-    half = fraction(fmpq_poly([1]), 2 * fmpq_poly([1]))
-    rows = ((inverse, NIL), (ONE - inverse - inverse, inverse))
-    family = Family("inverse", "Inverse", "t", "x", rows, (half, half), (inverse, ONE))
-    assert describe(parameter_set(family, a_stability)) == "(0, 4]"
+    inverse = family("t", "1/t, 0; 1 - 2/t, 1/t", "1/2, 1/2", "1/t, 1")
+    assert describe(parameter_set(inverse, a_stability)) == "(0, 4]"
 
 
 def test_a_cancellation_at_one_value_is_decided_there() -> None:
     """R = (1 + z)/(1 + tz) is 1 at t = 1, where the pole in the left half-plane cancels."""
-    row = fraction(T)
-    family = Family("cancel", "Cancel", "t", "x", ((-row,),), (ONE - row,), (-row,))
-    assert describe(parameter_set(family, a_stability)) == "(-oo, -1] U {1}"
-    assert describe(parameter_set(family, i_stability)) == "(-oo, -1] U [1, oo)"
+    cancel = family("t", "-t", "1 - t", "-t")
+    assert describe(parameter_set(cancel, a_stability)) == "(-oo, -1] U {1}"
+    assert describe(parameter_set(cancel, i_stability)) == "(-oo, -1] U [1, oo)"
 
 
 def test_a_pole_that_cancels_far_from_the_axis_is_found() -> None:
     """R = (1 + z)/((1 + tz)(1 - 2z)²), composed of three steps: I-stable for every t, and at t = 1 A-stable."""
-    step = ONE - PARAMETER
-    two = ONE + ONE
-    rows = ((-PARAMETER, NIL, NIL), (step, two, NIL), (step, two, two))
-    family = Family("hidden", "Hidden", "t", "x", rows, (step, two, two), (-PARAMETER, two + step, two + two + step))
-    assert describe(parameter_set(family, i_stability)) == "(-oo, oo)"
-    assert describe(parameter_set(family, a_stability)) == "(-oo, 0] U {1}"
+    hidden = family("t", "-t, 0, 0; 1 - t, 2, 0; 1 - t, 2, 2", "1 - t, 2, 2", "-t, 3 - t, 5 - t")
+    assert describe(parameter_set(hidden, i_stability)) == "(-oo, oo)"
+    assert describe(parameter_set(hidden, a_stability)) == "(-oo, 0] U {1}"
 
 
 def test_a_contact_that_opens_at_a_finite_point_of_the_axis_is_found() -> None:
     """R = (1 + tz²)/(1 - z)³: the margin is y²(3 + 2t + (3 - t²)y² + y⁴), with a double root y² = 3 at t = 3."""
-    rows = ((ONE, NIL, NIL), (ONE, ONE, NIL), (NIL, ONE, ONE))
-    two = ONE + ONE
-    family = Family("contact", "Contact", "t", "x", rows, (-PARAMETER, two, ONE + PARAMETER), (ONE, two, two))
-    assert texts(family_stability(family).num, "t") == ["1", "0", "t"]
-    assert describe(parameter_set(family, a_stability)) == "[-3/2, 3]"
+    contact = family("t", "1, 0, 0; 1, 1, 0; 0, 1, 1", "-t, 2, 1 + t", "1, 2, 2")
+    assert texts(contact, "t")[0] == ["1", "0", "t"]
+    assert describe(parameter_set(contact, a_stability)) == "[-3/2, 3]"
 
 
 def test_criticals_hold_the_ends() -> None:
-    polynomials = critical_polynomials(SDIRK_STIFFLY_ACCURATE)
+    polynomials = critical_polynomials(FAMILIES["sdirk_stiffly_accurate"])
     ends = RealRoot((1, -4, 2), 0), RealRoot((1, -4, 2), 1)
     assert all(any(sign_at(p, end) == 0 for p in polynomials) for end in ends)
 

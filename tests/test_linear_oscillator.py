@@ -27,31 +27,19 @@ from symbolic.linear.oscillator import (
 )
 from symbolic.linear.polynomials import coefficients, evaluate, exact, from_scalars, polynomial, scalar
 from symbolic.linear.rational_functions import RationalFunction, fraction
-from symbolic.one_step import entries
 from symbolic.one_step import one_step_matrix as polynomial_matrix
-from tests.linear_examples import BACKWARD, EVERY, MIDPOINT, MIDPOINT_NYSTROM, NIL, NYSTROM_4, ONE, ROOT_3, Z
+from tests.conformance import ARITHMETICS
+from tests.linear_examples import BACKWARD, EVERY, MIDPOINT, MIDPOINT_NYSTROM, NYSTROM_4, ONE, ROOT_3, Z
 from tests.nine import NINE
+from tests.witness_steps import witness_matrix
 
 
-@pytest.mark.parametrize("key", NINE)
-def test_matrix_is_the_one_that_the_step_gives_on_sympys_polynomials(key: str) -> None:
-    ours = one_step_matrix(NINE[key])
-    theirs = entries(polynomial_matrix(NINE[key]))
-    for entry, other in zip((*ours[0], *ours[1]), theirs, strict=True):
-        wanted = {power: Q(int(c.numerator), int(c.denominator)) for (power,), c in other.terms()}
-        assert {k: c for k, c in enumerate(coefficients(entry.num)) if c} == wanted
-        assert entry.den == ONE.den
-
-
-@given(strategies.splittings(max_pairs=3))
-def test_matrix_of_a_splitting_is_the_product_of_its_shears(method: Splitting) -> None:
-    total = [[ONE, NIL], [NIL, ONE]]
-    for kind, c in method.parts:
-        shear = [[ONE, NIL], [fraction(-scalar(c) * Z), ONE]]
-        if kind == "drift":
-            shear = [[ONE, fraction(scalar(c) * Z)], [NIL, ONE]]
-        total = [[x * p + y * r for p, r in zip(*total, strict=True)] for x, y in shear]
-    assert one_step_matrix(method) == tuple(map(tuple, total))
+@given(strategies.splittings(max_pairs=3) | strategies.runge_kutta_methods(max_stages=4))
+def test_matrix_of_a_drawn_method_is_what_its_step_is_in_other_arithmetics_and_without_one(method: Any) -> None:
+    assert one_step_matrix(method) == witness_matrix(method)
+    for name in ("Fraction", "number field", "polynomials in h", "SymPy's polynomials", "balls"):
+        assert ARITHMETICS[name].meets(method, method)
+    assert not isinstance(method, Splitting) or determinant(one_step_matrix(method)) == ONE
 
 
 @pytest.mark.parametrize("key", ["gauss2", "midpoint", "backward", "gauss3"])
@@ -117,7 +105,7 @@ def test_splitting_on_coupled_springs() -> None:
 
 @pytest.mark.parametrize("rows", [[[0, 1], [-1, 1]], [[0, 2], [-1, 0]], [[0, 1, 0], [0, 0, 1], [1, 0, 0]]])
 def test_splitting_refuses_what_is_not_separable(rows: list[list[int]]) -> None:
-    with pytest.raises(ValueError, match="splitting needs"):
+    with pytest.raises(ValueError, match="velocity_verlet needs a system"):
         linear_step_matrix(NINE["velocity_verlet"], rows)
 
 

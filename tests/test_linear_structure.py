@@ -24,6 +24,10 @@ from symbolic.linear.structure import (
     reduced_word,
     symplectic_residuals,
 )
+from symbolic.trees.quadratic import quadratic_matrix
+from symbolic.trees.series import method_series, symplectic_to_order
+from tests.changes import coefficients, moved
+from tests.entries import entry
 from tests.linear_examples import (
     GAUSS_2,
     GAUSS_3,
@@ -98,12 +102,62 @@ def test_irreducible_form_of_a_method_in_disguise() -> None:
     assert symplectic_residuals(stages_of(LOBATTO_IIIB_2))  # as it stands it does not satisfy the condition
 
 
-@given(strategies.runge_kutta_methods(max_stages=4))
-def test_irreducible_form_has_the_same_r(method: RungeKutta) -> None:
+def without_idle_stages(method: RungeKutta) -> RungeKutta:
     small = reduced(stages_of(method))
-    again = RungeKutta("small", "Small", 0, "x", small.a, small.weights[0], small.c)
-    assert stability_function(again) == stability_function(method)
-    assert reduced(small) == small
+    return runge_kutta(small.a, small.b)
+
+
+@given(strategies.runge_kutta_methods(max_stages=4))
+def test_irreducible_form_takes_the_same_step(method: RungeKutta) -> None:
+    small = without_idle_stages(method)
+    assert stability_function(small) == stability_function(method)
+    assert method_series(small, 4) == method_series(method, 4)
+    assert without_idle_stages(small) == small
+
+
+@pytest.mark.parametrize("key", ["rk4", "gauss2", "radau_iia3", "merson45", "lobatto_iiib4"])
+def test_stages_that_are_there_twice_are_merged(key: str) -> None:
+    method = entry(key)
+    twice = [[x / 2 for x in row for _ in range(2)] for row in method.a for _ in range(2)]
+    doubled = runge_kutta(twice, [x / 2 for x in method.b for _ in range(2)])
+    small = without_idle_stages(doubled)
+    assert small == without_idle_stages(method)
+    assert small.stages <= method.stages
+    assert method_series(small, 6) == method_series(method, 6)
+
+
+def test_stages_that_do_not_count_are_left_out() -> None:
+    """Dormand and Prince's seventh slope serves the second row only; all five of Merson's count."""
+    assert len(reduced(stages_of(entry("dormand_prince54"))).c) == 6
+    assert len(reduced(stages_of(entry("merson45"))).c) == 5
+    idle = runge_kutta(((0,),), (Q(0),))
+    assert without_idle_stages(idle).b == (Q(0),)
+
+
+@pytest.mark.parametrize("key", ["gauss2", "gauss3", "implicit_midpoint", "qin_zhang2"])
+def test_symplecticity_and_symmetry_notice_every_coefficient_changed(key: str) -> None:
+    method = entry(key)
+    assert is_symplectic(method)
+    assert is_symmetric(method)
+    for place in coefficients(method):
+        off = moved(method, place, Q(1, 10**30))
+        assert (is_symplectic(off), is_symmetric(off)) == (place[0] == "c", place[0] == "c")
+
+
+def test_symmetry_does_not_depend_on_the_order_of_the_stages() -> None:
+    method = entry("lobatto_iiia3")
+    turn = (2, 0, 1)
+    shuffled = runge_kutta([[method.a[i][j] for j in turn] for i in turn], [method.b[i] for i in turn])
+    assert is_symmetric(shuffled)
+    assert not is_symmetric(runge_kutta(shuffled.a, method.b))
+
+
+def test_reducible_tableau_is_judged_by_what_it_does() -> None:
+    """Lobatto IIIB with two stages calls f twice at the midpoint: as given M is not 0, and yet it is symplectic."""
+    method = entry("lobatto_iiib2")
+    assert any(x for row in quadratic_matrix(method) for x in row)
+    assert is_symplectic(method)
+    assert symplectic_to_order(method_series(method, 8)) == 8
 
 
 @given(strategies.runge_kutta_methods(max_stages=3), st.permutations(range(3)))

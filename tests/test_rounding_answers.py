@@ -48,7 +48,7 @@ def test_other_formats_take_the_generic_step():
 
 
 def test_a_program_that_is_not_the_definition_is_reported(monkeypatch):
-    monkeypatch.setitem(METHODS, "rk4", METHODS["midpoint2"])
+    monkeypatch.setitem(METHODS._methods, "rk4", METHODS["midpoint2"])
     assert "coefficient of h**3" in " ".join(roundoff_answer("rk4", [])["differences_from_definition"])
 
 

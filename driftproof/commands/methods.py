@@ -11,7 +11,7 @@ def add(commands: Commands) -> None:
     """Describe the command."""
     commands.add_parser(
         "methods",
-        help="list the methods",
+        help="list the methods, and the families with a free parameter",
         description="List the methods of the catalogue: key, family, claimed order, title and source.",
         epilog="example:\n  driftproof methods\n",
     ).set_defaults(answer=answer)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import Any, TypeAlias
 
+from methods.number_field import Exact
 from methods.schemes import Collocation, Method, RungeKutta
 from symbolic.linear.bounded_powers import bounded_limit
 from symbolic.linear.implicit_stability import Decision, a_stability, i_stability, l_stability
@@ -13,10 +14,9 @@ from symbolic.linear.invariants import (
     ModifiedHamiltonian,
     Quadratic,
     conserved_quadratics,
-    definite_limit,
     modified_hamiltonian,
 )
-from symbolic.linear.limits import INFINITY, Limit, data, imaginary_limit, imaginary_margin, real_limit
+from symbolic.linear.limits import INFINITY, Limit, data, imaginary_limit, real_limit
 from symbolic.linear.matrices import StepMatrix
 from symbolic.linear.monotonicity import ssp_coefficient
 from symbolic.linear.order_reduction import prothero_robinson
@@ -31,6 +31,7 @@ from symbolic.linear.oscillator import (
 )
 from symbolic.linear.phase import (
     LeadingTerm,
+    NoRotationError,
     angle_error,
     angle_series,
     damping,
@@ -44,14 +45,23 @@ from symbolic.linear.phase import (
     matrix_error,
     modified_factor_series,
     modified_rate,
+    turning_rate,
 )
-from symbolic.linear.polynomials import coefficients, exact
+from symbolic.linear.radicals import is_readable
 from symbolic.linear.rational_functions import RationalFunction, fraction
-from symbolic.linear.sector import sector_degrees, sector_tangent, tangent_data
+from symbolic.linear.records import (
+    at_infinity,
+    boundary_record,
+    conserved_record,
+    decision_record,
+    hamiltonian_record,
+    quadratic_record,
+    sector_record,
+    series_record,
+)
+from symbolic.linear.sector import sector_tangent
 from symbolic.linear.sector_enclosure import EnclosedTangent
-from symbolic.linear.series import Series
 from symbolic.linear.structure import is_first_same_as_last, is_stiffly_accurate, is_symmetric, is_symplectic
-from symbolic.linear.text import polynomial_text, rational_text
 
 Json: TypeAlias = Any
 
@@ -100,9 +110,24 @@ class LinearFacts:
         return INFINITY if self.a_stability else sector_tangent(self.stability_function)
 
     @cached_property
-    def dispersion(self) -> LeadingTerm:
-        """The leading term of arg R(ih) - h, without R(z) of the eigenvalue angle minus h."""
-        return angle_error(self.matrix) if self.stability_function is None else dispersion(self.stability_function)
+    def dispersion(self) -> LeadingTerm | None:
+        """The leading term of arg R(ih) - h, without R(z) of the eigenvalue angle minus h; None where there is none."""
+        if self.stability_function is not None:
+            return dispersion(self.stability_function)
+        return None if self.turning_rate is None else angle_error(self.matrix)
+
+    @cached_property
+    def turning_rate(self) -> Exact | None:
+        """The σ of the eigenvalue angle σh + O(h²), 1 for a consistent method; None for a step that is no rotation."""
+        try:
+            return turning_rate(self.matrix)
+        except NoRotationError:
+            return None
+
+    @property
+    def turns_readably(self) -> bool:
+        """True where the series of the eigenvalue angle has coefficients that somebody can read."""
+        return self.turning_rate is not None and is_readable(self.turning_rate)
 
     @cached_property
     def dissipation(self) -> LeadingTerm | None:
@@ -130,59 +155,17 @@ def linear_order(facts: LinearFacts) -> int:
     return (matrix_error(facts.matrix)[0] if r is None else error_constant(r).power) - 1
 
 
-def _stability_data(facts: LinearFacts) -> Json:
-    return None if facts.stability_function is None else facts.stability_function.data()
+def _a_stability(facts: LinearFacts) -> Json:
+    r, found = facts.stability_function, facts.a_stability
+    return None if r is None or found is None else decision_record(found, r)
 
 
-def _at_infinity(facts: LinearFacts) -> str | None:
-    return None if facts.stability_function is None else _limit_text(facts.stability_function)
+def _of_r(record: Callable[[RationalFunction], Json]) -> Callable[[LinearFacts], Json]:
+    """The record of R(z); null for a method without R(z)."""
+    return lambda facts: None if facts.stability_function is None else record(facts.stability_function)
 
 
-def _limit_text(f: RationalFunction) -> str:
-    value = f.at_infinity()
-    return "oo" if value is None else str(value)
-
-
-def _decided(decide: Callable[[RationalFunction], Decision]) -> Callable[[LinearFacts], bool | None]:
-    return lambda facts: None if facts.stability_function is None else bool(decide(facts.stability_function))
-
-
-def _decision_data(facts: LinearFacts) -> Json:
-    """`margin`: |Q(iy)|² - |P(iy)|², ascending in y²."""
-    found = facts.a_stability
-    if found is None or facts.stability_function is None:
-        return None
-    witness = None if found.witness is None else str(found.witness)
-    margin = imaginary_margin(facts.stability_function)
-    return {
-        "holds": found.holds,
-        "reason": found.reason,
-        "witness": witness,
-        "margin": [str(c) for c in coefficients(margin)],
-    }
-
-
-def _sector_data(facts: LinearFacts) -> Json:
-    if facts.sector is None:
-        return None
-    return {"tan": tangent_data(facts.sector), "degrees": sector_degrees(facts.sector)}
-
-
-def _optional_limit(limit: Limit | None) -> Json:
-    return None if limit is None else data(limit)
-
-
-def _optional_term(term: LeadingTerm | None) -> Json:
-    return None if term is None else term.data()
-
-
-def _energy_data(facts: LinearFacts) -> Json:
-    r = facts.stability_function
-    found = energy_multiplier(facts.matrix) if r is None else energy_multiplier_of(r)
-    return None if found is None else found.data()
-
-
-def _determinant_data(facts: LinearFacts) -> Json:
+def _determinant(facts: LinearFacts) -> Json:
     r = facts.stability_function
     if r is None:
         return determinant(facts.matrix).data()
@@ -190,54 +173,44 @@ def _determinant_data(facts: LinearFacts) -> Json:
     return fraction(spread(area.num), spread(area.den)).data()
 
 
-def _quadratic_data(form: Quadratic) -> Json:
-    names = ("q2", "qv", "v2")
-    return {name: polynomial_text(c, "h") for name, c in zip(names, form.coefficients, strict=True)}
+def _energy(facts: LinearFacts) -> Json:
+    r = facts.stability_function
+    found = energy_multiplier(facts.matrix) if r is None else energy_multiplier_of(r)
+    return None if found is None else found.data()
 
 
-def _invariant_data(facts: LinearFacts) -> Json:
+def _invariant(facts: LinearFacts) -> Json:
     found = facts.conserved_quadratics
-    return _quadratic_data(found[0]) if len(found) == 1 else None
+    return quadratic_record(found[0]) if len(found) == 1 else None
 
 
-def _conserved_data(facts: LinearFacts) -> Json:
-    return [
-        {"quadratic": _quadratic_data(form), "definite_limit": data(definite_limit(form))}
-        for form in facts.conserved_quadratics
-    ]
-
-
-def _modified_data(facts: LinearFacts) -> Json:
-    """H̃ = factor*(q2 q² + qv qv + v2 v²), in the words of `ModifiedHamiltonian`."""
-    found = facts.modified_hamiltonian
-    if found is None:
-        return None
-    cosine = rational_text(found.cosine, "h")
-    return {
-        "factor": f"acos({cosine})/sqrt(1 - ({cosine})**2)",
-        "quadratic": {name: rational_text(getattr(found, name), "h") for name in ("q2", "qv", "v2")},
-        "valid_limit": data(found.limit),
-        "factor_series": _series_data(modified_factor_series(facts.matrix, facts.terms)),
-    }
-
-
-def _series_data(series: Series) -> list[str]:
-    return [str(exact(c)) for c in series]
+def _optional_term(term: LeadingTerm | None) -> Json:
+    return None if term is None else term.data()
 
 
 def _phase_series(facts: LinearFacts) -> Json:
     r, n = facts.stability_function, facts.terms
-    return _series_data(angle_series(facts.matrix, n) if r is None else dispersion_series(r, n))
+    if r is not None:
+        return series_record(dispersion_series(r, n))
+    return series_record(angle_series(facts.matrix, n)) if facts.turns_readably else None
 
 
 def _damping_series(facts: LinearFacts) -> Json:
     r, n = facts.stability_function, facts.terms
-    return _series_data(damping_series(facts.matrix, n) if r is None else dissipation_series(r, n))
+    return series_record(damping_series(facts.matrix, n) if r is None else dissipation_series(r, n))
 
 
 def _modified_rate(facts: LinearFacts) -> Json:
     r = facts.stability_function
-    return None if r is None else _series_data(modified_rate(r, facts.terms))
+    return None if r is None else series_record(modified_rate(r, facts.terms))
+
+
+def _modified_hamiltonian(facts: LinearFacts) -> Json:
+    found = facts.modified_hamiltonian
+    if found is None:
+        return None
+    series = modified_factor_series(facts.matrix, facts.terms) if facts.turns_readably else None
+    return hamiltonian_record(found, series)
 
 
 def _linearly_symmetric(facts: LinearFacts) -> bool:
@@ -245,50 +218,51 @@ def _linearly_symmetric(facts: LinearFacts) -> bool:
     return is_matrix_symmetric(facts.matrix) if r is None else is_linearly_symmetric(r)
 
 
-def _error_constant(facts: LinearFacts) -> Json:
-    return None if facts.stability_function is None else error_constant(facts.stability_function).data()
-
-
-def _ssp_data(facts: LinearFacts) -> Json:
-    return data(ssp_coefficient(facts.method)) if isinstance(facts.method, RungeKutta) else None
+def _ssp(facts: LinearFacts) -> Json:
+    return data(ssp_coefficient(facts.method)) if isinstance(facts.method, RungeKutta | Collocation) else None
 
 
 def _order_reduction(facts: LinearFacts) -> Json:
     """The functions of Prothero and Robinson that are not zero, up to the power at which the linear order ends."""
-    if not isinstance(facts.method, RungeKutta | Collocation):
+    method = facts.method
+    if not isinstance(method, RungeKutta | Collocation):
         return None
-    functions = ((k, prothero_robinson(facts.method, k)) for k in range(1, linear_order(facts) + 2))
-    return [{"power": k, "function": f.data(), "at_infinity": _limit_text(f)} for k, f in functions if f.num != 0]
+    functions = {k: prothero_robinson(method, k) for k in range(1, linear_order(facts) + 2)}
+    return [
+        {"power": k, "function": f.data(), "at_infinity": at_infinity(f)} for k, f in functions.items() if f.num != 0
+    ]
 
 
 FACTS: dict[str, Callable[[LinearFacts], Json]] = {
-    "stability_function": _stability_data,
+    "stability_function": _of_r(RationalFunction.data),
     "one_step_matrix": lambda facts: [[entry.data() for entry in row] for row in facts.matrix],
-    "determinant": _determinant_data,
-    "energy_multiplier": _energy_data,
-    "invariant": _invariant_data,
-    "conserved_quadratics": _conserved_data,
-    "modified_hamiltonian": _modified_data,
-    "real_limit": lambda facts: _optional_limit(facts.real_limit),
+    "determinant": _determinant,
+    "energy_multiplier": _energy,
+    "invariant": _invariant,
+    "conserved_quadratics": lambda facts: [conserved_record(form) for form in facts.conserved_quadratics],
+    "modified_hamiltonian": _modified_hamiltonian,
+    "real_limit": lambda facts: None if facts.real_limit is None else data(facts.real_limit),
     "imaginary_limit": lambda facts: data(facts.imaginary_limit),
     "a_stable": lambda facts: None if facts.a_stability is None else facts.a_stability.holds,
-    "a_stability": _decision_data,
-    "i_stable": _decided(i_stability),
-    "l_stable": _decided(l_stability),
-    "sector": _sector_data,
-    "limit_at_infinity": _at_infinity,
+    "a_stability": _a_stability,
+    "i_stable": _of_r(lambda r: bool(i_stability(r))),
+    "l_stable": _of_r(lambda r: bool(l_stability(r))),
+    "sector": lambda facts: None if facts.sector is None else sector_record(facts.sector),
+    "limit_at_infinity": _of_r(at_infinity),
     "stiffly_accurate": lambda facts: is_stiffly_accurate(facts.method),
     "first_same_as_last": lambda facts: is_first_same_as_last(facts.method),
     "symplectic": lambda facts: is_symplectic(facts.method),
     "symmetric": lambda facts: is_symmetric(facts.method),
     "linearly_symmetric": _linearly_symmetric,
     "linear_order": linear_order,
-    "error_constant": _error_constant,
-    "dispersion": lambda facts: facts.dispersion.data(),
+    "error_constant": _of_r(lambda r: error_constant(r).data()),
+    "dispersion": lambda facts: _optional_term(facts.dispersion),
     "dissipation": lambda facts: _optional_term(facts.dissipation),
     "dispersion_series": _phase_series,
     "dissipation_series": _damping_series,
     "modified_rate": _modified_rate,
     "order_reduction": _order_reduction,
-    "ssp_coefficient": _ssp_data,
+    "ssp_coefficient": _ssp,
 }
+# So long that they are given only when they are named.
+ON_REQUEST: dict[str, Callable[[LinearFacts], Json]] = {"region_boundary": _of_r(boundary_record)}

@@ -1,138 +1,88 @@
-"""Families of Runge-Kutta methods with a free parameter, and what holds for them as functions of the parameter."""
+"""R(z) and the error constant of a family of Runge-Kutta methods, as functions of its parameter."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 
-from flint import fmpq
-
-from methods.number_field import Exact
-from methods.schemes import MethodError, RungeKutta
+from methods.families import Family
+from methods.parameters import Function
+from symbolic.linear.bivariate import Bivariate, common_divisor, quotient
 from symbolic.linear.matrices import characteristic_and_adjugate
-from symbolic.linear.polynomials import ONE, Polynomial, X, descend, exact, greatest_common_divisor, quotient, scalar
+from symbolic.linear.polynomials import ONE, ZERO, Polynomial, descend, greatest_common_divisor, polynomial
+from symbolic.linear.polynomials import quotient as polynomial_quotient
 from symbolic.linear.rational_functions import RationalFunction, fraction
 from symbolic.linear.series import exponential
 
-
-@dataclass(frozen=True)
-class Family:
-    """The methods with tableau (A, b, c), whose entries are rational functions over Q of one real parameter."""
-
-    key: str
-    title: str
-    parameter: str
-    source: str
-    a: tuple[tuple[RationalFunction, ...], ...]
-    b: tuple[RationalFunction, ...]
-    c: tuple[RationalFunction, ...]
-
-    def member(self, value: Exact) -> RungeKutta:
-        """The method at one value of the parameter. Raises MethodError where an entry has a pole."""
-        at = scalar(value)
-        try:
-            a = tuple(tuple(exact(f(at)) for f in row) for row in self.a)
-            b, c = (tuple(exact(f(at)) for f in row) for row in (self.b, self.c))
-        except ZeroDivisionError:
-            raise MethodError(
-                f"{self.key}: no method at {self.parameter} = {value}, a pole of its coefficients"
-            ) from None
-        name = f"{self.key} at {self.parameter} = {value}"
-        return RungeKutta(key=name, title=name, claimed_order=0, source=self.source, a=a, b=b, c=c)
-
-    def poles(self) -> Polynomial:
-        """The product, up to repetition, of the denominators: it vanishes where the method is not defined."""
-        common: Polynomial = ONE
-        for entry in (*(f for row in self.a for f in row), *self.b, *self.c):
-            common = common * quotient(entry.den, greatest_common_divisor(common, entry.den))
-        return common
+NIL = fraction(ZERO)
 
 
 @dataclass(frozen=True)
 class FamilyStability:
-    """R(z) = Σ numₖ zᵏ / Σ denₖ zᵏ, the coefficients rational functions of the parameter; den₀ = 1.
+    """R(z) = P/Q, in lowest terms over Q(parameter): rows by powers of z, polynomials in the parameter.
 
-    In lowest terms for almost every value; at single values a factor may cancel.
+    At single values of the parameter a further factor may cancel; at roots of `den[0]` there may be no method.
     """
 
-    num: tuple[RationalFunction, ...]
-    den: tuple[RationalFunction, ...]
+    num: Bivariate
+    den: Bivariate
+
+    def coefficients(self) -> tuple[list[RationalFunction], list[RationalFunction]]:
+        """The coefficients of numerator and denominator as functions of the parameter, the first of the latter 1."""
+        num, den = ([fraction(c, self.den[0]) for c in rows] for rows in (self.num, self.den))
+        return num, den
 
     def taylor(self, terms: int) -> list[RationalFunction]:
         """The first Taylor coefficients at z = 0, as functions of the parameter."""
+        num, den = self.coefficients()
         found: list[RationalFunction] = []
         for k in range(terms):
-            total = self.num[k] if k < len(self.num) else fraction(ONE * 0)
-            for j in range(1, min(k, len(self.den) - 1) + 1):
-                total = total - self.den[j] * found[k - j]
+            total = num[k] if k < len(num) else NIL
+            for j in range(1, min(k, len(den) - 1) + 1):
+                total = total - den[j] * found[k - j]
             found.append(total)
         return found
 
 
+def poles(family: Family) -> Polynomial:
+    """The least common multiple of the denominators of all entries: it vanishes where the method is not defined."""
+    common: Polynomial = ONE
+    for entry in (*(f for row in family.a for f in row), *family.b, *family.c):
+        den = polynomial(entry.den)
+        common = common * polynomial_quotient(den, greatest_common_divisor(common, den))
+    return common
+
+
+def cleared(entries: Sequence[Function], common: Polynomial) -> list[Polynomial]:
+    """The entries times a common multiple of their denominators: polynomials in the parameter."""
+    return [polynomial(f.num) * polynomial_quotient(common, polynomial(f.den)) for f in entries]
+
+
 def family_stability(family: Family) -> FamilyStability:
-    """R(z) = det(I - zA + z1bᵀ) / det(I - zA), the coefficients as functions of the parameter."""
-    shifted = [[x - y for x, y in zip(row, family.b, strict=True)] for row in family.a]
-    return FamilyStability(_determinant(shifted, family.poles()), _determinant(family.a, family.poles()))
+    """R(z) = det(I - zA + z1bᵀ) / det(I - zA) as a function of z and of the parameter."""
+    common = poles(family)
+    rows, weights = [cleared(row, common) for row in family.a], cleared(family.b, common)
+    shifted = [[x - y for x, y in zip(row, weights, strict=True)] for row in rows]
+    num, den = (_determinant(matrix, common) for matrix in (shifted, rows))
+    shared = common_divisor(num, den)
+    return FamilyStability(quotient(num, shared), quotient(den, shared))
 
 
 def family_error_constant(family: Family) -> tuple[int, RationalFunction]:
-    """(power, C) with R(z) - eᶻ = C(parameter) z**power + ..., C not zero; at the roots of C the order is higher."""
+    """(power, C) with R(z) - eᶻ = C(parameter) z**power + ..., C not zero; at the roots of C the order is higher.
+
+    There is one: R agrees with exp up to the power deg P + deg Q at most, as for a single method.
+    """
     r = family_stability(family)
     terms = len(r.num) + len(r.den) + 1
-    for power, (found, wanted) in enumerate(zip(r.taylor(terms), exponential(terms), strict=True)):
-        difference = found - fraction(ONE * wanted)
-        if difference.num != 0:
-            return power, difference
-    raise AssertionError("a rational function agrees with exp to finitely many powers")
+    differences = (f - fraction(ONE * wanted) for f, wanted in zip(r.taylor(terms), exponential(terms), strict=True))
+    return next((power, f) for power, f in enumerate(differences) if f != NIL)
 
 
-def _determinant(rows: Sequence[Sequence[RationalFunction]], poles: Polynomial) -> tuple[RationalFunction, ...]:
-    """The coefficients of det(I - zA): those of dA, a matrix of polynomials, over the powers of d."""
-    scaled = [[descend(x.num * quotient(poles, x.den)) for x in row] for row in rows]
-    found = [fraction(c, poles**k) for k, c in enumerate(characteristic_and_adjugate(scaled)[0])]
-    while found[-1].num == 0:
-        found.pop()
-    return tuple(found)
-
-
-def _constant(x: int | Fraction) -> RationalFunction:
-    return fraction(ONE * fmpq(*Fraction(x).as_integer_ratio()))
-
-
-_T, _NIL, _UNIT, _HALF = fraction(X), _constant(0), _constant(1), _constant(Fraction(1, 2))
-
-# Two equal diagonal entries, order 2 for every gamma, order 3 for gamma = 1/2 ± sqrt(3)/6.
-SDIRK_ORDER_2 = Family(
-    key="sdirk_order_2",
-    title="Two-stage SDIRK methods of order 2",
-    parameter="gamma",
-    source="hairer-wanner-1996, IV.6",
-    a=((_T, _NIL), (_UNIT - _T - _T, _T)),
-    b=(_HALF, _HALF),
-    c=(_T, _UNIT - _T),
-)
-
-# The last stage is the result; order 2 for gamma = 1 ± sqrt(2)/2 only.
-SDIRK_STIFFLY_ACCURATE = Family(
-    key="sdirk_stiffly_accurate",
-    title="Two-stage stiffly accurate SDIRK methods",
-    parameter="gamma",
-    source="hairer-wanner-1996, IV.6",
-    a=((_T, _NIL), (_UNIT - _T, _T)),
-    b=(_UNIT - _T, _T),
-    c=(_T, _UNIT),
-)
-
-# Heun at 1, the midpoint rule at 1/2, Ralston at 2/3.
-EXPLICIT_ORDER_2 = Family(
-    key="explicit_order_2",
-    title="Two-stage explicit methods of order 2",
-    parameter="alpha",
-    source="butcher-2016, 231",
-    a=((_NIL, _NIL), (_T, _NIL)),
-    b=(_UNIT - fraction(ONE, 2 * X), fraction(ONE, 2 * X)),
-    c=(_NIL, _T),
-)
-
-FAMILIES = {family.key: family for family in (SDIRK_ORDER_2, SDIRK_STIFFLY_ACCURATE, EXPLICIT_ORDER_2)}
+def _determinant(rows: Sequence[Sequence[Polynomial]], common: Polynomial) -> Bivariate:
+    """det(I - zA) times commonˢ, for A = rows/common: coefficient k is that of `rows` times common**(s - k)."""
+    found = [descend(c) for c in characteristic_and_adjugate(rows)[0]]
+    scaled = [c * common ** (len(rows) - k) for k, c in enumerate(found)]
+    while scaled[-1] == 0:
+        scaled.pop()
+    return scaled

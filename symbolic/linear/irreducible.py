@@ -18,6 +18,11 @@ class Stages(NamedTuple):
     weights: tuple[Row, ...]
     c: Row
 
+    @property
+    def b(self) -> Row:
+        """The weights of a Runge-Kutta method; of a Nyström method, those of the velocity."""
+        return self.weights[-1]
+
 
 def stages_of(method: RungeKutta | Nystrom) -> Stages:
     """The coefficients of `method`, b_embedded left out."""

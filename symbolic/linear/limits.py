@@ -70,13 +70,13 @@ def smallest(limits: Sequence[Limit]) -> Limit:
     return next(root for root in order if root in finite)
 
 
-def data(limit: Limit, digits: int = DIGITS) -> dict[str, Any]:
-    """{"exact", "minpoly", "interval", "decimal"}: radicals in SymPy's syntax or None, polynomial in x, digits.
+def data(limit: Limit, digits: int = DIGITS) -> str | dict[str, Any]:
+    """ "0", "oo", or {"exact", "minpoly", "interval", "decimal"}: radicals in SymPy's syntax or None, polynomial in x.
 
-    `oo` has no polynomial and no interval; the number is the one root of its polynomial in the closed interval.
+    The number is the one root of its polynomial in the closed interval; `decimal` is rounded correctly.
     """
-    if isinstance(limit, Infinity):
-        return {"exact": "oo", "minpoly": None, "interval": None, "decimal": "oo"}
+    if isinstance(limit, Infinity) or limit == ZERO:
+        return "oo" if isinstance(limit, Infinity) else "0"
     return {
         "exact": radical_form(limit),
         "minpoly": integer_polynomial_text(limit.minimal),

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 from flint import fmpq, fmpq_mat
 
-from methods.schemes import RungeKutta
+from methods.schemes import Collocation, RungeKutta
 from symbolic.linear.irreducible import Stages, reduced, stages_of
 from symbolic.linear.limits import Limit, first_failure, smallest
 from symbolic.linear.matrices import Rows, characteristic_and_adjugate, determinant, product
@@ -23,17 +25,39 @@ from symbolic.linear.polynomials import (
 from symbolic.linear.real_roots import ZERO as ZERO_LIMIT
 
 
-def ssp_coefficient(method: RungeKutta) -> Limit:
+def ssp_coefficient(method: RungeKutta | Collocation) -> Limit:
     """The largest r with (I + ϱK)⁻¹ defined, K(I + ϱK)⁻¹ >= 0 and ϱK(I + ϱK)⁻¹e <= e for all ϱ in [0, r].
 
     K is the irreducible A with bᵀ as a further row (kraaijevanger-1991, section 4). A step that keeps a convex
     functional from growing for forward Euler with h <= h₀ does so for this method with h <= r h₀. A negative entry of
     K gives 0.
     """
+    if isinstance(method, Collocation):
+        found = _tableau(method)
+        return ZERO_LIMIT if found is None else ssp_coefficient(found)
     stages = reduced(stages_of(method))
     if any(x < 0 for row in (*stages.a, *stages.weights) for x in row):
         return ZERO_LIMIT
     return smallest([_nonnegative_limit(p) for p in monotonicity_conditions(stages)])
+
+
+def _tableau(method: Collocation) -> RungeKutta | None:
+    """The tableau of collocation at one node, or at 0 and another; None for the others, where K has a negative entry.
+
+    For if K >= 0, no node is negative, as cᵢ = Σⱼ aᵢⱼ. Let c be the smallest positive node, in the row i. If no node is
+    0, then c²/2 = Σⱼ aᵢⱼcⱼ >= c Σⱼ aᵢⱼ = c². If one is 0 and s >= 3, then c³/3 = Σⱼ aᵢⱼcⱼ² >= c Σⱼ aᵢⱼcⱼ = c³/2. Stages
+    that do not count meet only zeros of A, and leaving them out changes nothing.
+    """
+    constant, *others = method.node_polynomial
+    if len(others) == 1:
+        rows, weights, nodes = [[-constant]], [Fraction(1)], [-constant]
+    elif len(others) == 2 and constant == 0:
+        x = -others[0]
+        rows, weights, nodes = [[Fraction(0)] * 2, [x / 2] * 2], [1 - 1 / (2 * x), 1 / (2 * x)], [Fraction(0), x]
+    else:
+        return None
+    a = tuple(map(tuple, rows))
+    return RungeKutta(method.key, method.title, 0, method.source, a, tuple(weights), tuple(nodes))
 
 
 def monotonicity_conditions(stages: Stages) -> list[Polynomial]:

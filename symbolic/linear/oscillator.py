@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from methods.number_field import Exact
 from methods.problems import oscillator
@@ -16,7 +15,6 @@ from symbolic.linear.polynomials import (
     Polynomial,
     Scalar,
     X,
-    dot,
     even_part,
     from_scalars,
     in_square,
@@ -63,14 +61,14 @@ def rotation_like(r: RationalFunction) -> StepMatrix:
 def linear_step_matrix(method: Method, rows: Sequence[Sequence[Exact | int]]) -> StepMatrix:
     """M(h) with z₁ = M(h) z₀ for z' = Az, A given by its rows.
 
-    R(hA) for Runge-Kutta and collocation methods; splittings and explicit Nyström methods need A = [[0, I], [K, 0]],
-    that is q' = v, v' = Kq. Raises ValueError for another A, and for one that is not square.
+    R(hA) for Runge-Kutta and collocation methods; splittings and Nyström methods need A = [[0, I], [K, 0]], that is
+    q' = v, v' = Kq. Raises ValueError for another A, and for one that is not square.
     """
     exact_rows = [[scalar(x) for x in row] for row in rows]
     if not exact_rows or any(len(row) != len(exact_rows) for row in exact_rows):
         raise ValueError("the matrix of a linear system is square")
     r = stability_function_of(method)
-    return of_matrix(r, exact_rows) if r is not None else _separable(method, exact_rows)
+    return of_matrix(r, exact_rows) if r is not None else _partitioned(method, exact_rows)
 
 
 def trace(m: StepMatrix) -> RationalFunction:
@@ -140,33 +138,34 @@ def _implicit_nystrom_matrix(method: Nystrom) -> StepMatrix:
     )
 
 
-@dataclass(frozen=True)
-class _Vector:
-    """A column of polynomials in h, with what a step needs: sums, multiples."""
+def _partitioned(method: Method, rows: list[list[Scalar]]) -> StepMatrix:
+    """[[α(h²K), hβ(h²K)], [hKγ(h²K), δ(h²K)]], where [[α(-h²), hβ(-h²)], [-hγ(-h²), δ(-h²)]] is the oscillator's M(h).
 
-    entries: tuple[Polynomial, ...]
+    The step is linear in (q, v) and scales like them: its entries are functions of h²K, as on the oscillator of -h².
+    """
+    stiffness = stiffness_of(rows)
+    if stiffness is None:
+        raise ValueError(f"{method.key} needs a system q' = v, v' = Kq: the matrix must be [[0, I], [K, 0]]")
+    (qq, qv), (vq, vv) = one_step_matrix(method)
+    step, per_step = fraction(X), fraction(ONE, X)
+    blocks = [
+        [_of_square(qq, stiffness, fraction(ONE)), _of_square(qv * per_step, stiffness, step)],
+        [_of_square(vq * step, stiffness, per_step), _of_square(vv, stiffness, fraction(ONE))],
+    ]
+    return tuple((*left, *right) for row in blocks for left, right in zip(*row, strict=True))
 
-    def __add__(self, other: _Vector) -> _Vector:
-        return _Vector(tuple(x + y for x, y in zip(self.entries, other.entries, strict=True)))
 
-    def __rmul__(self, factor: Polynomial) -> _Vector:
-        return _Vector(tuple(factor * x for x in self.entries))
-
-
-def _separable(method: Method, rows: list[list[Scalar]]) -> StepMatrix:
+def stiffness_of(rows: Sequence[Sequence[Scalar]]) -> list[list[Scalar]] | None:
+    """The K of a system q' = v, v' = Kq, that is of the matrix [[0, I], [K, 0]]; None for another matrix."""
     half, odd = divmod(len(rows), 2)
     expected = [[int(j == i + half) for j in range(2 * half)] for i in range(half)]
-    if odd or rows[:half] != expected or any(x != 0 for row in rows[half:] for x in row[half:]):
-        raise ValueError("a splitting needs q' = v, v' = Kq: the matrix must be [[0, I], [K, 0]]")
-    stiffness = [row[:half] for row in rows[half:]]
-    step = stepper(method, scalar)
+    if odd or [list(row) for row in rows[:half]] != expected or any(x != 0 for row in rows[half:] for x in row[half:]):
+        return None
+    return [list(row[:half]) for row in rows[half:]]
 
-    def force(q: _Vector) -> _Vector:
-        return _Vector(tuple(dot(q.entries, row) for row in stiffness))
 
-    columns = []
-    for k in range(2 * half):
-        start = [ONE if i == k else ZERO for i in range(2 * half)]
-        q, v = step(force, _Vector(tuple(start[:half])), _Vector(tuple(start[half:])), X)
-        columns.append((*q.entries, *v.entries))
-    return tuple(tuple(fraction(x) for x in row) for row in zip(*columns, strict=True))
+def _of_square(f: RationalFunction, stiffness: list[list[Scalar]], factor: RationalFunction) -> StepMatrix:
+    """factor(h) φ(h²K), where φ(-h²) = f(h), f even."""
+    phi = fraction(*(reflected(in_square(p)) for p in (f.num, f.den)))
+    found = of_matrix(phi, stiffness)
+    return tuple(tuple(fraction(spread(x.num), spread(x.den)) * factor for x in row) for row in found)

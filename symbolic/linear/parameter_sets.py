@@ -2,24 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
+from typing import Any, TypeVar
 
 from flint import fmpq
 
-from methods.number_field import Exact, NumberField
-from symbolic.linear.families import Family, FamilyStability, family_stability
-from symbolic.linear.polynomials import ZERO, Polynomial, evaluate, exact, reflected
+from methods.families import Family
+from methods.number_field import Exact
+from symbolic.linear.algebraic_numbers import number_of
+from symbolic.linear.bivariate import (
+    Bivariate,
+    difference,
+    merging_values,
+    signed,
+    size_on_axis,
+    slope,
+    without_root_zero,
+)
+from symbolic.linear.families import FamilyStability, family_stability, poles
+from symbolic.linear.limits import data
+from symbolic.linear.polynomials import Polynomial, exact, reflected
 from symbolic.linear.radicals import decimal, radical_form
 from symbolic.linear.rational_functions import RationalFunction
 from symbolic.linear.real_roots import ZERO as ORIGIN
 from symbolic.linear.real_roots import RealRoot, positive_roots, samples, vanishes_at
 from symbolic.linear.stability_function import stability_function
-from symbolic.linear.subresultants import Pair, critical_polynomial
 
-# A polynomial in x whose coefficients, by powers of x, are polynomials in the parameter.
-Bivariate = list[Polynomial]
+# Of an end without a radical form, in text; the data has them all.
+DIGITS_SHOWN = 12
+Label = TypeVar("Label", bound=Hashable)
 
 
 @dataclass(frozen=True)
@@ -39,6 +52,55 @@ class Interval:
         low, high = ("-oo" if self.low is None else _text(self.low), "oo" if self.high is None else _text(self.high))
         return f"{left}{low}, {high}{right}"
 
+    def data(self) -> dict[str, Any]:
+        """{"low", "high", "low_closed", "high_closed"}: ends as `limits.data` writes numbers, or "-oo", "oo"."""
+        low, high = "-oo" if self.low is None else data(self.low), "oo" if self.high is None else data(self.high)
+        return {"low": low, "high": high, "low_closed": self.low_closed, "high_closed": self.high_closed}
+
+
+@dataclass(frozen=True)
+class Line:
+    """The line cut at the real roots of polynomials in the parameter: open cell 0, point 0, open cell 1, and so on.
+
+    Points where the family has a pole are kept as points, and left out as values.
+    """
+
+    points: list[RealRoot]
+    poles: Polynomial
+
+    @classmethod
+    def cut(cls, family: Family, polynomials: Iterable[Polynomial]) -> Line:
+        """The line of the family's parameter, cut at its poles and at the roots of the nonzero ones of these."""
+        common = poles(family)
+        return cls(_real_roots([p for p in (common, *polynomials) if p != 0]), common)
+
+    def values(self) -> Iterator[Exact | None]:
+        """A rational number of each open cell, and each point itself, ascending; None at a pole.
+
+        Raises `methods.irreducibility.UndecidedError` at a point of degree above 12, which has no number field here.
+        """
+        for k, inner in enumerate(_samples(self.points)):
+            yield exact(inner)
+            if k < len(self.points):
+                point = self.points[k]
+                yield None if vanishes_at(self.poles, point) else number_of(point)
+
+    def runs(self, labels: Sequence[Label]) -> list[tuple[Label, Interval]]:
+        """Intervals of equal labels, ascending; label 2k is that of the open cell before point k, 2k + 1 its own."""
+        found = []
+        for label, run in groupby(enumerate(labels), key=lambda item: item[1]):
+            places = [place for place, _ in run]
+            first, last = places[0], places[-1]
+            low = self.points[(first - 1) // 2] if first else None
+            high = self.points[last // 2] if last < 2 * len(self.points) else None
+            found.append((label, Interval(low, high, first % 2 == 1, last % 2 == 1)))
+        return found
+
+    def where(self, holds: Callable[[Exact], object]) -> list[Interval]:
+        """The values at which `holds` is true, if it is constant on each open cell: disjoint intervals, ascending."""
+        verdicts = [value is not None and bool(holds(value)) for value in self.values()]
+        return [interval for verdict, interval in self.runs(verdicts) if verdict]
+
 
 def parameter_set(family: Family, decide: Callable[[RationalFunction], object]) -> list[Interval]:
     """The values of the parameter at which `decide` of R(z) is true: disjoint intervals, ascending.
@@ -47,27 +109,23 @@ def parameter_set(family: Family, decide: Callable[[RationalFunction], object]) 
     |Q(iy)|² - |P(iy)|² and on the side of the imaginary axis where the poles lie: between critical values none of these
     changes, so one rational value decides each interval; critical values are decided in their number fields.
     """
-    points = _real_roots(critical_polynomials(family))
-    cells = _samples(points)
-    verdicts: list[bool] = []
-    for k, inner in enumerate(cells):
-        verdicts.append(bool(decide(stability_function(family.member(exact(inner))))))
-        if k < len(points):
-            defined = not vanishes_at(family.poles(), points[k])
-            verdicts.append(defined and bool(decide(stability_function(family.member(_number(points[k]))))))
-    return _intervals(points, verdicts)
+    line = Line.cut(family, critical_polynomials(family))
+    return line.where(lambda value: decide(stability_function(family.member(value))))
 
 
 def critical_polynomials(family: Family) -> list[Polynomial]:
     """Polynomials in the parameter, one of which vanishes wherever the facts named in `parameter_set` can change."""
-    r, poles = family_stability(family), family.poles()
-    num, den = _cleared(r, poles)
-    even, odd = _signed(den[::2]), _signed(den[1::2])
-    margin = _difference(_size_on_axis(den), _size_on_axis(num))
-    pairs = [(num, den), (even, odd), (margin, _slope(margin))]
-    merging = [critical_polynomial(_pair(p, q)) for p, q in pairs if p and q]
-    ends = [p for rows in (num, den, margin) if rows for p in (rows[0], rows[-1])]
-    return [p for p in (poles, *ends, *merging) if p is not None and p != 0]
+    r = family_stability(family)
+    even, odd = signed(r.den[::2]), signed(r.den[1::2])
+    margin = margin_on_axis(r)
+    merging = [merging_values(p, q) for p, q in ((r.num, r.den), (even, odd), (margin, slope(margin)))]
+    ends = [p for rows in (r.num, r.den, margin) if rows for p in (rows[0], rows[-1])]
+    return [p for p in (*ends, *merging) if p is not None and p != 0]
+
+
+def margin_on_axis(r: FamilyStability) -> Bivariate:
+    """|Q(iy)|² - |P(iy)|² by powers of y², without common ones."""
+    return without_root_zero(difference(size_on_axis(r.den), size_on_axis(r.num)))
 
 
 def describe(intervals: Iterable[Interval]) -> str:
@@ -75,61 +133,9 @@ def describe(intervals: Iterable[Interval]) -> str:
     return " U ".join(map(str, intervals)) or "empty"
 
 
-def _cleared(r: FamilyStability, poles: Polynomial) -> tuple[Bivariate, Bivariate]:
-    """Numerator and denominator in z with polynomial coefficients, after multiplication by one polynomial."""
-    common = poles ** max(len(r.num), len(r.den))
-    num, den = ([c.num * (common // c.den) for c in row] for row in (r.num, r.den))
-    return num, den
-
-
-def _signed(rows: Bivariate) -> Bivariate:
-    """p(-x), leading zeros dropped."""
-    return _trimmed([-c if k % 2 else c for k, c in enumerate(rows)])
-
-
-def _size_on_axis(rows: Bivariate) -> Bivariate:
-    """|p(iy)|² by powers of x = y²."""
-    even, odd = _signed(rows[::2]), _signed(rows[1::2])
-    square: Bivariate = [ZERO] * (2 * len(rows))
-    for part, shift in ((even, 0), (odd, 1)):
-        for i, a in enumerate(part):
-            for j, b in enumerate(part):
-                square[i + j + shift] = square[i + j + shift] + a * b
-    return square
-
-
-def _difference(a: Bivariate, b: Bivariate) -> Bivariate:
-    """a - b without leading zeros and without common powers of x."""
-    size = max(len(a), len(b))
-    rows = [x - y for x, y in zip(a + [ZERO] * (size - len(a)), b + [ZERO] * (size - len(b)), strict=True)]
-    return _trimmed(_trimmed(rows)[::-1])[::-1]
-
-
-def _trimmed(rows: Bivariate) -> Bivariate:
-    while rows and rows[-1] == 0:
-        rows = rows[:-1]
-    return rows
-
-
-def _slope(rows: Bivariate) -> Bivariate:
-    return [c * k for k, c in enumerate(rows)][1:]
-
-
-def _pair(p: Bivariate, q: Bivariate) -> Pair:
-    reaches = tuple(max(int(c.degree()) for c in rows) for rows in (p, q))
-
-    def at(value: fmpq) -> tuple[Polynomial, Polynomial]:
-        first, second = (_polynomial_at(rows, value) for rows in (p, q))
-        return first, second
-
-    return Pair(at, (len(p) - 1, len(q) - 1), (reaches[0], reaches[1]))
-
-
-def _polynomial_at(rows: Bivariate, value: fmpq) -> Polynomial:
-    total = ZERO
-    for c in reversed(rows):
-        total = total.left_shift(1) + evaluate(c, value)
-    return total
+def set_data(intervals: Sequence[Interval]) -> dict[str, Any]:
+    """{"set": "[1/4, oo)", "intervals": [...]}, the same set for readers and for programs."""
+    return {"set": describe(intervals), "intervals": [interval.data() for interval in intervals]}
 
 
 def _real_roots(polynomials: list[Polynomial]) -> list[RealRoot]:
@@ -147,26 +153,6 @@ def _samples(points: list[RealRoot]) -> list[fmpq]:
     return [*below, *above] if ORIGIN in points else [*below[:-1], fmpq(0), *above[1:]]
 
 
-def _number(root: RealRoot) -> Exact:
-    """The root as exact data of `methods`."""
-    if root.rational is not None:
-        return root.rational
-    low, high = root.interval()
-    return NumberField("alpha", root.minimal, low, high).generator
-
-
-def _intervals(points: list[RealRoot], verdicts: list[bool]) -> list[Interval]:
-    """Runs of true verdicts; verdict 2k is that of the open interval before point k, 2k + 1 that of point k."""
-    found = []
-    for holds, run in groupby(enumerate(verdicts), key=lambda item: item[1]):
-        if holds:
-            places = [place for place, _ in run]
-            first, last = places[0], places[-1]
-            low = points[(first - 1) // 2] if first else None
-            high = points[last // 2] if last < 2 * len(points) else None
-            found.append(Interval(low, high, first % 2 == 1, last % 2 == 1))
-    return found
-
-
 def _text(root: RealRoot) -> str:
-    return radical_form(root) or decimal(root)
+    """In radicals, or else with few digits and a sign that they are not all."""
+    return radical_form(root) or f"~{decimal(root, DIGITS_SHOWN)}"

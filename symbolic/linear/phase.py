@@ -6,12 +6,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from math import isqrt
+from typing import Any
 
 from methods.number_field import Exact
 from methods.number_field import square_root as number_root
+from symbolic.linear.algebraic_numbers import root_of
+from symbolic.linear.limits import data
 from symbolic.linear.matrices import StepMatrix
 from symbolic.linear.oscillator import determinant, trace
 from symbolic.linear.polynomials import ONE, exact, reflected, scalar
+from symbolic.linear.radicals import is_readable, perfect_part
 from symbolic.linear.rational_functions import RationalFunction, fraction
 from symbolic.linear.series import (
     Series,
@@ -26,6 +30,10 @@ from symbolic.linear.series import (
 )
 
 
+class NoRotationError(ValueError):
+    """A step that for small h is no rotation, or turns by s*h + O(h**2) with s**2 no positive rational."""
+
+
 @dataclass(frozen=True)
 class LeadingTerm:
     """coefficient * h**power, the lowest power of a series that is not zero."""
@@ -33,9 +41,13 @@ class LeadingTerm:
     power: int
     coefficient: Exact
 
-    def data(self) -> dict[str, int | str]:
-        """{"power": p, "coefficient": "..."}."""
-        return {"power": self.power, "coefficient": str(self.coefficient)}
+    def data(self) -> dict[str, Any]:
+        """{"power": p, "coefficient": "..."}; where radicals are too long, the number is as `limits.data` writes it."""
+        readable = is_readable(self.coefficient)
+        return {
+            "power": self.power,
+            "coefficient": str(self.coefficient) if readable else data(root_of(self.coefficient)),
+        }
 
 
 def error_constant(r: RationalFunction) -> LeadingTerm:
@@ -109,32 +121,50 @@ def angle_series(m: StepMatrix, terms: int) -> Series:
     """θ(h) - h modulo h**terms, θ the angle of the eigenvalues: cos θ = tr M / (2 sqrt(det M)).
 
     From θ' = -(cos θ)' / sin θ. An inconsistent splitting turns by θ = σh + O(h²) with σ = sqrt(Σ kicks Σ drifts); its
-    series lies in Q(σ). Raises ValueError unless σ² is rational and positive.
+    series lies in Q(σ). Raises NoRotationError unless σ² is rational and positive.
     """
     cosine, sine = _cosine_and_sine(m, max(terms, 2))
     slope = divide([-c for c in derivative(cosine)[1:]], sine)
     return [c - 1 if k == 1 else c for k, c in enumerate(integral(slope)[:terms])]
 
 
-def _cosine_and_sine(m: StepMatrix, terms: int) -> tuple[Series, Series]:
-    """cos θ modulo h**(terms + 1) and sin θ / h modulo h**(terms - 1)."""
+def turning_rate(m: StepMatrix) -> Exact:
+    """The σ with θ = σh + O(h²); 1 for a consistent method. Raises NoRotationError unless σ² is rational, positive."""
+    return _square_root(exact(_square_of_sine(_cosine(m, 2))[0]))
+
+
+def _cosine(m: StepMatrix, terms: int) -> Series:
+    """cos θ modulo h**(terms + 1)."""
     root = square_root(expand(determinant(m), terms + 1))
     cosine = divide([c / 2 for c in expand(trace(m), terms + 1)], root)
     if cosine[0] != 1 or cosine[1] != 0:
-        raise ValueError("the step is no rotation by a small angle: its eigenvalues are not 1 at h = 0")
-    square_of_sine = [-c for c in multiply(cosine, cosine)][2:]
+        raise NoRotationError("the step is no rotation by a small angle: its eigenvalues are not 1 at h = 0")
+    return cosine
+
+
+def _square_of_sine(cosine: Series) -> Series:
+    """sin² θ / h² modulo h**(terms - 1)."""
+    return [-c for c in multiply(cosine, cosine)][2:]
+
+
+def _cosine_and_sine(m: StepMatrix, terms: int) -> tuple[Series, Series]:
+    """cos θ modulo h**(terms + 1) and sin θ / h modulo h**(terms - 1)."""
+    cosine = _cosine(m, terms)
+    square_of_sine = _square_of_sine(cosine)
     rate = square_of_sine[0]
     root_of_rate = scalar(_square_root(exact(rate)))
     return cosine, [c * root_of_rate for c in square_root([c / rate for c in square_of_sine])]
 
 
 def _square_root(x: Exact) -> Exact:
-    """The square root of a rational x > 0, exact. Raises ValueError for another x."""
+    """The square root of a rational x > 0, exact. Raises NoRotationError for another x."""
     if not isinstance(x, Fraction) or x <= 0:
-        raise ValueError(f"the step turns by s*h + O(h**2) with s**2 = {x}: no positive rational")
-    radicand = x.numerator * x.denominator
-    root = isqrt(radicand)
-    return Fraction(root, x.denominator) if root**2 == radicand else number_root(radicand) / x.denominator
+        raise NoRotationError(f"the step turns by s*h + O(h**2) with s**2 = {x}: no positive rational")
+    product = x.numerator * x.denominator
+    outer, inner = perfect_part(product, 2) or (1, product)
+    root = isqrt(inner)
+    surd = Fraction(root) if root**2 == inner else number_root(inner)
+    return surd * Fraction(outer, x.denominator)
 
 
 def damping_series(m: StepMatrix, terms: int) -> Series:
@@ -143,8 +173,12 @@ def damping_series(m: StepMatrix, terms: int) -> Series:
 
 
 def angle_error(m: StepMatrix) -> LeadingTerm:
-    """The leading term of θ(h) - h. There is one, as cos θ is algebraic in h and cos h is not."""
-    return _leading_of(lambda terms: angle_series(m, terms))
+    """The leading term of θ(h) - h. There is one, as cos θ is algebraic in h and cos h is not.
+
+    Raises NoRotationError as `turning_rate` does.
+    """
+    excess = turning_rate(m) - 1
+    return LeadingTerm(1, excess) if excess else _leading_of(lambda terms: angle_series(m, terms))
 
 
 def damping(m: StepMatrix) -> LeadingTerm | None:

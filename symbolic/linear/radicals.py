@@ -7,6 +7,7 @@ from math import gcd
 
 from flint import arb, ctx, fmpq, fmpz
 
+from methods.number_field import Algebraic, Exact
 from symbolic.certified import significant
 from symbolic.linear.real_roots import FIRST_BITS, Minimal, RealRoot
 
@@ -20,10 +21,10 @@ def radical_form(root: RealRoot) -> str | None:
 
     E.g. "2*sqrt(2)", "1/2 + sqrt(5)/2", "sqrt(3 + 2*sqrt(3))", "2*3**(1/3)"; None also where radicands are long.
     """
-    if root.ball() < 0:
-        text = radical_form(root.negated())
-        return text and (f"-({text})" if " " in text else f"-{text}")
     power = gcd(*(k for k, c in enumerate(root.minimal) if c))
+    if power > 1 and root.ball() < 0:
+        text = radical_form(root.negated())
+        return text and f"-{text}"
     reduced = root.minimal[::power]
     if len(reduced) == 2:
         return _rational_power(Fraction(-reduced[0], reduced[1]), power)
@@ -46,6 +47,11 @@ def integer_polynomial_text(coefficients: Minimal, name: str = "x") -> str:
     return text or "0"
 
 
+def is_readable(x: Exact) -> bool:
+    """True for a rational number, and for an element of a field whose generator has short coefficients."""
+    return not isinstance(x, Algebraic) or max(map(abs, x.field.minimal)) <= LARGEST_RADICAND
+
+
 def decimal(root: RealRoot, digits: int = DIGITS) -> str:
     """The number correctly rounded to so many significant digits, certified by balls; "0" for zero."""
     return significant(root.ball if root.rational is None else root.rational, digits)
@@ -55,7 +61,7 @@ def _rational_power(x: Fraction, power: int) -> str | None:
     """x**(1/power) for a rational x >= 0, with the perfect powers drawn out: x = p/q = p q**(power - 1) / q**power."""
     if power == 1 or x == 0:
         return str(x)
-    split = _perfect_part(x.numerator * x.denominator ** (power - 1), power)
+    split = perfect_part(x.numerator * x.denominator ** (power - 1), power)
     if split is None:
         return None
     outer, inner = split
@@ -66,7 +72,7 @@ def _rational_power(x: Fraction, power: int) -> str | None:
 def _quadratic(minimal: Minimal, root: RealRoot, power: int) -> str | None:
     """root**power = (-b ± sqrt(b² - 4ac)) / 2a, as "p + q*sqrt(n)"; the sign is the one that balls do not exclude."""
     c, b, a = minimal
-    split = _perfect_part(b * b - 4 * a * c, 2)
+    split = perfect_part(b * b - 4 * a * c, 2)
     if split is None:
         return None
     outer, inner = split
@@ -82,7 +88,7 @@ def _quadratic(minimal: Minimal, root: RealRoot, power: int) -> str | None:
     return f"{middle} {'+' if possible[0] > 0 else '-'} {_times(half, f'sqrt({inner})')}"
 
 
-def _perfect_part(n: int, power: int) -> tuple[int, int] | None:
+def perfect_part(n: int, power: int) -> tuple[int, int] | None:
     """(m, r) with n = m**power r and r free of such powers, for n > 0; None where n is too long to factor."""
     if n > LARGEST_RADICAND:
         return None

@@ -7,9 +7,14 @@ from typing import NamedTuple
 
 from flint import acb, acb_poly, arb, ctx
 
+from symbolic.certified import endpoints, fixed
 from symbolic.linear.number_field_polynomials import FieldPolynomial, root_ball
 from symbolic.linear.polynomials import Polynomial, scalar, squarefree
 from symbolic.linear.rational_functions import RationalFunction
+
+# The boundary as a fact: values of Re R(z) on either side of 0, and digits after the point.
+COUNT = 12
+PLACES = 15
 
 
 class BoundaryPoint(NamedTuple):
@@ -29,6 +34,22 @@ def boundary_points(r: RationalFunction, count: int, bits: int = 64) -> list[Bou
     cosines = [(1 - t) / (1 + t) for t in squares]
     cosines += [-c for c in cosines[-2::-1]]
     return [BoundaryPoint(c, z) for c in cosines for z in points_at(r, c, bits)]
+
+
+def rounded_boundary(r: RationalFunction, count: int = COUNT, places: int = PLACES) -> list[tuple[str, str, str]]:
+    """(Re R(z), Re z, Im z) of the boundary points with Im z >= 0, as decimals: |error| < 10**-places in all of z.
+
+    Each part of z is rounded, an error of 1/2 unit of the last place, from a ball of radius below 1/8 unit.
+    """
+    bits = 64
+    while True:
+        points = [point for point in boundary_points(r, count, bits) if not point.z.imag < 0]
+        parts = [tuple(endpoints(part) for part in (point.z.real, point.z.imag)) for point in points]
+        if all(8 * (high - low) * 10**places < 2 for pair in parts for low, high in pair):
+            break
+        bits *= 2
+    found = [(p.cosine, *((low + high) / 2 for low, high in pair)) for p, pair in zip(points, parts, strict=True)]
+    return [(str(c), fixed(x, places), fixed(y, places)) for c, x, y in sorted(found, key=lambda p: (-p[0], *p[1:]))]
 
 
 def points_at(r: RationalFunction, cosine: Fraction, bits: int = 64) -> list[acb]:

@@ -60,7 +60,7 @@ def sector_degrees(tangent: Limit | EnclosedTangent, digits: int = DIGITS) -> st
     return significant(lambda: tangent.ball().atan() * 180 / arb.pi(), digits) if tangent != NO_SECTOR else "0"
 
 
-def tangent_data(tangent: Limit | EnclosedTangent, digits: int = DIGITS) -> dict[str, Any]:
+def tangent_data(tangent: Limit | EnclosedTangent, digits: int = DIGITS) -> str | dict[str, Any]:
     """tan α as `limits.data` writes numbers; an enclosed one has no exact form and no polynomial."""
     if not isinstance(tangent, EnclosedTangent):
         return data(tangent, digits)

@@ -26,7 +26,7 @@ def is_symplectic(method: Method) -> bool:
 
 def symplectic_residuals(stages: Stages) -> dict[str, Exact]:
     """The residuals, where not zero, of the conditions of `is_symplectic` for the coefficients as they stand."""
-    a, b = stages.a, stages.weights[-1]
+    a, b = stages.a, stages.b
     pairs = [(i, j) for i in range(len(b)) for j in range(i, len(b))]
     if len(stages.weights) == 1:
         found = {f"{i + 1},{j + 1}": b[i] * a[i][j] + b[j] * a[j][i] - b[i] * b[j] for i, j in pairs}

@@ -25,7 +25,8 @@ def rational_text(f: RationalFunction, name: str) -> str:
     num, den = polynomial_text(f.num, name), polynomial_text(f.den, name)
     if den == "1":
         return num
-    return f"({num})/({den})" if " " in num else f"{num}/({den})"
+    top = f"({num})" if " " in num else num
+    return f"{top}/{den}" if den.replace("**", "").isidentifier() else f"{top}/({den})"
 
 
 def _term(c: Exact, power: int, name: str) -> str:

@@ -1,4 +1,4 @@
-"""Collocation from its nodes' polynomial M(x) = Π (x - cᵢ) over Q alone: order and R(z), no node ever computed."""
+"""The order of collocation from its nodes' polynomial M(x) = Π (x - cᵢ) over Q alone: no node is ever computed."""
 
 from __future__ import annotations
 
@@ -37,29 +37,6 @@ def collocation_order(nodes: Sequence[Exact]) -> QuadratureFact:
         if moment != 0:
             return QuadratureFact(int(polynomial.degree()) + k, _fraction(moment / polynomial.leading_coefficient()))
     raise AssertionError("unreachable: count has no end")
-
-
-def collocation_stability_function(nodes: Sequence[Exact]) -> tuple[tuple[Fraction, ...], tuple[Fraction, ...]]:
-    """R(z) = Σ M⁽ˢ⁻ᵏ⁾(1) zᵏ / Σ M⁽ˢ⁻ᵏ⁾(0) zᵏ in lowest terms: numerator and denominator, ascending, the latter from 1.
-
-    A theorem about all collocation methods (hairer-wanner-1996, IV.3 Theorem 3.10). Raises ValueError as above.
-    """
-    derivative = distinct_nodes(nodes)
-    at_one: list[fmpq] = []
-    at_zero: list[fmpq] = []
-    while derivative.degree() >= 0:
-        at_one.append(derivative(1))
-        at_zero.append(derivative(0))
-        derivative = derivative.derivative()
-    numerator, denominator = fmpq_poly(at_one[::-1]), fmpq_poly(at_zero[::-1])
-    common = numerator.gcd(denominator)
-    numerator, denominator = numerator // common, denominator // common
-    scale = denominator(0)
-    return _fractions(numerator / scale), _fractions(denominator / scale)
-
-
-def _fractions(polynomial: fmpq_poly) -> tuple[Fraction, ...]:
-    return tuple(map(_fraction, polynomial.coeffs()))
 
 
 def _fraction(x: fmpq) -> Fraction:

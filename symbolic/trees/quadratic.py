@@ -1,18 +1,16 @@
-"""The matrix bᵢaᵢⱼ + bⱼaⱼᵢ - bᵢbⱼ of a method: symplectic where it is zero, algebraically stable where semidefinite."""
+"""The matrix bᵢaᵢⱼ + bⱼaⱼᵢ - bᵢbⱼ of a method, and algebraic stability, which it and the weights decide."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 
 from flint import fmpq_poly
 
-from methods.number_field import Exact
-from symbolic.trees.reduction import irreducible
 from symbolic.trees.scalars import Number, Scalars, scalars_for
 from symbolic.trees.semidefinite import Matrix, Semidefinite, semidefinite
-from symbolic.trees.weights import AnyMethod, NodePolynomial, NodeStages, distinct_nodes
+from symbolic.trees.weights import AnyMethod, NodePolynomial, NodeStages
 
 
 @dataclass(frozen=True)
@@ -47,16 +45,6 @@ def quadratic_matrix(method: AnyMethod) -> Matrix:
     )
 
 
-def is_symplectic(method: AnyMethod) -> bool:
-    """M = 0 for the irreducible form of the method: it keeps every quadratic invariant of every problem.
-
-    Necessary and sufficient (hairer-lubich-wanner-2006, VI.7.3). On a given problem, a method without
-    this property may still keep a given invariant.
-    """
-    matrix = quadratic_matrix(method if isinstance(method, NodePolynomial) else irreducible(method))
-    return all(x == 0 for row in matrix for x in row)
-
-
 def algebraic_stability(method: AnyMethod) -> AlgebraicStability:
     """The decision, for the coefficients as they are given, with a certificate for each of the two conditions.
 
@@ -68,37 +56,6 @@ def algebraic_stability(method: AnyMethod) -> AlgebraicStability:
         zero = Fraction(0)
         weights = tuple(tuple(x if i == j else zero for j in range(len(method.b))) for i, x in enumerate(method.b))
     return AlgebraicStability(semidefinite(weights), semidefinite(quadratic_matrix(method)))
-
-
-def is_symmetric(method: AnyMethod) -> bool:
-    """The method is its own adjoint: aᵢⱼ + a_σ(i)σ(j) = bⱼ = b_σ(j), σ a permutation of its irreducible stages.
-
-    Necessary as well as sufficient, since irreducible methods that do the same are permutations of one another
-    (hairer-lubich-wanner-2006, V.2.1 Theorem 2.3). For a nodes' polynomial: M(1 - x) = ±M(x).
-    """
-    if isinstance(method, NodePolynomial):
-        polynomial = distinct_nodes(method.node_polynomial)
-        return polynomial(fmpq_poly([1, -1])) in (polynomial, -polynomial)
-    form = irreducible(method)
-    return _reflection(form.a, form.b, ()) is not None
-
-
-def _reflection(a: Sequence[Sequence[Exact]], b: Sequence[Exact], start: tuple[int, ...]) -> tuple[int, ...] | None:
-    """The first permutation that continues `start` and turns the method into its adjoint, by backtracking."""
-    i = len(start)
-    if i == len(b):
-        return start
-    for image in range(len(b)):
-        sigma = (*start, image)
-        if (
-            image not in start
-            and b[image] == b[i]
-            and all(a[i][j] + a[image][sigma[j]] == b[j] and a[j][i] + a[sigma[j]][image] == b[i] for j in range(i + 1))
-        ):
-            found = _reflection(a, b, sigma)
-            if found is not None:
-                return found
-    return None
 
 
 def _collocation_matrix(stages: NodeStages) -> Matrix:
