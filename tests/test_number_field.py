@@ -14,6 +14,7 @@ from flint import arb, ctx, fmpq
 from hypothesis import given
 from hypothesis import strategies as st
 
+from methods.catalogue import METHODS
 from methods.irreducibility import UndecidedError, is_irreducible
 from methods.number_field import Algebraic, NumberField, cube_root, square_root
 from methods.polynomials import (
@@ -27,9 +28,8 @@ from methods.polynomials import (
     trimmed,
     value_at,
 )
-from tests.tables_orders import ALL
 
-DISTINCT = list(dict.fromkeys(method.field for method in ALL if method.field))
+DISTINCT = list(dict.fromkeys(method.field for method in METHODS.values() if method.field))
 QUARTIC = NumberField("theta", (1, 0, -10, 0, 1), Q(3), Q(4))  # sqrt 2 + sqrt 3
 SEXTIC = NumberField("eta", (-3, 0, 1, 0, 0, 0, 1), Q(1), Q(2))
 ROOTS = [square_root(3).field, cube_root(2).field, QUARTIC, SEXTIC]

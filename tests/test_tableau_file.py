@@ -16,7 +16,7 @@ from methods.expressions import parse_exact
 from methods.number_field import Exact, cube_root, square_root
 from methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
 from methods.tableau_file import read_method
-from tests.tables_orders import entry
+from tests.entries import entry
 
 Write = Callable[[str], Path]
 

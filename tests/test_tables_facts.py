@@ -16,7 +16,8 @@ from methods.tables.diagonally_implicit import ALEXANDER_GAMMA, CROUZEIX_GAMMA
 from methods.tables.notation import row
 from methods.tables.splittings import palindrome, verlet_composition
 from methods.tables.stabilised import chebyshev_first_order, ssprk_second_order
-from tests.tables_orders import by_key, entry, stability_series, tree_residuals, word_residuals
+from tests.entries import by_key, entry
+from tests.tables_orders import stability_series, tree_residuals, word_residuals
 
 NODES = {
     "implicit_midpoint": gauss_nodes(1),

@@ -15,7 +15,7 @@ from symbolic.trees.alternating import nystrom_conditions, nystrom_order, separa
 from symbolic.trees.bicoloured import conditions_with_nodes, order_with_nodes, partitioned_conditions, partitioned_order
 from symbolic.trees.order import order, principal_error, residuals, runge_kutta_conditions
 from symbolic.trees.rooted import ColouredTree, Tree, canonical, vertices, written
-from tests.test_trees_catalogue import EVERY, runge_kutta, splitting
+from tests.entries import entry
 
 Matrix = tuple[tuple[Exact, ...], ...]
 
@@ -54,7 +54,7 @@ SPLITTINGS = ["symplectic_euler", "position_verlet", "ruth3", "forest_ruth", "su
 @pytest.mark.parametrize("key", SPLITTINGS)
 def test_residuals_of_a_splitting_are_those_of_its_partitioned_tableau(key: str) -> None:
     """Among all trees of two colours, those whose colours alternate; and of them, those without a fork at q."""
-    method = splitting(key)
+    method = entry(key)
     pair, separable, linear = (
         partitioned_conditions(*as_pair(method)),
         separable_conditions(method),
@@ -75,16 +75,16 @@ def changed_in_one_place(method: Splitting, amount: Q) -> Iterator[Splitting]:
 @pytest.mark.parametrize("amount", [Q(1, 24), Q(1, 10**30)])
 @pytest.mark.parametrize("key", SPLITTINGS[:-1])
 def test_order_of_a_splitting_notices_every_coefficient_changed(key: str, amount: Q) -> None:
-    method = splitting(key)
+    method = entry(key)
     for changed in changed_in_one_place(method, amount):
         assert separable_order(changed).order == nystrom_order(changed).order == 0
 
 
 def test_failing_tree_of_a_splitting_says_what_fails() -> None:
     """The kick of symplectic Euler sees the old position: v has -h²/2 F'(q)v too little."""
-    first = separable_order(splitting("symplectic_euler"))
+    first = separable_order(entry("symplectic_euler"))
     assert (first.order, written(first.failing_tree), first.residual) == (1, "[τ_q]_v", Q(-1, 2))
-    second = separable_order(splitting("symplectic_euler_position_first"))
+    second = separable_order(entry("symplectic_euler_position_first"))
     assert (second.order, written(second.failing_tree), second.residual) == (1, "[τ_q]_v", Q(1, 2))
     idle = Splitting("idle", "Idle", 0, "test", (("drift", Q(1)),))
     assert (separable_order(idle).order, written(separable_order(idle).failing_tree)) == (0, "τ_v")
@@ -92,14 +92,14 @@ def test_failing_tree_of_a_splitting_says_what_fails() -> None:
 
 def test_principal_error_of_verlet_is_the_printed_one() -> None:
     """Kick-drift-kick on q'' = F(q): v lacks h³/12 F''(v, v) one way, and F'F/6 - F'F/4 the other."""
-    error = principal_error(nystrom_conditions(splitting("velocity_verlet")))
+    error = principal_error(nystrom_conditions(entry("velocity_verlet")))
     found = {written(tree): x for tree, x in error.coefficients}
     assert found == {"[τ_q,τ_q]_v": Q(1, 12), "[[τ_v]_q]_v": Q(1, 12), "[[τ_q]_v]_q": Q(-1, 6)}
     assert error.squared_norm == Q(1, 144) + Q(1, 144) + Q(1, 36)
 
 
 def nystrom(key: str) -> Nystrom:
-    method = EVERY[key]
+    method = entry(key)
     assert isinstance(method, Nystrom)
     return method
 
@@ -117,7 +117,7 @@ def nystrom_from(method: RungeKutta) -> Nystrom:
 
 @pytest.mark.parametrize("key", ["rk4", "rk38", "heun3", "gauss3", "radau_iia3", "fehlberg78"])
 def test_nystrom_form_of_a_runge_kutta_method_has_its_order(key: str) -> None:
-    method = runge_kutta(key)
+    method = entry(key)
     assert nystrom_order(nystrom_from(method)).order == order(method).order
     broken = replace(nystrom_from(method), b_position=nystrom_from(method).b_velocity)
     assert nystrom_order(broken).order == 1
@@ -145,42 +145,42 @@ def test_order_of_verlet_is_that_of_its_nystrom_form() -> None:
     """Kick-drift-kick is the Nyström method with c = (0, 1), b_position = (1/2, 0), b_velocity = (1/2, 1/2)."""
     half, zero = Q(1, 2), Q(0)
     method = Nystrom("x", "X", 2, "test", (zero, Q(1)), ((zero, zero), (half, zero)), (half, zero), (half, half))
-    assert nystrom_order(method) == nystrom_order(splitting("velocity_verlet"))
-    first, second = (principal_error(nystrom_conditions(m)) for m in (method, splitting("velocity_verlet")))
+    assert nystrom_order(method) == nystrom_order(entry("velocity_verlet"))
+    first, second = (principal_error(nystrom_conditions(m)) for m in (method, entry("velocity_verlet")))
     assert first == second
 
 
 @pytest.mark.parametrize("stages", [3, 4])
 def test_order_of_the_lobatto_pair_is_that_of_both_its_members(stages: int) -> None:
     """Lobatto IIIA for q and IIIB for v (hairer-lubich-wanner-2006, IV.2.2)."""
-    first, second = runge_kutta(f"lobatto_iiia{stages}"), runge_kutta(f"lobatto_iiib{stages}")
+    first, second = entry(f"lobatto_iiia{stages}"), entry(f"lobatto_iiib{stages}")
     fact = partitioned_order(first.a, first.b, second.a, second.b)
     assert fact.order == 2 * stages - 2
     assert fact.residual != 0
 
 
 def test_pair_of_two_methods_of_order_three_is_not_of_order_three() -> None:
-    first, second = runge_kutta("heun3"), runge_kutta("kutta3")
+    first, second = entry("heun3"), entry("kutta3")
     assert order(first).order == order(second).order == 3
     fact = partitioned_order(first.a, first.b, second.a, second.b)
     assert (fact.order, written(fact.failing_tree)) == (1, "[τ_q]_v")
 
 
 def test_two_euler_methods_as_a_pair_are_symplectic_euler_of_order_one() -> None:
-    explicit, implicit = runge_kutta("forward_euler"), runge_kutta("backward_euler")
+    explicit, implicit = entry("forward_euler"), entry("backward_euler")
     assert partitioned_order(explicit.a, explicit.b, implicit.a, implicit.b).order == 1
 
 
 @pytest.mark.parametrize("key", ["rk4", "gill4", "radau_iia3", "dormand_prince54", "fehlberg78"])
 def test_order_with_nodes_is_the_order_where_nodes_are_row_sums(key: str) -> None:
-    method = runge_kutta(key)
+    method = entry(key)
     assert method.inconsistencies() == {}
     assert order_with_nodes(method).order == order(method).order
 
 
 def test_order_with_nodes_notices_a_node_that_is_no_row_sum() -> None:
     """The clock of one stage is wrong by 10⁻³⁰: f(y) has order 4 still, f(t, y) order 1."""
-    method = runge_kutta("rk4")
+    method = entry("rk4")
     for i in range(4):
         off = replace(method, c=tuple(x + Q(1, 10**30) * (i == j) for j, x in enumerate(method.c)))
         assert order(off).order == 4
@@ -191,7 +191,7 @@ def test_order_with_nodes_notices_a_node_that_is_no_row_sum() -> None:
 
 def test_conditions_with_nodes_are_those_of_a_longer_tableau() -> None:
     """With c = A1 every leaf weighs the same, whichever its colour; so does every tree."""
-    method = runge_kutta("heun3")
+    method = entry("heun3")
     conditions = conditions_with_nodes(method)
     for n in range(1, 5):
         found = dict(residuals(conditions, n))

@@ -5,17 +5,24 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction as Q
-from math import comb, factorial
+from math import comb
 
 import pytest
 
 from methods.number_field import Exact
-from symbolic.trees.collocation import collocation_order, collocation_stability_function
+from methods.schemes import Collocation
+from symbolic.linear.polynomials import exact
+from symbolic.linear.series import expand
+from symbolic.linear.stability_function import stability_function_of_collocation
+from symbolic.linear.structure import is_symmetric, is_symplectic
+from symbolic.trees.collocation import collocation_order
 from symbolic.trees.order import elementary_weight, order, order_of, residuals, runge_kutta_conditions
-from symbolic.trees.quadratic import algebraic_stability, is_symmetric, is_symplectic
+from symbolic.trees.quadratic import algebraic_stability, quadratic_matrix
 from symbolic.trees.rooted import bush, tall
+from symbolic.trees.semidefinite import Matrix
 from symbolic.trees.simplifying import simplifying_assumptions
-from tests.test_trees_catalogue import runge_kutta
+from tests.entries import entry
+from tests.linear_examples import pade
 
 
 @dataclass(frozen=True)
@@ -47,28 +54,17 @@ def lobatto_iiia(s: int) -> Nodes:
     return combined(s, s - 2, -1)
 
 
-def pade(k: int, j: int) -> tuple[tuple[Q, ...], tuple[Q, ...]]:
-    """The (k, j) Padé approximation to e^z (hairer-wanner-1996, IV.3 Theorem 3.11): numerator of degree k."""
-
-    def coefficients(n: int, m: int, sign: int) -> tuple[Q, ...]:
-        return tuple(sign**i * Q(comb(n, i) * factorial(n + m - i), factorial(n + m)) for i in range(n + 1))
-
-    return coefficients(k, j, 1), coefficients(j, k, -1)
-
-
 @pytest.mark.parametrize("s", range(1, 11))
-def test_gauss_has_order_twice_its_stages_and_the_diagonal_of_pades_table(s: int) -> None:
+def test_gauss_has_order_twice_its_stages(s: int) -> None:
     fact = collocation_order(gauss(s).node_polynomial)
     assert (fact.order, fact.residual != 0) == (2 * s, True)
-    assert collocation_stability_function(gauss(s).node_polynomial) == pade(s, s)
 
 
 @pytest.mark.parametrize("s", range(2, 11))
-def test_radau_and_lobatto_have_their_orders_and_places_in_pades_table(s: int) -> None:
+def test_radau_and_lobatto_have_their_orders_and_lobatto_its_place_in_pades_table(s: int) -> None:
     assert collocation_order(radau_iia(s).node_polynomial).order == 2 * s - 1
-    assert collocation_stability_function(radau_iia(s).node_polynomial) == pade(s - 1, s)
     assert collocation_order(lobatto_iiia(s).node_polynomial).order == 2 * s - 2
-    assert collocation_stability_function(lobatto_iiia(s).node_polynomial) == pade(s - 1, s - 1)
+    assert stability_function_of_collocation(lobatto_iiia(s).node_polynomial) == pade(s - 1, s - 1)
 
 
 @pytest.mark.parametrize("s", range(1, 6))
@@ -90,30 +86,33 @@ def test_order_by_orthogonality_is_the_order_by_trees(family: Callable[[int], No
     ],
 )
 def test_nodes_polynomial_and_tableau_are_one_method(key: str, nodes: Nodes) -> None:
-    tableau = runge_kutta(key)
+    tableau = entry(key)
     for n in range(1, 8):
         assert residuals(runge_kutta_conditions(nodes), n) == residuals(runge_kutta_conditions(tableau), n)
     assert simplifying_assumptions(nodes) == simplifying_assumptions(tableau)
     assert order(nodes) == order(tableau)
-    for fact in (is_symplectic, is_symmetric):
-        assert fact(nodes) == fact(tableau)
+    assert quadratic_matrix(nodes) == in_powers(quadratic_matrix(tableau), tableau.c)
     assert algebraic_stability(nodes).holds == algebraic_stability(tableau).holds
+
+
+def in_powers(matrix: Matrix, nodes: tuple[Exact, ...]) -> Matrix:
+    """Vᵀ M V for the Vandermonde matrix V of the nodes."""
+    s = range(len(nodes))
+    return tuple(
+        tuple(sum((nodes[k] ** i * matrix[k][m] * nodes[m] ** j for k in s for m in s), Q(0)) for j in s) for i in s
+    )
 
 
 @pytest.mark.parametrize("s", [2, 3, 4])
 def test_weights_of_tall_trees_are_the_series_of_the_stability_function(s: int) -> None:
-    numerator, denominator = collocation_stability_function(radau_iia(s).node_polynomial)
-    series: list[Q] = []
-    for k in range(9):
-        top = numerator[k] if k < len(numerator) else Q(0)
-        series.append(top - sum((denominator[j] * series[k - j] for j in range(1, min(k, s) + 1)), Q(0)))
-    assert series == [1, *(elementary_weight(radau_iia(s), tall(n)) for n in range(1, 9))]
+    series = expand(stability_function_of_collocation(radau_iia(s).node_polynomial), 9)
+    assert list(map(exact, series)) == [1, *(elementary_weight(radau_iia(s), tall(n)) for n in range(1, 9))]
 
 
 def test_stability_function_is_in_lowest_terms() -> None:
     """M = x² - 3x + 1: (2 + z)(1 - z) over (2 - z)(1 - z), the function of the implicit midpoint rule."""
     nodes = (Q(1), Q(-3), Q(1))
-    assert collocation_stability_function(nodes) == ((Q(1), Q(1, 2)), (Q(1), Q(-1, 2)))
+    assert stability_function_of_collocation(nodes) == pade(1, 1)
     assert collocation_order(nodes).order == 2
 
 
@@ -128,18 +127,18 @@ def test_any_nodes_give_order_s_and_those_moved_by_little_give_no_more() -> None
 
 @pytest.mark.parametrize("nodes", [(), (Q(1),), (Q(1, 4), Q(-1), Q(1)), (Q(0), Q(0), Q(1))])
 def test_nodes_that_coincide_or_are_none_are_refused(nodes: tuple[Q, ...]) -> None:
-    for question in (collocation_order, collocation_stability_function):
-        with pytest.raises(ValueError, match="distinct nodes are needed"):
-            question(nodes)
+    with pytest.raises(ValueError, match="distinct nodes are needed"):
+        collocation_order(nodes)
 
 
 @pytest.mark.parametrize("s", range(2, 11))
 def test_structure_of_the_families_for_any_number_of_stages(s: int) -> None:
     """Gauss is symplectic and symmetric, Radau IIA algebraically stable and neither, Lobatto IIIA only symmetric."""
-    found = [
-        (is_symplectic(method), is_symmetric(method), algebraic_stability(method).holds)
-        for method in (gauss(s), radau_iia(s), lobatto_iiia(s))
-    ]
+    found = []
+    for nodes in (gauss(s), radau_iia(s), lobatto_iiia(s)):
+        method = Collocation("x", "X", 0, "test", nodes.node_polynomial)
+        assert is_symplectic(method) == (not any(x for row in quadratic_matrix(nodes) for x in row))
+        found.append((is_symplectic(method), is_symmetric(method), algebraic_stability(nodes).holds))
     assert found == [(True, True, True), (False, False, True), (False, True, False)]
 
 

@@ -22,7 +22,7 @@ from symbolic.trees.series import (
     symmetric_to_order,
     symplectic_to_order,
 )
-from tests.test_trees_catalogue import runge_kutta
+from tests.entries import entry
 from tests.test_trees_collocation import gauss, lobatto_iiia, radau_iia
 from tests.test_trees_series import EULER, RK4, tableau
 
@@ -76,7 +76,7 @@ def step_on_y_squared(method: RungeKutta, length: int) -> Power:
 
 @pytest.mark.parametrize("key", ["forward_euler", "rk4", "kutta3", "implicit_midpoint", "radau_iia2", "lobatto_iiia3"])
 def test_sum_of_the_series_is_the_step_taken_on_power_series(key: str) -> None:
-    method = runge_kutta(key)
+    method = entry(key)
     assert [Q(0), Q(1), *on_y_squared(method_series(method, 8))] == step_on_y_squared(method, 10)
     assert on_y_squared(exact_series(8)) == [1] * 8
 
@@ -84,7 +84,7 @@ def test_sum_of_the_series_is_the_step_taken_on_power_series(key: str) -> None:
 @pytest.mark.parametrize("key", ["forward_euler", "rk4", "kutta3", "implicit_midpoint", "radau_iia2", "lobatto_iiia3"])
 def test_modified_equation_on_y_squared_has_the_step_as_its_flow(key: str) -> None:
     """v(φ(x)) = φ'(x) v(x): the field v carried along by its own flow φ (Julia's equation), as power series."""
-    method, length = runge_kutta(key), 10
+    method, length = entry(key), 10
     phi = step_on_y_squared(method, length)
     field = [Q(0), Q(0), *map(Q, map(str, on_y_squared(modified_equation(method, 8))))]
     slope = [*(k * x for k, x in enumerate(phi) if k), Q(0)]
@@ -104,7 +104,7 @@ PRINTED = {
 @pytest.mark.parametrize("key", PRINTED)
 def test_modified_equation_on_y_squared_is_the_printed_one(key: str) -> None:
     expected = [Q(1), *map(Q, PRINTED[key])]
-    assert on_y_squared(modified_equation(runge_kutta(key), len(expected))) == expected
+    assert on_y_squared(modified_equation(entry(key), len(expected))) == expected
 
 
 # hairer-lubich-wanner-2006, IX.1 and IX.9: f₂, f₃, ... as elementary differentials, so b(t) = σ(t) times these.
@@ -116,15 +116,15 @@ FIELDS = {
 
 @pytest.mark.parametrize("key", FIELDS)
 def test_modified_equation_has_the_printed_differentials(key: str) -> None:
-    field = modified_equation(runge_kutta(key), 3)
+    field = modified_equation(entry(key), 3)
     assert {text: field.coefficient(read(text)) for text in FIELDS[key]} == FIELDS[key]
 
 
 @pytest.mark.parametrize("key", ["rk4", "implicit_midpoint", "radau_iia3", "gauss2", "gill4"])
 def test_modified_equation_substituted_in_the_exact_flow_is_the_method(key: str) -> None:
     """The substitution law shares no line with the logarithm, whose inverse here it is."""
-    series = method_series(runge_kutta(key), 7)
-    field = modified_equation(runge_kutta(key), 7)
+    series = method_series(entry(key), 7)
+    field = modified_equation(entry(key), 7)
     assert substitute(field, exact_series(7)) == series
     assert flow(field) == series
 
@@ -132,7 +132,7 @@ def test_modified_equation_substituted_in_the_exact_flow_is_the_method(key: str)
 @pytest.mark.parametrize("key", ["rk4", "heun3", "radau_iia3", "lobatto_iiic3"])
 def test_tall_trees_of_the_modified_equation_are_the_logarithm_of_r(key: str) -> None:
     """On y' = λy only they count: Σ b(tall) zⁿ = log R(z), so that R' = R (log R)'."""
-    method = runge_kutta(key)
+    method = entry(key)
     weights, field = method_series(method, 9), modified_equation(method, 9)
     r = [Q(1), *(Q(str(weights.coefficient(tall(n)))) for n in range(1, 10))]
     log_slope = [n * Q(str(field.coefficient(tall(n)))) for n in range(1, 10)]
@@ -141,8 +141,8 @@ def test_tall_trees_of_the_modified_equation_are_the_logarithm_of_r(key: str) ->
 
 
 def test_substitution_law_respects_composition_and_itself() -> None:
-    a, c = method_series(RK4, 6), method_series(runge_kutta("backward_euler"), 6)
-    field, other = modified_equation(EULER, 6), modified_equation(runge_kutta("radau_iia2"), 6)
+    a, c = method_series(RK4, 6), method_series(entry("backward_euler"), 6)
+    field, other = modified_equation(EULER, 6), modified_equation(entry("radau_iia2"), 6)
     assert substitute(field, compose(a, c)) == compose(substitute(field, a), substitute(field, c))
     assert substitute(substitute(field, other), a) == substitute(field, substitute(other, a))
     assert substitute(field, a) != substitute(other, a)
@@ -166,7 +166,7 @@ def test_half_the_modified_field_twice_is_the_method() -> None:
     "key", ["implicit_midpoint", "trapezoid", "gauss2", "gauss3", "lobatto_iiia3", "lobatto_iiib3"]
 )
 def test_modified_equation_of_a_symmetric_method_has_only_trees_of_odd_order(key: str) -> None:
-    method = runge_kutta(key)
+    method = entry(key)
     assert symmetric_to_order(method_series(method, 7)) == 7
     assert {vertices(tree) % 2 for tree, x in modified_equation(method, 7).items() if x} == {1}
 
@@ -174,7 +174,7 @@ def test_modified_equation_of_a_symmetric_method_has_only_trees_of_odd_order(key
 @pytest.mark.parametrize("key", ["rk4", "radau_iia3", "lobatto_iiic3", "forward_euler"])
 def test_modified_equation_of_another_method_has_trees_of_even_order(key: str) -> None:
     """Up to its order p a method is symmetric like the exact flow, and with even p to p + 1 (II.3 Theorem 3.2)."""
-    method = runge_kutta(key)
+    method = entry(key)
     p = order(method).order
     assert symmetric_to_order(method_series(method, p + 2)) == p + (p % 2 == 0)
     assert any(x for tree, x in modified_equation(method, p + 2).items() if vertices(tree) % 2 == 0)
@@ -182,14 +182,14 @@ def test_modified_equation_of_another_method_has_trees_of_even_order(key: str) -
 
 @pytest.mark.parametrize("key", ["implicit_midpoint", "gauss2", "gauss3", "qin_zhang2"])
 def test_series_of_a_symplectic_method_is_symplectic_and_its_modified_field_hamiltonian(key: str) -> None:
-    method = runge_kutta(key)
+    method = entry(key)
     assert symplectic_to_order(method_series(method, 8)) == 8
     assert hamiltonian_to_order(modified_equation(method, 8)) == 8
 
 
 @pytest.mark.parametrize("key", ["rk4", "trapezoid", "radau_iia3", "lobatto_iiia3", "forward_euler"])
 def test_series_of_another_method_is_symplectic_to_its_order_only(key: str) -> None:
-    method = runge_kutta(key)
+    method = entry(key)
     p = order(method).order
     assert symplectic_to_order(method_series(method, 8)) == hamiltonian_to_order(modified_equation(method, 8)) == p
 
@@ -206,7 +206,7 @@ def test_modified_equation_of_collocation_needs_no_radicals(stages: int) -> None
 
 
 def test_modified_equation_in_a_field_is_that_without_radicals() -> None:
-    assert list(modified_equation(runge_kutta("gauss3"), 8).items()) == list(modified_equation(gauss(3), 8).items())
+    assert list(modified_equation(entry("gauss3"), 8).items()) == list(modified_equation(gauss(3), 8).items())
 
 
 @pytest.mark.parametrize("changed", range(4))

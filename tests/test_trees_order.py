@@ -31,9 +31,9 @@ from symbolic.trees.order import (
 from symbolic.trees.rooted import Tree, bush, density, rooted_trees, symmetry, tall, vertices
 from symbolic.trees.simplifying import Simplifying, simplifying_assumptions
 from symbolic.trees.weights import TableauStages
-from tests.test_trees_catalogue import runge_kutta
+from tests.entries import entry
 
-RK4 = runge_kutta("rk4")
+RK4 = entry("rk4")
 
 
 def weight_written_out(method: RungeKutta, tree: Tree) -> Exact:
@@ -58,7 +58,7 @@ def weight_written_out(method: RungeKutta, tree: Tree) -> Exact:
 
 @pytest.mark.parametrize("key", ["rk38", "gill4", "radau_iia3", "crouzeix3"])
 def test_elementary_weights_are_the_sums_of_their_definition(key: str) -> None:
-    method = runge_kutta(key)
+    method = entry(key)
     for tree in (tree for n in range(1, 6) for tree in rooted_trees(n)):
         assert elementary_weight(method, tree) == weight_written_out(method, tree)
 
@@ -75,7 +75,7 @@ def changed_in_one_place(method: RungeKutta, amount: Q) -> Iterator[RungeKutta]:
 @pytest.mark.parametrize("amount", [Q(1, 24), Q(1, 10**14), Q(1, 10**30)])
 @pytest.mark.parametrize("key", ["rk4", "gill4", "gauss2", "cash_karp54"])
 def test_order_notices_every_coefficient_changed(key: str, amount: Q) -> None:
-    method = runge_kutta(key)
+    method = entry(key)
     for changed in changed_in_one_place(method, amount):
         assert order(changed).order < method.claimed_order
 
@@ -105,8 +105,8 @@ def test_order_is_three_answers_that_are_not_confused() -> None:
 
 def test_tolerance_does_not_invent_an_order_that_so_few_stages_cannot_have() -> None:
     assert order_to_tolerance(runge_kutta_conditions(RK4), 1) == 4
-    assert order_to_tolerance(runge_kutta_conditions(runge_kutta("gauss2")), 1) == 4
-    assert order_to_tolerance(runge_kutta_conditions(runge_kutta("fehlberg78")), 1, limit=6) == 6
+    assert order_to_tolerance(runge_kutta_conditions(entry("gauss2")), 1) == 4
+    assert order_to_tolerance(runge_kutta_conditions(entry("fehlberg78")), 1, limit=6) == 6
 
 
 @pytest.mark.parametrize(("tolerance", "error"), [(0.5, TypeError), (True, TypeError), (Q(-1), ValueError)])
@@ -138,7 +138,7 @@ def test_order_uses_stages_alone_and_conditions_are_asked_in_any_order() -> None
 
 
 def test_failing_condition_names_the_tree_and_the_residual() -> None:
-    euler = runge_kutta("backward_euler")
+    euler = entry("backward_euler")
     assert failing_condition(euler, 1) is None
     assert failing_condition(euler, 2) == (((),), Q(1, 2))
     assert {elementary_weight(euler, tree) for n in range(1, 7) for tree in rooted_trees(n)} == {1}
@@ -156,14 +156,14 @@ def test_linear_order_is_not_the_order() -> None:
     ("key", "norm"), [("rk4", "0.0145"), ("dormand_prince54", "0.000399"), ("cash_karp54", "0.000948")]
 )
 def test_principal_error_norm_is_the_published_one_to_three_figures(key: str, norm: str) -> None:
-    squared = principal_error(runge_kutta_conditions(runge_kutta(key))).squared_norm
+    squared = principal_error(runge_kutta_conditions(entry(key))).squared_norm
     last = Q(1, 10 ** (len(norm) - 2))
     assert (Q(norm) - last / 2) ** 2 < squared < (Q(norm) + last / 2) ** 2
 
 
 @pytest.mark.parametrize("key", ["rk4", "gill4", "radau_iia2"])
 def test_principal_error_is_residual_over_symmetry(key: str) -> None:
-    method = runge_kutta(key)
+    method = entry(key)
     error = principal_error(runge_kutta_conditions(method))
     assert error.vertices == method.claimed_order + 1
     assert [tree for tree, _ in error.coefficients] == list(rooted_trees(error.vertices))
@@ -257,7 +257,7 @@ ASSUMPTIONS = {
 
 @pytest.mark.parametrize("key", ASSUMPTIONS)
 def test_simplifying_assumptions_hold_as_far_as_in_print_and_no_further(key: str) -> None:
-    method = runge_kutta(key)
+    method = entry(key)
     found = simplifying_assumptions(method)
     assert found == ASSUMPTIONS[key]
     for p in range(1, found.b + 2):
@@ -272,11 +272,11 @@ def test_simplifying_assumptions_hold_as_far_as_in_print_and_no_further(key: str
     [("gauss3", 3), ("radau_iia2", 2), ("lobatto_iiia3", 3), ("sdirk4", 1), ("rk4", 1), ("forward_euler", 1)],
 )
 def test_stage_order(key: str, stage_order: int) -> None:
-    assert simplifying_assumptions(runge_kutta(key)).stage_order == stage_order
+    assert simplifying_assumptions(entry(key)).stage_order == stage_order
 
 
 def test_simplifying_assumptions_notice_every_node_changed() -> None:
-    method = runge_kutta("radau_iia3")
+    method = entry("radau_iia3")
     for i in range(3):
         nodes = tuple(x + Q(1, 10**30) * (i == j) for j, x in enumerate(method.c))
         assert simplifying_assumptions(replace(method, c=nodes)).c == 0
@@ -313,4 +313,4 @@ def test_conditions_of_a_family_are_polynomials_in_its_parameter() -> None:
     assert found[:2] == [[0], [0]]
     decisive = fmpq_poly([fmpq(1, 6), -1, 1])
     assert all(x % decisive == 0 and x != 0 for x in found[2])
-    assert (order_of(conditions).order, order(runge_kutta("crouzeix3")).order) == (2, 3)
+    assert (order_of(conditions).order, order(entry("crouzeix3")).order) == (2, 3)

@@ -1,4 +1,4 @@
-"""Symplectic, symmetric, algebraically stable: exact decisions with certificates, against B-series and minors."""
+"""Algebraic stability and semidefinite matrices: exact decisions with certificates, against print and minors."""
 
 from __future__ import annotations
 
@@ -12,37 +12,10 @@ from flint import fmpq_mat
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof import strategies
 from methods.number_field import Exact, square_root
-from methods.schemes import Collocation, RungeKutta
-from symbolic.trees.order import order
-from symbolic.trees.quadratic import algebraic_stability, is_symmetric, is_symplectic, quadratic_matrix
-from symbolic.trees.reduction import irreducible
+from symbolic.trees.quadratic import algebraic_stability, quadratic_matrix
 from symbolic.trees.semidefinite import Matrix, Semidefinite, semidefinite
-from symbolic.trees.series import method_series, symmetric_to_order, symplectic_to_order
-from tests.test_trees_catalogue import EVERY, EXACT, runge_kutta
-
-TABLEAUX = [
-    key
-    for key, method in EXACT.items()
-    if isinstance(method, RungeKutta | Collocation) and method.claimed_order <= 8 and method.stages <= 14
-]
-
-
-def tableau(key: str) -> RungeKutta | Collocation:
-    method = EVERY[key]
-    assert isinstance(method, RungeKutta | Collocation)
-    return method
-
-
-@pytest.mark.parametrize("key", TABLEAUX)
-def test_structure_by_tableau_is_structure_by_trees(key: str) -> None:
-    """Coefficient conditions and B-series know nothing of one another; two orders beyond p are enough to differ."""
-    method = tableau(key)
-    series = method_series(method, order(method).order + 2)
-    assert is_symplectic(method) == (symplectic_to_order(series) == series.order)
-    assert is_symmetric(method) == (symmetric_to_order(series) == series.order)
-
+from tests.entries import entry
 
 # hairer-wanner-1996, IV.12: of the classical families, all but Lobatto IIIA and IIIB.
 STABLE = ["gauss2", "gauss3", "radau_ia2", "radau_ia3", "radau_iia2", "radau_iia3", "lobatto_iiic2", "lobatto_iiic3"]
@@ -52,7 +25,7 @@ UNSTABLE = ["lobatto_iiia3", "lobatto_iiib3", "trapezoid", "forward_euler", "rk4
 
 @pytest.mark.parametrize("key", STABLE + UNSTABLE)
 def test_algebraic_stability_is_decided_as_in_print_with_certificates(key: str) -> None:
-    method = runge_kutta(key)
+    method = entry(key)
     fact = algebraic_stability(method)
     assert fact.holds == (key in STABLE)
     check(quadratic_matrix(method), fact.matrix)
@@ -61,7 +34,7 @@ def test_algebraic_stability_is_decided_as_in_print_with_certificates(key: str) 
 
 def test_algebraic_stability_notices_what_is_missing_by_little() -> None:
     """Radau IIA has a zero eigenvalue: 10⁻³⁰ more in one diagonal entry of A is allowed, 10⁻³⁰ less is not."""
-    method = runge_kutta("radau_iia3")
+    method = entry("radau_iia3")
     for sign, holds in ((1, True), (-1, False)):
         a = tuple(
             tuple(x + sign * Q(1, 10**30) * (i == j == 0) for j, x in enumerate(r)) for i, r in enumerate(method.a)
@@ -72,77 +45,15 @@ def test_algebraic_stability_notices_what_is_missing_by_little() -> None:
 @pytest.mark.parametrize(("a", "matrix_holds"), [(Q(-1), True), (Q(-1, 2), False)])
 def test_algebraic_stability_needs_both_conditions(a: Q, matrix_holds: bool) -> None:
     """One stage with weight -2: M is 2ba - b², and the weight is negative whatever M is."""
-    fact = algebraic_stability(replace(runge_kutta("backward_euler"), a=((a,),), b=(Q(-2),)))
+    fact = algebraic_stability(replace(entry("backward_euler"), a=((a,),), b=(Q(-2),)))
     assert (fact.matrix.holds, fact.weights.holds, fact.holds) == (matrix_holds, False, False)
-
-
-@pytest.mark.parametrize("key", ["gauss2", "gauss3", "implicit_midpoint", "qin_zhang2"])
-def test_symplecticity_and_symmetry_notice_every_coefficient_changed(key: str) -> None:
-    method = runge_kutta(key)
-    assert is_symplectic(method)
-    assert is_symmetric(method)
-    tiny = Q(1, 10**30)
-    for i in range(method.stages):
-        changed = replace(method, b=tuple(x + tiny * (i == j) for j, x in enumerate(method.b)))
-        assert (is_symplectic(changed), is_symmetric(changed)) == (False, False)
-        for j in range(method.stages):
-            a = tuple(tuple(x + tiny * ((i, j) == (k, m)) for m, x in enumerate(r)) for k, r in enumerate(method.a))
-            assert (is_symplectic(replace(method, a=a)), is_symmetric(replace(method, a=a))) == (False, False)
-
-
-def test_symmetry_does_not_depend_on_the_order_of_the_stages() -> None:
-    method = runge_kutta("lobatto_iiia3")
-    turn = (2, 0, 1)
-    a = tuple(tuple(method.a[i][j] for j in turn) for i in turn)
-    shuffled = replace(method, a=a, b=tuple(method.b[i] for i in turn), c=tuple(method.c[i] for i in turn))
-    assert is_symmetric(shuffled)
-    assert not is_symmetric(replace(shuffled, b=method.b))
-
-
-def test_reducible_tableau_is_judged_by_what_it_does() -> None:
-    """Lobatto IIIB with two stages calls f twice at the midpoint: as given M is not 0, and yet it is symplectic."""
-    method = runge_kutta("lobatto_iiib2")
-    assert any(x for row in quadratic_matrix(method) for x in row)
-    assert irreducible(method) == irreducible(runge_kutta("implicit_midpoint"))
-    assert is_symplectic(method)
-    assert symplectic_to_order(method_series(method, 8)) == 8
-
-
-@pytest.mark.parametrize("key", ["rk4", "gauss2", "radau_iia3", "merson45", "lobatto_iiib4"])
-def test_irreducible_form_takes_the_same_step(key: str) -> None:
-    method = runge_kutta(key)
-    doubled = replace(
-        method,
-        a=tuple(tuple(x / 2 for x in row for _ in range(2)) for row in method.a for _ in range(2)),
-        b=tuple(x / 2 for x in method.b for _ in range(2)),
-        c=tuple(x for x in method.c for _ in range(2)),
-        b_embedded=None,
-        embedded_order=None,
-    )
-    assert len(irreducible(doubled).b) == len(irreducible(method).b) <= method.stages
-    assert irreducible(doubled).a == irreducible(method).a
-    assert method_series(irreducible(doubled), 6) == method_series(method, 6)
-
-
-def test_stages_that_do_not_count_are_left_out() -> None:
-    """Merson's fifth slope and Dormand and Prince's seventh serve the second row only."""
-    assert len(irreducible(runge_kutta("dormand_prince54")).b) == 6
-    idle = replace(runge_kutta("forward_euler"), b=(Q(0),))
-    assert (irreducible(idle).b, order(idle).order) == ((Q(0),), 0)
-
-
-@given(strategies.runge_kutta_methods())
-def test_irreducible_form_of_any_method_takes_the_same_step(method: RungeKutta) -> None:
-    form = irreducible(method)
-    assert method_series(form, 4) == method_series(method, 4)
-    assert irreducible(form) == form
 
 
 def value(matrix: Matrix, x: Sequence[Exact]) -> Exact:
     total: Exact = Q(0)
     for row, left in zip(matrix, x, strict=True):
-        for entry, right in zip(row, x, strict=True):
-            total = total + left * entry * right
+        for middle, right in zip(row, x, strict=True):
+            total = total + left * middle * right
     return total
 
 
@@ -153,11 +64,11 @@ def check(matrix: Matrix, fact: Semidefinite) -> None:
         assert value(matrix, fact.direction) < 0
         return
     for i, row in enumerate(matrix):
-        for j, entry in enumerate(row):
+        for j, wanted in enumerate(row):
             total: Exact = Q(0)
             for d, line in fact.squares:
                 total = total + d * line[i] * line[j]
-            assert total == entry
+            assert total == wanted
 
 
 def has_no_negative_minor(matrix: Matrix) -> bool:

@@ -23,9 +23,9 @@ from symbolic.trees.series import (
     symmetric_to_order,
     symplectic_to_order,
 )
-from tests.test_trees_catalogue import runge_kutta
+from tests.entries import entry
 
-EULER, RK4, MIDPOINT = (runge_kutta(key) for key in ("forward_euler", "rk4", "implicit_midpoint"))
+EULER, RK4, MIDPOINT = (entry(key) for key in ("forward_euler", "rk4", "implicit_midpoint"))
 
 
 def tableau(a: list[list[Exact]], b: list[Exact]) -> RungeKutta:
@@ -51,7 +51,7 @@ PAIRS = [("rk4", "heun3"), ("forward_euler", "backward_euler"), ("radau_iia2", "
 
 @pytest.mark.parametrize(("first", "second"), PAIRS)
 def test_composition_is_the_series_of_both_steps_as_one_tableau(first: str, second: str) -> None:
-    one, other = runge_kutta(first), runge_kutta(second)
+    one, other = entry(first), entry(second)
     composed = compose(method_series(one, 6), method_series(other, 6))
     assert composed == method_series(one_after_the_other(one, other), 6)
     assert composed != method_series(one_after_the_other(other, one), 6)
@@ -59,20 +59,20 @@ def test_composition_is_the_series_of_both_steps_as_one_tableau(first: str, seco
 
 @pytest.mark.parametrize("key", ["rk4", "forward_euler", "radau_iia3", "lobatto_iiic3", "gauss2", "gill4"])
 def test_adjoint_is_the_series_of_the_mirrored_tableau(key: str) -> None:
-    method = runge_kutta(key)
+    method = entry(key)
     assert adjoint(method_series(method, 6)) == method_series(mirrored(method), 6)
     assert adjoint(adjoint(method_series(method, 6))) == method_series(method, 6)
 
 
 @pytest.mark.parametrize("key", ["rk4", "gauss2", "radau_iia3"])
 def test_inverse_composed_with_the_series_is_the_identity(key: str) -> None:
-    series = method_series(runge_kutta(key), 7)
+    series = method_series(entry(key), 7)
     for composed in (compose(series, inverse(series)), compose(inverse(series), series)):
         assert (composed.empty, {composed.scalars.exact(x) for x in composed.coefficients}) == (1, {0})
 
 
 def test_composition_is_associative_and_not_commutative() -> None:
-    a, b, c = (method_series(runge_kutta(key), 6) for key in ("rk4", "heun3", "backward_euler"))
+    a, b, c = (method_series(entry(key), 6) for key in ("rk4", "heun3", "backward_euler"))
     assert compose(compose(a, b), c) == compose(a, compose(b, c))
     assert compose(a, b) != compose(b, a)
 

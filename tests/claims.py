@@ -1,0 +1,46 @@
+"""What sources claim of their tables and orders, by the problems that they claim it for; and what the trees say."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+from typing import Any
+
+from methods.schemes import Method, Nystrom, Splitting
+from symbolic.facts import general_order
+from symbolic.trees.alternating import nystrom_conditions, nystrom_order, separable_conditions, separable_order
+from symbolic.trees.order import OrderFact, runge_kutta_conditions
+
+# The printed nodes of Lobatto IIIB are not the row sums of its A.
+KNOWN_INCONSISTENT = {"lobatto_iiib2": {"c[0] - sum(a[0])": Q(-1, 2), "c[1] - sum(a[1])": Q(1, 2)}}
+# Bounds, decimal places, of the residuals of rounded tables: more than that is no rounding.
+ROUNDED_SUMS = {"prince_dormand87": 16, "tsitouras54": 14, "dop853": 27, "dop853_third": 27, "kahan_li6": 25}
+ROUNDED_SUMS |= {"suzuki_umeno8": 25, "mclachlan_atela3": 18, "mclachlan_atela5": 18}
+# Coarser than the digits of every rounded table, finer than every error term.
+NEARLY = Q(1, 10**9)
+# Claimed where drifts are linear in v; on every T(p) + V(q) the order is this. The first one is symmetric: its even
+# order is one for free, and up to order 3 there is no difference.
+SEPARABLE = {"blanes_moan_rkn4": 4, "mclachlan_atela4": 3, "mclachlan_atela5": 3}
+SEPARABLE |= {"blanes_moan_rkn6a": 4, "blanes_moan_rkn6b": 4}
+
+
+def claimed(method: Method) -> dict[str, int]:
+    """The order on each kind of problem that the family is for."""
+    if isinstance(method, Splitting):
+        return {"separable": SEPARABLE.get(method.key, method.claimed_order), "second_order": method.claimed_order}
+    return {"second_order" if isinstance(method, Nystrom) else "general": method.claimed_order}
+
+
+def by_trees(method: Method) -> dict[str, OrderFact[Any]]:
+    """The exact order on each of them."""
+    if isinstance(method, Splitting):
+        return {"separable": separable_order(method), "second_order": nystrom_order(method)}
+    return {"second_order" if isinstance(method, Nystrom) else "general": general_order(method)}
+
+
+def conditions(method: Any) -> dict[str, Any]:
+    """The order conditions on each of them."""
+    if isinstance(method, Splitting):
+        return {"separable": separable_conditions(method), "second_order": nystrom_conditions(method)}
+    if isinstance(method, Nystrom):
+        return {"second_order": nystrom_conditions(method)}
+    return {"general": runge_kutta_conditions(method)}
