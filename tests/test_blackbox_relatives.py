@@ -10,6 +10,8 @@ import pytest
 
 from driftproof.blackbox.linear_fit import LinearFit, linear_fit
 from driftproof.blackbox.opening import opened
+from methods.catalogue import METHODS
+from methods.stepping import stepper
 from numeric.steppers import forward_euler, rk4, symplectic_euler
 
 
@@ -311,6 +313,17 @@ def test_a_damped_relative_is_named(step, words, damping):
         assert found.damping == damping
 
 
+def test_a_damping_is_named_where_no_step_goes_back():
+    def forward_only(q, v, h):
+        if h < 1e-8:
+            raise ValueError("h is too small")
+        return drag_in_the_kick(q, v, h)
+
+    found = fit(forward_only)
+    assert found.best.words == DAMPED[0][1]
+    assert any("h is too small" in line for line in found.lines)
+
+
 @pytest.mark.parametrize("step", [drag_in_the_kick, factor_then_oscillator, implicit_drag], ids=lambda x: x.__name__)
 def test_a_damping_that_is_off_in_the_tenth_digit_of_one_part_is_no_longer_that_relative(step):
     def disturbed(q, v, h):
@@ -328,3 +341,18 @@ def test_a_relative_of_two_kinds_at_once_is_named_where_it_is_simple_and_reporte
     euler_then_rk4 = fit(lambda force, q, v, h: rk4(force, *forward_euler(force, q, v, h / 2), h / 2))
     assert euler_then_rk4.best is None
     assert euler_then_rk4.facts.linear_order == 1
+
+
+@pytest.mark.parametrize(("key", "n"), [("kahan_li8", 10), ("yoshida8", 10), ("dop853", 2)])
+def test_substeps_of_long_methods_are_named_though_shorter_ones_come_near(key, n):
+    step = stepper(METHODS[key], float)
+
+    def substeps(force, q, v, h):
+        for _ in range(n):
+            q, v = step(force, q, v, h / n)
+        return q, v
+
+    found = fit(substeps)
+    assert found.best.methods[0] == key
+    assert found.best.words == f"{'two half steps' if n == 2 else f'{n} steps of h/{n}'} of {key}"
+    assert found.facts.linear_order == METHODS[key].claimed_order

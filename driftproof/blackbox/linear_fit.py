@@ -108,7 +108,7 @@ def fitted(reading: Reading, *, known: bool) -> LinearFit:
     if all((m[0], *m[2:]) == (1, 0, 1) for _, m in reading.steps):
         return replace(start, kind=UNDETERMINED, remarks=("no force acts: all methods agree", *reading.remarks))
     if reading.starts_at_identity:
-        position, stiffness = search.exact_rates()
+        position, stiffness = search.exact_rates
         start = replace(start, position=position, stiffness=stiffness)
     if known and reading.ordinary:
         start = replace(start, nearest=_nearest(*reading.ordinary, rates))
@@ -120,15 +120,12 @@ def _explained(start: LinearFit, found: Sequence[Explanation]) -> LinearFit:
     """The fit with what explains it, and the facts of the first."""
     candidates = []
     for each in found:
-        fit, score = each.scored.fit, each.scored.score
+        fit, score = each.scored.fit, each.scored.error.in_bounds
         rates = fit.position, fit.stiffness, fit.damping
         candidates.append(Candidate(fit.model.methods, each.words, each.extras, score, *rates))
     first = found[0].scored.fit
     damping = Fraction(0) if first.model.keeps_damping_per_step else first.damping
-    facts = facts_of(found[0].matrix(), Fraction(1) if found[0].known else first.stiffness, damping)
-    if not first.model.is_rational:  # what is printed would be a Taylor polynomial
-        facts = MatrixFacts(None, None, None, facts.linear_order)
-    return replace(start, candidates=tuple(candidates), facts=facts, damping=damping)
+    return replace(start, candidates=tuple(candidates), facts=found[0].facts(), damping=damping)
 
 
 def _unexplained(start: LinearFit, search: Search, *, known: bool) -> LinearFit:
@@ -136,12 +133,12 @@ def _unexplained(start: LinearFit, search: Search, *, known: bool) -> LinearFit:
     entries = recovered(search.reading)
     if entries is None:
         return replace(start, nearest=_nearest(*search.tried[0], (search.position, search.stiffness)))
-    start = replace(start, nearest=_least_different(search, entries))
+    start = replace(start, nearest=_least_different(search, entries, known=known))
     if not all(entry.exact for entry in entries):
         return start
     qq, qv, vq, vv = (entry.function for entry in entries)
     damping = damping_of(vv)
-    facts = facts_of(((qq, qv), (vq, vv)), Fraction(1) if known else search.exact_rates()[1], damping)
+    facts = facts_of(((qq, qv), (vq, vv)), Fraction(1) if known else search.exact_rates[1], damping)
     return replace(start, damping=damping, facts=facts)
 
 
@@ -151,12 +148,13 @@ def _nearest(h: float, m: Floats, rates: tuple[float, float]) -> Nearest:
     return Nearest(each.keys, h, off, ())
 
 
-def _least_different(search: Search, entries: Sequence[Recovered]) -> Nearest:
-    """The methods that differ in the fewest coefficients; of those, the ones that are least far off."""
-    h, m = search.tried[0]
-    closest = _by_distance(h, m, (search.position, search.stiffness))[:MOST_COMPARED]
-    told = [(differences(entries, each, *search.exact_rates()), off, each) for off, each in closest]
-    found, off, each = min(told, key=lambda one: (len(one[0]), one[1]))
+def _least_different(search: Search, entries: Sequence[Recovered], *, known: bool) -> Nearest:
+    """The method that differs in one coefficient, if there is one; else the methods that are least far off."""
+    (h, m), (position, stiffness) = search.tried[0], search.exact_rates
+    rates = (Fraction(1), Fraction(1)) if known else (position, stiffness)
+    closest = _by_distance(h, m, (float(rates[0]), float(rates[1])))[:MOST_COMPARED]
+    told = [(differences(entries, each, *rates), off, each) for off, each in closest]
+    found, off, each = min(told, key=lambda one: (len(one[0]) != 1, one[1]))
     return Nearest(each.keys, h, off, tuple(found[:MOST_DIFFERENCES]))
 
 

@@ -1,12 +1,15 @@
-"""One formula in four arithmetics: floats search, balls certify, sizes bound, rational functions are printed."""
+"""One formula, many arithmetics: floats search, balls certify, sizes bound, functions are printed, series compared."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, TypeAlias
+
+from flint import arb, arb_series, ctx
 
 from driftproof.blackbox.linear.sizes import COEFFICIENT_ROUNDINGS, Sized, exponential
 from methods.number_field import Exact
@@ -14,13 +17,14 @@ from symbolic.certified import enclose
 from symbolic.linear.polynomials import ONE, X, polynomial
 from symbolic.linear.rational_functions import RationalFunction, fraction
 from symbolic.n_steps import Entries
+from symbolic.rounding.formats import BINARY64
 
 # A number of one of the arithmetics below.
 Number: TypeAlias = Any
 
 # Balls of this precision are far narrower than any rounding error that is compared with them.
 BITS = 256
-# exp in the arithmetic of rational functions is cut behind this power of h: enough for an order below it.
+# Powers of h in a series: enough for an order below it.
 SERIES_LENGTH = 24
 
 
@@ -65,27 +69,51 @@ def _sized(x: Exact) -> Sized:
     return Sized(value, abs(value), 0 if abs(value) in (0, 1) else COEFFICIENT_ROUNDINGS)
 
 
-def _taylor(x: Function) -> Function:
-    """exp(x) up to the power SERIES_LENGTH of x."""
-    total = _function(Fraction(1))
-    for k in range(SERIES_LENGTH, 0, -1):
-        total = _function(Fraction(1)) + total * x * _function(Fraction(1, k))
-    return total
-
-
 def _function(x: Exact) -> Function:
     return Function(RationalFunction(polynomial([x]), ONE))
 
 
-def function_of_step(scale: Exact = Fraction(1)) -> Function:
-    """The rational function (scale) h."""
-    return _function(scale) * Function(fraction(X))
+def _no_function(x: Function) -> Function:
+    raise ValueError("an exponential is no rational function")
+
+
+def _series(x: Exact) -> arb_series:
+    return arb_series([enclose(x)], SERIES_LENGTH)
 
 
 FLOATS = Arithmetic("floats", float, math.exp)
 BALLS = Arithmetic("balls", enclose, lambda x: x.exp())
 SIZES = Arithmetic("sizes", _sized, exponential)
-FUNCTIONS = Arithmetic("functions", _function, _taylor)
+FUNCTIONS = Arithmetic("functions", _function, _no_function)
+SERIES = Arithmetic("series", _series, lambda x: x.exp())
+
+
+def printed(x: Exact) -> arb_series:
+    """A decimal as its source prints it, right to a rounding of binary64: a ball around it."""
+    radius = abs(Fraction(x)) * BINARY64.u if isinstance(x, Fraction) else Fraction(0)
+    return arb_series([enclose(x) + arb(0, 1) * enclose(radius)], SERIES_LENGTH)
+
+
+def step_function() -> Function:
+    """h as a rational function of h."""
+    return Function(fraction(X))
+
+
+def step_series() -> arb_series:
+    """h as a power series in h."""
+    return arb_series([0, 1], SERIES_LENGTH)
+
+
+@contextmanager
+def precise() -> Iterator[None]:
+    """Within, balls have BITS bits, and series SERIES_LENGTH terms."""
+    terms = ctx.cap
+    try:
+        ctx.cap = SERIES_LENGTH
+        with ctx.workprec(BITS):
+            yield
+    finally:
+        ctx.cap = terms
 
 
 def horner(coefficients: Sequence[Number], x: Number) -> Number:

@@ -19,11 +19,12 @@ from math import exp, factorial
 import numpy as np
 from numpy.typing import NDArray
 
-from driftproof.blackbox.linear.arithmetics import FLOATS, FUNCTIONS, SERIES_LENGTH, Arithmetic, Number, horner, inverse
+from driftproof.blackbox.linear.arithmetics import FLOATS, SERIES, Arithmetic, Number, horner, inverse, printed
 from driftproof.blackbox.linear.sizes import COEFFICIENT_ROUNDINGS, FORCE_ROUNDINGS, Sized, SizePolynomial, matrix_sizes
 from methods.catalogue import METHODS
 from methods.number_field import Exact
 from methods.schemes import Method, Splitting
+from methods.stepping import stepper
 from symbolic.linear.matrices import StepMatrix
 from symbolic.linear.oscillator import one_step_matrix, stability_function_of
 from symbolic.linear.polynomials import coefficients, exact, in_square, odd_part
@@ -69,6 +70,16 @@ class MethodClass:
         """R(z), where the methods have one."""
         return stability_function_of(self.methods[0])
 
+    @property
+    def is_rational(self) -> bool:
+        """True when all coefficients of the matrix are rational numbers."""
+        return self.methods[0].field is None
+
+    @property
+    def degree(self) -> int:
+        """The largest degree in h of a numerator or a denominator of the matrix."""
+        return max(int(p.degree()) for row in self.matrix for entry in row for p in (entry.num, entry.den))
+
     @cached_property
     def explicit(self) -> tuple[Method, ...]:
         """Those of the methods that are explicit."""
@@ -98,7 +109,9 @@ class MethodClass:
         return [_of(self.stability.num), _of(self.stability.den)] if self.stability else []
 
     def plain(self, arithmetic: Arithmetic, rates: Rates) -> Entries:
-        """M for q' = a v, v' = -k q, in any arithmetic but that of sizes."""
+        """M for q' = a v, v' = -k q, in any arithmetic but that of sizes. As a series, of decimals as printed."""
+        if arithmetic is SERIES and self.methods[0].decimal:
+            return self._as_printed(rates)
         in_position, in_velocity = rates.position * rates.h, rates.stiffness * rates.h
         s = in_position * in_velocity
         parts = self._numbers(arithmetic, "entries")
@@ -107,6 +120,17 @@ class MethodClass:
             for n, d in zip(parts[::2], parts[1::2], strict=True)
         )
         return qq, in_position * qv, in_velocity * vq, vv
+
+    def _as_printed(self, rates: Rates) -> Entries:
+        """M with balls for coefficients, so that series differ where their methods do, not for residuals of decimals.
+
+        The step is run in q and w = a v: q' = w, w' = -a k q.
+        """
+        stiffness, step = rates.position * rates.stiffness, stepper(self.methods[0], printed)
+        one, nil = SERIES.number(Fraction(1)), SERIES.number(Fraction(0))
+        columns = [step(lambda q: -(stiffness * q), q, w, rates.h) for q, w in ((one, nil), (nil, one))]
+        (qq, wq), (qw, ww) = columns
+        return qq, rates.position * qw, wq / rates.position, ww
 
     def damped(self, arithmetic: Arithmetic, rates: Rates) -> Entries:
         """R(hL), in any arithmetic but that of sizes. Raises ValueError for a method without R."""
@@ -219,9 +243,8 @@ def exact_flow(arithmetic: Arithmetic, rates: Rates) -> Entries:
 
 @cache
 def _exponential_series(arithmetic: Arithmetic) -> list[Number]:
-    """1/k!, as many as the argument needs, fewer where only low powers of h are asked for."""
-    length = SERIES_LENGTH if arithmetic is FUNCTIONS else LONGEST_SERIES
-    return [arithmetic.number(Fraction(1, factorial(k))) for k in range(length)]
+    """1/k!, as many as the largest argument needs."""
+    return [arithmetic.number(Fraction(1, factorial(k))) for k in range(LONGEST_SERIES)]
 
 
 def exact_flow_sizes(rates: Rates) -> Entries:

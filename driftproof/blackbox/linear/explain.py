@@ -2,29 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any
 
 from driftproof.blackbox import relatives
-from driftproof.blackbox.linear.facts import matrix_of
+from driftproof.blackbox.linear.facts import MatrixFacts, Undo, facts_of_model
 from driftproof.blackbox.linear.reading import Reading, swapped
 from driftproof.blackbox.linear.score import Scored, scored
 from driftproof.blackbox.linear.search import Fit, Search
 from driftproof.blackbox.simple_rationals import rational_text
-from symbolic.linear.matrices import StepMatrix
-from symbolic.n_steps import Entries
 
 NONE, INPUT, OUTPUT, BOTH = "", "in its input", "in its output", "in its input and its output"
 # The map without its exchange of q and v, from the entries of the map with it; each undoes itself.
-_UNDONE: dict[str, Callable[[Any], Entries]] = {
+_UNDONE: dict[str, Undo] = {
     NONE: lambda m: m,
     INPUT: lambda m: (m[1], m[0], m[3], m[2]),
     OUTPUT: lambda m: (m[2], m[3], m[0], m[1]),
     BOTH: lambda m: (m[3], m[2], m[1], m[0]),
 }
 MOST_EXPLANATIONS = 4
+# As many times as the roundings of one program may exceed those of another.
+MUCH_FARTHER = 1 << 10
 # A rate that is wrong in a program, and not a little by accident, is wrong by this much.
 LEAST_OFF = Fraction(1, 1024)
 
@@ -74,12 +73,12 @@ class Explanation:
         wrong += [f"the force enters {rational_text(k)} times"] * (self.known and k != 1)
         return f", but {' and '.join(wrong)}" if wrong else ""
 
-    def matrix(self) -> StepMatrix:
-        """The exact matrix; with an exponential in it, its Taylor polynomial in the place of that."""
+    def facts(self) -> MatrixFacts:
+        """The facts of its exact matrix, for the system that it should solve."""
         fit = self.scored.fit
-        (qq, qv), (vq, vv) = matrix_of(fit.model, fit.position, fit.stiffness, fit.damping)
-        a, b, c, d = _UNDONE[self.exchange]((qq, qv, vq, vv))
-        return (a, b), (c, d)
+        damping = Fraction(0) if fit.model.keeps_damping_per_step else fit.damping
+        system = (Fraction(1) if self.known else fit.stiffness), damping
+        return facts_of_model(fit.model, (fit.position, fit.stiffness, fit.damping), system, _UNDONE[self.exchange])
 
 
 def _model_in_words(fit: Fit) -> str:
@@ -94,20 +93,35 @@ def explanations(reading: Reading, *, known: bool) -> list[Explanation]:
 
     Empty if nothing does.
     """
+    found = _found(reading, known=known)
+    everywhere = [each for each in found if not each.scored.restriction]
+    near = _as_near_as_any(everywhere or found, float(reading.format.u))
+    near.sort(key=lambda each: each.naturalness)
+    doubtful = near and not near[0].rates_are_right
+    kept = [each for each in near if each.extras == near[0].extras or (doubtful and each.rates_are_right)]
+    return kept[:MOST_EXPLANATIONS]
+
+
+def _found(reading: Reading, *, known: bool) -> list[Explanation]:
+    """What passes, stage by stage until something does at all steps with the rates of the oscillator."""
     readings = {name: _exchanged(reading, undo) for name, undo in _UNDONE.items()}
     searches = {name: Search(each) for name, each in readings.items() if each.at_zero and not swapped(each.at_zero)}
     found: list[Explanation] = []
     for damped, stage in _STAGES:
         for name, search in searches.items():
-            if search.damped == damped and (name != BOTH or search.stiffness > 0):
+            if search.may_have(damping=damped) and (name != BOTH or search.stiffness > 0):
                 fits = (scored(fit, search.reading) for fit in stage(search) if _is_sensible(fit, known=known))
                 found += [Explanation(each, name, known) for each in fits if each.passes]
-        if any(each.rates_are_right for each in found) or (found and stage is not _methods):
+        everywhere = [each for each in found if not each.scored.restriction]
+        if any(each.rates_are_right for each in everywhere) or (everywhere and stage is not _methods):
             break
-    found.sort(key=lambda each: each.naturalness)
-    doubtful = found and not found[0].rates_are_right
-    kept = [each for each in found if each.extras == found[0].extras or (doubtful and each.rates_are_right)]
-    return kept[:MOST_EXPLANATIONS]
+    return found
+
+
+def _as_near_as_any(found: Sequence[Explanation], u: float) -> list[Explanation]:
+    """Those that are not much farther off than others, as what passes by the width of its own bound alone is."""
+    least = min((each.scored.error.relative for each in found), default=0.0)
+    return [each for each in found if each.scored.error.relative <= MUCH_FARTHER * (least + u)]
 
 
 def _is_sensible(fit: Fit, *, known: bool) -> bool:
@@ -146,6 +160,6 @@ _STAGES: tuple[tuple[bool, Callable[[Search], Iterable[Fit]]], ...] = (
 )
 
 
-def _exchanged(reading: Reading, undo: Callable[[Any], Entries]) -> Reading:
+def _exchanged(reading: Reading, undo: Undo) -> Reading:
     steps = tuple((h, undo(m)) for h, m in reading.steps)
     return replace(reading, steps=steps, at_zero=None if reading.at_zero is None else undo(reading.at_zero))

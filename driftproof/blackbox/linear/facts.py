@@ -2,25 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import Any, TypeAlias
 
-from driftproof.blackbox.linear.arithmetics import FUNCTIONS, SERIES_LENGTH, function_of_step
+from flint import arb
+
+from driftproof.blackbox.linear.arithmetics import FUNCTIONS, SERIES, SERIES_LENGTH, precise, step_function, step_series
 from driftproof.blackbox.linear.classes import MethodClass, Rates
 from driftproof.blackbox.linear.parts import Model
 from driftproof.blackbox.linear.recovery import Recovered
 from methods.number_field import Exact
+from symbolic.certified import enclose
 from symbolic.linear.matrices import StepMatrix
 from symbolic.linear.oscillator import determinant
 from symbolic.linear.polynomials import ONE, Polynomial, coefficients, exact, polynomial
 from symbolic.linear.rational_functions import RationalFunction, fraction
 from symbolic.linear.series import expand
 from symbolic.linear.text import rational_text as function_text
+from symbolic.n_steps import Entries
 
+# An exchange of the entries of a matrix.
+Undo: TypeAlias = Callable[[Any], Entries]
 ENTRIES = ("M_qq", "M_qv", "M_vq", "M_vv")
-# What decimals with the digits of binary64 may leave of a condition with hundreds of terms.
-RESIDUAL = Fraction(1, 1 << 45)
 # An exact text longer than this says less than decimals do.
 LONGEST_EXACT = 120
 POWERS_COMPARED = 12
@@ -41,41 +46,55 @@ class MatrixFacts:
     linear_order: int | None
 
 
+def facts_of_model(
+    model: Model, rates: Sequence[Fraction], system: tuple[Fraction, Fraction], undo: Undo
+) -> MatrixFacts:
+    """The facts of a model with the rates a, k, g, and with `undo` applied, for a system with `system` = k, g."""
+    with precise():
+        m = undo(model.matrix(SERIES, Rates(step_series(), *(SERIES.number(x) for x in rates))))
+        order = linear_order([series.coeffs() for series in m], *system)
+    if not model.has_short_matrix:
+        return MatrixFacts(None, None, None, order)
+    return replace(facts_of(_undone(_matrix(model, rates), undo), *system), linear_order=order)
+
+
 def facts_of(matrix: StepMatrix, stiffness: Fraction, damping: Fraction) -> MatrixFacts:
     """The facts of an exact matrix, for the system that it should solve."""
     qq, qv, vq, vv = (text_of(entry) for row in matrix for entry in row)
     multiplier = _energy_multiplier(matrix, stiffness)
+    series = [[exact(c) for c in expand(entry, SERIES_LENGTH)] for row in matrix for entry in row]
+    with precise():
+        order = linear_order([[enclose(c) for c in each] for each in series], stiffness, damping)
     return MatrixFacts(
-        (qq, qv, vq, vv),
-        text_of(determinant(matrix)),
-        text_of(multiplier) if multiplier else None,
-        linear_order(matrix, stiffness, damping),
+        (qq, qv, vq, vv), text_of(determinant(matrix)), text_of(multiplier) if multiplier else None, order
     )
 
 
-def matrix_of(model: Model, position: Fraction, stiffness: Fraction, damping: Fraction) -> StepMatrix:
-    """The exact matrix of a model; with an exponential in it, its Taylor polynomial in the place of that."""
-    if model.as_method and position == stiffness == 1:
+def _matrix(model: Model, rates: Sequence[Fraction]) -> StepMatrix:
+    """The exact matrix of a model."""
+    if model.as_method and rates[0] == rates[1] == 1:
         return model.as_method.matrix
-    rates = (FUNCTIONS.number(x) for x in (position, stiffness, damping))
-    qq, qv, vq, vv = model.matrix(FUNCTIONS, Rates(function_of_step(), *rates))
+    qq, qv, vq, vv = model.matrix(FUNCTIONS, Rates(step_function(), *(FUNCTIONS.number(x) for x in rates)))
     return (qq.value, qv.value), (vq.value, vv.value)
 
 
-def linear_order(matrix: StepMatrix, stiffness: Fraction, damping: Fraction) -> int | None:
-    """The order on q' = v, v' = -k q - g v; None where the first SERIES_LENGTH powers of h agree.
+def _undone(matrix: StepMatrix, undo: Undo) -> StepMatrix:
+    (qq, qv), (vq, vv) = matrix
+    a, b, c, d = undo((qq, qv, vq, vv))
+    return (a, b), (c, d)
 
-    Methods that are printed as decimals have residuals: a coefficient differs if it does by more than RESIDUAL of the
-    size of its power of hA.
+
+def linear_order(series: Sequence[Sequence[arb]], stiffness: Fraction, damping: Fraction) -> int | None:
+    """The order on q' = v, v' = -k q - g v; None where the first SERIES_LENGTH powers of h may agree.
+
+    `series` are balls around the coefficients of M_qq, M_qv, M_vq, M_vv.
     """
-    series = [[exact(c) for c in expand(entry, SERIES_LENGTH)] for row in matrix for entry in row]
     term = [Fraction(1), Fraction(0), Fraction(0), Fraction(1)]
-    size = term
     for power in range(SERIES_LENGTH):
-        if any(_differ(s[power], t, RESIDUAL * z) for s, t, z in zip(series, term, size, strict=True)):
+        found = [each[power] if power < len(each) else arb(0) for each in series]
+        if not all(c.overlaps(enclose(x)) for c, x in zip(found, term, strict=True)):
             return power - 1
         term = _next_term(term, stiffness, damping, power + 1)
-        size = _next_term(size, -abs(stiffness), -abs(damping), 1)
     return None
 
 

@@ -16,6 +16,8 @@ from symbolic.n_steps import Entries, multiply
 # Ways in which a velocity is damped at the rate g over a time h: by the factor
 EXPLICIT, IMPLICIT, TRAPEZOIDAL = "explicit", "implicit", "trapezoidal"
 EXPONENTIAL, CONSTANT = "exponential", "constant"
+# A matrix of a higher degree in h is nothing to be read.
+LONGEST_DEGREE = 40
 DAMPINGS = (EXPONENTIAL, EXPLICIT, IMPLICIT, TRAPEZOIDAL, CONSTANT)
 
 
@@ -194,10 +196,15 @@ class Model:
         return part.methods if isinstance(part, Whole) and not part.in_field else None
 
     @property
-    def is_rational(self) -> bool:
-        """True when its matrix is a rational function of h."""
-        forms = {part.form for part in self.parts if isinstance(part, Damp)}
-        return EXPONENTIAL not in forms and not any(isinstance(part, ExactFlow) for part in self.parts)
+    def has_short_matrix(self) -> bool:
+        """True when its matrix is a rational function of h that is worth writing out."""
+        if self.as_method:
+            return True
+        if any(isinstance(p, ExactFlow) or (isinstance(p, Damp) and p.form == EXPONENTIAL) for p in self.parts):
+            return False
+        wholes = [part.methods for part in self.parts if isinstance(part, Whole)]
+        degree = len(self.parts) + sum(each.degree for each in wholes)
+        return all(each.is_rational for each in wholes) and degree * self.repeats <= LONGEST_DEGREE
 
     @property
     def keeps_damping_per_step(self) -> bool:

@@ -24,13 +24,12 @@ STATE, STEP = (1 / 3, 0.7), 0.3
 DYADIC = ("1/256", "1/16", "1/8", "1/4", "1/2", "1", "-1/16", "-1/8", "-1/4", "-1/2", "-1")
 NOT_DYADIC = ("1/10", "3/10", "7/10", "-3/10")
 FAR = ("2", "4", "16", "-2", "-4")
-# No program of the catalogue is off by more than this many times u(|M| |z| + |z|) at the step of LINEARITY_STEP (a test
-# says so): twice as much, in a sum of three results, is no rounding.
+# No program of the catalogue errs by more than this many times u (1 + |M|) at the step LINEARITY_STEP, as a test says.
 LINEARITY_ROUNDINGS, LINEARITY_STEP = 1 << 12, Fraction(1, 8)
 # Where a limit on the size of states would show.
 FAR_BITS = 20
-# The largest step that is tiny, in bits.
-LEAST_BITS = 12
+# Steps that are tiny, in bits, for steppers that refuse smaller ones.
+COARSE_BITS = (20, 12)
 # Rates read at two steps of one size agree to this many bits unless noise is read.
 RATE_BITS = 10
 
@@ -40,8 +39,8 @@ class Reading:
     """What was read: `steps` are pairs (h, M(h)), M(h) being rounded as its stepper rounds in `format`.
 
     `kind` is LINEAR, LINEARISED (then read at states of size `amplitude`), or what stands in the way. `at_zero` is
-    M(h) at `tiny`, so small a step that M(h) is M(0) + h A, but for less than a rounding in the entries where M(0) is
-    zero; it is None where tiny steps show noise only. `unit` is a power of two near the system's own time. `ordinary`
+    M(0) + h A at the step `tiny`, A being known to O(h²) in the entries where M(0) is zero; it is None where tiny steps
+    show noise only. `unit` is a power of two near the system's own time. `ordinary`
     is (h, M(h)) read at states of size 1, where the rest was not. `remarks` are for people.
     """
 
@@ -71,7 +70,7 @@ class Reading:
 def read(subject: Subject) -> Reading:
     """The one-step matrix of a stepper at some twenty steps, by some seventy calls of it.
 
-    Lets a Misbehaviour pass at steps within the system's own time; beyond, and at negative steps, it is a remark.
+    Lets a Misbehaviour pass at steps well within the system's own time; beyond, and at negative steps, it is a remark.
     """
     fmt = _own_format(subject)
     if not _repeats(subject):
@@ -87,7 +86,7 @@ def read(subject: Subject) -> Reading:
     if fmt.emin < -4 * fmt.precision:
         # Products of two states are below a rounding of one, and still ordinary numbers.
         tiny = _at_amplitude(subject, Reading(fmt, LINEARISED, ldexp(1.0, -fmt.precision - 7)))
-        if tiny.at_zero is not None and _nonlinearity(subject, tiny, 1.0) is None:
+        if _is_linearisation(subject, tiny) and _nonlinearity(subject, tiny, 1.0) is None:
             remark = f"not linear at ordinary size: {seen}"
             h = _in_format(fmt, tiny.unit / 4)
             return _with_steps(subject, replace(tiny, ordinary=(h, _matrix(subject, h, 1.0)), remarks=(remark,)))
@@ -98,7 +97,7 @@ def _own_format(subject: Subject) -> FloatFormat:
     """The narrowest format that holds the answers to a generic step: that in which it was computed."""
     answers = [Fraction(x) for x in subject.step(*STATE, STEP)]
     narrower = (f for f in (BINARY16, BINARY32) if f.precision < subject.format.precision)
-    return next((f for f in narrower if all(map(f.holds, answers))), subject.format)
+    return next((f for f in narrower if any(answers) and all(map(f.holds, answers))), subject.format)
 
 
 def _repeats(subject: Subject) -> bool:
@@ -118,22 +117,32 @@ def _matrix(subject: Subject, h: float, amplitude: float) -> Floats:
 
 def _at_amplitude(subject: Subject, reading: Reading) -> Reading:
     """The reading with its tiny step and its unit of time."""
-    unit, p = 1.0, reading.format.precision
+    unit = 1.0
     for _ in range(2):  # the first step is tiny in seconds, the second in the system's own time
-        for bits in sorted({p + 7, p // 2, LEAST_BITS}, reverse=True):
-            tiny = unit * ldexp(1.0, -bits)
-            m, finer = (_matrix(subject, h, reading.amplitude) for h in (tiny, tiny / 4))
-            if _same_rates(m, finer):
-                break
-        else:
+        found = _rates(subject, reading, unit)
+        if found is None:
             return replace(reading, unit=unit)
-        rates = _without_what_is_smaller(m, finer)
-        reading = replace(reading, tiny=tiny, at_zero=rates)
-        found = _unit(rates, tiny)
-        if found == unit:
+        tiny, m = found
+        reading, before, unit = replace(reading, tiny=tiny, at_zero=m), unit, _unit(m, tiny)
+        if unit == before:
             break
-        unit = found
     return replace(reading, unit=unit)
+
+
+def _rates(subject: Subject, reading: Reading, unit: float) -> tuple[float, Floats] | None:
+    """The least of some tiny steps at which rates show rather than noise, with M there; None if there is none."""
+    p = reading.format.precision
+    for bits in sorted({p + 7, p // 2, *COARSE_BITS}, reverse=True):
+        tiny = unit * ldexp(1.0, -bits)
+        try:
+            m, finer = (_matrix(subject, h, reading.amplitude) for h in (tiny, tiny / 4))
+        except Misbehaviour:  # some steppers refuse steps that are too small
+            if bits == min(COARSE_BITS):
+                raise
+            continue
+        if _same_rates(m, finer):
+            return tiny, _extrapolated(m, finer)
+    return None
 
 
 def _same_rates(m: Floats, finer: Floats) -> bool:
@@ -145,9 +154,13 @@ def _same_rates(m: Floats, finer: Floats) -> bool:
     return all(abs(y) <= abs(x) / 2 or abs(x - y) * 2**RATE_BITS <= abs(x) + abs(y) for x, y in pairs)
 
 
-def _without_what_is_smaller(m: Floats, finer: Floats) -> Floats:
-    """M with zeros for entries that are O(h²)."""
-    qq, qv, vq, vv = (0.0 if 4 * abs(y) <= abs(x) / 2 else x for x, y in zip(m, finer, strict=True))
+def _extrapolated(m: Floats, finer: Floats) -> Floats:
+    """M with entries c h for those that are zero in M(0), c to O(h²) from both steps; c = 0 where they are O(h²)."""
+    found = list(m)
+    for i in (0, 3) if swapped(m) else (1, 2):
+        x, y = m[i], 4 * finer[i]
+        found[i] = 0.0 if abs(y) <= abs(x) / 2 else (4 * y - x) / 3
+    qq, qv, vq, vv = found
     return qq, qv, vq, vv
 
 
@@ -183,6 +196,14 @@ def _nonlinearity(subject: Subject, reading: Reading, size: float) -> str | None
     return None
 
 
+def _is_linearisation(subject: Subject, tiny: Reading) -> bool:
+    """True when states of a fourth of the size have the same rates: those of a cubic force are a sixteenth."""
+    if tiny.at_zero is None:
+        return False
+    less = growing(_matrix(subject, tiny.tiny, tiny.amplitude / 4))
+    return all(abs(x - y) * 2**RATE_BITS <= abs(x) + abs(y) for x, y in zip(growing(tiny.at_zero), less, strict=True))
+
+
 def _far_out(subject: Subject, reading: Reading) -> tuple[str, ...]:
     """What is seen of a limit on the size of states, as a remark."""
     try:
@@ -199,7 +220,7 @@ def _with_steps(subject: Subject, reading: Reading) -> Reading:
         try:
             found.append((h, _matrix(subject, h, reading.amplitude)))
         except Misbehaviour as failure:
-            if text not in FAR and h > 0:
+            if 0 < h <= reading.unit / 2:
                 raise
             failures.append((h, str(failure)))
     remarks = list(reading.remarks)

@@ -20,7 +20,7 @@ from driftproof.blackbox.simple_rationals import simple_rational
 from symbolic.linear.polynomials import polynomial
 from symbolic.linear.rational_functions import RationalFunction, fraction
 
-# As many as any program of the catalogue spends on a power of h, times two: a stranger may be less direct.
+# About twice what a power of h costs: a coefficient worked out, a force, a product or two, a sum or two.
 ROUNDINGS = 18
 # Steps that determine coefficients, in units of the reading's own time; the others check them.
 NODES = tuple(Fraction(x) for x in ("1/8", "1/4", "1/2", "1", "2", "4", "16"))

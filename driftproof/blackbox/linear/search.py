@@ -40,7 +40,8 @@ class Fit:
 class Search:
     """The models that fit a reading, to half the digits.
 
-    The rates of a model are those read, divided by its own, as simple rationals where they are some.
+    `exact_rates` are the rates read, a and k, as simple rationals where they are some; those of a model are these
+    divided by its own.
     """
 
     def __init__(self, reading: Reading) -> None:
@@ -51,23 +52,22 @@ class Search:
         in_position, in_velocity = growing(reading.at_zero)
         self.unit, self.u = reading.unit, float(reading.format.u)
         self.coefficient_error = RATE_ROUNDINGS * self.u
-        self.position, self.stiffness = in_position / reading.tiny, -in_velocity / reading.tiny
-        self.slack = max(self.coefficient_error, 4 * reading.tiny / reading.unit)
+        self.slack = max(self.coefficient_error, 8 * (reading.tiny / reading.unit) ** 2)
+        self.exact_rates = self._simple(in_position / reading.tiny), self._simple(-in_velocity / reading.tiny)
+        self.position, self.stiffness = map(float, self.exact_rates)
         self.tried = sorted((h, m) for h, m in reading.steps if h / reading.unit in TRIED)
         self.last = [(h, m) for h, m in reading.steps if h / reading.unit == TRIED_LAST]
         self.closeness = sqrt(self.u)
 
-    @property
-    def damped(self) -> bool:
-        """True unless M_qq and M_vv are even in h and 1 at h = 0, as those of all maps without damping are."""
+    def may_have(self, *, damping: bool) -> bool:
+        """Without damping M_qq and M_vv are even in h, and 1 at h = 0. Where no step went back, both may be."""
         at_zero, steps = self.reading.at_zero, dict(self.reading.steps)
-        pairs = [(m, steps[-h]) for h, m in self.tried if -h in steps]
-        pairs += [(at_zero, (1.0, 0.0, 0.0, 1.0))] if at_zero else []
-        return any(
-            abs(there[i] - back[i]) > LINEARITY_ROUNDINGS * self.u * (1 + abs(there[i]))
-            for there, back in pairs
-            for i in (0, 3)
+        back = [(m, steps[-h]) for h, m in self.tried if -h in steps]
+        at_rest = [(at_zero, (1.0, 0.0, 0.0, 1.0))] if at_zero else []
+        damped = any(
+            abs(x[i] - y[i]) > LINEARITY_ROUNDINGS * self.u * (1 + abs(x[i])) for x, y in back + at_rest for i in (0, 3)
         )
+        return damped == damping or not (damped or back)
 
     def classes(self) -> list[Fit]:
         """The exact solution, and the methods of the catalogue that fit."""
@@ -132,10 +132,6 @@ class Search:
             return Fit(model, position, stiffness, rate)
         left = exp(-damping) if abs(damping) <= MOST_DAMPED else 0.0
         return Fit(model, position, stiffness, Fraction(damping), simple_rational(left, error * left) if left else None)
-
-    def exact_rates(self) -> tuple[Fraction, Fraction]:
-        """The rates read, a and k."""
-        return self._simple(self.position), self._simple(self.stiffness)
 
     def _simple(self, x: float) -> Fraction:
         found = simple_rational(x, abs(x) * self.slack)
