@@ -19,7 +19,7 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own packages, whatever else is installed
 
-from benchmarks import answers, facts, import_time, order, peers, roundoff, stability
+from benchmarks import answers, engine, facts, import_time, order, peers, roundoff, stability
 from benchmarks.timing import LIMIT, ROUNDS, TURN, Goal, Row, Section, goal_rows, times_rows
 from docs.pages import markdown
 
@@ -120,7 +120,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--rounds", type=int, default=ROUNDS, help=f"turns of each contestant (default {ROUNDS})")
     chosen = parser.parse_args(arguments)
     timed = {title: measure(chosen.rounds) for title, measure in TIMED.items()}
-    sections = [*import_time.sections(), *roundoff.sections()]
+    sections = [*import_time.sections(), *roundoff.sections(), engine.section(chosen.rounds)]
     found = answers.answers()
     if found:
         (ROOT / "docs" / "peers.json").write_text(answers.as_json(found), encoding="utf-8")

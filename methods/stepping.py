@@ -7,6 +7,7 @@ from functools import cache
 from typing import Any, TypeAlias
 
 from methods.number_field import Exact
+from methods.program_text import maker
 from methods.schemes import Method
 from methods.source import step_source
 
@@ -33,6 +34,4 @@ def stepper(method: Method, lift: Lift) -> Step:
 @cache
 def _compiled(method: Method) -> tuple[Callable[..., Step], tuple[Exact, ...]]:
     source = step_source(method)
-    namespace: dict[str, Any] = {}
-    exec(compile(source.step(), f"<{method.key}>", "exec"), namespace)  # of our own writing, names and operators only
-    return namespace["make"], tuple(c for _, c in source.coefficients)
+    return maker(source.step(), method.key), tuple(c for _, c in source.coefficients)

@@ -77,6 +77,24 @@ def test_a_step_that_raises_is_an_example_with_what_it_raised():
     assert found(refuses_large_steps, domain=Domain(largest_step=1.0)).holds
 
 
+def test_extremes_are_tried_only_where_they_are_asked_for():
+    def in_other_units(q, v, h):  # a conversion that underflows below 1e-300
+        q1, v1 = symplectic_euler(q * 1e-20, v * 1e-20, h)
+        return q1 / 1e-20, v1 / 1e-20
+
+    scale = 2.0**-60
+    exactly = lambda q, v, h: tuple(x / scale for x in symplectic_euler(q * scale, v * scale, h))
+    assert found(exactly).holds
+    assert not found(exactly, domain=Domain(smallest_step=0.0, smallest_state=0.0)).holds
+    assert not found(in_other_units, domain=Domain(smallest_step=0.0, smallest_state=0.0)).holds
+
+
+def test_narrow_formats_are_tried_away_from_underflow():
+    result = agreement(opened(symplectic_euler, array=np.float16), METHODS["symplectic_euler"], examples=FEW)
+    assert result.holds
+    assert result.worst.h >= 2.0**-7
+
+
 def test_binary32_steppers_are_tried_at_numbers_of_binary32():
     result = agreement(opened(symplectic_euler, array=np.float32), METHODS["symplectic_euler"], examples=FEW)
     assert result.holds
@@ -85,5 +103,5 @@ def test_binary32_steppers_are_tried_at_numbers_of_binary32():
 
 @pytest.mark.parametrize("bad", [{"largest_step": 0.0}, {"largest_state": inf}, {"largest_step": nan}])
 def test_a_domain_without_steps_or_states_is_refused(bad):
-    with pytest.raises(ValueError, match="positive and finite"):
+    with pytest.raises(ValueError, match="sizes go from 0 or more up"):
         Domain(**bad)

@@ -6,6 +6,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
+from math import copysign, inf
 from typing import TYPE_CHECKING, Any, Literal
 
 from driftproof.blackbox.findings import Misbehaviour
@@ -26,20 +27,32 @@ DIGITS = 20
 
 @dataclass(frozen=True)
 class Domain:
-    """Where a stepper is tried: 0 < h <= `largest_step`, |q| and |v| at most `largest_state`, all their floats."""
+    """Where a stepper is tried: floats h > 0, q and v within these sizes; q and v are also tried at 0.
+
+    The smallest ones keep what is tried away from underflow, where many a code that converts units loses digits that
+    nobody misses; 0 tries all floats. In narrow formats they are raised to the root of the smallest normal number.
+    """
 
     largest_step: float = 2.0
     largest_state: float = 1000.0
+    smallest_step: float = 2.0**-20
+    smallest_state: float = 2.0**-60
 
     def __post_init__(self) -> None:
         """Refuse what holds no step or no state."""
-        if not (0 < self.largest_step < float("inf") and 0 < self.largest_state < float("inf")):
-            raise ValueError(f"{self}: both ends are positive and finite")
+        for low, high in self.ranges:
+            if not 0 <= low < high < inf:
+                raise ValueError(f"{self}: sizes go from 0 or more up to something larger and finite")
+
+    @property
+    def ranges(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """From what to what sizes go: of steps, of states."""
+        return (self.smallest_step, self.largest_step), (self.smallest_state, self.largest_state)
 
     @property
     def words(self) -> str:
         """The domain as inequalities."""
-        return f"0 < h <= {self.largest_step:g}, |q|, |v| <= {self.largest_state:g}"
+        return f"{self.smallest_step:.3g} <= h <= {self.largest_step:g}, |q|, |v| <= {self.largest_state:g}"
 
 
 ORDINARY = Domain()
@@ -230,9 +243,13 @@ def _arguments(domain: Domain, subject: Subject) -> tuple[SearchStrategy[float],
 
     width = WIDTHS[subject.format.name]
 
-    def held(x: float) -> float:
-        return float(subject.format.nearest(Fraction(x)))
+    least = 2.0 ** (subject.format.emin // 2)
 
-    size, step = held(domain.largest_state), held(domain.largest_step)
-    states = st.floats(-size, size, width=width)
-    return states, states, st.floats(0, step, width=width, exclude_min=True)
+    def sizes(low: float, high: float) -> SearchStrategy[float]:
+        low = max(low, least) if low else 0.0
+        ends = (float(subject.format.nearest(Fraction(x))) for x in (low, high))
+        return st.floats(*ends, width=width, exclude_min=not low)
+
+    steps, states = (sizes(*ends) for ends in domain.ranges)
+    signed = st.just(0.0) | st.builds(copysign, states, st.sampled_from((1.0, -1.0)))
+    return signed, signed, steps

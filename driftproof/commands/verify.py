@@ -36,6 +36,7 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--largest-state", type=positive_number("state"), default=1000.0, help="|q|, |v| <= this (default 1000)"
     )
+    parser.add_argument("--extremes", action="store_true", help="try the smallest floats, too, down to subnormal ones")
     parser.add_argument("--step-in-binary32", action="store_true", help="allow that h is rounded to binary32 first")
     parser.add_argument(
         "--velocity-from-positions", action="store_true", help="allow for v formed as (q1 - q)/h: u (|q| + |q1|)/h"
@@ -53,13 +54,14 @@ def answer(options: argparse.Namespace) -> str:
     from driftproof.blackbox.tolerance import Allowance
     from driftproof.blackbox.verify import verify
 
+    smallest = {"smallest_step": 0.0, "smallest_state": 0.0} if options.extremes else {}
     report = verify(
         options.step,
         options.method,
         door=options.door,
         array=options.array,
         examples=options.examples,
-        domain=Domain(options.largest_step, options.largest_state),
+        domain=Domain(options.largest_step, options.largest_state, **smallest),
         allowance=Allowance(
             options.step_in_binary32,
             options.velocity_from_positions,

@@ -1,0 +1,280 @@
+"""Many steps, beside loops by hand, C compiled here, and SciPy: python benchmarks/engine.py (about a minute)
+
+All contestants of a subject take the same steps of the same size from the same start, and each step does the same
+operations in the same order. C is compiled with -O3, once without fused multiply-adds, which gives our bits, and once
+with all that the processor has, which does not. C, numba and SciPy are left out where they cannot be had.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ctypes
+import hashlib
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own packages, whatever else is installed
+
+import numpy as np
+
+from benchmarks.timing import ROUNDS, Contestant, Goal, Row, Section, Subject, goal_rows, measure, times_rows
+from driftproof.text import table
+from methods.catalogue import METHODS
+from methods.fields import Field
+from numeric.engine import (
+    ARRAY_BLOCK,
+    BLOCK,
+    compiled_ensemble_runner,
+    compiled_field_runner,
+    compiled_runner,
+    ensemble_runner,
+    field_runner,
+    runner,
+)
+
+RK4, PAIR = METHODS["rk4"], METHODS["dormand_prince54"]
+H, START = 0.01, (0.6, -0.8)
+# Steps of one trajectory in Python and compiled; members and steps of an ensemble.
+FEW, MANY, MEMBERS, ENSEMBLE_STEPS = 2_000, 200_000, 8 * ARRAY_BLOCK, 20
+
+ONE, BY_C, ENSEMBLE = f"rk4, one trajectory, {FEW} steps", f"rk4, one trajectory, {MANY} steps", "rk4, ensemble"
+BY_NUMPY, BY_SCIPY = "rk4, ensemble by NumPy", f"dormand_prince54, {FEW} steps"
+SYSTEM = f"rk4, Lorenz's system, {FEW} steps"
+# Name of a subject, of ours in it and of the other: the most that our minimum may be of its.
+WANTED = {
+    (ONE, "ours", "by hand, one loop"): 1.05,
+    (BY_C, "ours", "C"): 1.05,
+    (ENSEMBLE, "ours", "C, fused"): 1.6,
+    (BY_NUMPY, "ours", "C, fused"): 13.0,
+    (BY_SCIPY, "ours", "scipy, RK45"): 1 / 75,
+    (BY_SCIPY, "ours, numba", "scipy, RK45"): 1 / 75,
+}
+SAME_BITS = ("C", "by hand, one loop", "by hand, a step function", "by hand, tuples", "ours, numba")
+LORENZ = Field(("10 * (y1 - y0)", "y0 * (28 - y2) - y1", "y0 * y1 - 8 * y2 / 3"))
+LORENZ_START = (1.0, 1.5, 20.0)
+
+C_SOURCE = """
+static const double half = 1.0 / 2.0, third = 1.0 / 3.0, sixth = 1.0 / 6.0;
+
+#define STEP(q, v) \\
+    double k1_v = -q; \\
+    double k2_q = v + h * (half * k1_v), q_2 = q + h * (half * v), k2_v = -q_2; \\
+    double k3_q = v + h * (half * k2_v), q_3 = q + h * (half * k2_q), k3_v = -q_3; \\
+    double k4_q = v + h * k3_v, q_4 = q + h * k3_q, k4_v = -q_4; \\
+    double q1 = q + h * (sixth * v + third * k2_q + third * k3_q + sixth * k4_q); \\
+    double v1 = v + h * (sixth * k1_v + third * k2_v + third * k3_v + sixth * k4_v);
+
+void trajectory(double *z, double h, long steps) {
+    double q = z[0], v = z[1];
+    for (long n = 0; n < steps; n++) { STEP(q, v) q = q1; v = v1; }
+    z[0] = q; z[1] = v;
+}
+
+void ensemble(double *restrict qs, double *restrict vs, long members, double h, long steps) {
+    for (long start = 0; start < members; start += BLOCK) {
+        long stop = start + BLOCK < members ? start + BLOCK : members;
+        for (long n = 0; n < steps; n++)
+            for (long i = start; i < stop; i++) { double q = qs[i], v = vs[i]; STEP(q, v) qs[i] = q1; vs[i] = v1; }
+    }
+}
+"""
+
+
+def by_hand(q: float, v: float, h: float, steps: int) -> tuple[float, float]:
+    """The loop as one would write it for speed: everything in one body, weights as numbers."""
+    half, third, sixth = 1 / 2, 1 / 3, 1 / 6
+    for _ in range(steps):
+        k1_v = -q
+        k2_q, k2_v = v + h * (half * k1_v), -(q + h * (half * v))
+        k3_q, k3_v = v + h * (half * k2_v), -(q + h * (half * k2_q))
+        k4_q, k4_v = v + h * k3_v, -(q + h * k3_q)
+        q, v = (
+            q + h * (sixth * v + third * k2_q + third * k3_q + sixth * k4_q),
+            v + h * (sixth * k1_v + third * k2_v + third * k3_v + sixth * k4_v),
+        )
+    return q, v
+
+
+def by_steps(q: float, v: float, h: float, steps: int) -> tuple[float, float]:
+    """The loop with a step function that takes a state and returns a tuple."""
+    for _ in range(steps):
+        q, v = by_hand(q, v, h, 1)
+    return q, v
+
+
+def lorenz_by_hand(state: tuple[float, float, float], h: float, steps: int) -> tuple[float, ...]:
+    """RK4 with a right-hand side that is a function of a tuple, stages as lists."""
+
+    def rate(x: float, y: float, z: float) -> tuple[float, float, float]:
+        return 10 * (y - x), x * (28 - z) - y, x * y - 8 * z / 3
+
+    weights = (1 / 6, 1 / 3, 1 / 3, 1 / 6)
+    for _ in range(steps):
+        k1 = rate(*state)
+        k2 = rate(*(x + h * (0.5 * k) for x, k in zip(state, k1, strict=True)))
+        k3 = rate(*(x + h * (0.5 * k) for x, k in zip(state, k2, strict=True)))
+        k4 = rate(*(x + h * k for x, k in zip(state, k3, strict=True)))
+        state = tuple(
+            x + h * (weights[0] * a + weights[1] * b + weights[2] * c + weights[3] * d)
+            for x, a, b, c, d in zip(state, k1, k2, k3, k4, strict=True)
+        )  # type: ignore[assignment]
+    return state
+
+
+def bits(numbers: Any) -> str:
+    """A short name of the bits of the floats."""
+    return hashlib.sha256(np.asarray(numbers, np.float64).tobytes()).hexdigest()[:12]
+
+
+def compiled_c(*flags: str) -> Any:
+    """The C above as a library; None without a compiler."""
+    compiler = shutil.which("gcc") or shutil.which("cc")
+    if compiler is None:
+        return None
+    folder = Path(tempfile.mkdtemp())
+    source, library = folder / "steps.c", folder / "steps.so"
+    source.write_text(f"#define BLOCK {BLOCK}\n{C_SOURCE}", encoding="utf-8")
+    subprocess.run([compiler, "-O3", *flags, "-shared", "-fPIC", "-o", library, source], check=True, timeout=60)
+    loaded = ctypes.CDLL(str(library))
+    shutil.rmtree(folder)
+    return loaded
+
+
+def c_trajectory(library: Any) -> Callable[[], Any]:
+    """So many steps of one trajectory in C."""
+    state = ctypes.c_double * 2
+
+    def run() -> Any:
+        z = state(*START)
+        library.trajectory(z, ctypes.c_double(H), ctypes.c_long(MANY))
+        return tuple(z)
+
+    return run
+
+
+def c_ensemble(library: Any) -> Callable[[], Any]:
+    """So many steps of an ensemble in C."""
+    pointer = ctypes.POINTER(ctypes.c_double)
+
+    def run() -> Any:
+        q, v = ensemble()
+        places = (x.ctypes.data_as(pointer) for x in (q, v))
+        library.ensemble(*places, ctypes.c_long(len(q)), ctypes.c_double(H), ctypes.c_long(ENSEMBLE_STEPS))
+        return q, v
+
+    return run
+
+
+def ensemble() -> tuple[Any, Any]:
+    """Starts on the unit circle."""
+    angles = np.linspace(0, 6, MEMBERS)
+    return np.cos(angles), np.sin(angles)
+
+
+def our_ensemble(run: Callable[..., None]) -> Callable[[], Any]:
+    """So many steps of an ensemble."""
+
+    def task() -> Any:
+        q, v = ensemble()
+        run(q, v, H, ENSEMBLE_STEPS)
+        return q, v
+
+    return task
+
+
+def with_scipy() -> dict[str, Contestant]:
+    """solve_ivp, its step held at h by its own limits, so that it takes as many steps: what a step costs there."""
+    if find_spec("scipy") is None:
+        return {}
+    from scipy.integrate import solve_ivp
+
+    def run() -> Any:
+        end = FEW * H
+        found = solve_ivp(
+            lambda t, y: (y[1], -y[0]), (0, end), START, "RK45", first_step=H, max_step=H, rtol=1e-3, atol=1e-3
+        )
+        return len(found.t) - 1
+
+    return {"scipy, RK45": Contestant(run, lambda steps: f"in {steps} steps")}
+
+
+def subjects() -> Iterator[Subject]:
+    """What can be had here; numba compiles before anything is timed."""
+    numba = find_spec("numba") is not None
+    plain, fused = compiled_c("-ffp-contract=off"), compiled_c("-march=native", "-ffp-contract=fast")
+    fused_ensemble = {} if fused is None else {"C, fused": Contestant(c_ensemble(fused), bits)}
+    yield in_python()
+    if numba:
+        others = {} if plain is None else {"C": Contestant(c_trajectory(plain), bits)}
+        yield Subject(BY_C, {"ours": compiled(compiled_runner(RK4), *START, H, MANY), **others})
+        together = our_ensemble(compiled_ensemble_runner(RK4))
+        together()
+        yield Subject(ENSEMBLE, {"ours": Contestant(together, bits), **fused_ensemble})
+    yield Subject(BY_NUMPY, {"ours": Contestant(our_ensemble(ensemble_runner(RK4)), bits), **fused_ensemble})
+    of_pair, of_lorenz = runner(PAIR), field_runner(RK4, LORENZ)
+    pair = {"ours": Contestant(lambda: of_pair(*START, H, FEW), bits)}
+    lorenz = {"ours": Contestant(lambda: of_lorenz(LORENZ_START, H, 0, FEW), bits)}
+    if numba:
+        pair["ours, numba"] = compiled(compiled_runner(PAIR), *START, H, FEW)
+        lorenz["ours, numba"] = compiled(compiled_field_runner(RK4, LORENZ), LORENZ_START, H, 0, FEW)
+    yield Subject(SYSTEM, {**lorenz, "by hand, tuples": Contestant(lambda: lorenz_by_hand(LORENZ_START, H, FEW), bits)})
+    yield Subject(BY_SCIPY, {**pair, **with_scipy()})
+
+
+def in_python() -> Subject:
+    """Our loop and two by hand."""
+    run = runner(RK4)
+    return Subject(
+        ONE,
+        {
+            "ours": Contestant(lambda: run(*START, H, FEW), bits),
+            "by hand, one loop": Contestant(lambda: by_hand(*START, H, FEW), bits),
+            "by hand, a step function": Contestant(lambda: by_steps(*START, H, FEW), bits),
+        },
+    )
+
+
+def compiled(run: Callable[..., Any], *arguments: Any) -> Contestant:
+    """A compiled run, compiled: the last of its arguments is the number of steps."""
+    run(*arguments[:-1], 0)
+    return Contestant(lambda: run(*arguments), bits)
+
+
+def goals(rows: Sequence[Row]) -> Iterator[Goal]:
+    """Our minimum over the other's, both of one run, where the other is there; and that the same operations agree."""
+    for row in rows:
+        for (name, ours, other), most in WANTED.items():
+            if name == row.name and {ours, other} <= row.times.keys():
+                share = row.times[ours].best / row.times[other].best
+                what, shown, wanted = f"{ours} over {other}", f"{share:.3g}", f"≤ {most:g}"
+                if most < 1:
+                    what, shown, wanted = f"{other} over {ours}", f"{1 / share:.3g}", f"≥ {1 / most:.0f}"
+                yield Goal(f"{name}: {what}", wanted, shown, share <= most)
+        for same in SAME_BITS:
+            if same in row.times:
+                alike = row.answers[same] == row.answers["ours"]
+                yield Goal(f"{row.name}: {same}", "our bits", "our bits" if alike else "others", alike)
+
+
+def section(rounds: int) -> Section:
+    """Measured."""
+    rows = measure(list(subjects()), rounds)
+    return Section("Many steps", times_rows(rows), list(goals(rows)))
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--rounds", type=int, default=ROUNDS, help=f"turns of each contestant (default {ROUNDS})")
+    found = section(parser.parse_args(arguments).rounds)
+    print(table(found.rows), table(goal_rows(found.goals)), sep="\n\n")
+
+
+if __name__ == "__main__":
+    main()

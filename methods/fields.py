@@ -1,0 +1,153 @@
+"""Systems y' = f(t, y) given as text, and the step of an explicit Runge-Kutta method for one: straight-line Python."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from methods.number_field import Exact
+from methods.program_text import ProgramText, indented, looping_maker_text, maker_text, used_stages
+from methods.schemes import Method, MethodError, RungeKutta
+
+# What a rate may call; numbers of every kind that a run is made of have these.
+FUNCTIONS = ("sin", "cos", "exp", "log", "sqrt")
+_ALLOWED = (ast.Expression, ast.BinOp, ast.UnaryOp, ast.Name, ast.Load, ast.USub, ast.Add, ast.Sub, ast.Mult, ast.Div)
+
+
+@dataclass(frozen=True)
+class Field:
+    """y' = f(t, y): one expression a component in t, y0, y1, ..., named parameters, whole numbers and `FUNCTIONS`.
+
+    E.g. Field(("y1", "mu * (1 - y0 * y0) * y1 - y0"), (("mu", Fraction(5)),)), van der Pol's oscillator. Of our own
+    writing, and read before it is run. Parameters are exact. There is no power: a compiler and Python form it
+    differently; write products. Raises MethodError for anything else in a rate.
+    """
+
+    rates: tuple[str, ...]
+    parameters: tuple[tuple[str, Exact], ...] = ()
+
+    def __post_init__(self) -> None:
+        """Refuse an empty system, and a rate that holds what the text of a step may not."""
+        if not self.rates:
+            raise MethodError("a field has at least one rate")
+        known = {"t", *self.components, *(name for name, _ in self.parameters)}
+        for i, rate in enumerate(self.rates):
+            for found in _out_of_place(_parsed(rate, i), known):
+                raise MethodError(f"rate {i}, {rate!r}: {found} has no place; write + - * / with {', '.join(known)}")
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """y0, y1, ..."""
+        return tuple(f"y{i}" for i in range(len(self.rates)))
+
+    @property
+    def autonomous(self) -> bool:
+        """True when no rate reads t."""
+        return all("t" not in _names(_parsed(rate, i)) for i, rate in enumerate(self.rates))
+
+    def at(self, names: Mapping[str, str]) -> list[str]:
+        """The rates with other names for t, y0, y1, ..."""
+        return [ast.unparse(_Renamed(names).visit(_parsed(rate, i))) for i, rate in enumerate(self.rates)]
+
+
+@dataclass(frozen=True)
+class FieldSource:
+    """The lines of a step, which read y0, y1, ..., t, h and the names and end with y0_new, ... known.
+
+    `coefficients` holds those of the method, then the parameters of the field.
+    """
+
+    lines: tuple[str, ...]
+    coefficients: tuple[tuple[str, Exact], ...]
+    components: tuple[str, ...]
+
+    def run(self) -> str:
+        """The text of make(coefficients...) -> run(y, h, first, last) -> y: steps first to last - 1, from t = i h.
+
+        The time is formed anew in each step, with one rounding, and never accumulated.
+        """
+        body = ["t = i * h", *self.lines, f"{self._tuple('')} = {self._tuple('_new')}"]
+        loop = ["for i in range(first, last):", *indented(body)]
+        lines = [f"{self._tuple('')} = y", *loop, f"return {self._tuple('')}"]
+        return looping_maker_text(self._names, "y, h, first, last", lines)
+
+    def step(self) -> str:
+        """The text of make(coefficients...) -> step(y, t, h) -> y."""
+        lines = [f"{self._tuple('')} = y", *self.lines, f"return {self._tuple('_new')}"]
+        return maker_text(self._names, "step", ["def step(y, t, h):", *indented(lines)])
+
+    @property
+    def _names(self) -> list[str]:
+        return [name for name, _ in self.coefficients]
+
+    def _tuple(self, suffix: str) -> str:
+        return f"({''.join(f'{name}{suffix}, ' for name in self.components).rstrip()})"
+
+
+def field_source(method: Method, field: Field) -> FieldSource:
+    """The step kᵢ = f(t + cᵢ h, y + h Σ aᵢⱼ kⱼ), y + h Σ bᵢ kᵢ of an explicit Runge-Kutta method, by component.
+
+    In the order of operations of `methods.source.step_source`: on q' = v, v' = F(q) the two give the same bits. Raises
+    MethodError for another family, and for an implicit method.
+    """
+    if not isinstance(method, RungeKutta):
+        raise MethodError(f"{method.key} is no Runge-Kutta tableau; a system y' = f(t, y) needs one")
+    if not method.explicit:
+        raise MethodError(f"{method.key} is implicit: its stages are equations, so it has no explicit step")
+    text, components = ProgramText(), field.components
+    slopes: dict[str, dict[int, str]] = {name: {} for name in components}
+    for i in used_stages(method.a, [method.b]):
+        names = {name: f"{name}_{i + 1}" for name in components}
+        for name in components:
+            names[name] = text.named(names[name], name, text.sum(" + h *", f"a{i + 1}", method.a[i], slopes[name]))
+        if not field.autonomous and method.c[i] != 0:
+            names["t"] = text.named(f"t_{i + 1}", "t", text.step(f"c{i + 1}", method.c[i]))
+        for name, rate in zip(components, field.at(names), strict=True):
+            slopes[name][i] = f"k{i + 1}_{name}"
+            text.lines.append(f"{slopes[name][i]} = {rate}")
+    for name in components:
+        text.lines.append(f"{name}_new = {name}{text.sum(' + h *', 'b', method.b, slopes[name])}")
+    _demand_new_names(field, text)
+    return FieldSource(tuple(text.lines), (*text.coefficients.items(), *field.parameters), components)
+
+
+def _demand_new_names(field: Field, text: ProgramText) -> None:
+    """Refuse a parameter that is called like something in the text, such as h."""
+    taken = {"t", "h", "i", "y", "first", "last", "range", "make", "run", "step", *FUNCTIONS, *field.components}
+    taken |= {*text.coefficients, *(line.partition(" = ")[0] for line in text.lines)}
+    for name, _ in field.parameters:
+        if name in taken:
+            raise MethodError(f"a parameter may not be called {name!r}: the text of the step has that name")
+
+
+class _Renamed(ast.NodeTransformer):
+    def __init__(self, names: Mapping[str, str]) -> None:
+        self.names = names
+
+    def visit_Name(self, node: ast.Name) -> ast.Name:
+        return ast.Name(self.names.get(node.id, node.id), node.ctx)
+
+
+def _parsed(rate: str, i: int) -> ast.Expression:
+    try:
+        return ast.parse(rate, mode="eval")
+    except SyntaxError:
+        raise MethodError(f"rate {i}, {rate!r}: not an expression") from None
+
+
+def _names(tree: ast.AST) -> set[str]:
+    return {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+
+
+def _out_of_place(tree: ast.Expression, known: set[str]) -> Iterator[str]:
+    """What a rate may not hold: unknown names, calls of anything but `FUNCTIONS`, numbers that are not whole."""
+    called = {node.func for node in ast.walk(tree) if isinstance(node, ast.Call)}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and type(node.value) is int:
+            continue
+        if isinstance(node, ast.Call) and not node.keywords:
+            continue
+        allowed = FUNCTIONS if node in called else known
+        if not isinstance(node, _ALLOWED) or (isinstance(node, ast.Name) and node.id not in allowed):
+            yield repr(ast.unparse(node) or type(node).__name__)
