@@ -122,3 +122,15 @@ def test_what_is_no_stepper_is_refused_in_one_line(name, message, capsys):
     error = capsys.readouterr().err
     assert message in error
     assert error.count("\n") == 1
+
+
+def test_an_iteration_that_stops_early_is_named_by_its_ordinary_states():
+    def midpoint(force, q, v, h):  # to an absolute tolerance, so that tiny states are stepped with fewer iterations
+        middle, before = (q, v), (float("inf"), 0.0)
+        while max(abs(x - y) for x, y in zip(middle, before, strict=True)) > 1e-6:
+            before = middle
+            middle = q + h / 2 * before[1], v + h / 2 * force(before[0])
+        return q + h * middle[1], v + h * force(middle[0])
+
+    verdict = identify(midpoint).verdict
+    assert "nearly implicit_midpoint at states of size 1" in verdict

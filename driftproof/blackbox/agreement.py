@@ -9,6 +9,7 @@ from fractions import Fraction
 from math import copysign, inf
 from typing import TYPE_CHECKING, Any, Literal
 
+from driftproof.blackbox.contract.bench import call_text
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.subject import Subject
 from driftproof.blackbox.tolerance import Allowance, Judgement, Tolerance
@@ -63,7 +64,8 @@ NO_ALLOWANCE = Allowance()
 class Example:
     """One step: its arguments, the answer, and what was wrong with it, or how near the bound it came.
 
-    `exact` and `error_over_bound` are of the worse component; `misbehaved` says what came instead of an answer.
+    `exact` and `error_over_bound` are of the worse component; `misbehaved` says what came instead of an answer;
+    `reproduction` is the call as a line of Python.
     """
 
     q: float
@@ -75,6 +77,7 @@ class Example:
     error_over_bound: float = 0.0
     scaled_error: float = 0.0
     misbehaved: str = ""
+    reproduction: str = ""
 
     @property
     def call(self) -> str:
@@ -91,6 +94,7 @@ class Example:
             "exact": self.exact or None,
             "error_over_bound": f"{self.error_over_bound:.6g}",
             "misbehaved": self.misbehaved or None,
+            "reproduction": self.reproduction,
         }
 
     @property
@@ -129,7 +133,8 @@ class Agreement:
     def lines(self) -> list[str]:
         """What was seen, and how to see it again."""
         if self.failing is not None:
-            return [f"the simplest step beyond the bound: {self.failing.words}"]
+            again = f"to see it again: {self.failing.reproduction}"
+            return [f"the simplest step beyond the bound: {self.failing.words}", again]
         return [
             f"{self.examples} steps drawn from {self.domain.words}, every error within the derived bound",
             f"nearest to it: {self.worst.words}",
@@ -182,7 +187,7 @@ def agreement(
 
     with suppress(_Beyond):
         check()
-    return seen.summary(tolerance, domain)
+    return seen.summary(tolerance, domain, subject)
 
 
 class _Beyond(AssertionError):
@@ -206,10 +211,10 @@ class _Seen:
         if self.worst is None or example.error_over_bound > self.worst.error_over_bound:
             self.worst = example
 
-    def summary(self, tolerance: Tolerance, domain: Domain) -> Agreement:
+    def summary(self, tolerance: Tolerance, domain: Domain, subject: Subject) -> Agreement:
         assert self.worst is not None
-        worst = _with_exact(self.worst, tolerance)
-        failing = None if self.failing is None else _with_exact(self.failing, tolerance)
+        worst = _in_full(self.worst, tolerance, subject)
+        failing = None if self.failing is None else _in_full(self.failing, tolerance, subject)
         return Agreement(tolerance.method.key, domain, self.examples, worst, failing, self.largest_scaled_error)
 
 
@@ -228,8 +233,9 @@ def _example(subject: Subject, tolerance: Tolerance, q: float, v: float, h: floa
     return Example(q, v, h, answer, COMPONENTS[worse], "", judgement.ratio, max(j.scaled for j in judged))
 
 
-def _with_exact(example: Example, tolerance: Tolerance) -> Example:
-    """The example with the exact value of its component written out."""
+def _in_full(example: Example, tolerance: Tolerance, subject: Subject) -> Example:
+    """The example with the exact value of its component written out, and its call."""
+    example = replace(example, reproduction=call_text(subject, example.q, example.v, example.h))
     if example.answer is None:
         return example
     exact = tolerance.in_full(example.q, example.v, example.h)[COMPONENTS.index(example.component)]

@@ -109,11 +109,19 @@ class Seen:
             first, *others = [match.name for match in self.read.identity.matches]
             return f"it is {first}" + (f", the same step as {', '.join(others)}" if others else "")
         if self.fit is not None and self.fit.best is not None:
-            keys = f" ({', '.join(self.fit.best.methods)})" if self.fit.best.extras == 0 else ""
-            return f"it is, as far as linear steps tell, {self.fit.best.words}{keys}"
+            return f"it is, as far as linear steps tell, {_in_words(self.fit, self.fit.best)}"
         if self.read is not None and self.read.identity.near:
             return f"it is {self.read.identity.near[0].name}"
         return "it is no method that is known here"
+
+
+def _in_words(fit: LinearFit, best: Candidate) -> str:
+    """The candidate, with its keys where it is a method as it stands, and at which states if not at all of them."""
+    keys = f" ({', '.join(best.methods)})" if best.extras == 0 else ""
+    if fit.nearest is None:
+        return f"{best.words}{keys}"
+    near = f"{fit.nearest.methods[0]} at states of size 1, to {fit.nearest.off:.1e}"
+    return f"nearly {near}; at states of size {fit.amplitude:.1e}, {best.words}{keys}"
 
 
 def _on_the_oscillator(candidate: Candidate) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any, TypeAlias
 
-from driftproof.blackbox.dialects import Dialect, Foreign, Number, as_array, type_of
+from driftproof.blackbox.dialects import ARRAYS, SCALARS, Dialect, Foreign, Number, as_array, type_of
 from driftproof.blackbox.doors import FIELD, FORCE, FUNCTION, MAP, POSITION, STATE, STEP, TIME, VELOCITY, Door
 from driftproof.blackbox.findings import Misbehaviour, NoSuchDoor, NotANumber, NotFinite, StepRaised, WrongShape
 from methods.problems import oscillator
@@ -83,6 +83,19 @@ class Subject:
         answer = self._call(roles, f"t={t!r}, y={list(y)!r}, h={h!r}")
         return self._finite(self._read_state(answer, size, t + h), [*y, h])
 
+    def step_batch(self, qs: Sequence[float], vs: Sequence[float], h: float) -> list[tuple[float, float]]:
+        """One step of several states at once, as arrays; under the force -q where it takes one.
+
+        Raises NoSuchDoor where position and velocity are not apart, so that an array is one state.
+        """
+        if POSITION not in self.door.order:
+            raise NoSuchDoor("position and velocity come in one array, which is one state")
+        write = ARRAYS.write if self.dialect is SCALARS else self.dialect.write
+        roles = {FUNCTION: lambda q, *_: -q, POSITION: write(qs), VELOCITY: write(vs), STEP: h, TIME: 0.0}
+        answer = self._call(roles, f"q={list(qs)!r}, v={list(vs)!r}, h={h!r}")
+        positions, velocities = self._two_parts(answer)
+        return list(zip(*(self.dialect.read(part, len(qs)) for part in (positions, velocities)), strict=True))
+
     def _map(self, q: Number, v: Number, h: Number) -> tuple[Number, Number]:
         write = self.dialect.write
         if STATE in self.door.order:
@@ -102,12 +115,15 @@ class Subject:
 
     def _pair(self, roles: dict[str, Foreign], q: Number, v: Number, h: Number) -> tuple[Number, Number]:
         answer = self._call(roles, f"q={q!r}, v={v!r}, h={h!r}")
+        q1, v1 = self._finite([self._read(part, 1)[0] for part in self._two_parts(answer)], [q, v, h])
+        return q1, v1
+
+    def _two_parts(self, answer: Foreign) -> tuple[Foreign, Foreign]:
         try:
             position, velocity = answer
         except (TypeError, ValueError):
             raise WrongShape(f"it returns {_shown(answer)}, not a pair (q1, v1)") from None
-        q1, v1 = self._finite([self._read(part, 1)[0] for part in (position, velocity)], [q, v, h])
-        return q1, v1
+        return position, velocity
 
     def _call(self, roles: dict[str, Foreign], words: str) -> Foreign:
         self.before(words)

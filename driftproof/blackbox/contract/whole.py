@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from driftproof.blackbox.contract.area import area
 from driftproof.blackbox.contract.arguments import arguments, types
+from driftproof.blackbox.contract.batches import batches
 from driftproof.blackbox.contract.bench import Unsteady
 from driftproof.blackbox.contract.clauses import Clause
 from driftproof.blackbox.contract.clock import clock
@@ -26,7 +27,20 @@ from driftproof.blackbox.subject import Subject
 EXPERIMENTS: Mapping[str, Callable[[Subject], tuple[Clause, ...]]] = {
     experiment.__name__: experiment
     for experiment in (
-        *(repeats, arguments, types, digits, zero_step, negative_step, step_size, sub_steps, clock, reversal, area),
+        *(
+            repeats,
+            arguments,
+            types,
+            batches,
+            digits,
+            zero_step,
+            negative_step,
+            step_size,
+            sub_steps,
+            clock,
+            reversal,
+            area,
+        ),
         *(domain, scale, not_a_number, infinity, not_a_number_step),
     )
 }
