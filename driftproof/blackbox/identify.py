@@ -183,6 +183,7 @@ def _data(seen: Seen, rounding: Outcome | None) -> dict[str, Json]:
         "coefficients": None if read is None else [*read.identity.lines, *read.reading.lines],
         "matrix": None if fit is None else list(fit.lines),
         "order": None if read is None else read.order.order,
+        "order_fails": None if read is None else read.order.failing_tree,
         "linear_order": None if fit is None or fit.facts is None else fit.facts.linear_order,
         "measured_order": None if measured is None else measured.order,
         "rounding": None if rounding is None or rounding.failed else rounding.result.data,

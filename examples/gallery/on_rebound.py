@@ -1,0 +1,52 @@
+"""REBOUND: one step of its symplectic integrators on a single particle, with a force of ours and no gravity."""
+
+from __future__ import annotations
+
+from examples.gallery.entry import targets
+
+
+def _simulation(integrator, **settings):
+    def step(force, q, v, h):
+        import rebound
+
+        simulation = rebound.Simulation()
+        simulation.gravity = "none"
+        simulation.integrator = integrator
+        for name, value in settings.items():
+            setattr(simulation.integrator, name, value)
+        simulation.add(m=1.0, x=q, vx=v)
+
+        def push(pointer):
+            particle = pointer.contents.particles[0]
+            particle.ax += force(particle.x)
+
+        simulation.additional_forces = push
+        simulation.dt = h
+        simulation.steps(1)
+        simulation.synchronize()
+        return simulation.particles[0].x, simulation.particles[0].vx
+
+    return step
+
+
+leapfrog, leapfrog4 = _simulation("leapfrog"), _simulation("leapfrog", order=4)
+leapfrog6, leapfrog8 = _simulation("leapfrog", order=6), _simulation("leapfrog", order=8)
+janus2, janus4, janus6 = (_simulation("janus", order=order) for order in (2, 4, 6))
+janus8, janus10 = (_simulation("janus", order=order) for order in (8, 10))
+
+TARGETS = targets(
+    __name__,
+    "rebound",
+    "force",
+    {
+        "leapfrog": ("leapfrog", 2, "position_verlet"),
+        "leapfrog4": ("leapfrog, order 4: Yoshida", 4, "forest_ruth"),
+        "leapfrog6": ("leapfrog, order 6", 6),
+        "leapfrog8": ("leapfrog, order 8: Blanes and Casas", 8),
+        "janus2": ("Janus, order 2", 2),
+        "janus4": ("Janus, order 4", 4),
+        "janus6": ("Janus, order 6", 6),
+        "janus8": ("Janus, order 8", 8),
+        "janus10": ("Janus, order 10", 10),
+    },
+)

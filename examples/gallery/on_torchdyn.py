@@ -1,0 +1,51 @@
+"""torchdyn: the `step` of each of its explicit solvers."""
+
+from __future__ import annotations
+
+from examples.gallery.entry import targets
+
+
+def tensor(numbers):
+    """A tensor of double precision."""
+    import torch
+
+    return torch.tensor(numbers, dtype=torch.float64)
+
+
+def _solver(name):
+    def step(f, t, y, h):
+        import torch
+        from torchdyn.numerics.solvers.ode import str_to_solver
+
+        solver = str_to_solver(name, torch.float64)
+        return solver.step(f, y, tensor(t), tensor(h), k1=f(tensor(t), y))[1]
+
+    return step
+
+
+def leapfrog(f, t, y, h):
+    """The asynchronous leapfrog method, whose velocity begins as f(t, y), as its authors begin it."""
+    import torch
+    from torchdyn.numerics.solvers.ode import AsynchronousLeapfrog
+
+    k1 = f(tensor(t), y)
+    _, state, _ = AsynchronousLeapfrog(dtype=torch.float64).step(f, torch.cat([y, k1]), tensor(t), tensor(h), k1=k1)
+    return state[: len(y)]
+
+
+euler, midpoint, rk4, dopri5, tsit5 = map(_solver, ("euler", "midpoint", "rk4", "dopri5", "tsit5"))
+
+TARGETS = targets(
+    __name__,
+    "torchdyn",
+    "field",
+    {
+        "euler": ("explicit Euler", 1, "forward_euler"),
+        "midpoint": ("explicit midpoint", 2, "midpoint2"),
+        "rk4": ("Runge-Kutta 4", 4, "rk4"),
+        "dopri5": ("Dormand-Prince 5", 5, "dormand_prince54"),
+        "tsit5": ("Tsitouras 5", 5, "tsitouras54"),
+        "leapfrog": ("leapfrog, symplectic", 2),
+    },
+    array="tensor",
+)

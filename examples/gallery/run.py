@@ -1,0 +1,123 @@
+"""Identify the targets of the gallery whose packages are installed, and write the table docs/gallery.md.
+
+Run it at the root of the checkout: `python -m examples.gallery.run [PART OF A NAME ...]`.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from driftproof.blackbox.identify import identify
+from driftproof.blackbox.report import Report
+from examples.gallery.entry import Entry
+
+HERE = Path(__file__).parent
+TABLE = HERE.parents[1] / "docs" / "gallery.md"
+KEPT = HERE.parents[1] / "build" / "gallery.json"
+INTRODUCTION = """\
+Made by `make gallery`: what each stepper says that it is, and what driftproof finds from outside, without being
+told. The true order is that of the coefficients where they can be read (any problem that the stepper is for), else
+measured on the pendulum, else on linear problems. The worst error of 200 steps is over the sum of |monomials|, in
+units of the unit roundoff u; beyond the bound means that the code does more than round the method's sums and
+products. The contract is what else nobody expects. What each target is by its source, and which claims are not so,
+stands in `tests/gallery_expected.py`."""
+# Seconds for each question to a stepper; compiled code takes most of them to compile.
+TIME_LIMIT = 60.0
+HEAD = ("target", "version", "claimed", "identified", "order claimed", "true order", "worst error", "contract")
+
+
+def targets() -> dict[str, Entry]:
+    """Every target, of every file `on_*.py` beside this one."""
+    modules = (import_module(f"examples.gallery.{path.stem}") for path in sorted(HERE.glob("on_*.py")))
+    return {name: entry for module in modules for name, entry in module.TARGETS.items()}
+
+
+def installed(entry: Entry) -> str | None:
+    """The version of its package, None where that is not installed."""
+    try:
+        return version(entry.package)
+    except PackageNotFoundError:
+        return None
+
+
+def row(name: str, entry: Entry) -> tuple[str, ...]:
+    """The line of the table on one target."""
+    start = (name, installed(entry) or "", entry.method)
+    claimed = "" if entry.order is None else str(entry.order)
+    try:
+        report = identify(entry.step, door=entry.door, array=entry.array, time_limit=TIME_LIMIT)
+    except ValueError as error:
+        return (*start, f"cannot be asked: {error}", claimed, "", "", "")
+    return (*start, report.verdict, claimed, _order(report), _worst(report), _contract(report))
+
+
+def _order(report: Report) -> str:
+    data = report.data
+    for kind in ("order", "measured_order", "linear_order"):
+        if kind == "order" and data[kind] is not None and data["order_fails"] is None:
+            return f"{data[kind]} or more"
+        if data[kind] is not None:
+            return str(data[kind]) + {"order": "", "measured_order": " (measured)", "linear_order": " (linear)"}[kind]
+    return "?"
+
+
+def _worst(report: Report) -> str:
+    rounding = report.data["rounding"]
+    if rounding is None:
+        return ""
+    if rounding["failing"] is not None:
+        return f"beyond the bound, e.g. by a factor of {float(rounding['failing']['error_over_bound']):.2g}"
+    return f"{float(rounding['largest_scaled_error']):.2g} u"
+
+
+def _contract(report: Report) -> str:
+    faults = report.section("Faults")
+    return "kept" if faults is None else "; ".join(faults.lines)
+
+
+def main(parts: Sequence[str]) -> None:
+    """Ask those whose name contains one of the parts; without parts, those that have not been asked. Write the table.
+
+    Each answer is kept as it comes, so that a run that was broken off goes on where it stopped; a package of another
+    version is asked again.
+    """
+    entries = {name: entry for name, entry in targets().items() if installed(entry)}
+    rows = {name: line for name, line in kept().items() if name in entries and line[1] == installed(entries[name])}
+    chosen = [name for name in entries if (any(part in name for part in parts) if parts else name not in rows)]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        for line in pool.map(row, chosen, map(entries.__getitem__, chosen)):
+            print("  ".join(line), flush=True)
+            rows[line[0]] = line
+            KEPT.parent.mkdir(exist_ok=True)
+            KEPT.write_text(json.dumps(rows), encoding="utf-8")
+    TABLE.write_text(written([rows[name] for name in entries if name in rows], missing(rows)), encoding="utf-8")
+
+
+def kept() -> dict[str, Sequence[str]]:
+    """The answers of earlier runs."""
+    rows: dict[str, Sequence[str]] = json.loads(KEPT.read_text(encoding="utf-8")) if KEPT.exists() else {}
+    return rows
+
+
+def missing(rows: Mapping[str, Sequence[str]]) -> list[str]:
+    """The targets that have no row."""
+    return [name for name in targets() if name not in rows]
+
+
+def written(rows: Sequence[Sequence[str]], missing: Sequence[str]) -> str:
+    """The table in Markdown, and which targets are not in it."""
+    lines = ["# Steppers of other packages, identified from outside", "", INTRODUCTION, ""]
+    for cells in (HEAD, ["---"] * len(HEAD), *rows):
+        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    return "\n".join([*lines, "", f"Not asked: {', '.join(missing)}." if missing else "", ""]).rstrip() + "\n"
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
