@@ -10,8 +10,8 @@ SETUP = """
 units lj
 atom_style atomic
 atom_modify map array sort 0 0
-boundary s s s
-region box block -1e3 1e3 -1 1 -1 1
+boundary f f f
+region box block -1e9 1e9 -1 1 -1 1
 create_box 1 box
 create_atoms 1 single 0 0 0
 mass 1 1
@@ -60,6 +60,9 @@ def _integrator(*fixes):
         x[0], velocity[0] = (q, 0.0, 0.0), (v, 0.0, 0.0)
         simulation.command("run 1")
         x, velocity = simulation.numpy.extract_atom("x"), simulation.numpy.extract_atom("v")
+        if not len(x):
+            _particle.cache_clear()  # LAMMPS deletes an atom that has left its box
+            raise OverflowError("the particle left the box, which is 2e9 wide")
         return float(x[0, 0]), float(velocity[0, 0])
 
     return step

@@ -45,7 +45,7 @@ TARGETS = targets(
         "euler": ("Euler-Maruyama", 1, "forward_euler"),
         "milstein": ("Milstein", 1, "forward_euler"),
         "srk": ("Rößler's SRID2, order (3, 1.5)", 3),
-        "srk_additive": ("Rößler's SRA1, order (2, 1.5)", 2, "ralston2"),
+        "srk_additive": ("Rößler's SRA1, order (2, 1.5)", 2),
         "midpoint": ("midpoint", 2, "midpoint2"),
         "heun": ("Heun", 2, "heun2"),
         "euler_heun": ("Euler-Heun", 1, "forward_euler"),
