@@ -39,8 +39,8 @@ _PUBLIC = {
     "identify": "driftproof.blackbox.identify",
     "verify": "driftproof.blackbox.verify",
     "assert_verified": "driftproof.blackbox.verify",
-    "Domain": "driftproof.blackbox.agreement",
-    "Allowance": "driftproof.blackbox.tolerance",
+    "Domain": "driftproof.blackbox.judging.agreement",
+    "Allowance": "driftproof.blackbox.judging.tolerance",
 }
 
 __all__ = sorted(_PUBLIC)

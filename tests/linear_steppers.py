@@ -7,8 +7,8 @@ from dataclasses import replace
 from fractions import Fraction as Q
 from functools import cache
 
-from driftproof.blackbox.opening import opened
-from driftproof.blackbox.subject import Subject
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.blackbox.stepper.subject import Subject
 from methods.number_field import Exact
 from methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from methods.stepping import stepper

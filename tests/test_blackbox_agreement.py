@@ -5,8 +5,8 @@ from math import inf, nan
 import numpy as np
 import pytest
 
-from driftproof.blackbox.agreement import Domain, agreement
-from driftproof.blackbox.opening import opened
+from driftproof.blackbox.judging.agreement import Domain, agreement
+from driftproof.blackbox.stepper.opening import opened
 from methods.catalogue import METHODS
 
 FEW = 100

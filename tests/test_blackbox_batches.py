@@ -3,7 +3,7 @@
 import numpy as np
 
 from driftproof.blackbox.contract.batches import batches
-from driftproof.blackbox.opening import opened
+from driftproof.blackbox.stepper.opening import opened
 
 
 def clause(step, **options):

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.contract.whole import EXPERIMENTS, contract
-from driftproof.blackbox.laboratory import Laboratory
-from driftproof.blackbox.target import Target
+from driftproof.blackbox.isolation.laboratory import Laboratory
+from driftproof.blackbox.stepper.target import Target
 from methods.catalogue import METHODS
 from numeric.steppers import float_stepper
 from tests import planted

@@ -15,7 +15,7 @@ from driftproof.blackbox.contract.still import still
 from driftproof.blackbox.contract.thresholds import edge, named, rounder
 from driftproof.blackbox.contract.whole import EXPERIMENTS, clauses_of
 from driftproof.blackbox.findings import Outcome
-from driftproof.blackbox.opening import opened
+from driftproof.blackbox.stepper.opening import opened
 from symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
 from tests import planted
 

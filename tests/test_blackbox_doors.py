@@ -5,8 +5,8 @@ import inspect
 
 import pytest
 
-from driftproof.blackbox.doors import DOORS, FIELD, FORCE, MAP, STANDARD_ORDER, Door, door_of
-from driftproof.blackbox.opening import opened
+from driftproof.blackbox.stepper.doors import DOORS, FIELD, FORCE, MAP, STANDARD_ORDER, Door, door_of
+from driftproof.blackbox.stepper.opening import opened
 
 WILD = [
     ("q, v, h", MAP, "position velocity step"),

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftproof.blackbox.findings import NoSuchDoor
-from driftproof.blackbox.force_probe import read_forces
-from driftproof.blackbox.opening import opened
-from driftproof.blackbox.probing import NotReadable
+from driftproof.blackbox.probes.force_probe import read_forces
+from driftproof.blackbox.probes.probing import NotReadable
+from driftproof.blackbox.stepper.opening import opened
 from tests import blackbox_codes as codes
 
 

@@ -8,8 +8,8 @@ import pytest
 from driftproof.blackbox.contract.whole import EXPERIMENTS, contract
 from driftproof.blackbox.contract.zero_and_back import negative_step, zero_step
 from driftproof.blackbox.findings import StepRaised
-from driftproof.blackbox.laboratory import Laboratory
-from driftproof.blackbox.target import Target
+from driftproof.blackbox.isolation.laboratory import Laboratory
+from driftproof.blackbox.stepper.target import Target
 from tests import rogues
 
 # A hang is waited for; everything else is over long before its limit.

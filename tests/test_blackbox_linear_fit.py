@@ -12,6 +12,7 @@ import pytest
 
 from driftproof.blackbox.linear.arithmetics import FLOATS
 from driftproof.blackbox.linear.classes import Rates, class_named
+from driftproof.blackbox.linear.fit import LinearFit, linear_fit
 from driftproof.blackbox.linear.reading import (
     LINEAR,
     LINEARISED,
@@ -24,8 +25,7 @@ from driftproof.blackbox.linear.reading import (
 )
 from driftproof.blackbox.linear.score import scored
 from driftproof.blackbox.linear.search import Search
-from driftproof.blackbox.linear_fit import LinearFit, linear_fit
-from driftproof.blackbox.opening import opened
+from driftproof.blackbox.stepper.opening import opened
 from methods.catalogue import METHODS
 from methods.schemes import Collocation
 from numeric.steppers import rk4, symplectic_euler

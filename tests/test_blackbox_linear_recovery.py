@@ -7,10 +7,10 @@ from math import sin
 
 import pytest
 
+from driftproof.blackbox.linear.fit import LinearFit, linear_fit
 from driftproof.blackbox.linear.reading import read
 from driftproof.blackbox.linear.recovery import recovered
-from driftproof.blackbox.linear_fit import LinearFit, linear_fit
-from driftproof.blackbox.opening import opened
+from driftproof.blackbox.stepper.opening import opened
 from symbolic.linear.polynomials import scalar
 
 

@@ -9,8 +9,14 @@ import pytest
 
 from driftproof.blackbox.linear.arithmetics import BALLS, FLOATS, SIZES
 from driftproof.blackbox.linear.classes import Rates, class_named
+from driftproof.blackbox.linear.relatives import (
+    DAMPED_EXACT,
+    EXACT,
+    damped_in_substeps,
+    whole_methods,
+    with_drag_in_the_force,
+)
 from driftproof.blackbox.linear.sizes import COEFFICIENT_ROUNDINGS, Sized, exponential, matrix_sizes
-from driftproof.blackbox.relatives import DAMPED_EXACT, EXACT, damped_in_substeps, whole_methods, with_drag_in_the_force
 from methods.catalogue import METHODS
 from symbolic.rounding.any_order import any_order_bound
 from symbolic.rounding.formats import BINARY64

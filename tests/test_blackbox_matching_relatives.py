@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from driftproof.blackbox.force_probe import read_forces
-from driftproof.blackbox.matching import match_forces, match_tableau
-from driftproof.blackbox.opening import opened
-from driftproof.blackbox.tableau_probe import read_tableau
+from driftproof.blackbox.matching.match import match_forces, match_tableau
+from driftproof.blackbox.probes.force_probe import read_forces
+from driftproof.blackbox.probes.tableau_probe import read_tableau
+from driftproof.blackbox.stepper.opening import opened
 from methods.catalogue import METHODS
 from tests import blackbox_codes as codes
 

@@ -7,8 +7,8 @@ import pytest
 from flint import arb, ctx
 
 from driftproof.blackbox.findings import NoSuchDoor
-from driftproof.blackbox.nonlinear import BITS, measured_order, pendulum
-from driftproof.blackbox.opening import opened
+from driftproof.blackbox.judging.nonlinear import BITS, measured_order, pendulum
+from driftproof.blackbox.stepper.opening import opened
 from methods.catalogue import METHODS
 from methods.stepping import stepper
 

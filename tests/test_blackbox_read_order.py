@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from driftproof.blackbox.force_probe import read_forces
-from driftproof.blackbox.matching import match_tableau
-from driftproof.blackbox.opening import opened
-from driftproof.blackbox.read_order import read_order
-from driftproof.blackbox.tableau_probe import read_tableau
+from driftproof.blackbox.matching.match import match_tableau
+from driftproof.blackbox.matching.read_order import read_order
+from driftproof.blackbox.probes.force_probe import read_forces
+from driftproof.blackbox.probes.tableau_probe import read_tableau
+from driftproof.blackbox.stepper.opening import opened
 from methods.catalogue import METHODS
 from methods.schemes import RungeKutta, Splitting
 from methods.stepping import stepper

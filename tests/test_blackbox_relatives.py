@@ -8,8 +8,8 @@ from math import exp
 import numpy as np
 import pytest
 
-from driftproof.blackbox.linear_fit import LinearFit, linear_fit
-from driftproof.blackbox.opening import opened
+from driftproof.blackbox.linear.fit import LinearFit, linear_fit
+from driftproof.blackbox.stepper.opening import opened
 from methods.catalogue import METHODS
 from methods.stepping import stepper
 from numeric.steppers import forward_euler, rk4, symplectic_euler

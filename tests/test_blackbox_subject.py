@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from driftproof.blackbox.dialects import ARRAYS, LISTS, SCALARS
 from driftproof.blackbox.findings import NoSuchDoor, NotANumber, NotFinite, StepRaised, WrongShape
-from driftproof.blackbox.opening import opened
+from driftproof.blackbox.stepper.dialects import ARRAYS, LISTS, SCALARS
+from driftproof.blackbox.stepper.opening import opened
 from symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
 
 STATE, H = (1.0, 0.75), 0.25

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftproof.blackbox.findings import Misbehaviour, NoSuchDoor
-from driftproof.blackbox.opening import opened
-from driftproof.blackbox.probing import NotReadable
-from driftproof.blackbox.tableau_probe import read_tableau
+from driftproof.blackbox.probes.probing import NotReadable
+from driftproof.blackbox.probes.tableau_probe import read_tableau
+from driftproof.blackbox.stepper.opening import opened
 from symbolic.rounding.formats import BINARY16, BINARY32
 from tests import blackbox_codes as codes
 

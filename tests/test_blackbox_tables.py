@@ -7,10 +7,16 @@ from fractions import Fraction as Q
 import numpy as np
 import pytest
 
-from driftproof.blackbox.candidates import field_methods, force_methods
-from driftproof.blackbox.coefficients import exact_shown, half_spacing, is_nearest, shown
-from driftproof.blackbox.probing import Rounding
-from driftproof.blackbox.tables import induced_by_tableau, induced_repeated, sized, tableau_of, tableau_repeated
+from driftproof.blackbox.matching.candidates import field_methods, force_methods
+from driftproof.blackbox.matching.tables import (
+    induced_by_tableau,
+    induced_repeated,
+    sized,
+    tableau_of,
+    tableau_repeated,
+)
+from driftproof.blackbox.probes.coefficients import exact_shown, half_spacing, is_nearest, shown
+from driftproof.blackbox.probes.probing import Rounding
 from methods.catalogue import METHODS
 from methods.number_field import square_root
 from symbolic.linear.irreducible import Stages, reduced

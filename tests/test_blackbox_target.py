@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from driftproof.blackbox.target import Target, imported
+from driftproof.blackbox.stepper.target import Target, imported
 from symbolic.rounding.formats import BINARY32
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
-from driftproof.blackbox.tolerance import BITS, Allowance, Tolerance
+from driftproof.blackbox.judging.tolerance import BITS, Allowance, Tolerance
 from methods.catalogue import METHODS
 from methods.problems import oscillator
 from numeric.steppers import float_stepper

@@ -5,8 +5,8 @@ from fractions import Fraction
 
 import pytest
 
-from driftproof.blackbox.agreement import Domain
-from driftproof.blackbox.tolerance import Allowance
+from driftproof.blackbox.judging.agreement import Domain
+from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.verify import assert_verified, verify
 from driftproof.cli import main
 from methods.catalogue import METHODS

@@ -11,8 +11,8 @@ from pathlib import Path
 import mpmath
 import pytest
 
-from driftproof.blackbox.laboratory import Laboratory
-from driftproof.blackbox.target import Target
+from driftproof.blackbox.isolation.laboratory import Laboratory
+from driftproof.blackbox.stepper.target import Target
 from examples.gallery import run, trial
 from methods.catalogue import METHODS
 from symbolic.n_steps import exact_matrix_at

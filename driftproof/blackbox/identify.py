@@ -8,19 +8,19 @@ from fractions import Fraction
 from functools import cached_property, partial
 from typing import Any, NamedTuple
 
-from driftproof.blackbox.agreement import agreement
 from driftproof.blackbox.contract.clauses import Clause
 from driftproof.blackbox.contract.whole import EXPERIMENTS, clauses_of
-from driftproof.blackbox.doors import DOORS
 from driftproof.blackbox.findings import Outcome
-from driftproof.blackbox.laboratory import TIME_LIMIT, Laboratory
-from driftproof.blackbox.linear_fit import Candidate, LinearFit, linear_fit
-from driftproof.blackbox.matching import Identity, Reading, matched
-from driftproof.blackbox.nonlinear import MeasuredOrder, measured_order
+from driftproof.blackbox.isolation.laboratory import TIME_LIMIT, Laboratory
+from driftproof.blackbox.judging.agreement import agreement
+from driftproof.blackbox.judging.nonlinear import MeasuredOrder, measured_order
+from driftproof.blackbox.linear.fit import Candidate, LinearFit, linear_fit
+from driftproof.blackbox.matching.match import Identity, Reading, matched
+from driftproof.blackbox.matching.read_order import ReadOrder, read_order
 from driftproof.blackbox.questions import Introduction, coefficients, introduction
-from driftproof.blackbox.read_order import ReadOrder, read_order
 from driftproof.blackbox.report import Json, Report, Section, sections
-from driftproof.blackbox.target import Target
+from driftproof.blackbox.stepper.doors import DOORS
+from driftproof.blackbox.stepper.target import Target
 from methods.catalogue import METHODS
 from methods.schemes import Method
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import dataclass
 
-from driftproof.blackbox.doors import FIELD
-from driftproof.blackbox.force_probe import read_forces
-from driftproof.blackbox.matching import Reading
-from driftproof.blackbox.probing import NotReadable
-from driftproof.blackbox.subject import Subject
-from driftproof.blackbox.tableau_probe import read_tableau
+from driftproof.blackbox.matching.match import Reading
+from driftproof.blackbox.probes.force_probe import read_forces
+from driftproof.blackbox.probes.probing import NotReadable
+from driftproof.blackbox.probes.tableau_probe import read_tableau
+from driftproof.blackbox.stepper.doors import FIELD
+from driftproof.blackbox.stepper.subject import Subject
 
 
 @dataclass(frozen=True)

@@ -7,16 +7,16 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from driftproof.blackbox.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY, Agreement, Domain, agreement
 from driftproof.blackbox.findings import Outcome
 from driftproof.blackbox.identify import identify
-from driftproof.blackbox.laboratory import TIME_LIMIT, Laboratory
-from driftproof.blackbox.matching import match_method
-from driftproof.blackbox.nonlinear import MeasuredOrder, measured_order
+from driftproof.blackbox.isolation.laboratory import TIME_LIMIT, Laboratory
+from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY, Agreement, Domain, agreement
+from driftproof.blackbox.judging.nonlinear import MeasuredOrder, measured_order
+from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
+from driftproof.blackbox.matching.match import match_method
 from driftproof.blackbox.questions import coefficients
 from driftproof.blackbox.report import Json, Report, sections
-from driftproof.blackbox.target import Target
-from driftproof.blackbox.tolerance import Allowance, Tolerance
+from driftproof.blackbox.stepper.target import Target
 from driftproof.facts import method_of
 from methods.schemes import Method
 

@@ -50,8 +50,8 @@ def add(commands: Commands) -> None:
 
 def answer(options: argparse.Namespace) -> str:
     """The report in the format asked for. Raises Refuted with it where the stepper does not agree."""
-    from driftproof.blackbox.agreement import Domain
-    from driftproof.blackbox.tolerance import Allowance
+    from driftproof.blackbox.judging.agreement import Domain
+    from driftproof.blackbox.judging.tolerance import Allowance
     from driftproof.blackbox.verify import verify
 
     smallest = {"smallest_step": 0.0, "smallest_state": 0.0} if options.extremes else {}

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from driftproof.blackbox.doors import FIELD, MAP
-from driftproof.blackbox.doors import TIME as DOOR_TIME
-from driftproof.blackbox.subject import Subject
+from driftproof.blackbox.stepper.doors import FIELD, MAP
+from driftproof.blackbox.stepper.doors import TIME as DOOR_TIME
+from driftproof.blackbox.stepper.subject import Subject
 
 Pair = tuple[float, float]
 START, TIME = (0.75, 0.5), 0.25

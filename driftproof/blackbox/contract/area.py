@@ -8,7 +8,7 @@ from math import sqrt
 
 from driftproof.blackbox.contract.bench import TYPICAL_STEP, Bench, steady_bench
 from driftproof.blackbox.contract.clauses import Clause, Trial
-from driftproof.blackbox.subject import Subject
+from driftproof.blackbox.stepper.subject import Subject
 
 _AREA, _NORM = "area_preserving", "norm_preserving"
 # What a method of high order changes is lost in rounding at the first.

@@ -10,9 +10,9 @@ import numpy as np
 
 from driftproof.blackbox.contract.bench import TYPICAL_STEP, Bench, same, steady_bench
 from driftproof.blackbox.contract.clauses import Clause, Trial
-from driftproof.blackbox.dialects import ARRAYS, LISTS, SCALARS, Dialect, Foreign, Number, as_array
 from driftproof.blackbox.findings import Misbehaviour, NotANumber
-from driftproof.blackbox.subject import Subject, Watch
+from driftproof.blackbox.stepper.dialects import ARRAYS, LISTS, SCALARS, Dialect, Foreign, Number, as_array
+from driftproof.blackbox.stepper.subject import Subject, Watch
 
 _WHOLE = (3, 1)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from driftproof.blackbox.contract.bench import IRREGULAR_STEP, steady_bench
 from driftproof.blackbox.contract.clauses import Clause
 from driftproof.blackbox.findings import Misbehaviour, NoSuchDoor
-from driftproof.blackbox.subject import Subject
+from driftproof.blackbox.stepper.subject import Subject
 
 _KEY = "batches"
 _STATES = ((1.0, 0.75), (-0.625, 0.25), (0.1, -1.3))

@@ -10,10 +10,10 @@ import numpy as np
 
 from driftproof.blackbox.contract.clauses import Trial
 from driftproof.blackbox.contract.grain import grain_of, narrow_format
-from driftproof.blackbox.dialects import ARRAYS, LISTS, SCALARS
-from driftproof.blackbox.doors import FIELD, FORCE, FUNCTION, POSITION, STATE, STEP, TIME, VELOCITY
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, StepRaised, WrongShape
-from driftproof.blackbox.subject import Subject
+from driftproof.blackbox.stepper.dialects import ARRAYS, LISTS, SCALARS
+from driftproof.blackbox.stepper.doors import FIELD, FORCE, FUNCTION, POSITION, STATE, STEP, TIME, VELOCITY
+from driftproof.blackbox.stepper.subject import Subject
 from symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 
 State = tuple[float, float]

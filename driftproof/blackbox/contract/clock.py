@@ -7,8 +7,8 @@ from typing import Any
 
 from driftproof.blackbox.contract.bench import ORDINARY, TYPICAL_STEP, Bench, same, steady_bench
 from driftproof.blackbox.contract.clauses import Clause
-from driftproof.blackbox.doors import FIELD, TIME
-from driftproof.blackbox.subject import Subject
+from driftproof.blackbox.stepper.doors import FIELD, TIME
+from driftproof.blackbox.stepper.subject import Subject
 
 _KEY = "time"
 _LATE = (1.0, 1000.0, -0.25)

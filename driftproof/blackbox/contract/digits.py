@@ -8,8 +8,8 @@ from math import log2
 from driftproof.blackbox.contract.bench import ANOTHER, IRREGULAR_STEP, ORDINARY, Bench, steady_bench
 from driftproof.blackbox.contract.clauses import Clause
 from driftproof.blackbox.contract.grain import grain_of, narrow_format
-from driftproof.blackbox.dialects import ARRAYS, LISTS, SCALARS
-from driftproof.blackbox.subject import Subject
+from driftproof.blackbox.stepper.dialects import ARRAYS, LISTS, SCALARS
+from driftproof.blackbox.stepper.subject import Subject
 from symbolic.rounding.formats import BINARY64
 
 _KEY = "full_precision"

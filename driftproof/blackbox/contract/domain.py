@@ -12,7 +12,7 @@ from driftproof.blackbox.contract.rule_words import in_words
 from driftproof.blackbox.contract.rules import OVERFLOWS, REFUSED, Rule, rule_of
 from driftproof.blackbox.contract.still import NAMES, Border, Still, border, still
 from driftproof.blackbox.contract.thresholds import named, rounder
-from driftproof.blackbox.subject import Subject
+from driftproof.blackbox.stepper.subject import Subject
 
 _RANGES = ("position_range", "velocity_range")
 _PLURALS = ("positions", "velocities")

@@ -11,7 +11,7 @@ import numpy as np
 
 from driftproof.blackbox.contract.bench import ANOTHER, IRREGULAR_STEP, ORDINARY, Bench, State, same
 from driftproof.blackbox.contract.clauses import Clause
-from driftproof.blackbox.subject import Subject
+from driftproof.blackbox.stepper.subject import Subject
 
 _REPETITIONS = 8
 _THIRD: State = (-1.4142135623730951, -0.2360679774997898)

@@ -9,7 +9,7 @@ from math import log2
 from driftproof.blackbox.contract.bench import TYPICAL_STEP, Bench, State, steady_bench
 from driftproof.blackbox.contract.clauses import Clause, Trial
 from driftproof.blackbox.findings import Misbehaviour
-from driftproof.blackbox.subject import Subject
+from driftproof.blackbox.stepper.subject import Subject
 
 _SYMMETRIC = "symmetric"
 _STEPS = (1.0, 0.5, 0.25, 0.125, 0.0625)

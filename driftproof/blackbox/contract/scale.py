@@ -10,7 +10,7 @@ from driftproof.blackbox.contract.clauses import Clause
 from driftproof.blackbox.contract.rays import LINEAR, Ray, apart, departing
 from driftproof.blackbox.contract.still import NAMES
 from driftproof.blackbox.contract.thresholds import edge
-from driftproof.blackbox.subject import Subject
+from driftproof.blackbox.stepper.subject import Subject
 from symbolic.rounding.formats import power_of_two
 
 _REST, _DIGITS, _SUBNORMALS = "rest", "small_digits", "subnormals"

@@ -6,7 +6,7 @@ from math import inf, nan
 
 from driftproof.blackbox.contract.bench import State, steady_bench
 from driftproof.blackbox.contract.clauses import Clause
-from driftproof.blackbox.subject import Subject
+from driftproof.blackbox.stepper.subject import Subject
 
 
 def not_a_number(subject: Subject) -> tuple[Clause, ...]:

@@ -9,8 +9,8 @@ from math import ulp
 from driftproof.blackbox.contract.bench import TYPICAL_STEP, Bench, same, steady_bench
 from driftproof.blackbox.contract.clauses import Clause, Trial
 from driftproof.blackbox.contract.thresholds import edge, named, rounder
-from driftproof.blackbox.doors import MAP
-from driftproof.blackbox.subject import Subject
+from driftproof.blackbox.stepper.doors import MAP
+from driftproof.blackbox.stepper.subject import Subject
 
 _KEY = "step_size"
 # From a position of 0 it goes h v at once: every bit of h shows. One speed is of ordinary size, one small: long steps

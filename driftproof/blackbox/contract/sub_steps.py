@@ -7,8 +7,8 @@ from itertools import pairwise
 from driftproof.blackbox.contract.bench import Bench, steady_bench
 from driftproof.blackbox.contract.clauses import Clause, Trial
 from driftproof.blackbox.contract.thresholds import edge, named, rounder
-from driftproof.blackbox.doors import MAP
-from driftproof.blackbox.subject import Subject
+from driftproof.blackbox.stepper.doors import MAP
+from driftproof.blackbox.stepper.subject import Subject
 from methods.problems import oscillator
 from numeric.steppers import CountedForce
 

@@ -20,8 +20,8 @@ from driftproof.blackbox.contract.step_size import step_size
 from driftproof.blackbox.contract.sub_steps import sub_steps
 from driftproof.blackbox.contract.zero_and_back import negative_step, zero_step
 from driftproof.blackbox.findings import Outcome
-from driftproof.blackbox.laboratory import Laboratory
-from driftproof.blackbox.subject import Subject
+from driftproof.blackbox.isolation.laboratory import Laboratory
+from driftproof.blackbox.stepper.subject import Subject
 
 # By the key of the clause that stands for an experiment without result.
 EXPERIMENTS: Mapping[str, Callable[[Subject], tuple[Clause, ...]]] = {

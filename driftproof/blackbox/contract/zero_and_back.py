@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from driftproof.blackbox.contract.bench import TYPICAL_STEP, Bench, same, steady_bench
 from driftproof.blackbox.contract.clauses import Clause, Trial
-from driftproof.blackbox.subject import Subject
+from driftproof.blackbox.stepper.subject import Subject
 
 _ZERO, _NEGATIVE = "zero_step", "negative_step"
 

@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from driftproof.blackbox import relatives
+from driftproof.blackbox.linear import relatives
 from driftproof.blackbox.linear.facts import MatrixFacts, Undo, facts_of_model
 from driftproof.blackbox.linear.reading import Reading, swapped
 from driftproof.blackbox.linear.score import Scored, scored
 from driftproof.blackbox.linear.search import Fit, Search
-from driftproof.blackbox.simple_rationals import rational_text
+from driftproof.blackbox.probes.simple_rationals import rational_text
 
 NONE, INPUT, OUTPUT, BOTH = "", "in its input", "in its output", "in its input and its output"
 # The map without its exchange of q and v, from the entries of the map with it; each undoes itself.

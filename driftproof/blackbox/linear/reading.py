@@ -8,7 +8,7 @@ from math import isfinite, ldexp, log2, sqrt
 from typing import TypeAlias
 
 from driftproof.blackbox.findings import Misbehaviour
-from driftproof.blackbox.subject import Subject
+from driftproof.blackbox.stepper.subject import Subject
 from symbolic.rounding.formats import BINARY16, BINARY32, FloatFormat
 
 # M_qq, M_qv, M_vq, M_vv as floats.

@@ -16,7 +16,7 @@ from flint import fmpq, fmpq_mat
 
 from driftproof.blackbox.linear.arithmetics import horner
 from driftproof.blackbox.linear.reading import Reading
-from driftproof.blackbox.simple_rationals import simple_rational
+from driftproof.blackbox.probes.simple_rationals import simple_rational
 from symbolic.linear.polynomials import polynomial
 from symbolic.linear.rational_functions import RationalFunction, fraction
 

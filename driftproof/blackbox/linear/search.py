@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import exp, log, nan, sqrt
 
-from driftproof.blackbox import relatives
+from driftproof.blackbox.linear import relatives
 from driftproof.blackbox.linear.arithmetics import FLOATS
 from driftproof.blackbox.linear.classes import Rates, all_matrices, method_classes
 from driftproof.blackbox.linear.parts import CONSTANT, DAMPINGS, Model, damping_rate
 from driftproof.blackbox.linear.reading import LINEARITY_ROUNDINGS, Floats, Reading, growing
-from driftproof.blackbox.simple_rationals import simple_rational
+from driftproof.blackbox.probes.simple_rationals import simple_rational
 
 # The roundings, at most, in a rate read at a tiny step: there the slopes of all stages are equal, and only summed.
 RATE_ROUNDINGS = 1 << 8

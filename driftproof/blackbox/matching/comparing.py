@@ -10,11 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from driftproof.blackbox.candidates import Table
-from driftproof.blackbox.coefficients import is_nearest
-from driftproof.blackbox.probing import Rounding
-from driftproof.blackbox.sketching import Array
-from driftproof.blackbox.tables import Sized
+from driftproof.blackbox.matching.candidates import Table
+from driftproof.blackbox.matching.sketching import Array
+from driftproof.blackbox.matching.tables import Sized
+from driftproof.blackbox.probes.coefficients import is_nearest
+from driftproof.blackbox.probes.probing import Rounding
 from methods.number_field import Exact
 
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any, TypeAlias
 
-from driftproof.blackbox.dialects import ARRAYS, SCALARS, Dialect, Foreign, Number, as_array, type_of
-from driftproof.blackbox.doors import FIELD, FORCE, FUNCTION, MAP, POSITION, STATE, STEP, TIME, VELOCITY, Door
 from driftproof.blackbox.findings import Misbehaviour, NoSuchDoor, NotANumber, NotFinite, StepRaised, WrongShape
+from driftproof.blackbox.stepper.dialects import ARRAYS, SCALARS, Dialect, Foreign, Number, as_array, type_of
+from driftproof.blackbox.stepper.doors import FIELD, FORCE, FUNCTION, MAP, POSITION, STATE, STEP, TIME, VELOCITY, Door
 from methods.problems import oscillator
 from symbolic.rounding.formats import BINARY64, FloatFormat
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
-from driftproof.blackbox.opening import opened
-from driftproof.blackbox.subject import Subject
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.blackbox.stepper.subject import Subject
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from driftproof.blackbox.probing import Rounding
+from driftproof.blackbox.probes.probing import Rounding
 from symbolic.linear.irreducible import Stages
 
 Array: TypeAlias = "np.ndarray[Any, Any]"

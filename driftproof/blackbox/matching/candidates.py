@@ -10,8 +10,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from driftproof.blackbox.sketching import Array, Sketch
-from driftproof.blackbox.tables import (
+from driftproof.blackbox.matching.sketching import Array, Sketch
+from driftproof.blackbox.matching.tables import (
     Lift,
     Row,
     Sized,

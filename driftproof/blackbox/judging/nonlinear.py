@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from flint import arb, ctx
 
-from driftproof.blackbox.dialects import Dialect, Number
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, WrongShape
-from driftproof.blackbox.subject import Force, Subject, Watch
+from driftproof.blackbox.stepper.dialects import Dialect, Number
+from driftproof.blackbox.stepper.subject import Force, Subject, Watch
 
 # q'' = -sin q, from a state at which no derivative of the solution vanishes.
 START = (1.0, 0.75)

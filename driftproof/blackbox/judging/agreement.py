@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from driftproof.blackbox.contract.bench import call_text
 from driftproof.blackbox.findings import Misbehaviour
-from driftproof.blackbox.subject import Subject
-from driftproof.blackbox.tolerance import Allowance, Judgement, Tolerance
+from driftproof.blackbox.judging.tolerance import Allowance, Judgement, Tolerance
+from driftproof.blackbox.stepper.subject import Subject
 from symbolic.certified import significant
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from driftproof.blackbox.simple_rationals import simple_rational
+from driftproof.blackbox.probes.simple_rationals import simple_rational
 from methods.number_field import Exact
 from symbolic.certified import settle
 from symbolic.rounding.formats import FloatFormat, exponent, power_of_two

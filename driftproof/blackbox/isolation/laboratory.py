@@ -18,9 +18,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
-from driftproof.blackbox.child import Experiment, opens, serve, serve_stream
 from driftproof.blackbox.findings import Outcome
-from driftproof.blackbox.target import Target
+from driftproof.blackbox.isolation.child import Experiment, opens, serve, serve_stream
+from driftproof.blackbox.stepper.target import Target
 
 TIME_LIMIT = 60.0
 # What a fresh interpreter may need to import this package, on a busy machine: no part of the time of an experiment.
@@ -137,7 +137,7 @@ class _Interpreter(_Child):
 
     def __init__(self, target: Target, experiments: Sequence[Experiment], log: Path) -> None:
         """Start it, with the import path of this one."""
-        command = [sys.executable, "-m", "driftproof.blackbox.child"]
+        command = [sys.executable, "-m", "driftproof.blackbox.isolation.child"]
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, [os.getcwd(), *sys.path]))}
         pipe = subprocess.PIPE
         self._process = subprocess.Popen(

@@ -8,7 +8,7 @@ from fractions import Fraction
 from math import fsum
 from typing import NamedTuple, TypeAlias
 
-from driftproof.blackbox.candidates import (
+from driftproof.blackbox.matching.candidates import (
     Candidate,
     Table,
     field_methods,
@@ -18,14 +18,14 @@ from driftproof.blackbox.candidates import (
     in_field,
     on_force,
 )
-from driftproof.blackbox.coefficients import difference
-from driftproof.blackbox.comparing import Comparison
-from driftproof.blackbox.explaining import explanations
-from driftproof.blackbox.force_probe import ForceReading
-from driftproof.blackbox.probing import Rounding, Row
-from driftproof.blackbox.simple_rationals import simple_rational
-from driftproof.blackbox.sketching import Sketch
-from driftproof.blackbox.tableau_probe import TableauReading
+from driftproof.blackbox.matching.comparing import Comparison
+from driftproof.blackbox.matching.explaining import explanations
+from driftproof.blackbox.matching.sketching import Sketch
+from driftproof.blackbox.probes.coefficients import difference
+from driftproof.blackbox.probes.force_probe import ForceReading
+from driftproof.blackbox.probes.probing import Rounding, Row
+from driftproof.blackbox.probes.simple_rationals import simple_rational
+from driftproof.blackbox.probes.tableau_probe import TableauReading
 from methods.schemes import Method, RungeKutta
 from symbolic.linear.irreducible import Stages, reduced
 

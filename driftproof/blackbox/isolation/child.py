@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import IO, Any
 
 from driftproof.blackbox.findings import Misbehaviour, Outcome
-from driftproof.blackbox.subject import Subject
-from driftproof.blackbox.target import Target
+from driftproof.blackbox.stepper.subject import Subject
+from driftproof.blackbox.stepper.target import Target
 
 Experiment = Callable[[Subject], Any]
 

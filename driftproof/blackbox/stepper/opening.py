@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from driftproof.blackbox.dialects import ARRAYS, LISTS, SCALARS, Dialect, dialect_of, dialect_of_scalars
-from driftproof.blackbox.doors import FIELD, MAP, STATE, Door, door_of
 from driftproof.blackbox.findings import Misbehaviour
-from driftproof.blackbox.subject import Subject, Watch
+from driftproof.blackbox.stepper.dialects import ARRAYS, LISTS, SCALARS, Dialect, dialect_of, dialect_of_scalars
+from driftproof.blackbox.stepper.doors import FIELD, MAP, STATE, Door, door_of
+from driftproof.blackbox.stepper.subject import Subject, Watch
 from symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 
 # Where a stepper is tried out: nothing cancels, and every term of a step is of ordinary size.

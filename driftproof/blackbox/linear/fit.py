@@ -9,7 +9,6 @@ from math import inf
 
 import numpy as np
 
-from driftproof.blackbox.doors import MAP
 from driftproof.blackbox.linear.arithmetics import SERIES_LENGTH
 from driftproof.blackbox.linear.classes import MethodClass, all_matrices, method_classes
 from driftproof.blackbox.linear.explain import Explanation, explanations
@@ -17,8 +16,9 @@ from driftproof.blackbox.linear.facts import ENTRIES, MatrixFacts, damping_of, d
 from driftproof.blackbox.linear.reading import LINEAR, LINEARISED, Floats, Reading, read
 from driftproof.blackbox.linear.recovery import Recovered, recovered
 from driftproof.blackbox.linear.search import Search
-from driftproof.blackbox.simple_rationals import rational_text
-from driftproof.blackbox.subject import Subject
+from driftproof.blackbox.probes.simple_rationals import rational_text
+from driftproof.blackbox.stepper.doors import MAP
+from driftproof.blackbox.stepper.subject import Subject
 
 # A linear stepper that any method may be.
 UNDETERMINED = "undetermined"

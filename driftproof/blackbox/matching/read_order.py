@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
 
-from driftproof.blackbox.candidates import Table
-from driftproof.blackbox.force_probe import ForceReading
-from driftproof.blackbox.matching import Match
-from driftproof.blackbox.probing import Rounding, Row
-from driftproof.blackbox.simple_rationals import simple_rational
-from driftproof.blackbox.tableau_probe import TableauReading
+from driftproof.blackbox.matching.candidates import Table
+from driftproof.blackbox.matching.match import Match
+from driftproof.blackbox.probes.force_probe import ForceReading
+from driftproof.blackbox.probes.probing import Rounding, Row
+from driftproof.blackbox.probes.simple_rationals import simple_rational
+from driftproof.blackbox.probes.tableau_probe import TableauReading
 from symbolic.trees.balls import Ball, BallNystrom, BallTableau, ProvableFailure, ball_order, linear_ball_order
 from symbolic.trees.balls import Row as BallRow
 from symbolic.trees.rooted import AnyTree, written

@@ -9,9 +9,9 @@ from itertools import groupby
 from math import fsum
 from typing import Any, NamedTuple, TypeAlias
 
-from driftproof.blackbox.coefficients import shown
 from driftproof.blackbox.findings import Misbehaviour
-from driftproof.blackbox.probing import (
+from driftproof.blackbox.probes.coefficients import shown
+from driftproof.blackbox.probes.probing import (
     AT_REST,
     BACKWARD,
     CONTROLS,
@@ -27,7 +27,7 @@ from driftproof.blackbox.probing import (
     unit,
     varied,
 )
-from driftproof.blackbox.subject import Subject
+from driftproof.blackbox.stepper.subject import Subject
 from symbolic.linear.irreducible import Stages, reduced
 from symbolic.rounding.formats import FloatFormat
 

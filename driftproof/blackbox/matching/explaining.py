@@ -9,10 +9,10 @@ from functools import cache
 
 import numpy as np
 
-from driftproof.blackbox.coefficients import difference
-from driftproof.blackbox.force_probe import ForceReading, Parts
-from driftproof.blackbox.probing import Rounding
-from driftproof.blackbox.sketching import Array
+from driftproof.blackbox.matching.sketching import Array
+from driftproof.blackbox.probes.coefficients import difference
+from driftproof.blackbox.probes.force_probe import ForceReading, Parts
+from driftproof.blackbox.probes.probing import Rounding
 from methods.catalogue import METHODS
 from methods.schemes import RungeKutta, Splitting
 from symbolic.linear.irreducible import Stages, reduced

@@ -1,0 +1,1 @@
+"""A stepper's own coefficients, read by answering its right-hand side or its force."""

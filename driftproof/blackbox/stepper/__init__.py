@@ -1,0 +1,1 @@
+"""Somebody's stepper, opened: its door, the numbers it takes, how it is called and what comes back."""
