@@ -8,11 +8,13 @@ from itertools import product
 
 import pytest
 
+from methods.catalogue import METHODS
 from methods.problems import oscillator
 from methods.stepping import stepper
 from numeric.leapfrog import leapfrog
 from numeric.steppers import HAND_WRITTEN, rk4
 from symbolic.linear.oscillator import one_step_matrix
+from symbolic.n_steps import apply, exact_matrix_at
 from symbolic.rounding.any_order import any_order_bound
 from symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 from symbolic.rounding.soft_float import soft_lift
@@ -114,3 +116,18 @@ def test_a_coefficient_in_the_underflow_range_is_refused():
     assert any_order_bound(tiny, BINARY32).roundings > 0
     with pytest.raises(ValueError, match="the coefficient 1/1000000 is in the underflow range of binary16"):
         any_order_bound(tiny, BINARY16)
+
+
+def test_a_program_that_multiplies_out_the_last_bracket_needs_the_wider_bound():
+    heun, z, h = METHODS["heun2"], (1.9887002281591322, -128.0), 0.015625
+
+    def multiplied_out(q, v, h):
+        k1, k2 = (v, -q), (v - h * q, -(q + h * v))
+        return q + h / 2 * k1[0] + h / 2 * k2[0], v + h / 2 * k1[1] + h / 2 * k2[1]
+
+    exact = apply(exact_matrix_at(heun, Q(h)), *map(Q, z))
+    errors = [abs(Q(x) - y) for x, y in zip(multiplied_out(*z, h), exact, strict=True)]
+    narrow, wide = (any_order_bound(heun, multiplied_out=wider).error_of(Q(h), *map(Q, z)) for wider in (False, True))
+    assert errors[1] > narrow[1]
+    assert all(error <= bound for error, bound in zip(errors, wide, strict=True))
+    assert all(x <= y <= 4 * x for x, y in zip(narrow, wide, strict=True))

@@ -70,12 +70,15 @@ class AnyOrderBound:
         ]
 
 
-def any_order_bound(method: Method, fmt: FloatFormat = BINARY64) -> AnyOrderBound:
+def any_order_bound(method: Method, fmt: FloatFormat = BINARY64, *, multiplied_out: bool = False) -> AnyOrderBound:
     """The any-order bound of a definition.
 
-    Raises MethodError for an implicit method, ValueError for a coefficient in the format's underflow range.
+    With `multiplied_out` also of programs that multiply out its brackets: where z + h (w₁k₁ + w₂k₂) may be computed as
+    z + hw₁k₁ + hw₂k₂, z is a term of the longer sum, and any of its terms may be the one that passes every addition.
+    The force is called with one number, so no bracket reaches through it. Raises MethodError for an implicit method,
+    ValueError for a coefficient in the format's underflow range.
     """
-    q, v = (_tally_of(output) for output in trace(method, fmt))
+    q, v = (_tally_of(output, multiplied_out) for output in trace(method, fmt))
     return AnyOrderBound(fmt, (q.finished, v.finished), (q.finished_raised, v.finished_raised))
 
 
@@ -115,24 +118,27 @@ class _Tally(NamedTuple):
         return self.raised * D**self.additions
 
 
-def _tally_of(output: Rounded) -> _Tally:
+def _tally_of(output: Rounded, multiplied_out: bool) -> _Tally:
     found: dict[int, _Tally] = {}
     for x in program([output]):
-        found[id(x)] = _tally(x, [found[id(operand)] for operand, _ in x.operands])
+        found[id(x)] = _tally(x, [found[id(operand)] for operand, _ in x.operands], multiplied_out)
     return found[id(output)]
 
 
-def _tally(x: Rounded, operands: list[_Tally]) -> _Tally:
+def _tally(x: Rounded, operands: list[_Tally], multiplied_out: bool) -> _Tally:
     if not operands:
         return _leaf(x)
-    if len(operands) == 1:  # a negation
-        return operands[0]
+    if len(operands) == 1:  # a negation: the force -q, which is called with a finished number
+        (a,) = operands
+        return _Tally(a.finished, a.finished_raised) if multiplied_out else a
     a, b = operands
     if not x.fusible:
         return _Tally(a.plain + b.plain, a.raised + b.raised, a.additions + b.additions + 1)
     for (factor, _), other in zip(x.operands, (b, a), strict=True):
         if factor.held in (1, -1):  # no product at all: a sum behind it may be merged with the sum before it
             return other
+    if multiplied_out and 0 in (a.additions, b.additions):
+        return _Tally(D * a.plain * b.plain, D * a.raised * b.raised, a.additions + b.additions)
     return _Tally(D * a.finished * b.finished, D * a.finished_raised * b.finished_raised)
 
 

@@ -130,7 +130,7 @@ class Tolerance:
 
     @cached_property
     def _any_order(self) -> AnyOrderBound:
-        return any_order_bound(self.method, self.format)
+        return any_order_bound(self.method, self.format, multiplied_out=True)
 
     @cached_property
     def _derived(self) -> list[Columns]:
