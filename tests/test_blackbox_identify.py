@@ -134,3 +134,12 @@ def test_an_iteration_that_stops_early_is_named_by_its_ordinary_states():
 
     verdict = identify(midpoint).verdict
     assert "nearly implicit_midpoint at states of size 1" in verdict
+
+
+def test_a_right_tableau_called_at_wrong_times_is_named_with_its_order():
+    def late(f, t, y, h):
+        return rk4(lambda s, z: f(s + h, z), t, y, h)
+
+    report = identify(late)
+    assert report.verdict.startswith("it is rk4 called at wrong times: order 1 where")
+    assert report.data["order"] == 1

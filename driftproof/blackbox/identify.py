@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, partial
 from typing import Any, NamedTuple
@@ -15,8 +15,9 @@ from driftproof.blackbox.isolation.laboratory import TIME_LIMIT, Laboratory
 from driftproof.blackbox.judging.agreement import agreement
 from driftproof.blackbox.judging.nonlinear import MeasuredOrder, measured_order
 from driftproof.blackbox.linear.fit import Candidate, LinearFit, linear_fit
-from driftproof.blackbox.matching.match import Identity, Reading, matched
+from driftproof.blackbox.matching.match import Identity, Reading, match_tableau, matched
 from driftproof.blackbox.matching.read_order import ReadOrder, read_order
+from driftproof.blackbox.probes.tableau_probe import TableauReading
 from driftproof.blackbox.questions import Introduction, coefficients, introduction
 from driftproof.blackbox.report import Json, Report, Section, sections
 from driftproof.blackbox.stepper.doors import DOORS
@@ -55,11 +56,12 @@ def identify(
 
 
 class _Recognised(NamedTuple):
-    """Coefficients, the methods that have them, and the order that they give."""
+    """Coefficients, the methods that have them, and the order that they give; `untimed` are those but for the times."""
 
     reading: Reading
     identity: Identity
     order: ReadOrder
+    untimed: Identity | None = None
 
 
 @dataclass(frozen=True)
@@ -79,7 +81,10 @@ class Seen:
         if reading is None:
             return None
         identity = matched(reading)
-        return _Recognised(reading, identity, read_order(reading, next(iter(identity.matches), None)))
+        order = read_order(reading, next(iter(identity.matches), None))
+        if isinstance(reading, TableauReading) and order.untimed_order > order.order:
+            return _Recognised(reading, identity, order, match_tableau(replace(reading, c=None)))
+        return _Recognised(reading, identity, order)
 
     @property
     def fit(self) -> LinearFit | None:
@@ -108,6 +113,9 @@ class Seen:
         if self.read is not None and self.read.identity.matches:
             first, *others = [match.name for match in self.read.identity.matches]
             return f"it is {first}" + (f", the same step as {', '.join(others)}" if others else "")
+        if self.read is not None and self.read.untimed is not None and self.read.untimed.matches:
+            name, order = self.read.untimed.matches[0].name, self.read.order.order
+            return f"it is {name} called at wrong times: order {order} where the right-hand side depends on t"
         if self.fit is not None and self.fit.best is not None:
             return f"it is, as far as linear steps tell, {_in_words(self.fit, self.fit.best)}"
         if self.read is not None and self.read.identity.near:
