@@ -67,7 +67,7 @@ class RungeKutta:
     @property
     def explicit(self) -> bool:
         """True when no slope depends on itself or on a later one (A strictly lower triangular)."""
-        return all(x == 0 for i, row in enumerate(self.a) for x in row[i:])
+        return is_strictly_lower(self.a)
 
     @cached_property
     def field(self) -> NumberField | None:
@@ -175,7 +175,7 @@ class Nystrom:
     @property
     def explicit(self) -> bool:
         """True when no force depends on itself or on a later one (A strictly lower triangular)."""
-        return all(x == 0 for i, row in enumerate(self.a) for x in row[i:])
+        return is_strictly_lower(self.a)
 
     @cached_property
     def field(self) -> NumberField | None:
@@ -251,6 +251,11 @@ class Collocation:
 
 
 Method: TypeAlias = RungeKutta | Splitting | Nystrom | Collocation
+
+
+def is_strictly_lower(a: Sequence[Sequence[object]]) -> bool:
+    """True when A has only zeros on and above its diagonal, so that stages can be computed one after the other."""
+    return all(x == 0 for i, row in enumerate(a) for x in row[i:])
 
 
 def _exact(values: Iterable[object], where: str) -> tuple[Exact, ...]:

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 from flint import fmpq, fmpq_mat, fmpq_poly
 
 from methods.number_field import NumberField
-from methods.schemes import Collocation, RungeKutta
+from methods.schemes import Collocation, RungeKutta, is_strictly_lower
 from symbolic.linear.number_field_polynomials import FieldPolynomial
 from symbolic.linear.polynomials import Polynomial, Scalar, descend, dot, polynomial, scalar
 
@@ -38,12 +38,7 @@ class Tableau:
     @property
     def explicit(self) -> bool:
         """True when A is strictly lower triangular."""
-        return all(x == 0 for i, row in enumerate(self.a) for x in row[i:])
-
-    @property
-    def lower_triangular(self) -> bool:
-        """True when no stage depends on a later one."""
-        return all(x == 0 for i, row in enumerate(self.a) for x in row[i + 1 :])
+        return is_strictly_lower(self.a)
 
     def moments(self, start: Sequence[Scalar], count: int) -> list[Scalar]:
         """bᵀ Aᵏ v for k below `count`, v = start."""

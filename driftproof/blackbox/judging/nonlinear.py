@@ -13,6 +13,7 @@ import numpy as np
 from flint import arb, ctx
 
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, WrongShape
+from driftproof.blackbox.linear.arithmetics import horner
 from driftproof.blackbox.stepper.dialects import Dialect, Number
 from driftproof.blackbox.stepper.subject import Force, Subject, Watch
 
@@ -51,13 +52,13 @@ def measured_order(subject: Subject) -> MeasuredOrder:
     In balls only the stepper's own constants are rounded. Raises NoSuchDoor where it takes no force.
     """
     with ctx.workprec(BITS):
-        in_floats = _errors(subject, lambda q: -sin(q))
         for dialect in (BALLS, ARRAYS_OF_BALLS):
             try:
                 errors = _errors(replace(subject, dialect=dialect, watch=Watch()), lambda q: -q.sin())
             except Misbehaviour:
                 continue
             return _fitted(errors, [_noise(subject, h) for h in _steps()], "Arb balls")
+        in_floats = _errors(subject, lambda q: -sin(q))
         return _fitted(in_floats, [_noise(subject, 1.0) for _ in _steps()], subject.format.name)
 
 
@@ -84,9 +85,9 @@ def _fitted(errors: Sequence[float], noise: Sequence[float], arithmetic: str) ->
     """The slopes down to the first error that is in the noise, and the order that the last of them show."""
     clear = next((i for i, (e, n) in enumerate(zip(errors, noise, strict=True)) if e <= n), len(errors))
     slopes = tuple(log2(a / b) for a, b in pairwise(errors[:clear]))
-    powers = {round(slope) for slope in slopes[-2:] if abs(slope - round(slope)) <= SLACK}
-    settled = len(powers) == 1 and all(abs(slope - round(slope)) <= SLACK for slope in slopes[-2:])
-    return MeasuredOrder(powers.pop() - 1 if settled else None, slopes, arithmetic)
+    powers = {round(slope) if abs(slope - round(slope)) <= SLACK else None for slope in slopes[-2:]}
+    power = powers.pop() if len(powers) == 1 else None
+    return MeasuredOrder(None if power is None else power - 1, slopes, arithmetic)
 
 
 @cache
@@ -113,18 +114,11 @@ def _taylor(q: arb, v: arb, h: arb, terms: int) -> tuple[arb, arb]:
         vs.append(-sines[k] / (k + 1))
         sines.append(_convolved(cosines, vs, k) / (k + 1))
         cosines.append(-_convolved(sines, vs, k) / (k + 1))
-    return _horner(qs, h), _horner(vs, h)
+    return horner(qs, h), horner(vs, h)
 
 
 def _convolved(a: Sequence[arb], b: Sequence[arb], k: int) -> arb:
     return sum((a[j] * b[k - j] for j in range(k + 1)), arb(0))
-
-
-def _horner(series: Sequence[arb], x: arb) -> arb:
-    total = arb(0)
-    for c in reversed(series):
-        total = total * x + c
-    return total
 
 
 def _balls_in(value: Any, size: int) -> list[Number]:

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 from flint import arb, ctx
 
+from driftproof.blackbox.linear.arithmetics import horner
 from methods.schemes import Method
 from symbolic.certified import Exact, enclose
 from symbolic.linear.oscillator import one_step_matrix
@@ -83,7 +84,7 @@ class Tolerance:
         """The exact step from the very numbers given, in balls of negligible radius."""
         with ctx.workprec(BITS):
             at = arb(self._step(h))
-            (qq, qv), (vq, vv) = ([_horner(num, at) / _horner(den, at) for num, den in row] for row in self._matrix)
+            (qq, qv), (vq, vv) = ([horner(num, at) / horner(den, at) for num, den in row] for row in self._matrix)
             return qq * q + qv * v, vq * q + vv * v
 
     def in_full(self, q: float, v: float, h: float) -> tuple[Exact, Exact]:
@@ -121,7 +122,7 @@ class Tolerance:
         return bound + _at(self._flushed[component], h, state) if self.allowance.flush_to_zero else bound
 
     def _denominator(self, h: arb) -> arb:
-        return abs(_horner(self._matrix[0][0][1], h))
+        return abs(horner(self._matrix[0][0][1], h))
 
     @cached_property
     def _matrix(self) -> list[list[tuple[Series, Series]]]:
@@ -212,12 +213,5 @@ def _sum(a: Series, b: Series) -> Series:
 
 
 def _at(columns: Columns, h: arb, state: tuple[arb, arb]) -> arb:
-    q, v, one = (_horner(series, h) for series in columns)
+    q, v, one = (horner(series, h) for series in columns)
     return q * state[0] + v * state[1] + one
-
-
-def _horner(series: Series, x: arb) -> arb:
-    total = arb(0)
-    for c in reversed(series):
-        total = total * x + c
-    return total

@@ -9,7 +9,6 @@ from itertools import groupby
 from math import fsum
 from typing import Any, NamedTuple, TypeAlias
 
-from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.probes.coefficients import shown
 from driftproof.blackbox.probes.probing import (
     AT_REST,
@@ -20,6 +19,7 @@ from driftproof.blackbox.probes.probing import (
     Rounding,
     Row,
     Script,
+    complaints,
     demand_as_said,
     demand_calls,
     demand_same,
@@ -136,7 +136,7 @@ class _Probe:
         reading = ForceReading(tuple(moving.places), a, b_position, b_velocity, moving.q, self.subject.format)
         for control in CONTROLS:
             self._check(reading, control)
-        return replace(reading, remarks=self._remarks(reading))
+        return replace(reading, remarks=complaints(lambda: self._check(reading, BACKWARD)))
 
     def _run(self, q: float, v: float, h: float, forces: Sequence[float]) -> _Run:
         script = Script(forces, 0.0)
@@ -196,13 +196,6 @@ class _Probe:
         size = abs(q) + abs(h) * length * abs(v) + h * h * sum(x * abs(f) for x, f in zip(pushes, forces, strict=True))
         # Twice: the coefficients read are rounded as much as the step that is compared with them.
         return self._rounding.of(2 * size), self._rounding.of(2 * (abs(v) + 2 * size / abs(h)))
-
-    def _remarks(self, reading: ForceReading) -> tuple[str, ...]:
-        try:
-            self._check(reading, BACKWARD)
-        except (Misbehaviour, NotReadable) as error:
-            return (str(error),)
-        return ()
 
     @property
     def _rounding(self) -> Rounding:

@@ -51,6 +51,15 @@ def performed(step: Callable[[], Result]) -> Result:
         raise NotReadable(f"one step makes more than {MOST_CALLS} calls: an iteration or an adaptive solver") from None
 
 
+def complaints(control: Callable[[], object]) -> tuple[str, ...]:
+    """What a control has to say against the reading, if anything, where that is no reason to give it up."""
+    try:
+        control()
+    except (Misbehaviour, NotReadable) as error:
+        return (str(error),)
+    return ()
+
+
 def demand_calls(expected: int, seen: int) -> None:
     """Raises NotReadable if another number of calls was made than with other answers."""
     if seen != expected:

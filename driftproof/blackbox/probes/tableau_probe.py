@@ -20,6 +20,7 @@ from driftproof.blackbox.probes.probing import (
     Rounding,
     Row,
     Script,
+    complaints,
     demand_as_said,
     demand_calls,
     demand_same,
@@ -122,7 +123,7 @@ class _Probe:
         reading = TableauReading(tuple(a), b, c, self.subject.format)
         for control in CONTROLS:
             self._check(reading, control)
-        return replace(reading, remarks=self._remarks(reading))
+        return replace(reading, remarks=complaints(lambda: self._check(reading, BACKWARD)))
 
     def _opened(self) -> tuple[int, _Run]:
         try:
@@ -198,13 +199,6 @@ class _Probe:
         for i, (node, seen) in enumerate(zip(nodes, run.times, strict=False)):
             said = control.time + control.h * node
             demand_as_said(control, f"the time of call {i}", said if seen is None else seen, said, allowed)
-
-    def _remarks(self, reading: TableauReading) -> tuple[str, ...]:
-        try:
-            self._check(reading, BACKWARD)
-        except (Misbehaviour, NotReadable) as error:
-            return (str(error),)
-        return ()
 
     @property
     def _rounding(self) -> Rounding:
