@@ -52,6 +52,7 @@ WANTED = {
     (BY_C, "ours", "C"): 1.05,
     (ENSEMBLE, "ours", "C, fused"): 1.6,
     (BY_NUMPY, "ours", "C, fused"): 13.0,
+    (ONE, "ours", "scipy, RK45"): 1 / 75,
     (BY_SCIPY, "ours", "scipy, RK45"): 1 / 75,
     (BY_SCIPY, "ours, numba", "scipy, RK45"): 1 / 75,
 }
@@ -236,6 +237,7 @@ def in_python() -> Subject:
             "ours": Contestant(lambda: run(*START, H, FEW), bits),
             "by hand, one loop": Contestant(lambda: by_hand(*START, H, FEW), bits),
             "by hand, a step function": Contestant(lambda: by_steps(*START, H, FEW), bits),
+            **with_scipy(),
         },
     )
 

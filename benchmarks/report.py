@@ -1,4 +1,4 @@
-"""The whole report, beside every peer that is installed: python benchmarks/report.py (about eight minutes)
+"""The whole report, beside every peer that is installed: python benchmarks/report.py (about a quarter of an hour)
 
 Writes docs/benchmarks.md, and docs/peers.json, from which docs/differences.md takes what peers answer. `make bench`
 runs it in an environment that has the peers.
@@ -14,12 +14,13 @@ import sys
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own packages, whatever else is installed
 
-from benchmarks import answers, engine, facts, import_time, order, peers, roundoff, stability
+from benchmarks import answers, engine, facts, import_time, long_runs, order, peers, peers_time, roundoff, stability
 from benchmarks.timing import LIMIT, ROUNDS, TURN, Goal, Row, Section, goal_rows, times_rows
 from docs.pages import markdown
 
@@ -50,8 +51,9 @@ def machine() -> str:
 
 def versions() -> str:
     """Of Python, of what we build on and of the peers."""
-    ours = [f"{name} {version(name)}" for name in ("numpy", "sympy", "python-flint")]
-    theirs = [f"{name} {found}" for name, found in peers.installed().items()]
+    fast = ("numba",) if find_spec("numba") else ()
+    ours = [f"{name} {version(name)}" for name in ("numpy", "sympy", "python-flint", *fast)]
+    theirs = [f"{name} {found}" for name, found in (peers.installed() | peers_time.installed()).items()]
     python = f"{platform.python_implementation()} {platform.python_version()}"
     return f"{python}, {', '.join(ours)}; peers: {', '.join(theirs) or 'none'}"
 
@@ -121,6 +123,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     chosen = parser.parse_args(arguments)
     timed = {title: measure(chosen.rounds) for title, measure in TIMED.items()}
     sections = [*import_time.sections(), *roundoff.sections(), engine.section(chosen.rounds)]
+    sections += [*peers_time.sections(chosen.rounds), *long_runs.sections()]
     found = answers.answers()
     if found:
         (ROOT / "docs" / "peers.json").write_text(answers.as_json(found), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Systems y' = f(t, y) given as text, and the step of an explicit Runge-Kutta method for one: straight-line Python."""
+"""Systems y' = f(t, y) given as text, and the step of an explicit method for one: straight-line Python."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from methods.number_field import Exact
 from methods.program_text import ProgramText, indented, looping_maker_text, maker_text, used_stages
-from methods.schemes import Method, MethodError, RungeKutta
+from methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
+from methods.second_order import SecondOrder
 
 # What a rate may call; numbers of every kind that a run is made of have these.
 FUNCTIONS = ("sin", "cos", "exp", "log", "sqrt")
@@ -46,6 +47,29 @@ class Field:
         """True when no rate reads t."""
         return all("t" not in _names(_parsed(rate, i)) for i, rate in enumerate(self.rates))
 
+    def second_order(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """The positions and the velocities: the names of the first and of the second half of the components.
+
+        Raises MethodError unless the rates of the first half are, as they are written, exactly the second half, and
+        those of the second half, the accelerations, read no velocity.
+        """
+        half, odd = divmod(len(self.rates), 2)
+        positions, velocities = self.components[:half], self.components[half:]
+        if odd:
+            raise MethodError(
+                f"a second-order system is positions and as many velocities, and not {len(self.rates)} rates"
+            )
+        for i, (rate, v) in enumerate(zip(self.rates, velocities, strict=False)):
+            if ast.unparse(_parsed(rate, i)) != v:
+                raise MethodError(f"rate {i} is {rate!r}; in a second-order system it is {v!r}, the velocity of y{i}")
+        for i, rate in enumerate(self.rates[half:], half):
+            for v in sorted(_names(_parsed(rate, i)).intersection(velocities)):
+                raise MethodError(
+                    f"rate {i}, {rate!r}, reads the velocity {v}; kicks and drifts need accelerations"
+                    " that read positions only"
+                )
+        return positions, velocities
+
     def at(self, names: Mapping[str, str]) -> list[str]:
         """The rates with other names for t, y0, y1, ..."""
         return [ast.unparse(_Renamed(names).visit(_parsed(rate, i))) for i, rate in enumerate(self.rates)]
@@ -55,12 +79,14 @@ class Field:
 class FieldSource:
     """The lines of a step, which read y0, y1, ..., t, h and the names and end with y0_new, ... known.
 
-    `coefficients` holds those of the method, then the parameters of the field.
+    `coefficients` holds those of the method, then the parameters of the field. The lines of a compensated step also
+    read and write e_y0, e_y1, ..., what the additions so far have lost, and only a run can be made of them.
     """
 
     lines: tuple[str, ...]
     coefficients: tuple[tuple[str, Exact], ...]
     components: tuple[str, ...]
+    compensated: bool = False
 
     def run(self) -> str:
         """The text of make(coefficients...) -> run(y, h, first, last) -> y: steps first to last - 1, from t = i h.
@@ -69,7 +95,8 @@ class FieldSource:
         """
         body = ["t = i * h", *self.lines, f"{self._tuple('')} = {self._tuple('_new')}"]
         loop = ["for i in range(first, last):", *indented(body)]
-        lines = [f"{self._tuple('')} = y", *loop, f"return {self._tuple('')}"]
+        start = [f"e_{y} = {y} - {y}" for y in self.components] if self.compensated else []
+        lines = [f"{self._tuple('')} = y", *start, *loop, f"return {self._tuple('')}"]
         return looping_maker_text(self._names, "y, h, first, last", lines)
 
     def step(self) -> str:
@@ -85,17 +112,28 @@ class FieldSource:
         return f"({''.join(f'{name}{suffix}, ' for name in self.components).rstrip()})"
 
 
-def field_source(method: Method, field: Field) -> FieldSource:
-    """The step kᵢ = f(t + cᵢ h, y + h Σ aᵢⱼ kⱼ), y + h Σ bᵢ kᵢ of an explicit Runge-Kutta method, by component.
+def field_source(method: Method, field: Field, *, compensated: bool = False) -> FieldSource:
+    """The step of an explicit method, by component: of a Runge-Kutta method, or of a second-order system by any other.
 
-    In the order of operations of `methods.source.step_source`: on q' = v, v' = F(q) the two give the same bits. Raises
-    MethodError for another family, and for an implicit method.
+    Splittings and Nyström methods take the accelerations only, at positions, as `Field.second_order` demands; time
+    passes with the drifts. In the order of operations of `methods.source.step_source`: on q' = v, v' = F(q) the two
+    give the same bits. `compensated` as there. Raises MethodError for an implicit method, and as `second_order`.
     """
-    if not isinstance(method, RungeKutta):
-        raise MethodError(f"{method.key} is no Runge-Kutta tableau; a system y' = f(t, y) needs one")
-    if not method.explicit:
+    if not method.explicit or isinstance(method, Collocation):
         raise MethodError(f"{method.key} is implicit: its stages are equations, so it has no explicit step")
-    text, components = ProgramText(), field.components
+    text = ProgramText(compensated=compensated)
+    if isinstance(method, RungeKutta):
+        _runge_kutta(method, field, text)
+    else:
+        _second_order(method, field, text)
+    _demand_new_names(field, text)
+    coefficients = (*text.coefficients.items(), *field.parameters)
+    return FieldSource(tuple(text.lines), coefficients, field.components, compensated)
+
+
+def _runge_kutta(method: RungeKutta, field: Field, text: ProgramText) -> None:
+    """kᵢ = f(t + cᵢ h, y + h Σ aᵢⱼ kⱼ), then y + h Σ bᵢ kᵢ."""
+    components = field.components
     slopes: dict[str, dict[int, str]] = {name: {} for name in components}
     for i in used_stages(method.a, [method.b]):
         names = {name: f"{name}_{i + 1}" for name in components}
@@ -107,9 +145,17 @@ def field_source(method: Method, field: Field) -> FieldSource:
             slopes[name][i] = f"k{i + 1}_{name}"
             text.lines.append(f"{slopes[name][i]} = {rate}")
     for name in components:
-        text.lines.append(f"{name}_new = {name}{text.sum(' + h *', 'b', method.b, slopes[name])}")
-    _demand_new_names(field, text)
-    return FieldSource(tuple(text.lines), (*text.coefficients.items(), *field.parameters), components)
+        text.advance(name, f"{name}_new", name, text.sum(" + h *", "b", method.b, slopes[name]))
+
+
+def _second_order(method: Splitting | Nystrom, field: Field, text: ProgramText) -> None:
+    """q'' = F(t, q), with F in parentheses, because it is multiplied by."""
+    positions, velocities = field.second_order()
+
+    def accelerations(names: Mapping[str, str]) -> list[str]:
+        return [f"({rate})" for rate in field.at(names)[len(positions) :]]
+
+    SecondOrder(positions, velocities, accelerations, "_new", timed=not field.autonomous).write(method, text)
 
 
 def _demand_new_names(field: Field, text: ProgramText) -> None:

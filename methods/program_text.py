@@ -9,10 +9,15 @@ from methods.number_field import Exact
 
 
 class ProgramText:
-    """Lines of a step and the coefficients that they name, as they come up."""
+    """Lines of a step and the coefficients that they name, as they come up.
 
-    def __init__(self) -> None:
+    `compensated`: the additions that advance the state carry along what they round off, under names e_ and the
+    component's; `numeric.compensated` derives what that is good for.
+    """
+
+    def __init__(self, *, compensated: bool = False) -> None:
         """Start with neither."""
+        self.compensated = compensated
         self.lines: list[str] = []
         self.coefficients: dict[str, Exact] = {}
 
@@ -36,6 +41,21 @@ class ProgramText:
         """The text + (c h), or - h."""
         sign, factor = self._factor(name, c)
         return f" {sign} ({factor}h)" if factor else f" {sign} h"
+
+    def advance(self, x: str, new: str, old: str, moved: str) -> None:
+        """The text new = old + what it moves by; compensated, with what was lost before, and what is lost now kept.
+
+        That is Knuth's exact sum (muller-2018, 4.3.2): six additions without a branch, whichever summand is larger.
+        """
+        if not self.compensated:
+            self.lines.append(f"{new} = {old}{moved}")
+            return
+        self.lines += [
+            f"d = e_{x}{moved}",
+            f"{new} = {old} + d",
+            f"g = {new} - {old}",
+            f"e_{x} = ({old} - ({new} - g)) + (d - g)",
+        ]
 
     def _factor(self, name: str, c: Exact) -> tuple[str, str]:
         """A sign, and the coefficient with its sign for product: ("+", "name * "), or nothing to multiply by."""

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 from methods.number_field import Exact
 from methods.program_text import ProgramText, indented, looping_maker_text, maker_text, used_stages
-from methods.schemes import Method, MethodError, Nystrom, RungeKutta, Splitting
+from methods.schemes import Collocation, Method, MethodError, RungeKutta
+from methods.second_order import SecondOrder
 
 FORCE = "force({})"
 
@@ -52,72 +53,24 @@ def step_source(method: Method, force: str = FORCE, *, compensated: bool = False
     state carry along what they round off; `numeric.compensated` derives what that is good for. Raises MethodError for
     an implicit method, whose stages are equations rather than formulas.
     """
-    writer = _Writer(force, compensated=compensated)
-    if isinstance(method, Splitting):
-        writer.splitting(method)
-    elif method.explicit and isinstance(method, RungeKutta):
-        writer.runge_kutta(method)
-    elif method.explicit and isinstance(method, Nystrom):
-        writer.nystrom(method)
-    else:
+    if not method.explicit or isinstance(method, Collocation):
         raise MethodError(f"{method.key} is implicit: its stages are equations, so it has no explicit step")
-    return Source(tuple(writer.lines), tuple(writer.coefficients.items()), compensated)
+    text = ProgramText(compensated=compensated)
+    if isinstance(method, RungeKutta):
+        _runge_kutta(method, force, text)
+    else:
+        SecondOrder(("q",), ("v",), lambda names: [force.format(names["q"])], "1").write(method, text)
+    return Source(tuple(text.lines), tuple(text.coefficients.items()), compensated)
 
 
-class _Writer(ProgramText):
-    """The three families."""
-
-    def __init__(self, force: str, *, compensated: bool) -> None:
-        super().__init__()
-        self.force, self.compensated = force, compensated
-
-    def runge_kutta(self, method: RungeKutta) -> None:
-        """Stages qᵢ with slopes (kᵢ_q, kᵢ_v), then the sums of both components."""
-        slopes: dict[str, dict[int, str]] = {"q": {}, "v": {}}
-        for i in used_stages(method.a, [method.b]):
-            moved = {x: self.sum(" + h *", f"a{i + 1}", method.a[i], slopes[x]) for x in slopes}
-            slopes["q"][i] = self.named(f"k{i + 1}_q", "v", moved["v"])
-            place = self.named(f"q_{i + 1}", "q", moved["q"])
-            slopes["v"][i] = f"k{i + 1}_v"
-            self.lines.append(f"k{i + 1}_v = {self.force.format(place)}")
-        for x in slopes:
-            self.advance(x, f"{x}1", x, self.sum(" + h *", "b", method.b, slopes[x]))
-
-    def splitting(self, method: Splitting) -> None:
-        """Kicks and drifts, each from what the last one left."""
-        latest, moves = {"q": "q", "v": "v"}, {"kick": "v", "drift": "q"}
-        for i, (kind, c) in enumerate(method.parts, 1):
-            if c == 0:
-                continue
-            moved = moves[kind]
-            rate = self.force.format(latest["q"]) if kind == "kick" else latest["v"]
-            self.advance(moved, f"{moved}_{i}", latest[moved], f"{self.step(f'c{i}', c)} * {rate}")
-            latest[moved] = f"{moved}_{i}"
-        self.lines += [f"{x}1 = {name}" for x, name in latest.items()]
-
-    def nystrom(self, method: Nystrom) -> None:
-        """Forces kᵢ at q + cᵢ h v + h² Σ aᵢⱼ kⱼ, then the two sums."""
-        forces: dict[int, str] = {}
-        for i in used_stages(method.a, [method.b_position, method.b_velocity]):
-            node = method.c[i]
-            moved = f"{self.step(f'c{i + 1}', node)} * v" if node != 0 else ""
-            moved += self.sum(" + h * h *", f"a{i + 1}", method.a[i], forces)
-            forces[i] = f"k{i + 1}"
-            self.lines.append(f"{forces[i]} = {self.force.format(self.named(f'q_{i + 1}', 'q', moved))}")
-        self.advance("q", "q1", "q", f" + h * v{self.sum(' + h * h *', 'p', method.b_position, forces)}")
-        self.advance("v", "v1", "v", self.sum(" + h *", "b", method.b_velocity, forces))
-
-    def advance(self, x: str, new: str, old: str, moved: str) -> None:
-        """The text new = old + what it moves by; compensated, with what was lost before, and what is lost now kept.
-
-        That is Knuth's exact sum (muller-2018, 4.3.2): six additions without a branch, whichever summand is larger.
-        """
-        if not self.compensated:
-            self.lines.append(f"{new} = {old}{moved}")
-            return
-        self.lines += [
-            f"d = e_{x}{moved}",
-            f"{new} = {old} + d",
-            f"g = {new} - {old}",
-            f"e_{x} = ({old} - ({new} - g)) + (d - g)",
-        ]
+def _runge_kutta(method: RungeKutta, force: str, text: ProgramText) -> None:
+    """Stages qᵢ with slopes (kᵢ_q, kᵢ_v), then the sums of both components."""
+    slopes: dict[str, dict[int, str]] = {"q": {}, "v": {}}
+    for i in used_stages(method.a, [method.b]):
+        moved = {x: text.sum(" + h *", f"a{i + 1}", method.a[i], slopes[x]) for x in slopes}
+        slopes["q"][i] = text.named(f"k{i + 1}_q", "v", moved["v"])
+        place = text.named(f"q_{i + 1}", "q", moved["q"])
+        slopes["v"][i] = f"k{i + 1}_v"
+        text.lines.append(f"k{i + 1}_v = {force.format(place)}")
+    for x in slopes:
+        text.advance(x, f"{x}1", x, text.sum(" + h *", "b", method.b, slopes[x]))

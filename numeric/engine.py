@@ -107,21 +107,23 @@ def compiled_ensemble_runner(method: Method, force: str = OSCILLATOR, *, compens
 
 
 @cache
-def field_runner(method: Method, field: Field) -> FieldRun:
-    """The loop run(y, h, first, last) of an explicit Runge-Kutta method for y' = f(t, y), in plain Python.
+def field_runner(method: Method, field: Field, *, compensated: bool = False) -> FieldRun:
+    """The loop run(y, h, first, last) of an explicit method for y' = f(t, y), in plain Python.
 
-    y is a tuple of floats. Steps first to last - 1 are taken, from times i h; run(y, h, 0, n) and then
-    run(..., h, n, m) is run(y, h, 0, m), bit for bit. Raises MethodError as `field_source`.
+    y is a tuple of floats: any, for a Runge-Kutta method; positions and then velocities of a second-order system, for a
+    splitting or a Nyström method. Steps first to last - 1 are taken, from times i h; run(y, h, 0, n) and then
+    run(..., h, n, m) is run(y, h, 0, m), bit for bit, unless `compensated`: what additions lost is forgotten in
+    between. Raises MethodError as `field_source`.
     """
-    source = field_source(method, field)
+    source = field_source(method, field, compensated=compensated)
     run: FieldRun = maker(source.run(), method.key, _OF_FLOATS)(*_lifted(source.coefficients, np.float64))
     return run
 
 
 @cache
-def compiled_field_runner(method: Method, field: Field) -> FieldRun:
+def compiled_field_runner(method: Method, field: Field, *, compensated: bool = False) -> FieldRun:
     """The same loop compiled by numba, the same bits. Needs the extra `fast`."""
-    return _compiled(field_runner(method, field))
+    return _compiled(field_runner(method, field, compensated=compensated))
 
 
 def lifted(c: Exact, number: Format) -> Any:

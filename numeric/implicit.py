@@ -19,7 +19,8 @@ E: of g = Z - w - h Σ aᵢⱼ fⱼ, w known, the terms a f pass 1 rounding of a
 the differences, so s + 4, Z and w at most 2. The rate is taken to be computed as f(y(1 + α))(1 + β) with |α|, |β| at
 most m u, m = RATE_ROUNDINGS, and its argument y + Z is rounded once. J being the matrix in use for f',
 E = u (2|Z| + 2|w| + (s + 4 + m) |h||A||f| + (m + 1)|h||A||J||y + Z|) + (s + 1)(1 + |h|) eta, the last for underflow;
-R = u (|Z| + |h||A||J||Z|). Terms in u² are left out: they are 10⁻¹³ of these.
+R = u (|Z| + |h||A||J||Z|) + eta (1 + |h||A||J|1), the last where Z is subnormal. Terms in
+u² are left out: they are 10⁻¹³ of these.
 """
 
 from __future__ import annotations
@@ -226,7 +227,7 @@ class _Equations:
 
         flow = (stages + 4 + m) * size * (weights @ np.abs(slopes))
         e = UNIT * (2 * np.abs(moves) + 2 * np.abs(self.known) + flow + (m + 1) * mapped(places))
-        r = UNIT * (np.abs(moves) + mapped(moves))
+        r = UNIT * (np.abs(moves) + mapped(moves)) + ETA * (1 + mapped(np.ones_like(moves)))
         return np.asarray(8 * (e + (stages + 1) * (1 + size) * ETA) + 4 * r)
 
     def correction(self, g: Vector, jacobians: Vector) -> Vector:

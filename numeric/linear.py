@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import cache
+from math import lcm
+from operator import mul
 from typing import Any, NamedTuple, TypeAlias
 
 from methods.number_field import Exact
@@ -31,7 +34,8 @@ def exact_matrix(method: Method, h: Fraction) -> Matrix:
     another family, ZeroDivisionError for an h at which the stages of an implicit method have no solution.
     """
     if isinstance(method, Collocation):
-        return _of_stability_function(method, h)
+        rho, sigma, size = _turn(method, h)
+        return _rotation(Fraction(rho, size), Fraction(sigma, size))
     if method.explicit:
         step = stepper(method, lambda c: c)
         (qq, vq), (qv, vv) = (step(oscillator, *z, h) for z in ((Fraction(1), Fraction(0)), (Fraction(0), Fraction(1))))
@@ -46,6 +50,9 @@ def float_matrix(method: Method, h: float) -> Matrix:
 
     Not the matrix of the method's float program, whose every operation is rounded. Raises as `exact_matrix`.
     """
+    if isinstance(method, Collocation):
+        rho, sigma, size = _turn(method, h)
+        return _rotation(rho / size, sigma / size)  # whole numbers divide with one rounding
     (a, b), (c, d) = exact_matrix(method, Fraction(h))
     return (float(a), float(b)), (float(c), float(d))
 
@@ -55,15 +62,41 @@ def endpoint(method: Method, start: tuple[float, float], h: float, steps: int) -
 
     Its rounding is another than that of a run; to look at the rounding of runs, run. Raises as `exact_matrix`.
     """
-    matrix, power, products = float_matrix(method, h), ((1.0, 0.0), (0.0, 1.0)), 0
-    for bit in bin(steps)[2:] if steps else "":
-        power, products = _product(power, power), products + 1
-        if bit == "1":
-            power, products = _product(power, matrix), products + 1
-    (a, b), (c, d) = power
+    (a, b), (c, d), products = *_power(float_matrix(method, h), steps), _products(steps)
     q, v = start
     how = f"power {steps} of the one-step matrix, in {products} products of floats; no step was taken"
     return Endpoint(a * q + b * v, c * q + d * v, how)
+
+
+def _power(matrix: Matrix, n: int) -> Matrix:
+    """matrix**n, by the binary digits of n, the leading one first.
+
+    The matrix of a Runge-Kutta method is ((ρ, σ), (-σ, ρ)), and Python multiplies the numbers ρ + iσ in the operations
+    of such matrices, in a tenth of the time.
+    """
+    (a, b), (c, d) = matrix
+    if a == d and b == -c:
+        power = complex(a, b) if n else complex(1)
+        for bit in bin(n)[3:]:
+            power = power * power
+            if bit == "1":
+                power = power * complex(a, b)
+        return _rotation(power.real, power.imag)
+    result = matrix if n else ((1.0, 0.0), (0.0, 1.0))
+    for bit in bin(n)[3:]:
+        result = _product(result, result)
+        if bit == "1":
+            result = _product(result, matrix)
+    return result
+
+
+def _products(n: int) -> int:
+    """How many products that takes."""
+    return max(0, n.bit_length() - 1 + n.bit_count() - 1)
+
+
+def _rotation(rho: Any, sigma: Any) -> Matrix:
+    return (rho, sigma), (-sigma, rho)
 
 
 def _product(x: Matrix, y: Matrix) -> Matrix:
@@ -92,24 +125,30 @@ def _dot(x: Any, y: Any) -> Exact:
     return sum((a * b for a, b in zip(x, y, strict=True)), Fraction(0))
 
 
-def _of_stability_function(method: Collocation, h: Fraction) -> Matrix:
-    """((ρ, σ), (-σ, ρ)) for R(ih) = ρ + iσ, because (q - iv)' = i (q - iv).
+def _turn(method: Collocation, h: Fraction | float) -> tuple[int, int, int]:
+    """Whole numbers (nρ, nσ, n) with R(ih) = ρ + iσ, where M = ((ρ, σ), (-σ, ρ)), because (q - iv)' = i (q - iv).
 
-    R(z) = Σ M⁽ˢ⁻ʲ⁾(1) zʲ / Σ M⁽ˢ⁻ʲ⁾(0) zʲ for the node polynomial M (hairer-wanner-1996, IV.3).
+    In whole numbers, because fractions would be reduced after every operation.
+    """
+    above, below = _stability_function(method)
+    (p, w), last = h.as_integer_ratio(), len(below) - 1
+    terms = [p**j * w ** (last - j) for j in range(last + 1)]
+    (a, b), (c, d) = ([sum(map(mul, x[i::2], terms[i::2])) for i in (0, 1)] for x in (above, below))
+    return a * c + b * d, b * c - a * d, c * c + d * d
+
+
+@cache
+def _stability_function(method: Collocation) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """Numerator and denominator of R(iy) without their powers of i, constant term first, times one whole number.
+
+    R(z) = Σ M⁽ˢ⁻ʲ⁾(1) zʲ / Σ M⁽ˢ⁻ʲ⁾(0) zʲ for the node polynomial M (hairer-wanner-1996, IV.3). Of iʲ the sign is kept,
+    and that odd powers are imaginary.
     """
     derivatives = [method.node_polynomial]
     for _ in range(method.stages):
         derivatives.append(derivative(derivatives[-1]))
-    above, below = (_at_ih([value_at(p, Fraction(x)) for p in reversed(derivatives)], h) for x in (1, 0))
-    size = below[0] * below[0] + below[1] * below[1]
-    rho = (above[0] * below[0] + above[1] * below[1]) / size
-    sigma = (above[1] * below[0] - above[0] * below[1]) / size
-    return (rho, sigma), (-sigma, rho)
-
-
-def _at_ih(coefficients: list[Fraction], h: Fraction) -> tuple[Fraction, Fraction]:
-    """Real and imaginary part of Σ cⱼ (ih)ʲ."""
-    parts = [Fraction(0), Fraction(0)]
-    for j, c in enumerate(coefficients):
-        parts[j % 2] += (-1) ** (j // 2) * c * h**j
-    return parts[0], parts[1]
+    above, below = (
+        [(-1) ** (j // 2) * value_at(p, Fraction(x)) for j, p in enumerate(reversed(derivatives))] for x in (1, 0)
+    )
+    common = lcm(*(c.denominator for c in (*above, *below)))
+    return tuple(int(c * common) for c in above), tuple(int(c * common) for c in below)

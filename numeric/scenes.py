@@ -12,6 +12,7 @@ from typing import Any
 from methods.catalogue import method_named
 from methods.rationals import parse_rational, step_count
 
+TRAJECTORY = "trajectory"
 READOUTS = (
     "final_state",
     "exact_state",
@@ -21,13 +22,15 @@ READOUTS = (
     "phase_error",
     "steps",
     "evaluations",
-    "trajectory",
+    TRAJECTORY,
 )
 # Those that the exact side can certify to any number of digits.
 CERTIFIABLE = ("final_state", "exact_state", "state_error", "energy", "energy_change", "phase_error")
 TABLE = "table"
 FIGURES = ("position", "phase_plane")
-PANELS = (TABLE, *FIGURES)
+# Of the scene's methods on the page: error against evaluations, and what is proved of their powers at this h.
+WORK_PRECISION, STABILITY = "work_precision", "stability"
+PANELS = (TABLE, *FIGURES, WORK_PRECISION, STABILITY)
 
 # The largest step that the lesson's slider offers. Scenes of a user's own may exceed it.
 LARGEST_LESSON_H = Fraction(5, 2)
@@ -80,6 +83,12 @@ class Scene:
         """N = t / h, exact."""
         return step_count(self.t, self.h)
 
+    @property
+    def every_method(self) -> tuple[str, ...]:
+        """The methods compared, each once; before them the selected one, if it is not among them."""
+        compared = tuple(dict.fromkeys(self.methods))
+        return compared if self.selected in compared else (self.selected, *compared)
+
 
 def _check_names(scene: str, what: str, names: tuple[str, ...], known: tuple[str, ...]) -> None:
     for name in names:
@@ -87,25 +96,25 @@ def _check_names(scene: str, what: str, names: tuple[str, ...], known: tuple[str
             raise SceneError(f"scene {scene!r}: unknown {what} {name!r}; choose from {', '.join(known)}")
 
 
-def _lesson_scene(name: str, selected: str, h: Fraction) -> Scene:
+def _lesson_scene(name: str, selected: str, h: Fraction, *panels: str) -> Scene:
     return Scene(
         name=name,
         selected=selected,
         h=h,
         t=Fraction(10),
         methods=("forward_euler", "symplectic_euler", "rk4"),
-        readouts=tuple(readout for readout in READOUTS if readout != "trajectory"),
-        panels=PANELS,
+        readouts=tuple(readout for readout in READOUTS if readout != TRAJECTORY),
+        panels=(TABLE, *FIGURES, *panels),
     )
 
 
 PRESETS: dict[str, Scene] = {
     scene.name: scene
     for scene in (
-        _lesson_scene("default", "forward_euler", Fraction(1, 4)),
-        _lesson_scene("small_steps", "forward_euler", Fraction(1, 10)),
-        _lesson_scene("compare", "forward_euler", Fraction(1, 2)),
-        _lesson_scene("stability_boundary", "symplectic_euler", Fraction(2)),
+        _lesson_scene("default", "forward_euler", Fraction(1, 4), WORK_PRECISION, STABILITY),
+        _lesson_scene("small_steps", "forward_euler", Fraction(1, 10), STABILITY),
+        _lesson_scene("compare", "forward_euler", Fraction(1, 2), STABILITY),
+        _lesson_scene("stability_boundary", "symplectic_euler", Fraction(2), STABILITY),
     )
 }
 

@@ -8,9 +8,10 @@ from fractions import Fraction
 from math import ceil
 from typing import TYPE_CHECKING, TypeAlias, TypeGuard, TypeVar
 
-from flint import arb, ctx, fmpq, fmpz
+from flint import arb, arb_poly, ctx, fmpq, fmpz
 
 from methods.number_field import Algebraic
+from symbolic.linear.number_field_polynomials import root_ball
 
 if TYPE_CHECKING:
     import sympy
@@ -45,8 +46,7 @@ def enclose(value: Exact) -> arb:
     if callable(value):
         return value()
     if isinstance(value, Algebraic):
-        low, high = (arb(fmpq(end.numerator, end.denominator)) for end in value.enclosure(ctx.prec))
-        return low.union(high)
+        return arb_poly([fmpq(c.numerator, c.denominator) for c in value.coefficients])(root_ball(value.field))
     return arb(fmpq(value.numerator, value.denominator))
 
 

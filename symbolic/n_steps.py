@@ -1,28 +1,28 @@
-"""N steps at once: powers of M by squaring, and M to the N in closed form."""
+"""N steps at once: powers of M by squaring."""
 
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-import sympy
 from flint import arb
-from sympy.polys.matrices import DomainMatrix
 
 from methods.schemes import Method
 from symbolic.certified import enclose
 from symbolic.linear.oscillator import one_step_matrix as linear_one_step_matrix
 from symbolic.linear.polynomials import exact, scalar
-from symbolic.one_step import at_rational, determinant, entries, expression
-from symbolic.phase import phase_per_step
+
+if TYPE_CHECKING:
+    from sympy.polys.matrices import DomainMatrix
 
 # (M_qq, M_qv, M_vq, M_vv) over Fractions or over balls.
 Entries: TypeAlias = tuple[Any, Any, Any, Any]
-STEPS = sympy.Symbol("n", integer=True)
 
 
 def matrix_at(m: DomainMatrix, h: Fraction) -> Entries:
     """The entries of M(h) at a rational h, as Fractions."""
+    from symbolic.one_step import at_rational, entries  # loads SymPy, which runs have no need of
+
     qq, qv, vq, vv = (at_rational(entry, h) for entry in entries(m))
     return qq, qv, vq, vv
 
@@ -108,14 +108,3 @@ def multiply(a: Entries, b: Entries) -> Entries:
 def apply(matrix: Entries, q: Any, v: Any) -> tuple[Any, Any]:
     """The matrix times the column (q, v)."""
     return matrix[0] * q + matrix[1] * v, matrix[2] * q + matrix[3] * v
-
-
-def closed_form(m: DomainMatrix) -> sympy.ImmutableMatrix:
-    """Mⁿ = ρⁿ⁻¹ (sin(nθ) M - ρ sin((n-1)θ) I) / sin θ, with ρ = sqrt(det M): entries in the symbols h and n.
-
-    Holds wherever the two roots are complex, so that 0 < θ < π. By Cayley-Hamilton and induction on n.
-    """
-    rho, theta = sympy.sqrt(expression(determinant(m))), phase_per_step(m)
-    one_step = sympy.Matrix(2, 2, [expression(entry) for entry in entries(m)])
-    turned = sympy.sin(STEPS * theta) * one_step - rho * sympy.sin((STEPS - 1) * theta) * sympy.eye(2)
-    return sympy.ImmutableMatrix(rho ** (STEPS - 1) * turned / sympy.sin(theta))

@@ -7,7 +7,6 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-import sympy
 from flint import arb, ctx
 
 from methods.rationals import step_count
@@ -76,6 +75,8 @@ class OscillatorRun:
         """(q₀ cos t + v₀ sin t, v₀ cos t - q₀ sin t)."""
         if self.t == 0:
             return self.start
+        import sympy  # takes a second to load, and no other readout needs it
+
         q, v, t = (sympy.Rational(x.numerator, x.denominator) for x in (*self.start, self.t))
         c, s = sympy.cos(t), sympy.sin(t)
         return q * c + v * s, v * c - q * s

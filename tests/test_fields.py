@@ -121,7 +121,14 @@ def test_a_parameter_with_a_name_of_the_text_is_refused(name):
         field_runner(METHODS["rk4"], Field((f"{name} * y0",), ((name, Q(2)),)))
 
 
-@pytest.mark.parametrize(("key", "what"), [("velocity_verlet", "no Runge-Kutta tableau"), ("gauss2", "is implicit")])
-def test_a_system_needs_an_explicit_tableau(key, what):
-    with pytest.raises(MethodError, match=what):
-        field_runner(METHODS[key], LORENZ)
+def test_an_implicit_method_has_no_run_of_a_system():
+    with pytest.raises(MethodError, match="is implicit"):
+        field_runner(METHODS["gauss2"], LORENZ)
+
+
+@pytest.mark.parametrize("method", [METHODS["rk4"], METHODS["dormand_prince54"]], ids=lambda m: m.key)
+def test_a_compensated_run_of_the_oscillator_as_a_system_has_the_bits_of_the_oscillator(method):
+    start = (0.3, -0.7)
+    found = field_runner(method, Field(("y1", "-y0")), compensated=True)(start, 0.01, 0, 200)
+    assert bits(*found) == bits(*runner(method, compensated=True)(*start, 0.01, 200))
+    assert found != field_runner(method, Field(("y1", "-y0")))(start, 0.01, 0, 200)

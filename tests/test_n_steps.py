@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 from driftproof import strategies
 from symbolic.certified import endpoints
-from symbolic.n_steps import STEPS, apply, as_balls, closed_form, matrix_at, multiply, power, short_power
+from symbolic.closed_form import STEPS, closed_form
+from symbolic.n_steps import apply, as_balls, matrix_at, multiply, power, short_power
 from symbolic.one_step import one_step_matrix
 from tests.nine import NINE
 

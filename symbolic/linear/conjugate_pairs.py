@@ -21,6 +21,7 @@ from symbolic.linear.real_roots import FIRST_BITS, ZERO, Minimal, RealRoot, posi
 
 # Of the polynomial in h; beyond, its factors take minutes.
 LARGEST_DEGREE = 300
+LAST_BITS = 1 << 14
 
 # A square matrix over Q. FLINT's have no static types.
 Matrix: TypeAlias = Any
@@ -55,9 +56,12 @@ def _critical_steps(num: Coefficients, den: Coefficients, minimal: Minimal) -> l
 
 
 def margin_sign(r: RationalFunction, place: Complex, h: fmpq) -> int:
-    """The sign of |Q(hλ)|² - |P(hλ)|² where it is not zero, by balls that shrink until they exclude zero."""
+    """The sign of |Q(hλ)|² - |P(hλ)|² where it is not zero, by balls that shrink until they exclude zero.
+
+    Raises UndecidedLimitError where LAST_BITS do not.
+    """
     bits = FIRST_BITS
-    while True:
+    while bits <= LAST_BITS:
         with ctx.workprec(bits):
             num, den = (
                 acb_poly([at_ball(ONE * c, arb(0)) for c in p.coeffs()])(place.ball() * h) for p in (r.num, r.den)
@@ -66,6 +70,7 @@ def margin_sign(r: RationalFunction, place: Complex, h: fmpq) -> int:
             if not margin.contains(0):
                 return 1 if margin > 0 else -1
         bits *= 2
+    raise UndecidedLimitError(f"whether |R(hλ)| is 1 at h = {h} is not decided with {LAST_BITS} bits")
 
 
 def pair_polynomial(r: RationalFunction, minimal: Minimal) -> Polynomial:

@@ -26,11 +26,9 @@ def ray_bound(r: RationalFunction, total: Scalar, product: Scalar, block: int) -
     Powers of R(xJ) are bounded where |R(xλ)| < 1, and where |R(xλ)| = 1 and R(xJ) is a multiple of the identity: there
     R', ..., of orders below the block's, vanish at xλ, and so do as many derivatives of P'Q - PQ' from the zeroth on.
     """
-    margin = size_along(r.den, total, product) - size_along(r.num, total, product)
-    slope = r.num.derivative() * r.den - r.num * r.den.derivative()
+    margin, obstacles = ray_conditions(r, total, product, block)
     if margin == 0:
-        return ALWAYS if block == 1 or slope == 0 else NEVER
-    obstacles = [size_along(p, total, product) for p in _derivatives(slope, block - 1)]
+        return ALWAYS if not any(obstacles) else NEVER
     roots = positive_roots([margin])
     for start, inner in zip([ZERO, *roots], samples(roots), strict=True):
         touches = start != ZERO and vanishes_at(margin, start)
@@ -39,6 +37,15 @@ def ray_bound(r: RationalFunction, total: Scalar, product: Scalar, block: int) -
         if sign(evaluate(margin, inner)) < 0:
             return NEVER if start == ZERO else Bound(start, True)
     return ALWAYS
+
+
+def ray_conditions(
+    r: RationalFunction, total: Scalar, product: Scalar, block: int
+) -> tuple[Polynomial, list[Polynomial]]:
+    """|Q|² - |P|² at xλ, whose sign decides where it is not 0; and what else has to vanish where it is, all in x."""
+    margin = size_along(r.den, total, product) - size_along(r.num, total, product)
+    slope = r.num.derivative() * r.den - r.num * r.den.derivative()
+    return margin, [size_along(p, total, product) for p in _derivatives(slope, block - 1)]
 
 
 def at_rest(r: RationalFunction, block: int) -> Bound:

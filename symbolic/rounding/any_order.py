@@ -15,15 +15,26 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, Self, TypeAlias
 
+from flint import fmpq, fmpq_mpoly_ctx
+
+from methods.number_field import Exact
+from methods.problems import oscillator
 from methods.schemes import Method
+from methods.stepping import stepper
 from symbolic.one_step import rational
 from symbolic.rounding.formats import BINARY64, FloatFormat, power_of_two
-from symbolic.rounding.number import Rounded
-from symbolic.rounding.polynomials import RING, D, H, Polynomial, Q, V, majorant
+from symbolic.rounding.irrational import above, size
+from symbolic.rounding.polynomials import RING, D, Polynomial
 from symbolic.rounding.step import StepBound
-from symbolic.rounding.trace import Terms, at_state, at_step, in_format, program, trace
+from symbolic.rounding.trace import Terms, at_state, at_step, in_format
+
+# Polynomials in D, |h|, |q|, |v| with non-negative coefficients, while they are formed: in `RING` that takes minutes.
+Sizes: TypeAlias = Any
+_FORMED = fmpq_mpoly_ctx.get(("d", "h", "q", "v"))
+_D, _H, _Q, _V = _FORMED.gens()
+_ONE = _FORMED.constant(1)
 
 
 @dataclass(frozen=True)
@@ -78,8 +89,11 @@ def any_order_bound(method: Method, fmt: FloatFormat = BINARY64, *, multiplied_o
     The force is called with one number, so no bracket reaches through it. Raises MethodError for an implicit method,
     ValueError for a coefficient in the format's underflow range.
     """
-    q, v = (_tally_of(output, multiplied_out) for output in trace(method, fmt))
-    return AnyOrderBound(fmt, (q.finished, v.finished), (q.finished_raised, v.finished_raised))
+    tally = _MultipliedOut if multiplied_out else _Tally
+    q, v, h = tally(_Q, 1 + _Q + _V), tally(_V, 1 + _Q + _V), tally(_H, 1 + _H)
+    q1, v1 = stepper(method, lambda exact: tally.of_coefficient(exact, fmt))(oscillator, q, v, h)
+    counted, raised = ((_in_ring(x), _in_ring(y)) for x, y in zip(q1.finished, v1.finished, strict=True))
+    return AnyOrderBound(fmt, counted, raised)
 
 
 def _weighted(polynomial: Polynomial, weight: Callable[[int], Fraction]) -> list[tuple[tuple[int, ...], Fraction]]:
@@ -97,57 +111,80 @@ def _summed(terms: list[tuple[tuple[int, ...], Fraction]]) -> Terms:
     return total
 
 
-class _Tally(NamedTuple):
+class _Tally:
     """Sums of |monomials|, as they are and with small factors raised; a power of D counts a monomial's roundings.
 
     Still to be counted are the `additions` of the sum that ends here: any term may be the one that passes them all.
+    A `factor` is None where it is not known to be a constant.
     """
 
-    plain: Polynomial
-    raised: Polynomial
-    additions: int = 0
+    __slots__ = ("additions", "factor", "plain", "raised")
+
+    def __init__(self, plain: Sizes, raised: Sizes, additions: int = 0, factor: Exact | None = None) -> None:
+        """Without `additions`, a number that is finished."""
+        self.plain, self.raised, self.additions, self.factor = plain, raised, additions, factor
+
+    @classmethod
+    def of_coefficient(cls, exact: Exact, fmt: FloatFormat) -> Self:
+        """A coefficient: one that this format holds may be another program's rounded one. Raises ValueError."""
+        most = above(size(exact))
+        if 0 < most < power_of_two(fmt.emin):
+            raise ValueError(f"the coefficient {most} is in the underflow range of {fmt.name}")
+        count = _ONE if most == 1 else _D
+        return cls(count * _rational(most), count * _rational(max(most, Fraction(1))), factor=exact)
 
     @property
-    def finished(self) -> Polynomial:
-        """`plain` with the additions counted."""
-        return self.plain * D**self.additions
+    def finished(self) -> tuple[Sizes, Sizes]:
+        """`plain` and `raised` with the additions counted."""
+        counted = _D**self.additions
+        return self.plain * counted, self.raised * counted
 
-    @property
-    def finished_raised(self) -> Polynomial:
-        """`raised` with the additions counted."""
-        return self.raised * D**self.additions
+    def __add__(self, other: Self) -> Self:
+        """x + y: one addition more for any term."""
+        additions = self.additions + other.additions + 1
+        return type(self)(self.plain + other.plain, self.raised + other.raised, additions)
 
+    __sub__ = __add__
 
-def _tally_of(output: Rounded, multiplied_out: bool) -> _Tally:
-    found: dict[int, _Tally] = {}
-    for x in program([output]):
-        found[id(x)] = _tally(x, [found[id(operand)] for operand, _ in x.operands], multiplied_out)
-    return found[id(output)]
+    def __neg__(self) -> Self:
+        """-x, exact."""
+        return self
 
+    def __mul__(self, other: Self) -> Self:
+        """x y."""
+        for x, y in ((self, other), (other, self)):
+            if x.factor in (1, -1):  # no product at all: a sum behind it may be merged with the sum before it
+                return y
+        return self._times(other)
 
-def _tally(x: Rounded, operands: list[_Tally], multiplied_out: bool) -> _Tally:
-    if not operands:
-        return _leaf(x)
-    if len(operands) == 1:  # a negation: the force -q, which is called with a finished number
-        (a,) = operands
-        return _Tally(a.finished, a.finished_raised) if multiplied_out else a
-    a, b = operands
-    if not x.fusible:
-        return _Tally(a.plain + b.plain, a.raised + b.raised, a.additions + b.additions + 1)
-    for (factor, _), other in zip(x.operands, (b, a), strict=True):
-        if factor.held in (1, -1):  # no product at all: a sum behind it may be merged with the sum before it
-            return other
-    if multiplied_out and 0 in (a.additions, b.additions):
-        return _Tally(D * a.plain * b.plain, D * a.raised * b.raised, a.additions + b.additions)
-    return _Tally(D * a.finished * b.finished, D * a.finished_raised * b.finished_raised)
+    def _times(self, other: Self) -> Self:
+        (a, a_raised), (b, b_raised) = self.finished, other.finished
+        return type(self)(_D * a * b, _D * a_raised * b_raised)
 
 
-def _leaf(x: Rounded) -> _Tally:
-    size = majorant(x.exact)
-    if x.held is None:
-        return _Tally(size, 1 + H if size == H else 1 + Q + V)
-    if 0 < size.LC < rational(power_of_two(x.format.emin)):
-        raise ValueError(f"the coefficient {size.LC} is in the underflow range of {x.format.name}")
-    # A coefficient that this format holds may be another program's rounded one.
-    count = RING.one if size == 1 else D
-    return _Tally(count * size, count * max(size.LC, 1))
+class _MultipliedOut(_Tally):
+    """The tally where brackets may be multiplied out, but not through the force, which is called with one number."""
+
+    __slots__ = ()
+
+    def __neg__(self) -> Self:
+        """The force -q of a finished number."""
+        return self if self.factor is not None else type(self)(*self.finished)
+
+    def _times(self, other: Self) -> Self:
+        if 0 not in (self.additions, other.additions):
+            return super()._times(other)
+        additions = self.additions + other.additions
+        return type(self)(_D * self.plain * other.plain, _D * self.raised * other.raised, additions)
+
+
+def _in_ring(sizes: Sizes) -> Polynomial:
+    """The same polynomial in `RING`."""
+    terms = sizes.to_dict().items()
+    return RING.from_dict(
+        {(int(d), 0, *map(int, powers)): rational(Fraction(int(c.p), int(c.q))) for (d, *powers), c in terms}
+    )
+
+
+def _rational(x: Fraction) -> fmpq:
+    return fmpq(x.numerator, x.denominator)

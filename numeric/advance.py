@@ -1,0 +1,77 @@
+"""Any method on any problem, step after step: explicit ones by program text, implicit ones by Newton's method."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from methods.fields import FUNCTIONS, Field
+from methods.jacobian import jacobian
+from methods.program_text import indented, maker, maker_text
+from methods.schemes import Method
+from numeric.engine import field_runner, lifted
+from numeric.implicit import implicit_stepper
+from numeric.problems.problem import Problem
+from numeric.run import nearest_double
+
+State: TypeAlias = tuple[float, ...]
+Rate: TypeAlias = Callable[[float, Any], list[float]]
+# advance(y, h, first, last) -> y: steps first to last - 1, the i-th from t = i h.
+Advance: TypeAlias = Callable[[State, float, int, int], State]
+
+_FUNCTIONS = {name: getattr(math, name) for name in FUNCTIONS}
+
+
+def advance(method: Method, problem: Problem, rate: Rate | None = None) -> Advance:
+    """advance(y, h, first, last) -> y of the method on the problem, in Python floats.
+
+    `rate` stands in for the problem's own, to count its calls say; only stages that are equations call it, and their
+    Jacobian matrices are written out of the problem's text. Raises MethodError where the method does not apply: a
+    splitting where the problem is of first order. What it returns may raise ArithmeticError or ValueError where floats
+    end or stages are not found.
+    """
+    if method.explicit:
+        return field_runner(method, problem.field)
+    step = implicit_stepper(method, rate or field_rate(problem.field), field_jacobian(problem.field))
+
+    def run(y: State, h: float, first: int, last: int) -> State:
+        for i in range(first, last):
+            y = tuple(map(float, step(i * h, y, h).y))
+        return y
+
+    return run
+
+
+def float_start(problem: Problem) -> State:
+    """The start, each component rounded once."""
+    return tuple(nearest_double(x, f"start y{i}") for i, x in enumerate(problem.start))
+
+
+def field_rate(field: Field, functions: Mapping[str, Any] | None = None) -> Rate:
+    """f(t, y) of the field as a function of a number and of a sequence of numbers; a list.
+
+    `functions` are those of the numbers, by the names in `fields.FUNCTIONS`; without them those of floats.
+    """
+    rate: Rate = _function(field, f"[{', '.join(field.at({}))}]", functions or _FUNCTIONS)
+    return rate
+
+
+def field_jacobian(field: Field) -> Callable[[float, Any], Any]:
+    """The matrix of the derivatives of f at (t, y), by their formulas, in floats."""
+    rows = ", ".join(f"[{', '.join(row)}]" for row in jacobian(field))
+    matrix = _function(field, f"[{rows}]", _FUNCTIONS)
+    return lambda t, y: np.array(matrix(t, y), np.float64)
+
+
+def _function(field: Field, value: str, functions: Mapping[str, Any]) -> Callable[[float, Any], Any]:
+    """(t, y) -> the value that the text spells. In its text it is called run, as no parameter may be."""
+    names = [name for name, _ in field.parameters]
+    lines = [f"{''.join(f'{y}, ' for y in field.components)}= y", f"return {value}"]
+    text = maker_text(names, "run", ["def run(t, y):", *indented(lines)])
+    made: Callable[[float, Any], Any] = maker(text, "run", dict(functions))(
+        *[lifted(c, np.float64) for _, c in field.parameters]
+    )
+    return made

@@ -1,0 +1,113 @@
+"""What float runs show of stability: where they end, how a linear step grows, the largest step that stays bounded."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import hypot, inf, isfinite, nextafter
+
+import numpy as np
+
+from numeric.advance import Advance, State
+
+# Steps that a run takes between looks at its state, at most: a state that is not finite is found by going back.
+BETWEEN_LOOKS = 1 << 12
+# A linear step is raised to the power 2**SQUARINGS. Its powers count as bounded while they stay below GROWTH: that sees
+# |R| - 1 down to log(GROWTH)/2**SQUARINGS = 2e-11, and the linear growth of a Jordan block, while rounding in the
+# squarings, 2**SQUARINGS u = 1e-4 relatively, is far below it.
+SQUARINGS, GROWTH = 40, 1e9
+# Steps looked at for a first growth, in powers of two times 1/|A|.
+SMALLEST, LARGEST = -20, 30
+
+
+@dataclass(frozen=True)
+class Observed:
+    """A run of `steps` steps of the float h: its last state, or after how many steps it ended, and of what.
+
+    `failed_after` is the number of the first step whose state is not finite, or which could not be made; None if all
+    were. `largest`: the largest size of a state seen, at looks up to BETWEEN_LOOKS steps apart.
+    """
+
+    h: float
+    steps: int
+    state: State
+    largest: float
+    failed_after: int | None = None
+    remark: str = ""
+
+
+def observe(advance: Advance, start: State, h: float, steps: int, enough: float = inf) -> Observed:
+    """Run, looking at the state after 1, 2, 4, ... steps; it stops at a state that is not finite, or above `enough`."""
+    y, done, stride, largest = start, 0, 1, size(start)
+    while done < steps and largest <= enough:
+        last = min(steps, done + stride)
+        try:
+            reached = advance(y, h, done, last)
+        except (ArithmeticError, ValueError) as error:  # math.log of a negative number is a ValueError
+            if last == done + 1:
+                return Observed(h, steps, y, largest, last, " ".join(str(error).split()))
+            stride = 1
+            continue
+        if not isfinite(size(reached)):
+            if last == done + 1:
+                return Observed(h, steps, reached, inf, last, "not finite")
+            stride = (last - done) // 2
+            continue
+        y, done, largest = reached, last, max(largest, size(reached))
+        stride = min(2 * stride, BETWEEN_LOOKS)
+    return Observed(h, steps, y, largest)
+
+
+def size(y: State) -> float:
+    """The Euclidean length; infinite or NaN where a component is, and also where only the length overflows: inf."""
+    return hypot(*y)
+
+
+def step_matrix(advance: Advance, components: int, h: float) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+    """The matrix of the float step of a linear problem: its columns are the steps of the unit vectors."""
+    units = np.eye(components)
+    return np.array([advance(tuple(map(float, unit)), h, 0, 1) for unit in units]).T
+
+
+def stays_bounded(advance: Advance, components: int, h: float) -> bool:
+    """The powers of the float step's matrix are below GROWTH after 2, 4, ..., 2**SQUARINGS steps."""
+    power = step_matrix(advance, components, h)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for _ in range(SQUARINGS):
+            if not np.abs(power).max() < GROWTH:  # NaN is not
+                return False
+            power = power @ power
+    return bool(np.abs(power).max() < GROWTH)
+
+
+def largest_bounded(is_bounded: Callable[[float], bool], scale: float) -> tuple[float, float]:
+    """Neighbouring doubles, h bounded and the next one not, by bisection where growth first shows; (h, inf) if nowhere.
+
+    Looked for over h = 2ⁿ scale, n from SMALLEST to LARGEST; (0, h) if already the smallest is not bounded. What is
+    found is one change from bounded to not: the first, unless two lie between powers of two.
+    """
+    low = 0.0
+    for exponent in range(SMALLEST, LARGEST + 1):
+        high = scale * 2.0**exponent
+        if not is_bounded(high):
+            break
+        low = high
+    else:
+        return low, inf
+    while low > 0 and nextafter(low, high) < high:
+        middle = (low + high) / 2
+        low, high = (middle, high) if is_bounded(middle) else (low, middle)
+    return low, high
+
+
+def fewest_steps(is_good: Callable[[int], bool], most: int) -> int | None:
+    """The least N with N good and N - 1 not, by doubling and bisection; None if no power of 2 up to `most` is good."""
+    bad, good = 0, 1
+    while not is_good(good):
+        bad, good = good, 2 * good
+        if good > most:
+            return None
+    while good - bad > 1:
+        middle = (bad + good) // 2
+        bad, good = (bad, middle) if is_good(middle) else (middle, good)
+    return good

@@ -1,0 +1,108 @@
+"""Calls timed side by side: short ones in batches, in random order, several rounds, garbage collection off."""
+
+from __future__ import annotations
+
+import gc
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from random import Random
+from statistics import median, quantiles
+from time import perf_counter
+
+ROUNDS = 5
+# A call shorter than SHORT seconds is repeated in a batch that lasts about BATCH, beside which the clock costs nothing.
+SHORT, BATCH = 10e-6, 100e-6
+SEED = 1
+
+
+@dataclass
+class Timing:
+    """Seconds of one call, one sample a round, each the mean of a batch of `batch` calls.
+
+    Without samples, `remark` says why the call was not timed.
+    """
+
+    batch: int = 1
+    samples: list[float] = field(default_factory=list)
+    remark: str = ""
+
+    @property
+    def best(self) -> float:
+        """The minimum, which is the estimate: what disturbs a run only makes it longer."""
+        return min(self.samples)
+
+    @property
+    def median(self) -> float:
+        """The median."""
+        return median(self.samples)
+
+    @property
+    def spread(self) -> float | None:
+        """The middle half of the samples, from end to end, over their median; None for a single sample."""
+        if len(self.samples) < 2:
+            return None
+        low, _, high = quantiles(self.samples, n=4, method="inclusive")
+        return (high - low) / self.median
+
+
+Clock = Callable[[], float]
+
+
+def started(call: Callable[[], object], clock: Clock = perf_counter) -> tuple[Timing, float]:
+    """A timing without samples yet, its batch chosen by a call that is not kept; and what that call took."""
+    seconds = _seconds(call, 1, clock)
+    batch = 1 if seconds >= SHORT else max(1, round(BATCH / max(seconds, SHORT / 100)))
+    return Timing(batch), seconds
+
+
+def take_turns(
+    calls: Mapping[str, Callable[[], object]],
+    timings: Mapping[str, Timing],
+    *,
+    limit: float,
+    rounds: int = ROUNDS,
+    seed: int = SEED,
+    clock: Clock = perf_counter,
+) -> Iterator[str]:
+    """One sample more for each call that has fewer than `rounds`, in every round in another random order.
+
+    A busy moment of the machine meets all of them, because turns interleave. One that has spent `limit` seconds gets no
+    further turn. Yields the name after each sample, which stands in `timings` by then; "" after each round.
+    """
+    order = Random(seed)
+    for _ in range(rounds):
+        names = sorted(name for name in calls if open_for_more(timings[name], rounds, limit))
+        order.shuffle(names)
+        for name in names:
+            timing = timings[name]
+            timing.samples.append(_seconds(calls[name], timing.batch, clock))
+            yield name
+        yield ""
+
+
+def open_for_more(timing: Timing, rounds: int, limit: float) -> bool:
+    """True for a timing with too few samples that has not spent its time; never for one with a remark."""
+    spent = sum(timing.samples) * timing.batch
+    return not timing.remark and len(timing.samples) < rounds and spent < limit
+
+
+def _seconds(call: Callable[[], object], batch: int, clock: Clock) -> float:
+    """The mean of a batch."""
+    with _collector_off():
+        before = clock()
+        for _ in range(batch):
+            call()
+        return (clock() - before) / batch
+
+
+@contextmanager
+def _collector_off() -> Iterator[None]:
+    """No garbage is collected meanwhile, as in `timeit`."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()

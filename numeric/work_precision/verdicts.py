@@ -1,0 +1,56 @@
+"""What a table says of error against cost: the cheapest measured point for a goal, and who is never worth choosing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import isfinite
+from typing import NamedTuple, TypeVar
+
+GOALS = (1e-3, 1e-6, 1e-10)
+Name = TypeVar("Name")
+
+
+class Priced(NamedTuple):
+    """A measured point: its error and what it cost, in evaluations or in seconds; `setting` names it."""
+
+    error: float
+    cost: float
+    setting: str = ""
+
+
+def cheapest(points: Sequence[Priced], goal: float) -> Priced | None:
+    """The cheapest of the points whose error is at most `goal`; None if there is none. Nothing is interpolated."""
+    return min((point for point in points if point.error <= goal), key=lambda point: point.cost, default=None)
+
+
+def dominators(curves: Mapping[Name, Sequence[Priced]]) -> dict[Name, list[Name]]:
+    """For each method that is dominated, those that do it, the one that beats most of its points first.
+
+    A point is dominated when a point of another method has no larger error and no larger cost, and is smaller in one
+    of them (Pareto); a method, when it has finite points and all of them are. The others have no entry.
+    """
+    found = {}
+    for name, points in curves.items():
+        finite = [point for point in points if isfinite(point.error)]
+        beaten = {
+            other: {i for i, point in enumerate(finite) if any(_beats(theirs, point) for theirs in rivals)}
+            for other, rivals in curves.items()
+            if other != name
+        }
+        if finite and len(set[int]().union(*beaten.values())) == len(finite):
+            found[name] = _fewest(beaten)
+    return found
+
+
+def _fewest(beaten: Mapping[Name, set[int]]) -> list[Name]:
+    """Enough of the others to beat every point, each the one that adds most."""
+    chosen, left = [], set[int]().union(*beaten.values())
+    while left:
+        best = max(beaten, key=lambda other: len(beaten[other] & left))
+        chosen.append(best)
+        left -= beaten[best]
+    return chosen
+
+
+def _beats(a: Priced, b: Priced) -> bool:
+    return a.error <= b.error and a.cost <= b.cost and (a.error, a.cost) != (b.error, b.cost)

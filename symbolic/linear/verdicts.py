@@ -1,0 +1,110 @@
+"""Whether powers of a step on z' = Az stay bounded at one given step size, exact; how far each part is damped."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from functools import partial
+
+from flint import acb, acb_poly, arb, fmpq
+
+from symbolic.linear.algebraic_numbers import ratio
+from symbolic.linear.bounded_powers import boundary_of, is_bounded
+from symbolic.linear.conjugate_pairs import UndecidedLimitError, margin_sign
+from symbolic.linear.eigenvalues import Complex, Eigenvalue, Imaginary, eigenvalues
+from symbolic.linear.oscillator import linear_step_matrix, one_step_matrix, stability_function_of
+from symbolic.linear.polynomials import ONE, Polynomial, Scalar, at_ball, exact, scalar
+from symbolic.linear.rational_functions import RationalFunction
+from symbolic.linear.rays import ALWAYS, at_rest, ray_conditions
+from symbolic.linear.real_roots import ZERO, RealRoot, rational_root, sign_at
+from symbolic.linear.systems import SystemFacts
+
+
+def bounded_at(found: SystemFacts, h: Fraction) -> bool:
+    """The powers of M(h) are bounded, decided for each eigenvalue of A; h > 0. Raises UndecidedLimitError."""
+    return all(part_is_bounded(found, eigenvalue, h) for eigenvalue, _ in found.bounds)
+
+
+def part_is_bounded(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> bool:
+    """The same for the part of M(h) that belongs to one eigenvalue, or to a pair. Raises UndecidedLimitError."""
+    r = stability_function_of(found.method)
+    if r is None:
+        return _partitioned(found, eigenvalue, h)
+    place, block = eigenvalue.place, eigenvalue.block
+    if isinstance(place, Imaginary):
+        return _on_ray(r, fmpq(0), fmpq(1), block, times(place.size, h))
+    if isinstance(place, Complex):
+        if place.degree == 2:
+            return _on_ray(r, *place.sum_and_product(), block, rational_root(h))
+        if block > 1:
+            raise UndecidedLimitError("a complex eigenvalue of degree 3 or more with a Jordan block is not decided")
+        return margin_sign(r, place, fmpq(h.numerator, h.denominator)) > 0
+    if place == ZERO:
+        return at_rest(r, block) == ALWAYS
+    ahead = place.ball() > 0
+    return _on_ray(r, fmpq(2 if ahead else -2), fmpq(1), block, times(place if ahead else place.negated(), h))
+
+
+def _on_ray(r: RationalFunction, total: Scalar, product: Scalar, block: int, x: RealRoot) -> bool:
+    margin, obstacles = ray_conditions(r, total, product, block)
+    inside = sign_at(margin, x)
+    return inside > 0 or (inside == 0 and all(sign_at(p, x) == 0 for p in obstacles))
+
+
+def _partitioned(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> bool:
+    """On q' = v, v' = Kq: the oscillator's matrix at hω, or that of q' = v, v' = q at h|λ|, by its exact signs."""
+    place = eigenvalue.place
+    if eigenvalue.block > 1 or isinstance(place, Complex) or place == ZERO:
+        raise UndecidedLimitError("a method that is not Runge-Kutta: only simple real and imaginary eigenvalues")
+    if isinstance(place, Imaginary):
+        matrix, size = one_step_matrix(found.method), place.size
+    else:
+        matrix = linear_step_matrix(found.method, [[0, 1], [1, 0]])
+        size = place if place.ball() > 0 else place.negated()
+    return is_bounded(boundary_of(matrix), partial(sign_at, root=times(size, h)))
+
+
+def times(size: RealRoot, h: Fraction) -> RealRoot:
+    """h times a positive number, h > 0."""
+    return ratio(size, rational_root(1 / h))
+
+
+def largest_eigenvalue(rows: Sequence[Sequence[Fraction]]) -> Eigenvalue:
+    """The eigenvalue of A that is largest in size: the stiffest part of z' = Az, if it decays."""
+    return max(eigenvalues(rows), key=lambda e: float(abs(_ball(e)).mid()))
+
+
+def factor_at(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> Fraction | Callable[[], arb]:
+    """The largest size of an eigenvalue of M(h) that belongs to this one of A: |R(hλ)|, or of the 2x2 matrix at hω.
+
+    A procedure that returns a ball, as `certified.enclose` takes it, where the number is not rational.
+    """
+    r = stability_function_of(found.method)
+    if r is not None and isinstance(eigenvalue.place, RealRoot) and eigenvalue.place.rational is not None:
+        value = exact(r(scalar(h * eigenvalue.place.rational)))
+        if isinstance(value, Fraction):
+            return abs(value)
+
+    def of_function() -> arb:
+        z = _ball(eigenvalue) * fmpq(h.numerator, h.denominator)
+        num, den = (_at(p, z) for p in (r.num, r.den)) if r is not None else (acb(1), acb(1))
+        return abs(num / den)
+
+    def of_matrix() -> arb:
+        x = abs(_ball(eigenvalue)) * fmpq(h.numerator, h.denominator)
+        real = isinstance(eigenvalue.place, RealRoot)
+        matrix = linear_step_matrix(found.method, [[0, 1], [1, 0]]) if real else one_step_matrix(found.method)
+        (a, b), (c, d) = ([at_ball(e.num, x) / at_ball(e.den, x) for e in row] for row in matrix)
+        half, root = acb(a + d) / 2, acb((a - d) * (a - d) + 4 * b * c).sqrt() / 2
+        return abs(half + root).max(abs(half - root))
+
+    return of_function if r is not None else of_matrix
+
+
+def _ball(eigenvalue: Eigenvalue) -> acb:
+    place = eigenvalue.place
+    return acb(0, place.size.ball()) if isinstance(place, Imaginary) else acb(place.ball())
+
+
+def _at(p: Polynomial, z: acb) -> acb:
+    return acb_poly([at_ball(ONE * c, arb(0)) for c in p.coeffs()])(z)
