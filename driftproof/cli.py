@@ -7,9 +7,47 @@ from collections.abc import Sequence
 
 from driftproof import __version__
 from driftproof.arguments import BAD_INPUT, NO_ANSWER, REFUTED, Parser, Refuted
-from driftproof.commands import facts, identify, methods, roundoff, run, scene, scenes, step, values, verify
+from driftproof.commands import (
+    check,
+    diff,
+    facts,
+    identify,
+    methods,
+    render,
+    report,
+    roundoff,
+    run,
+    scene,
+    scenes,
+    stability,
+    step,
+    sweep,
+    value,
+    values,
+    verify,
+    work_precision,
+)
 
-COMMANDS = (methods, facts, step, run, roundoff, identify, verify, scenes, scene, values)
+COMMANDS = (
+    methods,
+    facts,
+    step,
+    run,
+    roundoff,
+    stability,
+    identify,
+    verify,
+    scenes,
+    scene,
+    sweep,
+    report,
+    work_precision,
+    value,
+    values,
+    render,
+    check,
+    diff,
+)
 
 EXAMPLES = """\
 examples:
@@ -20,6 +58,8 @@ examples:
   driftproof identify mylib.ode:step               which method your code really is
   driftproof verify mylib.ode:step --method rk4    and whether it is right to roundoff
   driftproof scene default                         the lesson's readouts and its table
+  driftproof work-precision                        error against evaluations and against run time
+  driftproof report -o report.html                 the same as a page, with figures
   driftproof values --only 'rk4.*' --format md     proved values, ready for a text
 
 Numbers are read exactly: 0.1 is 1/10, and 1/4 is a quarter. `driftproof COMMAND --help` teaches each command.

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +9,7 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
+from driftproof.files import whole
 from methods.catalogue import METHODS
 from numeric.readouts import exact_state
 from numeric.scenes import Scene
@@ -66,13 +65,5 @@ def _exact(scene: Scene, times: Any) -> Any:
 
 def save(figure: Figure, path: Path) -> None:
     """Write the figure whole or not at all, as SVG or by the file's suffix."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, draft = tempfile.mkstemp(dir=path.parent, suffix=path.suffix)
-    os.close(handle)
-    try:
+    with whole(path) as draft:
         figure.savefig(draft, metadata={"Date": None})
-        os.chmod(draft, 0o644)
-        os.replace(draft, path)
-    except BaseException:
-        os.unlink(draft)
-        raise

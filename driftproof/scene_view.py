@@ -6,12 +6,13 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
-from driftproof.text import short, table
+from driftproof.text import LARGEST_PLAIN, short, table
 from methods.catalogue import METHODS
 from numeric.run import Counter, NonFiniteReadout, NonFiniteState, Readouts, run_method
 from numeric.scenes import FIGURES, TABLE, Scene
 
 COMPARED = ("state_error", "energy_change", "evaluations")
+UNDEFINED = "undefined at the origin"
 
 
 def show_scene(scene: Scene, digits: int, counter: Counter = range) -> dict[str, Any]:
@@ -21,13 +22,13 @@ def show_scene(scene: Scene, digits: int, counter: Counter = range) -> dict[str,
     """
     shown: dict[str, Any] = {}
     if scene.readouts:
-        shown["readouts"] = _or_message(lambda: run_method(scene, scene.selected, counter))
+        shown["readouts"] = or_message(lambda: run_method(scene, scene.selected, counter))
     if scene.certified:
-        shown["certified"] = _certified(scene, digits)
+        shown["certified"] = certified(scene, digits)
     if TABLE in scene.panels:
-        compared = _asking_for(scene, COMPARED)
+        compared = asking_for(scene, COMPARED)
         shown["table"] = {
-            key: _or_message(lambda key=key: run_method(compared, key, counter))  # type: ignore[misc]
+            key: or_message(lambda key=key: run_method(compared, key, counter))  # type: ignore[misc]
             for key in scene.methods
         }
     return shown
@@ -50,11 +51,13 @@ def scene_text(scene: Scene, shown: dict[str, Any]) -> str:
     title = f"{METHODS[scene.selected].title}, h = {scene.h}, t = {scene.t}"
     parts = [f"{scene.name}: {title}"]
     if "readouts" in shown:
-        parts.append(_readouts_text(shown["readouts"]))
+        readouts = shown["readouts"]
+        parts.append(readouts if isinstance(readouts, str) else table(readout_rows(readouts)))
     if "certified" in shown:
-        parts.append(_certified_text(shown["certified"]))
+        parts.append("Certified\n\n" + table(certified_rows(shown["certified"])))
     if "table" in shown:
-        parts.append(f"All methods at h = {scene.h}, measured at t = {scene.t}\n\n{_table_text(shown['table'])}")
+        compared = table(comparison_rows(shown["table"]), right=(1, 2, 3))
+        parts.append(f"All methods at h = {scene.h}, measured at t = {scene.t}\n\n{compared}")
     return "\n\n".join(parts)
 
 
@@ -65,23 +68,25 @@ def draw_scene(scene: Scene, folder: Path) -> list[Path]:
         return []
     from driftproof.figures import draw
 
-    readouts = run_method(_asking_for(scene, ("trajectory",)), scene.selected)
+    readouts = run_method(asking_for(scene, ("trajectory",)), scene.selected)
     return [draw(panel, scene, readouts["trajectory"], folder) for panel in figures]
 
 
-def _asking_for(scene: Scene, readouts: Iterable[str]) -> Scene:
+def asking_for(scene: Scene, readouts: Iterable[str]) -> Scene:
     """The same run with other readouts, and no panels."""
     return Scene(scene.name, scene.selected, scene.h, scene.t, scene.start, readouts=tuple(readouts))
 
 
-def _or_message(run: Callable[[], Readouts]) -> Readouts | str:
+def or_message(run: Callable[[], Readouts]) -> Readouts | str:
+    """What the run returns; where it overflows, the message."""
     try:
         return run()
     except (NonFiniteState, NonFiniteReadout) as stopped:
         return str(stopped)
 
 
-def _certified(scene: Scene, digits: int) -> dict[str, Any]:
+def certified(scene: Scene, digits: int) -> dict[str, Any]:
+    """The certified readouts of the scene's selected method, with so many digits."""
     from driftproof.answers import run_answer
     from symbolic.certified import HALF_EVEN
 
@@ -91,7 +96,7 @@ def _certified(scene: Scene, digits: int) -> dict[str, Any]:
 
 def _fixed(places: int) -> Callable[[float], str]:
     """How x is shown: a zero, also one that rounding makes, has no sign (the option z)."""
-    return lambda x: f"{x:z.{places}f}"
+    return lambda x: f"{x:z.{places}f}" if abs(x) < LARGEST_PLAIN else f"{x:.{places}e}"
 
 
 def _state(state: tuple[float, float]) -> str:
@@ -112,27 +117,28 @@ _SHOWN: dict[str, tuple[str, Callable[[Any], str]]] = {
 }
 
 
-def _readouts_text(readouts: Readouts | str) -> str:
-    if isinstance(readouts, str):
-        return readouts
+def readout_rows(readouts: Readouts) -> list[list[str]]:
+    """Label and value of each readout."""
     rows = []
     for name, value in readouts.items():
         label, show = _SHOWN[name]
-        rows.append([label, "undefined at the origin" if value is None else show(value)])
-    return table(rows)
+        rows.append([label, UNDEFINED if value is None else show(value)])
+    return rows
 
 
-def _certified_text(certified: dict[str, Any]) -> str:
+def certified_rows(certified: dict[str, Any]) -> list[list[str]]:
+    """Label and value of each certified readout; a state is two of them."""
     rows = []
     for name, value in certified.items():
         parts = {"": value} if value is None or "decimal" in value else value
         for component, number in parts.items():
-            shown = "undefined at the origin" if number is None else number["decimal"]
+            shown = UNDEFINED if number is None else number["decimal"]
             rows.append([f"{_SHOWN[name][0]} {component}".strip(), shown])
-    return "Certified\n\n" + table(rows)
+    return rows
 
 
-def _table_text(rows: dict[str, Readouts | str]) -> str:
+def comparison_rows(rows: dict[str, Readouts | str]) -> list[list[str]]:
+    """The header of the table of methods, and a row for each; a run that overflowed has its message in cell two."""
     lines = [["Method", "State error", "Energy change", "Calls"]]
     for key, readouts in rows.items():
         if isinstance(readouts, str):
@@ -140,7 +146,7 @@ def _table_text(rows: dict[str, Readouts | str]) -> str:
         else:
             error, change, calls = (readouts[name] for name in COMPARED)
             lines.append([METHODS[key].title, short(error), short(change), str(calls)])
-    return table(lines, right=(1, 2, 3))
+    return lines
 
 
 def _strings(content: Any) -> Any:

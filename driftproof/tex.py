@@ -27,7 +27,7 @@ _ESCAPED = str.maketrans({"_": r"\_", "^": r"\^{}", "#": r"\#", "&": r"\&", "%":
 
 def facts_tex(facts: dict[str, Json]) -> str:
     """A tabular with one row per fact."""
-    rows = [rf"  {name.replace('_', ' ')} & {_tex(name, value)} \\" for name, value in facts.items()]
+    rows = [rf"  {name.replace('_', ' ')} & {fact_tex(name, value)} \\" for name, value in facts.items()]
     return "\n".join([r"\begin{tabular}{ll}", *rows, r"\end{tabular}"])
 
 
@@ -70,8 +70,8 @@ def _power(variable: str, power: int) -> str:
     return "" if power == 0 else base if power == 1 else f"{base}^{{{power}}}"
 
 
-def _tex(name: str, value: Json) -> str:
-    """The value in one cell; what has no form of its own, as plain text with TeX's own characters escaped."""
+def fact_tex(name: str, value: Json) -> str:
+    """The value of one fact; what has no form of its own, as plain text with TeX's own characters escaped."""
     if value == "oo":
         return r"$\infty$"
     if isinstance(value, dict):
@@ -81,7 +81,7 @@ def _tex(name: str, value: Json) -> str:
     if isinstance(value, list) and value and isinstance(value[0], list):
         return f"${_matrix(name, value)}$"
     if isinstance(value, list) and value and isinstance(value[0], dict):
-        return "; ".join(_tex(name, part) for part in value)
+        return "; ".join(fact_tex(name, part) for part in value)
     return fact_text(name, value).replace("**", "^").translate(_ESCAPED)
 
 
@@ -137,7 +137,7 @@ def _set(values: str) -> str:
 def _piece(_: str, value: Json) -> str:
     """One piece of a limit as a function of a parameter."""
     if value["curve"] is None:
-        found = _tex("", value["limit"])
+        found = fact_tex("", value["limit"])
     else:
         solved = f"${number_tex(value['formula'])}$" if value["formula"] else ""
         found = solved or f"positive root {value['root']} of ${number_tex(value['curve'])}$"
@@ -145,7 +145,7 @@ def _piece(_: str, value: Json) -> str:
 
 
 def _eigenvalue(_: str, value: Json) -> str:
-    return f"{_tex('', value['value'])}: limit {_tex('', value['limit'])}"
+    return f"{fact_tex('', value['value'])}: limit {fact_tex('', value['limit'])}"
 
 
 _FORMS: tuple[tuple[set[str], Callable[[str, Json], str]], ...] = (

@@ -13,6 +13,8 @@ from numeric.scenes import Scene
 
 # An exact form longer than this is left to --format json.
 LONGEST_SHOWN = 24
+# A float of this size or more is shown with an exponent.
+LARGEST_PLAIN = 1e9
 
 
 def as_json(answer: Any) -> str:
@@ -87,8 +89,10 @@ def scenes_text(scenes: Sequence[Scene]) -> str:
 
 
 def short(x: float) -> str:
-    """Three decimals as the lesson's table shows them, two significant digits with an exponent below 1e-3."""
-    if x == 0 or abs(x) >= 1e-3:
+    """Three decimals as the lesson's table shows them; two significant digits with an exponent below 1e-3, and beyond
+    LARGEST_PLAIN.
+    """
+    if x == 0 or 1e-3 <= abs(x) < LARGEST_PLAIN:
         return f"{x:.3f}"
     mantissa, exponent = f"{x:.1e}".split("e")
     return f"{mantissa}e{int(exponent)}"

@@ -17,6 +17,9 @@ from driftproof.text import as_json
 Values: TypeAlias = dict[str, dict[str, Any]]
 
 VALUES_FILE = Path(__file__).with_name("values.json")
+# The module for web pages; its line NO_VALUES is where the values go.
+MODULE_FILE = Path(__file__).with_name("driftproof.mjs")
+NO_VALUES = "export const values = {};"
 
 
 @cache
@@ -51,12 +54,16 @@ def _as_markdown(values: Values) -> str:
 
 
 def _as_tex(values: Values) -> str:
-    """One \\driftproofvalue{id}{decimal} per value: define that macro, then look values up by id."""
-    return "\n".join(f"\\driftproofvalue{{{key}}}{{{value['decimal']}}}" for key, value in values.items())
+    """Definitions for a LaTeX document, which then says \\driftproof{id}."""
+    from driftproof.values_tex import values_tex
+
+    return values_tex(values)
 
 
 def _as_js(values: Values) -> str:
-    return f"export const values = {as_json(values)};"
+    """An ES module that holds the values, and rounds and shows them."""
+    module = MODULE_FILE.read_text(encoding="utf-8")
+    return module.replace(NO_VALUES, f"export const values = {as_json(values)};").rstrip("\n")
 
 
 def _as_csv(values: Values) -> str:

@@ -1,4 +1,4 @@
-"""How a proof names its claim and its evidence, which statements are claims, and which still wait."""
+"""How a proof names its claim and its evidence, and which statements are claims."""
 
 from __future__ import annotations
 
@@ -37,20 +37,8 @@ NOT_VERIFIABLE = {
     "L249": "heading of the sources",
 }
 
-# Claims about what the diagrams look like: they wait for the scene page that draws them.
-WAITING = {
-    "L095": "which method each diagram and the table show",
-    "L101": "the vertical scale follows the results",
-    "L102": "tick labels of the position diagram",
-    "L105": "equal scales in the phase plane",
-    "L109": "tick labels of the phase plane",
-    "L110": "both axes share a scale, and the marks of the final states",
-    "L139": "plot scales follow the result; readouts keep more digits than the table",
-    "L149": "each diagram rescales to its trajectory",
-}
-
 STATEMENTS = tuple(f"L{number:03}" for number in range(1, 250))
-REQUIRED = tuple(key for key in STATEMENTS if key not in NOT_VERIFIABLE and key not in WAITING)
+REQUIRED = tuple(key for key in STATEMENTS if key not in NOT_VERIFIABLE)
 
 
 def claim(*ids: str, evidence: str, by: str) -> pytest.MarkDecorator:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from driftproof.text import as_json, table
-from proofs.claims import EVIDENCE, REQUIRED, WAITING
+from proofs.claims import EVIDENCE, REQUIRED
 
 NOT_RUN = "not run"
 ROUNDING = "half-even"
@@ -67,14 +67,14 @@ class Ledger:
         )
 
     def totals(self) -> str:
-        """One line: how many claims stand how, and how many wait."""
+        """One line: how many claims stand how."""
         counts = Counter(self.standing(claim) for claim in REQUIRED)
         order = [*EVIDENCE, "failed", "skipped", NOT_RUN]
         parts = [f"{counts[standing]} {standing}" for standing in order if counts[standing]]
-        return f"{len(REQUIRED)} claims: {', '.join(parts)}; {len(WAITING)} waiting"
+        return f"{len(REQUIRED)} claims: {', '.join(parts)}"
 
     def text(self, width: int) -> str:
-        """The table for a terminal of `width` columns, then what was not run, what waits, and the totals."""
+        """The table for a terminal of `width` columns, then what was not run, and the totals."""
         rows = [["claim", "evidence", "technique", "statement"]]
         used = max(len(entry.technique) for entry in self.entries.values()) + 23  # the other columns and the gaps
         for claim in REQUIRED:
@@ -85,7 +85,6 @@ class Ledger:
         lines = [table(rows)]
         if missing:
             lines.append(textwrap.fill(f"not run: {', '.join(missing)}", width))
-        lines += [f"waiting: {claim}  {reason}" for claim, reason in WAITING.items()]
         return "\n".join([*lines, self.totals()])
 
     def markdown(self) -> str:
@@ -104,8 +103,6 @@ class Ledger:
             entry = self.entries[claim]
             statement = entry.statement.replace("|", "\\|")
             lines.append(f"| {claim} | {statement} | {entry.evidence} | {entry.technique} |")
-        lines += ["", "Waiting for the scene page:", ""]
-        lines += [f"- {claim}: {reason}" for claim, reason in WAITING.items()]
         return "\n".join(lines) + "\n"
 
     def values(self) -> str:

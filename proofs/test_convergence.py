@@ -24,9 +24,9 @@ from proofs.setting import (
     state_after,
 )
 from symbolic.certified import Exact, enclose, fixed, is_less, sign
+from symbolic.closed_form import STEPS, closed_form
 from symbolic.convergence import T, global_error_coefficient, local_error
 from symbolic.energy import energy_multiplier
-from symbolic.n_steps import STEPS, closed_form
 from symbolic.one_step import H, expression
 
 START_COLUMN = sympy.Matrix(START)

@@ -8,33 +8,26 @@ from pathlib import Path
 
 import pytest
 
-from proofs.claims import NOT_VERIFIABLE, REQUIRED, STATEMENTS, WAITING, claim
+from proofs.claims import NOT_VERIFIABLE, REQUIRED, STATEMENTS, claim
 from proofs.ledger import Entry, Ledger
 from proofs.printed import ROWS
 from symbolic.certified import Exact, significant
 
 LESSON = Path(__file__).parents[2] / "shared" / "lesson" / "claims.json"
-ABOUT_DIAGRAMS = {"L095", "L101", "L102", "L105", "L109", "L110", "L139", "L149"}
 
 
-def test_statements_are_required_waiting_or_not_verifiable() -> None:
-    """249 statements: 220 to prove, 8 about diagrams that wait, 21 that state nothing to verify."""
-    assert (len(STATEMENTS), len(REQUIRED), len(WAITING), len(NOT_VERIFIABLE)) == (249, 220, 8, 21)
-    assert set(REQUIRED) | set(WAITING) | set(NOT_VERIFIABLE) == set(STATEMENTS)
-    assert not set(WAITING) & set(NOT_VERIFIABLE)
-
-
-def test_nothing_waits_but_claims_about_diagrams() -> None:
-    """The waiting list is exactly the claims about what the diagrams look like."""
-    assert set(WAITING) == ABOUT_DIAGRAMS
+def test_statements_are_required_or_not_verifiable() -> None:
+    """249 statements: 228 to prove, 21 that state nothing to verify, and none that waits."""
+    assert (len(STATEMENTS), len(REQUIRED), len(NOT_VERIFIABLE)) == (249, 228, 21)
+    assert set(REQUIRED) | set(NOT_VERIFIABLE) == set(STATEMENTS)
 
 
 @pytest.mark.skipif(not LESSON.exists(), reason="the lesson's own list of claims is not beside this checkout")
-def test_required_and_waiting_are_the_verifiable_claims_of_the_lesson() -> None:
-    """Against the lesson's own inventory: what it calls verifiable is what is proved or waits."""
+def test_required_are_the_verifiable_claims_of_the_lesson() -> None:
+    """Against the lesson's own inventory: what it calls verifiable is what is proved."""
     inventory = json.loads(LESSON.read_text(encoding="utf-8"))["claims"]
     verifiable = {entry["id"] for entry in inventory if entry["verifiable"]}
-    assert verifiable == set(REQUIRED) | set(WAITING)
+    assert verifiable == set(REQUIRED)
 
 
 @pytest.mark.skipif(not LESSON.exists(), reason="the lesson's own list of claims is not beside this checkout")
@@ -59,8 +52,8 @@ def test_claim_refuses_an_unknown_id_and_unknown_evidence() -> None:
     """A proof cannot be marked with a claim that does not exist, nor with evidence of no known kind."""
     with pytest.raises(ValueError, match="L999 is not a claim"):
         claim("L999", evidence="PROVED", by="nothing")
-    with pytest.raises(ValueError, match="L095 is not a claim"):
-        claim("L095", evidence="PROVED", by="nothing")
+    with pytest.raises(ValueError, match="L001 is not a claim"):
+        claim("L001", evidence="PROVED", by="nothing")
     with pytest.raises(ValueError, match="none of PROVED"):
         claim("L010", evidence="BELIEVED", by="nothing")
 

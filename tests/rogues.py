@@ -20,6 +20,12 @@ def hangs_at_zero(q, v, h):
     return q + h * v, v - h * q
 
 
+def hangs_at_nan(q, v, h):
+    while h != h:
+        pass
+    return q + h * v, v - h * q
+
+
 def hangs_with_a_child(q, v, h):
     subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"], close_fds=False)
     os.fork()

@@ -165,8 +165,6 @@ NOT_READABLE = [
     (with_a_spring, "the new velocity holds -1 q, not 0 q"),
     (without_h, "with h = 2, the new position is .* does not scale with h"),
     (with_h_squared_in_the_kick, "with h = 2, the new .* does not scale with h"),
-    (limited, "where the coefficients read say"),
-    (wrapped, "the new position is -4 where the coefficients read say 4"),
     (heavy, "at rest at 0 and without a force, the step does not stay"),
     (iterated, r"the number of calls depends on the answers: \d+, then \d+"),
     (Remembering(), "remembers"),
@@ -180,6 +178,18 @@ def test_what_is_no_method_for_forces_is_refused_with_what_was_seen(step, words)
     subject.function = step
     with pytest.raises(NotReadable, match=words):
         read_forces(subject)
+
+
+@pytest.mark.parametrize("step", [limited, wrapped])
+def test_a_step_with_a_limit_is_read_below_it_with_a_remark(step):
+    subject = opened(codes.symplectic_euler)
+    subject.function = step
+    reading, free = read_forces(subject), read_forces(opened(codes.symplectic_euler))
+    assert (reading.a, reading.b_velocity, reading.drift) == (free.a, free.b_velocity, free.drift)
+    assert reading.amplitude < 1 == free.amplitude
+    assert "of size 1, with" in reading.remarks[0]
+    assert "where the coefficients read say" in reading.remarks[0]
+    assert free.remarks == ()
 
 
 def test_a_step_that_does_not_go_back_is_read_with_a_remark():

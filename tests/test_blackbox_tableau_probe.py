@@ -152,7 +152,6 @@ NOT_READABLE = [
     (adaptive, r"the number of calls depends on the answers: 3, then 7"),
     (Remembering(), "the same step of 2 calls taken twice is not the same"),
     (without_h, "with h = 2, .* does not scale with h"),
-    (limited, "the result is .* where the coefficients read say"),
     (slightly_nonlinear, "the step is not linear in them|does not scale"),
     (crossed, "the slope of one number of y moves another one"),
     (falling, "with all slopes 0, y = 0 does not stay"),
@@ -170,6 +169,15 @@ def test_what_is_no_runge_kutta_step_is_refused_with_what_was_seen(step, words):
     subject.function = step  # as `opened` would have it, without its trial step
     with pytest.raises(NotReadable, match=words):
         read_tableau(subject)
+
+
+def test_a_step_with_a_limit_is_read_below_it_with_a_remark():
+    subject = opened(codes.euler)
+    subject.function = limited
+    reading = read_tableau(subject)
+    assert (reading.a, reading.b, reading.c) == (((0.0,),), (1.0,), (0.0,))
+    assert reading.amplitude < 1
+    assert "of size 1, with" in reading.remarks[0]
 
 
 def test_a_step_that_ignores_the_sign_of_h_is_read_with_a_remark():

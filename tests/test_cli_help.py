@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from driftproof import __version__, cli
+from driftproof.values import VALUES_FILE
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -52,8 +53,10 @@ def test_help_teaches_by_example(command: tuple[str, ...], answer: Answer) -> No
 
 def test_examples_in_the_help_are_answered(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    for command, name in (("scene", "mine.toml"), ("facts", "tableau.toml")):
+    for command, name in (("scene", "mine.toml"), ("facts", "tableau.toml"), ("render", "lesson.md.j2")):
         (tmp_path / name).write_text(help_file(command, name), encoding="utf-8")
+    for name in ("old.json", "new.json"):
+        (tmp_path / name).write_bytes(VALUES_FILE.read_bytes())
     (tmp_path / "mylib").mkdir()
     for name, text in MYLIB.items():
         (tmp_path / "mylib" / name).write_text(text, encoding="utf-8")

@@ -208,6 +208,15 @@ def test_no_zero_is_shown_with_a_sign() -> None:
     assert all(text in shown for text in ("(-0.001, -1.000)", "-0.000001", "-0.001"))
 
 
+def test_enormous_number_is_shown_with_an_exponent() -> None:
+    scene = Scene(
+        "edge", "forward_euler", Q(2), Q(800), methods=("forward_euler",), readouts=READOUTS, panels=("table",)
+    )
+    shown = scene_text(scene, show_scene(scene, 5))
+    assert max(map(len, shown.splitlines())) < 80
+    assert "e+139" in shown
+
+
 def test_scene_json_holds_strings_that_read_back_to_the_same_bits() -> None:
     scene = Scene("s", "rk4", Q(1, 4), Q(1), readouts=READOUTS, certified=("final_state",))
     shown = show_scene(scene, 20)

@@ -9,12 +9,13 @@ from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 from driftproof.blackbox.contract.clauses import Clause
-from driftproof.blackbox.contract.whole import EXPERIMENTS, clauses_of
+from driftproof.blackbox.contract.whole import BRIEF, EXPERIMENTS, clauses_of
 from driftproof.blackbox.findings import Outcome
 from driftproof.blackbox.isolation.laboratory import TIME_LIMIT, Laboratory
-from driftproof.blackbox.judging.agreement import agreement
+from driftproof.blackbox.judging.agreement import ORDINARY, explained
 from driftproof.blackbox.judging.nonlinear import MeasuredOrder, measured_order
 from driftproof.blackbox.linear.fit import Candidate, LinearFit, linear_fit
+from driftproof.blackbox.linear.reading import LINEAR
 from driftproof.blackbox.matching.match import Identity, Reading, match_tableau, matched
 from driftproof.blackbox.matching.read_order import ReadOrder, read_order
 from driftproof.blackbox.probes.tableau_probe import TableauReading
@@ -46,12 +47,12 @@ def identify(
     imported, or has no door.
     """
     laboratory = Laboratory(Target(step, door, array), time_limit, isolate)
-    outcomes = laboratory.run([*QUESTIONS, *EXPERIMENTS.values()])
+    outcomes = laboratory.run([*QUESTIONS, *EXPERIMENTS.values()], BRIEF)
     if outcomes[0].kind == "bad_input":
         raise ValueError(outcomes[0].seen)
     introduced, read, fit, order = outcomes[: len(QUESTIONS)]
     seen = Seen(introduced, read, fit, order, tuple(clauses_of(outcomes[len(QUESTIONS) :])))
-    rounding = None if seen.key is None else _rounding(laboratory, METHODS[seen.key])
+    rounding = None if seen.key is None else _rounding(laboratory, METHODS[seen.key], seen.size)
     return Report(laboratory.target.name, seen.verdict, None, _sections(seen, rounding), _data(seen, rounding))
 
 
@@ -106,13 +107,19 @@ class Seen:
         return next((key for key in keys if METHODS[key].explicit), None)
 
     @property
+    def size(self) -> float:
+        """The size of the states at which it is that method, where larger ones meet a limit; else 1."""
+        read = 1.0 if self.read is None else self.read.reading.amplitude
+        return min(read, self.fit.amplitude) if self.fit is not None and self.fit.kind == LINEAR else read
+
+    @property
     def verdict(self) -> str:
         """Which method it is, in one line."""
         if self.introduction.failed:
             return f"gives no answer: {self.introduction.seen}"
         if self.read is not None and self.read.identity.matches:
             first, *others = [match.name for match in self.read.identity.matches]
-            return f"it is {first}" + (f", the same step as {', '.join(others)}" if others else "")
+            return f"it is {first}" + (f", the same step as {', '.join(others)}" if others else "") + _at(self.size)
         if self.read is not None and self.read.untimed is not None and self.read.untimed.matches:
             name, order = self.read.untimed.matches[0].name, self.read.order.order
             return f"it is {name} called at wrong times: order {order} where the right-hand side depends on t"
@@ -127,9 +134,13 @@ def _in_words(fit: LinearFit, best: Candidate) -> str:
     """The candidate, with its keys where it is a method as it stands, and at which states if not at all of them."""
     keys = f" ({', '.join(best.methods)})" if best.extras == 0 else ""
     if fit.nearest is None:
-        return f"{best.words}{keys}"
+        return f"{best.words}{keys}{_at(fit.amplitude) if fit.kind == LINEAR else ''}"
     near = f"{fit.nearest.methods[0]} at states of size 1, to {fit.nearest.off:.1e}"
     return f"nearly {near}; at states of size {fit.amplitude:.1e}, {best.words}{keys}"
+
+
+def _at(size: float) -> str:
+    return "" if size == 1 else f", at states of size {size:.1e}, not of all sizes"
 
 
 def _on_the_oscillator(candidate: Candidate) -> bool:
@@ -138,8 +149,9 @@ def _on_the_oscillator(candidate: Candidate) -> bool:
     return candidate.extras == 0 and rates == (Fraction(1), Fraction(1), Fraction(0))
 
 
-def _rounding(laboratory: Laboratory, method: Method) -> Outcome:
-    return laboratory.run([partial(agreement, method=method, examples=EXAMPLES)])[0]
+def _rounding(laboratory: Laboratory, method: Method, size: float) -> Outcome:
+    domain = ORDINARY if size >= 1 else replace(ORDINARY, largest_state=size)
+    return laboratory.run([partial(explained, method=method, domain=domain, examples=EXAMPLES)])[0]
 
 
 def _sections(seen: Seen, rounding: Outcome | None) -> tuple[Section, ...]:

@@ -16,7 +16,12 @@ what a stepper may look like:
   step(q, v, h) -> (q1, v1)            its system is built in; also step(state, h), and with m, k, t
   step(force, q, v, h) -> (q1, v1)     q'' = force(q)
   step(f, t, y, h) -> y1               y' = f(t, y); also without t
-Wrap anything else in a function of two lines. It runs in a child process: a hang or a crash is a finding.
+An object with a state, a method that advances it and a force that it calls, or that is given to it, is made one by
+  from driftproof import stepper_of
+  step = stepper_of(lambda force: Body(acceleration=force), position="x", velocity="v", advance="update")
+  step = stepper_of(Body, position="x", velocity="v", push="apply_force", advance="update")
+(field_stepper_of for y' = f(t, y)). Wrap anything else in a function of two lines.
+It runs in a child process: a hang or a crash is a finding.
 """
 
 

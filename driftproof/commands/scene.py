@@ -22,7 +22,7 @@ mine.toml:
   readouts = ["state_error", "evaluations"]
   certified = ["phase_error"]       to any number of --digits, by the exact side
   methods = ["rk4", "velocity_verlet"]
-  panels = ["table"]                table, position, phase_plane
+  panels = ["table"]                table, position, phase_plane; for a report also work_precision, stability
 """
 
 

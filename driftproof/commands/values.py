@@ -20,6 +20,8 @@ def add(commands: Commands) -> None:
             "  driftproof values\n"
             "  driftproof values --only 'rk4.*' --format md\n"
             "  driftproof values --only '*.state_error' --format csv\n"
+            "  driftproof values --format js       a module for web pages: save it as driftproof.mjs\n"
+            "  driftproof values --format tex      definitions for \\driftproof{id}: save it as values.tex\n"
         ),
     )
     parser.add_argument("--only", default="*", metavar="PATTERN", help="ids that match this shell pattern")

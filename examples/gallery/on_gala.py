@@ -34,7 +34,7 @@ def _splitting(name):
         def derivative(t, w):
             return np.array([[w[1, 0]], [force(w[0, 0])]])
 
-        return tuple(_run(name, derivative, np.array([q, v]), 0.0, h))
+        return tuple(_run(name, derivative, np.array([float(q), float(v)]), 0.0, h))
 
     return step
 

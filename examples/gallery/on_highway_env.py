@@ -1,18 +1,19 @@
-"""highway-env: one step of its bicycle model, straight ahead."""
+"""highway-env: one step of its bicycle model, straight ahead, its acceleration read before the step."""
 
 from __future__ import annotations
 
+from driftproof.blackbox.stepper.objects import stepper_of
 from examples.gallery.entry import targets
 
 
-def vehicle(force, q, v, h):
-    """A car whose heading and steering are 0, its acceleration read before the step."""
+def _car():
     from highway_env.vehicle.kinematics import Vehicle
 
-    car = Vehicle(None, [q, 0.0], speed=v)
-    car.act({"acceleration": force(q), "steering": 0.0})
-    car.step(h)
-    return float(car.position[0]), float(car.speed)
+    return Vehicle(None, [0.0, 0.0])
 
+
+vehicle = stepper_of(
+    _car, velocity="speed", push=lambda car, a: car.act({"acceleration": a, "steering": 0.0}), anew=True
+)
 
 TARGETS = targets(__name__, "highway-env", "force", {"vehicle": ("(nothing)", None)})

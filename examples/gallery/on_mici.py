@@ -14,7 +14,7 @@ def _integrator(name):
             return np.array([-force(position[0])])
 
         system = systems.EuclideanMetricSystem(lambda position: 0.0, grad_neg_log_dens=gradient)
-        state = states.ChainState(pos=np.array([q]), mom=np.array([v]), dir=1)
+        state = states.ChainState(pos=np.array([float(q)]), mom=np.array([float(v)]), dir=1)
         stepped = getattr(integrators, name)(system, h).step(state)
         return stepped.pos[0], stepped.mom[0]
 

@@ -2,49 +2,47 @@
 
 from __future__ import annotations
 
+from functools import partial
+from types import SimpleNamespace
+
+from driftproof.blackbox.stepper.objects import stepper_of
 from examples.gallery.entry import targets
 
 
-def _space_with_body(q, v):
+def _body():
     import pymunk
 
     space, body = pymunk.Space(), pymunk.Body(mass=1.0, moment=1.0)
     space.add(body)
-    body.position, body.velocity = (q, 0.0), (v, 0.0)
-    return space, body
+    return SimpleNamespace(space=space, body=body)
 
 
-def applied_force(force, q, v, h):
-    """`apply_force_at_local_point` before each step."""
-    space, body = _space_with_body(q, v)
-    body.apply_force_at_local_point((force(q), 0.0))
-    space.step(h)
-    return body.position.x, body.velocity.x
-
-
-def velocity_function(force, q, v, h):
-    """The force evaluated where the library updates the velocity."""
+def _with_velocity_function(force):
     import pymunk
-
-    space, body = _space_with_body(q, v)
 
     def update(body, gravity, damping, dt):
         pymunk.Body.update_velocity(body, (force(body.position.x), 0.0), damping, dt)
 
-    body.velocity_func = update
-    space.step(h)
-    return body.position.x, body.velocity.x
+    its = _body()
+    its.body.velocity_func = update
+    return its
 
 
-def spring(q, v, h):
+def _on_a_spring():
     """A damped spring of rest length 0 and stiffness 1, its damping 0, with one iteration of the solver."""
     import pymunk
 
-    space, body = _space_with_body(q, v)
-    space.add(pymunk.DampedSpring(space.static_body, body, (0.0, 0.0), (0.0, 0.0), 0.0, 1.0, 0.0))
-    space.step(h)
-    return body.position.x, body.velocity.x
+    its = _body()
+    anchor = its.space.static_body
+    its.space.add(pymunk.DampedSpring(anchor, its.body, (0.0, 0.0), (0.0, 0.0), 0.0, 1.0, 0.0))
+    return its
 
+
+_stepper = partial(
+    stepper_of, position="body.position", velocity="body.velocity", advance=lambda its, h: its.space.step(h)
+)
+applied_force = _stepper(_body, push=lambda its, force: its.body.apply_force_at_local_point((force, 0.0)))
+velocity_function, spring = _stepper(_with_velocity_function), _stepper(_on_a_spring)
 
 TARGETS = targets(
     __name__,

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from driftproof.blackbox.stepper.objects import stepper_of
 from examples.gallery.entry import targets
 
 
 def _simulation(integrator, **settings):
-    def step(force, q, v, h):
+    def make(force):
         import rebound
 
         simulation = rebound.Simulation()
@@ -14,19 +15,27 @@ def _simulation(integrator, **settings):
         simulation.integrator = integrator
         for name, value in settings.items():
             setattr(simulation.integrator, name, value)
-        simulation.add(m=1.0, x=q, vx=v)
+        simulation.add(m=1.0)
 
         def push(pointer):
             particle = pointer.contents.particles[0]
             particle.ax += force(particle.x)
 
         simulation.additional_forces = push
-        simulation.dt = h
-        simulation.steps(1)
-        simulation.synchronize()
-        return simulation.particles[0].x, simulation.particles[0].vx
+        return simulation
 
-    return step
+    # Janus goes on from whole numbers of its own.
+    return stepper_of(make, position=_place("x"), velocity=_place("vx"), advance=_advance, anew=True)
+
+
+def _place(name):
+    return lambda its: getattr(its.particles[0], name), lambda its, x: setattr(its.particles[0], name, x)
+
+
+def _advance(simulation, h):
+    simulation.dt = h
+    simulation.steps(1)
+    simulation.synchronize()
 
 
 leapfrog, leapfrog4 = _simulation("leapfrog"), _simulation("leapfrog", order=4)

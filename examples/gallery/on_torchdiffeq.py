@@ -48,6 +48,13 @@ TARGETS = targets(
         "heun2": ("Heun", 2, "heun2"),
         "heun3": ("Heun, third order", 3, "heun3"),
         "rk4": ("fourth-order Runge-Kutta, 3/8 rule", 4, "rk38"),
+    },
+    array="tensor",
+) | targets(
+    __name__,
+    "torchdiffeq",
+    "field",
+    {
         "adaptive_heun": ("Runge-Kutta of order 2", 2, "heun2"),
         "fehlberg2": ("Runge-Kutta-Fehlberg of order 2", 2),
         "bosh3": ("Bogacki-Shampine 3", 3, "bogacki_shampine32"),
@@ -55,4 +62,5 @@ TARGETS = targets(
         "dopri8": ("Dormand-Prince-Shampine 8", 8, "prince_dormand87"),
     },
     array="tensor",
+    rounds="the answer is read off a polynomial of degree 4 through the ends and the middle of the step",
 )

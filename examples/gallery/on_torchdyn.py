@@ -45,7 +45,13 @@ TARGETS = targets(
         "rk4": ("Runge-Kutta 4", 4, "rk4"),
         "dopri5": ("Dormand-Prince 5", 5, "dormand_prince54"),
         "tsit5": ("Tsitouras 5", 5, "tsitouras54"),
-        "leapfrog": ("leapfrog, symplectic", 2),
     },
     array="tensor",
+) | targets(
+    __name__,
+    "torchdyn",
+    "field",
+    {"leapfrog": ("leapfrog, symplectic", 2)},
+    array="tensor",
+    rounds="half a step with the first slope goes in, and out again",
 )

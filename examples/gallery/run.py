@@ -26,10 +26,12 @@ Made by `make gallery`: what each stepper says that it is, and what driftproof f
 told. The true order is that of the coefficients where they can be read (any problem that the stepper is for), else
 measured on the pendulum, else on linear problems. The worst error of 200 steps is over the sum of |monomials|, in
 units of the unit roundoff u; beyond the bound means that the code does more than round the method's sums and
-products. The contract is what else nobody expects. What each target is by its source, and which claims are not so,
-stands in `tests/gallery_expected.py`."""
+products, and the row says what: as found from outside, or else by its source. The contract is what else nobody
+expects. What each target is by its source, and which claims are not so, stands in `tests/gallery_expected.py`."""
 # Seconds for each question to a stepper; compiled code takes most of them to compile.
 TIME_LIMIT = 60.0
+# The clauses of the contract that, broken, take a step beyond the bound, the plainest first.
+REASONS = ("full_precision", "small_digits", "position_range", "velocity_range", "linear")
 HEAD = ("target", "version", "claimed", "identified", "order claimed", "true order", "worst error", "contract")
 
 
@@ -55,7 +57,7 @@ def row(name: str, entry: Entry) -> tuple[str, ...]:
         report = identify(entry.step, door=entry.door, array=entry.array, time_limit=TIME_LIMIT)
     except ValueError as error:
         return (*start, f"cannot be asked: {error}", claimed, "", "", "")
-    return (*start, report.verdict, claimed, _order(report), _worst(report), _contract(report))
+    return (*start, report.verdict, claimed, _order(report), _worst(report, entry), _contract(report))
 
 
 def _order(report: Report) -> str:
@@ -68,13 +70,22 @@ def _order(report: Report) -> str:
     return "?"
 
 
-def _worst(report: Report) -> str:
+def _worst(report: Report, entry: Entry) -> str:
     rounding = report.data["rounding"]
     if rounding is None:
         return ""
     if rounding["failing"] is not None:
-        return f"beyond the bound, e.g. by a factor of {float(rounding['failing']['error_over_bound']):.2g}"
+        factor = float(rounding["failing"]["error_over_bound"])
+        return f"beyond the bound, e.g. by a factor of {factor:.2g}: {_why(report, entry)}"
     return f"{float(rounding['largest_scaled_error']):.2g} u"
+
+
+def _why(report: Report, entry: Entry) -> str:
+    """Why a step is beyond the bound: what it rounds besides, where it is not linear, or what its source says."""
+    if report.data["rounding"]["but_for"]:
+        return f"every error is within it {report.data['rounding']['but_for']}"
+    broken = {clause["key"]: clause["words"] for clause in report.data["contract"] if clause["holds"] is False}
+    return entry.rounds or next((broken[key] for key in REASONS if key in broken), "not known")
 
 
 def _contract(report: Report) -> str:

@@ -11,11 +11,15 @@ import numpy as np
 
 from driftproof.blackbox.contract.bench import ANOTHER, IRREGULAR_STEP, ORDINARY, Bench, State, same
 from driftproof.blackbox.contract.clauses import Clause
+from driftproof.blackbox.probes.coefficients import half_spacing
 from driftproof.blackbox.stepper.subject import Subject
+from symbolic.rounding.formats import FloatFormat
 
 _REPETITIONS = 8
+# So many and fewer are those of sums taken in another order.
+_FEW_ULPS = 16
 _THIRD: State = (-1.4142135623730951, -0.2360679774997898)
-_SAME, _MEMORY = "same_answer_twice", "no_memory"
+SAME, _MEMORY = "same_answer_twice", "no_memory"
 
 
 def repeats(subject: Subject) -> tuple[Clause, ...]:
@@ -25,7 +29,7 @@ def repeats(subject: Subject) -> tuple[Clause, ...]:
     after = [_asked(bench, other) for other in (ANOTHER, _THIRD, ANOTHER, _THIRD)]
     if all(same(answer, at_once[0]) for answer in (*at_once, *after)):
         return (
-            Clause(_SAME, True, "the same call gives the same bits"),
+            Clause(SAME, True, "the same call gives the same bits"),
             Clause(_MEMORY, True, "it does not remember the calls before"),
         )
     if same(at_once[1], at_once[2]) and same(after[0], after[2]) and same(after[1], after[3]):
@@ -44,7 +48,7 @@ def _remembers(bench: Bench) -> tuple[Clause, ...]:
     """The answer depends on the call before, and on nothing else that changes."""
     example = tuple(bench.trial(*z, IRREGULAR_STEP) for before in (ANOTHER, _THIRD) for z in (before, ORDINARY))
     found = (
-        Clause(_SAME, True, "the same call gives the same bits after the same call before"),
+        Clause(SAME, True, "the same call gives the same bits after the same call before"),
         Clause(_MEMORY, False, "the answer depends on the call before", example),
     )
     return found + _memory_of_another(bench)
@@ -78,17 +82,25 @@ def _varies(bench: Bench) -> tuple[Clause, ...]:
     trials = tuple(bench.trial(*ORDINARY, IRREGULAR_STEP) for _ in range(_REPETITIONS))
     answers = [trial.answer for trial in trials if trial.answer is not None]
     spread = max(max(part) - min(part) for part in zip(*answers, strict=True))
-    apart = f"up to {spread / max(map(abs, ORDINARY)):.1e} of their size apart"
+    apart = f"{_distance(spread, answers[0], bench.subject.format)} apart"
     example = tuple({trial.answer: trial for trial in trials}.values())[:2]
     if _draws(bench):
         why = "it draws on the random numbers of Python or NumPy"
     elif _repeats_when(bench, _copy):
         words = f"every call changes something that it remembers: the same call gives answers {apart}"
-        return Clause(_SAME, False, words, example), Clause(_MEMORY, False, "it remembers every call", example)
+        return Clause(SAME, False, words, example), Clause(_MEMORY, False, "it remembers every call", example)
     else:
         why = "noise, or something that it remembers outside"
     words = f"the same call gives answers {apart}: {why}"
-    return Clause(_SAME, False, words, example), Clause(_MEMORY, None, "not asked: the answers vary by themselves")
+    return Clause(SAME, False, words, example), Clause(_MEMORY, None, "not asked: the answers vary by themselves")
+
+
+def _distance(spread: float, answer: tuple[float, ...], fmt: FloatFormat) -> str:
+    """Up to 2 ulp, where it is a few of them; else relative to the size of ordinary states."""
+    ulps = round(spread / (2 * float(half_spacing(max(map(abs, answer)), fmt))))
+    if ulps <= _FEW_ULPS:
+        return f"up to {max(1, ulps)} ulp"
+    return f"up to {spread / max(map(abs, ORDINARY)):.1e} of their size"
 
 
 def _repeats_when(bench: Bench, prepared: Callable[[Bench], Bench | None]) -> bool:

@@ -12,10 +12,11 @@ import tempfile
 import threading
 import warnings
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Container, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from time import monotonic
 from typing import IO
 
 from driftproof.blackbox.findings import Outcome
@@ -23,6 +24,9 @@ from driftproof.blackbox.isolation.child import Experiment, opens, serve, serve_
 from driftproof.blackbox.stepper.target import Target
 
 TIME_LIMIT = 60.0
+# A brief experiment may take as many times as long as the longest one before it, and at least so many seconds: with the
+# time in which other work holds the processors.
+PATIENCE, LEAST_LIMIT = 4, 5.0
 # What a fresh interpreter may need to import this package, on a busy machine: no part of the time of an experiment.
 START_UP = 60.0
 
@@ -39,19 +43,20 @@ class Laboratory:
     time_limit: float = TIME_LIMIT
     isolate: bool = True
 
-    def run(self, experiments: Sequence[Experiment]) -> list[Outcome]:
+    def run(self, experiments: Sequence[Experiment], brief: Container[Experiment] = ()) -> list[Outcome]:
         """The outcome of each; after a hang or a crash the rest go on in a new child.
 
-        A stepper that cannot even be opened is tried once: that outcome is the outcome of all.
+        A stepper that cannot even be opened is tried once: that outcome is the outcome of all. The `brief` experiments
+        are those of a few steps: what they may take is known from the others, to import and open the stepper included.
         """
-        asked, outcomes = [opens, *experiments], list[Outcome]()
+        asked, outcomes, clock = [opens, *experiments], list[Outcome](), _Clock(self.time_limit, brief)
         while len(outcomes) < len(asked):
-            outcomes += self._some(asked[len(outcomes) :])
+            outcomes += self._some(asked[len(outcomes) :], clock)
             if outcomes[0].failed:
                 return outcomes[:1] * len(experiments)
         return outcomes[1:]
 
-    def _some(self, experiments: Sequence[Experiment]) -> list[Outcome]:
+    def _some(self, experiments: Sequence[Experiment], clock: _Clock) -> list[Outcome]:
         """The outcomes of the first few, at least of one: of all, or up to one that hung or crashed."""
         if not self.isolate or not (self.target.by_name or hasattr(os, "fork")):
             found: list[Outcome] = []
@@ -62,34 +67,58 @@ class Laboratory:
             log.touch()
             start = _Interpreter if self.target.by_name else _Fork
             child: _Child = start(self.target, experiments, log)
-            return self._collected(child, len(experiments), log)
+            return self._collected(child, experiments, log, clock)
 
-    def _collected(self, child: _Child, size: int, log: Path) -> list[Outcome]:
+    def _collected(self, child: _Child, asked: Sequence[Experiment], log: Path, clock: _Clock) -> list[Outcome]:
         frames: queue.Queue[Outcome | None] = queue.Queue()
         reader = threading.Thread(target=_read_frames, args=(child.stream, frames), daemon=True)
         reader.start()
         try:
-            return self._received(child, frames, size, log)
+            there, ended = _received(child, frames, START_UP, log)
+            return [there] if ended else list(_answers(child, frames, asked, log, clock))
         finally:
             child.end()
             reader.join()  # before the next fork: a process with threads should not fork
             child.stream.close()
 
-    def _received(self, child: _Child, frames: queue.Queue[Outcome | None], size: int, log: Path) -> list[Outcome]:
-        outcomes: list[Outcome] = []
-        limit = START_UP  # of the first frame, which says that the child is there
-        while len(outcomes) <= size:
-            try:
-                outcome = frames.get(timeout=limit)
-            except queue.Empty:
-                outcome = Outcome(kind="hangs", seen=f"no answer within {limit:g} s{_last_call(log)}")
-                return [*outcomes[1:], outcome]
-            if outcome is None:
-                outcome = Outcome(kind="crashes", seen=f"the process ended ({child.end()}){_last_call(log)}")
-                return [*outcomes[1:], outcome]
-            outcomes.append(outcome)
-            limit = self.time_limit
-        return outcomes[1:]
+
+@dataclass
+class _Clock:
+    """What an experiment may take: `time_limit` seconds; or less, if it is brief, by the `longest` before it."""
+
+    time_limit: float
+    brief: Container[Experiment]
+    longest: float = 0.0
+
+    def limit_of(self, experiment: Experiment) -> float:
+        """The seconds."""
+        if experiment not in self.brief:
+            return self.time_limit
+        return min(self.time_limit, max(LEAST_LIMIT, PATIENCE * self.longest))
+
+
+def _answers(
+    child: _Child, frames: queue.Queue[Outcome | None], asked: Sequence[Experiment], log: Path, clock: _Clock
+) -> Iterator[Outcome]:
+    """The outcome of each experiment up to one that hung or crashed."""
+    for experiment in asked:
+        start = monotonic()
+        outcome, ended = _received(child, frames, clock.limit_of(experiment), log)
+        yield outcome
+        if ended:
+            return
+        clock.longest = max(clock.longest, monotonic() - start)
+
+
+def _received(child: _Child, frames: queue.Queue[Outcome | None], limit: float, log: Path) -> tuple[Outcome, bool]:
+    """The next outcome, and whether it is the last, the child having hung or crashed."""
+    try:
+        outcome = frames.get(timeout=limit)
+    except queue.Empty:
+        return Outcome(kind="hangs", seen=f"no answer within {limit:.3g} s{_last_call(log)}"), True
+    if outcome is None:
+        return Outcome(kind="crashes", seen=f"the process ended ({child.end()}){_last_call(log)}"), True
+    return outcome, False
 
 
 class _Child(ABC):

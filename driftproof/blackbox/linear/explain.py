@@ -9,7 +9,7 @@ from fractions import Fraction
 from driftproof.blackbox.linear import relatives
 from driftproof.blackbox.linear.facts import MatrixFacts, Undo, facts_of_model
 from driftproof.blackbox.linear.reading import Reading, swapped
-from driftproof.blackbox.linear.score import Scored, scored
+from driftproof.blackbox.linear.score import FORWARDS, Scored, scored
 from driftproof.blackbox.linear.search import Fit, Search
 from driftproof.blackbox.probes.simple_rationals import rational_text
 
@@ -93,7 +93,7 @@ def explanations(reading: Reading, *, known: bool) -> list[Explanation]:
 
     Empty if nothing does.
     """
-    found = _found(reading, known=known)
+    found = _found(reading, known=known) or _found_forwards(reading, known=known)
     everywhere = [each for each in found if not each.scored.restriction]
     near = _as_near_as_any(everywhere or found, float(reading.format.u))
     near.sort(key=lambda each: each.naturalness)
@@ -116,6 +116,16 @@ def _found(reading: Reading, *, known: bool) -> list[Explanation]:
         if any(each.rates_are_right for each in everywhere) or (everywhere and stage is not _methods):
             break
     return found
+
+
+def _found_forwards(reading: Reading, *, known: bool) -> list[Explanation]:
+    """What passes where steps back in time, which many codes refuse or leave undone, are no part of the reading."""
+    forwards = tuple((h, m) for h, m in reading.steps if h > 0)
+    if len(forwards) == len(reading.steps):
+        return []
+    found = _found(replace(reading, steps=forwards), known=known)
+    where = [replace(each.scored, restriction=each.scored.restriction or FORWARDS) for each in found]
+    return [replace(each, scored=scored) for each, scored in zip(found, where, strict=True)]
 
 
 def _as_near_as_any(found: Sequence[Explanation], u: float) -> list[Explanation]:

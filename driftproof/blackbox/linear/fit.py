@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import inf
 
 import numpy as np
 
+from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.linear.arithmetics import SERIES_LENGTH
 from driftproof.blackbox.linear.classes import MethodClass, all_matrices, method_classes
 from driftproof.blackbox.linear.explain import Explanation, explanations
 from driftproof.blackbox.linear.facts import ENTRIES, MatrixFacts, damping_of, differences, facts_of
-from driftproof.blackbox.linear.reading import LINEAR, LINEARISED, Floats, Reading, read
+from driftproof.blackbox.linear.reading import FAR_OUT, LINEAR, LINEARISED, NOT_LINEAR, Floats, Reading, read
 from driftproof.blackbox.linear.recovery import Recovered, recovered
+from driftproof.blackbox.linear.score import FORWARDS
 from driftproof.blackbox.linear.search import Search
 from driftproof.blackbox.probes.simple_rationals import rational_text
 from driftproof.blackbox.stepper.doors import MAP
@@ -22,6 +25,10 @@ from driftproof.blackbox.stepper.subject import Subject
 
 # A linear stepper that any method may be.
 UNDETERMINED = "undetermined"
+# Where a limit or a rule disturbs the reading at states of size 1: below most limits, above most rules of rest.
+OTHER_SIZES = (2.0**-5, 2.0**-10, 2.0**20)
+# In a format with fewer powers of two there are no such sizes.
+OWN_RANGE = 100
 # A longer text is left to programs.
 LONGEST_LINE = 160
 MOST_COMPARED, MOST_DIFFERENCES = 8, 4
@@ -33,7 +40,7 @@ class Candidate:
 
     `methods` are the catalogue's keys with the same matrix, of which it is made; `extras` counts what makes it differ
     from them. `score` is its worst error in units of the bound, at most 1. q' = a v, v' = -k q with a = `position` and
-    k = `stiffness`, and `damping` as `words` use it.
+    k = `stiffness`, and `damping` as `words` use it. `restriction` says at which steps only, if so.
     """
 
     methods: tuple[str, ...]
@@ -43,6 +50,7 @@ class Candidate:
     position: Fraction
     stiffness: Fraction
     damping: Fraction
+    restriction: str = ""
 
 
 @dataclass(frozen=True)
@@ -83,6 +91,21 @@ class LinearFit:
         return self.candidates[0] if self.candidates else None
 
     @property
+    def doubts(self) -> int:
+        """0 where a method holds at all steps, 1 at all ahead, 2 at some, 3 where there is none."""
+        if self.best is None:
+            return 3
+        return {"": 0, FORWARDS: 1}.get(self.best.restriction, 2)
+
+    @property
+    def is_disturbed(self) -> bool:
+        """True when something was seen that depends on the size of states, and no method holds at all steps ahead."""
+        if self.best is not None:
+            return self.doubts > 1
+        limited = any(remark.startswith(FAR_OUT) for remark in self.remarks)
+        return limited or self.kind == NOT_LINEAR or 0 in (self.position, self.stiffness)
+
+    @property
     def lines(self) -> tuple[str, ...]:
         """The answer in plain English, the most important line first."""
         return tuple(_lines(self))
@@ -91,9 +114,17 @@ class LinearFit:
 def linear_fit(subject: Subject) -> LinearFit:
     """The stepper explained by its linear steps: of the oscillator, or of the system that it has built in.
 
-    Some seventy calls. Lets a Misbehaviour of the stepper pass.
+    Some seventy calls, or twice or three times as many where a limit disturbs the first. Lets a Misbehaviour pass.
     """
-    return fitted(read(subject), known=subject.door.kind != MAP or bool(subject.door.extra))
+    known = subject.door.kind != MAP or bool(subject.door.extra)
+    first = fitted(read(subject), known=known)
+    if first.is_disturbed and subject.format.emin < -OWN_RANGE:
+        for size in OTHER_SIZES:
+            with suppress(Misbehaviour):
+                other = fitted(read(subject, size), known=known)
+                if other.kind == LINEAR and other.doubts < first.doubts:
+                    return other
+    return first
 
 
 def fitted(reading: Reading, *, known: bool) -> LinearFit:
@@ -122,7 +153,7 @@ def _explained(start: LinearFit, found: Sequence[Explanation]) -> LinearFit:
     for each in found:
         fit, score = each.scored.fit, each.scored.error.in_bounds
         rates = fit.position, fit.stiffness, fit.damping
-        candidates.append(Candidate(fit.model.methods, each.words, each.extras, score, *rates))
+        candidates.append(Candidate(fit.model.methods, each.words, each.extras, score, *rates, each.scored.restriction))
     first = found[0].scored.fit
     damping = Fraction(0) if first.model.keeps_damping_per_step else first.damping
     return replace(start, candidates=tuple(candidates), facts=found[0].facts(), damping=damping)
@@ -170,7 +201,7 @@ def _lines(fit: LinearFit) -> Iterator[str]:
         where = "at states of size 1, nearest" if fit.best else "nearest"
         yield f"{where}: {fit.nearest.methods[0]}, off by {fit.nearest.off:.1e} at h = {fit.nearest.h:g}"
         yield from fit.nearest.differences
-    if fit.kind == LINEARISED:
+    if fit.kind == LINEARISED or fit.amplitude != 1:
         yield f"read at states of size {fit.amplitude:.1e}, where the step is linear"
     yield from _rates(fit)
     if fit.facts:

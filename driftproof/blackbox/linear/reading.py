@@ -18,6 +18,8 @@ Floats: TypeAlias = tuple[float, float, float, float]
 LINEAR, LINEARISED, NOT_LINEAR = "linear", "linear at tiny states only", "not linear"
 NOT_REPEATABLE, NOT_AT_REST = "not repeatable", "not at rest in (0, 0)"
 
+FAR_OUT = "not linear far out"
+
 # A generic state and step: their products and sums fill the significands of any format.
 STATE, STEP = (1 / 3, 0.7), 0.3
 # Steps in units of the system's own time, as dyadic numbers: both ways in time, and far beyond its time scale.
@@ -26,6 +28,8 @@ NOT_DYADIC = ("1/10", "3/10", "7/10", "-3/10")
 FAR = ("2", "4", "16", "-2", "-4")
 # No program of the catalogue errs by more than this many times u (1 + |M|) at the step LINEARITY_STEP, as a test says.
 LINEARITY_ROUNDINGS, LINEARITY_STEP = 1 << 12, Fraction(1, 8)
+# What differs by no more roundings is the same answer.
+REPEATED = 16
 # Where a limit on the size of states would show.
 FAR_BITS = 20
 # Steps that are tiny, in bits, for steppers that refuse smaller ones.
@@ -67,30 +71,43 @@ class Reading:
         return self.kind in (LINEAR, LINEARISED)
 
 
-def read(subject: Subject) -> Reading:
-    """The one-step matrix of a stepper at some twenty steps, by some seventy calls of it.
+def read(subject: Subject, amplitude: float = 1.0) -> Reading:
+    """The one-step matrix of a stepper at some twenty steps, by some seventy calls of it, at states of a size.
 
     Lets a Misbehaviour pass at steps well within the system's own time; beyond, and at negative steps, it is a remark.
     """
     fmt = _own_format(subject)
-    if not _repeats(subject):
+    if not _repeats(subject, fmt):
         return Reading(fmt, NOT_REPEATABLE, remarks=("the same call gives different answers",))
     rest = subject.step(0.0, 0.0, _in_format(fmt, STEP))
     if rest != (0.0, 0.0):
         moved = f"a step of {STEP} from (0, 0) ends in ({rest[0]!r}, {rest[1]!r})"
         return Reading(fmt, NOT_AT_REST, remarks=(moved,))
-    reading = _at_amplitude(subject, Reading(fmt, LINEAR))
+    reading = _at_amplitude(subject, Reading(fmt, LINEAR, amplitude))
     seen = _nonlinearity(subject, reading, 1.0)
     if seen is None:
         return _with_steps(subject, replace(reading, remarks=_far_out(subject, reading)))
-    if fmt.emin < -4 * fmt.precision:
-        # Products of two states are below a rounding of one, and still ordinary numbers.
-        tiny = _at_amplitude(subject, Reading(fmt, LINEARISED, ldexp(1.0, -fmt.precision - 7)))
-        if _is_linearisation(subject, tiny) and _nonlinearity(subject, tiny, 1.0) is None:
-            remark = f"not linear at ordinary size: {seen}"
-            h = _in_format(fmt, tiny.unit / 4)
-            return _with_steps(subject, replace(tiny, ordinary=(h, _matrix(subject, h, 1.0)), remarks=(remark,)))
+    tiny = _linearised(subject, fmt, reading.starts_at_identity)
+    if tiny is not None:
+        remark = f"not linear at ordinary size: {seen}"
+        h = _in_format(fmt, tiny.unit / 4)
+        return _with_steps(subject, replace(tiny, ordinary=(h, _matrix(subject, h, 1.0)), remarks=(remark,)))
     return _with_steps(subject, replace(reading, kind=NOT_LINEAR, remarks=(seen,)))
+
+
+def _linearised(subject: Subject, fmt: FloatFormat, at_identity: bool) -> Reading | None:
+    """The reading at states so small that the step is linear there, but not so small that a rule puts them to rest.
+
+    At the first size products of two states are below a rounding of one, and still ordinary numbers.
+    """
+    if fmt.emin >= -4 * fmt.precision:
+        return None
+    for bits in (fmt.precision + 7, fmt.precision // 2 + 4, 2 * fmt.precision // 5):
+        tiny = _at_amplitude(subject, Reading(fmt, LINEARISED, ldexp(1.0, -bits)))
+        asleep = at_identity and not tiny.starts_at_identity
+        if not asleep and _is_linearisation(subject, tiny) and _nonlinearity(subject, tiny, 1.0) is None:
+            return tiny
+    return None
 
 
 def _own_format(subject: Subject) -> FloatFormat:
@@ -100,10 +117,12 @@ def _own_format(subject: Subject) -> FloatFormat:
     return next((f for f in narrower if any(answers) and all(map(f.holds, answers))), subject.format)
 
 
-def _repeats(subject: Subject) -> bool:
+def _repeats(subject: Subject, fmt: FloatFormat) -> bool:
+    """True when the same step gives the same answer again, but for a few roundings, as of sums in any order."""
     first = subject.step(*STATE, STEP)
     subject.step(-STATE[1], STATE[0], STEP / 2)
-    return subject.step(*STATE, STEP) == first
+    allowed = REPEATED * float(fmt.u) * max(map(abs, (*STATE, *first)))
+    return all(abs(x - y) <= allowed for x, y in zip(first, subject.step(*STATE, STEP), strict=True))
 
 
 def _in_format(fmt: FloatFormat, x: float) -> float:
@@ -141,8 +160,19 @@ def _rates(subject: Subject, reading: Reading, unit: float) -> tuple[float, Floa
                 raise
             continue
         if _same_rates(m, finer):
-            return tiny, _extrapolated(m, finer)
+            found = _extrapolated(m, finer)
+            if not _asleep(subject, reading, unit, found):
+                return tiny, found
     return None
+
+
+def _asleep(subject: Subject, reading: Reading, unit: float, m: Floats) -> bool:
+    """True when nothing grows in a tiny step though it does in a longer one: small numbers are put to rest, or lost."""
+    if all(growing(m)):
+        return False
+    h = unit * ldexp(1.0, -min(COARSE_BITS))
+    longer = growing(_matrix(subject, h, reading.amplitude))
+    return any(x == 0 and abs(y) > h / 2**RATE_BITS for x, y in zip(growing(m), longer, strict=True))
 
 
 def _same_rates(m: Floats, finer: Floats) -> bool:
@@ -210,7 +240,7 @@ def _far_out(subject: Subject, reading: Reading) -> tuple[str, ...]:
         seen = _nonlinearity(subject, reading, 2.0 ** min(FAR_BITS, reading.format.emax // 2))
     except Misbehaviour as failure:
         seen = str(failure)
-    return (f"not linear far out: {seen}",) if seen else ()
+    return (f"{FAR_OUT}: {seen}",) if seen else ()
 
 
 def _with_steps(subject: Subject, reading: Reading) -> Reading:

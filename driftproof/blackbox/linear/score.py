@@ -17,6 +17,8 @@ from driftproof.blackbox.linear.reading import Floats, Reading
 from driftproof.blackbox.linear.search import Fit
 from symbolic.rounding.formats import BINARY32, FloatFormat
 
+FORWARDS = "but only at h > 0"
+
 
 class Error(NamedTuple):
     """The worst |read - exact| of some entries, in units of its bound, and relative to 1 + |read|."""
@@ -77,7 +79,7 @@ def _restrictions(unit: float) -> Sequence[tuple[str, Callable[[float], bool]]]:
     """Where a fit may hold, from everywhere on down."""
     return (
         ("", lambda h: True),
-        ("but only at h > 0", lambda h: h > 0),
+        (FORWARDS, lambda h: h > 0),
         (f"but only at |h| <= {unit:g}", lambda h: abs(h) <= unit),
         (f"but only at 0 < h <= {unit:g}", lambda h: 0 < h <= unit),
     )

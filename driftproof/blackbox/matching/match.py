@@ -19,6 +19,7 @@ from driftproof.blackbox.matching.candidates import (
     on_force,
 )
 from driftproof.blackbox.matching.comparing import Comparison
+from driftproof.blackbox.matching.decimals import typed_in
 from driftproof.blackbox.matching.explaining import explanations
 from driftproof.blackbox.matching.sketching import Sketch
 from driftproof.blackbox.probes.coefficients import difference
@@ -118,7 +119,7 @@ def match_tableau(reading: TableauReading) -> Identity:
     timed, rounding = reading.c is not None, Rounding(reading.format, reading.calls)
     read = _Read.of(reading.stages, None, rounding)
     relatives = field_relatives(timed, read.small.calls, _factor(reading.b, rounding))
-    return _identity(read, field_methods(timed), relatives, [])
+    return _identity(read, field_methods(timed), relatives, _with_decimals(read, field_methods(timed)))
 
 
 def match_forces(reading: ForceReading) -> Identity:
@@ -150,7 +151,7 @@ def match_method(reading: Reading, method: Method) -> Identity:
     read = _Read.of(reading.stages, None, rounding)
     timed = reading.c is not None
     candidates = [in_field(method, timed)] if isinstance(method, RungeKutta) and method.explicit else []
-    return _identity(read, candidates, [], [])
+    return _identity(read, candidates, [], _with_decimals(read, candidates))
 
 
 class _Read(NamedTuple):
@@ -165,6 +166,10 @@ class _Read(NamedTuple):
     def of(cls, stages: Stages, drift: Fraction | None, rounding: Rounding) -> _Read:
         """From the coefficients as exact numbers."""
         return cls(Table.of(stages, drift), Table.of(reduced(stages), drift), Sketch(stages, drift), rounding)
+
+
+def _with_decimals(read: _Read, methods: Iterable[Candidate]) -> Iterator[Near]:
+    return (Near(key, (words,)) for key, words in typed_in(read.sketch, methods, read.rounding))
 
 
 def _identity(

@@ -24,6 +24,7 @@ from driftproof.blackbox.probes.probing import (
     demand_calls,
     demand_same,
     performed,
+    read_at_some_size,
     unit,
     varied,
 )
@@ -40,6 +41,7 @@ class ForceReading:
     """Fᵢ is taken at q + cᵢhv + h² Σ aᵢⱼ Fⱼ; q₁ = q + drift·hv + h² Σ b_positionⱼ Fⱼ, v₁ = v + h Σ b_velocityⱼ Fⱼ.
 
     The step's own float coefficients, calls being stages, in the order in which they are made; drift is 1 in a method.
+    `amplitude` is the size of the numbers that went in.
     """
 
     c: Row
@@ -49,6 +51,7 @@ class ForceReading:
     drift: float
     format: FloatFormat
     remarks: tuple[str, ...] = ()
+    amplitude: float = 1.0
 
     @property
     def calls(self) -> int:
@@ -100,7 +103,8 @@ def read_forces(subject: Subject) -> ForceReading:
     Raises NotReadable, saying what was seen, for a step that is adaptive, iterates, limits or remembers, that has drag
     or a force of its own; NoSuchDoor where there is no force to give.
     """
-    return _Probe(subject).reading()
+    reading, remarks = read_at_some_size(lambda amplitude: _Probe(subject, amplitude).reading())
+    return replace(reading, remarks=(*remarks, *reading.remarks))
 
 
 class _Run(NamedTuple):
@@ -110,18 +114,23 @@ class _Run(NamedTuple):
     q: float
     v: float
 
+    @property
+    def numbers(self) -> list[float]:
+        """All that was seen."""
+        return [*self.places, self.q, self.v]
+
 
 class _Probe:
     """Steps of one subject with scripted forces."""
 
-    def __init__(self, subject: Subject) -> None:
-        self.subject = subject
+    def __init__(self, subject: Subject, amplitude: float) -> None:
+        self.subject, self.amplitude = subject, amplitude
         silent = self._run(0.0, 0.0, 1.0, [])
         self.calls = len(silent.places)
         if not self.calls:
             raise NotReadable("the force is never called")
-        demand_same(self.calls, silent, self._run(0.0, 0.0, 1.0, []))
-        for number in (*silent.places, silent.q, silent.v):
+        demand_same(self._rounding, silent.numbers, self._run(0.0, 0.0, 1.0, []).numbers)
+        for number in silent.numbers:
             if number:
                 raise NotReadable(f"at rest at 0 and without a force, the step does not stay: it shows {number:.6g}")
 
@@ -133,15 +142,17 @@ class _Probe:
         a = tuple(tuple(column.places[i] for column in columns) for i in range(self.calls))
         b_position, b_velocity = tuple(x.q for x in columns), tuple(x.v for x in columns)
         self._demand_no_memory()
-        reading = ForceReading(tuple(moving.places), a, b_position, b_velocity, moving.q, self.subject.format)
+        c, fmt = tuple(moving.places), self.subject.format
+        reading = ForceReading(c, a, b_position, b_velocity, moving.q, fmt, amplitude=self.amplitude)
         for control in CONTROLS:
             self._check(reading, control)
         return replace(reading, remarks=complaints(lambda: self._check(reading, BACKWARD)))
 
     def _run(self, q: float, v: float, h: float, forces: Sequence[float]) -> _Run:
-        script = Script(forces, 0.0)
-        q1, v1 = performed(lambda: self.subject.step_with(script, q, v, h))
-        return _Run(script.calls, q1, v1)
+        size = self.amplitude
+        script = Script([size * force for force in forces], 0.0)
+        q1, v1 = performed(lambda: self.subject.step_with(script, size * q, size * v, h))
+        return _Run([x / size for x in script.calls], q1 / size, v1 / size)
 
     def _answered(self, q: float, v: float, forces: Sequence[float], h: float = AT_REST.h) -> _Run:
         run = self._run(q, v, h, forces)
@@ -169,7 +180,7 @@ class _Probe:
         """The same step after two different ones: after the last column, and after one without forces."""
         first = self._controlled(CONTROLS[0])
         self._answered(0.0, 0.0, [])
-        demand_same(self.calls, first, self._controlled(CONTROLS[0]))
+        demand_same(self._rounding, first.numbers, self._controlled(CONTROLS[0]).numbers)
 
     def _controlled(self, control: Control) -> _Run:
         return self._answered(*_start(control), varied(self.calls, control.salt), control.h)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
@@ -12,6 +13,10 @@ from symbolic.rounding.formats import FloatFormat
 Row: TypeAlias = tuple[float, ...]
 Result = TypeVar("Result")
 
+# Numbers of these sizes are below the limits on speeds and distances in use, and above what is put to rest.
+BELOW_LIMITS = (2.0**-5, 2.0**-10)
+# A limit takes away more than this part of a number; what bends takes away less.
+FAR = 2.0**-10
 # More calls in one step than any method in use makes: an iteration, or an adaptive solver.
 MOST_CALLS = 200
 
@@ -20,6 +25,10 @@ class NotReadable(ValueError):
     """The step has no coefficients that could be read through this door; the message says what was seen instead."""
 
     kind = "not_readable"
+
+
+class Departs(NotReadable):
+    """A number of a control is far from what the coefficients say, as beyond a limit."""
 
 
 class _TooManyCalls(Misbehaviour):
@@ -51,6 +60,20 @@ def performed(step: Callable[[], Result]) -> Result:
         raise NotReadable(f"one step makes more than {MOST_CALLS} calls: an iteration or an adaptive solver") from None
 
 
+def read_at_some_size(read: Callable[[float], Result]) -> tuple[Result, tuple[str, ...]]:
+    """What is read with numbers of size 1, or else with small ones, below a limit that a step may have; and a remark.
+
+    Times a power of two all products and sums stay what they are. Raises the NotReadable of size 1.
+    """
+    try:
+        return read(1.0), ()
+    except Departs as refusal:
+        for size in BELOW_LIMITS:
+            with suppress(NotReadable, Misbehaviour):
+                return read(size), (f"read with numbers of size {size:.1e}; of size 1, {refusal}",)
+        raise refusal
+
+
 def complaints(control: Callable[[], object]) -> tuple[str, ...]:
     """What a control has to say against the reading, if anything, where that is no reason to give it up."""
     try:
@@ -68,10 +91,11 @@ def demand_calls(expected: int, seen: int) -> None:
         )
 
 
-def demand_same(calls: int, first: object, second: object) -> None:
-    """Raises NotReadable if a step of so many calls went another way when it was taken again."""
-    if first != second:
-        seen = f"the same step of {calls} calls taken twice is not the same"
+def demand_same(rounding: Rounding, first: Sequence[float], second: Sequence[float]) -> None:
+    """Raises NotReadable if a step that shows these numbers showed others, but for rounding, when taken again."""
+    allowed = rounding.of(max(map(abs, first), default=0.0))
+    if len(first) != len(second) or not all(abs(x - y) <= allowed for x, y in zip(first, second, strict=True)):
+        seen = f"the same step of {rounding.calls} calls taken twice is not the same"
         raise NotReadable(f"{seen}: it remembers the step before, or is random")
 
 
@@ -141,6 +165,7 @@ class Rounding:
 def demand_as_said(control: Control, name: str, seen: float, said: float, allowed: float) -> None:
     """Raises NotReadable if a number of a control differs from what the coefficients say by more than is allowed."""
     if not abs(seen - said) <= allowed:
-        raise NotReadable(
+        found = Departs if abs(seen - said) > FAR * max(abs(seen), abs(said)) else NotReadable
+        raise found(
             f"with {control.name}, {name} is {seen:.6g} where the coefficients read say {said:.6g}: {control.broken}"
         )

@@ -25,6 +25,7 @@ from driftproof.blackbox.probes.probing import (
     demand_calls,
     demand_same,
     performed,
+    read_at_some_size,
     unit,
     varied,
 )
@@ -39,7 +40,7 @@ class TableauReading:
 
     kⱼ is the answer to call j; calls are stages, in the order in which they are made. `c` is None where the right-hand
     side is given no time. An embedded row of weights does not show through this door.
-    `remarks` are lines on what else was seen.
+    `remarks` are lines on what else was seen, `amplitude` the size of the numbers that went in.
     """
 
     a: tuple[Row, ...]
@@ -47,6 +48,7 @@ class TableauReading:
     c: Row | None
     format: FloatFormat
     remarks: tuple[str, ...] = ()
+    amplitude: float = 1.0
 
     @property
     def calls(self) -> int:
@@ -88,7 +90,8 @@ def read_tableau(subject: Subject) -> TableauReading:
     Raises NotReadable, saying what was seen, for a step that is adaptive, iterates, limits or remembers; NoSuchDoor
     where there is no right-hand side to give.
     """
-    return _Probe(subject).reading()
+    reading, remarks = read_at_some_size(lambda amplitude: _Probe(subject, amplitude).reading())
+    return replace(reading, remarks=(*remarks, *reading.remarks))
 
 
 class _Run(NamedTuple):
@@ -98,17 +101,22 @@ class _Run(NamedTuple):
     places: list[list[float]]
     result: list[float]
 
+    @property
+    def numbers(self) -> list[float]:
+        """All that was seen."""
+        return [*(t for t in self.times if t is not None), *(x for y in (*self.places, self.result) for x in y)]
+
 
 class _Probe:
     """Steps of one subject with scripted answers, on two numbers where it takes vectors, on one where it does not."""
 
-    def __init__(self, subject: Subject) -> None:
-        self.subject = subject
+    def __init__(self, subject: Subject, amplitude: float) -> None:
+        self.subject, self.amplitude = subject, amplitude
         self.size, self.silent = self._opened()
         self.calls = len(self.silent.places)
         if not self.calls:
             raise NotReadable("the right-hand side is never called")
-        demand_same(self.calls, self.silent, self._run(self.size, [], AT_REST))
+        demand_same(self._rounding, self.silent.numbers, self._run(self.size, [], AT_REST).numbers)
         for numbers in (*self.silent.places, self.silent.result):
             if any(numbers):
                 raise NotReadable(f"with all slopes 0, y = 0 does not stay: the step goes through {numbers[0]:.6g}")
@@ -120,7 +128,7 @@ class _Probe:
         clock = tuple(t for t in self.silent.times if t is not None)
         c = clock if len(clock) == self.calls else None
         self._demand_no_memory()
-        reading = TableauReading(tuple(a), b, c, self.subject.format)
+        reading = TableauReading(tuple(a), b, c, self.subject.format, amplitude=self.amplitude)
         for control in CONTROLS:
             self._check(reading, control)
         return replace(reading, remarks=complaints(lambda: self._check(reading, BACKWARD)))
@@ -134,7 +142,7 @@ class _Probe:
             raise failure
 
     def _run(self, size: int, answers: Sequence[Sequence[float]], control: Control) -> _Run:
-        script = Script(answers, [0.0] * size)
+        script = Script([self._sized(k) for k in answers], [0.0] * size)
         clock = float(control.time)
 
         def rate(t: float, y: Sequence[float]) -> Sequence[float]:
@@ -142,8 +150,13 @@ class _Probe:
             slope: Sequence[float] = script((None if t is clock else t, list(y)))
             return slope
 
-        result = performed(lambda: self.subject.step_field(rate, clock, _start(control, size), control.h))
-        return _Run([t for t, _ in script.calls], [y for _, y in script.calls], result)
+        start = self._sized(_start(control, size))
+        result = performed(lambda: self.subject.step_field(rate, clock, start, control.h))
+        places = [[x / self.amplitude for x in y] for _, y in script.calls]
+        return _Run([t for t, _ in script.calls], places, [x / self.amplitude for x in result])
+
+    def _sized(self, numbers: Sequence[float]) -> list[float]:
+        return [self.amplitude * x for x in numbers]
 
     def _column(self, j: int) -> list[float]:
         """What the answer 1 to call j adds to the place of each call and to the result."""
@@ -161,7 +174,7 @@ class _Probe:
         """The same step after two different ones: after the last column, and after one without slopes."""
         first = self._controlled(CONTROLS[0])
         self._run(self.size, [], AT_REST)
-        demand_same(self.calls, first, self._controlled(CONTROLS[0]))
+        demand_same(self._rounding, first.numbers, self._controlled(CONTROLS[0]).numbers)
 
     def _controlled(self, control: Control) -> _Run:
         run = self._run(self.size, list(zip(*self._slopes(control), strict=True)), control)

@@ -1,0 +1,143 @@
+"""The figures of docs/lesson.md: how much of the lesson its claims cover, and which misprints they notice.
+
+The lesson is not kept here, so its figures are, in lesson.json. `python docs/lesson_tables.py` measures them anew where
+the lesson lies beside the checkout; the tests compare.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from collections import Counter
+from collections.abc import Callable, Iterator
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT))
+
+from driftproof.texts.canonical import FRACTIONS, LOWERED, RAISED  # noqa: E402
+from driftproof.texts.checking import Outcome, check_claim, check_claims  # noqa: E402
+from driftproof.texts.claims import Claim, read_claims  # noqa: E402
+from driftproof.texts.coverage import GIVEN, LABEL, UNCOVERED, VALUE, coverage  # noqa: E402
+from driftproof.texts.reading import Reading, read_file, read_text  # noqa: E402
+
+LESSON = ROOT.parent / "shared" / "lesson" / "lesson.txt"
+CLAIMS = ROOT / "proofs" / "lesson" / "claims.toml"
+FIGURES = Path(__file__).with_name("lesson.json")
+Rows = list[list[str]]
+STATEMENT = re.compile(r"L\d{3}\b")
+
+# Each digit, and what a misprint may put in its place.
+_KINDS = (
+    "0123456789",
+    *("".join(c for c, d in table.items() if d.isdigit()) for table in (RAISED, LOWERED)),
+    FRACTIONS,
+)
+MISPRINTS = {digit: kind.replace(digit, "") for kind in _KINDS for digit in kind}
+# More of a plain text than this on either side of a digit has no say in what a phrase around it is.
+ROUND_ABOUT = 300
+
+
+def misprints(reading: Reading, outcome: Outcome) -> Iterator[tuple[int, str]]:
+    """Every change of one digit where the claim's phrase stands: the place in the file, and the digit put there."""
+    for occurrence in outcome.occurrences:
+        places = {reading.text.origin(i): None for i in range(occurrence.start, occurrence.end)}
+        yield from ((at, other) for at in places for other in MISPRINTS.get(reading.source[at], ""))
+
+
+def unnoticed(reading: Reading, outcome: Outcome) -> list[tuple[int, str]]:
+    """The misprints of a plain text by which the claim is not refuted, from their surroundings alone.
+
+    The claim holds of the text as it is, so that one occurrence more or less refutes it.
+    """
+    claim, spellings = outcome.claim, outcome.claim.spellings()
+    missed = []
+    for at, digit in misprints(reading, outcome):
+        before, after = reading.source[max(0, at - ROUND_ABOUT) : at], reading.source[at + 1 : at + ROUND_ABOUT]
+        right, wrong = (
+            len(check_claim(read_text(before + middle + after), claim, spellings).occurrences)
+            for middle in (reading.source[at], digit)
+        )
+        missed += [(at, digit)] if right == wrong else []
+    return missed
+
+
+def figures(lesson: Path = LESSON) -> dict[str, Any]:
+    """Everything that the page says in numbers."""
+    claims = read_claims(CLAIMS)
+    reading = read_file(lesson, claims.form)
+    outcomes = check_claims(reading, claims.claims)
+    covered = coverage(reading, outcomes, claims.labels)
+    tried = {place for outcome in outcomes for place in misprints(reading, outcome)}
+    why = {claim.id: _reason(claim) for claim in claims.claims}
+    return {
+        "claims": len(outcomes),
+        "refuted": sum(bool(outcome.findings) for outcome in outcomes),
+        **covered.counts,
+        "share": str(covered.share),
+        "labels": dict(Counter(one.by for one in covered.numbers if one.kind == LABEL)),
+        "given_as": dict(Counter(why[one.by] for one in covered.numbers if one.kind == GIVEN)),
+        "digits": sum(character in MISPRINTS for character in reading.source),
+        "held_digits": len({at for at, _ in tried}),
+        "misprints": len(tried),
+        "unnoticed": sum(len(unnoticed(reading, outcome)) for outcome in outcomes),
+    }
+
+
+def _reason(claim: Claim) -> str:
+    if claim.given is None:
+        return "ticks of a diagram"
+    return (
+        "formulas and conventions, settled in the ledger" if STATEMENT.match(claim.given) else "choices of the lesson's"
+    )
+
+
+def known() -> dict[str, Any]:
+    """The figures as they were measured last."""
+    return dict(json.loads(FIGURES.read_text(encoding="utf-8")))
+
+
+def _coverage() -> Rows:
+    found = known()
+    numbers = found[VALUE] + found[GIVEN] + found[UNCOVERED]
+    share = Fraction(found["share"]) * 100
+    return [
+        ["numbers of the lesson", "how many"],
+        ["all but labels", str(numbers)],
+        ["worked out and rounded here", str(found[VALUE])],
+        *[[f"given: {why}", str(count)] for why, count in sorted(found["given_as"].items())],
+        ["covered by no claim", str(found[UNCOVERED])],
+        ["covered", f"{share.numerator}%" if share.denominator == 1 else f"{float(share):.1f}%"],
+    ]
+
+
+def _labels() -> Rows:
+    found = sorted(known()["labels"].items(), key=lambda pair: (-pair[1], pair[0]))
+    return [["labels", "how many"], *([why, str(count)] for why, count in found), ["all", str(known()[LABEL])]]
+
+
+def _misprints() -> Rows:
+    found = known()
+    return [
+        ["digits of the lesson", "how many"],
+        ["all, in numbers and in labels", str(found["digits"])],
+        ["in a phrase that has to stand as it does", str(found["held_digits"])],
+        ["changes of one of these to another digit", str(found["misprints"])],
+        ["noticed by the claim in whose phrase the digit stands", str(found["misprints"] - found["unnoticed"])],
+        ["not noticed", str(found["unnoticed"])],
+    ]
+
+
+TABLES: dict[str, Callable[[], Rows]] = {"coverage": _coverage, "labels": _labels, "misprints": _misprints}
+
+
+def main() -> None:
+    """Measure, and keep the figures."""
+    FIGURES.write_text(json.dumps(figures(), indent=1, sort_keys=True, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

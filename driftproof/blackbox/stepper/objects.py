@@ -1,0 +1,223 @@
+"""An object with a state, somebody's body, solver or simulation, as a stepper behind one of the doors."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from operator import attrgetter
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from driftproof.blackbox.stepper.dialects import as_array, floats_in
+
+Object: TypeAlias = Any
+# Where an object keeps numbers: the name of an attribute, dotted where it lies deeper, or two functions, get and put.
+Place: TypeAlias = str | tuple[Callable[[Object], Any], Callable[[Object, Any], object]]
+# What is done to an object with a number: the name of a method of one argument, or of an attribute; or a function.
+Act: TypeAlias = str | Callable[[Object, Any], object]
+
+
+def stepper_of(
+    make: Callable[..., Object],
+    *,
+    position: Place = "position",
+    velocity: Place = "velocity",
+    state: Place | None = None,
+    advance: Act = "step",
+    push: Act | None = None,
+    anew: bool = False,
+) -> Callable[..., tuple[float, float]]:
+    """The step (force, q, v, h) -> (q₁, v₁) of an object on q' = v, v' = force(q); or its (q, v, h) -> (q₁, v₁).
+
+    `make(force)` builds the object, which then calls force(q) where it likes; `make()` one that calls nothing: it is
+    given the number force(q) before each step by `push`, or has its system built in. `position` and `velocity` are
+    where q and v are: an attribute with a number, or with several, of which the first is meant, and the others become
+    0. Or both are in `state`, the first two of its numbers. `advance` takes h.
+
+    One object makes all steps, so that it shows if it remembers more than its state; with `anew`, each step is made by
+    a new one. Raises TypeError where `make` takes other arguments.
+    """
+    places = (_Accessor.of(position), _Accessor.of(velocity)) if state is None else (_Accessor.of(state, 2),)
+    held = _Held(make, anew, advance, push)
+    return (ForcedObject if held.takes_function or push is not None else FreeObject)(held, places)
+
+
+def field_stepper_of(
+    make: Callable[[Callable[..., Any]], Object],
+    *,
+    state: Place = "y",
+    time: Place | None = None,
+    advance: Act = "step",
+    anew: bool = False,
+) -> Callable[..., np.ndarray[Any, Any]]:
+    """The step (f, t, y, h) -> y₁ of an object on y' = f(t, y); without `time`, its (f, y, h) -> y₁ on y' = f(y).
+
+    `make(f)` builds the object, which calls f as it is used to; `state` is where its y is, `time` its t. The rest is as
+    for `stepper_of`.
+    """
+    held = _Held(make, anew, advance)
+    return UntimedSolver(held, state) if time is None else TimedSolver(held, state, _Accessor.of(time))
+
+
+@dataclass
+class FreeObject:
+    """The step (q, v, h) of an object; a copy of it has an object of its own."""
+
+    held: _Held
+    places: tuple[_Accessor, ...]
+
+    def __call__(self, q: float, v: float, h: float) -> tuple[float, float]:
+        """One step."""
+        return self.held.moved(None, self.places, q, v, h)
+
+
+@dataclass
+class ForcedObject:
+    """The step (force, q, v, h) of an object; a copy of it has an object of its own."""
+
+    held: _Held
+    places: tuple[_Accessor, ...]
+
+    def __call__(self, force: Callable[[float], float], q: float, v: float, h: float) -> tuple[float, float]:
+        """One step."""
+        return self.held.moved(force, self.places, q, v, h)
+
+
+@dataclass
+class UntimedSolver:
+    """The step (f, y, h) of an object; a copy of it has an object of its own."""
+
+    held: _Held
+    state: Place
+
+    def __call__(self, f: Callable[..., Any], y: Sequence[float], h: float) -> np.ndarray[Any, Any]:
+        """One step."""
+        return self.held.solved(f, [], _Accessor.of(self.state, len(y)), y, h)
+
+
+@dataclass
+class TimedSolver:
+    """The step (f, t, y, h) of an object; a copy of it has an object of its own."""
+
+    held: _Held
+    state: Place
+    time: _Accessor
+
+    def __call__(self, f: Callable[..., Any], t: float, y: Sequence[float], h: float) -> np.ndarray[Any, Any]:
+        """One step."""
+        return self.held.solved(f, [(self.time, [t])], _Accessor.of(self.state, len(y)), y, h)
+
+
+class _Held:
+    """The object, made when it is first needed, how it is moved, and the function that it calls at present."""
+
+    def __init__(self, make: Callable[..., Object], anew: bool, advance: Act, push: Act | None = None) -> None:
+        self.make, self.anew, self.advance, self.push = make, anew, advance, push
+        self.takes_function = _takes_function(make)
+        self.made: Object = None
+        self.function: Callable[..., Any] | None = None
+
+    def moved(
+        self, force: Callable[[float], float] | None, places: Sequence[_Accessor], q: float, v: float, h: float
+    ) -> tuple[float, float]:
+        """Put position and velocity in their two places or in one, advance, and read them."""
+        body = self._ready(force)
+        for place, numbers in zip(places, ([q], [v]) if len(places) == 2 else ([q, v],), strict=True):
+            place.write(body, numbers)
+        if self.push is not None and force is not None:
+            _act(body, self.push, force(q))
+        _act(body, self.advance, h)
+        q1, v1 = (x for place in places for x in place.read(body))
+        return q1, v1
+
+    def solved(
+        self,
+        f: Callable[..., Any],
+        given: Sequence[tuple[_Accessor, Sequence[Any]]],
+        state: _Accessor,
+        y: Sequence[float],
+        h: float,
+    ) -> np.ndarray[Any, Any]:
+        """Put what is given and the state where they belong, advance, and read the state."""
+        solver = self._ready(f)
+        for place, numbers in (*given, (state, y)):
+            place.write(solver, numbers)
+        _act(solver, self.advance, h)
+        return np.array(state.read(solver))
+
+    def _ready(self, function: Callable[..., Any] | None) -> Object:
+        """The object; what it calls from now on is `function`."""
+        self.function = function
+        if self.made is None or self.anew:
+            self.made = self.make(self._answer) if self.takes_function else self.make()
+        return self.made
+
+    def _answer(self, *arguments: Any) -> Any:
+        assert self.function is not None
+        return self.function(*arguments)
+
+
+def _takes_function(make: Callable[..., Object]) -> bool:
+    parameters = inspect.signature(make).parameters.values()
+    required = [
+        p for p in parameters if p.default is p.empty and p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)
+    ]
+    if len(required) > 1:
+        names = ", ".join(p.name for p in required)
+        raise TypeError(f"make({names}) has to take the function that the object calls, or nothing; bind the others")
+    return bool(required)
+
+
+@dataclass(frozen=True)
+class _Accessor:
+    """How one number, or an array of `size` of them, is read off an object and written to it."""
+
+    get: Callable[[Object], Any]
+    put: Callable[[Object, Any], object]
+    size: int | None
+
+    @classmethod
+    def of(cls, place: Place, size: int | None = None) -> _Accessor:
+        """Of an attribute or of two functions."""
+        if not isinstance(place, str):
+            return cls(*place, size)
+        owner, _, name = place.rpartition(".")
+
+        def put(body: Object, value: Any) -> None:
+            holder = attrgetter(owner)(body) if owner else body
+            setattr(holder, name, _shaped(value, getattr(holder, name, None)))
+
+        return cls(attrgetter(place), put, size)
+
+    def read(self, body: Object) -> list[float]:
+        """The numbers."""
+        return [float(x) for x in as_array(self.get(body)).ravel()[: self.size or 1]]
+
+    def write(self, body: Object, numbers: Sequence[Any]) -> None:
+        """Put them where they belong, as floats: the numbers of another arithmetic would stay in the object."""
+        floats = floats_in(numbers, self.size or 1)
+        self.put(body, floats[0] if self.size is None else np.array(floats))
+
+
+def _shaped(value: Any, old: Any) -> Any:
+    """The value as the old one is held: as it comes, or its numbers as the first of a list, a tuple or an array."""
+    if not hasattr(old, "__len__"):
+        return value
+    given = np.ravel(value).tolist()
+    if isinstance(old, np.ndarray):
+        filled = np.zeros_like(old, dtype=np.result_type(old, np.float32))
+        filled.flat[: len(given)] = given
+        return filled
+    padded = [*given, *[0.0] * (len(old) - len(given))]
+    return padded if isinstance(old, list) else tuple(padded)
+
+
+def _act(body: Object, act: Act, number: Any) -> None:
+    if not isinstance(act, str):
+        act(body, number)
+    elif callable(method := getattr(body, act)):
+        method(number)
+    else:
+        setattr(body, act, number)

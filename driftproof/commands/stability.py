@@ -1,0 +1,60 @@
+"""`driftproof stability`: which steps a method can take on a problem, as proved and as seen."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterable, Sequence
+
+from driftproof.arguments import Commands, add_format, nonzero_step
+
+# One of each behaviour, and the lesson's three among them.
+DEFAULT = "forward_euler,rk4,symplectic_euler,backward_euler,implicit_midpoint,radau_iia2"
+
+EXAMPLES = """\
+examples:
+  driftproof stability                                        lists the problems
+  driftproof stability stiff_oscillator
+  driftproof stability dahlquist_1e3 --h 1/500 --h 1/256 --methods forward_euler,rk4,backward_euler
+  driftproof stability kepler_eccentric --methods rk4,velocity_verlet,yoshida4 --format json
+
+On a linear problem y' = Ay the verdicts are proved, at exactly the double h that is run: it is read as a fraction. The
+largest step is also found by bisection on the float step itself. On any other problem, what is said is what was seen.
+"""
+
+
+def add(commands: Commands) -> None:
+    """Describe the command."""
+    parser = commands.add_parser(
+        "stability",
+        help="which steps a method can take on a problem: proved, and seen",
+        description="Which steps methods can take on a stiff or extreme problem, where runs end, and what is expected.",
+        epilog=EXAMPLES,
+    )
+    parser.add_argument("problem", nargs="?", help="a problem; without one they are listed")
+    parser.add_argument("--methods", default=DEFAULT, metavar="M,M", help=f"keys or .toml files (default {DEFAULT})")
+    parser.add_argument("--h", type=nonzero_step, action="append", default=[], help="a step that divides t; repeatable")
+    add_format(parser)
+    parser.set_defaults(answer=answer)
+
+
+def answer(options: argparse.Namespace) -> str:
+    """The tables for one problem, or the list of problems."""
+    from driftproof.stability import problems_text, stability_answer, stability_text
+    from driftproof.text import as_json
+    from numeric.problems.catalogue import PROBLEMS, problem_named
+
+    if options.problem is None:
+        return problems_text(PROBLEMS.values())
+    result = stability_answer(problem_named(options.problem), options.methods.split(","), options.h, _walk)
+    return as_json(result) if options.format == "json" else stability_text(result)
+
+
+def _walk(names: Sequence[str]) -> Iterable[str]:
+    """The names, with a progress bar on a terminal."""
+    if not sys.stderr.isatty():
+        return names
+    from tqdm import tqdm
+
+    bar: Iterable[str] = tqdm(names, unit="method", leave=False)
+    return bar

@@ -1,0 +1,85 @@
+"""`driftproof sweep`: a scene at every point of a grid, on the processors of this machine or of a cluster."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from fractions import Fraction
+from pathlib import Path
+
+from driftproof.arguments import Commands, add_format, nonzero_step, rational, state
+
+EXAMPLES = """\
+examples:
+  driftproof sweep default --h 1/4,1/8,1/16 --method rk4,velocity_verlet
+  driftproof sweep default --h 1/8,1/16 --t 10,20 --state 1,0 --state 0,1 --format json
+  driftproof sweep default --method rk4 --h 1/4,1/8 --out answers.jsonl      run it again to go on where it stopped
+
+The grid has a point for each combination, --h varying fastest; what is not given is as in the scene. A run that
+overflows, or an h that does not divide t, is answered by its message. Nothing in the result depends on --workers, or on
+--cluster tcp://HOST:8786, the scheduler of a dask cluster (extra: pip install 'driftproof[cluster]').
+"""
+MOST_WORKERS = 1024
+
+
+def add(commands: Commands) -> None:
+    """Describe the command."""
+    parser = commands.add_parser(
+        "sweep",
+        help="run a scene at every point of a grid of steps, times, starts and methods",
+        description="Run a scene in floats at every point of a grid, in parallel, with answers that survive a crash.",
+        epilog=EXAMPLES,
+    )
+    parser.add_argument("scene", help="a preset that `driftproof scenes` lists, or a file that ends in .toml")
+    parser.add_argument("--method", type=_list(str), metavar="M,M", help="keys that `driftproof methods` lists")
+    parser.add_argument("--state", type=state, action="append", help="start as position,velocity; repeatable")
+    parser.add_argument("--t", type=_list(rational("t")), metavar="T,T", help="final times")
+    parser.add_argument("--h", type=_list(nonzero_step), metavar="H,H", help="step sizes, such as 1/4,1/8")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="keep answers here, as JSON lines, as they come")
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--workers", type=_workers, metavar="N", help="processes (default: one for each processor)")
+    where.add_argument("--cluster", metavar="ADDRESS", help="the scheduler of a dask cluster")
+    add_format(parser)
+    parser.set_defaults(answer=answer)
+
+
+def answer(options: argparse.Namespace) -> str:
+    """The readouts of every point, as a table or as JSON."""
+    from driftproof.sweeps import answers, sweep_json, sweep_text
+    from driftproof.text import as_json
+    from numeric.scenes import scene_named
+
+    scene = scene_named(options.scene)
+    axes = {"selected": options.method, "start": options.state, "t": options.t, "h": options.h}
+    grid = {name: values for name, values in axes.items() if values}
+    with _executor(options) as executor:
+        found = answers(scene, grid, executor, options.out)
+    return as_json(sweep_json(scene, found)) if options.format == "json" else sweep_text(scene, found)
+
+
+@contextmanager
+def _executor(options: argparse.Namespace) -> Iterator[Executor | None]:
+    if options.cluster:
+        from driftproof.cluster import cluster_executor
+
+        with cluster_executor(options.cluster) as executor:
+            yield executor
+    elif options.workers:
+        from numeric.sweep import processes
+
+        with processes(options.workers) as executor:
+            yield executor
+    else:
+        yield None
+
+
+def _list(read: Callable[[str], str | Fraction]) -> Callable[[str], list[str | Fraction]]:
+    return lambda text: [read(part) for part in text.split(",")]
+
+
+def _workers(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and len(text) < 9 and 1 <= int(text) <= MOST_WORKERS):
+        raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a number of processes from 1 to {MOST_WORKERS}")
+    return int(text)

@@ -1,0 +1,117 @@
+"""`driftproof work-precision`: error against evaluations and against run time."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from driftproof.arguments import Commands, add_format, positive_number
+
+if TYPE_CHECKING:
+    from driftproof.work_precision import Measured, Steps, Study
+
+# The lesson's three, and one of each kind beside them.
+DEFAULT = "forward_euler,symplectic_euler,rk4,velocity_verlet,dormand_prince54,blanes_moan6,gauss2"
+
+EXAMPLES = """\
+examples:
+  driftproof work-precision --methods rk4,velocity_verlet --time-limit 0.01
+  driftproof work-precision kaps --methods rk4,radau_iia2 --time-limit 0.01 --out measured/
+
+Without any argument: seven methods on the harmonic oscillator, in about ten seconds.
+
+Each method runs at numbers of steps that double, until rounding is all that is left of its error. Errors are formed
+exactly, against digits that are certified; evaluations of f are counted. Times are of one trajectory, compiled (extra
+`fast`) and in plain Python, and of one state of an ensemble; they are measured in turns, in random order.
+
+A method is dominated when each of its points is beaten by a point of another that has no more error for no more cost.
+
+--out writes into the folder
+  errors.json                errors, evaluations, measured orders: the same in every run
+  times.json                 all that was measured in seconds, with machine and versions
+  work_precision.csv         both, one row a point
+  work_precision_state.svg   the figures: state, energy, phase (needs the extra: pip install 'driftproof[report]')
+  points.json                what an interrupted study goes on from
+--peers runs scipy, diffrax, heyoka or torchdiffeq beside ours (extra `peers`), at tolerances from 1e-3 to 1e-13.
+"""
+
+
+def add(commands: Commands) -> None:
+    """Describe the command."""
+    parser = commands.add_parser(
+        "work-precision",
+        help="error against evaluations and against run time",
+        description="What error methods reach on a problem, at how many evaluations of f, in what time.",
+        epilog=EXAMPLES,
+    )
+    parser.add_argument("problem", nargs="?", default="harmonic_oscillator", help="`driftproof stability` lists them")
+    parser.add_argument("--methods", default=DEFAULT, metavar="M,M", help=f"keys or .toml files (default {DEFAULT})")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="a folder for files and figures; resumes what is there")
+    parser.add_argument("--peers", default="", metavar="P,P", help="scipy, diffrax, heyoka, torchdiffeq")
+    parser.add_argument(
+        "--time-limit",
+        type=positive_number("time limit"),
+        default=0.1,
+        metavar="S",
+        help="seconds that a point may be timed for; a longer one is marked and not timed (default 0.1)",
+    )
+    add_format(parser)
+    parser.set_defaults(answer=answer)
+
+
+def answer(options: argparse.Namespace) -> str:
+    """The tables, and where files were written."""
+    from driftproof.facts import method_of
+    from driftproof.peers import peers_named
+    from driftproof.text import as_json
+    from driftproof.work_precision import Study, measure
+    from driftproof.work_precision_report import errors_json, text, times_json
+    from numeric.problems.catalogue import problem_named
+
+    methods = [method_of(name.strip()) for name in options.methods.split(",")]
+    peers = peers_named(options.peers) if options.peers else []
+    study = Study(problem_named(options.problem), methods, peers, options.time_limit)
+    if options.out and options.out.exists() and not options.out.is_dir():
+        raise ValueError(f"{options.out} is a file; name a folder")
+    with _progress() as steps:
+        measured = measure(study, options.out, _say, steps)
+    written = _write(study, measured, options.out) if options.out else []
+    if options.format == "json":
+        return as_json({"errors": errors_json(study, measured), "times": times_json(study, measured)})
+    return "\n".join([text(study, measured), *(f"wrote {path}" for path in written)])
+
+
+def _write(study: Study, measured: Measured, folder: Path) -> list[Path]:
+    from driftproof.work_precision_figure import draw
+    from driftproof.work_precision_report import write
+    from numeric.work_precision.exact import floors
+
+    figures = [draw(study, measured, quantity, folder) for quantity in floors(study.problem)]
+    return [*write(study, measured, folder), *figures]
+
+
+def _say(line: str) -> None:
+    print(f"driftproof work-precision: {line}", file=sys.stderr)
+
+
+@contextmanager
+def _progress() -> Iterator[Steps | None]:
+    """A bar on a terminal, of which curves and samples are steps."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from tqdm import tqdm
+
+    from driftproof.work_precision import Steps
+
+    with tqdm(total=0, unit="point", leave=False) as bar:
+
+        def expect(more: int) -> None:
+            bar.total += more
+            bar.refresh()
+
+        yield Steps(expect, lambda: bar.update(1))

@@ -1,0 +1,1 @@
+"""Scenes as one page of HTML that needs nothing else: figures are drawn as SVG here, styles are beside this file."""

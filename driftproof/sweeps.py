@@ -1,0 +1,63 @@
+"""A sweep shown: a row for each point of its grid, as text or as JSON."""
+
+from __future__ import annotations
+
+import sys
+from concurrent.futures import Executor
+from pathlib import Path
+from typing import Any
+
+from driftproof.files import demand_file
+from driftproof.scene_view import scene_json
+from driftproof.text import short, table
+from numeric.checkpoint import strings
+from numeric.run import Readouts
+from numeric.scenes import Scene
+from numeric.sweep import Answer, Found, Grid, batches, points_of
+
+# Pairs would widen the table; they are in the JSON.
+STATES = ("final_state", "exact_state")
+
+
+def answers(scene: Scene, grid: Grid, executor: Executor | None, checkpoint: Path | None) -> list[Answer]:
+    """As `numeric.sweep.sweep`, with a progress bar on a terminal."""
+    from tqdm import tqdm
+
+    if checkpoint is not None:
+        demand_file(checkpoint)
+    points, found = points_of(scene, grid), dict[int, Found]()
+    with tqdm(total=len(points), unit="point", leave=False, disable=not sys.stderr.isatty()) as bar:
+        for batch in batches(scene, grid, executor, checkpoint):
+            found.update(batch)
+            bar.update(len(batch))
+    return [Answer(values, found[i]) for i, values in enumerate(points)]
+
+
+def sweep_json(scene: Scene, found: list[Answer]) -> dict[str, Any]:
+    """The scene and its points in the order of the grid; numbers are strings, floats to the last bit."""
+    points = [
+        strings(answer.values)
+        | ({"message": answer.found} if isinstance(answer.found, str) else {"readouts": answer.found})
+        for answer in found
+    ]
+    return scene_json(scene, {"points": points})
+
+
+def sweep_text(scene: Scene, found: list[Answer]) -> str:
+    """A table: what varies, then the readouts; where there are none, the message."""
+    names = [name for name in scene.readouts if name not in STATES]
+    axes = list(found[0].values)
+    rows = [[*axes, *(name.replace("_", " ") for name in names), ""]]
+    for values, answer in found:
+        cells = [*("" for _ in names), answer] if isinstance(answer, str) else [*_cells(answer, names), ""]
+        rows.append([*map(_shown, values.values()), *cells])
+    return f"{scene.name}: {len(found)} points\n\n{table(rows)}"
+
+
+def _shown(value: Any) -> str:
+    return ", ".join(map(str, value)) if isinstance(value, tuple) else str(value)
+
+
+def _cells(readouts: Readouts, names: list[str]) -> list[str]:
+    values = [readouts[name] for name in names]
+    return ["undefined" if x is None else short(x) if isinstance(x, float) else str(x) for x in values]

@@ -1,0 +1,233 @@
+"""What the diagrams of the scenes show: read back from the page that draws them, and held against the exact runs."""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction as Q
+from functools import cache
+from html import unescape
+from itertools import product
+
+from driftproof.page.axes import Scale, symmetric_limit, ticks
+from driftproof.page.document import document
+from driftproof.page.figure import Figure
+from driftproof.page.svg import Plot
+from driftproof.page.trajectory import Run, phase_plane, position
+from driftproof.scene_view import COMPARED, asking_for, comparison_rows, readout_rows
+from methods.rationals import parse_rational
+from numeric.run import Readouts, run_method
+from numeric.scenes import PRESETS
+from proofs.claims import COUNTED, PROVED, RESTRICTED, claim
+from proofs.setting import END, EULER, LESSON_METHODS, RK4, START, M, run
+from symbolic.certified import Exact, enclose, is_less
+from symbolic.n_steps import apply, matrix_at
+
+EVERY = tuple(product(PRESETS, LESSON_METHODS))
+TICK = re.compile(r'<text class="tick ([xy])"[^>]*>([^<]*)</text>')
+
+
+@cache
+def drawn(name: str, key: str) -> tuple[Figure, Figure]:
+    """The two diagrams of a preset with the method `key` selected, from its float run."""
+    times, states = run_method(asking_for(PRESETS[name], ("trajectory",)), key)["trajectory"]
+    shown = Run(PRESETS[name], key, times, states, "diagram")
+    return position(shown), phase_plane(shown)
+
+
+@cache
+def exact_samples(name: str, key: str) -> list[tuple[Q, Q]]:
+    """The states of the same run, exact, start included."""
+    step, states = matrix_at(M(key), PRESETS[name].h), [START]
+    for _ in range(PRESETS[name].steps):
+        states.append(apply(step, *states[-1]))
+    return states
+
+
+def reach(plot: Plot) -> Q:
+    """L, where the vertical axis goes from -L to L."""
+    assert plot.y.scale.low == -plot.y.scale.high
+    return plot.y.scale.high
+
+
+def places(plot: Plot, class_: str) -> list[tuple[str, str]]:
+    """Where the points of a path lie in the picture."""
+    (path,) = re.findall(rf'<path class="{class_}" d="([^"]*)"', "".join(plot.drawn))
+    return re.findall(r"(-?[\d.]+) (-?[\d.]+)", path)
+
+
+def is_at(found: str, scale: Scale, x: Exact) -> bool:
+    """True if a mark is at x to a hundredth of a unit of the picture: places are rounded to hundredths, once.
+
+    Half of one is lost in that; what is left is for the rounding of the run, so that a tie may fall either way.
+    """
+    return is_less(lambda: abs(enclose(scale(Q(0)) - Q(found)) + enclose(x) * enclose(scale.per_unit)), Q(1, 100))
+
+
+def are_drawn(samples: list[tuple[Q, Q]], plot: Plot) -> bool:
+    """True if the plot has a dot at each of these points, in this order, and no other."""
+    dots = places(plot, "samples dots")
+    return len(dots) == len(samples) and all(
+        is_at(x, plot.x.scale, sample[0]) and is_at(y, plot.y.scale, sample[1])
+        for (x, y), sample in zip(dots, samples, strict=True)
+    )
+
+
+def labels(figure: Figure, axis: str) -> list[str]:
+    """What stands at the ticks of an axis, from left to right or upwards."""
+    return [unescape(words) for name, words in TICK.findall(figure.markup()) if name == axis]
+
+
+@claim("L095", evidence=COUNTED, by="marks read back")
+def test_both_diagrams_show_the_selected_method_and_the_table_all_three() -> None:
+    """Both diagrams hold the samples of the method that is selected, each once; the table has all three at one h."""
+    for name, key in EVERY:
+        over_time, plane = (figure.plot for figure in drawn(name, key))
+        states, h = exact_samples(name, key), PRESETS[name].h
+        for plot, samples in ((over_time, [(i * h, q) for i, (q, _) in enumerate(states)]), (plane, states)):
+            assert are_drawn(samples, plot)
+    assert not are_drawn(exact_samples("default", RK4), drawn("default", EULER)[1].plot)
+    assert not are_drawn(exact_samples("default", EULER)[:-1], drawn("default", EULER)[1].plot)
+    for scene in PRESETS.values():
+        shown = document([scene], 1)
+        (selected,) = re.findall(r'id="scene-1-(\w+)-shown" checked', shown)
+        (caption,) = re.findall(r"<caption>(At t = [^<]*)</caption>", shown)
+        assert (selected, caption) == (scene.selected, f"At t = 10, each with h = {scene.h}")
+        assert re.findall(rf"{caption}.*?</table>", shown)[0].count("<tr>") == 1 + len(LESSON_METHODS)
+
+
+@claim("L101", evidence=PROVED, by="largest sample bounded")
+def test_vertical_scale_follows_the_results() -> None:
+    """The q axis ends between 21/20 and 7/5 of the largest |q| of the exact run: it follows the result."""
+    for name, key in EVERY:
+        largest = max(abs(q) for q, _ in exact_samples(name, key))
+        end = reach(drawn(name, key)[0].plot)
+        assert end == symmetric_limit(largest)
+        assert Q(21, 20) * largest <= end <= Q(7, 5) * largest
+    assert reach(drawn("default", EULER)[0].plot) == 4
+    assert reach(drawn("default", RK4)[0].plot) == Q(5, 4)
+
+
+@claim("L102", evidence=PROVED, by="largest sample bounded")
+def test_ticks_of_the_position_diagram() -> None:
+    """The q axis of the default run is labelled -4, 0, 4, because 3 < 21/20 max |qₙ| <= 4; the t axis 0, 5, 10."""
+    largest = max(abs(q) for q, _ in exact_samples("default", EULER))
+    assert 3 < Q(21, 20) * largest <= 4
+    assert (symmetric_limit(largest), ticks(Q(-4), Q(4)), ticks(Q(0), END)) == (4, [-4, 0, 4], [0, 5, 10])
+    over_time = drawn("default", EULER)[0]
+    assert (labels(over_time, "y"), labels(over_time, "x")) == (["−4", "0", "4"], ["0", "5", "10"])
+    assert labels(drawn("compare", EULER)[0], "y") != ["−4", "0", "4"]
+
+
+@claim("L105", evidence=PROVED, by="scale factors equal")
+def test_phase_plane_has_equal_scales() -> None:
+    """In the phase plane a unit of q and a unit of v are the same length, exactly, whatever is drawn."""
+    for name, key in EVERY:
+        over_time, plane = (figure.plot for figure in drawn(name, key))
+        assert plane.x.scale.per_unit == -plane.y.scale.per_unit > 0
+        assert over_time.x.scale.per_unit != -over_time.y.scale.per_unit
+
+
+@claim("L109", evidence=PROVED, by="largest sample bounded")
+def test_ticks_of_the_phase_plane() -> None:
+    """Both axes of the default run in the phase plane, q across and v up, are labelled -4, 0, 4."""
+    largest = max(max(abs(q), abs(v)) for q, v in exact_samples("default", EULER))
+    assert 3 < Q(21, 20) * largest <= 4
+    plane = drawn("default", EULER)[1]
+    assert labels(plane, "x") == labels(plane, "y") == ["−4", "0", "4"]
+    assert (plane.plot.x.name[-1], plane.plot.y.name[-1]) == ("q", "v")
+    assert labels(drawn("compare", EULER)[1], "y") != ["−4", "0", "4"]
+
+
+@claim("L110", evidence=PROVED, by="marks at exact states")
+def test_final_states_are_marked_apart_on_one_scale() -> None:
+    """On equal scales an open blue ring marks the exact final state, and a smaller solid amber disc the computed one.
+
+    Of the exact state the place is certified, of the run it is computed in fractions.
+    """
+    for name, key in EVERY:
+        plot = drawn(name, key)[1].plot
+        q, v = plot.x.scale, plot.y.scale
+        assert (q.low, q.high, q.per_unit) == (v.low, v.high, -v.per_unit)
+        for class_, state in (
+            ("exact end", run(key, PRESETS[name].h).exact_state),
+            ("samples end", exact_samples(name, key)[-1]),
+        ):
+            x, y, _ = circle(plot, class_)
+            assert is_at(x, q, state[0])
+            assert is_at(y, v, state[1])
+        assert Q(circle(plot, "exact end")[2]) > Q(circle(plot, "samples end")[2])
+    plot, other = drawn("default", EULER)[1].plot, exact_samples("default", RK4)[-1]
+    assert not is_at(circle(plot, "samples end")[0], plot.x.scale, other[0])
+    page = document([PRESETS["default"]], 1)
+    fills = dict(re.findall(r"svg \.(exact|samples)\.end \{[^}]*fill: var\(--(\w+)\)", page))
+    assert fills == {"exact": "sheet", "samples": "computed"}
+    assert [hues(page, name) for name in ("exact", "computed")] == [["blue"] * 2, ["amber"] * 2]
+
+
+def circle(plot: Plot, class_: str) -> tuple[str, str, str]:
+    """Centre and radius of the one circle of this class."""
+    ((x, y, radius),) = re.findall(
+        rf'<circle class="{class_}" cx="([^"]*)" cy="([^"]*)" r="([^"]*)"', "".join(plot.drawn)
+    )
+    return x, y, radius
+
+
+def hues(page: str, name: str) -> list[str]:
+    """What a colour of the style sheet is called, in the light and in the dark scheme."""
+    colours = [[int(c[i : i + 2], 16) for i in (0, 2, 4)] for c in re.findall(rf"--{name}: #([0-9a-f]{{6}})", page)]
+    return ["blue" if b > g > r else "amber" if r > g > b else "other" for r, g, b in colours]
+
+
+@claim("L139", evidence=RESTRICTED, by="exact counterexample")
+def test_readouts_have_finer_digits_than_the_table_of_large_values() -> None:
+    """Scales change with the method selected, and readouts show finer digits than the table.
+
+    Six decimals against three, or against two digits below a thousandth. Needed: a value of 1/10000 or more in size;
+    RK4's energy change at h = 1/4 has the same two digits in both, -0.000067 and -6.7e-5.
+    """
+    assert reach(drawn("default", EULER)[0].plot) != reach(drawn("default", RK4)[0].plot)
+    for name, key in EVERY:
+        values = run_method(asking_for(PRESETS[name], COMPARED), key)
+        for compared, shown in shown_twice(values).items():
+            if abs(Q(values[compared])) >= Q(1, 10**4):
+                assert unit(shown[0]) < unit(shown[1])
+    for exponent in range(
+        -4, 9
+    ):  # each decade from the smallest that is needed, at its lower end, where digits are few
+        shown = shown_twice(
+            {"state_error": float(10**exponent), "energy_change": -float(10**exponent), "evaluations": 1}
+        )
+        assert all(unit(readout) < unit(cell) for readout, cell in shown.values())
+    readout, cell = shown_twice(run_method(asking_for(PRESETS["default"], COMPARED), RK4))["energy_change"]
+    assert (readout, cell) == ("-0.000067", "-6.7e-5")
+    assert parse_rational(readout) == parse_rational(cell)
+
+
+def shown_twice(values: Readouts) -> dict[str, tuple[str, str]]:
+    """State error and energy change as the readouts show them, and as the table does."""
+    _, row = comparison_rows({EULER: values})
+    return {
+        name: (readout_rows({name: values[name]})[0][1], cell)
+        for name, cell in zip(COMPARED[:2], row[1:3], strict=True)
+    }
+
+
+def unit(text: str) -> Q:
+    """One unit of the last digit shown."""
+    mantissa, _, exponent = text.partition("e")
+    return Q(10) ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
+
+
+@claim("L149", evidence=PROVED, by="all samples inside")
+def test_each_diagram_rescales_to_include_its_trajectory() -> None:
+    """Every exact sample lies inside the axes of both diagrams, which end within 7/5 of what they have to show."""
+    for name, key in EVERY:
+        over_time, plane = (reach(figure.plot) for figure in drawn(name, key))
+        qs, vs = zip(*exact_samples(name, key), strict=True)
+        assert max(map(abs, qs)) < over_time <= Q(7, 5) * max(map(abs, qs))
+        assert max(map(abs, qs + vs)) < plane <= Q(7, 5) * max(map(abs, qs + vs))
+        t = drawn(name, key)[0].plot.x.scale
+        assert (t.low, t.high) == (0, END)
+    ends = [reach(drawn(name, EULER)[1].plot) for name in PRESETS]
+    assert len(set(ends)) == len(PRESETS)
+    assert max(abs(q) for q, _ in exact_samples("compare", EULER)) > reach(drawn("default", EULER)[0].plot)

@@ -1,0 +1,93 @@
+"""A page as a browser shows it: headless Chromium, at a width and a colour scheme, and what it complains of or fetches.
+
+In a test file:
+
+    @pytest.fixture(scope="module")        # one start, about a second, for all its tests
+    def chromium() -> Iterator[Browser]:
+        with started() as browser:
+            yield browser
+
+    def test_page_is_silent(chromium: Browser, tmp_path: Path) -> None:
+        with opened(chromium, tmp_path / "report.html", width=360, scheme="dark") as shown:
+            assert shown.complaints == []  # console, uncaught errors, and every request but the file's own
+            assert shown.page.locator("figure").count() == 4
+
+Where there is no Chromium, such tests are skipped; with DRIFTPROOF_BROWSER=required in the environment they fail.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+import pytest
+from playwright.sync_api import Browser, Page, sync_playwright
+
+# No sandbox: tests often run as root. The others keep the browser from talking to anybody of its own accord.
+FLAGS = (
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+)
+
+
+@dataclass
+class Shown:
+    """An open page with what it wrote to the console, its uncaught errors, and the addresses it asked for."""
+
+    page: Page
+    address: str
+    console: list[str] = field(default_factory=list)
+    errors: list[str] = field(default_factory=list)
+    requests: list[str] = field(default_factory=list)
+
+    @property
+    def complaints(self) -> list[str]:
+        """What a page that stands by itself does none of: warnings and errors, and requests beyond its own file."""
+        return self.console + self.errors + [address for address in self.requests if address != self.address]
+
+
+@contextmanager
+def started() -> Iterator[Browser]:
+    """A browser, closed at the end. Not for a whole session: meanwhile its thread can run no other event loop."""
+    program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if program is None:
+        missing = "there is no Chromium to look at pages with"
+        if os.environ.get("DRIFTPROOF_BROWSER") == "required":
+            pytest.fail(missing)
+        pytest.skip(missing)
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=program, args=list(FLAGS))
+        try:
+            yield browser
+        finally:
+            browser.close()
+
+
+@contextmanager
+def opened(
+    browser: Browser, path: Path, *, width: int = 1200, scheme: Literal["light", "dark"] = "light", script: bool = True
+) -> Iterator[Shown]:
+    """The file, loaded in a window `width` pixels wide, without a network, with or without script."""
+    context = browser.new_context(
+        viewport={"width": width, "height": 900}, color_scheme=scheme, java_script_enabled=script, offline=True
+    )
+    try:
+        page = context.new_page()
+        shown = Shown(page, path.resolve().as_uri())
+        page.on("console", lambda message: shown.console.append(f"{message.type}: {message.text}"))
+        page.on("pageerror", lambda error: shown.errors.append(str(error)))
+        page.on("request", lambda request: shown.requests.append(request.url))
+        page.goto(shown.address, wait_until="load")
+        yield shown
+    finally:
+        context.close()
