@@ -29,7 +29,8 @@ def cluster(tmp_path):
     """
     pytest.importorskip("distributed")
     file = tmp_path / "scheduler.json"
-    settings = {**os.environ, "DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "30s"}
+    # results that the dead worker holds are asked of it for so long, before they are computed anew
+    settings = {**os.environ, "DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "3s"}
     scheduler = (sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0")
     commands = [(*scheduler, "--no-dashboard", "--scheduler-file", str(file))]
     commands += [(*WORKER, "--scheduler-file", str(file), "--name", name) for name in ("first", "second")]

@@ -205,7 +205,7 @@ def test_report_says_what_is_wrong_and_what_is_covered() -> None:
     ]
     wrong = Report.of("a.txt", read_text(TEXT.replace("0.33", "0.34")), CLAIMS)
     assert wrong.written("text").splitlines()[:2] == [
-        "a.txt:2:31: a: expected 0.33, found 0.34",
+        "a.txt:2:30: a: expected 0.33, found 0.34",
         "a.txt: 1 claim, 1 refuted",
     ]
     listed = Report.of("a.txt", reading, CLAIMS, suggest=True)
