@@ -5,6 +5,7 @@ import random
 import signal
 import subprocess
 import sys
+import time
 
 import numpy as np
 
@@ -23,6 +24,11 @@ def hangs_at_zero(q, v, h):
 def hangs_at_nan(q, v, h):
     while h != h:
         pass
+    return q + h * v, v - h * q
+
+
+def dawdles(q, v, h):
+    time.sleep(0.02)
     return q + h * v, v - h * q
 
 

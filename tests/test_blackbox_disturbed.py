@@ -10,6 +10,7 @@ import pytest
 
 from driftproof.blackbox.contract.sub_steps import sub_steps
 from driftproof.blackbox.contract.whole import BRIEF, EXPERIMENTS, clauses_of
+from driftproof.blackbox.findings import Outcome
 from driftproof.blackbox.identify import identify
 from driftproof.blackbox.isolation.laboratory import LEAST_LIMIT, Laboratory
 from driftproof.blackbox.linear.fit import linear_fit
@@ -186,3 +187,15 @@ def test_a_brief_experiment_that_hangs_is_given_up_before_the_time_limit(monkeyp
     assert "60 s" not in outcomes[1].seen
     assert LEAST_LIMIT < laboratory.time_limit
     assert clauses_of([outcomes[1]] * len(EXPERIMENTS))[0].is_fault
+
+
+def many(subject):
+    for n in range(10**6):
+        subject.step(1.0, 0.75, n / 10**6)
+
+
+def test_a_slow_stepper_does_not_hang():
+    slow, after = Laboratory(Target(rogues.dawdles), 0.4).run([many, first])
+    assert (slow.kind, after.kind) == ("slow", None)
+    of_one = [slow, *[Outcome(result=()) for _ in range(len(EXPERIMENTS) - 1)]]
+    assert [clause.holds for clause in clauses_of(of_one)] == [None]

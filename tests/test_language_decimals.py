@@ -119,6 +119,11 @@ def test_to_fixed_and_to_precision_are_those_of_a_javascript_engine() -> None:
         assert Decimal(to_digits(Q(x), n + 1, style)) == Decimal(precise), (x, n)
 
 
+def test_digits_under_to_fixed_are_those_of_the_nearest_double() -> None:
+    assert value("1.005").digits(3, Style("tofixed")) == "1.00"
+    assert value("1.005").digits(3, Style("half-away")) == "1.01"
+
+
 def test_to_fixed_of_an_enclosed_number_goes_through_its_nearest_double() -> None:
     root = value("sqrt(2)")
     assert root.places(20, Style("tofixed")) == double_to_fixed(Q(2**0.5), 20) == "1.41421356237309514547"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from fractions import Fraction as Q
 
 import pytest
@@ -22,6 +23,8 @@ ARITHMETIC = {
     "2 ^ -3": Q(1, 8),
     "2 ** (-3)": Q(1, 8),
     "8 ** (2/3)": Q(4),
+    "(8/27) ** (1/3)": Q(2, 3),
+    "((1/2) ** (1/3)) ** 3": Q(1, 2),
     "- - 3": Q(3),
     "+0.25e1 − 1/2": Q(2),
     ".5": Q(1, 2),
@@ -208,6 +211,8 @@ def test_same_question_is_answered_once() -> None:
 def test_time_limit_ends_what_does_not_end_and_leaves_the_rest_alone() -> None:
     with time_limit("quick", 60):
         assert value("1 + 1").exact == 2
+    assert signal.getitimer(signal.ITIMER_REAL) == (0, 0)
+    assert signal.getsignal(signal.SIGALRM) == signal.SIG_DFL
 
     def for_ever() -> None:
         with time_limit("for ever", 0.05):
@@ -216,6 +221,7 @@ def test_time_limit_ends_what_does_not_end_and_leaves_the_rest_alone() -> None:
 
     with pytest.raises(QuestionError, match=r"no answer within 0\.05 seconds"):
         for_ever()
+    assert signal.getsignal(signal.SIGALRM) == signal.SIG_DFL
 
 
 def test_long_runs_are_answered_by_squaring_and_long_numbers_enclosed() -> None:

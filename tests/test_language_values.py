@@ -6,10 +6,13 @@ from fractions import Fraction as Q
 
 import mpmath
 import pytest
+from flint import ctx
 
 from driftproof.language.ask import value
+from driftproof.language.published import as_printed
 from driftproof.language.style import Style
 from driftproof.values import published_values
+from symbolic.certified import enclose, endpoints
 
 HALF_EVEN = Style(rounding="half-even")
 State = tuple[Q, Q]
@@ -215,6 +218,15 @@ def test_rounding_bound_holds_for_a_float_step_and_is_rounded_up() -> None:
         assert found.unit == "u"
 
 
+def test_sharp_bounds_are_smaller_where_cancellation_is_seen() -> None:
+    for readout in ("qq", "q"):
+        plain, sharp = (value(f"roundoff symplectic_euler h=1/4 {word} : {readout}").exact for word in ("", "sharp"))
+        assert isinstance(plain, Q)
+        assert isinstance(sharp, Q)
+        assert abs(plain - Q(5, 4)) < Q(1, 10**15)
+        assert abs(sharp - 1) < Q(1, 10**15)
+
+
 # Published ids, and a free question that has the same answer.
 EQUIVALENT = {
     "compare.h": "1/2",
@@ -268,6 +280,15 @@ def test_every_published_value_can_be_asked_for_and_most_have_a_question() -> No
         assert value(key).digits(20, HALF_EVEN).strip("0.-") != "" or ids[key]["exact"] == "0"
     assert set(EQUIVALENT) <= set(ids)
     assert len(EQUIVALENT) >= 50
+
+
+def test_published_decimal_stands_for_all_numbers_that_round_to_it() -> None:
+    with ctx.workprec(128):
+        low, high = endpoints(enclose(as_printed({"decimal": "-1.250e-7", "evidence": "CERTIFIED"}).exact))
+    half = Q(1, 2 * 10**10)
+    assert low <= Q(-125, 10**9) - half
+    assert high >= Q(-125, 10**9) + half
+    assert high - low < half * Q(2001, 1000)
 
 
 def test_value_without_an_exact_form_has_its_published_digits_and_no_more() -> None:

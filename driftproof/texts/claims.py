@@ -143,7 +143,7 @@ def _claim_named(key: str, entry: dict[str, Any]) -> Claim:
         raise ValueError(f"the number {free} of its phrase is no value; make it one, or say given = true if it is data")
     if not values and free is None:
         raise ValueError("its phrase holds no number; write {value} where one stands, and say what it is")
-    count = _whole(entry, "count", 1, MOST_OCCURRENCES)
+    count = _whole(entry, "count", 0, MOST_OCCURRENCES)
     return Claim(
         key,
         phrase,

@@ -16,7 +16,7 @@ from collections.abc import Container, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from time import monotonic
+from time import monotonic, sleep
 from typing import IO
 
 from driftproof.blackbox.findings import Outcome
@@ -27,6 +27,8 @@ TIME_LIMIT = 60.0
 # A brief experiment may take as many times as long as the longest one before it, and at least so many seconds: with the
 # time in which other work holds the processors.
 PATIENCE, LEAST_LIMIT = 4, 5.0
+# Seconds in which a stepper that does not hang answers one call.
+A_CALL = 1.0
 # What a fresh interpreter may need to import this package, on a busy machine: no part of the time of an experiment.
 START_UP = 60.0
 
@@ -111,10 +113,17 @@ def _answers(
 
 
 def _received(child: _Child, frames: queue.Queue[Outcome | None], limit: float, log: Path) -> tuple[Outcome, bool]:
-    """The next outcome, and whether it is the last, the child having hung or crashed."""
+    """The next outcome, and whether it is the last, the child having hung or crashed.
+
+    Where one call follows another the stepper does not hang: the question has too many for its pace.
+    """
     try:
         outcome = frames.get(timeout=limit)
     except queue.Empty:
+        call = _last_call(log)
+        sleep(min(limit, A_CALL))
+        if _last_call(log) != call:
+            return Outcome(kind="slow", seen=f"too many steps for {limit:.3g} s, at the pace of the stepper"), True
         return Outcome(kind="hangs", seen=f"no answer within {limit:.3g} s{_last_call(log)}"), True
     if outcome is None:
         return Outcome(kind="crashes", seen=f"the process ended ({child.end()}){_last_call(log)}"), True
