@@ -27,8 +27,8 @@ long: .venv
 docs: .venv
 	$(BIN)/python docs/pages.py
 
-# Times beside NodePy, kauri and RKkit, and their answers: about ten minutes. RKkit needs 2 GB of Sage, and is left out
-# of the report where that cannot be had.
+# Times beside NodePy, kauri, RKkit, SciPy, diffrax and heyoka, and their answers: about a quarter of an hour. RKkit needs
+# 2 GB of Sage, and is left out of the report where that cannot be had.
 bench: $(PEERS)
 	$(PEERS)/bin/python benchmarks/report.py
 

@@ -7,8 +7,6 @@ runs it in an environment that has the peers.
 from __future__ import annotations
 
 import argparse
-import os
-import platform
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -23,6 +21,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own package
 from benchmarks import answers, engine, facts, import_time, long_runs, order, peers, peers_time, roundoff, stability
 from benchmarks.timing import LIMIT, ROUNDS, TURN, Goal, Row, Section, goal_rows, times_rows
 from docs.pages import markdown
+from driftproof import machine
 
 ROOT = Path(__file__).parents[1]
 TIMED = {
@@ -40,22 +39,12 @@ sample. The minimum is the estimate; the spread is the middle half of the sample
 answers is compared in the same run. Peers compute in floats where that is said."""
 
 
-def machine() -> str:
-    """The processor and the system, in words."""
-    cpuinfo = Path("/proc/cpuinfo")
-    lines = cpuinfo.read_text(encoding="utf-8").splitlines() if cpuinfo.exists() else []
-    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    model = models[0] if models else platform.processor() or platform.machine()
-    return f"{model}, {os.cpu_count()} processors, {platform.system()} {platform.machine()}"
-
-
 def versions() -> str:
     """Of Python, of what we build on and of the peers."""
     fast = ("numba",) if find_spec("numba") else ()
     ours = [f"{name} {version(name)}" for name in ("numpy", "sympy", "python-flint", *fast)]
     theirs = [f"{name} {found}" for name, found in (peers.installed() | peers_time.installed()).items()]
-    python = f"{platform.python_implementation()} {platform.python_version()}"
-    return f"{python}, {', '.join(ours)}; peers: {', '.join(theirs) or 'none'}"
+    return f"{machine.versions(())['python']}, {', '.join(ours)}; peers: {', '.join(theirs) or 'none'}"
 
 
 def commit() -> str:
@@ -89,7 +78,7 @@ def head(rounds: int) -> str:
     at = datetime.now(UTC).strftime("%Y-%m-%d")
     return (
         f"Made by `make bench` on {at} from commit {commit()}, {rounds} rounds.\n\n"
-        f"* machine: {machine()}\n* versions: {versions()}"
+        f"* machine: {machine.machine()}\n* versions: {versions()}"
     )
 
 

@@ -15,6 +15,7 @@ from time import perf_counter
 from typing import Any
 
 from driftproof.text import table
+from numeric.work_precision.timing import spread_of
 
 # How long one turn repeats a short task, and after how long a contestant gets no further turn, in seconds.
 TURN, LIMIT = 0.02, 3.0
@@ -61,11 +62,8 @@ class Times:
 
     @property
     def spread(self) -> float | None:
-        """The middle half of the samples, from end to end, over their median; None for a single sample."""
-        if len(self.samples) < 2:
-            return None
-        low, _, high = statistics.quantiles(self.samples, n=4, method="inclusive")
-        return (high - low) / self.median
+        """As `spread_of`."""
+        return spread_of(self.samples)
 
 
 @dataclass(frozen=True)

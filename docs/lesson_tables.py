@@ -12,6 +12,7 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
 from fractions import Fraction
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
 from driftproof.texts.canonical import FRACTIONS, LOWERED, RAISED  # noqa: E402
-from driftproof.texts.checking import Outcome, check_claim, check_claims  # noqa: E402
+from driftproof.texts.checking import Outcome, check_claims, occurrences_of  # noqa: E402
 from driftproof.texts.claims import Claim, read_claims  # noqa: E402
 from driftproof.texts.coverage import GIVEN, LABEL, UNCOVERED, VALUE, coverage  # noqa: E402
 from driftproof.texts.reading import Reading, read_file, read_text  # noqa: E402
@@ -38,7 +39,7 @@ _KINDS = (
 )
 MISPRINTS = {digit: kind.replace(digit, "") for kind in _KINDS for digit in kind}
 # More of a plain text than this on either side of a digit has no say in what a phrase around it is.
-ROUND_ABOUT = 300
+ROUND_ABOUT = 200
 
 
 def misprints(reading: Reading, outcome: Outcome) -> Iterator[tuple[int, str]]:
@@ -54,15 +55,14 @@ def unnoticed(reading: Reading, outcome: Outcome) -> list[tuple[int, str]]:
     The claim holds of the text as it is, so that one occurrence more or less refutes it.
     """
     claim, spellings = outcome.claim, outcome.claim.spellings()
-    missed = []
-    for at, digit in misprints(reading, outcome):
+
+    @cache
+    def count(at: int, digit: str) -> int:
         before, after = reading.source[max(0, at - ROUND_ABOUT) : at], reading.source[at + 1 : at + ROUND_ABOUT]
-        right, wrong = (
-            len(check_claim(read_text(before + middle + after), claim, spellings).occurrences)
-            for middle in (reading.source[at], digit)
-        )
-        missed += [(at, digit)] if right == wrong else []
-    return missed
+        return len(occurrences_of(read_text(before + digit + after), claim, spellings))
+
+    tried = misprints(reading, outcome)
+    return [(at, digit) for at, digit in tried if count(at, digit) == count(at, reading.source[at])]
 
 
 def figures(lesson: Path = LESSON) -> dict[str, Any]:

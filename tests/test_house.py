@@ -254,7 +254,7 @@ def test_guards_read_the_house_and_not_nothing() -> None:
     assert {"hairer-norsett-wanner-1993", "butcher-2016"} <= set(cited(ROOT))
 
 
-HEAVY = {"sympy", "flint", "matplotlib", "mpmath", "hypothesis", "tqdm", "numba"}
+HEAVY = {"sympy", "flint", "matplotlib", "mpmath", "hypothesis", "tqdm", "numba", "jinja2", "distributed", "dask"}
 
 
 def _all_modules(package: str) -> str:

@@ -15,7 +15,7 @@ from driftproof.texts.checking import check_claim, check_claims
 from driftproof.texts.claims import Claim, parse_claims, read_claims
 from driftproof.texts.coverage import coverage
 from driftproof.texts.numbers import numbers
-from driftproof.texts.phrases import Phrase, Spellings
+from driftproof.texts.phrases import ANY_NUMBER, Phrase, Spellings
 from driftproof.texts.reading import read_file, read_text
 from driftproof.texts.running import run_listings
 from proofs.claims import REQUIRED, STATEMENTS
@@ -77,13 +77,12 @@ def test_page_is_what_its_generator_writes() -> None:
 
 def test_every_number_that_the_proofs_publish_is_claimed_of_the_lesson() -> None:
     """With the very value of the proof: but for two that the lesson spells out, or only refers to."""
-    claims = read_claims(CLAIMS).claims
-    by_statement = {key: claim for claim in claims for key in _statements(claim)}
-    assert {row.claim for row in ROWS if row.claim not in by_statement} == {"L069", "L071"}
-    for row in ROWS:
-        if claim := by_statement.get(row.claim):
-            spelled = [text for texts in claim.spellings().values() for text in texts]
-            assert row.text.replace("−", "-") in spelled, row
+    spelled: dict[str, list[str]] = {}
+    for claim in read_claims(CLAIMS).claims:
+        for key in _statements(claim):
+            spelled.setdefault(key, []).extend(text for texts in claim.spellings().values() for text in texts)
+    assert {row.claim for row in ROWS if row.claim not in spelled} == {"L069", "L071"}
+    assert [row for row in ROWS if row.claim in spelled and row.text not in spelled[row.claim]] == []
 
 
 def test_statements_that_settle_what_is_given_are_in_the_ledger() -> None:
@@ -119,7 +118,7 @@ def test_every_misprint_of_our_text_is_noticed_and_told_in_its_place() -> None:
             assert findings, (claim.id, reading.place_of_origin(at), digit)
             tried += 1
             line = reading.place_of_origin(at).line
-            assert min(abs(finding.place.line - line) for finding in findings) <= 1
+            assert min(abs(finding.place.line - line) for finding in findings) <= 1, (claim.id, digit, findings)
     assert tried > 700
 
 
@@ -142,7 +141,8 @@ class Careless(Phrase):
     """Takes any number for the right one."""
 
     def exact(self, spellings: Spellings, ignore_case: bool = False) -> re.Pattern[str]:
-        return self.shape(spellings)
+        (name,) = self.names
+        return re.compile(f"(?P<{name}>{ANY_NUMBER})".join(map(re.escape, self.literals)))
 
 
 def test_misprints_that_a_careless_claim_lets_pass_are_counted() -> None:
@@ -158,5 +158,5 @@ def test_misprints_that_a_careless_claim_lets_pass_are_counted() -> None:
 def test_misprint_is_a_digit_of_the_same_kind() -> None:
     assert (MISPRINTS["5"], MISPRINTS["²"], MISPRINTS["₁"]) == ("012346789", "⁰¹³⁴⁵⁶⁷⁸⁹", "₀₂₃₄₅₆₇₈₉")
     assert "½" not in MISPRINTS["½"]
-    assert len(MISPRINTS["½"]) == 18
+    assert len(MISPRINTS["½"]) == 17
     assert all(numbers(read_text(digit).text.text) for digit in "½" + MISPRINTS["½"])

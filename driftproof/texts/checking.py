@@ -46,14 +46,17 @@ class Outcome:
     findings: tuple[Finding, ...]
 
 
+def occurrences_of(reading: Reading, claim: Claim, spellings: Spellings) -> tuple[Occurrence, ...]:
+    """Everywhere that the phrase stands with its values, spelled so."""
+    return tuple(
+        Occurrence(*match.span(), tuple(match.span(name) for name in claim.phrase.names))
+        for match in claim.phrase.exact(spellings, claim.ignore_case).finditer(reading.text.text)
+    )
+
+
 def check_claim(reading: Reading, claim: Claim, spellings: Spellings) -> Outcome:
     """The claim, whose values are spelled so, held to the text."""
-    text = reading.text.text
-    pattern = claim.phrase.exact(spellings, claim.ignore_case)
-    occurrences = tuple(
-        Occurrence(*match.span(), tuple(match.span(name) for name in claim.phrase.names))
-        for match in pattern.finditer(text)
-    )
+    occurrences = occurrences_of(reading, claim, spellings)
     if len(occurrences) == claim.count:
         return Outcome(claim, occurrences, ())
     if len(occurrences) > claim.count:
