@@ -1,8 +1,8 @@
 """Pages that are held true: their commands, their Python sessions and their tables are written anew and compared.
 
-`python docs/pages.py` rewrites docs/differences.md and docs/language.md in place. In a page, a block that opens with
-```console and `$ driftproof ...` shows what the command prints; a block that opens with ```python holds a session with
-`>>>`; and a table follows the comment <!-- table: NAME -->, NAME in TABLES of the page's module beside this one.
+`python docs/pages.py` rewrites docs/differences.md, docs/language.md and docs/lesson.md in place. In a page, a block that
+opens with ```console and `$ driftproof ...` shows what the command prints; a block that opens with ```python holds a
+session with `>>>`; and a table follows the comment <!-- table: NAME -->, NAME in TABLES of the page's module beside this.
 """
 
 from __future__ import annotations
@@ -88,9 +88,10 @@ def refreshed(page: str, tables: dict[str, Callable[[], list[list[str]]]]) -> st
 
 def main() -> None:
     """Rewrite the pages."""
-    from docs import language_tables, tables
+    from docs import language_tables, lesson_tables, tables
 
-    for name, of_page in (("differences.md", tables.TABLES), ("language.md", language_tables.TABLES)):
+    pages = {"differences.md": tables.TABLES, "language.md": language_tables.TABLES, "lesson.md": lesson_tables.TABLES}
+    for name, of_page in pages.items():
         path = ROOT / "docs" / name
         path.write_text(refreshed(path.read_text(encoding="utf-8"), of_page), encoding="utf-8")
 

@@ -13,7 +13,7 @@ from methods.jacobian import jacobian
 from methods.program_text import indented, maker, maker_text
 from methods.schemes import Method
 from numeric.engine import field_runner, lifted
-from numeric.implicit import implicit_stepper
+from numeric.implicit import Jacobian, implicit_stepper
 from numeric.problems.problem import Problem
 from numeric.run import nearest_double
 
@@ -53,25 +53,25 @@ def float_start(problem: Problem) -> State:
 def field_rate(field: Field, functions: Mapping[str, Any] | None = None) -> Rate:
     """f(t, y) of the field as a function of a number and of a sequence of numbers; a list.
 
-    `functions` are those of the numbers, by the names in `fields.FUNCTIONS`; without them those of floats.
+    `functions` are those of the numbers, by the names in `fields.FUNCTIONS`. Without them the numbers are taken as
+    Python floats, whose overflows and divisions by zero raise.
     """
-    rate: Rate = _function(field, f"[{', '.join(field.at({}))}]", functions or _FUNCTIONS)
+    rate: Rate = _function(field, f"[{', '.join(field.at({}))}]", functions)
     return rate
 
 
-def field_jacobian(field: Field) -> Callable[[float, Any], Any]:
-    """The matrix of the derivatives of f at (t, y), by their formulas, in floats."""
+def field_jacobian(field: Field) -> Jacobian:
+    """(t, y) -> the n x n matrix with ∂fᵢ/∂yⱼ in row i and column j, by exact formulas, in Python floats."""
     rows = ", ".join(f"[{', '.join(row)}]" for row in jacobian(field))
-    matrix = _function(field, f"[{rows}]", _FUNCTIONS)
-    return lambda t, y: np.array(matrix(t, y), np.float64)
+    return _function(field, f"[{rows}]", None)
 
 
-def _function(field: Field, value: str, functions: Mapping[str, Any]) -> Callable[[float, Any], Any]:
+def _function(field: Field, value: str, functions: Mapping[str, Any] | None) -> Callable[[float, Any], Any]:
     """(t, y) -> the value that the text spells. In its text it is called run, as no parameter may be."""
     names = [name for name, _ in field.parameters]
-    lines = [f"{''.join(f'{y}, ' for y in field.components)}= y", f"return {value}"]
+    numbers = "map(float, y)" if functions is None else "y"
+    lines = [f"{''.join(f'{y}, ' for y in field.components)}= {numbers}", f"return {value}"]
     text = maker_text(names, "run", ["def run(t, y):", *indented(lines)])
-    made: Callable[[float, Any], Any] = maker(text, "run", dict(functions))(
-        *[lifted(c, np.float64) for _, c in field.parameters]
-    )
+    known = _FUNCTIONS if functions is None else dict(functions)
+    made: Callable[[float, Any], Any] = maker(text, "run", known)(*[lifted(c, np.float64) for _, c in field.parameters])
     return made

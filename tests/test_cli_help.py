@@ -35,6 +35,11 @@ def step(q, v, h):
 """,
 }
 
+# What the claims of `check` are about.
+CHAPTER = """5 min read. Then the state is (337/384, −23/48) after one step.
+RK4 takes 40 steps of h = 0.25 and is off by 3.3×10⁻⁴ at the end.
+"""
+
 
 def commands() -> list[str]:
     (choices,) = (action.choices for action in cli._parser()._actions if action.dest == "command")
@@ -53,8 +58,10 @@ def test_help_teaches_by_example(command: tuple[str, ...], answer: Answer) -> No
 
 def test_examples_in_the_help_are_answered(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    for command, name in (("scene", "mine.toml"), ("facts", "tableau.toml"), ("render", "lesson.md.j2")):
+    files = (("scene", "mine.toml"), ("facts", "tableau.toml"), ("render", "lesson.md.j2"), ("check", "claims.toml"))
+    for command, name in files:
         (tmp_path / name).write_text(help_file(command, name), encoding="utf-8")
+    (tmp_path / "chapter.md").write_text(CHAPTER, encoding="utf-8")
     for name in ("old.json", "new.json"):
         (tmp_path / name).write_bytes(VALUES_FILE.read_bytes())
     (tmp_path / "mylib").mkdir()

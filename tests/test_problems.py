@@ -14,9 +14,9 @@ from flint import arb, arb_series, ctx
 from methods.catalogue import METHODS
 from methods.fields import Field
 from methods.jacobian import derivative
+from numeric.advance import field_jacobian
 from numeric.implicit import implicit_stepper
 from numeric.problems.catalogue import PROBLEMS, problem_named
-from numeric.problems.jacobian import field_jacobian
 from numeric.problems.problem import Problem
 from tests.references.closed_forms import ball
 from tests.references.functions import derivative as all_derivatives

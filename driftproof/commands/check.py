@@ -8,10 +8,10 @@ from driftproof.arguments import Commands, Refuted, positive_number
 
 EXAMPLES = """\
 examples:
-  driftproof check lesson.md --init                      claims drafted from the text, to be read and completed
-  driftproof check lesson.md --claims claims.toml
-  driftproof check lesson.md --claims claims.toml --coverage
-  driftproof check lesson.md --claims claims.toml --run --format github
+  driftproof check chapter.md --init                     claims drafted from the text, to be read and completed
+  driftproof check chapter.md --claims claims.toml
+  driftproof check chapter.md --claims claims.toml --coverage
+  driftproof check chapter.md --claims claims.toml --run --format github
 
 A phrase stands as the text does, but for minus signs, kinds of space, ends of lines and raised or lowered digits, and
 never inside a longer word or number. A value is an id or a question, which `driftproof value --help` teaches.

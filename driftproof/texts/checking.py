@@ -15,6 +15,7 @@ from driftproof.texts.reading import Place, Reading
 SHOWN = 60
 # Places of a text that have the shape of one phrase: of more, the first are compared.
 MOST_COMPARED = 2000
+MOST_FINDINGS = 3
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,7 @@ def _times(count: int) -> str:
 
 
 def _surplus(reading: Reading, claim: Claim, occurrences: tuple[Occurrence, ...]) -> Iterable[Finding]:
-    for occurrence in occurrences[claim.count :][:3]:
+    for occurrence in occurrences[claim.count :][:MOST_FINDINGS]:
         found = reading.text.text[occurrence.start : occurrence.end]
         message = f"this stands {_times(len(occurrences))} in the text, and should stand {_times(claim.count)}"
         yield Finding(claim.id, reading.place(occurrence.start), "nothing", found, message)
@@ -84,18 +85,20 @@ def _missing(
     reading: Reading, claim: Claim, spellings: Spellings, occurrences: tuple[Occurrence, ...]
 ) -> Iterable[Finding]:
     """As many as are missing of the places that come closest: the most numbers right, and the first such."""
-    missing, written = claim.count - len(occurrences), claim.phrase.written(spellings)
-    known = {occurrence.start for occurrence in occurrences}
-    expected = claim.phrase.numbers(spellings)
-    shape = claim.phrase.shape(spellings, claim.ignore_case)
-    near = [match for match in islice(shape.finditer(reading.text.text), MOST_COMPARED) if match.start() not in known]
-    near.sort(key=lambda match: -sum(a == b for a, b in zip(expected, match.groups(), strict=True)))
-    for match in near[: min(missing, 3)]:
-        yield _difference(reading, claim, expected, match)
-    if not near:
-        often = "nowhere" if not occurrences else f"only {_times(len(occurrences))}"
-        message = f"{written!r} stands {often} in the text, and should stand {_times(claim.count)}"
-        yield _unseen(reading, claim, spellings, message)
+    missing, known = claim.count - len(occurrences), {occurrence.start for occurrence in occurrences}
+    for names in (True, False):  # a name with another number in it comes close, too, where nothing comes closer
+        expected = claim.phrase.numbers(spellings, names)
+        shape = claim.phrase.shape(spellings, claim.ignore_case, names)
+        found = islice(shape.finditer(reading.text.text), MOST_COMPARED)
+        near = [match for match in found if match.start() not in known]
+        near.sort(key=lambda match: -sum(a == b for a, b in zip(expected, match.groups(), strict=True)))
+        if near:
+            yield from (_difference(reading, claim, expected, match) for match in near[: min(missing, MOST_FINDINGS)])
+            return
+    often = "nowhere" if not occurrences else f"only {_times(len(occurrences))}"
+    written = claim.phrase.written(spellings)
+    message = f"{written!r} stands {often} in the text, and should stand {_times(claim.count)}"
+    yield _unseen(reading, claim, spellings, message)
 
 
 def _unseen(reading: Reading, claim: Claim, spellings: Spellings, message: str) -> Finding:

@@ -22,9 +22,10 @@ _PLACEHOLDER = re.compile(r"\{\{|\}\}|\{(?P<name>[a-z][a-z0-9_]*)\}|[{}]")
 # In a phrase a placeholder is one character of Unicode's private use, so that its spelling can be made canonical.
 _FIRST_SEAT = 0xF000
 _SEAT = re.compile(f"[{chr(_FIRST_SEAT)}-{chr(_FIRST_SEAT + MOST_VALUES)}]")
-# Any number, or several that run together. It gives nothing back, so that no search takes long.
+# Any number, or several that run together; a power is no part of a fraction. It gives nothing back, so that no search
+# takes long.
 ANY_NUMBER = (
-    r"(?>(?:[-+]?(?:[0-9]++(?:[.,'/][0-9]++)*+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?+"
+    r"(?>(?:(?<=\^)[0-9]++|[-+]?(?:[0-9]++(?:[.,'/][0-9]++)*+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?+"
     r"(?: ?[×·] ?10\^(?:\{-?[0-9]++\}|[0-9]))?+)++)"
 )
 # A number is not torn out of a longer one, nor out of a product, a power or a percentage of which it is a part.
@@ -60,14 +61,14 @@ class Phrase:
         values = (f"(?P<{name}>{'|'.join(map(pattern, spellings[name]))})" for name in self.names)
         return self._pattern("".join(_alternating(map(literal_pattern, self.literals), values)), ignore_case)
 
-    def shape(self, spellings: Spellings, ignore_case: bool = False) -> re.Pattern[str]:
-        """The pattern of the phrase with any numbers for its own, each a group; names such as RK4 keep theirs."""
-        texts, _ = self._texts_and_numbers(spellings)
+    def shape(self, spellings: Spellings, ignore_case: bool = False, names: bool = True) -> re.Pattern[str]:
+        """The pattern of the phrase with any numbers for its own, each a group; `names` such as RK4 keep theirs."""
+        texts, _ = self._texts_and_numbers(spellings, names)
         return self._pattern(f"({ANY_NUMBER})".join(map(literal_pattern, texts)), ignore_case)
 
-    def numbers(self, spellings: Spellings) -> list[str]:
+    def numbers(self, spellings: Spellings, names: bool = True) -> list[str]:
         """What the groups of the shape are where every number is right."""
-        return self._texts_and_numbers(spellings)[1]
+        return self._texts_and_numbers(spellings, names)[1]
 
     def written(self, spellings: Spellings) -> str:
         """The phrase with the plainest spelling of each value."""
@@ -79,13 +80,13 @@ class Phrase:
             "".join(_alternating(map(literal_pattern, self.literals), (f"({ANY_NUMBER})" for _ in self.names)))
         )
 
-    def _texts_and_numbers(self, spellings: Spellings) -> tuple[list[str], list[str]]:
+    def _texts_and_numbers(self, spellings: Spellings, names: bool) -> tuple[list[str], list[str]]:
         """The phrase cut at its numbers, those that run together being one: n + 1 texts and n numbers."""
         texts, found = [""], list[str]()
         for part in _alternating(self.literals, [spellings[name][0] for name in self.names]):
             done = 0
             for number in numbers(part):
-                if number.label is None:
+                if number.label is None or not names:
                     texts[-1] += part[done : number.start]
                     if found and not texts[-1]:
                         found[-1] += number.text

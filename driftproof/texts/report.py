@@ -18,6 +18,8 @@ from driftproof.texts.suggestions import Candidate, Suggestions
 
 # Characters of the text that are shown on each side of a number, and the values that are named of those it looks like.
 CONTEXT, MOST_NAMED = 24, 3
+# Uncovered numbers for which values are looked for.
+MOST_LISTED = 5000
 FORMATS = ("text", "json", "github")
 
 
@@ -35,9 +37,14 @@ class Report:
 
     @classmethod
     def of(cls, file: str, reading: Reading, claims: Claims, ran: Ran | None = None, suggest: bool = False) -> Report:
-        """The claims checked. With `suggest` it says which values each uncovered number looks like."""
+        """The claims checked. With `suggest` it says which values each uncovered number looks like.
+
+        Raises ValueError where a claim has no value, a label stands nowhere, or there is too much to suggest.
+        """
         outcomes = tuple(check_claims(reading, claims.claims))
         covered = coverage(reading, outcomes, claims.labels, ran.spans if ran else ())
+        if suggest and len(covered.uncovered) > MOST_LISTED:
+            raise ValueError(f"{len(covered.uncovered)} numbers are not covered; at most {MOST_LISTED} are listed")
         suggestions = Suggestions(reading.text.text) if suggest else None
         return cls(file, reading, outcomes, covered, claims.coverage, ran, suggestions)
 
