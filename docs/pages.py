@@ -1,8 +1,8 @@
 """Pages that are held true: their commands, their Python sessions and their tables are written anew and compared.
 
-`python docs/pages.py` rewrites docs/differences.md, docs/language.md and docs/lesson.md in place. In a page, a block that
-opens with ```console and `$ driftproof ...` shows what the command prints; a block that opens with ```python holds a
-session with `>>>`; and a table follows the comment <!-- table: NAME -->, NAME in TABLES of the page's module beside this.
+`python docs/pages.py` rewrites docs/differences.md, docs/language.md and docs/lesson.md in place. In a page, a block
+that opens with ```console and `$ driftproof ...` shows what the command prints; a block that opens with ```python holds
+a session with `>>>`; and a table follows the comment <!-- table: NAME -->, NAME in TABLES of the page's own module.
 """
 
 from __future__ import annotations
