@@ -56,7 +56,9 @@ GALLERY := build/gallery
 gallery: $(GALLERY)
 	$(GALLERY)/bin/python -m examples.gallery.run
 
-$(GALLERY): pyproject.toml
+$(GALLERY): examples/gallery/requirements.txt
 	$(PYTHON) -m venv $(GALLERY)
-	$(GALLERY)/bin/python -m pip install --quiet --disable-pip-version-check -e '.[gallery]'
+	$(GALLERY)/bin/python -m pip install --quiet --disable-pip-version-check torch==2.13.0
+	$(GALLERY)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps -r examples/gallery/requirements.txt
+	$(GALLERY)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps -e .
 	touch $(GALLERY)

@@ -43,6 +43,8 @@ _PUBLIC = {
     "PROBLEMS": "numeric.problems.catalogue",
     "sweep": "numeric.sweep",
     "identify": "driftproof.blackbox.identify",
+    "stepper_of": "driftproof.blackbox.stepper.objects",
+    "field_stepper_of": "driftproof.blackbox.stepper.objects",
     "verify": "driftproof.blackbox.verify",
     "assert_verified": "driftproof.blackbox.verify",
     "Domain": "driftproof.blackbox.judging.agreement",
