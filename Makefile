@@ -23,9 +23,10 @@ thorough: .venv
 long: .venv
 	$(BIN)/python -m pytest -n 2 -m long
 
-# The numbers, sessions and tables of docs/differences.md, written anew.
+# The numbers, sessions and tables of docs/, written anew; those of the lesson where its text is at hand.
 docs: .venv
 	$(BIN)/python docs/pages.py
+	if test -f ../shared/lesson/lesson.txt; then $(BIN)/python docs/lesson_tables.py; fi
 
 # Times beside NodePy, kauri, RKkit, SciPy, diffrax and heyoka, and their answers: about a quarter of an hour. RKkit needs
 # 2 GB of Sage, and is left out of the report where that cannot be had.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
@@ -38,10 +39,11 @@ def draft(reading: Reading, name: str) -> str:
 
 @dataclass
 class _Draft:
-    """The claims so far, and which numbers they cover."""
+    """The claims so far: which numbers they cover, and how often the same questions came up."""
 
     reading: Reading
     covered: set[int] = field(default_factory=set)
+    named: Counter[str] = field(default_factory=Counter)
 
     def claims(self) -> Iterator[str]:
         """One claim for each group of numbers that no claim before it covers."""
@@ -65,12 +67,19 @@ class _Draft:
         if not found:
             return f"# line {line}, column {column}: no phrase can be drafted for {group[0][0].text}\n"
         self.covered.update(found)
-        lines = [f"id = {_quoted(f'line {line}, column {column}')}", f"phrase = {_quoted(written)}"]
+        place = f"line {line}, column {column}"
+        lines = [f"id = {_quoted(self.name_of(group) if strong else place)}", f"phrase = {_quoted(written)}"]
         lines += [f"count = {len(found)}"] if len(found) > 1 else []
         remark = "".join(dict.fromkeys(_remark(number, candidates) for number, candidates in group))
         if not strong:
             return remark + "".join(f"# {line}\n" for line in ("TODO", "[[claim]]", *lines, 'given = "TODO: why"'))
         return f"{remark}[[claim]]\n" + "".join(f"{line}\n" for line in (*lines, _values(group)))
+
+    def name_of(self, group: Group) -> str:
+        """The questions of the group, numbered where they have come up before."""
+        questions = ", ".join(candidates[0].question for _, candidates in group)
+        self.named[questions] += 1
+        return questions if self.named[questions] == 1 else f"{questions} ({self.named[questions]})"
 
 
 def _best_phrase(text: str, room: tuple[int, int], group: list[Number], strong: bool) -> tuple[str, list[int]]:
