@@ -7,13 +7,13 @@ import re
 import sys
 from collections.abc import Callable, Iterable
 from fractions import Fraction
+from pathlib import Path
 from typing import Any, NoReturn, TypeAlias
 
 from methods.rationals import parse_rational
 
-REFUTED, BAD_INPUT, NO_ANSWER = 1, 2, 3
+REFUTED, BAD_INPUT, NO_ANSWER, INTERRUPTED = 1, 2, 3, 130
 MOST_DIGITS = 10_000
-MOST_EXAMPLES = 10**6
 # A float run longer than this shows a progress bar.
 LONG_RUN = 10**6
 
@@ -34,6 +34,13 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Print one line that names the problem and where to read more, and exit with status 2."""
         self.exit(BAD_INPUT, f"{self.prog}: {' '.join(message.split())} (`{self.prog} --help` shows how)\n")
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """As argparse, but what a command does not know is its own complaint, whose --help then helps."""
+        found, unknown = super().parse_known_args(args, namespace)
+        if unknown:
+            self.error(f"unrecognized arguments: {' '.join(unknown)}")
+        return found, unknown
 
 
 Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
@@ -67,35 +74,58 @@ def state(text: str) -> tuple[Fraction, Fraction]:
     return rational("q")(parts[0]), rational("v")(parts[1])
 
 
-def digits(text: str) -> int:
-    """A number of significant digits."""
-    if not (text.isascii() and text.isdigit() and len(text) < 9 and 1 <= int(text) <= MOST_DIGITS):
-        raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a number of digits from 1 to {MOST_DIGITS}")
-    return int(text)
+def counted(what: str, most: int, least: int = 1) -> Callable[[str], int]:
+    """A reader of whole numbers from `least` to `most`, which counts `what`: "digits", say."""
+
+    def parse(text: str) -> int:
+        if not (text.isascii() and text.isdigit() and len(text) < 9 and least <= int(text) <= most):
+            raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a number of {what} from {least} to {most}")
+        return int(text)
+
+    return parse
+
+
+digits = counted("digits", MOST_DIGITS)
+
+
+def several(read: Callable[[str], Any]) -> Callable[[str], list[Any]]:
+    """A reader of values that commas part; with the action "extend" the option may be repeated, too."""
+    return lambda text: [read(part.strip()) for part in text.split(",")]
 
 
 def positive_number(what: str) -> Callable[[str], float]:
     """A reader of finite floats above zero, named `what` in its complaints."""
 
     def parse(text: str) -> float:
-        value = float(rational(what)(text))
-        if not 0 < value < float("inf"):
+        try:
+            value = float(rational(what)(text))
+        except OverflowError:
+            raise argparse.ArgumentTypeError(f"{text[:20]!r} is too large a {what}") from None
+        if not value > 0:
             raise argparse.ArgumentTypeError(f"{text[:20]!r} is no {what}; write a number above 0")
         return value
 
     return parse
 
 
-def number_of_examples(text: str) -> int:
-    """How many examples to try."""
-    if not (text.isascii() and text.isdigit() and len(text) < 9 and 1 <= int(text) <= MOST_EXAMPLES):
-        raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a number of examples from 1 to {MOST_EXAMPLES}")
-    return int(text)
-
-
 def add_method(parser: Parser) -> None:
     """The positional argument METHOD."""
     parser.add_argument("method", help="a key that `driftproof methods` lists, e.g. rk4")
+
+
+def add_methods(parser: Parser, words: str) -> None:
+    """--methods, as a list that is empty where none is given."""
+    parser.add_argument("--methods", type=several(str), action="extend", default=[], metavar="M,M", help=words)
+
+
+def add_sizes(parser: Parser, words: str) -> None:
+    """--h, once or several times, with one step size or several."""
+    parser.add_argument("--h", type=several(nonzero_step), action="extend", default=[], metavar="H,H", help=words)
+
+
+def add_output(parser: Parser, words: str, metavar: str = "FILE", *, required: bool = False) -> None:
+    """-o or --output, what is written."""
+    parser.add_argument("-o", "--output", type=Path, metavar=metavar, required=required, help=words)
 
 
 def add_format(parser: Parser) -> None:

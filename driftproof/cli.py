@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import sys
+from argparse import Namespace
 from collections.abc import Sequence
 
 from driftproof import __version__
-from driftproof.arguments import BAD_INPUT, NO_ANSWER, REFUTED, Parser, Refuted
+from driftproof.arguments import BAD_INPUT, INTERRUPTED, NO_ANSWER, REFUTED, Parser, Refuted
 from driftproof.commands import (
     check,
     diff,
@@ -68,25 +69,44 @@ Numbers are read exactly: 0.1 is 1/10, and 1/4 is a quarter. `driftproof COMMAND
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; the status is 0 if answered, 1 if the answer is no, 2 for bad input, 3 for no answer."""
-    options = _parser().parse_args(arguments)
+    name = "driftproof"
     try:
-        print(options.answer(options), flush=True)
+        options = _parser().parse_args(arguments)
+        name = f"driftproof {options.command}"
+        status, text = _answered(options)
+        _show(text)
+    except OSError as error:
+        return _complain(name, _in_words(error), BAD_INPUT)
+    except ValueError as error:
+        return _complain(name, str(error), BAD_INPUT)
+    except ArithmeticError as error:
+        return _complain(name, str(error), NO_ANSWER)
+    except KeyboardInterrupt:
+        return _complain(name, "interrupted", INTERRUPTED)
+    return status
+
+
+def _answered(options: Namespace) -> tuple[int, str]:
+    try:
+        return 0, options.answer(options)
     except Refuted as answer:
-        print(answer, flush=True)
-        return REFUTED
+        return REFUTED, str(answer)
+
+
+def _show(text: str) -> None:
+    try:
+        print(text, flush=True)
     except BrokenPipeError:
         sys.stderr.close()  # the reader has gone; a second complaint at exit would be noise
-    except (ValueError, OSError) as error:
-        return _complain(options.command, error, BAD_INPUT)
-    except ArithmeticError as error:
-        return _complain(options.command, error, NO_ANSWER)
-    except KeyboardInterrupt:
-        return _complain(options.command, "interrupted", 130)
-    return 0
 
 
-def _complain(command: str, error: object, status: int) -> int:
-    print(f"driftproof {command}: {' '.join(str(error).split())}", file=sys.stderr)
+def _in_words(error: OSError) -> str:
+    """As elsewhere: the file, then what is wrong with it, without the number of the error."""
+    return f"{error.filename}: {error.strerror}" if error.filename and error.strerror else str(error)
+
+
+def _complain(name: str, message: str, status: int) -> int:
+    print(f"{name}: {' '.join(message.split())}", file=sys.stderr)
     return status
 
 

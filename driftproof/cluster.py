@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from concurrent.futures import CancelledError, Executor
 from contextlib import contextmanager
 
+from driftproof.extras import demand
+
 ADDRESS = re.compile(r"(\w+://)?[^/\s]+:\d+")
 # Seconds in which a scheduler has to answer.
 PATIENCE = 10
@@ -22,10 +24,9 @@ def cluster_executor(address: str) -> Iterator[Executor]:
     """
     if not ADDRESS.fullmatch(address):
         raise ValueError(f"{address!r} is no address of a scheduler; write it like tcp://10.0.0.1:8786")
-    try:
-        from distributed import Client, KilledWorker
-    except ImportError:
-        raise ValueError("a cluster needs distributed; install the extra: pip install 'driftproof[cluster]'") from None
+    demand("distributed", "cluster", "a cluster needs distributed")
+    from distributed import Client, KilledWorker
+
     with Client(address, timeout=PATIENCE, set_as_default=False) as client:
         try:
             yield client.get_executor(pure=False)

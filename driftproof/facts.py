@@ -14,7 +14,7 @@ from methods.schemes import Method
 Json = Any
 
 # The variable in which each rational function is ascending; h where nothing is said.
-VARIABLES = {"stability_function": "z", "order_reduction": "z", "energy_multiplier": "h^2"}
+VARIABLES = {"stability_function": "z", "function": "z", "modified_rate": "z", "energy_multiplier": "h^2"}
 # A series or a list of trees longer than this is left to --format json.
 MOST_SHOWN = 12
 
@@ -139,7 +139,8 @@ def _list(name: str, value: list[Json]) -> str:
     if not value:
         return "none"
     if name.endswith(("series", "rate")):
-        return polynomial(value, VARIABLES.get(name, "h"))
+        variable = VARIABLES.get(name, "h")
+        return f"{polynomial(value, variable)} + O({_power(variable, len(value))})"
     if all(isinstance(x, str) for x in value):
         return f"[{', '.join(value)}]"
     if any(isinstance(x, dict) and "num" in x for x in value):

@@ -64,6 +64,9 @@ def _exact(scene: Scene, times: Any) -> Any:
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write the figure whole or not at all, as SVG or by the file's suffix."""
+    """Write the figure whole or not at all, as the kind that the suffix names. Raises ValueError for any other name."""
+    known = figure.canvas.get_supported_filetypes()
+    if path.suffix[1:].lower() not in known:
+        raise ValueError(f"{path}: the name of a picture ends in one of {', '.join(f'.{kind}' for kind in known)}")
     with whole(path) as draft:
         figure.savefig(draft, metadata={"Date": None})

@@ -18,7 +18,10 @@ def whole(path: Path) -> Iterator[str]:
     path = path.resolve()  # a link keeps pointing where it does; a device would be replaced by a file
     demand_file(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, draft = tempfile.mkstemp(dir=path.parent, suffix=path.suffix)
+    try:
+        handle, draft = tempfile.mkstemp(dir=path.parent, suffix=path.suffix)
+    except OSError as error:  # of a name that nobody gave
+        raise OSError(error.errno, error.strerror, str(path)) from None
     os.close(handle)
     try:
         yield draft
@@ -27,6 +30,12 @@ def whole(path: Path) -> Iterator[str]:
     except BaseException:
         os.unlink(draft)
         raise
+
+
+def demand_folder(path: Path) -> None:
+    """Raises ValueError if `path` is there and is no folder."""
+    if path.exists() and not path.is_dir():
+        raise ValueError(f"{path} is a file; name a folder")
 
 
 def demand_file(path: Path) -> None:

@@ -6,7 +6,7 @@ and relative; it chooses its steps itself. What it has to compile, it compiles i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from importlib import import_module
@@ -16,6 +16,7 @@ from math import inf
 from time import perf_counter
 from typing import Any, Protocol
 
+from driftproof.extras import how_to_install
 from methods.fields import FUNCTIONS
 from numeric.advance import Rate, State, field_rate, float_start
 from numeric.problems.problem import Problem
@@ -24,7 +25,7 @@ from numeric.work_precision.integrators import COMPILED, PYTHON
 TOLERANCES = tuple(10.0**-k for k in range(3, 14))
 # The packages that run outside Python cannot be stopped by the clock, but by the number of their steps.
 MOST_STEPS = 10**5
-INSTALL = "not installed; pip install 'driftproof[peers]'"
+INSTALL = f"not installed; {how_to_install('peers')}"
 
 
 class Solver(Protocol):
@@ -60,10 +61,10 @@ class Peer:
         return version(self.name)
 
 
-def peers_named(names: str) -> list[Peer]:
-    """The peers in a list such as "scipy,heyoka". Raises ValueError naming the closest for an unknown one."""
+def peers_named(names: Iterable[str]) -> list[Peer]:
+    """The peers of these names, each once. Raises ValueError naming the closest for an unknown one."""
     found = []
-    for name in dict.fromkeys(part.strip() for part in names.split(",")):
+    for name in dict.fromkeys(names):
         if name not in PEERS:
             close = get_close_matches(name, PEERS, n=1, cutoff=0.4)
             hint = f"did you mean {close[0]}? " if close else ""

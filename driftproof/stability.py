@@ -4,19 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
+from math import inf, isfinite
 from typing import Any, TypeAlias
+
+from flint import ctx
 
 from driftproof.answers import number
 from driftproof.facts import method_of
-from driftproof.text import table
-from methods.rationals import step_count
+from driftproof.text import table, with_digits
+from methods.rationals import brief, step_count
 from methods.schemes import Method, MethodError
 from numeric.advance import Advance, advance, float_start
 from numeric.clock import clock
 from numeric.problems.problem import Problem
 from numeric.stability import Observed, fewest_steps, largest_bounded, observe, size, stays_bounded
 from numeric.work_precision.exact import distance
-from symbolic.certified import HALF_EVEN
+from symbolic.certified import HALF_EVEN, Exact, enclose, significant
 from symbolic.facts import facts_of
 from symbolic.linear.conjugate_pairs import UndecidedLimitError
 from symbolic.linear.oscillator import stability_function_of
@@ -32,24 +35,30 @@ DIGITS = 6
 MOST_EXPLICIT, MOST_IMPLICIT, MOST_SHOWN = 1 << 14, 1 << 9, 10**6
 # Steps of the runs that are shown where no h is asked for.
 SHOWN = (10, 100, 1000)
+# Far more than the 53 of h: a factor that is not told from 1 is printed as that.
+ONE_BITS = 1024
+# An error of so much of the size of the solution still follows it; one of all its size is lost.
+FOLLOWS = 0.1
 # A run that has grown so many times beyond the solution is not run to its end where only its verdict is asked for.
 LOST = 1e6
 
 
 def stability_answer(problem: Problem, names: Sequence[str], sizes: Sequence[Fraction], walk: Walk = iter) -> Json:
-    """{"problem", "title", "linear", "methods": [...]}, one entry a method; numbers are strings.
+    """{"problem", "title", "linear", "size", "methods": [...]}, one entry a method; numbers are strings.
 
     `sizes` are step sizes that divide t; without them runs of SHOWN steps are shown. On a linear problem, per method:
     `limit`, `attained`, `at_infinity` as proved, `seen`, the neighbouring doubles between which powers of the float
-    step begin to grow. On any other, `fewest_steps` that end within the size of the solution. Raises ValueError.
+    step begin to grow. On any other, the `fewest_steps` that follow the solution to its end, as longer runs do.
+    Raises ValueError.
     """
     counts = [step_count(problem.t, h) for h in sizes] or list(SHOWN)
     if max(counts) > MOST_SHOWN:
-        raise ValueError(f"{max(counts)} steps to t = {problem.t}; at most {MOST_SHOWN} are run here")
+        raise ValueError(f"{brief(max(counts))} steps to t = {problem.t}; at most {MOST_SHOWN} are run here")
     return {
         "problem": problem.key,
         "title": problem.title,
         "linear": problem.matrix is not None,
+        "size": repr(solution_size(problem)),
         "methods": [_method_answer(problem, method_of(name), counts) for name in walk(names)],
     }
 
@@ -74,8 +83,6 @@ def behaviour(method: Method, problem: Problem) -> str:
     """The name under which `Problem.expected` speaks of the method: the most telling that it has."""
     facts = facts_of(method, ["symplectic", "l_stable", "a_stable"])
     known = [name for name in ("symplectic", "l_stable", "a_stable") if facts[name]]
-    if not problem.second_order and "symplectic" in known:
-        known.remove("symplectic")
     return next((name for name in known if name in problem.expected), "explicit" if method.explicit else "implicit")
 
 
@@ -98,7 +105,8 @@ def _nonlinear_part(problem: Problem, method: Method, runs: Advance) -> Json:
 
     def follows(steps: int) -> bool:
         seen = observe(runs, start, clock(problem.t, steps).h, steps, LOST * extent)
-        return seen.failed_after is None and seen.largest <= LOST * extent and error_of(problem, seen) <= extent
+        ended = seen.failed_after is None and seen.largest <= LOST * extent
+        return ended and error_of(problem, seen) <= FOLLOWS * extent
 
     most = MOST_EXPLICIT if method.explicit else MOST_IMPLICIT
     return {"fewest_steps": fewest_steps(follows, most), "looked_up_to": most}
@@ -107,15 +115,15 @@ def _nonlinear_part(problem: Problem, method: Method, runs: Advance) -> Json:
 def _run_answer(problem: Problem, runs: Advance, found: SystemFacts | None, steps: int) -> Json:
     h = clock(problem.t, steps).h
     seen = observe(runs, float_start(problem), h, steps)
-    ended = seen.failed_after is None
+    error = error_of(problem, seen) if seen.failed_after is None else inf
     return {
         "h": repr(h),
         "steps": steps,
         "failed_after": seen.failed_after,
         "remark": seen.remark,
         "largest": repr(seen.largest),
-        "error": repr(error_of(problem, seen)) if ended else None,
-        "follows": ended and error_of(problem, seen) <= solution_size(problem),
+        "error": repr(error) if isfinite(error) else None,
+        "lost": error > solution_size(problem),
         **({} if found is None else _proved_at(found, Fraction(h))),
     }
 
@@ -126,10 +134,16 @@ def _proved_at(found: SystemFacts, h: Fraction) -> Json:
         bounded: bool | str = bounded_at(found, h)
     except UndecidedLimitError as reason:
         bounded = str(reason)
-    return {
-        "bounded": bounded,
-        "factor": number(factor_at(found, largest_eigenvalue(found.rows), h), DIGITS, HALF_EVEN),
-    }
+    factor = factor_at(found, largest_eigenvalue(found.rows), h)
+    return {"bounded": bounded, "factor": number(factor, DIGITS, HALF_EVEN), "factor_less_one": _less_one(factor)}
+
+
+def _less_one(factor: Exact) -> str | None:
+    """The factor less 1, to two digits; None where so small a ball as ONE_BITS give holds 1."""
+    with ctx.workprec(ONE_BITS):
+        if (enclose(factor) - 1).contains(0):
+            return None
+    return significant(lambda: enclose(factor) - 1, 2)
 
 
 def error_of(problem: Problem, seen: Observed) -> float:
@@ -157,12 +171,12 @@ def stability_text(answer: Json) -> str:
 
 def _limits_text(answer: Json, entries: Sequence[Json]) -> str:
     if not answer["linear"]:
-        rows = [["method", "fewest steps that follow the solution"]]
+        rows = [["method", "follows from N =", "looked up to N ="]]
         for entry in entries:
-            none = f"none up to {entry['looked_up_to']}"
-            rows.append([entry["method"], str(entry["fewest_steps"] or none)])
-        return "Observed: the error at the end is below the size of the solution\n\n" + table(rows)
-    rows = [["method", "proved: bounded for", "seen over 2^40 steps", "R(oo)"]]
+            rows.append([entry["method"], str(entry["fewest_steps"] or "none"), str(entry["looked_up_to"])])
+        title = f"Observed: with N steps, 2N, ... the error at the end is below {FOLLOWS} of the size of the solution"
+        return f"{title}\n\n{table(rows, right=(1, 2))}"
+    rows = [["method", "proved: bounded for", "seen over 2^48 steps", "R(oo)"]]
     for entry in entries:
         rows.append([entry["method"], _limit_text(entry), _seen_text(entry["seen"]), entry["at_infinity"] or "none"])
     return "The steps h whose powers stay bounded\n\n" + table(rows)
@@ -175,16 +189,21 @@ def _limit_text(entry: Json) -> str:
     if "refused" in limit:
         return f"not decided: {limit['refused']}"
     exact = limit["exact"] if limit["exact"] and len(limit["exact"]) <= 24 else None
-    decimal = limit["decimal"].rstrip("0").rstrip(".") if "." in limit["decimal"] else limit["decimal"]
-    shown = decimal if len(decimal) <= 12 else f"{decimal[:12]}..."
+    digits, _, power = limit["decimal"].partition("e")
+    digits = digits.rstrip("0").rstrip(".") if "." in digits else digits
+    decimal, shown = (f"{x}e{power}" if power else x for x in (digits, _cut(digits)))
     return f"h {'<=' if entry['attained'] else '<'} {shown if exact in (None, decimal) else f'{exact} = {shown}'}"
+
+
+def _cut(digits: str) -> str:
+    return digits if len(digits) <= 12 else f"{digits[:12]}..."
 
 
 def _seen_text(seen: Json) -> str:
     low, high = float(seen["bounded"]), float(seen["grows"])
     if high == float("inf"):
-        return f"up to {low:.4g}, the largest tried"
-    return f"up to {low:.10g}" if low else f"growth at {high:.4g}, the smallest tried"
+        return f"up to {with_digits(low, 4)}, the largest tried"
+    return f"up to {with_digits(low, 10)}" if low else f"growth at {with_digits(high, 4)}, the smallest tried"
 
 
 def _runs_text(answer: Json, entries: Sequence[Json]) -> str:
@@ -192,10 +211,21 @@ def _runs_text(answer: Json, entries: Sequence[Json]) -> str:
     rows = [head]
     for entry in entries:
         for run in entry["runs"]:
-            proved = [_verdict(run["bounded"]), run["factor"]["decimal"]] if answer["linear"] else []
+            proved = [_verdict(run["bounded"]), _factor_text(run)] if answer["linear"] else []
             rows.append([entry["method"], f"{float(run['h']):.6g}", str(run["steps"]), *proved, _outcome(run)])
-    note = "\n\nbounded?: proved, at exactly the h that is run; factor: of the eigenvalue largest in size, a step"
-    return table(rows, right=(2,)) + (note if answer["linear"] else "")
+    reached = f"which at the times of its reference reaches {with_digits(float(answer['size']), 3)}"
+    notes = f"error: the Euclidean distance from the solution at t, {reached}"
+    if answer["linear"]:
+        notes += "\nbounded?: proved, at exactly the h that is run; factor: of the eigenvalue largest in size, a step"
+    return f"{table(rows, right=(2,))}\n\n{notes}"
+
+
+def _factor_text(run: Json) -> str:
+    """The decimal, or by how much the factor is not 1 where the decimal does not say."""
+    decimal, rest = run["factor"]["decimal"], run["factor_less_one"]
+    if rest is None or Fraction(decimal) != 1:
+        return str(decimal)
+    return f"1 {'-' if rest.startswith('-') else '+'} {rest.lstrip('-')}"
 
 
 def _verdict(bounded: bool | str) -> str:
@@ -205,8 +235,8 @@ def _verdict(bounded: bool | str) -> str:
 def _outcome(run: Json) -> str:
     if run["failed_after"] is not None:
         return f"ends at step {run['failed_after']}: {run['remark']}"
-    error = f"error {float(run['error']):.2e}"
-    return error if run["follows"] else f"{error}, more than the solution: lost"
+    error = f"error {with_digits(float(run['error']), 3)}"
+    return f"{error}, more than the solution: lost" if run["lost"] else error
 
 
 def _expected_text(entries: Sequence[Json]) -> str:
@@ -218,10 +248,25 @@ def _expected_text(entries: Sequence[Json]) -> str:
     return "Expected\n\n" + "\n".join(lines) if lines else ""
 
 
-def problems_text(problems: Iterable[Problem]) -> str:
-    """The problems: key, whether linear, stiff or of second order, title."""
+def problems_json(problems: Iterable[Problem]) -> list[dict[str, Any]]:
+    """The problems: key, title, and whether linear, stiff or q'' = F(q)."""
+    return [
+        {
+            "problem": problem.key,
+            "title": problem.title,
+            "linear": problem.matrix is not None,
+            "stiff": problem.stiff,
+            "second_order": problem.second_order,
+        }
+        for problem in problems
+    ]
+
+
+def problems_text(listed: Sequence[dict[str, Any]]) -> str:
+    """What `problems_json` lists, as a table."""
+    names = {"linear": "linear", "stiff": "stiff", "second_order": "q'' = F(q)"}
     rows = [["problem", "kind", "title"]]
-    for problem in problems:
-        kinds = {"linear": problem.matrix is not None, "stiff": problem.stiff, "q'' = F(q)": problem.second_order}
-        rows.append([problem.key, ", ".join(kind for kind, holds in kinds.items() if holds), problem.title])
+    for entry in listed:
+        kinds = ", ".join(words for name, words in names.items() if entry[name])
+        rows.append([entry["problem"], kinds, entry["title"]])
     return table(rows)

@@ -9,7 +9,7 @@ from typing import Any
 
 from driftproof.files import demand_file
 from driftproof.scene_view import scene_json
-from driftproof.text import short, table
+from driftproof.text import table, with_digits
 from numeric.checkpoint import strings
 from numeric.run import Readouts
 from numeric.scenes import Scene
@@ -17,6 +17,10 @@ from numeric.sweep import Answer, Found, Grid, batches, points_of
 
 # Pairs would widen the table; they are in the JSON.
 STATES = ("final_state", "exact_state")
+# Enough to compare errors at neighbouring h.
+DIGITS = 4
+# What stands over a column, where it is not the name of the axis or of the readout.
+AXES, LABELS = {"selected": "method"}, {"phase_error": "phase error (degrees)"}
 
 
 def answers(scene: Scene, grid: Grid, executor: Executor | None, checkpoint: Path | None) -> list[Answer]:
@@ -46,12 +50,12 @@ def sweep_json(scene: Scene, found: list[Answer]) -> dict[str, Any]:
 def sweep_text(scene: Scene, found: list[Answer]) -> str:
     """A table: what varies, then the readouts; where there are none, the message."""
     names = [name for name in scene.readouts if name not in STATES]
-    axes = list(found[0].values)
-    rows = [[*axes, *(name.replace("_", " ") for name in names), ""]]
+    axes = [AXES.get(name, name) for name in found[0].values]
+    rows = [[*axes, *(LABELS.get(name, name.replace("_", " ")) for name in names), ""]]
     for values, answer in found:
         cells = [*("" for _ in names), answer] if isinstance(answer, str) else [*_cells(answer, names), ""]
         rows.append([*map(_shown, values.values()), *cells])
-    return f"{scene.name}: {len(found)} points\n\n{table(rows)}"
+    return f"{scene.name}: {len(found)} point{'' if len(found) == 1 else 's'}\n\n{table(rows)}"
 
 
 def _shown(value: Any) -> str:
@@ -60,4 +64,4 @@ def _shown(value: Any) -> str:
 
 def _cells(readouts: Readouts, names: list[str]) -> list[str]:
     values = [readouts[name] for name in names]
-    return ["undefined" if x is None else short(x) if isinstance(x, float) else str(x) for x in values]
+    return ["undefined" if x is None else with_digits(x, DIGITS) if isinstance(x, float) else str(x) for x in values]

@@ -88,6 +88,12 @@ def scenes_text(scenes: Sequence[Scene]) -> str:
     return table(rows, right=(2, 3, 4))
 
 
+def with_digits(x: float, digits: int) -> str:
+    """So many significant digits, zeros at the end among them; an exponent as in 1.5e-7, below 1e-4 and above them."""
+    mantissa, _, exponent = f"{x:#.{digits}g}".partition("e")
+    return mantissa.removesuffix(".") + (f"e{int(exponent)}" if exponent else "")
+
+
 def short(x: float) -> str:
     """Three decimals as the lesson's table shows them; two significant digits with an exponent below 1e-3, and beyond
     LARGEST_PLAIN.

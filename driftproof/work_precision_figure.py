@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import matplotlib
@@ -25,6 +26,8 @@ COSTS = {
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c510a", "#000000")
 MARKERS, DASHES = "os^Dv<>P", ("-", "--", ":")
 FARTHEST = 1000
+# What fits above a panel.
+CHARACTERS = 55
 FLOOR = {"color": "#555555", "linewidth": 1.2, "linestyle": (0, (6, 2, 1, 2))}
 
 
@@ -46,7 +49,7 @@ def draw(study: Study, measured: Measured, quantity: str, folder: Path) -> Path:
             axes.remove()
         for row in grid:
             row[0].set_ylabel(WHAT[quantity])
-        figure.suptitle(study.problem.title)
+        figure.suptitle(fill(study.problem.title.replace("to t = ", "to\u00a0t\u00a0=\u00a0"), CHARACTERS * columns))
         _legend(figure, [*measured.curves])
         path = folder / f"work_precision_{quantity}.svg"
         save(figure, path)
@@ -65,16 +68,19 @@ def _legend(figure: Figure, keys: list[str]) -> None:
 def _panel(axes: Any, study: Study, measured: Measured, quantity: str, cost: str) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
+    drawn: list[tuple[float, float, float]] = []
     for i, (key, curve) in enumerate(measured.curves.items()):
         again, hue = divmod(i, len(COLOURS))
         marker = MARKERS[(hue + 3 * again) % len(MARKERS)]
         style = {"color": COLOURS[hue], "linestyle": DASHES[again % len(DASHES)]}
         places = _places(measured, curve, quantity, cost)
         if places:
+            drawn += places
             x, final, largest = zip(*places, strict=True)
             axes.plot(x, largest, **style, linewidth=0.6, alpha=0.6)
             axes.plot(x, final, **style, marker=marker, markersize=4, linewidth=1.4, label=key)
     _limits(axes, study, measured, quantity)
+    _width(axes, drawn)
     axes.plot([], [], color="#555555", linewidth=0.6, label="thin: the largest on the way")
     _floor(axes, study, quantity)
     axes.set_xlabel(COSTS[cost])
@@ -87,8 +93,18 @@ def _limits(axes: Any, study: Study, measured: Measured, quantity: str) -> None:
     lows = [x for x in (*(size.final for size in found), floors(study.problem)[quantity]) if x > 0]
     if lows and found:
         whole = _scale(study, quantity)
-        low = max(min(lows), whole * float(U) ** 2)
+        low = min(whole, max(min(lows), whole * float(U) ** 2))
         axes.set_ylim(low / 2, 2 * max(low, min(FARTHEST * whole, max(size.largest for size in found))))
+
+
+def _width(axes: Any, places: list[tuple[float, float, float]]) -> None:
+    """As wide as the points that the panel is high enough for; words where there are none."""
+    _, top = axes.get_ylim()
+    shown = [x for x, final, _ in places if final <= top]
+    if shown:
+        axes.set_xlim(min(shown) / 2, 2 * max(shown))
+    else:
+        axes.text(0.5, 0.5, "no run to show here", transform=axes.transAxes, ha="center")
 
 
 def _scale(study: Study, quantity: str) -> float:

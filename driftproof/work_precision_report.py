@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 
 from driftproof.files import whole
 from driftproof.peers import INSTALL
-from driftproof.text import as_json, table
+from driftproof.text import as_json, table, with_digits
 from driftproof.work_precision import Measured, Study, kinds_of, name_of, per_state
 from numeric.work_precision.curves import Curve, Point
 from numeric.work_precision.exact import QUANTITIES, floors, half_unit
@@ -29,20 +29,21 @@ Costs: TypeAlias = Mapping[str, Mapping[str, Sequence[Priced]]]
 
 
 def priced(measured: Measured, cost: str) -> dict[str, list[Priced]]:
-    """The points of each curve with their cost: EVALUATIONS, or the least seconds of a kind, of one state."""
-    found = {}
+    """The points of each curve with their cost: EVALUATIONS, or the least seconds of a kind, of one state.
+
+    Left out are those that err by as much as the solution is large. A cost is infinite where it was not measured.
+    """
+    found: dict[str, list[Priced]] = {}
     for key, curve in measured.curves.items():
-        timed = {} if cost == EVALUATIONS else measured.timed(curve, cost)
-        found[key] = [
-            Priced(point.error, point.evaluations or 0 if cost == EVALUATIONS else _best(timed[point.setting], cost))
-            for point in curve.points
-            if isfinite(point.error) and (point.evaluations if cost == EVALUATIONS else point.setting in timed)
-        ]
+        points = [point for point in curve.points if point.error < point.scale]
+        if cost == EVALUATIONS:
+            found[key] = [Priced(point.error, point.evaluations) for point in points if point.evaluations]
+            continue
+        timed = measured.timed(curve, cost)
+        costs = {setting: per_state(cost, timing.best) for setting, timing in timed.items()}
+        applies = name_of(key, cost) in measured.warm_up
+        found[key] = [Priced(point.error, costs.get(point.setting, inf)) for point in points if applies]
     return found
-
-
-def _best(timing: Timing, kind: str) -> float:
-    return per_state(kind, timing.best)
 
 
 def errors_json(study: Study, measured: Measured) -> Json:
@@ -153,7 +154,7 @@ def text(study: Study, measured: Measured) -> str:
     parts = [_head(study), table(order_rows(measured), right=(1,))]
     dominated = dominated_rows(by_cost)
     if len(dominated) > 1:
-        title = "Dominated: another has no more error at no more cost, at every measured point"
+        title = "Dominated: at every point that follows the solution others have no more error at no more cost"
         parts.append(f"{title}\n\n{table(dominated)}")
     for goal in GOALS:
         rows = goal_rows(measured, by_cost, goal)
@@ -178,9 +179,9 @@ def order_rows(measured: Measured) -> list[list[str]]:
     """Claimed and measured order with the least and the largest slope, and the least error seen."""
     rows = [["method", "order", "measured", "least error", ""]]
     for key, curve in measured.curves.items():
-        order, least = curve.order, min((point.error for point in curve.points), default=inf)
+        order = curve.order
         shown = f"{order.median:.2f} ({order.least:.2f} to {order.largest:.2f})" if order else ""
-        rows.append([key, str(curve.claimed_order or ""), shown, _error(least), curve.verdict])
+        rows.append([key, str(curve.claimed_order or ""), shown, _least_error(curve), curve.verdict])
     return rows
 
 
@@ -197,7 +198,8 @@ def goal_rows(measured: Measured, by_cost: Costs, goal: float) -> list[list[str]
     found = {cost: {key: cheapest(points, goal) for key, points in of.items()} for cost, of in by_cost.items()}
     rows = [["method", *(LABELS[cost] for cost in by_cost)]]
     for key, curve in measured.curves.items():
-        applies = {c: by_cost[c][key] if c == EVALUATIONS else name_of(key, c) in measured.warm_up for c in by_cost}
+        counted = any(point.evaluations and isfinite(point.error) for point in curve.points)
+        applies = {c: counted if c == EVALUATIONS else name_of(key, c) in measured.warm_up for c in by_cost}
         if not curve.refused:
             cells = (_goal_cell(curve, cost, found[cost], goal) if applies[cost] else "-" for cost in by_cost)
             rows.append([key, *cells])
@@ -207,15 +209,19 @@ def goal_rows(measured: Measured, by_cost: Costs, goal: float) -> list[list[str]
 def _goal_cell(curve: Curve, cost: str, found: Mapping[str, Priced | None], goal: float) -> str:
     point = found[curve.key]
     if point is None:
-        least = min(p.error for p in curve.points)
-        return "over the limit" if least <= goal else f"not met: {_error(least)}"
+        return "over the limit" if min(p.error for p in curve.points) <= goal else f"not met: {_least_error(curve)}"
     shown = f"{point.cost:.0f}" if cost == EVALUATIONS else seconds_text(point.cost)
     return shown + (" *" if point.cost == min(p.cost for p in found.values() if p) else "")
 
 
-def _error(value: float) -> str:
-    if not isfinite(value):
+def _least_error(curve: Curve) -> str:
+    best = min(curve.points, key=lambda point: point.error, default=None)
+    if best is None or not isfinite(best.error):
         return "none"
+    return "lost" if best.error >= best.scale else _error(best.error)
+
+
+def _error(value: float) -> str:
     mantissa, _, exponent = f"{value:.1e}".partition("e")
     return f"{value:.2g}" if 1e-3 <= value < 100 or not value else f"{mantissa}e{int(exponent)}"
 
@@ -224,15 +230,15 @@ def seconds_text(seconds: float) -> str:
     """Three digits, in ns, µs, ms or s."""
     for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
         if seconds >= size:
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds / 1e-9:.3g} ns"
+            return f"{with_digits(seconds / size, 3)} {unit}"
+    return f"{with_digits(seconds / 1e-9, 3)} ns"
 
 
 def _remarks(study: Study, measured: Measured) -> list[str]:
     """What does not apply, what was not run, what is absent; and how times were taken."""
     lines = [f"{key}: not applicable: {c.refused}" for key, c in measured.curves.items() if c.refused]
     for key, curve in measured.curves.items():
-        lines += [f"{key} at {_settings(points)}: {remark}" for remark, points in _by_remark(curve).items()]
+        lines += [f"{key} at {_settings(curve, points)}: {remark}" for remark, points in _by_remark(curve).items()]
     lines += [f"peer {peer.name}: {INSTALL}" for peer in study.peers if not peer.installed]
     lines += _absences(measured) + _limits(measured)
     spreads = [t.spread for t in measured.timings.values() if t.samples and t.spread is not None]
@@ -242,6 +248,8 @@ def _remarks(study: Study, measured: Measured) -> list[str]:
             f"are below {100 * median(spreads):.0f} %. Warm-up and compilation are apart."
         )
     lines.append("- means that there is nothing to measure, or that no point has an error.")
+    if any(_least_error(curve) == "lost" for curve in measured.curves.values()):
+        lines.append("lost: no run has an error below the size of the solution.")
     lines.append("Evaluations are those that the program makes, also where the last of a step is the next one's first.")
     asked = study.question()
     lines.append(f"{asked['machine']}; " + ", ".join(f"{name} {v}" for name, v in asked["versions"].items()))
@@ -256,9 +264,16 @@ def _by_remark(curve: Curve) -> dict[str, list[Point]]:
     return found
 
 
-def _settings(points: Sequence[Point]) -> str:
+def _settings(curve: Curve, points: Sequence[Point]) -> str:
+    """The settings of some points of a curve, neighbours by the first and the last of them."""
     what = "N =" if points[0].steps else "tolerance"
-    return f"{what} {', '.join(point.setting for point in points)}"
+    parts = [[point] for point in points[:1]]
+    for point in points[1:]:
+        if curve.points.index(point) == curve.points.index(parts[-1][-1]) + 1:
+            parts[-1].append(point)
+        else:
+            parts.append([point])
+    return f"{what} " + ", ".join(" to ".join(dict.fromkeys((p[0].setting, p[-1].setting))) for p in parts)
 
 
 def _absences(measured: Measured) -> list[str]:

@@ -56,5 +56,5 @@ def method_named(key: str) -> Method:
     if key in METHODS:
         return METHODS[key]
     close = get_close_matches(key, METHODS, n=2, cutoff=0.4)
-    hint = f"did you mean {' or '.join(close)}? " if close else ""
-    raise ValueError(f"unknown method {key[:60]!r}; {hint}(`driftproof methods` lists all)")
+    hint = f"; did you mean {' or '.join(close)}?" if close else ""
+    raise ValueError(f"unknown method {key[:60]!r}{hint} (`driftproof methods` lists all)")

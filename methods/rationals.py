@@ -10,6 +10,8 @@ from math import ceil, floor
 # "1e999999999" would ask for gigabytes.
 LONGEST_TEXT = 1200
 LARGEST_EXPONENT = 1200
+# Of a number in a message.
+LONGEST_SHOWN = 40
 
 _EXPONENT = re.compile(r"[eE]([+-]?\d[\d_]*)\s*$")
 
@@ -23,7 +25,7 @@ def parse_rational(text: str, what: str = "number") -> Fraction:
     allowed = "write an integer, a fraction like 1/4 or a decimal like 0.25"
     text = text.strip().replace("\N{MINUS SIGN}", "-")
     exponent = _EXPONENT.search(text)
-    shown = text if len(text) <= 40 else text[:37] + "..."
+    shown = text if len(text) <= LONGEST_SHOWN else text[: LONGEST_SHOWN - 3] + "..."
     if len(text) > LONGEST_TEXT or (exponent and abs(int(exponent[1].replace("_", ""))) > LARGEST_EXPONENT):
         raise ValueError(
             f"{what}: {shown!r} is too long; at most {LONGEST_TEXT} characters, exponent {LARGEST_EXPONENT}"
@@ -43,11 +45,20 @@ def step_count(t: Fraction, h: Fraction) -> int:
     h and t have opposite signs, or if N is not whole; the message then names the two nearest h that divide t.
     """
     if h == 0:
-        raise ValueError(f"h = 0 never reaches t = {t}; choose h with t / h a whole number")
+        raise ValueError(f"h = 0 never reaches t = {brief(t)}; choose h with t / h a whole number")
     quotient = t / h
     if quotient < 0:
-        raise ValueError(f"h = {h} leads away from t = {t}; give h the sign of t")
+        raise ValueError(f"h = {brief(h)} leads away from t = {brief(t)}; give h the sign of t")
     if quotient.denominator == 1:
         return int(quotient)
-    nearest = [str(t / n) for n in (floor(quotient), ceil(quotient)) if n > 0]
-    raise ValueError(f"h = {h} does not divide t = {t} (t / h = {quotient}); nearest that do: {' and '.join(nearest)}")
+    nearest = [brief(t / n) for n in (floor(quotient), ceil(quotient)) if n > 0]
+    raise ValueError(
+        f"h = {brief(h)} does not divide t = {brief(t)} (t / h = {brief(quotient)}); nearest that do: "
+        f"{' and '.join(nearest)}"
+    )
+
+
+def brief(x: Fraction | int) -> str:
+    """The number for a message: cut off where it is too long to be read."""
+    text = str(x)
+    return text if len(text) <= LONGEST_SHOWN else text[: LONGEST_SHOWN - 3] + "..."

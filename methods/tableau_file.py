@@ -100,8 +100,8 @@ def _parameter(table: Table) -> str:
 
 
 def _text(path: Path) -> str:
-    if not path.is_file():
-        raise MethodError("no such file")
+    if path.exists() and not path.is_file():
+        raise MethodError("is no file")
     with path.open("rb") as file:
         content = file.read(LARGEST_FILE + 1)
     if len(content) > LARGEST_FILE:

@@ -45,6 +45,11 @@ def advance(method: Method, problem: Problem, rate: Rate | None = None) -> Advan
     return run
 
 
+def why(error: Exception) -> str:
+    """Why a run could not go on, in one line: what the method says in a few words, else the error's own text."""
+    return getattr(error, "reason", "") or " ".join(str(error).split())
+
+
 def float_start(problem: Problem) -> State:
     """The start, each component rounded once."""
     return tuple(nearest_double(x, f"start y{i}") for i, x in enumerate(problem.start))

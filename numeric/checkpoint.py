@@ -54,6 +54,7 @@ class Checkpoint:
             raise ValueError(f"{self.path} is no file of this sweep; name another, or delete it")
         for number, line in enumerate(lines[1:], 2):
             self._read(number, line)
+        self.path.parent.mkdir(parents=True, exist_ok=True)
         with self.path.open("ab") as file:
             file.truncate(len(text) - len(cut))
         if not lines:

@@ -49,7 +49,15 @@ SHRINKS, HALVES = 0.125, 0.5
 
 
 class StageEquationsUnsolved(ArithmeticError):
-    """Newton's method found no stages: the step is too large, the start too far, or there are none."""
+    """Newton's method found no stages: the step is too large, the start too far, or there are none.
+
+    `reason` says it in a few words, without which step it was and how far it came.
+    """
+
+    def __init__(self, message: str, reason: str = "") -> None:
+        """Keep both; a copy that is made of the message alone, as pickle does, gets its reason afterwards."""
+        super().__init__(message)
+        self.reason = reason
 
 
 class ImplicitStep(NamedTuple):
@@ -136,7 +144,8 @@ def _step(problem: _Problem, t: float, y: Any, h: float) -> ImplicitStep:
             _solve(problem, stages, group, (t, y, h))
         moved = _moved(problem, stages, (t, y, h))
     if not np.isfinite(moved).all():
-        raise StageEquationsUnsolved(f"{problem.key}: the step from t = {t:g} by h = {h:g} overflows binary64")
+        where, reason = f"{problem.key}: the step from t = {t:g} by h = {h:g}", "overflows binary64"
+        raise StageEquationsUnsolved(f"{where} {reason}", reason)
     return ImplicitStep(moved, stages.residual, stages.over_floor, stages.iterations)
 
 
@@ -249,4 +258,5 @@ class _Equations:
         """The error, in one line."""
         left = f"residual {float(np.abs(g).max()):.3g}, {ratio:.3g} times what rounding explains"
         where = f"{self.problem.key}: the step by h = {self.h:g} to t = {float(self.times[-1]):g}"
-        return StageEquationsUnsolved(f"{where} is not solved after {self.iterations} iterations: {left}")
+        reason = f"not solved after {self.iterations} iterations"
+        return StageEquationsUnsolved(f"{where} is {reason}: {left}", reason)

@@ -11,6 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from methods.problems import oscillator
+from methods.rationals import brief
 from methods.stepping import Force, Step
 from numeric import readouts
 from numeric.readouts import Floats, State
@@ -83,7 +84,8 @@ def run_method(scene: Scene, key: str, counter: Counter = range) -> Readouts:
         raise ValueError(f"scene {scene.name!r} asks for no readout; name at least one")
     if scene.steps > MOST_STEPS:
         raise ValueError(
-            f"{scene.steps} steps are more than {MOST_STEPS}; `driftproof run` answers any number of steps, certified"
+            f"{brief(scene.steps)} steps are more than {MOST_STEPS}; "
+            "`driftproof run` answers any number of steps, certified"
         )
     force = CountedForce(oscillator) if "evaluations" in scene.readouts else oscillator
     start = (nearest_double(scene.start[0], "start q"), nearest_double(scene.start[1], "start v"))

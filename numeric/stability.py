@@ -8,14 +8,11 @@ from math import hypot, inf, isfinite, nextafter
 
 import numpy as np
 
-from numeric.advance import Advance, State
+from numeric.advance import Advance, State, why
+from numeric.powers import powers_stay_bounded
 
 # Steps that a run takes between looks at its state, at most: a state that is not finite is found by going back.
 BETWEEN_LOOKS = 1 << 12
-# A linear step is raised to the power 2**SQUARINGS. Its powers count as bounded while they stay below GROWTH: that sees
-# |R| - 1 down to log(GROWTH)/2**SQUARINGS = 2e-11, and the linear growth of a Jordan block, while rounding in the
-# squarings, 2**SQUARINGS u = 1e-4 relatively, is far below it.
-SQUARINGS, GROWTH = 40, 1e9
 # Steps looked at for a first growth, in powers of two times 1/|A|.
 SMALLEST, LARGEST = -20, 30
 
@@ -37,7 +34,7 @@ class Observed:
 
 
 def observe(advance: Advance, start: State, h: float, steps: int, enough: float = inf) -> Observed:
-    """Run, looking at the state after 1, 2, 4, ... steps; it stops at a state that is not finite, or above `enough`."""
+    """Run, looking after 1, 2, 4, ... more steps; it stops at a state that is not finite, or larger than `enough`."""
     y, done, stride, largest = start, 0, 1, size(start)
     while done < steps and largest <= enough:
         last = min(steps, done + stride)
@@ -45,7 +42,7 @@ def observe(advance: Advance, start: State, h: float, steps: int, enough: float 
             reached = advance(y, h, done, last)
         except (ArithmeticError, ValueError) as error:  # math.log of a negative number is a ValueError
             if last == done + 1:
-                return Observed(h, steps, y, largest, last, " ".join(str(error).split()))
+                return Observed(h, steps, y, largest, last, why(error))
             stride = 1
             continue
         if not isfinite(size(reached)):
@@ -70,14 +67,8 @@ def step_matrix(advance: Advance, components: int, h: float) -> np.ndarray[tuple
 
 
 def stays_bounded(advance: Advance, components: int, h: float) -> bool:
-    """The powers of the float step's matrix are below GROWTH after 2, 4, ..., 2**SQUARINGS steps."""
-    power = step_matrix(advance, components, h)
-    with np.errstate(over="ignore", invalid="ignore"):
-        for _ in range(SQUARINGS):
-            if not np.abs(power).max() < GROWTH:  # NaN is not
-                return False
-            power = power @ power
-    return bool(np.abs(power).max() < GROWTH)
+    """The powers of the float step's matrix stay bounded, as far as `powers` tells."""
+    return powers_stay_bounded(step_matrix(advance, components, h))
 
 
 def largest_bounded(is_bounded: Callable[[float], bool], scale: float) -> tuple[float, float]:
@@ -101,12 +92,17 @@ def largest_bounded(is_bounded: Callable[[float], bool], scale: float) -> tuple[
 
 
 def fewest_steps(is_good: Callable[[int], bool], most: int) -> int | None:
-    """The least N with N good and N - 1 not, by doubling and bisection; None if no power of 2 up to `most` is good."""
-    bad, good = 0, 1
-    while not is_good(good):
-        bad, good = good, 2 * good
-        if good > most:
-            return None
+    """An N with N good and N - 1 not, found between a power of 2 and the next, from which on all up to `most` are good.
+
+    By halving from `most`, a power of 2, so that none is found that is good by luck below others that are not; None if
+    `most` itself is not good. Then by bisection; 1 if all are good.
+    """
+    if not is_good(most):
+        return None
+    good = most
+    while good > 1 and is_good(good // 2):
+        good //= 2
+    bad = good // 2
     while good - bad > 1:
         middle = (bad + good) // 2
         bad, good = (bad, middle) if is_good(middle) else (middle, good)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -10,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from driftproof import text
-from driftproof.arguments import BAD_INPUT
+from driftproof.arguments import BAD_INPUT, REFUTED
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -54,6 +55,22 @@ BAD_INPUTS: list[tuple[tuple[str, ...], str]] = [
     (("scene",), "required: name"),
     (("values", "--only", "no such id"), "no published value has an id that matches 'no such id'"),
     (("values", "--format", "xml"), "invalid choice: 'xml'"),
+    (("facts", "none.toml"), "none.toml: No such file or directory"),
+    (("facts", "."), "unknown method '.' (`driftproof methods` lists all)"),
+    (("facts", "rk4", "--terms", "0"), "'0' is not a number of terms from 1 to 1000"),
+    (("check", "none.md", "--init"), "driftproof check: none.md: No such file or directory"),
+    (("check", "none.md", "--init", "--run"), "--init drafts claims; --run, --coverage and --format need --claims"),
+    (("stability", "nope"), "unknown problem 'nope' (`driftproof stability` lists all)"),
+    (("stability", "stiff_oscillator", "--h", "1/500,x"), "h: 'x' is not a rational number"),
+    (("stability", "kaps", "--h", "1e300"), "h = 1000000000000000000000000000000000000... does not divide t = 1 "),
+    (("work-precision", "--time-limit", "1e400"), "'1e400' is too large a time limit"),
+    (("work-precision", "--time-limit", "-1"), "'-1' is no time limit; write a number above 0"),
+    (("work-precision", "-o", "pyproject.toml"), "pyproject.toml is a file; name a folder"),
+    (("work-precision", "--peers", "scipi"), "unknown peer 'scipi'; did you mean scipy?"),
+    (("scene", "default", "--figures", "pyproject.toml"), "pyproject.toml is a file; name a folder"),
+    (("report", "default", "-o", "/proc/page.html"), "driftproof report: /proc/page.html: No such file or directory"),
+    (("verify", "os:getcwd", "--method", "backward_euler", "--solver-tolerance", "-1"), "tolerance -1 is below zero"),
+    (("step", *RK4, "--stage", "2"), "driftproof step: unrecognized arguments: --stage 2 (`driftproof step --help`"),
 ]
 
 
@@ -78,6 +95,52 @@ def test_real_process_has_the_same_manners(tmp_path: Path) -> None:
     assert (done.returncode, done.stdout) == (BAD_INPUT, "")
     assert done.stderr.count("\n") == 1
     assert "Traceback" not in done.stderr
+
+
+def test_answer_that_is_no_is_quiet_too_where_nobody_reads_it(tmp_path: Path) -> None:
+    old, new = tmp_path / "old.json", tmp_path / "new.json"
+    old.write_text('{"values": {"x": {"exact": "1", "decimal": "1"}}}', encoding="utf-8")
+    new.write_text('{"values": {"x": {"exact": "2", "decimal": "2"}}}', encoding="utf-8")
+    read, write = os.pipe()
+    os.close(read)
+    command = [sys.executable, "-m", "driftproof", "diff", str(old), str(new)]
+    done = subprocess.run(
+        command, cwd=Path(__file__).parents[1], stdout=write, stderr=subprocess.PIPE, text=True, timeout=60
+    )
+    os.close(write)
+    assert (done.returncode, done.stderr) == (REFUTED, "")
+
+
+def test_stepper_that_is_examined_leaves_no_folder_behind(tmp_path: Path) -> None:
+    source = "def step(q, v, h):\n    return q + h * v, v - h * q\n"
+    (tmp_path / "mine.py").write_text(source, encoding="utf-8")
+    path = os.pathsep.join([str(Path(__file__).parents[1]), *sys.path])
+    subprocess.run(
+        [sys.executable, "-B", "-m", "driftproof", "verify", "mine:step", "--method", "forward_euler"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1"},
+        check=True,
+        capture_output=True,
+        timeout=120,
+    )
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.py"]
+
+
+@pytest.mark.parametrize("words", [("facts", "rk4", "--plot", "x.svg"), ("scene", "default", "--figures", "pictures")])
+def test_pictures_without_matplotlib_say_what_to_install(
+    words: tuple[str, ...], run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    needed = "pictures need matplotlib; install it with pip install 'driftproof[report]'"
+    assert run(*words) == (BAD_INPUT, "", f"driftproof {words[0]}: {needed}\n")
+
+
+@pytest.mark.parametrize("name", ["region", "region.bogus"])
+def test_picture_of_no_kind_is_refused_and_leaves_nothing(name: str, run: Run, tmp_path: Path) -> None:
+    status, out, err = run("facts", "rk4", "--only", "order", "--plot", str(tmp_path / name))
+    assert (status, out, err.count("\n")) == (BAD_INPUT, "", 1)
+    assert "the name of a picture ends in one of" in err
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_interrupted_question_says_so_in_one_line(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:

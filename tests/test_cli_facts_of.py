@@ -149,6 +149,8 @@ TEXT = {
     ("velocity_verlet", "--system", "0 1; -3 0", "--only", "eigenvalues"): "sqrt(3)*I: h < 2*sqrt(3)/3 = ",
     ("rk4", "--system", "0 1; -3 0", "--only", "one_step_matrix"): "[-3 h + 3/2 h^3, 1 - 3/2 h^2 + 3/8 h^4]",
     ("mclachlan_atela5", "--only", "dispersion_series"): "dispersion series  none",
+    ("implicit_midpoint", "--only", "modified_rate", "--terms", "4"): "modified rate  z + 1/12 z^3 + O(z^4)",
+    ("backward_euler", "--only", "order_reduction"): "power: 2, function: (-1/2)/(1 - z), at_infinity",
     ("midpoint2", "--only", "conserved_quadratics"): "conserved quadratics  none",
 }
 

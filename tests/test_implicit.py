@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from fractions import Fraction as Q
 from math import isqrt
 
@@ -132,6 +133,9 @@ def test_stages_that_do_not_exist_are_an_error_in_one_line():
     with pytest.raises(StageEquationsUnsolved, match=r"backward_euler.*not solved after 128") as caught:
         step(0.0, [1.0], 0.26)
     assert "\n" not in str(caught.value)
+    assert caught.value.reason == "not solved after 128 iterations"
+    copied = pickle.loads(pickle.dumps(caught.value))  # as between processes
+    assert (str(copied), copied.reason) == (str(caught.value), caught.value.reason)
 
 
 def test_a_rate_that_is_not_finite_is_an_error_and_no_result():

@@ -26,7 +26,7 @@ from symbolic.linear.limits import Limit
 from symbolic.linear.oscillator import linear_step_matrix, stability_function_of
 from symbolic.linear.polynomials import exact, scalar
 from symbolic.linear.radicals import radical_form
-from symbolic.linear.rays import Bound
+from symbolic.linear.rays import ALWAYS, Bound
 from symbolic.linear.real_roots import ZERO, RealRoot
 from symbolic.linear.systems import SystemFacts
 from tests.linear_examples import MIDPOINT, MIDPOINT_NYSTROM, NYSTROM_4, at, limit_text, record_text
@@ -339,6 +339,14 @@ def test_what_is_not_decided_is_refused_with_a_reason() -> None:
 def test_a_partitioned_method_needs_positions_and_velocities(key: str, text: str) -> None:
     with pytest.raises(ValueError, match=rf"{key} needs a system q' = v, v' = Kq: the matrix must be"):
         facts(key, text)
+
+
+def test_matrix_of_a_runge_kutta_step_is_computed_only_when_asked_for() -> None:
+    """Over a number field, of fifteen components, it takes a minute."""
+    found = SystemFacts(METHODS["sdirk2"], parse_system("0 1; -1 -1/10"))
+    assert found.step_limit == ALWAYS
+    assert "matrix" not in vars(found)
+    assert len(found.matrix) == 2
 
 
 # --- pairs of conjugates

@@ -66,6 +66,8 @@ TURNS = [
     ("rk4", "-1 -1; 1 -1", None, (True, False, False)),
     ("implicit_midpoint", "0 1; -1 0", Q(2), (True, True, True)),
     ("forward_euler", "0 1; -1 0", Q(1, 10**6), (False, False, False)),
+    ("forward_euler", "0 0; 0 -1", Q(2), (True, True, False)),
+    ("forward_euler", "0 1; 0 0", Q(2), (False, False, False)),
 ]
 
 
@@ -96,6 +98,8 @@ def test_verdict_agrees_with_the_limit_of_every_method_on_the_oscillator() -> No
 
 
 def test_factor_is_the_size_of_the_stability_function() -> None:
+    euler = SystemFacts(METHODS["forward_euler"], parse_system("-1"))
+    assert factor_at(euler, largest_eigenvalue(euler.rows), Q(3, 2)) == Q(1, 2)
     rk4 = SystemFacts(METHODS["rk4"], parse_system("-1000"))
     z = Q(-1000, 300)
     assert factor_at(rk4, largest_eigenvalue(rk4.rows), Q(1, 300)) == abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24)

@@ -228,18 +228,30 @@ def test_a_scene_without_readouts_or_with_a_trajectory_is_not_swept():
 
 def test_the_command_shows_what_the_function_finds(answer, run, tmp_path):
     found = sweep(PRESETS["default"], {"selected": ["rk4", "forward_euler"], "h": [Q(1, 4), Q(3, 10)]}, Inline())
-    words = ("sweep", "default", "--h", "1/4,0.3", "--method", "rk4,forward_euler")
+    words = ("sweep", "default", "--h", "1/4,0.3", "--methods", "rk4, forward_euler")
     lines = answer(*words).splitlines()
     assert lines[0] == "default: 4 points"
-    assert lines[3].split() == ["rk4", "1/4", "3.3e-4", "0.500", "-6.7e-5", "-0.018", "40", "160"]
+    assert lines[2].split("  ")[0] == "method"
+    assert lines[3].split() == ["rk4", "1/4", "0.0003253", "0.4999", "-6.728e-5", "-0.01824", "40", "160"]
     assert lines[4].endswith(found[1].found)
-    path = tmp_path / "answers.jsonl"
-    shown = answer(*words, "--format", "json", "--out", str(path))
+    path = tmp_path / "new" / "answers.jsonl"
+    shown = answer(*words, "--format", "json", "-o", str(path))
     assert f'"state_error": "{found[2].found["state_error"]!r}"' in shown
-    assert answer(*words, "--format", "json", "--out", str(path)) == shown
-    status, out, err = run(*words, "--t", "20", "--out", str(path))
+    assert answer(*words, "--format", "json", "--output", str(path)) == shown
+    status, out, err = run(*words, "--t", "20", "-o", str(path))
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert "no file of this sweep" in err
+
+
+def test_steps_of_a_sweep_may_be_listed_or_the_option_repeated(answer):
+    listed = answer("sweep", "default", "--h", "1/4,1/8", "--methods", "rk4,forward_euler")
+    repeated = answer("sweep", "default", "--h", "1/4", "--h", "1/8", "--methods", "rk4", "--methods", "forward_euler")
+    assert listed == repeated
+    assert listed != answer("sweep", "default", "--h", "1/8", "--methods", "rk4,forward_euler")
+
+
+def test_sweep_of_one_point_says_so(answer):
+    assert answer("sweep", "default", "--h", "1/8").startswith("default: 1 point\n")
 
 
 @pytest.mark.parametrize(
@@ -248,11 +260,11 @@ def test_the_command_shows_what_the_function_finds(answer, run, tmp_path):
         (("defualt",), "did you mean default?"),
         (("default", "--h", "1/4,x"), "h: 'x' is not a rational number"),
         (("default", "--h", "0"), "a step of size 0"),
-        (("default", "--method", "rk5"), "unknown method 'rk5'"),
+        (("default", "--methods", "rk5"), "unknown method 'rk5'"),
         (("default", "--workers", "0"), "'0' is not a number of processes"),
         (("default", "--workers", "2", "--cluster", "tcp://localhost:1"), "not allowed with argument"),
         (("default", "--cluster", "somewhere"), "'somewhere' is no address of a scheduler; write it like tcp://"),
-        (("default", "--out", "."), "is a folder"),
+        (("default", "-o", "."), "is a folder"),
     ],
 )
 def test_bad_input_of_a_sweep_is_told_in_one_line(words, message, run):

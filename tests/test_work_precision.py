@@ -294,6 +294,7 @@ def test_cheapest_is_a_measured_point_and_none_where_no_point_meets_the_goal() -
     assert cheapest([*SLOW, *FAST], 1e-3) == Priced(1e-4, 2)
     assert cheapest(SLOW, 5e-4) is None
     assert cheapest([], 1) is None
+    assert cheapest([*SLOW, Priced(1e-9, inf)], 5e-4) is None
 
 
 def test_a_method_is_dominated_when_every_point_is_and_its_twin_with_one_good_point_is_not() -> None:
@@ -301,6 +302,12 @@ def test_a_method_is_dominated_when_every_point_is_and_its_twin_with_one_good_po
     assert dominators({"fast": FAST, "slow": [*SLOW, Priced(1e-5, 9)]}) == {}
     assert dominators({"fast": FAST, "same": list(FAST)}) == {}
     assert dominators({"fast": FAST, "none": [Priced(inf, 1)]}) == {}
+
+
+def test_a_point_over_the_limit_is_beaten_by_no_larger_error_and_beats_none() -> None:
+    assert dominators({"fast": FAST, "slow": [*SLOW, Priced(1e-3, inf)]}) == {"slow": ["fast"]}
+    assert dominators({"fast": FAST, "slow": [*SLOW, Priced(1e-5, inf)]}) == {}
+    assert dominators({"a": [Priced(1e-3, inf)], "b": [Priced(1e-2, inf)]}) == {}
 
 
 def test_those_that_dominate_together_are_all_named() -> None:

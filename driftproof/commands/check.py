@@ -83,6 +83,8 @@ def answer(options: argparse.Namespace) -> str:
     from driftproof.texts.report import Report
     from driftproof.texts.running import run_listings
 
+    if options.init and (options.run or options.coverage or options.format != "text"):
+        raise ValueError("--init drafts claims; --run, --coverage and --format need --claims")
     claims = Claims() if options.init else read_claims(options.claims)
     reading = read_file(options.text, claims.form)
     if options.init:

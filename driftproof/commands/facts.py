@@ -7,12 +7,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from driftproof.arguments import Commands, digits, rational
+from driftproof.arguments import Commands, counted, rational, several
 
 if TYPE_CHECKING:
     from methods.families import Family
     from methods.number_field import Exact
     from methods.schemes import Method
+
+# For most methods a second; those with irrational coefficients take minutes.
+MOST_TERMS = 1000
 
 EXAMPLES = """\
 examples:
@@ -45,13 +48,15 @@ def add(commands: Commands) -> None:
         epilog=EXAMPLES,
     )
     parser.add_argument("method", help="a key that `driftproof methods` lists, or a file that ends in .toml")
-    parser.add_argument("--only", type=_names, metavar="FACT,FACT", help="compute only these facts")
+    parser.add_argument("--only", type=several(str), metavar="FACT,FACT", help="compute only these facts")
     parser.add_argument("--at", type=_number, metavar="VALUE", help="the parameter of a family, e.g. 1/4: one method")
     parser.add_argument("--system", type=_system, metavar="ROWS", help="facts on z' = Az, A given as '0 1; -1 -1/10'")
     parser.add_argument(
         "--order-tolerance", type=rational("order tolerance"), metavar="SIZE", help="add the order up to such residuals"
     )
-    parser.add_argument("--terms", type=digits, default=12, help="length of the series (default 12)")
+    parser.add_argument(
+        "--terms", type=counted("terms", MOST_TERMS), default=12, help="length of the series (default 12)"
+    )
     parser.add_argument("--format", choices=("text", "json", "tex"), default="text", help="json is canonical")
     parser.add_argument("--plot", type=Path, metavar="FILE", help="also draw a picture, e.g. region.svg")
     parser.add_argument(
@@ -61,10 +66,6 @@ def add(commands: Commands) -> None:
         help="what to draw: stability region, order star, or dispersion and dissipation",
     )
     parser.set_defaults(answer=answer)
-
-
-def _names(text: str) -> tuple[str, ...]:
-    return tuple(name.strip() for name in text.split(","))
 
 
 def _number(text: str) -> Exact:
@@ -130,6 +131,9 @@ def _of_method(method: Method, options: argparse.Namespace) -> dict[str, Any]:
     if options.order_tolerance is not None:
         found["order_to_tolerance"] = order_within(method, options.order_tolerance)
     if options.plot:
+        from driftproof.extras import demand_pictures
+
+        demand_pictures()
         from driftproof.method_figures import draw_method
 
         draw_method(options.picture, method, options.plot)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from driftproof.arguments import Commands, Refuted
+from driftproof.arguments import Commands, Refuted, add_output
 from driftproof.language.style import ROUNDINGS
 
 SUFFIX = ".j2"
@@ -38,7 +38,7 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "templates", nargs="+", type=Path, metavar="TEMPLATE", help="a text with {{ value(...) }} in it"
     )
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="default: the template's name without .j2")
+    add_output(parser, "default: the template's name without .j2")
     parser.add_argument("--check", action="store_true", help="write nothing; fail with a diff if the output is another")
     parser.add_argument(
         "--style", choices=("plain", "printed"), help="-3.3e-4 or −3.3×10⁻⁴ (default plain, in TeX printed)"

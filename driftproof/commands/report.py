@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from driftproof.arguments import Commands, digits, progress
+from driftproof.arguments import Commands, add_output, digits, progress
 
 EXAMPLES = """\
 examples:
@@ -30,7 +30,7 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "scenes", nargs="*", metavar="SCENE", help="a preset, or a file that ends in .toml (default: all presets)"
     )
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="the page to write")
+    add_output(parser, "the page to write", required=True)
     parser.add_argument("--digits", type=digits, default=15, help="digits of certified readouts (default 15)")
     parser.add_argument(
         "--times",

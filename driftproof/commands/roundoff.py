@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from driftproof.arguments import Commands, add_format, add_method, nonzero_step
+from driftproof.arguments import Commands, add_format, add_method, add_sizes
 
 
 def add(commands: Commands) -> None:
@@ -22,13 +22,13 @@ def add(commands: Commands) -> None:
         epilog=(
             "examples:\n"
             "  driftproof roundoff rk4\n"
-            "  driftproof roundoff rk4 --h 1/4 --h 5/2\n"
+            "  driftproof roundoff rk4 --h 1/4,5/2\n"
             "  driftproof roundoff yoshida4 --h 1/10\n"
             "  driftproof roundoff velocity_verlet --h 1/32 --float binary32\n"
         ),
     )
     add_method(parser)
-    parser.add_argument("--h", type=nonzero_step, action="append", default=[], help="a step size; may be repeated")
+    add_sizes(parser, "step sizes, such as 1/4,1/8")
     parser.add_argument("--float", choices=tuple(FORMATS), default="binary64", help="the number format")
     add_format(parser)
     parser.set_defaults(answer=answer)

@@ -43,13 +43,20 @@ def add(commands: Commands) -> None:
 
 def answer(options: argparse.Namespace) -> str:
     """The scene's readouts and table, and where its figures were written."""
+    from driftproof.extras import demand_pictures
+    from driftproof.files import demand_folder
     from driftproof.scene_view import draw_scene, scene_json, scene_text, show_scene
     from driftproof.text import as_json
-    from numeric.scenes import scene_named
+    from numeric.scenes import FIGURES, scene_named
 
     scene = scene_named(options.name)
+    if options.figures:
+        demand_folder(options.figures)
+        if set(scene.panels) & set(FIGURES):
+            demand_pictures()
     shown = show_scene(scene, options.digits, progress)
     drawn = draw_scene(scene, options.figures) if options.figures else []
     if options.format == "json":
         return as_json(scene_json(scene, shown))
-    return "\n".join([scene_text(scene, shown), *(f"\nwrote {path}" for path in drawn)])
+    wrote = "\n".join(f"wrote {path}" for path in drawn)
+    return "\n\n".join(filter(None, [scene_text(scene, shown), wrote]))

@@ -6,16 +6,16 @@ import argparse
 import sys
 from collections.abc import Iterable, Sequence
 
-from driftproof.arguments import Commands, add_format, nonzero_step
+from driftproof.arguments import Commands, add_format, add_methods, add_sizes
 
 # One of each behaviour, and the lesson's three among them.
-DEFAULT = "forward_euler,rk4,symplectic_euler,backward_euler,implicit_midpoint,radau_iia2"
+DEFAULT = ("forward_euler", "rk4", "symplectic_euler", "backward_euler", "implicit_midpoint", "radau_iia2")
 
 EXAMPLES = """\
 examples:
   driftproof stability                                        lists the problems
   driftproof stability stiff_oscillator
-  driftproof stability dahlquist_1e3 --h 1/500 --h 1/256 --methods forward_euler,rk4,backward_euler
+  driftproof stability dahlquist_1e3 --h 1/500,1/256 --methods forward_euler,rk4,backward_euler
   driftproof stability kepler_eccentric --methods rk4,velocity_verlet,yoshida4 --format json
 
 On a linear problem y' = Ay the verdicts are proved, at exactly the double h that is run: it is read as a fraction. The
@@ -32,21 +32,22 @@ def add(commands: Commands) -> None:
         epilog=EXAMPLES,
     )
     parser.add_argument("problem", nargs="?", help="a problem; without one they are listed")
-    parser.add_argument("--methods", default=DEFAULT, metavar="M,M", help=f"keys or .toml files (default {DEFAULT})")
-    parser.add_argument("--h", type=nonzero_step, action="append", default=[], help="a step that divides t; repeatable")
+    add_methods(parser, f"keys or .toml files (default {','.join(DEFAULT)})")
+    add_sizes(parser, "step sizes that divide t, such as 1/4,1/8 (default: 10, 100 and 1000 steps)")
     add_format(parser)
     parser.set_defaults(answer=answer)
 
 
 def answer(options: argparse.Namespace) -> str:
     """The tables for one problem, or the list of problems."""
-    from driftproof.stability import problems_text, stability_answer, stability_text
+    from driftproof.stability import problems_json, problems_text, stability_answer, stability_text
     from driftproof.text import as_json
     from numeric.problems.catalogue import PROBLEMS, problem_named
 
     if options.problem is None:
-        return problems_text(PROBLEMS.values())
-    result = stability_answer(problem_named(options.problem), options.methods.split(","), options.h, _walk)
+        listed = problems_json(PROBLEMS.values())
+        return as_json(listed) if options.format == "json" else problems_text(listed)
+    result = stability_answer(problem_named(options.problem), options.methods or DEFAULT, options.h, _walk)
     return as_json(result) if options.format == "json" else stability_text(result)
 
 

@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
-from fractions import Fraction
-from pathlib import Path
 
-from driftproof.arguments import Commands, add_format, nonzero_step, rational, state
+from driftproof.arguments import (
+    Commands,
+    add_format,
+    add_methods,
+    add_output,
+    add_sizes,
+    counted,
+    rational,
+    several,
+    state,
+)
 
 EXAMPLES = """\
 examples:
-  driftproof sweep default --h 1/4,1/8,1/16 --method rk4,velocity_verlet
+  driftproof sweep default --h 1/4,1/8,1/16 --methods rk4,velocity_verlet
   driftproof sweep default --h 1/8,1/16 --t 10,20 --state 1,0 --state 0,1 --format json
-  driftproof sweep default --method rk4 --h 1/4,1/8 --out answers.jsonl      run it again to go on where it stopped
+  driftproof sweep default --methods rk4 --h 1/4,1/8 -o answers.jsonl      run it again to go on where it stopped
 
 The grid has a point for each combination, --h varying fastest; what is not given is as in the scene. A run that
 overflows, or an h that does not divide t, is answered by its message. Nothing in the result depends on --workers, or on
@@ -33,13 +41,14 @@ def add(commands: Commands) -> None:
         epilog=EXAMPLES,
     )
     parser.add_argument("scene", help="a preset that `driftproof scenes` lists, or a file that ends in .toml")
-    parser.add_argument("--method", type=_list(str), metavar="M,M", help="keys that `driftproof methods` lists")
+    add_methods(parser, "keys that `driftproof methods` lists")
     parser.add_argument("--state", type=state, action="append", help="start as position,velocity; repeatable")
-    parser.add_argument("--t", type=_list(rational("t")), metavar="T,T", help="final times")
-    parser.add_argument("--h", type=_list(nonzero_step), metavar="H,H", help="step sizes, such as 1/4,1/8")
-    parser.add_argument("--out", type=Path, metavar="FILE", help="keep answers here, as JSON lines, as they come")
+    parser.add_argument("--t", type=several(rational("t")), action="extend", metavar="T,T", help="final times")
+    add_sizes(parser, "step sizes, such as 1/4,1/8")
+    add_output(parser, "keep answers here, as JSON lines, as they come; an interrupted sweep goes on from them")
     where = parser.add_mutually_exclusive_group()
-    where.add_argument("--workers", type=_workers, metavar="N", help="processes (default: one for each processor)")
+    workers = counted("processes", MOST_WORKERS)
+    where.add_argument("--workers", type=workers, metavar="N", help="processes (default: one for each processor)")
     where.add_argument("--cluster", metavar="ADDRESS", help="the scheduler of a dask cluster")
     add_format(parser)
     parser.set_defaults(answer=answer)
@@ -52,10 +61,10 @@ def answer(options: argparse.Namespace) -> str:
     from numeric.scenes import scene_named
 
     scene = scene_named(options.scene)
-    axes = {"selected": options.method, "start": options.state, "t": options.t, "h": options.h}
+    axes = {"selected": options.methods, "start": options.state, "t": options.t, "h": options.h}
     grid = {name: values for name, values in axes.items() if values}
     with _executor(options) as executor:
-        found = answers(scene, grid, executor, options.out)
+        found = answers(scene, grid, executor, options.output)
     return as_json(sweep_json(scene, found)) if options.format == "json" else sweep_text(scene, found)
 
 
@@ -73,13 +82,3 @@ def _executor(options: argparse.Namespace) -> Iterator[Executor | None]:
             yield executor
     else:
         yield None
-
-
-def _list(read: Callable[[str], str | Fraction]) -> Callable[[str], list[str | Fraction]]:
-    return lambda text: [read(part) for part in text.split(",")]
-
-
-def _workers(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and len(text) < 9 and 1 <= int(text) <= MOST_WORKERS):
-        raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a number of processes from 1 to {MOST_WORKERS}")
-    return int(text)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from driftproof.arguments import MOST_DIGITS, Commands, digits
+from driftproof.arguments import MOST_DIGITS, Commands, counted, digits
 
 EXAMPLES = """\
 what can be asked, with [optional parts] and any of a|b:
@@ -44,18 +44,12 @@ def add(commands: Commands) -> None:
     parser.add_argument("question", nargs="?", help="the question, in quotes")
     count = parser.add_mutually_exclusive_group()
     count.add_argument("--digits", type=digits, metavar="N", help="significant digits")
-    count.add_argument("--places", type=_places, metavar="N", help="digits after the point")
+    count.add_argument("--places", type=counted("places", MOST_DIGITS, 0), metavar="N", help="digits after the point")
     parser.add_argument("--rounding", choices=ROUNDINGS, help="the policy (default half-even, ties refused)")
     parser.add_argument("--style", choices=("plain", "printed"), default="plain", help="-6.7e-5 or −6.7×10⁻⁵")
     parser.add_argument("--format", choices=("text", "json", "tex", "mathml", "md"), default="text")
     parser.add_argument("--list", action="store_true", help="list what can be asked")
     parser.set_defaults(answer=answer)
-
-
-def _places(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and len(text) < 9 and int(text) <= MOST_DIGITS):
-        raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a number of places from 0 to {MOST_DIGITS}")
-    return int(text)
 
 
 def answer(options: argparse.Namespace) -> str:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import argparse
 
-from driftproof.arguments import Commands, Refuted, number_of_examples, positive_number, rational
+from driftproof.arguments import Commands, Refuted, counted, positive_number, rational
 from driftproof.commands.identify import add_target
+
+MOST_EXAMPLES = 10**6
 
 EXAMPLES = """\
 examples:
@@ -31,7 +33,9 @@ def add(commands: Commands) -> None:
     )
     add_target(parser)
     parser.add_argument("--method", required=True, help="a key that `driftproof methods` lists, or a .toml file")
-    parser.add_argument("--examples", type=number_of_examples, default=1000, help="steps to try (default 1000)")
+    parser.add_argument(
+        "--examples", type=counted("examples", MOST_EXAMPLES), default=1000, help="steps to try (default 1000)"
+    )
     parser.add_argument("--largest-step", type=positive_number("h"), default=2.0, help="0 < h <= this (default 2)")
     parser.add_argument(
         "--largest-state", type=positive_number("state"), default=1000.0, help="|q|, |v| <= this (default 1000)"
@@ -54,6 +58,8 @@ def answer(options: argparse.Namespace) -> str:
     from driftproof.blackbox.judging.tolerance import Allowance
     from driftproof.blackbox.verify import verify
 
+    if options.solver_tolerance is not None and options.solver_tolerance < 0:
+        raise ValueError(f"solver tolerance {options.solver_tolerance} is below zero")
     smallest = {"smallest_step": 0.0, "smallest_state": 0.0} if options.extremes else {}
     report = verify(
         options.step,

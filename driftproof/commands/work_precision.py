@@ -9,18 +9,26 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from driftproof.arguments import Commands, add_format, positive_number
+from driftproof.arguments import Commands, add_format, add_methods, add_output, positive_number, several
 
 if TYPE_CHECKING:
     from driftproof.work_precision import Measured, Steps, Study
 
 # The lesson's three, and one of each kind beside them.
-DEFAULT = "forward_euler,symplectic_euler,rk4,velocity_verlet,dormand_prince54,blanes_moan6,gauss2"
+DEFAULT = (
+    "forward_euler",
+    "symplectic_euler",
+    "rk4",
+    "velocity_verlet",
+    "dormand_prince54",
+    "blanes_moan6",
+    "gauss2",
+)
 
 EXAMPLES = """\
 examples:
   driftproof work-precision --methods rk4,velocity_verlet --time-limit 0.01
-  driftproof work-precision kaps --methods rk4,radau_iia2 --time-limit 0.01 --out measured/
+  driftproof work-precision kaps --methods rk4,radau_iia2 --time-limit 0.01 -o measured/
 
 Without any argument: seven methods on the harmonic oscillator, in about ten seconds.
 
@@ -30,7 +38,7 @@ exactly, against digits that are certified; evaluations of f are counted. Times 
 
 A method is dominated when each of its points is beaten by a point of another that has no more error for no more cost.
 
---out writes into the folder
+-o writes into the folder
   errors.json                errors, evaluations, measured orders: the same in every run
   times.json                 all that was measured in seconds, with machine and versions
   work_precision.csv         both, one row a point
@@ -49,15 +57,18 @@ def add(commands: Commands) -> None:
         epilog=EXAMPLES,
     )
     parser.add_argument("problem", nargs="?", default="harmonic_oscillator", help="`driftproof stability` lists them")
-    parser.add_argument("--methods", default=DEFAULT, metavar="M,M", help=f"keys or .toml files (default {DEFAULT})")
-    parser.add_argument("--out", type=Path, metavar="DIR", help="a folder for files and figures; resumes what is there")
-    parser.add_argument("--peers", default="", metavar="P,P", help="scipy, diffrax, heyoka, torchdiffeq")
+    add_methods(parser, f"keys or .toml files (default {','.join(DEFAULT)})")
+    add_output(parser, "a folder for files and figures; an interrupted study goes on from it", "FOLDER")
+    parser.add_argument(
+        "--peers", type=several(str), action="extend", default=[], metavar="P,P", help="scipy, diffrax, heyoka, ..."
+    )
     parser.add_argument(
         "--time-limit",
         type=positive_number("time limit"),
         default=0.1,
         metavar="S",
-        help="seconds that a point may be timed for; a longer one is marked and not timed (default 0.1)",
+        help="seconds that a point may be timed for; one that is run for its error alone may take ten times as long;"
+        " what would take longer is marked as such (default 0.1)",
     )
     add_format(parser)
     parser.set_defaults(answer=answer)
@@ -66,32 +77,37 @@ def add(commands: Commands) -> None:
 def answer(options: argparse.Namespace) -> str:
     """The tables, and where files were written."""
     from driftproof.facts import method_of
+    from driftproof.files import demand_folder
     from driftproof.peers import peers_named
     from driftproof.text import as_json
     from driftproof.work_precision import Study, measure
     from driftproof.work_precision_report import errors_json, text, times_json
     from numeric.problems.catalogue import problem_named
 
-    methods = [method_of(name.strip()) for name in options.methods.split(",")]
-    peers = peers_named(options.peers) if options.peers else []
-    study = Study(problem_named(options.problem), methods, peers, options.time_limit)
-    if options.out and options.out.exists() and not options.out.is_dir():
-        raise ValueError(f"{options.out} is a file; name a folder")
+    methods = [method_of(name) for name in options.methods or DEFAULT]
+    study = Study(problem_named(options.problem), methods, peers_named(options.peers), options.time_limit)
+    if options.output:
+        demand_folder(options.output)
     with _progress() as steps:
-        measured = measure(study, options.out, _say, steps)
-    written = _write(study, measured, options.out) if options.out else []
+        measured = measure(study, options.output, _say, steps)
+    written = _write(study, measured, options.output) if options.output else []
     if options.format == "json":
         return as_json({"errors": errors_json(study, measured), "times": times_json(study, measured)})
-    return "\n".join([text(study, measured), *(f"wrote {path}" for path in written)])
+    return "\n".join([text(study, measured), *written])
 
 
-def _write(study: Study, measured: Measured, folder: Path) -> list[Path]:
-    from driftproof.work_precision_figure import draw
+def _write(study: Study, measured: Measured, folder: Path) -> list[str]:
+    """A line for each file; the figures are left out, with the reason, where nothing can be drawn."""
+    from driftproof.extras import how_to_install, installed
     from driftproof.work_precision_report import write
     from numeric.work_precision.exact import floors
 
-    figures = [draw(study, measured, quantity, folder) for quantity in floors(study.problem)]
-    return [*write(study, measured, folder), *figures]
+    lines = [f"wrote {path}" for path in write(study, measured, folder)]
+    if not installed("matplotlib"):
+        return [*lines, f"no figures: matplotlib is not installed; {how_to_install('report')}"]
+    from driftproof.work_precision_figure import draw
+
+    return [*lines, *(f"wrote {draw(study, measured, quantity, folder)}" for quantity in floors(study.problem))]
 
 
 def _say(line: str) -> None:

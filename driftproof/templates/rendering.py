@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import importlib.util
 import json
 import os
 import subprocess
@@ -11,6 +10,8 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from driftproof.extras import demand
 
 TIME_LIMIT = 120.0  # in seconds
 MEMORY_LIMIT = 2 * 10**9  # in bytes
@@ -34,8 +35,7 @@ def render(
     Raises ValueError with one line, which holds the place in the template wherever there is one; OSError for a
     template that cannot be read.
     """
-    if importlib.util.find_spec("jinja2") is None:
-        raise ValueError("templates need Jinja2; install it with pip install 'driftproof[text]'")
+    demand("jinja2", "text", "templates need Jinja2")
     if not template.is_file():
         raise ValueError(f"{template}: {'no file' if template.exists() else 'No such file or directory'}")
     with template.open("rb") as file:

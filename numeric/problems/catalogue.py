@@ -15,5 +15,5 @@ def problem_named(key: str) -> Problem:
     if key in PROBLEMS:
         return PROBLEMS[key]
     close = get_close_matches(key, PROBLEMS, n=2, cutoff=0.4)
-    hint = f"did you mean {' or '.join(close)}? " if close else ""
-    raise ValueError(f"unknown problem {key[:60]!r}; {hint}the problems are {', '.join(PROBLEMS)}")
+    hint = f"; did you mean {' or '.join(close)}?" if close else ""
+    raise ValueError(f"unknown problem {key[:60]!r}{hint} (`driftproof stability` lists all)")

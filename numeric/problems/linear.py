@@ -11,9 +11,9 @@ from numeric.problems.problem import EXACT, Problem
 Rows = tuple[tuple[Fraction, ...], ...]
 
 DECAY = {
-    "explicit": "bounded only while |R(h lambda)| <= 1, so h <= real_limit / |lambda|; beyond, it grows to overflow",
+    "explicit": "decays while h < real_limit / |lambda|, lambda the largest in size; just beyond, it grows to overflow",
     "a_stable": "decays for every h > 0, and by |R(h lambda)| each step: close to 1 for a large step if |R(oo)| = 1",
-    "l_stable": "decays for every h > 0, the faster the larger h: R tends to 0",
+    "l_stable": "decays for every h > 0; what is fast beside h is gone after a step or two, as R tends to 0",
 }
 OSCILLATION = {
     "explicit": "bounded only while h omega is at most the imaginary limit of the method, which for many is 0",

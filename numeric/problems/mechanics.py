@@ -34,8 +34,8 @@ def _kepler(name: str, eccentricity: Fraction, t: str, expected: dict[str, str])
 
 
 NEAR_THE_SUN = {
-    "explicit": "at fixed h wrong after the first passage unless h resolves the pericentre; never infinite in silence",
-    "symplectic": "bounded only where h resolves the pericentre; there a fixed step wastes nearly all of its work",
+    "explicit": "wrong from the pericentre on, where it starts, unless h resolves that: thrown far out",
+    "symplectic": "energy error bounded where h resolves the pericentre; elsewhere so short a step is wasted",
 }
 
 
@@ -54,7 +54,8 @@ def _pendulum(name: str, title: str, speed: Fraction, expected: dict[str, str]) 
 
 
 NEAR_THE_TOP = {
-    "explicit": "right at small steps; an energy error above 2^-19 carries it over the top, and q runs away",
+    "explicit": "right at small steps; energy gained, above 2^-19, carries it over the top, and q runs away",
+    "symplectic": "the energy error stays bounded; above 2^-19 it carries the pendulum over the top nevertheless",
     "l_stable": "right at small steps; loses energy, and turns before it has come so near the top",
 }
 

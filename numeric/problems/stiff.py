@@ -52,6 +52,13 @@ TWO_METHODS = (
 )
 
 
+SLOW_THEN_FAST = {
+    "explicit": "overflows unless h is within the method's real limit over 3 mu^2, the largest rate",
+    "a_stable": "y0 is right on a slow branch; y1, off it at the start, swings about it for long if |R(oo)| = 1",
+    "l_stable": "right on a slow branch; at its end, t = 0.807, a step over the jump is refused or lands anywhere",
+}
+
+
 def _van_der_pol(name: str, mu: int, shown: str, in_print: str = "") -> Problem:
     """In the time of Liénard, t = physical time / mu, in which the period tends to 3 - 2 log 2: epsilon = 1/mu^2."""
     return Problem(
@@ -62,7 +69,7 @@ def _van_der_pol(name: str, mu: int, shown: str, in_print: str = "") -> Problem:
         reference=reference(f"van_der_pol_{name}", TWICE, TWO_METHODS + in_print),
         source="hairer-wanner-1996, IV.1; mazzia-magherini-2008, vdpol",
         stiff=True,
-        expected=STIFF,
+        expected=SLOW_THEN_FAST,
     )
 
 
@@ -79,7 +86,8 @@ ROBERTSON = Problem(
     stiff=True,
     expected={
         **STIFF,
-        "l_stable": "right, and y0 + y1 + y2 = 1 to rounding; a large error makes y1 < 0, then it runs away",
+        "a_stable": "right while h is short beside t, and y0 + y1 + y2 = 1 to rounding; a long first step is refused",
+        "l_stable": "as A-stable; backward Euler takes long first steps, too; from y1 < -y2/3000 all run away",
     },
 )
 
@@ -109,7 +117,7 @@ HIRES = Problem(
     stiff=True,
     expected={
         **STIFF,
-        "explicit": "stable up to about h = real_limit / 120, at 321.8122: mildly stiff, so right, but slow",
+        "explicit": "mildly stiff: right up to h = real_limit / 212, the largest rate; beyond, wrong on the way",
     },
 )
 
@@ -124,7 +132,11 @@ OREGONATOR = Problem(
     reference=reference("oregonator", TWICE, f"{TWO_METHODS}; those in print at t = 360 are right to 13 digits"),
     source="field-noyes-1974; hairer-wanner-1996, IV.1 and IV.10; mazzia-magherini-2008, orego",
     stiff=True,
-    expected=STIFF,
+    expected={
+        **STIFF,
+        "a_stable": "right between the pulses, which come at t = 20 and 323; a step over one is refused, or is wrong",
+        "l_stable": "right between the pulses, which come at t = 20 and 323; a step over one is refused, or is wrong",
+    },
 )
 
 ENTRIES = (

@@ -10,7 +10,7 @@ from time import perf_counter
 
 from methods.catalogue import method_named
 from methods.schemes import Method, MethodError
-from numeric.advance import field_rate
+from numeric.advance import field_rate, why
 from numeric.problems.problem import Problem
 from numeric.work_precision.exact import STATE, Size, doubt, errors, scale
 from numeric.work_precision.integrators import Integrator, integrator
@@ -175,7 +175,7 @@ def measured(problem: Problem, runs: Integrator, steps: int) -> Point:
         run = runs.run(steps)
         sizes = errors(problem, run.states)
     except (ArithmeticError, ValueError) as error:  # math.log of a negative number is a ValueError
-        return Point(str(steps), None, remark=" ".join(str(error).split()), steps=steps)
+        return Point(str(steps), None, remark=why(error), steps=steps)
     unsure = doubt(problem, steps, speed(problem))
     return Point(str(steps), run.evaluations, sizes, unsure, scale(problem), steps=steps)
 

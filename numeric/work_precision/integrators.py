@@ -100,7 +100,7 @@ def _explicit(method: Method, problem: Problem, *, compiled: bool) -> Integrator
     calls: dict[str, Call] = {kind: partial(call, run) for kind, run in runs.items()}
     absent = {}
     if compiled and not fast:
-        absent[COMPILED] = "numba is not installed"
+        absent[COMPILED] = "numba is not installed; pip install 'driftproof[fast]'"
     ensemble = _ensemble(method, problem, fast=fast)
     if isinstance(ensemble, str):
         absent[ENSEMBLE] = ensemble

@@ -11,23 +11,24 @@ Name = TypeVar("Name")
 
 
 class Priced(NamedTuple):
-    """A measured point: its error and what it cost, in evaluations or in seconds; `setting` names it."""
+    """A point: its error and what it cost, in evaluations or in seconds; infinite where it was not timed."""
 
     error: float
     cost: float
-    setting: str = ""
 
 
 def cheapest(points: Sequence[Priced], goal: float) -> Priced | None:
-    """The cheapest of the points whose error is at most `goal`; None if there is none. Nothing is interpolated."""
-    return min((point for point in points if point.error <= goal), key=lambda point: point.cost, default=None)
+    """The cheapest of the points measured whose error is at most `goal`, or None. Nothing is interpolated."""
+    measured = (point for point in points if point.error <= goal and isfinite(point.cost))
+    return min(measured, key=lambda point: point.cost, default=None)
 
 
 def dominators(curves: Mapping[Name, Sequence[Priced]]) -> dict[Name, list[Name]]:
     """For each method that is dominated, those that do it, the one that beats most of its points first.
 
     A point is dominated when a point of another method has no larger error and no larger cost, and is smaller in one
-    of them (Pareto); a method, when it has finite points and all of them are. The others have no entry.
+    of them (Pareto); a method, when it has finite points and all of them are. The others have no entry. A point of
+    infinite cost dominates none.
     """
     found = {}
     for name, points in curves.items():
@@ -53,4 +54,5 @@ def _fewest(beaten: Mapping[Name, set[int]]) -> list[Name]:
 
 
 def _beats(a: Priced, b: Priced) -> bool:
-    return a.error <= b.error and a.cost <= b.cost and (a.error, a.cost) != (b.error, b.cost)
+    no_worse = a.error <= b.error and a.cost <= b.cost
+    return isfinite(a.cost) and no_worse and (a.error, a.cost) != (b.error, b.cost)

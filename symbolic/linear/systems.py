@@ -33,10 +33,16 @@ class SystemFacts:
     """
 
     def __init__(self, method: Method, rows: Sequence[Sequence[Fraction]]) -> None:
-        """Compute M(h), with z₁ = M(h) z₀, and nothing else yet."""
+        """Compute nothing yet, but for a splitting or a Nyström method M(h), which not every system has."""
         self.method = method
         self.rows = rows
-        self.matrix: StepMatrix = linear_step_matrix(method, rows)
+        if stability_function_of(method) is None:
+            self.__dict__["matrix"] = linear_step_matrix(method, rows)
+
+    @cached_property
+    def matrix(self) -> StepMatrix:
+        """M(h), with z₁ = M(h) z₀."""
+        return linear_step_matrix(self.method, self.rows)
 
     @cached_property
     def determinant(self) -> RationalFunction:

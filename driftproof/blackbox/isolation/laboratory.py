@@ -176,7 +176,11 @@ class _Interpreter(_Child):
     def __init__(self, target: Target, experiments: Sequence[Experiment], log: Path) -> None:
         """Start it, with the import path of this one."""
         command = [sys.executable, "-m", "driftproof.blackbox.isolation.child"]
-        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, [os.getcwd(), *sys.path]))}
+        environment = {
+            **os.environ,
+            "PYTHONPATH": os.pathsep.join(filter(None, [os.getcwd(), *sys.path])),
+            "HYPOTHESIS_STORAGE_DIRECTORY": str(log.parent),  # or it leaves a folder where one works
+        }
         pipe = subprocess.PIPE
         self._process = subprocess.Popen(
             command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, env=environment, start_new_session=True

@@ -43,7 +43,7 @@ class Domain:
         """Refuse what holds no step or no state."""
         for low, high in self.ranges:
             if not 0 <= low < high < inf:
-                raise ValueError(f"{self}: sizes go from 0 or more up to something larger and finite")
+                raise ValueError(f"from {low:g} to {high:g}: sizes go from 0 or more up to something larger and finite")
 
     @property
     def ranges(self) -> tuple[tuple[float, float], tuple[float, float]]:
