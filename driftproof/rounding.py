@@ -12,7 +12,7 @@ from driftproof.text import table
 from methods.catalogue import method_named
 from methods.problems import oscillator
 from methods.rationals import step_count
-from numeric.run import Counter, integrate, nearest_double
+from numeric.run import Counter, demand_few, integrate, nearest_double
 from numeric.steppers import HAND_WRITTEN, float_stepper
 from symbolic.certified import AWAY, Exact, enclose
 from symbolic.linear.oscillator import one_step_matrix
@@ -101,6 +101,7 @@ def budget_answer(
     the error of the numbers that the program really has.
     """
     method, steps = method_named(key), step_count(t, h)
+    demand_few(steps)
     size, *state = (nearest_double(x, name) for x, name in ((h, "h"), (start[0], "q"), (start[1], "v")))
     exact_h, exact_start = Fraction(size), (Fraction(state[0]), Fraction(state[1]))
     final = integrate(float_stepper(key), oscillator, (state[0], state[1]), size, steps, counter=counter)

@@ -179,7 +179,8 @@ def _limits_text(answer: Json, entries: Sequence[Json]) -> str:
     rows = [["method", "proved: bounded for", "seen over 2^48 steps", "R(oo)"]]
     for entry in entries:
         rows.append([entry["method"], _limit_text(entry), _seen_text(entry["seen"]), entry["at_infinity"] or "none"])
-    return "The steps h whose powers stay bounded\n\n" + table(rows)
+    note = "seen: powers of the matrix of the float step stay below 1e9"
+    return f"The steps h whose powers stay bounded\n\n{table(rows)}\n\n{note}"
 
 
 def _limit_text(entry: Json) -> str:
@@ -235,6 +236,8 @@ def _verdict(bounded: bool | str) -> str:
 def _outcome(run: Json) -> str:
     if run["failed_after"] is not None:
         return f"ends at step {run['failed_after']}: {run['remark']}"
+    if run["error"] is None:
+        return "finite at t, but farther from the solution than floats tell: lost"
     error = f"error {with_digits(float(run['error']), 3)}"
     return f"{error}, more than the solution: lost" if run["lost"] else error
 

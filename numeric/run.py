@@ -74,6 +74,14 @@ def integrate(
     return q, v
 
 
+def demand_few(steps: int) -> None:
+    """Refuse a float run of more than MOST_STEPS steps. Raises ValueError."""
+    if steps > MOST_STEPS:
+        raise ValueError(
+            f"{brief(steps)} steps are more than {MOST_STEPS}; `driftproof run` answers any number of steps, certified"
+        )
+
+
 def run_method(scene: Scene, key: str, counter: Counter = range) -> Readouts:
     """The scene's readouts for the method `key`, computed in binary64; nothing else is computed or kept.
 
@@ -82,11 +90,7 @@ def run_method(scene: Scene, key: str, counter: Counter = range) -> Readouts:
     """
     if not scene.readouts:
         raise ValueError(f"scene {scene.name!r} asks for no readout; name at least one")
-    if scene.steps > MOST_STEPS:
-        raise ValueError(
-            f"{brief(scene.steps)} steps are more than {MOST_STEPS}; "
-            "`driftproof run` answers any number of steps, certified"
-        )
+    demand_few(scene.steps)
     force = CountedForce(oscillator) if "evaluations" in scene.readouts else oscillator
     start = (nearest_double(scene.start[0], "start q"), nearest_double(scene.start[1], "start v"))
     h, t = nearest_double(scene.h, "h"), _timenearest_double(scene.t)

@@ -40,6 +40,17 @@ def test_right_steppers_pass(step, method):
     assert "to roundoff" in report.verdict
 
 
+def test_a_method_of_a_file_that_claims_no_order_is_held_to_the_order_that_is_derived(tmp_path):
+    tableau = tmp_path / "mine.toml"
+    tableau.write_text('family = "runge_kutta"\nA = [[0, 0], ["2/3", 0]]\nb = ["1/4", "3/4"]\n', encoding="utf-8")
+
+    def ralston(f, t, y, h):
+        k1 = f(t, y)
+        return y + h * (k1 / 4 + 3 * f(t + 2 * h / 3, y + 2 * h / 3 * k1) / 4)
+
+    assert "mine has order 2" in str(verify(ralston, str(tableau), examples=FEW))
+
+
 def test_what_has_the_same_matrix_but_other_coefficients_fails():
     report = verify(rk38, "rk4", examples=FEW)
     assert not report.passed

@@ -46,6 +46,7 @@ BAD_INPUTS: list[tuple[tuple[str, ...], str]] = [
     (("step", *RK4, "--format", "xml"), "invalid choice: 'xml'"),
     (("step", *RK4, "more\nwords"), "unrecognized arguments: more words"),
     (("run", *RK4), "required: --t"),
+    (("run", "rk4", "--h", "1e-10", "--t", "1", "--budget"), "10000000000 steps are more than 100000000"),
     (("run", "rk4", "--h", "0.3", "--t", "10"), "h = 3/10 does not divide t = 10"),
     (("run", "rk4", "--h", "-1/2", "--t", "10"), "h = -1/2 leads away from t = 10"),
     (("run", "rk4", "--h", "1/2", "--t", "ten"), "t: 'ten' is not a rational number"),

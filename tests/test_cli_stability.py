@@ -9,6 +9,7 @@ from fractions import Fraction
 
 import pytest
 
+from driftproof.stability import stability_answer, stability_text
 from numeric.problems.catalogue import PROBLEMS
 
 Answer = Callable[..., str]
@@ -145,3 +146,9 @@ def test_problems_are_listed_in_json_too(answer: Answer) -> None:
 def test_steps_and_methods_may_be_listed_or_their_options_repeated(answer: Answer) -> None:
     listed = answer("stability", "kaps", "--methods", "rk4, heun2", "--h", "1/10,1/20")
     assert listed == answer("stability", "kaps", "--methods", "rk4", "--methods", "heun2", "--h", "1/10", "--h", "1/20")
+
+
+def test_a_state_too_far_from_the_solution_for_floats_is_lost_and_no_crash() -> None:
+    found = stability_answer(PROBLEMS["dahlquist_1e3"], ["rk4"], [])
+    found["methods"][0]["runs"][0] |= {"failed_after": None, "error": None, "lost": True}
+    assert "finite at t, but farther from the solution than floats tell: lost" in stability_text(found)

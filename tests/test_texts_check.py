@@ -208,6 +208,7 @@ def test_report_says_what_is_wrong_and_what_is_covered() -> None:
         "a.txt:2:30: a: expected 0.33, found 0.34",
         "a.txt: 1 claim, 1 refuted",
     ]
+    assert Report.of("a.txt", reading, Claims()).written("text").startswith("a.txt: 0 claims, so nothing is held")
     listed = Report.of("a.txt", reading, CLAIMS, suggest=True)
     assert any(
         line.startswith("a.txt:3:11: not covered: 'It prints 0.25, and") for line in listed.written("text").splitlines()

@@ -114,7 +114,8 @@ class Report:
         wrong = len({finding.claim for finding in self.findings})
         checked = _counted(len(self.outcomes), "claim")
         listings = f", {_counted(self.ran.count, 'listing')} run" if self.ran else ""
-        yield f"{self.file}: {checked}{listings}, {f'{wrong} refuted' if wrong else 'all hold'}"
+        verdict = f"{wrong} refuted" if wrong else "all hold" if self.outcomes or self.ran else "so nothing is held"
+        yield f"{self.file}: {checked}{listings}, {verdict}"
         counts = self.coverage.counts
         ran = f", {counts[RUN]} by running" if counts[RUN] else ""
         yield (
