@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from driftproof.page.axes import Scale, ticks
 from driftproof.page.figure import Figure, table
-from driftproof.page.stability import beside, spectral_radius, verdict
+from driftproof.page.stability import beside, verdict
 from driftproof.page.svg import Axis, Plot, element, place, text
 from driftproof.page.thinning import extremes_by_column, moved, spread
 from driftproof.page.trajectory import MOST_DOTS, MOST_MARKS, MOST_ROWS, Run, phase_plane, position
@@ -24,6 +24,7 @@ from numeric.run import run_method, times
 from numeric.scenes import Scene
 from symbolic.certified import enclose
 from symbolic.linear.facts import LinearFacts
+from symbolic.linear.spectral_radius import spectral_radius
 from symbolic.n_steps import exact_matrix_at
 from symbolic.one_step import one_step_matrix
 from symbolic.stability import bounded_at

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import ceil, floor, isqrt
+from math import ceil, floor
 
 from flint import arb, ctx
 
@@ -13,15 +13,15 @@ from driftproof.page.axes import Scale, ten_to, ticks
 from driftproof.page.figure import Figure, table
 from driftproof.page.svg import Axis, Plot, frame
 from methods.catalogue import METHODS
-from methods.number_field import Algebraic
 from numeric.scenes import Scene
 from symbolic.certified import FIRST_BITS, Exact, enclose, significant
 from symbolic.linear.bounded_powers import boundary_of, is_bounded
 from symbolic.linear.facts import LinearFacts
 from symbolic.linear.limits import Infinity, Limit, data, smallest
-from symbolic.linear.polynomials import evaluate, exact, scalar, sign
+from symbolic.linear.polynomials import evaluate, scalar, sign
 from symbolic.linear.real_roots import ZERO, rational_root
-from symbolic.n_steps import Entries, as_balls, exact_matrix_at, power
+from symbolic.linear.spectral_radius import spectral_radius
+from symbolic.n_steps import as_balls, exact_matrix_at, power
 
 WIDE = frame(346, 228)
 # How long powers are followed, in lengths of the scene, and at how many places.
@@ -50,29 +50,6 @@ def verdict(key: str, h: Fraction) -> Verdict:
     growth = spectral_radius(exact_matrix_at(facts.method, h))
     bounded = is_bounded(boundary_of(facts.matrix), lambda p: sign(evaluate(p, scalar(h))))
     return Verdict(key, facts.imaginary_limit, bounded, _less_one(growth))
-
-
-def spectral_radius(matrix: Entries) -> Exact:
-    """The largest |λ|: sqrt(det) for complex eigenvalues, else (|tr| + sqrt(tr² - 4 det))/2; a Fraction if rational."""
-    qq, qv, vq, vv = matrix
-    trace, area = (exact(scalar(x)) for x in (qq + vv, qq * vv - qv * vq))
-    discriminant = exact(scalar(trace * trace - 4 * area))
-    if sign(scalar(discriminant)) < 0:
-        return _root(area)
-    trace = trace if sign(scalar(trace)) >= 0 else -trace
-    root = _root(discriminant)
-    if isinstance(trace, Fraction) and isinstance(root, Fraction):
-        return (trace + root) / 2
-    return lambda: (enclose(trace) + enclose(root)) / 2
-
-
-def _root(x: Fraction | Algebraic) -> Exact:
-    """The square root of x >= 0."""
-    if isinstance(x, Fraction):
-        root = Fraction(isqrt(x.numerator), isqrt(x.denominator))
-        if root * root == x:
-            return root
-    return lambda: enclose(x).sqrt()
 
 
 def _less_one(x: Exact) -> Exact:

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from functools import partial
 
 from flint import acb, acb_poly, arb, fmpq
 
+from methods.schemes import Method
+from symbolic.certified import Exact
 from symbolic.linear.algebraic_numbers import ratio
 from symbolic.linear.bounded_powers import boundary_of, is_bounded
 from symbolic.linear.conjugate_pairs import UndecidedLimitError, margin_sign
 from symbolic.linear.eigenvalues import Complex, Eigenvalue, Imaginary, eigenvalues
+from symbolic.linear.matrices import StepMatrix
 from symbolic.linear.oscillator import linear_step_matrix, one_step_matrix, stability_function_of
 from symbolic.linear.polynomials import ONE, Polynomial, Scalar, at_ball, exact, scalar
 from symbolic.linear.rational_functions import RationalFunction
 from symbolic.linear.rays import ALWAYS, at_rest, ray_conditions
 from symbolic.linear.real_roots import ZERO, RealRoot, rational_root, sign_at
+from symbolic.linear.spectral_radius import spectral_radius
 from symbolic.linear.systems import SystemFacts
 
 
@@ -74,31 +78,53 @@ def largest_eigenvalue(rows: Sequence[Sequence[Fraction]]) -> Eigenvalue:
     return max(eigenvalues(rows), key=lambda e: float(abs(_ball(e)).mid()))
 
 
-def factor_at(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> Fraction | Callable[[], arb]:
-    """The largest size of an eigenvalue of M(h) that belongs to this one of A: |R(hλ)|, or of the 2x2 matrix at hω.
+def factor_at(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> Exact:
+    """The largest size of an eigenvalue of M(h) that belongs to this one of A: |R(hλ)|, or of the 2x2 matrix at h|λ|.
 
-    A procedure that returns a ball, as `certified.enclose` takes it, where the number is not rational.
+    A Fraction where it is found to be rational: there no ball would tell a size of 1, or of 0.
     """
     r = stability_function_of(found.method)
-    if r is not None and isinstance(eigenvalue.place, RealRoot) and eigenvalue.place.rational is not None:
-        value = exact(r(scalar(h * eigenvalue.place.rational)))
+    return (
+        _size_of_function(r, eigenvalue, h)
+        if r is not None
+        else _radius(_block(found.method, eigenvalue), eigenvalue, h)
+    )
+
+
+def _size_of_function(r: RationalFunction, eigenvalue: Eigenvalue, h: Fraction) -> Exact:
+    place = eigenvalue.place
+    if isinstance(place, RealRoot) and place.rational is not None:
+        value = exact(r(scalar(h * place.rational)))
         if isinstance(value, Fraction):
             return abs(value)
 
-    def of_function() -> arb:
+    def ball() -> arb:
         z = _ball(eigenvalue) * fmpq(h.numerator, h.denominator)
-        num, den = (_at(p, z) for p in (r.num, r.den)) if r is not None else (acb(1), acb(1))
-        return abs(num / den)
+        return abs(_at(r.num, z) / _at(r.den, z))
 
-    def of_matrix() -> arb:
-        x = abs(_ball(eigenvalue)) * fmpq(h.numerator, h.denominator)
-        real = isinstance(eigenvalue.place, RealRoot)
-        matrix = linear_step_matrix(found.method, [[0, 1], [1, 0]]) if real else one_step_matrix(found.method)
-        (a, b), (c, d) = ([at_ball(e.num, x) / at_ball(e.den, x) for e in row] for row in matrix)
+    return ball
+
+
+def _block(method: Method, eigenvalue: Eigenvalue) -> StepMatrix:
+    """The step on q' = v, v' = -q, or v' = q where λ is real."""
+    real = isinstance(eigenvalue.place, RealRoot)
+    return linear_step_matrix(method, [[0, 1], [1, 0]]) if real else one_step_matrix(method)
+
+
+def _radius(matrix: StepMatrix, eigenvalue: Eigenvalue, h: Fraction) -> Exact:
+    place = eigenvalue.place
+    size = place.size if isinstance(place, Imaginary) else place
+    if isinstance(size, RealRoot) and size.rational is not None:
+        x = scalar(abs(h * size.rational))
+        return spectral_radius([exact(entry(x)) for row in matrix for entry in row])
+
+    def ball() -> arb:
+        y = abs(_ball(eigenvalue)) * fmpq(h.numerator, h.denominator)
+        (a, b), (c, d) = ([at_ball(e.num, y) / at_ball(e.den, y) for e in row] for row in matrix)
         half, root = acb(a + d) / 2, acb((a - d) * (a - d) + 4 * b * c).sqrt() / 2
         return abs(half + root).max(abs(half - root))
 
-    return of_function if r is not None else of_matrix
+    return ball
 
 
 def _ball(eigenvalue: Eigenvalue) -> acb:
