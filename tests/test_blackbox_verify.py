@@ -40,6 +40,13 @@ def test_right_steppers_pass(step, method):
     assert "to roundoff" in report.verdict
 
 
+def test_sizes_that_overflow_are_refused_and_refute_nothing():
+    for domain in (Domain(largest_state=1e308), Domain(largest_step=1e300)):
+        with pytest.raises(ValueError, match=r"where binary64 overflows; choose smaller sizes"):
+            verify(velocity_verlet, "velocity_verlet", examples=FEW, domain=domain)
+    assert verify(velocity_verlet, "velocity_verlet", examples=FEW, domain=Domain(largest_state=1e300)).passed
+
+
 def test_a_method_of_a_file_that_claims_no_order_is_held_to_the_order_that_is_derived(tmp_path):
     tableau = tmp_path / "mine.toml"
     tableau.write_text('family = "runge_kutta"\nA = [[0, 0], ["2/3", 0]]\nb = ["1/4", "3/4"]\n', encoding="utf-8")

@@ -54,14 +54,14 @@ def verify(
     says what it is instead. `door` and `array` are for steppers whose parameters do not tell how they are called.
     With `isolate` false it runs in this process, without a time limit.
 
-    Raises ValueError for a method, a door or an allowance that makes no sense.
+    Raises ValueError for a method, a door or an allowance that makes no sense, and for a domain that overflows.
     """
     asked = method_of(method) if isinstance(method, str) else method
     Tolerance(asked, allowance=allowance)  # a question without sense is refused before anything runs
     laboratory = Laboratory(Target(step, door, array), time_limit, isolate)
     agreed = partial(agreement, method=asked, allowance=allowance, domain=domain, examples=examples)
     outcomes = laboratory.run([agreed, coefficients, measured_order])
-    if all(outcome.kind == "bad_input" for outcome in outcomes):
+    if outcomes[0].kind == "bad_input":
         raise ValueError(outcomes[0].seen)
     checks = [check(asked, outcome) for check, outcome in zip(CHECKS, outcomes, strict=True)]
     failed = [check for check in checks if check.passed is False]

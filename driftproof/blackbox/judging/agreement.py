@@ -171,11 +171,13 @@ def agreement(
 ) -> Agreement:
     """The stepper against the method on the oscillator, at `examples` floats drawn alike on every run.
 
-    Raises ValueError where the method needs a solver tolerance, or takes none.
+    Raises ValueError where the method needs a solver tolerance, or takes none, and for a domain that leads to overflow.
     """
     from hypothesis import HealthCheck, Phase, given, settings
 
     tolerance = Tolerance(method, subject.format, allowance)
+    if domain != ORDINARY:
+        tolerance.demand_room(domain.largest_state, domain.largest_step)
     seen, subject = _Seen(), _Remembering(**vars(subject))
 
     @settings(

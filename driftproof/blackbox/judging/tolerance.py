@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property
 from itertools import zip_longest
-from math import inf
+from math import inf, log
 from typing import Any, NamedTuple, TypeAlias
 
 from flint import arb, ctx
@@ -105,6 +105,21 @@ class Tolerance:
                 error = abs(arb(got) - want)
                 judged.append(_judgement(error, bound, self._unit(size)))
             return judged[0], judged[1]
+
+    def demand_room(self, state: float, h: float) -> None:
+        """Refuse sizes at which the sum of |monomials|, or a product of some factors, overflows: no bound holds there.
+
+        Raises ValueError.
+        """
+        with ctx.workprec(BITS):
+            sizes = arb(max(state, 1.0)), arb(max(state, 1.0))
+            reached = max(float(_at(size, arb(max(h, 1.0)), sizes).log().mid()) for size in self._size)
+            room = float(enclose(self.format.largest / 2).log().mid())
+        if not reached < room:
+            raise ValueError(
+                f"states up to {state:g} and steps up to {h:g}: sums of {self.method.key} reach about "
+                f"10^{reached / log(10):.0f}, where {self.format.name} overflows; choose smaller sizes"
+            )
 
     def _unit(self, size: arb) -> arb:
         """u Σ|monomials|, infinite in the range of underflow: there an error says nothing about the method."""
