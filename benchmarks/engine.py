@@ -53,7 +53,6 @@ WANTED = {
     (ENSEMBLE, "ours", "C, fused"): 1.6,
     (BY_NUMPY, "ours", "C, fused"): 13.0,
     (ONE, "ours", "scipy, RK45"): 1 / 75,
-    (BY_SCIPY, "ours", "scipy, RK45"): 1 / 75,
     (BY_SCIPY, "ours, numba", "scipy, RK45"): 1 / 75,
 }
 SAME_BITS = ("C", "by hand, one loop", "by hand, a step function", "by hand, tuples", "ours, numba")

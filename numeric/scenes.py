@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass, fields
 from difflib import get_close_matches
 from fractions import Fraction
@@ -131,6 +130,8 @@ def scene_named(name: str) -> Scene:
 
 def read_scene(path: Path) -> Scene:
     """The scene described by a TOML file, decimals read exactly. Raises SceneError with one line that says where."""
+    import tomllib
+
     try:
         with path.open("rb") as file:
             text = file.read(LONGEST_FILE + 1)

@@ -132,7 +132,8 @@ class Seen:
 
 def _in_words(fit: LinearFit, best: Candidate) -> str:
     """The candidate, with its keys where it is a method as it stands, and at which states if not at all of them."""
-    keys = f" ({', '.join(best.methods)})" if best.extras == 0 else ""
+    others = [key for key in best.methods if key != best.words]
+    keys = f" ({', '.join(others)})" if others and best.extras == 0 else ""
     if fit.nearest is None:
         return f"{best.words}{keys}{_at(fit.amplitude) if fit.kind == LINEAR else ''}"
     near = f"{fit.nearest.methods[0]} at states of size 1, to {fit.nearest.off:.1e}"
