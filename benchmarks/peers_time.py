@@ -21,8 +21,8 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own packages, whatever else is installed
 
 from benchmarks.timing import ROUNDS, Contestant, Goal, Row, Section, Subject, goal_rows, measure, quiet, times_rows
-from driftproof.peers import PEERS, Peer, Solver
 from driftproof.text import table
+from driftproof.work_precision.peers import PEERS, Peer, Solver
 from methods.catalogue import METHODS
 from numeric.engine import compiled_runner
 from numeric.linear import endpoint

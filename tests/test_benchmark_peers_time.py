@@ -9,7 +9,7 @@ import pytest
 from benchmarks import peers_time
 from benchmarks.peers_time import POWERS, STEPS, at_its_best, by_powers, by_steps, error_at, goals
 from benchmarks.timing import Row, Times
-from driftproof.peers import Peer
+from driftproof.work_precision.peers import Peer
 
 
 def test_ours_reach_their_errors_with_as_few_steps_as_will_do():

@@ -12,9 +12,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof import changes as module
 from driftproof.arguments import BAD_INPUT, REFUTED
-from driftproof.changes import ADDED, DIGITS, KINDS, REMOVED, VALUE, WORDING, changes, read_document
+from driftproof.changes import comparing as module
+from driftproof.changes.comparing import ADDED, DIGITS, KINDS, REMOVED, VALUE, WORDING, changes, read_document
 from driftproof.values import VALUES_FILE
 from symbolic.certified import fixed
 

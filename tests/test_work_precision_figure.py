@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from driftproof import work_precision_figure
-from driftproof.work_precision import Measured, Study
-from driftproof.work_precision_figure import draw
+from driftproof.work_precision import figure as drawing
+from driftproof.work_precision.figure import draw
+from driftproof.work_precision.study import Measured, Study
 from numeric.problems.catalogue import PROBLEMS
 from numeric.work_precision.curves import Curve, Point
 from numeric.work_precision.exact import Size
@@ -22,7 +22,7 @@ def study(problem: str) -> Study:
 
 def test_figure_of_runs_that_blow_up_keeps_the_others_legible(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     figures: list[Any] = []
-    monkeypatch.setattr(work_precision_figure, "save", lambda figure, path: figures.append(figure))
+    monkeypatch.setattr(drawing, "save", lambda figure, path: figures.append(figure))
 
     def points(*errors: tuple[int, float]) -> list[Point]:
         return [Point(str(n), n, {"state": Size(e, e)}, scale=1.0) for n, e in errors]

@@ -14,11 +14,11 @@ from xml.etree import ElementTree
 
 import pytest
 
-from driftproof import work_precision
-from driftproof.peers import PEERS, Peer, peers_named
-from driftproof.work_precision import Measured, Study, doubtful, measure, name_of
-from driftproof.work_precision_figure import draw
-from driftproof.work_precision_report import errors_json, goal_rows, priced, text, times_json, write
+from driftproof.work_precision import study as work_precision
+from driftproof.work_precision.figure import draw
+from driftproof.work_precision.peers import PEERS, Peer, peers_named
+from driftproof.work_precision.report import errors_json, goal_rows, priced, text, times_json, write
+from driftproof.work_precision.study import Measured, Study, doubtful, measure, name_of
 from methods.catalogue import METHODS
 from numeric.problems.catalogue import problem_named
 from numeric.problems.linear import HARMONIC

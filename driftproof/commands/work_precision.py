@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from driftproof.arguments import Commands, add_format, add_methods, add_output, positive_number, several
 
 if TYPE_CHECKING:
-    from driftproof.work_precision import Measured, Steps, Study
+    from driftproof.work_precision.study import Measured, Steps, Study
 
 # The lesson's three, and one of each kind beside them.
 DEFAULT = (
@@ -78,10 +78,10 @@ def answer(options: argparse.Namespace) -> str:
     """The tables, and where files were written."""
     from driftproof.facts import method_of
     from driftproof.files import demand_folder
-    from driftproof.peers import peers_named
     from driftproof.text import as_json
-    from driftproof.work_precision import Study, measure
-    from driftproof.work_precision_report import errors_json, text, times_json
+    from driftproof.work_precision.peers import peers_named
+    from driftproof.work_precision.report import errors_json, text, times_json
+    from driftproof.work_precision.study import Study, measure
     from numeric.problems.catalogue import problem_named
 
     methods = [method_of(name) for name in options.methods or DEFAULT]
@@ -99,13 +99,13 @@ def answer(options: argparse.Namespace) -> str:
 def _write(study: Study, measured: Measured, folder: Path) -> list[str]:
     """A line for each file; the figures are left out, with the reason, where nothing can be drawn."""
     from driftproof.extras import how_to_install, installed
-    from driftproof.work_precision_report import write
+    from driftproof.work_precision.report import write
     from numeric.work_precision.exact import floors
 
     lines = [f"wrote {path}" for path in write(study, measured, folder)]
     if not installed("matplotlib"):
         return [*lines, f"no figures: matplotlib is not installed; {how_to_install('report')}"]
-    from driftproof.work_precision_figure import draw
+    from driftproof.work_precision.figure import draw
 
     return [*lines, *(f"wrote {draw(study, measured, quantity, folder)}" for quantity in floors(study.problem))]
 
@@ -122,7 +122,7 @@ def _progress() -> Iterator[Steps | None]:
         return
     from tqdm import tqdm
 
-    from driftproof.work_precision import Steps
+    from driftproof.work_precision.study import Steps
 
     with tqdm(total=0, unit="point", leave=False) as bar:
 

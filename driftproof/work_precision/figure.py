@@ -10,7 +10,7 @@ import matplotlib
 from matplotlib.figure import Figure
 
 from driftproof.figures import save
-from driftproof.work_precision import Measured, Study, kinds_of, per_state
+from driftproof.work_precision.study import Measured, Study, kinds_of, per_state
 from numeric.work_precision.curves import Curve, Point
 from numeric.work_precision.exact import ENERGY, PHASE, STATE, U, floors, half_unit, scale
 from numeric.work_precision.integrators import COMPILED, ENSEMBLE, KINDS, PYTHON

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from driftproof.changes import ADDED, DIGITS, KINDS, REMOVED, VALUE, WORDING, Change
+from driftproof.changes.comparing import ADDED, DIGITS, KINDS, REMOVED, VALUE, WORDING, Change
 from driftproof.text import as_json, table
 
 # A text longer than this is cut in the middle of a report, not in JSON.

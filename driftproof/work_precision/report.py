@@ -11,9 +11,9 @@ from statistics import median
 from typing import Any, TypeAlias
 
 from driftproof.files import whole
-from driftproof.peers import INSTALL
 from driftproof.text import as_json, table, with_digits
-from driftproof.work_precision import Measured, Study, kinds_of, name_of, per_state
+from driftproof.work_precision.peers import INSTALL
+from driftproof.work_precision.study import Measured, Study, kinds_of, name_of, per_state
 from numeric.work_precision.curves import Curve, Point
 from numeric.work_precision.exact import QUANTITIES, floors, half_unit
 from numeric.work_precision.integrators import ENSEMBLE, KINDS, MEMBERS

@@ -17,7 +17,7 @@ from typing import Any, TypeAlias
 from driftproof import __version__
 from driftproof.files import whole
 from driftproof.machine import machine, versions
-from driftproof.peers import TOLERANCES, Peer, Solver
+from driftproof.work_precision.peers import TOLERANCES, Peer, Solver
 from methods.schemes import Method, MethodError
 from numeric.advance import State
 from numeric.problems.problem import Problem

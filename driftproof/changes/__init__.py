@@ -1,0 +1,1 @@
+"""What changed between two files of values: found, and told."""
