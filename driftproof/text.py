@@ -63,7 +63,7 @@ def _rows(name: str, value: Any) -> list[list[str]]:
         return [row for component, part in value.items() for row in _rows(f"{label} {component}", part)]
     unit = f" {value['unit']}" if "unit" in value else ""
     exact = value["exact"] or ""
-    short = f"= {exact}" if exact and exact != value["decimal"] and len(exact) <= LONGEST_SHOWN else ""
+    short = f"exactly {exact}" if exact and exact != value["decimal"] and len(exact) <= LONGEST_SHOWN else ""
     return [[label, value["decimal"] + unit, short]]
 
 

@@ -17,7 +17,7 @@ Run = Callable[..., tuple[int, str, str]]
 Answer = Callable[..., str]
 
 ANSWERS = {
-    "rk4.first_step.q": "0.877604166666667 = 337/384  (PROVED)",
+    "rk4.first_step.q": "0.877604166666667, exactly 337/384  (PROVED)",
     "rk4.first_step.q --digits 6": "0.877604",
     "rk4.first_step.v --places 3": "-0.479",
     "rk4.first_step.v --places 3 --style printed": "−0.479",
@@ -27,7 +27,7 @@ ANSWERS = {
     "'1.005' --places 2 --rounding tofixed": "1.00",
     "'5/2' --places 0 --rounding away": "3",
     "'-2.5' --places 0 --rounding half-even": "-2",
-    "'1/2'": "0.500000000000000 = 1/2  (PROVED)",
+    "'1/2'": "0.500000000000000, exactly 1/2  (PROVED)",
     "'run rk4 h=1/4 t=10 : evaluations'": "160  (COUNTED)",
     "'step symplectic_euler h=2 N=5 : v' --style printed": "−10  (PROVED)",
     "'energy_multiplier rk4'": "1 - h**6/72 + h**8/576  (PROVED)",

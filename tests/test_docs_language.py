@@ -22,7 +22,8 @@ def test_page_is_what_its_generator_writes() -> None:
 
 
 @pytest.mark.parametrize(
-    ("shown", "planted"), [("= 337/384", "= 337/385"), ("−0.053697", "−0.053698"), ("3.99999832274553", "4.0")]
+    ("shown", "planted"),
+    [("exactly 337/384", "exactly 337/385"), ("−0.053697", "−0.053698"), ("3.99999832274553", "4.0")],
 )
 def test_a_wrong_answer_is_noticed_and_put_right(shown: str, planted: str) -> None:
     wrong = PAGE.replace(shown, planted)

@@ -56,8 +56,8 @@ def _as_text(value: Value, wish: Wish) -> str:
     else:
         shown = _decimal(value, wish)
     unit = f" {value.unit}" if value.unit else ""
-    equals = f" = {exact}" if exact and len(exact) <= LONGEST_SHOWN else ""
-    return f"{shown}{unit}{equals}  ({value.evidence})"
+    exactly = f", exactly {exact}" if exact and len(exact) <= LONGEST_SHOWN else ""
+    return f"{shown}{unit}{exactly}  ({value.evidence})"
 
 
 def _as_markdown(value: Value, wish: Wish) -> str:
