@@ -15,7 +15,7 @@ from time import perf_counter
 from typing import Any
 
 from driftproof.text import table
-from numeric.work_precision.timing import spread_of
+from numeric.work_precision.timing import collector_off, spread_of
 
 # How long one turn repeats a short task, and after how long a contestant gets no further turn, in seconds.
 TURN, LIMIT = 0.02, 3.0
@@ -139,6 +139,7 @@ def _one_turn(contestant: Contestant, turn: float) -> tuple[list[float], str]:
     """At least one time in ms, and the answer."""
     taken: list[float] = []
     left = 1000 * turn
+    gc.collect()
     with quiet(), collector_off():
         while not taken or left > 0:
             contestant.before()
@@ -165,17 +166,6 @@ def quiet() -> Iterator[None]:
     with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         yield
-
-
-@contextlib.contextmanager
-def collector_off() -> Iterator[None]:
-    """No garbage is collected meanwhile, as in `timeit`."""
-    gc.collect()
-    gc.disable()
-    try:
-        yield
-    finally:
-        gc.enable()
 
 
 def cold_and_warm(task: Callable[[], Any], read: Callable[[Any], str] = str) -> dict[str, Contestant]:

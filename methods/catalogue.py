@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
-from difflib import get_close_matches
 from importlib import import_module
 
+from methods.naming import did_you_mean
 from methods.schemes import Method
 
 # The tables of `methods.tables`, in the order in which the methods are listed.
@@ -55,6 +55,4 @@ def method_named(key: str) -> Method:
     """The catalogue entry `key`. Raises ValueError naming the closest keys if there is none."""
     if key in METHODS:
         return METHODS[key]
-    close = get_close_matches(key, METHODS, n=2, cutoff=0.4)
-    hint = f"; did you mean {' or '.join(close)}?" if close else ""
-    raise ValueError(f"unknown method {key[:60]!r}{hint} (`driftproof methods` lists all)")
+    raise ValueError(f"unknown method {key[:60]!r}{did_you_mean(key, METHODS)} (`driftproof methods` lists all)")

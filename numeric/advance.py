@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
 import numpy as np
 
-from methods.fields import FUNCTIONS, Field
+from methods.fields import Field
 from methods.jacobian import jacobian
 from methods.program_text import indented, maker, maker_text
 from methods.schemes import Method
-from numeric.engine import field_runner, lifted
+from numeric.engine import OF_FLOATS, field_runner, lifted
 from numeric.implicit import Jacobian, implicit_stepper
 from numeric.problems.problem import Problem
 from numeric.run import nearest_double
@@ -21,8 +20,6 @@ State: TypeAlias = tuple[float, ...]
 Rate: TypeAlias = Callable[[float, Any], list[float]]
 # advance(y, h, first, last) -> y: steps first to last - 1, the i-th from t = i h.
 Advance: TypeAlias = Callable[[State, float, int, int], State]
-
-_FUNCTIONS = {name: getattr(math, name) for name in FUNCTIONS}
 
 
 def advance(method: Method, problem: Problem, rate: Rate | None = None) -> Advance:
@@ -77,6 +74,6 @@ def _function(field: Field, value: str, functions: Mapping[str, Any] | None) -> 
     numbers = "map(float, y)" if functions is None else "y"
     lines = [f"{''.join(f'{y}, ' for y in field.components)}= {numbers}", f"return {value}"]
     text = maker_text(names, "run", ["def run(t, y):", *indented(lines)])
-    known = _FUNCTIONS if functions is None else dict(functions)
+    known = OF_FLOATS if functions is None else dict(functions)
     made: Callable[[float, Any], Any] = maker(text, "run", known)(*[lifted(c, np.float64) for _, c in field.parameters])
     return made

@@ -42,7 +42,7 @@ FieldRun: TypeAlias = Callable[[tuple[float, ...], float, int, int], tuple[float
 BLOCK, ARRAY_BLOCK = 512, 4096
 # The formats that compiled loops know.
 COMPILED = (np.float32, np.float64)
-_OF_FLOATS = {name: getattr(math, name) for name in FUNCTIONS}
+OF_FLOATS = {name: getattr(math, name) for name in FUNCTIONS}
 _OF_ARRAYS = {name: getattr(np, name) for name in (*FUNCTIONS, *UFUNCS.values(), "negative", "copyto")}
 
 
@@ -55,7 +55,7 @@ def runner(method: Method, force: str = OSCILLATOR, *, compensated: bool = False
     negative h runs back in time. Raises MethodError for an implicit method.
     """
     source = step_source(method, force, compensated=compensated)
-    run: Run = maker(source.run(), method.key, _OF_FLOATS)(*_lifted(source.coefficients, np.float64))
+    run: Run = maker(source.run(), method.key, OF_FLOATS)(*_lifted(source.coefficients, np.float64))
     return run
 
 
@@ -116,7 +116,7 @@ def field_runner(method: Method, field: Field, *, compensated: bool = False) -> 
     between. Raises MethodError as `field_source`.
     """
     source = field_source(method, field, compensated=compensated)
-    run: FieldRun = maker(source.run(), method.key, _OF_FLOATS)(*_lifted(source.coefficients, np.float64))
+    run: FieldRun = maker(source.run(), method.key, OF_FLOATS)(*_lifted(source.coefficients, np.float64))
     return run
 
 
@@ -158,7 +158,7 @@ def _array_run(source: Source, number: Format) -> tuple[Callable[..., None], int
 
 @cache
 def _compiled_blocks(source: Source, number: Format) -> Callable[..., Any]:
-    return _compiled(maker(_blocks_text(source), "ensemble", _OF_FLOATS)(*_lifted(source.coefficients, number)))
+    return _compiled(maker(_blocks_text(source), "ensemble", OF_FLOATS)(*_lifted(source.coefficients, number)))
 
 
 def _blocks_text(source: Source) -> str:

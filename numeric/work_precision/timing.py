@@ -94,7 +94,7 @@ def open_for_more(timing: Timing, rounds: int, limit: float) -> bool:
 
 def _seconds(call: Callable[[], object], batch: int, clock: Clock) -> float:
     """The mean of a batch."""
-    with _collector_off():
+    with collector_off():
         before = clock()
         for _ in range(batch):
             call()
@@ -102,7 +102,7 @@ def _seconds(call: Callable[[], object], batch: int, clock: Clock) -> float:
 
 
 @contextmanager
-def _collector_off() -> Iterator[None]:
+def collector_off() -> Iterator[None]:
     """No garbage is collected meanwhile, as in `timeit`."""
     enabled = gc.isenabled()
     gc.disable()
