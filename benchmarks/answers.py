@@ -20,9 +20,9 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own package
 
 from benchmarks.peers import installed, kauri_method, nodepy_method, rkkit_method
 from benchmarks.timing import quiet
-from methods.catalogue import METHODS
-from methods.schemes import RungeKutta
-from symbolic.facts import facts_of
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import RungeKutta
+from driftproof.symbolic.facts import facts_of
 
 # Seconds after which a question counts as not answered: far more than any takes that is put.
 PATIENCE = 60.0

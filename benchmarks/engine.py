@@ -24,10 +24,9 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own package
 import numpy as np
 
 from benchmarks.timing import ROUNDS, Contestant, Goal, Row, Section, Subject, goal_rows, measure, times_rows
-from driftproof.text import table
-from methods.catalogue import METHODS
-from methods.fields import Field
-from numeric.engine import (
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.fields import Field
+from driftproof.numeric.engine import (
     ARRAY_BLOCK,
     BLOCK,
     compiled_ensemble_runner,
@@ -37,6 +36,7 @@ from numeric.engine import (
     field_runner,
     runner,
 )
+from driftproof.support.plain_text import table
 
 RK4, PAIR = METHODS["rk4"], METHODS["dormand_prince54"]
 H, START = 0.01, (0.6, -0.8)

@@ -9,8 +9,8 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own packages, whatever else is installed
 
 from benchmarks.timing import Row, Subject, cold_and_warm, measure, print_measured
-from methods.catalogue import METHODS
-from symbolic.facts import FACTS, facts_of
+from driftproof.methods.catalogue import METHODS
+from driftproof.symbolic.facts import FACTS, facts_of
 
 CATALOGUE = "every fact of the whole catalogue"
 

@@ -15,17 +15,17 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own packages, whatever else is installed
 
 from benchmarks.timing import Goal, Section, Times, goal_rows, milliseconds, percent
-from driftproof.text import table
+from driftproof.support.plain_text import table
 
 ROOT = Path(__file__).parents[1]
 ROUNDS = 15
-# The most that `import numeric.run` may take, in imports of numpy.
+# The most that `import driftproof.numeric.run` may take, in imports of numpy.
 MOST = 1.5
 
 # Name -> what a new interpreter does.
 SUBJECTS = {
     "import numpy": "import numpy",
-    "import numeric.run": "import numeric.run",
+    "import driftproof.numeric.run": "import driftproof.numeric.run",
     "all of numeric": "import "
     + ", ".join(f"numeric.{path.stem}" for path in sorted((ROOT / "numeric").glob("*.py")) if path.stem != "__init__"),
     "import driftproof": "import driftproof",
@@ -59,16 +59,16 @@ def measure(rounds: int) -> dict[str, list[float]]:
 
 
 def section(taken: Mapping[str, Sequence[float]], *, loads_sympy: bool) -> Section:
-    """The table, and the goals: numeric.run against numpy, and no SymPy after `import driftproof`."""
+    """The table, and the goals: driftproof.numeric.run against numpy, and no SymPy after `import driftproof`."""
     times = {name: Times(samples) for name, samples in taken.items()}
     base = times["import numpy"].best
     rows = [["in a new interpreter", "minimum", "median", "spread", "samples", "over numpy"]]
     for name, t in times.items():
         shown = (milliseconds(t.best), milliseconds(t.median), percent(t.spread), str(len(t.samples)))
         rows.append([name, *shown, f"{t.best / base:.2f}"])
-    ratio = times["import numeric.run"].best / base
+    ratio = times["import driftproof.numeric.run"].best / base
     goals = [
-        Goal("import numeric.run over import numpy", f"≤ {MOST}", f"{ratio:.2f}", ratio <= MOST),
+        Goal("import driftproof.numeric.run over import numpy", f"≤ {MOST}", f"{ratio:.2f}", ratio <= MOST),
         Goal("import driftproof loads SymPy", "no", "yes" if loads_sympy else "no", not loads_sympy),
     ]
     return Section("Import", rows, goals)

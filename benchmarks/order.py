@@ -15,10 +15,10 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own package
 
 from benchmarks.peers import installed, kauri_method, nodepy_method, rkkit_method
 from benchmarks.timing import Contestant, Row, Subject, cold_and_warm, measure, print_measured, with_peers
-from methods.catalogue import METHODS
-from symbolic.trees import rooted, table
-from symbolic.trees.modified import modified_equation
-from symbolic.trees.order import OrderFact, embedded_order, order, order_of, runge_kutta_conditions
+from driftproof.methods.catalogue import METHODS
+from driftproof.symbolic.trees import rooted, table
+from driftproof.symbolic.trees.modified import modified_equation
+from driftproof.symbolic.trees.order import OrderFact, embedded_order, order, order_of, runge_kutta_conditions
 
 # Any: the catalogue holds methods of every family under its keys.
 RK4: Any = METHODS["rk4"]

@@ -12,8 +12,8 @@ from importlib.metadata import version
 from importlib.util import find_spec
 from typing import Any
 
-from methods.number_field import Algebraic, Exact
-from methods.schemes import RungeKutta
+from driftproof.methods.number_field import Algebraic, Exact
+from driftproof.methods.schemes import RungeKutta
 
 # The import name of each, and the name under which it is distributed.
 PEERS = {"nodepy": "nodepy", "kauri": "kauri", "RKkit": "RKkit"}

@@ -21,12 +21,12 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own packages, whatever else is installed
 
 from benchmarks.timing import ROUNDS, Contestant, Goal, Row, Section, Subject, goal_rows, measure, quiet, times_rows
-from driftproof.text import table
-from driftproof.work_precision.peers import PEERS, Peer, Solver
-from methods.catalogue import METHODS
-from numeric.engine import compiled_runner
-from numeric.linear import endpoint
-from numeric.problems.catalogue import PROBLEMS
+from driftproof.methods.catalogue import METHODS
+from driftproof.numeric.engine import compiled_runner
+from driftproof.numeric.linear import endpoint
+from driftproof.numeric.problems.catalogue import PROBLEMS
+from driftproof.reports.work_precision.peers import PEERS, Peer, Solver
+from driftproof.support.plain_text import table
 
 START = (1.0, 0.0)
 STEPPED, POWERED = METHODS["blanes_moan_rkn6b"], METHODS["gauss5"]

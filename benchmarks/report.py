@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own package
 from benchmarks import answers, engine, facts, import_time, long_runs, order, peers, peers_time, roundoff, stability
 from benchmarks.timing import LIMIT, ROUNDS, TURN, Goal, Row, Section, goal_rows, times_rows
 from docs.pages import markdown
-from driftproof import machine
+from driftproof.support import machine
 
 ROOT = Path(__file__).parents[1]
 TIMED = {

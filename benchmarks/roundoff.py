@@ -13,23 +13,23 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own package
 import numpy as np
 
 from benchmarks.timing import Goal, Row, Section, Subject, cold_and_warm, goal_rows, measure
-from driftproof.text import table
-from methods.catalogue import METHODS
-from methods.problems import oscillator
-from methods.stepping import stepper
-from methods.tables import basic
-from numeric.leapfrog import leapfrog
-from numeric.steppers import HAND_WRITTEN, rk4
-from numeric.worst_case import Envelope
-from numeric.worst_case_search import search
-from symbolic.certified import enclose, significant
-from symbolic.n_steps import apply, matrix_at
-from symbolic.one_step import one_step_matrix
-from symbolic.rounding.error_of_run import ErrorOfRun
-from symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
-from symbolic.rounding.n_steps import run_bound
-from symbolic.rounding.sharp import sharp_bound
-from symbolic.rounding.step import step_bound
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.problems import oscillator
+from driftproof.methods.stepping import stepper
+from driftproof.methods.tables import basic
+from driftproof.numeric.leapfrog import leapfrog
+from driftproof.numeric.steppers import HAND_WRITTEN, rk4
+from driftproof.numeric.worst_case import Envelope
+from driftproof.numeric.worst_case_search import search
+from driftproof.support.plain_text import table
+from driftproof.symbolic.algebra.certified import enclose, significant
+from driftproof.symbolic.derivation.one_step import one_step_matrix
+from driftproof.symbolic.n_steps import apply, matrix_at
+from driftproof.symbolic.rounding.error_of_run import ErrorOfRun
+from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
+from driftproof.symbolic.rounding.n_steps import run_bound
+from driftproof.symbolic.rounding.sharp import sharp_bound
+from driftproof.symbolic.rounding.step import step_bound
 
 FORMATS = {BINARY64: np.float64, BINARY32: np.float32, BINARY16: np.float16}
 RANGES = {"|h| <= 1/4": (0.0, 0.25), "|h| = 1/4": (0.25, 0.25), "|h| = 1": (1.0, 1.0), "|h| = 5/2": (2.5, 2.5)}

@@ -26,13 +26,13 @@ from benchmarks.peers import (
     six_digits,
 )
 from benchmarks.timing import Contestant, Row, Subject, cold_and_warm, measure, print_measured, with_peers
-from methods.catalogue import METHODS
-from symbolic.linear.implicit_stability import a_stability, l_stability
-from symbolic.linear.limits import data, imaginary_limit, real_limit
-from symbolic.linear.monotonicity import ssp_coefficient
-from symbolic.linear.oscillator import stability_function_of
-from symbolic.linear.stability_function import stability_function, stability_function_of_collocation
-from symbolic.trees.quadratic import algebraic_stability
+from driftproof.methods.catalogue import METHODS
+from driftproof.symbolic.linear.implicit_stability import a_stability, l_stability
+from driftproof.symbolic.linear.limits import data, imaginary_limit, real_limit
+from driftproof.symbolic.linear.monotonicity import ssp_coefficient
+from driftproof.symbolic.linear.oscillator import stability_function_of
+from driftproof.symbolic.linear.stability_function import stability_function, stability_function_of_collocation
+from driftproof.symbolic.trees.quadratic import algebraic_stability
 
 # Any: the catalogue holds methods of every family under its keys.
 METHOD: dict[str, Any] = {**METHODS}

@@ -14,8 +14,8 @@ from dataclasses import dataclass, field, replace
 from time import perf_counter
 from typing import Any
 
-from driftproof.text import table
-from numeric.work_precision.timing import collector_off, spread_of
+from driftproof.numeric.work_precision.timing import collector_off, spread_of
+from driftproof.support.plain_text import table
 
 # How long one turn repeats a short task, and after how long a contestant gets no further turn, in seconds.
 TURN, LIMIT = 0.02, 3.0

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from driftproof.language.ask import value
-from driftproof.language.rendered import Wish, rendered
-from driftproof.language.style import PLAIN, ROUNDINGS, Style
+from driftproof.texts.questions.ask import value
+from driftproof.texts.questions.rendered import Wish, rendered
+from driftproof.texts.questions.style import PLAIN, ROUNDINGS, Style
 
 RUNS = (
     "rk4.first_step.q",

@@ -19,11 +19,11 @@ from typing import Any
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
-from driftproof.texts.canonical import FRACTIONS, LOWERED, RAISED  # noqa: E402
-from driftproof.texts.checking import Outcome, check_claims, occurrences_of  # noqa: E402
-from driftproof.texts.claims import Claim, read_claims  # noqa: E402
-from driftproof.texts.coverage import GIVEN, LABEL, UNCOVERED, VALUE, coverage  # noqa: E402
-from driftproof.texts.reading import Reading, read_file, read_text  # noqa: E402
+from driftproof.texts.claims.checking import Outcome, check_claims, occurrences_of  # noqa: E402
+from driftproof.texts.claims.claims import Claim, read_claims  # noqa: E402
+from driftproof.texts.claims.coverage import GIVEN, LABEL, UNCOVERED, VALUE, coverage  # noqa: E402
+from driftproof.texts.readers.canonical import FRACTIONS, LOWERED, RAISED  # noqa: E402
+from driftproof.texts.readers.reading import Reading, read_file, read_text  # noqa: E402
 
 LESSON = ROOT.parent / "shared" / "lesson" / "lesson.txt"
 CLAIMS = ROOT / "proofs" / "lesson" / "claims.toml"

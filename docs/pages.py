@@ -26,8 +26,8 @@ TABLE = re.compile(r"<!-- table: (\w+) -->\n+(?:\|.*\n)*\n*")
 
 def printed(command: str) -> str:
     """What `driftproof command` prints. Raises ValueError if it exits with an error; that the answer is no is none."""
-    from driftproof.arguments import REFUTED
     from driftproof.cli import main
+    from driftproof.commands.arguments import REFUTED
 
     with contextlib.redirect_stdout(io.StringIO()) as out:
         status = main(shlex.split(command))

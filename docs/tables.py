@@ -12,14 +12,14 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from methods.catalogue import METHODS
-from methods.schemes import Method, Nystrom, RungeKutta, Splitting
-from symbolic.certified import scientific
-from symbolic.facts import facts_of
-from symbolic.trees.alternating import nystrom_conditions, separable_conditions
-from symbolic.trees.order import OrderFact, RungeKuttaConditions, order, order_of
-from symbolic.trees.rooted import written
-from symbolic.trees.weights import TableauStages
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
+from driftproof.symbolic.algebra.certified import scientific
+from driftproof.symbolic.facts import facts_of
+from driftproof.symbolic.trees.alternating import nystrom_conditions, separable_conditions
+from driftproof.symbolic.trees.order import OrderFact, RungeKuttaConditions, order, order_of
+from driftproof.symbolic.trees.rooted import written
+from driftproof.symbolic.trees.weights import TableauStages
 
 HERE = Path(__file__).parent
 Rows = list[list[str]]

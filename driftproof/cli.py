@@ -7,7 +7,6 @@ from argparse import Namespace
 from collections.abc import Sequence
 
 from driftproof import __version__
-from driftproof.arguments import BAD_INPUT, INTERRUPTED, NO_ANSWER, REFUTED, Parser, Refuted
 from driftproof.commands import (
     check,
     diff,
@@ -28,6 +27,7 @@ from driftproof.commands import (
     verify,
     work_precision,
 )
+from driftproof.commands.arguments import BAD_INPUT, INTERRUPTED, NO_ANSWER, REFUTED, Parser, Refuted
 
 COMMANDS = (
     methods,

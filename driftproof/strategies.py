@@ -14,7 +14,7 @@ from typing import Any
 from hypothesis import strategies as st
 from hypothesis.strategies import SearchStrategy
 
-from methods.schemes import SUBSTEPS, RungeKutta, Splitting
+from driftproof.methods.schemes import SUBSTEPS, RungeKutta, Splitting
 
 # A normal binary64 number is m * 2**e, 1 <= m < 2, with e in this range; below it lie the subnormals and 0.
 SMALLEST_EXPONENT = sys.float_info.min_exp - 1

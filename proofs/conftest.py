@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from driftproof.values import VALUES_FILE
+from driftproof.texts.values.published import VALUES_FILE
 from proofs.claims import RESTRICTED
 from proofs.ledger import Entry, Ledger
 

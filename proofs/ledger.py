@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
-from driftproof.text import as_json, table
+from driftproof.support.plain_text import as_json, table
 from proofs.claims import EVIDENCE, REQUIRED
 
 NOT_RUN = "not run"

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from driftproof.answers import number
-from methods.rationals import parse_rational
+from driftproof.methods.rationals import parse_rational
+from driftproof.symbolic.algebra.certified import fixed, scientific
+from driftproof.texts.writing.answers import number
 from proofs.claims import CERTIFIED, COUNTED, PROVED
 from proofs.quantities import QUANTITIES, Quantity
-from symbolic.certified import fixed, scientific
 
 DIGITS = 30
 EQUALS, ROUNDS = "=", "≈"

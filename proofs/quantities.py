@@ -8,8 +8,11 @@ from fractions import Fraction as Q
 
 import sympy
 
-from methods.catalogue import METHODS
-from numeric.scenes import LARGEST_LESSON_H, PRESETS, Scene
+from driftproof.methods.catalogue import METHODS
+from driftproof.numeric.scenes import LARGEST_LESSON_H, PRESETS, Scene
+from driftproof.symbolic.algebra.certified import Exact
+from driftproof.symbolic.derivation.energy import invariant_quadratic
+from driftproof.symbolic.derivation.one_step import at_rational
 from proofs.claims import CERTIFIED, COUNTED, PROVED
 from proofs.setting import (
     BOUNDARY_H,
@@ -26,9 +29,6 @@ from proofs.setting import (
     run,
     state_after,
 )
-from symbolic.certified import Exact
-from symbolic.energy import invariant_quadratic
-from symbolic.one_step import at_rational
 
 EXERCISE_START = (Q(0), Q(1))
 EXERCISE_H = {EULER: Q(1, 10), RK4: Q(2, 5)}

@@ -6,12 +6,12 @@ from fractions import Fraction as Q
 
 from sympy.polys.matrices import DomainMatrix
 
-from methods.catalogue import METHODS
-from numeric.run import run_method
-from numeric.scenes import PRESETS, Scene
-from symbolic.n_steps import apply, matrix_at, power
-from symbolic.one_step import Polynomial, exact_stepper, one_step_matrix, symbolic_step
-from symbolic.oscillator_run import OscillatorRun
+from driftproof.methods.catalogue import METHODS
+from driftproof.numeric.run import run_method
+from driftproof.numeric.scenes import PRESETS, Scene
+from driftproof.symbolic.derivation.one_step import Polynomial, exact_stepper, one_step_matrix, symbolic_step
+from driftproof.symbolic.n_steps import apply, matrix_at, power
+from driftproof.symbolic.oscillator_run import OscillatorRun
 
 EULER, SYMPLECTIC, RK4 = LESSON_METHODS = ("forward_euler", "symplectic_euler", "rk4")
 START = (Q(1), Q(0))

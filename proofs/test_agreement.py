@@ -8,15 +8,15 @@ import numpy as np
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from methods.problems import oscillator
-from numeric.readouts import energy
-from numeric.steppers import HAND_WRITTEN
+from driftproof.methods.problems import oscillator
+from driftproof.numeric.readouts import energy
+from driftproof.numeric.steppers import HAND_WRITTEN
+from driftproof.symbolic.derivation.energy import energy_multiplier
+from driftproof.symbolic.derivation.one_step import at_rational
+from driftproof.symbolic.n_steps import apply, matrix_at
+from driftproof.symbolic.rounding.step import step_bound
 from proofs.claims import FUZZED, claim
 from proofs.setting import EULER, LESSON_METHODS, RK4, SYMPLECTIC, M
-from symbolic.energy import energy_multiplier
-from symbolic.n_steps import apply, matrix_at
-from symbolic.one_step import at_rational
-from symbolic.rounding.step import step_bound
 
 # The double nearest to 1/10, and the smallest subnormal: named, because no literal would say which number it is.
 TENTH = float(Q(1, 10))

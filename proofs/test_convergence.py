@@ -7,6 +7,11 @@ from fractions import Fraction as Q
 import sympy
 from sympy import QQ, Rational
 
+from driftproof.symbolic.algebra.certified import Exact, enclose, fixed, is_less, sign
+from driftproof.symbolic.derivation.closed_form import STEPS, closed_form
+from driftproof.symbolic.derivation.convergence import T, global_error_coefficient, local_error
+from driftproof.symbolic.derivation.energy import energy_multiplier
+from driftproof.symbolic.derivation.one_step import H, expression
 from proofs.claims import CERTIFIED, PROVED, RESTRICTED, claim
 from proofs.setting import (
     COMPARE_H,
@@ -23,11 +28,6 @@ from proofs.setting import (
     run,
     state_after,
 )
-from symbolic.certified import Exact, enclose, fixed, is_less, sign
-from symbolic.closed_form import STEPS, closed_form
-from symbolic.convergence import T, global_error_coefficient, local_error
-from symbolic.energy import energy_multiplier
-from symbolic.one_step import H, expression
 
 START_COLUMN = sympy.Matrix(START)
 h = sympy.Symbol("h", positive=True)
@@ -111,7 +111,7 @@ def test_rk4_follows_more_closely_on_the_steps_on_offer() -> None:
     True at t = 10 for every preset step and the largest on offer. Needed: a step not much larger; one step of h = 4
     from (1, 0) is farther off with RK4 than with forward Euler.
     """
-    from numeric.steppers import evaluations_per_step
+    from driftproof.numeric.steppers import evaluations_per_step
 
     assert (evaluations_per_step(RK4), evaluations_per_step(EULER), evaluations_per_step(SYMPLECTIC)) == (4, 1, 1)
     for step in (SMALL_H, DEFAULT_H, COMPARE_H, Q(2), Q(5, 2)):
@@ -201,7 +201,7 @@ def test_one_coarse_comparison_shows_no_order() -> None:
 @claim("L008", evidence=PROVED, by="three facts of h")
 def test_step_size_sets_convergence_work_and_stability() -> None:
     """The step decides three things: the error Chᵖ, the T/h steps of work, and whether the run stays bounded."""
-    from symbolic.stability import bounded_at
+    from driftproof.symbolic.derivation.stability import bounded_at
 
     assert leading_state_error(EULER, sympy.Integer(10)) == 5
     assert [run(EULER, step).steps for step in (Q(1, 2), Q(1, 4))] == [20, 40]

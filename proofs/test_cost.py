@@ -8,9 +8,10 @@ from typing import Any
 
 import pytest
 
-from methods.rationals import step_count
-from numeric.scenes import PRESETS
-from numeric.steppers import HAND_WRITTEN
+from driftproof.methods.rationals import step_count
+from driftproof.numeric.scenes import PRESETS
+from driftproof.numeric.steppers import HAND_WRITTEN
+from driftproof.symbolic.algebra.certified import is_less
 from proofs.claims import CERTIFIED, COUNTED, PROVED, RESTRICTED, claim
 from proofs.setting import (
     DEFAULT_H,
@@ -26,7 +27,6 @@ from proofs.setting import (
     run,
     state_after,
 )
-from symbolic.certified import is_less
 
 
 class Tally:

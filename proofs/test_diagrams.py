@@ -8,19 +8,19 @@ from functools import cache
 from html import unescape
 from itertools import product
 
-from driftproof.page.axes import Scale, symmetric_limit, ticks
-from driftproof.page.document import document
-from driftproof.page.figure import Figure
-from driftproof.page.svg import Plot
-from driftproof.page.trajectory import Run, phase_plane, position
-from driftproof.scene_view import COMPARED, asking_for, comparison_rows, readout_rows
-from methods.rationals import parse_rational
-from numeric.run import Readouts, run_method
-from numeric.scenes import PRESETS
+from driftproof.methods.rationals import parse_rational
+from driftproof.numeric.run import Readouts, run_method
+from driftproof.numeric.scenes import PRESETS
+from driftproof.reports.page.axes import Scale, symmetric_limit, ticks
+from driftproof.reports.page.document import document
+from driftproof.reports.page.figure import Figure
+from driftproof.reports.page.svg import Plot
+from driftproof.reports.page.trajectory import Run, phase_plane, position
+from driftproof.reports.scene_view import COMPARED, asking_for, comparison_rows, readout_rows
+from driftproof.symbolic.algebra.certified import Exact, enclose, is_less
+from driftproof.symbolic.n_steps import apply, matrix_at
 from proofs.claims import COUNTED, PROVED, RESTRICTED, claim
 from proofs.setting import END, EULER, LESSON_METHODS, RK4, START, M, run
-from symbolic.certified import Exact, enclose, is_less
-from symbolic.n_steps import apply, matrix_at
 
 EVERY = tuple(product(PRESETS, LESSON_METHODS))
 TICK = re.compile(r'<text class="tick ([xy])"[^>]*>([^<]*)</text>')

@@ -9,6 +9,16 @@ import pytest
 import sympy
 from sympy import QQ, ring
 
+from driftproof.symbolic.algebra.certified import is_less
+from driftproof.symbolic.derivation.energy import (
+    StateDependentEnergy,
+    definiteness,
+    energy_change,
+    energy_multiplier,
+    invariant_quadratic,
+)
+from driftproof.symbolic.derivation.one_step import STATE_H, STATE_Q, STATE_V, H, at_rational, determinant, matrix
+from driftproof.symbolic.derivation.signs import is_positive_between, roots_between
 from proofs.claims import CERTIFIED, PROVED, RESTRICTED, claim
 from proofs.setting import (
     COMPARE_H,
@@ -24,16 +34,6 @@ from proofs.setting import (
     state_after,
     step_of,
 )
-from symbolic.certified import is_less
-from symbolic.energy import (
-    StateDependentEnergy,
-    definiteness,
-    energy_change,
-    energy_multiplier,
-    invariant_quadratic,
-)
-from symbolic.one_step import STATE_H, STATE_Q, STATE_V, H, at_rational, determinant, matrix
-from symbolic.signs import is_positive_between, roots_between
 
 h, q, v = STATE_H, STATE_Q, STATE_V
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import sympy
 from sympy import QQ, Rational, cos, ring, sin, sqrt, symbols
 
-from methods.problems import oscillator
-from numeric.readouts import exact_state
-from numeric.scenes import PRESETS
+from driftproof.methods.problems import oscillator
+from driftproof.numeric.readouts import exact_state
+from driftproof.numeric.scenes import PRESETS
+from driftproof.symbolic.algebra.certified import is_less, sign
+from driftproof.symbolic.derivation.one_step import matrix
+from driftproof.symbolic.derivation.physical import Spring
 from proofs.claims import CERTIFIED, COUNTED, PROVED, claim
 from proofs.setting import END, EULER, LESSON_METHODS, START, M, energy, run
-from symbolic.certified import is_less, sign
-from symbolic.one_step import matrix
-from symbolic.physical import Spring
 
 t = symbols("t", real=True)
 POSITION, VELOCITY = cos(t), -sin(t)

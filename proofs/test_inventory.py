@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from driftproof.symbolic.algebra.certified import Exact, significant
 from proofs.claims import NOT_VERIFIABLE, REQUIRED, STATEMENTS, claim
 from proofs.ledger import Entry, Ledger
 from proofs.printed import ROWS
-from symbolic.certified import Exact, significant
 
 LESSON = Path(__file__).parents[2] / "shared" / "lesson" / "claims.json"
 

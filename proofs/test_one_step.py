@@ -10,14 +10,14 @@ from typing import Any
 import pytest
 from sympy import QQ, ring
 
-from methods.catalogue import METHODS, method_named
-from numeric import readouts
-from numeric.steppers import HAND_WRITTEN
+from driftproof.methods.catalogue import METHODS, method_named
+from driftproof.numeric import readouts
+from driftproof.numeric.steppers import HAND_WRITTEN
+from driftproof.symbolic.derivation.one_step import STATE_H, STATE_Q, STATE_V, H, matrix, matrix_of, symbolic_step
+from driftproof.symbolic.trees.order import elementary_weight, failing_condition, order
+from driftproof.symbolic.trees.rooted import density, rooted_trees, vertices
 from proofs.claims import COUNTED, FUZZED, PROVED, claim
 from proofs.setting import EULER, FIRST_H, LESSON_METHODS, RK4, START, SYMPLECTIC, M, state_after, step_of
-from symbolic.one_step import STATE_H, STATE_Q, STATE_V, H, matrix, matrix_of, symbolic_step
-from symbolic.trees.order import elementary_weight, failing_condition, order
-from symbolic.trees.rooted import density, rooted_trees, vertices
 
 h, q, v = STATE_H, STATE_Q, STATE_V
 
@@ -122,7 +122,7 @@ def test_symplectic_euler_is_implicit_for_a_nonseparable_energy() -> None:
 @claim("L048", evidence=PROVED, by="series, first term")
 def test_symplectic_euler_has_order_one_and_not_two() -> None:
     """Symplectic Euler is of first order: its step leaves the exact flow at h², by ((-½, 0), (0, ½))h²."""
-    from symbolic.convergence import local_error
+    from driftproof.symbolic.derivation.convergence import local_error
 
     error = local_error(M(SYMPLECTIC))
     assert error.linear_order == 1
@@ -193,7 +193,7 @@ def test_steppers_need_only_the_standard_library() -> None:
     """The three updates run with nothing but the standard library."""
     program = (
         "import sys; sys.modules.update(numpy=None, sympy=None, flint=None)\n"
-        "from numeric.steppers import HAND_WRITTEN\n"
+        "from driftproof.numeric.steppers import HAND_WRITTEN\n"
         "for step in HAND_WRITTEN.values(): step(lambda q: -q, 1.0, 0.0, 0.5)\n"
         "print(len(HAND_WRITTEN))\n"
     )

@@ -8,13 +8,13 @@ from typing import Any
 import sympy
 from sympy import QQ, Rational, atan2, cos, pi, ring, sin, sqrt
 
-from numeric import readouts
+from driftproof.numeric import readouts
+from driftproof.symbolic.algebra.certified import fixed, is_less, sign
+from driftproof.symbolic.derivation.one_step import H
+from driftproof.symbolic.derivation.phase import leading_term, phase_error_series, phase_per_step
+from driftproof.symbolic.oscillator_run import OscillatorRun
 from proofs.claims import CERTIFIED, COUNTED, PROVED, RESTRICTED, claim
 from proofs.setting import DEFAULT_H, EULER, LESSON_METHODS, RK4, START, SYMPLECTIC, M, energy, run
-from symbolic.certified import fixed, is_less, sign
-from symbolic.one_step import H
-from symbolic.oscillator_run import OscillatorRun
-from symbolic.phase import leading_term, phase_error_series, phase_per_step
 
 _, q, v, x, y = ring("q, v, x, y", QQ)
 QUARTER = ((Q(1), Q(0)), (Q(0), Q(-1)))
@@ -183,7 +183,7 @@ def test_four_quantities_are_read_apart() -> None:
     assert len({r.energy_change for r in runs}) == 3
     assert len({fixed(r.phase_error, 9) for r in runs}) == 3  # type: ignore[arg-type]
     names = ("state_error", "energy_change", "phase_error", "evaluations")
-    from numeric.scenes import PRESETS
+    from driftproof.numeric.scenes import PRESETS
 
     assert set(names) <= set(PRESETS["default"].readouts)
 
@@ -202,6 +202,6 @@ def _ahead(state: tuple[int, int], exact: tuple[int, int]) -> sympy.Expr:
 
 
 def _method(key: str) -> Any:
-    from methods.catalogue import METHODS
+    from driftproof.methods.catalogue import METHODS
 
     return METHODS[key]

@@ -7,15 +7,22 @@ from fractions import Fraction as Q
 import sympy
 from sympy import QQ, Rational, ring, sqrt, symbols
 
-from numeric.scenes import LARGEST_LESSON_H
+from driftproof.numeric.scenes import LARGEST_LESSON_H
+from driftproof.symbolic.algebra.certified import is_less, sign
+from driftproof.symbolic.derivation.energy import energy_multiplier
+from driftproof.symbolic.derivation.one_step import RING, H, at_rational, expression, matrix
+from driftproof.symbolic.derivation.physical import one_step_with_frequency
+from driftproof.symbolic.derivation.signs import in_square, is_positive_between, roots_between
+from driftproof.symbolic.derivation.stability import (
+    LAMBDA,
+    AtStep,
+    characteristic_polynomial,
+    discriminant,
+    multipliers,
+    stability_limit,
+)
 from proofs.claims import CERTIFIED, PROVED, claim
 from proofs.setting import BOUNDARY_H, EULER, RK4, START, SYMPLECTIC, M, energy, state_after
-from symbolic.certified import is_less, sign
-from symbolic.energy import energy_multiplier
-from symbolic.one_step import RING, H, at_rational, expression, matrix
-from symbolic.physical import one_step_with_frequency
-from symbolic.signs import in_square, is_positive_between, roots_between
-from symbolic.stability import LAMBDA, AtStep, characteristic_polynomial, discriminant, multipliers, stability_limit
 
 h = expression(H)
 
@@ -169,7 +176,7 @@ def test_limits_belong_to_method_and_oscillator() -> None:
 
     So the limits become 2/ω and 2 sqrt 2/ω; and other methods have others, forward Euler none above 0.
     """
-    from methods.catalogue import METHODS
+    from driftproof.methods.catalogue import METHODS
 
     w, s = symbols("w h")
     for key in (EULER, SYMPLECTIC, RK4):

@@ -8,12 +8,12 @@ from fractions import Fraction as Q
 from itertools import pairwise
 from typing import Any
 
-from methods.number_field import Exact
-from methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
-from symbolic.facts import general_order
-from symbolic.linear.irreducible import reduced, stages_of
-from symbolic.linear.oscillator import one_step_matrix, stability_function_of
-from symbolic.linear.stability_function import stability_function
+from driftproof.methods.number_field import Exact
+from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
+from driftproof.symbolic.facts import general_order
+from driftproof.symbolic.linear.irreducible import reduced, stages_of
+from driftproof.symbolic.linear.oscillator import one_step_matrix, stability_function_of
+from driftproof.symbolic.linear.stability_function import stability_function
 
 # What holds the number, and where in it: ("a", i, j), ("b", i), ("kick", i).
 Place = tuple[str, int] | tuple[str, int, int]

@@ -5,9 +5,9 @@ from __future__ import annotations
 from fractions import Fraction as Q
 from typing import Any
 
-from methods.catalogue import METHODS
-from methods.schemes import Method, RungeKutta, Splitting
-from symbolic.one_step import RING, H, matrix, one_step_matrix, rational
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import Method, RungeKutta, Splitting
+from driftproof.symbolic.derivation.one_step import RING, H, matrix, one_step_matrix, rational
 
 NINE: dict[str, RungeKutta | Splitting] = {
     key: method

@@ -13,8 +13,8 @@ from hypothesis import Phase, find, given, settings
 from hypothesis.errors import NoSuchExample
 
 from driftproof import strategies
+from driftproof.methods.schemes import RungeKutta, Splitting
 from driftproof.strategies import STABILITY_LIMITS, step_by_ulps
-from methods.schemes import RungeKutta, Splitting
 
 TINY = sys.float_info.min
 REACHED: dict[str, tuple[Any, Callable[[Any], bool]]] = {

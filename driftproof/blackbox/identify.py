@@ -23,8 +23,8 @@ from driftproof.blackbox.questions import Introduction, coefficients, introducti
 from driftproof.blackbox.report import Json, Report, Section, sections
 from driftproof.blackbox.stepper.doors import DOORS
 from driftproof.blackbox.stepper.target import Target
-from methods.catalogue import METHODS
-from methods.schemes import Method
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import Method
 
 # Examples of the rounding errors of a method that was recognised: enough to see their size.
 EXAMPLES = 200

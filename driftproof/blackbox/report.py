@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from driftproof.text import as_json
+from driftproof.support.plain_text import as_json
 
 Json = Any
 

@@ -17,8 +17,8 @@ from driftproof.blackbox.matching.match import match_method
 from driftproof.blackbox.questions import coefficients
 from driftproof.blackbox.report import Json, Report, sections
 from driftproof.blackbox.stepper.target import Target
-from driftproof.facts import method_of
-from methods.schemes import Method
+from driftproof.methods.schemes import Method
+from driftproof.texts.writing.facts import method_of
 
 # Of a question that a stepper's door does not allow, nothing follows.
 NOT_ASKED = ("no_such_door", "not_readable")
@@ -108,7 +108,7 @@ def _check_order(method: Method, outcome: Outcome) -> Check:
 
 def _derived_order(method: Method) -> int:
     """Of a method for which nobody claims one."""
-    from symbolic.facts import general_order
+    from driftproof.symbolic.facts import general_order
 
     return general_order(method).order
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from driftproof.arguments import Commands, Refuted, positive_number
+from driftproof.commands.arguments import Commands, Refuted, positive_number
 
 EXAMPLES = """\
 examples:
@@ -77,11 +77,11 @@ def add(commands: Commands) -> None:
 
 def answer(options: argparse.Namespace) -> str:
     """The report in the format asked for, or drafted claims. Raises Refuted with the report where a claim fails."""
-    from driftproof.texts.claims import Claims, read_claims
-    from driftproof.texts.drafting import draft
-    from driftproof.texts.reading import read_file
-    from driftproof.texts.report import Report
-    from driftproof.texts.running import run_listings
+    from driftproof.texts.claims.claims import Claims, read_claims
+    from driftproof.texts.claims.drafting import draft
+    from driftproof.texts.claims.report import Report
+    from driftproof.texts.claims.running import run_listings
+    from driftproof.texts.readers.reading import read_file
 
     if options.init and (options.run or options.coverage or options.format != "text"):
         raise ValueError("--init drafts claims; --run, --coverage and --format need --claims")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from driftproof.arguments import Commands, Refuted
+from driftproof.commands.arguments import Commands, Refuted
 
 FORMATS = ("text", "json", "github")
 
@@ -38,8 +38,8 @@ def add(commands: Commands) -> None:
 
 def answer(options: argparse.Namespace) -> str:
     """The changes in the format asked for. Raises Refuted if a value changed."""
-    from driftproof.changes.comparing import VALUE, changes, read_document
-    from driftproof.changes.report import FORMATS as REPORTS
+    from driftproof.texts.values.changes import VALUE, changes, read_document
+    from driftproof.texts.values.changes_report import FORMATS as REPORTS
 
     found = changes(read_document(options.old), read_document(options.new))
     report = REPORTS[options.format](found, options.old, options.new)

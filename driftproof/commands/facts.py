@@ -7,12 +7,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from driftproof.arguments import Commands, counted, rational, several
+from driftproof.commands.arguments import Commands, counted, rational, several
 
 if TYPE_CHECKING:
-    from methods.families import Family
-    from methods.number_field import Exact
-    from methods.schemes import Method
+    from driftproof.methods.families import Family
+    from driftproof.methods.number_field import Exact
+    from driftproof.methods.schemes import Method
 
 # For most methods a second; those with irrational coefficients take minutes.
 MOST_TERMS = 1000
@@ -69,14 +69,14 @@ def add(commands: Commands) -> None:
 
 
 def _number(text: str) -> Exact:
-    from methods.expressions import parse_number
+    from driftproof.methods.expressions import parse_number
 
     value: Exact = _one_line(parse_number, text, "value")
     return value
 
 
 def _system(text: str) -> Any:
-    from methods.systems import parse_system
+    from driftproof.methods.systems import parse_system
 
     return _one_line(parse_system, text)
 
@@ -91,10 +91,10 @@ def _one_line(parse: Callable[..., Any], *arguments: str) -> Any:
 
 def answer(options: argparse.Namespace) -> str:
     """The facts in the format asked for."""
-    from driftproof.facts import facts_text, subject_of
-    from driftproof.tex import facts_tex
-    from driftproof.text import as_json
-    from methods.families import Family
+    from driftproof.methods.families import Family
+    from driftproof.support.plain_text import as_json
+    from driftproof.texts.writing.facts import facts_text, subject_of
+    from driftproof.texts.writing.tex import facts_tex
 
     subject = subject_of(options.method)
     if isinstance(subject, Family):
@@ -109,7 +109,7 @@ def answer(options: argparse.Namespace) -> str:
 
 def _of_family(family: Family, options: argparse.Namespace) -> dict[str, Any]:
     """The facts of the family, or of its member at --at. Raises ValueError for options that only a method has."""
-    from symbolic.family_facts import FAMILY_FACTS, family_facts
+    from driftproof.symbolic.family_facts import FAMILY_FACTS, family_facts
 
     if options.at is not None:
         return _of_method(family.member(options.at), options)
@@ -120,8 +120,8 @@ def _of_family(family: Family, options: argparse.Namespace) -> dict[str, Any]:
 
 def _of_method(method: Method, options: argparse.Namespace) -> dict[str, Any]:
     """The facts of the method, or of the method on a system; also its picture, if one is asked for."""
-    from symbolic.facts import FACTS, facts_of, order_within, system_facts
-    from symbolic.linear.systems import SYSTEM_FACTS
+    from driftproof.symbolic.facts import FACTS, facts_of, order_within, system_facts
+    from driftproof.symbolic.linear.systems import SYSTEM_FACTS
 
     if options.system and (options.order_tolerance is not None or options.plot):
         raise ValueError("--system is about one problem, --order-tolerance and --plot about the method; ask separately")
@@ -131,10 +131,10 @@ def _of_method(method: Method, options: argparse.Namespace) -> dict[str, Any]:
     if options.order_tolerance is not None:
         found["order_to_tolerance"] = order_within(method, options.order_tolerance)
     if options.plot:
-        from driftproof.extras import demand_pictures
+        from driftproof.support.extras import demand_pictures
 
         demand_pictures()
-        from driftproof.method_figures import draw_method
+        from driftproof.reports.method_figures import draw_method
 
         draw_method(options.picture, method, options.plot)
     return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from driftproof.arguments import Commands, positive_number
+from driftproof.commands.arguments import Commands, positive_number
 
 EXAMPLES = """\
 examples:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from driftproof.arguments import Commands
+from driftproof.commands.arguments import Commands
 
 
 def add(commands: Commands) -> None:
@@ -19,6 +19,6 @@ def add(commands: Commands) -> None:
 
 def answer(options: argparse.Namespace) -> str:
     """The catalogue as a table."""
-    from driftproof.text import methods_text
+    from driftproof.texts.writing.text import methods_text
 
     return methods_text()

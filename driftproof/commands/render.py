@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from driftproof.arguments import Commands, Refuted, add_output
-from driftproof.language.style import ROUNDINGS
+from driftproof.commands.arguments import Commands, Refuted, add_output
+from driftproof.texts.questions.style import ROUNDINGS
 
 SUFFIX = ".j2"
 
@@ -49,8 +49,8 @@ def add(commands: Commands) -> None:
 
 def answer(options: argparse.Namespace) -> str:
     """One line for each output, or, with --check, the differences. Raises Refuted if there are any."""
-    from driftproof.files import whole
-    from driftproof.templates.rendering import difference, render
+    from driftproof.support.files import whole
+    from driftproof.texts.templates.rendering import difference, render
 
     outputs = _outputs(options.templates, options.output)
     rendered = {out: render(template, out, options.style, options.rounding) for out, template in outputs.items()}
@@ -67,7 +67,7 @@ def answer(options: argparse.Namespace) -> str:
 
 def _outputs(templates: list[Path], output: Path | None) -> dict[Path, Path]:
     """Output -> template. Raises ValueError where two have one output, or a template would be overwritten."""
-    from driftproof.templates.kinds import kind_of
+    from driftproof.texts.templates.kinds import kind_of
 
     if output is not None and len(templates) > 1:
         raise ValueError("--output names one file, and there are several templates; render them one by one")

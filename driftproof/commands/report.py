@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from driftproof.arguments import Commands, add_output, digits, progress
+from driftproof.commands.arguments import Commands, add_output, digits, progress
 
 EXAMPLES = """\
 examples:
@@ -42,9 +42,9 @@ def add(commands: Commands) -> None:
 
 def answer(options: argparse.Namespace) -> str:
     """Where the page was written."""
-    from driftproof.files import demand_file, whole
-    from driftproof.page.document import document
-    from numeric.scenes import PRESETS, scene_named
+    from driftproof.numeric.scenes import PRESETS, scene_named
+    from driftproof.reports.page.document import document
+    from driftproof.support.files import demand_file, whole
 
     demand_file(options.output)
     scenes = [scene_named(name) for name in options.scenes or PRESETS]

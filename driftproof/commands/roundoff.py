@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 
-from driftproof.arguments import Commands, add_format, add_method, add_sizes
+from driftproof.commands.arguments import Commands, add_format, add_method, add_sizes
 
 
 def add(commands: Commands) -> None:
     """Describe the command."""
-    from symbolic.rounding.formats import FORMATS
+    from driftproof.symbolic.rounding.formats import FORMATS
 
     parser = commands.add_parser(
         "roundoff",
@@ -36,9 +36,9 @@ def add(commands: Commands) -> None:
 
 def answer(options: argparse.Namespace) -> str:
     """The bound as formulas, and its values at each h."""
-    from driftproof.rounding import roundoff_answer, roundoff_text
-    from driftproof.text import as_json
-    from symbolic.rounding.formats import FORMATS
+    from driftproof.reports.rounding import roundoff_answer, roundoff_text
+    from driftproof.support.plain_text import as_json
+    from driftproof.symbolic.rounding.formats import FORMATS
 
     result = roundoff_answer(options.method, options.h, FORMATS[options.float])
     return as_json(result) if options.format == "json" else roundoff_text(result)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from driftproof.arguments import Commands, add_question, progress, rational
+from driftproof.commands.arguments import Commands, add_question, progress, rational
 
 
 def add(commands: Commands) -> None:
@@ -33,14 +33,15 @@ def add(commands: Commands) -> None:
 
 def answer(options: argparse.Namespace) -> str:
     """The certified run, and with --budget the error of the binary64 run beside it."""
-    from driftproof.answers import run_answer
-    from driftproof.text import answer_text, as_json
+    from driftproof.support.plain_text import as_json
+    from driftproof.texts.writing.answers import run_answer
+    from driftproof.texts.writing.text import answer_text
 
     question = (options.method, options.h, options.t, options.state, options.digits)
     result = run_answer(*question, options.rounding)
     if not options.budget:
         return as_json(result) if options.format == "json" else answer_text(result)
-    from driftproof.rounding import budget_answer, budget_text
+    from driftproof.reports.rounding import budget_answer, budget_text
 
     budget = budget_answer(*question, options.rounding, progress)
     if options.format == "json":

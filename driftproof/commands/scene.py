@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from driftproof.arguments import Commands, add_format, digits, progress
+from driftproof.commands.arguments import Commands, add_format, digits, progress
 
 EXAMPLES = """\
 examples:
@@ -43,11 +43,11 @@ def add(commands: Commands) -> None:
 
 def answer(options: argparse.Namespace) -> str:
     """The scene's readouts and table, and where its figures were written."""
-    from driftproof.extras import demand_pictures
-    from driftproof.files import demand_folder
-    from driftproof.scene_view import draw_scene, scene_json, scene_text, show_scene
-    from driftproof.text import as_json
-    from numeric.scenes import FIGURES, scene_named
+    from driftproof.numeric.scenes import FIGURES, scene_named
+    from driftproof.reports.scene_view import draw_scene, scene_json, scene_text, show_scene
+    from driftproof.support.extras import demand_pictures
+    from driftproof.support.files import demand_folder
+    from driftproof.support.plain_text import as_json
 
     scene = scene_named(options.name)
     if options.figures:

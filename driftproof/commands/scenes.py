@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from driftproof.arguments import Commands
+from driftproof.commands.arguments import Commands
 
 
 def add(commands: Commands) -> None:
@@ -19,7 +19,7 @@ def add(commands: Commands) -> None:
 
 def answer(options: argparse.Namespace) -> str:
     """The presets as a table."""
-    from driftproof.text import scenes_text
-    from numeric.scenes import PRESETS
+    from driftproof.numeric.scenes import PRESETS
+    from driftproof.texts.writing.text import scenes_text
 
     return scenes_text(list(PRESETS.values()))

@@ -6,7 +6,7 @@ import argparse
 import sys
 from collections.abc import Iterable, Sequence
 
-from driftproof.arguments import Commands, add_format, add_methods, add_sizes
+from driftproof.commands.arguments import Commands, add_format, add_methods, add_sizes
 
 # One of each behaviour, and the lesson's three among them.
 DEFAULT = ("forward_euler", "rk4", "symplectic_euler", "backward_euler", "implicit_midpoint", "radau_iia2")
@@ -40,9 +40,9 @@ def add(commands: Commands) -> None:
 
 def answer(options: argparse.Namespace) -> str:
     """The tables for one problem, or the list of problems."""
-    from driftproof.stability import problems_json, problems_text, stability_answer, stability_text
-    from driftproof.text import as_json
-    from numeric.problems.catalogue import PROBLEMS, problem_named
+    from driftproof.numeric.problems.catalogue import PROBLEMS, problem_named
+    from driftproof.reports.stability import problems_json, problems_text, stability_answer, stability_text
+    from driftproof.support.plain_text import as_json
 
     if options.problem is None:
         listed = problems_json(PROBLEMS.values())

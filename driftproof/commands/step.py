@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from driftproof.arguments import Commands, add_question
+from driftproof.commands.arguments import Commands, add_question
 
 
 def add(commands: Commands) -> None:
@@ -25,8 +25,9 @@ def add(commands: Commands) -> None:
 
 def answer(options: argparse.Namespace) -> str:
     """The state after the step and its energy."""
-    from driftproof.answers import step_answer
-    from driftproof.text import answer_text, as_json
+    from driftproof.support.plain_text import as_json
+    from driftproof.texts.writing.answers import step_answer
+    from driftproof.texts.writing.text import answer_text
 
     result = step_answer(options.method, options.h, options.state, options.digits, options.rounding)
     return as_json(result) if options.format == "json" else answer_text(result)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
 
-from driftproof.arguments import (
+from driftproof.commands.arguments import (
     Commands,
     add_format,
     add_methods,
@@ -56,9 +56,9 @@ def add(commands: Commands) -> None:
 
 def answer(options: argparse.Namespace) -> str:
     """The readouts of every point, as a table or as JSON."""
-    from driftproof.sweeps import answers, sweep_json, sweep_text
-    from driftproof.text import as_json
-    from numeric.scenes import scene_named
+    from driftproof.numeric.scenes import scene_named
+    from driftproof.reports.sweeps import answers, sweep_json, sweep_text
+    from driftproof.support.plain_text import as_json
 
     scene = scene_named(options.scene)
     axes = {"selected": options.methods, "start": options.state, "t": options.t, "h": options.h}
@@ -71,12 +71,12 @@ def answer(options: argparse.Namespace) -> str:
 @contextmanager
 def _executor(options: argparse.Namespace) -> Iterator[Executor | None]:
     if options.cluster:
-        from driftproof.cluster import cluster_executor
+        from driftproof.reports.cluster import cluster_executor
 
         with cluster_executor(options.cluster) as executor:
             yield executor
     elif options.workers:
-        from numeric.sweep import processes
+        from driftproof.numeric.sweep import processes
 
         with processes(options.workers) as executor:
             yield executor

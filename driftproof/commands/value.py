@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from driftproof.arguments import MOST_DIGITS, Commands, counted, digits
+from driftproof.commands.arguments import MOST_DIGITS, Commands, counted, digits
 
 EXAMPLES = """\
 what can be asked, with [optional parts] and any of a|b:
@@ -33,7 +33,7 @@ becomes; tofixed does what JavaScript's toFixed does, away is for bounds. docs/l
 
 def add(commands: Commands) -> None:
     """Describe the command."""
-    from driftproof.language.style import ROUNDINGS
+    from driftproof.texts.questions.style import ROUNDINGS
 
     parser = commands.add_parser(
         "value",
@@ -56,10 +56,10 @@ def answer(options: argparse.Namespace) -> str:
     """The answer in the format and the style asked for. Raises QuestionError."""
     from dataclasses import replace
 
-    from driftproof.language import ask, limits
-    from driftproof.language.rendered import Wish, rendered
-    from driftproof.language.style import PLAIN, PRINTED
-    from driftproof.language.vocabulary import vocabulary
+    from driftproof.texts.questions import ask, limits
+    from driftproof.texts.questions.rendered import Wish, rendered
+    from driftproof.texts.questions.style import PLAIN, PRINTED
+    from driftproof.texts.questions.vocabulary import vocabulary
 
     if options.list:
         return vocabulary()

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 
-from driftproof.arguments import Commands
+from driftproof.commands.arguments import Commands
 
 
 def add(commands: Commands) -> None:
     """Describe the command."""
-    from driftproof.values import FORMATS
+    from driftproof.texts.values.published import FORMATS
 
     parser = commands.add_parser(
         "values",
@@ -31,6 +31,6 @@ def add(commands: Commands) -> None:
 
 def answer(options: argparse.Namespace) -> str:
     """The published values in the format asked for."""
-    from driftproof.values import published_values, render_values
+    from driftproof.texts.values.published import published_values, render_values
 
     return render_values(published_values(options.only), options.format)

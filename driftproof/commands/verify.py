@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from driftproof.arguments import Commands, Refuted, counted, positive_number, rational
+from driftproof.commands.arguments import Commands, Refuted, counted, positive_number, rational
 from driftproof.commands.identify import add_target
 
 MOST_EXAMPLES = 10**6

@@ -9,10 +9,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from driftproof.arguments import Commands, add_format, add_methods, add_output, positive_number, several
+from driftproof.commands.arguments import Commands, add_format, add_methods, add_output, positive_number, several
 
 if TYPE_CHECKING:
-    from driftproof.work_precision.study import Measured, Steps, Study
+    from driftproof.reports.work_precision.study import Measured, Steps, Study
 
 # The lesson's three, and one of each kind beside them.
 DEFAULT = (
@@ -76,13 +76,13 @@ def add(commands: Commands) -> None:
 
 def answer(options: argparse.Namespace) -> str:
     """The tables, and where files were written."""
-    from driftproof.facts import method_of
-    from driftproof.files import demand_folder
-    from driftproof.text import as_json
-    from driftproof.work_precision.peers import peers_named
-    from driftproof.work_precision.report import errors_json, text, times_json
-    from driftproof.work_precision.study import Study, measure
-    from numeric.problems.catalogue import problem_named
+    from driftproof.numeric.problems.catalogue import problem_named
+    from driftproof.reports.work_precision.peers import peers_named
+    from driftproof.reports.work_precision.report import errors_json, text, times_json
+    from driftproof.reports.work_precision.study import Study, measure
+    from driftproof.support.files import demand_folder
+    from driftproof.support.plain_text import as_json
+    from driftproof.texts.writing.facts import method_of
 
     methods = [method_of(name) for name in options.methods or DEFAULT]
     study = Study(problem_named(options.problem), methods, peers_named(options.peers), options.time_limit)
@@ -98,14 +98,14 @@ def answer(options: argparse.Namespace) -> str:
 
 def _write(study: Study, measured: Measured, folder: Path) -> list[str]:
     """A line for each file; the figures are left out, with the reason, where nothing can be drawn."""
-    from driftproof.extras import how_to_install, installed
-    from driftproof.work_precision.report import write
-    from numeric.work_precision.exact import floors
+    from driftproof.numeric.work_precision.exact import floors
+    from driftproof.reports.work_precision.report import write
+    from driftproof.support.extras import how_to_install, installed
 
     lines = [f"wrote {path}" for path in write(study, measured, folder)]
     if not installed("matplotlib"):
         return [*lines, f"no figures: matplotlib is not installed; {how_to_install('report')}"]
-    from driftproof.work_precision.figure import draw
+    from driftproof.reports.work_precision.figure import draw
 
     return [*lines, *(f"wrote {draw(study, measured, quantity, folder)}" for quantity in floors(study.problem))]
 
@@ -122,7 +122,7 @@ def _progress() -> Iterator[Steps | None]:
         return
     from tqdm import tqdm
 
-    from driftproof.work_precision.study import Steps
+    from driftproof.reports.work_precision.study import Steps
 
     with tqdm(total=0, unit="point", leave=False) as bar:
 

@@ -1,1 +1,1 @@
-"""Texts that nobody templated: their numbers, with places, held to claims about what each of them is."""
+"""Numbers in texts: asked for, written, published, and held to claims."""

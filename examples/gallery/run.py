@@ -28,7 +28,8 @@ told. The true order is that of the coefficients where they can be read (any pro
 measured on the pendulum, else on linear problems. The worst error of 200 steps is over the sum of |monomials|, in
 units of the unit roundoff u; beyond the bound means that the code does more than round the method's sums and
 products, and the row says what: by its source, or as found from outside. The contract is what else nobody
-expects. What each target is by its source, and which claims are not so, stands in `tests/gallery_expected.py`."""
+expects. What each target is by its source, and which claims are not so, stands in
+`tests/outputs/gallery_expected.py`."""
 # Seconds for each question to a stepper; compiled code takes most of them to compile.
 TIME_LIMIT = 60.0
 # The clauses of the contract that, broken, take a step beyond the bound, the plainest first.

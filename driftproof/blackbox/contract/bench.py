@@ -14,7 +14,7 @@ from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, St
 from driftproof.blackbox.stepper.dialects import ARRAYS, LISTS, SCALARS
 from driftproof.blackbox.stepper.doors import FIELD, FORCE, FUNCTION, POSITION, STATE, STEP, TIME, VELOCITY
 from driftproof.blackbox.stepper.subject import Subject
-from symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
+from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 
 State = tuple[float, float]
 

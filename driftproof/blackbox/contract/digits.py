@@ -10,7 +10,7 @@ from driftproof.blackbox.contract.clauses import Clause
 from driftproof.blackbox.contract.grain import grain_of, narrow_format
 from driftproof.blackbox.stepper.dialects import ARRAYS, LISTS, SCALARS
 from driftproof.blackbox.stepper.subject import Subject
-from symbolic.rounding.formats import BINARY64
+from driftproof.symbolic.rounding.formats import BINARY64
 
 _KEY = "full_precision"
 # What is not even right to so much is no matter of rounding; what is alike at two sizes differs by this factor at most.

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from symbolic.rounding.formats import BINARY16, BINARY32, FloatFormat
+from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, FloatFormat
 
 # The last decimal that is looked for; numbers of size 1000 have no more after the point.
 _DECIMALS = 12

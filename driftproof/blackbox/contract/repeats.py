@@ -13,7 +13,7 @@ from driftproof.blackbox.contract.bench import ANOTHER, IRREGULAR_STEP, ORDINARY
 from driftproof.blackbox.contract.clauses import Clause
 from driftproof.blackbox.probes.coefficients import half_spacing
 from driftproof.blackbox.stepper.subject import Subject
-from symbolic.rounding.formats import FloatFormat
+from driftproof.symbolic.rounding.formats import FloatFormat
 
 _REPETITIONS = 8
 # So many and fewer are those of sums taken in another order.

@@ -11,7 +11,7 @@ from driftproof.blackbox.contract.rays import LINEAR, Ray, apart, departing
 from driftproof.blackbox.contract.still import NAMES
 from driftproof.blackbox.contract.thresholds import edge
 from driftproof.blackbox.stepper.subject import Subject
-from symbolic.rounding.formats import power_of_two
+from driftproof.symbolic.rounding.formats import power_of_two
 
 _REST, _DIGITS, _SUBNORMALS = "rest", "small_digits", "subnormals"
 # So many roundings of sums with a number of ordinary size, or units of the smallest number, are no rule.

@@ -10,7 +10,7 @@ from math import copysign, inf
 from driftproof.blackbox.contract.bench import Bench, State
 from driftproof.blackbox.contract.clauses import Trial
 from driftproof.blackbox.contract.thresholds import Pair, edge
-from symbolic.rounding.formats import power_of_two
+from driftproof.symbolic.rounding.formats import power_of_two
 
 NAMES = ("q", "v")
 # Few bits, so that a rule which rounds spares them; then states with all their bits.

@@ -9,7 +9,7 @@ from math import copysign, pi, sqrt
 import numpy as np
 
 from driftproof.blackbox.contract.bench import Bench
-from symbolic.rounding.formats import BINARY16, BINARY32
+from driftproof.symbolic.rounding.formats import BINARY16, BINARY32
 
 # The multiples of pi that have a name: these over 1, 2, 3, 4, 6.
 Pair = tuple[float, float]

@@ -13,12 +13,12 @@ from driftproof.blackbox.contract.bench import call_text
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.judging.tolerance import Allowance, Judgement, Tolerance
 from driftproof.blackbox.stepper.subject import Subject
-from symbolic.certified import significant
+from driftproof.symbolic.algebra.certified import significant
 
 if TYPE_CHECKING:
     from hypothesis.strategies import SearchStrategy
 
-    from methods.schemes import Method
+    from driftproof.methods.schemes import Method
 
 COMPONENTS = ("q", "v")
 WIDTHS: dict[str, Literal[16, 32, 64]] = {"binary16": 16, "binary32": 32, "binary64": 64}

@@ -12,12 +12,12 @@ from typing import Any, TypeAlias
 from flint import arb, arb_series, ctx
 
 from driftproof.blackbox.linear.sizes import COEFFICIENT_ROUNDINGS, Sized, exponential
-from methods.number_field import Exact
-from symbolic.certified import enclose
-from symbolic.linear.polynomials import ONE, X, polynomial
-from symbolic.linear.rational_functions import RationalFunction, fraction
-from symbolic.n_steps import Entries
-from symbolic.rounding.formats import BINARY64
+from driftproof.methods.number_field import Exact
+from driftproof.symbolic.algebra.certified import enclose
+from driftproof.symbolic.algebra.polynomials import ONE, X, polynomial
+from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
+from driftproof.symbolic.n_steps import Entries
+from driftproof.symbolic.rounding.formats import BINARY64
 
 # A number of one of the arithmetics below.
 Number: TypeAlias = Any

@@ -21,16 +21,16 @@ from numpy.typing import NDArray
 
 from driftproof.blackbox.linear.arithmetics import FLOATS, SERIES, Arithmetic, Number, horner, inverse, printed
 from driftproof.blackbox.linear.sizes import COEFFICIENT_ROUNDINGS, FORCE_ROUNDINGS, Sized, SizePolynomial, matrix_sizes
-from methods.catalogue import METHODS
-from methods.number_field import Exact
-from methods.schemes import Method, Splitting
-from methods.stepping import stepper
-from symbolic.linear.matrices import StepMatrix
-from symbolic.linear.oscillator import one_step_matrix, stability_function_of
-from symbolic.linear.polynomials import coefficients, exact, in_square, odd_part
-from symbolic.linear.rational_functions import RationalFunction
-from symbolic.linear.series import expand
-from symbolic.n_steps import Entries, multiply
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.number_field import Exact
+from driftproof.methods.schemes import Method, Splitting
+from driftproof.methods.stepping import stepper
+from driftproof.symbolic.algebra.matrices import StepMatrix
+from driftproof.symbolic.algebra.polynomials import coefficients, exact, in_square, odd_part
+from driftproof.symbolic.algebra.rational_functions import RationalFunction
+from driftproof.symbolic.algebra.series import expand
+from driftproof.symbolic.linear.oscillator import one_step_matrix, stability_function_of
+from driftproof.symbolic.n_steps import Entries, multiply
 
 # 16^128/128! < 2^-200.
 LONGEST_SERIES = 128

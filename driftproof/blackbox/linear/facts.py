@@ -13,15 +13,15 @@ from driftproof.blackbox.linear.arithmetics import FUNCTIONS, SERIES, SERIES_LEN
 from driftproof.blackbox.linear.classes import MethodClass, Rates
 from driftproof.blackbox.linear.parts import Model
 from driftproof.blackbox.linear.recovery import Recovered
-from methods.number_field import Exact
-from symbolic.certified import enclose
-from symbolic.linear.matrices import StepMatrix
-from symbolic.linear.oscillator import determinant
-from symbolic.linear.polynomials import ONE, Polynomial, coefficients, exact, polynomial
-from symbolic.linear.rational_functions import RationalFunction, fraction
-from symbolic.linear.series import expand
-from symbolic.linear.text import rational_text as function_text
-from symbolic.n_steps import Entries
+from driftproof.methods.number_field import Exact
+from driftproof.symbolic.algebra.certified import enclose
+from driftproof.symbolic.algebra.matrices import StepMatrix
+from driftproof.symbolic.algebra.polynomials import ONE, Polynomial, coefficients, exact, polynomial
+from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
+from driftproof.symbolic.algebra.series import expand
+from driftproof.symbolic.algebra.text import rational_text as function_text
+from driftproof.symbolic.linear.oscillator import determinant
+from driftproof.symbolic.n_steps import Entries
 
 # An exchange of the entries of a matrix.
 Undo: TypeAlias = Callable[[Any], Entries]

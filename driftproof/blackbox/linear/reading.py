@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.stepper.subject import Subject
-from symbolic.rounding.formats import BINARY16, BINARY32, FloatFormat
+from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, FloatFormat
 
 # M_qq, M_qv, M_vq, M_vv as floats.
 Floats: TypeAlias = tuple[float, float, float, float]

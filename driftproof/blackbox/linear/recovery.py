@@ -17,8 +17,8 @@ from flint import fmpq, fmpq_mat
 from driftproof.blackbox.linear.arithmetics import horner
 from driftproof.blackbox.linear.reading import Reading
 from driftproof.blackbox.probes.simple_rationals import simple_rational
-from symbolic.linear.polynomials import polynomial
-from symbolic.linear.rational_functions import RationalFunction, fraction
+from driftproof.symbolic.algebra.polynomials import polynomial
+from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 
 # About twice what a power of h costs: a coefficient worked out, a force, a product or two, a sum or two.
 ROUNDINGS = 18

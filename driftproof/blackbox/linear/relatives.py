@@ -23,7 +23,7 @@ from driftproof.blackbox.linear.parts import (
     Part,
     Whole,
 )
-from methods.schemes import Splitting
+from driftproof.methods.schemes import Splitting
 
 # What people call the methods whose keys leave open which of two things comes first.
 NAMES = {

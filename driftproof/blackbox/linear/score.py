@@ -15,7 +15,7 @@ from driftproof.blackbox.linear.arithmetics import BALLS, SIZES, precise
 from driftproof.blackbox.linear.classes import Rates
 from driftproof.blackbox.linear.reading import Floats, Reading
 from driftproof.blackbox.linear.search import Fit
-from symbolic.rounding.formats import BINARY32, FloatFormat
+from driftproof.symbolic.rounding.formats import BINARY32, FloatFormat
 
 FORWARDS = "but only at h > 0"
 

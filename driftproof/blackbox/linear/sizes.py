@@ -18,9 +18,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from methods.schemes import Method
-from methods.stepping import stepper
-from symbolic.rounding.formats import FloatFormat
+from driftproof.methods.schemes import Method
+from driftproof.methods.stepping import stepper
+from driftproof.symbolic.rounding.formats import FloatFormat
 
 Coefficients: TypeAlias = NDArray[np.float64]
 

@@ -28,9 +28,9 @@ from driftproof.blackbox.matching.tables import (
     tableau_scaled,
     timed_stages,
 )
-from methods.catalogue import METHODS
-from methods.schemes import Method, MethodError, Nystrom, RungeKutta, Splitting
-from symbolic.linear.irreducible import Stages, reduced
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import Method, MethodError, Nystrom, RungeKutta, Splitting
+from driftproof.symbolic.linear.irreducible import Stages, reduced
 
 # A table through a door, without a drift through the field door: over the numbers that it is asked for.
 Recipe: TypeAlias = Callable[[Lift], tuple[Stages, Any]]

@@ -15,7 +15,7 @@ from driftproof.blackbox.matching.sketching import Array
 from driftproof.blackbox.matching.tables import Sized
 from driftproof.blackbox.probes.coefficients import is_nearest
 from driftproof.blackbox.probes.probing import Rounding
-from methods.number_field import Exact
+from driftproof.methods.number_field import Exact
 
 
 class Place(NamedTuple):

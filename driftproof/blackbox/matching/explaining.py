@@ -13,10 +13,10 @@ from driftproof.blackbox.matching.sketching import Array
 from driftproof.blackbox.probes.coefficients import difference
 from driftproof.blackbox.probes.force_probe import ForceReading, Parts
 from driftproof.blackbox.probes.probing import Rounding
-from methods.catalogue import METHODS
-from methods.schemes import RungeKutta, Splitting
-from symbolic.linear.irreducible import Stages, reduced
-from symbolic.linear.structure import reduced_word
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import RungeKutta, Splitting
+from driftproof.symbolic.linear.irreducible import Stages, reduced
+from driftproof.symbolic.linear.structure import reduced_word
 
 
 @dataclass(frozen=True)

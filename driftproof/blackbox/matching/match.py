@@ -27,8 +27,8 @@ from driftproof.blackbox.probes.force_probe import ForceReading
 from driftproof.blackbox.probes.probing import Rounding, Row
 from driftproof.blackbox.probes.simple_rationals import simple_rational
 from driftproof.blackbox.probes.tableau_probe import TableauReading
-from methods.schemes import Method, RungeKutta
-from symbolic.linear.irreducible import Stages, reduced
+from driftproof.methods.schemes import Method, RungeKutta
+from driftproof.symbolic.linear.irreducible import Stages, reduced
 
 # A coefficient that is a quotient or a root, computed where it is used, is off by so many roundings at most.
 FEW_ROUNDINGS = 4

@@ -13,9 +13,16 @@ from driftproof.blackbox.probes.force_probe import ForceReading
 from driftproof.blackbox.probes.probing import Rounding, Row
 from driftproof.blackbox.probes.simple_rationals import simple_rational
 from driftproof.blackbox.probes.tableau_probe import TableauReading
-from symbolic.trees.balls import Ball, BallNystrom, BallTableau, ProvableFailure, ball_order, linear_ball_order
-from symbolic.trees.balls import Row as BallRow
-from symbolic.trees.rooted import AnyTree, written
+from driftproof.symbolic.trees.balls import (
+    Ball,
+    BallNystrom,
+    BallTableau,
+    ProvableFailure,
+    ball_order,
+    linear_ball_order,
+)
+from driftproof.symbolic.trees.balls import Row as BallRow
+from driftproof.symbolic.trees.rooted import AnyTree, written
 
 Reading: TypeAlias = TableauReading | ForceReading
 

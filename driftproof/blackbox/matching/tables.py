@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-from methods.number_field import Exact
-from methods.schemes import Nystrom, RungeKutta
-from symbolic.linear.irreducible import Stages
+from driftproof.methods.number_field import Exact
+from driftproof.methods.schemes import Nystrom, RungeKutta
+from driftproof.symbolic.linear.irreducible import Stages
 
 Number: TypeAlias = Any
 Row: TypeAlias = Sequence[Number]

@@ -5,9 +5,9 @@ from __future__ import annotations
 from fractions import Fraction
 
 from driftproof.blackbox.probes.simple_rationals import simple_rational
-from methods.number_field import Exact
-from symbolic.certified import settle
-from symbolic.rounding.formats import FloatFormat, exponent, power_of_two
+from driftproof.methods.number_field import Exact
+from driftproof.symbolic.algebra.certified import settle
+from driftproof.symbolic.rounding.formats import FloatFormat, exponent, power_of_two
 
 # An exact number longer than this is shown as a decimal.
 LONGEST_SHOWN = 24

@@ -29,10 +29,10 @@ from driftproof.blackbox.probes.probing import (
     varied,
 )
 from driftproof.blackbox.stepper.subject import Subject
-from symbolic.linear.irreducible import Stages, reduced
-from symbolic.rounding.formats import FloatFormat
+from driftproof.symbolic.linear.irreducible import Stages, reduced
+from driftproof.symbolic.rounding.formats import FloatFormat
 
-# Kicks and drifts in the order in which they are made, as in `methods.schemes.Splitting`.
+# Kicks and drifts in the order in which they are made, as in `driftproof.methods.schemes.Splitting`.
 Parts: TypeAlias = tuple[tuple[str, float], ...]
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from driftproof.blackbox.findings import Misbehaviour
-from symbolic.rounding.formats import FloatFormat
+from driftproof.symbolic.rounding.formats import FloatFormat
 
 Row: TypeAlias = tuple[float, ...]
 Result = TypeVar("Result")

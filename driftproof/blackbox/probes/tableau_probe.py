@@ -30,8 +30,8 @@ from driftproof.blackbox.probes.probing import (
     varied,
 )
 from driftproof.blackbox.stepper.subject import Subject
-from symbolic.linear.irreducible import Stages
-from symbolic.rounding.formats import FloatFormat
+from driftproof.symbolic.linear.irreducible import Stages
+from driftproof.symbolic.rounding.formats import FloatFormat
 
 
 @dataclass(frozen=True)

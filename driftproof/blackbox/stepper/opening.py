@@ -9,7 +9,7 @@ from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.stepper.dialects import ARRAYS, LISTS, SCALARS, Dialect, dialect_of, dialect_of_scalars
 from driftproof.blackbox.stepper.doors import FIELD, MAP, STATE, Door, door_of
 from driftproof.blackbox.stepper.subject import Subject, Watch
-from symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
+from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 
 # Where a stepper is tried out: nothing cancels, and every term of a step is of ordinary size.
 TRIAL_STATE, TRIAL_STEP = (1.0, 0.75), 0.25

@@ -10,8 +10,8 @@ from typing import Any, TypeAlias
 from driftproof.blackbox.findings import Misbehaviour, NoSuchDoor, NotANumber, NotFinite, StepRaised, WrongShape
 from driftproof.blackbox.stepper.dialects import ARRAYS, SCALARS, Dialect, Foreign, Number, as_array, type_of
 from driftproof.blackbox.stepper.doors import FIELD, FORCE, FUNCTION, MAP, POSITION, STATE, STEP, TIME, VELOCITY, Door
-from methods.problems import oscillator
-from symbolic.rounding.formats import BINARY64, FloatFormat
+from driftproof.methods.problems import oscillator
+from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 
 # A force, or a right-hand side of t and y, of ours: on numbers of the dialect.
 Force: TypeAlias = Callable[[Number], Number]

@@ -1,0 +1,1 @@
+"""What the integrators are: exact data, one program text each, one parser of exact numbers."""

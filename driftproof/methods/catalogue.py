@@ -1,0 +1,58 @@
+"""The methods by key. To add one, add an entry to the table of its family in `methods/tables`, and nothing else."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping
+from importlib import import_module
+
+from driftproof.methods.schemes import Method
+from driftproof.support.naming import did_you_mean
+
+# The tables of `driftproof.methods.tables`, in the order in which the methods are listed.
+TABLES = (
+    *("basic", "explicit", "stabilised", "embedded", "high_order_pairs", "decimal_pairs", "implicit"),
+    *("diagonally_implicit", "collocation", "splittings", "decimal_splittings", "nystrom"),
+)
+
+
+class Catalogue(Mapping[str, Method]):
+    """The methods of the tables by key. Tables are read one after the other, no further than to the key asked for."""
+
+    def __init__(self, tables: Iterable[str] = TABLES) -> None:
+        """Nothing is read yet."""
+        self._unread = deque(tables)
+        self._methods: dict[str, Method] = {}
+
+    def __getitem__(self, key: str) -> Method:
+        """The method. Raises KeyError."""
+        while key not in self._methods and self._unread:
+            self._read_next()
+        return self._methods[key]
+
+    def __iter__(self) -> Iterator[str]:
+        """The keys, in the order of the tables."""
+        while self._unread:
+            self._read_next()
+        return iter(self._methods)
+
+    def __len__(self) -> int:
+        """How many methods there are."""
+        return sum(1 for _ in self)
+
+    def _read_next(self) -> None:
+        for method in import_module(f"driftproof.methods.tables.{self._unread[0]}").ENTRIES:
+            if method.key in self._methods:
+                raise ValueError(f"driftproof/methods/tables: two entries share the key {method.key}")
+            self._methods[method.key] = method
+        self._unread.popleft()
+
+
+METHODS = Catalogue()
+
+
+def method_named(key: str) -> Method:
+    """The catalogue entry `key`. Raises ValueError naming the closest keys if there is none."""
+    if key in METHODS:
+        return METHODS[key]
+    raise ValueError(f"unknown method {key[:60]!r}{did_you_mean(key, METHODS)} (`driftproof methods` lists all)")

@@ -1,0 +1,199 @@
+"""Systems y' = f(t, y) given as text, and the step of an explicit method for one: straight-line Python."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from driftproof.methods.number_field import Exact
+from driftproof.methods.program_text import ProgramText, indented, looping_maker_text, maker_text, used_stages
+from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
+from driftproof.methods.second_order import SecondOrder
+
+# What a rate may call; numbers of every kind that a run is made of have these.
+FUNCTIONS = ("sin", "cos", "exp", "log", "sqrt")
+_ALLOWED = (ast.Expression, ast.BinOp, ast.UnaryOp, ast.Name, ast.Load, ast.USub, ast.Add, ast.Sub, ast.Mult, ast.Div)
+
+
+@dataclass(frozen=True)
+class Field:
+    """y' = f(t, y): one expression a component in t, y0, y1, ..., named parameters, whole numbers and `FUNCTIONS`.
+
+    E.g. Field(("y1", "mu * (1 - y0 * y0) * y1 - y0"), (("mu", Fraction(5)),)), van der Pol's oscillator. Of our own
+    writing, and read before it is run. Parameters are exact. There is no power: a compiler and Python form it
+    differently; write products. Raises MethodError for anything else in a rate.
+    """
+
+    rates: tuple[str, ...]
+    parameters: tuple[tuple[str, Exact], ...] = ()
+
+    def __post_init__(self) -> None:
+        """Refuse an empty system, and a rate that holds what the text of a step may not."""
+        if not self.rates:
+            raise MethodError("a field has at least one rate")
+        known = {"t", *self.components, *(name for name, _ in self.parameters)}
+        for i, rate in enumerate(self.rates):
+            for found in _out_of_place(_parsed(rate, i), known):
+                raise MethodError(f"rate {i}, {rate!r}: {found} has no place; write + - * / with {', '.join(known)}")
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """y0, y1, ..."""
+        return tuple(f"y{i}" for i in range(len(self.rates)))
+
+    @property
+    def autonomous(self) -> bool:
+        """True when no rate reads t."""
+        return all("t" not in _names(_parsed(rate, i)) for i, rate in enumerate(self.rates))
+
+    def second_order(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """The positions and the velocities: the names of the first and of the second half of the components.
+
+        Raises MethodError unless the rates of the first half are, as they are written, exactly the second half, and
+        those of the second half, the accelerations, read no velocity.
+        """
+        half, odd = divmod(len(self.rates), 2)
+        positions, velocities = self.components[:half], self.components[half:]
+        if odd:
+            raise MethodError(
+                f"a second-order system is positions and as many velocities, and not {len(self.rates)} rates"
+            )
+        for i, (rate, v) in enumerate(zip(self.rates, velocities, strict=False)):
+            if ast.unparse(_parsed(rate, i)) != v:
+                raise MethodError(f"rate {i} is {rate!r}; in a second-order system it is {v!r}, the velocity of y{i}")
+        for i, rate in enumerate(self.rates[half:], half):
+            for v in sorted(_names(_parsed(rate, i)).intersection(velocities)):
+                raise MethodError(
+                    f"rate {i}, {rate!r}, reads the velocity {v}; kicks and drifts need accelerations"
+                    " that read positions only"
+                )
+        return positions, velocities
+
+    def at(self, names: Mapping[str, str]) -> list[str]:
+        """The rates with other names for t, y0, y1, ..."""
+        return [ast.unparse(_Renamed(names).visit(_parsed(rate, i))) for i, rate in enumerate(self.rates)]
+
+
+@dataclass(frozen=True)
+class FieldSource:
+    """The lines of a step, which read y0, y1, ..., t, h and the names and end with y0_new, ... known.
+
+    `coefficients` holds those of the method, then the parameters of the field. The lines of a compensated step also
+    read and write e_y0, e_y1, ..., what the additions so far have lost, and only a run can be made of them.
+    """
+
+    lines: tuple[str, ...]
+    coefficients: tuple[tuple[str, Exact], ...]
+    components: tuple[str, ...]
+    compensated: bool = False
+
+    def run(self) -> str:
+        """The text of make(coefficients...) -> run(y, h, first, last) -> y: steps first to last - 1, from t = i h.
+
+        The time is formed anew in each step, with one rounding, and never accumulated.
+        """
+        body = ["t = i * h", *self.lines, f"{self._tuple('')} = {self._tuple('_new')}"]
+        loop = ["for i in range(first, last):", *indented(body)]
+        start = [f"e_{y} = {y} - {y}" for y in self.components] if self.compensated else []
+        lines = [f"{self._tuple('')} = y", *start, *loop, f"return {self._tuple('')}"]
+        return looping_maker_text(self._names, "y, h, first, last", lines)
+
+    def step(self) -> str:
+        """The text of make(coefficients...) -> step(y, t, h) -> y."""
+        lines = [f"{self._tuple('')} = y", *self.lines, f"return {self._tuple('_new')}"]
+        return maker_text(self._names, "step", ["def step(y, t, h):", *indented(lines)])
+
+    @property
+    def _names(self) -> list[str]:
+        return [name for name, _ in self.coefficients]
+
+    def _tuple(self, suffix: str) -> str:
+        return f"({''.join(f'{name}{suffix}, ' for name in self.components).rstrip()})"
+
+
+def field_source(method: Method, field: Field, *, compensated: bool = False) -> FieldSource:
+    """The step of an explicit method, by component: of a Runge-Kutta method, or of a second-order system by any other.
+
+    Splittings and Nyström methods take the accelerations only, at positions, as `Field.second_order` demands; time
+    passes with the drifts. In the order of operations of `methods.source.step_source`: on q' = v, v' = F(q) the two
+    give the same bits. `compensated` as there. Raises MethodError for an implicit method, and as `second_order`.
+    """
+    if not method.explicit or isinstance(method, Collocation):
+        raise MethodError(f"{method.key} is implicit: its stages are equations, so it has no explicit step")
+    text = ProgramText(compensated=compensated)
+    if isinstance(method, RungeKutta):
+        _runge_kutta(method, field, text)
+    else:
+        _second_order(method, field, text)
+    _demand_new_names(field, text)
+    coefficients = (*text.coefficients.items(), *field.parameters)
+    return FieldSource(tuple(text.lines), coefficients, field.components, compensated)
+
+
+def _runge_kutta(method: RungeKutta, field: Field, text: ProgramText) -> None:
+    """kᵢ = f(t + cᵢ h, y + h Σ aᵢⱼ kⱼ), then y + h Σ bᵢ kᵢ."""
+    components = field.components
+    slopes: dict[str, dict[int, str]] = {name: {} for name in components}
+    for i in used_stages(method.a, [method.b]):
+        names = {name: f"{name}_{i + 1}" for name in components}
+        for name in components:
+            names[name] = text.named(names[name], name, text.sum(" + h *", f"a{i + 1}", method.a[i], slopes[name]))
+        if not field.autonomous and method.c[i] != 0:
+            names["t"] = text.named(f"t_{i + 1}", "t", text.step(f"c{i + 1}", method.c[i]))
+        for name, rate in zip(components, field.at(names), strict=True):
+            slopes[name][i] = f"k{i + 1}_{name}"
+            text.lines.append(f"{slopes[name][i]} = {rate}")
+    for name in components:
+        text.advance(name, f"{name}_new", name, text.sum(" + h *", "b", method.b, slopes[name]))
+
+
+def _second_order(method: Splitting | Nystrom, field: Field, text: ProgramText) -> None:
+    """q'' = F(t, q), with F in parentheses, because it is multiplied by."""
+    positions, velocities = field.second_order()
+
+    def accelerations(names: Mapping[str, str]) -> list[str]:
+        return [f"({rate})" for rate in field.at(names)[len(positions) :]]
+
+    SecondOrder(positions, velocities, accelerations, "_new", timed=not field.autonomous).write(method, text)
+
+
+def _demand_new_names(field: Field, text: ProgramText) -> None:
+    """Refuse a parameter that is called like something in the text, such as h."""
+    taken = {"t", "h", "i", "y", "first", "last", "range", "make", "run", "step", *FUNCTIONS, *field.components}
+    taken |= {*text.coefficients, *(line.partition(" = ")[0] for line in text.lines)}
+    for name, _ in field.parameters:
+        if name in taken:
+            raise MethodError(f"a parameter may not be called {name!r}: the text of the step has that name")
+
+
+class _Renamed(ast.NodeTransformer):
+    def __init__(self, names: Mapping[str, str]) -> None:
+        self.names = names
+
+    def visit_Name(self, node: ast.Name) -> ast.Name:
+        return ast.Name(self.names.get(node.id, node.id), node.ctx)
+
+
+def _parsed(rate: str, i: int) -> ast.Expression:
+    try:
+        return ast.parse(rate, mode="eval")
+    except SyntaxError:
+        raise MethodError(f"rate {i}, {rate!r}: not an expression") from None
+
+
+def _names(tree: ast.AST) -> set[str]:
+    return {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+
+
+def _out_of_place(tree: ast.Expression, known: set[str]) -> Iterator[str]:
+    """What a rate may not hold: unknown names, calls of anything but `FUNCTIONS`, numbers that are not whole."""
+    called = {node.func for node in ast.walk(tree) if isinstance(node, ast.Call)}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and type(node.value) is int:
+            continue
+        if isinstance(node, ast.Call) and not node.keywords:
+            continue
+        allowed = FUNCTIONS if node in called else known
+        if not isinstance(node, _ALLOWED) or (isinstance(node, ast.Name) and node.id not in allowed):
+            yield repr(ast.unparse(node) or type(node).__name__)

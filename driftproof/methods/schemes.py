@@ -1,0 +1,315 @@
+"""RungeKutta, Splitting, Nystrom and Collocation: one-step methods as frozen, exact, validated data."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import ClassVar, TypeAlias
+
+from driftproof.methods.number_field import Algebraic, Exact, NumberField
+from driftproof.methods.polynomials import Polynomial, count_real_roots
+
+SUBSTEPS = ("kick", "drift")
+
+
+class MethodError(ValueError):
+    """A definition that is not a method: wrong shape, an inexact coefficient, an unknown sub-step."""
+
+
+@dataclass(frozen=True)
+class RungeKutta:
+    """kᵢ = F(t + cᵢh, z + h Σⱼ aᵢⱼ kⱼ), then z + h Σᵢ bᵢ kᵢ: the Runge-Kutta method with tableau (A, b, c).
+
+    `a` is s rows of s coefficients, `b` and `c` have s; integers and rational elements of a number field are promoted
+    to `Fraction`, anything inexact is refused, and so are coefficients of two fields. `claimed_order` is what the
+    source says, 0 where it says nothing, to be tested against the order that the coefficients have. `source` is a key
+    of `references.bib` and a place in it. `b_embedded`, of order `embedded_order`, is the second row of weights of a
+    pair, `b` the one that is propagated. `decimal` says that the source prints rounded numbers, and that those are
+    meant: the order conditions then hold up to residuals, which are facts about the table. Raises MethodError.
+    """
+
+    key: str
+    title: str
+    claimed_order: int
+    source: str
+    a: tuple[tuple[Exact, ...], ...]
+    b: tuple[Exact, ...]
+    c: tuple[Exact, ...]
+    b_embedded: tuple[Exact, ...] | None = None
+    embedded_order: int | None = None
+    decimal: bool = False
+
+    def __post_init__(self) -> None:
+        """Promote integers, then refuse a tableau that is not square or not exact, and half of a pair."""
+        rows = _exact_rows(self.a, f"{self.key}: a")
+        object.__setattr__(self, "a", rows)
+        object.__setattr__(self, "b", _exact(self.b, f"{self.key}: b"))
+        object.__setattr__(self, "c", _exact(self.c, f"{self.key}: c"))
+        if not self.b:
+            raise MethodError(f"{self.key}: b is empty; a method has at least one stage")
+        sized: list[tuple[str, Sequence[object]]] = [("a", rows), ("c", self.c)]
+        sized += [(f"a[{i}]", row) for i, row in enumerate(rows)]
+        if (self.b_embedded is None) != (self.embedded_order is None):
+            raise MethodError(f"{self.key}: b_embedded and embedded_order come together")
+        if self.b_embedded is not None:
+            object.__setattr__(self, "b_embedded", _exact(self.b_embedded, f"{self.key}: b_embedded"))
+            sized += [("b_embedded", self.b_embedded)]
+        _demand_lengths(self.key, sized, "b", self.stages)
+        _demand_one_field(self.key, self._coefficients())
+
+    @property
+    def stages(self) -> int:
+        """The number s of slopes."""
+        return len(self.b)
+
+    @property
+    def explicit(self) -> bool:
+        """True when no slope depends on itself or on a later one (A strictly lower triangular)."""
+        return is_strictly_lower(self.a)
+
+    @cached_property
+    def field(self) -> NumberField | None:
+        """The number field of the coefficients; None if all are rational."""
+        return _field_of(self._coefficients())
+
+    def inconsistencies(self) -> dict[str, Exact]:
+        """The residuals, where not zero, of Σb = 1 and of cᵢ = Σⱼ aᵢⱼ: facts about the data, not errors."""
+        residuals = {"sum(b) - 1": _total(self.b) - 1}
+        if self.b_embedded is not None:
+            residuals["sum(b_embedded) - 1"] = _total(self.b_embedded) - 1
+        for i, row in enumerate(self.a):
+            residuals[f"c[{i}] - sum(a[{i}])"] = self.c[i] - _total(row)
+        return _nonzero_residuals(residuals)
+
+    def _coefficients(self) -> list[Exact]:
+        return [*(x for row in self.a for x in row), *self.b, *self.c, *(self.b_embedded or ())]
+
+
+@dataclass(frozen=True)
+class Splitting:
+    """A composition of kicks v ← v + c·h·F(q) and drifts q ← q + c·h·v, in the order given.
+
+    `parts` is pairs such as ("kick", 1/2). Every such composition is symplectic when F is a gradient.
+    `quadratic_kinetic` says that the source claims the order only for drifts that are linear in v, as they are here;
+    without it, the order is claimed for every Hamiltonian T(p) + V(q). Other fields as in `RungeKutta`.
+    Raises MethodError.
+    """
+
+    key: str
+    title: str
+    claimed_order: int
+    source: str
+    parts: tuple[tuple[str, Exact], ...]
+    quadratic_kinetic: bool = False
+    decimal: bool = False
+
+    def __post_init__(self) -> None:
+        """Promote integers, then refuse unknown sub-steps and inexact coefficients."""
+        _demand_iterable(self.parts, f"{self.key}: parts")
+        parts = tuple(self.parts)
+        if not parts:
+            raise MethodError(f"{self.key}: parts is empty; a splitting has at least one kick or drift")
+        for i, part in enumerate(parts):
+            if not isinstance(part, tuple) or len(part) != 2 or part[0] not in SUBSTEPS:
+                raise MethodError(f"{self.key}: parts[{i}] is {part!r}; write ('kick', c) or ('drift', c)")
+        coefficients = _exact((c for _, c in parts), f"{self.key}: parts")
+        kinds = (kind for kind, _ in parts)
+        object.__setattr__(self, "parts", tuple(zip(kinds, coefficients, strict=True)))
+        _demand_one_field(self.key, coefficients)
+
+    @property
+    def explicit(self) -> bool:
+        """True: each kick and each drift is a formula in what was known before it."""
+        return True
+
+    @cached_property
+    def field(self) -> NumberField | None:
+        """The number field of the coefficients; None if all are rational."""
+        return _field_of(c for _, c in self.parts)
+
+    def inconsistencies(self) -> dict[str, Exact]:
+        """The residuals, where not zero, of Σ kicks = 1 and Σ drifts = 1: facts about the data, not errors."""
+        return _nonzero_residuals(
+            {f"sum({kind}s) - 1": _total(c for part, c in self.parts if part == kind) - 1 for kind in SUBSTEPS}
+        )
+
+
+@dataclass(frozen=True)
+class Nystrom:
+    """kᵢ = F(q + cᵢhv + h² Σⱼ aᵢⱼ kⱼ), q₁ = q + hv + h² Σ b_positionᵢ kᵢ, v₁ = v + h Σ b_velocityᵢ kᵢ, for q'' = F(q).
+
+    A Runge-Kutta-Nyström method; `a` is s rows of s, `c`, `b_position` and `b_velocity` have s coefficients. Its order
+    is the smaller one of those in q and in v. Other fields as in `RungeKutta`. Raises MethodError.
+    """
+
+    key: str
+    title: str
+    claimed_order: int
+    source: str
+    c: tuple[Exact, ...]
+    a: tuple[tuple[Exact, ...], ...]
+    b_position: tuple[Exact, ...]
+    b_velocity: tuple[Exact, ...]
+    decimal: bool = False
+
+    def __post_init__(self) -> None:
+        """Promote integers, then refuse a table that is not square or not exact."""
+        rows = _exact_rows(self.a, f"{self.key}: a")
+        object.__setattr__(self, "a", rows)
+        for name in ("c", "b_position", "b_velocity"):
+            object.__setattr__(self, name, _exact(getattr(self, name), f"{self.key}: {name}"))
+        if not self.b_velocity:
+            raise MethodError(f"{self.key}: b_velocity is empty; a method has at least one stage")
+        sized: list[tuple[str, Sequence[object]]] = [("a", rows), ("c", self.c), ("b_position", self.b_position)]
+        sized += [(f"a[{i}]", row) for i, row in enumerate(rows)]
+        _demand_lengths(self.key, sized, "b_velocity", self.stages)
+        _demand_one_field(self.key, self._coefficients())
+
+    @property
+    def stages(self) -> int:
+        """The number s of forces."""
+        return len(self.b_velocity)
+
+    @property
+    def explicit(self) -> bool:
+        """True when no force depends on itself or on a later one (A strictly lower triangular)."""
+        return is_strictly_lower(self.a)
+
+    @cached_property
+    def field(self) -> NumberField | None:
+        """The number field of the coefficients; None if all are rational."""
+        return _field_of(self._coefficients())
+
+    def inconsistencies(self) -> dict[str, Exact]:
+        """The residuals, where not zero, of Σ b_velocity = 1, Σ b_position = 1/2 and Σⱼ aᵢⱼ = cᵢ²/2: facts, not errors.
+
+        The first two are the conditions of order 1 in v and of order 2 in q; the last says that stage i is as accurate.
+        """
+        residuals = {
+            "sum(b_velocity) - 1": _total(self.b_velocity) - 1,
+            "sum(b_position) - 1/2": _total(self.b_position) - Fraction(1, 2),
+        }
+        for i, row in enumerate(self.a):
+            residuals[f"sum(a[{i}]) - c[{i}]**2/2"] = _total(row) - self.c[i] * self.c[i] * Fraction(1, 2)
+        return _nonzero_residuals(residuals)
+
+    def _coefficients(self) -> list[Exact]:
+        return [*(x for row in self.a for x in row), *self.c, *self.b_position, *self.b_velocity]
+
+
+@dataclass(frozen=True)
+class Collocation:
+    """The s-stage Runge-Kutta method whose nodes c₁ < ... < cₛ are the roots of `node_polynomial`, constant term first.
+
+    z₁ = u(h), where u is the polynomial of degree s with u(0) = z and u'(cᵢh) = F(u(cᵢh)) (hairer-lubich-wanner-2006,
+    II.1.2). Given by the polynomial, because R(z), order and stability need no root of it. It is made monic; its
+    coefficients are rational, and all its roots real and distinct, or MethodError is raised. Other fields as in
+    `RungeKutta`; not to be confused with one that has these nodes but other weights, such as Radau IA.
+    """
+
+    key: str
+    title: str
+    claimed_order: int
+    source: str
+    node_polynomial: Polynomial
+    decimal: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        """Make the polynomial monic; refuse one that is constant, inexact, or has a complex or a multiple root."""
+        given = _exact(self.node_polynomial, f"{self.key}: node_polynomial")
+        while given and given[-1] == 0:
+            given = given[:-1]
+        rational = [x for x in given if isinstance(x, Fraction)]
+        if len(rational) != len(given):
+            raise MethodError(f"{self.key}: node_polynomial has irrational coefficients; rational ones are needed")
+        if len(rational) < 2:
+            raise MethodError(f"{self.key}: node_polynomial is constant; a method has at least one node")
+        object.__setattr__(self, "node_polynomial", tuple(x / rational[-1] for x in rational))
+        if count_real_roots(self.node_polynomial) != self.stages:
+            raise MethodError(f"{self.key}: node_polynomial has a complex or a multiple root; nodes are real, distinct")
+
+    @property
+    def stages(self) -> int:
+        """The number s of nodes."""
+        return len(self.node_polynomial) - 1
+
+    @property
+    def explicit(self) -> bool:
+        """False: the collocation conditions are equations, even where, as for the one node 0, they solve themselves."""
+        return False
+
+    @property
+    def field(self) -> NumberField | None:
+        """None: the node polynomial is rational, and nothing else is given."""
+        return None
+
+    def inconsistencies(self) -> dict[str, Exact]:
+        """None ever: the weights integrate constants exactly by construction, and so do the rows of A."""
+        return {}
+
+
+Method: TypeAlias = RungeKutta | Splitting | Nystrom | Collocation
+
+
+def is_strictly_lower(a: Sequence[Sequence[object]]) -> bool:
+    """True when A has only zeros on and above its diagonal, so that stages can be computed one after the other."""
+    return all(x == 0 for i, row in enumerate(a) for x in row[i:])
+
+
+def _exact(values: Iterable[object], where: str) -> tuple[Exact, ...]:
+    _demand_iterable(values, where)
+    return tuple(_exact_coefficient(value, f"{where}[{i}]") for i, value in enumerate(values))
+
+
+def _exact_rows(rows: Iterable[Iterable[object]], where: str) -> tuple[tuple[Exact, ...], ...]:
+    _demand_iterable(rows, where)
+    return tuple(_exact(row, f"{where}[{i}]") for i, row in enumerate(rows))
+
+
+def _demand_iterable(values: object, where: str) -> None:
+    if isinstance(values, str) or not isinstance(values, Iterable):
+        raise MethodError(f"{where} is {values!r}; write a tuple of exact coefficients")
+
+
+def _exact_coefficient(value: object, where: str) -> Exact:
+    if isinstance(value, Fraction):
+        return value
+    if isinstance(value, int) and not isinstance(value, bool):
+        return Fraction(value)
+    if isinstance(value, Algebraic):
+        return value.as_fraction() if value.is_rational else value
+    raise MethodError(
+        f"{where} is {value!r} ({type(value).__name__}); coefficients are exact: write an int or a Fraction"
+    )
+
+
+def _demand_lengths(key: str, sized: Iterable[tuple[str, Sequence[object]]], leader: str, length: int) -> None:
+    for name, values in sized:
+        if len(values) != length:
+            raise MethodError(f"{key}: {name} has {len(values)} entries, {leader} has {length}; they must agree")
+
+
+def _field_of(coefficients: Iterable[Exact]) -> NumberField | None:
+    return next((x.field for x in coefficients if isinstance(x, Algebraic)), None)
+
+
+def _demand_one_field(key: str, coefficients: Sequence[Exact]) -> None:
+    field = _field_of(coefficients)
+    for x in coefficients:
+        if isinstance(x, Algebraic) and x.field != field:
+            names = f"{x.field.name} and {field.name if field else ''}"
+            raise MethodError(f"{key}: coefficients lie in the fields of {names}; write all of them in one field")
+
+
+def _total(values: Iterable[Exact]) -> Exact:
+    total: Exact = Fraction(0)
+    for value in values:
+        total = total + value
+    return total
+
+
+def _nonzero_residuals(residuals: dict[str, Exact]) -> dict[str, Exact]:
+    exact = {condition: _exact_coefficient(residual, condition) for condition, residual in residuals.items()}
+    return {condition: residual for condition, residual in exact.items() if residual}

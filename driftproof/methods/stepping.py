@@ -1,0 +1,37 @@
+"""One step of any method, over any kind of number: its program text, with the coefficients of that arithmetic."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any, TypeAlias
+
+from driftproof.methods.number_field import Exact
+from driftproof.methods.program_text import maker
+from driftproof.methods.schemes import Method
+from driftproof.methods.source import step_source
+
+# Any type with + and * (and what its force needs); the arithmetic is the type's own.
+Number: TypeAlias = Any
+Force: TypeAlias = Callable[[Number], Number]
+Step: TypeAlias = Callable[[Force, Number, Number, Number], tuple[Number, Number]]
+# From an Exact; not typed so, because an arithmetic may know rationals only and refuse the rest.
+Lift: TypeAlias = Callable[[Any], Number]
+
+
+def stepper(method: Method, lift: Lift) -> Step:
+    """The step (force, q, v, h) → (q₁, v₁) of `method` for q' = v, v' = force(q): the text of `methods.source`.
+
+    `lift` carries each exact coefficient into the number type of q, v and h. It is the only door: relying on
+    coercion would turn `Fraction * ndarray` into an object array and `Fraction * float32` into a Python float.
+    Raises MethodError for an implicit method, whose stages are equations rather than formulas.
+    """
+    make, coefficients = _compiled(method)
+    step: Step = make(*(lift(c) for c in coefficients))
+    return step
+
+
+@cache
+def _compiled(method: Method) -> tuple[Callable[..., Step], tuple[Exact, ...]]:
+    source = step_source(method)
+    return maker(source.step(), method.key), tuple(c for _, c in source.coefficients)

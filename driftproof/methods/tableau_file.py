@@ -1,0 +1,300 @@
+"""A user's own method from a TOML file: a tableau, a splitting or a Nyström table, exact, read without evaluating it.
+
+    family = "runge_kutta"                    # or "splitting", "nystrom", "collocation"
+    A = [["1/4", "1/4 - s3/6"], ["1/4 + s3/6", "1/4"]]
+    b = ["1/2", "1/2"]
+    c = ["1/2 - s3/6", "1/2 + s3/6"]          # may be left out: then the row sums of A
+
+    [roots]                                   # at most one root; all irrational coefficients lie in its field
+    s3 = "sqrt(3)"                            # or "cbrt(2)", or { minpoly = [-3, 0, 1], interval = ["1", "2"] }
+
+A number is an integer, a decimal, which is exact, or an expression in a string. Of all families: `key`, `title`,
+`source`, `claimed_order` (0: nothing is claimed) and `decimal`; of a pair: `b_embedded` with `embedded_order`; of a
+splitting: `parts = [["kick", "1/2"], ["drift", 1], ...]`; of a Nyström method: `c`, `A`, `b_position`, `b_velocity`;
+of a collocation method: `node_polynomial`, constant term first. With `parameter = "gamma"` the entries of a Runge-Kutta
+tableau are rational functions of gamma, e.g. "1 - 2*gamma", and the file is a family of methods.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from driftproof.methods.expressions import RADICALS, parse_exact, parse_function, parse_number
+from driftproof.methods.families import Family
+from driftproof.methods.number_field import Algebraic, Exact, NumberField
+from driftproof.methods.parameters import Function, function
+from driftproof.methods.schemes import SUBSTEPS, Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
+
+LARGEST_FILE = 2_000_000
+MOST_STAGES = 200
+MOST_NODES = 50
+LONGEST_INTEGER = 20_000
+LONGEST_MINPOLY_INTEGER = 200
+LONGEST_NAME = 200
+_KEY = re.compile(r"[A-Za-z][A-Za-z0-9_.+-]{0,59}")
+_NAME = re.compile(r"[A-Za-z_]\w{0,30}")
+_RADICAL = re.compile(r"\s*(sqrt|cbrt)\s*\(\s*(\d{1,40})\s*\)\s*")
+_COMMON = ("family", "key", "title", "source", "claimed_order", "decimal", "roots")
+
+Table = Mapping[str, Any]
+# From an expression, and where it stands, to the number that it spells.
+Read = Callable[[str, str], Any]
+
+
+def read_method(path: str | Path) -> Method | Family:
+    """The method, or the family of methods, that the file defines.
+
+    Raises MethodError with one line that names the file and the place in it.
+    """
+    try:
+        return method_from(tomllib.loads(_text(Path(path)), parse_float=str), Path(path).stem)
+    except RecursionError:
+        reason = "nested too deeply"
+    except OSError as error:
+        reason = error.strerror or "cannot be read"
+    except ValueError as error:
+        reason = str(error).replace("Cannot overwrite a value", "a key is given twice")
+    raise MethodError(" ".join(f"{path}: {reason}".split()))
+
+
+def method_from(table: Table, name: str) -> Method | Family:
+    """The method or family that a parsed TOML table defines, `name` its key where it has none. Raises MethodError."""
+    family = table.get("family")
+    if not isinstance(family, str) or family not in _FAMILIES:
+        raise MethodError(f"family is {family!r}; write {' or '.join(repr(f) for f in _FAMILIES)}")
+    entries, read = _FAMILIES[family]
+    if "parameter" in table and family == "runge_kutta":
+        entries, read = _PARAMETRIC
+    for entry in table:
+        if entry not in (*_COMMON, *entries):
+            raise MethodError(f"{entry} is unknown here; a {family} has {', '.join((*_COMMON, *entries))}")
+    try:
+        return read(table, _common(table, name), _reader(table))
+    except MethodError:
+        raise
+    except ValueError as error:
+        raise MethodError(str(error)) from None
+
+
+def _reader(table: Table) -> Read:
+    """The reader of numbers in the roots, or of functions of the parameter, that the table declares."""
+    if "parameter" in table:
+        parameter = _parameter(table)
+        return lambda text, where: parse_function(text, parameter, where)
+    roots = _roots(table.get("roots", {}))
+    return lambda text, where: parse_exact(text, roots, where)
+
+
+def _parameter(table: Table) -> str:
+    name = table["parameter"]
+    if not isinstance(name, str) or not _NAME.fullmatch(name) or name in RADICALS:
+        raise MethodError(f"parameter is {_short(name)}; write a letter and up to 30 letters, digits or underscores")
+    if "roots" in table:
+        raise MethodError("parameter and [roots] do not go together; beside a parameter, numbers are rational")
+    return name
+
+
+def _text(path: Path) -> str:
+    if path.exists() and not path.is_file():
+        raise MethodError("is no file")
+    with path.open("rb") as file:
+        content = file.read(LARGEST_FILE + 1)
+    if len(content) > LARGEST_FILE:
+        raise MethodError(f"too large; at most {LARGEST_FILE} bytes are read")
+    return content.decode("utf-8")
+
+
+def _common(table: Table, name: str) -> dict[str, Any]:
+    plain = re.sub(r"[^A-Za-z0-9_.+-]", "_", name)[:50]
+    key = _line(table, "key", plain if _KEY.fullmatch(plain) else f"method_{plain}")
+    if not _KEY.fullmatch(key):
+        raise MethodError(f"key is {key!r}; write a letter, then letters, digits and _ . + -, 60 at most")
+    decimal = table.get("decimal", False)
+    if not isinstance(decimal, bool):
+        raise MethodError(f"decimal is {decimal!r}; write true or false")
+    return {
+        "key": key,
+        "title": _line(table, "title", key),
+        "source": _line(table, "source", "given by the user"),
+        "claimed_order": _order(table, "claimed_order", 0),
+        "decimal": decimal,
+    }
+
+
+def _line(table: Table, entry: str, default: str) -> str:
+    text = table.get(entry, default)
+    if not isinstance(text, str) or not text.strip() or len(text) > LONGEST_NAME or not text.isprintable():
+        raise MethodError(f"{entry} is no line of text of 1 to {LONGEST_NAME} characters")
+    return text.strip()
+
+
+def _order(table: Table, entry: str, default: int) -> int:
+    order = table.get(entry, default)
+    if not isinstance(order, int) or isinstance(order, bool) or not 0 <= order <= MOST_STAGES:
+        raise MethodError(f"{entry} is {_short(order)}; write a whole number from 0 to {MOST_STAGES}")
+    return order
+
+
+def _roots(declared: object) -> dict[str, Exact]:
+    if not isinstance(declared, dict):
+        raise MethodError(f"roots is {_short(declared)}; write a table [roots]")
+    if len(declared) > 1:
+        raise MethodError(f"[roots] declares {', '.join(declared)}; at most one: all numbers lie in one field")
+    roots: dict[str, Exact] = {}
+    for name, definition in declared.items():
+        if not _NAME.fullmatch(name):
+            raise MethodError(f"roots.{name}: a name is a letter and up to 30 letters, digits or underscores")
+        roots[name] = _root(name, definition)
+    return roots
+
+
+def _root(name: str, definition: object) -> Algebraic:
+    """The root that "sqrt(3)", "cbrt(2)" or a table of minimal polynomial and interval defines."""
+    try:
+        if isinstance(definition, str) and (match := _RADICAL.fullmatch(definition)):
+            return RADICALS[match[1]](int(match[2]))
+        if isinstance(definition, dict) and set(definition) == {"minpoly", "interval"}:
+            low, high = _numbers(definition["interval"], "interval", parse_number, 2)
+            return NumberField(name, _integers(definition["minpoly"]), _rational(low), _rational(high)).generator
+    except ValueError as error:
+        raise MethodError(f"roots.{name}: {error}") from None
+    raise MethodError(
+        f"roots.{name} is {_short(definition)}; write 'sqrt(n)', 'cbrt(n)' or {{ minpoly = [...], interval = [...] }}"
+    )
+
+
+def _integers(values: object) -> tuple[int, ...]:
+    whole = [_rational(x) for x in _numbers(values, "minpoly", parse_number)]
+    if any(x.denominator != 1 or x.numerator.bit_length() > LONGEST_MINPOLY_INTEGER for x in whole):
+        raise MethodError("minpoly: the coefficients are integers of at most 60 digits, constant term first")
+    return tuple(int(x) for x in whole)
+
+
+def _rational(value: Exact) -> Fraction:
+    if isinstance(value, Algebraic):
+        raise MethodError("a rational number is needed")
+    return value
+
+
+def _list(value: object, where: str, length: int | None = None, most: int = MOST_STAGES) -> list[Any]:
+    """The list, if it is one, of the right length; its length is looked at before its contents are."""
+    if not isinstance(value, list):
+        raise MethodError(f"{where} is {_short(value)}; write a list")
+    if len(value) > most:
+        raise MethodError(f"{where} has {len(value)} entries; at most {most} are read")
+    if length is not None and len(value) != length:
+        raise MethodError(f"{where} has {len(value)} entries, {length} are needed")
+    return value
+
+
+def _numbers(values: object, where: str, read: Read, length: int | None = None) -> tuple[Any, ...]:
+    return tuple(_number(x, f"{where}[{i}]", read) for i, x in enumerate(_list(values, where, length)))
+
+
+def _number(value: object, where: str, read: Read) -> Any:
+    if isinstance(value, int) and not isinstance(value, bool):
+        if value.bit_length() > LONGEST_INTEGER:
+            raise MethodError(f"{where} is an integer of {value.bit_length()} bits; at most {LONGEST_INTEGER} are read")
+        return Fraction(value)
+    if isinstance(value, str):
+        return read(value, where)
+    raise MethodError(f"{where} is {_short(value)}; write an integer, a decimal or an expression in quotes")
+
+
+def _square(table: Table, read: Read, stages: int) -> tuple[tuple[Any, ...], ...]:
+    rows = _list(_entry(table, "A"), "A")
+    for i, row in enumerate(rows):
+        if len(_list(row, f"A[{i}]")) != len(rows):
+            raise MethodError(f"A is not square: A[{i}] has {len(row)} entries, A has {len(rows)} rows")
+    if len(rows) != stages:
+        raise MethodError(f"A has {len(rows)} rows, the weights are {stages}; they must agree")
+    return tuple(_numbers(row, f"A[{i}]", read) for i, row in enumerate(rows))
+
+
+def _entry(table: Table, name: str) -> object:
+    if name not in table:
+        raise MethodError(f"{name} is missing")
+    return table[name]
+
+
+def _short(value: object) -> str:
+    try:
+        text = repr(value)
+    except ValueError:  # an integer of more digits than Python will print
+        return "a huge number"
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _runge_kutta(table: Table, common: dict[str, Any], read: Read) -> Method:
+    b = _numbers(_entry(table, "b"), "b", read)
+    a = _square(table, read, len(b))
+    pair = {"b_embedded", "embedded_order"} & set(table)
+    return RungeKutta(
+        **common,
+        a=a,
+        b=b,
+        c=_nodes(table, a, read),
+        b_embedded=_numbers(_entry(table, "b_embedded"), "b_embedded", read, len(b)) if pair else None,
+        embedded_order=_order(table, "embedded_order", 0) if pair else None,
+    )
+
+
+def _nodes(table: Table, a: Sequence[Sequence[Any]], read: Read) -> tuple[Any, ...]:
+    """c, or the row sums of A where it is left out."""
+    return _numbers(table["c"], "c", read, len(a)) if "c" in table else tuple(sum(row, Fraction(0)) for row in a)
+
+
+def _family(table: Table, common: dict[str, Any], read: Read) -> Family:
+    if common.pop("decimal"):
+        raise MethodError("decimal is true; a tableau with a parameter is meant exactly")
+    b = _numbers(_entry(table, "b"), "b", read)
+    a = _square(table, read, len(b))
+
+    def functions(row: Sequence[Any]) -> tuple[Function, ...]:
+        return tuple(x if isinstance(x, Function) else function((x,)) for x in row)
+
+    rows, nodes = tuple(map(functions, a)), functions(_nodes(table, a, read))
+    return Family(**common, parameter=_parameter(table), a=rows, b=functions(b), c=nodes)
+
+
+def _splitting(table: Table, common: dict[str, Any], read: Read) -> Method:
+    parts = []
+    for i, part in enumerate(_list(_entry(table, "parts"), "parts", most=5 * MOST_STAGES)):
+        if not isinstance(part, list) or len(part) != 2 or part[0] not in SUBSTEPS:
+            raise MethodError(f"parts[{i}] is {_short(part)}; write ['kick', number] or ['drift', number]")
+        parts.append((part[0], _number(part[1], f"parts[{i}][1]", read)))
+    return Splitting(**common, parts=tuple(parts))
+
+
+def _nystrom(table: Table, common: dict[str, Any], read: Read) -> Method:
+    weights = _numbers(_entry(table, "b_velocity"), "b_velocity", read)
+    return Nystrom(
+        **common,
+        c=_numbers(_entry(table, "c"), "c", read, len(weights)),
+        a=_square(table, read, len(weights)),
+        b_position=_numbers(_entry(table, "b_position"), "b_position", read, len(weights)),
+        b_velocity=weights,
+    )
+
+
+def _collocation(table: Table, common: dict[str, Any], read: Read) -> Method:
+    if common.pop("decimal"):
+        raise MethodError("decimal is true; a node polynomial that is rounded has other nodes, and is meant exactly")
+    coefficients = _list(_entry(table, "node_polynomial"), "node_polynomial", most=MOST_NODES + 1)
+    polynomial = _numbers(coefficients, "node_polynomial", read)
+    return Collocation(**common, node_polynomial=tuple(_rational(x) for x in polynomial))
+
+
+_Reader = Callable[[Table, dict[str, Any], Read], Method | Family]
+_FAMILIES: dict[str, tuple[tuple[str, ...], _Reader]] = {
+    "runge_kutta": (("A", "b", "c", "b_embedded", "embedded_order"), _runge_kutta),
+    "splitting": (("parts",), _splitting),
+    "nystrom": (("c", "A", "b_position", "b_velocity"), _nystrom),
+    "collocation": (("node_polynomial",), _collocation),
+}
+_PARAMETRIC: tuple[tuple[str, ...], _Reader] = (("parameter", "A", "b", "c"), _family)

@@ -1,0 +1,82 @@
+"""Collocation methods by their node polynomials, for any number of stages: Gauss, Radau I and IIA, Lobatto IIIA."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from driftproof.methods.polynomials import Polynomial, derivative, product
+from driftproof.methods.schemes import Collocation, Method
+
+BOOK = "hairer-wanner-1996, IV.5"
+
+
+def gauss_nodes(stages: int) -> Polynomial:
+    """The shifted Legendre polynomial of degree s >= 1, monic: the s-th derivative of x^s (x - 1)^s."""
+    return _rodrigues("gauss_nodes", stages, 1, stages, stages)
+
+
+def radau_left_nodes(stages: int) -> Polynomial:
+    """Radau's nodes with 0 among them, s >= 1: the (s-1)-st derivative of x^s (x - 1)^(s-1)."""
+    return _rodrigues("radau_left_nodes", stages, 1, stages, stages - 1)
+
+
+def radau_right_nodes(stages: int) -> Polynomial:
+    """Radau's nodes with 1 among them, s >= 1: the (s-1)-st derivative of x^(s-1) (x - 1)^s."""
+    return _rodrigues("radau_right_nodes", stages, 1, stages - 1, stages)
+
+
+def lobatto_nodes(stages: int) -> Polynomial:
+    """Lobatto's nodes, 0 and 1 among them, s >= 2: the (s-2)-nd derivative of x^(s-1) (x - 1)^(s-1)."""
+    return _rodrigues("lobatto_nodes", stages, 2, stages - 1, stages - 1)
+
+
+def _rodrigues(name: str, stages: int, fewest: int, at_zero: int, at_one: int) -> Polynomial:
+    """x**at_zero (x - 1)**at_one, differentiated until its degree is `stages`, made monic."""
+    if stages < fewest:
+        raise ValueError(f"{name}({stages}): at least {fewest} stages are needed")
+    polynomial: Polynomial = (Fraction(1),)
+    for factor in at_zero * [(0, 1)] + at_one * [(-1, 1)]:
+        polynomial = product(polynomial, factor)
+    while len(polynomial) > stages + 1:
+        polynomial = derivative(polynomial)
+    return tuple(x / polynomial[-1] for x in polynomial)
+
+
+def gauss(stages: int) -> Collocation:
+    """The Gauss method of order 2s."""
+    return Collocation(f"gauss{stages}", f"Gauss, {stages} stages", 2 * stages, BOOK, gauss_nodes(stages))
+
+
+def radau_i(stages: int) -> Collocation:
+    """Collocation at the left Radau nodes, of order 2s - 1: Radau I, which is not Radau IA, whose A is another one."""
+    return Collocation(
+        key=f"radau_i{stages}",
+        title=f"Radau I, {stages} stages",
+        claimed_order=2 * stages - 1,
+        source="butcher-2016, 344",
+        node_polynomial=radau_left_nodes(stages),
+    )
+
+
+def radau_iia(stages: int) -> Collocation:
+    """The Radau IIA method of order 2s - 1."""
+    return Collocation(
+        f"radau_iia{stages}", f"Radau IIA, {stages} stages", 2 * stages - 1, BOOK, radau_right_nodes(stages)
+    )
+
+
+def lobatto_iiia(stages: int) -> Collocation:
+    """The Lobatto IIIA method of order 2s - 2."""
+    return Collocation(
+        f"lobatto_iiia{stages}", f"Lobatto IIIA, {stages} stages", 2 * stages - 2, BOOK, lobatto_nodes(stages)
+    )
+
+
+# Fewer stages are in driftproof/methods/tables/implicit.py as tableaux.
+ENTRIES: tuple[Method, ...] = (
+    *(gauss(stages) for stages in range(4, 11)),
+    radau_i(2),
+    radau_i(3),
+    *(radau_iia(stages) for stages in range(4, 8)),
+    *(lobatto_iiia(stages) for stages in range(5, 8)),
+)

@@ -1,0 +1,125 @@
+"""Compositions of kicks and drifts with exact coefficients: Ruth, Forest-Ruth, Suzuki, McLachlan."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction as Q
+from itertools import pairwise
+
+from driftproof.methods.number_field import Exact, NumberField, cube_root, square_root
+from driftproof.methods.schemes import Method, Splitting
+from driftproof.methods.tables.notation import numbers
+
+Parts = tuple[tuple[str, Exact], ...]
+OTHER = {"kick": "drift", "drift": "kick"}
+
+
+def alternating(first: str, coefficients: Sequence[Exact]) -> Parts:
+    """Kicks and drifts in turn, from the one named `first`."""
+    return tuple((first if i % 2 == 0 else OTHER[first], c) for i, c in enumerate(coefficients))
+
+
+def palindrome(half: Sequence[Exact]) -> tuple[Exact, ...]:
+    """The coefficients, then all but the last of them backwards."""
+    return (*half, *reversed(half[:-1]))
+
+
+def verlet_composition(first: str, weights: Sequence[Exact]) -> Parts:
+    """Verlet steps of w₁h, w₂h, ... that begin and end with half a sub-step `first`; neighbouring halves are joined."""
+    halves = [w * Q(1, 2) for w in weights]
+    outer = [halves[0], *(x + y for x, y in pairwise(halves)), halves[-1]]
+    coefficients = [outer[0]]
+    for w, x in zip(weights, outer[1:], strict=True):
+        coefficients += [w, x]
+    return alternating(first, coefficients)
+
+
+_W2 = cube_root(2)
+_TRIPLE_JUMP = palindrome((1 / (2 - _W2), -_W2 / (2 - _W2)))
+
+_W4 = cube_root(4)
+_FRACTAL = palindrome((1 / (4 - _W4), 1 / (4 - _W4), -_W4 / (4 - _W4)))
+
+_S2, _S19, _S471 = square_root(2), square_root(19), square_root(471)
+# w = 1/2 - λ, where λ = 0.1931... is the first kick of the best symmetric order-2 composition with two forces.
+_W = NumberField("w", (-1, 1, 0, 24), Q(0), Q(1, 2)).generator
+_S4_FIRST, _S4_SECOND = (642 + _S471) / 3924, 121 * (12 - _S471) / 3924
+_S5_FIRST, _S5_SECOND = (14 - _S19) / 108, (20 - 7 * _S19) / 108
+
+_MCLACHLAN: tuple[Splitting, ...] = (
+    Splitting(
+        key="mclachlan_atela2",
+        title="McLachlan-Atela optimal method of order 2",
+        claimed_order=2,
+        source="mclachlan-atela-1992, Table 2, order 2",
+        parts=alternating("kick", (1 - _S2 / 2, _S2 / 2, _S2 / 2, 1 - _S2 / 2)),
+    ),
+    Splitting(
+        key="mclachlan2",
+        title="McLachlan's optimal symmetric method of order 2, two forces",
+        claimed_order=2,
+        source="mclachlan-1995, the symmetric methods of order 2",
+        parts=alternating("drift", palindrome(numbers(Q(1, 2) - _W, Q(1, 2), 2 * _W))),
+    ),
+    Splitting(
+        key="mclachlan4_four_forces",
+        title="McLachlan's symmetric method of order 4, four forces",
+        claimed_order=4,
+        source="mclachlan-1995, the symmetric methods of order 4, m = 4",
+        parts=alternating(
+            "drift", palindrome((_S4_FIRST, Q(6, 11), _S4_SECOND, Q(-1, 22), 1 - 2 * (_S4_FIRST + _S4_SECOND)))
+        ),
+    ),
+    Splitting(
+        key="mclachlan4",
+        title="McLachlan's symmetric method of order 4, five forces",
+        claimed_order=4,
+        source="mclachlan-1995, Table 2, type S of order 4, m = 5",
+        parts=alternating(
+            "drift",
+            palindrome(
+                (_S5_FIRST, Q(2, 5), _S5_SECOND, Q(-1, 10), Q(1, 2) - _S5_FIRST - _S5_SECOND, Q(2, 5)),
+            ),
+        ),
+    ),
+)
+
+ENTRIES: tuple[Method, ...] = (
+    Splitting(
+        key="ruth3",
+        title="Ruth's method of order 3",
+        claimed_order=3,
+        source="ruth-1983, the third-order method",
+        parts=alternating("kick", (Q(7, 24), Q(2, 3), Q(3, 4), Q(-2, 3), Q(-1, 24), Q(1))),
+    ),
+    # The same weights as `yoshida4`, around drifts: the coefficients of Forest and Ruth, and of Candy and Rozmus.
+    Splitting(
+        key="forest_ruth",
+        title="Forest-Ruth, which is Yoshida's order 4, position first",
+        claimed_order=4,
+        source="forest-ruth-1990, section 4",
+        parts=verlet_composition("drift", _TRIPLE_JUMP),
+    ),
+    Splitting(
+        key="yoshida4",
+        title="Yoshida's order 4, the triple jump of velocity Verlet",
+        claimed_order=4,
+        source="hairer-lubich-wanner-2006, II.4",
+        parts=verlet_composition("kick", _TRIPLE_JUMP),
+    ),
+    Splitting(
+        key="suzuki4",
+        title="Suzuki's fractal of order 4, five steps of velocity Verlet",
+        claimed_order=4,
+        source="hairer-lubich-wanner-2006, II.4",
+        parts=verlet_composition("kick", _FRACTAL),
+    ),
+    Splitting(
+        key="suzuki4_position_first",
+        title="Suzuki's fractal of order 4, five steps of position Verlet",
+        claimed_order=4,
+        source="hairer-lubich-wanner-2006, II.4",
+        parts=verlet_composition("drift", _FRACTAL),
+    ),
+    *_MCLACHLAN,
+)

@@ -1,0 +1,79 @@
+"""Any method on any problem, step after step: explicit ones by program text, implicit ones by Newton's method."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from driftproof.methods.fields import Field
+from driftproof.methods.jacobian import jacobian
+from driftproof.methods.program_text import indented, maker, maker_text
+from driftproof.methods.schemes import Method
+from driftproof.numeric.engine import OF_FLOATS, field_runner, lifted
+from driftproof.numeric.implicit import Jacobian, implicit_stepper
+from driftproof.numeric.problems.problem import Problem
+from driftproof.numeric.run import nearest_double
+
+State: TypeAlias = tuple[float, ...]
+Rate: TypeAlias = Callable[[float, Any], list[float]]
+# advance(y, h, first, last) -> y: steps first to last - 1, the i-th from t = i h.
+Advance: TypeAlias = Callable[[State, float, int, int], State]
+
+
+def advance(method: Method, problem: Problem, rate: Rate | None = None) -> Advance:
+    """advance(y, h, first, last) -> y of the method on the problem, in Python floats.
+
+    `rate` stands in for the problem's own, to count its calls say; only stages that are equations call it, and their
+    Jacobian matrices are written out of the problem's text. Raises MethodError where the method does not apply: a
+    splitting where the problem is of first order. What it returns may raise ArithmeticError or ValueError where floats
+    end or stages are not found.
+    """
+    if method.explicit:
+        return field_runner(method, problem.field)
+    step = implicit_stepper(method, rate or field_rate(problem.field), field_jacobian(problem.field))
+
+    def run(y: State, h: float, first: int, last: int) -> State:
+        for i in range(first, last):
+            y = tuple(map(float, step(i * h, y, h).y))
+        return y
+
+    return run
+
+
+def why(error: Exception) -> str:
+    """Why a run could not go on, in one line: what the method says in a few words, else the error's own text."""
+    return getattr(error, "reason", "") or " ".join(str(error).split())
+
+
+def float_start(problem: Problem) -> State:
+    """The start, each component rounded once."""
+    return tuple(nearest_double(x, f"start y{i}") for i, x in enumerate(problem.start))
+
+
+def field_rate(field: Field, functions: Mapping[str, Any] | None = None) -> Rate:
+    """f(t, y) of the field as a function of a number and of a sequence of numbers; a list.
+
+    `functions` are those of the numbers, by the names in `fields.FUNCTIONS`. Without them the numbers are taken as
+    Python floats, whose overflows and divisions by zero raise.
+    """
+    rate: Rate = _function(field, f"[{', '.join(field.at({}))}]", functions)
+    return rate
+
+
+def field_jacobian(field: Field) -> Jacobian:
+    """(t, y) -> the n x n matrix with ∂fᵢ/∂yⱼ in row i and column j, by exact formulas, in Python floats."""
+    rows = ", ".join(f"[{', '.join(row)}]" for row in jacobian(field))
+    return _function(field, f"[{rows}]", None)
+
+
+def _function(field: Field, value: str, functions: Mapping[str, Any] | None) -> Callable[[float, Any], Any]:
+    """(t, y) -> the value that the text spells. In its text it is called run, as no parameter may be."""
+    names = [name for name, _ in field.parameters]
+    numbers = "map(float, y)" if functions is None else "y"
+    lines = [f"{''.join(f'{y}, ' for y in field.components)}= {numbers}", f"return {value}"]
+    text = maker_text(names, "run", ["def run(t, y):", *indented(lines)])
+    known = OF_FLOATS if functions is None else dict(functions)
+    made: Callable[[float, Any], Any] = maker(text, "run", known)(*[lifted(c, np.float64) for _, c in field.parameters])
+    return made

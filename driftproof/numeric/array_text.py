@@ -1,0 +1,135 @@
+"""The program text of a step as calls of NumPy's ufuncs into given buffers: the same operations, and nothing allocated.
+
+An expression of arrays leaves a new array behind at each operation, which costs more than the operation does. Here
+every result goes into a buffer that is free, and what depends on coefficients and h only is formed before the loop.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from driftproof.methods.program_text import indented, maker_text
+from driftproof.methods.source import Source
+
+UFUNCS = {ast.Add: "add", ast.Sub: "subtract", ast.Mult: "multiply", ast.Div: "divide"}
+STATE = {"q": "q1", "v": "v1"}
+LOST = ("e_q", "e_v")
+
+
+def array_run(source: Source) -> tuple[str, int]:
+    """The text of make(coefficients...) -> run(q, v, h, steps, buffers), and how many buffers it needs.
+
+    run changes the arrays q and v. `buffers` are arrays of their shape and format; a compensated run takes the first
+    two for what is lost, zeros at the start.
+    """
+    writer = _Writer({*source.names, "h"})
+    fixed = LOST if source.compensated else ()
+    writer.places = {name: name for name in (*STATE, *fixed)}
+    lines = _without_last_names(source.lines)
+    for i, line in enumerate(lines):
+        name, _, text = line.partition(" = ")
+        writer.assign(name, ast.parse(text, mode="eval").body, lines[i + 1 :])
+    for old, new in STATE.items():
+        if writer.places.get(new, old) != old:
+            writer.lines.append(f"copyto({old}, {writer.places[new]})")
+    names = [*fixed, *(f"b{i}" for i in range(writer.made))]
+    unpacked = [f"{', '.join(names)}, = buffers"] if names else []
+    body = [*unpacked, *writer.before, "for _ in range(steps):", *indented(writer.lines)]
+    return maker_text(source.names, "run", ["def run(q, v, h, steps, buffers):", *indented(body)]), len(names)
+
+
+def _without_last_names(lines: Sequence[str]) -> list[str]:
+    """The lines without "q1 = q_4", q_4 being called q1 where it is made and read."""
+    lines = list(lines)
+    for new in STATE.values():
+        match = next((m for line in lines if (m := re.fullmatch(rf"{new} = (\w+)", line))), None)
+        if match is not None:
+            lines.remove(match[0])
+            if match[1] not in STATE:
+                lines = [re.sub(rf"\b{match[1]}\b", new, line) for line in lines]
+    return lines
+
+
+@dataclass
+class _Writer:
+    scalars: set[str]
+    lines: list[str] = field(default_factory=list)
+    before: list[str] = field(default_factory=list)
+    # Name of an array -> where it is; buffers that hold nothing any more.
+    places: dict[str, str] = field(default_factory=dict)
+    free: list[str] = field(default_factory=list)
+    made: int = 0
+    formed: dict[str, str] = field(default_factory=dict)
+
+    def assign(self, name: str, tree: ast.expr, later: Sequence[str]) -> None:
+        """name = tree; buffers of names that no later line reads become free, first among them those that it reads."""
+        read = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+        dead = [x for x in read if x in self.places and not _occurs(x, later)]
+        own = next((old for old, new in STATE.items() if new == name and not _occurs(old, later)), None)
+        target = name if name in LOST else own
+        if isinstance(tree, ast.Name):  # an array of two names would not be free when one of them is
+            place = target or self.new()
+            self.lines.append(f"copyto({place}, {self.value(tree)})")
+        else:
+            place = self.value(tree, target)
+        self.places[name] = place
+        for x in dead:
+            if x != name and self.places[x] != place:
+                self.release(self.places.pop(x))
+
+    def value(self, tree: ast.expr, target: str | None = None) -> str:
+        """Where the value of the expression is: of an operation in `target`, or in a buffer."""
+        if self.is_scalar(tree):
+            return self.scalar(tree)
+        if isinstance(tree, ast.Name):
+            return self.places[tree.id]
+        ufunc, operands = _operation(tree)
+        places = [self.value(operand) for operand in operands]
+        for place in places:
+            if place not in self.places.values():
+                self.release(place)
+        result = target or (self.free.pop() if self.free else self.new())
+        self.lines.append(f"{ufunc}({', '.join([*places, result])})")
+        return result
+
+    def new(self) -> str:
+        """A further buffer."""
+        self.made += 1
+        return f"b{self.made - 1}"
+
+    def release(self, place: str) -> None:
+        """The buffer holds nothing any more; arrays of the state are no buffers."""
+        if re.fullmatch(r"b\d+", place) and place not in self.free:
+            self.free.append(place)
+
+    def is_scalar(self, tree: ast.expr) -> bool:
+        """True when the value depends on coefficients and h only."""
+        return all(node.id in self.scalars for node in ast.walk(tree) if isinstance(node, ast.Name))
+
+    def scalar(self, tree: ast.expr) -> str:
+        """A name for it, formed before the loop."""
+        text = ast.unparse(tree)
+        if isinstance(tree, ast.Name | ast.Constant):
+            return text
+        if text not in self.formed:
+            self.formed[text] = f"s{len(self.formed)}"
+            self.before.append(f"{self.formed[text]} = {text}")
+        return self.formed[text]
+
+
+def _occurs(name: str, lines: Sequence[str]) -> bool:
+    """True when a line reads the name, and of the new state, which is read at the end."""
+    return name in STATE.values() or any(re.search(rf"\b{name}\b", line.partition(" = ")[2]) for line in lines)
+
+
+def _operation(tree: ast.expr) -> tuple[str, list[ast.expr]]:
+    if isinstance(tree, ast.BinOp):
+        return UFUNCS[type(tree.op)], [tree.left, tree.right]
+    if isinstance(tree, ast.UnaryOp) and isinstance(tree.op, ast.USub):
+        return "negative", [tree.operand]
+    if isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name):
+        return tree.func.id, list(tree.args)
+    raise ValueError(f"{ast.unparse(tree)!r} is no operation of arrays")

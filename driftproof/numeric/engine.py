@@ -1,0 +1,190 @@
+"""Many steps fast: a method's program text in one loop, run by Python or compiled, for one state or for an ensemble.
+
+The same text and therefore the same bits everywhere: nothing is reordered, no product is fused into a sum. What a
+compiler is given is the text; what it may not do (contract, reassociate) is left switched off. That holds for + - * /
+and square roots, which IEEE 754 defines; sin, cos, exp and log are whatever the library at hand computes: the same one
+for Python floats and for compiled loops, another for arrays. Where Python raises, dividing by zero say, compiled loops
+and arrays go on with infinities and NaN.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from fractions import Fraction
+from functools import cache
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from driftproof.methods.fields import FUNCTIONS, Field, field_source
+from driftproof.methods.number_field import Exact
+from driftproof.methods.program_text import indented, maker, maker_text
+from driftproof.methods.schemes import Method
+from driftproof.methods.source import Source, step_source
+from driftproof.numeric.array_text import UFUNCS, array_run
+
+# The force -q, as text with the place to be filled in.
+OSCILLATOR = "(-{})"
+Floats: TypeAlias = NDArray[np.floating[Any]]
+# np.float16, float32, float64 or longdouble; not typed so, because NumPy's types are no keys of a cache.
+Format: TypeAlias = Any
+# run(q, v, h, steps) -> (q, v)
+Run: TypeAlias = Callable[[Any, Any, Any, int], tuple[Any, Any]]
+# run(q, v, h, steps): the arrays q and v become those after so many steps.
+EnsembleRun: TypeAlias = Callable[[Floats, Floats, float, int], None]
+# run(y, h, first, last) -> y: steps first to last - 1.
+FieldRun: TypeAlias = Callable[[tuple[float, ...], float, int, int], tuple[float, ...]]
+
+# States of an ensemble that are stepped together: compiled, a block stays in the fastest cache; in NumPy, where each
+# operation is a pass over a block, the second cache holds it and its stages, and passes are long enough to pay.
+BLOCK, ARRAY_BLOCK = 512, 4096
+# The formats that compiled loops know.
+COMPILED = (np.float32, np.float64)
+OF_FLOATS = {name: getattr(math, name) for name in FUNCTIONS}
+_OF_ARRAYS = {name: getattr(np, name) for name in (*FUNCTIONS, *UFUNCS.values(), "negative", "copyto")}
+
+
+@cache
+def runner(method: Method, force: str = OSCILLATOR, *, compensated: bool = False) -> Run:
+    """The loop run(q, v, h, steps) of `method` in plain Python, on floats: the steps of `stepping.stepper`, in a row.
+
+    `force` is the text of F(x) with {} for x, built from names, numbers, operators and `fields.FUNCTIONS`, of our own
+    writing. `compensated` carries along what the additions to the state round off; see `numeric.compensated`. A
+    negative h runs back in time. Raises MethodError for an implicit method.
+    """
+    source = step_source(method, force, compensated=compensated)
+    run: Run = maker(source.run(), method.key, OF_FLOATS)(*_lifted(source.coefficients, np.float64))
+    return run
+
+
+@cache
+def compiled_runner(method: Method, force: str = OSCILLATOR, *, compensated: bool = False) -> Run:
+    """The same loop compiled by numba: the same bits, at the processor's latency. Needs the extra `fast`.
+
+    The first call compiles, which takes from half a second to some seconds; `compiled_runner(m)(0.0, 0.0, 0.0, 0)`
+    does nothing else. Raises ImportError without numba.
+    """
+    return _compiled(runner(method, force, compensated=compensated))
+
+
+def ensemble_runner(method: Method, force: str = OSCILLATOR, *, compensated: bool = False) -> EnsembleRun:
+    """run(q, v, h, steps) on arrays, block by block in NumPy: each block takes all steps while it is in the cache.
+
+    q and v are one-dimensional, of one length and of one format, in which everything is computed, h included. Overflow
+    is infinite, silently. Raises ValueError for other arrays, MethodError for an implicit method.
+    """
+    source = step_source(method, force, compensated=compensated)
+
+    def run_blocks(q: Floats, v: Floats, h: float, steps: int) -> None:
+        number = _format_of(q, v)
+        (run, count), size = _array_run(source, number), number(h)
+        buffers = np.empty((count, min(len(q), ARRAY_BLOCK)), number)
+        with np.errstate(all="ignore"):
+            for start in range(0, len(q), ARRAY_BLOCK):
+                block = slice(start, start + ARRAY_BLOCK)
+                buffers[:2] = 0  # what additions have lost, in a compensated run
+                run(q[block], v[block], size, steps, buffers[:, : len(q[block])])
+
+    return run_blocks
+
+
+def compiled_ensemble_runner(method: Method, force: str = OSCILLATOR, *, compensated: bool = False) -> EnsembleRun:
+    """The same, compiled by numba: within a block the innermost loop goes over states, many to an instruction.
+
+    Needs the extra `fast`; for binary32 and binary64, or ValueError.
+    """
+    source = step_source(method, force, compensated=compensated)
+
+    def run_blocks(q: Floats, v: Floats, h: float, steps: int) -> None:
+        number = _format_of(q, v)
+        if number not in COMPILED:
+            raise ValueError(f"compiled runs are in float32 and float64, not in {q.dtype}; use ensemble_runner")
+        _compiled_blocks(source, number)(q, v, number(h), steps)
+
+    return run_blocks
+
+
+@cache
+def field_runner(method: Method, field: Field, *, compensated: bool = False) -> FieldRun:
+    """The loop run(y, h, first, last) of an explicit method for y' = f(t, y), in plain Python.
+
+    y is a tuple of floats: any, for a Runge-Kutta method; positions and then velocities of a second-order system, for a
+    splitting or a Nyström method. Steps first to last - 1 are taken, from times i h; run(y, h, 0, n) and then
+    run(..., h, n, m) is run(y, h, 0, m), bit for bit, unless `compensated`: what additions lost is forgotten in
+    between. Raises MethodError as `field_source`.
+    """
+    source = field_source(method, field, compensated=compensated)
+    run: FieldRun = maker(source.run(), method.key, OF_FLOATS)(*_lifted(source.coefficients, np.float64))
+    return run
+
+
+@cache
+def compiled_field_runner(method: Method, field: Field, *, compensated: bool = False) -> FieldRun:
+    """The same loop compiled by numba, the same bits. Needs the extra `fast`."""
+    return _compiled(field_runner(method, field, compensated=compensated))
+
+
+def lifted(c: Exact, number: Format) -> Any:
+    """The coefficient in the format `number`: the nearest double first, which binary64 is and narrower formats round.
+
+    A wider format also gets the nearest double of what that leaves: c within 2⁻¹⁰⁶ of itself, relatively, which is
+    then rounded once. In binary64 the result is a Python float, which is faster alone and the same in arrays.
+    """
+    nearest = float(c)
+    if np.finfo(number).nmant <= np.finfo(np.float64).nmant:
+        return nearest if number is np.float64 else number(nearest)
+    return number(nearest) + number(float(c - Fraction(nearest)))
+
+
+def _lifted(coefficients: Iterable[tuple[str, Exact]], number: Format) -> list[Any]:
+    return [lifted(c, number) for _, c in coefficients]
+
+
+def _format_of(q: Floats, v: Floats) -> Format:
+    """The common format. Raises ValueError for arrays that are not alike, one-dimensional and of floats."""
+    if q.shape != v.shape or q.ndim != 1 or q.dtype != v.dtype or not issubclass(q.dtype.type, np.floating):
+        shown = f"{q.dtype}{list(q.shape)} and {v.dtype}{list(v.shape)}"
+        raise ValueError(f"q and v are {shown}; an ensemble is two one-dimensional arrays of floats, of one length")
+    return q.dtype.type
+
+
+@cache
+def _array_run(source: Source, number: Format) -> tuple[Callable[..., None], int]:
+    text, buffers = array_run(source)
+    return maker(text, "ensemble", _OF_ARRAYS)(*_lifted(source.coefficients, number)), buffers
+
+
+@cache
+def _compiled_blocks(source: Source, number: Format) -> Callable[..., Any]:
+    return _compiled(maker(_blocks_text(source), "ensemble", OF_FLOATS)(*_lifted(source.coefficients, number)))
+
+
+def _blocks_text(source: Source) -> str:
+    """make(coefficients...) -> run(qs, vs, h, steps): the text of a step between reading and writing one state.
+
+    The inner loop counts from zero over a slice: over part of the whole array it would not be vectorised.
+    """
+    arrays = [("q", "qs"), ("v", "vs")]
+    prepare = []
+    if source.compensated:
+        arrays += [("e_q", "lost_q"), ("e_v", "lost_v")]
+        prepare = ["lost_q, lost_v = qs - qs, vs - vs"]
+    ends = {"q": "q1", "v": "v1"}
+    cut = [f"{x}_block = {array}[start:start + {BLOCK}]" for x, array in arrays]
+    read = [f"{x} = {x}_block[i]" for x, _ in arrays]
+    write = [f"{x}_block[i] = {ends.get(x, x)}" for x, _ in arrays]
+    one = ["for i in range(len(q_block)):", *indented([*read, *source.lines, *write])]
+    block = [*cut, "for _ in range(steps):", *indented(one)]
+    lines = [*prepare, f"for start in range(0, len(qs), {BLOCK}):", *indented(block)]
+    return maker_text(source.names, "run", ["def run(qs, vs, h, steps):", *indented(lines)])
+
+
+def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
+    try:
+        from numba import njit
+    except ImportError:
+        raise ImportError("compiled runs need numba; install the extra: pip install 'driftproof[fast]'") from None
+    compiled: Callable[..., Any] = njit(fastmath=False, error_model="numpy")(function)
+    return compiled

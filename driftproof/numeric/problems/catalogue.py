@@ -1,0 +1,16 @@
+"""The problems by key, in the order in which they are listed."""
+
+from __future__ import annotations
+
+from driftproof.numeric.problems import linear, mechanics, stiff
+from driftproof.numeric.problems.problem import Problem
+from driftproof.support.naming import did_you_mean
+
+PROBLEMS: dict[str, Problem] = {p.key: p for file in (linear, stiff, mechanics) for p in file.ENTRIES}
+
+
+def problem_named(key: str) -> Problem:
+    """The problem `key`. Raises ValueError naming the closest keys if there is none."""
+    if key in PROBLEMS:
+        return PROBLEMS[key]
+    raise ValueError(f"unknown problem {key[:60]!r}{did_you_mean(key, PROBLEMS)} (`driftproof stability` lists all)")

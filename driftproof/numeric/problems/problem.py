@@ -1,0 +1,75 @@
+"""What a problem is: equations, start, interval, a reference with its evidence, and what methods are expected to do."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TypeAlias
+
+from driftproof.methods.fields import Field
+
+# Where a reference comes from, best first.
+EXACT, CERTIFIED, TWICE = "exact", "certified", "computed twice"
+EVIDENCE = (EXACT, CERTIFIED, TWICE)
+
+# One decimal a component, as text: the digits are all meant.
+Digits: TypeAlias = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Reference:
+    """y at some times: `states[i]` is y(times[i]), each component within half a unit of its last digit.
+
+    `evidence` is EXACT (decimals of a closed form, certified), CERTIFIED (enclosed in balls) or TWICE (two independent
+    methods agree on every digit given). `source` says which, and where published digits differ.
+    """
+
+    times: tuple[Fraction, ...]
+    states: tuple[Digits, ...]
+    evidence: str
+    source: str
+
+    def __post_init__(self) -> None:
+        """Refuse times that do not rise, and rows of different lengths."""
+        if not self.times or list(self.times) != sorted(set(self.times)) or len(self.times) != len(self.states):
+            raise ValueError("a reference has rising times, and one state at each")
+        if len({len(state) for state in self.states}) != 1:
+            raise ValueError("the states of a reference have one length")
+        if self.evidence not in EVIDENCE:
+            raise ValueError(f"evidence {self.evidence!r} is none of {', '.join(EVIDENCE)}")
+
+
+@dataclass(frozen=True)
+class Problem:
+    """y' = f(t, y), y(0) = start, up to the last time of the reference.
+
+    `energy` is an expression in y0, y1, ... that the exact solution conserves, or None. `second_order`: the first half
+    of y are positions and the second half their velocities, f of the first half being exactly the second, so that
+    splittings and Nyström methods apply. `matrix` holds A where f(t, y) = Ay, and only there: stability is then proved.
+    `expected` maps a family of behaviour ("explicit", "a_stable", ...) to what is expected of it, in a sentence.
+    """
+
+    key: str
+    title: str
+    field: Field
+    start: tuple[Fraction, ...]
+    reference: Reference
+    source: str
+    energy: str | None = None
+    second_order: bool = False
+    stiff: bool = False
+    matrix: tuple[tuple[Fraction, ...], ...] | None = None
+    expected: Mapping[str, str] = dataclasses.field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Refuse a start or a reference of another length than the field."""
+        components = len(self.field.rates)
+        if len(self.start) != components or len(self.reference.states[0]) != components:
+            raise ValueError(f"{self.key}: {components} rates need a start and a reference of {components} components")
+
+    @property
+    def t(self) -> Fraction:
+        """The end of the interval."""
+        return self.reference.times[-1]

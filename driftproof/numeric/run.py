@@ -1,0 +1,178 @@
+"""Run a scene in floats, and compute only the readouts that it asks for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+from math import isfinite
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from driftproof.methods.problems import oscillator
+from driftproof.methods.rationals import brief
+from driftproof.methods.stepping import Force, Step
+from driftproof.numeric import readouts
+from driftproof.numeric.readouts import Floats, State
+from driftproof.numeric.scenes import Scene
+from driftproof.numeric.steppers import CountedForce, float_stepper
+
+# Readout name -> value: floats, ints, pairs, arrays (trajectory), or None where undefined.
+Readouts: TypeAlias = dict[str, Any]
+Counter: TypeAlias = Callable[[int], Iterable[int]]
+
+# About a minute of pure Python. The certified run answers any N at once, by squaring.
+MOST_STEPS = 10**8
+# Rounding t moves the exact state by at most this much (its speed is 1 on the unit circle).
+COARSEST_TIME = Fraction(1, 2**30)
+
+
+class NonFiniteState(ArithmeticError):
+    """The float range ended at step `step`. That is overflow of the number format; it says nothing of stability.
+
+    Step 0 is the start, which was not finite before anything was computed.
+    """
+
+    def __init__(self, step: int, state: State) -> None:
+        """Say at which step the first non-finite state appeared."""
+        overflow = f"overflow: the state is no longer finite after step {step}"
+        super().__init__(overflow if step else "the start itself is not finite")
+        self.step = step
+        self.state = state
+
+
+class NonFiniteReadout(ArithmeticError):
+    """The state is finite, but a readout of it overflows the number format."""
+
+
+def integrate(
+    step: Step,
+    force: Force,
+    start: State,
+    h: Floats,
+    steps: int,
+    record: Callable[[Floats, Floats], None] | None = None,
+    counter: Counter = range,
+) -> State:
+    """The state after `steps` steps of size h, each in the precision of its arguments.
+
+    `record(q, v)` is called after each step; `counter` is `range` or a progress bar like it. Raises NonFiniteState
+    at the first state that is not finite, the start included (in an ensemble: of any member).
+    """
+    q, v = start
+    finite = isfinite if isinstance(q, float) and isinstance(v, float) else _all_finite
+    if not (finite(q) and finite(v)):
+        raise NonFiniteState(0, start)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for i in counter(steps):
+            q, v = step(force, q, v, h)
+            if not (finite(q) and finite(v)):
+                raise NonFiniteState(i + 1, (q, v))
+            if record is not None:
+                record(q, v)
+    return q, v
+
+
+def demand_few(steps: int) -> None:
+    """Refuse a float run of more than MOST_STEPS steps. Raises ValueError."""
+    if steps > MOST_STEPS:
+        raise ValueError(
+            f"{brief(steps)} steps are more than {MOST_STEPS}; `driftproof run` answers any number of steps, certified"
+        )
+
+
+def run_method(scene: Scene, key: str, counter: Counter = range) -> Readouts:
+    """The scene's readouts for the method `key`, computed in binary64; nothing else is computed or kept.
+
+    Raises ValueError if the scene asks for no readout or for more than MOST_STEPS steps, NonFiniteState,
+    NonFiniteReadout.
+    """
+    if not scene.readouts:
+        raise ValueError(f"scene {scene.name!r} asks for no readout; name at least one")
+    demand_few(scene.steps)
+    force = CountedForce(oscillator) if "evaluations" in scene.readouts else oscillator
+    start = (nearest_double(scene.start[0], "start q"), nearest_double(scene.start[1], "start v"))
+    h, t = nearest_double(scene.h, "h"), _timenearest_double(scene.t)
+    path = [start] if "trajectory" in scene.readouts else None
+    record = (lambda q, v: path.append((q, v))) if path is not None else None
+    state = integrate(float_stepper(key), force, start, h, scene.steps, record, counter)
+    finished = _Finished(scene, t, start, state, getattr(force, "calls", None), path)
+    return {name: _finite_readout(name, finished) for name in scene.readouts}
+
+
+def run(scene: Scene, counter: Counter = range) -> dict[str, Readouts]:
+    """The scene's readouts for its selected method and for each method it compares. Raises as `run_method`."""
+    return {key: run_method(scene, key, counter) for key in dict.fromkeys((scene.selected, *scene.methods))}
+
+
+def times(h: Fraction, steps: int) -> Any:
+    """The times i·h for i = 0..steps, each rounded once: an array of binary64. Never accumulated.
+
+    Exact in the numerator as long as steps times h's numerator stays below 2**53; raises OverflowError beyond.
+    """
+    if max(steps * abs(h.numerator), h.denominator) >= 2**53:
+        raise OverflowError(f"the times {steps} * {h} do not round once; use a shorter run or a simpler h")
+    return np.arange(steps + 1) * h.numerator / h.denominator
+
+
+@dataclass(frozen=True)
+class _Finished:
+    scene: Scene
+    t: float
+    start: State
+    state: State
+    evaluations: int | None
+    path: list[State] | None
+
+    @property
+    def exact(self) -> State:
+        q, v = readouts.exact_state(self.start, self.t)
+        if not (isfinite(q) and isfinite(v)):
+            raise NonFiniteReadout(f"the exact state at t = {self.t:g} overflows binary64")
+        return q, v
+
+
+_READ: dict[str, Callable[[_Finished], Any]] = {
+    "final_state": lambda run: run.state,
+    "exact_state": lambda run: tuple(float(x) for x in run.exact),
+    "state_error": lambda run: float(readouts.state_error(run.state, run.exact)),
+    "energy": lambda run: float(readouts.energy(run.state)),
+    "energy_change": lambda run: float(readouts.energy_change(run.state, run.start)),
+    "phase_error": lambda run: readouts.phase_error(run.state, run.exact),
+    "steps": lambda run: run.scene.steps,
+    "evaluations": lambda run: run.evaluations,
+    "trajectory": lambda run: (times(run.scene.h, run.scene.steps), np.array(run.path)),
+}
+
+
+def _finite_readout(name: str, finished: _Finished) -> Any:
+    with np.errstate(over="ignore", invalid="ignore"):
+        value = _READ[name](finished)
+    if isinstance(value, float) and not isfinite(value):
+        q, v = finished.state
+        raise NonFiniteReadout(f"{name} overflows binary64 at the final state ({q:g}, {v:g})")
+    return value
+
+
+def nearest_double(x: Fraction, what: str) -> float:
+    """The double nearest to x. Raises ValueError where that would be infinite, or zero for an x that is not."""
+    try:
+        nearest = float(x)
+    except OverflowError:
+        raise ValueError(f"{what} is beyond the largest binary64, about 1.8e308") from None
+    if nearest == 0 and x != 0:
+        raise ValueError(f"{what} is nearer to 0 than the smallest binary64, about 4.9e-324")
+    return nearest
+
+
+def _timenearest_double(t: Fraction) -> float:
+    """The double nearest to t, if that is near enough for cos and sin to mean anything; else ValueError."""
+    nearest = nearest_double(t, "t")
+    if abs(Fraction(nearest) - t) > COARSEST_TIME:
+        raise ValueError("t is too large for binary64 to hold its fraction; `driftproof run` answers it, certified")
+    return nearest
+
+
+def _all_finite(x: Floats) -> bool:
+    return bool(np.isfinite(x).all())

@@ -1,0 +1,190 @@
+"""Scenes: what to run, from where, and which readouts and panels to pay for. The lesson's presets, and a user's own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from difflib import get_close_matches
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from driftproof.methods.catalogue import method_named
+from driftproof.methods.rationals import parse_rational, step_count
+
+TRAJECTORY = "trajectory"
+READOUTS = (
+    "final_state",
+    "exact_state",
+    "state_error",
+    "energy",
+    "energy_change",
+    "phase_error",
+    "steps",
+    "evaluations",
+    TRAJECTORY,
+)
+# Those that the exact side can certify to any number of digits.
+CERTIFIABLE = ("final_state", "exact_state", "state_error", "energy", "energy_change", "phase_error")
+TABLE = "table"
+FIGURES = ("position", "phase_plane")
+# Of the scene's methods on the page: error against evaluations, and what is proved of their powers at this h.
+WORK_PRECISION, STABILITY = "work_precision", "stability"
+PANELS = (TABLE, *FIGURES, WORK_PRECISION, STABILITY)
+
+# The largest step that the lesson's slider offers. Scenes of a user's own may exceed it.
+LARGEST_LESSON_H = Fraction(5, 2)
+LONGEST_FILE = 65_536
+
+
+class SceneError(ValueError):
+    """A scene that cannot be run as described: an unknown name, no readout, an h that does not divide t."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """N = t/h steps of each method on q' = v, v' = -q from `start`, and what to show of it.
+
+    `selected` is the method whose readouts and figures are shown; `methods` are those compared in the table panel.
+    Everything is exact: h, t and start are Fractions. `readouts` are computed in floats, `certified` ones to any
+    number of digits by the exact side; `panels` are drawn. What is not named is not computed. Raises SceneError.
+    """
+
+    name: str
+    selected: str
+    h: Fraction
+    t: Fraction
+    start: tuple[Fraction, Fraction] = (Fraction(1), Fraction(0))
+    methods: tuple[str, ...] = ()
+    readouts: tuple[str, ...] = ()
+    certified: tuple[str, ...] = ()
+    panels: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Refuse unknown names, an empty request and an h that does not divide t."""
+        if Path(self.name).name != self.name:
+            raise SceneError(f"scene {self.name!r}: a name has no folders in it; figures are named after it")
+        if not (self.readouts or self.certified or self.panels):
+            raise SceneError(f"scene {self.name!r} asks for nothing; name readouts, certified or panels")
+        _check_names(self.name, "readout", self.readouts, READOUTS)
+        _check_names(self.name, "certified readout", self.certified, CERTIFIABLE)
+        _check_names(self.name, "panel", self.panels, PANELS)
+        if TABLE in self.panels and not self.methods:
+            raise SceneError(f"scene {self.name!r} has a table but names no methods to compare")
+        try:
+            for key in (self.selected, *self.methods):
+                method_named(key)
+            step_count(self.t, self.h)
+        except ValueError as error:
+            raise SceneError(f"scene {self.name!r}: {error}") from None
+
+    @property
+    def steps(self) -> int:
+        """N = t / h, exact."""
+        return step_count(self.t, self.h)
+
+    @property
+    def every_method(self) -> tuple[str, ...]:
+        """The methods compared, each once; before them the selected one, if it is not among them."""
+        compared = tuple(dict.fromkeys(self.methods))
+        return compared if self.selected in compared else (self.selected, *compared)
+
+
+def _check_names(scene: str, what: str, names: tuple[str, ...], known: tuple[str, ...]) -> None:
+    for name in names:
+        if name not in known:
+            raise SceneError(f"scene {scene!r}: unknown {what} {name!r}; choose from {', '.join(known)}")
+
+
+def _lesson_scene(name: str, selected: str, h: Fraction, *panels: str) -> Scene:
+    return Scene(
+        name=name,
+        selected=selected,
+        h=h,
+        t=Fraction(10),
+        methods=("forward_euler", "symplectic_euler", "rk4"),
+        readouts=tuple(readout for readout in READOUTS if readout != TRAJECTORY),
+        panels=(TABLE, *FIGURES, *panels),
+    )
+
+
+PRESETS: dict[str, Scene] = {
+    scene.name: scene
+    for scene in (
+        _lesson_scene("default", "forward_euler", Fraction(1, 4), WORK_PRECISION, STABILITY),
+        _lesson_scene("small_steps", "forward_euler", Fraction(1, 10), STABILITY),
+        _lesson_scene("compare", "forward_euler", Fraction(1, 2), STABILITY),
+        _lesson_scene("stability_boundary", "symplectic_euler", Fraction(2), STABILITY),
+    )
+}
+
+
+def scene_named(name: str) -> Scene:
+    """The preset `name`, or the scene in the TOML file `name` if it ends in .toml. Raises SceneError."""
+    if name.endswith(".toml"):
+        return read_scene(Path(name))
+    if name in PRESETS:
+        return PRESETS[name]
+    close = get_close_matches(name, PRESETS, n=1, cutoff=0.4) or sorted(PRESETS)
+    raise SceneError(f"unknown scene {name!r}; did you mean {' or '.join(close)}? (or a file that ends in .toml)")
+
+
+def read_scene(path: Path) -> Scene:
+    """The scene described by a TOML file, decimals read exactly. Raises SceneError with one line that says where."""
+    import tomllib
+
+    try:
+        with path.open("rb") as file:
+            text = file.read(LONGEST_FILE + 1)
+        if len(text) > LONGEST_FILE:
+            raise SceneError(f"{path}: longer than {LONGEST_FILE} bytes; a scene is a few lines")
+        # parse_float keeps the decimal as written: 0.1 is to mean 1/10, not the nearest double.
+        table = tomllib.loads(text.decode(), parse_float=str)
+    except OSError as error:
+        raise SceneError(f"{path}: {error.strerror}") from None
+    except SceneError:
+        raise
+    except (ValueError, RecursionError) as error:  # tomllib lets int() and the stack complain in their own words
+        raise SceneError(f"{path}: not TOML: {error}") from None
+    return _scene_from(table, path)
+
+
+def _scene_from(table: dict[str, Any], path: Path) -> Scene:
+    known = tuple(field.name for field in fields(Scene))
+    for key in table:
+        if key not in known:
+            raise SceneError(f"{path}: unknown key {key!r}; choose from {', '.join(known)}")
+    for key in ("selected", "h", "t"):
+        if key not in table:
+            raise SceneError(f"{path}: {key!r} is missing")
+    try:
+        start = table.get("start", [1, 0])
+        if not isinstance(start, list) or len(start) != 2:
+            raise SceneError("start is two numbers, like [1, 0]")
+        return Scene(
+            name=_text(table.get("name", path.stem), "name"),
+            selected=_text(table["selected"], "selected"),
+            h=_rational(table["h"], "h"),
+            t=_rational(table["t"], "t"),
+            start=(_rational(start[0], "start[0]"), _rational(start[1], "start[1]")),
+            **{key: _texts(table.get(key, []), key) for key in ("methods", "readouts", "certified", "panels")},
+        )
+    except ValueError as error:
+        raise SceneError(f"{path}: {error}") from None
+
+
+def _rational(value: object, what: str) -> Fraction:
+    if isinstance(value, int | str) and not isinstance(value, bool):
+        return parse_rational(str(value), what)
+    raise SceneError(f"{what} is {value!r}; write a number or a quoted fraction like '1/4'")
+
+
+def _text(value: object, what: str) -> str:
+    if not isinstance(value, str):
+        raise SceneError(f"{what} is {value!r}; write a quoted name")
+    return value
+
+
+def _texts(value: object, what: str) -> tuple[str, ...]:
+    if not isinstance(value, list):
+        raise SceneError(f"{what} is {value!r}; write a list of quoted names")
+    return tuple(_text(item, f"{what}[{i}]") for i, item in enumerate(value))

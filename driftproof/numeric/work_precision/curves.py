@@ -1,0 +1,186 @@
+"""Errors of methods on a problem over a ladder of step numbers, beside the evaluations that they took."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import hypot, inf, lcm, log2
+from statistics import median
+from time import perf_counter
+
+from driftproof.methods.catalogue import method_named
+from driftproof.methods.schemes import Method, MethodError
+from driftproof.numeric.advance import field_rate, why
+from driftproof.numeric.problems.problem import Problem
+from driftproof.numeric.work_precision.exact import STATE, Size, doubt, errors, scale
+from driftproof.numeric.work_precision.integrators import Integrator, integrator
+
+# The numbers of steps of a ladder double; implicit methods, in Python, climb less far.
+FEWEST, MOST, MOST_IMPLICIT = 8, 2**20, 2**10
+# A ladder that would have to be a multiple of more than this lands on the last of the reference's times only.
+LARGEST_UNIT = 64
+# So many points at which rounding may explain the whole error end a ladder: they show its floor.
+FLOOR_POINTS = 3
+# A point counts while its error is so many times its doubt. The error of the method itself is then within
+# 1/32 of what is seen, and a slope over a doubling within log2(33/31) = 0.09 of its own.
+ABOVE = 32
+# The slopes that an order is read from.
+SLOPES = 3
+
+
+@dataclass(frozen=True)
+class Point:
+    """One run of `steps` steps, or of an adaptive method at tolerance `setting`.
+
+    `errors` by the names of `exact.QUANTITIES`; empty where `remark` says why there are none: not finite, not solved,
+    or not run because it would take too long. `doubt` and `scale`: see there in `exact`.
+    """
+
+    setting: str
+    evaluations: int | None
+    errors: Mapping[str, Size] = field(default_factory=dict)
+    doubt: float = 0.0
+    scale: float = inf
+    remark: str = ""
+    steps: int | None = None
+
+    @property
+    def error(self) -> float:
+        """The final error of the state; infinite where there is none."""
+        return self.errors[STATE].final if self.errors else inf
+
+
+@dataclass(frozen=True)
+class Order:
+    """Slopes of log error over log N between neighbouring points that count (`counts`), the finest SLOPES of them."""
+
+    median: float
+    least: float
+    largest: float
+    slopes: int
+
+
+@dataclass(frozen=True)
+class Curve:
+    """The points of a method on a problem, N rising. `refused` says why there are none: the method does not apply.
+
+    `claimed_order` is 0 where nobody claims one.
+    """
+
+    key: str
+    title: str
+    claimed_order: int
+    points: Sequence[Point] = ()
+    refused: str = ""
+
+    @property
+    def order(self) -> Order | None:
+        """The measured order; None without two neighbours that count."""
+        slopes = [
+            log2(coarse.error / fine.error) / log2(fine.steps / coarse.steps)
+            for coarse, fine in zip(self.points, self.points[1:], strict=False)
+            if coarse.steps and fine.steps and counts(coarse) and counts(fine)
+        ][-SLOPES:]
+        return Order(median(slopes), min(slopes), max(slopes), len(slopes)) if slopes else None
+
+    @property
+    def verdict(self) -> str:
+        """What the measured order says of the claimed one: "" where they agree to the nearest whole number.
+
+        Nothing is said against it by slopes that lie a whole order apart: they are not settled.
+        """
+        found = self.order
+        if found is None or not self.claimed_order:
+            return ""
+        if found.largest - found.least >= 1:
+            return "not settled"
+        if round(found.median) == self.claimed_order:
+            return ""
+        return f"{'below' if found.median < self.claimed_order else 'above'} the order {self.claimed_order} claimed"
+
+
+def counts(point: Point) -> bool:
+    """True where an error tells the order: neither as large as the solution, nor near the floor.
+
+    Rounding, and the reference's last digit, then explain no more than 1/ABOVE of it.
+    """
+    return point.scale > point.error > ABOVE * point.doubt
+
+
+def ladder(problem: Problem, most: int = MOST, fewest: int = FEWEST) -> tuple[int, ...]:
+    """Numbers of steps from `fewest` to `most`, each twice the one before, that land on the reference's times.
+
+    They are multiples of the common denominator of tᵢ/t, unless that is above LARGEST_UNIT: then they land on t, and on
+    those others that happen to be whole numbers of steps.
+    """
+    unit = lcm(*((t / problem.t).denominator for t in problem.reference.times))
+    unit = unit if unit <= LARGEST_UNIT else 1
+    first = unit * -(-fewest // unit)
+    doubled = (first << i for i in range(most.bit_length()))
+    return tuple(steps for steps in doubled if steps <= most)
+
+
+def curves(
+    problem: Problem, keys: Iterable[str], steps: Sequence[int] | None = None, *, compiled: bool = False
+) -> list[Curve]:
+    """The curve of each method of the catalogue; errors and evaluations only. Raises ValueError for an unknown key.
+
+    `steps` rise; without them it is the `ladder` of the problem. A method that does not apply has a curve without
+    points, which says why. `compiled` runs by numba, where it is installed: the same numbers, sooner on long ladders.
+    """
+    return [curve_of(method_named(key), problem, steps, compiled=compiled) for key in keys]
+
+
+def curve_of(
+    method: Method, problem: Problem, steps: Sequence[int] | None = None, *, compiled: bool = False, limit: float = inf
+) -> Curve:
+    """The curve of one method. A run that should take more than `limit` seconds is not made, see `climb`."""
+    claim = (method.key, method.title, method.claimed_order)
+    try:
+        runs = integrator(method, problem, compiled=compiled)
+    except MethodError as error:
+        return Curve(*claim, refused=str(error))
+    rungs = steps or ladder(problem, MOST if method.explicit else MOST_IMPLICIT)
+    return Curve(*claim, climb(problem, runs, rungs, limit))
+
+
+def climb(problem: Problem, runs: Integrator, rungs: Sequence[int], limit: float = inf) -> list[Point]:
+    """The points of one method, until FLOOR_POINTS of them are at the floor.
+
+    A run that the one before lets expect to take more than `limit` seconds is not made, and neither are longer ones:
+    its point says so.
+    """
+    found: list[Point] = []
+    taken, before, at_floor = 0.0, 1, 0
+    if limit < inf and rungs:
+        measured(problem, runs, rungs[0])  # the first call may compile
+    for steps in rungs:
+        expected = taken * steps / before
+        if expected > limit:
+            remark = f"not run: would take about {expected:.2g} s, limit {limit:g} s"
+            found.append(Point(str(steps), None, remark=remark, steps=steps))
+            break
+        started = perf_counter()
+        found.append(measured(problem, runs, steps))
+        taken, before = perf_counter() - started, steps
+        at_floor += found[-1].error <= found[-1].doubt
+        if at_floor == FLOOR_POINTS:
+            break
+    return found
+
+
+def measured(problem: Problem, runs: Integrator, steps: int) -> Point:
+    """The point of one run."""
+    try:
+        run = runs.run(steps)
+        sizes = errors(problem, run.states)
+    except (ArithmeticError, ValueError) as error:  # math.log of a negative number is a ValueError
+        return Point(str(steps), None, remark=why(error), steps=steps)
+    unsure = doubt(problem, steps, speed(problem))
+    return Point(str(steps), run.evaluations, sizes, unsure, scale(problem), steps=steps)
+
+
+def speed(problem: Problem) -> float:
+    """‖f(t, y(t))‖ at the end, in floats."""
+    last = [float(x) for x in problem.reference.states[-1]]
+    return hypot(*field_rate(problem.field)(float(problem.t), last))

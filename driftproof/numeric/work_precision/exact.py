@@ -1,0 +1,187 @@
+"""How far the state of a float run is from a reference's digits, exactly; and how much of that rounding may explain.
+
+A float is a fraction and so is a decimal: their difference is formed without rounding, and its size is rounded once, in
+Decimal with DIGITS digits. An energy is computed in the same Decimals, functions included, which round each operation
+by 10⁻⁶⁰ of it: forty digits below what binary64 can show.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from decimal import Decimal, localcontext
+from fractions import Fraction
+from math import degrees, isfinite
+from typing import NamedTuple, TypeAlias
+
+from driftproof.methods.fields import Field
+from driftproof.methods.number_field import Algebraic, Exact
+from driftproof.numeric.problems.problem import Digits, Problem
+from driftproof.numeric.readouts import phase_error
+
+DIGITS = 60
+STEP = Fraction(1, 10**20)
+U = Fraction(1, 2**53)
+STATE, ENERGY, PHASE = "state", "energy", "phase"
+QUANTITIES = (STATE, ENERGY, PHASE)
+State: TypeAlias = Sequence[float]
+_OSCILLATOR = ((Fraction(0), Fraction(1)), (Fraction(-1), Fraction(0)))
+
+
+class Size(NamedTuple):
+    """An error: at the end, and the largest at those of the reference's times that the run has landed on."""
+
+    final: float
+    largest: float
+
+
+def errors(problem: Problem, states: Mapping[Fraction, State]) -> dict[str, Size]:
+    """The sizes of the errors of the states that a run has at some of the reference's times, the last among them.
+
+    `state`: Euclidean distance. `energy`: |E(y) - E(y(0))|, where the problem has one. `phase`: degrees, of the
+    oscillator only; undefined at the origin, where it counts as half a turn. Raises ArithmeticError for a state that
+    is not finite.
+    """
+    if not all(isfinite(x) for state in states.values() for x in state):
+        raise ArithmeticError("the state is no longer finite")
+    digits = dict(zip(problem.reference.times, problem.reference.states, strict=True))
+    found = {STATE: [distance(states[t], digits[t]) for t in sorted(states)]}
+    if problem.energy is not None:
+        before = energy(problem, problem.start)
+        found[ENERGY] = [float(abs(energy(problem, states[t]) - before)) for t in sorted(states)]
+    if has_phase(problem):
+        found[PHASE] = [_phase(states[t], digits[t]) for t in sorted(states)]
+    return {name: Size(sizes[-1], max(sizes)) for name, sizes in found.items()}
+
+
+def has_phase(problem: Problem) -> bool:
+    """True for q' = v, v' = -q, whose phase is an angle in the plane of q and v."""
+    return problem.matrix == _OSCILLATOR
+
+
+def distance(state: State, digits: Digits) -> float:
+    """The Euclidean distance of the floats from the decimals, rounded once."""
+    return _length(Fraction(x) - Fraction(text) for x, text in zip(state, digits, strict=True))
+
+
+def half_unit(digits: Digits) -> float:
+    """How far the exact state may be from these decimals: half a unit of the last digit in every component."""
+    places = [Decimal(text).as_tuple().exponent for text in digits]
+    return _length(Fraction(10) ** int(place) / 2 for place in places)
+
+
+def floors(problem: Problem) -> dict[str, float]:
+    """What rounding the exact result y to binary64 may cost, to first order in u: no method is better but by luck.
+
+    Each component is off by at most u|yᵢ|. Hence of the state u ‖y‖, of the energy u Σ |∂E/∂yᵢ||yᵢ|, and of the phase
+    u in radians, because a chord of u ‖y‖ at distance ‖y‖ is seen at that angle.
+    """
+    y = [Fraction(text) for text in problem.reference.states[-1]]
+    found = {STATE: _length(U * x for x in y)}
+    if problem.energy is not None:
+        found[ENERGY] = float(sum(map(abs, _energy_moves(problem, y))) * _decimal(U))
+    if has_phase(problem):
+        found[PHASE] = degrees(U)
+    return found
+
+
+def _energy_moves(problem: Problem, y: Sequence[Fraction]) -> list[Decimal]:
+    """yᵢ ∂E/∂yᵢ by central differences, whose error is of the order of STEP²."""
+
+    def moved(i: int, factor: Fraction) -> Decimal:
+        return energy(problem, [x * factor if i == j else x for j, x in enumerate(y)])
+
+    return [(moved(i, 1 + STEP) - moved(i, 1 - STEP)) / (2 * _decimal(STEP)) for i in range(len(y))]
+
+
+def scale(problem: Problem) -> float:
+    """Q, the largest size of the start and of the reference's states: larger errors say nothing of the solution."""
+    return max(_length(problem.start), *(_length(map(Fraction, state)) for state in problem.reference.states))
+
+
+def doubt(problem: Problem, steps: int, speed: float) -> float:
+    """(N + 1) u Q + u t ‖f‖ + half a unit: how much of an error need not be the method's own.
+
+    Q is the `scale`: the start is rounded once, and each of N additions
+    to the state by u Q (`numeric.compensated`). The steps, h = fl(t/N), end within u t of t (`numeric.clock`), where
+    the solution moves at `speed` = ‖f(t, y(t))‖. The last term is the reference's. To first order, and not magnified by
+    the flow: a threshold, which a stiff or a chaotic problem may exceed.
+    """
+    moved = float(U * problem.t) * speed
+    return (steps + 1) * float(U) * scale(problem) + moved + half_unit(problem.reference.states[-1])
+
+
+def energy(problem: Problem, state: Iterable[float | Fraction]) -> Decimal:
+    """E of a state of floats or fractions. Raises ArithmeticError where a function of it is undefined."""
+    text = problem.energy or "0"
+    Field((text,) * len(problem.start), problem.field.parameters)  # refuses what an expression may not hold
+    with localcontext(prec=DIGITS):
+        names = {f"y{i}": _decimal(Fraction(x)) for i, x in enumerate(state)}
+        names |= {name: _decimal(value) for name, value in problem.field.parameters}
+        return _value(ast.parse(text, mode="eval").body, names)
+
+
+def _phase(state: State, digits: Digits) -> float:
+    """Dot and cross product are exact, and so is the angle between (dot, cross) and the axis, but for one rounding."""
+    (q, v), (q_exact, v_exact) = map(Fraction, state), map(Fraction, digits)
+    ahead = phase_error((float(q * q_exact + v * v_exact), -float(q * v_exact - v * q_exact)), (1.0, 0.0))
+    return 180.0 if ahead is None else abs(float(ahead))
+
+
+def _length(parts: Iterable[Fraction]) -> float:
+    with localcontext(prec=DIGITS):
+        return float(_decimal(sum((x * x for x in parts), Fraction(0))).sqrt())
+
+
+def _decimal(x: Exact) -> Decimal:
+    if isinstance(x, Algebraic):
+        x, _ = x.enclosure(4 * DIGITS)  # 4 > log2(10) bits a digit
+    return Decimal(x.numerator) / Decimal(x.denominator)
+
+
+def _value(node: ast.expr, names: Mapping[str, Decimal]) -> Decimal:
+    """An expression of `Field` in Decimals."""
+    match node:
+        case ast.Constant(value=int(number)):
+            return Decimal(number)
+        case ast.Name(id=name):
+            return names[name]
+        case ast.UnaryOp(operand=operand):
+            return -_value(operand, names)
+        case ast.BinOp(left=left, op=op, right=right):
+            a, b = _value(left, names), _value(right, names)
+            return a + b if isinstance(op, ast.Add) else a - b if isinstance(op, ast.Sub) else _product(a, op, b)
+        case ast.Call(func=ast.Name(id=name), args=[argument]):
+            return _FUNCTIONS[name](_value(argument, names))
+    raise ValueError(f"an energy holds {ast.unparse(node)!r}")
+
+
+def _product(a: Decimal, op: ast.operator, b: Decimal) -> Decimal:
+    return a * b if isinstance(op, ast.Mult) else a / b
+
+
+def _sin(x: Decimal) -> Decimal:
+    """By Taylor's series below 1 in size, to which x is brought by sin 3x = 3 sin x - 4 sin³x."""
+    if abs(x) > 1:
+        third = _sin(x / 3)
+        return 3 * third - 4 * third * third * third
+    term, total, n = x, Decimal(0), 1
+    while abs(term) > Decimal(10) ** -(DIGITS + 5):
+        total, n = total + term, n + 2
+        term = -term * x * x / (n * (n - 1))
+    return total
+
+
+def _cos(x: Decimal) -> Decimal:
+    """1 - 2 sin²(x/2)."""
+    half = _sin(x / 2)
+    return 1 - 2 * half * half
+
+
+_FUNCTIONS: dict[str, Callable[[Decimal], Decimal]] = {
+    "sin": _sin,
+    "cos": _cos,
+    "exp": lambda x: x.exp(),
+    "log": lambda x: x.ln(),
+    "sqrt": lambda x: x.sqrt(),
+}

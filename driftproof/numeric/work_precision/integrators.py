@@ -1,0 +1,203 @@
+"""How a catalogue method runs on a problem: states on the way, evaluations counted, and the calls that are timed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache, partial
+from importlib.util import find_spec
+from itertools import pairwise
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from driftproof.methods.fields import Field, field_source
+from driftproof.methods.program_text import maker
+from driftproof.methods.schemes import Method
+from driftproof.numeric.advance import State, advance, field_rate, float_start
+from driftproof.numeric.clock import clock
+from driftproof.numeric.engine import (
+    BLOCK,
+    FieldRun,
+    compiled_ensemble_runner,
+    compiled_field_runner,
+    ensemble_runner,
+    field_runner,
+    lifted,
+)
+from driftproof.numeric.problems.problem import Problem
+
+# What is timed: one trajectory, compiled and in plain Python, and a state of an ensemble of MEMBERS.
+COMPILED, PYTHON, ENSEMBLE = "compiled", "python", "ensemble"
+KINDS = (COMPILED, PYTHON, ENSEMBLE)
+MEMBERS = BLOCK
+
+# call(steps) -> a function without arguments, one call of which is what is timed: it returns the final state.
+Call: TypeAlias = Callable[[int], Callable[[], State]]
+
+
+@dataclass(frozen=True)
+class Run:
+    """What one run of N steps has: its states at the reference's times that N lands on, and how often it called f."""
+
+    states: Mapping[Fraction, State]
+    evaluations: int
+
+
+@dataclass(frozen=True)
+class Integrator:
+    """A method on a problem.
+
+    `run(steps)` is for errors, and may raise ArithmeticError or ValueError where floats end or stages are not found.
+    `calls` holds what is timed, by kind; one call of ENSEMBLE integrates MEMBERS states, all from the same start.
+    `absent` says why a kind is not there.
+    """
+
+    run: Callable[[int], Run]
+    calls: Mapping[str, Call]
+    absent: Mapping[str, str]
+
+
+def has_numba() -> bool:
+    """True where the extra `fast` is installed."""
+    return find_spec("numba") is not None
+
+
+def integrator(method: Method, problem: Problem, *, compiled: bool = False) -> Integrator:
+    """The method as it runs on the problem; `compiled` also prepares what numba compiles, and takes errors from that.
+
+    Explicit methods run by the program text of their step, implicit ones by Newton's method, in Python only. Raises
+    MethodError with the reason where the method does not apply: a splitting where the problem is of first order.
+    """
+    if not method.explicit:
+        return _implicit(method, problem)
+    return _explicit(method, problem, compiled=compiled)
+
+
+def landed(problem: Problem, steps: int) -> list[tuple[Fraction, int]]:
+    """Those of the reference's times that are whole numbers of steps, and these numbers."""
+    parts = [(t, t / problem.t * steps) for t in problem.reference.times]
+    return [(t, int(part)) for t, part in parts if part.denominator == 1]
+
+
+def _explicit(method: Method, problem: Problem, *, compiled: bool) -> Integrator:
+    fast = compiled and has_numba()
+    plain = field_runner(method, problem.field)
+    runs = {PYTHON: plain, **({COMPILED: compiled_field_runner(method, problem.field)} if fast else {})}
+    best, start = runs.get(COMPILED, plain), float_start(problem)
+
+    def run(steps: int) -> Run:
+        states, y, (h, _) = dict[Fraction, State](), start, clock(problem.t, steps)
+        stops = [(Fraction(0), 0), *landed(problem, steps)]
+        for (_, first), (t, last) in pairwise(stops):
+            y = states[t] = best(y, h, first, last)
+        return Run(states, counted_evaluations(method, problem, steps))
+
+    def call(run: FieldRun, steps: int) -> Callable[[], State]:
+        return partial(run, start, clock(problem.t, steps).h, 0, steps)
+
+    calls: dict[str, Call] = {kind: partial(call, run) for kind, run in runs.items()}
+    absent = {}
+    if compiled and not fast:
+        absent[COMPILED] = "numba is not installed; pip install 'driftproof[fast]'"
+    ensemble = _ensemble(method, problem, fast=fast)
+    if isinstance(ensemble, str):
+        absent[ENSEMBLE] = ensemble
+    else:
+        calls[ENSEMBLE] = ensemble
+    return Integrator(run, calls, absent)
+
+
+def _ensemble(method: Method, problem: Problem, *, fast: bool) -> Call | str:
+    """The call for MEMBERS states, or why there is none."""
+    force = _force_text(problem)
+    if force is None:
+        return "ensembles are of q'' = F(q) with one position and no parameter"
+    run = (compiled_ensemble_runner if fast else ensemble_runner)(method, force)
+    start = float_start(problem)
+
+    def call(steps: int) -> Callable[[], State]:
+        q, v = np.empty(MEMBERS), np.empty(MEMBERS)
+        h = clock(problem.t, steps).h
+
+        def integrate() -> State:
+            q[:], v[:] = start
+            run(q, v, h, steps)
+            return float(q[-1]), float(v[-1])
+
+        return integrate
+
+    return call
+
+
+def _force_text(problem: Problem) -> str | None:
+    """F(q) with {} for q, as `engine.ensemble_runner` reads it."""
+    field = problem.field
+    if not (problem.second_order and len(field.rates) == 2 and field.autonomous) or field.parameters:
+        return None
+    return f"({field.at({'y0': '_q_'})[1].replace('_q_', '{}')})"
+
+
+def _implicit(method: Method, problem: Problem) -> Integrator:
+    start, plain = float_start(problem), advance(method, problem)
+
+    def run(steps: int) -> Run:
+        counted = Counted(field_rate(problem.field))
+        counting, (h, _) = advance(method, problem, counted), clock(problem.t, steps)
+        states, y = dict[Fraction, State](), start
+        stops = [(Fraction(0), 0), *landed(problem, steps)]
+        for (_, first), (t, last) in pairwise(stops):
+            y = states[t] = counting(y, h, first, last)
+        return Run(states, counted.calls)
+
+    def call(steps: int) -> Callable[[], State]:
+        return partial(plain, start, clock(problem.t, steps).h, 0, steps)
+
+    return Integrator(run, {PYTHON: call}, dict.fromkeys((COMPILED, ENSEMBLE), "implicit: in Python only"))
+
+
+class Counted:
+    """A rate that counts its calls, whatever they are for: stages, and Jacobian matrices formed by differences."""
+
+    def __init__(self, rate: Callable[[float, Any], Any]) -> None:
+        """Start at zero calls."""
+        self.rate = rate
+        self.calls = 0
+
+    def __call__(self, t: float, y: Any) -> Any:
+        """rate(t, y), counted."""
+        self.calls += 1
+        return self.rate(t, y)
+
+
+def counted_evaluations(method: Method, problem: Problem, steps: int) -> int:
+    """How often a run of so many steps computes f, or the accelerations, counted on the very text that is run.
+
+    The text is straight and its loop has no exit, so that runs of 1, 2 and 3 steps, in which a function stands where
+    the last rate was and counts, tell those of N.
+    """
+    first, second, third = _counts(method, len(problem.start), problem.second_order)
+    if third - second != second - first:
+        raise ArithmeticError(f"{method.key}: its steps do not call f equally often: {first}, {second}, {third}")
+    return first + (steps - 1) * (second - first)
+
+
+@cache
+def _counts(method: Method, components: int, second_order: bool) -> Sequence[int]:
+    half = components // 2
+    rates = [f"y{half + i}" if second_order and i < half else "-y0" for i in range(components)]
+    source = field_source(method, Field((*rates[:-1], "sin(y0)")))
+    calls = 0
+
+    def counting(x: float) -> float:
+        nonlocal calls
+        calls += 1
+        return x
+
+    run = maker(source.run(), method.key, {"sin": counting})(*[lifted(c, np.float64) for _, c in source.coefficients])
+    totals = [0]
+    for n in (1, 2, 3):
+        run((0.0,) * components, 0.0, 0, n)
+        totals.append(calls)
+    return [after - before for before, after in pairwise(totals)]

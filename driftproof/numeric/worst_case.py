@@ -1,0 +1,252 @@
+"""How close float steps come to their proved bound, and whether one ever exceeds it.
+
+The exact result is computed in a wider type, fast, and the doubt that this leaves is added to every verdict. Let w be
+that type's unit roundoff, n the degree in h and |m| the sum of the result's |monomials|. Rounding each coefficient,
+Horner's rule (two roundings per degree), multiplying by the state and adding the two columns: a monomial passes
+2n + 3 roundings, so with the final subtraction the error found is within (2n + 4) w (|m| + |error found|) of the true
+one; the bound has only non-negative terms and one more sum, so it is within (2n + 4) w of itself. Four more cover the
+arithmetic of the verdict and the products of roundings. The wider type is chosen such that neither underflow nor
+overflow disturbs this. Steps that this does not clear are computed again in integers, as are all where no type is wide
+enough; there nothing is in doubt.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import inf, lcm, nextafter
+from operator import mul
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from driftproof.methods.problems import oscillator
+from driftproof.methods.stepping import Step
+
+Floats: TypeAlias = Any
+Coefficients: TypeAlias = tuple[Fraction, ...]
+Table: TypeAlias = tuple[tuple[Coefficients, Coefficients], tuple[Coefficients, Coefficients]]
+
+BITS = {np.dtype(np.float16): np.uint16, np.dtype(np.float32): np.uint32, np.dtype(np.float64): np.uint64}
+
+
+class Envelope(NamedTuple):
+    """What a step should give, M(h) z, and how far off it may be, E|z| + r: coefficients ascending in h, or in |h|."""
+
+    exact: Table
+    error: Table
+    underflow: tuple[Coefficients, Coefficients]
+
+
+class Ratios(NamedTuple):
+    """Error over bound, the larger of the two components: certainly from `low` to `high`. NaN after an overflow.
+
+    1 is never between them: where it would be, both are the ratio itself, rounded, but not across 1.
+    """
+
+    low: Floats
+    high: Floats
+
+
+@dataclass(frozen=True)
+class Worst:
+    """The largest error over bound that was seen, at step size `h` and `state` (q, v).
+
+    Of the `checked` steps, `overflowed` had no finite result and say nothing, `violations` certainly exceeded the
+    bound, and all others are certainly within it. `ratio` is certain from below.
+    """
+
+    ratio: float
+    h: float
+    state: tuple[float, float]
+    checked: int
+    overflowed: int
+    violations: int
+
+    def merged(self, other: Worst) -> Worst:
+        """Both findings together."""
+        worse = self if self.ratio >= other.ratio else other
+        return Worst(
+            worse.ratio,
+            worse.h,
+            worse.state,
+            self.checked + other.checked,
+            self.overflowed + other.overflowed,
+            self.violations + other.violations,
+        )
+
+
+def error_ratios(step: Step, envelope: Envelope, h: Floats, q: Floats, v: Floats) -> Ratios:
+    """Error over bound of one step from each (q, v) at each h, arrays of one shape and float type."""
+    degree = max(len(c) for c in _all_coefficients(envelope)) - 1
+    with np.errstate(all="ignore"):
+        results = step(oscillator, q, v, h)
+    finite = np.isfinite(results[0]) & np.isfinite(results[1])
+    numbers = [np.where(finite, x, h.dtype.type(0)) for x in (h, q, v, *results)]
+    wide = _wider(h.dtype, degree)
+    if wide is None:
+        low = high = _ratios_in_integers(envelope, numbers)
+    else:
+        low, high = _ratios(envelope, numbers, degree, wide)
+        unclear = (low <= 1) & (high > 1)
+        low[unclear] = high[unclear] = _ratios_in_integers(envelope, [x[unclear] for x in numbers])
+    return Ratios(np.where(finite, low, np.nan), np.where(finite, high, np.nan))
+
+
+def worst_of(ratios: Ratios, h: Floats, q: Floats, v: Floats) -> Worst:
+    """The worst of the steps that had these ratios."""
+    low, high = ratios
+    overflowed = np.isnan(low)
+    worst = int(np.argmax(np.where(overflowed, -np.inf, low)))
+    return Worst(
+        ratio=-np.inf if overflowed.all() else float(low[worst]),
+        h=float(h[worst]),
+        state=(float(q[worst]), float(v[worst])),
+        checked=low.size,
+        overflowed=int(overflowed.sum()),
+        violations=int((high[~overflowed] > 1).sum()),
+    )
+
+
+def exhaust(step: Step, envelope: Envelope, chunks: Iterable[Floats], states: Sequence[tuple[float, float]]) -> Worst:
+    """The worst over all h of all `chunks` (arrays) and all `states`, which must be numbers of the arrays' type."""
+    worst: Worst | None = None
+    for h in chunks:
+        for state in states:
+            q, v = (np.full_like(h, x) for x in state)
+            found = worst_of(error_ratios(step, envelope, h, q, v), h, q, v)
+            worst = worst.merged(found) if worst else found
+    if worst is None:
+        raise ValueError("no step to check: give at least one chunk of h and one state")
+    return worst
+
+
+def every_finite(dtype: Any, chunk: int = 1 << 14) -> Iterator[Floats]:
+    """Every finite number of a 16- or 32-bit float type, in arrays of at most `chunk`, which fit the cache."""
+    bits = BITS[np.dtype(dtype)]
+    patterns = 1 << (8 * np.dtype(dtype).itemsize)
+    for start in range(0, patterns, chunk):
+        numbers = np.arange(start, min(start + chunk, patterns), dtype=np.uint64).astype(bits).view(dtype)
+        if (finite := numbers[np.isfinite(numbers)]).size:
+            yield finite
+
+
+def _ratios(envelope: Envelope, numbers: Sequence[Floats], degree: int, wide: Any) -> Ratios:
+    """The ratios from h, q, v and the two results, all finite, with the arithmetic of `wide`."""
+    *values, q1, v1 = (x.astype(wide) for x in numbers)
+    sizes = [abs(x) for x in values]
+    doubt = np.ldexp(wide.type(2 * degree + 8), -1 - np.finfo(wide).nmant)
+    lows, highs = [], []
+    for i, result in enumerate((q1, v1)):
+        found = abs(result - _linear(envelope.exact[i], values))
+        margin = doubt * (_linear(_absolute(envelope.exact[i]), sizes) + found)
+        bound = _linear(envelope.error[i], sizes) + _horner(envelope.underflow[i], sizes[0])
+        lows.append(_quotient(found - margin, bound * (1 + doubt)))
+        highs.append(_quotient(found + margin, bound * (1 - doubt)))
+    return Ratios(np.maximum(*lows), np.maximum(*highs))
+
+
+def _ratios_in_integers(envelope: Envelope, numbers: Sequence[Floats]) -> Floats:
+    """The ratios themselves, rounded to binary64 but never across 1."""
+    exact = [_Linear.of((*row, ())) for row in envelope.exact]
+    bounds = [_Linear.of((*row, free)) for row, free in zip(envelope.error, envelope.underflow, strict=True)]
+    ratios = []
+    for point in zip(*(x.tolist() for x in numbers), strict=True):
+        *values, q1, v1 = (x.as_integer_ratio() for x in point)
+        sizes = [(abs(numerator), denominator) for numerator, denominator in values]
+        rows = zip((q1, v1), exact, bounds, strict=True)
+        ratios.append(max(_ratio(result, m.at(*values), bound.at(*sizes)) for result, m, bound in rows))
+    return np.array(ratios, dtype=np.float64)
+
+
+Rational: TypeAlias = tuple[int, int]
+
+
+class _Linear(NamedTuple):
+    """a(h) q + b(h) v + c(h) in integers: three rows of numerators of one length, and their common denominator."""
+
+    rows: list[list[int]]
+    denominator: int
+
+    @staticmethod
+    def of(polynomials: tuple[Coefficients, Coefficients, Coefficients]) -> _Linear:
+        length = max(map(len, polynomials))
+        denominator = lcm(*(c.denominator for p in polynomials for c in map(Fraction, p)))
+        rows = [[int(c * denominator) for c in p] + [0] * (length - len(p)) for p in polynomials]
+        return _Linear(rows, denominator)
+
+    def at(self, h: Rational, q: Rational, v: Rational) -> Rational:
+        degree = len(self.rows[0]) - 1
+        powers = [h[0] ** j * h[1] ** (degree - j) for j in range(degree + 1)]
+        a, b, c = (sum(map(mul, row, powers)) for row in self.rows)
+        numerator = a * q[0] * v[1] + b * v[0] * q[1] + c * q[1] * v[1]
+        return numerator, self.denominator * h[1] ** max(degree, 0) * q[1] * v[1]
+
+
+def _ratio(result: Rational, exact: Rational, bound: Rational) -> float:
+    numerator = abs(result[0] * exact[1] - exact[0] * result[1]) * bound[1]
+    denominator = result[1] * exact[1] * bound[0]
+    if numerator <= denominator:
+        return numerator / denominator if denominator else 0.0
+    if denominator == 0 or numerator >> 1000 > denominator:
+        return inf
+    return max(numerator / denominator, nextafter(1.0, inf))
+
+
+def _wider(dtype: Any, degree: int) -> Any:
+    """A type in which steps of `dtype` can be checked, None where there is no such float type.
+
+    Its normal range must hold |h|**degree |q| eta, so degree + 2 times the exponent of the smallest subnormal; that the
+    largest numbers stay in range follows, their exponents being smaller.
+    """
+    narrow = np.finfo(dtype)
+    reach = (degree + 2) * -int(np.log2(narrow.smallest_subnormal))
+    for wide in (np.finfo(np.float64), np.finfo(np.longdouble)):
+        if wide.nmant >= narrow.nmant + 11 and -wide.minexp >= reach:
+            return wide.dtype
+    return None
+
+
+def _constant(c: Fraction, like: Floats) -> Any:
+    """`c` in the type of `like`, rounded once: an integer of as many bits as that type holds, exactly scaled."""
+    if c == 0:
+        return like.dtype.type(0)
+    exponent = abs(c.numerator).bit_length() - c.denominator.bit_length()
+    exponent -= abs(c) < Fraction(2) ** exponent
+    shift = np.finfo(like.dtype).nmant - exponent
+    return np.ldexp(like.dtype.type(round(c * Fraction(2) ** shift)), -shift)
+
+
+def _horner(coefficients: Coefficients, h: Floats) -> Any:
+    """The polynomial at h, an array; its constant, not an array, where it is one."""
+    if not coefficients:
+        return 0
+    total = _constant(coefficients[-1], h)
+    for c in reversed(coefficients[:-1]):
+        total = total * h
+        if c != 0:
+            total = total + _constant(c, h)
+    return total
+
+
+def _linear(row: tuple[Coefficients, Coefficients], values: Sequence[Floats]) -> Floats:
+    h, q, v = values
+    return _horner(row[0], h) * q + _horner(row[1], h) * v
+
+
+def _absolute(row: tuple[Coefficients, Coefficients]) -> tuple[Coefficients, Coefficients]:
+    return tuple(abs(c) for c in row[0]), tuple(abs(c) for c in row[1])
+
+
+def _quotient(error: Floats, bound: Floats) -> Floats:
+    """error / bound, with 0 for no error and infinity for any other where the bound is 0."""
+    ratio = error / np.where(bound == 0, 1, bound)
+    return np.where(bound == 0, np.where(error > 0, np.inf, 0.0), ratio)
+
+
+def _all_coefficients(envelope: Envelope) -> Iterator[Coefficients]:
+    for table in (envelope.exact, envelope.error):
+        for row in table:
+            yield from row
+    yield from envelope.underflow

@@ -1,0 +1,149 @@
+"""The panel of stability: per method the exact limit, the verdict proved at the scene's own h, and how powers grow."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import ceil, floor
+
+from flint import arb, ctx
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.numeric.scenes import Scene
+from driftproof.reports.page.axes import Scale, ten_to, ticks
+from driftproof.reports.page.figure import Figure, table
+from driftproof.reports.page.svg import Axis, Plot, frame
+from driftproof.symbolic.algebra.certified import FIRST_BITS, Exact, enclose, significant
+from driftproof.symbolic.algebra.polynomials import evaluate, scalar, sign
+from driftproof.symbolic.algebra.real_roots import ZERO, rational_root
+from driftproof.symbolic.linear.bounded_powers import boundary_of, is_bounded
+from driftproof.symbolic.linear.facts import LinearFacts
+from driftproof.symbolic.linear.limits import Infinity, Limit, data, smallest
+from driftproof.symbolic.linear.spectral_radius import spectral_radius
+from driftproof.symbolic.n_steps import as_balls, exact_matrix_at, power
+
+WIDE = frame(346, 228)
+# How long powers are followed, in lengths of the scene, and at how many places.
+LENGTHS, PLACES = 10, 200
+# Methods beyond these share colours and dashes.
+STYLES = 6
+LIMIT_DIGITS, GROWTH_DIGITS = 10, 3
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What is proved of the powers of M(h) at one h: `bounded`, and `growth`, the spectral radius minus 1.
+
+    `limit` is the largest H with bounded powers for every h in (0, H).
+    """
+
+    key: str
+    limit: Limit
+    bounded: bool
+    growth: Exact
+
+
+def verdict(key: str, h: Fraction) -> Verdict:
+    """The verdict on the method `key` at this very h. Raises ValueError at a pole of M(h)."""
+    facts = LinearFacts(METHODS[key])
+    growth = spectral_radius(exact_matrix_at(facts.method, h))
+    bounded = is_bounded(boundary_of(facts.matrix), lambda p: sign(evaluate(p, scalar(h))))
+    return Verdict(key, facts.imaginary_limit, bounded, _less_one(growth))
+
+
+def _less_one(x: Exact) -> Exact:
+    return x - 1 if isinstance(x, Fraction) else lambda: enclose(x) - 1
+
+
+def verdicts_table(scene: Scene, verdicts: Sequence[Verdict]) -> str:
+    """A row for each method: its limit, exact and in decimals, where h is beside it, the verdict, and max |λ| - 1."""
+    rows = [
+        [
+            "Method",
+            "Bounded for h below",
+            "that is",
+            f"h = {scene.h} is",
+            "powers at this h",
+            "max\u00a0|λ|\u00a0−\u00a01",
+        ]
+    ]
+    for found in verdicts:
+        limit, decimal = _limit(found.limit)
+        growth = significant(found.growth, GROWTH_DIGITS)
+        powers = "bounded" if found.bounded else "unbounded"
+        rows.append([METHODS[found.key].title, limit, decimal, beside(found.limit, scene.h), powers, growth])
+    return table(rows, f"Decided exactly, for M(h) on the oscillator at h = {scene.h}", "verdicts")
+
+
+def _limit(limit: Limit) -> tuple[str, str]:
+    if isinstance(limit, Infinity) or limit == ZERO:
+        return ("all h" if isinstance(limit, Infinity) else "none"), "–"
+    known = data(limit, LIMIT_DIGITS)
+    assert not isinstance(known, str)
+    radicals, decimal = known["exact"], known["decimal"]
+    words = radicals or f"a root of degree {len(limit.minimal) - 1}"
+    return words, radicals if words.isdigit() else decimal
+
+
+def beside(limit: Limit, h: Fraction) -> str:
+    """Where h is beside the limit, decided exactly; limits are about h > 0."""
+    if h < 0:
+        return "backwards"
+    if isinstance(limit, Infinity):
+        return "below"
+    if limit == ZERO:
+        return "above"
+    step = rational_root(h)
+    return "at the limit" if limit == step else "below" if smallest([limit, step]) == step else "above"
+
+
+def growth_figure(scene: Scene, verdicts: Sequence[Verdict], identity: str) -> Figure:
+    """‖Mⁿ‖ over n, in decades: the root mean square of |Mⁿz|/|z| over all directions of z, from M exact."""
+    end = max(LENGTHS * scene.steps, 1)
+    counts = sorted({end * i // PLACES for i in range(PLACES + 1)})
+    curves = {found.key: _growth(found.key, scene.h, counts) for found in verdicts}
+    values = [value for curve in curves.values() for _, value in curve]
+    low, high = Fraction(floor(min(values))), Fraction(ceil(max(values)))
+    low, high = (low, high) if high - low >= 2 else (Fraction(-1), Fraction(1))
+    decades = ticks(low, high)
+    x = Scale(Fraction(0), Fraction(end), *WIDE[0])
+    plot = Plot(
+        Axis(x, "steps n", ticks(x.low, x.high)),
+        Axis(Scale(low, high, *WIDE[1]), "growth after n steps", decades, [ten_to(int(tick)) for tick in decades]),
+    )
+    for i, curve in enumerate(curves.values()):
+        plot.line(curve, f"path m{i % STYLES}")
+    ends = [f"{METHODS[key].title} {10 ** curve[-1][1]:.3g}" for key, curve in curves.items() if curve[-1][1] < 300]
+    return Figure(
+        identity=f"{identity}-growth",
+        kind="wide",
+        title=f"Growth of the powers at h = {scene.h}",
+        description=f"Size of the n-th power of the one-step matrix, n from 0 to {end}, logarithmic axis from "
+        f"{ten_to(int(low))} to {ten_to(int(high))}. At the end: {', '.join(ends)}.",
+        plot=plot,
+        legend=[(f"line path m{i % STYLES}", METHODS[key].title) for i, key in enumerate(curves)],
+        note=f"{LENGTHS} times as many steps as the scene has. A line that keeps climbing is an unbounded method's.",
+        data=_data(counts, curves),
+        data_title="Growth, as powers of ten",
+    )
+
+
+def _growth(key: str, h: Fraction, counts: Sequence[int]) -> list[tuple[float, float]]:
+    """(n, log₁₀ ‖Mⁿ‖/√2 in the norm of Frobenius), as long as the power is not zero to FIRST_BITS."""
+    matrix, found = exact_matrix_at(METHODS[key], h), []
+    with ctx.workprec(FIRST_BITS):
+        balls = as_balls(matrix)
+        for n in counts:
+            size = sum((x * x for x in power(balls, n)), arb(0)) / 2
+            if not size > 0:
+                break
+            found.append((float(n), float((size.log() / arb(10).log() / 2).mid())))
+    return found
+
+
+def _data(counts: Sequence[int], curves: dict[str, list[tuple[float, float]]]) -> list[list[str]]:
+    header = ["n", *(METHODS[key].title for key in curves)]
+    columns = [[f"{value:z.4f}" for _, value in curve] for curve in curves.values()]
+    rows = [[str(n), *(column[i] if i < len(column) else "0" for column in columns)] for i, n in enumerate(counts)]
+    return [header, *rows[:: max(1, len(rows) // 20)]]

@@ -1,0 +1,181 @@
+"""The figures of a run: position over time, and the phase plane at equal scales, beside the exact motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from math import hypot
+from typing import Any
+
+import numpy as np
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.numeric.readouts import State, exact_state
+from driftproof.numeric.scenes import Scene
+from driftproof.reports.page.axes import Scale, label, symmetric_limit, ticks
+from driftproof.reports.page.figure import Figure, details, table
+from driftproof.reports.page.svg import Axis, Plot, frame
+from driftproof.reports.page.thinning import extremes_by_column, moved, spread
+
+COLUMNS = 346
+WIDE, SQUARE = frame(COLUMNS, 228), frame(264, 264)
+# More samples than this are drawn without dots, which would cover the line; more than this many marks, thinned.
+MOST_DOTS, MOST_MARKS = 400, 4000
+MOST_ROWS = 200
+DOTTED, LINE = "dotted samples", "line samples path"
+# Points of the exact curve: a chord over 1/24 radian is off the circle by 2e-4 of its radius.
+PER_RADIAN, MOST_CURVE_POINTS = 24, 10**6
+
+
+@dataclass(frozen=True)
+class Run:
+    """The samples of a method in a scene: times of shape (N + 1), states of shape (N + 1, 2); `identity` begins ids."""
+
+    scene: Scene
+    key: str
+    times: Any
+    states: Any
+    identity: str
+
+    @property
+    def start(self) -> State:
+        """The start, in floats."""
+        q, v = map(float, self.scene.start)
+        return q, v
+
+    @property
+    def radius(self) -> float:
+        """The distance from the origin that the exact motion keeps."""
+        return hypot(*self.start)
+
+    @property
+    def exact(self) -> Any:
+        """The exact states at the times of the samples, of shape (N + 1, 2)."""
+        return np.column_stack(exact_state(self.start, self.times))
+
+    @property
+    def thin(self) -> bool:
+        """True where not every sample has a mark of its own."""
+        return len(self.times) > MOST_DOTS
+
+    @property
+    def method(self) -> str:
+        """The title of the method."""
+        return METHODS[self.key].title
+
+    def data(self, component: int) -> list[list[str]]:
+        """Step, time, computed and exact value of the samples; of a long run, of at most MOST_ROWS and one of them."""
+        name, kept = "qv"[component], spread(len(self.times), MOST_ROWS)
+        columns = (kept, self.times[kept], self.states[kept, component], self.exact[kept, component])
+        rows = [[str(i), f"{t:.6g}", _number(x), _number(y)] for i, t, x, y in zip(*columns, strict=True)]
+        return [["step", "t", f"computed {name}", f"exact {name}"], *rows]
+
+    def table(self) -> str:
+        """The samples of a scene that asks for them but for no figure."""
+        titles = (f"Positions, {self.method}", f"Velocities, {self.method}")
+        return "".join(details(title, table(self.data(i), title)) for i, title in enumerate(titles))
+
+
+def position(run: Run) -> Figure:
+    """q against t: samples joined by straight segments, the exact curve dashed. The q axis ends just beyond both."""
+    reach = symmetric_limit(Fraction(max(run.radius, float(np.abs(run.states[:, 0]).max()))))
+    low, high = sorted((Fraction(0), run.scene.t)) if run.scene.t else (Fraction(0), Fraction(1))
+    plot = Plot(_axis(low, high, WIDE[0], "time t"), _axis(-reach, reach, WIDE[1], "position q"))
+    kept = extremes_by_column(run.states[:, 0], COLUMNS) if run.thin else np.arange(len(run.times))
+    samples = list(zip(run.times[kept], run.states[kept, 0], strict=True))
+    dense = " dense" if run.thin else ""
+    plot.line(samples, f"samples path{dense}")
+    plot.line(_exact_curve(run), f"exact path{dense}")
+    if not run.thin:
+        plot.dots(samples, "samples dots")
+    return Figure(
+        identity=f"{run.identity}-position",
+        kind="wide",
+        title=f"Position against time: {run.method}",
+        description=f"Position q from t = 0 to {run.scene.t}, axis from {label(-reach)} to {label(reach)}. "
+        f"Dashed: the exact motion. {_joined(run)} The run ends at q = {_number(run.states[-1, 0])}, "
+        f"the exact motion at q = {_number(run.exact[-1, 0])}.",
+        plot=plot,
+        legend=[("line exact path", "exact"), (LINE if run.thin else DOTTED, "computed")],
+        note=f"{len(run.times) - 1} steps; the segments only join what was computed."
+        + (" Of each column the extremes are drawn." if run.thin else ""),
+        data=run.data(0),
+        data_title=f"Positions, {run.method}",
+    )
+
+
+def phase_plane(run: Run) -> Figure:
+    """v against q at one scale for both axes, with the exact circle dashed and the two final states marked apart."""
+    reach = symmetric_limit(Fraction(max(run.radius, float(np.abs(run.states).max()))))
+    plot = Plot(_axis(-reach, reach, SQUARE[0], "position q"), _axis(-reach, reach, SQUARE[1], "velocity v"))
+    mark, drawn = _draw_path(plot, run, float(2 * reach / (SQUARE[0][1] - SQUARE[0][0])))
+    plot.circle(run.radius, "exact path")
+    if not run.thin:
+        plot.dots(map(tuple, run.states), "samples dots")
+    computed, exact = run.states[-1], run.exact[-1]
+    plot.disc(tuple(exact), 6, "exact end", f"exact final state {_pair(exact)}")
+    plot.disc(tuple(computed), 4, "samples end", f"computed final state {_pair(computed)}")
+    return Figure(
+        identity=f"{run.identity}-phase_plane",
+        kind="square",
+        title=f"Phase plane: {run.method}",
+        description=f"Velocity v against position q, both axes from {label(-reach)} to {label(reach)} at one scale. "
+        f"Dashed: the exact path, a circle of radius {_number(run.radius)}, run {_sense(run)}. {drawn} "
+        f"Open ring: the exact final state {_pair(exact)}. Solid disc: the computed final state {_pair(computed)}.",
+        plot=plot,
+        legend=[
+            ("line exact path", "exact"),
+            (mark, "computed"),
+            ("end exact end", "exact end"),
+            ("end samples end", "computed end"),
+        ],
+        note=f"One scale for both axes: the circle is round, and its radius is {_number(run.radius)}.",
+        data=run.data(1),
+        data_title=f"Velocities, {run.method}",
+    )
+
+
+def _axis(low: Fraction, high: Fraction, places: tuple[Fraction, Fraction], name: str) -> Axis:
+    return Axis(Scale(low, high, *places), name, ticks(low, high))
+
+
+def _exact_curve(run: Run) -> list[tuple[float, float]]:
+    turned = abs(float(run.scene.t)) * PER_RADIAN
+    fine = np.linspace(0, float(run.scene.t), int(min(max(turned, PER_RADIAN), MOST_CURVE_POINTS)) + 1)
+    q = exact_state(run.start, fine)[0]
+    kept = extremes_by_column(q, COLUMNS)
+    return list(zip(fine[kept], q[kept], strict=True))
+
+
+def _draw_path(plot: Plot, run: Run, pixel: float) -> tuple[str, str]:
+    """The samples joined; of a long run those a pixel apart; where they are too many still, some specks, not joined.
+
+    Returns the mark for the legend, and what has been drawn in words.
+    """
+    if not run.thin:
+        plot.line(map(tuple, run.states), "samples path")
+        return DOTTED, _joined(run)
+    kept = moved(run.states, pixel)
+    if len(kept) <= MOST_MARKS:
+        plot.line(map(tuple, run.states[kept]), "samples path")
+        return LINE, _joined(run)
+    kept = spread(len(run.states), MOST_MARKS)
+    plot.dots(map(tuple, run.states[kept]), "samples specks")
+    return "line samples specks", f"Specks: {len(kept)} of {len(run.states)} computed samples, not joined."
+
+
+def _joined(run: Run) -> str:
+    marks = "Solid" if run.thin else "Dots on a solid line"
+    return f"{marks}: {len(run.times)} computed samples, joined by straight segments."
+
+
+def _sense(run: Run) -> str:
+    return "clockwise" if run.scene.t >= 0 else "anticlockwise"
+
+
+def _number(x: float) -> str:
+    return f"{x:z.6g}" if abs(x) >= 10**6 else f"{x:z.6f}"
+
+
+def _pair(state: Any) -> str:
+    return f"({_number(state[0])}, {_number(state[1])})"

@@ -1,0 +1,175 @@
+"""The panel of error against work: a scene's methods at its own step, halved and doubled, and their orders."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import ceil, floor, isfinite, log10
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.numeric.problems.linear import HARMONIC
+from driftproof.numeric.problems.problem import EXACT, Problem, Reference
+from driftproof.numeric.scenes import Scene
+from driftproof.numeric.work_precision.curves import Curve, Point, curves
+from driftproof.reports.page.axes import Scale, ten_to, ticks
+from driftproof.reports.page.figure import Figure, table
+from driftproof.reports.page.stability import STYLES
+from driftproof.reports.page.svg import Axis, Plot, frame
+from driftproof.support.plain_text import short
+from driftproof.symbolic.algebra.certified import significant
+from driftproof.symbolic.oscillator_run import OscillatorRun
+
+WIDE = frame(346, 228)
+# Steps are halved down to COARSEST of them for the whole interval, and doubled up to FINEST, implicit ones, which are
+# solved in Python, to FINEST_IMPLICIT of them.
+COARSEST, FINEST, FINEST_IMPLICIT = 5, 10_000, 600
+REFERENCE_DIGITS = 30
+# Errors to be reached, as powers of ten.
+GOALS = (-3, -6)
+
+
+def work_curves(scene: Scene) -> list[Curve]:
+    """The curve of each method of the scene, at numbers of steps that are the scene's own, halved and doubled.
+
+    Raises ValueError for a scene that runs backwards or nowhere, which has no problem to be solved.
+    """
+    if scene.t <= 0:
+        raise ValueError(f"scene {scene.name!r}: work is compared up to a t above 0")
+    problem, found = problem_of(scene), list[Curve]()
+    for key in scene.every_method:
+        found += curves(problem, [key], ladder(scene.steps, FINEST if METHODS[key].explicit else FINEST_IMPLICIT))
+    return found
+
+
+def ladder(steps: int, finest: int = FINEST) -> list[int]:
+    """N/2ᵏ while that is whole and COARSEST or more, N itself, and 2ᵏN up to `finest`."""
+    down = [steps]
+    while down[-1] % 2 == 0 and down[-1] // 2 >= COARSEST:
+        down.append(down[-1] // 2)
+    up = [steps << k for k in range(1, finest.bit_length()) if steps << k <= finest]
+    return [*reversed(down), *up]
+
+
+def problem_of(scene: Scene) -> Problem:
+    """The oscillator from the scene's start to its t, where the exact state is certified to REFERENCE_DIGITS."""
+    exact = OscillatorRun(METHODS[scene.selected], scene.h, scene.t, scene.start).exact_state
+    q, v = (significant(x, REFERENCE_DIGITS) for x in exact)
+    reference = Reference((scene.t,), ((q, v),), EXACT, "the closed form, certified in balls")
+    return Problem(
+        key="scene",
+        title=HARMONIC.title,
+        field=HARMONIC.field,
+        start=scene.start,
+        reference=reference,
+        source=HARMONIC.source,
+        second_order=True,
+        matrix=HARMONIC.matrix,
+    )
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What an error has cost: the name of the figure in ids, its title, its axis, and the cost of a point, None where
+    there is none.
+    """
+
+    name: str
+    title: str
+    axis: str
+    note: str
+    of: Callable[[Curve, Point], float | None]
+    shown: Callable[[float], str]
+
+
+CALLS = Cost(
+    name="work",
+    title="Error against work",
+    axis="calls of the acceleration",
+    note="Along a line each point has half the step of the one before.",
+    of=lambda curve, point: point.evaluations,
+    shown=str,
+)
+
+
+def cost_figure(scene: Scene, found: Sequence[Curve], cost: Cost, identity: str) -> Figure:
+    """Error at t against cost, both logarithmic; a ring around the points at the scene's own h."""
+    places = {curve.key: _places(curve, cost) for curve in found}
+    every = [place for points in places.values() for place in points.values()] or [(0.0, 0.0)]
+    x, y = (_decades([place[i] for place in every], WIDE[i]) for i in (0, 1))
+    plot = Plot(Axis(x[0], cost.axis, *x[1:]), Axis(y[0], "error at the end", *y[1:]))
+    for i, curve in enumerate(found):
+        points = places[curve.key]
+        if points:
+            plot.line(points.values(), f"path m{i % STYLES}")
+            plot.dots(points.values(), f"dots m{i % STYLES}")
+        if scene.steps in points:
+            plot.disc(points[scene.steps], 6, f"own m{i % STYLES}", f"{curve.title} at h = {scene.h}")
+    return Figure(
+        identity=f"{identity}-{cost.name}",
+        kind="wide",
+        title=cost.title,
+        description=f"Distance from the exact state at t = {scene.t} against {cost.axis}, both axes logarithmic. "
+        f"Rings: h = {scene.h}. {' '.join(_sentence(curve, cost) for curve in found)}",
+        plot=plot,
+        legend=[(f"line path m{i % STYLES}", curve.title) for i, curve in enumerate(found)],
+        note=f"Ringed: h = {scene.h}. {cost.note}",
+        data=_data(found, cost),
+        data_title=f"Error and {cost.axis}",
+    )
+
+
+def _paid(curve: Curve, cost: Cost) -> list[tuple[Point, float]]:
+    """The points that have a place on logarithmic axes, each with its cost."""
+    known = [(point, cost.of(curve, point)) for point in curve.points if 0 < point.error and isfinite(point.error)]
+    return [(point, spent) for point, spent in known if spent]
+
+
+def _places(curve: Curve, cost: Cost) -> dict[int | None, tuple[float, float]]:
+    """log₁₀ of cost and error, by the number of steps."""
+    return {point.steps: (log10(spent), log10(point.error)) for point, spent in _paid(curve, cost)}
+
+
+def _decades(values: Sequence[float], places: tuple[Fraction, Fraction]) -> tuple[Scale, list[Fraction], list[str]]:
+    """A scale of whole decades around the values, at least two of them, with ticks at powers of ten."""
+    low, high = floor(min(values)), ceil(max(values))
+    high = max(high, low + 2)
+    at = ticks(Fraction(low), Fraction(high))
+    return Scale(Fraction(low), Fraction(high), *places), at, [ten_to(int(tick)) for tick in at]
+
+
+def _sentence(curve: Curve, cost: Cost) -> str:
+    paid = _paid(curve, cost)
+    if not paid:
+        return f"{curve.title}: none."
+    words = [f"{short(point.error)} at {cost.shown(spent)}" for point, spent in (paid[0], paid[-1])]
+    return f"{curve.title}: from {words[0]} to {words[1]}."
+
+
+def work_table(found: Sequence[Curve]) -> str:
+    """A row for each method: the order claimed and measured, and the fewest evaluations seen to reach each goal."""
+    header = ["Method", "order", "measured", *(f"calls for {ten_to(goal)}" for goal in GOALS)]
+    rows = []
+    for curve in found:
+        if curve.refused:
+            rows.append([curve.title, curve.refused, *[""] * (len(header) - 2)])
+            continue
+        order = curve.order
+        measured = f"{order.median:.3f} ({order.least:.3f} to {order.largest:.3f})" if order else "–"
+        rows.append([curve.title, str(curve.claimed_order), measured, *(_fewest(curve, 10.0**goal) for goal in GOALS)])
+    return table([header, *rows], "Orders, and the least work seen", "orders")
+
+
+def _fewest(curve: Curve, goal: float) -> str:
+    enough = [point.evaluations for point in curve.points if 0 <= point.error <= goal and point.evaluations]
+    return str(min(enough)) if enough else "not reached"
+
+
+def _data(found: Sequence[Curve], cost: Cost) -> list[list[str]]:
+    rows = [["Method", "steps", cost.axis, "error"]]
+    for curve in found:
+        for point in curve.points:
+            spent = cost.of(curve, point)
+            shown = "–" if spent is None else cost.shown(spent)
+            rows.append([curve.title, str(point.steps), shown, point.remark or short(point.error)])
+    return rows

@@ -1,0 +1,188 @@
+"""Rounding, answered: the bound that a step's own program gives, and the error budget of one float run."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any
+
+from driftproof.methods.catalogue import method_named
+from driftproof.methods.problems import oscillator
+from driftproof.methods.rationals import step_count
+from driftproof.numeric.run import Counter, demand_few, integrate, nearest_double
+from driftproof.numeric.steppers import HAND_WRITTEN, float_stepper
+from driftproof.support.plain_text import table
+from driftproof.symbolic.algebra.certified import AWAY, Exact, enclose
+from driftproof.symbolic.linear.oscillator import one_step_matrix
+from driftproof.symbolic.n_steps import exact_matrix_at
+from driftproof.symbolic.rounding.error_of_run import ErrorOfRun
+from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
+from driftproof.symbolic.rounding.n_steps import HypothesisFails, run_bound
+from driftproof.symbolic.rounding.sharp import sharp_bound
+from driftproof.symbolic.rounding.step import StepBound, step_bound
+from driftproof.symbolic.rounding.text import first_order_text, format_text, full_text
+from driftproof.symbolic.rounding.trace import Subject, program_of
+from driftproof.texts.writing.answers import Answer, number
+
+# Bounds are quoted, not compared: few digits say enough.
+BOUND_DIGITS = 6
+# What the rows of a table are about: `as_held` is there only for a program that rounds coefficients.
+ROWS = {"plain": "plain", "sharp": "sharp", "as_held": "as held"}
+
+
+def roundoff_answer(key: str, steps: Sequence[Fraction], fmt: FloatFormat = BINARY64) -> Answer:
+    """The rounding bound of one step of the catalogue method `key`, as formulas and at each h of `steps`.
+
+    Binary64 takes the program that float runs use, hand-written where there is one; other formats the generic step,
+    with its coefficients rounded to the format. All bounds are about the definition's exact M(h), the rounding of the
+    coefficients included, but for `as_held`: the sharp bound about the polynomial with the coefficients that the
+    program holds. Where it holds them all exactly, there is no such row.
+    """
+    method = method_named(key)
+    subject = _program(key) if fmt == BINARY64 else method
+    bound = step_bound(subject, fmt)
+    return {
+        "method": key,
+        "title": method.title,
+        "program": "generic" if subject is method else "hand-written",
+        "format": format_text(bound),
+        "first_order": first_order_text(bound),
+        "full": full_text(bound),
+        "rounds_coefficients": bound.rounds_constants,
+        "differences_from_definition": bound.differences(one_step_matrix(method)),
+        "at": [_at(key, subject, bound, fmt.nearest(h)) for h in steps],
+    }
+
+
+def _program(key: str) -> Subject:
+    """What a binary64 run of `key` executes: the hand-written step, or the definition with its coefficients rounded."""
+    return HAND_WRITTEN.get(key) or method_named(key)
+
+
+def _at(key: str, subject: Any, bound: StepBound, h: Fraction) -> Answer:
+    bounds = {"plain": bound.at(h), "sharp": sharp_bound(subject, h, bound.format).linear}
+    if bound.rounds_constants:
+        bounds["as_held"] = sharp_bound(program_of(method_named(key), bound.format), h, bound.format).linear
+    rows = {name: [_in_units(x, bound.format) for row in linear.error for x in row] for name, linear in bounds.items()}
+    return {"h": str(h), **rows, "per_step": _per_step(subject, h, bound.format)}
+
+
+def _in_units(bound: Fraction, fmt: FloatFormat) -> Answer | None:
+    return number(bound / fmt.u, BOUND_DIGITS, AWAY, unit="u")
+
+
+def _per_step(subject: Any, h: Fraction, fmt: FloatFormat) -> Answer:
+    """C(h), the growth of the error per step in the step's own norm, from which the theorem on N steps starts."""
+    try:
+        theorem = run_bound(subject, h, 1, (Fraction(1), Fraction(0)), fmt)
+    except HypothesisFails as reason:
+        return {"c": None, "reason": str(reason)}
+    norm = theorem.norm
+    return {
+        "c": _in_units(theorem.growth, fmt),
+        "norm": {"q2": str(norm.qq), "qv": str(norm.qv), "v2": str(norm.vv)},
+        "rho_squared": str(norm.rho_squared),
+    }
+
+
+def budget_answer(
+    key: str,
+    h: Fraction,
+    t: Fraction,
+    start: tuple[Fraction, Fraction],
+    digits: int,
+    rounding: str,
+    counter: Counter,
+) -> Answer:
+    """The error of one binary64 run, truncation and rounding apart, each certified, beside the theorem's bound.
+
+    The run uses the double nearest to h, and the state is compared at N times that double: what is reported is
+    the error of the numbers that the program really has.
+    """
+    method, steps = method_named(key), step_count(t, h)
+    demand_few(steps)
+    size, *state = (nearest_double(x, name) for x, name in ((h, "h"), (start[0], "q"), (start[1], "v")))
+    exact_h, exact_start = Fraction(size), (Fraction(state[0]), Fraction(state[1]))
+    final = integrate(float_stepper(key), oscillator, (state[0], state[1]), size, steps, counter=counter)
+    reached = (Fraction(final[0]), Fraction(final[1]))
+    error = ErrorOfRun(exact_matrix_at(method, exact_h), exact_h, steps, exact_start, reached)
+    return {
+        "h_run": str(exact_h) if exact_h == h else f"{size!r} (the double nearest to {h})",
+        "final_state": [repr(x) for x in final],
+        "state_error": number(error.total, digits, rounding),
+        "truncation": number(error.truncation, digits, rounding),
+        "rounding": number(error.rounding, digits, rounding),
+        "rounding_in_u": number(_in_u(error.rounding), BOUND_DIGITS, unit="u"),
+        "bound": _theorem(key, exact_h, steps, exact_start),
+    }
+
+
+def _in_u(value: Exact) -> Exact:
+    return value / BINARY64.u if isinstance(value, Fraction) else lambda: enclose(value) / enclose(BINARY64.u)
+
+
+def _theorem(key: str, h: Fraction, steps: int, start: tuple[Fraction, Fraction]) -> Answer:
+    try:
+        bound = run_bound(_program(key), h, steps, start).euclidean
+    except HypothesisFails as reason:
+        return {"value": None, "reason": str(reason)}
+    return {
+        "value": number(bound, BOUND_DIGITS, AWAY),
+        "in_u": _in_units(bound, BINARY64),
+    }
+
+
+def roundoff_text(answer: Answer) -> str:
+    """The answer of `driftproof roundoff`: formulas first, then the numbers at each h asked for."""
+    parts = [
+        f"{answer['title']} ({answer['method']}), {answer['program']} step, {answer['format']}",
+        "To first order in u, for h >= 0:\n" + "\n".join(f"  {line}" for line in answer["first_order"]),
+        "In full, |dz| <= E(h)|z| + r(h):\n" + "\n".join(f"  {line}" for line in answer["full"]),
+    ]
+    parts.append(_about(answer))
+    if any(_DECIMAL.search(line) for line in (*answer["first_order"], *answer["full"])):
+        parts.append("Decimals in the formulas stand for fractions too long to read, and are rounded up.")
+    return "\n\n".join([*parts, *(_at_text(at) for at in answer["at"])])
+
+
+_DECIMAL = re.compile(r"\d\.\d")
+
+
+def _about(answer: Answer) -> str:
+    """What the bounds are about: whose polynomial the program evaluates."""
+    different = answer["differences_from_definition"]
+    if different:
+        return "\n".join(["The program is NOT the definition:", *different])
+    if not answer["rounds_coefficients"]:
+        return "The program's polynomial is the definition's."
+    return (
+        "The program's polynomial is the definition's, with rounded coefficients. All bounds are about the\n"
+        'definition; only "as held" is about the polynomial with the coefficients that the program holds.'
+    )
+
+
+def _at_text(at: Answer) -> str:
+    rows = [["", "|dq| per |q|", "|dq| per |v|", "|dv| per |q|", "|dv| per |v|"]]
+    rows += [[label, *(_with_unit(x) for x in at[name])] for name, label in ROWS.items() if name in at]
+    step = at["per_step"]
+    growth = f"c(h) = {_with_unit(step['c'])}" if step["c"] else f"no c(h): {step['reason']}"
+    return f"At h = {at['h']}, {growth}\n{table(rows, right=(1, 2, 3, 4))}"
+
+
+def budget_text(budget: Answer) -> str:
+    """The error budget of `driftproof run --budget`, under the certified answers."""
+    bound = budget["bound"]
+    proved = _with_unit(bound["in_u"]) if bound["value"] else f"none: {bound['reason']}"
+    rows = [
+        ["float final state", ", ".join(budget["final_state"]), ""],
+        ["state error", budget["state_error"]["decimal"], "at most truncation + rounding"],
+        ["= truncation", budget["truncation"]["decimal"], "what the method would do in exact arithmetic"],
+        ["+ rounding", budget["rounding"]["decimal"], f"= {_with_unit(budget['rounding_in_u'])}"],
+        ["proved bound", bound["value"]["decimal"] if bound["value"] else "", f"on the rounding: {proved}"],
+    ]
+    return f"Budget of the binary64 run with h = {budget['h_run']}\n\n{table(rows)}"
+
+
+def _with_unit(x: Answer) -> str:
+    return f"{x['decimal']} {x['unit']}"

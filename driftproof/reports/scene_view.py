@@ -1,0 +1,157 @@
+"""A scene, run and shown: its readouts, its table of methods, its figures; nothing that it does not name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.numeric.run import Counter, NonFiniteReadout, NonFiniteState, Readouts, run_method
+from driftproof.numeric.scenes import FIGURES, TABLE, Scene
+from driftproof.support.plain_text import LARGEST_PLAIN, short, table
+
+COMPARED = ("state_error", "energy_change", "evaluations")
+UNDEFINED = "undefined at the origin"
+
+
+def show_scene(scene: Scene, digits: int, counter: Counter = range) -> dict[str, Any]:
+    """{"readouts", "certified", "table"} of the scene, each present only if the scene asks for it.
+
+    A method whose run overflows has the message in place of its readouts; the others are still shown.
+    """
+    shown: dict[str, Any] = {}
+    if scene.readouts:
+        shown["readouts"] = or_message(lambda: run_method(scene, scene.selected, counter))
+    if scene.certified:
+        shown["certified"] = certified(scene, digits)
+    if TABLE in scene.panels:
+        compared = asking_for(scene, COMPARED)
+        shown["table"] = {
+            key: or_message(lambda key=key: run_method(compared, key, counter))  # type: ignore[misc]
+            for key in scene.methods
+        }
+    return shown
+
+
+def scene_json(scene: Scene, shown: dict[str, Any]) -> dict[str, Any]:
+    """The shown scene with every number a string: repr for floats, so that they read back to the same bits."""
+    header = {
+        "scene": scene.name,
+        "selected": scene.selected,
+        "h": str(scene.h),
+        "t": str(scene.t),
+        "start": [str(x) for x in scene.start],
+    }
+    return header | {part: _strings(content) for part, content in shown.items()}
+
+
+def scene_text(scene: Scene, shown: dict[str, Any]) -> str:
+    """The readouts with the lesson's labels and digits, then the table of methods."""
+    title = f"{METHODS[scene.selected].title}, h = {scene.h}, t = {scene.t}"
+    parts = [f"{scene.name}: {title}"]
+    if "readouts" in shown:
+        readouts = shown["readouts"]
+        parts.append(readouts if isinstance(readouts, str) else table(readout_rows(readouts)))
+    if "certified" in shown:
+        parts.append("Certified\n\n" + table(certified_rows(shown["certified"])))
+    if "table" in shown:
+        compared = table(comparison_rows(shown["table"]), right=(1, 2, 3))
+        parts.append(f"All methods at h = {scene.h}, measured at t = {scene.t}\n\n{compared}")
+    return "\n\n".join(parts)
+
+
+def draw_scene(scene: Scene, folder: Path) -> list[Path]:
+    """Write the figures that the scene names as SVG files into `folder`; where it names any, matplotlib is imported."""
+    figures = [panel for panel in scene.panels if panel in FIGURES]
+    if not figures:
+        return []
+    from driftproof.reports.figures import draw
+
+    readouts = run_method(asking_for(scene, ("trajectory",)), scene.selected)
+    return [draw(panel, scene, readouts["trajectory"], folder) for panel in figures]
+
+
+def asking_for(scene: Scene, readouts: Iterable[str]) -> Scene:
+    """The same run with other readouts, and no panels."""
+    return Scene(scene.name, scene.selected, scene.h, scene.t, scene.start, readouts=tuple(readouts))
+
+
+def or_message(run: Callable[[], Readouts]) -> Readouts | str:
+    """What the run returns; where it overflows, the message."""
+    try:
+        return run()
+    except (NonFiniteState, NonFiniteReadout) as stopped:
+        return str(stopped)
+
+
+def certified(scene: Scene, digits: int) -> dict[str, Any]:
+    """The certified readouts of the scene's selected method, with so many digits."""
+    from driftproof.symbolic.algebra.certified import HALF_EVEN
+    from driftproof.texts.writing.answers import run_answer
+
+    answer = run_answer(scene.selected, scene.h, scene.t, scene.start, digits, HALF_EVEN)
+    return {name: answer[name] for name in scene.certified}
+
+
+def _fixed(places: int) -> Callable[[float], str]:
+    """How x is shown: a zero, also one that rounding makes, has no sign (the option z)."""
+    return lambda x: f"{x:z.{places}f}" if abs(x) < LARGEST_PLAIN else f"{x:.{places}e}"
+
+
+def _state(state: tuple[float, float]) -> str:
+    return f"({', '.join(map(_fixed(3), state))})"
+
+
+# Label and format of each readout, as the lesson shows them.
+_SHOWN: dict[str, tuple[str, Callable[[Any], str]]] = {
+    "final_state": ("Numerical (q, v)", _state),
+    "exact_state": ("Exact (q, v)", _state),
+    "state_error": ("State error", _fixed(6)),
+    "energy": ("Final energy", _fixed(6)),
+    "energy_change": ("Energy change", _fixed(6)),
+    "phase_error": ("Wrapped phase error (degrees)", _fixed(3)),
+    "steps": ("Steps", str),
+    "evaluations": ("Acceleration evaluations", str),
+    "trajectory": ("Trajectory", lambda path: f"{len(path[0])} samples (in --format json)"),
+}
+
+
+def readout_rows(readouts: Readouts) -> list[list[str]]:
+    """Label and value of each readout."""
+    rows = []
+    for name, value in readouts.items():
+        label, show = _SHOWN[name]
+        rows.append([label, UNDEFINED if value is None else show(value)])
+    return rows
+
+
+def certified_rows(certified: dict[str, Any]) -> list[list[str]]:
+    """Label and value of each certified readout; a state is two of them."""
+    rows = []
+    for name, value in certified.items():
+        parts = {"": value} if value is None or "decimal" in value else value
+        for component, number in parts.items():
+            shown = UNDEFINED if number is None else number["decimal"]
+            rows.append([f"{_SHOWN[name][0]} {component}".strip(), shown])
+    return rows
+
+
+def comparison_rows(rows: dict[str, Readouts | str]) -> list[list[str]]:
+    """The header of the table of methods, and a row for each; a run that overflowed has its message in cell two."""
+    lines = [["Method", "State error", "Energy change", "Calls"]]
+    for key, readouts in rows.items():
+        if isinstance(readouts, str):
+            lines.append([METHODS[key].title, readouts, "", ""])
+        else:
+            error, change, calls = (readouts[name] for name in COMPARED)
+            lines.append([METHODS[key].title, short(error), short(change), str(calls)])
+    return lines
+
+
+def _strings(content: Any) -> Any:
+    if isinstance(content, dict):
+        return {key: _strings(value) for key, value in content.items()}
+    if isinstance(content, tuple | list) or hasattr(content, "tolist"):
+        return [_strings(value) for value in (content.tolist() if hasattr(content, "tolist") else content)]
+    return repr(content) if isinstance(content, float) else content

@@ -1,0 +1,275 @@
+"""Stability of methods on a problem: what is proved where it is linear, what float runs show, and where they end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from fractions import Fraction
+from math import inf, isfinite
+from typing import Any, TypeAlias
+
+from flint import ctx
+
+from driftproof.methods.rationals import brief, step_count
+from driftproof.methods.schemes import Method, MethodError
+from driftproof.numeric.advance import Advance, advance, float_start
+from driftproof.numeric.clock import clock
+from driftproof.numeric.problems.problem import Problem
+from driftproof.numeric.stability import Observed, fewest_steps, largest_bounded, observe, size, stays_bounded
+from driftproof.numeric.work_precision.exact import distance
+from driftproof.support.plain_text import table, with_digits
+from driftproof.symbolic.algebra.certified import HALF_EVEN, Exact, enclose, significant
+from driftproof.symbolic.facts import facts_of
+from driftproof.symbolic.linear.conjugate_pairs import UndecidedLimitError
+from driftproof.symbolic.linear.oscillator import stability_function_of
+from driftproof.symbolic.linear.systems import SYSTEM_FACTS, SystemFacts
+from driftproof.symbolic.linear.verdicts import bounded_at, factor_at, largest_eigenvalue
+from driftproof.texts.writing.answers import number
+from driftproof.texts.writing.facts import method_of
+
+Json: TypeAlias = Any
+# Goes over the methods, with a progress bar perhaps.
+Walk: TypeAlias = Callable[[Sequence[str]], Iterable[str]]
+
+DIGITS = 6
+# Steps of the runs that are looked for, and of those that are shown: implicit steps take a thousand times as long.
+MOST_EXPLICIT, MOST_IMPLICIT, MOST_SHOWN = 1 << 14, 1 << 9, 10**6
+# Steps of the runs that are shown where no h is asked for.
+SHOWN = (10, 100, 1000)
+# Far more than the 53 of h: a factor that is not told from 1 is printed as that.
+ONE_BITS = 1024
+# An error of so much of the size of the solution still follows it; one of all its size is lost.
+FOLLOWS = 0.1
+# A run that has grown so many times beyond the solution is not run to its end where only its verdict is asked for.
+LOST = 1e6
+
+
+def stability_answer(problem: Problem, names: Sequence[str], sizes: Sequence[Fraction], walk: Walk = iter) -> Json:
+    """{"problem", "title", "linear", "size", "methods": [...]}, one entry a method; numbers are strings.
+
+    `sizes` are step sizes that divide t; without them runs of SHOWN steps are shown. On a linear problem, per method:
+    `limit`, `attained`, `at_infinity` as proved, `seen`, the neighbouring doubles between which powers of the float
+    step begin to grow. On any other, the `fewest_steps` that follow the solution to its end, as longer runs do.
+    Raises ValueError.
+    """
+    counts = [step_count(problem.t, h) for h in sizes] or list(SHOWN)
+    if max(counts) > MOST_SHOWN:
+        raise ValueError(f"{brief(max(counts))} steps to t = {problem.t}; at most {MOST_SHOWN} are run here")
+    return {
+        "problem": problem.key,
+        "title": problem.title,
+        "linear": problem.matrix is not None,
+        "size": repr(solution_size(problem)),
+        "methods": [_method_answer(problem, method_of(name), counts) for name in walk(names)],
+    }
+
+
+def _method_answer(problem: Problem, method: Method, counts: Sequence[int]) -> Json:
+    """One method, or the reason why it does not apply."""
+    header = {"method": method.key, "title": method.title}
+    try:
+        runs = advance(method, problem)
+    except MethodError as reason:
+        return {**header, "refused": str(reason)}
+    found = None if problem.matrix is None else SystemFacts(method, problem.matrix)
+    return {
+        **header,
+        "expected": problem.expected.get(behaviour(method, problem), ""),
+        **(_nonlinear_part(problem, method, runs) if found is None else _linear_part(problem, found, runs)),
+        "runs": [_run_answer(problem, runs, found, steps) for steps in counts],
+    }
+
+
+def behaviour(method: Method, problem: Problem) -> str:
+    """The name under which `Problem.expected` speaks of the method: the most telling that it has."""
+    facts = facts_of(method, ["symplectic", "l_stable", "a_stable"])
+    known = [name for name in ("symplectic", "l_stable", "a_stable") if facts[name]]
+    return next((name for name in known if name in problem.expected), "explicit" if method.explicit else "implicit")
+
+
+def _linear_part(problem: Problem, found: SystemFacts, runs: Advance) -> Json:
+    components = len(problem.start)
+    norm = max(sum(abs(x) for x in row) for row in found.rows)
+    low, high = largest_bounded(lambda h: stays_bounded(runs, components, h), 1 / float(norm))
+    r = stability_function_of(found.method)
+    at_infinity = None if r is None else r.at_infinity()
+    return {
+        "limit": SYSTEM_FACTS["step_limit"](found),
+        "attained": SYSTEM_FACTS["step_limit_attained"](found),
+        "at_infinity": None if r is None else "oo" if at_infinity is None else str(at_infinity),
+        "seen": {"bounded": repr(low), "grows": repr(high)},
+    }
+
+
+def _nonlinear_part(problem: Problem, method: Method, runs: Advance) -> Json:
+    start, extent = float_start(problem), solution_size(problem)
+
+    def follows(steps: int) -> bool:
+        seen = observe(runs, start, clock(problem.t, steps).h, steps, LOST * extent)
+        ended = seen.failed_after is None and seen.largest <= LOST * extent
+        return ended and error_of(problem, seen) <= FOLLOWS * extent
+
+    most = MOST_EXPLICIT if method.explicit else MOST_IMPLICIT
+    return {"fewest_steps": fewest_steps(follows, most), "looked_up_to": most}
+
+
+def _run_answer(problem: Problem, runs: Advance, found: SystemFacts | None, steps: int) -> Json:
+    h = clock(problem.t, steps).h
+    seen = observe(runs, float_start(problem), h, steps)
+    error = error_of(problem, seen) if seen.failed_after is None else inf
+    return {
+        "h": repr(h),
+        "steps": steps,
+        "failed_after": seen.failed_after,
+        "remark": seen.remark,
+        "largest": repr(seen.largest),
+        "error": repr(error) if isfinite(error) else None,
+        "lost": error > solution_size(problem),
+        **({} if found is None else _proved_at(found, Fraction(h))),
+    }
+
+
+def _proved_at(found: SystemFacts, h: Fraction) -> Json:
+    """Boundedness at exactly the h that is run, and the factor per step of the eigenvalue that is largest in size."""
+    try:
+        bounded: bool | str = bounded_at(found, h)
+    except UndecidedLimitError as reason:
+        bounded = str(reason)
+    factor = factor_at(found, largest_eigenvalue(found.rows), h)
+    return {"bounded": bounded, "factor": number(factor, DIGITS, HALF_EVEN), "factor_less_one": _less_one(factor)}
+
+
+def _less_one(factor: Exact) -> str | None:
+    """The factor less 1, to two digits; None where so small a ball as ONE_BITS give holds 1."""
+    with ctx.workprec(ONE_BITS):
+        if (enclose(factor) - 1).contains(0):
+            return None
+    return significant(lambda: enclose(factor) - 1, 2)
+
+
+def error_of(problem: Problem, seen: Observed) -> float:
+    """The Euclidean distance of the last state from the reference at t."""
+    return distance(seen.state, problem.reference.states[-1])
+
+
+def solution_size(problem: Problem) -> float:
+    """The largest size of the start and of the reference's states: an error as large says that nothing is right."""
+    origin = (0.0,) * len(problem.start)
+    return max(size(float_start(problem)), *(distance(origin, state) for state in problem.reference.states))
+
+
+def stability_text(answer: Json) -> str:
+    """The answer as tables: how far steps stay stable, then each run, then what is expected."""
+    applying = [entry for entry in answer["methods"] if "refused" not in entry]
+    parts = [answer["title"]]
+    if applying:
+        parts += [_limits_text(answer, applying), _runs_text(answer, applying), _expected_text(applying)]
+    parts += [
+        f"{entry['method']} does not apply: {entry['refused']}" for entry in answer["methods"] if "refused" in entry
+    ]
+    return "\n\n".join(part for part in parts if part)
+
+
+def _limits_text(answer: Json, entries: Sequence[Json]) -> str:
+    if not answer["linear"]:
+        rows = [["method", "follows from N =", "looked up to N ="]]
+        for entry in entries:
+            rows.append([entry["method"], str(entry["fewest_steps"] or "none"), str(entry["looked_up_to"])])
+        title = f"Observed: with N steps, 2N, ... the error at the end is below {FOLLOWS} of the size of the solution"
+        return f"{title}\n\n{table(rows, right=(1, 2))}"
+    rows = [["method", "proved: bounded for", "seen over 2^48 steps", "R(oo)"]]
+    for entry in entries:
+        rows.append([entry["method"], _limit_text(entry), _seen_text(entry["seen"]), entry["at_infinity"] or "none"])
+    note = "seen: powers of the matrix of the float step stay below 1e9"
+    return f"The steps h whose powers stay bounded\n\n{table(rows)}\n\n{note}"
+
+
+def _limit_text(entry: Json) -> str:
+    limit = entry["limit"]
+    if limit in ("0", "oo"):
+        return {"0": "no h > 0", "oo": "every h > 0"}[limit]
+    if "refused" in limit:
+        return f"not decided: {limit['refused']}"
+    exact = limit["exact"] if limit["exact"] and len(limit["exact"]) <= 24 else None
+    digits, _, power = limit["decimal"].partition("e")
+    digits = digits.rstrip("0").rstrip(".") if "." in digits else digits
+    decimal, shown = (f"{x}e{power}" if power else x for x in (digits, _cut(digits)))
+    return f"h {'<=' if entry['attained'] else '<'} {shown if exact in (None, decimal) else f'{exact} = {shown}'}"
+
+
+def _cut(digits: str) -> str:
+    return digits if len(digits) <= 12 else f"{digits[:12]}..."
+
+
+def _seen_text(seen: Json) -> str:
+    low, high = float(seen["bounded"]), float(seen["grows"])
+    if high == float("inf"):
+        return f"up to {with_digits(low, 4)}, the largest tried"
+    return f"up to {with_digits(low, 10)}" if low else f"growth at {with_digits(high, 4)}, the smallest tried"
+
+
+def _runs_text(answer: Json, entries: Sequence[Json]) -> str:
+    head = ["method", "h", "steps", *(["bounded?", "factor"] if answer["linear"] else []), "the run to t"]
+    rows = [head]
+    for entry in entries:
+        for run in entry["runs"]:
+            proved = [_verdict(run["bounded"]), _factor_text(run)] if answer["linear"] else []
+            rows.append([entry["method"], f"{float(run['h']):.6g}", str(run["steps"]), *proved, _outcome(run)])
+    reached = f"which at the times of its reference reaches {with_digits(float(answer['size']), 3)}"
+    notes = f"error: the Euclidean distance from the solution at t, {reached}"
+    if answer["linear"]:
+        notes += "\nbounded?: proved, at exactly the h that is run; factor: of the eigenvalue largest in size, a step"
+    return f"{table(rows, right=(2,))}\n\n{notes}"
+
+
+def _factor_text(run: Json) -> str:
+    """The decimal, or by how much the factor is not 1 where the decimal does not say."""
+    decimal, rest = run["factor"]["decimal"], run["factor_less_one"]
+    if rest is None or Fraction(decimal) != 1:
+        return str(decimal)
+    return f"1 {'-' if rest.startswith('-') else '+'} {rest.lstrip('-')}"
+
+
+def _verdict(bounded: bool | str) -> str:
+    return {True: "yes", False: "no"}[bounded] if isinstance(bounded, bool) else "not decided"
+
+
+def _outcome(run: Json) -> str:
+    if run["failed_after"] is not None:
+        return f"ends at step {run['failed_after']}: {run['remark']}"
+    if run["error"] is None:
+        return "finite at t, but farther from the solution than floats tell: lost"
+    error = f"error {with_digits(float(run['error']), 3)}"
+    return f"{error}, more than the solution: lost" if run["lost"] else error
+
+
+def _expected_text(entries: Sequence[Json]) -> str:
+    told: dict[str, list[str]] = {}
+    for entry in entries:
+        if entry["expected"]:
+            told.setdefault(entry["expected"], []).append(entry["method"])
+    lines = [f"{', '.join(methods)}: {sentence}" for sentence, methods in told.items()]
+    return "Expected\n\n" + "\n".join(lines) if lines else ""
+
+
+def problems_json(problems: Iterable[Problem]) -> list[dict[str, Any]]:
+    """The problems: key, title, and whether linear, stiff or q'' = F(q)."""
+    return [
+        {
+            "problem": problem.key,
+            "title": problem.title,
+            "linear": problem.matrix is not None,
+            "stiff": problem.stiff,
+            "second_order": problem.second_order,
+        }
+        for problem in problems
+    ]
+
+
+def problems_text(listed: Sequence[dict[str, Any]]) -> str:
+    """What `problems_json` lists, as a table."""
+    names = {"linear": "linear", "stiff": "stiff", "second_order": "q'' = F(q)"}
+    rows = [["problem", "kind", "title"]]
+    for entry in listed:
+        kinds = ", ".join(words for name, words in names.items() if entry[name])
+        rows.append([entry["problem"], kinds, entry["title"]])
+    return table(rows)

@@ -1,0 +1,67 @@
+"""A sweep shown: a row for each point of its grid, as text or as JSON."""
+
+from __future__ import annotations
+
+import sys
+from concurrent.futures import Executor
+from pathlib import Path
+from typing import Any
+
+from driftproof.numeric.checkpoint import strings
+from driftproof.numeric.run import Readouts
+from driftproof.numeric.scenes import Scene
+from driftproof.numeric.sweep import Answer, Found, Grid, batches, points_of
+from driftproof.reports.scene_view import scene_json
+from driftproof.support.files import demand_file
+from driftproof.support.plain_text import table, with_digits
+
+# Pairs would widen the table; they are in the JSON.
+STATES = ("final_state", "exact_state")
+# Enough to compare errors at neighbouring h.
+DIGITS = 4
+# What stands over a column, where it is not the name of the axis or of the readout.
+AXES, LABELS = {"selected": "method"}, {"phase_error": "phase error (degrees)"}
+
+
+def answers(scene: Scene, grid: Grid, executor: Executor | None, checkpoint: Path | None) -> list[Answer]:
+    """As `driftproof.numeric.sweep.sweep`, with a progress bar on a terminal."""
+    from tqdm import tqdm
+
+    if checkpoint is not None:
+        demand_file(checkpoint)
+    points, found = points_of(scene, grid), dict[int, Found]()
+    with tqdm(total=len(points), unit="point", leave=False, disable=not sys.stderr.isatty()) as bar:
+        for batch in batches(scene, grid, executor, checkpoint):
+            found.update(batch)
+            bar.update(len(batch))
+    return [Answer(values, found[i]) for i, values in enumerate(points)]
+
+
+def sweep_json(scene: Scene, found: list[Answer]) -> dict[str, Any]:
+    """The scene and its points in the order of the grid; numbers are strings, floats to the last bit."""
+    points = [
+        strings(answer.values)
+        | ({"message": answer.found} if isinstance(answer.found, str) else {"readouts": answer.found})
+        for answer in found
+    ]
+    return scene_json(scene, {"points": points})
+
+
+def sweep_text(scene: Scene, found: list[Answer]) -> str:
+    """A table: what varies, then the readouts; where there are none, the message."""
+    names = [name for name in scene.readouts if name not in STATES]
+    axes = [AXES.get(name, name) for name in found[0].values]
+    rows = [[*axes, *(LABELS.get(name, name.replace("_", " ")) for name in names), ""]]
+    for values, answer in found:
+        cells = [*("" for _ in names), answer] if isinstance(answer, str) else [*_cells(answer, names), ""]
+        rows.append([*map(_shown, values.values()), *cells])
+    return f"{scene.name}: {len(found)} point{'' if len(found) == 1 else 's'}\n\n{table(rows)}"
+
+
+def _shown(value: Any) -> str:
+    return ", ".join(map(str, value)) if isinstance(value, tuple) else str(value)
+
+
+def _cells(readouts: Readouts, names: list[str]) -> list[str]:
+    values = [readouts[name] for name in names]
+    return ["undefined" if x is None else with_digits(x, DIGITS) if isinstance(x, float) else str(x) for x in values]

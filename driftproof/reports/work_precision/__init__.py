@@ -1,0 +1,1 @@
+"""Error against work, measured beside other packages, as tables and figures."""

@@ -1,0 +1,231 @@
+"""Other people's integrators on our problems, one small adapter each; each is imported only when it is asked for.
+
+Every one gets the problem's rates as functions of its own numbers, the start in binary64, and one tolerance, absolute
+and relative; it chooses its steps itself. What it has to compile, it compiles in its first call, which is not timed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from importlib import import_module
+from importlib.metadata import version
+from importlib.util import find_spec
+from math import inf
+from time import perf_counter
+from typing import Any, Protocol
+
+from driftproof.methods.fields import FUNCTIONS
+from driftproof.numeric.advance import Rate, State, field_rate, float_start
+from driftproof.numeric.problems.problem import Problem
+from driftproof.numeric.work_precision.integrators import COMPILED, PYTHON
+from driftproof.support.extras import how_to_install
+
+TOLERANCES = tuple(10.0**-k for k in range(3, 14))
+# The packages that run outside Python cannot be stopped by the clock, but by the number of their steps.
+MOST_STEPS = 10**5
+INSTALL = f"not installed; {how_to_install('peers')}"
+
+
+class Solver(Protocol):
+    """A solver of a peer on a problem. Both methods raise ArithmeticError with its words where it does not arrive."""
+
+    def solve(self, tolerance: float, t: float) -> State:
+        """The state at t, from the start."""
+
+    def counted(self, tolerance: float, t: float, limit: float = inf) -> int | None:
+        """The evaluations of f that a solve really makes, counted; it is given up after `limit` seconds.
+
+        None where f is not called, but expanded in Taylor series.
+        """
+
+
+@dataclass(frozen=True)
+class Peer:
+    """A package, the names of the solvers that are measured, and whose times theirs compare with."""
+
+    name: str
+    solvers: tuple[str, ...]
+    kind: str
+    on: Callable[[Problem, str], Solver]
+
+    @property
+    def installed(self) -> bool:
+        """True where it can be imported."""
+        return find_spec(self.name) is not None
+
+    @property
+    def version(self) -> str:
+        """The version that is installed."""
+        return version(self.name)
+
+
+def peers_named(names: Iterable[str]) -> list[Peer]:
+    """The peers of these names, each once. Raises ValueError naming the closest for an unknown one."""
+    found = []
+    for name in dict.fromkeys(names):
+        if name not in PEERS:
+            close = get_close_matches(name, PEERS, n=1, cutoff=0.4)
+            hint = f"did you mean {close[0]}? " if close else ""
+            raise ValueError(f"unknown peer {name[:60]!r}; {hint}the peers are {', '.join(PEERS)}")
+        found.append(PEERS[name])
+    return found
+
+
+class Scipy:
+    """scipy.integrate.solve_ivp, the rate in plain Python."""
+
+    def __init__(self, problem: Problem, solver: str) -> None:
+        """Keep both."""
+        self.solve_ivp = import_module("scipy.integrate").solve_ivp
+        self.rate, self.start, self.solver = field_rate(problem.field), float_start(problem), solver
+
+    def solve(self, tolerance: float, t: float) -> State:
+        """The state at t."""
+        return self._solved(self.rate, tolerance, t)
+
+    def counted(self, tolerance: float, t: float, limit: float = inf) -> int | None:
+        """The calls of the rate, those for differences in Jacobian matrices among them."""
+        rate = _Watched(self.rate, limit)
+        self._solved(rate, tolerance, t)
+        return rate.calls
+
+    def _solved(self, rate: Rate, tolerance: float, t: float) -> State:
+        found = self.solve_ivp(rate, (0.0, t), self.start, method=self.solver, rtol=tolerance, atol=tolerance)
+        if not found.success:
+            raise ArithmeticError(found.message)
+        return tuple(map(float, found.y[:, -1]))
+
+
+class TorchDiffEq:
+    """torchdiffeq.odeint on tensors of binary64; a result at t is interpolated in the step that passes it."""
+
+    def __init__(self, problem: Problem, solver: str) -> None:
+        """Keep both."""
+        self.torch, self.odeint = import_module("torch"), import_module("torchdiffeq").odeint
+        self.rate = field_rate(problem.field, {name: getattr(self.torch, name) for name in FUNCTIONS})
+        self.start = self.torch.tensor(float_start(problem), dtype=self.torch.float64)
+        self.solver = solver
+
+    def solve(self, tolerance: float, t: float) -> State:
+        """The state at t."""
+        return self._solved(self.rate, tolerance, t)
+
+    def counted(self, tolerance: float, t: float, limit: float = inf) -> int | None:
+        """The calls of the rate."""
+        rate = _Watched(self.rate, limit)
+        self._solved(rate, tolerance, t)
+        return rate.calls
+
+    def _solved(self, rate: Rate, tolerance: float, t: float) -> State:
+        stacked = lambda at, y: self.torch.stack(rate(at, y))
+        times = self.torch.tensor([0.0, t], dtype=self.torch.float64)
+        try:
+            with self.torch.no_grad():
+                found = self.odeint(stacked, self.start, times, rtol=tolerance, atol=tolerance, method=self.solver)
+        except AssertionError as error:  # how it says that its step has become too small
+            raise ArithmeticError(str(error)) from None
+        return tuple(found[-1].tolist())
+
+
+class Heyoka:
+    """heyoka's Taylor integrator, compiled once for each tolerance, which sets its order."""
+
+    def __init__(self, problem: Problem, solver: str) -> None:
+        """Write the rates as expressions; nothing is compiled yet."""
+        self.heyoka, self.start = import_module("heyoka"), float_start(problem)
+        variables = [self.heyoka.expression(name) for name in problem.field.components]
+        rate = field_rate(problem.field, {name: getattr(self.heyoka, name) for name in FUNCTIONS})
+        self.system = list(zip(variables, rate(self.heyoka.time, variables), strict=True))
+        self.compiled: dict[float, Any] = {}
+
+    def solve(self, tolerance: float, t: float) -> State:
+        """The state at t."""
+        if tolerance not in self.compiled:
+            self.compiled[tolerance] = self.heyoka.taylor_adaptive(self.system, list(self.start), tol=tolerance)
+        stepper = self.compiled[tolerance]
+        stepper.time = 0.0
+        stepper.state[:] = self.start
+        outcome = stepper.propagate_until(t, max_steps=MOST_STEPS)[0]
+        if outcome != self.heyoka.taylor_outcome.time_limit:  # what it calls the end of the interval
+            raise ArithmeticError(f"{outcome} within {MOST_STEPS} steps")
+        return tuple(map(float, stepper.state))
+
+    def counted(self, tolerance: float, t: float, limit: float = inf) -> int | None:
+        """None: Taylor series call no rate."""
+        return None
+
+
+class Diffrax:
+    """diffrax.diffeqsolve compiled by jax, once for all tolerances, in binary64."""
+
+    def __init__(self, problem: Problem, solver: str) -> None:
+        """Nothing is compiled yet."""
+        self.jax, self.diffrax, self.solver = import_module("jax"), import_module("diffrax"), solver
+        self.jax.config.update("jax_enable_x64", True)
+        self.numpy = self.jax.numpy
+        self.rate = field_rate(problem.field, {name: getattr(self.numpy, name) for name in FUNCTIONS})
+        self.start, self.calls = self.numpy.array(float_start(problem)), 0
+        self.compiled, self.counting = (self.jax.jit(self._solver(counting=counting)) for counting in (False, True))
+
+    def solve(self, tolerance: float, t: float) -> State:
+        """The state at t."""
+        return self._result(self.compiled(t, tolerance))
+
+    def counted(self, tolerance: float, t: float, limit: float = inf) -> int | None:
+        """How often the compiled code comes by f, reported by it: slowly, so only for a solve that arrives."""
+        self.solve(tolerance, t)
+        self.calls = 0
+        self._result(self.counting(t, tolerance))
+        self.jax.effects_barrier()
+        return self.calls
+
+    def _result(self, found: Any) -> State:
+        y, successful = found
+        if not successful:
+            raise ArithmeticError(f"not at the end within {MOST_STEPS} steps")
+        return tuple(map(float, y))
+
+    def _solver(self, *, counting: bool) -> Callable[[Any, Any], Any]:
+        def rates(t: Any, y: Any, _args: Any) -> Any:
+            if counting:
+                self.jax.debug.callback(self._count)
+            return self.numpy.stack([self.numpy.asarray(x) for x in self.rate(t, y)])
+
+        def solve(t: Any, tolerance: Any) -> Any:
+            control = self.diffrax.PIDController(rtol=tolerance, atol=tolerance)
+            solver, end = getattr(self.diffrax, self.solver)(), self.diffrax.SaveAt(t1=True)
+            settings = {"stepsize_controller": control, "saveat": end, "max_steps": MOST_STEPS, "throw": False}
+            found = self.diffrax.diffeqsolve(self.diffrax.ODETerm(rates), solver, 0.0, t, None, self.start, **settings)
+            return found.ys[0], found.result == self.diffrax.RESULTS.successful
+
+        return solve
+
+    def _count(self) -> None:
+        self.calls += 1
+
+
+class _Watched:
+    """A rate that counts its calls, and ends a solve that lasts too long."""
+
+    def __init__(self, rate: Rate, limit: float) -> None:
+        self.rate, self.limit, self.calls = rate, limit, 0
+        self.started = perf_counter()
+
+    def __call__(self, t: float, y: Any) -> Any:
+        self.calls += 1
+        if perf_counter() - self.started > self.limit:
+            raise ArithmeticError(f"given up after {self.limit:g} s and {self.calls} evaluations")
+        return self.rate(t, y)
+
+
+PEERS: Mapping[str, Peer] = {
+    peer.name: peer
+    for peer in (
+        Peer("scipy", ("DOP853", "RK45", "Radau"), PYTHON, Scipy),
+        Peer("diffrax", ("Dopri8", "Tsit5"), COMPILED, Diffrax),
+        Peer("heyoka", ("Taylor",), COMPILED, Heyoka),
+        Peer("torchdiffeq", ("dopri8", "dopri5"), PYTHON, TorchDiffEq),
+    )
+}

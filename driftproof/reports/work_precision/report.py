@@ -1,0 +1,295 @@
+"""What a study of error against work has found: tables, JSON and CSV, measured seconds apart from what stays."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable, Mapping, Sequence
+from math import inf, isfinite
+from pathlib import Path
+from statistics import median
+from typing import Any, TypeAlias
+
+from driftproof.numeric.work_precision.curves import Curve, Point
+from driftproof.numeric.work_precision.exact import QUANTITIES, floors, half_unit
+from driftproof.numeric.work_precision.integrators import ENSEMBLE, KINDS, MEMBERS
+from driftproof.numeric.work_precision.timing import ROUNDS, Timing
+from driftproof.numeric.work_precision.verdicts import GOALS, Priced, cheapest, dominators
+from driftproof.reports.work_precision.peers import INSTALL
+from driftproof.reports.work_precision.study import Measured, Study, kinds_of, name_of, per_state
+from driftproof.support.files import whole
+from driftproof.support.plain_text import as_json, table, with_digits
+
+ERRORS, TIMES, TABLE = "errors.json", "times.json", "work_precision.csv"
+EVALUATIONS = "evaluations"
+LABELS = {EVALUATIONS: EVALUATIONS, "compiled": "compiled", "python": "Python", ENSEMBLE: "ensemble, a state"}
+Json: TypeAlias = Any
+# By cost and by curve.
+Costs: TypeAlias = Mapping[str, Mapping[str, Sequence[Priced]]]
+
+
+def priced(measured: Measured, cost: str) -> dict[str, list[Priced]]:
+    """The points of each curve with their cost: EVALUATIONS, or the least seconds of a kind, of one state.
+
+    Left out are those that err by as much as the solution is large. A cost is infinite where it was not measured.
+    """
+    found: dict[str, list[Priced]] = {}
+    for key, curve in measured.curves.items():
+        points = [point for point in curve.points if point.error < point.scale]
+        if cost == EVALUATIONS:
+            found[key] = [Priced(point.error, point.evaluations) for point in points if point.evaluations]
+            continue
+        timed = measured.timed(curve, cost)
+        costs = {setting: per_state(cost, timing.best) for setting, timing in timed.items()}
+        applies = name_of(key, cost) in measured.warm_up
+        found[key] = [Priced(point.error, costs.get(point.setting, inf)) for point in points if applies]
+    return found
+
+
+def errors_json(study: Study, measured: Measured) -> Json:
+    """What is the same in every run: errors, evaluations, orders. Numbers are strings, by repr."""
+    problem = study.problem
+    return {
+        "problem": problem.key,
+        "title": problem.title,
+        "reference": {
+            "evidence": problem.reference.evidence,
+            "source": problem.reference.source,
+            "times": [str(t) for t in problem.reference.times],
+            "half_unit": repr(half_unit(problem.reference.states[-1])),
+        },
+        "floors": {name: repr(value) for name, value in floors(problem).items()},
+        "curves": [_curve_json(curve) for curve in measured.curves.values()],
+        "dominated_by_evaluations": dominators(priced(measured, EVALUATIONS)),
+    }
+
+
+def _curve_json(curve: Curve) -> Json:
+    order = curve.order
+    measured = {name: repr(value) for name, value in vars(order).items()} if order else None
+    return {
+        "key": curve.key,
+        "title": curve.title,
+        "claimed_order": curve.claimed_order,
+        "measured_order": measured,
+        "verdict": curve.verdict,
+        "refused": curve.refused,
+        "points": [_point_json(point) for point in curve.points],
+    }
+
+
+def _point_json(point: Point) -> Json:
+    sizes = {name: {k: repr(v) for k, v in size._asdict().items()} for name, size in point.errors.items()}
+    return {
+        "setting": point.setting,
+        "evaluations": point.evaluations,
+        "errors": sizes,
+        "doubt": repr(point.doubt),
+        "remark": point.remark,
+    }
+
+
+def times_json(study: Study, measured: Measured) -> Json:
+    """What was measured in seconds, and on what: of ensembles, the seconds of all MEMBERS states."""
+    timings = {name: _timing_json(timing) for name, timing in measured.timings.items()}
+    absent = dict(measured.absent) | {peer.name: INSTALL for peer in study.peers if not peer.installed}
+    return {
+        "question": study.question(),
+        "members": str(MEMBERS),
+        "warm_up": {name: repr(seconds) for name, seconds in measured.warm_up.items()},
+        "timings": timings,
+        "absent": absent,
+    }
+
+
+def _timing_json(timing: Timing) -> Json:
+    if not timing.samples:
+        return {"remark": timing.remark}
+    read = {"minimum": timing.best, "median": timing.median, "spread": timing.spread}
+    return {"batch": timing.batch, "samples": [repr(x) for x in timing.samples]} | {k: repr(v) for k, v in read.items()}
+
+
+def csv_text(measured: Measured) -> str:
+    """One row a point: errors, evaluations, and of each kind minimum, median and spread in seconds of one state."""
+    kinds = kinds_of(measured, KINDS)
+    sizes = [f"{name}_{which}" for name in QUANTITIES for which in ("final", "largest")]
+    costs = [f"{kind}_{what}" for kind in kinds for what in ("minimum", "median", "spread")]
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(["curve", "setting", EVALUATIONS, *sizes, "doubt", "remark", *costs])
+    for curve in measured.curves.values():
+        timed = {kind: measured.timed(curve, kind) for kind in kinds}
+        for point in curve.points:
+            errors = [x for name in QUANTITIES for x in point.errors.get(name, ("", ""))]
+            costs = [x for kind in kinds for x in _seconds(kind, timed[kind].get(point.setting))]
+            evaluations = "" if point.evaluations is None else point.evaluations
+            writer.writerow([curve.key, point.setting, evaluations, *errors, point.doubt, point.remark, *costs])
+    return out.getvalue()
+
+
+def _seconds(kind: str, timing: Timing | None) -> list[Any]:
+    if timing is None:
+        return ["", "", ""]
+    spread = "" if timing.spread is None else timing.spread
+    return [per_state(kind, timing.best), per_state(kind, timing.median), spread]
+
+
+def write(study: Study, measured: Measured, folder: Path) -> list[Path]:
+    """The files beside the figures."""
+    texts = {
+        ERRORS: as_json(errors_json(study, measured)) + "\n",
+        TIMES: as_json(times_json(study, measured)) + "\n",
+        TABLE: csv_text(measured),
+    }
+    for name, text in texts.items():
+        with whole(folder / name) as draft:
+            Path(draft).write_text(text, encoding="utf-8")
+    return [folder / name for name in texts]
+
+
+def text(study: Study, measured: Measured) -> str:
+    """The tables: orders and who is dominated, the least work for each goal, and what was not run, and why."""
+    costs = [EVALUATIONS, *kinds_of(measured, KINDS)]
+    by_cost = {cost: priced(measured, cost) for cost in costs}
+    parts = [_head(study), table(order_rows(measured), right=(1,))]
+    dominated = dominated_rows(by_cost)
+    if len(dominated) > 1:
+        title = "Dominated: at every point that follows the solution others have no more error at no more cost"
+        parts.append(f"{title}\n\n{table(dominated)}")
+    for goal in GOALS:
+        rows = goal_rows(measured, by_cost, goal)
+        parts.append(
+            f"Least work for an error of at most {f'{goal:.0e}'.replace('e-0', 'e-')} (* least of all)\n\n{table(rows)}"
+        )
+    return "\n\n".join([*parts, "\n".join(_remarks(study, measured))])
+
+
+def _head(study: Study) -> str:
+    problem = study.problem
+    floor, digits = floors(problem)["state"], half_unit(problem.reference.states[-1])
+    return (
+        f"{problem.title} ({problem.key})\n\n"
+        f"Reference {problem.reference.evidence}: {problem.reference.source}\n"
+        f"Half a unit of its last digits: {digits:.1e}\n"
+        f"Rounding floor of the state, u |y(t)|: {floor:.1e}"
+    )
+
+
+def order_rows(measured: Measured) -> list[list[str]]:
+    """Claimed and measured order with the least and the largest slope, and the least error seen."""
+    rows = [["method", "order", "measured", "least error", ""]]
+    for key, curve in measured.curves.items():
+        order = curve.order
+        shown = f"{order.median:.2f} ({order.least:.2f} to {order.largest:.2f})" if order else ""
+        rows.append([key, str(curve.claimed_order or ""), shown, _least_error(curve), curve.verdict])
+    return rows
+
+
+def dominated_rows(by_cost: Costs) -> list[list[str]]:
+    """The methods that are dominated in some cost, and by whom."""
+    dominated = [dominators(curves) for curves in by_cost.values()]
+    keys = list(dict.fromkeys(key for found in dominated for key in found))
+    rows = [[key, *(f"by {', '.join(found[key])}" if key in found else "" for found in dominated)] for key in keys]
+    return [["method", *(LABELS[cost] for cost in by_cost)], *rows]
+
+
+def goal_rows(measured: Measured, by_cost: Costs, goal: float) -> list[list[str]]:
+    """The cheapest measured point of each method for the goal, in each cost; nothing is interpolated."""
+    found = {cost: {key: cheapest(points, goal) for key, points in of.items()} for cost, of in by_cost.items()}
+    rows = [["method", *(LABELS[cost] for cost in by_cost)]]
+    for key, curve in measured.curves.items():
+        counted = any(point.evaluations and isfinite(point.error) for point in curve.points)
+        applies = {c: counted if c == EVALUATIONS else name_of(key, c) in measured.warm_up for c in by_cost}
+        if not curve.refused:
+            cells = (_goal_cell(curve, cost, found[cost], goal) if applies[cost] else "-" for cost in by_cost)
+            rows.append([key, *cells])
+    return rows
+
+
+def _goal_cell(curve: Curve, cost: str, found: Mapping[str, Priced | None], goal: float) -> str:
+    point = found[curve.key]
+    if point is None:
+        return "over the limit" if min(p.error for p in curve.points) <= goal else f"not met: {_least_error(curve)}"
+    shown = f"{point.cost:.0f}" if cost == EVALUATIONS else seconds_text(point.cost)
+    return shown + (" *" if point.cost == min(p.cost for p in found.values() if p) else "")
+
+
+def _least_error(curve: Curve) -> str:
+    best = min(curve.points, key=lambda point: point.error, default=None)
+    if best is None or not isfinite(best.error):
+        return "none"
+    return "lost" if best.error >= best.scale else _error(best.error)
+
+
+def _error(value: float) -> str:
+    mantissa, _, exponent = f"{value:.1e}".partition("e")
+    return f"{value:.2g}" if 1e-3 <= value < 100 or not value else f"{mantissa}e{int(exponent)}"
+
+
+def seconds_text(seconds: float) -> str:
+    """Three digits, in ns, µs, ms or s."""
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
+        if seconds >= size:
+            return f"{with_digits(seconds / size, 3)} {unit}"
+    return f"{with_digits(seconds / 1e-9, 3)} ns"
+
+
+def _remarks(study: Study, measured: Measured) -> list[str]:
+    """What does not apply, what was not run, what is absent; and how times were taken."""
+    lines = [f"{key}: not applicable: {c.refused}" for key, c in measured.curves.items() if c.refused]
+    for key, curve in measured.curves.items():
+        lines += [f"{key} at {_settings(curve, points)}: {remark}" for remark, points in _by_remark(curve).items()]
+    lines += [f"peer {peer.name}: {INSTALL}" for peer in study.peers if not peer.installed]
+    lines += _absences(measured) + _limits(measured)
+    spreads = [t.spread for t in measured.timings.values() if t.samples and t.spread is not None]
+    if spreads:
+        lines.append(
+            f"Times are minima of up to {ROUNDS} turns in random order, garbage collection off; half of the spreads "
+            f"are below {100 * median(spreads):.0f} %. Warm-up and compilation are apart."
+        )
+    lines.append("- means that there is nothing to measure, or that no point has an error.")
+    if any(_least_error(curve) == "lost" for curve in measured.curves.values()):
+        lines.append("lost: no run has an error below the size of the solution.")
+    lines.append("Evaluations are those that the program makes, also where the last of a step is the next one's first.")
+    asked = study.question()
+    lines.append(f"{asked['machine']}; " + ", ".join(f"{name} {v}" for name, v in asked["versions"].items()))
+    return lines
+
+
+def _by_remark(curve: Curve) -> dict[str, list[Point]]:
+    found: dict[str, list[Point]] = {}
+    for point in curve.points:
+        if point.remark:
+            found.setdefault(point.remark, []).append(point)
+    return found
+
+
+def _settings(curve: Curve, points: Sequence[Point]) -> str:
+    """The settings of some points of a curve, neighbours by the first and the last of them."""
+    what = "N =" if points[0].steps else "tolerance"
+    parts = [[point] for point in points[:1]]
+    for point in points[1:]:
+        if curve.points.index(point) == curve.points.index(parts[-1][-1]) + 1:
+            parts[-1].append(point)
+        else:
+            parts.append([point])
+    return f"{what} " + ", ".join(" to ".join(dict.fromkeys((p[0].setting, p[-1].setting))) for p in parts)
+
+
+def _absences(measured: Measured) -> list[str]:
+    """One line for each reason, with the kind and all the methods it holds for."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for name, why in measured.absent.items():
+        key, kind = name.split(" | ")
+        found.setdefault((kind, why), []).append(key)
+    return [f"no times, {LABELS[kind]}, of {', '.join(keys)}: {why}" for (kind, why), keys in found.items()]
+
+
+def _limits(measured: Measured) -> list[str]:
+    found: dict[str, list[str]] = {}
+    for name, timing in measured.timings.items():
+        if timing.remark:
+            key, kind, setting = name.split(" | ")
+            found.setdefault(f"{key}, {LABELS[kind]}", []).append(setting)
+    each: Callable[[str], str] = lambda of: f"not timed: {of}, at {', '.join(found[of])}"
+    return [each(of) for of in found]

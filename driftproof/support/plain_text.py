@@ -1,0 +1,40 @@
+"""Plain text and JSON for a terminal: aligned tables, floats in few digits, canonical JSON."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+# A float of this size or more is shown with an exponent.
+LARGEST_PLAIN = 1e9
+
+
+def as_json(answer: Any) -> str:
+    """Canonical JSON: keys sorted, one line per value, byte-stable from run to run."""
+    return json.dumps(answer, indent=1, sort_keys=True, ensure_ascii=False)
+
+
+def table(rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> str:
+    """Rows as aligned columns, two spaces apart; the columns in `right` are aligned right."""
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    padded = (
+        [cell.rjust(widths[i]) if i in right else cell.ljust(widths[i]) for i, cell in enumerate(row)] for row in rows
+    )
+    return "\n".join("  ".join(cells).rstrip() for cells in padded)
+
+
+def with_digits(x: float, digits: int) -> str:
+    """So many significant digits, zeros at the end among them; an exponent as in 1.5e-7, below 1e-4 and above them."""
+    mantissa, _, exponent = f"{x:#.{digits}g}".partition("e")
+    return mantissa.removesuffix(".") + (f"e{int(exponent)}" if exponent else "")
+
+
+def short(x: float) -> str:
+    """Three decimals as the lesson's table shows them; two significant digits with an exponent below 1e-3, and beyond
+    LARGEST_PLAIN.
+    """
+    if x == 0 or 1e-3 <= abs(x) < LARGEST_PLAIN:
+        return f"{x:.3f}"
+    mantissa, exponent = f"{x:.1e}".split("e")
+    return f"{mantissa}e{int(exponent)}"

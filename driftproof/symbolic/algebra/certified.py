@@ -1,0 +1,191 @@
+"""Certified decimals: an exact number is enclosed by Arb balls until every digit asked for is settled."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from fractions import Fraction
+from math import ceil
+from typing import TYPE_CHECKING, TypeAlias, TypeGuard, TypeVar
+
+from flint import arb, arb_poly, ctx, fmpq, fmpz
+
+from driftproof.methods.number_field import Algebraic
+from driftproof.symbolic.algebra.number_field_polynomials import root_ball
+
+if TYPE_CHECKING:
+    import sympy
+
+# A real number, known exactly: a rational, an element of a number field, a SymPy expression, or a procedure that
+# returns an Arb ball around the number at Arb's current precision, the smaller the higher that is.
+Exact: TypeAlias = "Fraction | Algebraic | sympy.Expr | Callable[[], arb]"
+T = TypeVar("T")
+
+HALF_EVEN = "half-even"
+HALF_AWAY = "half-away"
+AWAY = "away"
+ROUNDINGS = (HALF_EVEN, HALF_AWAY, AWAY)
+
+FIRST_BITS = 128
+# A number still undecided at this precision is, for every value this project prints, a tie: see `settle`.
+LAST_BITS = 1 << 17
+# Binary exponents beyond this are refused rather than written out as fractions of gigabytes.
+LARGEST_EXPONENT = 1 << 18
+
+
+class Uncertified(ArithmeticError):
+    """No enclosure up to LAST_BITS settled the question: the number is on the decision point, or has no enclosure."""
+
+
+def enclose(value: Exact) -> arb:
+    """An Arb ball that contains `value`, at Arb's current precision. Raises TypeError for an unknown function."""
+    if _is_expression(value):
+        from driftproof.symbolic.derivation.expression_balls import enclose_expression
+
+        return enclose_expression(value)
+    if callable(value):
+        return value()
+    if isinstance(value, Algebraic):
+        return arb_poly([fmpq(c.numerator, c.denominator) for c in value.coefficients])(root_ball(value.field))
+    return arb(fmpq(value.numerator, value.denominator))
+
+
+def settle(value: Exact, read: Callable[[Fraction], T]) -> T:
+    """read(value), for a `read` that is constant on intervals, by Ziv's loop (ziv-1991, section 2).
+
+    The precision doubles until both ends of the enclosure read the same; a rational is read directly, so ties of
+    rationals are exact. Raises Uncertified if precision LAST_BITS does not separate the number from a jump of
+    `read`, which for an irrational number cannot happen for ever.
+    """
+    if _is_expression(value) and value.is_Rational:
+        value = Fraction(int(value.p), int(value.q))
+    if isinstance(value, int | Fraction):
+        return read(Fraction(value))
+    bits = FIRST_BITS
+    while bits <= LAST_BITS:
+        with ctx.workprec(bits):
+            ball = enclose(value)
+        if ball.is_finite() and not _is_vague(ball):
+            low, high = endpoints(ball)
+            if (at_low := read(low)) == read(high):
+                return at_low
+        bits *= 2
+    raise Uncertified(f"undecided at {LAST_BITS} bits: the number is too close to a rounding boundary, or on it")
+
+
+def _is_expression(value: object) -> TypeGuard[sympy.Basic]:
+    """True for what SymPy made; where SymPy has not been imported there is nothing of the kind."""
+    library = sys.modules.get("sympy")
+    return library is not None and isinstance(value, library.Basic)
+
+
+def _is_vague(ball: arb) -> bool:
+    """True when 0 lies in a ball wider than 2: it settles nothing, and its ends may be too long to write out."""
+    return bool(ball.rad() > 1) and bool(ball.contains(0))
+
+
+def endpoints(ball: arb) -> tuple[Fraction, Fraction]:
+    """The two ends of a finite ball, as exact rationals."""
+    middle, radius = (_dyadic(part) for part in (ball.mid(), ball.rad()))
+    return middle - radius, middle + radius
+
+
+def sign(value: Exact) -> int:
+    """-1, 0 or 1, certified. A zero is recognised only if it is rational or enclosed exactly; else Uncertified."""
+    return settle(value, lambda x: (x > 0) - (x < 0))
+
+
+def is_less(a: Exact, b: Exact) -> bool:
+    """a < b, certified by disjoint enclosures. Raises Uncertified if a = b and neither is rational."""
+    return sign(lambda: enclose(a) - enclose(b)) < 0
+
+
+def fixed(value: Exact, places: int, rounding: str = HALF_EVEN) -> str:
+    """`value` correctly rounded to `places` digits after the point, e.g. "-0.479167". A zero has no sign.
+
+    Raises ValueError if places < 0.
+    """
+    if places < 0:
+        raise ValueError(f"places = {places}; ask for none at least")
+    return settle(value, lambda x: _fixed(x, places, rounding))
+
+
+def significant(value: Exact, digits: int, rounding: str = HALF_EVEN) -> str:
+    """`value` correctly rounded to `digits` significant digits: plain from 1e-5 up to 10**digits, else like "3.3e-4".
+
+    Zero is "0". Raises ValueError if digits < 1.
+    """
+    _demand_a_digit(digits)
+
+    def read(x: Fraction) -> str:
+        if x == 0:
+            return "0"
+        decade = _decade(_rounded(x, digits, rounding))
+        if -5 <= decade < digits:
+            return _fixed(x, digits - 1 - decade, rounding)
+        return _scientific(x, digits, rounding)
+
+    return settle(value, read)
+
+
+def scientific(value: Exact, digits: int, rounding: str = HALF_EVEN) -> str:
+    """`value` correctly rounded to `digits` significant digits, always with an exponent, e.g. "-6.7e-5"; zero is "0".
+
+    Raises ValueError if digits < 1.
+    """
+    _demand_a_digit(digits)
+    return settle(value, lambda x: _scientific(x, digits, rounding))
+
+
+def _demand_a_digit(digits: int) -> None:
+    if digits < 1:
+        raise ValueError(f"digits = {digits}; ask for at least one")
+
+
+def _dyadic(exact_ball: arb) -> Fraction:
+    mantissa, exponent = (int(part) for part in exact_ball.man_exp())
+    if abs(exponent) > LARGEST_EXPONENT:
+        raise Uncertified("the number lies outside 10**-78000 .. 10**78000, too long to write out")
+    return Fraction(mantissa) * Fraction(2) ** exponent
+
+
+def _round_to_integer(x: Fraction, rounding: str) -> int:
+    """|x| rounded to an integer. Half-even sends a tie to the even neighbour, half-away outwards, away everything."""
+    if rounding not in ROUNDINGS:
+        raise ValueError(f"unknown rounding {rounding!r}; choose one of {', '.join(ROUNDINGS)}")
+    x = abs(x)
+    if rounding == AWAY:
+        return ceil(x)
+    return round(x) if rounding == HALF_EVEN else int(x + Fraction(1, 2))
+
+
+def _decade(x: Fraction) -> int:
+    """The largest e with 10**e <= |x|, for x != 0."""
+    e = (abs(x.numerator).bit_length() - x.denominator.bit_length()) * 30103 // 100000  # 0.30103 > log10(2)
+    while Fraction(10) ** (e + 1) <= abs(x):
+        e += 1
+    while Fraction(10) ** e > abs(x):
+        e -= 1
+    return e
+
+
+def _rounded(x: Fraction, digits: int, rounding: str) -> Fraction:
+    unit = Fraction(10) ** (_decade(x) - digits + 1)
+    return _round_to_integer(x / unit, rounding) * unit
+
+
+def _fixed(x: Fraction, places: int, rounding: str) -> str:
+    # fmpz prints integers of any length; Python's own str() refuses beyond 4300 digits.
+    digits = str(fmpz(_round_to_integer(x * 10**places, rounding))).zfill(places + 1)
+    text = f"{digits[:-places]}.{digits[-places:]}" if places else digits
+    return f"-{text}" if x < 0 and text.strip("0.") else text
+
+
+def _scientific(x: Fraction, digits: int, rounding: str) -> str:
+    if x == 0:
+        return "0"
+    rounded = _rounded(x, digits, rounding)
+    decade = _decade(rounded)
+    mantissa = str(fmpz(int(rounded / Fraction(10) ** (decade - digits + 1))))
+    point = f".{mantissa[1:]}" if digits > 1 else ""
+    return f"{'-' if x < 0 else ''}{mantissa[0]}{point}e{decade}"

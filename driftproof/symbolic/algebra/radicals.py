@@ -1,0 +1,111 @@
+"""Real algebraic numbers in print: radicals where they are short, minimal polynomials, certified decimals."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import gcd
+
+from flint import arb, ctx, fmpq, fmpz
+
+from driftproof.methods.number_field import Algebraic, Exact
+from driftproof.symbolic.algebra.certified import significant
+from driftproof.symbolic.algebra.real_roots import FIRST_BITS, Minimal, RealRoot
+
+DIGITS = 31
+# Radicands beyond this are neither readable nor quick to split into prime factors.
+LARGEST_RADICAND = 10**30
+
+
+def radical_form(root: RealRoot) -> str | None:
+    """The number in radicals, in SymPy's syntax, where some power of it is rational or quadratic; else None.
+
+    E.g. "2*sqrt(2)", "1/2 + sqrt(5)/2", "sqrt(3 + 2*sqrt(3))", "2*3**(1/3)"; None also where radicands are long.
+    """
+    power = gcd(*(k for k, c in enumerate(root.minimal) if c))
+    if power > 1 and root.ball() < 0:
+        text = radical_form(root.negated())
+        return text and f"-{text}"
+    reduced = root.minimal[::power]
+    if len(reduced) == 2:
+        return _rational_power(Fraction(-reduced[0], reduced[1]), power)
+    inner = _quadratic(reduced, root, power) if len(reduced) == 3 else None
+    if inner is None or power == 1:
+        return inner
+    return f"sqrt({inner})" if power == 2 else f"({inner})**(1/{power})"
+
+
+def integer_polynomial_text(coefficients: Minimal, name: str = "x") -> str:
+    """The polynomial in SymPy's syntax, highest power first, e.g. "x**2 - 8"."""
+    text = ""
+    for power in reversed(range(len(coefficients))):
+        if (c := coefficients[power]) == 0:
+            continue
+        monomial = "" if power == 0 else name if power == 1 else f"{name}**{power}"
+        size = str(fmpz(abs(c)))
+        body = monomial if monomial and abs(c) == 1 else f"{size}*{monomial}" if monomial else size
+        text += (f" {'-' if c < 0 else '+'} " if text else "-" if c < 0 else "") + body
+    return text or "0"
+
+
+def is_readable(x: Exact) -> bool:
+    """True for a rational number, and for an element of a field whose generator has short coefficients."""
+    return not isinstance(x, Algebraic) or max(map(abs, x.field.minimal)) <= LARGEST_RADICAND
+
+
+def decimal(root: RealRoot, digits: int = DIGITS) -> str:
+    """The number correctly rounded to so many significant digits, certified by balls; "0" for zero."""
+    return significant(root.ball if root.rational is None else root.rational, digits)
+
+
+def _rational_power(x: Fraction, power: int) -> str | None:
+    """x**(1/power) for a rational x >= 0, with the perfect powers drawn out: x = p/q = p q**(power - 1) / q**power."""
+    if power == 1 or x == 0:
+        return str(x)
+    split = perfect_part(x.numerator * x.denominator ** (power - 1), power)
+    if split is None:
+        return None
+    outer, inner = split
+    surd = f"sqrt({inner})" if power == 2 else f"{inner}**(1/{power})"
+    return _times(Fraction(outer, x.denominator), surd if inner > 1 else "")
+
+
+def _quadratic(minimal: Minimal, root: RealRoot, power: int) -> str | None:
+    """root**power = (-b ± sqrt(b² - 4ac)) / 2a, as "p + q*sqrt(n)"; the sign is the one that balls do not exclude."""
+    c, b, a = minimal
+    split = perfect_part(b * b - 4 * a * c, 2)
+    if split is None:
+        return None
+    outer, inner = split
+    middle, half = Fraction(-b, 2 * a), Fraction(outer, 2 * a)
+    bits = FIRST_BITS
+    while True:
+        with ctx.workprec(bits):
+            target, reach = root.ball() ** power, arb(inner).sqrt() * _ball(half)
+            possible = [s for s in (1, -1) if (_ball(middle) + s * reach).overlaps(target)]
+        if len(possible) == 1:
+            break
+        bits *= 2
+    return f"{middle} {'+' if possible[0] > 0 else '-'} {_times(half, f'sqrt({inner})')}"
+
+
+def perfect_part(n: int, power: int) -> tuple[int, int] | None:
+    """(m, r) with n = m**power r and r free of such powers, for n > 0; None where n is too long to factor."""
+    if n > LARGEST_RADICAND:
+        return None
+    outer, inner = 1, 1
+    for prime, exponent in fmpz(n).factor():
+        outer *= int(prime) ** (exponent // power)
+        inner *= int(prime) ** (exponent % power)
+    return outer, inner
+
+
+def _times(factor: Fraction, surd: str) -> str:
+    """factor*surd for a positive factor, in SymPy's order: "2*sqrt(6)/3"."""
+    if not surd:
+        return str(factor)
+    over = f"/{factor.denominator}" if factor.denominator > 1 else ""
+    return f"{surd}{over}" if factor.numerator == 1 else f"{factor.numerator}*{surd}{over}"
+
+
+def _ball(x: Fraction) -> arb:
+    return arb(fmpq(x.numerator, x.denominator))

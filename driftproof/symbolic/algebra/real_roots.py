@@ -1,0 +1,214 @@
+"""Real algebraic numbers as roots of irreducible integer polynomials; all positive roots of polynomials, in order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache
+from itertools import pairwise
+from typing import Any, TypeAlias
+
+from flint import arb, ctx, fmpq, fmpq_poly, fmpz_poly
+
+from driftproof.symbolic.algebra.polynomials import (
+    Polynomial,
+    at_ball,
+    greatest_common_divisor,
+    norm,
+    quotient,
+    sign_changes,
+)
+
+# Coefficients of a primitive polynomial over Z, constant term first, leading coefficient positive.
+Minimal: TypeAlias = tuple[int, ...]
+
+FIRST_BITS = 64
+
+
+@dataclass(frozen=True)
+class RealRoot:
+    """The real root number `index` (from 0, ascending) of an irreducible primitive polynomial over Z.
+
+    Equal numbers are equal objects: the minimal polynomial is unique, and so is the index.
+    """
+
+    minimal: Minimal
+    index: int
+
+    def ball(self) -> arb:
+        """A ball around the number, at Arb's current precision."""
+        return _real_balls(self.minimal, ctx.prec)[self.index]
+
+    @property
+    def polynomial(self) -> Polynomial:
+        """The minimal polynomial, over Q."""
+        return fmpq_poly(list(self.minimal))
+
+    @property
+    def count(self) -> int:
+        """The number of real roots of the minimal polynomial."""
+        return len(_real_balls(self.minimal, FIRST_BITS))
+
+    @property
+    def degree(self) -> int:
+        """The degree of the number over Q."""
+        return len(self.minimal) - 1
+
+    @property
+    def rational(self) -> Fraction | None:
+        """The number itself if it is rational."""
+        return Fraction(-self.minimal[0], self.minimal[1]) if self.degree == 1 else None
+
+    def interval(self) -> tuple[Fraction, Fraction]:
+        """Short dyadic ends with this root, and no other real root of the minimal polynomial, between them.
+
+        Both ends are the number itself if it is rational.
+        """
+        if self.rational is not None:
+            return self.rational, self.rational
+        bits = FIRST_BITS
+        while True:
+            with ctx.workprec(bits):  # lower() and upper() round to it
+                ends = [(_dyadic(b.lower()), _dyadic(b.upper())) for b in _real_balls(self.minimal, bits)]
+            if all(left[1] < right[0] for left, right in pairwise(ends)):
+                break
+            bits *= 2
+        low, high = ends[self.index]
+        before = max([low - 1, *(end for _, end in ends[: self.index])])
+        after = min([high + 1, *(end for end, _ in ends[self.index + 1 :])])
+        return simplest_between(before, low), simplest_between(high, after)
+
+    def negated(self) -> RealRoot:
+        """The negative of the number."""
+        lead = 1 if self.degree % 2 == 0 else -1
+        minimal = tuple(lead * (-c if k % 2 else c) for k, c in enumerate(self.minimal))
+        return RealRoot(minimal, self.count - 1 - self.index)
+
+    def square_root(self) -> RealRoot:
+        """The non-negative square root. Raises ValueError for a negative number."""
+        doubled = [c for coefficient in self.minimal for c in (coefficient, 0)][:-1]
+        minimals = _factors(fmpz_poly(doubled))
+        bits = FIRST_BITS
+        while True:
+            with ctx.workprec(bits):
+                found = [
+                    RealRoot(m, k)
+                    for m in minimals
+                    for k, ball in enumerate(_real_balls(m, bits))
+                    if not ball < 0 and (ball * ball).overlaps(self.ball())
+                ]
+            if len(found) == 1:
+                return found[0]
+            if not found:
+                raise ValueError("a negative number has no real square root")
+            bits *= 2
+
+
+ZERO = RealRoot((0, 1), 0)
+
+
+def rational_root(x: Fraction) -> RealRoot:
+    """The rational number x as a root of its minimal polynomial."""
+    return RealRoot((-x.numerator, x.denominator), 0)
+
+
+def positive_roots(polynomials: Iterable[Polynomial]) -> list[RealRoot]:
+    """A list, ascending and without repetition, that holds every positive real root of the nonzero polynomials.
+
+    Over Q the list is exactly these roots; over a number field it also holds roots of conjugate polynomials.
+    Isolation is FLINT's, certified; distinct irreducible polynomials share no root, so precision separates them.
+    """
+    minimals = {m for p in polynomials if sign_changes(p) for m in _factors(norm(p).numer())}
+    bits = FIRST_BITS
+    while True:
+        with ctx.workprec(bits):
+            roots = [RealRoot(m, k) for m in minimals for k, b in enumerate(_real_balls(m, bits)) if b > 0]
+            roots.sort(key=lambda root: _dyadic(root.ball().mid()))
+            if all(left.ball() < right.ball() for left, right in pairwise(roots)):
+                return roots
+        bits *= 2
+
+
+def samples(roots: list[RealRoot]) -> list[fmpq]:
+    """Rational points, one inside each of the open intervals that the ascending positive roots cut (0, oo) into."""
+    if not roots:
+        return [fmpq(1)]
+    bits = FIRST_BITS
+    while True:
+        with ctx.workprec(bits):
+            ends = [(_dyadic(r.ball().lower()), _dyadic(r.ball().upper())) for r in roots]
+        gaps = [(Fraction(0), ends[0][0]), *((a[1], b[0]) for a, b in pairwise(ends))]
+        if all(low < high for low, high in gaps):
+            inner = [simplest_between(low, high) for low, high in gaps]
+            inner.append(Fraction(ends[-1][1] // 1 + 1))
+            return [fmpq(x.numerator, x.denominator) for x in inner]
+        bits *= 2
+
+
+def simplest_between(low: Fraction, high: Fraction) -> Fraction:
+    """The dyadic number of least denominator in the open interval (low, high), so that evaluating there is cheap."""
+    unit = 1
+    while True:
+        candidate = Fraction(low * unit // 1 + 1, unit)
+        if candidate < high:
+            return candidate
+        unit *= 2
+
+
+def vanishes_at(p: Polynomial, root: RealRoot) -> bool:
+    """p(root) = 0, decided exactly also for p over a number field.
+
+    p and the minimal polynomial have the common divisor d, and minimal = d e with d, e coprime: the root is a root of
+    exactly one of them, and balls tell which one it is not.
+    """
+    if p == 0:
+        return True
+    minimal = root.polynomial
+    common = greatest_common_divisor(minimal, p)
+    if common.degree() in (0, minimal.degree()):
+        return bool(common.degree() > 0)
+    rest = quotient(minimal, common)
+    bits = FIRST_BITS
+    while True:
+        with ctx.workprec(bits):
+            at_common, at_rest = at_ball(common, root.ball()), at_ball(rest, root.ball())
+        if not (at_common.contains(0) and at_rest.contains(0)):
+            return bool(at_common.contains(0))
+        bits *= 2
+
+
+def sign_at(p: Polynomial, root: RealRoot) -> int:
+    """The sign of p(root): -1, 0 or 1, exact."""
+    if vanishes_at(p, root):
+        return 0
+    bits = FIRST_BITS
+    while True:
+        with ctx.workprec(bits):
+            ball = at_ball(p, root.ball())
+        if not ball.contains(0):
+            return 1 if ball > 0 else -1
+        bits *= 2
+
+
+def _factors(p: Any) -> list[Minimal]:
+    """The irreducible factors of a nonzero integer polynomial, each once, primitive, leading coefficient positive."""
+    factors = [f for f, _ in p.factor()[1]]
+    return [tuple(int(c) for c in (f if f.leading_coefficient() > 0 else -f).coeffs()) for f in factors]
+
+
+@lru_cache(maxsize=4096)
+def _real_balls(minimal: Minimal, bits: int) -> tuple[arb, ...]:
+    """Balls around the real roots, ascending."""
+    with ctx.workprec(bits):
+        if len(minimal) == 2:
+            return (arb(fmpq(-minimal[0], minimal[1])),)
+        balls = [root.real for root, _ in fmpz_poly(list(minimal)).complex_roots() if root.imag.is_zero()]
+    if all(left < right for left, right in pairwise(balls)):
+        return tuple(balls)
+    return tuple(sorted(balls, key=lambda ball: _dyadic(ball.mid())))
+
+
+def _dyadic(exact_ball: arb) -> Fraction:
+    mantissa, exponent = (int(part) for part in exact_ball.man_exp())
+    return Fraction(mantissa * 2**exponent) if exponent >= 0 else Fraction(mantissa, 2**-exponent)

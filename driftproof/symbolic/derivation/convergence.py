@@ -1,0 +1,71 @@
+"""Error of one step and of a whole interval, as h goes to 0: orders and exact leading coefficients."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import sympy
+from sympy.polys.matrices import DomainMatrix
+
+from driftproof.symbolic.derivation.one_step import RING, H, Polynomial, entries, matrix
+from driftproof.symbolic.derivation.phase import cosine_series, leading_term, sine_series
+
+J = sympy.ImmutableMatrix([[0, 1], [-1, 0]])
+T = sympy.Symbol("T", real=True)
+
+
+def exact_flow_series(terms: int) -> DomainMatrix:
+    """exp(hJ) = [[cos h, sin h], [-sin h, cos h]] modulo h**terms, over Q[h]."""
+    c, s = cosine_series(terms), sine_series(terms)
+    return matrix([[c, s], [-s, c]])
+
+
+def rotation(angle: sympy.Expr) -> sympy.ImmutableMatrix:
+    """exp(angle·J), the exact flow over time `angle`: clockwise in the (q, v) plane."""
+    c, s = sympy.cos(angle), sympy.sin(angle)
+    return sympy.ImmutableMatrix([[c, s], [-s, c]])
+
+
+@dataclass(frozen=True)
+class LocalError:
+    """M(h) - exp(hJ) = C h**power + O(h**(power + 1)), with C != 0 a 2x2 rational matrix."""
+
+    power: int
+    coefficient: sympy.ImmutableMatrix
+
+    @property
+    def linear_order(self) -> int:
+        """The order on this oscillator, power - 1. On nonlinear problems the order can be lower, never higher."""
+        return self.power - 1
+
+
+def local_error(m: DomainMatrix) -> LocalError:
+    """The leading term of the error of one step that starts on the exact solution.
+
+    Raises ValueError for a matrix that agrees with the exact flow to more powers of h than its own degree, which no
+    polynomial step can.
+    """
+    terms = 3 + max(polynomial.degree() for polynomial in entries(m))
+    difference = entries(m - exact_flow_series(terms))
+    powers = [leading[0] for polynomial in difference if (leading := leading_term(polynomial))]
+    if not powers or min(powers) >= terms:
+        raise ValueError("no error term found: the step agrees with the exact flow")
+    power = min(powers)
+    return LocalError(power, sympy.ImmutableMatrix(2, 2, [_coefficient(p, power) for p in difference]))
+
+
+def global_error_coefficient(local: LocalError) -> sympy.ImmutableMatrix:
+    """G(T) with M(h)ᴺ - exp(TJ) = G(T) hᵖ + O(hᵖ⁺¹) at fixed T = N h, entries in T, cos T, sin T.
+
+    G(T) = ∫₀ᵀ exp((T-s)J) C exp(sJ) ds. The part C₊ of C that commutes with J leaves T exp(TJ) C₊, the part C₋
+    that anticommutes leaves sin(T) C₋ (hairer-norsett-wanner-1993, II.3 and II.8).
+    """
+    c = local.coefficient
+    conjugated = J * c * J  # = -c on the commuting part, +c on the anticommuting part
+    commuting, anticommuting = (c - conjugated) / 2, (c + conjugated) / 2
+    return sympy.ImmutableMatrix(T * rotation(T) * commuting + sympy.sin(T) * anticommuting)
+
+
+def _coefficient(polynomial: Polynomial, power: int) -> Any:
+    return RING.domain.to_sympy(polynomial.coeff(H**power))

@@ -1,0 +1,98 @@
+"""The one-step matrix M(h) of a method on the oscillator, exact over Q[h], by running the step on polynomials."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+import sympy
+from sympy import QQ, ring
+from sympy.polys.matrices import DomainMatrix
+
+from driftproof.methods.problems import oscillator
+from driftproof.methods.schemes import Method
+from driftproof.methods.stepping import Force, Step, stepper
+
+# An element of Q[h]. SymPy's rings have no static types.
+Polynomial: TypeAlias = Any
+
+RING, H = ring("h", QQ)
+MATRICES = RING.to_domain()
+# A step run on these generators yields polynomials in the state and h.
+STATE_RING, STATE_Q, STATE_V, STATE_H = ring("q, v, h", QQ)
+
+
+def rational(x: Fraction | int) -> Any:
+    """`x` in SymPy's field Q. Refuses floats, which SymPy's own conversion would silently turn into guesses."""
+    if isinstance(x, bool) or not isinstance(x, Fraction | int):
+        raise TypeError(f"{x!r} is {type(x).__name__}; exact arithmetic takes int or Fraction")
+    return QQ(x.numerator, x.denominator)
+
+
+def one_step_matrix(method: Method) -> DomainMatrix:
+    """M(h) with (q₁, v₁)ᵀ = M(h) (q₀, v₀)ᵀ for q' = v, v' = -q: a 2x2 matrix over Q[h]."""
+    return matrix_of(exact_stepper(method))
+
+
+def exact_stepper(method: Method) -> Step:
+    """The step of `method` over Q[q, v, h]: its coefficients are rationals of that ring."""
+    return stepper(method, lambda c: STATE_RING.ground_new(rational(c)))
+
+
+def symbolic_step(step: Step, force: Force = oscillator) -> tuple[Polynomial, Polynomial]:
+    """(q₁, v₁) as polynomials in Q[q, v, h]: the step run on the generators q, v and h."""
+    q1, v1 = step(force, STATE_Q, STATE_V, STATE_H)
+    return q1, v1
+
+
+def matrix_of(step: Step, force: Force = oscillator) -> DomainMatrix:
+    """The matrix over Q[h] of a step function that is linear in (q, v), found by running it on polynomials.
+
+    Raises ValueError if the step turns out not to be linear in the state.
+    """
+    q1, v1 = symbolic_step(step, force)
+    return DomainMatrix([_linear_coefficients(q1, "q"), _linear_coefficients(v1, "v")], (2, 2), MATRICES)
+
+
+def matrix(rows: list[list[Polynomial]]) -> DomainMatrix:
+    """The 2x2 matrix over Q[h] with these entries; ints and Fractions are promoted."""
+    entries = [[RING.ground_new(rational(x)) if isinstance(x, int | Fraction) else x for x in row] for row in rows]
+    return DomainMatrix(entries, (len(rows), len(rows[0])), MATRICES)
+
+
+def entries(m: DomainMatrix) -> tuple[Polynomial, Polynomial, Polynomial, Polynomial]:
+    """(M_qq, M_qv, M_vq, M_vv)."""
+    (qq, qv), (vq, vv) = m.to_list()
+    return qq, qv, vq, vv
+
+
+def trace(m: DomainMatrix) -> Polynomial:
+    """M_qq + M_vv, in Q[h]."""
+    qq, _, _, vv = entries(m)
+    return qq + vv
+
+
+def determinant(m: DomainMatrix) -> Polynomial:
+    """M_qq M_vv - M_qv M_vq, in Q[h]: the factor by which one step scales area."""
+    qq, qv, vq, vv = entries(m)
+    return qq * vv - qv * vq
+
+
+def at_rational(polynomial: Polynomial, h: Fraction) -> Fraction:
+    """The value of an element of Q[h] at a rational h, as a Fraction."""
+    value = polynomial.evaluate(H, rational(h))
+    return Fraction(int(value.numerator), int(value.denominator))
+
+
+def expression(polynomial: Polynomial) -> sympy.Expr:
+    """An element of Q[h] as a SymPy expression in the symbol h, for printing and for algebraic numbers."""
+    return polynomial.as_expr()
+
+
+def _linear_coefficients(polynomial: Polynomial, name: str) -> list[Polynomial]:
+    row = {"q": RING.zero, "v": RING.zero}
+    for (in_q, in_v, in_h), coefficient in polynomial.terms():
+        if in_q + in_v != 1:
+            raise ValueError(f"the step is not linear in the state: its {name} holds q**{in_q} * v**{in_v}")
+        row["q" if in_q else "v"] += RING({(in_h,): coefficient})
+    return [row["q"], row["v"]]

@@ -1,0 +1,174 @@
+"""Where |R(hλ)| = 1 for a complex λ of degree 3 or more, whose λ + λ̄ and λλ̄ are irrational: all pairs at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import lru_cache, reduce
+from itertools import combinations
+from math import comb
+from operator import add
+from typing import Any, TypeAlias
+
+from flint import acb_poly, arb, ctx, fmpq, fmpq_mat
+
+from driftproof.methods.number_field import Exact, NumberField
+from driftproof.symbolic.algebra.number_field_polynomials import FieldPolynomial, interpolate
+from driftproof.symbolic.algebra.polynomials import ONE, Polynomial, Scalar, at_ball, coefficients, polynomial
+from driftproof.symbolic.algebra.rational_functions import RationalFunction
+from driftproof.symbolic.algebra.real_roots import FIRST_BITS, ZERO, Minimal, RealRoot, positive_roots, samples
+from driftproof.symbolic.linear.eigenvalues import Complex
+from driftproof.symbolic.linear.rays import ALWAYS, NEVER, Bound
+
+# Of the polynomial in h; beyond, its factors take minutes.
+LARGEST_DEGREE = 300
+LAST_BITS = 1 << 14
+
+# A square matrix over Q. FLINT's have no static types.
+Matrix: TypeAlias = Any
+Coefficients: TypeAlias = tuple[Exact, ...]
+
+
+class UndecidedLimitError(ValueError):
+    """A limit that is not decided here; the reason in one line."""
+
+
+def pair_bound(r: RationalFunction, place: Complex) -> Bound:
+    """The largest h₀ with |R(hλ)| <= 1 for every h in (0, h₀], λ semisimple.
+
+    Between positive roots of `pair_polynomial` the sign of |Q(hλ)|² - |P(hλ)|² is constant and not zero, so a ball at
+    one rational h decides it. Raises UndecidedLimitError where the polynomial is zero, or of degree above
+    LARGEST_DEGREE.
+    """
+    roots = _critical_steps(coefficients(r.num), coefficients(r.den), place.minimal)
+    for start, inner in zip([ZERO, *roots], samples(roots), strict=True):
+        if margin_sign(r, place, inner) < 0:
+            return NEVER if start == ZERO else Bound(start, True)
+    return ALWAYS
+
+
+@lru_cache(maxsize=16)
+def _critical_steps(num: Coefficients, den: Coefficients, minimal: Minimal) -> list[RealRoot]:
+    """The positive roots of the polynomial of pairs; all conjugates share them."""
+    critical = pair_polynomial(RationalFunction(polynomial(num), polynomial(den)), minimal)
+    if critical == 0:
+        raise UndecidedLimitError("R(hλ)R(hμ) = 1 for every h and some eigenvalues with λ + μ not 0: not decided")
+    return positive_roots([critical])
+
+
+def margin_sign(r: RationalFunction, place: Complex, h: fmpq) -> int:
+    """The sign of |Q(hλ)|² - |P(hλ)|² where it is not zero, by balls that shrink until they exclude zero.
+
+    Raises UndecidedLimitError where LAST_BITS do not.
+    """
+    bits = FIRST_BITS
+    while bits <= LAST_BITS:
+        with ctx.workprec(bits):
+            num, den = (
+                acb_poly([at_ball(ONE * c, arb(0)) for c in p.coeffs()])(place.ball() * h) for p in (r.num, r.den)
+            )
+            margin = abs(den) - abs(num)
+            if not margin.contains(0):
+                return 1 if margin > 0 else -1
+        bits *= 2
+    raise UndecidedLimitError(f"whether |R(hλ)| is 1 at h = {h} is not decided with {LAST_BITS} bits")
+
+
+def pair_polynomial(r: RationalFunction, minimal: Minimal) -> Polynomial:
+    """Π (Q(hλ)Q(hμ) - P(hλ)P(hμ)) in Q[h], up to a constant, over unordered pairs of roots with λ + μ not 0.
+
+    On the second exterior power of C, the companion matrix, pairs of eigenvectors are eigenvectors of the sum
+    S: u∧v ↦ Cu∧v + u∧Cv and of the product D: u∧v ↦ Cu∧Cv, and a factor is a polynomial in S and D. On the kernel of S
+    it is replaced by 1: there it would be 0 for R(z)R(-z) = 1. Over a number field the norm is taken.
+    """
+    generator = _powers_of_generator(_field(r))
+    degree = 2 * max(int(r.num.degree()), int(r.den.degree())) * comb(len(minimal) - 1, 2) * len(generator)
+    if degree > LARGEST_DEGREE:
+        raise UndecidedLimitError(f"a complex eigenvalue whose polynomial in h has degree {degree} > {LARGEST_DEGREE}")
+    companion = _companion(minimal)
+    one = _identity(companion.nrows())
+    total, product = _on_pairs(companion, one) + _on_pairs(one, companion), _on_pairs(companion, companion)
+    idle = _projection_on_kernel(total)
+    kept = _identity(total.nrows()) - idle
+    terms = _margin_terms(r, total, product, len(generator))
+    values = []
+    for h in range(degree + 1):
+        parts = [
+            reduce(add, (row[i] * fmpq(h) ** n for n, row in enumerate(terms))) * kept for i in range(len(generator))
+        ]
+        parts[0] = parts[0] + idle
+        values.append(reduce(add, map(_kronecker, parts, generator)).det())
+    return interpolate(values)
+
+
+def _margin_terms(r: RationalFunction, total: Matrix, product: Matrix, width: int) -> list[list[Matrix]]:
+    """The coefficients of hⁿ in |Q(hλ)|² - |P(hλ)|² as polynomials in S and D, each by its parts over the field."""
+    degree = 2 * max(int(r.num.degree()), int(r.den.degree()))
+    terms = [[total * 0 for _ in range(width)] for _ in range(degree + 1)]
+    for p, factor in ((r.den, 1), (r.num, -1)):
+        scalars = p.coeffs()
+        for j, k, matrix in _symmetric_powers(total, product, len(scalars)):
+            for i, x in enumerate(_coordinates(scalars[j] * scalars[k] * factor)):
+                terms[j + k][i] = terms[j + k][i] + matrix * x
+    return terms
+
+
+def _symmetric_powers(total: Matrix, product: Matrix, count: int) -> Iterator[tuple[int, int, Matrix]]:
+    """(j, j, λʲμʲ) and (j, k, λʲμᵏ + λᵏμʲ) for j < k < count, as polynomials in λ + μ and λμ."""
+    power = _identity(total.nrows())
+    sums = [power * 2, total]
+    while len(sums) < count:
+        sums.append(total * sums[-1] - product * sums[-2])
+    for j in range(count):
+        yield j, j, power
+        for k in range(j + 1, count):
+            yield j, k, power * sums[k - j]
+        power = power * product
+
+
+def _companion(minimal: Minimal) -> Matrix:
+    size = len(minimal) - 1
+    last = [fmpq(-c, minimal[-1]) for c in minimal[:-1]]
+    return fmpq_mat([[last[i] if j == size - 1 else fmpq(int(i == j + 1)) for j in range(size)] for i in range(size)])
+
+
+def _on_pairs(a: Matrix, b: Matrix) -> Matrix:
+    """eᵢ∧eⱼ ↦ Aeᵢ∧Beⱼ in the basis of the eᵢ∧eⱼ, i < j."""
+    pairs = list(combinations(range(a.nrows()), 2))
+    return fmpq_mat([[a[k, i] * b[m, j] - a[m, i] * b[k, j] for i, j in pairs] for k, m in pairs])
+
+
+def _projection_on_kernel(s: Matrix) -> Matrix:
+    """q(S)/q(0), where xᵏq(x) is the characteristic polynomial of S, which is semisimple; 0 for k = 0."""
+    coefficients = s.charpoly().coeffs()
+    lowest = next(c for c in coefficients if c != 0)
+    value = s * 0
+    for c in reversed(coefficients[coefficients.index(lowest) :]):
+        value = value * s + _identity(s.nrows()) * (c / lowest)
+    return value
+
+
+def _identity(size: int) -> Matrix:
+    return fmpq_mat([[fmpq(int(i == j)) for j in range(size)] for i in range(size)])
+
+
+def _kronecker(a: Matrix, b: Matrix) -> Matrix:
+    rows = range(a.nrows()), range(b.nrows())
+    return fmpq_mat([[a[i, j] * b[k, m] for j in rows[0] for m in rows[1]] for i in rows[0] for k in rows[1]])
+
+
+def _field(r: RationalFunction) -> NumberField | None:
+    return next((p.field for p in (r.num, r.den) if isinstance(p, FieldPolynomial)), None)
+
+
+def _powers_of_generator(field: NumberField | None) -> list[Matrix]:
+    """1, α, α², ... below the degree, as matrices of multiplication; 1 over Q."""
+    alpha = _companion(field.minimal) if field else _identity(1)
+    powers = [_identity(alpha.nrows())]
+    while len(powers) < alpha.nrows():
+        powers.append(powers[-1] * alpha)
+    return powers
+
+
+def _coordinates(x: Scalar) -> list[fmpq]:
+    """The coordinates in 1, α, α², ...; those left out are zero."""
+    return [p[0] for p in x.parts] if isinstance(x, FieldPolynomial) else [x]

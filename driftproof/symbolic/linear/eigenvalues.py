@@ -1,0 +1,159 @@
+"""The eigenvalues of a rational matrix: exact places, multiplicities and sizes of Jordan blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache
+from typing import Any, TypeAlias
+
+from flint import acb, ctx, fmpq, fmpq_mat, fmpz_poly
+
+from driftproof.symbolic.algebra.certified import significant
+from driftproof.symbolic.algebra.radicals import DIGITS, decimal, integer_polynomial_text, radical_form
+from driftproof.symbolic.algebra.real_roots import FIRST_BITS, Minimal, RealRoot, rational_root
+from driftproof.symbolic.linear.limits import data
+
+Rows: TypeAlias = Sequence[Sequence[Fraction]]
+
+
+@dataclass(frozen=True)
+class Imaginary:
+    """The pair ±iω of roots of an irreducible polynomial over Z, ω = `size` > 0."""
+
+    minimal: Minimal
+    size: RealRoot
+
+
+@dataclass(frozen=True)
+class Complex:
+    """Two conjugate roots, neither real nor imaginary, of an irreducible polynomial over Z.
+
+    `index` numbers the upper ones, from 0, by real part and then by imaginary part.
+    """
+
+    minimal: Minimal
+    index: int
+
+    @property
+    def degree(self) -> int:
+        """The degree of the number over Q."""
+        return len(self.minimal) - 1
+
+    def ball(self) -> acb:
+        """A ball around the upper root, at Arb's current precision."""
+        return _upper_balls(self.minimal, ctx.prec)[self.index]
+
+    def sum_and_product(self) -> tuple[fmpq, fmpq]:
+        """λ + λ̄ and λλ̄ for degree 2. Raises ValueError for another degree."""
+        if self.degree != 2:
+            raise ValueError("the sum and the product of these conjugates are not rational")
+        c, b, a = self.minimal
+        return fmpq(-b, a), fmpq(c, a)
+
+
+Place: TypeAlias = RealRoot | Imaginary | Complex
+
+
+@dataclass(frozen=True)
+class Eigenvalue:
+    """A real eigenvalue, or a pair of conjugate ones; a root of the characteristic polynomial `multiplicity` times.
+
+    `block` is the size of the largest Jordan block; 1 if the eigenvalue is semisimple.
+    """
+
+    place: Place
+    multiplicity: int
+    block: int
+
+    def data(self) -> dict[str, Any]:
+        """{"value", "multiplicity", "largest_block"}; of a pair the one above the real axis."""
+        return {"value": _value(self.place), "multiplicity": self.multiplicity, "largest_block": self.block}
+
+
+def eigenvalues(rows: Rows) -> list[Eigenvalue]:
+    """All eigenvalues of the matrix, pairs of conjugates once, by factors of the characteristic polynomial."""
+    matrix = fmpq_mat([[fmpq(*x.as_integer_ratio()) for x in row] for row in rows])
+    blocks = dict(_factors(matrix.minpoly()))
+    found = sorted(_factors(matrix.charpoly()), key=lambda item: (len(item[0]), item[0]))
+    return [Eigenvalue(place, exponent, blocks[m]) for m, exponent in found for place in places(m)]
+
+
+def places(minimal: Minimal) -> list[Place]:
+    """Every root of an irreducible polynomial, pairs of conjugates once: real, imaginary, then the others."""
+    if len(minimal) == 2:
+        return [RealRoot(minimal, 0)]
+    real = [RealRoot(minimal, k) for k in range(RealRoot(minimal, 0).count)]
+    imaginary = [Imaginary(minimal, size) for size in _on_imaginary_axis(minimal)]
+    others = [Complex(minimal, k) for k in range(len(_upper_balls(minimal, FIRST_BITS)))]
+    return [*real, *imaginary, *others]
+
+
+def _factors(p: Any) -> list[tuple[Minimal, int]]:
+    """The irreducible factors of a polynomial over Q, primitive, leading coefficient positive, with their exponents."""
+    factors = p.numer().factor()[1]
+    return [
+        (tuple(int(c) for c in (f if f.leading_coefficient() > 0 else -f).coeffs()), int(exponent))
+        for f, exponent in factors
+    ]
+
+
+def _on_imaginary_axis(minimal: Minimal) -> list[RealRoot]:
+    """The ω > 0 with f(iω) = 0, ascending: an irreducible f with such a root is even, f(x) = g(x²), and ω² = -x²."""
+    if any(minimal[1::2]):
+        return []
+    inner = RealRoot(minimal[::2], 0)
+    below = [RealRoot(inner.minimal, k) for k in range(inner.count)] if inner.degree > 1 else [inner]
+    return [root.negated().square_root() for root in reversed(below) if root.ball() < 0]
+
+
+@lru_cache(maxsize=256)
+def _upper_balls(minimal: Minimal, bits: int) -> tuple[acb, ...]:
+    """Balls around the roots above the real axis and not on the imaginary one, always in the same order."""
+    on_axis = len(_on_imaginary_axis(minimal))
+    precision = bits
+    while True:
+        with ctx.workprec(precision):
+            roots = [root for root, _ in fmpz_poly(list(minimal)).complex_roots() if root.imag > 0]
+            apart = [root for root in roots if not root.real.contains(0)]
+        if len(roots) - len(apart) == on_axis:
+            break
+        precision *= 2
+    if bits == FIRST_BITS:
+        return tuple(sorted(apart, key=lambda root: (_middle(root.real), _middle(root.imag))))
+    first = _upper_balls(minimal, FIRST_BITS)
+    matches = [[root for root in apart if root.overlaps(ball)] for ball in first]
+    if all(len(found) == 1 for found in matches):
+        return tuple(found[0] for found in matches)
+    return _upper_balls(minimal, 2 * bits)
+
+
+def _middle(ball: Any) -> Fraction:
+    mantissa, exponent = (int(part) for part in ball.mid().man_exp())
+    return Fraction(mantissa) * Fraction(2) ** exponent
+
+
+def _value(place: Place) -> Any:
+    """A real number as `limits.data` writes it, another with its real and imaginary part."""
+    if isinstance(place, RealRoot):
+        return data(place)
+    if isinstance(place, Imaginary):
+        size = radical_form(place.size)
+        exact, real, imaginary = size and _times_i(size), "0", decimal(place.size)
+    else:
+        exact = _quadratic(place) if place.degree == 2 else None
+        real, imaginary = (significant(part, DIGITS) for part in (lambda: place.ball().real, lambda: place.ball().imag))
+    return {"exact": exact, "minpoly": integer_polynomial_text(place.minimal), "real": real, "imaginary": imaginary}
+
+
+def _quadratic(place: Complex) -> str | None:
+    total, product = place.sum_and_product()
+    square = product - total * total / 4
+    height = radical_form(rational_root(Fraction(int(square.p), int(square.q))).square_root())
+    return height and f"{total / 2} + {_times_i(height)}"
+
+
+def _times_i(size: str) -> str:
+    """The number times i, e.g. "sqrt(399)/20*I"."""
+    return "I" if size == "1" else f"({size})*I" if " " in size else f"{size}*I"

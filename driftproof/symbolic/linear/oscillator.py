@@ -1,0 +1,175 @@
+"""The one-step matrix M(h) of any method on the oscillator, and on any linear system, with exact entries."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from driftproof.methods.number_field import Exact
+from driftproof.methods.problems import oscillator
+from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta
+from driftproof.methods.stepping import stepper
+from driftproof.symbolic.algebra.matrices import StepMatrix, of_matrix
+from driftproof.symbolic.algebra.polynomials import (
+    ONE,
+    ZERO,
+    Polynomial,
+    Scalar,
+    X,
+    even_part,
+    from_scalars,
+    in_square,
+    odd_part,
+    reflected,
+    scalar,
+    size_on_imaginary_axis,
+)
+from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction, reversed_sign
+from driftproof.symbolic.linear.stability_function import (
+    resolvent,
+    stability_function,
+    stability_function_of_collocation,
+)
+from driftproof.symbolic.linear.tableaux import Tableau
+
+
+def stability_function_of(method: Method) -> RationalFunction | None:
+    """R(z) where the method has one: Runge-Kutta and collocation methods; None for splittings and Nyström methods."""
+    if isinstance(method, RungeKutta):
+        return stability_function(method)
+    return stability_function_of_collocation(method.node_polynomial) if isinstance(method, Collocation) else None
+
+
+def one_step_matrix(method: Method) -> StepMatrix:
+    """M(h) with (q₁, v₁)ᵀ = M(h) (q₀, v₀)ᵀ for q' = v, v' = -q, also for implicit methods: entries in Q(h) or K(h)."""
+    r = stability_function_of(method)
+    if r is not None:
+        return rotation_like(r)
+    if isinstance(method, Nystrom) and not method.explicit:
+        return _implicit_nystrom_matrix(method)
+    step = stepper(method, scalar)
+    columns = [step(oscillator, q, v, X) for q, v in ((ONE, ZERO), (ZERO, ONE))]
+    return tuple(tuple(fraction(x) for x in row) for row in zip(*columns, strict=True))
+
+
+def rotation_like(r: RationalFunction) -> StepMatrix:
+    """R(hJ) = Re R(ih) I + Im R(ih) J with J = [[0, 1], [-1, 0]], since J² = -I."""
+    (even, odd), (den_even, den_odd) = (
+        (_at_minus_square(even_part(p)), _at_minus_square(odd_part(p))) for p in (r.num, r.den)
+    )
+    common = den_even * den_even + X * X * den_odd * den_odd
+    cosine = fraction(even * den_even + X * X * odd * den_odd, common)
+    sine = fraction(X * (odd * den_even - even * den_odd), common)
+    return (cosine, sine), (-sine, cosine)
+
+
+def linear_step_matrix(method: Method, rows: Sequence[Sequence[Exact | int]]) -> StepMatrix:
+    """M(h) with z₁ = M(h) z₀ for z' = Az, A given by its rows.
+
+    R(hA) for Runge-Kutta and collocation methods; splittings and Nyström methods need A = [[0, I], [K, 0]], that is
+    q' = v, v' = Kq. Raises ValueError for another A, and for one that is not square.
+    """
+    exact_rows = [[scalar(x) for x in row] for row in rows]
+    if not exact_rows or any(len(row) != len(exact_rows) for row in exact_rows):
+        raise ValueError("the matrix of a linear system is square")
+    r = stability_function_of(method)
+    return of_matrix(r, exact_rows) if r is not None else _partitioned(method, exact_rows)
+
+
+def trace(m: StepMatrix) -> RationalFunction:
+    """tr M."""
+    return m[0][0] + m[1][1]
+
+
+def determinant(m: StepMatrix) -> RationalFunction:
+    """det M, the factor by which one step scales area."""
+    (qq, qv), (vq, vv) = m
+    return qq * vv - qv * vq
+
+
+def energy_multiplier(m: StepMatrix) -> RationalFunction | None:
+    """The μ(h²) with E(Mz) = μ E(z) for every z, as a function of h²; None where the change depends on the state."""
+    (qq, qv), (vq, vv) = m
+    gained = qq * qq + vq * vq
+    if gained != qv * qv + vv * vv or (qq * qv + vq * vv).num != 0:
+        return None
+    return RationalFunction(in_square(gained.num), in_square(gained.den))
+
+
+def is_matrix_symmetric(m: StepMatrix) -> bool:
+    """M(h) M(-h) = I: on the oscillator a step of -h undoes a step of h."""
+    back = tuple(tuple(reversed_sign(x) for x in row) for row in m)
+    (qq, qv), (vq, vv) = _product(m, back)
+    one, nil = fraction(ONE), fraction(ZERO)
+    return (qq, qv, vq, vv) == (one, nil, nil, one)
+
+
+def _product(a: StepMatrix, b: StepMatrix) -> StepMatrix:
+    (p, q), (r, s) = b
+    return tuple((x * p + y * r, x * q + y * s) for x, y in a)
+
+
+def energy_multiplier_of(r: RationalFunction) -> RationalFunction:
+    """|R(ih)|² as a function of h²: what one step of a method with this R does to the energy of the oscillator."""
+    return fraction(size_on_imaginary_axis(r.num), size_on_imaginary_axis(r.den))
+
+
+def _at_minus_square(p: Polynomial) -> Polynomial:
+    """p(-z²)."""
+    return spread(reflected(p))
+
+
+def spread(p: Polynomial) -> Polynomial:
+    """p(z²)."""
+    return from_scalars([x for c in p.coeffs() for x in (c, c * 0)])
+
+
+def _implicit_nystrom_matrix(method: Nystrom) -> StepMatrix:
+    """k = -(I + h²A)⁻¹ (1 q + hc v): every entry is a resolvent bᵀ(I - zA)⁻¹v at z = -h²."""
+    values = [[scalar(x) for x in row] for row in method.a]
+    nodes, weights, rates = (tuple(scalar(x) for x in row) for row in (method.c, method.b_position, method.b_velocity))
+    data = Tableau(tuple(map(tuple, values)), weights, nodes, method.field)
+
+    def response(b: tuple[Scalar, ...], v: tuple[Scalar, ...]) -> RationalFunction:
+        found = resolvent(data.weighted(b), v)
+        return fraction(_at_minus_square(found.num), _at_minus_square(found.den))
+
+    step, square = fraction(X), fraction(X * X)
+    one = fraction(ONE)
+    ones = data.power(0)
+    return (
+        (one - square * response(weights, ones), step - step * square * response(weights, nodes)),
+        (-(step * response(rates, ones)), one - square * response(rates, nodes)),
+    )
+
+
+def _partitioned(method: Method, rows: list[list[Scalar]]) -> StepMatrix:
+    """[[α(h²K), hβ(h²K)], [hKγ(h²K), δ(h²K)]], where [[α(-h²), hβ(-h²)], [-hγ(-h²), δ(-h²)]] is the oscillator's M(h).
+
+    The step is linear in (q, v) and scales like them: its entries are functions of h²K, as on the oscillator of -h².
+    """
+    stiffness = stiffness_of(rows)
+    if stiffness is None:
+        raise ValueError(f"{method.key} needs a system q' = v, v' = Kq: the matrix must be [[0, I], [K, 0]]")
+    (qq, qv), (vq, vv) = one_step_matrix(method)
+    step, per_step = fraction(X), fraction(ONE, X)
+    blocks = [
+        [_of_square(qq, stiffness, fraction(ONE)), _of_square(qv * per_step, stiffness, step)],
+        [_of_square(vq * step, stiffness, per_step), _of_square(vv, stiffness, fraction(ONE))],
+    ]
+    return tuple((*left, *right) for row in blocks for left, right in zip(*row, strict=True))
+
+
+def stiffness_of(rows: Sequence[Sequence[Scalar]]) -> list[list[Scalar]] | None:
+    """The K of a system q' = v, v' = Kq, that is of the matrix [[0, I], [K, 0]]; None for another matrix."""
+    half, odd = divmod(len(rows), 2)
+    expected = [[int(j == i + half) for j in range(2 * half)] for i in range(half)]
+    if odd or [list(row) for row in rows[:half]] != expected or any(x != 0 for row in rows[half:] for x in row[half:]):
+        return None
+    return [list(row[:half]) for row in rows[half:]]
+
+
+def _of_square(f: RationalFunction, stiffness: list[list[Scalar]], factor: RationalFunction) -> StepMatrix:
+    """factor(h) φ(h²K), where φ(-h²) = f(h), f even."""
+    phi = fraction(*(reflected(in_square(p)) for p in (f.num, f.den)))
+    found = of_matrix(phi, stiffness)
+    return tuple(tuple(fraction(spread(x.num), spread(x.den)) * factor for x in row) for row in found)

@@ -1,0 +1,215 @@
+"""Error constants, dispersion and dissipation, and the modified equation on linear problems: exact series."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from math import isqrt
+from typing import Any
+
+from driftproof.methods.number_field import Exact
+from driftproof.methods.number_field import square_root as number_root
+from driftproof.symbolic.algebra.algebraic_numbers import root_of
+from driftproof.symbolic.algebra.matrices import StepMatrix
+from driftproof.symbolic.algebra.polynomials import ONE, exact, reflected, scalar
+from driftproof.symbolic.algebra.radicals import is_readable, perfect_part
+from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
+from driftproof.symbolic.algebra.series import (
+    Series,
+    derivative,
+    divide,
+    expand,
+    exponential,
+    integral,
+    logarithm,
+    multiply,
+    square_root,
+)
+from driftproof.symbolic.linear.limits import data
+from driftproof.symbolic.linear.oscillator import determinant, trace
+
+
+class NoRotationError(ValueError):
+    """A step that for small h is no rotation, or turns by s*h + O(h**2) with s**2 no positive rational."""
+
+
+@dataclass(frozen=True)
+class LeadingTerm:
+    """coefficient * h**power, the lowest power of a series that is not zero."""
+
+    power: int
+    coefficient: Exact
+
+    def data(self) -> dict[str, Any]:
+        """{"power": p, "coefficient": "..."}; where radicals are too long, the number is as `limits.data` writes it."""
+        readable = is_readable(self.coefficient)
+        return {
+            "power": self.power,
+            "coefficient": str(self.coefficient) if readable else data(root_of(self.coefficient)),
+        }
+
+
+def error_constant(r: RationalFunction) -> LeadingTerm:
+    """C zᵖ⁺¹, the leading term of R(z) - eᶻ; p is the order on linear problems, never below the order.
+
+    There is one: R agrees with exp up to the power deg P + deg Q at most (Padé).
+    """
+    terms = r.num.degree() + r.den.degree() + 2
+    return _leading([a - b for a, b in zip(expand(r, terms), exponential(terms), strict=True)])
+
+
+def linear_order(r: RationalFunction) -> int:
+    """The p with R(z) = eᶻ + O(zᵖ⁺¹): the order on y' = λy. On nonlinear problems the order may be lower."""
+    return error_constant(r).power - 1
+
+
+def matrix_error(m: StepMatrix) -> tuple[int, tuple[tuple[Exact, Exact], tuple[Exact, Exact]]]:
+    """(power, C) with M(h) - exp(hJ) = C h**power + ..., C not zero; the order on the oscillator is power - 1."""
+    terms = 2
+    while True:
+        terms *= 2
+        turn = _rotation(terms)
+        rows = [
+            [[a - b for a, b in zip(expand(f, terms), e, strict=True)] for f, e in zip(row, exact_row, strict=True)]
+            for row, exact_row in zip(m, turn, strict=True)
+        ]
+        for power in range(terms):
+            (a, b), (c, d) = ([exact(x[power]) for x in row] for row in rows)
+            if any((a, b, c, d)):
+                return power, ((a, b), (c, d))
+
+
+def modified_rate(r: RationalFunction, terms: int) -> Series:
+    """log R(z) = z (1 + ...) as its first `terms` coefficients: the step is the exact flow of y' = (log R(hλ)/h) y.
+
+    This is the modified equation on linear problems, to any length (hairer-lubich-wanner-2006, IX.1).
+    """
+    return logarithm(expand(r, terms))
+
+
+def dispersion_series(r: RationalFunction, terms: int) -> Series:
+    """arg R(ih) - h modulo h**terms, from the odd powers of log R."""
+    logs = modified_rate(r, terms)
+    turned = [c * (-1) ** (k // 2) if k % 2 else c * 0 for k, c in enumerate(logs)]
+    return [c - 1 if k == 1 else c for k, c in enumerate(turned)]
+
+
+def dissipation_series(r: RationalFunction, terms: int) -> Series:
+    """log |R(ih)| modulo h**terms, from the even powers of log R."""
+    return [c * 0 if k % 2 else c * (-1) ** (k // 2) for k, c in enumerate(modified_rate(r, terms))]
+
+
+def dispersion(r: RationalFunction) -> LeadingTerm:
+    """The leading term of arg R(ih) - h. There is one, as R(z)/R(-z) is rational and e²ᶻ is not."""
+    return _leading_of(lambda terms: dispersion_series(r, terms))
+
+
+def dissipation(r: RationalFunction) -> LeadingTerm | None:
+    """The leading term of log |R(ih)|; None where |R(ih)| = 1 for every h, that is R(z) R(-z) = 1."""
+    if is_linearly_symmetric(r):
+        return None
+    return _leading_of(lambda terms: dissipation_series(r, terms))
+
+
+def is_linearly_symmetric(r: RationalFunction) -> bool:
+    """R(z) R(-z) = 1: on linear problems a step of -h undoes a step of h."""
+    return bool(r.num * reflected(r.num) == r.den * reflected(r.den))
+
+
+def angle_series(m: StepMatrix, terms: int) -> Series:
+    """θ(h) - h modulo h**terms, θ the angle of the eigenvalues: cos θ = tr M / (2 sqrt(det M)).
+
+    From θ' = -(cos θ)' / sin θ. An inconsistent splitting turns by θ = σh + O(h²) with σ = sqrt(Σ kicks Σ drifts); its
+    series lies in Q(σ). Raises NoRotationError unless σ² is rational and positive.
+    """
+    cosine, sine = _cosine_and_sine(m, max(terms, 2))
+    slope = divide([-c for c in derivative(cosine)[1:]], sine)
+    return [c - 1 if k == 1 else c for k, c in enumerate(integral(slope)[:terms])]
+
+
+def turning_rate(m: StepMatrix) -> Exact:
+    """The σ with θ = σh + O(h²); 1 for a consistent method. Raises NoRotationError unless σ² is rational, positive."""
+    return _square_root(exact(_square_of_sine(_cosine(m, 2))[0]))
+
+
+def _cosine(m: StepMatrix, terms: int) -> Series:
+    """cos θ modulo h**(terms + 1)."""
+    root = square_root(expand(determinant(m), terms + 1))
+    cosine = divide([c / 2 for c in expand(trace(m), terms + 1)], root)
+    if cosine[0] != 1 or cosine[1] != 0:
+        raise NoRotationError("the step is no rotation by a small angle: its eigenvalues are not 1 at h = 0")
+    return cosine
+
+
+def _square_of_sine(cosine: Series) -> Series:
+    """sin² θ / h² modulo h**(terms - 1)."""
+    return [-c for c in multiply(cosine, cosine)][2:]
+
+
+def _cosine_and_sine(m: StepMatrix, terms: int) -> tuple[Series, Series]:
+    """cos θ modulo h**(terms + 1) and sin θ / h modulo h**(terms - 1)."""
+    cosine = _cosine(m, terms)
+    square_of_sine = _square_of_sine(cosine)
+    rate = square_of_sine[0]
+    root_of_rate = scalar(_square_root(exact(rate)))
+    return cosine, [c * root_of_rate for c in square_root([c / rate for c in square_of_sine])]
+
+
+def _square_root(x: Exact) -> Exact:
+    """The square root of a rational x > 0, exact. Raises NoRotationError for another x."""
+    if not isinstance(x, Fraction) or x <= 0:
+        raise NoRotationError(f"the step turns by s*h + O(h**2) with s**2 = {x}: no positive rational")
+    product = x.numerator * x.denominator
+    outer, inner = perfect_part(product, 2) or (1, product)
+    root = isqrt(inner)
+    surd = Fraction(root) if root**2 == inner else number_root(inner)
+    return surd * Fraction(outer, x.denominator)
+
+
+def damping_series(m: StepMatrix, terms: int) -> Series:
+    """½ log det M modulo h**terms: the growth rate per step of the eigenvalues' radius."""
+    return [c / 2 for c in logarithm(expand(determinant(m), terms))]
+
+
+def angle_error(m: StepMatrix) -> LeadingTerm:
+    """The leading term of θ(h) - h. There is one, as cos θ is algebraic in h and cos h is not.
+
+    Raises NoRotationError as `turning_rate` does.
+    """
+    excess = turning_rate(m) - 1
+    return LeadingTerm(1, excess) if excess else _leading_of(lambda terms: angle_series(m, terms))
+
+
+def damping(m: StepMatrix) -> LeadingTerm | None:
+    """The leading term of ½ log det M; None where det M = 1 for every h."""
+    if determinant(m) == fraction(ONE):
+        return None
+    return _leading_of(lambda terms: damping_series(m, terms))
+
+
+def modified_factor_series(m: StepMatrix, terms: int) -> Series:
+    """θ / sin θ modulo h**terms, for det M = 1: the factor of the modified Hamiltonian."""
+    angle = angle_series(m, terms + 1)
+    over_step = [c + 1 if k == 0 else c for k, c in enumerate(angle[1:])]
+    return divide(over_step, _cosine_and_sine(m, terms + 1)[1])
+
+
+def _rotation(terms: int) -> tuple[tuple[Series, Series], tuple[Series, Series]]:
+    series = exponential(terms)
+    cosine = [c * 0 if k % 2 else c * (-1) ** (k // 2) for k, c in enumerate(series)]
+    sine = [c * (-1) ** (k // 2) if k % 2 else c * 0 for k, c in enumerate(series)]
+    return (cosine, sine), ([-c for c in sine], cosine)
+
+
+def _leading_of(compute: Callable[[int], Series]) -> LeadingTerm:
+    """The leading term of a series that is not zero, computed to twice the length until it shows."""
+    terms = 8
+    while all(c == 0 for c in compute(terms)):
+        terms *= 2
+    return _leading(compute(terms))
+
+
+def _leading(series: Series) -> LeadingTerm:
+    power = next(k for k, c in enumerate(series) if c != 0)
+    return LeadingTerm(power, exact(series[power]))

@@ -1,0 +1,86 @@
+"""The boundary |R(z)| = 1 of the stability region, as certified points."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import NamedTuple
+
+from flint import acb, acb_poly, arb, ctx
+
+from driftproof.symbolic.algebra.certified import endpoints, fixed
+from driftproof.symbolic.algebra.number_field_polynomials import FieldPolynomial, root_ball
+from driftproof.symbolic.algebra.polynomials import Polynomial, scalar, squarefree
+from driftproof.symbolic.algebra.rational_functions import RationalFunction
+
+# The boundary as a fact: values of Re R(z) on either side of 0, and digits after the point.
+COUNT = 12
+PLACES = 15
+
+
+class BoundaryPoint(NamedTuple):
+    """A complex ball that contains a point z with |R(z)| = 1 and Re R(z) = `cosine`."""
+
+    cosine: Fraction
+    z: acb
+
+
+def boundary_points(r: RationalFunction, count: int, bits: int = 64) -> list[BoundaryPoint]:
+    """Every z with |R(z)| = 1 and Re R(z) among 2 count + 1 rational numbers from -1 to 1, in balls.
+
+    R(z) = c ± i sqrt(1 - c²) are the roots of P² - 2cPQ + Q², a polynomial with real exact coefficients; multiple roots
+    are separated exactly, so balls isolate what is left. c = (1 - t²)/(1 + t²) makes the angles of R(z) nearly even.
+    """
+    squares = [Fraction(k * k, count * count) for k in range(count + 1)]
+    cosines = [(1 - t) / (1 + t) for t in squares]
+    cosines += [-c for c in cosines[-2::-1]]
+    return [BoundaryPoint(c, z) for c in cosines for z in points_at(r, c, bits)]
+
+
+def rounded_boundary(r: RationalFunction, count: int = COUNT, places: int = PLACES) -> list[tuple[str, str, str]]:
+    """(Re R(z), Re z, Im z) of the boundary points with Im z >= 0, as decimals: |error| < 10**-places in all of z.
+
+    Each part of z is rounded, an error of 1/2 unit of the last place, from a ball of radius below 1/8 unit.
+    """
+    bits = 64
+    while True:
+        points = [point for point in boundary_points(r, count, bits) if not point.z.imag < 0]
+        parts = [tuple(endpoints(part) for part in (point.z.real, point.z.imag)) for point in points]
+        if all(8 * (high - low) * 10**places < 2 for pair in parts for low, high in pair):
+            break
+        bits *= 2
+    found = [(p.cosine, *((low + high) / 2 for low, high in pair)) for p, pair in zip(points, parts, strict=True)]
+    return [(str(c), fixed(x, places), fixed(y, places)) for c, x, y in sorted(found, key=lambda p: (-p[0], *p[1:]))]
+
+
+def points_at(r: RationalFunction, cosine: Fraction, bits: int = 64) -> list[acb]:
+    """Balls around every z with |R(z)| = 1 and Re R(z) = cosine, radii about 2**-bits, relative or absolute."""
+    if abs(cosine) == 1:
+        level = r.num - r.den * int(cosine)
+    else:
+        level = r.num * r.num - r.num * r.den * (2 * scalar(cosine)) + r.den * r.den
+    return complex_roots(level, bits)
+
+
+def complex_roots(p: Polynomial, bits: int) -> list[acb]:
+    """Balls around the distinct complex roots of p, real ones with imaginary part exactly 0 where p is over Q."""
+    if p.degree() < 1:
+        return []
+    if not isinstance(p, FieldPolynomial):
+        with ctx.workprec(bits):
+            return [root for root, _ in p.numer().complex_roots()]
+    simple, work = squarefree(p), 2 * bits
+    while True:
+        with ctx.workprec(work):
+            try:
+                found: list[acb] = acb_poly([_ball(c) for c in simple.coeffs()]).roots(tol=arb(2) ** -bits)
+            except ValueError:  # the balls of the coefficients are too wide
+                work *= 2
+            else:
+                return found
+
+
+def _ball(x: FieldPolynomial) -> arb:
+    total, alpha = arb(0), root_ball(x.field)
+    for part in reversed(x.parts):
+        total = total * alpha + arb(part[0])
+    return total

@@ -1,0 +1,165 @@
+"""The facts of a method on a linear system z' = Az over Q: its one-step matrix, and how far its powers stay bounded."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from functools import cached_property, partial
+from typing import Any, TypeAlias
+
+from flint import fmpq
+
+from driftproof.methods.schemes import Method
+from driftproof.symbolic.algebra.algebraic_numbers import scaled
+from driftproof.symbolic.algebra.matrices import StepMatrix, determinant
+from driftproof.symbolic.algebra.polynomials import ONE, descend, quotient
+from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
+from driftproof.symbolic.algebra.real_roots import ZERO, RealRoot, sign_at
+from driftproof.symbolic.linear.bounded_powers import boundary_of, bounded_limit, common_denominator, is_bounded
+from driftproof.symbolic.linear.conjugate_pairs import UndecidedLimitError, pair_bound
+from driftproof.symbolic.linear.eigenvalues import Complex, Eigenvalue, Imaginary, Place, eigenvalues
+from driftproof.symbolic.linear.limits import Infinity, data, smallest
+from driftproof.symbolic.linear.oscillator import determinant as area_factor
+from driftproof.symbolic.linear.oscillator import linear_step_matrix, one_step_matrix, stability_function_of
+from driftproof.symbolic.linear.rays import ALWAYS, NEVER, Bound, at_rest, ray_bound
+
+Json: TypeAlias = Any
+
+
+class SystemFacts:
+    """The exact facts about `method` on z' = Az, A square with rational entries; each computed when first asked for.
+
+    Raises ValueError for a splitting or a Nyström method on a system that is not of the form q' = v, v' = Kq.
+    """
+
+    def __init__(self, method: Method, rows: Sequence[Sequence[Fraction]]) -> None:
+        """Compute nothing yet, but for a splitting or a Nyström method M(h), which not every system has."""
+        self.method = method
+        self.rows = rows
+        if stability_function_of(method) is None:
+            self.__dict__["matrix"] = linear_step_matrix(method, rows)
+
+    @cached_property
+    def matrix(self) -> StepMatrix:
+        """M(h), with z₁ = M(h) z₀."""
+        return linear_step_matrix(self.method, self.rows)
+
+    @cached_property
+    def determinant(self) -> RationalFunction:
+        """det M(h), the factor by which one step scales volume."""
+        den = common_denominator(self.matrix)
+        rows = [[descend(x.num * quotient(den, x.den)) for x in row] for row in self.matrix]
+        return fraction(descend(determinant(rows)), den ** len(rows))
+
+    @cached_property
+    def bounds(self) -> list[tuple[Eigenvalue, Bound | UndecidedLimitError]]:
+        """Each eigenvalue of A with the bound for its part of M(h), or why that is not decided."""
+        return [(eigenvalue, self._bound(eigenvalue)) for eigenvalue in eigenvalues(self.rows)]
+
+    @cached_property
+    def step_limit(self) -> Bound:
+        """The largest H such that the powers of M(h) are bounded for every h in (0, H). Raises UndecidedLimitError."""
+        bounds = [bound for _, bound in self.bounds]
+        if NEVER in bounds:
+            return NEVER
+        decided = [bound for bound in bounds if isinstance(bound, Bound)]
+        undecided = [bound for bound in bounds if isinstance(bound, UndecidedLimitError)]
+        if undecided:
+            raise undecided[0]
+        limit = smallest([bound.limit for bound in decided])
+        return (
+            ALWAYS
+            if isinstance(limit, Infinity)
+            else Bound(limit, all(b.attained for b in decided if b.limit == limit))
+        )
+
+    def _bound(self, eigenvalue: Eigenvalue) -> Bound | UndecidedLimitError:
+        r = stability_function_of(self.method)
+        try:
+            if r is None:
+                return partitioned_bound(self.method, eigenvalue.place, eigenvalue.block)
+            return runge_kutta_bound(r, eigenvalue.place, eigenvalue.block)
+        except UndecidedLimitError as reason:
+            return reason
+
+
+def runge_kutta_bound(r: RationalFunction, place: Place, block: int) -> Bound:
+    """The bound for powers of R(hJ), J a Jordan block of the eigenvalue, or a pair. Raises UndecidedLimitError."""
+    if isinstance(place, Imaginary):
+        return _per(ray_bound(r, fmpq(0), fmpq(1), block), place.size)
+    if isinstance(place, Complex):
+        if place.degree == 2:
+            return ray_bound(r, *place.sum_and_product(), block)
+        if block > 1:
+            raise UndecidedLimitError("a complex eigenvalue of degree 3 or more with a Jordan block is not decided")
+        return pair_bound(r, place)
+    if place == ZERO:
+        return at_rest(r, block)
+    ahead = place.ball() > 0
+    return _per(ray_bound(r, fmpq(2 if ahead else -2), fmpq(1), block), place if ahead else place.negated())
+
+
+def partitioned_bound(method: Method, place: Place, block: int) -> Bound:
+    """The same for a method that is not Runge-Kutta, on q' = v, v' = Kq: λ² is an eigenvalue of K.
+
+    For λ = iω it is the oscillator's bound over ω, for real λ that of q' = v, v' = q over |λ|. Raises
+    UndecidedLimitError.
+    """
+    m = one_step_matrix(method)
+    into_position, into_velocity = m[0][1].num[1], m[1][0].num[1]
+    if isinstance(place, Complex) and into_position != 0 and into_velocity != 0:
+        # M = I + h[[0, β], [λ²γ, 0]] + O(h²): one of its eigenvalues 1 ± hλ sqrt(βγ) + O(h²) is above 1 in modulus,
+        # as sqrt(βγ) is real or imaginary and λ neither.
+        return NEVER
+    if place == ZERO and into_position != 0:
+        return NEVER
+    if isinstance(place, Imaginary) and block == 1:
+        return _per(power_bound(m), place.size)
+    if isinstance(place, Imaginary) and area_factor(m) == fraction(ONE) and into_position != 0:
+        # The eigenvalues lie on the circle and turn with ω: dθ/dω is not 0 but for single h.
+        return NEVER
+    if isinstance(place, RealRoot) and place != ZERO:
+        bound = power_bound(linear_step_matrix(method, [[0, 1], [1, 0]]))
+        if block == 1 or bound == NEVER:
+            return _per(bound, place if place.ball() > 0 else place.negated())
+    raise UndecidedLimitError("not decided for this method: a Jordan block, or a step without a kick or a drift")
+
+
+def power_bound(m: StepMatrix) -> Bound:
+    """`bounded_limit` of a 2x2 matrix, and whether the powers are bounded at the limit itself."""
+    limit = bounded_limit(m)
+    if isinstance(limit, Infinity):
+        return ALWAYS
+    return NEVER if limit == ZERO else Bound(limit, is_bounded(boundary_of(m), partial(sign_at, root=limit)))
+
+
+def _per(bound: Bound, size: RealRoot) -> Bound:
+    return Bound(scaled(bound.limit, size), bound.attained)
+
+
+def _eigenvalue_data(eigenvalue: Eigenvalue, bound: Bound | UndecidedLimitError) -> Json:
+    return {**eigenvalue.data(), **_bound_data(bound)}
+
+
+def _bound_data(bound: Bound | UndecidedLimitError) -> Json:
+    if isinstance(bound, UndecidedLimitError):
+        return {"limit": {"refused": str(bound)}, "attained": None}
+    return {"limit": data(bound.limit), "attained": bound.attained}
+
+
+def _step_limit(facts: SystemFacts) -> Bound | UndecidedLimitError:
+    try:
+        return facts.step_limit
+    except UndecidedLimitError as reason:
+        return reason
+
+
+SYSTEM_FACTS: dict[str, Callable[[SystemFacts], Json]] = {
+    "method": lambda facts: facts.method.key,
+    "system": lambda facts: [[str(x) for x in row] for row in facts.rows],
+    "one_step_matrix": lambda facts: [[entry.data() for entry in row] for row in facts.matrix],
+    "determinant": lambda facts: facts.determinant.data(),
+    "eigenvalues": lambda facts: [_eigenvalue_data(*item) for item in facts.bounds],
+    "step_limit": lambda facts: _bound_data(_step_limit(facts))["limit"],
+    "step_limit_attained": lambda facts: _bound_data(_step_limit(facts))["attained"],
+}

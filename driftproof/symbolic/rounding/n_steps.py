@@ -1,0 +1,175 @@
+"""Rounding over N steps, a theorem for every start and every N.
+
+Let M = rho times an isometry of a norm |.|, and let one step of the program err by at most c|z| + r in it. Then the
+error e_n = fl^n(z0) - M^n z0 obeys |e_(n+1)| <= rho|e_n| + c|fl^n(z0)| + r <= (rho + c)|e_n| + c rho^n |z0| + r, so
+
+    |e_N| <= ((rho + c)^N - rho^N) |z0| + r (1 + (rho + c) + ... + (rho + c)^(N-1)),
+
+and every state on the way has |fl^n(z0)| <= (rho + c)^n |z0| + r (1 + ... + (rho + c)^(n-1)), which must not overflow.
+All of this grows with rho, c, r and |z0|, so where M and the norm are irrational, rationals above these will do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import NamedTuple, TypeAlias
+
+from flint import arb, ctx
+
+from driftproof.methods.problems import oscillator
+from driftproof.methods.stepping import Force
+from driftproof.symbolic.algebra.certified import Uncertified, enclose, endpoints, scientific
+from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
+from driftproof.symbolic.rounding.overflow import largest_safe_state
+from driftproof.symbolic.rounding.own_norm import NoOwnNorm, OwnNorm, own_norm
+from driftproof.symbolic.rounding.sharp import SharpBound, sharp_bound
+from driftproof.symbolic.rounding.step import LinearBound
+from driftproof.symbolic.rounding.trace import Subject
+
+State: TypeAlias = tuple[Fraction, Fraction]
+# Upper bounds are rounded up from enclosures of at least this relative accuracy.
+SETTLED_BITS = 40
+FIRST_BITS = 256
+LAST_BITS = 1 << 16
+# A magnitude beyond this power of two is shown as one.
+LARGEST_WRITTEN_OUT = 4096
+
+
+class HypothesisFails(ValueError):
+    """The theorem on N steps says nothing here; the message names the hypothesis that fails."""
+
+
+@dataclass(frozen=True)
+class RunBound:
+    """|fl^N(z0) - M(h)^N z0| <= `own` in the method's own norm, and <= `euclidean` in the Euclidean one.
+
+    `growth` is c and `underflow` r, per step and in that norm. All are rational and rounded up.
+    """
+
+    format: FloatFormat
+    h: Fraction
+    steps: int
+    start: State
+    norm: OwnNorm
+    growth: Fraction
+    underflow: Fraction
+    own: Fraction
+
+    @property
+    def euclidean(self) -> Fraction:
+        """The bound on sqrt(dq² + dv²)."""
+        return self.norm.euclidean_per_unit * self.own
+
+    @property
+    def component(self) -> Fraction:
+        """The bound on |dq| and on |dv|."""
+        return self.norm.component_per_unit * self.own
+
+
+def run_bound(
+    subject: Subject,
+    h: Fraction,
+    steps: int,
+    start: State,
+    fmt: FloatFormat = BINARY64,
+    local: LinearBound | None = None,
+    force: Force = oscillator,
+) -> RunBound:
+    """The rounding bound of `steps` steps of size h from `start`, by the theorem above.
+
+    `local` is a proved bound of one step at h; without it, the sharper one is derived. h and `start` are the floats
+    themselves. Raises HypothesisFails where h or the start is no number of the format, where the step is not a
+    rotation times a factor, or where a state might overflow.
+    """
+    for what, x in (("h", h), ("the start's q", start[0]), ("the start's v", start[1])):
+        _demand_number(what, x, fmt)
+    if steps < 0:
+        raise HypothesisFails(f"N = {steps}: a run has no negative number of steps")
+    derived = sharp_bound(subject, h, fmt, force)
+    norm = _norm(derived, h)
+    growth, underflow = growth_per_step(norm, local or derived.linear)
+    run = _Run(norm, norm.length(*start), growth, underflow, steps)
+    _demand_safe(run, largest_safe_state(subject, h, fmt, force), fmt)
+    return RunBound(fmt, h, steps, start, norm, growth, underflow, run.error)
+
+
+def growth_per_step(norm: OwnNorm, local: LinearBound) -> tuple[Fraction, Fraction]:
+    """(c, r) with |error of one step| <= c|z| + r in the norm, rounded up, for any error within `local`."""
+    return norm.gain(local.error), norm.largest_of_signs(*local.underflow)
+
+
+class _Run(NamedTuple):
+    """The quantities of the theorem; the methods give balls at the current precision."""
+
+    norm: OwnNorm
+    length: Fraction
+    growth: Fraction
+    underflow: Fraction
+    steps: int
+
+    @property
+    def factor(self) -> Fraction:
+        """rho + c."""
+        return self.norm.rho + self.growth
+
+    @property
+    def error(self) -> Fraction:
+        """The bound on |e_N|, rounded up."""
+        if self.growth == 0 and self.underflow == 0:
+            return Fraction(0)
+        return _above(lambda: enclose(self.length) * self._difference_of_powers() + self._spread())
+
+    def reach(self) -> arb:
+        """A bound on |q| and |v| of every state on the way: the powers grow or shrink monotonically."""
+        power = enclose(self.factor) ** self.steps if self.factor > 1 else arb(1)
+        return enclose(self.norm.component_per_unit) * (enclose(self.length) * power + self._spread())
+
+    def _difference_of_powers(self) -> arb:
+        return enclose(self.factor) ** self.steps - enclose(self.norm.rho) ** self.steps
+
+    def _spread(self) -> arb:
+        if self.factor == 1:
+            return enclose(self.underflow * self.steps)
+        excess = self.factor - 1
+        return enclose(self.underflow) * (enclose(self.factor) ** self.steps - 1) / enclose(excess)
+
+
+def _norm(derived: SharpBound, h: Fraction) -> OwnNorm:
+    try:
+        return own_norm((*derived.matrix[0], *derived.matrix[1]))
+    except NoOwnNorm as reason:
+        raise HypothesisFails(f"at h = {h}: {reason}") from None
+
+
+def _demand_number(what: str, x: Fraction, fmt: FloatFormat) -> None:
+    if abs(x) > fmt.largest:
+        raise HypothesisFails(f"{what} is beyond the largest {fmt.name} number")
+    if not fmt.holds(x):
+        raise HypothesisFails(f"{what} = {x} is not a {fmt.name} number; the nearest is {fmt.nearest(x)}")
+
+
+def _demand_safe(run: _Run, safe: Fraction, fmt: FloatFormat) -> None:
+    with ctx.workprec(FIRST_BITS):
+        reach = run.reach()
+        if reach <= enclose(safe):
+            return
+        power = int((reach.log() / arb(2).log()).upper().floor().unique_fmpz())
+    size = scientific(run.reach, 4) if power < LARGEST_WRITTEN_OUT else f"2**{power}"
+    raise HypothesisFails(
+        f"overflow of {fmt.name} cannot be excluded within {run.steps} steps: "
+        f"states might reach {size}, and a step is safe up to {scientific(safe, 4)}"
+    )
+
+
+def _above(ball: Callable[[], arb]) -> Fraction:
+    """An upper bound of a positive number, within a relative 2**-SETTLED_BITS of it."""
+    bits = FIRST_BITS
+    while bits <= LAST_BITS:
+        with ctx.workprec(bits):
+            value = ball()
+            if value.is_exact() or value.rel_accuracy_bits() >= SETTLED_BITS:
+                return endpoints(value)[1]
+        bits *= 2
+    raise Uncertified(f"no enclosure within {LAST_BITS} bits")

@@ -1,0 +1,263 @@
+"""A number that carries an exact polynomial and a bound on what rounding has done to it.
+
+Model. With d = u/(1+u) and eta the smallest subnormal, rounding a real x to nearest gives x(1 + a) + b, |a| <= d,
+|b| <= eta/2, a*b = 0, unless it overflows. Three cases are better, because every finite number is a multiple of eta:
+* a sum or difference of two numbers is such a multiple, so b = 0 (a sum below 2**emin is exact);
+* a product with an integer is one too, so b = 0;
+* multiplying or dividing by a power of two only moves the exponent, so a = 0.
+The bounds below are worst cases over a and b, so they hold whatever the state, at every scale, and also when a product
+and the sum it enters are fused into one rounding: that drops the product's a, and keeps one b, of which it has one.
+"""
+
+from __future__ import annotations
+
+import linecache
+import sys
+from fractions import Fraction
+from numbers import Rational, Real
+from typing import Any, NoReturn
+
+from driftproof.methods.number_field import Algebraic, Exact
+from driftproof.symbolic.algebra.certified import settle
+from driftproof.symbolic.derivation.one_step import rational
+from driftproof.symbolic.rounding.formats import FloatFormat, is_power_of_two
+from driftproof.symbolic.rounding.irrational import above, size
+from driftproof.symbolic.rounding.polynomials import ETA, RING, D, Polynomial, constant_term, majorant, polynomial
+
+# A bound on u = d/(1 - d) in powers of d, for errors of constants, which are known as multiples of u: for d <= 1/2,
+# u = d + d**2 + d**3/(1 - d) <= UNIT.
+UNIT = D + D**2 + 2 * D**3
+# Higher powers of d and of eta than these are put into these: they only make the bounds of long programs longer.
+MOST_D, MOST_ETA = 16, 2
+
+
+class RefusedOperation(TypeError):
+    """The step did something to a value whose rounding cannot be bounded; the message says what and where."""
+
+
+class Rounded:
+    """A float x^ computed from q, v, h, known as a polynomial x, exactly, and a bound on |x^ - x|.
+
+    `propagated` bounds what the operands' errors do to the result before it is rounded itself, so
+    error = propagated + [rounds] d (|x| + propagated) + [underflows] eta/2, where |x| is the sum of |monomials|, but
+    for the highest powers of d and eta, see `_shortened`.
+    `operands` pairs each operand with the exact partial derivative of x by it; `crossed` bounds the product of two
+    operands' errors, the only part of `propagated` that those derivatives do not give. `held` is the float itself
+    where it is a known constant, `fusible` marks a product, which a compiler may fuse into a sum.
+    """
+
+    __slots__ = (
+        "crossed",
+        "error",
+        "exact",
+        "format",
+        "fusible",
+        "held",
+        "operands",
+        "propagated",
+        "rounds",
+        "underflows",
+    )
+
+    def __init__(
+        self,
+        fmt: FloatFormat,
+        exact: Polynomial,
+        operands: tuple[tuple[Rounded, Polynomial], ...] = (),
+        crossed: Polynomial = RING.zero,
+        rounds: bool = False,
+        underflows: bool = False,
+    ) -> None:
+        """The result of one operation on `operands`; without operands, an input that is exact."""
+        self.format, self.exact, self.operands, self.crossed = fmt, exact, operands, crossed
+        self.rounds, self.underflows = rounds, underflows
+        self.fusible = False
+        self.held: Fraction | None = None
+        self.propagated: Polynomial = sum((majorant(partial) * x.error for x, partial in operands), crossed)
+        relative = D * (majorant(exact) + self.propagated) if rounds else RING.zero
+        self.error: Polynomial = _shortened(self.propagated + relative + (ETA / 2 if underflows else RING.zero), fmt)
+
+    def __add__(self, other: object) -> Rounded:
+        """x + y, rounded once."""
+        return _sum(self, self._operand(other, "addition"), 1)
+
+    def __radd__(self, other: object) -> Rounded:
+        """y + x, rounded once."""
+        return _sum(self._operand(other, "addition"), self, 1)
+
+    def __sub__(self, other: object) -> Rounded:
+        """x - y, rounded once."""
+        return _sum(self, self._operand(other, "subtraction"), -1)
+
+    def __rsub__(self, other: object) -> Rounded:
+        """y - x, rounded once."""
+        return _sum(self._operand(other, "subtraction"), self, -1)
+
+    def __mul__(self, other: object) -> Rounded:
+        """x*y, rounded once."""
+        return _product(self, self._operand(other, "multiplication"))
+
+    def __rmul__(self, other: object) -> Rounded:
+        """y*x, rounded once."""
+        return _product(self._operand(other, "multiplication"), self)
+
+    def __truediv__(self, other: object) -> Rounded:
+        """x/c for a constant c != 0, rounded once."""
+        divisor = self._operand(other, "division")
+        if divisor.held is None:
+            _refuse("division by something that depends on q, v or h")
+        if divisor.held == 0 or not divisor.exact:
+            _refuse("division by zero")
+        return _product(self, _reciprocal(divisor))
+
+    def __rtruediv__(self, other: object) -> Rounded:
+        """c/x, which only a constant x allows."""
+        return self._operand(other, "division") / self
+
+    def __neg__(self) -> Rounded:
+        """-x, exactly."""
+        if self.held is not None:
+            return _known(self.format, -self.exact, -self.held)
+        return Rounded(self.format, -self.exact, ((self, -RING.one),))
+
+    def __pos__(self) -> Rounded:
+        """+x, the number itself."""
+        return self
+
+    def __getattr__(self, name: str) -> Any:
+        """A method that refuses: numpy.sin(x) calls x.sin()."""
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return lambda *operands: _refuse(f"a call of {name}")
+
+    def _operand(self, other: object, operation: str) -> Rounded:
+        if isinstance(other, Rounded):
+            return other
+        exact = rational_value(other)
+        if exact is None:
+            _refuse(f"{operation} with {other!r}, which is {type(other).__name__} and not a finite number")
+        return constant(exact, self.format)
+
+
+def _refusal(what: str) -> Any:
+    def refuse(self: Rounded, *operands: object) -> NoReturn:
+        _refuse(what)
+
+    return refuse
+
+
+# A comparison branches on a value, and a conversion hands it to code that cannot be followed.
+for _name, _what in {
+    **dict.fromkeys(("__eq__", "__ne__", "__lt__", "__le__", "__gt__", "__ge__"), "a comparison of a value"),
+    "__bool__": "a branch on a value",
+    **dict.fromkeys(("__float__", "__complex__"), "a conversion to float (float(x), or a function of math)"),
+    **dict.fromkeys(("__int__", "__index__", "__trunc__"), "a conversion to int"),
+    **dict.fromkeys(("__round__", "__floor__", "__ceil__"), "rounding a value to an integer"),
+    **dict.fromkeys(("__pow__", "__rpow__"), "a power, a library call with a rounding of its own; write the product"),
+    **dict.fromkeys(("__floordiv__", "__mod__", "__divmod__", "__rfloordiv__", "__rmod__"), "a floor division"),
+    "__abs__": "abs(), a branch on a value",
+    "__hash__": "a look-up by value",
+}.items():
+    setattr(Rounded, _name, _refusal(_what))
+
+
+def constant(exact: Exact | int, fmt: FloatFormat) -> Rounded:
+    """The number of the format nearest to `exact`, with its distance from it as the error."""
+    exact = exact if isinstance(exact, Algebraic) else Fraction(exact)
+    return _known(fmt, polynomial(exact), _nearest(fmt, exact))
+
+
+def _shortened(bound: Polynomial, fmt: FloatFormat) -> Polynomial:
+    """A bound nowhere below `bound` without the highest powers, since d <= 1/2, and eta <= 1 in all but toy formats."""
+    if fmt.eta > 1 or not any(in_d > MOST_D or in_eta > MOST_ETA for in_d, in_eta, *_ in bound.monoms()):
+        return bound
+    short: dict[tuple[int, ...], Any] = {}
+    for (in_d, in_eta, *powers), c in bound.terms():
+        kept = (min(in_d, MOST_D), min(in_eta, MOST_ETA), *powers)
+        short[kept] = short.get(kept, 0) + c / 2 ** max(in_d - MOST_D, 0)
+    return RING.from_dict(short)
+
+
+def _sum(x: Rounded, y: Rounded, sign: int) -> Rounded:
+    exact = x.exact + sign * y.exact
+    if x.held is not None and y.held is not None:
+        return _known(x.format, exact, _nearest(x.format, x.held + sign * y.held))
+    if y.held == 0 and y.error == 0:  # sum(...) starts from 0
+        return x
+    if x.held == 0 and x.error == 0:
+        return y if sign > 0 else -y
+    return Rounded(x.format, exact, ((x, RING.one), (y, RING.one * sign)), rounds=True)
+
+
+def _product(x: Rounded, y: Rounded) -> Rounded:
+    factors = [factor.held for factor in (x, y) if factor.held is not None]
+    exact = x.exact * y.exact
+    if len(factors) == 2:
+        result = _known(x.format, exact, _nearest(x.format, factors[0] * factors[1]))
+    else:
+        result = Rounded(
+            x.format,
+            exact,
+            ((x, y.exact), (y, x.exact)),
+            crossed=x.error * y.error,
+            rounds=not any(is_power_of_two(c) for c in factors),
+            underflows=not any(c.denominator == 1 for c in factors),
+        )
+    result.fusible = True
+    return result
+
+
+def _reciprocal(divisor: Rounded) -> Rounded:
+    """1/c as a factor: not a float, but multiplying by it rounds exactly as dividing by c does."""
+    assert divisor.held is not None
+    return _known(divisor.format, polynomial(1 / constant_term(divisor.exact)), 1 / divisor.held)
+
+
+def _known(fmt: FloatFormat, exact: Polynomial, held: Fraction) -> Rounded:
+    """A constant that the program holds as `held` where the mathematics has `exact`; the error is their distance.
+
+    That distance and not the u|exact| that one knows beforehand: it is exact where it is rational, so 0 for a constant
+    that the format holds, and else rounded up by a relative 2**-GUARD_BITS at most.
+    """
+    x = Rounded(fmt, exact)
+    x.held = held
+    distance = above(size(constant_term(exact) - held))
+    x.error = x.propagated = UNIT * rational(distance / fmt.u)
+    return x
+
+
+def _nearest(fmt: FloatFormat, exact: Exact) -> Fraction:
+    try:
+        return settle(exact, fmt.nearest)
+    except OverflowError as overflow:
+        raise OverflowError(f"{_place()}: a constant is out of range: {overflow}") from None
+
+
+def rational_value(x: object) -> Fraction | None:
+    """The exact value of a number: an integer, a fraction, or a float of any library as the dyadic rational it is."""
+    if isinstance(x, bool):
+        return None
+    if isinstance(x, Rational):
+        return Fraction(int(x.numerator), int(x.denominator))
+    ratio = getattr(x, "as_integer_ratio", None)
+    if not isinstance(x, Real) or ratio is None:
+        return None
+    try:
+        numerator, denominator = ratio()
+    except (OverflowError, ValueError):  # infinities and NaN
+        return None
+    return Fraction(int(numerator), int(denominator))
+
+
+def _refuse(what: str) -> NoReturn:
+    raise RefusedOperation(f"{_place()}: no rounding bound for {what}")
+
+
+def _place() -> str:
+    """Where the user's own code is: the innermost frame outside this file, as file:line and the line itself."""
+    frame = sys._getframe()
+    while frame.f_code.co_filename == __file__ and frame.f_back is not None:
+        frame = frame.f_back
+    name, line = frame.f_code.co_filename, frame.f_lineno
+    text = linecache.getline(name, line).strip()
+    return f"{name}:{line}: `{text}`" if text else f"{name}:{line}"

@@ -1,0 +1,247 @@
+"""The rounding bound of a step, derived by running the step: |fl(step(z)) - M(h) z| <= E(h)|z| + r(h).
+
+E is a non-negative 2x2 matrix and r a vector of underflow terms, polynomials in d = u/(1+u), eta and |h|; nothing is
+dropped as being of higher order. M is that of the definition, exact; how its coefficients, rational or not, are rounded
+is part of E. They belong to a program, that is to one order of operations; the form that belongs to a definition
+is in `any_order`, a sharper one for one given h in `sharp`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import NamedTuple, TypeAlias
+
+from sympy.polys.matrices import DomainMatrix
+
+from driftproof.methods.number_field import Exact
+from driftproof.methods.problems import oscillator
+from driftproof.methods.stepping import Force
+from driftproof.symbolic.algebra.matrices import StepMatrix
+from driftproof.symbolic.algebra.polynomials import coefficients
+from driftproof.symbolic.algebra.rational_functions import RationalFunction
+from driftproof.symbolic.derivation import one_step
+from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
+from driftproof.symbolic.rounding.irrational import middle_and_radius
+from driftproof.symbolic.rounding.number import Rounded
+from driftproof.symbolic.rounding.polynomials import RING, Polynomial, terms
+from driftproof.symbolic.rounding.trace import (
+    NotLinear,
+    Subject,
+    Terms,
+    at_state,
+    at_step,
+    in_format,
+    magnitude,
+    program,
+    trace,
+)
+
+Table: TypeAlias = tuple[tuple[Polynomial, Polynomial], tuple[Polynomial, Polynomial]]
+Coefficients: TypeAlias = tuple[Fraction, ...]
+CoefficientTable: TypeAlias = tuple[tuple[Coefficients, Coefficients], tuple[Coefficients, Coefficients]]
+# An entry of M(h): its coefficients by power of h.
+ByPower: TypeAlias = dict[int, Exact]
+
+# Powers of (q, v) in q, in v, and in what does not depend on the state.
+COLUMNS = ((1, 0), (0, 1), (0, 0))
+
+
+class LinearBound(NamedTuple):
+    """|dz| <= E|z| + r, component by component, at one h and in one format: plain non-negative fractions.
+
+    `error` is ((E_qq, E_qv), (E_vq, E_vv)), `underflow` is (r_q, r_v).
+    """
+
+    error: tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]
+    underflow: tuple[Fraction, Fraction]
+
+    def of(self, q: Fraction, v: Fraction) -> tuple[Fraction, Fraction]:
+        """E|z| + r at z = (q, v)."""
+        (qq, qv), (vq, vv) = self.error
+        return qq * abs(q) + qv * abs(v) + self.underflow[0], vq * abs(q) + vv * abs(v) + self.underflow[1]
+
+
+@dataclass(frozen=True)
+class StepBound:
+    """|fl(step(z)) - M(h) z| <= E(h)|z| + r(h) for all numbers h, q, v of the format for which nothing overflows.
+
+    It holds too when any product is fused into the sum that it enters, but neither for flushed subnormals nor for
+    wider registers (see `FloatFormat`). `outputs` is (q1, v1), the step run on `Rounded` numbers. A step that is not
+    linear in the state still has `error_of` and `is_safe`; the matrices raise NotLinear.
+    """
+
+    format: FloatFormat
+    outputs: tuple[Rounded, Rounded]
+
+    @cached_property
+    def entries(self) -> tuple[ByPower, ByPower, ByPower, ByPower]:
+        """(M_qq, M_qv, M_vq, M_vv), exact, zeros left out: of this very program, but for the rounding of constants."""
+        (qq, qv, free_q), (vq, vv, free_v) = ([_in_h(x.exact, column) for column in COLUMNS] for x in self.outputs)
+        if free_q or free_v:
+            raise NotLinear("the step is not linear in the state: it adds a constant of its own")
+        return qq, qv, vq, vv
+
+    @property
+    def matrix(self) -> DomainMatrix:
+        """M(h) over Q[h]. Raises TypeError where coefficients are irrational."""
+        qq, qv, vq, vv = (
+            one_step.RING({(k,): one_step.rational(_fraction(c)) for k, c in entry.items()}) for entry in self.entries
+        )
+        return DomainMatrix([[qq, qv], [vq, vv]], (2, 2), one_step.MATRICES)
+
+    @property
+    def rounds_constants(self) -> bool:
+        """True when the program holds a constant rounded, so that its own polynomial is not M(h) to the last digit."""
+        return any(x.held is not None and bool(x.error) for x in program(self.outputs))
+
+    @cached_property
+    def error(self) -> Table:
+        """E(h): entries in Q[d, eta, |h|] with non-negative coefficients, rounded up where they are irrational."""
+        (qq, qv, _), (vq, vv, _) = self._error_rows
+        return (qq, qv), (vq, vv)
+
+    @cached_property
+    def underflow(self) -> tuple[Polynomial, Polynomial]:
+        """r(h): what is added whatever the state, in Q[d, eta, |h|]; every term has an eta unless the step adds
+        constants of its own.
+        """
+        (_, _, q), (_, _, v) = self._error_rows
+        return q, v
+
+    @cached_property
+    def first_order(self) -> Table:
+        """The coefficient of u in E(h), in Q[h] for h >= 0: the bound up to terms in u**2 and eta."""
+        (qq, qv), (vq, vv) = ([_first_order(entry) for entry in row] for row in self.error)
+        return (qq, qv), (vq, vv)
+
+    @cached_property
+    def coefficients(self) -> tuple[CoefficientTable, CoefficientTable, tuple[Coefficients, Coefficients]]:
+        """(M, E, r) as plain fractions in this format, ascending in h or |h|: what a check of many steps evaluates.
+
+        Irrational coefficients of M are given as fractions near them, and E is larger by how near that is.
+        """
+        rows = zip((self.entries[:2], self.entries[2:]), self._error_terms, strict=True)
+        ((mqq, mqv), (qq, qv, rq)), ((mvq, mvv), (vq, vv, rv)) = (_row(entries, errors) for entries, errors in rows)
+        return ((mqq, mqv), (mvq, mvv)), ((qq, qv), (vq, vv)), (rq, rv)
+
+    def at(self, h: Fraction) -> LinearBound:
+        """E(h) and r(h) at one h."""
+        return linear_bound(*(at_step(error, abs(h)) for error in self._error_terms))
+
+    def error_of(self, h: Fraction, q: Fraction, v: Fraction) -> tuple[Fraction, Fraction]:
+        """The bounds on |dq| and |dv| of one step from (q, v)."""
+        dq, dv = (at_state(at_step(error, abs(h)), abs(q), abs(v)) for error in self._error_terms)
+        return dq, dv
+
+    def is_safe(self, h: Fraction, q: Fraction, v: Fraction) -> bool:
+        """True when no operation of the step can overflow for steps up to |h| and states up to |q|, |v|.
+
+        Sufficient: each operation's |exact| + error stays within the largest finite number.
+        """
+        return all(
+            at_state(at_step(size, abs(h)), abs(q), abs(v)) <= self.format.largest for size in self._magnitude_terms
+        )
+
+    def differences(self, definition: StepMatrix) -> list[str]:
+        """Where the program's polynomial is not the definition's: one line per coefficient, none if they are equal.
+
+        Equal means equal, also over a number field.
+        """
+        names = ("M_qq", "M_qv", "M_vq", "M_vv")
+        pairs = zip(names, self.entries, (entry for row in definition for entry in row), strict=True)
+        return [line for name, mine, theirs in pairs for line in _differences(name, mine, theirs)]
+
+    @cached_property
+    def _error_rows(self) -> list[list[Polynomial]]:
+        for error in self._error_terms:
+            demand_linear(error)
+        return [[_in_d_eta_h(x.error, column) for column in COLUMNS] for x in self.outputs]
+
+    @cached_property
+    def _error_terms(self) -> list[Terms]:
+        return [in_format(x.error, self.format) for x in self.outputs]
+
+    @cached_property
+    def _magnitude_terms(self) -> list[Terms]:
+        distinct = {magnitude(x) for x in program(self.outputs)}
+        return [in_format(polynomial, self.format) for polynomial in distinct]
+
+
+def step_bound(subject: Subject, fmt: FloatFormat = BINARY64, force: Force = oscillator) -> StepBound:
+    """The rounding bound of one step, found by running it.
+
+    `subject` is a step function (force, q, v, h) -> (q1, v1), whose own order of operations counts, or a method, which
+    stands for its generic step with every coefficient rounded to the format. Raises RefusedOperation.
+    """
+    q1, v1 = trace(subject, fmt, force)
+    return StepBound(fmt, (q1, v1))
+
+
+def linear_bound(dq: Terms, dv: Terms) -> LinearBound:
+    """Two bounds that are linear in (|q|, |v|), as a matrix and a vector. Raises NotLinear."""
+    for bound in (dq, dv):
+        demand_linear(bound)
+    (qq, qv, rq), (vq, vv, rv) = ([bound.get(column, Fraction(0)) for column in COLUMNS] for bound in (dq, dv))
+    return LinearBound(((qq, qv), (vq, vv)), (rq, rv))
+
+
+def demand_linear(powers: Iterable[tuple[int, ...]]) -> None:
+    """Raises NotLinear unless each term, by the last two of its powers, is one in q, v or 1."""
+    for *_, in_q, in_v in powers:
+        if (in_q, in_v) not in COLUMNS:
+            raise NotLinear(f"the step is not linear in the state: it holds q**{in_q} * v**{in_v}")
+
+
+def _in_h(polynomial: Polynomial, column: tuple[int, int]) -> ByPower:
+    """The coefficient of q, v or 1 in an exact polynomial."""
+    found = terms(polynomial)
+    demand_linear(powers for powers, _ in found)
+    return {in_h: c for (_, _, in_h, *state), c in found if tuple(state) == column}
+
+
+def _in_d_eta_h(polynomial: Polynomial, column: tuple[int, int]) -> Polynomial:
+    """The coefficient of q, v or 1 in a bound."""
+    return RING.from_dict({(*p[:3], 0, 0): c for p, c in polynomial.terms() if p[3:] == column})
+
+
+def _first_order(entry: Polynomial) -> Polynomial:
+    return one_step.RING({(in_h,): c for (in_d, in_eta, in_h, *_), c in entry.terms() if (in_d, in_eta) == (1, 0)})
+
+
+def _in_column(by_powers: Terms, column: tuple[int, int]) -> dict[int, Fraction]:
+    return {in_h: c for (in_h, *state), c in by_powers.items() if tuple(state) == column}
+
+
+def _row(entries: Iterable[ByPower], errors: Terms) -> tuple[list[Coefficients], list[Coefficients]]:
+    """A row of M, and of (E, r) widened by how near to it the first is."""
+    middles, bounds = [], [_in_column(errors, column) for column in COLUMNS]
+    for entry, bound in zip(entries, bounds, strict=False):
+        balls = {k: middle_and_radius(c) for k, c in entry.items()}
+        middles.append({k: middle for k, (middle, _) in balls.items()})
+        for k, (_, radius) in balls.items():
+            bound[k] = bound.get(k, Fraction(0)) + radius
+    return [_ascending(x) for x in middles], [_ascending(x) for x in bounds]
+
+
+def _ascending(by_power: dict[int, Fraction]) -> Coefficients:
+    return tuple(by_power.get(k, Fraction(0)) for k in range(max(by_power, default=-1) + 1))
+
+
+def _fraction(x: Exact) -> Fraction:
+    if not isinstance(x, Fraction):
+        raise TypeError(f"{x} is irrational: this one-step matrix is not over Q[h]")
+    return x
+
+
+def _differences(name: str, mine: ByPower, theirs: RationalFunction) -> list[str]:
+    if theirs.den.degree() > 0:
+        return [f"{name}: the definition's is no polynomial in h"]
+    expected = {k: c for k, c in enumerate(coefficients(theirs.num)) if c != 0}
+    return [
+        f"{name}, coefficient of h**{k}: the program has {mine.get(k, 0)}, the definition {expected.get(k, 0)}"
+        for k in sorted(mine.keys() | expected.keys())
+        if mine.get(k, 0) != expected.get(k, 0)
+    ]

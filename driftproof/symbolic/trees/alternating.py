@@ -1,0 +1,211 @@
+"""Orders by trees whose two colours alternate: splittings on separable problems, and Nyström methods."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import cache
+from typing import Protocol
+
+from flint import fmpq
+
+from driftproof.methods.number_field import Exact
+from driftproof.methods.schemes import Splitting
+from driftproof.symbolic.trees.order import Label, OrderFact, order_of
+from driftproof.symbolic.trees.rooted import ColouredTree, alternating, shapes
+from driftproof.symbolic.trees.scalars import Number, Scalars, scalars_for
+from driftproof.symbolic.trees.table import tree_table
+from driftproof.symbolic.trees.weights import Stages, TableauStages
+
+# A vertex of colour q stands for f in q' = f(v) or a derivative of f, one of colour v for g in v' = g(q).
+Q, V = "q", "v"
+OTHER = {Q: V, V: Q}
+
+
+class NystromTableau(Protocol):
+    """Whatever holds a Nyström method: Qᵢ = q + cᵢhv + h²Σaᵢⱼkⱼ, q + hv + h²Σ b_positionᵢ kᵢ, v + hΣ b_velocityᵢ kᵢ."""
+
+    @property
+    def c(self) -> tuple[Exact, ...]:
+        """The nodes."""
+
+    @property
+    def a(self) -> tuple[tuple[Exact, ...], ...]:
+        """The coefficients of the stages, by rows."""
+
+    @property
+    def b_position(self) -> tuple[Exact, ...]:
+        """The weights of the new position."""
+
+    @property
+    def b_velocity(self) -> tuple[Exact, ...]:
+        """The weights of the new velocity."""
+
+
+class AlternatingStages(Protocol):
+    """A method for q' = f(v), v' = g(q): each colour of vertex is evaluated at stages of its own."""
+
+    scalars: Scalars
+    bound: int  # an order that no method with so many stages exceeds
+
+    def ones(self, colour: str) -> Stages:
+        """The empty product at the stages at which vertices of this colour are evaluated."""
+
+    def integrals(self, colour: str, u: Stages) -> tuple[Stages, Number]:
+        """Of `u`, given at the stages of `colour`: the integrals up to the stages of the other, and over the step."""
+
+
+class SplittingStages:
+    """The stages of a splitting: v-vertices are evaluated at its kicks, q-vertices at its drifts.
+
+    A splitting is a partitioned Runge-Kutta method with a coefficient of one sub-step wherever it comes before
+    another (hairer-lubich-wanner-2006, II.5), so its integrals are running sums.
+    """
+
+    def __init__(self, method: Splitting) -> None:
+        """The sub-steps are taken as they come; those with coefficient zero do no harm."""
+        self.scalars = scalars_for(c for _, c in method.parts)
+        self.bound = max(2 * sum(kind == "kick" for kind, _ in method.parts), 1)
+        self._parts = [(V if kind == "kick" else Q, self.scalars.lift(c)) for kind, c in method.parts]
+
+    def ones(self, colour: str) -> Stages:
+        """One for every sub-step of the colour."""
+        return [self.scalars.lift(1) for part, _ in self._parts if part == colour]
+
+    def integrals(self, colour: str, u: Stages) -> tuple[Stages, Number]:
+        """The running sum of c u over the sub-steps of the colour, as it stands at each of the others and last."""
+        total, at_others, values = self.scalars.lift(0), [], iter(u)
+        for part, c in self._parts:
+            if part == colour:
+                total += c * next(values)
+            else:
+                at_others.append(total)
+        return at_others, total
+
+
+class NystromStages:
+    """The stages of a Nyström method, at which v-vertices are evaluated; q' = v is integrated exactly.
+
+    A q-vertex has one branch, whose values it hands on, or none: then it stands for v at the start of the step,
+    written None here (hairer-norsett-wanner-1993, II.14).
+    """
+
+    def __init__(self, method: NystromTableau, scalars: Scalars | None = None) -> None:
+        """All coefficients lie in one field; or, with `scalars`, they are whatever these lift."""
+        rows = (method.c, method.b_position, method.b_velocity, *method.a)
+        self.scalars = scalars or scalars_for(x for row in rows for x in row)
+        self.bound = 2 * len(method.c)
+        self._velocity = TableauStages(method.a, method.b_velocity, self.scalars)
+        self._position = TableauStages(method.a, method.b_position, self.scalars)
+        self._nodes = [self.scalars.lift(x) for x in method.c]
+
+    def ones(self, colour: str) -> Stages:
+        """One for every stage; None for a q-vertex."""
+        return [self.scalars.lift(1)] * len(self._nodes) if colour == V else None
+
+    def integrals(self, colour: str, u: Stages) -> tuple[Stages, Number]:
+        """Of a v-vertex: u, for a q-vertex to integrate twice, and b_velocity · u. Of a q-vertex: the position."""
+        if colour == V:
+            return u, self._velocity.weigh(u)
+        if u is None:
+            return self._nodes, self.scalars.lift(1)
+        return self._position.inner(u), self._position.weigh(u)
+
+
+class AlternatingConditions:
+    """The conditions of a method for the trees of alternating colours, rooted at v and at q.
+
+    With `linear_drift`, only for those whose q-vertices have at most one branch: q' = v instead of q' = f(v). A tree
+    is labelled by its number and the colour of its root.
+    """
+
+    def __init__(self, stages: AlternatingStages, *, linear_drift: bool) -> None:
+        """Nothing is computed until an order is asked for."""
+        self.scalars, self.bound = stages.scalars, stages.bound
+        self._stages = stages
+        self._numbers = _nystrom_numbers if linear_drift else _all_numbers
+        self._products: dict[tuple[int, str], Stages] = {}
+        self._integrals: dict[tuple[int, str], Stages] = {}
+        self._found: list[list[tuple[Label, Number]]] = []
+
+    def residuals(self, vertices: int) -> Sequence[tuple[Label, Number]]:
+        """The label of each tree with so many vertices, and its Φ - 1/γ; roots of colour v first."""
+        for n in range(len(self._found) + 1, vertices + 1):
+            self._found.append(list(self._extended(n)))
+        return self._found[vertices - 1]
+
+    def tree(self, vertices: int, label: Label) -> ColouredTree:
+        """The tree with its colours."""
+        number, colour = label
+        return alternating(shapes(vertices)[number], colour, OTHER[colour])
+
+    def symmetry(self, vertices: int, label: Label) -> int:
+        """σ, which is that of the uncoloured tree, as the root's colour settles all others."""
+        number: int = label[0]
+        return tree_table(vertices).symmetry[number]
+
+    def _extended(self, vertices: int) -> Iterator[tuple[Label, Number]]:
+        table = tree_table(vertices)
+        for colour in (V, Q):
+            for t in self._numbers(vertices, colour):
+                product = self._product(colour, table.rest[t], table.branch[t])
+                self._products[t, colour] = product
+                self._integrals[t, colour], weight = self._stages.integrals(colour, product)
+                yield (t, colour), weight - fmpq(1, table.density[t])
+
+    def _product(self, colour: str, rest: int, branch: int) -> Stages:
+        if branch < 0:
+            return self._stages.ones(colour)
+        integrals = self._integrals[branch, OTHER[colour]]
+        if rest == 0:
+            return integrals
+        return [x * y for x, y in zip(self._products[rest, colour], integrals, strict=True)]
+
+
+def separable_conditions(method: Splitting) -> AlternatingConditions:
+    """The conditions of a splitting on every q' = f(v), v' = g(q), its drifts being q ← q + c·h·f(v).
+
+    They are those of hairer-lubich-wanner-2006, III.2.2, for the trees whose colours alternate.
+    """
+    return AlternatingConditions(SplittingStages(method), linear_drift=False)
+
+
+def nystrom_conditions(method: Splitting | NystromTableau) -> AlternatingConditions:
+    """The conditions of a splitting or a Nyström method on every q'' = F(q), F a gradient or not.
+
+    Since q' = v is linear, only trees whose q-vertices have at most one branch matter
+    (hairer-norsett-wanner-1993, II.14). Roots of both colours: for the position and for the velocity.
+    """
+    stages: AlternatingStages = SplittingStages(method) if isinstance(method, Splitting) else NystromStages(method)
+    return AlternatingConditions(stages, linear_drift=True)
+
+
+def separable_order(method: Splitting) -> OrderFact[ColouredTree]:
+    """The order of a splitting on every q' = f(v), v' = g(q), with the first tree of alternating colours that fails."""
+    return order_of(separable_conditions(method))
+
+
+def nystrom_order(method: Splitting | NystromTableau) -> OrderFact[ColouredTree]:
+    """The order on every q'' = F(q): of a splitting at least its order on separable problems, and sometimes higher."""
+    return order_of(nystrom_conditions(method))
+
+
+def _all_numbers(vertices: int, colour: str) -> Sequence[int]:
+    del colour
+    return tree_table(vertices).ids(vertices)
+
+
+def _nystrom_numbers(vertices: int, colour: str) -> Sequence[int]:
+    permitted = _nystrom_columns(vertices)[colour]
+    return [t for t in tree_table(vertices).ids(vertices) if permitted[t]]
+
+
+@cache
+def _nystrom_columns(order: int) -> dict[str, list[bool]]:
+    """For every tree of the table and both colours of its root: has no q-vertex more than one branch?"""
+    table = tree_table(order)
+    permitted = {Q: [True], V: [True]}
+    for rest, branch in zip(table.rest[1:], table.branch[1:], strict=True):
+        from_q, from_v = permitted[Q][branch], permitted[V][branch]
+        permitted[Q].append(rest == 0 and from_v)
+        permitted[V].append(permitted[V][rest] and from_q)
+    return permitted

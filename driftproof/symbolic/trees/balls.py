@@ -1,0 +1,151 @@
+"""Orders of coefficients known up to an error: a condition fails only where its residual ball excludes zero."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from math import factorial
+from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
+
+from flint import arb, ctx, fmpq
+
+from driftproof.symbolic.algebra.certified import endpoints
+from driftproof.symbolic.trees.alternating import OTHER, AlternatingConditions, NystromStages, Q, V
+from driftproof.symbolic.trees.bicoloured import conditions_with_nodes
+from driftproof.symbolic.trees.order import Conditions, RungeKuttaConditions
+from driftproof.symbolic.trees.rooted import AnyTree
+from driftproof.symbolic.trees.scalars import Number
+from driftproof.symbolic.trees.weights import Stages, TableauStages
+
+TreeType = TypeVar("TreeType", bound=AnyTree)
+
+# Doubles and sums of a few products of them are far from using up so many bits.
+BITS = 256
+
+
+class Ball(NamedTuple):
+    """Some number at most `radius` from `center`."""
+
+    center: Fraction
+    radius: Fraction
+
+
+# A `Ball`, or 0 for a coefficient that is known not to be there. The trees' tables are typed for exact numbers.
+Uncertain: TypeAlias = Any
+Row: TypeAlias = tuple[Uncertain, ...]
+
+
+@dataclass(frozen=True)
+class Balls:
+    """The numbers of Arb: every one of them encloses what it stands for."""
+
+    def lift(self, x: Uncertain) -> Number:
+        """A ball around every number that `x` may be."""
+        if isinstance(x, Ball):
+            return self.lift(x.center) + arb(0, 1) * self.lift(x.radius)
+        return arb(fmpq(x.numerator, x.denominator))
+
+    def exact(self, x: Number) -> Fraction:
+        """Raises TypeError: a ball is no exact number."""
+        raise TypeError(f"{x} is a ball, which stands for no exact number")
+
+
+@dataclass(frozen=True)
+class ProvableFailure(Generic[TreeType]):
+    """No condition of at most `order` vertices provably fails; the one of `failing_tree`, with one more, does.
+
+    `residual` encloses its Φ - 1/γ, and excludes 0. Both are None if no condition was found to fail up to the limit.
+    """
+
+    order: int
+    failing_tree: TreeType | None
+    residual: tuple[Fraction, Fraction] | None
+
+
+class BallTableau(NamedTuple):
+    """A, b and c of a Runge-Kutta method, as far as they are known."""
+
+    a: tuple[Row, ...]
+    b: Row
+    c: Row
+
+
+class BallNystrom(NamedTuple):
+    """c, A and both rows of weights of a Nyström method, as far as they are known, and its drift, which should be 1."""
+
+    c: Row
+    a: tuple[Row, ...]
+    b_position: Row
+    b_velocity: Row
+    drift: Uncertain
+
+
+def ball_order(method: BallTableau | BallNystrom, limit: int, *, timed: bool = False) -> ProvableFailure[AnyTree]:
+    """The largest p, at most `limit`, such that no condition of at most p vertices provably fails.
+
+    On every y' = f(y), or on every y' = f(t, y) with the c given if `timed`; of a Nyström method, on every q'' = F(q).
+    """
+    with ctx.workprec(BITS):
+        if isinstance(method, BallNystrom):
+            return _first_failure(AlternatingConditions(_Drifting(method), linear_drift=True), limit)
+        if timed:
+            return _first_failure(conditions_with_nodes(method, Balls()), limit)
+        return _first_failure(RungeKuttaConditions(TableauStages(method.a, method.b, Balls())), limit)
+
+
+def linear_ball_order(method: BallTableau | BallNystrom, limit: int) -> int:
+    """The same on linear problems, y' = My or q'' = Mq: there, only the trees without a fork matter."""
+    with ctx.workprec(BITS):
+        chains = _nystrom_chains(method) if isinstance(method, BallNystrom) else [_chain(method)]
+        return min(_first_wrong(chain, limit) for chain in chains)
+
+
+def _first_failure(conditions: Conditions[TreeType], limit: int) -> ProvableFailure[TreeType]:
+    for n in range(1, limit + 1):
+        for label, residual in conditions.residuals(n):
+            if not residual.contains(0):
+                return ProvableFailure(n - 1, conditions.tree(n, label), endpoints(residual))
+    return ProvableFailure(limit, None, None)
+
+
+def _first_wrong(weights: Iterator[Number], limit: int) -> int:
+    for n, weight in zip(range(1, limit + 1), weights, strict=False):
+        if not (weight - fmpq(1, factorial(n))).contains(0):
+            return n - 1
+    return limit
+
+
+def _chain(method: BallTableau) -> Iterator[Number]:
+    """b Aⁿ⁻¹ 1 for n = 1, 2, ..."""
+    stages = TableauStages(method.a, method.b, Balls())
+    values = stages.one
+    while True:
+        yield stages.weigh(values)
+        values = stages.inner(values)
+
+
+def _nystrom_chains(method: BallNystrom) -> list[Iterator[Number]]:
+    return [_nystrom_chain(_Drifting(method), leaf) for leaf in (V, Q)]
+
+
+def _nystrom_chain(stages: NystromStages, colour: str) -> Iterator[Number]:
+    """Φ of the trees without a fork, with a leaf of this colour."""
+    values = stages.ones(colour)
+    while True:
+        values, weight = stages.integrals(colour, values)
+        yield weight
+        colour = OTHER[colour]
+
+
+class _Drifting(NystromStages):
+    """The stages of a Nyström method that without a force moves by drift·hv instead of hv."""
+
+    def __init__(self, method: BallNystrom) -> None:
+        super().__init__(method, Balls())
+        self._drift = Balls().lift(method.drift)
+
+    def integrals(self, colour: str, u: Stages) -> tuple[Stages, Number]:
+        """As of any Nyström method, but for the integral of v itself."""
+        values, weight = super().integrals(colour, u)
+        return values, self._drift if colour == Q and u is None else weight

@@ -1,0 +1,186 @@
+"""Elementary weights of a method, tree by tree: each tree's stages are made once, from those of two smaller trees."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from operator import mul
+from typing import Any, Protocol, TypeAlias, runtime_checkable
+
+from flint import fmpq, fmpq_poly
+
+from driftproof.methods.number_field import Exact
+from driftproof.symbolic.trees.scalars import Number, Rationals, Scalars, scalars_for
+from driftproof.symbolic.trees.table import TreeTable, tree_table
+
+# The values of something at all stages of a method. Its type is the stage algebra's own.
+Stages: TypeAlias = Any
+
+
+@runtime_checkable
+class Tableau(Protocol):
+    """Whatever holds a Runge-Kutta method's A, b and c, exact: `driftproof.methods.schemes.RungeKutta` does."""
+
+    @property
+    def a(self) -> tuple[tuple[Exact, ...], ...]:
+        """The coefficients aᵢⱼ by rows."""
+
+    @property
+    def b(self) -> tuple[Exact, ...]:
+        """The weights."""
+
+    @property
+    def c(self) -> tuple[Exact, ...]:
+        """The nodes."""
+
+
+@runtime_checkable
+class NodePolynomial(Protocol):
+    """Whatever holds Π (x - cᵢ) of a collocation method, over Q, constant term first."""
+
+    @property
+    def node_polynomial(self) -> tuple[Exact, ...]:
+        """The coefficients, constant term first."""
+
+
+AnyMethod: TypeAlias = Tableau | NodePolynomial
+
+
+class StageAlgebra(Protocol):
+    """What a Runge-Kutta method is to a rooted tree: a ring of stages, the map A on it and the functional b."""
+
+    scalars: Scalars
+    bound: int  # no method with so many stages has a higher order
+    one: Stages
+
+    def times(self, u: Stages, v: Stages) -> Stages:
+        """The product of u and v, stage by stage."""
+
+    def inner(self, u: Stages) -> Stages:
+        """A u: the integral of u up to each stage, as the method approximates it."""
+
+    def weigh(self, u: Stages) -> Number:
+        """b · u: the integral of u over the step, as the method approximates it."""
+
+
+class TableauStages:
+    """Lists of s numbers, with A and b from a tableau (butcher-2016, 312)."""
+
+    def __init__(self, a: Sequence[Sequence[Any]], b: Sequence[Any], scalars: Scalars | None = None) -> None:
+        """Zero coefficients are dropped here, so that an explicit method costs half.
+
+        Without `scalars` all coefficients are `Exact` and in one field; with them, whatever these lift, such as
+        polynomials in a parameter: then the conditions are polynomials in it.
+        """
+        self.scalars = scalars or scalars_for([*b, *(x for row in a for x in row)])
+        lift = self.scalars.lift
+        self._rows = [[(j, lift(x)) for j, x in enumerate(row) if x] for row in a]
+        self._weights = [(i, lift(x)) for i, x in enumerate(b) if x]
+        self._zero = lift(0)
+        self.one = [lift(1)] * len(b)
+        explicit = all(not x for i, row in enumerate(a) for x in row[i:])
+        # If explicit, Aˢ = 0 and the tall tree of order s + 1 fails; else, a quadrature formula has order 2s at most.
+        self.bound = len(b) if explicit else 2 * len(b)
+
+    def times(self, u: Stages, v: Stages) -> Stages:
+        """The products uᵢ vᵢ."""
+        return list(map(mul, u, v))
+
+    def inner(self, u: Stages) -> Stages:
+        """The sums Σⱼ aᵢⱼ uⱼ."""
+        return [self._dot(row, u) for row in self._rows]
+
+    def weigh(self, u: Stages) -> Number:
+        """The sum Σ bᵢ uᵢ."""
+        return self._dot(self._weights, u)
+
+    def _dot(self, row: list[tuple[int, Number]], u: Stages) -> Number:
+        total = self._zero
+        for j, x in row:
+            total += x * u[j]
+        return total
+
+
+class NodeStages:
+    """Polynomials modulo M(x) = Π (x - cᵢ), standing for their values at the nodes: collocation without radicals.
+
+    A polynomial u of degree below s is determined by its values u(cᵢ), products of values are products modulo M, and
+    collocation integrates such polynomials exactly: A u = ∫₀ˣ u modulo M and b · u = ∫₀¹ u
+    (hairer-lubich-wanner-2006, II.1.2 Theorem 1.4). Raises ValueError if M has a multiple root.
+    """
+
+    scalars: Scalars
+
+    def __init__(self, nodes: Sequence[Exact]) -> None:
+        """`nodes` holds the coefficients of M, constant term first, its leading one not zero."""
+        self.modulus = distinct_nodes(nodes)
+        self.scalars = Rationals()
+        self.one = fmpq_poly([1]) % self.modulus
+        self.bound = 2 * int(self.modulus.degree())
+
+    def times(self, u: Stages, v: Stages) -> Stages:
+        """The product modulo M."""
+        return u * v % self.modulus
+
+    def inner(self, u: Stages) -> Stages:
+        """∫₀ˣ u modulo M."""
+        return u.integral() % self.modulus
+
+    def weigh(self, u: Stages) -> Number:
+        """∫₀¹ u."""
+        return u.integral()(fmpq(1))
+
+
+def distinct_nodes(nodes: Sequence[Exact]) -> fmpq_poly:
+    """M as a polynomial of FLINT. Raises ValueError unless it has degree 1 or more and no multiple root."""
+    polynomial = fmpq_poly([Rationals().lift(x) for x in nodes])
+    if polynomial.degree() < 1 or polynomial.gcd(polynomial.derivative()).degree() > 0:
+        raise ValueError(f"{tuple(map(str, nodes))} is no node polynomial: s >= 1 distinct nodes are needed")
+    return polynomial
+
+
+def stage_algebra(method: AnyMethod) -> StageAlgebra:
+    """The stages of a method that is given by its node polynomial, or else by its tableau."""
+    if isinstance(method, NodePolynomial):
+        return NodeStages(method.node_polynomial)
+    return TableauStages(method.a, method.b)
+
+
+class ElementaryWeights:
+    """Φ(t) = b · Π A(...) of a method for one tree after another, the stages of every smaller tree made only once.
+
+    One stage algebra for each colour of vertex, the first `internal` of which may carry branches; one for ordinary
+    trees. All of them have the same stages, and differ in A and b.
+    """
+
+    def __init__(self, *colours: StageAlgebra, internal: int = 1) -> None:
+        """Nothing is computed until an order is asked for."""
+        self.colours = colours
+        self.internal = internal
+        self._products: list[Stages] = [colour.one for colour in colours]  # of each tree, over its branches
+        self._inner: list[Stages] = []  # A times that
+
+    def of_order(self, vertices: int) -> list[Number]:
+        """Φ of the trees with so many vertices, in the order of the table."""
+        table = self.table(vertices)
+        for n in range(1, vertices + 1):
+            self._extend(table, n)
+        return [self.colours[table.kind[t]].weigh(self._products[t]) for t in table.ids(vertices)]
+
+    def residuals(self, vertices: int) -> list[tuple[int, Number]]:
+        """The number of each tree with so many vertices, and its Φ - 1/γ."""
+        table = self.table(vertices)
+        weights = zip(table.ids(vertices), self.of_order(vertices), strict=True)
+        return [(t, weight - fmpq(1, table.density[t])) for t, weight in weights]
+
+    def table(self, order: int) -> TreeTable:
+        """The table of the trees with these colours."""
+        return tree_table(order, len(self.colours), self.internal)
+
+    def _extend(self, table: TreeTable, vertices: int) -> None:
+        """Make the products of the trees with so many vertices, once those of all smaller trees are there."""
+        inner, products, colours = self._inner, self._products, self.colours
+        for t in range(len(inner), table.first[vertices]):
+            inner.append(colours[table.kind[t]].inner(products[t]))
+        times = colours[0].times
+        for t in range(len(products), table.first[vertices + 1]):
+            products.append(times(products[table.rest[t]], inner[table.branch[t]]))

@@ -1,0 +1,195 @@
+"""Arithmetic on answers: exact where both sides are, enclosed by balls elsewhere; units kept apart; sizes bounded."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+from flint import arb
+
+from driftproof.methods.number_field import Algebraic, cube_root, square_root
+from driftproof.symbolic.algebra.certified import LARGEST_EXPONENT, Exact, enclose, sign
+from driftproof.symbolic.algebra.radicals import perfect_part
+from driftproof.texts.questions.value import CERTIFIED, EVIDENCE, Value
+
+PERCENT = "%"
+# Roots that are kept exact: degree -> the root of an integer that is no power of this degree.
+FIELDS = {2: square_root, 3: cube_root}
+
+
+def add(a: Value, b: Value) -> Value:
+    """a + b. Raises ValueError for two different units; a number without a unit takes the other's."""
+    return replace(_combined(a, b, lambda x, y: x + y), unit=_common_unit(a, b))
+
+
+def subtract(a: Value, b: Value) -> Value:
+    """a - b, units as in a sum."""
+    return replace(_combined(a, b, lambda x, y: x - y), unit=_common_unit(a, b))
+
+
+def _common_unit(a: Value, b: Value) -> str | None:
+    if a.unit and b.unit and a.unit != b.unit:
+        raise ValueError(f"{a.unit} and {b.unit} do not add")
+    return a.unit or b.unit
+
+
+def multiply(a: Value, b: Value) -> Value:
+    """a b. Raises ValueError where both have a unit."""
+    if a.unit and b.unit:
+        raise ValueError(f"{a.unit} times {b.unit} has no unit of its own")
+    return replace(_combined(a, b, lambda x, y: x * y), unit=a.unit or b.unit)
+
+
+def divide(a: Value, b: Value) -> Value:
+    """a / b, without a unit where both have the same. Raises ValueError for b = 0 and for another unit below."""
+    if b.unit and a.unit != b.unit:
+        raise ValueError(f"{a.unit or 'a number without a unit'} over {b.unit} has no unit of its own")
+    if sign(number(b)) == 0:
+        raise ValueError("it divides by zero")
+    return replace(_combined(a, b, lambda x, y: x / y), unit=None if b.unit else a.unit)
+
+
+def negate(a: Value) -> Value:
+    """-a."""
+    x = number(a)
+    return Value("", (lambda: -enclose(x)) if callable(x) else -x, a.evidence, a.unit)
+
+
+def power(a: Value, exponent: Fraction) -> Value:
+    """a**exponent, exact for a whole exponent and where a root is rational.
+
+    Raises ValueError for 0 to a power below 0, a root of a number below 0, a number with a unit, a power too long.
+    """
+    x = number(a)
+    if a.unit and exponent != 1:
+        raise ValueError(f"powers of {a.unit} are no unit")
+    if exponent < 0 and sign(x) == 0:
+        raise ValueError("it divides by zero")
+    if exponent.denominator > 1:
+        return _root(power(a, Fraction(exponent.numerator)), exponent.denominator)
+    n = int(exponent)
+    if callable(x):
+        return Value("", lambda: enclose(x) ** n, a.evidence, a.unit)
+    if _bits(x) * abs(n) > LARGEST_EXPONENT:
+        raise ValueError(f"the power is too long to write out: more than {LARGEST_EXPONENT} bits")
+    return Value("", _short(x**n), a.evidence, a.unit)
+
+
+def number(a: Value) -> Exact:
+    """The number that a is. Raises ValueError for a formula and for a word."""
+    if a.exact is None:
+        raise ValueError(f"{a.exact_text} is no number")
+    return a.exact
+
+
+def absolute(a: Value) -> Value:
+    """|a|."""
+    return negate(a) if sign(number(a)) < 0 else a
+
+
+def _root(a: Value, degree: int) -> Value:
+    """The root of this degree: exact where it is rational or in one of FIELDS, else enclosed."""
+    x = _pure(a)
+    if sign(x) < 0:
+        raise ValueError("a number below zero has no real root")
+    if x == 0:
+        return a
+    if isinstance(x, Fraction):
+        split = perfect_part(x.numerator * x.denominator ** (degree - 1), degree)
+        if split is not None and (split[1] == 1 or degree in FIELDS):
+            outer, inner = split
+            return Value("", Fraction(outer, x.denominator) * (FIELDS[degree](inner) if inner > 1 else 1), a.evidence)
+    return _enclosed(a, arb.sqrt if degree == 2 else lambda ball: ball ** (arb(1) / degree))
+
+
+def logarithm(a: Value, base: int) -> Value:
+    """The logarithm to the base 2 or 10, rational where a is a power of it. Raises ValueError unless a > 0."""
+    x = _pure(a)
+    if sign(x) <= 0:
+        raise ValueError("only a number above zero has a logarithm")
+    if isinstance(x, Fraction) and 1 in (x.numerator, x.denominator):
+        size = max(x.numerator, x.denominator)
+        # log10(2) = 0.30103: off by less than 1 for every number that is not refused as too long.
+        guess = size.bit_length() - 1 if base == 2 else (size.bit_length() - 1) * 30103 // 100000
+        for exponent in (guess, guess + 1):
+            if base**exponent == size:
+                return Value("", Fraction(exponent if x >= 1 else -exponent), a.evidence)
+    return _enclosed(a, lambda ball: ball.log() / arb(base).log())
+
+
+def cosine(a: Value) -> Value:
+    """cos a, a in radians."""
+    return Value("", Fraction(1), a.evidence) if _pure(a) == 0 else _enclosed(a, arb.cos, "cos")
+
+
+def sine(a: Value) -> Value:
+    """sin a, a in radians."""
+    return a if _pure(a) == 0 else _enclosed(a, arb.sin, "sin")
+
+
+def ratio(a: Value, b: Value) -> Value:
+    """|a| / |b|: how many times larger a is."""
+    return divide(absolute(a), absolute(b))
+
+
+def percent(a: Value, b: Value) -> Value:
+    """100 a / b, in percent."""
+    found = divide(a, b)
+    if found.unit:
+        raise ValueError(f"percent compares two numbers of one unit; {found.unit} is left")
+    return replace(multiply(Value("", Fraction(100)), found), unit=PERCENT)
+
+
+# Name -> the function, and how many numbers it takes.
+FUNCTIONS: dict[str, tuple[Callable[..., Value], int]] = {
+    "abs": (absolute, 1),
+    "sqrt": (lambda a: _root(a, 2), 1),
+    "log2": (lambda a: logarithm(a, 2), 1),
+    "log10": (lambda a: logarithm(a, 10), 1),
+    "cos": (cosine, 1),
+    "sin": (sine, 1),
+    "ratio": (ratio, 2),
+    "percent": (percent, 2),
+}
+
+
+def _pure(a: Value) -> Exact:
+    """The number. Raises ValueError where it has a unit."""
+    if a.unit:
+        raise ValueError(f"a function of {a.unit} is not defined; divide by a number with that unit first")
+    return number(a)
+
+
+def _enclosed(a: Value, function: Callable[[arb], arb], name: str | None = None) -> Value:
+    x = number(a)
+    form = f"{name}({a.exact_text})" if name and isinstance(x, Fraction) else None
+    return Value("", lambda: function(enclose(x)), CERTIFIED, form=form)
+
+
+def _combined(a: Value, b: Value, operation: Callable[[Any, Any], Any]) -> Value:
+    """The operation in exact arithmetic, in balls where one of the two is a procedure or the fields differ."""
+    x, y = number(a), number(b)
+    evidence = max(a.evidence, b.evidence, key=EVIDENCE.index)
+    if not (callable(x) or callable(y)):
+        try:
+            return Value("", _short(operation(x, y)), evidence)
+        except TypeError:
+            evidence = CERTIFIED
+    return Value("", lambda: operation(enclose(x), enclose(y)), evidence)
+
+
+def _short(x: Exact) -> Exact:
+    """x itself, as a Fraction where it is rational. Raises ValueError where it is too long to write out."""
+    if isinstance(x, Algebraic) and x.is_rational:
+        x = x.as_fraction()
+    if _bits(x) > LARGEST_EXPONENT:
+        raise ValueError(f"its numbers are too long to write out: more than {LARGEST_EXPONENT} bits")
+    return x
+
+
+def _bits(x: Any) -> int:
+    """The length of the longest integer in x, a Fraction or an element of a number field."""
+    parts = (x,) if isinstance(x, Fraction) else x.coefficients
+    return max((n.bit_length() for part in parts for n in (part.numerator, part.denominator)), default=0)

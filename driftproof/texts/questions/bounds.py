@@ -1,0 +1,56 @@
+"""Answers about rounding: the bound of one binary64 step, in units of u."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+
+from driftproof.numeric.steppers import HAND_WRITTEN
+from driftproof.symbolic.rounding.formats import BINARY64
+from driftproof.symbolic.rounding.n_steps import run_bound
+from driftproof.symbolic.rounding.sharp import sharp_bound
+from driftproof.symbolic.rounding.step import LinearBound, step_bound
+from driftproof.symbolic.rounding.trace import Subject
+from driftproof.texts.questions.asking import START, Asking
+from driftproof.texts.questions.errors import refused_at
+from driftproof.texts.questions.value import Value
+
+State = tuple[Fraction, Fraction]
+
+ENTRIES: dict[str, Callable[[LinearBound], Fraction]] = {
+    "qq": lambda bound: bound.error[0][0],
+    "qv": lambda bound: bound.error[0][1],
+    "vq": lambda bound: bound.error[1][0],
+    "vv": lambda bound: bound.error[1][1],
+}
+OF_STATE = {"q": 0, "v": 1}
+GROWTH = "c"
+
+
+def bound(asking: Asking) -> Value:
+    """Answers `roundoff METHOD h=1/4 [sharp] [from q,v] : READOUT` with a number that bounds a rounding error, over u.
+
+    qq, qv, vq and vv are the entries of E(h) in |dz| <= E(h)|z| + r(h); q and v are |dq| and |dv| from the start, r
+    included; c is the growth per step in the step's own norm. h and the start are rounded to the nearest doubles.
+    """
+    asking.demand_only("h", start=True, words=("sharp",), readout=True)
+    h, method = asking.setting("h", "h=1/4"), asking.method()
+    asking.readout(dict.fromkeys((*ENTRIES, *OF_STATE, GROWTH)))
+    with refused_at(asking.text, asking.asked.column):
+        h = BINARY64.nearest(h)
+        if h == 0:
+            raise ValueError("a step of size 0 goes nowhere; give a nonzero h")
+        subject: Subject = HAND_WRITTEN.get(method.key) or method
+        return Value("", _bound(asking, subject, h) / BINARY64.u, unit="u", is_bound=True)
+
+
+def _bound(asking: Asking, subject: Subject, h: Fraction) -> Fraction:
+    readout = asking.asked.readout.text if asking.asked.readout else ""
+    if readout == GROWTH:
+        return run_bound(subject, h, 1, START, BINARY64).growth
+    sharp = "sharp" in asking.asked.words
+    if readout in ENTRIES:
+        return ENTRIES[readout](sharp_bound(subject, h).linear if sharp else step_bound(subject).at(h))
+    start = BINARY64.nearest(asking.start[0]), BINARY64.nearest(asking.start[1])
+    of_state = sharp_bound(subject, h).error_of(*start) if sharp else step_bound(subject).error_of(h, *start)
+    return of_state[OF_STATE[readout]]

@@ -1,0 +1,154 @@
+"""Answers about steps, runs and the exact flow of the oscillator: what may be read out of them, by name."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+
+from flint import arb
+
+from driftproof.methods.number_field import Exact as Coefficient
+from driftproof.methods.schemes import Method, RungeKutta
+from driftproof.symbolic.algebra.certified import Exact, enclose
+from driftproof.symbolic.n_steps import exact_flow
+from driftproof.symbolic.oscillator_run import OscillatorRun
+from driftproof.texts.questions.value import CERTIFIED, COUNTED, PROVED, Value
+
+State = tuple[Fraction, Fraction]
+
+DEGREES, RADIANS, TURNS = "degrees", "radians", "turns"
+# A number of steps beyond this is no run that anybody means.
+MOST_STEPS = 10**18
+
+
+@dataclass(frozen=True)
+class ExactFlow:
+    """The solution at time t from a rational start: (q cos t + v sin t, v cos t - q sin t)."""
+
+    t: Fraction
+    start: State
+
+
+def _exact_component(flow: ExactFlow, index: int) -> Value:
+    (q, v), t = flow.start, flow.t
+    of_cosine, of_sine = ((q, v), (v, -q))[index]
+    if t == 0 or not any(flow.start):
+        return Value("", of_cosine)
+    form = _combination({f"cos({t})": of_cosine, f"sin({t})": of_sine})
+    return Value("", lambda: exact_flow(flow.start, t)[index], CERTIFIED, form=form)
+
+
+def _combination(terms: dict[str, Fraction]) -> str:
+    """Σ coefficient*name in SymPy's syntax, zeros left out."""
+    text = ""
+    for name, x in terms.items():
+        if x:
+            size = "" if abs(x.numerator) == 1 else f"{abs(x.numerator)}*"
+            over = "" if x.denominator == 1 else f"/{x.denominator}"
+            plus, minus = (" + ", " - ") if text else ("", "-")
+            text += f"{plus if x > 0 else minus}{size}{name}{over}"
+    return text
+
+
+def _energy(q: Fraction, v: Fraction) -> Fraction:
+    return (q * q + v * v) / 2
+
+
+EXACT_READOUTS: dict[str, Callable[[ExactFlow], Value]] = {
+    "q": lambda flow: _exact_component(flow, 0),
+    "v": lambda flow: _exact_component(flow, 1),
+    "energy": lambda flow: Value("", _energy(*flow.start)),
+}
+
+
+def _of(x: Exact | None) -> Value:
+    return Value("", x, CERTIFIED if callable(x) else PROVED)
+
+
+def _phase_error(run: OscillatorRun) -> Value:
+    found = run.phase_error
+    if found is None:
+        raise ValueError("the phase error is undefined, as a state is the origin")
+    return Value("", found, CERTIFIED if callable(found) else PROVED, DEGREES)
+
+
+def _evaluations(run: OscillatorRun) -> Value:
+    """Calls of the acceleration, counted on a real step; only where the method says by itself how many it makes."""
+    from driftproof.methods.catalogue import METHODS
+    from driftproof.methods.problems import oscillator
+    from driftproof.methods.stepping import stepper
+    from driftproof.numeric.steppers import CountedForce, float_stepper
+
+    method = run.method
+    if not method.explicit:
+        raise ValueError(f"{method.key} is implicit: its evaluations depend on how its equations are solved")
+    force = CountedForce(oscillator)
+    step = float_stepper(method.key) if method.key in METHODS else stepper(method, float)
+    step(force, 1.0, 0.0, 1.0)
+    return Value("", Fraction(run.steps * force.calls), COUNTED)
+
+
+READOUTS: dict[str, Callable[[OscillatorRun], Value]] = {
+    "q": lambda run: _of(run.final_state[0]),
+    "v": lambda run: _of(run.final_state[1]),
+    "energy": lambda run: _of(run.energy),
+    "energy_change": lambda run: _of(run.energy_change),
+    "state_error": lambda run: _of(run.state_error),
+    "phase_error": _phase_error,
+    "exact.q": lambda run: _exact_component(ExactFlow(run.t, run.start), 0),
+    "exact.v": lambda run: _exact_component(ExactFlow(run.t, run.start), 1),
+    "steps": lambda run: Value("", Fraction(run.steps), PROVED),
+    "evaluations": _evaluations,
+    "h": lambda run: Value("", run.h),
+    "t": lambda run: Value("", run.t),
+}
+ANGLES = ("phase_error",)
+_SLOPE = re.compile(r"k([1-9][0-9]{0,2})\.([qv])")
+
+
+def slope(run: OscillatorRun, readout: str) -> Value | None:
+    """kᵢ.q or kᵢ.v of the first step of an explicit Runge-Kutta method, as `k2.v`; None for another readout.
+
+    kᵢ = F(z + h Σⱼ aᵢⱼ kⱼ) with F(q, v) = (v, -q). Raises ValueError for another method, and a stage it has not.
+    """
+    named = _SLOPE.fullmatch(readout)
+    if named is None:
+        return None
+    method, number = run.method, int(named[1])
+    if not (isinstance(method, RungeKutta) and method.explicit):
+        raise ValueError(f"{method.key} has no slopes k1, k2, ...; explicit Runge-Kutta methods have")
+    if number > method.stages:
+        raise ValueError(f"{method.key} has the slopes k1 to k{method.stages}")
+    return _of(_slopes(method, run.h, run.start, number)[number - 1]["qv".index(named[2])])
+
+
+def _slopes(method: RungeKutta, h: Fraction, start: State, number: int) -> list[tuple[Coefficient, Coefficient]]:
+    slopes: list[tuple[Coefficient, Coefficient]] = []
+    for row in method.a[:number]:
+        q, v = (start[i] + h * sum((a * k[i] for a, k in zip(row, slopes, strict=False)), Fraction(0)) for i in (0, 1))
+        slopes.append((v, -q))
+    return slopes
+
+
+def in_unit(angle: Value, unit: str) -> Value:
+    """An angle in degrees in another unit."""
+    x = angle.exact
+    if unit == DEGREES or x is None or x == 0:
+        return Value("", x, angle.evidence, unit)
+    factor: Callable[[], arb] = (lambda: arb.pi() / 180) if unit == RADIANS else (lambda: arb(1) / 360)
+    return Value("", lambda: enclose(x) * factor(), angle.evidence, unit)
+
+
+# As an author writes it -> as it is called.
+UNITS = {"deg": DEGREES, DEGREES: DEGREES, "rad": RADIANS, RADIANS: RADIANS, TURNS: TURNS}
+
+
+def run_of(method: Method, h: Fraction, t: Fraction, start: State) -> OscillatorRun:
+    """The run. Raises ValueError where h does not divide t, where M has a pole at h, and for too many steps."""
+    run = OscillatorRun(method, h, t, start)
+    if run.steps > MOST_STEPS:
+        raise ValueError("more than 10**18 steps are asked for; at most that many are taken")
+    _ = run.final_state  # a pole is refused here, and not where digits are asked for
+    return run

@@ -1,0 +1,167 @@
+"""HTML as its reader sees it: tags, scripts and styles gone, cells of a table apart, MathML as one line.
+
+The tags are found here, in time that grows with the length of the page: `html.parser` needs the square of it for
+markup that never ends, and stops at some declarations.
+"""
+
+from __future__ import annotations
+
+import html
+import re
+from dataclasses import dataclass, field
+
+from driftproof.texts.readers.blocks import LISTING, PROSE, Block
+from driftproof.texts.readers.mapped import At, Mapped, joined
+
+_TOKEN = re.compile(
+    r"(?P<comment><!--.*?(?:-->|\Z)|<[!?][^>]*+(?:>|\Z))"
+    r"|<(?P<end>/?)(?P<name>[a-zA-Z][a-zA-Z0-9:-]*+)"
+    r"(?P<attributes>(?:[^>\"'=]++|=\s*+\"[^\"]*+\"|=\s*+'[^']*+'|[\"'=])*+)(?:>|\Z)"
+    r"|(?P<entity>&(?:\#[0-9]{1,7}|\#[xX][0-9a-fA-F]{1,6}|[a-zA-Z][a-zA-Z0-9]{1,31});)",
+    re.DOTALL,
+)
+_CLASS = re.compile(r"\bclass\s*=\s*(?:\"([^\"]*)\"|'([^']*)'|([^\s\"'>]+))", re.IGNORECASE)
+_LANGUAGE = re.compile(r"(?:language|lang|highlight|sourceCode|brush)[-: ]\s*([A-Za-z]\w*)")
+_RAW = ("script", "style")
+_HIDDEN = ("template", "annotation", "annotation-xml")
+# Parts of a page that repeat its mathematics for the eye, beside the MathML.
+_REPEATING = ("katex-html",)
+_INLINE = {
+    "a", "abbr", "b", "bdi", "bdo", "cite", "code", "del", "dfn", "em", "font", "i", "ins", "kbd", "label", "mark",
+    "q", "s", "samp", "small", "span", "strong", "time", "tt", "u", "var", "wbr", "script", "style", "math", "mi",
+    "mn", "mo", "mrow", "mstyle", "mtext", "mspace", "mpadded", "semantics", "tspan",
+}  # fmt: skip
+_CELLS = ("td", "th", "mtd")
+# What is written before the first child, between it and the next, and so on, and at the end.
+_SCHEMES = {
+    "mfrac": ("", "/", "", ""), "msup": ("", "^{", "", "}"), "msub": ("", "_{", "", "}"), "msqrt": ("√(", "", "", ")"),
+    "msubsup": ("", "_{", "}^{", "}"), "sup": ("^{", "", "", "}"),
+    "sub": ("_{", "", "", "}"),
+}  # fmt: skip
+_DEEPEST = 100
+
+
+def html_blocks(source: Mapped) -> list[Block]:
+    """Prose as it is read, and preformatted text as listings; what attributes say is left out."""
+    return _Page(source).blocks()
+
+
+@dataclass
+class _Open:
+    """An element that writes around its children, and how many of these are done."""
+
+    name: str
+    children: int = 0
+    depth: int = 0
+
+
+@dataclass
+class _Page:
+    """One pass over the tags of a page."""
+
+    source: Mapped
+    done: list[Block] = field(default_factory=list)
+    pieces: list[Mapped | At] = field(default_factory=list)
+    schemes: list[_Open] = field(default_factory=list)
+    hidden: str = ""  # the element in which nothing is seen, and how many of its name are open
+    hidden_depth: int = 0
+    language: str = ""
+    listing: bool = False
+    first_cell: bool = True
+
+    def blocks(self) -> list[Block]:
+        """All of it."""
+        text, at = self.source.text, 0
+        while match := _TOKEN.search(text, at):
+            self.keep(at, match.start())
+            at = match.end()
+            if match["entity"]:
+                self.write(html.unescape(match["entity"]), match.start())
+            elif match["name"]:
+                at = self.tag(match)
+        self.keep(at, len(text))
+        self.finish()
+        return self.done
+
+    def keep(self, start: int, stop: int) -> None:
+        """Text between two tags."""
+        if not self.hidden and start < stop:
+            self.pieces.append(self.source[start:stop])
+
+    def write(self, text: str, index: int) -> None:
+        """Text that a tag stands for."""
+        if not self.hidden and text:
+            self.pieces.append(At(text, self.source.origin(index)))
+
+    def finish(self) -> None:
+        """End the present block."""
+        self.done.append(Block(LISTING if self.listing else PROSE, joined(self.pieces), self.language * self.listing))
+        self.pieces = []
+
+    def tag(self, match: re.Match[str]) -> int:
+        """A tag is met; the index at which to go on."""
+        name, attributes = match["name"].lower(), match["attributes"]
+        if name in _RAW and not match["end"]:
+            end = re.compile(rf"</{name}\b", re.IGNORECASE).search(self.source.text, match.end())
+            return end.start() if end else len(self.source.text)
+        if self.hidden:
+            self.hidden_depth += 0 if name != self.hidden or attributes.endswith("/") else -1 if match["end"] else 1
+            self.hidden = self.hidden if self.hidden_depth else ""
+        elif match["end"]:
+            self.closed(name, match.start())
+        else:
+            self.opened(name, attributes, match.start())
+        return match.end()
+
+    def opened(self, name: str, attributes: str, index: int) -> None:
+        """A start tag."""
+        found = _CLASS.search(attributes)
+        classes = next((group for group in found.groups() if group), "") if found else ""
+        if name in _HIDDEN or any(repeating in classes for repeating in _REPEATING):
+            self.hidden, self.hidden_depth = name, 1
+        elif name == "pre":
+            self.finish()
+            self.listing = True
+        elif name in _CELLS:
+            self.write("\n" if self.first_cell else " | ", index)
+            self.first_cell = False
+        elif name in _SCHEMES and len(self.schemes) < _DEEPEST:
+            self.write(_SCHEMES[name][0], index)
+            self.schemes.append(_Open(name))
+            return
+        elif name not in _INLINE:
+            self.first_cell = True
+            self.write("\n", index)
+        if language := _LANGUAGE.search(classes):
+            self.language = language[1].lower()
+        if self.schemes and not attributes.endswith("/"):
+            self.schemes[-1].depth += 1
+            self.bracket("(", name, index)
+
+    def closed(self, name: str, index: int) -> None:
+        """An end tag."""
+        if name == "pre" and self.listing:
+            self.finish()
+            self.listing, self.language = False, ""
+        elif self.schemes and self.schemes[-1].name == name:
+            self.write(_SCHEMES[name][3], index)
+            self.schemes.pop()
+            self.child_done(index)
+        elif self.schemes and name not in _SCHEMES:
+            self.bracket(")", name, index)
+            self.schemes[-1].depth = max(self.schemes[-1].depth - 1, 0)
+            self.child_done(index)
+        elif name not in _INLINE and name not in _CELLS:
+            self.write("\n", index)
+
+    def bracket(self, sign: str, name: str, index: int) -> None:
+        """Keeps the terms of a numerator or a denominator together."""
+        if name == "mrow" and self.schemes[-1].name == "mfrac" and self.schemes[-1].depth == 1:
+            self.write(sign, index)
+
+    def child_done(self, index: int) -> None:
+        """What stands between the children of the innermost element that writes around them."""
+        if self.schemes and self.schemes[-1].depth == 0:
+            self.schemes[-1].children += 1
+            if self.schemes[-1].children in (1, 2):
+                self.write(_SCHEMES[self.schemes[-1].name][self.schemes[-1].children], index)

@@ -1,0 +1,96 @@
+"""Notebooks: their Markdown cells, their code and what it printed, each character with its place in the file."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+
+from driftproof.texts.readers.blocks import LISTING, OUTPUT, Block
+from driftproof.texts.readers.mapped import Mapped, joined
+from driftproof.texts.readers.markdown import markdown_blocks
+from driftproof.texts.readers.markup import html_blocks
+
+_TOKEN = re.compile(r'"(?P<string>(?:[^"\\]++|\\.)*+)"|(?P<open>[\[{])|(?P<close>[\]}])|(?P<comma>,)|(?P<colon>:)')
+_ESCAPE = re.compile(r"\\(?:u[dD][89abAB]\w\w\\u\w{4}|u\w{4}|.)")
+_LONE = re.compile("[\ud800-\udfff]")
+# What is read of a cell: of pictures there is nothing to read.
+_READ = ("cell_type", "source", "text", "text/plain", "text/html")
+Key = str | int
+
+
+def notebook_blocks(source: Mapped) -> list[Block]:
+    """The cells in order. Raises ValueError, in one line, for what is no notebook."""
+    language = _checked(source.text)
+    cells: dict[int, dict[tuple[Key, ...], list[Mapped]]] = {}
+    for path, string in _strings(source):
+        if len(path) > 2 and path[0] == "cells" and isinstance(path[1], int):
+            last = path[:-1] if isinstance(path[-1], int) else path  # of lines, what they are lines of
+            if last[-1] in _READ:
+                cells.setdefault(path[1], {}).setdefault(last[2:], []).append(_decoded(string))
+    return [block for cell in cells.values() for block in _blocks_of(cell, language)]
+
+
+def _checked(text: str) -> str:
+    """The language of the notebook's code."""
+    try:
+        content = json.loads(text)
+    except RecursionError:
+        raise ValueError("it is nested too deep for a notebook") from None
+    except ValueError as error:
+        raise ValueError(f"it is no notebook: {error}") from None
+    if not isinstance(content, dict) or not isinstance(content.get("cells"), list):
+        raise ValueError('it is no notebook: a notebook is a JSON object with a list "cells" (nbformat 4)')
+    metadata = content.get("metadata")
+    info = metadata.get("language_info") if isinstance(metadata, dict) else None
+    name = info.get("name") if isinstance(info, dict) else None
+    return name.lower() if isinstance(name, str) else "python"
+
+
+def _strings(source: Mapped) -> Iterator[tuple[tuple[Key, ...], Mapped]]:
+    """Every string value of a valid JSON text, as it is spelled, with the keys and indices that lead to it."""
+    path: list[Key] = []
+    pending: Mapped | None = None  # a string that is a key if a colon follows
+    for match in _TOKEN.finditer(source.text):
+        if match["colon"] and pending is not None:
+            path[-1] = _decoded(pending).text
+            pending = None
+            continue
+        if pending is not None:
+            yield tuple(path), pending
+            pending = None
+        if match["string"] is not None:
+            pending = source[match.start("string") : match.end("string")]
+        elif match["open"]:
+            path.append(0 if match["open"] == "[" else "")
+        elif match["close"]:
+            path.pop()
+        elif match["comma"] and isinstance(path[-1], int):
+            path[-1] += 1
+
+
+def _decoded(string: Mapped) -> Mapped:
+    """A JSON string's characters: escapes decoded, half of a pair as a sign that something is missing."""
+    return string.rewritten(_ESCAPE, lambda match: [_LONE.sub("\ufffd", json.loads(f'"{match[0]}"'))])
+
+
+def _blocks_of(cell: dict[tuple[Key, ...], list[Mapped]], language: str) -> list[Block]:
+    kind = cell.get(("cell_type",), [Mapped.of("")])[0].text
+    source = joined(cell.get(("source",), []))
+    if kind == "markdown":
+        return markdown_blocks(source)
+    if kind != "code":
+        return []
+    return [Block(LISTING, source, language), *_outputs(cell)]
+
+
+def _outputs(cell: dict[tuple[Key, ...], list[Mapped]]) -> Iterator[Block]:
+    """What the code printed and showed; of what is shown in several forms the plain one, else the page."""
+    shown = {path[1] for path in cell if path[0] == "outputs" and path[-1] == "text/plain"}
+    for path, strings in cell.items():
+        if path[0] != "outputs":
+            continue
+        if path[2:] == ("text",) or path[2:] == ("data", "text/plain"):
+            yield Block(OUTPUT, joined(strings))
+        elif path[2:] == ("data", "text/html") and path[1] not in shown:
+            yield from html_blocks(joined(strings))

@@ -1,0 +1,121 @@
+r"""TeX as its reader sees it: comments and commands gone, \frac{a}{b} as a/b, \num{...} as the number, h^{6} as h^6."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator
+
+from driftproof.texts.readers.blocks import LISTING, PROSE, Block
+from driftproof.texts.readers.mapped import Mapped, Part
+
+# Of rewritings that open one level of braces at a time: no text that people write is nested deeper.
+DEEPEST = 20
+
+_VERBATIM = re.compile(
+    r"\\begin\{(?P<name>verbatim\*?|lstlisting|minted|Verbatim)\}"
+    r"(?P<options>(?:\[[^\]\n]{0,200}\])?(?:\{[^}\n]*\})?)[ \t]*\n?"
+    r"(?P<body>.*?)(?:\\end\{(?P=name)\}|\Z)",
+    re.DOTALL,
+)
+_LANGUAGE = re.compile(r"language\s*=\s*(\w+)|\{(\w+)\}")
+_COMMENT = re.compile(r"(?<!\\)(?P<a>(?:\\\\)*)%[^\n]*\n?[ \t]*")
+# Commands whose argument is for the machine.
+_UNSEEN = re.compile(
+    r"\\(?:begin|end|label|ref|eqref|autoref|[Cc]ref|pageref|cite[a-z]*|includegraphics|usepackage|documentclass|input|"
+    r"include|bibliography(?:style)?|driftproof|hspace|vspace|setlength|color|textcolor|href|url)\*?"
+    r"(?:\s*\[[^\]\n]{0,200}\])*\s*\{[^{}]*\}(?:\[[^\]\n]{0,200}\]|(?<=tabular\})\{[^{}]*\}|(?<=array\})\{[^{}]*\})?"
+)
+_FRACTION = re.compile(r"\\[dtc]?frac\s*(?:\{(?P<a>[^{}]*)\}|(?P<c>[0-9]))\s*(?:\{(?P<b>[^{}]*)\}|(?P<d>[0-9]))")
+_ROOT = re.compile(r"\\sqrt\s*(?:\{(?P<a>[^{}]*)\}|(?P<c>\w))")
+_NUMBER = re.compile(
+    r"\\(?:num|ang|qty|SI|text[a-z]*|math[a-z]+|operatorname|emph|mbox|boxed|underline|section|subsection|"
+    r"subsubsection|chapter|paragraph|title|caption|footnote)\*?(?:\[[^\]\n]{0,200}\])?\{(?P<a>[^{}]*)\}"
+)
+_SCRIPT = re.compile(r"(?P<sign>[\^_])\s*\{(?P<a>[^{}]*)\}")
+_THIN = re.compile(r"(?<=[0-9])(?:\\,|\{,\}|\{\\,\})(?=[0-9]{3}(?![0-9]))")
+_GROUP = re.compile(r"[{}]")
+_SIGNS = {
+    "times": "×", "cdot": "·", "pm": "±", "mp": "∓", "le": "≤", "leq": "≤", "ge": "≥", "geq": "≥", "ne": "≠",
+    "neq": "≠", "approx": "≈", "sim": "~", "infty": "∞", "prime": "′", "circ": "°", "degree": "°", "percent": "%",
+    "to": "→", "sqrt": "√", "lambda": "λ", "omega": "ω", "pi": "π", "theta": "θ", "tau": "τ", "gamma": "γ",
+    "alpha": "α", "beta": "β", "delta": "δ", "epsilon": "ε", "varepsilon": "ε", "mu": "μ", "sigma": "σ", "phi": "φ",
+    "rho": "ρ", "quad": " ", "qquad": " ",
+}  # fmt: skip
+_COMMAND = re.compile(
+    r"\\(?:(?P<name>[A-Za-z]+)\*?[ \t]*|(?P<break>\\)(?:\[[^\]\n]{0,200}\])?|(?P<sign>[\s\S]))|(?P<other>[~&$])"
+)
+# Raised and lowered groups, kept apart from the braces that only group.
+_OPEN, _CLOSE = "\ue010", "\ue011"
+_KEPT = re.compile(f"[{_OPEN}{_CLOSE}]")
+
+
+def tex_blocks(source: Mapped) -> list[Block]:
+    """Prose and mathematics as they are read, and verbatim environments as listings."""
+    blocks, done = [], 0
+    for match in _VERBATIM.finditer(source.text):
+        blocks.append(Block(PROSE, tex_prose(source[done : match.start()])))
+        named = _LANGUAGE.search(match["options"])
+        language = (named[1] or named[2]).lower() if named else ""
+        blocks.append(Block(LISTING, source[match.start("body") : match.end("body")], language))
+        done = match.end()
+    return [*blocks, Block(PROSE, tex_prose(source[done:]))]
+
+
+def tex_prose(text: Mapped) -> Mapped:
+    """A piece of TeX without listings, as it is read."""
+    text = text.rewritten(_COMMENT, _inside).removed(_UNSEEN).rewritten(_THIN, lambda match: [","])
+    for _ in range(DEEPEST):  # from the inside out
+        before = text.text
+        for pattern, become in _STEPS:
+            text = text.rewritten(pattern, become)
+        if text.text == before:
+            break
+    text = text.rewritten(_COMMAND, _command).removed(_GROUP)
+    return text.rewritten(_KEPT, lambda match: ["{" if match[0] == _OPEN else "}"])
+
+
+def _argument(match: re.Match[str], *names: str) -> tuple[int, int]:
+    return next(match.span(name) for name in names if match[name] is not None)
+
+
+def _fraction(match: re.Match[str]) -> Iterator[Part]:
+    yield from _in_brackets(match, _argument(match, "a", "c"))
+    yield "/"
+    yield from _in_brackets(match, _argument(match, "b", "d"))
+
+
+def _root(match: re.Match[str]) -> Iterator[Part]:
+    yield "√"
+    yield from _in_brackets(match, _argument(match, "a", "c"))
+
+
+def _in_brackets(match: re.Match[str], span: tuple[int, int]) -> Iterable[Part]:
+    """What stands in the span, in brackets unless it is one number or name."""
+    return [span] if match.string[slice(*span)].strip().isalnum() else ["(", span, ")"]
+
+
+def _script(match: re.Match[str]) -> Iterable[Part]:
+    return [match["sign"] + _OPEN, match.span("a"), _CLOSE]
+
+
+def _inside(match: re.Match[str]) -> Iterable[Part]:
+    return [match.span("a")]
+
+
+_STEPS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], Iterable[Part]]], ...] = (
+    (_FRACTION, _fraction),
+    (_ROOT, _root),
+    (_SCRIPT, _script),
+    (_NUMBER, _inside),
+)
+
+
+def _command(match: re.Match[str]) -> Iterable[Part]:
+    """A sign for a command that stands for one, the character for an escaped one, nothing for the rest."""
+    if match["name"]:
+        return [_SIGNS.get(match["name"], "")]
+    if match["break"]:
+        return ["\n"]
+    if match["other"]:
+        return [{"~": " ", "&": " | ", "$": ""}[match["other"]]]
+    return [match.span("sign")] if match["sign"] in "%$&#_{}" else [" " if match["sign"] in ",;: \n" else ""]

@@ -1,0 +1,208 @@
+"""The Jinja2 environment of a template: what it may call, compute and include, and where each of its parts stands."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import MethodType
+from typing import Any
+
+from jinja2 import BaseLoader, Environment, StrictUndefined, nodes
+from jinja2.exceptions import SecurityError, TemplateNotFound, TemplateSyntaxError
+from jinja2.lexer import TOKEN_INTEGER, Lexer
+from jinja2.runtime import BlockReference, Context, LoopContext, Macro
+from jinja2.sandbox import SandboxedEnvironment
+from jinja2.utils import Namespace
+
+from driftproof.texts.templates.problems import Refusal
+
+LARGEST_TEMPLATE = 10**7
+LONGEST_RANGE = 10_000
+LARGEST_NUMBER = 10**18
+LARGEST_EXPONENT = 64
+# Of Jinja2's own filters those that need no bound; `default` would make a blank of what is missing.
+FILTERS = ("capitalize", "join", "length", "lower", "replace", "sort", "title", "trim", "upper")
+# The argument through which a call or a filter of ours learns where it stands.
+PLACE = "driftproof_place"
+# What TeX writes and Jinja2 would read: an argument {#1}, and a brace before the end of a line {%. Noncharacters of
+# Unicode hold their places meanwhile.
+_OF_TEX = ((re.compile(r"(?<=\{)#(?=#*[0-9])"), "\ufdd0", "#"), (re.compile(r"(?<=\{)%(?=[ \t]*\r?\n)"), "\ufdd1", "%"))
+
+
+class _Lexer(Lexer):
+    """A lexer whose tokens are numbered by their offset plus one instead of their line."""
+
+    def __init__(self, environment: Environment, tex: bool) -> None:
+        super().__init__(environment)
+        self.tex = tex
+
+    def tokeniter(
+        self, source: str, name: str | None, filename: str | None = None, state: str | None = None
+    ) -> Iterator[tuple[int, str, str]]:
+        """The tokens in order; between two of them stands white space at most, which Jinja2 has stripped."""
+        marks = _OF_TEX if self.tex else ()
+        for pattern, mark, _ in _OF_TEX:
+            if mark in source:
+                reason = f"the noncharacter U+{ord(mark):04X} has no place in a text"
+                raise TemplateSyntaxError(reason, source.index(mark) + 1, name, filename)
+            source = pattern.sub(mark, source) if self.tex else source
+        offset = end = 0
+        try:
+            for _, token, text in super().tokeniter(source, name, filename, state):
+                offset = source.index(text, end)
+                if token == TOKEN_INTEGER and len(text) > len(str(LARGEST_NUMBER)):
+                    raise TemplateSyntaxError("whole numbers go up to 10**18 here", offset + 1, name, filename)
+                end = offset + len(text)
+                for _, mark, sign in marks:
+                    text = text.replace(mark, sign)
+                yield offset + 1, token, text
+        except TemplateSyntaxError as error:
+            # Jinja2 knows the line: it fails at what follows the last token, or at that one if it is never closed.
+            error.lineno = 1 + (offset if "Missing end" in str(error.message) else _next(source, end))
+            raise
+
+
+class FolderLoader(BaseLoader):
+    """Templates from one folder; `sources` keeps the text of each that was read."""
+
+    def __init__(self, template: Path) -> None:
+        """The folder is that of the template, which itself may be a link to elsewhere."""
+        self.template, self.folder = template.name, template.parent
+        self.sources: dict[str, str] = {}
+
+    def get_source(self, environment: Environment, template: str) -> tuple[str, str, None]:
+        """The text of a template. Raises Refusal for a path that leads out of the folder."""
+        path = self.folder / template
+        if template != self.template and not path.resolve().is_relative_to(self.folder.resolve()):
+            raise Refusal(f"{template[:60]!r} lies outside the folder of the template")
+        if not path.is_file():
+            raise TemplateNotFound(template)
+        self.sources[template] = read_text(path)
+        return self.sources[template], template, None
+
+
+def read_text(path: Path) -> str:
+    """The text of a file, line ends as \\n. Raises ValueError for one that is too long or not in UTF-8."""
+    with path.open("rb") as file:
+        data = file.read(LARGEST_TEMPLATE + 1)
+    if len(data) > LARGEST_TEMPLATE:
+        raise ValueError(f"{path}: longer than {LARGEST_TEMPLATE} bytes")
+    try:
+        return data.decode("utf-8").replace("\r\n", "\n").replace("\r", "\n")
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{path}: not UTF-8 at byte {error.start}") from None
+
+
+class Sandbox(SandboxedEnvironment):
+    """Templates that call `functions` and their own macros, apply `filters`, and compute with whole numbers."""
+
+    intercepted_binops = frozenset(SandboxedEnvironment.default_binop_table)
+
+    def __init__(
+        self,
+        loader: FolderLoader,
+        functions: dict[str, Callable[..., Any]],
+        filters: dict[str, Callable[..., Any]],
+        finalize: Callable[[Any], Any],
+        *,
+        html: bool,
+        tex: bool,
+    ) -> None:
+        """`functions` and `filters` take the keyword PLACE."""
+        super().__init__(
+            loader=loader,
+            undefined=StrictUndefined,
+            autoescape=html,
+            finalize=finalize,
+            keep_trailing_newline=True,
+            auto_reload=False,
+        )
+        self.placed = {**functions, **filters}
+        self.globals = {**functions, "range": short_range, "namespace": Namespace}
+        self.filters = {name: self.filters[name] for name in FILTERS} | filters
+        self.places = _Lexer(self, tex)
+
+    @property
+    def lexer(self) -> Lexer:
+        """The lexer that keeps offsets."""
+        return self.places
+
+    def _generate(
+        self, source: nodes.Template, name: str | None, filename: str | None, defer_init: bool = False
+    ) -> str:
+        """Compile; every expression stands where its first token does, and our own calls and filters are told where."""
+        for call in source.find_all(nodes.Call):
+            called = getattr(call.node, "name", None)
+            if called in self.placed:
+                first = call.args[0] if call.args and called == "value" else None
+                question = first if isinstance(first, nodes.Const) else None
+                at = question.lineno + 1 if question else _first(call)  # after the quotation mark
+                call.kwargs.append(_told(name, at, of_question=question is not None))
+        for applied in source.find_all(nodes.Filter):
+            if applied.name not in self.filters:
+                unknown = f"there is no filter {applied.name[:40]!r}; there are {', '.join(self.filters)}"
+                raise TemplateSyntaxError(unknown, applied.lineno, name, filename)
+            if applied.name in self.placed:
+                applied.kwargs.append(_told(name, applied.lineno))  # type: ignore[arg-type]
+        for output in source.find_all(nodes.Output):
+            for child in output.nodes:
+                child.lineno = _first(child)
+        return super()._generate(source, name, filename, defer_init)
+
+    def is_safe_callable(self, obj: Any) -> bool:
+        """Our functions, and what Jinja2 makes of macros, loops and blocks; no method of any other object."""
+        of_loop = isinstance(obj, MethodType) and isinstance(obj.__self__, LoopContext)
+        ours = any(obj is function for function in self.globals.values())
+        return ours or of_loop or isinstance(obj, Macro | LoopContext | BlockReference)
+
+    def call(__self, __context: Context, __obj: Any, *args: Any, **kwargs: Any) -> Any:  # noqa: N805
+        """Call what is safe; say in words what is."""
+        if isinstance(__obj, StrictUndefined):
+            return __context.call(__obj)  # which says that it is undefined
+        if not __self.is_safe_callable(__obj):
+            names = ", ".join(__self.globals)
+            raise SecurityError(f"a template calls {names} and its own macros, and nothing else")
+        return super().call(__context, __obj, *args, **kwargs)
+
+    def call_binop(self, context: Context, operator: str, left: Any, right: Any) -> Any:
+        """Whole numbers of moderate size; text may be added to text."""
+        if operator == "+" and isinstance(left, str) and isinstance(right, str):
+            return left + right
+        if operator == "/" or not (_is_whole(left) and _is_whole(right)):
+            raise Refusal(f"{operator} is for whole numbers here; value('1/3 + 1/6') computes exactly")
+        if operator == "**" and not 0 <= right <= LARGEST_EXPONENT:
+            raise Refusal(f"powers go from 0 to {LARGEST_EXPONENT} here; value('(1/2)**64') computes exactly")
+        found = super().call_binop(context, operator, left, right)
+        if abs(found) > LARGEST_NUMBER:
+            raise Refusal(f"whole numbers go up to 10**18 here; {operator} leads beyond")
+        return found
+
+
+def short_range(*bounds: Any) -> range:
+    """range, not too long."""
+    if not all(_is_whole(bound) for bound in bounds):
+        raise Refusal("range takes whole numbers")
+    found = range(*bounds)
+    if len(found) > LONGEST_RANGE:
+        raise Refusal(f"a range has at most {LONGEST_RANGE} members here, not {len(found)}")
+    return found
+
+
+def _is_whole(x: object) -> bool:
+    return isinstance(x, int) and not isinstance(x, bool) and abs(x) <= LARGEST_NUMBER
+
+
+def _next(source: str, offset: int) -> int:
+    """The first character from here on that is no white space."""
+    return len(source) - len(source[offset:].lstrip())
+
+
+def _told(name: str | None, at: int, of_question: bool = False) -> nodes.Keyword:
+    """The keyword that tells a call its Place; a plain tuple, as the compiled template spells constants out."""
+    return nodes.Keyword(PLACE, nodes.Const((name, at - 1, of_question)), lineno=at)
+
+
+def _first(node: nodes.Node) -> int:
+    """Where the first token of an expression stands."""
+    return min([node.lineno or LARGEST_TEMPLATE, *map(_first, node.iter_child_nodes())])

@@ -1,0 +1,1 @@
+"""Exact answers and facts in print: text, TeX, MathML and JSON."""

@@ -1,0 +1,82 @@
+"""Certified answers as JSON-ready dictionaries: every number a string, with its exact form where it has one."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+from flint import fmpq
+
+from driftproof.methods.catalogue import method_named
+from driftproof.methods.schemes import Method
+from driftproof.numeric.steppers import evaluations_per_step
+from driftproof.symbolic.algebra.certified import HALF_EVEN, Exact, significant
+from driftproof.symbolic.oscillator_run import OscillatorRun
+
+Answer: TypeAlias = dict[str, Any]
+
+
+def number(value: Exact | None, digits: int, rounding: str = HALF_EVEN, unit: str | None = None) -> Answer | None:
+    """{"exact": "337/384" or None, "decimal": correctly rounded digits, "unit": ...}; None for an undefined value."""
+    if value is None:
+        return None
+    answer: Answer = {"exact": _exact_text(value), "decimal": significant(value, digits, rounding)}
+    return answer if unit is None else {**answer, "unit": unit}
+
+
+def _exact_text(value: Exact) -> str | None:
+    if isinstance(value, Fraction):
+        # fmpq prints fractions of any length; Python's own str() refuses beyond 4300 digits.
+        return str(fmpq(value.numerator, value.denominator))
+    return None if callable(value) else str(value)
+
+
+def step_answer(key: str, h: Fraction, start: tuple[Fraction, Fraction], digits: int, rounding: str) -> Answer:
+    """One step of the method `key` from `start`: the state and its energy, exact and in decimals."""
+    run = OscillatorRun(method_named(key), h, h, start)
+    return {**_header(run.method, h, start, digits, rounding), **_state_and_energy(run, digits, rounding)}
+
+
+def run_answer(
+    key: str, h: Fraction, t: Fraction, start: tuple[Fraction, Fraction], digits: int, rounding: str
+) -> Answer:
+    """N = t/h steps of the method `key`: final and exact state, errors, energy, phase, steps and evaluations."""
+    run = OscillatorRun(method_named(key), h, t, start)
+    return {
+        **_header(run.method, h, start, digits, rounding),
+        **_state_and_energy(run, digits, rounding),
+        "t": str(t),
+        "exact_state": _pair(run.exact_state, digits, rounding),
+        "state_error": number(run.state_error, digits, rounding),
+        "phase_error": number(run.phase_error, digits, rounding, unit="degrees"),
+        "steps": run.steps,
+        **_evaluations(run),
+    }
+
+
+def _evaluations(run: OscillatorRun) -> Answer:
+    """The evaluations of an explicit method; those of an implicit one depend on how its equations are solved."""
+    return {"evaluations": run.steps * evaluations_per_step(run.method.key)} if run.method.explicit else {}
+
+
+def _header(method: Method, h: Fraction, start: tuple[Fraction, Fraction], digits: int, rounding: str) -> Answer:
+    return {
+        "method": method.key,
+        "title": method.title,
+        "h": str(h),
+        "start": [str(x) for x in start],
+        "digits": digits,
+        "rounding": rounding,
+    }
+
+
+def _state_and_energy(run: OscillatorRun, digits: int, rounding: str) -> Answer:
+    return {
+        "final_state": _pair(run.final_state, digits, rounding),
+        "energy": number(run.energy, digits, rounding),
+        "energy_change": number(run.energy_change, digits, rounding),
+    }
+
+
+def _pair(state: tuple[Exact, Exact], digits: int, rounding: str) -> Answer:
+    return {name: number(x, digits, rounding) for name, x in zip("qv", state, strict=True)}

@@ -1,0 +1,190 @@
+"""Exact forms and decimals as TeX and as MathML: the parser's tree of a form, written by one of two writers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from xml.sax.saxutils import escape
+
+from driftproof.texts.questions.parser import parse_form
+from driftproof.texts.questions.syntax import Asked, Call, Chain, Negated, Node, Number, Power, Published
+
+GREEK = {
+    **{"alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "theta": "θ"},
+    **{"lambda": "λ", "mu": "μ", "omega": "ω", "sigma": "σ", "tau": "τ"},
+}
+
+
+@dataclass(frozen=True)
+class Writer:
+    """How the parts of a formula are written; arguments are parts that are written already, but for names and digits.
+
+    `operator` writes one of + - · and, for a product that needs no sign, the empty string; `words`, what is no formula.
+    """
+
+    number: Callable[[str], str]
+    symbol: Callable[[str], str]
+    operator: Callable[[str], str]
+    row: Callable[[Sequence[str]], str]
+    fraction: Callable[[str, str], str]
+    power: Callable[[str, str], str]
+    root: Callable[[str, int], str]
+    function: Callable[[str, str], str]
+    bracket: Callable[[str], str]
+    words: Callable[[str], str]
+
+
+def _tex_bracket(inner: str) -> str:
+    return rf"\left({inner}\right)" if r"\frac" in inner else f"({inner})"
+
+
+TEX = Writer(
+    number=str,
+    symbol=lambda name: r"\infty" if name == "oo" else rf"\{name}" if name in GREEK else name,
+    operator=lambda sign: {"": " ", "·": r" \cdot "}.get(sign, sign),
+    row="".join,
+    fraction=lambda above, below: rf"\frac{{{above}}}{{{below}}}",
+    power=lambda base, exponent: f"{base}^{{{exponent}}}",
+    root=lambda inner, degree: rf"\sqrt{{{inner}}}" if degree == 2 else rf"\sqrt[{degree}]{{{inner}}}",
+    function=lambda name, inner: rf"\{'arccos' if name == 'acos' else name}{_tex_bracket(inner)}",
+    bracket=_tex_bracket,
+    words=lambda tex: rf"\text{{{tex}}}",
+)
+
+
+_APPLIED = "<mo>\N{FUNCTION APPLICATION}</mo>"
+_OPERATORS = {"-": "\N{MINUS SIGN}", "": "\N{INVISIBLE TIMES}"}
+
+
+def _mathml_row(parts: Sequence[str]) -> str:
+    return parts[0] if len(parts) == 1 else f"<mrow>{''.join(parts)}</mrow>"
+
+
+def _mathml_bracket(inner: str) -> str:
+    return f"<mrow><mo>(</mo>{inner}<mo>)</mo></mrow>"
+
+
+MATHML = Writer(
+    number=lambda digits: f"<mn>{digits}</mn>",
+    symbol=lambda name: f"<mi>{GREEK.get(name, '∞' if name == 'oo' else name)}</mi>",
+    operator=lambda sign: f"<mo>{_OPERATORS.get(sign, sign)}</mo>",
+    row=_mathml_row,
+    fraction=lambda above, below: f"<mfrac>{above}{below}</mfrac>",
+    power=lambda base, exponent: f"<msup>{base}{exponent}</msup>",
+    root=lambda inner, degree: f"<msqrt>{inner}</msqrt>" if degree == 2 else f"<mroot>{inner}<mn>{degree}</mn></mroot>",
+    function=lambda name, inner: _mathml_row([f"<mi>{name}</mi>", _APPLIED, _mathml_bracket(inner)]),
+    bracket=_mathml_bracket,
+    words=lambda text: f"<mtext>{escape(text)}</mtext>",
+)
+
+
+def formula(text: str, write: Writer) -> str:
+    """An exact form in SymPy's syntax, e.g. "2*sqrt(2)/3". Raises QuestionError for what is no formula."""
+    return _Formula(write).of(parse_form(text))
+
+
+def rational(numerator: str, denominator: str, write: Writer) -> str:
+    """A fraction from its integers as text, the sign in front."""
+    size = numerator.removeprefix("-")
+    body = write.number(size) if denominator == "1" else write.fraction(write.number(size), write.number(denominator))
+    return body if size == numerator else write.row([write.operator("-"), body])
+
+
+def decimal(text: str, write: Writer) -> str:
+    """A decimal such as "-6.7e-5"."""
+    mantissa, _, exponent = text.partition("e")
+    size = mantissa.removeprefix("-")
+    parts = [write.operator("-")] if size != mantissa else []
+    parts.append(write.number(size))
+    if exponent:
+        parts += [write.operator("·"), write.power(write.number("10"), rational(exponent, "1", write))]
+    return write.row(parts)
+
+
+class _Formula:
+    """One pass over a tree."""
+
+    def __init__(self, write: Writer) -> None:
+        self.write = write
+
+    def of(self, node: Node) -> str:
+        """A node as a sum that needs no brackets."""
+        write = self.write
+        match node:
+            case Number():
+                return write.number(str(node.value))
+            case Published():
+                return write.symbol(node.name)
+            case Negated():
+                return write.row([write.operator("-"), self.factor(node.node)])
+            case Call():
+                inner = self.of(node.arguments[0])
+                return write.root(inner, 2) if node.function == "sqrt" else write.function(node.function, inner)
+            case Power():
+                return self.power(node.base, node.exponent)
+            case Chain():
+                return self.sum(node) if _is_sum(node) else self.product(node)
+            case Asked():
+                raise ValueError("a question is no formula")
+
+    def factor(self, node: Node) -> str:
+        """A node as a factor, or as a term after the first: sums and what begins with a sign in brackets."""
+        return self.write.bracket(self.of(node)) if _is_sum(node) or _is_negative(node) else self.of(node)
+
+    def sum(self, node: Chain) -> str:
+        """Terms with their signs."""
+        parts = [self.of(node.first)]
+        for sign, term in node.rest:
+            parts += [self.write.operator(sign.text), self.factor(term)]
+        return self.write.row(parts)
+
+    def product(self, node: Chain) -> str:
+        """Factors side by side, divisors below a line, a sign in front of all."""
+        first = node.first.node if isinstance(node.first, Negated) else node.first
+        factors = [first, *(factor for sign, factor in node.rest if sign.text == "*")]
+        above = [factor for factor in factors if not _is_one(factor)] or factors[:1]
+        below = [factor for sign, factor in node.rest if sign.text == "/"]
+        body = self.side_by_side(above)
+        if below:
+            body = self.write.fraction(body, self.side_by_side(below))
+        return body if first is node.first else self.write.row([self.write.operator("-"), body])
+
+    def side_by_side(self, factors: Sequence[Node]) -> str:
+        """Factors with a sign between where two numbers would run together."""
+        if len(factors) == 1:
+            return self.of(factors[0])
+        parts = [self.factor(factors[0])]
+        for factor in factors[1:]:
+            parts += [self.write.operator("·" if _begins_with_digit(factor) else ""), self.factor(factor)]
+        return self.write.row(parts)
+
+    def power(self, base: Node, exponent: Fraction) -> str:
+        """A power, or a root where the exponent is 1/n."""
+        if exponent.denominator > 1 and exponent.numerator == 1:
+            return self.write.root(self.of(base), exponent.denominator)
+        plain = isinstance(base, Published) or (isinstance(base, Number) and base.value.denominator == 1)
+        written = self.of(base) if plain else self.write.bracket(self.of(base))
+        return self.write.power(written, rational(str(exponent.numerator), str(exponent.denominator), self.write))
+
+
+def _is_sum(node: Node) -> bool:
+    return isinstance(node, Chain) and node.rest[0][0].text in "+-"
+
+
+def _is_negative(node: Node) -> bool:
+    """True where the writing begins with a minus sign."""
+    return isinstance(node, Negated) or (isinstance(node, Chain) and not _is_sum(node) and _is_negative(node.first))
+
+
+def _begins_with_digit(node: Node) -> bool:
+    """True where a factor before it would run into it."""
+    if isinstance(node, Power):
+        return node.exponent.denominator == 1 and isinstance(node.base, Number)
+    if isinstance(node, Chain) and not _is_sum(node):
+        return all(sign.text == "*" for sign, _ in node.rest) and _begins_with_digit(node.first)
+    return isinstance(node, Number)
+
+
+def _is_one(node: Node) -> bool:
+    return isinstance(node, Number) and node.value == 1

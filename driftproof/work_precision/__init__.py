@@ -1,1 +1,0 @@
-"""Error against work, measured beside other packages: the study, its report and its figure."""

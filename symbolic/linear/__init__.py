@@ -1,1 +1,0 @@
-"""What a method does to linear problems: stability, phase, invariants; exact over Q and over real number fields."""

@@ -1,0 +1,107 @@
+"""A stepper beside a method: right ones agree, wrong ones give the simplest example, on every run the same."""
+
+from math import inf, nan
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.judging.agreement import Domain, agreement
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.methods.catalogue import METHODS
+
+FEW = 100
+
+
+def symplectic_euler(q, v, h):
+    v = v - h * q
+    return q + h * v, v
+
+
+def capped(q, v, h):
+    v = min(v - h * q, 100.0)
+    return q + h * v, v
+
+
+def slightly_off(q, v, h):
+    v = v - (1 + 1e-12) * h * q
+    return q + h * v, v
+
+
+def refuses_large_steps(q, v, h):
+    if h > 1:
+        raise RuntimeError("h too large")
+    return symplectic_euler(q, v, h)
+
+
+def found(step, key="symplectic_euler", **options):
+    return agreement(opened(step), METHODS[key], examples=FEW, **options)
+
+
+def test_a_right_stepper_agrees_and_comes_near_the_bound():
+    result = found(symplectic_euler)
+    assert result.holds
+    assert result.examples == FEW
+    assert 0.1 < result.worst.error_over_bound <= 1
+
+
+def test_the_same_examples_are_drawn_on_every_run():
+    assert found(symplectic_euler) == found(symplectic_euler)
+
+
+@pytest.mark.parametrize("key", ["forward_euler", "symplectic_euler_position_first", "velocity_verlet"])
+def test_a_stepper_of_another_name_gives_a_simple_example(key):
+    result = found(symplectic_euler, key)
+    assert not result.holds
+    failing = result.failing
+    assert {abs(x) for x in (failing.q, failing.v, failing.h)} <= {0.0, 1.0, 2.0}
+    assert failing.error_over_bound > 1
+
+
+def test_an_error_of_1e_12_in_a_coefficient_gives_an_example_with_its_exact_value():
+    result = found(slightly_off)
+    assert (result.failing.q, result.failing.v, result.failing.h) == (1.0, 0.0, 1.0)
+    assert result.failing.exact in {"0", "-1"}
+    assert "times the bound" in result.failing.words
+
+
+def test_a_cap_is_found_and_the_example_is_just_beyond_it():
+    failing = found(capped).failing
+    assert failing.v - failing.h * failing.q > 100
+    assert found(capped, domain=Domain(largest_state=30.0)).holds
+
+
+def test_a_step_that_raises_is_an_example_with_what_it_raised():
+    failing = found(refuses_large_steps).failing
+    assert failing.answer is None
+    assert "RuntimeError: h too large" in failing.words
+    assert found(refuses_large_steps, domain=Domain(largest_step=1.0)).holds
+
+
+def test_extremes_are_tried_only_where_they_are_asked_for():
+    def in_other_units(q, v, h):  # a conversion that underflows below 1e-300
+        q1, v1 = symplectic_euler(q * 1e-20, v * 1e-20, h)
+        return q1 / 1e-20, v1 / 1e-20
+
+    scale = 2.0**-60
+    exactly = lambda q, v, h: tuple(x / scale for x in symplectic_euler(q * scale, v * scale, h))
+    assert found(exactly).holds
+    assert not found(exactly, domain=Domain(smallest_step=0.0, smallest_state=0.0)).holds
+    assert not found(in_other_units, domain=Domain(smallest_step=0.0, smallest_state=0.0)).holds
+
+
+def test_narrow_formats_are_tried_away_from_underflow():
+    result = agreement(opened(symplectic_euler, array=np.float16), METHODS["symplectic_euler"], examples=FEW)
+    assert result.holds
+    assert result.worst.h >= 2.0**-7
+
+
+def test_binary32_steppers_are_tried_at_numbers_of_binary32():
+    result = agreement(opened(symplectic_euler, array=np.float32), METHODS["symplectic_euler"], examples=FEW)
+    assert result.holds
+    assert np.float32(result.worst.h) == result.worst.h
+
+
+@pytest.mark.parametrize("bad", [{"largest_step": 0.0}, {"largest_state": inf}, {"largest_step": nan}])
+def test_a_domain_without_steps_or_states_is_refused(bad):
+    with pytest.raises(ValueError, match="sizes go from 0 or more up"):
+        Domain(**bad)

@@ -1,0 +1,203 @@
+"""The Nyström table of a float code is read to the last bit, as kicks and drifts where it is a composition of these."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from driftproof.blackbox.findings import NoSuchDoor
+from driftproof.blackbox.probes.force_probe import read_forces
+from driftproof.blackbox.probes.probing import NotReadable
+from driftproof.blackbox.stepper.opening import opened
+from tests.blackbox import blackbox_codes as codes
+
+
+def read(step):
+    return read_forces(opened(step))
+
+
+KICK_DRIFT = (("kick", 1.0), ("drift", 1.0))
+HALVES = (("kick", 0.5), ("drift", 1.0), ("kick", 0.5))
+AROUND = (("drift", 0.5), ("kick", 1.0), ("drift", 0.5))
+SPLITTINGS = [
+    (codes.symplectic_euler, KICK_DRIFT),
+    (codes.velocity_from_positions, KICK_DRIFT),
+    (codes.symplectic_euler_in_a_field, KICK_DRIFT),
+    (codes.velocity_verlet, HALVES),
+    (codes.velocity_verlet_by_acceleration, HALVES),
+    (codes.position_verlet_calling_twice, AROUND),
+]
+
+
+@pytest.mark.parametrize(("step", "parts"), SPLITTINGS)
+def test_sub_steps_are_seen_however_they_are_written(step, parts):
+    reading = read(step)
+    assert reading.parts == parts
+    assert reading.drift == 1
+    assert reading.remarks == ()
+
+
+def test_velocity_verlet_shows_its_table():
+    reading = read(codes.velocity_verlet_by_acceleration)
+    assert (reading.c, reading.a) == ((0.0, 1.0), ((0.0, 0.0), (0.5, 0.0)))
+    assert (reading.b_position, reading.b_velocity) == ((0.5, 0.0), (0.5, 0.5))
+    assert reading.lines == ["sub-steps: kick 1/2, drift 1, kick 1/2"]
+
+
+coefficients = st.floats(-4, 4, allow_subnormal=False).filter(lambda x: abs(x) > 1e-3)
+weights = st.lists(coefficients, min_size=4, max_size=4).map(tuple)
+
+
+@given(weights, weights, weights, st.lists(weights, min_size=4, max_size=4))
+@settings(max_examples=30)
+def test_any_nystrom_table_comes_out_as_it_went_in(c, b_position, b_velocity, rows):
+    a = tuple(tuple(x if j < i else 0.0 for j, x in enumerate(row)) for i, row in enumerate(rows))
+    reading = read(codes.nystrom(c, a, b_position, b_velocity))
+    assert (reading.c, reading.a, reading.drift) == (c, a, 1.0)
+    assert (reading.b_position, reading.b_velocity) == (b_position, b_velocity)
+
+
+@given(st.lists(coefficients, min_size=2, max_size=9), st.booleans())
+@settings(max_examples=30)
+def test_any_splitting_comes_out_as_it_went_in_up_to_rounding(numbers, kick_first):
+    kinds = ("kick", "drift") if kick_first else ("drift", "kick")
+    parts = [(kinds[i % 2], x) for i, x in enumerate(numbers)]
+    seen = read(codes.composed(parts)).parts
+    assert [kind for kind, _ in seen] == [kind for kind, _ in parts]
+    for (kind, x), (_, y) in zip(seen, parts, strict=True):
+        # A kick is read as it is; a drift is a product by the kick before it, over that kick: three roundings.
+        assert abs(x - y) <= (0 if kind == "kick" else 4 * 2.0**-53 * abs(y))
+
+
+def test_a_runge_kutta_code_shows_the_square_of_its_matrix_and_is_no_splitting():
+    reading = read_forces(opened(codes.rk4, "field"))
+    assert reading.c == (0.0, 0.5, 0.5, 1.0)
+    assert reading.a[2:] == ((0.25, 0.0, 0.0, 0.0), (0.0, 0.5, 0.0, 0.0))
+    assert reading.b_velocity == (1 / 6, 2 / 6, 2 / 6, 1 / 6)
+    assert reading.parts is None
+    assert any(line.startswith("b_position = 1/6, 1/6, 1/6") for line in reading.lines)
+
+
+def test_a_table_one_rounding_off_a_splitting_is_one_and_one_off_by_1e_12_is_none():
+    b = (0.5, 0.5)
+    assert read(codes.nystrom((0.0, 1.0), ((0.0, 0.0), (np.nextafter(0.5, 1), 0.0)), (0.5, 0.0), b)).parts is not None
+    assert read(codes.nystrom((0.0, 1.0), ((0.0, 0.0), (0.5 + 1e-12, 0.0)), (0.5, 0.0), b)).parts is None
+
+
+def test_a_position_that_moves_by_half_is_said_to():
+    reading = read(codes.half_moved)
+    assert (reading.drift, reading.parts) == (0.5, (("kick", 1.0), ("drift", 0.5)))
+    assert "without a force the position moves by 1/2 h v, not by h v" in reading.lines
+    assert len(read(codes.symplectic_euler).lines) == 1
+
+
+def test_a_call_for_the_next_step_is_seen_to_be_unused():
+    def step(force, q, v, h):
+        q, v = codes.symplectic_euler(force, q, v, h)
+        force(q)
+        return q, v
+
+    reading = read(step)
+    assert reading.unused == (1,)
+    assert reading.lines == ["sub-steps: kick 1, drift 1", "call 1 is made, and its answer is not used"]
+
+
+def with_drag(force, q, v, h):
+    v = v * (1 - 0.04 * h) + h * force(q)
+    return q + h * v, v
+
+
+def with_a_spring(force, q, v, h):
+    v = v + h * (force(q) - q)
+    return q + h * v, v
+
+
+def without_h(force, q, v, h):
+    return q + v, v + h * force(q)
+
+
+def with_h_squared_in_the_kick(force, q, v, h):
+    v = v + h * h * force(q)
+    return q + h * v, v
+
+
+def limited(force, q, v, h):
+    v = min(max(v + h * force(q), -2), 2)
+    return q + h * v, v
+
+
+def wrapped(force, q, v, h):
+    v = v + h * force(q)
+    return (q + h * v + 4) % 8 - 4, v
+
+
+def heavy(force, q, v, h):
+    v = v + h * (force(q) - 9.81)
+    return q + h * v, v
+
+
+def iterated(force, q, v, h):
+    middle = q
+    for _ in range(100):
+        before, middle = middle, q + h / 2 * (v + h / 2 * force(middle))
+        if abs(middle - before) < 1e-12:
+            break
+    return q + h * (v + h / 2 * force(middle)), v + h * force(middle)
+
+
+class Remembering:
+    """Verlet that keeps its last acceleration, whatever state it is given next."""
+
+    def __init__(self):
+        self.last = 0.0
+
+    def __call__(self, force, q, v, h):
+        v = v + h / 2 * self.last
+        q = q + h * v
+        self.last = force(q)
+        return q, v + h / 2 * self.last
+
+
+NOT_READABLE = [
+    (with_drag, "the new velocity is 0.96 v, not 1 v"),
+    (with_a_spring, "the new velocity holds -1 q, not 0 q"),
+    (without_h, "with h = 2, the new position is .* does not scale with h"),
+    (with_h_squared_in_the_kick, "with h = 2, the new .* does not scale with h"),
+    (heavy, "at rest at 0 and without a force, the step does not stay"),
+    (iterated, r"the number of calls depends on the answers: \d+, then \d+"),
+    (Remembering(), "remembers"),
+    (lambda force, q, v, h: (q + h * v, v), "the force is never called"),
+]
+
+
+@pytest.mark.parametrize(("step", "words"), NOT_READABLE)
+def test_what_is_no_method_for_forces_is_refused_with_what_was_seen(step, words):
+    subject = opened(codes.symplectic_euler)
+    subject.function = step
+    with pytest.raises(NotReadable, match=words):
+        read_forces(subject)
+
+
+@pytest.mark.parametrize("step", [limited, wrapped])
+def test_a_step_with_a_limit_is_read_below_it_with_a_remark(step):
+    subject = opened(codes.symplectic_euler)
+    subject.function = step
+    reading, free = read_forces(subject), read_forces(opened(codes.symplectic_euler))
+    assert (reading.a, reading.b_velocity, reading.drift) == (free.a, free.b_velocity, free.drift)
+    assert reading.amplitude < 1 == free.amplitude
+    assert "of size 1, with" in reading.remarks[0]
+    assert "where the coefficients read say" in reading.remarks[0]
+    assert free.remarks == ()
+
+
+def test_a_step_that_does_not_go_back_is_read_with_a_remark():
+    reading = read(lambda force, q, v, h: codes.velocity_verlet(force, q, v, abs(h)))
+    assert reading.parts == HALVES
+    assert "with h = -1" in reading.lines[-1]
+
+
+def test_a_map_has_no_force():
+    with pytest.raises(NoSuchDoor):
+        read_forces(opened(lambda q, v, h: (q + h * v, v - h * q)))

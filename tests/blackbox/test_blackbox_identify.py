@@ -1,0 +1,145 @@
+"""identify, from end to end: what a stepper is comes out in words, through each door, in a child or here."""
+
+import json
+
+import pytest
+
+from driftproof.blackbox.identify import identify
+from driftproof.cli import main
+from tests.blackbox import rogues
+
+
+def rk4(f, t, y, h):
+    k1 = f(t, y)
+    k2 = f(t + h / 2, y + h * k1 / 2)
+    k3 = f(t + h / 2, y + h * k2 / 2)
+    k4 = f(t + h, y + h * k3)
+    return y + h * (k1 + 2 * k2 + 2 * k3 + k4) / 6
+
+
+def rk38(f, t, y, h):
+    k1 = f(t, y)
+    k2 = f(t + h / 3, y + h * k1 / 3)
+    k3 = f(t + 2 * h / 3, y + h * (k2 - k1 / 3))
+    k4 = f(t + h, y + h * (k1 - k2 + k3))
+    return y + h * (k1 + 3 * k2 + 3 * k3 + k4) / 8
+
+
+def velocity_verlet(force, q, v, h):
+    v = v + h / 2 * force(q)
+    q = q + h * v
+    return q, v + h / 2 * force(q)
+
+
+def with_drag(q, v, h):
+    v = v + h * (-4 * q - 0.04 * v)
+    return q + h * v, v
+
+
+def half_moved(q, v, h):
+    return q + h * v / 2, v - h * q
+
+
+def two_half_steps(q, v, h):
+    for _ in range(2):
+        v = v - h / 2 * q
+        q = q + h / 2 * v
+    return q, v
+
+
+@pytest.mark.parametrize(
+    ("step", "words"),
+    [
+        (rk4, "it is rk4"),
+        (rk38, "it is rk38"),
+        (velocity_verlet, "it is velocity_verlet"),
+        (with_drag, "linear drag 0.04"),
+        (half_moved, "the position moves by 0.5 h v"),
+        (two_half_steps, "two half steps"),
+    ],
+)
+def test_a_stepper_is_named(step, words):
+    assert words in identify(step).verdict
+
+
+def test_the_report_says_the_order_twice_and_the_rounding():
+    report = identify(velocity_verlet)
+    order = report.section("Order").lines
+    assert order[0].startswith("order 2: the condition of tree")
+    assert "order 2 is seen on the pendulum" in order[1]
+    assert "every error within the derived bound" in report.section("Rounding").lines[0]
+    assert report.section("Faults") is None
+
+
+def test_a_built_in_system_leaves_the_order_open():
+    assert identify(two_half_steps).section("Order").lines == ("on other than linear problems the order is not known",)
+
+
+def test_it_runs_here_where_that_is_asked_for():
+    calls = []
+
+    def step(q, v, h):
+        calls.append(h)
+        return q + h * v, v - h * q
+
+    assert "forward Euler" in identify(step, isolate=False).verdict or "forward_euler" in identify(step).verdict
+    assert calls
+
+
+@pytest.mark.parametrize(
+    ("step", "seen"),
+    [(rogues.hangs, "no answer within"), (rogues.crashes, "SIGSEGV"), (rogues.returns_nan, "nan")],
+)
+def test_a_rogue_is_a_finding(step, seen):
+    assert seen in identify(step, time_limit=0.5).text()
+
+
+def test_the_report_is_json_markdown_and_text():
+    report = identify(rk38)
+    data = json.loads(report.json())
+    assert (data["method"], data["order"], data["door"]) == ("rk38", 4, "field")
+    assert report.markdown().startswith("### `")
+    assert str(report) == report.text()
+
+
+def test_on_the_command_line_a_stepper_is_given_by_its_name(capsys):
+    assert main(["identify", "tests.blackbox.test_blackbox_identify:rk38"]) == 0
+    assert "it is rk38" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("rk38", "write package.module:function"),
+        ("no.such.module:step", "cannot be imported"),
+        ("tests.blackbox.test_blackbox_identify:nothing", "cannot be imported"),
+        ("tests.blackbox.test_blackbox_identify:pytest", "cannot be called"),
+        ("json:dumps", "is not one of these"),
+    ],
+)
+def test_what_is_no_stepper_is_refused_in_one_line(name, message, capsys):
+    assert main(["identify", name]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
+
+
+def test_an_iteration_that_stops_early_is_named_by_its_ordinary_states():
+    def midpoint(force, q, v, h):  # to an absolute tolerance, so that tiny states are stepped with fewer iterations
+        middle, before = (q, v), (float("inf"), 0.0)
+        while max(abs(x - y) for x, y in zip(middle, before, strict=True)) > 1e-6:
+            before = middle
+            middle = q + h / 2 * before[1], v + h / 2 * force(before[0])
+        return q + h * middle[1], v + h * force(middle[0])
+
+    verdict = identify(midpoint).verdict
+    assert "nearly implicit_midpoint at states of size 1" in verdict
+
+
+def test_a_right_tableau_called_at_wrong_times_is_named_with_its_order():
+    def late(f, t, y, h):
+        return rk4(lambda s, z: f(s + h, z), t, y, h)
+
+    report = identify(late)
+    assert report.verdict.startswith("it is rk4 called at wrong times: order 1 where")
+    assert report.data["order"] == 1

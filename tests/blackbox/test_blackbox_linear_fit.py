@@ -1,0 +1,283 @@
+"""The linear fit names every method of the catalogue by its steps, up to those with the same matrix, and no other."""
+
+from __future__ import annotations
+
+import pickle
+from fractions import Fraction as Q
+from functools import cache
+from math import sin
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.linear.arithmetics import FLOATS
+from driftproof.blackbox.linear.classes import Rates, class_named
+from driftproof.blackbox.linear.fit import LinearFit, linear_fit
+from driftproof.blackbox.linear.reading import (
+    LINEAR,
+    LINEARISED,
+    LINEARITY_ROUNDINGS,
+    LINEARITY_STEP,
+    NOT_AT_REST,
+    NOT_LINEAR,
+    NOT_REPEATABLE,
+    read,
+)
+from driftproof.blackbox.linear.score import scored
+from driftproof.blackbox.linear.search import Search
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import Collocation
+from driftproof.numeric.steppers import rk4, symplectic_euler
+from driftproof.symbolic.algebra.certified import significant
+from driftproof.symbolic.n_steps import exact_matrix_at
+from tests.blackbox.linear_steppers import float_subject, with_one_changed
+
+EXPLICIT = [key for key, method in METHODS.items() if method.explicit]
+
+
+def fit(step) -> LinearFit:
+    return linear_fit(opened(step))
+
+
+@cache
+def alike() -> dict[str, list[str]]:
+    """The methods with the same matrix, by its exact values at two steps to 60 digits."""
+    found: dict[tuple[str, ...], list[str]] = {}
+    for key, method in METHODS.items():
+        values = (significant(x, 60) for h in (Q(3, 7), Q(-5, 4)) for x in exact_matrix_at(method, h))
+        found.setdefault(tuple(values), []).append(key)
+    return {key: keys for keys in found.values() for key in keys}
+
+
+@pytest.mark.parametrize("key", METHODS)
+def test_each_method_is_named_up_to_those_with_the_same_matrix(key):
+    found = linear_fit(float_subject(METHODS[key]))
+    assert found.kind == LINEAR
+    assert found.best is not None
+    assert found.best.methods == tuple(alike()[key])
+    assert found.best.extras == 0
+    assert found.best.score <= 1
+    assert (found.best.position, found.best.stiffness, found.best.damping) == (1, 1, 0)
+    assert found.facts.linear_order == METHODS[key].claimed_order
+
+
+CHANGES = {"off by 1e-10": lambda c: c + Q(1, 10**10), "sign flipped": lambda c: -c}
+# Nodes that change sign are no nodes of a collocation method.
+CHANGED = [
+    pytest.param(key, change, id=f"{key} {name}")
+    for key, method in METHODS.items()
+    for name, change in CHANGES.items()
+    if not (isinstance(method, Collocation) and name == "sign flipped")
+]
+
+
+@pytest.mark.parametrize(("key", "change"), CHANGED)
+def test_a_method_with_one_coefficient_wrong_is_not_named_that_method(key, change):
+    reading = read(float_subject(with_one_changed(METHODS[key], change)))
+    explained = [scored(each, reading) for each in Search(reading).classes()]
+    assert not any(
+        key in each.fit.model.methods and each.passes and not each.restriction
+        for each in explained
+        if each.fit.position == each.fit.stiffness == 1
+    )
+
+
+@pytest.mark.parametrize("key", ["velocity_verlet", "rk4", "yoshida6", "cash_karp54", "nystrom5"])
+def test_methods_in_binary32_are_named_whether_or_not_the_answers_say_so(key):
+    from driftproof.methods.stepping import stepper
+
+    single = stepper(METHODS[key], np.float32)
+
+    def step(force, q, v, h):
+        return single(lambda x: np.float32(force(x)), np.float32(q), np.float32(v), np.float32(h))
+
+    for answer in (step, lambda force, q, v, h: tuple(map(float, step(force, q, v, h)))):
+        found = fit(answer)
+        assert found.format == "binary32"
+        assert found.best is not None
+        assert (found.best.methods, found.best.extras) == (tuple(alike()[key]), 0)
+
+
+def test_half_precision_is_read_too():
+    def step(force, q, v, h):
+        q, v, h = np.float16(q), np.float16(v), np.float16(h)
+        v = v + h * np.float16(force(float(q)))
+        return q + h * v, v
+
+    with np.errstate(all="ignore"):
+        found = fit(step)
+    assert (found.format, found.best.methods) == ("binary16", ("symplectic_euler",))
+
+
+@pytest.mark.parametrize("key", EXPLICIT)
+def test_no_program_of_the_catalogue_is_taken_for_nonlinear(key):
+    rates = Rates(float(LINEARITY_STEP), 1.0, 1.0, 0.0)
+    each = class_named(key)
+    sizes, values = each.plain_sizes(rates), each.plain(FLOATS, rates)
+    assert all(s.roundings * s.size <= LINEARITY_ROUNDINGS * (1 + abs(x)) for s, x in zip(sizes, values, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("omega2", "shown"),
+    [(Q(4), "4"), (Q(1, 3), "1/3"), (Q(-2), "-2"), (10**6, "1000000"), (1.2345678901234567, None)],
+    ids=str,
+)
+def test_the_stiffness_that_a_stepper_has_built_in_is_recovered(omega2, shown):
+    k = float(omega2)
+    found = fit(lambda q, v, h: rk4(lambda x: -k * x, q, v, h))
+    assert found.best.methods[0] == "rk4"
+    assert found.best.extras == 0
+    assert found.stiffness == (omega2 if shown else Q(k))
+
+
+def test_a_pendulum_is_read_at_tiny_states_where_it_is_linear():
+    def pendulum(q, v, h):
+        v = v - h * 9.81 * sin(q)
+        return q + h * v, v
+
+    found = fit(pendulum)
+    assert found.kind == LINEARISED
+    assert found.amplitude < 1e-17
+    assert (found.best.methods, found.stiffness) == (("symplectic_euler",), Q("9.81"))
+    assert any("not linear at ordinary size" in line for line in found.lines)
+
+
+def test_a_force_without_a_linear_part_is_not_linearised():
+    found = fit(lambda q, v, h: (q + h * v, v - h * q**3))
+    assert found.kind == NOT_LINEAR
+    assert found.best is None
+
+
+def test_a_stepper_that_raises_at_long_steps_is_named_by_the_short_ones():
+    def short(q, v, h):
+        if abs(h) > 0.6:
+            raise ValueError("unstable")
+        return q + h * v, v - h * q
+
+    found = fit(short)
+    assert found.best.methods == ("forward_euler",)
+    assert any("unstable" in line for line in found.lines)
+
+
+def test_a_step_to_nowhere_is_no_method():
+    assert fit(lambda q, v, h: (0.0, 0.0)).best is None
+    assert fit(lambda q, v, h: (v, -q)).best is None
+
+
+def test_noise_is_reported_and_not_named():
+    noise = iter(np.random.default_rng(0).random(10**4))
+
+    def noisy(force, q, v, h):
+        q, v = rk4(force, q, v, h)
+        return q * (1 + 1e-9 * next(noise)), v
+
+    found = fit(noisy)
+    assert found.kind == NOT_REPEATABLE
+    assert found.best is None
+
+
+def test_noise_that_repeats_is_reported_and_not_named():
+    def noisy(force, q, v, h):
+        q1, v1 = rk4(force, q, v, h)
+        return q1 * (1 + 1e-9 * (hash((q, v, h)) % 1000) / 1000), v1
+
+    found = fit(noisy)
+    assert found.kind == NOT_LINEAR
+    assert found.best is None
+    assert found.nearest.methods == tuple(alike()["rk4"])
+
+
+def test_an_adaptive_stepper_is_not_named():
+    def adaptive(force, q, v, h):
+        n = 1
+        before = rk4(force, q, v, h)
+        while n < 64:
+            n *= 2
+            z = q, v
+            for _ in range(n):
+                z = rk4(force, *z, h / n)
+            if abs(z[0] - before[0]) + abs(z[1] - before[1]) < 1e-9:
+                break
+            before = z
+        return z
+
+    found = fit(adaptive)
+    assert found.best is None or found.best.extras > 0 or found.kind != LINEAR
+
+
+def test_an_implicit_stepper_that_stops_at_a_tolerance_is_its_method_at_large_states_only():
+    def iterated(force, q, v, h):
+        q1, v1 = q, v
+        for _ in range(60):
+            before = q1, v1
+            q1, v1 = q + h * (v + v1) / 2, v + h * force((q + q1) / 2)
+            if abs(q1 - before[0]) + abs(v1 - before[1]) < 1e-9:
+                break
+        return q1, v1
+
+    found = fit(iterated)
+    assert found.best.methods[0] == "implicit_midpoint"
+    assert found.best.restriction == "but only at |h| <= 1"
+    assert found.amplitude == 2.0**20
+
+
+def test_a_limit_on_the_velocity_is_a_remark_and_does_not_hide_the_method():
+    def limited(force, q, v, h):
+        q, v = symplectic_euler(force, q, v, h)
+        return q, max(-100.0, min(100.0, v))
+
+    found = fit(limited)
+    assert found.best.methods == ("symplectic_euler",)
+    assert any("not linear far out" in line for line in found.lines)
+
+
+def test_gravity_without_rest_at_zero_is_reported():
+    found = fit(lambda q, v, h: (q + h * (v - 9.81 * h), v - 9.81 * h))
+    assert found.kind == NOT_AT_REST
+    assert found.best is None
+
+
+def test_motion_without_a_force_fits_every_method_and_names_none():
+    found = fit(lambda q, v, h: (q + h * v, v))
+    assert found.best is None
+    assert any("no force acts" in line for line in found.lines)
+
+
+def test_steps_backwards_may_raise():
+    def forward_only(force, q, v, h):
+        if h <= 0:
+            raise ValueError("h must be positive")
+        return rk4(force, q, v, h)
+
+    found = fit(forward_only)
+    assert (found.best.methods[0], found.best.extras) == ("rk4", 0)
+    assert any("h must be positive" in line for line in found.lines)
+
+
+def test_a_stepper_with_another_step_backwards_is_named_for_steps_forward_only():
+    found = fit(lambda force, q, v, h: rk4(force, q, v, abs(h)))
+    assert found.best.words == "rk4, but only at h > 0"
+    assert found.best.extras == 1
+
+
+def test_the_exact_solution_is_named():
+    found = fit(lambda q, v, h: (q * np.cos(h) + v * np.sin(h), v * np.cos(h) - q * np.sin(h)))
+    assert found.best.words == "the exact solution"
+    assert found.facts.linear_order is None
+
+
+def test_facts_of_a_method_are_those_of_its_exact_matrix():
+    found = fit(lambda force, q, v, h: rk4(force, q, v, h))
+    assert found.facts.entries[:2] == ("1 - h**2/2 + h**4/24", "h - h**3/6")
+    assert found.facts.determinant == found.facts.energy_multiplier == "1 - h**6/72 + h**8/576"
+    assert found.facts.linear_order == 4
+
+
+def test_a_fit_is_plain_data_and_its_lines_name_what_cannot_be_told_apart():
+    found = fit(lambda force, q, v, h: rk4(force, q, v, h))
+    assert pickle.loads(pickle.dumps(found)) == found
+    assert found.lines[:2] == (
+        "rk4, to rounding in binary64",
+        "no linear test tells rk4 from rk38, gill4, ralston4, zonneveld43, england45",
+    )

@@ -1,0 +1,97 @@
+"""A matrix of no known method is recovered where it is simple, and told apart from its nearest method in words."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+from math import sin
+
+import pytest
+
+from driftproof.blackbox.linear.fit import LinearFit, linear_fit
+from driftproof.blackbox.linear.reading import read
+from driftproof.blackbox.linear.recovery import recovered
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.symbolic.algebra.polynomials import scalar
+
+
+def fit(step) -> LinearFit:
+    return linear_fit(opened(step))
+
+
+def like_rk4(fourth: float):
+    """RK4's matrix with another coefficient of h^4 in M_qq."""
+
+    def step(q, v, h):
+        s = h * h
+        sine = h * (1 - s / 6)
+        return (1 - s / 2 + s * s * fourth) * q + sine * v, (1 - s / 2 + s * s / 24) * v - sine * q
+
+    return step
+
+
+def test_a_wrong_weight_is_read_as_the_fraction_that_it_is():
+    found = fit(like_rk4(1 / 23))
+    assert found.best is None
+    assert found.nearest.methods[0] == "rk4"
+    assert found.nearest.differences == ("h^4 coefficient of M_qq is 1/23, rk4 has 1/24",)
+    assert found.facts.entries[0] == "1 - h**2/2 + h**4/23"
+    assert found.facts.determinant == "1 + h**4/552 - 49*h**6/3312 + h**8/552"
+    assert found.facts.energy_multiplier is None
+    assert found.facts.linear_order == 3
+
+
+def test_the_right_weight_is_rk4():
+    assert fit(like_rk4(1 / 24)).best.methods[0] == "rk4"
+
+
+def test_a_weight_off_by_1e_10_is_read_as_a_decimal_with_its_error():
+    found = fit(like_rk4(1 / 24 + 1e-10))
+    (difference,) = found.nearest.differences
+    assert difference.startswith("h^4 coefficient of M_qq is 0.041666666766")
+    assert difference.endswith("rk4 has 1/24")
+    assert found.facts is None
+
+
+def rational(q, v, h):
+    d = 1 + h * h / 5
+    return ((1 - h * h / 3) * q + h * v) / d, ((1 - h * h / 3) * v - h * q) / d
+
+
+def test_a_quotient_is_recovered_with_its_denominator():
+    found = fit(rational)
+    assert found.best is None
+    assert found.facts.entries[:2] == ("(1 - h**2/3)/(1 + h**2/5)", "h/(1 + h**2/5)")
+    assert found.facts.determinant == found.facts.energy_multiplier
+    assert found.facts.linear_order == 1
+
+
+def odd_and_even(q, v, h):
+    return q + h * v - h * h * q / 3 + h**3 * v / 7, v - h * q - h * v / 5 + 2 * h * h * v / 9
+
+
+def test_odd_powers_where_a_map_without_damping_has_none_are_recovered():
+    found = fit(odd_and_even)
+    assert found.facts.entries == ("1 - h**2/3", "h + h**3/7", "-h", "1 - h/5 + 2*h**2/9")
+    assert found.damping == Q(1, 5)
+
+
+def test_the_unit_of_time_does_not_matter():
+    found = fit(lambda q, v, h: (q + h * v - h**2 * 10**6 * q / 3, v - h * 10**6 * q))
+    assert found.stiffness == 10**6
+    assert found.facts.entries == ("1 - 1000000*h**2/3", "h", "-1000000*h", "1")
+
+
+def test_what_is_no_function_of_low_degree_is_not_recovered():
+    reading = read(opened(lambda q, v, h: (q + sin(h) * v, v - sin(3 * h) * q)))
+    assert recovered(reading) is None
+
+
+@pytest.mark.parametrize("step", [rational, like_rk4(1 / 23), odd_and_even])
+def test_what_is_recovered_is_the_matrix_at_steps_that_were_not_read(step):
+    entries = recovered(read(opened(step)))
+    h = 0.37
+    columns = step(1.0, 0.0, h), step(0.0, 1.0, h)
+    for entry, x in zip(entries, (columns[0][0], columns[1][0], columns[0][1], columns[1][1]), strict=True):
+        assert entry.exact
+        exact = Q(str(entry.function(scalar(Q(h)))))
+        assert abs(exact - Q(x)) <= Q(1, 2**50)

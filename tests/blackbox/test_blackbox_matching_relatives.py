@@ -1,0 +1,101 @@
+"""A relative of a method is named as one: repeated, with another step, rearranged, iterated; and strangers as none."""
+
+from __future__ import annotations
+
+import pytest
+
+from driftproof.blackbox.matching.match import match_forces, match_tableau
+from driftproof.blackbox.probes.force_probe import read_forces
+from driftproof.blackbox.probes.tableau_probe import read_tableau
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.methods.catalogue import METHODS
+from tests.blackbox import blackbox_codes as codes
+
+
+def in_field(step):
+    return match_tableau(read_tableau(opened(step, "field")))
+
+
+def on_force(step):
+    return match_forces(read_forces(opened(step)))
+
+
+def with_step(step, factor):
+    return lambda f, t, y, h: step(f, t, y, factor * h)
+
+
+def embedded(key):
+    rows, _, nodes = codes.floats(METHODS[key])
+    return codes.tableau(rows, [float(x) for x in METHODS[key].b_embedded], nodes)
+
+
+RELATIVES = [
+    (codes.repeated(codes.rk38, 2), "rk38, 2 steps of h/2"),
+    (codes.repeated(codes.midpoint, 3), "midpoint2, 3 steps of h/3"),
+    (codes.repeated(codes.dopri5, 2), "dormand_prince54, 2 steps of h/2"),
+    (with_step(codes.rk38, 0.5), "rk38, with the step 1/2 h in place of h"),
+    (with_step(codes.rk38, 1 / 3), "rk38, with the step 1/3 h in place of h"),
+    (embedded("fehlberg45"), "fehlberg45, with the embedded weights propagated"),
+    (codes.midpoint_iterated(3), "implicit_midpoint, with 3 fixed-point iterations"),
+]
+
+
+@pytest.mark.parametrize(("step", "name"), RELATIVES)
+def test_a_relative_is_named_through_either_door(step, name):
+    for identity in (in_field(step), match_forces(read_forces(opened(step, "field")))):
+        assert identity.keys == ()
+        assert [match.name.startswith(name) for match in identity.matches] == [True]
+
+
+def rearranged(key, change):
+    return codes.composed([(kind, float(x)) for kind, x in change(METHODS[key].parts)])
+
+
+def exchanged(parts):
+    return [({"kick": "drift", "drift": "kick"}[kind], x) for kind, x in parts]
+
+
+RELATIVES_ON_FORCES = [
+    (rearranged("ruth3", lambda parts: parts[::-1]), "ruth3, its adjoint"),
+    (rearranged("ruth3", exchanged), "ruth3, kicks and drifts exchanged"),
+    (rearranged("mclachlan4", exchanged), "mclachlan4, kicks and drifts exchanged"),
+    (lambda force, q, v, h: codes.velocity_verlet(force, q, v, h / 2), "velocity_verlet, with the step 1/2 h"),
+    (
+        lambda force, q, v, h: codes.velocity_verlet(force, *codes.velocity_verlet(force, q, v, h / 2), h / 2),
+        "velocity_verlet, 2 steps of h/2",
+    ),
+]
+
+
+@pytest.mark.parametrize(("step", "name"), RELATIVES_ON_FORCES)
+def test_a_relative_of_a_splitting_is_named(step, name):
+    identity = on_force(step)
+    assert identity.keys == ()
+    assert identity.matches[0].name.startswith(name)
+
+
+def test_a_relative_with_a_wrong_coefficient_is_none():
+    rows, weights, nodes = codes.floats(METHODS["rk38"])
+    weights[0] += 2.0**-30
+    wrong = codes.tableau(rows, weights, nodes)
+    assert in_field(codes.repeated(wrong, 2)).matches == ()
+    assert in_field(with_step(wrong, 0.5)).matches == ()
+
+
+def test_a_position_that_moves_by_half_is_symplectic_euler_but_for_its_drift():
+    lines = on_force(codes.half_moved).lines
+    assert lines == ["no method of the catalogue", "nearest: symplectic_euler but for drift 1: 1/2 instead of 1"]
+
+
+def test_a_method_that_is_none_of_ours_is_not_forced_into_one():
+    williamson = [0.0, -5 / 9, -153 / 128], [1 / 3, 15 / 16, 8 / 15], [0.0, 1 / 3, 3 / 4]
+
+    def step(f, t, y, h):
+        register = 0 * y
+        for a, b, c in zip(*williamson, strict=True):
+            register = a * register + h * f(t + c * h, y)
+            y = y + b * register
+        return y
+
+    assert in_field(step).lines == ["no method of the catalogue"]
+    assert match_forces(read_forces(opened(step, "field"))).lines == ["no method of the catalogue"]

@@ -1,0 +1,158 @@
+"""Objects with a state behind a door: named like the step that they make, and what they remember is told."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.contract.repeats import repeats
+from driftproof.blackbox.identify import identify
+from driftproof.blackbox.probes.force_probe import read_forces
+from driftproof.blackbox.stepper.objects import field_stepper_of, stepper_of
+from driftproof.blackbox.stepper.opening import opened
+
+
+class Body:
+    """Kick, then drift; it calls its force."""
+
+    def __init__(self, force):
+        self.force, self.x, self.v = force, 0.0, 0.0
+
+    def update(self, dt):
+        self.v += dt * self.force(self.x)
+        self.x += dt * self.v
+
+
+class Remembering(Body):
+    """Verlet with the acceleration of the last step, whatever state it is given."""
+
+    last = None
+
+    def update(self, dt):
+        first = self.force(self.x) if self.last is None else self.last
+        self.v += dt / 2 * first
+        self.x += dt * self.v
+        self.last = self.force(self.x)
+        self.v += dt / 2 * self.last
+
+
+class Engine:
+    """A body in space, with a force that is given before the step, held two levels down."""
+
+    def __init__(self):
+        self.body = SimpleNamespace(position=np.zeros(3), velocity=(0.0, 0.0, 0.0), mass=1)
+        self.push = 0.0
+
+    def apply(self, force):
+        self.push = force
+
+    def step(self, dt):
+        x, *rest = self.body.velocity
+        self.body.velocity = (x + dt * self.push, *rest)
+        self.body.position = self.body.position + dt * np.array(self.body.velocity)
+
+
+class Spring:
+    """Its system is built in, its state one list."""
+
+    def __init__(self):
+        self.state = [0.0, 0.0, 7.0]
+
+    def step(self, dt):
+        q, v, _ = self.state
+        self.state = [q + dt * v, v - dt * q, 0.0]
+
+
+class Solver:
+    """The explicit midpoint method on arrays."""
+
+    def __init__(self, f):
+        self.f, self.t, self.y = f, 0.0, None
+
+    def step(self, h):
+        self.y = self.y + h * self.f(self.t + h / 2, self.y + h / 2 * self.f(self.t, self.y))
+        self.t += h
+
+
+body = stepper_of(Body, position="x", velocity="v", advance="update")
+remembering = stepper_of(Remembering, position="x", velocity="v", advance="update")
+renewed = stepper_of(Remembering, position="x", velocity="v", advance="update", anew=True)
+pushed = stepper_of(Engine, position="body.position", velocity="body.velocity", push="apply")
+pushed_by_attribute = stepper_of(Engine, position="body.position", velocity="body.velocity", push="push")
+spring = stepper_of(Spring, state="state")
+by_functions = stepper_of(
+    lambda force: {"force": force},
+    position=(lambda d: d["q"], lambda d, q: d.update(q=q)),
+    velocity=(lambda d: d["v"], lambda d, v: d.update(v=v)),
+    advance=lambda d, h: d.update(q=d["q"] + h * d["v"], v=d["v"] + h * d["force"](d["q"])),
+)
+solver = field_stepper_of(Solver, time="t")
+solver_without_time = field_stepper_of(lambda f: Solver(lambda t, y: f(y)))
+
+
+NAMED = {
+    "body": (body, "it is symplectic_euler"),
+    "renewed": (renewed, "it is velocity_verlet"),
+    "pushed": (pushed, "it is symplectic_euler"),
+    "spring": (spring, "it is, as far as linear steps tell, forward_euler"),
+    "solver": (solver, "it is midpoint2"),
+}
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_an_object_is_named_like_the_step_that_it_makes(name):
+    step, verdict = NAMED[name]
+    report = identify(step)
+    assert report.verdict == verdict
+    assert report.section("Faults") is None
+
+
+def test_attributes_and_functions_do_for_methods():
+    for step in (pushed_by_attribute, by_functions, solver_without_time):
+        assert read_forces(opened(step)).drift == 1.0
+
+
+def test_an_object_that_remembers_is_told_from_one_made_anew():
+    memory = next(clause for clause in repeats(opened(remembering)) if clause.key == "no_memory")
+    assert memory.holds is False
+    assert "remembers every call" in memory.words
+    assert "velocity_verlet" not in identify(remembering).verdict
+    assert all(clause.holds for clause in repeats(opened(renewed)))
+
+
+def test_what_lies_beside_the_state_becomes_zero():
+    seen = []
+    noting = stepper_of(Spring, state="state", advance=lambda spring, h: seen.append(list(spring.state)))
+    noting(1.0, 2.0, 0.5)
+    assert seen == [[1.0, 2.0, 0.0]]
+
+
+def test_an_object_whose_array_is_narrow_keeps_it_narrow():
+    def narrow():
+        engine = Engine()
+        engine.body.position = np.zeros(3, dtype=np.float32)
+        return engine
+
+    third = stepper_of(narrow, position="body.position", velocity="body.velocity", push="apply")(
+        lambda q: 0.0, 1 / 3, 0.0, 1
+    )
+    assert third[0] == float(np.float32(1 / 3))
+
+
+def test_a_maker_of_other_arguments_is_refused_in_one_line():
+    with pytest.raises(TypeError, match=re.escape("make(force, mass) has to take the function")):
+        stepper_of(lambda force, mass: None)
+
+
+def test_an_attribute_that_is_not_there_is_a_finding_in_its_own_words():
+    report = identify(stepper_of(Body, position="where", velocity="v", advance="leap"))
+    assert "has no attribute 'leap'" in report.verdict
+
+
+def test_the_help_shows_it(capsys):
+    text = (Path(__file__).parents[2] / "driftproof/commands/identify.py").read_text(encoding="utf-8")
+    assert "stepper_of(lambda force: Body(acceleration=force)" in text

@@ -1,0 +1,124 @@
+"""The order of what was read: that of the method for every explicit one, lower where a digit is wrong, and why."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.matching.match import match_tableau
+from driftproof.blackbox.matching.read_order import read_order
+from driftproof.blackbox.probes.force_probe import read_forces
+from driftproof.blackbox.probes.tableau_probe import read_tableau
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import RungeKutta, Splitting
+from driftproof.methods.stepping import stepper
+from driftproof.symbolic.trees.alternating import nystrom_order
+from driftproof.symbolic.trees.order import order
+from driftproof.symbolic.trees.rooted import written
+from tests.blackbox import blackbox_codes as codes
+
+EXPLICIT = [key for key, method in METHODS.items() if method.explicit]
+TABLEAUX = [key for key in EXPLICIT if isinstance(METHODS[key], RungeKutta)]
+
+
+def in_field(step):
+    return read_order(read_tableau(opened(step, "field")))
+
+
+def on_force(step):
+    return read_order(read_forces(opened(step)))
+
+
+@pytest.mark.parametrize("key", EXPLICIT)
+def test_the_forces_of_a_method_give_its_order(key):
+    method, found = METHODS[key], on_force(stepper(METHODS[key], float))
+    assert found.order == method.claimed_order
+    assert found.linear_order >= found.order
+    if not method.decimal and not isinstance(method, RungeKutta):
+        exact = nystrom_order(method)
+        assert found.failing_tree == written(exact.failing_tree)
+        assert found.residual[0] <= exact.residual <= found.residual[1]
+
+
+@pytest.mark.parametrize("key", TABLEAUX)
+def test_the_slopes_of_a_method_give_its_order_and_the_tree_that_fails(key):
+    method = METHODS[key]
+    reading = read_tableau(opened(codes.tableau(*codes.floats(method)), "field"))
+    unknown, known = read_order(reading), read_order(reading, match_tableau(reading).matches[0])
+    assert unknown.order == known.order == known.untimed_order == method.claimed_order
+    if not method.decimal:
+        exact = order(method)
+        for found in (unknown, known):
+            assert found.failing_tree == written(exact.failing_tree)
+            assert found.residual[0] <= exact.residual <= found.residual[1]
+
+
+@pytest.mark.parametrize("step", [codes.rk4, codes.rk38, codes.rk4_in_lists, codes.rk4_without_time])
+def test_codes_written_by_hand_have_the_order_of_their_method(step):
+    assert in_field(step).order == 4
+
+
+def rk4_with(change):
+    rows, weights, nodes = codes.floats(METHODS["rk4"])
+    change(rows, weights)
+    return in_field(codes.tableau(rows, weights, nodes))
+
+
+def test_a_weight_off_by_1e_10_leaves_order_0_and_where_another_makes_up_for_it_order_1():
+    def alone(rows, weights):
+        weights[0] += 1e-10
+
+    def made_up_for(rows, weights):
+        weights[0] += 1e-10
+        weights[1] -= 1e-10
+
+    assert rk4_with(alone).lines[0] == "order 0: the condition of tree τ fails by 1e-10"
+    assert rk4_with(made_up_for).lines[0] == "order 1: the condition of tree [τ] fails by -5e-11"
+    assert rk4_with(made_up_for).beside(4) == "claims 4, has 1: the condition of tree [τ] fails by -5e-11"
+
+
+def test_a_last_bit_is_rounding_and_fails_no_condition():
+    def nudged(rows, weights):
+        weights[0] = np.nextafter(weights[0], 1)
+        rows[2][1] = np.nextafter(rows[2][1], 0)
+
+    found = rk4_with(nudged)
+    assert found.lines == ["order 4: the condition of tree [τ,τ,τ,τ] fails by 1/120"]
+    assert found.beside(4) == "claims 4, has 4"
+    assert found.beside(5) == "claims 5, has 4: the condition of tree [τ,τ,τ,τ] fails by 1/120"
+
+
+def test_a_stopped_clock_has_order_1_and_order_4_where_no_time_occurs():
+    found = in_field(codes.rk4_on_a_stopped_clock)
+    assert (found.order, found.untimed_order) == (1, 4)
+    assert found.lines[0] == "order 1: the condition of tree [τ_t]_y fails by -1/2"
+    assert "order 4 on problems without the time: it is called at wrong times" in found.lines
+    assert in_field(codes.rk4).untimed_order == 4
+
+
+def test_an_order_on_linear_problems_only_is_told_apart():
+    found = in_field(codes.jameson)
+    assert (found.order, found.linear_order) == (2, 4)
+    assert found.lines == ["order 2: the condition of tree [τ,τ] fails by -1/12", "order 4 on linear problems"]
+
+
+def test_iterations_of_an_implicit_method_have_its_order_and_no_more():
+    assert [in_field(codes.midpoint_iterated(times)).order for times in range(4)] == [1, 2, 2, 2]
+
+
+def test_low_storage_is_not_mistaken_for_wrong_digits():
+    assert in_field(codes.ssprk104_in_two_registers).order == 4
+    assert in_field(codes.in_precision(codes.ssprk104_in_two_registers, np.float32)).order == 4
+
+
+def test_a_position_that_moves_by_half_has_order_0():
+    assert on_force(codes.half_moved).lines[0] == "order 0: the condition of tree τ_q fails by -1/2"
+    assert on_force(codes.velocity_verlet).order == on_force(codes.position_verlet_calling_twice).order == 2
+
+
+@pytest.mark.parametrize("key", [key for key in EXPLICIT if isinstance(METHODS[key], Splitting)][::4])
+def test_a_splitting_with_a_wrong_sub_step_loses_its_order(key):
+    parts = [(kind, float(x)) for kind, x in METHODS[key].parts]
+    parts[1] = (parts[1][0], parts[1][1] + 1e-9)
+    assert on_force(codes.composed(parts)).order == 0

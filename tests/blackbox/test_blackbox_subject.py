@@ -1,0 +1,331 @@
+"""Steppers behind their doors: what they take and give, in place or not, in whose arrays, and what they do instead."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.findings import NoSuchDoor, NotANumber, NotFinite, StepRaised, WrongShape
+from driftproof.blackbox.stepper.dialects import ARRAYS, LISTS, SCALARS
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
+
+STATE, H = (1.0, 0.75), 0.25
+EULER = (1.1875, 0.5)
+
+
+class Tensor:
+    """As much of somebody's array type as a stepper and a reader touch; it records a gradient, and says so."""
+
+    dtype = "torch.float32"
+
+    def __init__(self, data):
+        self.data = np.array(data, dtype=np.float32)
+
+    def __mul__(self, other):
+        return Tensor(self.data * getattr(other, "data", other))
+
+    def __add__(self, other):
+        return Tensor(self.data + getattr(other, "data", other))
+
+    __rmul__, __radd__ = __mul__, __add__
+
+    def __iadd__(self, other):
+        self.data += getattr(other, "data", other)
+        return self
+
+    def __neg__(self):
+        return Tensor(-self.data)
+
+    def __getitem__(self, place):
+        return Tensor(self.data[place])
+
+    def __bool__(self):
+        raise RuntimeError("the truth of a tensor is ambiguous")
+
+    def __eq__(self, other):
+        return Tensor(self.data == other.data)
+
+    __hash__ = None
+
+    def __array__(self, dtype=None, copy=None):
+        raise RuntimeError("can't call numpy() on a tensor that requires grad; use detach()")
+
+    def clone(self):
+        return Tensor(self.data)
+
+    def detach(self):
+        return self.data
+
+    def size(self):
+        return self.data.shape
+
+
+def map_of_numbers(q, v, h):
+    return q + h * v, v - h * q
+
+
+def map_of_a_state(state, dt):
+    q, v = state
+    return np.array([q + dt * v, v - dt * q])
+
+
+def map_of_a_list(state, dt):
+    assert state.index(state[0]) >= 0  # as lists alone can
+    return [state[0] + dt * state[1], state[1] - dt * state[0]]
+
+
+def map_with_the_time(t, y, h):
+    return t + h, np.array([y[0] + h * y[1], y[1] - h * y[0]])
+
+
+def force_of_numbers(force, q, v, h):
+    return q + h * v, v + h * force(q)
+
+
+def force_of_arrays(x, v, acceleration, dt):
+    a = acceleration(x)
+    assert a.shape == (1,)
+    return np.stack([x + dt * v, v + dt * a])
+
+
+def force_and_time(force, t, q, v, h):
+    return q + h * v, v + h * force(q, v, t)
+
+
+def field(f, t, y, h):
+    return y + h * f(t, y)
+
+
+def field_of_lists(f, t, y, h):
+    return [a + h * b for a, b in zip(y, f(t, y), strict=True)] if y != 0 else []
+
+
+def field_with_the_time_back(f, t, y, h):
+    return t + h, y + h * f(t, y)
+
+
+def field_state_first(f, y, t, h):
+    return y + h * f(y, t)
+
+
+def field_that_calls_the_other_way(f, t, y, h):
+    return y + h * f(y, t)
+
+
+def field_without_time(f, y, dt):
+    return y + dt * f(y)
+
+
+def numbers_in_place(x, v, dt):
+    x[:], v[:] = x + dt * v, v - dt * x
+
+
+def state_in_place(y, dt):
+    y[:] = [y[0] + dt * y[1], y[1] - dt * y[0]]
+
+
+def list_in_place(y, dt):
+    y.append(y[0] + dt * y[1])
+    y.append(y[1] - dt * y[0])
+    del y[:2]
+
+
+def both(q, v, h):
+    v0 = +v
+    v -= h * q
+    q += h * v0
+    return q, v
+
+
+def generator(q, v, h):
+    return (x for x in map_of_numbers(q, v, h))
+
+
+ALL = [
+    *(map_of_numbers, map_of_a_state, map_of_a_list, map_with_the_time, force_of_numbers, force_of_arrays),
+    *(force_and_time, field, field_of_lists, field_with_the_time_back, field_state_first, field_without_time),
+    *(field_that_calls_the_other_way, numbers_in_place, state_in_place, list_in_place, both, generator),
+]
+
+
+@pytest.mark.parametrize("step", ALL)
+def test_every_way_to_write_forward_euler_is_forward_euler(step):
+    subject = opened(step)
+    assert subject.step(*STATE, H) == EULER
+    assert all(type(x) is float for x in subject.step(*STATE, H))
+    assert subject.format is BINARY64
+
+
+@pytest.mark.parametrize("step", ALL)
+def test_h_of_0_and_rest_are_answered_however_the_step_is_written(step):
+    subject = opened(step)
+    assert subject.step(*STATE, 0.0) == STATE
+    assert subject.step(0.0, 0.0, H) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("step", "dialect"),
+    [(map_of_numbers, SCALARS), (map_of_a_state, ARRAYS), (map_of_a_list, LISTS), (force_of_arrays, ARRAYS)],
+)
+def test_the_dialect_is_the_first_in_which_it_answers(step, dialect):
+    assert opened(step).dialect is dialect
+
+
+@pytest.mark.parametrize("step", [numbers_in_place, state_in_place, list_in_place])
+def test_a_step_in_place_is_seen_by_the_watch(step):
+    subject = opened(step)
+    subject.step(*STATE, H)
+    assert subject.watch.works_in_place
+    assert subject.watch.changes_its_arguments
+
+
+def test_the_watch_tells_changed_arguments_from_a_step_in_place():
+    subject = opened(both, array=np.array)
+    subject.step(*STATE, H)
+    assert (subject.watch.changes_its_arguments, subject.watch.works_in_place) == (True, False)
+    clean = opened(map_of_a_state)
+    clean.step(*STATE, H)
+    assert (clean.watch.changes_its_arguments, clean.watch.works_in_place) == (False, False)
+    assert (clean.watch.calls, clean.watch.types) == (1, {"float64"})
+
+
+def test_nan_in_an_argument_is_no_change_of_it():
+    subject = opened(map_of_a_state)
+    assert str(subject.step(float("nan"), 0.75, H)) == "(nan, nan)"
+    assert not subject.watch.changes_its_arguments
+
+
+def map_of_a_tensor(y, dt):
+    return y + dt * Tensor([y.data[1], -y.data[0]])
+
+
+@pytest.mark.parametrize(
+    "step",
+    [lambda q, v, h: (q + h * v, v + h * -q), force_of_numbers, field, map_of_a_tensor],
+    ids=lambda f: f.__name__,
+)
+def test_other_peoples_arrays_are_written_and_read(step):
+    subject = opened(step, array=Tensor)
+    assert subject.step(*STATE, H) == EULER
+    assert subject.format is BINARY32
+    assert subject.watch.types == {"torch.float32"}
+    assert not subject.watch.changes_its_arguments
+
+
+def test_a_tensor_changed_in_place_is_seen():
+    def in_place(y, dt):
+        y += dt * Tensor([y.data[1], -y.data[0]])
+
+    subject = opened(in_place, array=Tensor)
+    assert subject.step(*STATE, H) == EULER
+    assert subject.watch.works_in_place
+
+
+def test_a_tensor_beside_the_time_is_read():
+    subject = opened(lambda t, y, h: (t + h, map_of_a_tensor(y, h)), array=Tensor)
+    assert subject.step(*STATE, H) == EULER
+
+
+@pytest.mark.parametrize(
+    ("array", "fmt"), [(np.float64, BINARY64), (np.float32, BINARY32), (np.float16, BINARY16)], ids=str
+)
+def test_the_format_is_that_of_the_answer(array, fmt):
+    assert opened(map_of_numbers, array=array).format is fmt
+    assert opened(field, array=array).format is fmt
+
+
+@pytest.mark.parametrize(
+    ("answer", "kind", "seen"),
+    [
+        (None, WrongShape, "it returns None, not a pair (q1, v1)"),
+        (1.0, WrongShape, "it returns 1.0, not a pair (q1, v1)"),
+        (np.array(1.0), WrongShape, "it returns array(1.), not a pair (q1, v1)"),
+        ((1.0, 2.0, 3.0), WrongShape, "it returns (1.0, 2.0, 3.0), not a pair (q1, v1)"),
+        ((1.0, [2.0, 3.0]), WrongShape, "1 number went in, 2 came out"),
+        (np.zeros(100), WrongShape, "..."),
+        ("ab", NotANumber, "it returns str with entries of type <U1, not real numbers"),
+        ({"q": 1.0, "v": 2.0}, NotANumber, "it returns str"),
+        ((1.0, None), NotANumber, "it returns None"),
+        ((1.0, 2j), NotANumber, "entries of type complex128, not real numbers"),
+        ((1.0, object()), NotANumber, "entries of type object, not real numbers"),
+        ((1.0, float("nan")), NotFinite, "from 1.0, 0.75, 0.25 it returns 1.0, nan"),
+        ((1.0, float("-inf")), NotFinite, "from 1.0, 0.75, 0.25 it returns 1.0, -inf"),
+    ],
+)
+def test_what_is_no_answer_is_named_in_one_line(answer, kind, seen):
+    with pytest.raises(kind) as caught:
+        opened(lambda q, v, h: answer)
+    assert seen in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 200
+
+
+def test_numbers_that_are_not_finite_come_with_the_finding():
+    with pytest.raises(NotFinite) as caught:
+        opened(lambda q, v, h: (q, float("inf")))
+    assert caught.value.answer == (1.0, float("inf"))
+
+
+def test_an_error_estimate_beside_the_state_is_not_taken_for_the_state():
+    def embedded(f, t, y, h):
+        return y + h * f(t, y), 0 * y
+
+    with pytest.raises(WrongShape, match="2 numbers went in, 4 came out"):
+        opened(embedded)
+
+
+def test_of_one_number_too_the_time_is_told_from_the_state():
+    def with_time(f, t, y, h):
+        return t + h, math.fsum([y, h * f(t, y)])
+
+    assert opened(with_time).step_field(lambda t, y: [-y[0]], 2.0, [1.0], H) == [0.75]
+    subject = replace(opened(with_time), function=lambda f, t, y, h: (y + h * f(t, y), 0.0))
+    with pytest.raises(WrongShape, match="1 number went in, 2 came out"):
+        subject.step_field(lambda t, y: [-y[0]], 2.0, [1.0], H)
+
+
+def test_exceptions_of_the_stepper_come_in_one_line():
+    def fails(q, v, h):
+        raise RuntimeError("two\nlines")
+
+    with pytest.raises(StepRaised, match=r"^step\(q=1.0, v=0.75, h=0.25\) raises RuntimeError: two lines$"):
+        opened(fails)
+
+
+def test_a_right_hand_side_of_one_number_may_be_all_it_takes():
+    subject = opened(lambda f, t, y, h: math.fsum([y, h * f(t, y)]))
+    assert subject.step_field(lambda t, y: [-y[0]], 0.0, [1.0], H) == [0.75]
+    with pytest.raises(WrongShape, match="a scalar holds one number, not 2"):
+        subject.step(*STATE, H)
+
+
+def test_the_right_hand_side_is_told_the_time():
+    for step in (field, field_state_first, field_with_the_time_back, field_of_lists):
+        asked = []
+        opened(step).step_field(lambda t, y, asked=asked: (asked.append(t), [0.0, 0.0])[1], 8.0, STATE, H)
+        assert asked == [8.0]
+
+
+def test_a_door_that_is_not_there_is_refused():
+    with pytest.raises(NoSuchDoor, match="'map', which takes no right-hand side"):
+        opened(map_of_numbers).step_field(lambda t, y: y, 0.0, STATE, H)
+    with pytest.raises(NoSuchDoor):
+        opened(map_of_numbers).step_with(lambda q: -q, *STATE, H)
+
+
+def test_a_field_answers_a_force_and_both_another_than_the_oscillator():
+    for step in (force_of_numbers, field):
+        assert opened(step).step_with(lambda q: -4 * q, *STATE, H) == (1.1875, -0.25)
+
+
+def test_each_call_is_told_before_it_is_made():
+    told = []
+    opened(map_of_numbers, before=told.append).step(2.0, 0.0, 0.5)
+    opened(field, before=told.append)
+    opened(map_of_a_state, before=told.append)
+    assert told == [
+        *("q=1.0, v=0.75, h=0.25", "q=2.0, v=0.0, h=0.5"),
+        *("t=0.0, y=[1.0, 0.75], h=0.25", "state=[1.0, 0.75], h=0.25"),
+    ]

@@ -1,0 +1,48 @@
+"""A stepper by its name or as a callable: what is imported, and what is refused in one line."""
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.stepper.target import Target, imported
+from driftproof.symbolic.rounding.formats import BINARY32
+
+
+def local_step(q, v, h):
+    return q + h * v, v - h * q
+
+
+def test_a_target_is_imported_by_its_name():
+    assert imported("driftproof.numeric.steppers:rk4").__name__ == "rk4"
+    assert imported("tests.blackbox.planted:Multistep.step").__qualname__ == "Multistep.step"
+    assert Target("driftproof.numeric.steppers:rk4").open().step(1.0, 0.0, 0.0) == (1.0, 0.0)
+    assert Target(local_step).name == f"{__name__}:local_step"
+    assert Target("driftproof.numeric.steppers:rk4").by_name
+    assert not Target(local_step).by_name
+    assert not Target("driftproof.numeric.steppers:rk4", array=np.array).by_name
+    assert Target("driftproof.numeric.steppers:rk4", array="numpy:float32").open().format is BINARY32
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        (
+            "driftproof.numeric.steppers",
+            "'driftproof.numeric.steppers' names no stepper; write package.module:function",
+        ),
+        ("driftproof.numeric.steppers:", "names no stepper"),
+        (":rk4", "names no stepper"),
+        ("driftproof/numeric/steppers.py:rk4", "names no stepper"),
+        ("driftproof.numeric.steppers:rk4(1)", "names no stepper"),
+        ("driftproof.numeric.steppers:rk5", "driftproof.numeric.steppers:rk5 cannot be imported: AttributeError"),
+        ("no_such_module_here:step", "cannot be imported: ModuleNotFoundError"),
+        (
+            "driftproof.numeric.steppers:HAND_WRITTEN",
+            "driftproof.numeric.steppers:HAND_WRITTEN is dict, which cannot be called",
+        ),
+    ],
+)
+def test_a_name_without_a_stepper_is_refused_in_one_line(name, message):
+    with pytest.raises(ValueError, match=r".") as caught:
+        Target(name).open()
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)

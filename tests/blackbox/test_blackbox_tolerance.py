@@ -1,0 +1,115 @@
+"""The tolerance of one step: the any-order bound, which right programs keep and a wrong 13th digit does not."""
+
+from fractions import Fraction
+from math import inf, ldexp, nan
+
+import numpy as np
+import pytest
+from flint import arb, ctx
+
+from driftproof.blackbox.judging.tolerance import BITS, Allowance, Tolerance
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.problems import oscillator
+from driftproof.numeric.steppers import float_stepper
+from driftproof.symbolic.n_steps import exact_matrix_at
+from driftproof.symbolic.rounding.any_order import any_order_bound
+from driftproof.symbolic.rounding.formats import BINARY32
+
+RK4, EULER, VERLET = METHODS["rk4"], METHODS["forward_euler"], METHODS["velocity_verlet"]
+CASES = [(1.0, 0.0, 0.5), (0.3, -0.7, 0.1), (1e5, 1e-5, 1.75), (-3.0, 3.0, 1e-9)]
+
+
+def ratios(method, answer, q, v, h, **allowance):
+    return [x.ratio for x in Tolerance(method, allowance=Allowance(**allowance)).judge(q, v, h, answer)]
+
+
+@pytest.mark.parametrize(("q", "v", "h"), CASES)
+@pytest.mark.parametrize("key", ["rk4", "velocity_verlet", "dormand_prince54"])
+def test_the_exact_step_is_the_matrix_times_the_state(key, q, v, h):
+    qq, qv, vq, vv = exact_matrix_at(METHODS[key], Fraction(h))
+    exact = qq * Fraction(q) + qv * Fraction(v), vq * Fraction(q) + vv * Fraction(v)
+    with ctx.workprec(BITS):
+        for ball, x in zip(Tolerance(METHODS[key]).exact(q, v, h), exact, strict=True):
+            assert ball.contains(arb(x.numerator) / x.denominator)
+
+
+@pytest.mark.parametrize(("q", "v", "h"), CASES)
+def test_the_bound_is_the_any_order_bound(q, v, h):
+    bounds = any_order_bound(RK4, multiplied_out=True).error_of(Fraction(h), Fraction(q), Fraction(v))
+    exact = [float(x.mid()) for x in Tolerance(RK4).exact(q, v, h)]
+    # An answer off by 10^6 bounds: what its own rounding adds to that is below 10^-5 of the ratio.
+    off = [x + 1e6 * float(bound) for x, bound in zip(exact, bounds, strict=True)]
+    assert ratios(RK4, tuple(off), q, v, h) == pytest.approx([1e6, 1e6], rel=1e-5)
+
+
+@pytest.mark.parametrize("key", ["forward_euler", "rk4", "velocity_verlet", "yoshida4", "dormand_prince54"])
+def test_float_steppers_of_the_definition_pass(key):
+    for q, v, h in CASES:
+        judged = Tolerance(METHODS[key]).judge(q, v, h, float_stepper(key)(oscillator, q, v, h))
+        assert all(x.allowed for x in judged)
+
+
+def test_a_relative_error_of_1e_13_in_a_weight_is_seen():
+    q1, v1 = float_stepper("rk4")(oscillator, 1.0, 0.0, 1.0)
+    judged = Tolerance(RK4).judge(1.0, 0.0, 1.0, (q1, v1 * (1 + 1e-13)))
+    assert [x.allowed for x in judged] == [True, False]
+
+
+def test_nothing_that_is_not_finite_is_allowed():
+    judged = Tolerance(EULER).judge(1.0, 1.0, 0.5, (nan, inf))
+    assert [(x.allowed, x.ratio) for x in judged] == [(False, inf), (False, inf)]
+
+
+def test_what_underflows_has_no_scaled_error():
+    tiny = ldexp(1.0, -1070)
+    assert [x.scaled for x in Tolerance(EULER).judge(tiny, tiny, 0.3, (tiny, tiny))] == [0.0, 0.0]
+
+
+def test_a_step_rounded_to_binary32_is_judged_at_the_rounded_step():
+    h = 0.1
+    answer = float_stepper("rk4")(oscillator, 0.3, -0.7, float(np.float32(h)))
+    assert max(ratios(RK4, answer, 0.3, -0.7, h)) > 1e3
+    assert max(ratios(RK4, answer, 0.3, -0.7, h, step_in_binary32=True)) <= 1
+
+
+def test_a_velocity_from_positions_is_allowed_the_rounding_of_the_positions_over_h():
+    q, v, h = 1.0, 0.5, 1e-6
+    q1, _ = float_stepper("symplectic_euler")(oscillator, q, v, h)
+    method = METHODS["symplectic_euler"]
+    answer = (q1, (q1 - q) / h)
+    assert ratios(method, answer, q, v, h)[1] > 1e3
+    assert ratios(method, answer, q, v, h, velocity_from_positions=True)[1] <= 1
+    wrong = (q1, answer[1] * (1 + 1e-8))
+    assert ratios(method, wrong, q, v, h, velocity_from_positions=True)[1] > 1
+
+
+def test_flushing_subnormals_is_allowed_only_where_it_is_asked_for():
+    q, v, h = ldexp(1.0, -1022), ldexp(1.0, -1023), 0.5
+    flushed = (q, 0.0 - h * q * 0.0)  # v, and the product h q, are subnormal
+    assert max(ratios(EULER, flushed, q, v, h)) > 1
+    assert max(ratios(EULER, flushed, q, v, h, flush_to_zero=True)) <= 1
+    assert max(ratios(EULER, (1.0, 0.0), 1.0, 1.0, 0.5, flush_to_zero=True)) > 1
+
+
+def test_a_tolerance_of_the_solver_is_for_implicit_methods_only():
+    with pytest.raises(ValueError, match=r"backward_euler is implicit.*solver_tolerance=1e-10"):
+        Tolerance(METHODS["backward_euler"])
+    with pytest.raises(ValueError, match="rk4 is explicit"):
+        Tolerance(RK4, allowance=Allowance(solver_tolerance=Fraction(1, 10)))
+
+
+def test_an_implicit_step_passes_within_the_tolerance_of_its_solver_and_not_beyond():
+    method, allowance = METHODS["backward_euler"], Allowance(solver_tolerance=Fraction(1, 10**10))
+    q, v, h = 1.0, 0.5, 0.25
+    q1, v1 = (q + h * v) / (1 + h * h), (v - h * q) / (1 + h * h)
+    tolerance = Tolerance(method, allowance=allowance)
+    assert all(x.allowed for x in tolerance.judge(q, v, h, (q1, v1)))
+    assert not all(x.allowed for x in tolerance.judge(q, v, h, (q1, v1 + 1e-9)))
+
+
+def test_binary32_steps_are_held_to_the_unit_of_binary32():
+    q, v, h = (np.float32(x) for x in (0.3, -0.7, 0.1))
+    answer = tuple(map(float, float_stepper("rk4")(oscillator, q, v, h)))
+    args = tuple(map(float, (q, v, h)))
+    assert all(x.allowed for x in Tolerance(RK4, BINARY32).judge(*args, answer))
+    assert not all(x.allowed for x in Tolerance(RK4).judge(*args, answer))

@@ -1,0 +1,297 @@
+"""What every method of the catalogue must pass: its entry, every arithmetic, every witness, every control.
+
+A method added to methods/tables is asked all of this. What is held against what is in the modules that are imported
+here from `tests`; facts of single methods that stand in print are in test_catalogue.py and test_linear_facts.py.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction as Q
+from math import factorial
+from pathlib import Path
+from typing import Any
+
+import pytest
+from flint import arb
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.number_field import Algebraic
+from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
+from driftproof.methods.stepping import stepper
+from driftproof.symbolic.algebra.polynomials import exact, scalar
+from driftproof.symbolic.algebra.real_roots import ZERO
+from driftproof.symbolic.algebra.series import expand
+from driftproof.symbolic.facts import FACTS, facts_of, general_order
+from driftproof.symbolic.linear.irreducible import reduced, stages_of
+from driftproof.symbolic.linear.limits import INFINITY
+from driftproof.symbolic.linear.oscillator import determinant, is_matrix_symmetric, one_step_matrix
+from driftproof.symbolic.linear.structure import is_symmetric, is_symplectic
+from driftproof.symbolic.trees.order import embedded_conditions, embedded_order, order_to_tolerance
+from driftproof.symbolic.trees.quadratic import quadratic_matrix
+from driftproof.symbolic.trees.series import method_series, symmetric_to_order, symplectic_to_order
+from driftproof.texts.writing.facts import facts_text
+from driftproof.texts.writing.tex import facts_tex
+from tests import changes
+from tests.catalogue.conformance import ARITHMETICS
+from tests.catalogue.measured_orders import differences, order_in_balls, order_on_series, program_is_its_definition
+from tests.changes import NOTICES, coefficients, compensated, first_weight, moved, must_notice
+from tests.claims import KNOWN_INCONSISTENT, NEARLY, ROUNDED_SUMS, by_trees, claimed, conditions
+from tests.methods.tables.entries import DECIMAL, by_key, of_type
+from tests.methods.tables.tables_orders import UNITS, hold, meets_claim, residuals_of_claim, tree_residuals
+from tests.witnesses.witness_limits import EPSILON, is_where_growth_begins, limits_with_growth
+from tests.witnesses.witness_steps import as_function, witness_matrix
+
+EVERY = pytest.mark.parametrize("key", METHODS)
+BIBLIOGRAPHY = (Path(__file__).parents[2] / "references.bib").read_text(encoding="utf-8")
+TINY = Q(1, 10**14)
+
+
+# --- the entry --------------------------------------------------------------------------------------------------------
+
+
+@EVERY
+def test_entry_is_exact_in_one_field_and_says_where_it_comes_from(key: str) -> None:
+    method = METHODS[key]
+    values = coefficients(method).values()
+    assert all(type(x) is Q or (type(x) is Algebraic and not x.is_rational) for x in values)
+    assert {x.field for x in values if isinstance(x, Algebraic)} == ({method.field} if method.field else set())
+    source = re.fullmatch(r"([a-z-]+-\d{4}), \S.*", method.source)
+    assert source
+    assert f"{{{source[1]}," in BIBLIOGRAPHY
+    assert re.fullmatch(r"[a-z][a-z0-9_]*", key)
+    assert (method.key, method.title) == (key, method.title.strip() or None)
+    assert method.claimed_order >= 1
+    assert method.decimal is (key in UNITS)
+
+
+@EVERY
+def test_entry_is_consistent_or_known_not_to_be(key: str) -> None:
+    residuals = METHODS[key].inconsistencies()
+    if key in ROUNDED_SUMS:
+        assert residuals
+        assert all(0 < abs(x) < Q(1, 10 ** ROUNDED_SUMS[key]) for x in residuals.values())
+    else:
+        assert residuals == KNOWN_INCONSISTENT.get(key, {})
+
+
+@EVERY
+def test_every_fact_is_answered_as_json_as_text_and_as_tex(key: str) -> None:
+    facts = facts_of(METHODS[key])
+    assert list(facts) == list(FACTS)
+    assert json.loads(json.dumps(facts)) == facts
+    for form in (facts_text, facts_tex):
+        assert key in form(facts).replace("\\_", "_")
+
+
+# --- arithmetics ------------------------------------------------------------------------------------------------------
+
+# A rounding bound takes time with the square of the program's length.
+BOUNDED = {"float64": 20, "float32": 8, "float16": 8, "error-bounding numbers": 8}
+# In eleven bits its errors of second order, of products of large weights, exceed the state.
+VAGUE = {("yoshida8_a", "float16")}
+
+
+def length(method: Method) -> int:
+    return len(method.parts) // 2 if isinstance(method, Splitting) else method.stages
+
+
+def meetings() -> Iterator[Any]:
+    for name, arithmetic in ARITHMETICS.items():
+        for key, method in METHODS.items():
+            if arithmetic.suits(method):
+                slow = length(method) > BOUNDED.get(name, length(method))
+                yield pytest.param(key, name, marks=pytest.mark.long if slow else (), id=f"{key}-{name}")
+
+
+@pytest.mark.parametrize(("key", "name"), list(meetings()))
+def test_step_in_each_arithmetic_is_the_one_step_matrix_and_another_step_is_not(key: str, name: str) -> None:
+    method, arithmetic = METHODS[key], ARITHMETICS[name]
+    assert arithmetic.meets(method, method)
+    off = moved(method, first_weight(method), arithmetic.notices)
+    assert (key, name) in VAGUE or not arithmetic.meets(off, method)
+
+
+@EVERY
+def test_no_method_meets_fewer_arithmetics_than_there_are_for_its_kind(key: str) -> None:
+    method = METHODS[key]
+    met = {name for name, arithmetic in ARITHMETICS.items() if arithmetic.suits(method)}
+    implicit = {"Fraction", "number field", "functions of h", "balls"}
+    wanted = set(ARITHMETICS) - {"functions of h"} if method.explicit else implicit
+    assert met == wanted - ({"Fraction", "SymPy's polynomials"} if method.field else set())
+    assert len(met) >= (8 if method.explicit else 3)
+
+
+@pytest.mark.parametrize("key", [key for key, method in METHODS.items() if not method.explicit])
+def test_implicit_method_has_no_explicit_step(key: str) -> None:
+    with pytest.raises(MethodError, match=f"{key} is implicit"):
+        stepper(METHODS[key], lambda c: c)
+
+
+# --- witnesses of the one-step matrix ---------------------------------------------------------------------------------
+
+
+@EVERY
+def test_one_step_matrix_solves_the_stage_equations_or_is_the_product_of_shears(key: str) -> None:
+    method = METHODS[key]
+    matrix = one_step_matrix(method)
+    assert witness_matrix(method) == matrix
+    off = moved(method, first_weight(method), Q(1, 10**30))
+    assert one_step_matrix(off) == witness_matrix(off) != matrix
+
+
+@EVERY
+def test_one_step_matrix_agrees_with_the_exact_flow_up_to_the_claimed_order(key: str) -> None:
+    """It may well agree further: order on linear problems is not order."""
+    method, tolerance = METHODS[key], Q(1, 10**12) if key in DECIMAL else Q(0)
+    assert distance_from_rotation(method) <= tolerance
+    assert distance_from_rotation(moved(method, first_weight(method), Q(1, 10**6))) > tolerance
+
+
+def distance_from_rotation(method: Method) -> Any:
+    """The largest difference between coefficients of M(h) and of exp(hJ), up to the claimed order."""
+    terms = range(method.claimed_order + 1)
+    cosine, sine = ([Q((-1) ** (k // 2), factorial(k)) if k % 2 == odd else Q(0) for k in terms] for odd in (0, 1))
+    entries = [expand(entry, len(terms)) for row in one_step_matrix(method) for entry in row]
+    exact_entries = (cosine, sine, [-x for x in sine], cosine)
+    found = [exact(x) - y for a, b in zip(entries, exact_entries, strict=True) for x, y in zip(a, b, strict=True)]
+    return max(*found, *(-x for x in found))
+
+
+@EVERY
+def test_growth_begins_at_the_stability_limits_in_balls(key: str) -> None:
+    for limit, growth in limits_with_growth(METHODS[key]):
+        assert is_where_growth_begins(limit, growth)
+        if limit not in (INFINITY, ZERO):
+            assert not is_where_growth_begins(limit, growth, moved=1 + 2 * EPSILON)
+            assert not is_where_growth_begins(limit, growth, moved=1 - 2 * EPSILON)
+
+
+@EVERY
+def test_symplectic_method_keeps_area_and_symmetric_one_undoes_itself_on_the_oscillator(key: str) -> None:
+    method = METHODS[key]
+    matrix = one_step_matrix(method)
+    assert not is_symplectic(method) or determinant(matrix) == as_function(Q(1))
+    assert not is_symmetric(method) or is_matrix_symmetric(matrix)
+
+
+@pytest.mark.parametrize("method", [*of_type(RungeKutta), *of_type(Collocation)], ids=by_key)
+def test_structure_by_coefficients_is_structure_by_trees(method: Any) -> None:
+    """B-series two orders beyond p know nothing of coefficient conditions; for many stages, Mᵢⱼ = 0 of the tableau."""
+    form = reduced(stages_of(method)) if isinstance(method, RungeKutta) else method
+    assert is_symplectic(method) == (not any(x for row in quadratic_matrix(form) for x in row))
+    if method.claimed_order <= 8 and method.stages <= 14 and not method.decimal:
+        series = method_series(method, method.claimed_order + 2)
+        assert is_symplectic(method) == (symplectic_to_order(series) == series.order)
+        assert is_symmetric(method) == (symmetric_to_order(series) == series.order)
+
+
+# --- witnesses of the order -------------------------------------------------------------------------------------------
+
+
+@EVERY
+def test_claimed_order_is_the_order_by_trees(key: str) -> None:
+    """Exactly; of a rounded table to its last digits, while taken exactly it is of a lower order."""
+    method, facts = METHODS[key], by_trees(METHODS[key])
+    assert all(fact.residual != 0 for fact in facts.values())
+    if not method.decimal:
+        assert {problem: fact.order for problem, fact in facts.items()} == claimed(method)
+        return
+    assert all(facts[problem].order < order for problem, order in claimed(method).items())
+    assert {name: order_to_tolerance(found, NEARLY) for name, found in conditions(method).items()} == claimed(method)
+
+
+@EVERY
+def test_order_is_measured_on_series_of_nonlinear_problems(key: str) -> None:
+    """Step and solution part where trees say, exactly; of a rounded table they do so visibly where it is claimed."""
+    method = METHODS[key]
+    facts = by_trees(method)
+    for problem, order in claimed(method).items():
+        found = differences(method, problem, order + 3)
+        assert order_on_series(found) == facts[problem].order
+        assert all(x < arb(scalar(NEARLY)) for x in found[: order + 1])
+        assert found[order + 1] > arb(scalar(NEARLY))
+        off = moved(method, first_weight(method), TINY)
+        assert order_on_series(differences(off, problem, order + 1)) < order
+
+
+@pytest.mark.parametrize("key", [key for key, method in METHODS.items() if method.explicit])
+def test_step_on_a_nonlinear_force_is_the_definition_written_out(key: str) -> None:
+    method = METHODS[key]
+    assert program_is_its_definition(method, method)
+    assert not program_is_its_definition(moved(method, first_weight(method), TINY), method)
+
+
+@pytest.mark.parametrize("key", [key for key, method in METHODS.items() if method.explicit])
+def test_order_of_the_program_is_measured_in_balls(key: str) -> None:
+    method = METHODS[key]
+    assert order_in_balls(method) == general_order(method).order
+    assert order_in_balls(moved(method, first_weight(method), TINY)) == 0
+
+
+@EVERY
+def test_claimed_order_holds_by_conditions_that_are_written_apart_and_the_next_one_does_not(key: str) -> None:
+    method = METHODS[key]
+    assert meets_claim(method)
+    if isinstance(method, Splitting):  # fails even on q'' = F(q), where fewer conditions are asked for
+        method = replace(method, quadratic_kinetic=True)
+    assert not hold(residuals_of_claim(method, method.claimed_order + 1))
+
+
+@pytest.mark.parametrize("method", [m for m in of_type(RungeKutta) if m.b_embedded is not None], ids=by_key)
+def test_second_row_has_its_claimed_order_by_trees_and_by_conditions_written_apart(method: RungeKutta) -> None:
+    unit, order = UNITS.get(method.key, Q(0)), method.embedded_order
+    second, fact = embedded_conditions(method), embedded_order(method)
+    assert order is not None
+    assert second is not None
+    assert fact is not None
+    assert order == (order_to_tolerance(second, NEARLY) if method.decimal else fact.order)
+    assert general_order(changes.second_row(method)) == fact
+    assert all(hold(tree_residuals(method, p, unit, embedded=True)) for p in range(1, order + 1))
+    assert not hold(tree_residuals(method, order + 1, unit, embedded=True))
+
+
+# --- controls ---------------------------------------------------------------------------------------------------------
+
+
+def sample(method: Method, places: list[Any]) -> list[Any]:
+    """All of them; of the one table with more than 1000, every seventh."""
+    return places[:: 7 if len(coefficients(method)) > 1000 else 1]
+
+
+@EVERY
+def test_each_coefficient_off_by_1e_14_is_noticed_zeros_included(key: str) -> None:
+    """An entry of A on or above the diagonal makes an explicit method implicit, which says all."""
+    method = METHODS[key]
+    before = {name: notice(method) for name, notice in NOTICES.items()}
+    for place in sample(method, list(coefficients(method))):
+        off = moved(method, place, TINY)
+        if off.explicit is method.explicit:
+            assert {name for name in must_notice(method, place) if NOTICES[name](off) == before[name]} == set(), place
+
+
+@EVERY
+def test_two_coefficients_changed_so_that_no_sum_shows_it_are_noticed(key: str) -> None:
+    method = METHODS[key]
+    notices = [NOTICES[name] for name in ("order", "one-step matrix", "second row")]
+    before = [notice(method) for notice in notices]
+    for pair, off in sample(method, list(compensated(method, TINY))):
+        noticed = any(notice(off) != fact for notice, fact in zip(notices, before, strict=True))
+        assert noticed or changes.is_the_same_in_disguise(off, method), pair
+
+
+@EVERY
+def test_conditions_written_apart_notice_what_is_more_than_rounding(key: str) -> None:
+    """10⁶ units of the table, where it is rounded: two kicks against one another, or one number in each row."""
+    method = METHODS[key]
+    by = 10**6 * UNITS.get(key, Q(0)) or Q(1, 10**30)
+    assert not any(map(meets_claim, changes.notable_changes(method, by)))
+
+
+def test_rounded_tables_and_every_family_are_among_those_asked() -> None:
+    assert {type(method) for method in METHODS.values()} == {RungeKutta, Splitting, Nystrom, Collocation}
+    assert {type(method) for method in METHODS.values() if method.decimal} == {RungeKutta, Splitting}
+    assert len(METHODS) >= 100

@@ -1,0 +1,119 @@
+"""`driftproof value`: bare numbers for texts, every format, what is refused, and a start that loads nothing heavy."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from collections.abc import Callable
+
+import pytest
+
+from driftproof.commands.arguments import BAD_INPUT
+from driftproof.symbolic.facts import FACTS
+from driftproof.texts.questions import ask, limits
+from driftproof.texts.questions.runs import READOUTS
+
+Run = Callable[..., tuple[int, str, str]]
+Answer = Callable[..., str]
+
+ANSWERS = {
+    "rk4.first_step.q": "0.877604166666667, exactly 337/384  (PROVED)",
+    "rk4.first_step.q --digits 6": "0.877604",
+    "rk4.first_step.v --places 3": "-0.479",
+    "rk4.first_step.v --places 3 --style printed": "−0.479",
+    "'1/30000000' --digits 2 --style printed": "3.3×10⁻⁸",
+    "'1/8' --places 2 --rounding half-even": "0.12",
+    "'1/8' --places 2 --rounding half-away": "0.13",
+    "'1.005' --places 2 --rounding tofixed": "1.00",
+    "'5/2' --places 0 --rounding away": "3",
+    "'-2.5' --places 0 --rounding half-even": "-2",
+    "'1/2'": "0.500000000000000, exactly 1/2  (PROVED)",
+    "'run rk4 h=1/4 t=10 : evaluations'": "160  (COUNTED)",
+    "'step symplectic_euler h=2 N=5 : v' --style printed": "−10  (PROVED)",
+    "'energy_multiplier rk4'": "1 - h**6/72 + h**8/576  (PROVED)",
+    "'energy_multiplier rk4' --format tex": r"1-\frac{h^{6}}{72}+\frac{h^{8}}{576}",
+    "'energy_multiplier rk4' --format md": r"$1-\frac{h^{6}}{72}+\frac{h^{8}}{576}$",
+    "rk4.first_step.q --format tex --digits 3": "0.878",
+    "rk4.first_step.q --format md --digits 3": "0.878",
+    "'1/2' --format mathml": "<math><mfrac><mn>1</mn><mn>2</mn></mfrac></math>",
+    "'run forward_euler h=1/4 t=10 : phase_error deg'": "-11.5080564137641 degrees  (CERTIFIED)",
+    "'run forward_euler h=1/4 t=10 : phase_error deg' --places 3": "-11.508",
+    "'a_stable radau_iia2'": "yes  (PROVED)",
+    "'roundoff symplectic_euler h=1/4 : qq' --digits 3": "1.25",
+}
+
+
+@pytest.mark.parametrize("line", ANSWERS)
+def test_answers_to_the_letter(line: str, answer: Answer) -> None:
+    assert answer("value", *shlex.split(line)) == f"{ANSWERS[line]}\n"
+
+
+def test_json_says_everything(answer: Answer) -> None:
+    assert json.loads(answer("value", "step rk4 h=1/2 : v", "--digits", "3", "--format", "json")) == {
+        "question": "step rk4 h=1/2 : v",
+        "exact": "-23/48",
+        "decimal": "-0.479",
+        "rounding": "half-even",
+        "unit": None,
+        "evidence": "PROVED",
+    }
+    formula = json.loads(answer("value", "energy_multiplier rk4", "--format", "json"))
+    assert (formula["exact"], formula["decimal"]) == ("1 - h**6/72 + h**8/576", None)
+    bound = json.loads(answer("value", "roundoff rk4 h=1/4 : qq", "--format", "json"))
+    assert (bound["rounding"], bound["unit"]) == ("away", "u")
+
+
+REFUSED = [
+    ((), "no question is asked"),
+    (("1/8", "--places", "2"), "half-even gives 0.12, half-away 0.13; name a rounding"),
+    (("1/3", "--digits", "0"), "'0' is not a number of digits from 1 to 10000"),
+    (("1/3", "--places", "10001"), "'10001' is not a number of places from 0 to 10000"),
+    (("1/3", "--places", "-1"), "'-1' is not a number of places"),
+    (("1/3", "--places", "1", "--digits", "1"), "not allowed with argument"),
+    (("1/3", "--rounding", "up"), "invalid choice: 'up'"),
+    (("1/3", "--style", "loud"), "invalid choice: 'loud'"),
+    (("energy_multiplier rk4", "--digits", "3"), "is no number and has no decimals"),
+    (("energy_multiplier rk4", "--digits", "3", "--format", "json"), "is no number and has no decimals"),
+    (("run rk4 h=1/4 t=10 : state_error", "--format", "tex"), "has no exact form; ask for digits"),
+    (("step rk5 h=1/2 : q",), "'step rk5 h=1/2 : q', column 6: unknown method 'rk5'"),
+    (("9" * 3000,), "at most 2000 characters, not 3000"),
+    (("{{ ''.__class__ }}",), "'{' has no place in a question"),
+    (("two\nlines rk4",), "'two lines rk4', column 11: 'rk4' has no place here"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "message"), REFUSED, ids=range(len(REFUSED)))
+def test_refusal_is_one_line_and_status_two(arguments: tuple[str, ...], message: str, run: Run) -> None:
+    status, out, err = run("value", *arguments)
+    assert (status, out) == (BAD_INPUT, "")
+    assert err.startswith("driftproof value: ")
+    assert err.count("\n") == 1
+    assert message in err
+
+
+def test_list_names_everything_that_can_be_asked(answer: Answer) -> None:
+    shown = answer("value", "--list")
+    for name in (*READOUTS, *FACTS, "ratio", "sdirk_order_2", "rk4.first_step.q", "turns", "qv"):
+        assert name in shown
+
+
+def test_answer_that_takes_too_long_is_given_up(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    def for_ever(question: str) -> None:
+        while question:
+            pass
+
+    monkeypatch.setattr(ask, "value", for_ever)
+    monkeypatch.setattr(limits, "SECONDS", 0.05)
+    status, out, err = run("value", "order rk4")
+    assert (status, out) == (BAD_INPUT, "")
+    assert "no answer within 0.05 seconds" in err
+
+
+SIMPLE = ["run rk4 h=1/4 t=10 : state_error", "rk4.first_step.q", "order rk4", "exact t=1 : q"]
+
+
+@pytest.mark.parametrize("question", SIMPLE)
+def test_simple_questions_load_neither_sympy_nor_numpy(question: str, modules_after: Callable[[str], set[str]]) -> None:
+    loaded = modules_after(f"from driftproof.cli import main; main(['value', {question!r}])")
+    assert loaded & {"sympy", "numpy", "mpmath", "matplotlib"} == set()
+    assert "flint" in loaded

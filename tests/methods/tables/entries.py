@@ -1,0 +1,33 @@
+"""The catalogue's methods by key, by family, by file, and by whether their tables are rounded."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pkgutil import iter_modules
+from typing import Any
+
+from driftproof.methods import tables
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import Method
+
+# What each file of driftproof/methods/tables holds, found by looking, not by the catalogue's own list.
+FILES: dict[str, tuple[Method, ...]] = {
+    module.name: import_module(f"driftproof.methods.tables.{module.name}").ENTRIES
+    for module in iter_modules(tables.__path__)
+    if module.name != "notation"
+}
+EXACT: dict[str, Method] = {key: method for key, method in METHODS.items() if not method.decimal}
+DECIMAL: dict[str, Method] = {key: method for key, method in METHODS.items() if method.decimal}
+
+
+def entry(key: str) -> Any:
+    """The entry of that key, of whatever family its key says."""
+    return METHODS[key]
+
+
+def of_type(family: type) -> list[Any]:
+    return [method for method in METHODS.values() if isinstance(method, family)]
+
+
+def by_key(method: Method) -> str:
+    return method.key

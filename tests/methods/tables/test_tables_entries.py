@@ -1,0 +1,158 @@
+"""The tables: all of them are in the catalogue, no method is there twice, and a malformed definition is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction as Q
+from typing import Any
+
+import pytest
+
+from driftproof.methods import catalogue
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.number_field import square_root
+from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
+from driftproof.methods.stepping import stepper
+from driftproof.methods.tables.notation import numbers, padded, places, row, square
+from driftproof.methods.tables.splittings import alternating, palindrome, verlet_composition
+from tests.methods.tables.entries import FILES, by_key, entry, of_type
+from tests.methods.tables.tables_orders import as_nystrom
+
+
+def test_every_file_of_tables_is_in_the_catalogue_in_the_order_of_its_entries() -> None:
+    assert [method for name in catalogue.TABLES for method in FILES[name]] == list(METHODS.values())
+    assert set(catalogue.TABLES) == set(FILES)
+
+
+def definition(method: Method) -> Any:
+    if isinstance(method, Splitting):
+        return method.parts
+    if isinstance(method, Collocation):
+        return method.node_polynomial
+    rows = method.b_embedded if isinstance(method, RungeKutta) else method.b_position
+    return method.a, rows, method.b if isinstance(method, RungeKutta) else method.b_velocity
+
+
+def test_no_two_entries_are_the_same_method() -> None:
+    assert len({definition(method) for method in METHODS.values()}) == len(METHODS) - 1
+    first, second = METHODS["heun2"], entry("ssprk22")  # the one method that is here under its second name
+    assert definition(first) == definition(second)
+
+
+def test_weights_of_prince_and_dormand_as_printed_add_to_less_than_one() -> None:
+    short = -entry("prince_dormand87").inconsistencies()["sum(b) - 1"]
+    assert Q("3.6853146e-18") < short < Q("3.6853147e-18")
+
+
+@pytest.mark.parametrize("method", of_type(RungeKutta), ids=by_key)
+def test_family_of_tableau_is_as_its_file_says(method: RungeKutta) -> None:
+    implicit = method in (*FILES["implicit"], *FILES["diagonally_implicit"])
+    assert method.explicit is not implicit
+    diagonal = all(x == 0 for i, given in enumerate(method.a) for x in given[i + 1 :])
+    assert diagonal or method not in FILES["diagonally_implicit"]
+
+
+@pytest.mark.parametrize("key", ["ruth3", "pefrl", "mclachlan_atela4", "yoshida4", "blanes_moan_rkn4"])
+def test_splitting_is_the_nystrom_method_of_its_kicks(key: str) -> None:
+    method, state = entry(key), (Q(1, 3), Q(-2, 5), Q(1, 7))
+    assert isinstance(method, Splitting)
+    step, same = stepper(method, lambda c: c), stepper(as_nystrom(method), lambda c: c)
+    assert step(lambda q: q**2 - 1, *state) == same(lambda q: q**2 - 1, *state)
+    assert step(lambda q: q**2 - 1, *state) != same(lambda q: q**2, *state)
+
+
+NAMED = {"key": "mine", "title": "Mine", "claimed_order": 1, "source": "me"}
+ROOT_3, ROOT_2 = square_root(3), square_root(2)
+WRONG: list[tuple[Callable[[], Any], str]] = [
+    (
+        lambda: RungeKutta(**NAMED, a=((ROOT_3,),), b=(ROOT_2,), c=(0,)),
+        "mine: coefficients lie in the fields of sqrt(2) and sqrt(3); write all of them in one field",
+    ),
+    (
+        lambda: Splitting(**NAMED, parts=(("kick", ROOT_3), ("drift", ROOT_2))),
+        "mine: coefficients lie in the fields of sqrt(2) and sqrt(3); write all of them in one field",
+    ),
+    (
+        lambda: RungeKutta(**NAMED, a=((0,),), b=(1,), c=(0,), b_embedded=(1,)),
+        "mine: b_embedded and embedded_order come together",
+    ),
+    (
+        lambda: RungeKutta(**NAMED, a=((0,),), b=(1,), c=(0,), b_embedded=(1, 0), embedded_order=1),
+        "mine: b_embedded has 2 entries, b has 1; they must agree",
+    ),
+    (
+        lambda: RungeKutta(**NAMED, a=((0,),), b=(1,), c=(0,), b_embedded=(0.5,), embedded_order=1),
+        "mine: b_embedded[0] is 0.5 (float); coefficients are exact: write an int or a Fraction",
+    ),
+    (
+        lambda: Nystrom(**NAMED, c=(0,), a=((0, 0),), b_position=(1,), b_velocity=(1,)),
+        "mine: a[0] has 2 entries, b_velocity has 1; they must agree",
+    ),
+    (
+        lambda: Nystrom(**NAMED, c=(0,), a=((0,),), b_position=(1, 2), b_velocity=(1,)),
+        "mine: b_position has 2 entries, b_velocity has 1; they must agree",
+    ),
+    (
+        lambda: Nystrom(**NAMED, c=(), a=(), b_position=(), b_velocity=()),
+        "mine: b_velocity is empty; a method has at least one stage",
+    ),
+    (
+        lambda: Collocation(**NAMED, node_polynomial=(1,)),
+        "mine: node_polynomial is constant; a method has at least one node",
+    ),
+    (
+        lambda: Collocation(**NAMED, node_polynomial=(1, 0, 1)),
+        "mine: node_polynomial has a complex or a multiple root; nodes are real, distinct",
+    ),
+    (
+        lambda: Collocation(**NAMED, node_polynomial=(1, -2, 1)),
+        "mine: node_polynomial has a complex or a multiple root; nodes are real, distinct",
+    ),
+    (
+        lambda: Collocation(**NAMED, node_polynomial=(ROOT_3, 1)),
+        "mine: node_polynomial has irrational coefficients; rational ones are needed",
+    ),
+]
+
+
+@pytest.mark.parametrize(("build", "message"), WRONG, ids=range(len(WRONG)))
+def test_malformed_definition_is_refused_in_one_line(build: Callable[[], Any], message: str) -> None:
+    with pytest.raises(MethodError) as caught:
+        build()
+    assert str(caught.value) == message
+
+
+def test_rational_element_of_a_field_becomes_a_fraction() -> None:
+    method = RungeKutta(**NAMED, a=((ROOT_3 - ROOT_3,),), b=(ROOT_3 * ROOT_3 / 3,), c=(0,))
+    assert (method.a, method.b, method.field) == (((Q(0),),), (Q(1),), None)
+    assert type(method.a[0][0]) is type(method.b[0]) is Q
+    assert method.explicit
+    assert method.inconsistencies() == {}
+
+
+def test_residual_of_an_irrational_tableau_is_exact() -> None:
+    method = RungeKutta(**NAMED, a=((ROOT_3,),), b=(ROOT_3,), c=(0,))
+    assert method.inconsistencies() == {"sum(b) - 1": ROOT_3 - 1, "c[0] - sum(a[0])": -ROOT_3}
+
+
+def test_node_polynomial_is_made_monic() -> None:
+    method = Collocation(**NAMED, node_polynomial=(Q(-1), Q(2), Q(0)))
+    assert method.node_polynomial == (Q(-1, 2), Q(1))
+    assert (method.stages, method.explicit, method.decimal, method.field) == (1, False, False, None)
+
+
+def test_notation_fills_rows_with_zeros() -> None:
+    assert square("1/2\n 1 0.25") == ((Q(1, 2), Q(0)), (Q(1), Q(1, 4)))
+    assert padded((), (1,)) == ((Q(0), Q(0)), (Q(1), Q(0)))
+    assert numbers(1, ROOT_3) == (Q(1), ROOT_3)
+    assert places(3, k2="1e-1") == (Q(0), Q(1, 10), Q(0))
+    assert row(" 1 -2/3 ") == (Q(1), Q(-2, 3))
+
+
+def test_compositions_join_neighbouring_halves() -> None:
+    assert palindrome((Q(1), Q(2))) == (Q(1), Q(2), Q(1))
+    assert alternating("drift", (Q(1), Q(2))) == (("drift", Q(1)), ("kick", Q(2)))
+    assert verlet_composition("kick", (Q(1),)) == METHODS["velocity_verlet"].parts
+    assert verlet_composition("drift", (Q(1),)) == METHODS["position_verlet"].parts
+    two = verlet_composition("kick", (Q(1, 3), Q(2, 3)))
+    assert two == alternating("kick", (Q(1, 6), Q(1, 3), Q(1, 2), Q(2, 3), Q(1, 3)))

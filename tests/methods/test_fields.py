@@ -1,0 +1,134 @@
+"""Systems y' = f(t, y) as text: the bits of loops over the tableau, time as a multiple of h, and what is refused."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from fractions import Fraction as Q
+
+import pytest
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.fields import Field
+from driftproof.methods.schemes import MethodError, RungeKutta
+from driftproof.numeric.engine import compiled_field_runner, field_runner, runner
+from tests.float_bits import bits
+
+EXPLICIT = [method for method in METHODS.values() if method.explicit]
+VAN_DER_POL = Field(("y1", "mu * (1 - y0 * y0) * y1 - y0 + sin(t)"), (("mu", Q(5, 2)),))
+LOTKA_VOLTERRA = Field(("y0 * (2 - y1)", "y1 * (y0 - 1)"))
+LORENZ = Field(("10 * (y1 - y0)", "y0 * (rho - y2) - y1", "y0 * y1 - 8 * y2 / 3"), (("rho", Q(28)),))
+DECAY = Field(("-y0 * sqrt(t + 1)",))
+FIELDS = {
+    VAN_DER_POL: (lambda t, y: [y[1], 2.5 * (1 - y[0] * y[0]) * y[1] - y[0] + math.sin(t)], (1.0, 0.5)),
+    LOTKA_VOLTERRA: (lambda t, y: [y[0] * (2 - y[1]), y[1] * (y[0] - 1)], (1.5, 1.25)),
+    LORENZ: (
+        lambda t, y: [10 * (y[1] - y[0]), y[0] * (28 - y[2]) - y[1], y[0] * y[1] - 8 * y[2] / 3],
+        (1.0, 1.5, 20.0),
+    ),
+    DECAY: (lambda t, y: [-y[0] * math.sqrt(t + 1)], (1.0,)),
+}
+TABLEAUX = [method for method in EXPLICIT if isinstance(method, RungeKutta)]
+
+
+def looped(method, rate, y, h, first, last):
+    """The same steps, read off the tableau by loops over stages and components."""
+    for n in range(first, last):
+        t, slopes = n * h, []
+        for row, node in zip(method.a, method.c, strict=True):
+            slopes.append(rate(t if node == 0 else t + float(node) * h, moved(y, row, slopes, h)))
+        y = moved(y, method.b, slopes, h)
+    return tuple(y)
+
+
+def moved(y, weights, slopes, h):
+    terms = [(float(w), k) for w, k in zip(weights, slopes, strict=False) if w != 0]
+    if not terms:
+        return y
+    sums = []
+    for i in range(len(y)):
+        total = terms[0][0] * terms[0][1][i]
+        for w, k in terms[1:]:
+            total = total + w * k[i]
+        sums.append(total)
+    return [x + h * s for x, s in zip(y, sums, strict=True)]
+
+
+@pytest.mark.parametrize("method", TABLEAUX, ids=lambda m: m.key)
+def test_a_run_of_a_system_has_the_bits_of_loops_over_the_tableau(method):
+    for field, (rate, start) in FIELDS.items():
+        found = field_runner(method, field)(start, 0.01, 3, 8)
+        assert bits(*found) == bits(*looped(method, rate, start, 0.01, 3, 8))
+
+
+@pytest.mark.parametrize("method", TABLEAUX, ids=lambda m: m.key)
+def test_the_oscillator_as_a_system_has_the_bits_of_the_oscillator(method):
+    system = Field(("y1", "-y0"))
+    assert bits(*field_runner(method, system)((0.3, -0.7), 0.1, 0, 9)) == bits(*runner(method)(0.3, -0.7, 0.1, 9))
+
+
+def test_a_compiled_run_of_a_system_has_the_same_bits():
+    pytest.importorskip("numba")
+    for field in (VAN_DER_POL, LORENZ):
+        start = FIELDS[field][1]
+        compiled = compiled_field_runner(METHODS["rk4"], field)
+        assert bits(*compiled(start, 0.01, 0, 400)) == bits(*field_runner(METHODS["rk4"], field)(start, 0.01, 0, 400))
+
+
+def test_a_run_of_a_system_goes_on_where_it_stopped_bit_for_bit():
+    """Time is i h for a whole i: a clock that adds h up would read something else from the sixth step on."""
+    run = field_runner(METHODS["rk4"], VAN_DER_POL)
+    whole = run((1.0, 0.5), 0.1, 0, 60)
+    assert run(run((1.0, 0.5), 0.1, 0, 23), 0.1, 23, 60) == whole
+    clock = 0.0
+    for _ in range(60):
+        clock += 0.1
+    assert clock != 60 * 0.1
+    assert run(run((1.0, 0.5), 0.1, 0, 23), 0.1, 22, 59) != whole
+
+
+def test_another_parameter_gives_another_run():
+    other = replace(VAN_DER_POL, parameters=(("mu", Q(5, 2) + Q(1, 2**40)),))
+    start = FIELDS[VAN_DER_POL][1]
+    assert field_runner(METHODS["rk4"], other)(start, 0.01, 0, 9) != field_runner(METHODS["rk4"], VAN_DER_POL)(
+        start, 0.01, 0, 9
+    )
+
+
+@pytest.mark.parametrize(
+    ("rates", "parameters", "what"),
+    [
+        ((), (), "at least one rate"),
+        (("y1",), (), "'y1' has no place"),
+        (("0.1 * y0",), (), r"'0\.1' has no place"),
+        (("y0 ** 2",), (), "has no place"),
+        (("tan(y0)",), (), "'tan' has no place"),
+        (("y0.real",), (), "has no place"),
+        (("sin",), (), "'sin' has no place"),
+        (("y0 +",), (), "not an expression"),
+        (("y0 if t else y0",), (), "has no place"),
+        (("True * y0",), (), "'True' has no place"),
+    ],
+)
+def test_a_rate_that_is_no_plain_formula_is_refused(rates, parameters, what):
+    with pytest.raises(MethodError, match=what):
+        Field(rates, parameters)
+
+
+@pytest.mark.parametrize("name", ["h", "t", "y0", "k1_y0", "b_1", "sin", "range"])
+def test_a_parameter_with_a_name_of_the_text_is_refused(name):
+    with pytest.raises(MethodError, match=f"'{name}'"):
+        field_runner(METHODS["rk4"], Field((f"{name} * y0",), ((name, Q(2)),)))
+
+
+def test_an_implicit_method_has_no_run_of_a_system():
+    with pytest.raises(MethodError, match="is implicit"):
+        field_runner(METHODS["gauss2"], LORENZ)
+
+
+@pytest.mark.parametrize("method", [METHODS["rk4"], METHODS["dormand_prince54"]], ids=lambda m: m.key)
+def test_a_compensated_run_of_the_oscillator_as_a_system_has_the_bits_of_the_oscillator(method):
+    start = (0.3, -0.7)
+    found = field_runner(method, Field(("y1", "-y0")), compensated=True)(start, 0.01, 0, 200)
+    assert bits(*found) == bits(*runner(method, compensated=True)(*start, 0.01, 200))
+    assert found != field_runner(method, Field(("y1", "-y0")))(start, 0.01, 0, 200)

@@ -1,0 +1,158 @@
+"""Numbers from text are exact or refused, quickly, and the number of steps is an exact quotient."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from driftproof.methods.rationals import LARGEST_EXPONENT, LONGEST_TEXT, parse_rational, step_count
+from driftproof.strategies import finite_floats, rational_steps, rationals
+
+SPELLED = {
+    "1/4": Q(1, 4),
+    "0.25": Q(1, 4),
+    "0.1": Q(1, 10),
+    "-1/2": Q(-1, 2),
+    "\N{MINUS SIGN}1/2": Q(-1, 2),
+    " 3 ": Q(3),
+    "2.5e-3": Q(1, 400),
+    "1E3": Q(1000),
+    "+7": Q(7),
+    "-0": Q(0),
+    ".5": Q(1, 2),
+    "5.": Q(5),
+    "1_000.5": Q(2001, 2),
+    "1e1200": Q(10**1200),
+    "1e-1200": Q(1, 10**1200),
+    "1e1_0": Q(10**10),
+}
+
+
+@pytest.mark.parametrize(("text", "value"), SPELLED.items())
+def test_text_is_read_exactly(text: str, value: Q) -> None:
+    assert parse_rational(text) == value
+
+
+def test_decimal_is_not_the_double_nearest_to_it() -> None:
+    assert parse_rational("0.1") != Q(0.1)
+
+
+@given(finite_floats())
+def test_every_double_written_in_full_is_read_back(x: float) -> None:
+    assert parse_rational(f"{x:.1074f}" if abs(x) < 1 else f"{x:.60f}") == Q(x)
+    assert float(parse_rational(repr(x))) == x
+
+
+@given(rationals(max_size=10**6, max_denominator=10**9))
+def test_every_fraction_is_read_back(x: Q) -> None:
+    assert parse_rational(str(x)) == x
+
+
+CODE = ["__import__('os')", "1+1", "2**3", "h", "[1]", "1;1", "1 2", "lambda: 1", "0x10", "1j", "Fraction(1)"]
+MALFORMED = [
+    "",
+    "  ",
+    "abc",
+    "1/",
+    "/2",
+    "1//2",
+    "1/2/3",
+    "1/2.5",
+    "1,5",
+    "nan",
+    "inf",
+    "-inf",
+    "1e",
+    "1e_5",
+    "--1",
+    "½",
+]
+
+
+@pytest.mark.parametrize("text", CODE + MALFORMED)
+def test_anything_else_is_refused_in_one_line(text: str) -> None:
+    assert refusal(text) == (
+        f"h: {text.strip()!r} is not a rational number; write an integer, a fraction like 1/4 or a decimal like 0.25"
+    )
+
+
+def test_zero_denominator_is_refused() -> None:
+    assert refusal("1/0").startswith("h: '1/0' divides by zero; write")
+
+
+TOO_LONG = ["1e999999999", "1e-999999999", "1e999_999_999", "1E+1201", "1e-1_201", "1" * (LONGEST_TEXT + 1)]
+TOO_LONG += ["1e" + "9" * 1000, f"2.5e{LARGEST_EXPONENT + 1} "]
+
+
+@pytest.mark.parametrize("text", TOO_LONG, ids=lambda text: text[:20])
+def test_short_text_for_a_huge_number_is_refused_at_once(text: str) -> None:
+    assert refusal(text).endswith("is too long; at most 1200 characters, exponent 1200")
+
+
+def test_refusal_shows_forty_characters_at_most_and_no_line_break() -> None:
+    assert len(refusal("x" * 500)) < 200
+    refusal("1\n2")
+
+
+def refusal(text: str) -> str:
+    with pytest.raises(ValueError, match=r"^h: ") as caught:
+        parse_rational(text, "h")
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def test_ten_in_steps_of_a_tenth_is_a_hundred_steps() -> None:
+    assert step_count(parse_rational("10"), parse_rational("0.1")) == 100
+    with pytest.raises(ValueError, match="does not divide"):
+        step_count(Q(10), Q(0.1))  # the double is a little more than a tenth
+
+
+def test_truncated_float_quotient_is_one_short_in_a_tenth_of_decimal_cases() -> None:
+    cases = [(Q(n * k, 1000), Q(k, 1000)) for k in range(1, 100) for n in range(1, 100)]
+    wrong = [(t, h) for t, h in cases if int(float(t) / float(h)) != step_count(t, h)]
+    assert (int(0.3 / 0.1), step_count(Q(3, 10), Q(1, 10))) == (2, 3)
+    assert 10 * len(wrong) > len(cases)
+    assert all(int(float(t) / float(h)) == step_count(t, h) - 1 for t, h in wrong)
+    assert all(step_count(t, h) * h == t for t, h in cases)
+
+
+@given(rational_steps(), st.integers(0, 10**7))
+def test_step_count_inverts_multiplication(h: Q, n: int) -> None:
+    assert step_count(n * h, h) == n
+
+
+@given(rational_steps(), rationals())
+def test_step_that_does_not_divide_names_the_two_nearest_that_do(h: Q, t: Q) -> None:
+    quotient = t / h
+    assume(quotient > 1 and quotient.denominator > 1)
+    with pytest.raises(ValueError, match="does not divide") as caught:
+        step_count(t, h)
+    first, second = (Q(text) for text in str(caught.value).split("nearest that do: ")[1].split(" and "))
+    n = step_count(t, first)
+    assert step_count(t, second) == n + 1
+    assert abs(second) < abs(h) < abs(first)
+
+
+def test_step_longer_than_the_interval_names_the_interval_itself() -> None:
+    assert step_count_refusal(Q(1), Q(2)) == "h = 2 does not divide t = 1 (t / h = 1/2); nearest that do: 1"
+
+
+def test_step_count_messages_name_the_way_out() -> None:
+    assert step_count_refusal(Q(1), Q(0)) == "h = 0 never reaches t = 1; choose h with t / h a whole number"
+    assert step_count_refusal(Q(1), Q(-1, 2)) == "h = -1/2 leads away from t = 1; give h the sign of t"
+    assert step_count_refusal(Q(10), Q(3, 10)).endswith("(t / h = 100/3); nearest that do: 10/33 and 5/17")
+
+
+def step_count_refusal(t: Q, h: Q) -> str:
+    with pytest.raises(ValueError, match="h = ") as caught:
+        step_count(t, h)
+    return str(caught.value)
+
+
+def test_no_time_takes_no_steps_and_time_may_run_backwards() -> None:
+    assert step_count(Q(0), Q(1, 4)) == 0
+    assert step_count(Q(0), Q(-1, 4)) == 0
+    assert step_count(Q(-10), Q(-1, 4)) == 40

@@ -1,0 +1,302 @@
+"""A user's TOML file becomes a method exactly, and whatever is wrong with it is said in one line, with its place."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from fractions import Fraction as Q
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from driftproof.methods.expressions import parse_exact
+from driftproof.methods.number_field import Exact, cube_root, square_root
+from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
+from driftproof.methods.tableau_file import read_method
+from tests.methods.tables.entries import entry
+
+Write = Callable[[str], Path]
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Write:
+    def writing(text: str | bytes) -> Path:
+        path = tmp_path / "mine.toml"
+        path.write_bytes(text.encode() if isinstance(text, str) else text)
+        return path
+
+    return writing
+
+
+GAUSS = """
+family = "runge_kutta"
+title = "Gauss by hand"
+claimed_order = 4
+A = [["1/4", "1/4 - s3/6"], ["1/4 + s3/6", 0.25]]
+b = [0.5, "1/2"]
+c = ["1/2 - s3/6", "(3 + s3)/6"]
+[roots]
+s3 = "sqrt(3)"
+"""
+
+
+def test_gauss_method_is_read_in_its_field(write: Write) -> None:
+    method, known = read_method(write(GAUSS)), entry("gauss2")
+    assert isinstance(method, RungeKutta)
+    assert (method.a, method.b, method.c, method.field) == (known.a, known.b, known.c, known.field)
+    assert (method.key, method.title, method.claimed_order) == ("mine", "Gauss by hand", 4)
+    assert (method.source, method.decimal, method.b_embedded) == ("given by the user", False, None)
+
+
+def test_nodes_left_out_are_the_row_sums_and_given_ones_are_kept(write: Write) -> None:
+    heun = 'family = "runge_kutta"\nA = [[0, 0], [1, 0]]\nb = ["1/2", "1/2"]\n'
+    assert read_method(write(heun)).c == (0, 1)
+    method = read_method(write(heun + "c = [0, 0.9]\n"))
+    assert isinstance(method, RungeKutta)
+    assert method.inconsistencies() == {"c[1] - sum(a[1])": Q(-1, 10)}
+
+
+def test_pair_splitting_nystrom_and_collocation_are_read(write: Write) -> None:
+    pair = 'family = "runge_kutta"\nA = [[0, 0], [1, 0]]\nb = ["1/2", "1/2"]\nb_embedded = [1, 0]\nembedded_order = 1'
+    read = read_method(write(pair))
+    assert isinstance(read, RungeKutta)
+    assert (read.b_embedded, read.embedded_order) == ((1, 0), 1)
+    verlet = 'family = "splitting"\nkey = "v"\nparts = [["kick", "1/2"], ["drift", 1], ["kick", 0.5]]\n'
+    assert read_method(write(verlet)) == Splitting(
+        "v", "v", 0, "given by the user", (("kick", Q(1, 2)), ("drift", Q(1)), ("kick", Q(1, 2)))
+    )
+    table = 'family = "nystrom"\nc = [0, "1/2", 1]\nA = [[0, 0, 0], ["1/8", 0, 0], [0, "1/2", 0]]\n'
+    nystrom = read_method(write(table + 'b_position = ["1/6", "1/3", 0]\nb_velocity = ["1/6", "2/3", "1/6"]\n'))
+    known = entry("nystrom4")
+    assert isinstance(nystrom, Nystrom)
+    assert [getattr(nystrom, x) == getattr(known, x) for x in ("c", "a", "b_position", "b_velocity")] == 4 * [True]
+    collocation = read_method(write('family = "collocation"\nnode_polynomial = ["1/6", -1, 1]\n'))
+    assert isinstance(collocation, Collocation)
+    assert collocation.node_polynomial == (Q(1, 6), -1, 1)
+
+
+def test_roots_are_declared_by_radical_or_by_polynomial_and_interval(write: Write) -> None:
+    text = 'family = "splitting"\nparts = [["kick", "r"], ["drift", "1/r"]]\n[roots]\nr = '
+    assert parts_of(read_method(write(text + '"cbrt(2)"\n')))[0] == cube_root(2)
+    assert parts_of(read_method(write(text + '"sqrt(12)"\n')))[0] ** 2 == 12
+    root = parts_of(read_method(write(text + "{ minpoly = [-2, 0, 0, 1], interval = [1, '1.5'] }\n")))
+    assert root[0] ** 3 == 2
+    assert root[0] * root[1] == 1
+    assert root[0].field.name == "r"
+
+
+def parts_of(method: Method) -> list[Any]:
+    assert isinstance(method, Splitting)
+    return [c for _, c in method.parts]
+
+
+def test_decimals_are_exact_and_never_floats(write: Write) -> None:
+    text = 'family = "splitting"\ndecimal = true\nparts = [["kick", 0.1], ["drift", 1e-30], ["kick", "-2.5e-1"]]\n'
+    method = read_method(write(text))
+    assert parts_of(method) == [Q(1, 10), Q(1, 10**30), Q(-1, 4)]
+    assert method.decimal
+
+
+HEAD = 'family = "runge_kutta"\n'
+ONE = HEAD + "A = [[0]]\nb = [1]\n"
+MINPOLY = ONE + "[roots]\nr = {{ minpoly = {}, interval = {} }}\n"
+DEEP = "(" * 41 + "1" + ")" * 41
+WRONG: list[tuple[str | bytes, str]] = [
+    ("", "family is None; write 'runge_kutta' or 'splitting' or 'nystrom' or 'collocation'"),
+    ('family = "multistep"', "family is 'multistep'; write 'runge_kutta'"),
+    (HEAD + "b = [1]", "A is missing"),
+    (HEAD + "A = [[0, 0], [1]]\nb = [1, 0]", "A is not square: A[1] has 1 entries, A has 2 rows"),
+    (HEAD + "A = [[0, 0]]\nb = [1]", "A is not square: A[0] has 2 entries, A has 1 rows"),
+    (HEAD + "A = [[0]]\nb = [1, 0]", "A has 1 rows, the weights are 2; they must agree"),
+    (HEAD + "A = [[0]]\nb = 1", "b is 1; write a list"),
+    (HEAD + "A = [[0]]\nb = []", "A has 1 rows, the weights are 0"),
+    (HEAD + "A = []\nb = []", "b is empty; a method has at least one stage"),
+    (HEAD + "A = [[[0]]]\nb = [1]", "A[0][0] is [0]; write an integer, a decimal or an expression in quotes"),
+    (HEAD + "A = [[true]]\nb = [1]", "A[0][0] is True; write an integer"),
+    (HEAD + "A = [[2020-01-01]]\nb = [1]", "A[0][0] is datetime.date(2020, 1, 1); write an integer"),
+    (ONE + "c = [0, 1]", "c has 2 entries, 1 are needed"),
+    (ONE + "C = [0]", "C is unknown here; a runge_kutta has family, key"),
+    (ONE + "b = [1]\n", "a key is given twice (at line 4, column 8)"),
+    (ONE + "[roots]\nr = 'sqrt(2)'\nr = 'sqrt(3)'\n", "a key is given twice (at line 6, column 14)"),
+    (ONE + "[roots]\nr = 'sqrt(2)'\ns = 'sqrt(3)'", "[roots] declares r, s; at most one: all numbers lie in one field"),
+    (ONE + "roots = 3", "roots is 3; write a table [roots]"),
+    (ONE + "[roots]\nr = 'sqrt(4)'", "roots.r: square_root(4): n must be above 1 and no square"),
+    (ONE + "[roots]\nr = 'cbrt(27)'", "roots.r: cube_root(27): n must be above 1 and no cube"),
+    (ONE + "[roots]\nr = 'sin(1)'", "roots.r is 'sin(1)'; write 'sqrt(n)', 'cbrt(n)' or { minpoly"),
+    (ONE + "[roots]\nr = 2", "roots.r is 2; write"),
+    (ONE + "[roots]\n'a b' = 'sqrt(2)'", "roots.a b: a name is a letter"),
+    (MINPOLY.format("[-2, 0, 1]", "[2, 3]"), "roots.r: r: needs degree 2 or more, and a change of sign"),
+    (MINPOLY.format("[-1, 1]", "[0, 2]"), "roots.r: r: needs degree 2 or more, and a change of sign"),
+    (MINPOLY.format("[0, -1, 0, 1]", "[-2, 2]"), "roots.r: r: several roots lie between -2 and 2"),
+    (MINPOLY.format("[-9, 0, 4]", "[1, 2]"), "roots.r: r: the minimal polynomial is reducible"),
+    (MINPOLY.format("[2, -2, -1, 1]", "[1.2, 2]"), "roots.r: r: the minimal polynomial is reducible"),
+    (MINPOLY.format("[-3, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1]", "[1, 2]"), "degree 13: irreducibility is decided"),
+    (MINPOLY.format("[0.5, 0, -1]", "[0, 1]"), "roots.r: minpoly: the coefficients are integers of at most 60 digits"),
+    (MINPOLY.format(f"[-{10**70}, 0, 1]", "[0, '1e40']"), "roots.r: minpoly: the coefficients are integers of at most"),
+    (MINPOLY.format("[-2, 0, 1]", "[1]"), "roots.r: interval has 1 entries, 2 are needed"),
+    (HEAD + "A = [['s3']]\nb = [1]", "A[0][0]: 's3' is no expression: 's3' is an unknown root; nothing is declared"),
+    (GAUSS.replace("s3/6)", "s2/6)").replace("1/4 - s3", "1/4 - s2"), "A[0][1]: '1 / 4 - s2 / 6' is no expression: "),
+    (HEAD + "A = [[\"__import__('os').system('true')\"]]\nb = [1]", "A[0][0]: "),
+    (HEAD + "A = [['exit()']]\nb = [1]", "A[0][0]: 'exit ( )' is no expression: 'exit' is an unknown root"),
+    (HEAD + "A = [['1/0']]\nb = [1]", "A[0][0]: '1 / 0' is no expression: it divides by zero"),
+    (HEAD + "A = [['']]\nb = [1]", "A[0][0]: the expression is empty; write a number such as 1/4"),
+    (HEAD + "A = [['1 2']]\nb = [1]", "A[0][0]: '1 2' is no expression: '2' has no place"),
+    (HEAD + "A = [['(1']]\nb = [1]", "A[0][0]: '( 1' is no expression: it ends too early"),
+    (HEAD + "A = [['1)']]\nb = [1]", "A[0][0]: '1 )' is no expression: ')' has no place"),
+    (HEAD + "A = [['*2']]\nb = [1]", "A[0][0]: '* 2' is no expression: '*' has no place"),
+    (HEAD + "A = [['2**99']]\nb = [1]", "the exponent '99' is no integer from -64 to 64"),
+    (HEAD + "A = [['2**0.5']]\nb = [1]", "the exponent '0.5' is no integer from -64 to 64"),
+    (HEAD + "A = [['0**-1']]\nb = [1]", "A[0][0]: '0 ** - 1' is no expression: it divides by zero"),
+    (HEAD + f"A = [['{DEEP}']]\nb = [1]", "it is nested deeper than 40 levels"),
+    (HEAD + f"A = [['{'-' * 41}1']]\nb = [1]", "it is nested deeper than 40 levels"),
+    (HEAD + f"A = [['{'1+' * 1000}1']]\nb = [1]", "A[0][0]: the expression has 2001 characters; at most 2000 are read"),
+    (HEAD + "A = [['(((9**64)**64)**64)**64']]\nb = [1]", "its numbers are too large"),
+    (HEAD + "A = [[1e999999999]]\nb = [1]", "A[0][0]: '1e999999999' is too long"),
+    (HEAD + "A = [[nan]]\nb = [1]", "A[0][0]: 'nan' is no expression: 'nan' is an unknown root"),
+    (HEAD + "A = [[-inf]]\nb = [1]", "A[0][0]: '- inf' is no expression: 'inf' is an unknown root"),
+    (HEAD + f"A = [[0x{'f' * 9000}]]\nb = [1]", "A[0][0] is an integer of 36000 bits; at most 20000 are read"),
+    (HEAD + f"A = [[{'9' * 5000}]]\nb = [1]", "Exceeds the limit (4300 digits)"),
+    (ONE + "claimed_order = -1", "claimed_order is -1; write a whole number from 0 to 200"),
+    (ONE + "claimed_order = 4.0", "claimed_order is '4.0'; write a whole number"),
+    (ONE + f"claimed_order = 0x{'f' * 9000}", "claimed_order is a huge number; write a whole number"),
+    (ONE + "embedded_order = 1", "b_embedded is missing"),
+    (ONE + "decimal = 1", "decimal is 1; write true or false"),
+    (ONE + "title = ''", "title is no line of text of 1 to 200 characters"),
+    (ONE + 'title = "a\\nb"', "title is no line of text of 1 to 200 characters"),
+    (ONE + "key = '../x'", "key is '../x'; write a letter, then letters, digits"),
+    (
+        'family = "splitting"\nparts = [["push", 1]]',
+        "parts[0] is ['push', 1]; write ['kick', number] or ['drift', number]",
+    ),
+    ('family = "splitting"\nparts = [["kick"]]', "parts[0] is ['kick']; write ['kick', number]"),
+    ('family = "splitting"\nparts = []', "parts is empty; a splitting has at least one kick or drift"),
+    ('family = "splitting"\nparts = [[["kick"], 1]]', "parts[0] is [['kick'], 1]; write"),
+    ('family = "nystrom"\nb_velocity = [1]\nc = [0]', "A is missing"),
+    ('family = "collocation"\nnode_polynomial = [1, 0, 1]', "node_polynomial has a complex or a multiple root"),
+    ('family = "collocation"\nnode_polynomial = [0, 1]\ndecimal = true', "decimal is true; a node polynomial"),
+    ('family = "collocation"\nnode_polynomial = ["r", 1]\n[roots]\nr = "sqrt(2)"', "a rational number is needed"),
+    ("not toml", "Expected '=' after a key in a key/value pair (at line 1, column 5)"),
+    (b"\xff\xfe", "codec can't decode byte 0xff"),
+    ("a = " + "[" * 5000 + "]" * 5000, ""),
+]
+
+
+@pytest.mark.parametrize(("text", "reason"), WRONG, ids=range(len(WRONG)))
+def test_wrong_file_is_refused_in_one_line_with_its_name_and_place(
+    write: Write, text: str | bytes, reason: str
+) -> None:
+    path = write(text)
+    with pytest.raises(MethodError) as caught:
+        read_method(path)
+    line = str(caught.value)
+    assert line.startswith(f"{path}: ")
+    assert reason in line
+    assert "\n" not in line
+    assert len(line) < 400
+
+
+def million(entries: str) -> str:
+    return HEAD + f"A = [[0]]\nb = [{entries}]\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        (million("0," * 10**6), "too large; at most 2000000 bytes are read"),
+        (million("0," * 990_000), "b has 990000 entries; at most 200 are read"),
+        (HEAD + "b = [1]\nA = [" + "[0]," * 300_000 + "]", "A has 300000 entries; at most 200 are read"),
+        ('family = "splitting"\nparts = [' + '["kick", 1],' * 100_000 + "]", "parts has 100000 entries; at most 1000"),
+    ],
+    ids=["file", "weights", "rows", "parts"],
+)
+def test_a_million_stages_are_refused_without_delay(write: Write, text: str, reason: str) -> None:
+    path, start = write(text), time.perf_counter()
+    with pytest.raises(MethodError, match=reason):
+        read_method(path)
+    # Half a second of it is TOML's own parser; exact arithmetic on so many stages would take hours.
+    assert time.perf_counter() - start < 20
+
+
+def test_two_hundred_stages_are_read(write: Write) -> None:
+    rows = ",".join("[" + ",".join(["'1/7'"] * i + ["0"] * (200 - i)) + "]" for i in range(200))
+    method = read_method(write(HEAD + f"A = [{rows}]\nb = [{','.join(['0.005'] * 200)}]\n"))
+    assert isinstance(method, RungeKutta)
+    assert (method.stages, method.explicit, method.inconsistencies()) == (200, True, {})
+
+
+def test_file_that_is_not_there_or_is_no_file_is_refused(tmp_path: Path) -> None:
+    missing = "No such file or directory"
+    refused = ((tmp_path / "none.toml", missing), (tmp_path, "is no file"), (tmp_path / "two\nlines.toml", missing))
+    for path, reason in refused:
+        with pytest.raises(MethodError, match=reason) as caught:
+            read_method(path)
+        assert "\n" not in str(caught.value)
+
+
+def test_key_is_the_name_of_the_file(tmp_path: Path) -> None:
+    for name, key in (("rk4.toml", "rk4"), ("3 stages!.toml", "method_3_stages_"), ("a.b.toml", "a.b")):
+        path = tmp_path / name
+        path.write_text(ONE, encoding="utf-8")
+        assert read_method(path).key == key
+        assert read_method(str(path)).key == key
+
+
+S3 = square_root(3)
+EXPRESSIONS: list[tuple[str, Exact]] = [
+    ("1/4 - s3/6", Q(1, 4) - S3 / 6),
+    ("(3 + s3)/6", (3 + S3) / 6),
+    ("-s3**2", Q(-3)),
+    ("(-s3)**3", -3 * S3),
+    ("2 - -3", Q(5)),
+    ("1/2/2", Q(1, 4)),
+    ("1 - 2 - 3", Q(-4)),
+    ("1 + 2*3", Q(7)),
+    ("2*(1 + .5)", Q(3)),
+    ("1e2/3", Q(100, 3)),
+    ("2**-2", Q(1, 4)),
+    ("1/s3", S3 / 3),
+    ("\N{MINUS SIGN}1", Q(-1)),
+    ("+ 1_000", Q(1000)),
+    ("s3**0", Q(1)),
+    ("1.5E-1", Q(3, 20)),
+]
+
+
+@pytest.mark.parametrize(("text", "value"), EXPRESSIONS, ids=range(len(EXPRESSIONS)))
+def test_expression_has_the_value_that_arithmetic_gives_it(text: str, value: Exact) -> None:
+    assert parse_exact(text, {"s3": S3}, "here") == value
+    assert parse_exact(f" ( {text} ) + 1", {"s3": S3}, "here") != value
+
+
+@st.composite
+def expressions(draw: st.DrawFn, depth: int = 3) -> tuple[str, Exact]:
+    """A text and its value, by Python's own arithmetic on exact numbers."""
+    if depth == 0 or draw(st.integers(0, 3)) == 0:
+        return draw(st.sampled_from([("2", Q(2)), ("0.7", Q(7, 10)), ("s3", S3), ("3/4", Q(3, 4)), ("11", Q(11))]))
+    (left, x), (right, y) = draw(expressions(depth - 1)), draw(expressions(depth - 1))
+    sign = draw(st.sampled_from("+-*/"))
+    value = {"+": lambda: x + y, "-": lambda: x - y, "*": lambda: x * y, "/": lambda: x / y if y else x + y}[sign]()
+    return f"({left}){sign if sign != '/' or y else '+'}({right})", value
+
+
+@given(expressions())
+def test_drawn_expression_has_the_value_that_arithmetic_gives_it(drawn: tuple[str, Exact]) -> None:
+    text, value = drawn
+    assert parse_exact(text, {"s3": S3}, "here") == value
+
+
+def refusal(text: str) -> str | None:
+    try:
+        parse_exact(text, {"s3": S3}, "here")
+    except ValueError as error:
+        return str(error)
+    return None
+
+
+@given(st.text("0123456789.eE+-*/() s3_xyz,'\"", max_size=30))
+def test_any_text_is_a_number_or_is_refused_in_one_line(text: str) -> None:
+    line = refusal(text)
+    assert line is None or (line.startswith("here: ") and "\n" not in line)

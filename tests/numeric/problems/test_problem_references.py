@@ -1,0 +1,153 @@
+"""The digits of the references are right: certified, or computed twice; another digit is noticed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from functools import cache
+
+import pytest
+from flint import arb, ctx
+
+from driftproof.numeric.problems.catalogue import PROBLEMS
+from driftproof.numeric.problems.problem import CERTIFIED, EXACT, TWICE, Problem
+from driftproof.symbolic.algebra.certified import endpoints
+from tests.witnesses.references.closed_forms import CLOSED_FORMS, ball
+from tests.witnesses.references.collocation import Collocation
+from tests.witnesses.references.solutions import Disagreement, Row, common, computed
+from tests.witnesses.references.taylor import NoEnclosure, Taylor
+
+BY_EVIDENCE = {e: [p for p in PROBLEMS.values() if p.reference.evidence == e] for e in (EXACT, CERTIFIED, TWICE)}
+# Whose first states are computed again in a moment.
+SAMPLED = {"robertson": 2, "henon_heiles": 1}
+# Steps short beside the fastest change; 1/100 for all others.
+SHORT = {
+    **dict.fromkeys(("dahlquist_1e6", "prothero_robinson", "kaps"), Fraction(1, 10**7)),
+    **dict.fromkeys(("dahlquist_1e3", "stiff_oscillator", "separated_oscillators", "stiff_pair"), Fraction(1, 10**4)),
+    **dict.fromkeys(("overdamped_oscillator", "heat_equation", "kepler_extreme"), Fraction(1, 10**4)),
+    "kepler_eccentric": Fraction(1, 10**3),
+}
+key = lambda problem: problem.key
+
+
+def wrong(stored: Sequence[Sequence[str]], right: Sequence[Row]) -> list[tuple[int, int]]:
+    """Where a digit differs."""
+    return [(i, j) for i, row in enumerate(right) for j, text in enumerate(row) if stored[i][j] != text]
+
+
+@cache
+def recomputed(name: str, count: int) -> list[Row]:
+    problem = PROBLEMS[name]
+    return computed(problem, problem.reference.times[:count])
+
+
+def with_another_digit(text: str, place: int) -> str:
+    """The decimal with its digit number `place` changed by one: the first is 0, the last -1."""
+    at = [i for i, x in enumerate(text.partition("e")[0]) if x.isdigit()][place]
+    return f"{text[:at]}{'1' if text[at] == '0' else chr(ord(text[at]) - 1)}{text[at + 1 :]}"
+
+
+@pytest.mark.parametrize("problem", BY_EVIDENCE[EXACT], ids=key)
+def test_closed_forms_have_the_digits_stored(problem: Problem) -> None:
+    assert wrong(problem.reference.states, recomputed(problem.key, len(problem.reference.times))) == []
+
+
+@pytest.mark.parametrize("problem", [PROBLEMS[name] for name in SAMPLED], ids=key)
+def test_first_states_computed_again_have_the_digits_stored(problem: Problem) -> None:
+    count = SAMPLED[problem.key]
+    assert wrong(problem.reference.states[:count], recomputed(problem.key, count)) == []
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("problem", BY_EVIDENCE[CERTIFIED] + BY_EVIDENCE[TWICE], ids=key)
+def test_all_states_computed_again_have_the_digits_stored(problem: Problem) -> None:
+    assert wrong(problem.reference.states, recomputed(problem.key, len(problem.reference.times))) == []
+
+
+@pytest.mark.parametrize("problem", [*BY_EVIDENCE[EXACT], *(PROBLEMS[name] for name in SAMPLED)], ids=key)
+def test_another_digit_is_noticed_wherever_it_is_planted(problem: Problem) -> None:
+    count = SAMPLED.get(problem.key, len(problem.reference.times))
+    right = recomputed(problem.key, count)
+    for i, row in enumerate(right):
+        for j, text in enumerate(row):
+            for place in (0, -1):
+                planted = [list(stored) for stored in problem.reference.states[:count]]
+                planted[i][j] = with_another_digit(text, place)
+                assert wrong(planted, right) == [(i, j)]
+
+
+def flows(problem: Problem, t: Fraction, h: Fraction, state: list[arb]) -> list[tuple[arb, arb]]:
+    """From a state at t: what Taylor's series encloses at t + h, and the closed form there."""
+    return list(zip(Taylor(problem.field, 25).step(state, t, h), CLOSED_FORMS[problem.key](t + h), strict=True))
+
+
+@pytest.mark.parametrize("problem", BY_EVIDENCE[EXACT], ids=key)
+def test_closed_form_solves_the_equations_from_the_start_on_and_from_the_first_time(problem: Problem) -> None:
+    h = SHORT.get(problem.key, Fraction(1, 100))
+    first = problem.reference.times[0]
+    with ctx.workprec(200):
+        starts = [(Fraction(0), [ball(x) for x in problem.start]), (first, CLOSED_FORMS[problem.key](first))]
+        for t, state in starts:
+            pairs = flows(problem, t, h, state)
+            assert all(a.overlaps(b) and a.rad() < arb(10) ** -25 for a, b in pairs)
+            moved = [x + arb(10) ** -20 for x in state]
+            assert not all(a.overlaps(b) for a, b in flows(problem, t, h, moved))
+
+
+def over_last_interval(problem: Problem, start: Sequence[str]) -> list[Fraction]:
+    """The last state, from the one before; the equations do not read t."""
+    before, last = problem.reference.times[-2:]
+    program = Collocation(problem.field)
+    with ctx.workprec(program.bits):
+        y = [ball(Fraction(text)).mid() for text in start]
+    return [endpoints(x)[0] for x in program.integrate(y, [last - before], 1e-8)[0]]
+
+
+def agree(found: Sequence[Fraction], stored: Sequence[str]) -> bool:
+    """To 15 digits: the state before was rounded to 20, and may have grown more wrong by a factor of thousands."""
+    return all(abs(a / Fraction(b) - 1) < Fraction(1, 10**15) for a, b in zip(found, stored, strict=True))
+
+
+# Not on the fast components, which forget.
+@pytest.mark.parametrize(
+    ("name", "slow"),
+    [("van_der_pol_1e6", 0), ("hires", 4), ("oregonator", 2)],
+)
+def test_last_state_follows_from_the_one_before(name: str, slow: int) -> None:
+    *_, before, last = PROBLEMS[name].reference.states
+    assert agree(over_last_interval(PROBLEMS[name], before), last)
+    planted = list(before)
+    planted[slow] = with_another_digit(before[slow], -7)
+    assert not agree(over_last_interval(PROBLEMS[name], planted), last)
+
+
+def test_robertson_and_hires_keep_their_sums_in_the_digits_stored() -> None:
+    for name, parts, total in (("robertson", (0, 1, 2), Fraction(1)), ("hires", (6, 7), Fraction(57, 10000))):
+        for state in PROBLEMS[name].reference.states:
+            left = lambda texts, parts=parts, total=total: abs(sum(Fraction(texts[i]) for i in parts) / total - 1)
+            assert left(state) < Fraction(1, 10**19)
+            largest = max(parts, key=lambda i, state=state: Fraction(state[i]))
+            planted = [with_another_digit(x, -3) if i == largest else x for i, x in enumerate(state)]
+            assert left(planted) > Fraction(1, 10**19)
+
+
+def test_only_as_many_digits_are_kept_as_two_programs_share() -> None:
+    one = Fraction("1.2345678901234567")
+    assert common(one, one + Fraction(1, 10**14)) == "1.2345678901235"
+    assert common(one, one) == "1.2345678901234567000"
+    with pytest.raises(Disagreement):
+        common(one, one + Fraction(1, 10**11))
+
+
+def test_digits_are_at_least_twelve_and_twenty_where_all_agree() -> None:
+    for problem in PROBLEMS.values():
+        for state in problem.reference.states:
+            for text in state:
+                digits = text.partition("e")[0].lstrip("-0.").replace(".", "")
+                assert len(digits) == 20 or text == "0e-400"
+
+
+def test_taylor_refuses_a_step_that_no_box_holds() -> None:
+    kepler = PROBLEMS["kepler_extreme"]
+    with ctx.workprec(100), pytest.raises(NoEnclosure):
+        Taylor(kepler.field, 10).step([ball(x) for x in kepler.start], Fraction(0), Fraction(1))

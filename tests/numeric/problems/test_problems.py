@@ -1,0 +1,137 @@
+"""The problems are what they say: matrices, forces, energies, derivatives, keys."""
+
+from __future__ import annotations
+
+import json
+import math
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+from flint import arb, arb_series, ctx
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.fields import Field
+from driftproof.methods.jacobian import derivative
+from driftproof.numeric.advance import field_jacobian
+from driftproof.numeric.implicit import implicit_stepper
+from driftproof.numeric.problems.catalogue import PROBLEMS, problem_named
+from driftproof.numeric.problems.problem import Problem
+from tests.witnesses.references.closed_forms import ball
+from tests.witnesses.references.functions import derivative as all_derivatives
+from tests.witnesses.references.functions import rate
+
+key = lambda problem: problem.key
+LINEAR = [p for p in PROBLEMS.values() if p.matrix is not None]
+SECOND_ORDER = [p for p in PROBLEMS.values() if p.second_order]
+CONSERVATIVE = [p for p in PROBLEMS.values() if p.energy is not None]
+FAMILIES = {"explicit", "a_stable", "l_stable", "symplectic"}
+OF_BALLS = {name: getattr(arb, name) for name in ("sin", "cos", "exp", "log", "sqrt")}
+OF_SERIES = {name: getattr(arb_series, name) for name in OF_BALLS}
+
+
+def states(problem: Problem) -> list[tuple[Fraction, ...]]:
+    """Some that are nothing special, away from where a rate is not defined."""
+    return [tuple(Fraction(7 * i * i + 11 * j + 1, 64) for i in range(len(problem.start))) for j in range(3)]
+
+
+@pytest.mark.parametrize("problem", LINEAR, ids=key)
+def test_matrix_times_the_state_is_the_rates_exactly(problem: Problem) -> None:
+    f = rate(problem.field, lambda x: x)
+    for y in states(problem):
+        product = [sum((a * x for a, x in zip(row, y, strict=True)), Fraction(0)) for row in problem.matrix or ()]
+        assert f(None, y) == product
+        assert f(None, (y[0] + 1, *y[1:])) != product
+
+
+@pytest.mark.parametrize("problem", SECOND_ORDER, ids=key)
+def test_second_order_problems_move_by_their_velocities_and_forces_do_not_read_those(problem: Problem) -> None:
+    half = len(problem.start) // 2
+    names = problem.field.components
+    assert problem.field.rates[:half] == names[half:]
+    assert all(derivative(force, v) == "0" for force in problem.field.rates[half:] for v in names[half:])
+
+
+def test_damped_oscillators_are_not_called_second_order() -> None:
+    for name in ("overdamped_oscillator", "critically_damped_oscillator"):
+        assert not PROBLEMS[name].second_order
+        assert derivative(PROBLEMS[name].field.rates[1], "y1") != "0"
+
+
+def energy_change(problem: Problem, energy: str, y: tuple[Fraction, ...]) -> arb:
+    """dE/dt = Σ ∂E/∂yᵢ fᵢ in a ball."""
+    names = problem.field.components
+    gradient = Field(tuple(derivative(energy, name) for name in names), problem.field.parameters)
+    at = [ball(x) for x in y]
+    f, g = (rate(field, ball, OF_BALLS)(arb(0), at) for field in (problem.field, gradient))
+    return sum((a * b for a, b in zip(f, g, strict=True)), arb(0))
+
+
+@pytest.mark.parametrize("problem", CONSERVATIVE, ids=key)
+def test_energy_does_not_change_along_the_flow(problem: Problem) -> None:
+    assert problem.energy is not None
+    with ctx.workprec(300):
+        for y in states(problem):
+            change = energy_change(problem, problem.energy, y)
+            assert change.contains(0)
+            assert change.rad() < arb(10) ** -60
+            assert not energy_change(problem, f"{problem.energy} + y0 / 1000", y).contains(0)
+
+
+@pytest.mark.parametrize("problem", list(PROBLEMS.values()), ids=key)
+def test_derivatives_are_those_that_series_find(problem: Problem) -> None:
+    count = len(problem.start)
+    with ctx.workprec(200):
+        at = [ball(x) for x in states(problem)[0]]
+        found = all_derivatives(problem.field, ball, OF_BALLS)(arb(1), at)
+        for j in range(count):
+            moved = [arb_series([x, 1 if i == j else 0], 2) for i, x in enumerate(at)]
+            slopes = rate(problem.field, ball, OF_SERIES)(arb_series([1], 2), moved)
+            for i, slope in enumerate(slopes):
+                difference = slope[1] - found[i][j]
+                assert difference.contains(0)
+                assert difference.rad() < arb(10) ** -40
+
+
+def test_rates_stay_exact_on_fractions_unless_they_call_a_function() -> None:
+    for problem in PROBLEMS.values():
+        if not any(name in text for text in problem.field.rates for name in OF_BALLS):
+            found = rate(problem.field, lambda x: x)(Fraction(1), states(problem)[0])
+            assert all(isinstance(x, Fraction | int) for x in found), problem.key
+
+
+def test_problem_is_found_by_its_key_and_a_near_miss_is_answered() -> None:
+    assert problem_named("robertson") is PROBLEMS["robertson"]
+    with pytest.raises(ValueError, match="did you mean oregonator"):
+        problem_named("oregonatr")
+
+
+def test_every_problem_says_what_is_expected_of_some_class_of_method() -> None:
+    for problem in PROBLEMS.values():
+        assert problem.expected
+        assert set(problem.expected) <= FAMILIES
+
+
+def test_digits_file_holds_the_problems_and_no_others() -> None:
+    text = (Path(__file__).parents[3] / "driftproof/numeric/problems/digits.json").read_text(encoding="utf-8")
+    assert set(json.loads(text)) == set(PROBLEMS)
+
+
+@pytest.mark.parametrize("name", ["kaps", "kepler", "robertson"])
+def test_derivatives_give_newtons_method_the_same_step_for_no_more_rates(name: str) -> None:
+    problem, calls = PROBLEMS[name], [0]
+    f = rate(problem.field, float, {"sqrt": math.sqrt})
+
+    def counted(t: float, y: object) -> list[float]:
+        calls[0] += 1
+        return f(t, y)  # type: ignore[arg-type]
+
+    found = []
+    for derivatives in (None, field_jacobian(problem.field)):
+        calls[0] = 0
+        step = implicit_stepper(METHODS["radau_iia3"], counted, derivatives)
+        found.append((step(0.0, [float(x) for x in problem.start], 1 / 64).y, calls[0]))
+    (one, many), (other, few) = found
+    assert few <= many
+    assert np.max(np.abs(one - other)) < 1e-13

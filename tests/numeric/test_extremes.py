@@ -1,0 +1,158 @@
+"""Runs at the ends of the formats, steps at the ends of stability, and formats: each outcome named."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+from math import cos, inf, isfinite, nextafter, sqrt
+
+import numpy as np
+import pytest
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.problems import oscillator
+from driftproof.numeric.engine import compiled_runner, ensemble_runner, runner
+from driftproof.numeric.steppers import rk4
+from driftproof.symbolic.algebra.certified import significant
+from driftproof.symbolic.n_steps import as_balls, exact_matrix_at, power
+
+EXPLICIT = [method for method in METHODS.values() if method.explicit]
+RK4, VERLET, SYMPLECTIC = METHODS["rk4"], METHODS["velocity_verlet"], METHODS["symplectic_euler"]
+U = Q(1, 2**53)
+LARGEST, TINIEST = Q(np.finfo(float).max.item()), 5e-324
+
+# Huge and tiny states
+
+
+def test_the_lessons_rk4_overflows_from_2_5e307_in_a_sum_of_stages_though_its_result_is_representable():
+    """Of (x, x) the sum k₁ + 2k₂ + 2k₃ + k₄ of v is -(6 + 3h - h² - h³/4) x, which is 7.2 x at h = 1/2."""
+    factor = 6 + 3 * Q(1, 2) - Q(1, 4) - Q(1, 32)
+    assert Q(24, 10) * 10**307 < LARGEST / factor < Q(25, 10) * 10**307
+    assert all(map(isfinite, rk4(oscillator, 2.4e307, 2.4e307, 0.5)))
+    assert rk4(oscillator, 2.5e307, 2.5e307, 0.5)[1] == -inf
+
+
+def test_the_text_of_rk4_weighs_stages_before_it_adds_them_and_does_not_overflow_there():
+    q, v = runner(RK4)(2.5e307, 2.5e307, 0.5, 1)
+    (a, b), (c, d) = (row for row in np.reshape(exact_matrix_at(RK4, Q(1, 2)), (2, 2)).tolist())
+    x = Q(2.5e307)
+    assert abs(Q(q) - (a + b) * x) + abs(Q(v) - (c + d) * x) < 20 * U * x
+    assert all(map(isfinite, runner(RK4)(1e308, 1e308, 0.5, 1)))
+    assert not all(map(isfinite, runner(RK4)(1.7e308, 1.7e308, 0.5, 1)))
+
+
+@pytest.mark.parametrize("method", EXPLICIT, ids=lambda m: m.key)
+def test_a_run_at_1e302_or_1e_245_is_the_run_at_1_scaled_bit_for_bit(method):
+    """Rounding knows no scale, and the problem is linear: 2^k times the state is 2^k times every number in between."""
+    q, v = runner(method)(0.6, -0.8, 0.125, 5)
+    for scale in (2.0**1000, 2.0**-800):
+        assert runner(method)(0.6 * scale, -0.8 * scale, 0.125, 5) == (q * scale, v * scale)
+
+
+def test_a_run_at_1e308_scales_too_where_no_sum_of_stages_is_larger():
+    scale = 2.0**1023
+    q, v = runner(VERLET)(0.5, -0.5, 0.125, 40)
+    assert runner(VERLET)(0.5 * scale, -0.5 * scale, 0.125, 40) == (q * scale, v * scale)
+
+
+def test_at_1e_308_products_are_subnormal_and_scaling_ends():
+    """2^-1022 is 2.2e-308: h v is below it, and has fewer bits."""
+    scale = 2.0**-1022
+    q, v = runner(VERLET)(0.6, -0.8, 0.125, 5)
+    small = runner(VERLET)(0.6 * scale, -0.8 * scale, 0.125, 5)
+    assert small != (q * scale, v * scale)
+    # 15 products, each off by half of the smallest number, and of the start half of it: nothing amplifies them here
+    assert max(abs(Q(small[0]) - Q(q) * Q(scale)), abs(Q(small[1]) - Q(v) * Q(scale))) < 32 * Q(TINIEST)
+
+
+def test_the_smallest_state_never_moves_by_a_step_below_a_half():
+    """h times the smallest number rounds to 0 for h <= 1/2, a tie to even; above, to the number itself."""
+    for key in ("forward_euler", "symplectic_euler", "velocity_verlet"):
+        assert runner(METHODS[key])(TINIEST, 0.0, 0.5, 1000) == (TINIEST, 0.0)
+    assert runner(SYMPLECTIC)(TINIEST, 0.0, nextafter(0.5, 1), 1) == (0.0, -TINIEST)
+
+
+def test_a_compiled_run_does_not_flush_subnormals():
+    pytest.importorskip("numba")
+    for start in ((1e-308, -1e-310), (TINIEST, 40 * TINIEST), (1e308, 1e308)):
+        assert compiled_runner(SYMPLECTIC)(*start, 0.75, 100) == runner(SYMPLECTIC)(*start, 0.75, 100)
+
+
+# Steps at the ends of stability: the verdict is that of the fraction that the float is.
+
+AT_TWO = {"below": nextafter(2, 0), "at": 2.0, "above": nextafter(2, 3)}
+ROOT = 2 * sqrt(2)
+AT_ROOT = {"below": nextafter(ROOT, 0), "nearest": ROOT, "above": nextafter(ROOT, 3)}
+
+
+def test_symplectic_euler_one_ulp_below_2_is_stable_at_2_grows_linearly_and_one_ulp_above_grows_exponentially():
+    """Eigenvalues of determinant 1: on the circle for |trace| < 2, a Jordan block at -2, real and apart beyond."""
+    traces = {name: _trace(SYMPLECTIC, h) for name, h in AT_TWO.items()}
+    assert -2 < traces["below"]
+    assert traces["at"] == -2
+    assert exact_matrix_at(SYMPLECTIC, Q(2)) != (-1, 0, 0, -1)
+    assert traces["above"] < -2
+    sizes = {name: _size_of_power(SYMPLECTIC, h, 2**30) for name, h in AT_TWO.items()}
+    # q² + v² - hqv is kept: at 2 - 2^-52 no state exceeds 2^27 times its start; N steps of 2 give about 2N.
+    assert sizes["below"] < 2**28 < 2**30 < sizes["at"] < 2**33 < 2**40 < sizes["above"]
+
+
+def test_a_thousand_float_steps_cannot_tell_2_from_its_neighbours():
+    """The exponential needs 2^24 steps to show; until then all three grow linearly, and only the fraction knows."""
+    sizes = [np.hypot(*runner(SYMPLECTIC)(1.0, 0.25, h, 1000)) for h in AT_TWO.values()]
+    assert max(sizes) - min(sizes) < sizes[0] / 2**20
+    assert sizes[0] > 1000
+
+
+def test_rk4_one_ulp_below_2_root_2_is_stable_and_one_ulp_above_is_not():
+    """Energy is multiplied by 1 - h⁶(8 - h²)/576 exactly; the double nearest to the root lies above it."""
+    multipliers = {name: _multiplier(RK4, h) for name, h in AT_ROOT.items()}
+    assert multipliers["below"] < 1 < multipliers["above"]
+    assert (multipliers["nearest"] < 1) == (Q(ROOT) ** 2 < 8)
+    for name, h in AT_ROOT.items():
+        assert multipliers[name] == 1 - Q(h) ** 6 * (8 - Q(h) ** 2) / 576
+
+
+def test_ten_thousand_float_steps_of_rk4_cannot_tell_2_root_2_from_its_neighbours():
+    """|m - 1| is near 8·2^-50: it changes the energy by less than rounding does, which is all that one sees."""
+    for h in AT_ROOT.values():
+        q, v = runner(RK4)(1.0, 0.0, h, 10_000)
+        assert abs(q * q + v * v - 1) < 10_000 * 30 * float(U)
+        assert abs(_multiplier(RK4, h) - 1) < 64 * U
+
+
+def _trace(method, h):
+    qq, _, _, vv = exact_matrix_at(method, Q(h))
+    return qq + vv
+
+
+def _multiplier(method, h):
+    qq, qv, vq, vv = exact_matrix_at(method, Q(h))
+    assert (qq, qv) == (vv, -vq)
+    return qq * qq + qv * qv
+
+
+def _size_of_power(method, h, steps):
+    """The largest entry of M^N, from exact entries, in balls."""
+    matrix = exact_matrix_at(method, Q(h))
+    entries = [significant(lambda i=i: power(as_balls(matrix), steps)[i], 6) for i in range(4)]
+    return max(abs(float(entry)) for entry in entries)
+
+
+# Formats
+
+
+def test_float16_overflows_at_65504_and_says_so_by_infinity():
+    q, v = np.array([6e4, 1.0], np.float16), np.array([6e4, 1.0], np.float16)
+    ensemble_runner(METHODS["forward_euler"])(q, v, 0.5, 1)
+    assert q[0] == inf
+    assert (q.dtype, float(q[1])) == (np.float16, 1.5)
+
+
+def test_float16_at_a_step_of_2_to_the_minus_12_never_leaves_1_and_compensated_it_does():
+    """h v is below half a unit of q all the way to t = 1, so each addition loses all of it, and keeps it if told to."""
+    h, steps = 2.0**-12, 2**12
+    plain, kept = ([np.ones(1, np.float16), np.zeros(1, np.float16)] for _ in range(2))
+    ensemble_runner(SYMPLECTIC)(*plain, h, steps)
+    ensemble_runner(SYMPLECTIC, compensated=True)(*kept, h, steps)
+    assert plain[0][0] == 1
+    assert abs(float(kept[0][0]) - cos(1)) < 4 * 2.0**-11

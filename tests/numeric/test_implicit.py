@@ -1,0 +1,264 @@
+"""Implicit methods in floats: stage equations solved to rounding or refused, against exact matrices and roots."""
+
+from __future__ import annotations
+
+import pickle
+from fractions import Fraction as Q
+from math import isqrt
+
+import numpy as np
+import pytest
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import MethodError, RungeKutta
+from driftproof.methods.tables.collocation import gauss, lobatto_iiia, radau_iia
+from driftproof.numeric.implicit import StageEquationsUnsolved, implicit_run, implicit_stepper
+from driftproof.numeric.linear import endpoint, exact_matrix, float_matrix
+from driftproof.numeric.tableaux import solved, tableau
+from driftproof.symbolic.n_steps import exact_matrix_at
+
+IMPLICIT = [method for method in METHODS.values() if not method.explicit]
+U = Q(1, 2**53)
+BACKWARD_EULER, MIDPOINT = METHODS["backward_euler"], METHODS["implicit_midpoint"]
+
+
+def oscillator(t, y):
+    return [y[1], -y[0]]
+
+
+def rigid_body(t, y):
+    return [y[1] * y[2], -2 * y[0] * y[2], y[0] * y[1]]
+
+
+def robertson(t, y):
+    slow, fast, back = y[0] / 25, 3e7 * y[1] * y[1], 1e4 * y[1] * y[2]
+    return [back - slow, slow - back - fast, fast]
+
+
+def rounding_of_a_step(method, h):
+    """A bound on the error of a step of the oscillator from the unit circle, to first order in u.
+
+    A component of a residual is at most 8E + 4R, where |Z|, |w| <= 2hw, w being the largest sum of |A| in a row and at
+    least 1, |f| and |y + Z| <= 2, |J| = 1: E <= u hw (8 + 2 (s + 20) + 34), R <= u (2hw + 2h²w²). Stage by stage, the
+    slope (Z - w)/aⱼⱼ takes a residual into those that follow. (I - hA⊗J)⁻¹ makes an error of Z of it, d or b one of y₁,
+    whose formula rounds s + 1 terms of at most 2hw and the sum, of at most 2.
+    """
+    table = tableau(method)
+    a, s = np.abs(table.a), table.stages
+    w = max(1.0, float(a.sum(axis=1).max()))
+    floor = 8 * h * w * (8 + 2 * (s + 20) + 34) + 4 * (2 * h * w + 2 * h * h * w * w)
+    if not np.triu(a, 1).any():
+        floor *= 1 + max(sum(a[i, j] / a[j, j] for j in range(i) if a[j, j] > 0) for i in range(s))
+    inverse = np.linalg.inv(np.eye(2 * s) - h * np.kron(table.a, [[0, 1], [-1, 0]]))
+    weights = 1.0 if table.stiffly_accurate else float(np.abs(table.b if table.d is None else table.d).sum())
+    return float(U) * (np.abs(inverse).sum(axis=1).max() * floor * weights + (s + 1) * 2 * h * w * weights + 4)
+
+
+@pytest.mark.parametrize("method", IMPLICIT, ids=lambda m: m.key)
+def test_a_step_of_the_oscillator_is_that_of_the_exact_matrix_up_to_rounding(method):
+    for h in (0.25, -0.5):
+        found = implicit_stepper(method, oscillator)(0.0, [0.6, -0.8], h)
+        assert found.over_floor <= 1
+        (a, b), (c, d) = float_matrix(method, h)
+        exact = np.array([a * 0.6 - b * 0.8, c * 0.6 - d * 0.8])
+        assert np.abs(found.y - exact).max() <= rounding_of_a_step(method, abs(h))
+
+
+def test_an_entry_of_the_tableau_wrong_by_1e_11_leaves_that_bound():
+    """Its own share of a step is about h²/2 times it."""
+    good = METHODS["radau_iia2"]
+    a = ((good.a[0][0] + Q(1, 10**11), good.a[0][1]), good.a[1])
+    wrong = RungeKutta("wrong", "wrong", 0, "a test", a, good.b, good.c)
+    found = implicit_stepper(wrong, oscillator)(0.0, [0.6, -0.8], 0.25)
+    (x, y), (z, w) = float_matrix(good, 0.25)
+    assert np.abs(found.y - [x * 0.6 - y * 0.8, z * 0.6 - w * 0.8]).max() > rounding_of_a_step(wrong, 0.25)
+
+
+@pytest.mark.parametrize("method", IMPLICIT, ids=lambda m: m.key)
+def test_the_exact_matrix_is_the_one_that_the_exact_side_derives(method):
+    for h in (Q(1, 3), Q(-7, 2)):
+        (a, b), (c, d) = exact_matrix(method, h)
+        assert (a, b, c, d) == exact_matrix_at(method, h)
+
+
+def test_the_exact_matrix_of_an_explicit_method_is_its_step():
+    for key in ("rk4", "yoshida4", "nystrom5"):
+        (a, b), (c, d) = exact_matrix(METHODS[key], Q(1, 3))
+        assert (a, b, c, d) == exact_matrix_at(METHODS[key], Q(1, 3))
+
+
+def test_a_step_without_a_solution_is_refused_by_the_exact_matrix():
+    """Row sums 1 and -1: I + h²A² is singular at h = 1 for A = ((0, 1), (-1, 0)), whose square is -I."""
+    a = ((Q(0), Q(1)), (Q(-1), Q(0)))
+    turning = RungeKutta("turning", "turning", 0, "a test", a, (Q(1, 2), Q(1, 2)), (Q(1), Q(-1)))
+    with pytest.raises(ZeroDivisionError, match="singular"):
+        exact_matrix(turning, Q(1))
+    exact_matrix(turning, Q(1, 2))
+
+
+@pytest.mark.parametrize(("steps", "h"), [(0, 0.5), (1, 0.5), (1000, 0.125)])
+def test_an_endpoint_by_powers_is_that_of_the_run_and_says_that_it_is_none(steps, h):
+    """Rotation by Gauss's matrix: each product of two matrices rounds each entry by at most 3u, each step too."""
+    found = endpoint(METHODS["gauss3"], (0.6, -0.8), h, steps)
+    run = implicit_run(implicit_stepper(METHODS["gauss3"], oscillator), [0.6, -0.8], h, steps)
+    most = steps * (rounding_of_a_step(METHODS["gauss3"], h) + 12 * float(U))
+    assert np.hypot(*(run.y - [found.q, found.v])) <= most
+    assert f"power {steps} of the one-step matrix" in found.how
+    assert "no step was taken" in found.how
+
+
+def root_near_start(a: Q, b: Q, c: Q) -> Q:
+    """The root of ax² + bx + c that tends to -c/b, b = 1 - a, as a tends to 0; to 100 bits."""
+    root = Q(isqrt(int((b * b - 4 * a * c) * 2**200)), 2**100)
+    return (-b + root) / (2 * a)
+
+
+@pytest.mark.parametrize("h", [0.5, -0.25, 2.0])
+def test_backward_euler_for_the_logistic_equation_finds_the_root_of_its_quadratic(h):
+    """y₁ = y + h y₁(1 - y₁), so h y₁² + (1 - h) y₁ - y = 0. G' = 1 - h(1 - 2y₁) carries the residual into y₁."""
+    found = implicit_stepper(BACKWARD_EULER, lambda t, y: y * (1 - y))(0.0, [0.75], h)
+    s, y = Q(h), Q(3, 4)
+    exact = root_near_start(s, 1 - s, -y)
+    slope = abs(1 - s * (1 - 2 * exact))
+    floor = 8 * U * (4 + 21 * abs(s) + 17 * abs(s) * 3) + 4 * U * (1 + 3 * abs(s))
+    assert abs(Q(float(found.y[0])) - exact) <= floor / slope + 2 * U
+    assert found.residual <= float(floor)
+    assert found.over_floor == 0 or found.residual / found.over_floor <= float(floor)
+
+
+def test_stages_that_do_not_exist_are_an_error_in_one_line():
+    """y₁ = y + h y₁² has a real root for 4hy <= 1 only."""
+    step = implicit_stepper(BACKWARD_EULER, lambda t, y: y * y)
+    assert step(0.0, [1.0], 0.24).over_floor <= 1
+    with pytest.raises(StageEquationsUnsolved, match=r"backward_euler.*not solved after 128") as caught:
+        step(0.0, [1.0], 0.26)
+    assert "\n" not in str(caught.value)
+    assert caught.value.reason == "not solved after 128 iterations"
+    copied = pickle.loads(pickle.dumps(caught.value))  # as between processes
+    assert (str(copied), copied.reason) == (str(caught.value), caught.value.reason)
+
+
+def test_a_rate_that_is_not_finite_is_an_error_and_no_result():
+    with pytest.raises(StageEquationsUnsolved):
+        implicit_stepper(MIDPOINT, lambda t, y: y if t == 0 else [np.nan])(0.0, [1.0], 0.5)
+    with pytest.raises(StageEquationsUnsolved):
+        implicit_stepper(MIDPOINT, lambda t, y: y)(0.0, [np.inf], 0.5)
+
+
+def test_a_rate_of_another_length_is_refused():
+    with pytest.raises(ValueError, match=r"shape \(1,\) at a state of 2 components"):
+        implicit_stepper(MIDPOINT, lambda t, y: [y[0]])(0.0, [1.0, 2.0], 0.5)
+
+
+def test_singular_newton_matrices_are_an_error():
+    """y' = y/h: 1 - h J is zero, and y₁ = y + y₁ has no solution."""
+    with pytest.raises(StageEquationsUnsolved):
+        implicit_stepper(BACKWARD_EULER, lambda t, y: 2 * y, lambda t, y: [[2.0]])(0.0, [1.0], 0.5)
+
+
+@pytest.mark.parametrize("key", ["implicit_midpoint", "gauss2", "gauss3", "gauss6", "qin_zhang2"])
+def test_methods_that_keep_quadratic_invariants_keep_those_of_a_rigid_body(key):
+    """2y₀² + y₁² and y₀² - y₂², of size at most 3: what a step leaves is below 1000u; 100 steps of them."""
+    run = implicit_run(implicit_stepper(METHODS[key], rigid_body), [0.6, 0.8, 1.0], 0.125, 100)
+    x, y, z = run.y
+    drift = max(abs(2 * x * x + y * y - 1.36), abs(x * x - z * z + 0.64))
+    assert drift < 100 * 1000 * float(U)
+    assert run.over_floor <= 1
+
+
+def test_a_method_that_keeps_no_quadratic_invariant_loses_them():
+    run = implicit_run(implicit_stepper(METHODS["radau_iia2"], rigid_body), [0.6, 0.8, 1.0], 0.125, 100)
+    assert abs(2 * run.y[0] ** 2 + run.y[1] ** 2 - 1.36) > 1e-4
+
+
+@pytest.mark.parametrize("key", ["backward_euler", "radau_iia3", "sdirk2", "gauss4"])
+def test_robertsons_stiff_reaction_keeps_its_mass(key):
+    """A linear invariant, which every method keeps; rates are up to 3e7, and their rounding is damped, not summed."""
+    run = implicit_run(implicit_stepper(METHODS[key], robertson), [1.0, 0.0, 0.0], 0.01, 50)
+    assert abs(run.y.sum() - 1) < 50 * 2.0**-52
+    assert 0 < run.y[1] < 1e-4 < 0.01 < run.y[2] < 0.03
+
+
+def test_a_jacobian_changes_the_iterations_and_not_the_result():
+    def slopes(t, y):
+        return [y[1], 20 * (1 - y[0] * y[0]) * y[1] - y[0]]
+
+    def jacobian(t, y):
+        return [[0, 1], [-40 * y[0] * y[1] - 1, 20 * (1 - y[0] * y[0])]]
+
+    wrong = lambda t, y: [[0, 1], [-1, -50]]
+    runs = [
+        implicit_run(implicit_stepper(METHODS["gauss3"], slopes, given), [2.0, 0.0], 1 / 64, 20)
+        for given in (jacobian, None, wrong)
+    ]
+    for run in runs[1:]:
+        assert np.abs(run.y - runs[0].y).max() < 20 * 1000 * float(U)
+    assert runs[2].iterations > 1.5 * runs[0].iterations
+
+
+def test_a_jacobian_that_is_far_off_converges_slowly_or_is_refused():
+    """y' = -y by backward Euler with h = 1: each iteration leaves |1 - 2/(1 - J)| of the residual, 2/3 or 14/15."""
+    found = implicit_stepper(BACKWARD_EULER, lambda t, y: -y, lambda t, y: [[-5.0]])(0.0, [1.0], 1.0)
+    assert abs(found.y[0] - 0.5) < 8 * 100 * float(U)
+    assert 53 < found.iterations < 128
+    with pytest.raises(StageEquationsUnsolved):
+        implicit_stepper(BACKWARD_EULER, lambda t, y: -y, lambda t, y: [[-29.0]])(0.0, [1.0], 1.0)
+
+
+@pytest.mark.parametrize("key", ["trapezoid", "lobatto_iiia4", "tr_bdf2", "radau_iia3", "gauss2"])
+def test_a_stiff_slope_is_not_evaluated_again_where_that_would_magnify_rounding(key):
+    """y' = -2^40 y with h = 1: |R| <= 1, and what is off in a stage by u would be off by 2^40 u in h f."""
+    found = implicit_stepper(METHODS[key], lambda t, y: -(2.0**40) * y, lambda t, y: [[-(2.0**40)]])(0.0, [1.0], 1.0)
+    limit = {"trapezoid": -1, "lobatto_iiia4": -1, "gauss2": 1}.get(key, 0)
+    assert abs(found.y[0] - limit) < 2.0**-34  # R differs from its limit at infinity by less than 32/2^40
+
+
+def test_time_is_a_multiple_of_h_and_not_a_sum():
+    """f = f(t): with one node at h the run reads the times (i h) + h, which differ from those of a running sum."""
+    read = []
+
+    def rate(t, y):
+        read.append(t)
+        return np.array([t])
+
+    implicit_run(implicit_stepper(BACKWARD_EULER, rate, lambda t, y: [[0.0]]), [0.0], 0.1, 20)
+    assert set(read) == {i * 0.1 + 0.1 for i in range(20)}
+    summed = np.cumsum(np.full(20, 0.1))
+    assert set(read) != set(summed.tolist())
+
+
+# Tableaux
+
+PAIRS = [(gauss(2), "gauss2"), (gauss(3), "gauss3"), (radau_iia(3), "radau_iia3"), (lobatto_iiia(4), "lobatto_iiia4")]
+
+
+@pytest.mark.parametrize(("collocation", "key"), PAIRS, ids=lambda x: x if isinstance(x, str) else x.key)
+def test_a_tableau_formed_of_nodes_is_the_published_one_bit_for_bit(collocation, key):
+    formed, published = tableau(collocation), tableau(METHODS[key])
+    for name in ("a", "b", "c"):
+        assert (getattr(formed, name) == getattr(published, name)).all()
+    assert formed.stiffly_accurate == published.stiffly_accurate
+    assert (formed.d is None) == (published.d is None)
+
+
+def test_nodes_zero_one_and_a_half_are_exact():
+    assert tableau(lobatto_iiia(5)).c.tolist()[::2] == [0.0, 0.5, 1.0]
+    assert tableau(gauss(5)).c.tolist()[2] == 0.5
+
+
+def test_weights_of_moves_undo_a():
+    """Radau IIA's last stage is the result: d = (0, ..., 0, 1). Gauss's d times A gives b back."""
+    assert tableau(METHODS["radau_iia3"]).d.tolist() == [0, 0, 1]
+    table = tableau(METHODS["gauss2"])
+    assert np.abs(table.d @ table.a - table.b).max() < 8 * float(U) * np.abs(table.d).sum()
+    assert tableau(METHODS["trapezoid"]).d is None
+
+
+def test_elimination_is_exact_and_tells_a_singular_matrix():
+    assert solved([[Q(0), Q(2)], [Q(3), Q(1)]], [Q(1), Q(1)]) == [Q(1, 6), Q(1, 2)]
+    assert solved([[Q(1), Q(2)], [Q(2), Q(4)]], [Q(1), Q(1)]) is None
+
+
+def test_a_splitting_has_no_tableau():
+    with pytest.raises(MethodError, match="no tableau"):
+        implicit_stepper(METHODS["velocity_verlet"], oscillator)

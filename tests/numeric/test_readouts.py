@@ -1,0 +1,134 @@
+"""What is read out of a state: distance, energy and wrapped phase, at ±180 degrees, at the origin and at the edges."""
+
+from __future__ import annotations
+
+from math import cos, hypot, inf, isinf, isnan, nan, nextafter, pi, sin, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from driftproof.numeric import readouts
+from driftproof.numeric.readouts import energy, energy_change, exact_state, phase_error, state_error
+from driftproof.strategies import states
+
+ANGLES = st.floats(-pi, pi, allow_nan=False)
+SCALES = st.sampled_from((1e-300, 1e-160, 1.0, 1e160, 1e300))
+
+
+def at_angle(phase: float, size: float = 1.0) -> tuple[float, float]:
+    """The state with phase angle atan2(-v, q) = phase."""
+    return size * cos(phase), -size * sin(phase)
+
+
+def test_exact_state_starts_at_the_start_and_moves_clockwise() -> None:
+    assert exact_state((1.0, 0.0), 0.0) == (1.0, 0.0)
+    q, v = exact_state((1.0, 0.0), 0.5)
+    assert (q, v) == (cos(0.5), -sin(0.5))
+    assert exact_state((0.0, 1.0), 0.5) == (sin(0.5), cos(0.5))
+
+
+def test_state_error_is_the_distance_and_does_not_overflow_where_the_energy_does() -> None:
+    far, origin = (3e200, 4e200), (0.0, 0.0)
+    assert state_error(far, origin) == hypot(3e200, 4e200)
+    with np.errstate(over="ignore"):
+        assert isinf(energy((np.float64(3e200), np.float64(4e200))))
+    assert state_error((3e-320, 4e-320), origin) == hypot(3e-320, 4e-320)
+    assert energy((3e-320, 4e-320)) == 0  # it underflows, where the distance does not
+
+
+def test_equal_energy_is_not_equal_state() -> None:
+    here, there = (1.0, 0.0), (0.0, -1.0)
+    assert energy(here) == energy(there) == 0.5
+    assert energy_change(here, there) == 0
+    assert state_error(here, there) == sqrt(2)
+    assert phase_error(there, here) == 90  # clockwise is ahead
+
+
+@given(ANGLES, ANGLES, SCALES, SCALES)
+def test_phase_error_is_the_difference_of_angles_wrapped(a: float, b: float, size: float, other: float) -> None:
+    found = phase_error(at_angle(a, size), at_angle(b, other))
+    assert found is not None
+    assert -180 <= found < 180
+    whole = (np.degrees(a) - np.degrees(b) - found) / 360
+    # A dozen roundings of angles up to 360 degrees: 12 * 360 * 2^-53 degrees, 12 * 2^-53 turns.
+    assert abs(whole - round(whole)) < 12 * 2.0**-53
+
+
+@given(ANGLES, ANGLES)
+def test_phase_error_changes_sign_when_the_states_change_places(a: float, b: float) -> None:
+    forth, back = phase_error(at_angle(a), at_angle(b)), phase_error(at_angle(b), at_angle(a))
+    assume(forth != -180)
+    assert back == -forth
+
+
+@given(states(min_exponent=-1000), states(min_exponent=-1000))
+def test_phase_error_neither_overflows_nor_underflows(a: tuple[float, float], b: tuple[float, float]) -> None:
+    found = phase_error(a, b)
+    assert (found is None) == ((0, 0) in (a, b))
+    assert found is None or -180 <= found < 180
+
+
+OPPOSITE = [
+    ((-1.0, 0.0), (1.0, 0.0)),
+    ((-1.0, -0.0), (1.0, 0.0)),
+    ((0.0, 2.0), (0.0, -2.0)),
+    ((-3.0, 4.0), (3.0, -4.0)),
+]
+
+
+@pytest.mark.parametrize(("numerical", "exact"), OPPOSITE)
+def test_half_a_turn_is_minus_180_never_180(numerical: tuple[float, float], exact: tuple[float, float]) -> None:
+    assert phase_error(numerical, exact) == -180
+    assert phase_error(exact, numerical) == -180
+
+
+def test_angles_beside_half_a_turn_keep_their_sign() -> None:
+    assert phase_error((-1.0, -1e-9), (1.0, 0.0)) > 179
+    assert phase_error((-1.0, 1e-9), (1.0, 0.0)) < -179
+    nearest_below_pi = (-1.0, -nextafter(0, 1))  # an angle that rounds to 180 degrees
+    assert phase_error(nearest_below_pi, (1.0, 0.0)) == -180
+
+
+def test_wrapping_hides_whole_turns() -> None:
+    start = (1.0, 0.0)
+    assert abs(phase_error(exact_state(start, 2 * pi + 0.5), exact_state(start, 0.5))) < 1e-13  # 2 pi is rounded, too
+
+
+def test_phase_error_is_undefined_at_the_origin_and_never_zero() -> None:
+    assert phase_error((0.0, 0.0), (1.0, 0.0)) is None
+    assert phase_error((1.0, 0.0), (0.0, -0.0)) is None
+    several = phase_error((np.array([0.0, 1.0]), np.array([0.0, 0.0])), (1.0, 0.0))
+    assert isnan(several[0])
+    assert several[1] == 0
+
+
+@pytest.mark.parametrize("x", [nan, inf, -inf])
+def test_state_that_is_not_finite_has_no_phase_error_either(x: float) -> None:
+    assert phase_error((x, 1.0), (1.0, 0.0)) is None
+    assert phase_error((1.0, 0.0), (1.0, x)) is None
+
+
+def test_smallest_states_have_a_phase() -> None:
+    tiny = 5e-324
+    assert phase_error((tiny, -tiny), (tiny, 0.0)) == 45
+    assert phase_error((tiny, tiny), (1e308, 0.0)) == -45
+
+
+def test_readouts_of_arrays_are_those_of_their_members() -> None:
+    q, v = np.array([1.0, 0.3, -2.0]), np.array([0.0, -0.4, 1.5])
+    exact = exact_state((q, v), 1.25)
+    for i in range(3):
+        member, its_exact = (q[i], v[i]), exact_state((q[i], v[i]), 1.25)
+        assert state_error((q, v), exact)[i] == state_error(member, its_exact)
+        assert energy((q, v))[i] == energy(member)
+        assert phase_error((q, v), exact)[i] == phase_error(member, its_exact)
+
+
+def test_flipped_sign_and_missing_wrap_would_be_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    right = readouts.phase_error
+    monkeypatch.setattr(readouts, "phase_error", lambda a, b: -right(a, b))
+    assert readouts.phase_error((0.0, -1.0), (1.0, 0.0)) != 90
+    unwrapped = np.degrees(np.arctan2(-0.1, -1) - np.arctan2(0.1, -1))
+    assert not -180 <= unwrapped < 180

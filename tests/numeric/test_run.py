@@ -1,0 +1,295 @@
+"""Float runs: only what is asked for, exact step counts and times, and honest ends where the float range ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction as Q
+from math import inf, nan
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from driftproof.methods.problems import oscillator
+from driftproof.numeric import readouts
+from driftproof.numeric import run as run_module
+from driftproof.numeric.run import MOST_STEPS, NonFiniteReadout, NonFiniteState, integrate, run, run_method, times
+from driftproof.numeric.scenes import READOUTS, Scene
+from driftproof.numeric.steppers import forward_euler, rk4, symplectic_euler
+from driftproof.strategies import rational_steps, states
+from driftproof.symbolic.algebra.certified import enclose, endpoints
+from driftproof.symbolic.oscillator_run import OscillatorRun
+from tests.nine import NINE
+
+
+def scene(**changed: Any) -> Scene:
+    given: dict[str, Any] = {"name": "test", "selected": "forward_euler", "h": Q(1, 4), "t": Q(10)}
+    return Scene(**{**given, "readouts": ("state_error",), **changed})
+
+
+SPIED = {
+    "exact_state": {"exact_state"},
+    "state_error": {"exact_state", "state_error"},
+    "energy": {"energy"},
+    "energy_change": {"energy_change", "energy"},
+    "phase_error": {"exact_state", "phase_error"},
+}
+
+
+@pytest.mark.parametrize("asked", READOUTS)
+def test_each_readout_is_computed_only_when_asked_for(asked: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    called: set[str] = set()
+
+    def spy(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
+        return lambda *arguments: (called.add(name), function(*arguments))[1]
+
+    for name in ("exact_state", "state_error", "energy", "energy_change", "phase_error"):
+        monkeypatch.setattr(readouts, name, spy(name, getattr(readouts, name)))
+    assert list(run_method(scene(readouts=(asked,)), "rk4")) == [asked]
+    assert called == SPIED.get(asked, set())
+
+
+@pytest.mark.parametrize("asked", READOUTS)
+def test_trajectory_is_kept_and_calls_are_counted_only_when_asked_for(
+    asked: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: dict[str, Any] = {}
+
+    def spy(step: Any, force: Any, start: Any, h: Any, steps: int, record: Any, counter: Any) -> Any:
+        seen.update(force=force, record=record)
+        return integrate(step, force, start, h, steps, record, counter)
+
+    monkeypatch.setattr(run_module, "integrate", spy)
+    run_method(scene(readouts=(asked,)), "rk4")
+    assert (seen["record"] is not None) == (asked == "trajectory")
+    assert (seen["force"] is not oscillator) == (asked == "evaluations")
+
+
+def test_asking_for_nothing_is_an_error() -> None:
+    silent = scene(readouts=(), panels=("position",))
+    with pytest.raises(ValueError, match="scene 'test' asks for no readout; name at least one"):
+        run_method(silent, "rk4")
+
+
+def test_readouts_come_in_the_order_asked_for() -> None:
+    asked = ("steps", "energy", "final_state")
+    assert tuple(run_method(scene(readouts=asked), "rk4")) == asked
+
+
+def test_run_answers_for_the_selected_and_the_compared_methods_once_each() -> None:
+    answers = run(scene(selected="rk4", methods=("rk4", "heun2")))
+    assert list(answers) == ["rk4", "heun2"]
+
+
+@pytest.mark.parametrize("key", NINE)
+def test_float_run_is_the_certified_run_up_to_rounding(key: str) -> None:
+    """Each of 40 steps makes at most 20 roundings of terms below 4, the largest state; none grows more than 4 times."""
+    rounding = Q(40 * 20 * 4 * 4, 2**53)
+    asked = ("final_state", "exact_state", "state_error", "energy", "energy_change")
+    found = run_method(scene(readouts=asked), key)
+    exact = OscillatorRun(NINE[key], Q(1, 4), Q(10))
+    certified = [*exact.final_state, *exact.exact_state, exact.state_error, exact.energy, exact.energy_change]
+    floats = [*found["final_state"], *found["exact_state"], *(found[name] for name in asked[2:])]
+    for x, value in zip(floats, certified, strict=True):
+        low, high = endpoints(enclose(value))
+        # The energy multiplies what two components of at most 4 are off by with up to 4 each.
+        assert low - 8 * rounding <= Q(x) <= high + 8 * rounding
+
+
+def test_run_one_step_short_is_not_the_certified_run() -> None:
+    found = run_method(scene(t=Q(39, 4), readouts=("final_state",)), "rk4")["final_state"]
+    exact = OscillatorRun(NINE["rk4"], Q(1, 4), Q(10)).final_state
+    assert max(abs(Q(x) - y) for x, y in zip(found, exact, strict=True)) > Q(1, 100)
+
+
+@pytest.mark.parametrize(("key", "calls"), [("forward_euler", 40), ("rk4", 160), ("velocity_verlet", 80)])
+def test_evaluations_are_counted_calls(key: str, calls: int) -> None:
+    assert run_method(scene(readouts=("evaluations", "steps")), key) == {"evaluations": calls, "steps": 40}
+
+
+def test_evaluations_follow_the_stepper_and_not_the_tableau(monkeypatch: pytest.MonkeyPatch) -> None:
+    def wasteful(force: Any, q: Any, v: Any, h: Any) -> Any:
+        force(q)
+        return rk4(force, q, v, h)
+
+    monkeypatch.setattr(run_module, "float_stepper", lambda key: wasteful)
+    assert run_method(scene(readouts=("evaluations",)), "rk4")["evaluations"] == 200
+
+
+def test_ten_in_steps_of_a_tenth_takes_a_hundred_steps() -> None:
+    assert run_method(scene(h=Q(1, 10), readouts=("steps",)), "rk4")["steps"] == 100
+    assert len(run_method(scene(h=Q(1, 10), readouts=("trajectory",)), "rk4")["trajectory"][0]) == 101
+
+
+def test_no_steps_return_the_start_and_no_error() -> None:
+    found = run_method(scene(t=Q(0), start=(Q(1, 3), Q(-2)), readouts=READOUTS), "rk4")
+    assert found["final_state"] == found["exact_state"] == (1 / 3, -2.0)
+    assert (found["state_error"], found["energy_change"], found["phase_error"]) == (0, 0, 0)
+    assert (found["steps"], found["evaluations"]) == (0, 0)
+    assert [len(part) for part in found["trajectory"]] == [1, 1]
+
+
+def test_times_are_products_and_never_sums() -> None:
+    found = times(Q(1, 10), 1000)
+    assert [float(x) for x in found] == [float(Q(i, 10)) for i in range(1001)]
+    summed = np.cumsum(np.full(1000, 0.1))
+    assert (summed != found[1:]).any()
+
+
+@given(rational_steps(), st.integers(0, 50))
+def test_every_time_is_rounded_once(h: Q, steps: int) -> None:
+    assert [float(x) for x in times(h, steps)] == [float(i * h) for i in range(steps + 1)]
+
+
+def test_times_that_would_round_twice_are_refused() -> None:
+    assert times(Q(1, 2**53 - 1), 1)[1] == float(Q(1, 2**53 - 1))
+    for h, steps in [(Q(1, 2**53), 1), (Q(2**40), 2**13), (Q(1, 10**20), 5)]:
+        with pytest.raises(OverflowError, match="do not round once"):
+            times(h, steps)
+
+
+def test_trajectory_holds_the_start_and_every_state_in_order() -> None:
+    when, path = run_method(scene(t=Q(1), readouts=("trajectory",)), "forward_euler")["trajectory"]
+    assert path.shape == (5, 2)
+    state = (1.0, 0.0)
+    for i in range(5):
+        assert tuple(path[i]) == state
+        state = forward_euler(oscillator, *state, 0.25)
+    assert list(when) == [0, 0.25, 0.5, 0.75, 1]
+
+
+@pytest.mark.parametrize("counted", [0, 1, 1000])
+def test_run_stops_at_the_first_state_that_is_not_finite_and_says_where(counted: int) -> None:
+    """Doubling steps: 2^1024 is the first power of two that is no double."""
+
+    def double(force: Any, q: Any, v: Any, h: Any) -> Any:
+        return 2 * q, v
+
+    with pytest.raises(NonFiniteState) as caught:
+        integrate(double, oscillator, (2.0**counted, 0.0), 1.0, 10**9)
+    assert caught.value.step == 1024 - counted
+    assert caught.value.state == (inf, 0.0)
+    assert str(caught.value) == f"overflow: the state is no longer finite after step {1024 - counted}"
+
+
+def test_overflow_is_not_called_instability() -> None:
+    """Forward Euler from 1e308 overflows in the first steps whatever h; RK4 at h = 1/4 is stable and overflows, too."""
+    for key in ("forward_euler", "rk4"):
+        with pytest.raises(NonFiniteState) as caught:
+            run_method(scene(start=(Q(10**308), Q(0))), key)
+        assert "stab" not in str(caught.value)
+        assert "overflow" in str(caught.value)
+
+
+def test_unstable_run_that_fits_in_the_range_is_no_error() -> None:
+    found = run_method(scene(h=Q(5, 2), readouts=("energy",)), "symplectic_euler")
+    assert found["energy"] > 1000
+
+
+@pytest.mark.parametrize("start", [(nan, 0.0), (0.0, inf), (-inf, nan)])
+def test_start_that_is_not_finite_stops_the_run_at_once(start: tuple[float, float]) -> None:
+    for steps in (10, 0):
+        with pytest.raises(NonFiniteState, match="the start itself is not finite") as caught:
+            integrate(rk4, oscillator, start, 0.25, steps)
+        assert caught.value.step == 0
+        assert "overflow" not in str(caught.value)
+
+
+def test_step_that_is_not_finite_stops_the_run_at_once() -> None:
+    with pytest.raises(NonFiniteState) as caught:
+        integrate(rk4, oscillator, (1.0, 0.0), nan, 10)
+    assert caught.value.step == 1
+
+
+@given(states(max_exponent=900))
+def test_run_from_any_start_is_finite_or_says_where_it_ended(start: tuple[float, float]) -> None:
+    found = integrate(symplectic_euler, oscillator, start, 0.25, 40)
+    assert all(np.isfinite(found))
+
+
+def test_ensemble_stops_when_any_member_does() -> None:
+    q = np.array([1.0, 1e308])
+    with pytest.raises(NonFiniteState) as caught:
+        integrate(forward_euler, oscillator, (q, np.zeros(2)), 1.0, 100)
+    assert 0 < caught.value.step < 5
+    with pytest.raises(NonFiniteState, match="the start itself"):
+        integrate(forward_euler, oscillator, (q, np.array([0.0, nan])), 1.0, 100)
+    state = integrate(forward_euler, oscillator, (q[:1], np.zeros(1)), 1.0, 100)
+    assert np.isfinite(state[0]).all()
+
+
+@pytest.mark.parametrize("asked", ["energy", "energy_change"])
+def test_energy_that_overflows_is_refused_where_the_distance_is_not(asked: str) -> None:
+    huge = scene(h=Q(1, 4), t=Q(1), start=(Q(10**200), Q(0)))
+    assert run_method(huge, "rk4")["state_error"] < 1e198
+    with pytest.raises(NonFiniteReadout, match=f"^{asked} overflows binary64 at the final state"):
+        run_method(scene(t=Q(1), start=(Q(10**200), Q(0)), readouts=(asked,)), "rk4")
+
+
+@pytest.mark.parametrize("asked", ["exact_state", "state_error", "phase_error"])
+def test_exact_state_that_overflows_is_refused_and_gives_no_undefined_phase(asked: str) -> None:
+    """From 1.5e308 (1, 1) the exact state reaches 2.1e308 at t = 3/4, and one step of symplectic Euler stays below."""
+    corner = 2 * (Q(15 * 10**307),)
+    asking = scene(h=Q(3, 4), t=Q(3, 4), start=corner, readouts=(asked,))
+    with pytest.raises(NonFiniteReadout, match=r"the exact state at t = 0\.75 overflows binary64"):
+        run_method(asking, "symplectic_euler")
+    state = run_method(scene(h=Q(3, 4), t=Q(3, 4), start=corner, readouts=("final_state",)), "symplectic_euler")
+    assert max(state["final_state"]) > 1.7e308
+
+
+def test_phase_error_at_the_origin_is_none() -> None:
+    found = run_method(scene(start=(Q(0), Q(0)), readouts=("phase_error", "state_error")), "rk4")
+    assert found == {"phase_error": None, "state_error": 0}
+
+
+def test_subnormal_starts_run_and_signed_zero_is_zero() -> None:
+    tiny = Q(5e-324)
+    found = run_method(scene(start=(tiny, Q(0)), readouts=("final_state", "energy", "phase_error")), "rk4")
+    assert found["energy"] == 0
+    assert found["phase_error"] is None or -180 <= found["phase_error"] < 180
+    assert integrate(rk4, oscillator, (-0.0, 0.0), 0.25, 10) == (0, 0)
+
+
+BEYOND = [
+    ({"start": (Q(10**309), Q(0))}, "start q is beyond the largest binary64"),
+    ({"start": (Q(0), Q(1, 10**400))}, "start v is nearer to 0 than the smallest binary64"),
+    ({"h": Q(1, 10**400), "t": Q(1, 10**400)}, "h is nearer to 0 than the smallest binary64"),
+    ({"h": Q(10**400), "t": Q(10**400)}, "h is beyond the largest binary64"),
+    ({"h": Q(10**16 + 1), "t": Q(10**16 + 1)}, "t is too large for binary64 to hold its fraction"),
+]
+
+
+@pytest.mark.parametrize(("changed", "message"), BEYOND, ids=range(len(BEYOND)))
+def test_number_that_no_double_comes_near_is_refused(changed: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        run_method(scene(**{"readouts": ("steps",), **changed}), "forward_euler")
+
+
+def test_number_that_is_a_double_is_not_refused_however_large() -> None:
+    assert run_method(scene(h=Q(10**20), t=Q(2 * 10**20), readouts=("steps",)), "forward_euler") == {"steps": 2}
+
+
+def test_run_of_too_many_steps_is_refused_at_once_and_names_the_way_out() -> None:
+    with pytest.raises(ValueError, match=f"{MOST_STEPS + 1} steps are more than {MOST_STEPS}; `driftproof run`"):
+        run_method(scene(h=Q(1), t=Q(MOST_STEPS + 1)), "rk4")
+
+
+def test_counter_sees_every_step() -> None:
+    seen: list[int] = []
+
+    def counter(steps: int) -> Any:
+        return (seen.append(i) or i for i in range(steps))
+
+    run_method(scene(), "rk4", counter)
+    assert seen == list(range(40))
+
+
+def test_ten_million_float_steps_stay_within_the_rounding_of_ten_million_steps() -> None:
+    """symplectic Euler keeps q² + v² - hqv, so that every rounding stays: at most 10^7 times a few units in 2^53."""
+    found = run_method(scene(t=Q(10**7, 4), readouts=("final_state",)), "symplectic_euler")["final_state"]
+    exact = OscillatorRun(NINE["symplectic_euler"], Q(1, 4), Q(10**7, 4)).final_state
+    for x, value in zip(found, exact, strict=True):
+        low, high = endpoints(enclose(value))
+        assert low - Q(10**8, 2**53) <= Q(x) <= high + Q(10**8, 2**53)

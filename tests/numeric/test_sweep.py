@@ -1,0 +1,286 @@
+"""Sweeps: every point of the grid answered once and in order, whatever runs them and whatever ends them."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
+from fractions import Fraction as Q
+from math import inf
+
+import pytest
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.numeric import sweep as sweeping
+from driftproof.numeric.engine import runner
+from driftproof.numeric.run import run_method
+from driftproof.numeric.scenes import PRESETS, Scene
+from driftproof.numeric.sweep import Answer, points_of, run_points, sweep
+from driftproof.reports.cluster import cluster_executor
+
+SCENE = Scene("short", "rk4", Q(1, 4), Q(2), readouts=("final_state", "state_error", "phase_error", "evaluations"))
+METHOD_KEYS = ("yoshida4", "forward_euler")
+GRID = {"selected": METHOD_KEYS, "start": [(Q(1), Q(0)), (Q(0), Q(0))], "h": [Q(1, 2), Q(3, 10), Q(1, 16)]}
+
+
+class Inline(Executor):
+    """Runs what it is given at once, and remembers it."""
+
+    def __init__(self) -> None:
+        self.batches: list[list[dict]] = []
+
+    def submit(self, task, scene, points):
+        self.batches.append(points)
+        future: Future = Future()
+        future.set_result(task(scene, points))
+        return future
+
+
+@pytest.fixture
+def expected() -> list[Answer]:
+    return sweep(SCENE, GRID, Inline())
+
+
+def test_points_are_answered_in_the_order_of_the_grid_as_each_alone(expected):
+    assert [answer.values for answer in expected] == [
+        {"selected": key, "start": start, "h": h}
+        for key in GRID["selected"]
+        for start in GRID["start"]
+        for h in GRID["h"]
+    ]
+    for values, found in expected:
+        if values["h"] == Q(3, 10):
+            assert "h = 3/10 does not divide t = 2" in found
+            continue
+        q, v = map(float, values["start"])
+        steps = int(2 / values["h"])
+        assert found["final_state"] == runner(METHODS[values["selected"]])(q, v, float(values["h"]), steps)
+        assert found["phase_error"] is None or q == 1
+
+
+def test_an_overflow_and_a_method_without_a_run_are_answers():
+    scene = Scene("over", "rk4", Q(1), Q(400), readouts=("energy", "steps"))
+    found = sweep(scene, {"h": [Q(1), Q(400), Q(100)], "selected": ["forward_euler", "gauss2"]}, Inline())
+    assert found[0].found["steps"] == 400
+    assert "overflow: the state is no longer finite" in sweep(scene, {"t": [Q(10_000)], "h": [Q(4)]}, Inline())[0].found
+    assert all("gauss2 is implicit" in answer.found for answer in found[1::2])
+
+
+def test_threads_and_processes_and_one_after_the_other_find_the_same(expected, monkeypatch):
+    with ThreadPoolExecutor(3) as threads:
+        assert sweep(SCENE, GRID, threads) == expected
+    assert sweep(SCENE, GRID) == expected
+    monkeypatch.setattr(sweeping, "LONGEST", -1)
+    monkeypatch.setattr(sweeping, "processes", lambda make=sweeping.processes: make(2))
+    assert sweep(SCENE, GRID) == expected
+
+
+def test_what_is_done_within_a_second_starts_no_process(expected, monkeypatch):
+    monkeypatch.setattr(sweeping, "processes", None)
+    assert sweep(SCENE, GRID) == expected
+    monkeypatch.setattr(sweeping, "LONGEST", -1)
+    with pytest.raises(TypeError):
+        sweep(SCENE, GRID)
+
+
+def sizes(monkeypatch, shortest, longest):
+    monkeypatch.setattr(sweeping, "SHORTEST", shortest)
+    monkeypatch.setattr(sweeping, "LONGEST", longest)
+    monkeypatch.setattr(sweeping, "WAITING", 2)
+    inline = Inline()
+    assert [len(answer.values) for answer in sweep(SCENE, {"h": [Q(1, n) for n in range(1, 41)]}, inline)] == [1] * 40
+    return [len(batch) for batch in inline.batches]
+
+
+def test_batches_double_as_long_as_they_are_short(monkeypatch):
+    grown = sizes(monkeypatch, inf, inf)
+    assert grown[0] == 1
+    assert max(grown) >= 8
+    assert sum(grown) == 40
+    assert sizes(monkeypatch, -1, inf) == [1] * 40
+
+
+def test_a_worker_hands_back_what_it_has_no_time_for(monkeypatch):
+    taken = sizes(monkeypatch, inf, -1)
+    assert sum(taken) >= 40
+    assert run_points(SCENE, [{"h": Q(1)}, {"h": Q(2)}])[0] == [run_method(SCENE_AT_1, "rk4")]
+
+
+SCENE_AT_1 = Scene("short", "rk4", Q(1), Q(2), readouts=SCENE.readouts)
+
+
+def test_a_worker_that_dies_is_told_of_in_one_line():
+    class Dying(Executor):
+        def submit(self, task, *arguments):
+            future: Future = Future()
+            future.set_exception(BrokenExecutor("a child\nwas killed"))
+            return future
+
+    with pytest.raises(OSError, match="a process of the sweep ended before it answered") as caught:
+        sweep(SCENE, GRID, Dying())
+    assert "\n" not in str(caught.value)
+
+
+def test_a_defect_of_the_program_is_no_answer(monkeypatch):
+    monkeypatch.setattr(sweeping, "run_method", None)
+    with pytest.raises(TypeError):
+        sweep(SCENE, GRID, Inline())
+
+
+# Files
+
+
+def test_a_sweep_cut_off_anywhere_goes_on_and_leaves_the_same_bytes(expected, tmp_path):
+    path, whole = tmp_path / "answers.jsonl", tmp_path / "whole.jsonl"
+    assert sweep(SCENE, GRID, Inline(), whole) == expected
+    text = whole.read_bytes()
+    assert text.count(b"\n") == 1 + len(expected)
+    for cut in [*range(0, len(text), 97), len(text) - 1, len(text)]:
+        path.write_bytes(text[:cut])
+        inline = Inline()
+        assert sweep(SCENE, GRID, inline, path) == expected
+        assert path.read_bytes() == text
+        assert sum(map(len, inline.batches)) == len(expected) - max(0, text[:cut].count(b"\n") - 1)
+
+
+def test_answers_are_kept_as_they_come(expected, tmp_path, monkeypatch):
+    """Of a sweep that fails in its midst, what was found until then is there."""
+
+    class Failing(Inline):
+        def submit(self, task, scene, points):
+            if len(self.batches) == 5:
+                raise MemoryError
+            return super().submit(task, scene, points)
+
+    path = tmp_path / "answers.jsonl"
+    monkeypatch.setattr(sweeping, "WAITING", 1)
+    monkeypatch.setattr(sweeping, "SHORTEST", -1)
+    with pytest.raises(MemoryError):
+        sweep(SCENE, GRID, Failing(), path)
+    assert path.read_bytes().count(b"\n") == 1 + 5
+    inline = Inline()
+    assert sweep(SCENE, GRID, inline, path) == expected
+    assert sum(map(len, inline.batches)) == len(expected) - 5
+
+
+def test_lines_in_any_order_are_read_and_put_in_the_order_of_the_grid(expected, tmp_path):
+    path = tmp_path / "answers.jsonl"
+    sweep(SCENE, GRID, Inline(), path)
+    head, *lines = path.read_bytes().splitlines(keepends=True)
+    path.write_bytes(head + b"".join(reversed(lines)))
+    assert sweep(SCENE, GRID, Inline(), path) == expected
+    assert path.read_bytes() == head + b"".join(lines)
+
+
+def damaged(text: bytes) -> Iterator[tuple[bytes, str]]:
+    head, first, *_ = text.splitlines(keepends=True)
+    yield b"my notes\n" + first, "no file of this sweep"
+    yield b"my notes", "no file of this sweep"
+    yield head.replace(b"1/16", b"1/32") + first, "no file of this sweep"
+    yield head + first + first, "line 3: not an answer of this sweep, or one for the second time"
+    yield head + b"{}\n" + first, "line 2: not an answer"
+    yield head + b"\n" + first, "line 2: not an answer"
+    yield head + first[:-9] + b"\n", "line 2: not an answer"
+    yield head + first.replace(b'"point": 0', b'"point": 99'), "line 2: not an answer"
+    yield head + first.replace(b'"point": 0', b'"point": 1'), "line 2: not an answer"
+    yield head + first.replace(b"evaluations", b"calls"), "line 2: not an answer"
+    yield head + b'{"point": 0, "message": 3}\n', "line 2: not an answer"
+
+
+def test_a_file_that_is_not_of_this_sweep_is_refused_and_left_as_it_is(tmp_path):
+    path = tmp_path / "answers.jsonl"
+    sweep(SCENE, GRID, Inline(), path)
+    for text, message in damaged(path.read_bytes()):
+        path.write_bytes(text)
+        with pytest.raises(ValueError, match=message) as caught:
+            sweep(SCENE, GRID, Inline(), path)
+        assert "\n" not in str(caught.value)
+        assert path.read_bytes() == text
+
+
+@pytest.mark.parametrize(
+    ("grid", "message"),
+    [
+        ({"step": [Q(1)]}, "no axis 'step'; choose from selected, h, t, start"),
+        ({"h": []}, "the axis 'h' is"),
+        ({"h": [0.1]}, "the axis 'h' has 0.1; write Fractions"),
+        ({"selected": "rk4"}, "the axis 'selected' is 'rk4'; write a list"),
+        ({"selected": ["rk5"]}, "unknown method 'rk5'"),
+        ({"start": [Q(1)]}, "write pairs of Fractions"),
+        ({"start": [(1.0, Q(0))]}, "write pairs of Fractions"),
+    ],
+)
+def test_a_grid_that_is_none_is_refused_in_one_line(grid, message):
+    with pytest.raises(ValueError, match=message) as caught:
+        points_of(SCENE, grid)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_scene_without_readouts_or_with_a_trajectory_is_not_swept():
+    for readouts in ((), ("trajectory",)):
+        scene = Scene("none", "rk4", Q(1), Q(2), readouts=readouts, certified=("energy",))
+        with pytest.raises(ValueError, match="a sweep needs readouts, and keeps no trajectory"):
+            points_of(scene, GRID)
+
+
+# The command
+
+
+def test_the_command_shows_what_the_function_finds(answer, run, tmp_path):
+    found = sweep(PRESETS["default"], {"selected": ["rk4", "forward_euler"], "h": [Q(1, 4), Q(3, 10)]}, Inline())
+    words = ("sweep", "default", "--h", "1/4,0.3", "--methods", "rk4, forward_euler")
+    lines = answer(*words).splitlines()
+    assert lines[0] == "default: 4 points"
+    assert lines[2].split("  ")[0] == "method"
+    assert lines[3].split() == ["rk4", "1/4", "0.0003253", "0.4999", "-6.728e-5", "-0.01824", "40", "160"]
+    assert lines[4].endswith(found[1].found)
+    path = tmp_path / "new" / "answers.jsonl"
+    shown = answer(*words, "--format", "json", "-o", str(path))
+    assert f'"state_error": "{found[2].found["state_error"]!r}"' in shown
+    assert answer(*words, "--format", "json", "--output", str(path)) == shown
+    status, out, err = run(*words, "--t", "20", "-o", str(path))
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert "no file of this sweep" in err
+
+
+def test_steps_of_a_sweep_may_be_listed_or_the_option_repeated(answer):
+    listed = answer("sweep", "default", "--h", "1/4,1/8", "--methods", "rk4,forward_euler")
+    repeated = answer("sweep", "default", "--h", "1/4", "--h", "1/8", "--methods", "rk4", "--methods", "forward_euler")
+    assert listed == repeated
+    assert listed != answer("sweep", "default", "--h", "1/8", "--methods", "rk4,forward_euler")
+
+
+def test_sweep_of_one_point_says_so(answer):
+    assert answer("sweep", "default", "--h", "1/8").startswith("default: 1 point\n")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("defualt",), "did you mean default?"),
+        (("default", "--h", "1/4,x"), "h: 'x' is not a rational number"),
+        (("default", "--h", "0"), "a step of size 0"),
+        (("default", "--methods", "rk5"), "unknown method 'rk5'"),
+        (("default", "--workers", "0"), "'0' is not a number of processes"),
+        (("default", "--workers", "2", "--cluster", "tcp://localhost:1"), "not allowed with argument"),
+        (("default", "--cluster", "somewhere"), "'somewhere' is no address of a scheduler; write it like tcp://"),
+        (("default", "-o", "."), "is a folder"),
+    ],
+)
+def test_bad_input_of_a_sweep_is_told_in_one_line(words, message, run):
+    status, out, err = run("sweep", *words)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert message in err
+
+
+def test_without_distributed_a_cluster_says_what_to_install(monkeypatch, run):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(ValueError, match=r"driftproof\[cluster\]"), cluster_executor("tcp://localhost:1"):
+        pass
+    assert "pip install 'driftproof[cluster]'" in run("sweep", "default", "--cluster", "tcp://localhost:1")[2]
+
+
+def test_a_sweep_loads_no_library_of_clusters(modules_after):
+    loaded = modules_after("from driftproof.cli import main; main(['sweep', 'default', '--h', '1/4'])")
+    assert "driftproof.numeric.sweep" in loaded
+    assert loaded & {"distributed", "dask", "numba", "sympy", "matplotlib"} == set()

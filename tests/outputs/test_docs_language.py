@@ -1,0 +1,47 @@
+"""The page of the language is true: its answers are as they stand there, its grammar is the parser's."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from docs.language_tables import QUESTIONS_OF, TABLES
+from docs.pages import refreshed
+from driftproof.texts.questions import parser
+from driftproof.texts.questions.arithmetic import FUNCTIONS
+from driftproof.texts.questions.runs import READOUTS, UNITS
+from driftproof.texts.questions.style import ROUNDINGS
+
+PAGE = (Path(__file__).parents[2] / "docs" / "language.md").read_text(encoding="utf-8")
+
+
+def test_page_is_what_its_generator_writes() -> None:
+    assert refreshed(PAGE, TABLES) == PAGE, "run `make docs`"
+
+
+@pytest.mark.parametrize(
+    ("shown", "planted"),
+    [("exactly 337/384", "exactly 337/385"), ("−0.053697", "−0.053698"), ("3.99999832274553", "4.0")],
+)
+def test_a_wrong_answer_is_noticed_and_put_right(shown: str, planted: str) -> None:
+    wrong = PAGE.replace(shown, planted)
+    assert wrong != PAGE
+    assert refreshed(wrong, TABLES) == PAGE
+
+
+def test_page_names_every_function_readout_unit_and_policy() -> None:
+    for name in (*FUNCTIONS, *READOUTS, *ROUNDINGS, *UNITS):
+        assert re.search(rf"\b{re.escape(name)}\b", PAGE), name
+
+
+def test_page_shows_the_grammar_that_the_parser_states() -> None:
+    on_page = dict(re.findall(r"^    (\w+) += (.*)$", PAGE, re.MULTILINE))
+    in_parser = dict(re.findall(r"^(\w+) += (.*)$", str(parser.__doc__), re.MULTILINE))
+    assert len(in_parser) > 8
+    assert {**on_page, "value": ""} == {**in_parser, "value": ""}
+
+
+def test_every_kind_of_question_has_examples() -> None:
+    assert all(len(questions) >= 4 for questions in QUESTIONS_OF.values())

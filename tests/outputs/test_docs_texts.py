@@ -1,0 +1,103 @@
+"""docs/texts.md and the author's part of the README are true: run in an empty folder, in order, as they stand."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from driftproof.cli import main
+from driftproof.texts.templates.child import Rendering
+from driftproof.texts.templates.kinds import MARKDOWN
+
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "docs" / "texts.md").read_text(encoding="utf-8")
+README = (ROOT / "README.md").read_text(encoding="utf-8").partition("## Any text\n")[2].partition("\n## ")[0]
+BLOCK = re.compile(r"```(\w+)\n(.*?)```", re.DOTALL)
+Print = Callable[[str], str]
+
+
+@pytest.fixture
+def printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Print:
+    """printed(command): what a command of the page prints in an empty folder, or writes where it says > FILE."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(command: str) -> str:
+        words, _, target = command.partition(" > ")
+        program, *arguments = shlex.split(words)
+        if program == "driftproof":
+            assert main(arguments) in (0, 1)
+            out, err = capsys.readouterr()
+            assert err == ""
+        else:
+            out = {"cat": lambda: Path(arguments[-1]).read_text(encoding="utf-8"), "sed": lambda: sed(*arguments)}[
+                program
+            ]()
+        if target:
+            Path(target).write_text(out, encoding="utf-8")
+        return "" if target else out
+
+    return run
+
+
+def sed(option: str, command: str, file: str) -> str:
+    """sed -i s/OLD/NEW/ FILE."""
+    assert option == "-i"
+    _, old, new, _ = command.split("/")
+    text = Path(file).read_text(encoding="utf-8")
+    assert text.count(old) == 1
+    Path(file).write_text(text.replace(old, new), encoding="utf-8")
+    return ""
+
+
+def sessions(page: str) -> list[tuple[str, str]]:
+    """(command, output) of every console block."""
+    blocks = [text for kind, text in BLOCK.findall(page) if kind == "console"]
+    return [match for text in blocks for match in re.findall(r"^\$ (.*)\n((?:(?!\$ ).*\n)*)", text, re.MULTILINE)]
+
+
+@pytest.mark.parametrize(("page", "count"), [(PAGE, 9), (README, 4)], ids=["docs/texts.md", "README.md"])
+def test_page_shows_what_its_commands_print(page: str, count: int, printed: Print, tmp_path: Path) -> None:
+    template = next(text for kind, text in BLOCK.findall(page) if kind == "jinja")
+    (tmp_path / "lesson.md.j2").write_text(template, encoding="utf-8")
+    commands = sessions(page)
+    assert len(commands) == count
+    for command, shown in commands:
+        assert printed(command) == shown, command
+
+
+def rendered(template: str, folder: Path) -> str:
+    (folder / "page.md.j2").write_text(template, encoding="utf-8")
+    return Rendering(folder / "page.md.j2", MARKDOWN, None, None).text()
+
+
+def test_filters_do_what_the_table_of_the_page_says(tmp_path: Path) -> None:
+    rows = re.findall(r"^\| `(\{\{.*?\}\})` \| (.*?) \|", PAGE, re.MULTILINE)
+    assert len(rows) == 7
+    for asked, shown in rows:
+        assert rendered(asked.replace(r"\|", "|"), tmp_path) == shown.strip("`"), asked
+
+
+def test_table_of_methods_is_as_the_page_shows_it(tmp_path: Path) -> None:
+    _, template = [text for kind, text in BLOCK.findall(PAGE) if kind == "jinja"]
+    shown = next(text for kind, text in BLOCK.findall(PAGE) if kind == "markdown")
+    assert rendered(template, tmp_path) == shown
+
+
+def test_links_lead_to_files() -> None:
+    links = re.findall(r"\]\((.*?)\)", PAGE)
+    assert len(links) == 2
+    assert all((ROOT / "docs" / link).is_file() for link in links)
+
+
+def test_hooks_are_commands_that_the_page_names() -> None:
+    hooks = (ROOT / ".pre-commit-hooks.yaml").read_text(encoding="utf-8")
+    names = re.findall(r"^- id: (.*)$", hooks, re.MULTILINE)
+    assert [f"driftproof {entry}" for entry in re.findall(r"^  entry: driftproof (.*)$", hooks, re.MULTILINE)] == [
+        "driftproof render --check",
+        "driftproof check",
+    ]
+    assert all(f"`{name}`" in PAGE for name in names)

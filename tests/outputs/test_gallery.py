@@ -1,0 +1,105 @@
+"""The gallery's adapters import without their packages, and where a package is there, do what is expected of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from functools import cache
+from math import log2
+from pathlib import Path
+
+import mpmath
+import pytest
+
+from driftproof.blackbox.isolation.laboratory import Laboratory
+from driftproof.blackbox.stepper.target import Target
+from driftproof.methods.catalogue import METHODS
+from driftproof.symbolic.n_steps import exact_matrix_at
+from examples.gallery import run, trial
+from tests.outputs.gallery_expected import EXPECTED, FIELDS, FORCES, MAPS, Expected
+
+TARGETS = run.targets()
+PRESENT = [name for name, entry in TARGETS.items() if run.installed(entry) is not None]
+DOORS = {"field": FIELDS, "force": FORCES, "map": MAPS}
+# A step is some dozens of roundings of numbers about 1.
+NOISE = {"binary64": 64 * 2.0**-53, "binary32": 64 * 2.0**-24}
+# Twice this far from a whole number a slope would show the next one.
+SLACK = 0.45
+
+
+def test_every_target_has_an_expected_answer_behind_its_door() -> None:
+    assert {name: entry.door for name, entry in TARGETS.items()} == {
+        name: door for door, expected in DOORS.items() for name in expected
+    }
+
+
+def test_names_are_the_packages_and_the_steps_are_there() -> None:
+    for name, entry in TARGETS.items():
+        assert name == f"{entry.package} {entry.step.partition(':')[2]}"
+        assert entry.key is None or entry.key in METHODS
+
+
+def test_claims_that_differ_from_what_is_are_said_to_be_untrue() -> None:
+    for name, expected in EXPECTED.items():
+        claimed = TARGETS[name].order
+        assert expected.untrue or claimed in (None, expected.order), name
+
+
+def test_adapters_import_no_package(modules_after: Callable[[str], set[str]]) -> None:
+    adapters = sorted(path.stem for path in Path(run.__file__).parent.glob("on_*.py"))
+    loaded = modules_after(f"import {', '.join(f'examples.gallery.{name}' for name in adapters)}")
+    assert {f"examples.gallery.{name}" for name in adapters} <= loaded
+    assert {name.split(".")[0] for name in loaded} & {"torch", "jax", "scipy", "mujoco", "gymnasium"} == set()
+
+
+def test_gallery_skips_what_is_not_installed() -> None:
+    entry = next(iter(TARGETS.values()))
+    absent = type(entry)(entry.step, "no-such-package-of-ours", entry.method, entry.order, entry.door)
+    assert run.installed(absent) is None
+
+
+def test_table_is_markdown_with_a_row_for_each_target() -> None:
+    text = run.written([("a b", "1", "x | y", "it is rk4", "4", "4", "1 u", "kept")], ["other"])
+    assert "| a b | 1 | x \\| y | it is rk4 | 4 | 4 | 1 u | kept |" in text
+    assert text.endswith("Not asked: other.\n")
+
+
+@pytest.mark.parametrize("name", PRESENT)
+def test_one_step_is_as_expected(name: str) -> None:
+    entry, expected = TARGETS[name], EXPECTED[name]
+    laboratory = Laboratory(Target(entry.step, entry.door, entry.array), run.TIME_LIMIT)
+    matrix, answers, precision = laboratory.run([trial.matrix, trial.answers, trial.format_of])
+    noise = NOISE[precision.result]
+    if expected.what in METHODS and not matrix.failed:
+        assert _distance(matrix.result, expected.what) <= noise + expected.loose
+    assert not answers.failed, answers.seen
+    _check_order(expected, _errors(*answers.result), noise + expected.loose)
+
+
+def _distance(matrix: tuple[tuple[float, float], ...], key: str) -> float:
+    exact = exact_matrix_at(METHODS[key], Fraction(1, 2))
+    return max(abs(x - y) for x, y in zip((*matrix[0], *matrix[1]), map(float, exact), strict=True))
+
+
+def _check_order(expected: Expected, errors: list[float], noise: float) -> None:
+    """The slope at the smallest steps whose errors stand out; above order 4 these are too large to show it."""
+    clear = [error for error in errors if error > 16 * noise]
+    if expected.order is None or expected.order > 4 or len(clear) < 2:
+        return
+    assert abs(log2(clear[-2] / clear[-1]) - 1 - expected.order) < SLACK, errors
+
+
+def _errors(problem: str, answers: list[tuple[float, float]]) -> list[float]:
+    flow, start = _flow(problem)
+    exact = [flow(start + h) for h in trial.STEPS]
+    return [max(float(abs(x - y)) for x, y in zip(*pair, strict=True)) for pair in zip(answers, exact, strict=True)]
+
+
+@cache
+def _flow(problem: str) -> tuple[Callable[[float], list[mpmath.mpf]], float]:
+    """The exact solution of a problem from its start, by mpmath's Taylor series, and the time of the start."""
+    force = trial.hard_spring if problem == trial.SPRING else lambda q: -q
+    rate = trial.driven if problem == trial.DRIVEN else lambda t, y: [y[1], force(y[0])]
+    start = trial.TIME if problem == trial.DRIVEN else 0.0
+    flow: Callable[[float], list[mpmath.mpf]] = mpmath.odefun(rate, start, list(trial.START))
+    return flow, start

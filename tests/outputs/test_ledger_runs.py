@@ -1,0 +1,72 @@
+"""The ledger in real runs of the proofs: in two processes, with a selection, and with a planted error."""
+
+import hashlib
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from driftproof.texts.values.published import VALUES_FILE
+
+ROOT = Path(__file__).parents[2]
+
+# Loaded as a plugin before the proofs: RK4 with its last two weights changed, still consistent, no longer RK4.
+PLANT = """
+from dataclasses import replace
+from fractions import Fraction
+from driftproof.methods.catalogue import METHODS
+METHODS._methods["rk4"] = replace(METHODS["rk4"], b=(Fraction(1, 6), Fraction(1, 3), Fraction(1, 4), Fraction(1, 4)))
+"""
+
+
+def run_proofs(*arguments: str, plugins: Path | None = None) -> subprocess.CompletedProcess[str]:
+    path = {"PYTHONPATH": str(plugins)} if plugins else {}
+    return subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "proofs", *arguments],
+        cwd=ROOT,
+        env={"PATH": "/usr/bin:/bin", "COLUMNS": "150", **path},
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+
+
+def digest() -> str:
+    return hashlib.sha256(VALUES_FILE.read_bytes()).hexdigest()
+
+
+def test_two_processes_keep_one_ledger_and_change_no_value():
+    before = digest()
+    done = run_proofs("-n", "2")
+    assert done.returncode == 0
+    assert "228 claims: 164 PROVED" in done.stdout
+    assert "not run" not in done.stdout
+    assert "values.json and ledger.md are up to date" in done.stdout
+    assert digest() == before
+
+
+def test_what_a_selection_leaves_out_is_called_not_run():
+    done = run_proofs("-k", "test_energy")
+    assert "L052   PROVED" in done.stdout
+    assert "L163   not run" in done.stdout
+    assert "values.json not written" in done.stdout
+
+
+@pytest.fixture
+def planted(tmp_path: Path) -> Path:
+    (tmp_path / "planted_error.py").write_text(PLANT, encoding="utf-8")
+    return tmp_path
+
+
+def test_planted_error_fails_the_claims_it_touches_and_publishes_nothing(planted):
+    before = digest()
+    done = run_proofs("-p", "planted_error", plugins=planted)
+    assert done.returncode != 0
+    standing = dict(line.split()[:2] for line in done.stdout.splitlines() if line.startswith("L"))
+    assert {key: standing[key] for key in ("L080", "L089", "L059", "L176", "L187")} == dict.fromkeys(
+        ("L080", "L089", "L059", "L176", "L187"), "failed"
+    )
+    assert (standing["L036"], standing["L052"], standing["L112"]) == ("PROVED", "PROVED", "PROVED")
+    assert "values.json not written" in done.stdout
+    assert digest() == before

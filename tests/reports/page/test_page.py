@@ -1,0 +1,312 @@
+"""The page as a file: whole, the same each time, with nothing to fetch, and no panel that a scene leaves out."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction as Q
+from html import escape
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.numeric.run import run_method
+from driftproof.numeric.scenes import PANELS, PRESETS, READOUTS, Scene
+from driftproof.reports.page import panels
+from driftproof.reports.page.document import POLICY, document
+
+VOID = {"meta", "link", "input"}
+REFERENCES = ("for", "aria-labelledby", "aria-describedby")
+LOADING = {"script", "img", "iframe", "object", "embed", "video", "audio", "source", "use", "image", "base", "form"}
+PLAIN = Scene("plain", "rk4", Q(1, 4), Q(1), readouts=("energy",))
+
+
+class Read(HTMLParser):
+    """The elements of a page, its texts by the id of the nearest element above that has one, and what is wrong."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self.wrong: list[str] = []
+        self.feed(page)
+        self.close()
+        self.ids = [attributes["id"] for _, attributes in self.elements if "id" in attributes]
+        self.wrong += [f"twice: {i}" for i in set(self.ids) if self.ids.count(i) > 1]
+        self.wrong += [f"open: {tag}" for tag in self.open]
+        self.wrong += [
+            f"{tag} {key} points nowhere: {attributes[key]}"
+            for tag, attributes in self.elements
+            for key in REFERENCES
+            if key in attributes and attributes[key] not in self.ids
+        ]
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, dict(attrs)))
+
+    def handle_endtag(self, tag: str) -> None:
+        if not self.open or self.open.pop() != tag:
+            self.wrong.append(f"closed without being open: {tag}")
+
+    def all(self, tag: str) -> list[dict[str, str | None]]:
+        return [attributes for name, attributes in self.elements if name == tag]
+
+
+@pytest.fixture(scope="module")
+def page() -> str:
+    return document(list(PRESETS.values()), 15)
+
+
+def test_page_is_well_formed_and_every_reference_has_its_target(page: str) -> None:
+    assert Read(page).wrong == []
+
+
+@pytest.mark.parametrize(
+    ("planted", "found"),
+    [
+        ("<p id='a'></p><p id='a'></p>", "twice"),
+        ("<div>", "open"),
+        ("</p>", "closed"),
+        ("<label for='b'></label>", "nowhere"),
+    ],
+)
+def test_a_broken_page_is_noticed(planted: str, found: str) -> None:
+    assert any(found in complaint for complaint in Read(planted).wrong)
+
+
+def test_page_holds_nothing_that_loads(page: str) -> None:
+    read = Read(page)
+    assert {tag for tag, _ in read.elements} & LOADING == set()
+    assert [link["href"] for link in read.all("link")] == ["data:,"]
+    assert not re.search(r"url\(|@import|//", page.replace("-//", ""))
+    assert {"http-equiv": "Content-Security-Policy", "content": POLICY} in read.all("meta")
+    assert all(not key.startswith("on") and key != "style" for _, attributes in read.elements for key in attributes)
+
+
+def test_figures_are_those_of_every_preset_and_method(page: str) -> None:
+    ids = [figure["id"] for figure in Read(page).all("figure")]
+    methods = ("forward_euler", "symplectic_euler", "rk4")
+    each = [f"scene-{i}-{key}-{panel}" for i in range(1, 5) for key in methods for panel in ("position", "phase_plane")]
+    assert set(ids) == {*each, "scene-1-work", *(f"scene-{i}-growth" for i in range(1, 5))}
+    assert len(ids) == len(set(ids)) == 29
+
+
+def test_every_picture_has_title_description_and_numbers(page: str) -> None:
+    pictures = re.findall(r"<figure .*?</figure>", page, re.DOTALL)
+    assert len(pictures) == 29
+    for picture in pictures:
+        (title,) = re.findall(r'<title id="[^"]*-title">([^<]+)</title>', picture)
+        (description,) = re.findall(r'<desc id="[^"]*-desc">([^<]+)</desc>', picture)
+        assert len(description) > len(title) > 10
+        assert len(re.findall("<tr>", picture)) > 5
+
+
+def test_same_scenes_make_the_same_bytes(page: str, fresh_python: Callable[[str], str]) -> None:
+    code = (
+        "import hashlib\nfrom driftproof.reports.page.document import document\n"
+        "from driftproof.numeric.scenes import PRESETS\n"
+        "print(hashlib.sha256(document(list(PRESETS.values()), 15).encode()).hexdigest())"
+    )
+    assert fresh_python(code) == hashlib.sha256(page.encode()).hexdigest()
+
+
+def test_no_sentence_says_when_or_where_the_page_was_made(page: str) -> None:
+    assert not re.search(r"20[2-9]\d-|\b\d\d:\d\d\b|/tmp|/home", page)
+
+
+def test_page_selects_the_method_of_the_scene_first(page: str) -> None:
+    read = Read(page)
+    checked = [box["id"] for box in read.all("input") if "checked" in box]
+    selected = [f"scene-{i}-{scene.selected}-shown" for i, scene in enumerate(PRESETS.values(), 1)]
+    assert sorted(checked, key=str) == sorted(["scene-1-shown", *selected])
+    assert all(box["type"] == "radio" for box in read.all("input"))
+    assert len(read.all("input")) == 4 + 12
+
+
+def test_single_scene_with_a_single_method_leaves_nothing_to_choose() -> None:
+    read = Read(document([PLAIN], 15))
+    assert read.all("input") == []
+    assert read.wrong == []
+
+
+def heads(scene: Scene) -> set[str]:
+    """The third-level headings of a page, and the kinds of its figures."""
+    shown = document([scene], 15)
+    kinds = {figure["id"] or "" for figure in Read(shown).all("figure")}
+    return set(re.findall(r"<h3>(.*?)</h3>", shown)) | {kind.rpartition("-")[2] for kind in kinds}
+
+
+@pytest.mark.parametrize(
+    ("panel", "expected"),
+    [
+        ("table", {"Side by side"}),
+        ("position", {"Classical RK4", "position"}),
+        ("phase_plane", {"Classical RK4", "phase_plane"}),
+        ("work_precision", {"Work", "work"}),
+        ("stability", {"Stability", "growth"}),
+    ],
+)
+def test_page_has_the_panel_that_the_scene_names_and_no_other(panel: str, expected: set[str]) -> None:
+    methods = ("rk4",) if panel == "table" else ()
+    assert heads(Scene("one", "rk4", Q(1, 4), Q(1), methods=methods, panels=(panel,))) == expected
+    assert set(PANELS) == {"table", "position", "phase_plane", "work_precision", "stability"}
+
+
+def test_times_are_measured_when_asked_for_and_only_then() -> None:
+    scene = Scene("w", "rk4", Q(1), Q(8), methods=("forward_euler", "rk4"), panels=("work_precision",))
+    shown = Read(document([scene], 15, times=True))
+    assert shown.wrong == []
+    assert [figure["id"] for figure in shown.all("figure")] == ["scene-1-work", "scene-1-times"]
+    assert [figure["id"] for figure in Read(document([scene], 15)).all("figure")] == ["scene-1-work"]
+    assert document([PLAIN], 15, times=True) == document([PLAIN], 15)
+
+
+def test_nothing_is_run_for_a_scene_that_asks_for_no_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    def forbidden(*_: object) -> None:
+        raise AssertionError("a float run was made")
+
+    monkeypatch.setattr(panels, "run_method", forbidden)
+    assert "bounded" in document([Scene("s", "rk4", Q(1), Q(1), panels=("stability",))], 15)
+    assert "0.877" in document([Scene("c", "rk4", Q(1, 2), Q(1, 2), certified=("final_state",))], 15)
+    with pytest.raises(AssertionError, match="float run"):
+        document([PLAIN], 15)
+
+
+@pytest.mark.parametrize(
+    ("asked", "expected"),
+    [
+        ({"panels": ("position",)}, {"rk4": {"trajectory"}}),
+        ({"readouts": ("energy",)}, {"rk4": {"energy"}}),
+        ({"panels": ("table",), "methods": ("heun2",)}, {"heun2": {"state_error", "energy_change", "evaluations"}}),
+    ],
+)
+def test_runs_are_made_once_and_yield_what_is_named_and_no_more(
+    monkeypatch: pytest.MonkeyPatch, asked: dict[str, tuple[str, ...]], expected: dict[str, set[str]]
+) -> None:
+    made = []
+
+    def recorded(scene: Scene, key: str, *rest: Any) -> Any:
+        made.append((key, set(scene.readouts)))
+        return run_method(scene, key, *rest)
+
+    monkeypatch.setattr(panels, "run_method", recorded)
+    document([Scene("s", "rk4", Q(1, 4), Q(1), **asked)], 15)
+    assert made == list(expected.items())
+
+
+def test_implicit_method_has_its_stability_panel() -> None:
+    scene = Scene("s", "implicit_midpoint", Q(100), Q(100), panels=("stability",))
+    assert "all h" in document([scene], 15)
+
+
+def test_page_without_stability_or_certified_numbers_imports_no_sympy(modules_after: Callable[[str], set[str]]) -> None:
+    code = "from fractions import Fraction as Q; from driftproof.reports.page.document import document; "
+    code += "from driftproof.numeric.scenes import Scene; "
+    asked = "document([Scene('s', 'rk4', Q(1, 4), Q(1), methods=('rk4',), readouts=('energy',), panels={})], 5)"
+    loaded = modules_after(code + asked.format("('table', 'position', 'phase_plane')"))
+    assert loaded & {"sympy", "flint", "matplotlib", "numba", "hypothesis"} == set()
+    assert "flint" in modules_after(code + asked.format("('stability',)"))
+
+
+def test_run_that_overflows_has_its_message_and_the_others_their_figures() -> None:
+    scene = Scene("edge", "rk4", Q(2), Q(2000), methods=("forward_euler",), readouts=("energy",), panels=PANELS)
+    shown = document([scene], 15)
+    assert shown.count("overflow: the state is no longer finite after step 883") == 2
+    assert 'id="scene-1-rk4-position"' in shown
+    assert 'id="scene-1-forward_euler-position"' not in shown
+
+
+def test_trajectory_without_a_figure_is_a_table_of_samples() -> None:
+    shown = document([Scene("t", "rk4", Q(1, 4), Q(1), readouts=("trajectory",))], 15)
+    assert "<figure" not in shown
+    assert shown.count("<tr>") == 2 * (1 + 5)
+
+
+def test_run_too_long_to_be_drawn_is_refused_before_it_starts() -> None:
+    with pytest.raises(ValueError, match="at most 1000000 steps are drawn, not 10000000"):
+        document([Scene("long", "rk4", Q(1), Q(10**7), panels=("position",))], 15)
+
+
+def test_name_of_a_scene_is_text_and_no_markup() -> None:
+    evil = replace(PLAIN, name='<script>alert(1)<\\script>"&\x00')
+    shown = document([evil, evil], 15)
+    read = Read(shown)
+    assert read.wrong == []
+    assert read.all("script") == []
+    assert "\x00" not in shown
+    assert "&lt;script&gt;alert(1)" in shown
+
+
+def test_every_readout_has_its_place_on_the_page() -> None:
+    scene = Scene("all", "rk4", Q(1, 4), Q(1), readouts=READOUTS, certified=("energy", "phase_error"))
+    shown = document([scene], 20)
+    assert shown.count("<dt>") == len(READOUTS) - 1 + 2
+    assert re.search(r"<dt>Final energy</dt><dd>0\.4999\d{16}</dd>", shown)
+
+
+def test_command_writes_the_page(answer: Callable[..., str], tmp_path: Path, page: str) -> None:
+    path = tmp_path / "new folder" / "report.html"
+    assert answer("report", "-o", str(path)) == f"wrote {path}\n"
+    assert path.read_text(encoding="utf-8") == page
+    assert [file.name for file in path.parent.iterdir()] == ["report.html"]
+
+
+def test_command_takes_scenes_by_name_and_from_files(answer: Callable[..., str], tmp_path: Path) -> None:
+    mine = tmp_path / "mine.toml"
+    mine.write_text('selected = "heun2"\nh = 0.1\nt = 1\nreadouts = ["energy"]\n', encoding="utf-8")
+    answer("report", str(mine), "compare", "-o", str(tmp_path / "r.html"))
+    assert re.findall("<h2>(.*?)</h2>", (tmp_path / "r.html").read_text(encoding="utf-8")) == ["mine", "compare"]
+    assert escape(METHODS["heun2"].title) in (tmp_path / "r.html").read_text(encoding="utf-8")
+
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+def test_command_refuses_what_is_no_file_before_anything_is_computed(run: Run, tmp_path: Path) -> None:
+    for output, complaint in [(tmp_path, "is a folder; name a file in it"), (Path("/dev/null"), "is no file")]:
+        status, out, err = run("report", "no such scene", "-o", str(output))
+        assert (status, out) == (2, "")
+        assert complaint in err
+        assert err.count("\n") == 1
+    assert Path("/dev/null").is_char_device()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["report"], "-o/--output"),
+        (["report", "defualt", "-o", "{}/r.html"], "did you mean default"),
+        (["report", "{}/none.toml", "-o", "{}/r.html"], "No such file"),
+        (["report", "default", "-o", "{}/file/r.html"], "{}/file"),
+        (["report", "default", "--digits", "0", "-o", "{}/r.html"], "number of digits"),
+    ],
+)
+def test_bad_input_is_one_line_and_leaves_no_file(
+    run: Run, tmp_path: Path, arguments: list[str], complaint: str
+) -> None:
+    (tmp_path / "file").write_text("")
+    status, out, err = run(*(argument.format(tmp_path) for argument in arguments))
+    assert (status, out) == (2, "")
+    assert complaint.format(tmp_path) in err
+    assert err.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_page_that_fails_leaves_the_old_one_as_it_was(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "report.html"
+    path.write_text("old", encoding="utf-8")
+    scene = tmp_path / "back.toml"
+    scene.write_text('selected = "rk4"\nh = -1\nt = -3\npanels = ["work_precision"]\n', encoding="utf-8")
+    assert run("report", "default", str(scene), "-o", str(path))[0] == 2
+    assert path.read_text(encoding="utf-8") == "old"
+    assert len(list(tmp_path.iterdir())) == 2

@@ -1,0 +1,136 @@
+"""Axes of the page: ticks are round, few and inside; limits are just beyond; scales and labels are exact."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+from itertools import pairwise
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from driftproof.reports.page.axes import LIMITS, STEPS, Scale, decade, label, symmetric_limit, ten_to, ticks
+
+fractions = st.fractions(min_value=-(10**9), max_value=10**9, max_denominator=10**9)
+positive = st.fractions(min_value=Q(1, 10**12), max_value=10**12, max_denominator=10**12)
+
+
+@given(low=fractions, high=fractions)
+def test_ticks_are_three_to_six_multiples_of_one_round_step_inside(low: Q, high: Q) -> None:
+    assume(low < high)
+    found = ticks(low, high)
+    steps = {b - a for a, b in pairwise(found)}
+    (step,) = steps
+    assert 3 <= len(found) <= 6
+    assert low <= found[0] < found[-1] <= high
+    assert found[0] - step < low
+    assert found[-1] + step > high
+    assert all((tick / step).denominator == 1 for tick in found)
+    assert step / Q(10) ** decade(step) in STEPS
+
+
+@given(low=fractions, high=fractions)
+def test_no_coarser_round_step_has_three_ticks(low: Q, high: Q) -> None:
+    """The coarsest: twice the step, which is round or between two round ones, is not reached by any round one."""
+    assume(low < high)
+    found = ticks(low, high)
+    step = found[1] - found[0]
+    coarser = min(
+        m * Q(10) ** (decade(step) + k) for m in STEPS for k in (0, 1) if m * Q(10) ** (decade(step) + k) > step
+    )
+    assert len([i for i in range(int(low // coarser), int(high // coarser) + 2) if low <= i * coarser <= high]) < 3
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "expected"),
+    [
+        (-4, 4, [-4, 0, 4]),
+        (0, 10, [0, 5, 10]),
+        (Q(-5, 4), Q(5, 4), [-1, 0, 1]),
+        (Q(-25, 2), Q(25, 2), [-10, 0, 10]),
+        (-3, 3, [-2, 0, 2]),
+        (0, 7, [0, 2, 4, 6]),
+        (-10, 0, [-10, -5, 0]),
+        (0, Q(1, 10**300), [0, Q(5, 10**301), Q(1, 10**300)]),
+        (0, Q(10) ** 308, [0, 5 * Q(10) ** 307, Q(10) ** 308]),
+    ],
+)
+def test_ticks_of_known_axes(low: Q, high: Q, expected: list[Q]) -> None:
+    assert ticks(Q(low), Q(high)) == expected
+
+
+def test_axis_without_length_has_no_ticks() -> None:
+    with pytest.raises(ValueError, match="has no length"):
+        ticks(Q(1), Q(1))
+    with pytest.raises(ValueError, match="has no length"):
+        ticks(Q(2), Q(1))
+
+
+@given(largest=positive)
+def test_limit_is_round_beyond_and_near(largest: Q) -> None:
+    limit = symmetric_limit(largest)
+    assert limit / Q(10) ** decade(limit) in LIMITS
+    assert largest < limit <= Q(7, 5) * largest
+    assert largest * Q(21, 20) <= limit
+
+
+def test_limits_grow_by_a_third_at_most() -> None:
+    ladder = [*LIMITS, Q(10)]
+    assert max(b / a for a, b in pairwise(ladder)) == Q(4, 3)
+    assert (symmetric_limit(Q(0)), symmetric_limit(Q(3)), symmetric_limit(Q(39, 4))) == (1, 4, Q(25, 2))
+
+
+@given(x=positive)
+def test_decade_is_the_last_power_of_ten_not_above(x: Q) -> None:
+    assert Q(10) ** decade(x) <= x < Q(10) ** (decade(x) + 1)
+
+
+@pytest.mark.parametrize(
+    ("x", "shown"),
+    [
+        (Q(0), "0"),
+        (Q(-4), "−4"),
+        (Q(1, 2), "0.5"),
+        (Q(400_000), "400000"),
+        (Q(10**6), "10⁶"),
+        (Q(-4 * 10**7), "−4·10⁷"),
+        (Q(1, 10**4), "0.0001"),
+        (Q(5, 10**5), "5·10⁻⁵"),
+        (Q(5, 4) * 10**20, "1.25·10²⁰"),
+    ],
+)
+def test_label_says_the_number(x: Q, shown: str) -> None:
+    assert label(x) == shown
+
+
+@given(low=fractions, high=fractions)
+def test_labels_of_ticks_read_back_to_the_ticks(low: Q, high: Q) -> None:
+    assume(low < high)
+    back = str.maketrans("−⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "--0123456789")
+    for tick in ticks(low, high):
+        mantissa, _, power = (
+            label(tick).rpartition("10") if set(label(tick)) & set("⁻⁰¹²³⁴⁵⁶⁷⁸⁹") else (label(tick), "", "")
+        )
+        factor = mantissa.rstrip("·") or "1"
+        factor = "-1" if factor == "−" else factor
+        assert Q(factor.translate(back)) * Q(10) ** int(power.translate(back) or 0) == tick
+
+
+def test_powers_of_ten() -> None:
+    assert [ten_to(e) for e in (-12, -1, 0, 1, 300)] == ["10⁻¹²", "10⁻¹", "1", "10¹", "10³⁰⁰"]
+
+
+@given(low=fractions, high=fractions, start=fractions, end=fractions, x=fractions)
+def test_scale_is_affine_and_hits_both_ends(low: Q, high: Q, start: Q, end: Q, x: Q) -> None:
+    assume(low < high)
+    scale = Scale(low, high, start, end)
+    assert (scale(low), scale(high)) == (start, end)
+    assert scale(x) - scale(x - 1) == scale.per_unit == (end - start) / (high - low)
+
+
+def test_scale_refuses_what_is_no_number() -> None:
+    scale = Scale(Q(0), Q(1), Q(0), Q(1))
+    assert scale(0.1) == Q(0.1) != Q(1, 10)
+    for x in (float("inf"), float("nan")):
+        with pytest.raises((OverflowError, ValueError)):
+            scale(x)

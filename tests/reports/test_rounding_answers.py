@@ -1,0 +1,140 @@
+"""`driftproof roundoff` and `run --budget`: formulas, bounds in u, and the error of a float run in its two parts."""
+
+import json
+from fractions import Fraction as Q
+
+import pytest
+
+from driftproof.cli import main
+from driftproof.methods.catalogue import METHODS
+from driftproof.reports.rounding import budget_answer, roundoff_answer, roundoff_text
+from driftproof.symbolic.rounding.formats import BINARY32
+from tests.nine import NINE
+
+
+def decimal(answer):
+    return Q(answer["decimal"])
+
+
+def budget(key, h=Q(1, 4), t=Q(10), start=(Q(1), Q(0))):
+    return budget_answer(key, h, t, start, 15, "half-even", range)
+
+
+@pytest.mark.parametrize(
+    ("key", "dq"),
+    [
+        ("forward_euler", "|dq| <= u (|q| + 2 h |v|)"),
+        ("symplectic_euler", "|dq| <= u ((1 + 4 h**2) |q| + 3 h |v|)"),
+        ("rk4", "|dq| <= u ((1 + 23/6 h**2 + 5/12 h**4) |q| + (37/6 h + 3/2 h**3) |v|)"),
+    ],
+)
+def test_first_order_forms_are_those_derived_by_hand(key, dq):
+    answer = roundoff_answer(key, [])
+    assert answer["first_order"][0] == dq
+    assert answer["program"] == "hand-written"
+    assert answer["differences_from_definition"] == []
+
+
+def test_sharper_form_is_never_above_the_plain_one():
+    (at,) = roundoff_answer("rk4", [Q(5, 2)])["at"]
+    pairs = zip(at["sharp"], at["plain"], strict=True)
+    assert all(decimal(sharp) < decimal(plain) for sharp, plain in pairs)
+
+
+def test_other_formats_take_the_generic_step():
+    answer = roundoff_answer("rk4", [Q(1, 3)], BINARY32)
+    assert answer["program"] == "generic"
+    assert Q(answer["at"][0]["h"]) == BINARY32.nearest(Q(1, 3)) != Q(1, 3)
+
+
+def test_a_program_that_is_not_the_definition_is_reported(monkeypatch):
+    monkeypatch.setitem(METHODS._methods, "rk4", METHODS["midpoint2"])
+    assert "coefficient of h**3" in " ".join(roundoff_answer("rk4", [])["differences_from_definition"])
+
+
+@pytest.mark.parametrize(("key", "most"), [("forward_euler", 200), ("symplectic_euler", 90), ("rk4", 115)])
+def test_theorem_bounds_the_lesson_s_runs_in_few_units(key, most):
+    answer = budget(key)
+    assert decimal(answer["rounding_in_u"]) <= decimal(answer["bound"]["in_u"]) <= most
+
+
+@pytest.mark.parametrize("key", list(NINE))
+def test_state_error_is_at_most_truncation_plus_rounding(key):
+    answer = budget(key, start=(Q(3, 7), Q(-2)))
+    # each of the three is rounded in the 15th digit of a number below 16
+    last_place = Q(1, 10**13)
+    assert decimal(answer["state_error"]) <= decimal(answer["truncation"]) + decimal(answer["rounding"]) + last_place
+
+
+def test_irrational_coefficients_have_bounds_about_the_definition_and_about_the_program_and_say_which():
+    answer = roundoff_answer("yoshida4", [Q(1, 4)])
+    assert answer["differences_from_definition"] == []
+    assert answer["rounds_coefficients"]
+    (at,) = answer["at"]
+    assert set(at) == {"h", "plain", "sharp", "as_held", "per_step"}
+    assert at["as_held"] != at["sharp"]
+    assert at["per_step"]["norm"]["q2"] == "1"
+    assert at["per_step"]["rho_squared"] == "1"
+    text = roundoff_text(answer)
+    assert 'only "as held" is about the polynomial with the coefficients that the program holds' in text
+    assert "as held" in text.splitlines()[-1]
+    assert "Decimals in the formulas" in text
+
+
+def test_a_program_that_holds_its_coefficients_exactly_has_no_bound_of_another_kind():
+    answer = roundoff_answer("rk4", [Q(1, 4)])
+    assert not answer["rounds_coefficients"]
+    assert "as_held" not in answer["at"][0]
+    text = roundoff_text(answer)
+    assert "as held" not in text
+    assert "Decimals" not in text
+    generic = roundoff_answer("rk4", [Q(1, 4)], BINARY32)
+    assert generic["rounds_coefficients"]
+    assert "as_held" in generic["at"][0]
+
+
+def test_printed_bounds_are_rounded_up():
+    for key in ("gill4", "dormand_prince54"):
+        (at,) = roundoff_answer(key, [Q(1, 3)])["at"]
+        numbers = [x for row in ("plain", "sharp", "as_held") for x in at[row]] + [at["per_step"]["c"]]
+        assert all(Q(x["exact"]) <= decimal(x) <= Q(x["exact"]) * (1 + Q(1, 10**5)) for x in numbers)
+        assert any(Q(x["exact"]) < decimal(x) for x in numbers)
+
+
+@pytest.mark.parametrize("key", ["gill4", "cooper_verner8", "yoshida4", "suzuki4", "mclachlan2"])
+def test_budget_of_an_irrational_method_is_within_its_proved_bound(key):
+    answer = budget(key)
+    assert 0 < decimal(answer["rounding"]) <= decimal(answer["bound"]["value"])
+
+
+def test_budget_is_about_the_double_that_is_run():
+    assert budget("rk4", Q(1, 10))["h_run"] == "0.1 (the double nearest to 1/10)"
+    assert budget("rk4", Q(1, 4))["h_run"] == "1/4"
+
+
+def test_without_a_norm_of_its_own_there_is_no_theorem_and_it_says_so():
+    answer = budget("symplectic_euler", Q(2))
+    assert answer["rounding"]["exact"] == "0"
+    assert answer["bound"]["value"] is None
+    assert "real eigenvectors" in answer["bound"]["reason"]
+
+
+def test_commands_print_text_and_json(capsys):
+    assert main(["roundoff", "rk4", "--h", "1/4", "--format", "json"]) == 0
+    assert json.loads(capsys.readouterr().out)["at"][0]["h"] == "1/4"
+    assert main(["roundoff", "velocity_verlet", "--float", "binary16"]) == 0
+    assert "binary16: u = 2**-11" in capsys.readouterr().out
+    assert main(["run", "rk4", "--h", "1/4", "--t", "10", "--budget"]) == 0
+    assert "proved bound" in capsys.readouterr().out
+
+
+def test_bad_questions_get_one_line(capsys):
+    for arguments in (
+        ["roundoff", "rk9"],
+        ["roundoff", "gauss2"],
+        ["run", "rk4", "--h", "1e-400", "--t", "1e-399", "--budget"],
+    ):
+        assert main(arguments) == 2
+        captured = capsys.readouterr()
+        assert captured.out == ""
+        assert captured.err.count("\n") == 1

@@ -1,0 +1,329 @@
+"""Certified decimals: ties, hard cases, refusals, an independent witness, and broken enclosures that are noticed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from decimal import ROUND_HALF_EVEN, ROUND_HALF_UP, ROUND_UP, Context, Decimal
+from fractions import Fraction as Q
+from typing import Any
+
+import mpmath
+import pytest
+import sympy
+from flint import arb, ctx, fmpq
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from driftproof.strategies import finite_floats, rationals
+from driftproof.symbolic.algebra import certified
+from driftproof.symbolic.algebra.certified import (
+    FIRST_BITS,
+    HALF_AWAY,
+    LAST_BITS,
+    Uncertified,
+    enclose,
+    endpoints,
+    fixed,
+    is_less,
+    scientific,
+    sign,
+    significant,
+)
+from driftproof.symbolic.derivation import expression_balls
+
+TIES = [
+    (Q(1, 8), 2, "0.12", "0.13"),
+    (Q(3, 8), 2, "0.38", "0.38"),
+    (Q(1, 2), 0, "0", "1"),
+    (Q(3, 2), 0, "2", "2"),
+    (Q(5, 2), 0, "2", "3"),
+    (Q(-1, 2), 0, "0", "-1"),
+    (Q(-5, 2), 0, "-2", "-3"),
+    (Q(3, 20), 1, "0.2", "0.2"),
+    (Q(1, 20), 1, "0.0", "0.1"),
+    (Q(-1, 20), 1, "0.0", "-0.1"),
+    (Q(1999, 2000), 2, "1.00", "1.00"),
+]
+
+
+@pytest.mark.parametrize(("value", "places", "even", "away"), TIES)
+def test_tie_of_a_rational_goes_as_named(value: Q, places: int, even: str, away: str) -> None:
+    assert fixed(value, places) == even
+    assert fixed(value, places, HALF_AWAY) == away
+
+
+@pytest.mark.parametrize(("value", "places", "even", "away"), TIES)
+def test_tie_of_a_sympy_rational_goes_as_that_of_a_fraction(value: Q, places: int, even: str, away: str) -> None:
+    same = sympy.Rational(value.numerator, value.denominator)
+    assert (fixed(same, places), fixed(same, places, HALF_AWAY)) == (even, away)
+
+
+def test_unknown_rounding_is_refused() -> None:
+    with pytest.raises(ValueError, match="unknown rounding 'half-up'; choose one of half-even, half-away"):
+        fixed(Q(1, 8), 2, "half-up")
+
+
+@pytest.mark.parametrize(
+    ("rounding", "ours"), [(ROUND_HALF_EVEN, "half-even"), (ROUND_HALF_UP, "half-away"), (ROUND_UP, "away")]
+)
+@given(value=finite_floats(-60, 60), digits=st.integers(1, 20))
+def test_rationals_round_as_the_decimal_module_rounds(value: float, digits: int, rounding: str, ours: str) -> None:
+    expected = Context(prec=digits, rounding=rounding).plus(Decimal(value))
+    assert Decimal(significant(Q(value), digits, ours)) == expected
+    assert Decimal(scientific(Q(value), digits, ours)) == expected
+
+
+@given(value=rationals(), places=st.integers(0, 30))
+def test_fixed_is_within_half_a_unit_and_has_the_places_asked_for(value: Q, places: int) -> None:
+    text = fixed(value, places)
+    assert abs(Q(text) - value) <= Q(1, 2 * 10**places)
+    assert len(text.partition(".")[2]) == places
+    assert text.startswith("-") == (Q(text) < 0)
+
+
+SHOWN = [
+    (Q(0), 5, "0"),
+    (Q(9995, 1000), 3, "10.0"),  # half-even: 9.995 is a tie between 9.99 and 10.0, and 1000 is even
+    (Q(9994, 1000), 3, "9.99"),
+    (Q(99999, 100000), 3, "1.00"),
+    (Q(-9999, 1000), 2, "-10"),
+    (Q(1, 10**5), 2, "0.000010"),
+    (Q(99999, 10**10), 3, "0.0000100"),
+    (Q(99, 10**7), 2, "9.9e-6"),
+    (Q(12345), 5, "12345"),
+    (Q(123456), 5, "1.2346e5"),
+    (Q(99999), 4, "1.000e5"),
+    (Q(10**300), 1, "1e300"),
+    (Q(-1, 3), 1, "-0.3"),
+    (Q(337, 384), 6, "0.877604"),
+]
+
+
+@pytest.mark.parametrize(("value", "digits", "text"), SHOWN)
+def test_significant_digits_near_powers_of_ten(value: Q, digits: int, text: str) -> None:
+    assert significant(value, digits) == text
+
+
+def test_scientific_always_has_an_exponent_except_for_zero() -> None:
+    assert scientific(Q(-67, 10**6), 2) == "-6.7e-5"
+    assert scientific(Q(9995, 1000), 3) == "1.00e1"
+    assert scientific(Q(5), 1) == "5e0"
+    assert scientific(Q(0), 3) == "0"
+
+
+@pytest.mark.parametrize("digits", [0, -1])
+def test_no_digits_is_an_error(digits: int) -> None:
+    for ask in (significant, scientific):
+        with pytest.raises(ValueError, match="ask for at least one"):
+            ask(Q(3), digits)
+
+
+def test_no_places_is_an_integer_and_fewer_are_an_error() -> None:
+    assert fixed(Q(7, 3), 0) == "2"
+    with pytest.raises(ValueError, match="places = -1; ask for none at least"):
+        fixed(Q(7, 3), -1)
+
+
+def near_tie(numerator: int, exponent: int) -> Callable[[], arb]:
+    """(numerator + 10^-exponent) / 2 as balls, so that nothing can be read off a fraction."""
+    return lambda: (arb(numerator) + arb(10) ** -exponent) / 2
+
+
+@pytest.mark.parametrize("exponent", [30, 200, 3000])
+def test_number_extremely_near_a_tie_is_decided(exponent: int) -> None:
+    above, below = near_tie(1, exponent), lambda: 1 - near_tie(1, exponent)()
+    assert (fixed(above, 0), fixed(below, 0)) == ("1", "0")
+    assert (fixed(lambda: -above(), 0), fixed(lambda: -below(), 0)) == ("-1", "0")
+    assert significant(lambda: above() + 2, 1) == "3"
+    assert significant(lambda: below() + 2, 1) == "2"
+    assert is_less(below, above)
+    assert not is_less(above, below)
+
+
+def test_almost_integer_is_read_correctly() -> None:
+    """Ramanujan's exp(pi sqrt 163) is an integer less 7.5e-13."""
+    almost = sympy.exp(sympy.pi * sympy.sqrt(163))
+    assert fixed(almost, 12) == "262537412640768743.999999999999"
+    assert fixed(almost, 11) == "262537412640768744.00000000000"
+
+
+def test_precision_is_raised_only_as_far_as_needed() -> None:
+    used: list[int] = []
+
+    def value() -> arb:
+        used.append(ctx.prec)
+        return near_tie(1, 200)()
+
+    before = ctx.prec
+    fixed(value, 0)
+    assert used[0] == FIRST_BITS
+    assert used[-2] < 200 * 3.33 < used[-1]  # 10^-200 takes 200 log2(10), about 664 bits
+    assert ctx.prec == before
+
+
+def half_by_root() -> arb:
+    return arb(2).sqrt() ** 2 / 4
+
+
+def half_by_sixths() -> arb:
+    return arb(1) / 6 * 3
+
+
+@pytest.mark.parametrize("value", [half_by_root, half_by_sixths])
+def test_tie_that_no_ball_shows_is_uncertified(value: Callable[[], arb]) -> None:
+    with pytest.raises(Uncertified, match=f"undecided at {LAST_BITS} bits"):
+        fixed(value, 0)
+    assert fixed(value, 1) == "0.5"  # the same number, away from a decision
+
+
+def test_zero_that_no_ball_shows_is_uncertified_and_an_exact_zero_is_not() -> None:
+    with pytest.raises(Uncertified):
+        sign(lambda: arb(2).sqrt() ** 2 - 2)
+    with pytest.raises(Uncertified):
+        is_less(sympy.sqrt(2), sympy.sqrt(2))
+    assert sign(lambda: arb(0)) == sign(Q(0)) == sign(sympy.Integer(0)) == 0
+    assert significant(lambda: arb(0), 5) == "0"
+
+
+def test_number_without_an_enclosure_is_uncertified() -> None:
+    with pytest.raises(Uncertified):
+        fixed(lambda: arb("nan"), 2)
+    with pytest.raises(Uncertified):
+        fixed(lambda: arb(-2).sqrt(), 2)
+
+
+@pytest.mark.parametrize("exponent", [2**19, 2**60, -(2**19), -(2**60)])
+def test_number_too_long_to_write_out_is_refused_at_once(exponent: int) -> None:
+    for read in (lambda x: fixed(x, 2), lambda x: significant(x, 3)):
+        with pytest.raises(Uncertified, match="too long to write out"):
+            read(lambda: arb(2) ** exponent)
+
+
+def test_vague_ball_with_a_huge_radius_only_asks_for_more_precision() -> None:
+    """As in a run of 10^45 steps: at few bits the ends have exponents beyond all writing, later they do not."""
+    assert fixed(lambda: arb(0.125, (1, 2**20 if ctx.prec < 500 else -20)), 3) == "0.125"
+
+
+def test_unknown_function_is_refused() -> None:
+    with pytest.raises(TypeError, match="no ball arithmetic for besselj"):
+        fixed(sympy.besselj(0, sympy.Integer(1)), 3)
+
+
+def test_endpoints_bracket_a_ball_exactly() -> None:
+    with ctx.workprec(64):
+        third = enclose(Q(1, 3))
+    low, high = endpoints(third)
+    assert low < Q(1, 3) < high < low + Q(1, 2**60)
+    assert endpoints(arb(0.75)) == (Q(3, 4), Q(3, 4))
+
+
+@given(rationals(max_denominator=10**20))
+def test_enclosure_of_a_rational_contains_it(x: Q) -> None:
+    low, high = endpoints(enclose(x))
+    assert low <= x <= high
+
+
+def test_enclosure_of_a_root_contains_it_and_shrinks() -> None:
+    root = sympy.CRootOf(sympy.Symbol("x") ** 5 - sympy.Symbol("x") - 1, 0)
+    with ctx.workprec(400):
+        x = enclose(root)
+        assert (x**5 - x - 1).contains(0)
+        assert x.rad() < arb(2) ** -350  # nine tenths of the precision asked for
+    assert fixed(root, 30) == WIDE.nstr(WIDE.findroot(lambda x: x**5 - x - 1, 1.2), 31)
+
+
+SMALL = st.fractions(-3, 3, max_denominator=50).filter(bool)
+LEAVES = SMALL.map(lambda x: sympy.Rational(x.numerator, x.denominator)) | st.just(sympy.pi) | st.just(sympy.E)
+# exp and log of bounded arguments only: towers of exponentials need more memory than there is, in mpmath too.
+FUNCTIONS = (
+    sympy.sin,
+    sympy.cos,
+    sympy.atan,
+    lambda x: sympy.exp(sympy.sin(x)),
+    lambda x: sympy.log(2 + sympy.cos(x)),
+    lambda x: sympy.sqrt(1 + x**2),
+)
+EXPRESSIONS = st.recursive(
+    LEAVES,
+    lambda inner: st.one_of(
+        st.builds(lambda f, x: f(x), st.sampled_from(FUNCTIONS), inner),
+        st.builds(lambda x, y: x + y, inner, inner),
+        st.builds(lambda x, y: x * y, inner, inner),
+        st.builds(lambda x, y: sympy.atan2(2 + sympy.cos(y), x), inner, inner),
+    ),
+    max_leaves=5,
+)
+
+
+def by_mpmath(expression: Any, context: Any) -> Any:
+    """The value by mpmath, a second opinion: Arb and mpmath share no code."""
+    if isinstance(expression, sympy.Rational):
+        return context.mpf(int(expression.p)) / int(expression.q)
+    if expression in (sympy.pi, sympy.E):
+        return +(context.pi if expression == sympy.pi else context.e)
+    values = [by_mpmath(argument, context) for argument in expression.args]
+    if isinstance(expression, sympy.Add | sympy.Mul):
+        return (context.fsum if isinstance(expression, sympy.Add) else context.fprod)(values)
+    name = "power" if isinstance(expression, sympy.Pow) else expression.func.__name__
+    return getattr(context, name)(*values)
+
+
+WIDE = mpmath.mp.clone()
+WIDE.dps = 60
+
+
+def assert_thirty_digits(expression: Any) -> None:
+    value = by_mpmath(expression, WIDE)
+    # 30 correctly rounded digits are within half a unit of the 30th, at most 5e-30 of the value.
+    assert abs(WIDE.mpf(significant(expression, 30)) - value) <= abs(value) * 5 * WIDE.mpf(10) ** -30
+
+
+@given(EXPRESSIONS)
+def test_thirty_digits_agree_with_mpmath_at_sixty(expression: Any) -> None:
+    # A smaller value is a sum that cancelled, of which mpmath's 60 digits may leave fewer than the 30 compared.
+    assume(abs(by_mpmath(expression, WIDE)) > WIDE.mpf(10) ** -25)
+    assert_thirty_digits(expression)
+
+
+def test_enclosure_that_is_off_by_a_little_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    one = sympy.sin(sympy.Integer(1))
+    assert_thirty_digits(one)
+    fifteen = significant(one, 15)
+    broken = expression_balls._FUNCTIONS | {sympy.sin: lambda x: x.sin() + arb(10) ** -20}
+    monkeypatch.setattr(expression_balls, "_FUNCTIONS", broken)
+    assert significant(one, 15) == fifteen  # 15 digits do not show it
+    with pytest.raises(AssertionError):
+        assert_thirty_digits(one)
+
+
+def test_reading_the_middle_of_a_ball_would_print_digits_that_are_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    def wide() -> arb:
+        return arb(0.52, 0.1)
+
+    with pytest.raises(Uncertified):
+        fixed(wide, 1)
+    monkeypatch.setattr(certified, "endpoints", lambda ball: 2 * (certified._dyadic(ball.mid()),))
+    assert fixed(wide, 1) == "0.5"
+
+
+@given(rationals(max_denominator=10**6))
+def test_ball_of_a_rational_reads_as_the_rational_away_from_decisions(value: Q) -> None:
+    assume(10**41 % value.denominator)  # else a decision point of 40 places could be hit
+    ball = lambda: arb(fmpq(3 * value.numerator, value.denominator)) / 3
+    assert fixed(ball, 40) == fixed(value, 40)
+    assert significant(ball, 40) == significant(value, 40)
+
+
+def test_only_an_expression_of_sympy_needs_sympy(modules_after: Callable[[str], set[str]]) -> None:
+    """Numbers of the other kinds are certified, and every fact is found, without; with SymPy at hand it is noticed."""
+    facts = "import driftproof.symbolic.facts, driftproof.texts.writing.facts"
+    numbers = (
+        "import driftproof.symbolic.algebra.certified as c; from fractions import Fraction; "
+        "from driftproof.methods.number_field import square_root"
+    )
+    asked = "c.fixed(square_root(2), 20); c.fixed(Fraction(1, 3), 20); c.sign(lambda: c.enclose(square_root(2)))"
+    assert "sympy" not in modules_after(f"{facts}; {numbers}; {asked}")
+    expression = "import sympy; c.fixed(sympy.sqrt(2), 20)"
+    assert {"sympy", "driftproof.symbolic.derivation.expression_balls"} <= modules_after(
+        f"{numbers}; {asked}; {expression}"
+    )

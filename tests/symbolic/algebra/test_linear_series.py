@@ -1,0 +1,54 @@
+"""Rational functions in lowest terms, and power series that satisfy their equations."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+
+import pytest
+from flint import fmpq, fmpq_poly
+
+from driftproof.methods.number_field import square_root
+from driftproof.symbolic.algebra.polynomials import coefficients, dot, exact, polynomial
+from driftproof.symbolic.algebra.rational_functions import fraction
+from driftproof.symbolic.algebra.series import divide, expand, exponential, logarithm, multiply
+from driftproof.symbolic.algebra.series import square_root as series_root
+
+ROOT_2, ROOT_3 = square_root(2), square_root(3)
+X = fmpq_poly([0, 1])
+
+
+def test_fraction_is_in_lowest_terms_and_normalised() -> None:
+    f = fraction((X - 2) * (X + 3), (X - 2) * (2 * X + 4))
+    assert f.data() == {"num": ["3/4", "1/4"], "den": ["1", "1/2"]}
+    assert fraction(X, X * X).data() == {"num": ["1"], "den": ["0", "1"]}
+    assert fraction(X * 0, X).data() == {"num": ["0"], "den": ["1"]}
+    assert f.at_infinity() == Q(1, 2)
+    assert fraction(X).at_infinity() is None
+    assert fraction(X, X**2 + 1).at_infinity() == 0
+    with pytest.raises(ZeroDivisionError):
+        fraction(X, X * 0)
+
+
+def test_fraction_cancels_an_irrational_factor() -> None:
+    root = polynomial([-ROOT_3, 1])
+    f = fraction(root * (X + 1), polynomial([-3, 0, 1]))
+    assert f.num.degree() == 1
+    assert [str(c) for c in coefficients(f.den)] == ["1", "1/3*sqrt(3)"]
+
+
+def test_series_satisfy_their_equations() -> None:
+    f = fraction(1 + X / 3 + X**2, 1 - X / 5 + polynomial([0, 0, ROOT_2]))
+    terms = expand(f, 12)
+    assert multiply(divide(terms, exponential(12)), exponential(12)) == terms
+    root = series_root(terms)
+    assert multiply(root, root) == terms
+    slope = [k * c for k, c in enumerate(logarithm(terms))]
+    assert multiply(terms, slope) == [k * c for k, c in enumerate(terms)]
+    assert [exact(c) for c in logarithm(exponential(9))] == [0, 1, 0, 0, 0, 0, 0, 0, 0]
+    with pytest.raises(ValueError, match="constant term"):
+        logarithm([fmpq(2)])
+
+
+def test_dot_demands_equal_lengths() -> None:
+    with pytest.raises(ValueError, match="longer"):
+        dot([fmpq(1)], [fmpq(1), fmpq(2)])

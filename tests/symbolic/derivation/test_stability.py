@@ -1,0 +1,213 @@
+"""Stability limits: the published ones, touching boundaries built on purpose, and a second opinion in floats."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+from typing import Any
+
+import mpmath
+import pytest
+import sympy
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from sympy.polys.matrices import DomainMatrix
+
+from driftproof import strategies
+from driftproof.symbolic.algebra.certified import is_less
+from driftproof.symbolic.derivation.one_step import (
+    H,
+    determinant,
+    expression,
+    matrix,
+    one_step_matrix,
+    rational,
+    trace,
+)
+from driftproof.symbolic.derivation.stability import (
+    LAMBDA,
+    AtStep,
+    bounded_at,
+    characteristic_polynomial,
+    discriminant,
+    multipliers,
+    stability_limit,
+)
+from driftproof.symbolic.n_steps import apply, matrix_at
+from tests.nine import NINE
+
+SYMPLECTIC = one_step_matrix(NINE["symplectic_euler"])
+RK4 = one_step_matrix(NINE["rk4"])
+ENDPOINT = 2 * sympy.sqrt(2)
+
+
+def test_symplectic_euler_has_a_jordan_block_at_two_and_grows() -> None:
+    at = AtStep(SYMPLECTIC, sympy.Integer(2))
+    assert (at.trace, at.determinant, at.jordan_block, at.bounded) == (-2, 1, True, False)
+    assert at.matrix == sympy.ImmutableMatrix([[-3, 2], [-2, 1]])
+    state, visited = (Q(1), Q(0)), []
+    for _ in range(5):
+        state = apply(matrix_at(SYMPLECTIC, Q(2)), *state)
+        visited.append(state)
+    assert visited == [(-3, -2), (5, 4), (-7, -6), (9, 8), (-11, -10)]
+
+
+def test_rk4_is_bounded_at_two_root_two_and_still_out_of_phase() -> None:
+    at = AtStep(RK4, ENDPOINT)
+    assert (at.determinant, at.trace, at.jordan_block, at.bounded) == (1, sympy.Rational(-2, 3), False, True)
+    angle = sympy.acos(at.trace / 2)
+    assert is_less(angle + sympy.Rational(9, 10), ENDPOINT)  # it lags by more than nine tenths of a radian
+
+
+def test_rk4_is_bounded_below_the_double_next_to_two_root_two_and_not_above() -> None:
+    double = strategies.STABILITY_LIMITS[1]
+    verdicts = [bounded_at(RK4, Q(strategies.step_by_ulps(double, k))) for k in range(-2, 3)]
+    assert verdicts == sorted(verdicts, reverse=True)
+    assert len(set(verdicts)) == 2
+    assert Q(double) ** 2 != 8
+
+
+@pytest.mark.parametrize("ulps", range(-3, 4))
+def test_symplectic_euler_is_bounded_at_doubles_below_two_only(ulps: int) -> None:
+    assert bounded_at(SYMPLECTIC, Q(strategies.step_by_ulps(2.0, ulps))) == (ulps < 0)
+
+
+def companion(trace_: Any, determinant_: Any = 1) -> DomainMatrix:
+    """A matrix with this trace and determinant that is never a multiple of the identity."""
+    return matrix([[trace_, -determinant_ * H**0], [1, 0]])
+
+
+def sheared(s: Any) -> DomainMatrix:
+    """Symplectic Euler with step s(h): the identity where s = 0, a Jordan block where |s| = 2."""
+    return matrix([[1 - s**2, s], [-s, 1]])
+
+
+THIRD = rational(Q(1, 3))
+ARTIFICIAL = {
+    "the identity": (matrix([[1, 0], [0, 1]]), sympy.oo),
+    "a rotation by a right angle": (matrix([[0, 1], [-1, 0]]), sympy.oo),
+    "a damped rotation": (matrix([[0, THIRD], [-THIRD, 0]]), sympy.oo),
+    "free flight, a Jordan block at every h": (matrix([[1, H], [0, 1]]), sympy.Integer(0)),
+    "minus free flight": (matrix([[-1, H], [0, -1]]), sympy.Integer(0)),
+    "growth at once": (matrix([[1 + H, 0], [0, 1]]), sympy.Integer(0)),
+    "eigenvalue 1 for ever, the other leaves at 2": (matrix([[1, 0], [0, 1 - H]]), sympy.Integer(2)),
+    "eigenvalues 1 and -1": (matrix([[1, H], [0, -1]]), sympy.oo),
+    "trace touches 2 and returns, with a Jordan block": (companion(2 - (H - 1) ** 2 * H / 4), sympy.Integer(1)),
+    "trace touches -2 and returns, with a Jordan block": (companion(-2 + (H - 1) ** 2 * H / 4), sympy.Integer(1)),
+    "trace touches 2 and returns, through the identity": (sheared(H * (1 - H)), sympy.Integer(2)),
+    "trace touches -2 and returns, through minus the identity": (-sheared(H * (1 - H)), sympy.Integer(2)),
+    "trace touches 2, returns, and touches again": (sheared(H * (1 - H) * (2 - H) / 4), None),
+    "determinant touches 1 and returns": (
+        matrix([[0, 1 - H * (H - 1) ** 2 / 4], [-1, 0]]),
+        None,
+    ),
+    "an irrational boundary": (matrix([[1, 0], [0, H**2 - 2]]), sympy.Integer(0)),
+    "the first of two irrational boundaries": (matrix([[0, 0], [0, (H**2 - 2) * THIRD]]), sympy.sqrt(5)),
+    "a boundary without radicals": (matrix([[0, 0], [0, (H**5 - H) * THIRD]]), None),
+}
+
+
+@pytest.mark.parametrize("name", [name for name, (_, limit) in ARTIFICIAL.items() if limit is not None])
+def test_limit_of_a_matrix_built_on_purpose(name: str) -> None:
+    m, limit = ARTIFICIAL[name]
+    assert stability_limit(m) == limit
+
+
+def test_touch_through_the_identity_is_no_limit_and_is_bounded_there() -> None:
+    m = sheared(H * (1 - H))
+    assert AtStep(m, sympy.Integer(1)).matrix == sympy.eye(2)
+    assert AtStep(m, sympy.Integer(1)).bounded
+    assert discriminant(m).evaluate(H, 1) == 0
+
+
+def test_determinant_that_touches_one_is_no_limit() -> None:
+    m, _ = ARTIFICIAL["determinant touches 1 and returns"]
+    limit = stability_limit(m)
+    assert AtStep(m, sympy.Integer(1)).determinant == 1
+    assert expression(determinant(m)).subs(sympy.Symbol("h"), limit).equals(-1)
+
+
+def test_limit_without_radicals_is_a_root_of_its_polynomial() -> None:
+    limit = stability_limit(ARTIFICIAL["a boundary without radicals"][0])
+    assert isinstance(limit, sympy.CRootOf)
+    assert sympy.minimal_polynomial(limit, LAMBDA) == LAMBDA**5 - LAMBDA - 3
+
+
+def test_limit_passes_each_touch_in_turn() -> None:
+    m = ARTIFICIAL["trace touches 2, returns, and touches again"][0]
+    limit = stability_limit(m)
+    assert limit.evalf() > 2
+    assert all(AtStep(m, sympy.Integer(touch)).matrix == sympy.eye(2) for touch in (1, 2))
+
+
+@given(strategies.runge_kutta_methods(max_stages=3) | strategies.splittings(max_pairs=2))
+def test_powers_are_bounded_inside_the_limit_and_not_just_beyond(method: Any) -> None:
+    m = one_step_matrix(method)
+    limit = stability_limit(m)
+    tiny = sympy.Rational(1, 2**100)
+    if limit == 0 or limit == sympy.oo:
+        sample = tiny if limit == 0 else sympy.Integer(10**6)
+        assert AtStep(m, sample).bounded == (limit == sympy.oo)
+    else:
+        inside = sympy.Rational(sympy.floor(limit * 2**60), 2**60) - sympy.Rational(1, 2**60)
+        assert AtStep(m, inside).bounded
+        assert not (AtStep(m, limit).bounded and AtStep(m, inside + sympy.Rational(1, 2**58)).bounded)
+
+
+ENTRY = st.fractions(-2, 2, max_denominator=20)
+
+
+@given(st.tuples(*4 * [ENTRY]))
+def test_bounded_agrees_with_the_spectral_radius_in_floats(rows: tuple[Q, Q, Q, Q]) -> None:
+    a, b, c, d = rows
+    half_trace, det = mpmath.mpf(float(a + d)) / 2, float(a * d - b * c)
+    root = mpmath.sqrt(half_trace**2 - det)
+    radius = max(abs(half_trace + root), abs(half_trace - root))
+    # Entries of size 2 round by 2^-53 at most; a double root turns that into its square root, below 1e-6.
+    assume(abs(radius - 1) > 1e-6)
+    assert AtStep(matrix([[a, b], [c, d]]), sympy.Integer(1)).bounded == (radius < 1)
+
+
+JORDAN = [
+    (matrix([[1, 1], [0, 1]]), True, False),
+    (matrix([[-1, 0], [5, -1]]), True, False),
+    (matrix([[1, 0], [0, 1]]), False, True),
+    (matrix([[-1, 0], [0, -1]]), False, True),
+    (matrix([[THIRD, 1], [0, THIRD]]), True, True),  # a Jordan block inside the circle does no harm
+    (matrix([[2, 0], [0, 2]]), False, False),
+    (matrix([[1, 0], [0, -1]]), False, True),
+    (matrix([[2, 0], [0, rational(Q(1, 2))]]), False, False),  # determinant 1, and a root outside
+    (matrix([[-2, 0], [0, rational(Q(1, 2))]]), False, False),
+]
+
+
+@pytest.mark.parametrize(("m", "jordan", "bounded"), JORDAN, ids=range(len(JORDAN)))
+def test_jordan_blocks_matter_on_the_unit_circle_only(m: DomainMatrix, jordan: bool, bounded: bool) -> None:
+    at = AtStep(m, sympy.Integer(1))
+    assert (at.jordan_block, at.bounded) == (jordan, bounded)
+
+
+def test_jordan_block_at_an_irrational_step() -> None:
+    """diag(h², 2) merges at h = sqrt 2, where it is a multiple of the identity; with a 1 beside them it is not."""
+    assert not AtStep(matrix([[H**2, 0], [0, 2]]), sympy.sqrt(2)).jordan_block
+    assert AtStep(matrix([[H**2, 1], [0, 2]]), sympy.sqrt(2)).jordan_block
+    assert not AtStep(matrix([[H**2, 1], [0, 2]]), sympy.sqrt(3)).jordan_block
+
+
+@pytest.mark.parametrize("key", NINE)
+def test_characteristic_polynomial_annihilates_the_matrix(key: str) -> None:
+    m = one_step_matrix(NINE[key])
+    one, t, d = characteristic_polynomial(m).all_coeffs()
+    assert (one, -t, d) == (1, expression(trace(m)), expression(determinant(m)))
+    identity = matrix([[1, 0], [0, 1]])
+    cayley = m * m - matrix([[trace(m), 0], [0, trace(m)]]) * m + matrix([[determinant(m), 0], [0, determinant(m)]])
+    assert cayley == identity - identity
+    assert m * m != m
+
+
+@pytest.mark.parametrize("key", NINE)
+def test_multipliers_are_the_two_roots(key: str) -> None:
+    m = one_step_matrix(NINE[key])
+    first, second = multipliers(m)
+    assert sympy.expand(first + second - expression(trace(m))) == 0
+    assert sympy.expand(first * second - expression(determinant(m))) == 0
+    assert sympy.expand(first - second) != 0

@@ -1,0 +1,206 @@
+"""Stability limits: published ones, every kind of boundary built on purpose, and |R| in balls on both sides."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction as Q
+from typing import Any
+
+import pytest
+from flint import acb, arb, ctx, fmpq, fmpq_poly
+from hypothesis import given
+
+from driftproof import strategies
+from driftproof.methods.schemes import RungeKutta
+from driftproof.symbolic.algebra.polynomials import polynomial
+from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
+from driftproof.symbolic.algebra.real_roots import ZERO, RealRoot, rational_root
+from driftproof.symbolic.linear.limits import (
+    INFINITY,
+    Limit,
+    data,
+    first_failure,
+    imaginary_limit,
+    real_limit,
+    smallest,
+)
+from driftproof.symbolic.linear.stability_function import stability_function
+from tests.nine import NINE
+from tests.symbolic.linear.linear_examples import ROOT_3, Z, chebyshev, limit_text, modulus, sdirk
+
+
+def ssp_second_order(stages: int) -> Any:
+    """R of the SSP method of order 2 with s stages: 1/s + (1 - 1/s)(1 + z/(s - 1))**s."""
+    return (1 + Z / (stages - 1)) ** stages * fmpq(stages - 1, stages) + fmpq(1, stages)
+
+
+def exponential(order: int) -> Any:
+    """The Taylor polynomial of exp."""
+    total, term = fmpq_poly([1]), fmpq_poly([1])
+    for k in range(1, order + 1):
+        term = term * Z / k
+        total = total + term
+    return total
+
+
+# R as a polynomial or (num, den): the real limit, the imaginary limit.
+KNOWN: dict[str, tuple[Any, str, str]] = {
+    "forward Euler": (1 + Z, "2", "0"),
+    "order 2": (exponential(2), "2", "0"),
+    "order 3": (exponential(3), "x**3 - 3*x**2 + 6*x - 12", "sqrt(3)"),
+    "order 4": (exponential(4), "x**3 - 4*x**2 + 12*x - 24", "2*sqrt(2)"),
+    "backward Euler": ((1, 1 - Z), "oo", "oo"),
+    "trapezoid": ((1 + Z / 2, 1 - Z / 2), "oo", "oo"),
+    "theta method below 1/2": ((1 + Z * 2 / 3, 1 - Z / 3), "6", "0"),
+    "Chebyshev, 10 stages": (chebyshev(10, 1 + Z / 100), "200", "0"),
+    "SSP order 2, 40 stages": (ssp_second_order(40), "78", "0"),
+    "SSP order 2, 3 stages": (ssp_second_order(3), "x**3 - 6*x**2 + 12*x - 24", "0"),
+}
+
+
+def rational(r: Any) -> RationalFunction:
+    return fraction(fmpq_poly([1]) * r[0], r[1]) if isinstance(r, tuple) else fraction(r)
+
+
+@pytest.mark.parametrize("name", KNOWN)
+def test_limits_of_known_methods(name: str) -> None:
+    r, on_real, on_imaginary = KNOWN[name]
+    assert (limit_text(real_limit(rational(r))), limit_text(imaginary_limit(rational(r)))) == (on_real, on_imaginary)
+
+
+ON_REAL: dict[str, tuple[Any, str]] = {
+    "touches 1 at 1 and returns, leaves at 3": (1 + Z * (1 + Z) ** 2 * (3 + Z) / 10, "3"),
+    "leaves at 1, is back from 2 to 3": (1 + Z * (1 + Z) * (2 + Z) * (3 + Z) / 10, "1"),
+    "touches -1 at 1 and returns": (-1 + (1 + Z) ** 2 * (2 + Z) * (4 - Z) / 4, "2"),
+    "is 1 for ever": (1 + 0 * Z, "oo"),
+    "is -1 for ever": (-1 + 0 * Z, "oo"),
+    "grows at once": ((1, 1 + Z), "0"),
+    "has a pole at -2, and leaves before it": ((1 + Z, 1 + Z / 2), "4/3"),
+    "has a removable pole at -2": ((1 + Z / 2, (1 + Z / 2) * (1 - Z)), "oo"),
+    "tends to 1 from below": ((1 - 2 * Z, 1 - 3 * Z), "oo"),
+    "tends to 2": ((1 - 2 * Z, 1 - Z), "0"),
+}
+
+
+@pytest.mark.parametrize("name", ON_REAL)
+def test_real_limit_where_it(name: str) -> None:
+    r, limit = ON_REAL[name]
+    assert limit_text(real_limit(rational(r))) == limit
+
+
+BOUNDED = 1 + Z**2 + Z**4  # at z = iy: s = 1 - y² + y⁴, which is 1 at y = 0 and y = 1
+ON_IMAGINARY: dict[str, tuple[Any, str]] = {
+    "touches 1 and -1 on the way to 2": (chebyshev(3, 1 + Z**2 / 2), "2"),
+    "touches 1 at y = 1 and stays below it for ever": ((2 * BOUNDED, 1 + BOUNDED**2), "oo"),
+    "is 1 for ever": ((1 - Z / 2 + Z**2 / 9, 1 + Z / 2 + Z**2 / 9), "oo"),
+    "has a pole at i": ((1, 1 + Z**2), "0"),
+    "has a pole at 2i, far beyond where it leaves": ((1 + Z**2 / 2, 1 + Z**2 / 4), "2*sqrt(6)/3"),
+    "has a removable pole at i": (((1 + Z**2), (1 + Z**2) * (1 - Z)), "oo"),
+}
+
+
+@pytest.mark.parametrize("name", ON_IMAGINARY)
+def test_imaginary_limit_where_it(name: str) -> None:
+    r, limit = ON_IMAGINARY[name]
+    assert limit_text(imaginary_limit(rational(r))) == limit
+
+
+TINY = fmpq(1, 10**30)
+
+
+def test_a_touch_that_becomes_a_crossing_is_noticed() -> None:
+    """The twins: a perturbation of 1e-30 turns the first touch into a crossing, and the limit moves there."""
+    touching = chebyshev(10, 1 + Z / 100)
+    crossing = real_limit(fraction(touching + Z**2 * TINY))
+    assert isinstance(crossing, RealRoot)
+    assert Q(19) < crossing.interval()[1] < Q(21)  # T₁₀ touches 1 first where 1 - x/100 = cos(π/5)
+    below = real_limit(fraction(touching * (1 + TINY) - TINY))
+    assert isinstance(below, RealRoot)
+    assert Q(4) < below.interval()[1] <= Q(5)  # and -1 first where 1 - x/100 = cos(π/10)
+    above = fraction(2 * BOUNDED * (1 + TINY), 1 + BOUNDED**2)
+    assert imaginary_limit(above) == ZERO
+
+
+def test_a_weight_off_by_ten_to_the_minus_thirty_moves_the_limit_of_rk4() -> None:
+    r = exponential(4) - TINY * Z**2
+    assert limit_text(imaginary_limit(fraction(r))) == "0"
+    assert limit_text(imaginary_limit(fraction(r + 2 * TINY * Z**2))) not in ("0", "2*sqrt(2)")
+
+
+def test_limits_over_a_number_field() -> None:
+    stable, unstable = (stability_function(sdirk(Q(1, 2) + s * ROOT_3 / 6)) for s in (1, -1))
+    assert (real_limit(stable), imaginary_limit(stable)) == (INFINITY, INFINITY)
+    assert limit_text(real_limit(unstable)) == "6 + 4*sqrt(3)"
+    assert imaginary_limit(unstable) == ZERO
+
+
+def test_limit_over_a_number_field_is_not_one_of_a_conjugate() -> None:
+    """1 - x + a x²/2 with a = √3 - 1 reaches 1 at 2/a = 1 + √3; the conjugate a = -√3 - 1 takes it to -1 before 1."""
+    r = fraction(polynomial([1, 1, (ROOT_3 - 1) / 2]))
+    assert limit_text(real_limit(r)) == "1 + sqrt(3)"
+    conjugate = real_limit(fraction(polynomial([1, 1, (-ROOT_3 - 1) / 2])))
+    assert data(conjugate, 6)["decimal"] == "0.898125"
+
+
+def assert_lost_at(limit: Limit, inside: Callable[[arb], Any], outside: Callable[[arb], Any]) -> None:
+    """The condition holds a relative 1e-12 before the limit, and fails as far beyond it."""
+    if limit is INFINITY:
+        return
+    assert isinstance(limit, RealRoot)
+    with ctx.workprec(2000):
+        point = limit.ball() if limit != ZERO else arb(0)
+        step = point * arb(fmpq(1, 10**12)) if limit != ZERO else arb(2) ** -60
+        assert inside(point - step if limit != ZERO else point)
+        assert outside(point + step)
+
+
+RUNGE_KUTTA = {key: m for key, m in NINE.items() if isinstance(m, RungeKutta)}
+
+
+@pytest.mark.parametrize("key", RUNGE_KUTTA)
+def test_modulus_of_r_in_balls_on_both_sides_of_the_limits(key: str) -> None:
+    r = stability_function(RUNGE_KUTTA[key])
+    assert_lost_at(
+        real_limit(r), lambda x: modulus(r, acb(-x)) <= 1 + x * 0 or x == 0, lambda x: modulus(r, acb(-x)) > 1
+    )
+    assert_lost_at(
+        imaginary_limit(r), lambda y: modulus(r, acb(0, y)) < 1 or y == 0, lambda y: modulus(r, acb(0, y)) > 1
+    )
+
+
+@given(strategies.runge_kutta_methods(max_stages=3))
+def test_limits_of_random_methods_in_balls(method: RungeKutta) -> None:
+    r = stability_function(method)
+    for limit, direction in ((real_limit(r), acb(-1)), (imaginary_limit(r), acb(0, 1))):
+        if r.num.degree() > 0:
+            assert limit is not INFINITY  # a polynomial grows
+            assert_lost_at(limit, lambda x, d=direction: modulus(r, d * x) <= 1 or x == 0, lambda x: True)
+            with ctx.workprec(2000):
+                assert modulus(r, direction * first_point_beyond(limit)) > 1
+
+
+def first_point_beyond(limit: Limit) -> arb:
+    assert isinstance(limit, RealRoot)
+    return limit.ball() * (1 + arb(2) ** -60) + (arb(2) ** -60 if limit == ZERO else 0)
+
+
+def test_smallest_of_some_limits() -> None:
+    two, root = rational_root(Q(2)), RealRoot((-3, 0, 1), 1)
+    assert smallest([INFINITY, two, root]) == root
+    assert smallest([INFINITY]) is INFINITY
+    assert smallest([two, ZERO]) == ZERO
+    assert smallest([]) is INFINITY
+
+
+def test_first_failure_is_the_left_end_of_the_first_interval_that_fails() -> None:
+    p = (Z - 1) ** 2 * (Z - 2) * (Z - 3)
+    assert first_failure([p], lambda x: p(x) >= 0) == rational_root(Q(2))
+    assert first_failure([p], lambda x: True) is INFINITY
+    assert first_failure([p], lambda x: False) == ZERO
+
+
+def test_limit_data_of_the_design() -> None:
+    r = stability_function(RUNGE_KUTTA["rk4"])
+    wanted = {"exact": "2*sqrt(2)", "minpoly": "x**2 - 8", "decimal": "2.828427124746190097603377448419"}
+    assert data(imaginary_limit(r)) == wanted | {"interval": ["2", "3"]}
+    assert (data(INFINITY), data(ZERO)) == ("oo", "0")

@@ -1,0 +1,94 @@
+"""SSP coefficients: the published ones, and the conditions by rational solves on both sides."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+
+import pytest
+from flint import fmpq, fmpq_mat
+
+from driftproof.methods.schemes import RungeKutta
+from driftproof.symbolic.algebra.polynomials import scalar
+from driftproof.symbolic.linear.irreducible import stages_of
+from driftproof.symbolic.linear.monotonicity import monotonicity_conditions, ssp_coefficient
+from tests.nine import NINE
+from tests.symbolic.linear.linear_examples import (
+    GAUSS_2,
+    MIDPOINT,
+    MIDPOINT_THRICE,
+    SDIRK,
+    TRAPEZOID,
+    limit_text,
+    runge_kutta,
+)
+
+SSP: dict[str, tuple[RungeKutta, str]] = {
+    "forward Euler": (NINE["forward_euler"], "1"),
+    "SSP(2,2)": (NINE["heun2"], "1"),
+    "SSP(3,3)": (runge_kutta(((0, 0, 0), (1, 0, 0), (Q(1, 4), Q(1, 4), 0)), (Q(1, 6), Q(1, 6), Q(2, 3))), "1"),
+    "SSP(3,2)": (runge_kutta(((0, 0, 0), (Q(1, 2), 0, 0), (Q(1, 2), Q(1, 2), 0)), (Q(1, 3), Q(1, 3), Q(1, 3))), "2"),
+    "SSP(4,3)": (
+        runge_kutta(
+            ((0, 0, 0, 0), (Q(1, 2), 0, 0, 0), (Q(1, 2), Q(1, 2), 0, 0), (Q(1, 6), Q(1, 6), Q(1, 6), 0)),
+            (Q(1, 6), Q(1, 6), Q(1, 6), Q(1, 2)),
+        ),
+        "2",
+    ),
+    "classical RK4": (NINE["rk4"], "0"),
+    "explicit midpoint": (NINE["midpoint2"], "0"),
+    "Ralston": (runge_kutta(((0, 0), (Q(2, 3), 0)), (Q(1, 4), Q(3, 4))), "1/2"),
+    "backward Euler": (runge_kutta(((1,),), (1,)), "oo"),
+    "implicit midpoint": (MIDPOINT, "2"),
+    "trapezoid": (TRAPEZOID, "2"),
+    "SDIRK with sqrt(2)": (SDIRK, "1 + sqrt(2)"),
+    "Gauss 2": (GAUSS_2, "0"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SSP)
+def test_ssp_coefficient_of(name: str) -> None:
+    method, radius = SSP[name]
+    assert limit_text(ssp_coefficient(method)) == radius
+
+
+def ssp_10_4() -> RungeKutta:
+    """The ten-stage method of order 4 (ketcheson-2008)."""
+    rows = [[Q(1, 6)] * i + [Q(0)] * (10 - i) for i in range(5)]
+    rows += [[Q(1, 15)] * 5 + [Q(1, 6)] * (i - 5) + [Q(0)] * (10 - i) for i in range(5, 10)]
+    return runge_kutta(rows, [Q(1, 10)] * 10)
+
+
+def test_ssp_coefficient_of_the_ten_stage_method_is_six() -> None:
+    assert limit_text(ssp_coefficient(ssp_10_4())) == "6"
+    assert limit_text(ssp_coefficient(MIDPOINT_THRICE)) == "2"  # of the irreducible form
+
+
+@pytest.mark.parametrize("name", ["SSP(3,3)", "SSP(4,3)", "SSP(3,2)", "Ralston", "implicit midpoint"])
+def test_conditions_hold_inside_the_radius_and_not_beyond(name: str) -> None:
+    """The second formula: K(I + rK)⁻¹ by a solve with rational matrices at r (1 ± 10⁻¹²)."""
+    method, text = SSP[name]
+    radius = Q(text)
+    for r, holds in ((radius * Q(10**12 - 1, 10**12), True), (radius, True), (radius * Q(10**12 + 1, 10**12), False)):
+        assert _monotonic(method, r) == holds
+
+
+def _monotonic(method: RungeKutta, r: Q) -> bool:
+    size = method.stages + 1
+    k = fmpq_mat([[*map(scalar, row), 0] for row in (*method.a, method.b)])
+    identity = fmpq_mat([[int(i == j) for j in range(size)] for i in range(size)])
+    inverse = k * (identity + k * scalar(r)).inv()
+    rows = [[inverse[i, j] for j in range(size)] for i in range(size)]
+    return all(x >= 0 for row in rows for x in row) and all(sum(row) * scalar(r) <= 1 for row in rows)
+
+
+def test_monotonicity_conditions_by_two_ways() -> None:
+    """The nilpotent series against the adjugate: an implicit method with a diagonal of zero size."""
+    stages = stages_of(SSP["SSP(4,3)"][0])
+    explicit = monotonicity_conditions(stages)
+    at = [p(fmpq(3, 5)) for p in explicit]
+    size = len(stages.a)
+    shifted = fmpq_mat(
+        [[int(i == j) + fmpq(3, 5) * scalar(x) for j, x in enumerate(row)] for i, row in enumerate(stages.a)]
+    )
+    inverse = fmpq_mat([[scalar(x) for x in row] for row in (*stages.a, *stages.weights)]) * shifted.inv()
+    assert {inverse[i, j] for i in range(size + 1) for j in range(size)} - {fmpq(0)} <= set(at)

@@ -1,0 +1,161 @@
+"""One-step matrices of every family: against SymPy's polynomials, products of shears, and linear solves."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+from typing import Any
+
+import pytest
+from flint import fmpq, fmpq_mat, fmpq_poly
+from hypothesis import given
+from hypothesis import strategies as st
+
+from driftproof import strategies
+from driftproof.methods.schemes import Nystrom, Splitting
+from driftproof.symbolic.algebra.matrices import product
+from driftproof.symbolic.algebra.polynomials import coefficients, evaluate, exact, from_scalars, polynomial, scalar
+from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
+from driftproof.symbolic.derivation.energy import energy_multiplier as polynomial_multiplier
+from driftproof.symbolic.derivation.one_step import one_step_matrix as polynomial_matrix
+from driftproof.symbolic.linear.invariants import conserved_quadratics, definite_limit
+from driftproof.symbolic.linear.limits import INFINITY
+from driftproof.symbolic.linear.oscillator import (
+    determinant,
+    energy_multiplier,
+    energy_multiplier_of,
+    linear_step_matrix,
+    one_step_matrix,
+    spread,
+    stability_function_of,
+)
+from tests.catalogue.conformance import ARITHMETICS
+from tests.nine import NINE
+from tests.symbolic.linear.linear_examples import (
+    BACKWARD,
+    EVERY,
+    MIDPOINT,
+    MIDPOINT_NYSTROM,
+    NYSTROM_4,
+    ONE,
+    ROOT_3,
+    Z,
+)
+from tests.witnesses.witness_steps import witness_matrix
+
+
+@given(strategies.splittings(max_pairs=3) | strategies.runge_kutta_methods(max_stages=4))
+def test_matrix_of_a_drawn_method_is_what_its_step_is_in_other_arithmetics_and_without_one(method: Any) -> None:
+    assert one_step_matrix(method) == witness_matrix(method)
+    for name in ("Fraction", "number field", "polynomials in h", "SymPy's polynomials", "balls"):
+        assert ARITHMETICS[name].meets(method, method)
+    assert not isinstance(method, Splitting) or determinant(one_step_matrix(method)) == ONE
+
+
+@pytest.mark.parametrize("key", ["gauss2", "midpoint", "backward", "gauss3"])
+def test_implicit_step_solves_its_equations(key: str) -> None:
+    """Q(hJ) M = P(hJ), multiplied out."""
+    m, r = one_step_matrix(EVERY[key]), stability_function_of(EVERY[key])
+    assert r is not None
+    num, den = (_at_rotation(p) for p in (r.num, r.den))
+    left = [[den[i][0] * m[0][j] + den[i][1] * m[1][j] for j in range(2)] for i in range(2)]
+    assert left == num
+    assert m == linear_step_matrix(EVERY[key], [[0, 1], [-1, 0]])
+
+
+def _at_rotation(p: Any) -> list[list[RationalFunction]]:
+    cosine = from_scalars([c * (1, 0, -1, 0)[k % 4] for k, c in enumerate(p.coeffs())])
+    sine = from_scalars([c * (0, 1, 0, -1)[k % 4] for k, c in enumerate(p.coeffs())])
+    return [[fraction(cosine), fraction(sine)], [fraction(-sine), fraction(cosine)]]
+
+
+def test_implicit_nystrom_is_the_implicit_midpoint_rule() -> None:
+    assert one_step_matrix(MIDPOINT_NYSTROM) == one_step_matrix(MIDPOINT)
+    twin = Nystrom("nystrom", "Nyström", 2, "x", (Q(1, 2),), ((Q(1, 5),),), (Q(1, 2),), (Q(1),))
+    assert one_step_matrix(twin) != one_step_matrix(MIDPOINT)
+
+
+SYSTEMS: dict[str, list[list[Q | int]]] = {
+    "two springs": [[0, 0, 1, 0], [0, 0, 0, 1], [-2, 1, 0, 0], [1, -2, 0, 0]],
+    "a saddle": [[0, 1], [Q(1, 3), 0]],
+    "a general matrix": [[1, Q(1, 2), 0], [-3, 0, 2], [0, 1, -1]],
+    "a Jordan block": [[2, 1], [0, 2]],
+}
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+@pytest.mark.parametrize("key", ["rk4", "backward", "midpoint", "gauss3"])
+def test_linear_step_is_p_over_q_of_the_matrix(name: str, key: str) -> None:
+    rows, r = SYSTEMS[name], stability_function_of(EVERY[key])
+    assert r is not None
+    m, h = linear_step_matrix(EVERY[key], rows), fmpq(2, 7)
+    a = fmpq_mat([[scalar(x) * h for x in row] for row in rows])
+    num, den = (_power_sum(p, a) for p in (r.num, r.den))
+    assert den * fmpq_mat([[entry(h) for entry in row] for row in m]) == num
+
+
+def _power_sum(p: Any, a: Any) -> Any:
+    total = a * 0
+    identity = fmpq_mat([[fmpq(int(i == j)) for j in range(a.ncols())] for i in range(a.nrows())])
+    for c in reversed(p.coeffs()):
+        total = total * a + identity * c
+    return total
+
+
+def test_splitting_on_coupled_springs() -> None:
+    """In the eigenvectors (1, 1) and (1, -1) of K the step is that of the oscillator with ω² = 1 and 3."""
+    m = linear_step_matrix(NINE["velocity_verlet"], SYSTEMS["two springs"])
+    (qq, qv), (vq, vv) = linear_step_matrix(NINE["velocity_verlet"], [[0, 1], [-3, 0]])
+    moved = [row[0] - row[1] for row in m], [row[2] - row[3] for row in m]
+    assert moved[0] == [qq, -qq, vq, -vq]
+    assert moved[1] == [qv, -qv, vv, -vv]
+    nystrom = linear_step_matrix(NYSTROM_4, [[0, 1], [-1, 0]])
+    assert nystrom == one_step_matrix(NYSTROM_4)
+
+
+@pytest.mark.parametrize("rows", [[[0, 1], [-1, 1]], [[0, 2], [-1, 0]], [[0, 1, 0], [0, 0, 1], [1, 0, 0]]])
+def test_splitting_refuses_what_is_not_separable(rows: list[list[int]]) -> None:
+    with pytest.raises(ValueError, match="velocity_verlet needs a system"):
+        linear_step_matrix(NINE["velocity_verlet"], rows)
+
+
+def test_linear_system_must_be_square_and_exact() -> None:
+    with pytest.raises(ValueError, match="square"):
+        linear_step_matrix(NINE["rk4"], [[0, 1]])
+    with pytest.raises(TypeError, match="exact"):
+        linear_step_matrix(NINE["rk4"], [[0.5]])
+
+
+@pytest.mark.parametrize("key", NINE)
+def test_energy_multiplier_agrees_with_the_polynomial_one(key: str) -> None:
+    ours = energy_multiplier(one_step_matrix(NINE[key]))
+    if isinstance(NINE[key], Splitting):
+        assert ours is None
+        return
+    theirs = polynomial_multiplier(polynomial_matrix(NINE[key]))
+    assert ours is not None
+    wanted = {power // 2: Q(int(c.numerator), int(c.denominator)) for (power,), c in theirs.terms()}
+    assert {k: c for k, c in enumerate(coefficients(ours.num)) if c} == wanted
+
+
+@pytest.mark.parametrize("key", ["rk4", "backward", "midpoint", "gauss2", "gauss3"])
+def test_determinant_is_the_energy_multiplier_of_a_runge_kutta_method(key: str) -> None:
+    m, r = one_step_matrix(EVERY[key]), stability_function_of(EVERY[key])
+    assert r is not None
+    assert energy_multiplier(m) == energy_multiplier_of(r)
+    assert determinant(m) == fraction(spread(energy_multiplier_of(r).num), spread(energy_multiplier_of(r).den))
+
+
+def test_backward_euler_damps_and_the_midpoint_rule_does_not() -> None:
+    assert energy_multiplier(one_step_matrix(BACKWARD)) == fraction(fmpq_poly([1]), 1 + Z)
+    assert energy_multiplier(one_step_matrix(MIDPOINT)) == ONE
+
+
+@given(st.fractions(-2, 2, max_denominator=9), st.fractions(-2, 2, max_denominator=9))
+def test_evaluation_of_a_rational_function(x: Q, y: Q) -> None:
+    f = fraction(1 + Z * 2, 3 + Z**2)
+    assert exact(f(scalar(x))) == (1 + 2 * x) / (3 + x * x)
+    total = f + fraction(Z)
+    assert exact(total(scalar(y))) == (1 + 2 * y) / (3 + y * y) + y
+    assert exact(evaluate(polynomial([1, 2]), scalar(ROOT_3))) == 1 + 2 * ROOT_3
+    assert product([[fmpq(1), fmpq(2)]], [[fmpq(3)], [fmpq(4)]]) == [[11]]
+    assert definite_limit(conserved_quadratics(one_step_matrix(MIDPOINT))[0]) is INFINITY

@@ -1,0 +1,129 @@
+"""Error constants, dispersion and dissipation: by R, by the matrix, and in balls."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+
+import pytest
+from flint import acb, acb_poly, arb, ctx
+
+from driftproof.methods.schemes import Splitting
+from driftproof.symbolic.algebra.matrices import StepMatrix
+from driftproof.symbolic.algebra.polynomials import exact
+from driftproof.symbolic.linear.oscillator import (
+    determinant,
+    is_matrix_symmetric,
+    one_step_matrix,
+    stability_function_of,
+    trace,
+)
+from driftproof.symbolic.linear.phase import (
+    angle_error,
+    angle_series,
+    damping,
+    damping_series,
+    dispersion,
+    dispersion_series,
+    dissipation,
+    dissipation_series,
+    error_constant,
+    is_linearly_symmetric,
+    linear_order,
+    matrix_error,
+    modified_rate,
+)
+from tests.nine import NINE
+from tests.symbolic.linear.linear_examples import EVERY, at, ball
+
+PHASES: dict[str, tuple[int, str, tuple[int, str], tuple[int, str] | None]] = {
+    "forward_euler": (2, "-1/2", (3, "-1/3"), (2, "1/2")),
+    "backward": (2, "1/2", (3, "-1/3"), (2, "-1/2")),
+    "midpoint": (3, "1/12", (3, "-1/12"), None),
+    "rk4": (5, "-1/120", (5, "-1/120"), (6, "-1/144")),
+    "rk38": (5, "-1/120", (5, "-1/120"), (6, "-1/144")),
+    "gauss2": (5, "-1/720", (5, "-1/720"), None),
+    "gauss3": (7, "1/100800", (7, "-1/100800"), None),
+}
+
+
+@pytest.mark.parametrize("key", PHASES)
+def test_error_dispersion_and_dissipation(key: str) -> None:
+    r = stability_function_of(EVERY[key])
+    assert r is not None
+    power, constant, phase, size = PHASES[key]
+    assert (error_constant(r).power, str(error_constant(r).coefficient)) == (power, constant)
+    assert linear_order(r) == power - 1
+    assert (dispersion(r).power, str(dispersion(r).coefficient)) == phase
+    found = dissipation(r)
+    assert (found and (found.power, str(found.coefficient))) == size
+    assert is_linearly_symmetric(r) == (size is None)
+
+
+@pytest.mark.parametrize("key", PHASES)
+def test_phase_by_r_and_by_the_matrix(key: str) -> None:
+    r, m = stability_function_of(EVERY[key]), one_step_matrix(EVERY[key])
+    assert r is not None
+    assert angle_series(m, 14) == dispersion_series(r, 14)
+    assert damping_series(m, 14) == dissipation_series(r, 14)
+    assert (angle_error(m), damping(m)) == (dispersion(r), dissipation(r))
+    assert matrix_error(m)[0] == error_constant(r).power
+    assert is_matrix_symmetric(m) == is_linearly_symmetric(r)
+
+
+ANGLES = {
+    "symplectic_euler": (2, (3, "1/24")),
+    "velocity_verlet": (3, (3, "1/24")),
+    "position_verlet": (3, (3, "1/24")),
+}
+
+
+@pytest.mark.parametrize("key", ANGLES)
+def test_splittings_lead_by_h_cubed_over_24(key: str) -> None:
+    m = one_step_matrix(NINE[key])
+    power, phase = ANGLES[key]
+    assert matrix_error(m)[0] == power
+    assert (angle_error(m).power, str(angle_error(m).coefficient)) == phase
+    assert damping(m) is None
+    assert is_matrix_symmetric(m) == key.endswith("verlet")
+
+
+@pytest.mark.parametrize("key", [*PHASES, *ANGLES, "triple_jump", "nystrom_explicit"])
+def test_series_of_the_angle_in_balls(key: str) -> None:
+    """At h = 2**-12 the series to h**15 is the angle itself but for a relative 2**-100, say."""
+    m = one_step_matrix(EVERY[key])
+    with ctx.workprec(400):
+        h = arb(2) ** -12
+        half, area = at(trace(m), h) / 2, at(determinant(m), h)
+        angle = acb(half, (area - half**2).sqrt()).arg() - h
+        series = sum((ball(c) * h**k for k, c in enumerate(angle_series(m, 16))), arb(0))
+        assert abs(angle - series) < h**15
+        wrong = series + h**14
+        assert not abs(angle - wrong) < h**15
+
+
+@pytest.mark.parametrize("key", ["rk4", "backward", "gauss2"])
+def test_modified_rate_exponentiates_to_r(key: str) -> None:
+    r = stability_function_of(EVERY[key])
+    assert r is not None
+    rate = modified_rate(r, 20)
+    assert (exact(rate[0]), exact(rate[1])) == (0, 1)
+    with ctx.workprec(300):
+        z = arb(2) ** -10
+        total = sum((ball(c) * z**k for k, c in enumerate(rate)), arb(0))
+        value = acb_poly([ball(c) for c in r.num.coeffs()])(z) / acb_poly([ball(c) for c in r.den.coeffs()])(z)
+        assert abs(value - total.exp()) < z**19
+
+
+def test_an_inconsistent_splitting_has_its_rate_in_a_quadratic_field() -> None:
+    """σ² is the sum of the kicks times that of the drifts: 10/9 · 9/10 is consistent, 10/9 needs sqrt(10)."""
+
+    def split(kick: Q, drift: Q) -> StepMatrix:
+        parts = (("kick", kick / 2), ("drift", drift), ("kick", kick / 2))
+        return one_step_matrix(Splitting("s", "S", 0, "x", parts))
+
+    assert angle_error(split(Q(10, 9), Q(9, 10))).power == 3
+    found = angle_error(split(Q(10, 9), Q(1)))
+    assert (found.power, str(found.coefficient)) == (1, "-1 + 1/3*sqrt(10)")
+    assert angle_error(split(Q(4, 9), Q(1))).coefficient == Q(-1, 3)
+    with pytest.raises(ValueError, match="no positive rational"):
+        angle_error(split(Q(-1), Q(1)))

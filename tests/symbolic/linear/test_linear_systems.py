@@ -1,0 +1,450 @@
+"""A method on z' = Az: R(hA) against the step itself, limits of h against spectral radii in balls and powers."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+from functools import cache
+from typing import Any
+
+import pytest
+import sympy
+from flint import acb_mat, acb_poly, arb, ctx, fmpq, fmpq_mat, fmpq_poly
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.number_field import Algebraic, square_root
+from driftproof.methods.schemes import Method, Splitting
+from driftproof.methods.stepping import stepper
+from driftproof.methods.systems import System, parse_system
+from driftproof.symbolic.algebra.algebraic_numbers import number_of, ratio, root_of
+from driftproof.symbolic.algebra.certified import enclose, endpoints
+from driftproof.symbolic.algebra.polynomials import exact, scalar
+from driftproof.symbolic.algebra.radicals import radical_form
+from driftproof.symbolic.algebra.real_roots import ZERO, RealRoot
+from driftproof.symbolic.facts import system_facts
+from driftproof.symbolic.linear.conjugate_pairs import pair_polynomial
+from driftproof.symbolic.linear.eigenvalues import Imaginary, eigenvalues, places
+from driftproof.symbolic.linear.limits import Limit
+from driftproof.symbolic.linear.oscillator import linear_step_matrix, stability_function_of
+from driftproof.symbolic.linear.rays import ALWAYS, Bound
+from driftproof.symbolic.linear.systems import SystemFacts
+from tests.symbolic.linear.linear_examples import MIDPOINT, MIDPOINT_NYSTROM, NYSTROM_4, at, limit_text, record_text
+from tests.witnesses.witness_limits import is_where_growth_begins
+
+SPRINGS = "0 0 1 0; 0 0 0 1; -2 1 0 0; 1 -2 0 0"
+CHAIN = "0 0 1 0; 0 0 0 1; -3 1 0 0; 2 -5/2 0 0"
+STUCK = "0 0 1 0; 0 0 0 1; -1 1 0 0; 0 -1 0 0"  # a Jordan block for i
+TWISTED = "0 0 1 0; 0 0 0 1; -1 1 0 0; -1 -1 0 0"  # K has complex eigenvalues
+DAMPED = "0 1; -1 -1/10"
+COUPLED = "0 0 1 0; 0 0 0 1; -2 1 -1/10 0; 1 -3 0 -1/5"
+
+
+@cache
+def facts(key: str, text: str) -> SystemFacts:
+    return SystemFacts(METHODS[key], parse_system(text))
+
+
+# --- the matrix
+
+
+class Column(tuple[Any, ...]):
+    """A vector with what a step needs, over any numbers."""
+
+    def __add__(self, other: Any) -> Column:
+        return Column(x + y for x, y in zip(self, other, strict=True))
+
+    def __rmul__(self, factor: Any) -> Column:
+        return Column(factor * x for x in self)
+
+
+class Factor:
+    """A coefficient that multiplies numbers and vectors."""
+
+    def __init__(self, value: Any) -> None:
+        self.value = value
+
+    def __mul__(self, other: Any) -> Any:
+        return Column(self.value * x for x in other) if isinstance(other, Column) else Factor(self.value * other)
+
+
+def stepped(method: Method, rows: System, h: Q) -> list[list[Any]]:
+    """The one-step matrix at a rational h, column by column, by the generic step itself."""
+    half = len(rows) // 2
+    step = stepper(method, Factor)
+
+    def force(q: Column) -> Column:
+        return Column(sum((x * y for x, y in zip(row[:half], q, strict=True)), Q(0)) for row in rows[half:])
+
+    columns = []
+    for k in range(2 * half):
+        start = Column(Q(int(i == k)) for i in range(2 * half))
+        q, v = step(force, Column(start[:half]), Column(start[half:]), h)
+        columns.append([*q, *v])
+    return [list(row) for row in zip(*columns, strict=True)]
+
+
+PARTITIONED = ["symplectic_euler", "velocity_verlet", "position_verlet", "ruth3", "forest_ruth", "pefrl", "nystrom4"]
+
+
+@pytest.mark.parametrize("key", PARTITIONED)
+@pytest.mark.parametrize("text", ["0 1; -3 0", "0 1; 2 0", CHAIN, STUCK, "0 0 1 0; 0 0 0 1; 0 1 0 0; 0 0 0 0"])
+def test_matrix_of_a_partitioned_method_is_that_of_its_step(key: str, text: str) -> None:
+    h = Q(2, 7)
+    found = [[exact(entry(scalar(h))) for entry in row] for row in facts(key, text).matrix]
+    assert found == stepped(METHODS[key], parse_system(text), h)
+    assert found != stepped(METHODS[key], parse_system(text), h + Q(1, 10**20))
+
+
+def test_matrix_of_an_implicit_nystrom_method_is_that_of_the_implicit_midpoint_rule() -> None:
+    for text in ("0 1; -3 0", CHAIN, STUCK):
+        rows = parse_system(text)
+        assert linear_step_matrix(MIDPOINT_NYSTROM, rows) == linear_step_matrix(MIDPOINT, rows)
+        assert linear_step_matrix(NYSTROM_4, rows) != linear_step_matrix(MIDPOINT, rows)
+
+
+@pytest.mark.parametrize("key", ["rk4", "sdirk2", "gauss3", "velocity_verlet", "nystrom4"])
+def test_determinant_is_that_of_the_matrix_at_a_step(key: str) -> None:
+    found, h = facts(key, CHAIN), scalar(Q(3, 8))
+    assert exact(found.determinant(h)) == _cofactors([[exact(entry(h)) for entry in row] for row in found.matrix])
+    off = [[exact(entry(h)) + Q(i == j, 10**20) for j, entry in enumerate(row)] for i, row in enumerate(found.matrix)]
+    assert exact(found.determinant(h)) != _cofactors(off)
+
+
+def _cofactors(rows: list[list[Any]]) -> Any:
+    if len(rows) == 1:
+        return rows[0][0]
+    minors = ([row[:j] + row[j + 1 :] for row in rows[1:]] for j in range(len(rows)))
+    return sum(
+        ((-1) ** j * x * _cofactors(minor) for j, (x, minor) in enumerate(zip(rows[0], minors, strict=True))), Q(0)
+    )
+
+
+# --- eigenvalues
+
+
+BLOCKS = {
+    "-1 1; 0 -1": [("-1", 2, 2)],
+    "-1 0; 0 -1": [("-1", 2, 1)],
+    "0 1; 0 0": [("0", 2, 2)],
+    "0 1; -1 0": [("I", 1, 1)],
+    DAMPED: [("-1/20 + sqrt(399)/20*I", 1, 1)],
+    SPRINGS: [("I", 1, 1), ("sqrt(3)*I", 1, 1)],
+    STUCK: [("I", 2, 2)],
+    "2 0 0; 0 2 1; 0 0 2": [("2", 3, 2)],
+    "1 2; 3 4": [("5/2 - sqrt(33)/2", 1, 1), ("5/2 + sqrt(33)/2", 1, 1)],
+    "-4 4 0 0; -9 8 0 0; 0 0 2 0; 0 0 0 1/2": [("2", 3, 2), ("1/2", 1, 1)],
+}
+
+
+@pytest.mark.parametrize("text", BLOCKS)
+def test_eigenvalues_with_their_jordan_blocks(text: str) -> None:
+    found = [eigenvalue.data() for eigenvalue in eigenvalues(parse_system(text))]
+    shown = [(value_text(e["value"]), e["multiplicity"], e["largest_block"]) for e in found]
+    assert shown == BLOCKS[text]
+    assert _jordan(text) == sorted((m, block) for e in eigenvalues(parse_system(text)) for m, block in _counted(e))
+
+
+def value_text(value: Any) -> str:
+    return value if isinstance(value, str) else value["exact"]
+
+
+def _counted(eigenvalue: Any) -> list[tuple[int, int]]:
+    return [(eigenvalue.multiplicity, eigenvalue.block)] * (1 if isinstance(eigenvalue.place, RealRoot) else 2)
+
+
+def _jordan(text: str) -> list[tuple[int, int]]:
+    """(multiplicity, largest block) of each eigenvalue, from SymPy's Jordan form."""
+    _, form = sympy.Matrix([[sympy.Rational(x) for x in row] for row in parse_system(text)]).jordan_form()
+    found: dict[Any, list[int]] = {}
+    for k in range(form.rows):
+        sizes = found.setdefault(form[k, k], [])
+        if k and form[k - 1, k] == 1:
+            sizes[-1] += 1
+        else:
+            sizes.append(1)
+    return sorted((sum(sizes), max(sizes)) for sizes in found.values())
+
+
+@pytest.mark.parametrize(
+    "minimal",
+    [(5, 1, 2, 1), (1, 0, 0, 0, 1), (250, 35, 251, 15, 50), (2, 0, 2, 0, 1), (-2, 0, 0, 0, 1), (1, -3, 0, 0, 0, 1)],
+)
+def test_places_are_the_roots_and_keep_their_order_at_every_precision(minimal: tuple[int, ...]) -> None:
+    found = places(minimal)
+    wanted = sympy.Poly(list(reversed(minimal)), sympy.Symbol("x")).nroots(30)
+    assert len(wanted) == sum(1 if isinstance(p, RealRoot) else 2 for p in found)
+    for place in found:
+        middles = []
+        for bits in (64, 100, 400):
+            with ctx.workprec(bits):
+                ball = place.ball() if not isinstance(place, Imaginary) else place.size.ball() * acb_poly([0, 1])(1j)
+                middles.append(complex(ball.mid()))
+        assert max(abs(m - middles[0]) for m in middles) < 1e-12
+        assert any(abs(complex(w) - middles[0]) < 1e-12 for w in wanted)
+
+
+# --- limits
+
+
+def radius(found: SystemFacts, h: arb) -> arb:
+    """The spectral radius of M(h), by eigenvalues of the matrix in balls."""
+    matrix = acb_mat([[at(entry, h) for entry in row] for row in found.matrix])
+    sizes = [abs(x) for x in matrix.eig(nonstop=True)]
+    total = sizes[0]
+    for size in sizes[1:]:
+        total = total.max(size)
+    return total
+
+
+# Systems with distinct eigenvalues of M near the limit, so that balls separate them: exact text, or decimal.
+LIMITS = {
+    ("rk4", DAMPED): "2.909799685490394332749367463504",
+    ("rk4", COUPLED): "1.527433714783494202181090494221",
+    ("forward_euler", DAMPED): "1/10",
+    ("heun3", COUPLED): None,
+    ("rk4", SPRINGS): "2*sqrt(6)/3",
+    ("velocity_verlet", SPRINGS): "2*sqrt(3)/3",
+    ("symplectic_euler", "0 1; -9/4 0"): "4/3",
+    ("forest_ruth", CHAIN): None,
+    ("nystrom4", CHAIN): None,
+    ("rk4", "-21 19 -20; 19 -21 20; 40 -40 -40"): None,
+    ("rk4", "-2 1 0; 1 -2 1; 0 1 -2"): None,
+    ("sdirk2", DAMPED): "oo",
+    ("gauss2", COUPLED): "oo",
+    ("rk4", TWISTED): "0",
+    ("velocity_verlet", TWISTED): "0",
+    ("velocity_verlet", "0 1; 2 0"): "0",
+    ("rk4", "0 1 0; 0 0 1; -5 -1 -1/2"): "0",
+    ("dormand_prince54", "0 1 0; 0 0 1; -1 -3 -2"): None,
+}
+
+
+@pytest.mark.parametrize(("key", "text"), LIMITS)
+def test_limit_of_h_is_where_powers_begin_to_grow(key: str, text: str) -> None:
+    found = facts(key, text)
+    limit = found.step_limit.limit
+    assert is_where_growth_begins(limit, lambda h: radius(found, h))
+    wanted = LIMITS[key, text]
+    record = system_facts(METHODS[key], parse_system(text), ("step_limit",))["step_limit"]
+    assert wanted is None or wanted in (record, *(record.values() if isinstance(record, dict) else ()))
+    if isinstance(limit, RealRoot) and limit != ZERO:
+        for moved in (fmpq(10**9 - 1, 10**9), fmpq(10**9 + 1, 10**9)):
+            assert not is_where_growth_begins(limit, lambda h: radius(found, h), moved)
+
+
+def test_limit_is_the_least_of_those_of_the_eigenvalues() -> None:
+    bounds = [bound for _, bound in facts("rk4", COUPLED).bounds]
+    assert all(isinstance(bound, Bound) for bound in bounds)
+    assert len({limit_text(bound.limit) for bound in bounds if isinstance(bound, Bound)}) == 1  # conjugates
+    assert facts("rk4", COUPLED).step_limit.limit in [b.limit for b in bounds if isinstance(b, Bound)]
+    diagonal = parse_system("-1 0 0; 0 -3 0; 0 0 -2")
+    euler = system_facts(METHODS["forward_euler"], diagonal, ("eigenvalues", "step_limit"))
+    assert [record_text(e["limit"]) for e in euler["eigenvalues"]] == ["2", "1", "2/3"]
+    assert record_text(euler["step_limit"]) == "2/3"
+
+
+# (method, system): the limit, and whether powers are bounded there.
+JORDAN = {
+    ("rk4", "-1 1; 0 -1"): ("x**3 - 4*x**2 + 12*x - 24", False),
+    ("rk4", STUCK): ("2*sqrt(2)", False),
+    ("gauss2", STUCK): ("0", None),
+    ("gauss2", "-1 1; 0 -1"): ("oo", None),
+    ("velocity_verlet", STUCK): ("0", None),
+    ("velocity_verlet", "0 1; 0 0"): ("0", None),
+    ("backward_euler", "0 1; 0 0"): ("0", None),
+    ("rk4", "0 1; -1 0"): ("2*sqrt(2)", True),
+    ("velocity_verlet", "0 1; -1 0"): ("2", False),
+    ("chebyshev10_1", "-1 1; 0 -1"): ("200", False),
+    ("forward_euler", "-1 -1 1 0; 1 -1 0 1; 0 0 -1 -1; 0 0 1 -1"): ("1", False),
+    ("heun2", "-1 -1 1 0; 1 -1 0 1; 0 0 -1 -1; 0 0 1 -1"): ("x**3 - 2*x**2 + 2*x - 2", False),
+}
+
+
+@pytest.mark.parametrize(("key", "text"), JORDAN)
+def test_jordan_blocks_count(key: str, text: str) -> None:
+    """Powers of R(hJ) grow linearly where |R| = 1, at the limit itself or before it."""
+    bound = facts(key, text).step_limit
+    wanted, attained = JORDAN[key, text]
+    assert (limit_text(bound.limit), bound.attained) == (wanted, attained)
+    assert grows(facts(key, text), just_inside(bound.limit)) == (wanted == "0")
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "limit", "attained"),
+    [
+        ("forward_euler", DAMPED, Q(1, 10), True),
+        ("forward_euler", "-1 0; 0 -2", Q(1), True),
+        ("forward_euler", "-1 -1 1 0; 1 -1 0 1; 0 0 -1 -1; 0 0 1 -1", Q(1), False),
+        ("velocity_verlet", "0 1; -1 0", Q(2), False),
+        ("symplectic_euler", "0 1; -9/4 0", Q(4, 3), False),
+        ("chebyshev10_1", "-1 1; 0 -1", Q(200), False),
+    ],
+)
+def test_powers_at_a_rational_limit_are_bounded_where_it_is_attained(
+    key: str, text: str, limit: Q, attained: bool
+) -> None:
+    bound = facts(key, text).step_limit
+    assert (limit_text(bound.limit), bound.attained) == (str(limit), attained)
+    assert grows(facts(key, text), limit) == (not attained)
+
+
+def just_inside(limit: Limit) -> Q:
+    """A rational step just below the limit; 1/3 where that is 0 or oo."""
+    if not isinstance(limit, RealRoot) or limit == ZERO:
+        return Q(1, 3)
+    with ctx.workprec(200):
+        return Q(99, 100) * endpoints(limit.ball())[0]
+
+
+def grows(found: SystemFacts, h: Q) -> bool:
+    """Are the entries of M(h)**1024 more than 50 times those of M(h)**16, in balls?"""
+    with ctx.workprec(4000):
+        matrix = acb_mat([[at(entry, arb(fmpq(h.numerator, h.denominator))) for entry in row] for row in found.matrix])
+        sizes = [max(float(abs(x).mid()) for x in (matrix**n).entries()) for n in (16, 1024)]
+    return sizes[1] > 50 * max(sizes[0], 1e-6) and sizes[1] > 10
+
+
+def test_blocks_of_three_end_where_the_derivative_is_all_that_vanishes() -> None:
+    """T₁₀(1 - x/100) touches -1 at 100 (1 - cos π/10), where R' = 0, enough for a block of two, and R'' is not 0."""
+    bound = facts("chebyshev10_1", "-1 1 0; 0 -1 1; 0 0 -1").step_limit
+    assert isinstance(bound.limit, RealRoot)
+    with ctx.workprec(200):
+        first_touch = 100 * (1 - (arb.pi() / 10).cos())
+        assert (bound.limit.ball() - first_touch).contains(0)
+    assert bound.attained is False
+    found = facts("chebyshev10_1", "-1 1 0; 0 -1 1; 0 0 -1")
+    assert not grows(found, Q(48, 10))
+
+
+def test_what_is_not_decided_is_refused_with_a_reason() -> None:
+    stuck = system_facts(METHODS["nystrom4"], parse_system(STUCK), ("eigenvalues", "step_limit", "step_limit_attained"))
+    assert stuck["step_limit"]["refused"].startswith("not decided for this method: a Jordan block")
+    assert stuck["eigenvalues"][0]["limit"] == stuck["step_limit"]
+    assert stuck["step_limit_attained"] is None
+    pushed = Splitting("push", "Push", 0, "x", (("kick", Q(1)),))
+    assert "without a kick or a drift" in str(system_facts(pushed, parse_system("0 1; 0 0"), ("step_limit",)))
+    blocks = "0 1 0 1 0 0; 0 0 1 0 1 0; -1 -1 -1/2 0 0 1; 0 0 0 0 1 0; 0 0 0 0 0 1; 0 0 0 -1 -1 -1/2"
+    refused = system_facts(METHODS["rk4"], parse_system(blocks), ("eigenvalues",))["eigenvalues"]
+    assert any("Jordan block is not decided" in str(e["limit"]) for e in refused)
+    wide = "; ".join(
+        " ".join("1" if j == i + 1 else "-1" if i == 9 and j in (0, 1) else "0" for j in range(10)) for i in range(10)
+    )
+    answer = system_facts(METHODS["dormand_prince54"], parse_system(wide), ("eigenvalues",))["eigenvalues"]
+    assert any("has degree" in str(e["limit"]) for e in answer)
+
+
+@pytest.mark.parametrize("key", ["velocity_verlet", "nystrom4"])
+@pytest.mark.parametrize("text", [DAMPED, "-1", "0 2; -1 0", "0 1 0; 0 0 1; -1 -1 -1/2"])
+def test_a_partitioned_method_needs_positions_and_velocities(key: str, text: str) -> None:
+    with pytest.raises(ValueError, match=rf"{key} needs a system q' = v, v' = Kq: the matrix must be"):
+        facts(key, text)
+
+
+def test_matrix_of_a_runge_kutta_step_is_computed_only_when_asked_for() -> None:
+    """Over a number field, of fifteen components, it takes a minute."""
+    found = SystemFacts(METHODS["sdirk2"], parse_system("0 1; -1 -1/10"))
+    assert found.step_limit == ALWAYS
+    assert "matrix" not in vars(found)
+    assert len(found.matrix) == 2
+
+
+# --- pairs of conjugates
+
+
+@pytest.mark.parametrize("minimal", [(250, 35, 251, 15, 50), (2, 2, 1, 2), (2, 0, 2, 0, 1)])
+@pytest.mark.parametrize("key", ["heun2", "sdirk2", "gauss2"])
+def test_polynomial_of_pairs_is_the_product_over_pairs(key: str, minimal: tuple[int, ...]) -> None:
+    """At a rational h, up to a constant, against the product of Q(hλ)Q(hμ) - P(hλ)P(hμ) over computed roots."""
+    r = stability_function_of(METHODS[key])
+    assert r is not None
+    found = pair_polynomial(r, minimal)
+    quotients = []
+    with ctx.workprec(300):
+        roots = [root for root, _ in fmpq_poly(list(minimal)).numer().complex_roots()]
+        for h in (fmpq(1, 3), fmpq(5, 7)):
+            value = arb(found(h))
+            for conjugate in conjugates(r):
+                for i, x in enumerate(roots):
+                    for y in roots[:i]:
+                        if not (x + y).contains(0):
+                            p, q = (acb_poly(c)(x * h) * acb_poly(c)(y * h) for c in conjugate)
+                            value = value / (q - p)
+            quotients.append(value)
+        assert (quotients[0] - quotients[1]).contains(0)
+        assert abs(quotients[0]) > 0
+
+
+def conjugates(r: Any) -> list[tuple[list[Any], list[Any]]]:
+    """(num, den) as balls, under each embedding of the field: Q, or Q(√n) with both roots."""
+
+    def embedded(p: Any, sign: int) -> list[Any]:
+        balls = []
+        for c in (exact(c) for c in p.coeffs()):
+            if isinstance(c, Algebraic):
+                a, b = (*c.coefficients, Q(0))[:2]
+                balls.append(
+                    arb(fmpq(*a.as_integer_ratio()))
+                    + sign * arb(fmpq(*b.as_integer_ratio())) * enclose(c.field.generator)
+                )
+            else:
+                balls.append(arb(fmpq(*c.as_integer_ratio())))
+        return balls
+
+    signs = (1, -1) if any(isinstance(exact(c), Algebraic) for p in (r.num, r.den) for c in p.coeffs()) else (1,)
+    return [(embedded(r.num, sign), embedded(r.den, sign)) for sign in signs]
+
+
+# --- algebraic numbers
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "text"),
+    [
+        ((-8, 0, 1), (-3, 0, 1), "2*sqrt(6)/3"),
+        ((-8, 0, 1), (-8, 0, 1), "1"),
+        ((-3, 0, 1), (-3, 2), "2*sqrt(3)/3"),
+        ((-2, 0, 0, 1), (-2, 0, 0, 1), "1"),
+        ((-2, 0, 0, 1), (-5, 3), "3*2**(1/3)/5"),
+    ],
+)
+def test_ratio_of_roots(x: tuple[int, ...], y: tuple[int, ...], text: str) -> None:
+    largest = [RealRoot(m, RealRoot(m, 0).count - 1) for m in (x, y)]
+    assert radical_form(ratio(*largest)) == text
+
+
+@settings(max_examples=25)
+@given(st.fractions(-3, 3, max_denominator=9), st.fractions(-3, 3, max_denominator=9))
+def test_a_number_is_the_root_of_its_polynomial_and_comes_back(a: Q, b: Q) -> None:
+    x = a + b * square_root(5)
+    root = root_of(x if b else a)
+    assert root.degree == (2 if b else 1)
+    wanted = sympy.minimal_polynomial(sympy.Rational(a) + sympy.Rational(b) * sympy.sqrt(5), polys=True)
+    assert root.minimal == tuple(int(c) for c in reversed(wanted.all_coeffs()))
+    with ctx.workprec(200):
+        assert root.ball().overlaps(enclose(x if b else a))
+        assert not root.ball().overlaps(enclose(x + 1))
+    back = number_of(root)
+    assert back == a if not b else isinstance(back, Algebraic)
+
+
+# --- the text of a system
+
+
+@given(st.text("0123456789./*+-();, x", max_size=30))
+def test_any_text_is_a_square_matrix_or_is_refused_in_one_line(text: str) -> None:
+    try:
+        rows = parse_system(text)
+    except ValueError as error:
+        line = str(error)
+    else:
+        assert all(len(row) == len(rows) > 0 for row in rows)
+        return
+    assert line
+    assert "\n" not in line
+
+
+def test_rows_and_entries_are_read_exactly() -> None:
+    assert parse_system("0 1; -1 -1/10") == parse_system("0, 1; -1, -0.1;") == ((0, 1), (-1, Q(-1, 10)))
+    assert parse_system("2*(3 + 1), 0; 0, 1e-3") == ((8, 0), (0, Q(1, 1000)))
+    assert fmpq_mat([[fmpq(*x.as_integer_ratio()) for x in row] for row in parse_system(DAMPED)]).det() == 1

@@ -1,0 +1,219 @@
+"""Limits, order and R of a family as functions of its parameter, against members and against SymPy."""
+
+from __future__ import annotations
+
+import json
+import re
+from fractions import Fraction as Q
+from functools import cache
+from typing import Any
+
+import pytest
+import sympy
+from flint import fmpq_poly
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from driftproof.methods.expressions import parse_function
+from driftproof.methods.families import FAMILIES, Family
+from driftproof.methods.schemes import MethodError
+from driftproof.symbolic.algebra.bivariate import irreducible_factors, text
+from driftproof.symbolic.algebra.polynomials import exact, scalar
+from driftproof.symbolic.facts import facts_of
+from driftproof.symbolic.family_facts import FAMILY_FACTS, family_facts
+from driftproof.symbolic.family_order import family_order, family_residuals
+from driftproof.symbolic.linear.parameter_sets import describe
+from driftproof.symbolic.trees.order import order, residuals, runge_kutta_conditions
+from tests.symbolic.linear.family_examples import CUBIC, SDIRK_3, THETA, family
+
+EVERY = {**FAMILIES, "theta": THETA, "cubic": CUBIC, "sdirk_3": SDIRK_3}
+NAMES = ("real_limit", "imaginary_limit")
+
+
+def value_of(expression: str, number: Any, **names: Any) -> Any:
+    """The expression's value by Python's own arithmetic, every numeral being read by `number`."""
+    return eval(re.sub(r"\d+(?:\.\d+)?", lambda m: f"number('{m[0]}')", expression), {"number": number, **names})
+
+
+def inside(value: Q, interval: dict[str, Any]) -> bool:
+    """Does the value lie in the interval, by the decimals of its ends?"""
+    low, high = (
+        end if isinstance(end, str) and end.endswith("oo") else Q(end if isinstance(end, str) else end["decimal"])
+        for end in (interval["low"], interval["high"])
+    )
+    above = low == "-oo" or low < value or (low == value and interval["low_closed"])
+    return above and (high == "oo" or value < high or (value == high and interval["high_closed"]))
+
+
+def agrees(key: str, name: str, value: Q, pieces: list[dict[str, Any]]) -> bool:
+    """Is the limit by pieces that of the member, to 29 digits? SymPy counts the roots of the curve below it."""
+    record = facts_of(EVERY[key].member(value), (name,))[name]
+    (piece,) = (piece for piece in pieces if inside(value, piece["interval"]))
+    if piece["curve"] is None:
+        return bool(piece["limit"] == record)
+    if isinstance(record, str):
+        return False
+    wanted = sympy.Rational(record["decimal"])
+    names = {"x": sympy.Symbol("x"), "sqrt": sympy.sqrt, EVERY[key].parameter: sympy.Rational(value)}
+    curve = sympy.Poly(value_of(piece["curve"], sympy.Rational, **names), names["x"])
+    slack = wanted * sympy.Rational(1, 10**29)
+    if piece["formula"] is not None:
+        assert abs(value_of(piece["formula"], sympy.Rational, **names).evalf(40) - wanted) <= slack
+    return [curve.count_roots(0, wanted + side * slack) for side in (-1, 1)] == [piece["root"] - 1, piece["root"]]
+
+
+@cache
+def pieces_of(key: str, name: str) -> list[dict[str, Any]]:
+    pieces: list[dict[str, Any]] = family_facts(EVERY[key], (name,))[name]
+    return pieces
+
+
+@pytest.mark.parametrize("key", EVERY)
+@pytest.mark.parametrize("name", NAMES)
+def test_limit_by_pieces_is_that_of_members(key: str, name: str) -> None:
+    pieces = pieces_of(key, name)
+    ends = [Q(end["decimal"]) for piece in pieces for end in piece["interval"].values() if isinstance(end, dict)]
+    near = [end + side for end in ends for side in (Q(-1, 10**12), Q(1, 10**12))]
+    for value in [*near, Q(-7, 3), Q(1, 5), Q(2, 3), Q(9, 4)]:
+        assert agrees(key, name, value, pieces), value
+
+
+def test_a_piece_with_another_root_another_end_or_another_curve_is_noticed() -> None:
+    (first, *rest) = pieces_of("sdirk_3", "real_limit")
+    value = Q(-7, 3)
+    assert agrees("sdirk_3", "real_limit", value, [first, *rest])
+    moved = {**first, "curve": first["curve"].replace("-12", "-13")}
+    assert moved != first
+    assert not agrees("sdirk_3", "real_limit", value, [moved, *rest])
+    theta = pieces_of("theta", "real_limit")
+    shifted = [{**piece, "interval": {**piece["interval"]}} for piece in theta]
+    for piece, end in zip(shifted, ("high", "low"), strict=True):
+        piece["interval"][end] = "3/5"
+    assert agrees("theta", "real_limit", Q(11, 20), theta)
+    assert not agrees("theta", "real_limit", Q(11, 20), shifted)
+
+
+@settings(max_examples=30)
+@given(st.fractions(-3, 3, max_denominator=60), st.sampled_from(NAMES))
+def test_limits_of_a_drawn_member_of_the_cubic_family(value: Q, name: str) -> None:
+    """The real limit of 1 + z + az² + az³/2 has four pieces, one of them a single point."""
+    assert agrees("cubic", name, value, pieces_of("cubic", name))
+
+
+def test_limits_of_the_theta_methods_are_the_known_formula() -> None:
+    real = pieces_of("theta", "real_limit")
+    assert [(p["where"], p["formula"], p["limit"]) for p in real] == [
+        ("(-oo, 1/2)", "2/(1 - 2*theta)", None),
+        ("[1/2, oo)", None, "oo"),
+    ]
+
+
+def test_the_point_where_two_curves_meet_is_a_piece_of_its_own() -> None:
+    pieces = pieces_of("cubic", "real_limit")
+    assert [p["where"] for p in pieces] == ["(-oo, -1/2)", "{-1/2}", "(-1/2, 2]", "(2, oo)"]
+    assert pieces[1]["limit"]["exact"] == "1 + sqrt(5)"
+
+
+# --- order
+
+
+@pytest.mark.parametrize("key", EVERY)
+@pytest.mark.parametrize("vertices", [1, 2, 3, 4])
+def test_residuals_as_functions_are_those_of_members(key: str, vertices: int) -> None:
+    for value in (Q(2, 7), Q(-5, 3)):
+        member = residuals(runge_kutta_conditions(EVERY[key].member(value)), vertices)
+        functions = family_residuals(EVERY[key], vertices)
+        assert [tree for tree, _ in functions] == [tree for tree, _ in member]
+        assert [exact(f(scalar(value))) for _, f in functions] == [x for _, x in member]
+
+
+ORDERS = {
+    "sdirk_order_2": (2, ["(-oo, oo)", "(-oo, oo)", "{1/2 - sqrt(3)/6} U {1/2 + sqrt(3)/6}", "empty"]),
+    "sdirk_stiffly_accurate": (1, ["(-oo, oo)", "{1 - sqrt(2)/2} U {1 + sqrt(2)/2}", "empty"]),
+    "explicit_order_2": (2, ["(-oo, 0) U (0, oo)", "(-oo, 0) U (0, oo)", "empty"]),
+    "theta": (1, ["(-oo, oo)", "{1/2}", "empty"]),
+}
+
+
+@pytest.mark.parametrize("key", ORDERS)
+def test_order_and_the_values_where_it_is_higher(key: str) -> None:
+    found = family_order(EVERY[key])
+    assert (found.order, [describe(where) for where in found.sets]) == ORDERS[key]
+    assert found.residual.num != 0
+
+
+@pytest.mark.parametrize("key", FAMILIES)
+def test_claimed_order_of_a_family_is_its_order_for_all_values(key: str) -> None:
+    assert family_order(FAMILIES[key]).order == FAMILIES[key].claimed_order
+    assert family_facts(FAMILIES[key], ("method", "order")) == {"method": key, "order": FAMILIES[key].claimed_order}
+
+
+def test_order_four_is_reached_at_the_three_values_of_crouzeix() -> None:
+    """The roots of 24g³ - 36g² + 12g - 1, of which 1.0685790213016288 is the known one (hairer-wanner-1996, IV.6)."""
+    sets = family_order(SDIRK_3).sets
+    assert [len(where) for where in sets] == [2, 2, 3, 3, 0]
+    low = sets[3][2].low
+    assert low is not None
+    assert low.minimal == (-1, 12, -36, 24)
+    assert sets[3][2].data()["low"]["decimal"].startswith("1.0685790213016288")
+    assert order(SDIRK_3.member(Q(1068579021, 10**9))).order == 2
+
+
+# --- the door
+
+
+def test_every_fact_of_a_family_is_json_and_the_same_every_time() -> None:
+    for key, each in {**FAMILIES, "theta": THETA}.items():
+        facts = family_facts(each)
+        assert list(facts) == list(FAMILY_FACTS), key
+        assert json.loads(json.dumps(facts)) == facts == family_facts(each)
+    with pytest.raises(ValueError, match="unknown fact 'colour'; choose from method"):
+        family_facts(THETA, ("colour",))
+
+
+def test_a_critical_value_of_high_degree_is_refused_and_said_so() -> None:
+    """R = (1 + z)/(1 - p(t)z): A-stability turns where p(t) = -1 or 0, irreducible of degree 13."""
+    twisted = family("t", "t**13 - 3", "t**13 - 2", "t**13 - 3")
+    found = family_facts(twisted, ("a_stable", "real_limit", "order"))
+    assert "degree 13" in found["a_stable"]["refused"]
+    assert "a critical value of t is not decided" in found["real_limit"]["refused"]
+    assert found["order"] == 0
+
+
+def test_a_member_at_a_pole_is_refused() -> None:
+    with pytest.raises(MethodError, match="explicit_order_2: no method at alpha = 0, a pole of its coefficients"):
+        FAMILIES["explicit_order_2"].member(Q(0))
+    with pytest.raises(MethodError, match="as many rows and columns"):
+        Family("x", "X", "t", 0, "x", THETA.a, THETA.b[:1], THETA.c)
+
+
+def test_curves_are_printed_as_sympy_reads_them() -> None:
+    t = fmpq_poly([0, 1])
+    rows = [t * 0 - 2, t * 0, 1 - 2 * t, t * 0 - 1]
+    assert text(rows, "x", "t") == "-x**3 + (1 - 2*t)*x**2 - 2"
+    factors = irreducible_factors([t * 0, 2 * t, t * 0, -2 * t**3])
+    assert sorted(text(f, "x", "t") for f in factors) == ["t*x + 1", "t*x - 1", "x"]
+
+
+def refusal(expression: str) -> str | None:
+    try:
+        parse_function(expression, "t", "here")
+    except ValueError as error:
+        return str(error)
+    return None
+
+
+@given(st.text("0123456789./*+-() tx_", max_size=25))
+def test_any_text_is_a_function_or_is_refused_in_one_line(expression: str) -> None:
+    line = refusal(expression)
+    assert line is None or (line.startswith("here: ") and "\n" not in line)
+
+
+@given(st.text("0123456789t", min_size=1, max_size=9), st.data())
+def test_a_function_has_the_values_that_arithmetic_gives_it(atoms: str, data: st.DataObject) -> None:
+    """Atoms joined by drawn signs, so that most texts are functions; poles are skipped by the choice of the value."""
+    signs = data.draw(st.lists(st.sampled_from(["+", "-", "*", "/"]), min_size=len(atoms), max_size=len(atoms)))
+    expression = "".join(f"{sign} ({atom} + 1)" for sign, atom in zip(["+", *signs[1:]], atoms, strict=True))
+    value = data.draw(st.fractions(0, 2, max_denominator=7))
+    assert parse_function(expression, "t", "here")(value) == value_of(expression, Q, t=value)
+    assert parse_function(f"({expression})*t", "t", "here")(value) == value * value_of(expression, Q, t=value)

@@ -1,0 +1,156 @@
+"""The certified error of actual float runs, truncation and rounding apart, and the run that VerifiedLeapfrog bounds."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from driftproof.methods.problems import oscillator
+from driftproof.methods.stepping import stepper
+from driftproof.numeric.leapfrog import leapfrog
+from driftproof.numeric.steppers import HAND_WRITTEN, symplectic_euler
+from driftproof.symbolic.algebra.certified import enclose, fixed, is_less, settle, significant
+from driftproof.symbolic.derivation.one_step import one_step_matrix
+from driftproof.symbolic.n_steps import matrix_at
+from driftproof.symbolic.rounding.error_of_run import ErrorOfRun
+from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
+from driftproof.symbolic.rounding.n_steps import run_bound
+from tests.nine import NINE
+
+VERLET = one_step_matrix(NINE["velocity_verlet"])
+# Proved in Coq by VerifiedLeapfrog for this run: 0.0308. Twenty times better is 0.00154.
+PROVED_ELSEWHERE = Q(308, 10**4)
+
+
+def float_run(step, h, steps: int, start, dtype):
+    """The final state of a float run, and the certified error of it."""
+    (q, v), size = (dtype(x) for x in start), dtype(h)
+    for _ in range(steps):
+        q, v = step(oscillator, q, v, size)
+    return Q(float(q)), Q(float(v))
+
+
+def error_of(step, matrix, h, steps, start, dtype) -> ErrorOfRun:
+    size = Q(float(dtype(h)))
+    exact_start = tuple(Q(float(dtype(x))) for x in start)
+    return ErrorOfRun(matrix_at(matrix, size), size, steps, exact_start, float_run(step, h, steps, start, dtype))
+
+
+def anchor(step=leapfrog, start=(1.0, 0.0)) -> ErrorOfRun:
+    """VerifiedLeapfrog's run: binary32, h = 1/32, N = 1000, from momentum 0 and position 1."""
+    return error_of(step, VERLET, 1 / 32, 1000, start, np.float32)
+
+
+def test_the_anchor_is_reproduced_to_every_digit():
+    """Coq's state is (momentum, position), so its start (0, 1) is q = 1, v = 0 here."""
+    assert fixed(anchor().total, 14) == "0.00129161684270"
+    assert fixed(anchor().truncation, 14) == "0.00129144685115"
+    assert significant(anchor().rounding, 12) == "4.26306063163e-7"
+
+
+def test_the_anchor_s_digits_belong_to_that_order_of_operations_and_to_that_start():
+    def kick_drift_kick(force, q, v, h):
+        v = v + (h / 2) * force(q)
+        q = q + h * v
+        return q, v + (h / 2) * force(q)
+
+    assert fixed(anchor(kick_drift_kick).total, 14) != fixed(anchor().total, 14)
+    assert fixed(anchor(start=(0.0, 1.0)).total, 14) == "0.00125187539649"
+
+
+def test_our_proved_bound_for_the_anchor_is_more_than_twenty_times_better():
+    bound = run_bound(leapfrog, Q(1, 32), 1000, (Q(1), Q(0)), BINARY32)
+    proved = lambda: enclose(anchor().truncation) + enclose(bound.euclidean)
+    assert is_less(anchor().rounding, bound.euclidean)
+    assert is_less(anchor().total, proved)
+    assert is_less(proved, PROVED_ELSEWHERE / 20)
+    assert fixed(proved, 5) == "0.00141"
+
+
+@pytest.mark.parametrize("start", [(0.0, 1.0), (0.5, -0.25), (3.0, 4.0)])
+@pytest.mark.parametrize(("h", "steps"), [(1 / 32, 1000), (0.3, 250), (1.0, 100), (1.9375, 64)])
+def test_other_starts_steps_and_h_up_to_2_are_bounded_too(start, h, steps):
+    size = Q(float(np.float32(h)))
+    bound = run_bound(leapfrog, size, steps, tuple(Q(x) for x in start), BINARY32)
+    found = error_of(leapfrog, VERLET, h, steps, start, np.float32)
+    assert is_less(found.rounding, bound.euclidean)
+    assert bound.euclidean < 200 * steps * BINARY32.u * 5
+
+
+@pytest.mark.parametrize("key", HAND_WRITTEN)
+def test_the_error_of_a_run_splits_into_truncation_and_rounding(key):
+    found = error_of(HAND_WRITTEN[key], one_step_matrix(NINE[key]), 0.25, 40, (1.0, 0.0), np.float64)
+    total, truncation, rounding = (settle_to(x) for x in (found.total, found.truncation, found.rounding))
+    assert abs(total - truncation) <= rounding
+    assert 0 < rounding < 200 * BINARY64.u
+    # The lesson's state errors, as the truncation of the real run.
+    assert (
+        fixed(found.truncation, 6)
+        == {
+            "forward_euler": "2.390297",
+            "symplectic_euler": "0.089779",
+            "rk4": "0.000325",
+        }[key]
+    )
+
+
+def settle_to(value) -> Q:
+    """`value` to forty digits, as a fraction."""
+    return settle(value, lambda x: Q(round(x * 10**40), 10**40)) if callable(value) else value
+
+
+def test_ten_million_steps_are_certified_by_squaring():
+    """Not by running them: of any state it can be said how far from M^N z0 it is, to any number of digits."""
+    matrix, steps = matrix_at(one_step_matrix(NINE["symplectic_euler"]), Q(1, 4)), 10**7
+    origin = ErrorOfRun(matrix, Q(1, 4), steps, (Q(1), Q(0)), (Q(0), Q(0)))
+    with mpmath.workdps(60):
+        angle = mpmath.acos(1 - mpmath.mpf(1) / 32)  # 2 cos = 2 - h²
+        s0, s1 = (mpmath.sin((steps - i) * angle) / mpmath.sin(angle) for i in (0, 1))
+        q, v = s0 * 15 / 16 - s1, -s0 / 4  # M^N z = (sin N Mz - sin(N-1) z) / sin, M z = (15/16, -1/4)
+        t = mpmath.mpf(steps) / 4
+        numerical, truncation = mpmath.hypot(q, v), mpmath.hypot(q - mpmath.cos(t), v + mpmath.sin(t))
+        assert significant(origin.rounding, 40) == mpmath.nstr(numerical, 40)
+        assert significant(origin.truncation, 40) == mpmath.nstr(truncation, 40)
+    assert significant(origin.total, 30) == "1." + "0" * 29
+
+
+def test_a_run_without_rounding_has_rounding_error_zero_and_not_undecided():
+    """h = 1, symplectic Euler: M**6 = 1, integers throughout."""
+    found = error_of(symplectic_euler, one_step_matrix(NINE["symplectic_euler"]), 1.0, 600, (1.0, 0.0), np.float64)
+    assert found.rounding == Q(0)
+    assert found.final == (1, 0)
+    assert significant(found.total, 10) == significant(found.truncation, 10)
+
+
+def test_nothing_is_lost_in_no_steps():
+    none = error_of(symplectic_euler, one_step_matrix(NINE["symplectic_euler"]), 0.1, 0, (1.0, 0.0), np.float64)
+    assert [significant(x, 5) for x in (none.total, none.truncation, none.rounding)] == ["0", "0", "0"]
+
+
+def test_the_step_that_floats_use_is_the_float_and_not_the_decimal():
+    """1/10 in the place of the float 0.1 would show as rounding: (0.1 - 1/10) t, and the phase that it moves."""
+    euler = one_step_matrix(NINE["symplectic_euler"])
+    honest = error_of(symplectic_euler, euler, 0.1, 1000, (1.0, 0.0), np.float32)
+    decimal = ErrorOfRun(matrix_at(euler, Q(1, 10)), Q(1, 10), 1000, honest.start, honest.final)
+    bound = run_bound(symplectic_euler, honest.h, 1000, (Q(1), Q(0)), BINARY32)
+    assert is_less(honest.rounding, bound.euclidean)
+    assert settle_to(decimal.rounding) != settle_to(honest.rounding)
+
+
+@settings(max_examples=25)
+@given(
+    h=st.floats(-1.5, 1.5).filter(lambda h: abs(h) > 1e-3),
+    start=st.tuples(*[st.floats(-2, 2)] * 2),
+    steps=st.integers(1, 40),
+    key=st.sampled_from(sorted(NINE)),
+)
+def test_the_theorem_bounds_the_certified_rounding_of_every_run(h, start, steps, key):
+    method = NINE[key]
+    found = error_of(stepper(method, float), one_step_matrix(method), h, steps, start, np.float64)
+    bound = run_bound(method, Q(h), steps, tuple(Q(x) for x in start))
+    assert found.rounding == 0 or is_less(found.rounding, bound.euclidean)

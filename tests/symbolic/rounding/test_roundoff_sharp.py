@@ -1,0 +1,165 @@
+"""The sharper bound at one h: rigorous for every state, and several times smaller where h is large."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+from itertools import product
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from driftproof.methods.problems import oscillator
+from driftproof.methods.stepping import stepper
+from driftproof.numeric.leapfrog import leapfrog
+from driftproof.numeric.steppers import HAND_WRITTEN, forward_euler, rk4
+from driftproof.numeric.worst_case import Envelope
+from driftproof.numeric.worst_case_search import search
+from driftproof.symbolic.derivation.one_step import one_step_matrix
+from driftproof.symbolic.n_steps import apply, matrix_at
+from driftproof.symbolic.rounding.formats import BFLOAT16, BINARY16, BINARY64, FloatFormat
+from driftproof.symbolic.rounding.sharp import sharp_bound
+from driftproof.symbolic.rounding.soft_float import soft_lift
+from driftproof.symbolic.rounding.step import step_bound
+from driftproof.symbolic.rounding.trace import NotLinear
+from tests.nine import NINE
+
+WRITTEN_OUT = {**HAND_WRITTEN, "leapfrog": leapfrog}
+PROGRAMS = {f"generic {key}": method for key, method in NINE.items()} | WRITTEN_OUT
+COARSE = FloatFormat("coarse", 3, -1, 7)
+
+
+def envelope_of(subject, h: Q) -> Envelope:
+    """The sharper bound at |h| as a check of many steps takes it: constants, next to M, which depends on the sign of h.
+
+    A step from (q, v) by -h is the mirror image of one from (q, -v) by h, float by float.
+    """
+    bound = sharp_bound(subject, abs(h)).linear
+    (qq, qv), (vq, vv) = bound.error
+    rq, rv = bound.underflow
+    exact, _, _ = step_bound(subject).coefficients
+    return Envelope(exact, (((qq,), (qv,)), ((vq,), (vv,))), ((rq,), (rv,)))
+
+
+def test_rk4_at_five_halves_is_bounded_by_22_u_where_the_plain_form_says_80():
+    h, one, u = Q(5, 2), Q(1), BINARY64.u
+    sharp, plain = sharp_bound(rk4, h).over_box(one, one), step_bound(rk4).error_of(h, one, one)
+    assert max(sharp) < 22 * u
+    assert min(plain) > 80 * u
+
+
+def test_rk4_at_five_halves_comes_within_a_factor_of_two_of_that():
+    """So little is left to gain: states are found whose error is more than half of the sharper bound."""
+    envelope = envelope_of(rk4, Q(5, 2))
+    found = search(rk4, envelope, np.float64, (2.5, 2.5), seed=1)
+    assert found.violations == 0
+    assert found.ratio > 1 / 2
+
+
+@pytest.mark.parametrize("key", PROGRAMS)
+@pytest.mark.parametrize("h", [0.25, 0.1, 1.9, 2.5, 1e-8])
+def test_no_step_of_a_search_exceeds_the_sharper_bound(key, h):
+    subject = PROGRAMS[key]
+    step = subject if callable(subject) else stepper(subject, float)
+    at = {"dtype": np.float64, "h_range": (h, h), "seed": 2, "generations": 6, "population": 1 << 11}
+    assert search(step, envelope_of(subject, Q(h)), **at).violations == 0
+
+
+@pytest.mark.parametrize("key", PROGRAMS)
+@settings(max_examples=40)
+@given(
+    h=st.floats(-2.5, 2.5).map(Q),
+    q=st.floats(-1, 1).map(Q),
+    v=st.floats(-1, 1).map(Q),
+)
+def test_the_sharper_bound_holds_for_the_very_state_and_is_hardly_ever_above_the_plain_one(key, h, q, v):
+    subject = PROGRAMS[key]
+    step = subject if callable(subject) else stepper(subject, float)
+    floats = step(oscillator, float(q), float(v), float(h))
+    bound = sharp_bound(subject, h)
+    exact = apply((*bound.matrix[0], *bound.matrix[1]), q, v)
+    plain = step_bound(subject).error_of(h, q, v)
+    for x, y, e, most, linear in zip(floats, exact, bound.error_of(q, v), plain, bound.linear.of(q, v), strict=True):
+        assert abs(Q(x) - y) <= e <= linear
+        # Only the terms of second order and of underflow may be larger, by a fixed factor at most.
+        assert e <= most * (1 + 64 * BINARY64.u) + 64 * BINARY64.eta
+
+
+@pytest.mark.parametrize("key", PROGRAMS)
+def test_its_matrix_is_the_definition_s_at_that_h(key):
+    h = Q(3, 8)
+    definition = NINE[key.removeprefix("generic ").replace("leapfrog", "velocity_verlet")]
+    (qq, qv), (vq, vv) = sharp_bound(PROGRAMS[key], h).matrix
+    assert (qq, qv, vq, vv) == matrix_at(one_step_matrix(definition), h)
+
+
+@pytest.mark.parametrize("fusing", [False, True])
+@pytest.mark.parametrize("step", [*HAND_WRITTEN.values(), leapfrog])
+@pytest.mark.parametrize("fmt", [COARSE, BFLOAT16], ids=lambda fmt: fmt.name)
+def test_it_holds_in_coarse_formats_where_second_order_counts_fused_or_not(step, fusing, fmt):
+    numbers = [fmt.nearest(Q(n, 7)) for n in range(-9, 10, 2)]
+    lift = soft_lift(fmt, fusing)
+    for h in (fmt.nearest(Q(n, 8)) for n in (1, 3, 5, 7, 11)):
+        bound = sharp_bound(step, h, fmt)
+        for q, v in product(numbers, repeat=2):
+            floats = step(oscillator, lift(q), lift(v), lift(h))
+            exact = step(oscillator, q, v, h)
+            errors = [abs(x.value - y) for x, y in zip(floats, exact, strict=True)]
+            assert all(e <= most for e, most in zip(errors, bound.error_of(q, v), strict=True))
+
+
+def test_a_product_used_twice_is_weighed_use_by_use_because_it_may_be_fused_into_one_of_them():
+    """x = h q; (x + v) - x is v up to rounding: without fusing x's own rounding cancels, with it it does not."""
+
+    def cancelling(force, q, v, h):
+        x = h * q
+        return (x + v) - x, v
+
+    h, q, v = (BINARY16.nearest(Q(x)) for x in (0.7, 0.9, 1e-3))
+    bound = sharp_bound(cancelling, h, BINARY16)
+    lift = soft_lift(BINARY16, fusing=True)
+    fused = cancelling(oscillator, lift(q), lift(v), lift(h))[0].value
+    assert abs(fused - v) <= bound.error_of(q, v)[0]
+    own_rounding_of_x = BINARY16.relative_error * abs(h * q)
+    (entry, _), _ = bound.linear.error
+    # The sum's rounding alone would be d|h q|; the two uses of x add twice its own.
+    assert entry * abs(q) > 5 * own_rounding_of_x / 2
+
+
+def test_the_remainder_makes_the_bound_of_products_exact():
+    """n roundings in a row: (1 + d)^n - 1, no less. And c (h q), with c rounded: both errors and their product."""
+    d, h, n = BFLOAT16.relative_error, Q(3, 8), 5
+
+    def multiply(force, q, v, h):
+        for _ in range(n):
+            q = q * h
+        return q, Q(1, 3) * (h * v)
+
+    (chain, _), (_, scaled) = sharp_bound(multiply, h, BFLOAT16).linear.error
+    assert chain == ((1 + d) ** n - 1) * h**n
+    held = BFLOAT16.nearest(Q(1, 3))
+    both = (1 + d) * max(held, Q(2, 3) - held) * (1 + d) * h - h / 3
+    assert both <= scaled <= both * (1 + d**2)
+
+
+def test_a_power_of_two_step_is_known_to_multiply_exactly():
+    quarter, third = (sharp_bound(forward_euler, BINARY64.nearest(h)).linear.error[0][1] for h in (Q(1, 4), Q(1, 3)))
+    assert quarter == BINARY64.relative_error / 4
+    assert third > 2 * BINARY64.relative_error / 4
+
+
+def test_a_box_is_bounded_by_its_corners():
+    bound = sharp_bound(rk4, Q(5, 2))
+    box = bound.over_box(Q(1), Q(1, 2))
+    for q, v in product([Q(n, 5) for n in range(-5, 6)], [Q(n, 10) for n in range(-5, 6)]):
+        assert all(e <= most for e, most in zip(bound.error_of(q, v), box, strict=True))
+    corners = [bound.error_of(q, v) for q, v in product((Q(1), Q(-1)), (Q(1, 2), Q(-1, 2)))]
+    assert box == (max(dq for dq, _ in corners), max(dv for _, dv in corners))
+
+
+def test_what_is_no_number_of_the_format_or_not_linear_is_refused():
+    with pytest.raises(ValueError, match="h = 1/10 is not a binary64 number; the nearest is 36028797018963"):
+        sharp_bound(rk4, Q(1, 10))
+    with pytest.raises(NotLinear, match=r"q\*\*3"):
+        sharp_bound(forward_euler, Q(1, 4), force=lambda q: q * q * q)

@@ -1,0 +1,151 @@
+"""What the derived bound notices where a tolerance does not, and what it must let pass: each planted, each judged."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+
+import numpy as np
+import pytest
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.problems import oscillator
+from driftproof.numeric.steppers import HAND_WRITTEN, forward_euler, rk4, symplectic_euler
+from driftproof.numeric.worst_case import Envelope, error_ratios, worst_of
+from driftproof.numeric.worst_case_search import random_steps
+from driftproof.symbolic.derivation.one_step import one_step_matrix
+from driftproof.symbolic.n_steps import apply, matrix_at
+from driftproof.symbolic.rounding.any_order import any_order_bound
+from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
+from driftproof.symbolic.rounding.sharp import sharp_bound
+from driftproof.symbolic.rounding.soft_float import soft_lift
+from driftproof.symbolic.rounding.step import step_bound
+
+TOLERANCE = 1e-12
+RANDOM_CHECKS = 2000
+
+
+def rk4_weight_off_by(error: float):
+    """RK4 as it is written out, but with a last weight of 1/6 + error."""
+
+    def step(force, q, v, h):
+        q1, v1 = rk4(force, q, v, h)
+        k2q, k2v = v + h * force(q) / 2, force(q + h * v / 2)
+        k3q, k3v = v + h * k2v / 2, force(q + h * k2q / 2)
+        k4q, k4v = v + h * k3v, force(q + h * k3q)
+        return q1 + h * (error * k4q), v1 + h * (error * k4v)
+
+    return step
+
+
+def random_checks(seed: int, count: int = RANDOM_CHECKS):
+    """h and states of the lesson's own range: h up to 5/2, |q| and |v| up to 1."""
+    rng = np.random.default_rng(seed)
+    return rng.uniform(0.01, 2.5, count), *rng.uniform(-1, 1, (2, count))
+
+
+def caught(step, definition: str, allowed, h, q, v) -> float:
+    """The fraction of the checks in which the float step leaves the bound `allowed(h, q, v)` around M(h) z."""
+    matrix, outside = one_step_matrix(METHODS[definition]), 0
+    for one_h, one_q, one_v in zip(h, q, v, strict=True):
+        exact_h, exact_q, exact_v = Q(one_h), Q(one_q), Q(one_v)
+        floats = step(oscillator, one_q, one_v, one_h)
+        exact = apply(matrix_at(matrix, exact_h), exact_q, exact_v)
+        bounds = allowed(exact_h, exact_q, exact_v)
+        outside += any(abs(Q(float(x)) - y) > most for x, y, most in zip(floats, exact, bounds, strict=True))
+    return outside / len(h)
+
+
+def test_a_weight_wrong_by_1e_13_is_caught_nearly_always_where_a_tolerance_of_1e_12_sees_nothing():
+    points, wrong = random_checks(1), rk4_weight_off_by(1e-13)
+    bound = step_bound(rk4)
+    assert caught(rk4, "rk4", bound.error_of, *points) == 0
+    assert caught(wrong, "rk4", bound.error_of, *points) >= 0.95
+    assert caught(wrong, "rk4", lambda *at: (Q(TOLERANCE), Q(TOLERANCE)), *points) == 0
+
+
+def test_the_sharper_bound_catches_even_more_of_a_smaller_error():
+    points, wrong = random_checks(2, 100), rk4_weight_off_by(2e-15)
+
+    def sharp(h, q, v):
+        return sharp_bound(rk4, h).error_of(q, v)
+
+    plain_rate, sharp_rate = (caught(wrong, "rk4", f, *points) for f in (step_bound(rk4).error_of, sharp))
+    assert caught(rk4, "rk4", sharp, *points) == 0
+    assert plain_rate < sharp_rate
+
+
+def test_the_tolerance_sees_an_error_of_1e_11_and_the_bound_still_lets_the_right_step_pass():
+    """The tolerance is not blind, only blunt."""
+    points = random_checks(3, 400)
+    wrong = rk4_weight_off_by(1e-11)
+    assert caught(wrong, "rk4", lambda *at: (Q(TOLERANCE), Q(TOLERANCE)), *points) > 0.5
+
+
+def test_float32_arithmetic_smuggled_into_one_operation_is_caught():
+    def smuggled(force, q, v, h):
+        return q + np.float64(np.float32(h * v)), v + h * force(q)
+
+    points = random_checks(4, 400)
+    assert caught(smuggled, "forward_euler", step_bound(forward_euler).error_of, *points) > 0.99
+    assert caught(smuggled, "forward_euler", step_bound(forward_euler, BINARY32).error_of, *points) == 0
+
+
+def test_the_order_of_the_updates_is_noticed():
+    points = random_checks(5, 100)
+    assert caught(symplectic_euler, "forward_euler", step_bound(forward_euler).error_of, *points) == 1
+
+
+@pytest.mark.parametrize("key", HAND_WRITTEN)
+def test_fused_multiply_adds_pass(key):
+    """Emulated exactly: every product that enters a sum is fused into it, which changes bits and stays in bounds."""
+    step, fused = HAND_WRITTEN[key], soft_lift(BINARY64, fusing=True)
+    bound, changed = step_bound(step), 0
+    for h, q, v in zip(*random_checks(6, 120), strict=True):
+        at = Q(h), Q(q), Q(v)
+        results = step(oscillator, *(fused(x) for x in (at[1], at[2], at[0])))
+        plain = step(oscillator, q, v, h)
+        exact = step(oscillator, at[1], at[2], at[0])
+        changed += any(x.value != Q(y) for x, y in zip(results, plain, strict=True))
+        for bounds in (bound.error_of(*at), sharp_bound(step, at[0]).error_of(*at[1:])):
+            assert all(abs(x.value - y) <= most for x, y, most in zip(results, exact, bounds, strict=True))
+    assert changed > 5
+
+
+def test_a_reassociated_product_stays_inside_the_definition_s_any_order_bound():
+    def reassociated(force, q, v, h):
+        k2q, k2v = v + (h / 2) * force(q), force(q + (h / 2) * v)
+        k3q, k3v = v + (h / 2) * k2v, force(q + (h / 2) * k2q)
+        k4q, k4v = v + h * k3v, force(q + h * k3q)
+        total_q, total_v = v + (2 * (k2q + k3q) + k4q), force(q) + (2 * (k2v + k3v) + k4v)
+        return q + (h / 6) * total_q, v + (h / 6) * total_v
+
+    definition = any_order_bound(METHODS["rk4"])
+    assert definition.covers(step_bound(reassociated))
+    points = random_checks(7, 60)
+    assert caught(reassociated, "rk4", definition.error_of, *points) == 0
+    assert caught(rk4_weight_off_by(1e-13), "rk4", definition.error_of, *points) > 0.9
+
+
+def _without_underflow(envelope: Envelope) -> Envelope:
+    return Envelope(envelope.exact, envelope.error, ((), ()))
+
+
+def test_a_missing_underflow_term_is_caught_by_one_subnormal():
+    """Forward Euler from (0, eta) at h = 1/4: h v rounds to 0, an error of eta/4 where u|z| is far below."""
+    h, q, v = (np.array([x]) for x in (0.25, 0.0, float(BINARY64.eta)))
+    envelope = Envelope(*step_bound(forward_euler).coefficients)
+    assert worst_of(error_ratios(forward_euler, envelope, h, q, v), h, q, v).violations == 0
+    without = worst_of(error_ratios(forward_euler, _without_underflow(envelope), h, q, v), h, q, v)
+    assert without.violations == 1
+
+
+@pytest.mark.parametrize("key", HAND_WRITTEN)
+def test_a_missing_underflow_term_is_caught_by_random_subnormals_and_only_by_tiny_states(key):
+    step, rng = HAND_WRITTEN[key], np.random.default_rng(8)
+    envelope = Envelope(*step_bound(step, BINARY32).coefficients)
+    h = random_steps(rng, np.dtype(np.float32), (0.01, 0.5), 4000)
+    for scale, missed in ((2.0**-140, True), (2.0**-20, False)):
+        q, v = ((scale * x).astype(np.float32) for x in rng.uniform(-1, 1, (2, h.size)))
+        assert worst_of(error_ratios(step, envelope, h, q, v), h, q, v).violations == 0
+        without = worst_of(error_ratios(step, _without_underflow(envelope), h, q, v), h, q, v)
+        assert (without.violations > 0) == missed

@@ -1,0 +1,227 @@
+"""Orders by trees of two colours, against the elementary weights of the same method as a partitioned tableau."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction as Q
+
+import pytest
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.number_field import Exact
+from driftproof.methods.schemes import Nystrom, RungeKutta, Splitting
+from driftproof.symbolic.trees.alternating import (
+    nystrom_conditions,
+    nystrom_order,
+    separable_conditions,
+    separable_order,
+)
+from driftproof.symbolic.trees.bicoloured import (
+    conditions_with_nodes,
+    order_with_nodes,
+    partitioned_conditions,
+    partitioned_order,
+)
+from driftproof.symbolic.trees.order import order, principal_error, residuals, runge_kutta_conditions
+from driftproof.symbolic.trees.rooted import ColouredTree, Tree, canonical, vertices, written
+from tests.methods.tables.entries import entry
+
+Matrix = tuple[tuple[Exact, ...], ...]
+
+
+def as_pair(method: Splitting) -> tuple[Matrix, tuple[Exact, ...], Matrix, tuple[Exact, ...]]:
+    """A splitting as a partitioned Runge-Kutta method with a stage for every sub-step: (A, b) for q, (Â, b̂) for v."""
+    zero = Q(0)
+    parts = method.parts
+    drifts = tuple(c if kind == "drift" else zero for kind, c in parts)
+    kicks = tuple(c if kind == "kick" else zero for kind, c in parts)
+    # Where a drift is evaluated, earlier kicks have changed v; where a kick is, earlier drifts have changed q.
+    a = tuple(tuple(c if j < i else zero for j, c in enumerate(drifts)) for i in range(len(parts)))
+    a_hat = tuple(tuple(c if j < i else zero for j, c in enumerate(kicks)) for i in range(len(parts)))
+    return a, drifts, a_hat, kicks
+
+
+def uncoloured(tree: ColouredTree) -> Tree:
+    return canonical(tuple(map(uncoloured, tree[1])))
+
+
+def colours(tree: ColouredTree) -> Iterator[tuple[str, str]]:
+    """The colours of the two ends of every edge."""
+    for branch in tree[1]:
+        yield tree[0], branch[0]
+        yield from colours(branch)
+
+
+def largest_fork_at_q(tree: ColouredTree) -> int:
+    own = len(tree[1]) if tree[0] == "q" else 0
+    return max([own, *map(largest_fork_at_q, tree[1])])
+
+
+SPLITTINGS = ["symplectic_euler", "position_verlet", "ruth3", "forest_ruth", "suzuki4", "pefrl"]
+
+
+@pytest.mark.parametrize("key", SPLITTINGS)
+def test_residuals_of_a_splitting_are_those_of_its_partitioned_tableau(key: str) -> None:
+    """Among all trees of two colours, those whose colours alternate; and of them, those without a fork at q."""
+    method = entry(key)
+    pair, separable, linear = (
+        partitioned_conditions(*as_pair(method)),
+        separable_conditions(method),
+        nystrom_conditions(method),
+    )
+    for n in range(1, 6):
+        every = dict(residuals(pair, n))
+        alternating = {tree: x for tree, x in every.items() if all(u != v for u, v in colours(tree))}
+        assert dict(residuals(separable, n)) == alternating
+        assert dict(residuals(linear, n)) == {t: x for t, x in alternating.items() if largest_fork_at_q(t) <= 1}
+
+
+def changed_in_one_place(method: Splitting, amount: Q) -> Iterator[Splitting]:
+    for i, (kind, c) in enumerate(method.parts):
+        yield replace(method, parts=(*method.parts[:i], (kind, c + amount), *method.parts[i + 1 :]))
+
+
+@pytest.mark.parametrize("amount", [Q(1, 24), Q(1, 10**30)])
+@pytest.mark.parametrize("key", SPLITTINGS[:-1])
+def test_order_of_a_splitting_notices_every_coefficient_changed(key: str, amount: Q) -> None:
+    method = entry(key)
+    for changed in changed_in_one_place(method, amount):
+        assert separable_order(changed).order == nystrom_order(changed).order == 0
+
+
+def test_failing_tree_of_a_splitting_says_what_fails() -> None:
+    """The kick of symplectic Euler sees the old position: v has -h²/2 F'(q)v too little."""
+    first = separable_order(entry("symplectic_euler"))
+    assert (first.order, written(first.failing_tree), first.residual) == (1, "[τ_q]_v", Q(-1, 2))
+    second = separable_order(entry("symplectic_euler_position_first"))
+    assert (second.order, written(second.failing_tree), second.residual) == (1, "[τ_q]_v", Q(1, 2))
+    idle = Splitting("idle", "Idle", 0, "test", (("drift", Q(1)),))
+    assert (separable_order(idle).order, written(separable_order(idle).failing_tree)) == (0, "τ_v")
+
+
+def test_principal_error_of_verlet_is_the_printed_one() -> None:
+    """Kick-drift-kick on q'' = F(q): v lacks h³/12 F''(v, v) one way, and F'F/6 - F'F/4 the other."""
+    error = principal_error(nystrom_conditions(entry("velocity_verlet")))
+    found = {written(tree): x for tree, x in error.coefficients}
+    assert found == {"[τ_q,τ_q]_v": Q(1, 12), "[[τ_v]_q]_v": Q(1, 12), "[[τ_q]_v]_q": Q(-1, 6)}
+    assert error.squared_norm == Q(1, 144) + Q(1, 144) + Q(1, 36)
+
+
+def nystrom(key: str) -> Nystrom:
+    method = entry(key)
+    assert isinstance(method, Nystrom)
+    return method
+
+
+def nystrom_from(method: RungeKutta) -> Nystrom:
+    """A Runge-Kutta method on q' = v, v' = F(q), with the slopes of q eliminated: A², bA and b."""
+
+    def times(row: tuple[Exact, ...]) -> tuple[Exact, ...]:
+        columns = zip(*method.a, strict=True)
+        return tuple(sum((x * y for x, y in zip(row, column, strict=True)), Q(0)) for column in columns)
+
+    a, position = tuple(map(times, method.a)), times(method.b)
+    return Nystrom("x", "X", method.claimed_order, "test", method.c, a, position, method.b)
+
+
+@pytest.mark.parametrize("key", ["rk4", "rk38", "heun3", "gauss3", "radau_iia3", "fehlberg78"])
+def test_nystrom_form_of_a_runge_kutta_method_has_its_order(key: str) -> None:
+    method = entry(key)
+    assert nystrom_order(nystrom_from(method)).order == order(method).order
+    broken = replace(nystrom_from(method), b_position=nystrom_from(method).b_velocity)
+    assert nystrom_order(broken).order == 1
+
+
+@pytest.mark.parametrize(("key", "claimed"), [("nystrom4", 4), ("nystrom5", 5)])
+def test_order_of_a_nystrom_method_notices_every_coefficient_changed(key: str, claimed: int) -> None:
+    method = nystrom(key)
+    assert nystrom_order(method).order == claimed
+    for name in ("c", "b_position", "b_velocity"):
+        row = getattr(method, name)
+        for i in range(len(row)):
+            if name != "c" or i:
+                changed = tuple(x + Q(1, 10**30) * (i == j) for j, x in enumerate(row))
+                assert nystrom_order(replace(method, **{name: changed})).order < claimed
+    for i in range(1, method.stages):
+        for j in range(i):
+            a = tuple(
+                tuple(x + Q(1, 10**30) * ((i, j) == (k, m)) for m, x in enumerate(r)) for k, r in enumerate(method.a)
+            )
+            assert nystrom_order(replace(method, a=a)).order < claimed
+
+
+def test_order_of_verlet_is_that_of_its_nystrom_form() -> None:
+    """Kick-drift-kick is the Nyström method with c = (0, 1), b_position = (1/2, 0), b_velocity = (1/2, 1/2)."""
+    half, zero = Q(1, 2), Q(0)
+    method = Nystrom("x", "X", 2, "test", (zero, Q(1)), ((zero, zero), (half, zero)), (half, zero), (half, half))
+    assert nystrom_order(method) == nystrom_order(entry("velocity_verlet"))
+    first, second = (principal_error(nystrom_conditions(m)) for m in (method, entry("velocity_verlet")))
+    assert first == second
+
+
+@pytest.mark.parametrize("stages", [3, 4])
+def test_order_of_the_lobatto_pair_is_that_of_both_its_members(stages: int) -> None:
+    """Lobatto IIIA for q and IIIB for v (hairer-lubich-wanner-2006, IV.2.2)."""
+    first, second = entry(f"lobatto_iiia{stages}"), entry(f"lobatto_iiib{stages}")
+    fact = partitioned_order(first.a, first.b, second.a, second.b)
+    assert fact.order == 2 * stages - 2
+    assert fact.residual != 0
+
+
+def test_pair_of_two_methods_of_order_three_is_not_of_order_three() -> None:
+    first, second = entry("heun3"), entry("kutta3")
+    assert order(first).order == order(second).order == 3
+    fact = partitioned_order(first.a, first.b, second.a, second.b)
+    assert (fact.order, written(fact.failing_tree)) == (1, "[τ_q]_v")
+
+
+def test_two_euler_methods_as_a_pair_are_symplectic_euler_of_order_one() -> None:
+    explicit, implicit = entry("forward_euler"), entry("backward_euler")
+    assert partitioned_order(explicit.a, explicit.b, implicit.a, implicit.b).order == 1
+
+
+@pytest.mark.parametrize("key", ["rk4", "gill4", "radau_iia3", "dormand_prince54", "fehlberg78"])
+def test_order_with_nodes_is_the_order_where_nodes_are_row_sums(key: str) -> None:
+    method = entry(key)
+    assert method.inconsistencies() == {}
+    assert order_with_nodes(method).order == order(method).order
+
+
+def test_order_with_nodes_notices_a_node_that_is_no_row_sum() -> None:
+    """The clock of one stage is wrong by 10⁻³⁰: f(y) has order 4 still, f(t, y) order 1."""
+    method = entry("rk4")
+    for i in range(4):
+        off = replace(method, c=tuple(x + Q(1, 10**30) * (i == j) for j, x in enumerate(method.c)))
+        assert order(off).order == 4
+        fact = order_with_nodes(off)
+        assert (fact.order, written(fact.failing_tree)) == (1, "[τ_t]_y")
+        assert fact.residual == method.b[i] / 10**30
+
+
+def test_conditions_with_nodes_are_those_of_a_longer_tableau() -> None:
+    """With c = A1 every leaf weighs the same, whichever its colour; so does every tree."""
+    method = entry("heun3")
+    conditions = conditions_with_nodes(method)
+    for n in range(1, 5):
+        found = dict(residuals(conditions, n))
+        by_shape: dict[Tree, set[Exact]] = {}
+        for tree, x in found.items():
+            if tree[0] == "y":
+                by_shape.setdefault(uncoloured(tree), set()).add(x)
+        assert {shape: {x} for shape, x in residuals(runge_kutta_conditions(method), n)} == by_shape
+
+
+def test_nystrom_trees_have_no_fork_at_q_and_are_fewer() -> None:
+    method = METHODS["velocity_verlet"]
+    assert isinstance(method, Splitting)
+    counts = [
+        [len(conditions.residuals(n)) for n in range(1, 9)]
+        for conditions in (separable_conditions(method), nystrom_conditions(method))
+    ]
+    assert counts[0] == [2, 2, 4, 8, 18, 40, 96, 230]
+    # v-rooted: 1, 1, 2, 3, 6, 10, 20, 36 special Nyström trees (hairer-norsett-wanner-1993, II.14); q-rooted: one less.
+    v_rooted = [sum(label[1] == "v" for label, _ in nystrom_conditions(method).residuals(n)) for n in range(1, 9)]
+    assert v_rooted == [1, 1, 2, 3, 6, 10, 20, 36]
+    assert counts[1] == [x + y for x, y in zip(v_rooted, [1, *v_rooted], strict=False)]
+    assert all(vertices(uncoloured(tree)) == 5 for tree, _ in residuals(nystrom_conditions(method), 5))

@@ -1,0 +1,149 @@
+"""Collocation from its nodes' polynomial, against the same methods as tableaux, rooted trees, and Padé's table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction as Q
+from math import comb
+
+import pytest
+
+from driftproof.methods.number_field import Exact
+from driftproof.methods.schemes import Collocation
+from driftproof.symbolic.algebra.polynomials import exact
+from driftproof.symbolic.algebra.series import expand
+from driftproof.symbolic.linear.stability_function import stability_function_of_collocation
+from driftproof.symbolic.linear.structure import is_symmetric, is_symplectic
+from driftproof.symbolic.trees.collocation import collocation_order
+from driftproof.symbolic.trees.order import elementary_weight, order, order_of, residuals, runge_kutta_conditions
+from driftproof.symbolic.trees.quadratic import algebraic_stability, quadratic_matrix
+from driftproof.symbolic.trees.rooted import bush, tall
+from driftproof.symbolic.trees.semidefinite import Matrix
+from driftproof.symbolic.trees.simplifying import simplifying_assumptions
+from tests.methods.tables.entries import entry
+from tests.symbolic.linear.linear_examples import pade
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """A collocation method as nothing but its nodes' polynomial."""
+
+    node_polynomial: tuple[Exact, ...]
+
+
+def legendre(s: int) -> list[Q]:
+    """The Legendre polynomial on [0, 1], constant term first, by its closed formula."""
+    return [Q((-1) ** (s - k) * comb(s, k) * comb(s + k, k)) for k in range(s + 1)]
+
+
+def combined(s: int, lower: int, factor: int) -> Nodes:
+    padded = legendre(lower) + [Q(0)] * (s - lower)
+    return Nodes(tuple(x + factor * y for x, y in zip(legendre(s), padded, strict=True)))
+
+
+def gauss(s: int) -> Nodes:
+    return Nodes(tuple(legendre(s)))
+
+
+def radau_iia(s: int) -> Nodes:
+    return combined(s, s - 1, -1)
+
+
+def lobatto_iiia(s: int) -> Nodes:
+    return combined(s, s - 2, -1)
+
+
+@pytest.mark.parametrize("s", range(1, 11))
+def test_gauss_has_order_twice_its_stages(s: int) -> None:
+    fact = collocation_order(gauss(s).node_polynomial)
+    assert (fact.order, fact.residual != 0) == (2 * s, True)
+
+
+@pytest.mark.parametrize("s", range(2, 11))
+def test_radau_and_lobatto_have_their_orders_and_lobatto_its_place_in_pades_table(s: int) -> None:
+    assert collocation_order(radau_iia(s).node_polynomial).order == 2 * s - 1
+    assert collocation_order(lobatto_iiia(s).node_polynomial).order == 2 * s - 2
+    assert stability_function_of_collocation(lobatto_iiia(s).node_polynomial) == pade(s - 1, s - 1)
+
+
+@pytest.mark.parametrize("s", range(1, 6))
+@pytest.mark.parametrize("family", [gauss, radau_iia, lobatto_iiia])
+def test_order_by_orthogonality_is_the_order_by_trees(family: Callable[[int], Nodes], s: int) -> None:
+    method = family(max(s, 2) if family is lobatto_iiia else s)
+    assert order(method) == order_of(runge_kutta_conditions(method))
+
+
+@pytest.mark.parametrize(
+    ("key", "nodes"),
+    [
+        ("gauss2", gauss(2)),
+        ("gauss3", gauss(3)),
+        ("radau_iia2", radau_iia(2)),
+        ("radau_iia3", radau_iia(3)),
+        ("lobatto_iiia3", lobatto_iiia(3)),
+        ("lobatto_iiia4", lobatto_iiia(4)),
+    ],
+)
+def test_nodes_polynomial_and_tableau_are_one_method(key: str, nodes: Nodes) -> None:
+    tableau = entry(key)
+    for n in range(1, 8):
+        assert residuals(runge_kutta_conditions(nodes), n) == residuals(runge_kutta_conditions(tableau), n)
+    assert simplifying_assumptions(nodes) == simplifying_assumptions(tableau)
+    assert order(nodes) == order(tableau)
+    assert quadratic_matrix(nodes) == in_powers(quadratic_matrix(tableau), tableau.c)
+    assert algebraic_stability(nodes).holds == algebraic_stability(tableau).holds
+
+
+def in_powers(matrix: Matrix, nodes: tuple[Exact, ...]) -> Matrix:
+    """Vᵀ M V for the Vandermonde matrix V of the nodes."""
+    s = range(len(nodes))
+    return tuple(
+        tuple(sum((nodes[k] ** i * matrix[k][m] * nodes[m] ** j for k in s for m in s), Q(0)) for j in s) for i in s
+    )
+
+
+@pytest.mark.parametrize("s", [2, 3, 4])
+def test_weights_of_tall_trees_are_the_series_of_the_stability_function(s: int) -> None:
+    series = expand(stability_function_of_collocation(radau_iia(s).node_polynomial), 9)
+    assert list(map(exact, series)) == [1, *(elementary_weight(radau_iia(s), tall(n)) for n in range(1, 9))]
+
+
+def test_stability_function_is_in_lowest_terms() -> None:
+    """M = x² - 3x + 1: (2 + z)(1 - z) over (2 - z)(1 - z), the function of the implicit midpoint rule."""
+    nodes = (Q(1), Q(-3), Q(1))
+    assert stability_function_of_collocation(nodes) == pade(1, 1)
+    assert collocation_order(nodes).order == 2
+
+
+def test_any_nodes_give_order_s_and_those_moved_by_little_give_no_more() -> None:
+    """Nodes 1/4, 1/2 and 1: M has no moments that vanish. Gauss's, one moved by 10⁻³⁰, loses all it had above s."""
+    assert collocation_order((Q(-1, 8), Q(7, 8), Q(-7, 4), Q(1))).order == 3
+    for k in range(3):
+        moved = tuple(x + Q(1, 10**30) * (k == j) for j, x in enumerate(gauss(3).node_polynomial))
+        assert order(Nodes(moved)).order == 3 == order_of(runge_kutta_conditions(Nodes(moved))).order
+        assert order(Nodes(moved)).failing_tree == bush(4)
+
+
+@pytest.mark.parametrize("nodes", [(), (Q(1),), (Q(1, 4), Q(-1), Q(1)), (Q(0), Q(0), Q(1))])
+def test_nodes_that_coincide_or_are_none_are_refused(nodes: tuple[Q, ...]) -> None:
+    with pytest.raises(ValueError, match="distinct nodes are needed"):
+        collocation_order(nodes)
+
+
+@pytest.mark.parametrize("s", range(2, 11))
+def test_structure_of_the_families_for_any_number_of_stages(s: int) -> None:
+    """Gauss is symplectic and symmetric, Radau IIA algebraically stable and neither, Lobatto IIIA only symmetric."""
+    found = []
+    for nodes in (gauss(s), radau_iia(s), lobatto_iiia(s)):
+        method = Collocation("x", "X", 0, "test", nodes.node_polynomial)
+        assert is_symplectic(method) == (not any(x for row in quadratic_matrix(nodes) for x in row))
+        found.append((is_symplectic(method), is_symmetric(method), algebraic_stability(nodes).holds))
+    assert found == [(True, True, True), (False, False, True), (False, True, False)]
+
+
+def test_conditions_of_nodes_far_apart_fail_where_their_weights_are_negative() -> None:
+    """Nodes 0, 1/10 and 1/5 extrapolate: weights of both signs, and nothing algebraically stable."""
+    polynomial = (Q(0), Q(1, 50), Q(-3, 10), Q(1))
+    assert not algebraic_stability(Nodes(polynomial)).weights.holds
+    assert elementary_weight(Nodes(polynomial), bush(3)) == Q(1, 3)

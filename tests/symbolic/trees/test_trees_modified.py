@@ -1,0 +1,227 @@
+"""The modified equation, against formal power series, the substitution law, logarithms, and coefficients in print."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+from math import prod
+
+import pytest
+
+from driftproof.methods.number_field import Exact
+from driftproof.methods.schemes import RungeKutta
+from driftproof.symbolic.trees.modified import flow, modified_equation
+from driftproof.symbolic.trees.order import order
+from driftproof.symbolic.trees.rooted import Tree, density, read, symmetry, tall, vertices
+from driftproof.symbolic.trees.series import (
+    BSeries,
+    compose,
+    exact_series,
+    hamiltonian_to_order,
+    method_series,
+    substitute,
+    symmetric_to_order,
+    symplectic_to_order,
+)
+from tests.methods.tables.entries import entry
+from tests.symbolic.trees.test_trees_collocation import gauss, lobatto_iiia, radau_iia
+from tests.symbolic.trees.test_trees_series import EULER, RK4, tableau
+
+# --- the sum of a B-series on y' = y² from y(0) = 1, where F(t) is a number -------------------------------------------
+
+
+def differential(tree: Tree) -> int:
+    """F(t) at y = 1 for f = y²: f = 1, f' = 2, f'' = 2, f''' = 0."""
+    return (1, 2, 2)[len(tree)] * prod(map(differential, tree)) if len(tree) < 3 else 0
+
+
+def on_y_squared(series: BSeries) -> list[Exact]:
+    """The coefficients of h, h², ... of B(a, 1)."""
+    total: list[Exact] = [Q(0)] * series.order
+    for tree, x in series.items():
+        n = vertices(tree) - 1
+        total[n] = total[n] + x * Q(differential(tree), symmetry(tree))
+    return total
+
+
+Power = list[Q]
+
+
+def product(u: Power, v: Power) -> Power:
+    """The product of two power series as far as both are known, constant term first."""
+    return [sum((u[i] * v[k - i] for i in range(k + 1)), Q(0)) for k in range(min(len(u), len(v)))]
+
+
+def composed(outer: Power, inner: Power) -> Power:
+    """outer(inner(x)), by Horner's rule."""
+    result = [Q(0)] * len(inner)
+    for x in reversed(outer):
+        result = product(result, inner)
+        result[0] += x
+    return result
+
+
+def step_on_y_squared(method: RungeKutta, length: int) -> Power:
+    """φ with hy₁ = φ(hy₀) for y' = y², as a power series: stages by iteration, each pass right to one term more."""
+    x: Power = [Q(0), Q(1)] + [Q(0)] * (length - 2)
+
+    def advanced(row: tuple[Exact, ...], slopes: list[Power]) -> Power:
+        return [a + sum((Q(str(w)) * k[i] for w, k in zip(row, slopes, strict=True)), Q(0)) for i, a in enumerate(x)]
+
+    slopes = [[Q(0)] * length] * method.stages
+    for _ in range(length):
+        stages = [advanced(row, slopes) for row in method.a]
+        slopes = [product(u, u) for u in stages]
+    return advanced(method.b, slopes)
+
+
+@pytest.mark.parametrize("key", ["forward_euler", "rk4", "kutta3", "implicit_midpoint", "radau_iia2", "lobatto_iiia3"])
+def test_sum_of_the_series_is_the_step_taken_on_power_series(key: str) -> None:
+    method = entry(key)
+    assert [Q(0), Q(1), *on_y_squared(method_series(method, 8))] == step_on_y_squared(method, 10)
+    assert on_y_squared(exact_series(8)) == [1] * 8
+
+
+@pytest.mark.parametrize("key", ["forward_euler", "rk4", "kutta3", "implicit_midpoint", "radau_iia2", "lobatto_iiia3"])
+def test_modified_equation_on_y_squared_has_the_step_as_its_flow(key: str) -> None:
+    """v(φ(x)) = φ'(x) v(x): the field v carried along by its own flow φ (Julia's equation), as power series."""
+    method, length = entry(key), 10
+    phi = step_on_y_squared(method, length)
+    field = [Q(0), Q(0), *map(Q, map(str, on_y_squared(modified_equation(method, 8))))]
+    slope = [*(k * x for k, x in enumerate(phi) if k), Q(0)]
+    assert composed(field, phi) == product(slope, field)
+    field[-1] += 1
+    field[-2] += 1
+    assert composed(field, phi) != product(slope, field)
+
+
+# hairer-lubich-wanner-2006, IX.1 Example 1.1, on y' = y²: coefficients of h, h², ... after the leading y².
+PRINTED = {
+    "forward_euler": ["-1", "3/2", "-8/3", "31/6", "-157/15"],
+    "implicit_midpoint": ["0", "1/4", "0", "1/8", "0", "11/192", "0", "3/128"],
+}
+
+
+@pytest.mark.parametrize("key", PRINTED)
+def test_modified_equation_on_y_squared_is_the_printed_one(key: str) -> None:
+    expected = [Q(1), *map(Q, PRINTED[key])]
+    assert on_y_squared(modified_equation(entry(key), len(expected))) == expected
+
+
+# hairer-lubich-wanner-2006, IX.1 and IX.9: f₂, f₃, ... as elementary differentials, so b(t) = σ(t) times these.
+FIELDS = {
+    "forward_euler": {"τ": 1, "[τ]": Q(-1, 2), "[τ,τ]": Q(1, 12) * 2, "[[τ]]": Q(1, 3)},
+    "implicit_midpoint": {"τ": 1, "[τ]": 0, "[τ,τ]": Q(-1, 24) * 2, "[[τ]]": Q(1, 12)},
+}
+
+
+@pytest.mark.parametrize("key", FIELDS)
+def test_modified_equation_has_the_printed_differentials(key: str) -> None:
+    field = modified_equation(entry(key), 3)
+    assert {text: field.coefficient(read(text)) for text in FIELDS[key]} == FIELDS[key]
+
+
+@pytest.mark.parametrize("key", ["rk4", "implicit_midpoint", "radau_iia3", "gauss2", "gill4"])
+def test_modified_equation_substituted_in_the_exact_flow_is_the_method(key: str) -> None:
+    """The substitution law shares no line with the logarithm, whose inverse here it is."""
+    series = method_series(entry(key), 7)
+    field = modified_equation(entry(key), 7)
+    assert substitute(field, exact_series(7)) == series
+    assert flow(field) == series
+
+
+@pytest.mark.parametrize("key", ["rk4", "heun3", "radau_iia3", "lobatto_iiic3"])
+def test_tall_trees_of_the_modified_equation_are_the_logarithm_of_r(key: str) -> None:
+    """On y' = λy only they count: Σ b(tall) zⁿ = log R(z), so that R' = R (log R)'."""
+    method = entry(key)
+    weights, field = method_series(method, 9), modified_equation(method, 9)
+    r = [Q(1), *(Q(str(weights.coefficient(tall(n)))) for n in range(1, 10))]
+    log_slope = [n * Q(str(field.coefficient(tall(n)))) for n in range(1, 10)]
+    assert [n * x for n, x in enumerate(r)][1:] == product(r, log_slope)
+    assert log_slope[: order(method).order] == [1] + [0] * (order(method).order - 1)
+
+
+def test_substitution_law_respects_composition_and_itself() -> None:
+    a, c = method_series(RK4, 6), method_series(entry("backward_euler"), 6)
+    field, other = modified_equation(EULER, 6), modified_equation(entry("radau_iia2"), 6)
+    assert substitute(field, compose(a, c)) == compose(substitute(field, a), substitute(field, c))
+    assert substitute(substitute(field, other), a) == substitute(field, substitute(other, a))
+    assert substitute(field, a) != substitute(other, a)
+
+
+def test_substitution_of_a_multiple_of_f_scales_by_vertices() -> None:
+    unit = modified_equation(EULER, 6)
+    thrice = BSeries(6, unit.empty, (3 * unit.coefficients[0], *[0 * x for x in unit.coefficients[1:]]), unit.scalars)
+    series = method_series(RK4, 6)
+    for (tree, x), (_, y) in zip(series.items(), substitute(thrice, series).items(), strict=True):
+        assert y == 3 ** vertices(tree) * x
+
+
+def test_half_the_modified_field_twice_is_the_method() -> None:
+    field = modified_equation(RK4, 8)
+    half = BSeries(8, field.empty, tuple(x / 2 for x in field.coefficients), field.scalars)
+    assert compose(flow(half), flow(half)) == method_series(RK4, 8)
+
+
+@pytest.mark.parametrize(
+    "key", ["implicit_midpoint", "trapezoid", "gauss2", "gauss3", "lobatto_iiia3", "lobatto_iiib3"]
+)
+def test_modified_equation_of_a_symmetric_method_has_only_trees_of_odd_order(key: str) -> None:
+    method = entry(key)
+    assert symmetric_to_order(method_series(method, 7)) == 7
+    assert {vertices(tree) % 2 for tree, x in modified_equation(method, 7).items() if x} == {1}
+
+
+@pytest.mark.parametrize("key", ["rk4", "radau_iia3", "lobatto_iiic3", "forward_euler"])
+def test_modified_equation_of_another_method_has_trees_of_even_order(key: str) -> None:
+    """Up to its order p a method is symmetric like the exact flow, and with even p to p + 1 (II.3 Theorem 3.2)."""
+    method = entry(key)
+    p = order(method).order
+    assert symmetric_to_order(method_series(method, p + 2)) == p + (p % 2 == 0)
+    assert any(x for tree, x in modified_equation(method, p + 2).items() if vertices(tree) % 2 == 0)
+
+
+@pytest.mark.parametrize("key", ["implicit_midpoint", "gauss2", "gauss3", "qin_zhang2"])
+def test_series_of_a_symplectic_method_is_symplectic_and_its_modified_field_hamiltonian(key: str) -> None:
+    method = entry(key)
+    assert symplectic_to_order(method_series(method, 8)) == 8
+    assert hamiltonian_to_order(modified_equation(method, 8)) == 8
+
+
+@pytest.mark.parametrize("key", ["rk4", "trapezoid", "radau_iia3", "lobatto_iiia3", "forward_euler"])
+def test_series_of_another_method_is_symplectic_to_its_order_only(key: str) -> None:
+    method = entry(key)
+    p = order(method).order
+    assert symplectic_to_order(method_series(method, 8)) == hamiltonian_to_order(modified_equation(method, 8)) == p
+
+
+@pytest.mark.parametrize("stages", [2, 3, 4, 5])
+def test_modified_equation_of_collocation_needs_no_radicals(stages: int) -> None:
+    """Gauss of order p keeps the first p - 1 corrections zero; what remains is Hamiltonian and of odd order."""
+    field = modified_equation(gauss(stages), 7)
+    first = next((vertices(tree) for tree, x in field.items() if x and tree), None)
+    assert first == (2 * stages + 1 if stages < 4 else None)
+    assert hamiltonian_to_order(field) == 7
+    assert hamiltonian_to_order(modified_equation(radau_iia(2), 7)) == 3
+    assert symmetric_to_order(method_series(lobatto_iiia(stages), 7)) == 7
+
+
+def test_modified_equation_in_a_field_is_that_without_radicals() -> None:
+    assert list(modified_equation(entry("gauss3"), 8).items()) == list(modified_equation(gauss(3), 8).items())
+
+
+@pytest.mark.parametrize("changed", range(4))
+def test_modified_equation_notices_a_weight_changed(changed: int) -> None:
+    off = tableau([list(row) for row in RK4.a], [x + Q(1, 10**30) * (i == changed) for i, x in enumerate(RK4.b)])
+    assert modified_equation(off, 1).coefficient(()) == 1 + Q(1, 10**30)
+
+
+def test_modified_equation_of_rk4_to_order_nine_is_complete() -> None:
+    """All 486 trees; those of order 5 lead, with the residuals Φ - 1/γ themselves."""
+    field = modified_equation(RK4, 9)
+    assert len(field.coefficients) == 1 + 1 + 2 + 4 + 9 + 20 + 48 + 115 + 286
+    series = method_series(RK4, 5)
+    for tree, x in field.items():
+        if 1 < vertices(tree) < 5:
+            assert x == 0
+        if vertices(tree) == 5:
+            assert x == series.coefficient(tree) - Q(1, density(tree))

@@ -1,0 +1,316 @@
+"""Order conditions of Runge-Kutta methods: exact, against sums written out, with every coefficient's control."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction as Q
+from itertools import product
+from math import isqrt, lcm
+from typing import Any
+
+import pytest
+from flint import fmpq, fmpq_mat, fmpq_poly
+from hypothesis import given
+
+from driftproof import strategies
+from driftproof.methods.number_field import Algebraic, Exact, NumberField, square_root
+from driftproof.methods.schemes import RungeKutta
+from driftproof.symbolic.trees.order import (
+    RungeKuttaConditions,
+    elementary_weight,
+    embedded_order,
+    failing_condition,
+    order,
+    order_of,
+    order_to_tolerance,
+    principal_error,
+    residuals,
+    runge_kutta_conditions,
+)
+from driftproof.symbolic.trees.rooted import Tree, bush, density, rooted_trees, symmetry, tall, vertices
+from driftproof.symbolic.trees.simplifying import Simplifying, simplifying_assumptions
+from driftproof.symbolic.trees.weights import TableauStages
+from tests.methods.tables.entries import entry
+
+RK4 = entry("rk4")
+
+
+def weight_written_out(method: RungeKutta, tree: Tree) -> Exact:
+    """Φ(t) as its definition: Σ over a stage for every vertex of b_root Π a_(parent)(vertex), nothing shared."""
+    parents: list[int] = []
+
+    def number(branches: Tree, parent: int) -> None:
+        parents.append(parent)
+        me = len(parents) - 1
+        for branch in branches:
+            number(branch, me)
+
+    number(tree, -1)
+    total: Exact = Q(0)
+    for stages in product(range(method.stages), repeat=len(parents)):
+        term: Exact = method.b[stages[0]]
+        for vertex in range(1, len(parents)):
+            term = term * method.a[stages[parents[vertex]]][stages[vertex]]
+        total = total + term
+    return total
+
+
+@pytest.mark.parametrize("key", ["rk38", "gill4", "radau_iia3", "crouzeix3"])
+def test_elementary_weights_are_the_sums_of_their_definition(key: str) -> None:
+    method = entry(key)
+    for tree in (tree for n in range(1, 6) for tree in rooted_trees(n)):
+        assert elementary_weight(method, tree) == weight_written_out(method, tree)
+
+
+def changed_in_one_place(method: RungeKutta, amount: Q) -> Iterator[RungeKutta]:
+    """The methods with one coefficient of A's or b's pattern changed, c following A."""
+    for i in range(method.stages):
+        yield replace(method, b=tuple(x + amount * (j == i) for j, x in enumerate(method.b)))
+        for j in range(method.stages if not method.explicit else i):
+            a = tuple(tuple(x + amount * ((i, j) == (k, m)) for m, x in enumerate(r)) for k, r in enumerate(method.a))
+            yield replace(method, a=a, c=tuple(sum(r, Q(0)) for r in a))
+
+
+@pytest.mark.parametrize("amount", [Q(1, 24), Q(1, 10**14), Q(1, 10**30)])
+@pytest.mark.parametrize("key", ["rk4", "gill4", "gauss2", "cash_karp54"])
+def test_order_notices_every_coefficient_changed(key: str, amount: Q) -> None:
+    method = entry(key)
+    for changed in changed_in_one_place(method, amount):
+        assert order(changed).order < method.claimed_order
+
+
+@pytest.mark.parametrize("exponent", [14, 30])
+def test_order_of_rk4_with_a_weight_off_is_what_exactly_holds(exponent: int) -> None:
+    """Weights that do not add up to one give order 0; where another weight makes up for it, order 1."""
+    tiny = Q(1, 10**exponent)
+    off = replace(RK4, b=(RK4.b[0] + tiny, *RK4.b[1:]))
+    assert (order(off).order, order(off).failing_tree, order(off).residual) == (0, (), tiny)
+    compensated = replace(RK4, b=(RK4.b[0] + tiny, RK4.b[1] - tiny, *RK4.b[2:]))
+    assert (order(compensated).order, order(compensated).failing_tree) == (1, ((),))
+    assert order(compensated).residual == -tiny / 2
+
+
+def test_order_is_three_answers_that_are_not_confused() -> None:
+    """Exactly 1; the residual that says why; and 4 for a user who calls 10**-12 zero, but 1 for one who does not."""
+    tiny = Q(1, 10**14)
+    method = replace(RK4, b=(RK4.b[0] + tiny, RK4.b[1] - tiny, *RK4.b[2:]))
+    conditions = runge_kutta_conditions(method)
+    assert order(method).order == 1
+    assert [order_to_tolerance(conditions, Q(1, 10**k)) for k in (12, 16)] == [4, 1]
+    assert order_to_tolerance(conditions, tiny / 2) == 4
+    assert order_to_tolerance(conditions, tiny / 2 - Q(1, 10**40)) == 1
+    assert order_to_tolerance(runge_kutta_conditions(RK4), 0) == order(RK4).order == 4
+
+
+def test_tolerance_does_not_invent_an_order_that_so_few_stages_cannot_have() -> None:
+    assert order_to_tolerance(runge_kutta_conditions(RK4), 1) == 4
+    assert order_to_tolerance(runge_kutta_conditions(entry("gauss2")), 1) == 4
+    assert order_to_tolerance(runge_kutta_conditions(entry("fehlberg78")), 1, limit=6) == 6
+
+
+@pytest.mark.parametrize(("tolerance", "error"), [(0.5, TypeError), (True, TypeError), (Q(-1), ValueError)])
+def test_tolerance_that_is_no_exact_number_is_refused(tolerance: Q, error: type[Exception]) -> None:
+    with pytest.raises(error, match="tolerance"):
+        order_to_tolerance(runge_kutta_conditions(RK4), tolerance)
+
+
+def test_algebraic_residuals_are_exact_and_compared_exactly() -> None:
+    root = square_root(2)
+    method = replace(RK4, b=(RK4.b[0] + root / 10**20, *RK4.b[1:]))
+    assert (order(method).order, order(method).residual) == (0, root / 10**20)
+    conditions = runge_kutta_conditions(method)
+    assert order_to_tolerance(conditions, Q(isqrt(2 * 10**40) + 1, 10**40)) == 4
+    assert order_to_tolerance(conditions, Q(isqrt(2 * 10**40), 10**40)) == 0
+
+
+def test_coefficients_of_two_fields_are_refused() -> None:
+    with pytest.raises(TypeError, match=r"sqrt\(3\) and in sqrt\(2\)"):
+        TableauStages(((square_root(2),),), (square_root(3),))
+
+
+def test_order_uses_stages_alone_and_conditions_are_asked_in_any_order() -> None:
+    conditions = runge_kutta_conditions(RK4)
+    late = residuals(conditions, 5)
+    assert residuals(conditions, 3) == tuple((tree, 0) for tree in rooted_trees(3))
+    assert late == residuals(runge_kutta_conditions(RK4), 5)
+    assert order_of(conditions) == order(RK4)
+
+
+def test_failing_condition_names_the_tree_and_the_residual() -> None:
+    euler = entry("backward_euler")
+    assert failing_condition(euler, 1) is None
+    assert failing_condition(euler, 2) == (((),), Q(1, 2))
+    assert {elementary_weight(euler, tree) for n in range(1, 7) for tree in rooted_trees(n)} == {1}
+
+
+def test_linear_order_is_not_the_order() -> None:
+    """R(z) = 1 + z + z²/2 + z³/6 and b·c² = 1/4, not 1/3: the tall trees alone hold to order 3."""
+    rows = ((Q(0), Q(0), Q(0)), (Q(1, 3), Q(0), Q(0)), (Q(0), Q(1, 2), Q(0)))
+    method = RungeKutta("x", "X", 2, "test", rows, (Q(0), Q(0), Q(1)), (Q(0), Q(1, 3), Q(1, 2)))
+    assert [elementary_weight(method, tall(n)) * density(tall(n)) for n in range(1, 4)] == [1, 1, 1]
+    assert (order(method).order, order(method).failing_tree, order(method).residual) == (2, bush(3), Q(-1, 12))
+
+
+@pytest.mark.parametrize(
+    ("key", "norm"), [("rk4", "0.0145"), ("dormand_prince54", "0.000399"), ("cash_karp54", "0.000948")]
+)
+def test_principal_error_norm_is_the_published_one_to_three_figures(key: str, norm: str) -> None:
+    squared = principal_error(runge_kutta_conditions(entry(key))).squared_norm
+    last = Q(1, 10 ** (len(norm) - 2))
+    assert (Q(norm) - last / 2) ** 2 < squared < (Q(norm) + last / 2) ** 2
+
+
+@pytest.mark.parametrize("key", ["rk4", "gill4", "radau_iia2"])
+def test_principal_error_is_residual_over_symmetry(key: str) -> None:
+    method = entry(key)
+    error = principal_error(runge_kutta_conditions(method))
+    assert error.vertices == method.claimed_order + 1
+    assert [tree for tree, _ in error.coefficients] == list(rooted_trees(error.vertices))
+    for tree, x in error.coefficients:
+        assert x * symmetry(tree) == weight_written_out(method, tree) - Q(1, density(tree))
+    total: Exact = Q(0)
+    for _, x in error.coefficients:
+        total = total + x * x
+    assert (total, total != 0) == (error.squared_norm, True)
+
+
+def gauss4_in_its_field() -> RungeKutta:
+    """Gauss with four stages, its nodes 1/2 ± x, 1/2 ± y written in the field of degree 8 that x + 2y generates.
+
+    x⁴ - 3/14 x² + 3/560 = 0 and y² = 3/14 - x². All is linear algebra on the basis xⁱyʲ, i < 4, j < 2.
+    """
+
+    def times_x(u: list[fmpq]) -> list[fmpq]:
+        return [x for p in (u[:4], u[4:]) for x in (-fmpq(3, 560) * p[3], p[0], p[1] + fmpq(3, 14) * p[3], p[2])]
+
+    def times_y(u: list[fmpq]) -> list[fmpq]:
+        y_squared = [fmpq(3, 14) * a - b for a, b in zip(u, times_x(times_x(u)), strict=True)]
+        return y_squared[4:] + u[:4]
+
+    one = [fmpq(int(k == 0)) for k in range(8)]
+    powers = [one]
+    for _ in range(8):
+        powers.append([a + 2 * b for a, b in zip(times_x(powers[-1]), times_y(powers[-1]), strict=True)])
+    basis = fmpq_mat(8, 8, [x for row in powers[:8] for x in row]).transpose()
+
+    def in_powers(u: list[fmpq]) -> list[Q]:
+        solved = basis.solve(fmpq_mat(8, 1, u)).entries()
+        return [Q(int(x.p), int(x.q)) for x in solved]
+
+    minimal = [-x for x in in_powers(powers[8])] + [Q(1)]
+    scale = lcm(*(x.denominator for x in minimal))
+    # x = 0.430568... , y = 0.169990... are the positive roots; x + 2y = 0.77054...
+    field = NumberField("alpha", tuple(int(x * scale) for x in minimal), Q(77, 100), Q(771, 1000))
+    x = Algebraic(field, tuple(in_powers(times_x(one))))
+    y = Algebraic(field, tuple(in_powers(times_y(one))))
+    return collocation_at((Q(1, 2) - x, Q(1, 2) - y, Q(1, 2) + y, Q(1, 2) + x))
+
+
+def collocation_at(nodes: tuple[Exact, ...]) -> RungeKutta:
+    """The collocation method with these nodes, by integrals of Lagrange's polynomials."""
+
+    def integrated(basis: list[Exact], end: Exact) -> Exact:
+        total: Exact = Q(0)
+        for k in reversed(range(len(basis))):
+            total = (total + basis[k] / (k + 1)) * end
+        return total
+
+    def lagrange(i: int) -> list[Exact]:
+        result: list[Exact] = [Q(1)]
+        for j, c in enumerate(nodes):
+            if j != i:
+                scaled = [x / (nodes[i] - c) for x in result]
+                shifted: list[Exact] = [Q(0), *scaled]
+                result = [x - c * y for x, y in zip(shifted, [*scaled, Q(0)], strict=True)]
+        return result
+
+    bases = [lagrange(i) for i in range(len(nodes))]
+    a = tuple(tuple(integrated(basis, c) for basis in bases) for c in nodes)
+    return RungeKutta("x", "X", 8, "test", a, tuple(integrated(basis, Q(1)) for basis in bases), nodes)
+
+
+def test_order_of_gauss_four_in_its_field_of_degree_eight() -> None:
+    method = gauss4_in_its_field()
+    assert method.field is not None
+    assert method.field.degree == 8
+    fact = order(method)
+    assert (fact.order, fact.failing_tree, fact.residual) == (8, bush(9), Q(-1, 44100))
+    assert simplifying_assumptions(method) == Simplifying(8, 4, 4)
+    off = replace(method, b=(method.b[0] + Q(1, 10**30), method.b[1] - Q(1, 10**30), *method.b[2:]))
+    assert order(off).order == 1
+
+
+# hairer-norsett-wanner-1993, II.7 and hairer-wanner-1996, IV.5: B, C and D of the classical families.
+ASSUMPTIONS = {
+    "gauss2": Simplifying(4, 2, 2),
+    "gauss3": Simplifying(6, 3, 3),
+    "radau_ia3": Simplifying(5, 2, 3),
+    "radau_iia3": Simplifying(5, 3, 2),
+    "lobatto_iiia4": Simplifying(6, 4, 2),
+    "lobatto_iiib4": Simplifying(6, 2, 4),
+    "lobatto_iiic4": Simplifying(6, 3, 3),
+    "rk4": Simplifying(4, 1, 1),
+    "forward_euler": Simplifying(1, None, 0),
+}
+
+
+@pytest.mark.parametrize("key", ASSUMPTIONS)
+def test_simplifying_assumptions_hold_as_far_as_in_print_and_no_further(key: str) -> None:
+    method = entry(key)
+    found = simplifying_assumptions(method)
+    assert found == ASSUMPTIONS[key]
+    for p in range(1, found.b + 2):
+        total: Exact = Q(0)
+        for b, c in zip(method.b, method.c, strict=True):
+            total = total + (b if p == 1 else b * c ** (p - 1))
+        assert (total == Q(1, p)) == (p <= found.b)
+
+
+@pytest.mark.parametrize(
+    ("key", "stage_order"),
+    [("gauss3", 3), ("radau_iia2", 2), ("lobatto_iiia3", 3), ("sdirk4", 1), ("rk4", 1), ("forward_euler", 1)],
+)
+def test_stage_order(key: str, stage_order: int) -> None:
+    assert simplifying_assumptions(entry(key)).stage_order == stage_order
+
+
+def test_simplifying_assumptions_notice_every_node_changed() -> None:
+    method = entry("radau_iia3")
+    for i in range(3):
+        nodes = tuple(x + Q(1, 10**30) * (i == j) for j, x in enumerate(method.c))
+        assert simplifying_assumptions(replace(method, c=nodes)).c == 0
+        assert simplifying_assumptions(replace(method, c=nodes)).b < 5
+
+
+@given(strategies.runge_kutta_methods())
+def test_order_of_any_method_is_where_its_conditions_written_out_first_fail(method: RungeKutta) -> None:
+    fact = order(method)
+    assert vertices(fact.failing_tree) == fact.order + 1
+    assert weight_written_out(method, fact.failing_tree) - Q(1, density(fact.failing_tree)) == fact.residual != 0
+    for tree in (tree for n in range(1, min(fact.order, 3) + 1) for tree in rooted_trees(n)):
+        assert weight_written_out(method, tree) == Q(1, density(tree))
+    assert embedded_order(method) is None
+
+
+class Polynomials:
+    """Q[γ], for the tableaux of a family: the conditions are polynomials in its parameter."""
+
+    def lift(self, x: fmpq_poly | int) -> fmpq_poly:
+        return fmpq_poly([x]) if isinstance(x, int) else x
+
+    def exact(self, x: fmpq_poly) -> Any:
+        return fmpq_poly([x]) if isinstance(x, fmpq) else x
+
+
+def test_conditions_of_a_family_are_polynomials_in_its_parameter() -> None:
+    """Crouzeix's two diagonally implicit stages: order 2 for every γ, order 3 for γ² - γ + 1/6 = 0 and no other."""
+    one, gamma = fmpq_poly([1]), fmpq_poly([0, 1])
+    half = fmpq_poly([fmpq(1, 2)])
+    stages = TableauStages(((gamma, 0 * one), (one - 2 * gamma, gamma)), (half, half), Polynomials())
+    conditions = RungeKuttaConditions(stages)
+    found = [[x for _, x in residuals(conditions, n)] for n in (1, 2, 3)]
+    assert found[:2] == [[0], [0]]
+    decisive = fmpq_poly([fmpq(1, 6), -1, 1])
+    assert all(x % decisive == 0 and x != 0 for x in found[2])
+    assert (order_of(conditions).order, order(entry("crouzeix3")).order) == (2, 3)

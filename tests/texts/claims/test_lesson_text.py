@@ -1,0 +1,162 @@
+"""The lesson, and a small text of our own, stand as their claims say, and every changed digit is noticed."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import pytest
+
+from docs.lesson_tables import CLAIMS, LESSON, MISPRINTS, TABLES, figures, known, misprints, unnoticed
+from docs.pages import refreshed
+from driftproof.cli import main
+from driftproof.texts.claims.checking import check_claim, check_claims
+from driftproof.texts.claims.claims import Claim, parse_claims, read_claims
+from driftproof.texts.claims.coverage import coverage
+from driftproof.texts.claims.phrases import ANY_NUMBER, Phrase, Spellings
+from driftproof.texts.claims.running import run_listings
+from driftproof.texts.readers.numbers import numbers
+from driftproof.texts.readers.reading import read_file, read_text
+from proofs.claims import REQUIRED, STATEMENTS
+from proofs.printed import ROWS
+
+ROOT = Path(__file__).parents[3]
+PAGE = ROOT / "docs" / "lesson.md"
+SPRING = ROOT / "examples" / "text" / "spring.md"
+SPRING_CLAIMS = SPRING.with_name("claims.toml")
+beside = pytest.mark.skipif(not LESSON.exists(), reason="the lesson is not beside this checkout")
+
+
+@beside
+def test_lesson_stands_as_its_claims_say_and_its_listing_prints_what_it_shows(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["check", str(LESSON), "--claims", str(CLAIMS), "--run"]) == 0
+    assert "1 listing run, all hold" in capsys.readouterr().out
+
+
+@beside
+def test_figures_of_the_page_are_those_of_the_lesson() -> None:
+    """At least 95 of 100 numbers are covered, and of all changes of one covered digit none goes unnoticed."""
+    found = figures()
+    assert found == known(), "run `python docs/lesson_tables.py`"
+    assert found["unnoticed"] == found["refuted"] == 0
+    assert found["misprints"] > 5000
+    assert found["uncovered"] <= (found["value"] + found["given"]) / 19
+
+
+@beside
+@pytest.mark.long
+def test_every_misprint_of_the_lesson_is_noticed_in_the_whole_file() -> None:
+    """The same changes, each in the whole text, read from its first character to its last."""
+    reading = read_file(LESSON)
+    tried = 0
+    for claim in read_claims(CLAIMS).claims:
+        spellings = claim.spellings()
+        for at, digit in misprints(reading, check_claim(reading, claim, spellings)):
+            wrong = read_text(reading.source[:at] + digit + reading.source[at + 1 :])
+            assert check_claim(wrong, claim, spellings).findings, (claim.id, reading.place_of_origin(at), digit)
+            tried += 1
+    assert tried >= known()["misprints"]
+
+
+def test_claims_quote_no_sentence() -> None:
+    """Between two numbers of a phrase there are a few words at most, and in all of it not many more."""
+    for claim in read_claims(CLAIMS).claims:
+        counts = [len(re.findall(r"[A-Za-z]{2,}", literal)) for literal in claim.phrase.literals]
+        assert max(counts) <= 5, claim.id
+        assert sum(counts) <= 8, claim.id
+
+
+def test_page_is_what_its_generator_writes() -> None:
+    page = PAGE.read_text(encoding="utf-8")
+    assert refreshed(page, TABLES) == page, "run `make docs`"
+    assert refreshed(page.replace(str(known()["misprints"]), "5000"), TABLES) == page
+
+
+def test_every_number_that_the_proofs_publish_is_claimed_of_the_lesson() -> None:
+    """With the very value of the proof: but for two that the lesson spells out, or only refers to."""
+    spelled: dict[str, list[str]] = {}
+    for claim in read_claims(CLAIMS).claims:
+        for key in _statements(claim):
+            spelled.setdefault(key, []).extend(text for texts in claim.spellings().values() for text in texts)
+    assert {row.claim for row in ROWS if row.claim not in spelled} == {"L069", "L071"}
+    assert [row for row in ROWS if row.claim in spelled and row.text not in spelled[row.claim]] == []
+
+
+def test_statements_that_settle_what_is_given_are_in_the_ledger() -> None:
+    claims = read_claims(CLAIMS).claims
+    named = {key for claim in claims for key in re.findall(r"\bL\d+\b", claim.given or "")}
+    assert len(named) >= 10
+    assert named <= set(REQUIRED)
+    assert {key for claim in claims for key in _statements(claim)} <= set(STATEMENTS)
+
+
+def _statements(claim: Claim) -> list[str]:
+    first_and_last = re.fullmatch(r"L(\d+) to L(\d+)", claim.id)
+    if first_and_last:
+        return [f"L{n:03}" for n in range(int(first_and_last[1]), int(first_and_last[2]) + 1)]
+    return re.findall(r"\bL\d+\b", claim.id)
+
+
+def test_text_of_ours_stands_as_its_claims_say(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", str(SPRING), "--claims", str(SPRING_CLAIMS), "--run", "--coverage"]) == 0
+    assert capsys.readouterr().out.startswith(
+        f"{SPRING}: 19 claims, 1 listing run, all hold\n100% of 40 numbers covered"
+    )
+
+
+def test_every_misprint_of_our_text_is_noticed_and_told_in_its_place() -> None:
+    reading = read_file(SPRING)
+    tried = 0
+    for claim in read_claims(SPRING_CLAIMS).claims:
+        spellings = claim.spellings()
+        for at, digit in misprints(reading, check_claim(reading, claim, spellings)):
+            wrong = read_text(reading.source[:at] + digit + reading.source[at + 1 :], "markdown")
+            findings = check_claim(wrong, claim, spellings).findings
+            assert findings, (claim.id, reading.place_of_origin(at), digit)
+            tried += 1
+            line = reading.place_of_origin(at).line
+            assert min(abs(finding.place.line - line) for finding in findings) <= 1, (claim.id, digit, findings)
+    assert tried > 700
+
+
+def test_uncovered_digit_of_our_text_would_be_seen() -> None:
+    claims = read_claims(SPRING_CLAIMS)
+    reading = read_file(SPRING)
+    fewer = [claim for claim in claims.claims if claim.id != "ratio"]
+    assert [number.text for number in coverage(reading, check_claims(reading, fewer)).uncovered] == ["70"]
+
+
+def test_misprint_in_the_printed_lines_of_our_text_is_seen_by_running_it() -> None:
+    source = SPRING.read_text(encoding="utf-8")
+    assert run_listings(read_text(source, "markdown")).findings == ()
+    (finding,) = run_listings(read_text(source.replace("-0.8245", "-0.8246"), "markdown")).findings
+    assert (finding.expected, finding.found) == ("q = -0.8245, v = 0.5614", "q = -0.8246, v = 0.5614")
+
+
+@dataclass(frozen=True)
+class Careless(Phrase):
+    """Takes any number for the right one."""
+
+    def exact(self, spellings: Spellings, ignore_case: bool = False) -> re.Pattern[str]:
+        (name,) = self.names
+        return re.compile(f"(?P<{name}>{ANY_NUMBER})".join(map(re.escape, self.literals)))
+
+
+def test_misprints_that_a_careless_claim_lets_pass_are_counted() -> None:
+    (claim,) = parse_claims(b'[[claim]]\nid="a"\nphrase="is {value} at RK4"\nvalue="1/4"').claims
+    reading = read_text("it is 0.25 at RK4, q\u2081")
+    careless = replace(claim, phrase=Careless(claim.phrase.literals, claim.phrase.names))
+    for one, missed in ((claim, 0), (careless, 27)):
+        outcome = check_claims(reading, [one])[0]
+        assert len(list(misprints(reading, outcome))) == 36
+        assert len(unnoticed(reading, outcome)) == missed
+
+
+def test_misprint_is_a_digit_of_the_same_kind() -> None:
+    assert (MISPRINTS["5"], MISPRINTS["²"], MISPRINTS["₁"]) == ("012346789", "⁰¹³⁴⁵⁶⁷⁸⁹", "₀₂₃₄₅₆₇₈₉")
+    assert "½" not in MISPRINTS["½"]
+    assert len(MISPRINTS["½"]) == 17
+    assert all(numbers(read_text(digit).text.text) for digit in "½" + MISPRINTS["½"])

@@ -1,0 +1,136 @@
+"""What a number might be is suggested, the best first, and drafted claims hold of the text they are drafted from."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from driftproof.texts.claims.checking import check_claims
+from driftproof.texts.claims.claims import parse_claims
+from driftproof.texts.claims.coverage import GIVEN, UNCOVERED, VALUE, coverage
+from driftproof.texts.claims.drafting import draft
+from driftproof.texts.claims.suggestions import Candidate, Suggestions
+from driftproof.texts.readers.numbers import numbers
+from driftproof.texts.readers.reading import Reading, read_file, read_text
+
+ROOT = Path(__file__).parents[3]
+SPRING = ROOT / "examples" / "text" / "spring.md"
+
+
+def suggested(text: str) -> list[list[Candidate]]:
+    suggestions = Suggestions(text)
+    return [suggestions.of(number) for number in numbers(text) if number.label is None]
+
+
+@pytest.mark.parametrize(
+    ("text", "best"),
+    [
+        ("one step of RK4 leads to the position 337/384", "rk4.first_step.q"),
+        ("one step of RK4 leads to 0.877604", "rk4.first_step.q"),
+        ("forward Euler's state error is 2.390 at the end", "run forward_euler h=1/4 t=10 : state_error"),
+        ("with RK4, h = 1/8 and t = 2: energy change -1.26e-7", None),
+        ("RK4, h = 1/5, t = 2: the state error is 2.7e-5", "run rk4 h=1/5 t=2 : state_error"),
+        ("RK4 is stable up to 2.828", "imaginary_limit rk4"),
+        ("nothing like it: 0.123456", None),
+        ("not a number 1/0", None),
+    ],
+)
+def test_best_suggestion_is_the_value_whose_names_are_near(text: str, best: str | None) -> None:
+    *_, last = suggested(text)
+    assert (last[0].question if last else None) == best
+
+
+def test_suggestion_is_strong_only_where_the_digits_or_the_names_say_so() -> None:
+    assert [candidate.strong for candidate in suggested("about 0.877604")[0]] == [True, True]
+    assert not any(candidate.strong for candidate in suggested("about 0.5")[0])
+    (candidates,) = suggested("the exact energy is 0.5")
+    assert (candidates[0].question, candidates[0].strong) == ("exact.energy", True)
+
+
+def test_suggested_value_is_spelled_as_the_number_is() -> None:
+    from driftproof.texts.questions.ask import value
+
+    text = "RK4 and forward Euler: 2.390, 3.3e-4, 337/384, 160, 0.8776"
+    for number, candidates in zip([n for n in numbers(text) if n.label is None], suggested(text), strict=True):
+        assert candidates
+        assert all(number.text in candidate.form.spellings(value(candidate.question)) for candidate in candidates)
+
+
+TODO = re.compile(r"(?m)^# (?:TODO\n)?(?=\[\[claim|id =|phrase =|count =|given =)|^# TODO\n")
+
+
+def held(reading: Reading, text: str) -> dict[str, int]:
+    """The coverage by drafted claims, all of which hold."""
+    claims = parse_claims(text.encode())
+    outcomes = check_claims(reading, claims.claims)
+    assert [finding for outcome in outcomes for finding in outcome.findings] == []
+    return coverage(reading, outcomes).counts
+
+
+def test_drafted_claims_hold_and_cover_all_once_the_rest_is_given() -> None:
+    reading = read_file(SPRING)
+    text = draft(reading, "spring.md")
+    counts = held(reading, text)
+    assert counts[VALUE] > 10
+    assert counts[GIVEN] == 0
+    assert held(reading, TODO.sub("", text))[UNCOVERED] == 0
+
+
+def test_drafted_claims_notice_a_changed_digit() -> None:
+    claims = parse_claims(draft(read_file(SPRING), "spring.md").encode())
+    wrong = read_text(SPRING.read_text(encoding="utf-8").replace("5.151", "5.152"), "markdown")
+    findings = [finding for outcome in check_claims(wrong, claims.claims) for finding in outcome.findings]
+    assert [(finding.expected, finding.found) for finding in findings] == [("5.151", "5.152")]
+
+
+def test_name_of_the_text_cannot_break_the_draft() -> None:
+    assert tomllib.loads(draft(read_text("7"), 'a\nb = 1\n"')) == {}
+
+
+@given(
+    st.lists(
+        st.sampled_from(
+            [
+                "0.877604",
+                "337/384",
+                "0.5",
+                "40",
+                "2.390",
+                "RK4 ",
+                "energy ",
+                "is ",
+                "{",
+                "}",
+                '"',
+                "\\",
+                "\n",
+                ". ",
+                "(",
+                "%",
+                "\x7f",
+                "√",
+            ]
+        ),
+        max_size=15,
+    )
+)
+def test_draft_of_any_text_holds_of_it(pieces: list[str]) -> None:
+    reading = read_text("".join(pieces))
+    text = draft(reading, "a.txt")
+    held(reading, text)
+    held(reading, TODO.sub("", text))
+
+
+def test_command_drafts_in_the_format_of_the_text(
+    answer: Callable[..., str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("a.html").write_text("<table><tr><td>RK4<td>0.877604<td>337/384</table>", encoding="utf-8")
+    Path("c.toml").write_text(answer("check", "a.html", "--init"), encoding="utf-8")
+    assert "100% of 2 numbers covered: 2 by values" in answer("check", "a.html", "--claims", "c.toml")

@@ -1,0 +1,187 @@
+"""Listings run in a child, within limits, and a line that they do not print is found."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from driftproof.texts.claims import running
+from driftproof.texts.claims.running import run_listings
+from driftproof.texts.readers.listings import listings
+from driftproof.texts.readers.reading import Reading, read_text
+
+MARKDOWN = """\
+# A listing
+
+```python
+x = 3
+print(f"x = {x}")
+print(x / 4)
+```
+
+prints
+
+```text
+x = 3
+0.75
+```
+
+and then
+
+```python
+print(x + 1)
+```
+
+```
+4
+```
+"""
+PLAIN = """\
+Some prose, that is no program.
+
+def double(x):
+    return 2 * x
+
+for i in range(2):
+    print(double(i), double(0.25))
+
+Expected output:
+
+0 0.5
+2 0.5
+
+More prose = 5.
+"""
+NOTEBOOK = {
+    "cells": [
+        {"cell_type": "code", "source": ["y = 2\n", "y + 1"], "outputs": [{"data": {"text/plain": ["3"]}}]},
+        {"cell_type": "code", "source": ["print(y)"], "outputs": [{"text": ["2\n"]}]},
+    ]
+}
+TEX = "\\begin{lstlisting}[language=Python]\nprint(1/4)\n\\end{lstlisting}\n\\begin{verbatim}\n0.25\n\\end{verbatim}"
+HTML = '<pre><code class="language-python">print(&quot;0.25&quot;)</code></pre><p>gives</p><pre>0.25</pre>'
+TEXTS = {
+    "markdown": (MARKDOWN, "0.75", 2, 13),
+    "plain": (PLAIN, "2 0.5", 1, 12),
+    "notebook": (json.dumps(NOTEBOOK, indent=1), '"3"', 2, None),
+    "tex": (TEX, "0.25\n", 1, 5),
+    "html": (HTML, "<pre>0.25", 1, 1),
+}
+
+
+@pytest.mark.parametrize("form", TEXTS)
+def test_listing_prints_what_the_text_says_or_the_line_is_found(form: str) -> None:
+    source, shown, count, line = TEXTS[form]
+    ran = run_listings(read_text(source, form))
+    assert (ran.findings, ran.count, len(ran.spans)) == ((), count, count)
+    changed = shown.replace(shown.strip('"\n')[-1], "9")
+    wrong = run_listings(read_text(source.replace(shown, changed), form))
+    (finding,) = wrong.findings
+    assert finding.message.startswith("the listing prints ")
+    assert line is None or finding.place.line == line
+    assert len(wrong.spans) == count - 1
+
+
+def test_numbers_seen_printed_are_those_of_the_output() -> None:
+    reading = read_text(PLAIN)
+    ((start, end),) = run_listings(reading).spans
+    assert reading.text.text[start:end].split() == ["0", "0.5", "2", "0.5"]
+
+
+def outcome(program: str, printed: str = "x", time_limit: float = 10.0) -> str:
+    """What is found wrong with a listing that should print something."""
+    reading = read_text(f"```python\n{program}\n```\n\n```\n{printed}\n```\n", "markdown")
+    return " ".join(finding.message for finding in run_listings(reading, time_limit).findings)
+
+
+@pytest.mark.parametrize(
+    ("program", "message"),
+    [
+        ("1/0", "ZeroDivisionError: division by zero (line 1 of the listing)"),
+        ("x = 1\nraise ValueError('a\\nb')", "ValueError: a b (line 2 of the listing)"),
+        ("print('a'", "SyntaxError"),
+        ("x = '\\0'\nprint(open('/nowhere'))", "FileNotFoundError"),
+        ("input()", "EOFError"),
+        ("a = 'x' * 10**10", "MemoryError"),
+        ("while True: print('x' * 10**5)", "it prints more than anybody reads"),
+        ("import os; os._exit(3)", "the process ended early (status 3)"),
+        ("import os; os.kill(os.getpid(), 9)", "the process ended early (status -9)"),
+        ("def f(): f()\nf()", "RecursionError"),
+        ("import sys; sys.exit(1)", "the listing prints '', the text says 'x'"),
+        ("open('big', 'wb').write(b'0' * 10**8)", "OSError"),
+        ("[" * 5000, "the listing"),
+    ],
+)
+def test_listing_that_misbehaves_is_told_in_words(program: str, message: str) -> None:
+    assert message in outcome(program)
+
+
+def test_listing_without_end_is_stopped_with_what_it_started() -> None:
+    program = "import subprocess, sys\nsubprocess.Popen([sys.executable, '-c', 'while True: pass'])\nwhile True: pass"
+    assert "no end within 1 s" in outcome(program, time_limit=1.0)
+
+
+def test_listing_sees_neither_our_folder_nor_our_secrets(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SOME_TOKEN", "secret")
+    monkeypatch.chdir(tmp_path)
+    Path("module_of_ours.py").touch()
+    assert outcome("import os\nprint(os.environ.get('SOME_TOKEN'))", "None") == ""
+    assert "ModuleNotFoundError" in outcome("import module_of_ours")
+    outcome("open('left', 'w').write('x')")
+    assert os.listdir(tmp_path) == ["module_of_ours.py"]
+
+
+def test_listing_that_lies_about_its_outcome_is_not_believed_to_have_run() -> None:
+    lines = (
+        "import os",
+        "for d in range(3, 20):",
+        " try: os.write(d, b'nonsense\\n[]\\n{}\\n')",
+        " except OSError: pass",
+    )
+    program = "\n".join([*lines, "os._exit(0)"])
+    assert "the process ended early" in outcome(program)
+
+
+def test_names_are_shared_and_order_is_kept() -> None:
+    assert run_listings(read_text(MARKDOWN, "markdown")).findings == ()
+    alone = run_listings(read_text(MARKDOWN.replace("x = 3\nprint(f", "print(f"), "markdown"))
+    assert [finding.claim for finding in alone.findings] == ["listing 1", "listing 2"]
+
+
+def found(reading: Reading) -> list[tuple[str, bool]]:
+    return [(listing.program.strip(), listing.printed is not None) for listing in listings(reading)]
+
+
+def test_output_far_away_or_in_another_language_belongs_to_no_listing() -> None:
+    far = "```python\na\n```\n" + "word " * 100 + "\n```\nb\n```\n"
+    assert found(read_text(far, "markdown")) == [("a", False)]
+    assert found(read_text("```python\na\n```\n```sh\nb\n```\n", "markdown")) == [("a", False)]
+    assert found(read_text("```python\na\n```\n```python\nb\n```\n", "markdown")) == [("a", False), ("b", False)]
+    assert found(read_text("```\na\n```\n", "markdown")) == []
+
+
+def test_listing_of_plain_text_begins_where_it_can_be_python() -> None:
+    assert found(read_text(PLAIN))[0][0].startswith("def double")
+    assert found(read_text("prose only\n\nExpected output:\n\n5\n")) == []
+    assert found(read_text("import os\nOutput:\n")) == []
+
+
+def test_text_without_listings_starts_no_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delattr(running.subprocess, "Popen")
+    assert run_listings(read_text("0.5", "markdown")).count == 0
+
+
+@given(
+    st.lists(
+        st.sampled_from(
+            ["import x\n", "a = 1\n", "Output:\n", "5\n", "\n", "def f(:\n", "  b\n", "(" * 300, "\0", "'\\d'\n"]
+        )
+    )
+)
+def test_no_text_crashes_the_search_for_listings(pieces: list[str]) -> None:
+    listings(read_text("".join(pieces)))

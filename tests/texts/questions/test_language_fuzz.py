@@ -1,0 +1,143 @@
+"""Whatever is asked, the language answers or refuses in one line; arithmetic is what Python's Fractions make of it."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass
+from fractions import Fraction as Q
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from docs.language_tables import ARITHMETIC, BOUNDS, FACTS, REFUSED, RUNS
+from driftproof.texts.questions import ask
+from driftproof.texts.questions.ask import value
+from driftproof.texts.questions.errors import AmbiguousRounding, QuestionError
+from driftproof.texts.questions.style import ROUNDINGS, Style
+from driftproof.texts.questions.tokens import tokens
+
+QUESTIONS = (*RUNS, *FACTS, *ARITHMETIC, *REFUSED)
+# What a question may be made of, and what an attacker would put into it.
+PIECES = sorted(
+    {token.text for question in (*QUESTIONS, *BOUNDS) for token in tokens(question.replace("'", ""), 2000)}
+    | {"1e1200", "1e-1200", "9" * 60, "h=1e300", "N=1000000000000", "t=1e1000", "gauss10", "yoshida8", "ssprk40_2"}
+    | {"**64", "((", "))", "at", "from", "sharp", ",", "=", "{{", "\x00", "é", "−", "\n", "__class__", ".", "..", "0"}
+)
+
+
+def answer_or_refuse(question: str) -> None:
+    """Ask for everything that can be asked for. Only QuestionError may come, and on one line."""
+    try:
+        answer = value(question)
+        assert answer.evidence in ("PROVED", "COUNTED", "CERTIFIED", "STATED")
+        assert answer.exact_text != ""
+        for rounding in (None, *ROUNDINGS):
+            for ask_for in (answer.digits, answer.places):
+                with suppress(AmbiguousRounding):
+                    assert ask_for(3, Style(rounding)).strip("-0123456789.e") == ""
+        answer.tex()
+        answer.mathml()
+    except QuestionError as refusal:
+        assert str(refusal).count("\n") == 0  # noqa: PT017 - whether there is a refusal is not the question
+        assert 1 <= refusal.column <= len(question) + 1  # noqa: PT017
+
+
+@given(st.text(max_size=60))
+def test_any_text_is_answered_or_refused(text: str) -> None:
+    answer_or_refuse(text)
+
+
+@given(st.lists(st.sampled_from(PIECES), max_size=14).map(" ".join))
+def test_any_row_of_words_is_answered_or_refused(text: str) -> None:
+    answer_or_refuse(text)
+
+
+@st.composite
+def mutated(draw: st.DrawFn) -> str:
+    """A question with a few pieces cut out, put in or doubled."""
+    text = draw(st.sampled_from(QUESTIONS))
+    for _ in range(draw(st.integers(1, 3))):
+        at, cut = draw(st.integers(0, len(text))), draw(st.integers(0, 3))
+        put = draw(st.sampled_from(PIECES) | st.text("0123456789().:,=/*+-^ hqvtNz_eE", max_size=3))
+        text = text[:at] + put + text[at + cut :]
+    return text
+
+
+@given(mutated())
+@settings(suppress_health_check=[HealthCheck.too_slow])
+def test_any_mutated_question_is_answered_or_refused(text: str) -> None:
+    answer_or_refuse(text)
+
+
+@settings(max_examples=30)  # a difference of equal numbers takes a while to be refused
+@given(st.sampled_from(QUESTIONS), st.sampled_from(QUESTIONS), st.sampled_from("+-*/"), st.integers(-70, 70))
+def test_any_two_questions_in_arithmetic_are_answered_or_refused(a: str, b: str, sign: str, power: int) -> None:
+    answer_or_refuse(f"({a}) {sign} ({b})")
+    answer_or_refuse(f"log2(({a}) ** {power})")
+
+
+@dataclass(frozen=True)
+class Sum:
+    """A text of the language's grammar, and the number that it should be: None where something divides by zero."""
+
+    text: str
+    number: Q | None
+
+
+def combined(a: Sum, b: Sum, sign: str) -> Sum:
+    text = f"({a.text} {sign} {b.text})"
+    if a.number is None or b.number is None or (sign == "/" and not b.number):
+        return Sum(text, None)
+    found = {"+": a.number + b.number, "-": a.number - b.number, "*": a.number * b.number}
+    return Sum(text, a.number / b.number if sign == "/" else found[sign])
+
+
+def powered(a: Sum, n: int) -> Sum:
+    return Sum(f"({a.text})**{n}", None if a.number is None or (n < 0 and not a.number) else a.number**n)
+
+
+NUMBERS = st.one_of(
+    st.integers(0, 99).map(lambda n: Sum(str(n), Q(n))),
+    st.decimals(0, 99, places=3).map(lambda x: Sum(f"{x:f}", Q(x))),
+    st.builds(lambda p, q: Sum(f"({p}/{q})", Q(p, q)), st.integers(0, 9), st.integers(1, 9)),
+    st.just(Sum("(step rk4 h=1/2 : q)", Q(337, 384))),
+    st.just(Sum("order rk4", Q(4))),
+)
+SUMS = st.recursive(
+    NUMBERS,
+    lambda inner: st.one_of(
+        st.builds(combined, inner, inner, st.sampled_from("+-*/")),
+        st.builds(powered, inner, st.integers(-3, 3)),
+        inner.map(lambda a: Sum(f"-{a.text}", None if a.number is None else -a.number)),
+        inner.map(lambda a: Sum(f"abs({a.text})", None if a.number is None else abs(a.number))),
+    ),
+    max_leaves=8,
+)
+
+
+@given(SUMS)
+def test_arithmetic_is_that_of_fractions(made: Sum) -> None:
+    if made.number is None:
+        with pytest.raises(QuestionError, match="divides by zero"):
+            value(made.text)
+    else:
+        assert value(made.text).exact == made.number
+
+
+def test_fuzzing_would_notice_another_exception(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(question: str) -> None:
+        raise KeyError(question)
+
+    value.cache_clear()
+    monkeypatch.setattr(ask, "parse", broken)
+    with pytest.raises(KeyError):
+        answer_or_refuse("1 + 1 + 1")
+
+
+def test_fuzzing_reaches_answers_and_not_only_refusals() -> None:
+    answered = 0
+    for question in QUESTIONS:
+        with suppress(QuestionError):
+            answered += value(question) is not None
+    assert answered >= len(QUESTIONS) - len(REFUSED)

@@ -1,0 +1,73 @@
+"""Every number of a text is found, whole, with its sign, and those that belong to names are told from the rest."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import pairwise
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from driftproof.texts.readers.numbers import numbers
+from driftproof.texts.readers.reading import read_text
+
+# text in a file, its numbers, its labels
+CASES: list[tuple[str, list[str], list[str]]] = [
+    ("q = −0.5, v = +1 and 3 − 2", ["-0.5", "+1", "3", "2"], []),
+    ("(−3, −2), (5,4)", ["-3", "-2", "5", "4"], []),
+    ("2.390297.", ["2.390297"], []),
+    ("337/384 and ½(q² + v²)", ["337/384", "1/2", "2", "2"], []),
+    ("3.3e-4, 3.3×10⁻⁴, 6.7·10^5", ["3.3e-4", "3.3×10^{-4}", "6.7·10^5"], []),
+    ("1 − h⁶/72 + h⁸/576", ["1", "6", "72", "8", "576"], []),
+    ("5,651 or 5 651 or 1'000'000", ["5,651", "5", "651", "1'000'000"], []),
+    ("is 8/9. And 3.3e-4. Then 1/2/3, 2/3.5", ["8/9", "3.3e-4", "1", "2", "3", "2", "3.5"], []),
+    ("12.5 %, 180°, 2√2, .5", ["12.5", "180", "2", "2", ".5"], []),
+    ("RK4 float64 k1 atan2(v)", [], ["4", "64", "1", "2"]),
+    ("q₁ = 1, vₙ₊₁, x_{12}", ["1"], ["1", "1", "12"]),
+    ("Section 2, Figure 3 and Exercise 4; §5, eq. (6)", [], ["2", "3", "4", "5", "6"]),
+    ("version 2.7.1 of 2024-05-01, see [12]", [], ["2.7.1", "2024-05-01", "12"]),
+    ("1. first\n2) second, 3 things", ["3"], ["1", "2"]),
+    ("https://x.org/4/v5 and 6", ["6"], ["4", "5"]),
+    ("f'{x:.6f}' of 6", ["6"], [".6"]),
+    ("k1[0] and [1, 2]", ["1", "2"], ["1", "0"]),
+    ("2h, 4th and 0.5h", ["2", "4", "0.5"], []),
+    ("two of four, ten", [], []),
+    ("RK40.499895 is a cell that ran together", ["40.499895"], []),
+]
+
+
+@pytest.mark.parametrize(("text", "expected", "labels"), CASES)
+def test_numbers_and_labels_of_a_text(text: str, expected: list[str], labels: list[str]) -> None:
+    found = numbers(read_text(text).text.text)
+    assert [number.text for number in found if number.label is None] == expected
+    assert [number.text for number in found if number.label is not None] == labels
+
+
+@pytest.mark.parametrize(
+    ("text", "value", "places"),
+    [
+        ("-0.50", Fraction(-1, 2), 2),
+        ("337/384", Fraction(337, 384), None),
+        ("3.3×10^{-4}", Fraction(33, 100_000), None),
+        ("5,651", Fraction(5651), 0),
+    ],
+)
+def test_number_spells_a_value(text: str, value: Fraction, places: int | None) -> None:
+    (number,) = numbers(text)
+    assert (number.value, number.places) == (value, places)
+
+
+def test_number_that_nobody_means_has_no_value() -> None:
+    with pytest.raises(ValueError, match="too long"):
+        _ = numbers("1e999999999")[0].value
+    with pytest.raises(ZeroDivisionError):
+        _ = numbers("1/0")[0].value
+
+
+@given(st.text(alphabet="0123456789.,-+/eE^_{}()[]' ×%hq\n"))
+def test_every_digit_belongs_to_one_number(text: str) -> None:
+    found = numbers(text)
+    covered = {i for number in found for i in range(number.start, number.end)}
+    assert {i for i, character in enumerate(text) if character.isdigit()} <= covered
+    assert all(a.end <= b.start for a, b in pairwise(found))

@@ -1,0 +1,134 @@
+"""`driftproof render`: files written whole or not at all, --check with a diff, and bounds on memory and time."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from driftproof.commands.arguments import BAD_INPUT, REFUTED
+from driftproof.texts.templates import rendering
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def lesson(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """lesson.md.j2 in the current folder."""
+    monkeypatch.chdir(tmp_path)
+    path = Path("lesson.md.j2")
+    path.write_text('q = {{ value("rk4.first_step.q") | digits(6) }}\nv\n', encoding="utf-8")
+    return path
+
+
+def test_check_passes_what_was_rendered_and_shows_what_was_changed(lesson: Path, run: Run) -> None:
+    status, out, _ = run("render", "lesson.md.j2", "--check")
+    assert status == REFUTED
+    assert out.startswith("--- lesson.md (which is not there)\n+++ lesson.md as lesson.md.j2 renders it\n")
+    assert run("render", "lesson.md.j2") == (0, "lesson.md: 1 values\n", "")
+    assert run("render", "lesson.md.j2", "--check") == (0, "lesson.md is what lesson.md.j2 renders\n", "")
+    text = Path("lesson.md").read_text(encoding="utf-8")
+    assert text == "q = 0.877604\nv\n"
+    for place, character in enumerate(text):
+        if character.isdigit():
+            changed = text[:place] + str((int(character) + 1) % 10) + text[place + 1 :]
+            assert rendering.difference(Path("lesson.md"), changed, lesson)
+    Path("lesson.md").write_text("q = 0.877614\nv", encoding="utf-8")
+    assert run("render", "lesson.md.j2", "--check") == (
+        REFUTED,
+        "--- lesson.md\n+++ lesson.md as lesson.md.j2 renders it\n@@ -1,2 +1,2 @@\n-q = 0.877614\n-v\n"
+        "\\ no end of line\n+q = 0.877604\n+v\n",
+        "",
+    )
+
+
+def test_nothing_is_written_where_a_template_has_a_problem(lesson: Path, run: Run) -> None:
+    Path("lesson.md").write_text("before", encoding="utf-8")
+    Path("good.md.j2").write_text("x", encoding="utf-8")
+    lesson.write_text("{{ nope }}", encoding="utf-8")
+    status, out, err = run("render", "good.md.j2", "lesson.md.j2")
+    assert (status, out) == (BAD_INPUT, "")
+    assert err == "driftproof render: lesson.md.j2, line 1, column 4: 'nope' is undefined\n"
+    assert sorted(path.name for path in Path().iterdir()) == ["good.md.j2", "lesson.md", "lesson.md.j2"]
+    assert Path("lesson.md").read_text(encoding="utf-8") == "before"
+
+
+def test_ends_of_lines_are_those_of_the_template(lesson: Path, run: Run) -> None:
+    lesson.write_bytes(b"a\r\n{{ methods_table(['rk4'], ['order']) }}\r\n")
+    assert run("render", "lesson.md.j2", "-o", "out.md")[0] == 0
+    written = Path("out.md").read_bytes()
+    assert written.count(b"\r\n") == written.count(b"\n") == 5 - 1
+    assert run("render", "lesson.md.j2", "-o", "out.md", "--check")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("none.md.j2",), "none.md.j2: No such file or directory"),
+        (("lesson.md",), "lesson.md: the name does not end in .j2; name the output with -o"),
+        (("lesson.md.j2", "-o", "lesson.txt"), "lesson.txt: what is rendered has a name that ends in one of .md"),
+        (("lesson.md.j2", "a.md.j2", "-o", "b.md"), "render them one by one"),
+        (("link.md", "-o", "lesson.md"), "already a template or an output here"),
+        (("latin.md.j2",), "not UTF-8 at byte 1"),
+        (("lesson.md.j2", "--style", "fancy"), "invalid choice: 'fancy'"),
+        (("folder.md.j2",), "folder.md.j2: no file"),
+    ],
+)
+def test_bad_arguments_are_one_line(arguments: tuple[str, ...], message: str, lesson: Path, run: Run) -> None:
+    Path("latin.md.j2").write_bytes(b"a\xe9")
+    Path("link.md").write_text("x", encoding="utf-8")
+    Path("folder.md.j2").mkdir()
+    if arguments[0] == "link.md":
+        Path("lesson.md").symlink_to("link.md")
+    status, out, err = run("render", *arguments)
+    assert (status, out, err.count("\n")) == (BAD_INPUT, "", 1)
+    assert message in err
+
+
+def test_memory_and_time_of_a_template_are_bounded(lesson: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rendering, "MEMORY_LIMIT", 6 * 10**8)
+    lesson.write_text(
+        "{% set n = namespace(s='aaaaaaaa') %}{% for i in range(60) %}{% set n.s = n.s ~ n.s %}{% endfor %}"
+    )
+    with pytest.raises(
+        ValueError, match=r"lesson.md.j2, line 1, column \d+: more memory is needed than a template may take"
+    ):
+        rendering.render(lesson, Path("lesson.md"))
+    loops = [f"{{% for {name} in range(9999) %}}" for name in "abc"]
+    lesson.write_text("".join(loops) + "{% endfor %}" * 3)
+    with pytest.raises(ValueError, match=r"lesson.md.j2: not rendered within 1 s; a loop or a question takes too long"):
+        rendering.render(lesson, Path("lesson.md"), time_limit=1)
+
+
+def test_child_that_dies_is_reported_in_one_line(lesson: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def dies(*_: object, **__: object) -> subprocess.CompletedProcess[str]:
+        return subprocess.CompletedProcess([], -11, "", "trace\nSegmentation fault\n")
+
+    monkeypatch.setattr(rendering.subprocess, "run", dies)
+    with pytest.raises(ValueError, match=r"lesson\.md\.j2: the rendering ended with status -11: Segmentation fault"):
+        rendering.render(lesson, Path("lesson.md"))
+
+
+def test_without_jinja_one_line_says_what_to_install(lesson: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "jinja2", None)
+    assert run("render", "lesson.md.j2") == (
+        BAD_INPUT,
+        "",
+        "driftproof render: templates need Jinja2; install it with pip install 'driftproof[text]'\n",
+    )
+
+
+def test_file_of_very_many_lines_is_compared_up_to_the_first_difference(
+    lesson: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(rendering, "MOST_LINES", 2)
+    Path("lesson.md").write_text("a\nb\nc\n", encoding="utf-8")
+    said = rendering.difference(Path("lesson.md"), "a\nx\nc\n", lesson)
+    assert said == "lesson.md, line 2: not as lesson.md.j2 renders it"
+
+
+def test_command_line_without_render_loads_no_jinja(modules_after: Callable[[str], set[str]]) -> None:
+    assert "jinja2" not in modules_after("from driftproof.cli import main; main(['scenes'])")

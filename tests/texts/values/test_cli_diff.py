@@ -1,0 +1,198 @@
+"""`driftproof diff`: a changed value is told from more digits and from other words, in any file of values."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from driftproof.commands.arguments import BAD_INPUT, REFUTED
+from driftproof.symbolic.algebra.certified import fixed
+from driftproof.texts.values import changes as module
+from driftproof.texts.values.changes import ADDED, DIGITS, KINDS, REMOVED, VALUE, WORDING, changes, read_document
+from driftproof.texts.values.published import VALUES_FILE
+
+Run = Callable[..., tuple[int, str, str]]
+
+NUMBER = {"exact": "337/384", "decimal": "0.877604", "evidence": "PROVED", "printed": {"L080": "337/384"}}
+
+
+def of_number(**change: Any) -> list[tuple[str, str]]:
+    old, new = ({"values": {"a.q": number}} for number in (NUMBER, {**NUMBER, **change}))
+    return [(found.kind, found.part) for found in changes(old, new)]
+
+
+@pytest.mark.parametrize(
+    ("change", "kinds"),
+    [
+        ({}, []),
+        ({"exact": "337/385"}, [(VALUE, "")]),
+        ({"exact": "-337/384", "decimal": "-0.877604"}, [(VALUE, "")]),
+        ({"decimal": "0.877605"}, [(VALUE, "")]),
+        ({"decimal": "0.8776041667"}, [(DIGITS, "")]),
+        ({"decimal": "0.88"}, [(DIGITS, "")]),
+        ({"decimal": "0.87"}, [(VALUE, "")]),
+        ({"decimal": "8.776e-1"}, [(DIGITS, "")]),
+        ({"decimal": "8.776e-2"}, [(VALUE, "")]),
+        ({"decimal": "nan"}, [(VALUE, "")]),
+        ({"exact": "674/768"}, [(WORDING, "")]),
+        ({"exact": None}, [(WORDING, "")]),
+        ({"evidence": "CERTIFIED"}, [(WORDING, "evidence")]),
+        ({"unit": "degrees"}, [(VALUE, "unit")]),
+        ({"printed": {"L080": "0.8776"}}, [(DIGITS, "printed L080")]),
+        ({"printed": {"L080": "0.8777"}}, [(VALUE, "printed L080")]),
+        ({"printed": {"L080": "√2"}}, [(VALUE, "printed L080")]),
+        ({"printed": {}}, [(WORDING, "printed L080")]),
+        ({"exact": "1/3", "decimal": "0.333333", "evidence": "?"}, [(VALUE, ""), (WORDING, "evidence")]),
+    ],
+)
+def test_change_of_a_number_is_named(change: dict[str, Any], kinds: list[tuple[str, str]]) -> None:
+    assert of_number(**change) == kinds
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "kind"),
+    [
+        ({"order": 4}, {"order": 5}, VALUE),
+        ({"a_stable": True}, {"a_stable": False}, VALUE),
+        ({"limit": None}, {"limit": "oo"}, VALUE),
+        ({"c": ["1", "1/2"]}, {"c": ["1", "2/4"]}, WORDING),
+        ({"c": ["1", "1/2"]}, {"c": ["1", "1/3"]}, VALUE),
+        ({"c": ["1"]}, {"c": ["1", "1/3"]}, ADDED),
+        ({"title": "RK4"}, {"title": "Classical RK4"}, WORDING),
+        ({"digits": 15}, {"digits": 30}, DIGITS),
+        ({"x": 0.25}, {"x": 0.5}, VALUE),
+        ({"limit": {"decimal": "2.83", "exact": "2*sqrt(2)"}}, {"limit": "0"}, VALUE),
+        ({"limit": {"decimal": "2.83"}}, {}, REMOVED),
+        ({"values": {}}, {"values": {"a": NUMBER}}, ADDED),
+    ],
+)
+def test_leaves_of_any_document_are_compared(
+    old: dict[str, Any], new: dict[str, Any], kind: str, tmp_path: Path
+) -> None:
+    read = []
+    for name, document in (("old", old), ("new", new)):
+        (tmp_path / name).write_text(json.dumps(document), encoding="utf-8")
+        read.append(read_document(tmp_path / name))
+    assert kind in [found.kind for found in changes(*read)]
+
+
+def test_numbers_of_json_are_read_to_the_last_digit(tmp_path: Path) -> None:
+    for name, text in (("old", '{"x": 0.1}'), ("new", '{"x": 0.10000000000000001}')):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    assert [found.kind for found in changes(read_document(tmp_path / "old"), read_document(tmp_path / "new"))] == [
+        VALUE
+    ]
+
+
+@given(st.fractions(-10, 10), st.integers(0, 12), st.integers(0, 12))
+def test_roundings_of_one_number_never_count_as_a_change_of_value(x: Fraction, few: int, many: int) -> None:
+    old, new = ({"values": {"x": {"exact": None, "decimal": fixed(x, places)}}} for places in (few, many))
+    assert {found.kind for found in changes(old, new)} <= {DIGITS}
+
+
+@given(st.fractions(-10, 10), st.integers(0, 12), st.integers(0, 12))
+def test_unit_in_the_last_place_of_the_shorter_is_a_change_of_value(x: Fraction, few: int, more: int) -> None:
+    """Rounding moves each decimal by half a unit of its own at most, so two units apart cannot be one number."""
+    other = x + 2 * Fraction(1, 10**few)
+    old = {"values": {"x": {"exact": None, "decimal": fixed(x, few)}}}
+    new = {"values": {"x": {"exact": None, "decimal": fixed(other, few + more)}}}
+    assert [found.kind for found in changes(old, new)] == [VALUE]
+
+
+@pytest.fixture
+def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """files(**change): old.json as published and new.json with rk4.first_step.q changed, in the current folder."""
+
+    def write(**change: Any) -> None:
+        monkeypatch.chdir(tmp_path)
+        document = json.loads(VALUES_FILE.read_text(encoding="utf-8"))
+        Path("old.json").write_text(json.dumps(document, indent=1), encoding="utf-8")
+        document["values"]["rk4.first_step.q"].update(change)
+        Path("new.json").write_text(json.dumps(document, indent=1), encoding="utf-8")
+
+    return write
+
+
+def test_same_values_are_status_0_and_a_changed_one_status_1(files: Callable[..., None], run: Run) -> None:
+    files()
+    assert run("diff", "old.json", "new.json") == (0, "old.json and new.json say the same\n", "")
+    files(decimal="0.8776")
+    assert run("diff", "old.json", "new.json")[:2] == (
+        0,
+        "digits  rk4.first_step.q  337/384 = 0.877604166666666666666666666667 became 337/384 = 0.8776\n\n"
+        "0 values changed, 1 only in digits, 0 only in wording, 0 added, 0 removed\n",
+    )
+    files(exact="337/385")
+    status, out, err = run("diff", "old.json", "new.json")
+    assert (status, err) == (REFUTED, "")
+    assert out.startswith("value  rk4.first_step.q  337/384 = 0.877604166666666666666666666667 became 337/385 = ")
+
+
+def test_json_says_every_change_in_full_and_counts_kinds(files: Callable[..., None], run: Run) -> None:
+    files(exact="1" * 50 + "/7", evidence="GUESSED")
+    status, out, _ = run("diff", "old.json", "new.json", "--format", "json")
+    said = json.loads(out)
+    assert status == REFUTED
+    assert [change["part"] for change in said["changes"]] == ["", "evidence"]
+    assert said["changes"][0]["new"] == f"{'1' * 50}/7 = {'0.877604166666666666666666666667'}"
+    assert said["counts"] == {**dict.fromkeys(KINDS, 0), VALUE: 1, WORDING: 1}
+
+
+def test_annotations_stand_at_the_line_of_the_id_and_are_escaped(files: Callable[..., None], run: Run) -> None:
+    files(exact="1/7\n%", printed={})
+    _, out, _ = run("diff", "old.json", "new.json", "--format", "github")
+    lines = Path("new.json").read_text(encoding="utf-8").splitlines()
+    at = next(i for i, line in enumerate(lines, start=1) if '"rk4.first_step.q"' in line)
+    notices = [line for line in out.splitlines() if line.startswith("::")]
+    assert f"::notice file=new.json,line={at},title=only in wording::rk4.first_step.q: " in notices[0]
+    assert "1/7 %25 = " in notices[0]
+    files(exact="1/7")
+    _, out, _ = run("diff", "old.json", "new.json", "--format", "github")
+    assert out.startswith(f"::error file=new.json,line={at},title=value changed::rk4.first_step.q: 337/384 = ")
+
+
+BAD = {
+    "truncated": (b'{"values": ', "no JSON: Expecting value"),
+    "list": (b"[]", "holds no JSON object"),
+    "bytes": (b"\xff\xfe", "not UTF-8 at byte 0"),
+    "deep": (b"[" * 10**6, "nested too deeply"),
+    "twice": (b'{"values": {"a": 1, "a": 2}}', "the key 'a' stands twice"),
+    "empty": (b"", "no JSON"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_json_is_one_line_and_status_2(name: str, tmp_path: Path, run: Run) -> None:
+    content, message = BAD[name]
+    (tmp_path / "bad.json").write_bytes(content)
+    status, out, err = run("diff", str(VALUES_FILE), str(tmp_path / "bad.json"))
+    assert (status, out, err.count("\n")) == (BAD_INPUT, "", 1)
+    assert message in err
+    assert "bad.json" in err
+
+
+def test_missing_file_and_a_file_that_is_too_long_are_refused(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert run("diff", "none.json", str(VALUES_FILE)) == (
+        BAD_INPUT,
+        "",
+        "driftproof diff: none.json: No such file or directory\n",
+    )
+    monkeypatch.setattr(module, "LARGEST_FILE", 1000)
+    status, _, err = run("diff", str(VALUES_FILE), str(VALUES_FILE))
+    assert status == BAD_INPUT
+    assert "longer than 1000 bytes" in err
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "kinds"), [("1e99999999", "1e99999998", [VALUE]), ("9" * 9999, "9" * 9998, [VALUE])]
+)
+def test_numbers_of_any_length_are_compared_or_bounded(old: str, new: str, kinds: list[str]) -> None:
+    documents = ({"values": {"x": {"exact": None, "decimal": text}}} for text in (old, new))
+    assert [found.kind for found in changes(*documents)] == kinds
