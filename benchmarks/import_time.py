@@ -27,7 +27,11 @@ SUBJECTS = {
     "import numpy": "import numpy",
     "import driftproof.numeric.run": "import driftproof.numeric.run",
     "all of numeric": "import "
-    + ", ".join(f"numeric.{path.stem}" for path in sorted((ROOT / "numeric").glob("*.py")) if path.stem != "__init__"),
+    + ", ".join(
+        f"driftproof.numeric.{path.stem}"
+        for path in sorted((ROOT / "driftproof" / "numeric").glob("*.py"))
+        if path.stem != "__init__"
+    ),
     "import driftproof": "import driftproof",
     "driftproof --help": "import contextlib, io\nwith contextlib.redirect_stdout(io.StringIO()):\n    "
     "from driftproof.cli import main\n    with contextlib.suppress(SystemExit): main(['--help'])",

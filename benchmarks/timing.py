@@ -153,7 +153,7 @@ def _one_turn(contestant: Contestant, turn: float) -> tuple[list[float], str]:
 def forget() -> None:
     """Empty every cache of a function in `symbolic` and `methods`: tables of trees, isolated roots, fields."""
     for name, module in list(sys.modules.items()):
-        if name.partition(".")[0] in ("symbolic", "methods"):
+        if name.startswith(("driftproof.symbolic", "driftproof.methods")):
             for value in vars(module).values():
                 clear = getattr(value, "cache_clear", None)
                 if clear is not None:

@@ -134,7 +134,7 @@ def test_sources_are_in_the_bibliography_and_links_have_their_headings() -> None
 
 
 def test_tests_that_the_page_names_exist() -> None:
-    tests = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "tests").glob("*.py"))
+    tests = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "tests").rglob("*.py"))
     named = re.findall(r"`(test_\w+)`", PAGE)
     assert named
     assert all(f"def {name}(" in tests for name in named)

@@ -43,7 +43,7 @@ def test_a_stale_readme_would_be_noticed():
 
 
 def test_map_names_every_folder_of_the_house():
-    named = set(re.findall(r"^(\w+)/ ", README, re.MULTILINE)) | {"numeric"}
+    named = set(re.findall(r"^(\w+)/ ", README, re.MULTILINE)) | {"symbolic", "numeric"}
     visible = [path for path in ROOT.iterdir() if path.is_dir() and not path.name.startswith((".", "build", "dist"))]
     folders = {path.name for path in visible if any((*path.rglob("*.py"), *path.glob("*.svg")))}
     assert folders == named

@@ -10,7 +10,7 @@ from typing import Any
 from driftproof.methods.rationals import parse_rational
 from driftproof.texts.writing import markup
 
-MACROS_FILE = Path(__file__).with_name("driftproof.texts.writing.tex")
+MACROS_FILE = Path(__file__).with_name("driftproof.tex")
 # driftproof.texts.writing.tex says this number in words, too.
 MOST_DIGITS = 12
 
