@@ -18,8 +18,7 @@ tableau are rational functions of gamma, e.g. "1 - 2*gamma", and the file is a f
 from __future__ import annotations
 
 import re
-import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -29,6 +28,18 @@ from driftproof.methods.families import Family
 from driftproof.methods.number_field import Algebraic, Exact, NumberField
 from driftproof.methods.parameters import Function, function
 from driftproof.methods.schemes import SUBSTEPS, Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
+from driftproof.support.toml_tables import (
+    Table,
+    as_choice,
+    as_flag,
+    as_line,
+    as_list,
+    as_table,
+    as_whole,
+    demand_keys,
+    quoted,
+    read_toml,
+)
 
 LARGEST_FILE = 2_000_000
 MOST_STAGES = 200
@@ -41,7 +52,6 @@ _NAME = re.compile(r"[A-Za-z_]\w{0,30}")
 _RADICAL = re.compile(r"\s*(sqrt|cbrt)\s*\(\s*(\d{1,40})\s*\)\s*")
 _COMMON = ("family", "key", "title", "source", "claimed_order", "decimal", "roots")
 
-Table = Mapping[str, Any]
 # From an expression, and where it stands, to the number that it spells.
 Read = Callable[[str, str], Any]
 
@@ -51,34 +61,16 @@ def read_method(path: str | Path) -> Method | Family:
 
     Raises MethodError with one line that names the file and the place in it.
     """
-    try:
-        return method_from(tomllib.loads(_text(Path(path)), parse_float=str), Path(path).stem)
-    except RecursionError:
-        reason = "nested too deeply"
-    except OSError as error:
-        reason = error.strerror or "cannot be read"
-    except ValueError as error:
-        reason = str(error).replace("Cannot overwrite a value", "a key is given twice")
-    raise MethodError(" ".join(f"{path}: {reason}".split()))
+    return read_toml(path, LARGEST_FILE, lambda table: _method(table, Path(path).stem), MethodError)
 
 
-def method_from(table: Table, name: str) -> Method | Family:
-    """The method or family that a parsed TOML table defines, `name` its key where it has none. Raises MethodError."""
-    family = table.get("family")
-    if not isinstance(family, str) or family not in _FAMILIES:
-        raise MethodError(f"family is {family!r}; write {' or '.join(repr(f) for f in _FAMILIES)}")
-    entries, read = _FAMILIES[family]
-    if "parameter" in table and family == "runge_kutta":
-        entries, read = _PARAMETRIC
-    for entry in table:
-        if entry not in (*_COMMON, *entries):
-            raise MethodError(f"{entry} is unknown here; a {family} has {', '.join((*_COMMON, *entries))}")
-    try:
-        return read(table, _common(table, name), _reader(table))
-    except MethodError:
-        raise
-    except ValueError as error:
-        raise MethodError(str(error)) from None
+def _method(table: Table, name: str) -> Method | Family:
+    """The method or family that a TOML table defines, `name` its key where it has none. Raises ValueError."""
+    family = as_choice(table.get("family"), "family", _FAMILIES)
+    parametric = "parameter" in table and family == "runge_kutta"
+    entries, build = _PARAMETRIC if parametric else _FAMILIES[family]
+    demand_keys(table, (*_COMMON, *entries), f"a {family}")
+    return build(table, _common(table, name), _reader(table))
 
 
 def _reader(table: Table) -> Read:
@@ -93,56 +85,28 @@ def _reader(table: Table) -> Read:
 def _parameter(table: Table) -> str:
     name = table["parameter"]
     if not isinstance(name, str) or not _NAME.fullmatch(name) or name in RADICALS:
-        raise MethodError(f"parameter is {_short(name)}; write a letter and up to 30 letters, digits or underscores")
+        raise MethodError(f"parameter is {quoted(name)}; write a letter and up to 30 letters, digits or underscores")
     if "roots" in table:
         raise MethodError("parameter and [roots] do not go together; beside a parameter, numbers are rational")
     return name
 
 
-def _text(path: Path) -> str:
-    if path.exists() and not path.is_file():
-        raise MethodError("is no file")
-    with path.open("rb") as file:
-        content = file.read(LARGEST_FILE + 1)
-    if len(content) > LARGEST_FILE:
-        raise MethodError(f"too large; at most {LARGEST_FILE} bytes are read")
-    return content.decode("utf-8")
-
-
 def _common(table: Table, name: str) -> dict[str, Any]:
     plain = re.sub(r"[^A-Za-z0-9_.+-]", "_", name)[:50]
-    key = _line(table, "key", plain if _KEY.fullmatch(plain) else f"method_{plain}")
+    key = as_line(table.get("key", plain if _KEY.fullmatch(plain) else f"method_{plain}"), "key", LONGEST_NAME)
     if not _KEY.fullmatch(key):
         raise MethodError(f"key is {key!r}; write a letter, then letters, digits and _ . + -, 60 at most")
-    decimal = table.get("decimal", False)
-    if not isinstance(decimal, bool):
-        raise MethodError(f"decimal is {decimal!r}; write true or false")
     return {
         "key": key,
-        "title": _line(table, "title", key),
-        "source": _line(table, "source", "given by the user"),
-        "claimed_order": _order(table, "claimed_order", 0),
-        "decimal": decimal,
+        "title": as_line(table.get("title", key), "title", LONGEST_NAME),
+        "source": as_line(table.get("source", "given by the user"), "source", LONGEST_NAME),
+        "claimed_order": as_whole(table.get("claimed_order", 0), "claimed_order", 0, MOST_STAGES),
+        "decimal": as_flag(table.get("decimal", False), "decimal"),
     }
 
 
-def _line(table: Table, entry: str, default: str) -> str:
-    text = table.get(entry, default)
-    if not isinstance(text, str) or not text.strip() or len(text) > LONGEST_NAME or not text.isprintable():
-        raise MethodError(f"{entry} is no line of text of 1 to {LONGEST_NAME} characters")
-    return text.strip()
-
-
-def _order(table: Table, entry: str, default: int) -> int:
-    order = table.get(entry, default)
-    if not isinstance(order, int) or isinstance(order, bool) or not 0 <= order <= MOST_STAGES:
-        raise MethodError(f"{entry} is {_short(order)}; write a whole number from 0 to {MOST_STAGES}")
-    return order
-
-
 def _roots(declared: object) -> dict[str, Exact]:
-    if not isinstance(declared, dict):
-        raise MethodError(f"roots is {_short(declared)}; write a table [roots]")
+    declared = as_table(declared, "roots")
     if len(declared) > 1:
         raise MethodError(f"[roots] declares {', '.join(declared)}; at most one: all numbers lie in one field")
     roots: dict[str, Exact] = {}
@@ -164,7 +128,7 @@ def _root(name: str, definition: object) -> Algebraic:
     except ValueError as error:
         raise MethodError(f"roots.{name}: {error}") from None
     raise MethodError(
-        f"roots.{name} is {_short(definition)}; write 'sqrt(n)', 'cbrt(n)' or {{ minpoly = [...], interval = [...] }}"
+        f"roots.{name} is {quoted(definition)}; write 'sqrt(n)', 'cbrt(n)' or {{ minpoly = [...], interval = [...] }}"
     )
 
 
@@ -181,19 +145,8 @@ def _rational(value: Exact) -> Fraction:
     return value
 
 
-def _list(value: object, where: str, length: int | None = None, most: int = MOST_STAGES) -> list[Any]:
-    """The list, if it is one, of the right length; its length is looked at before its contents are."""
-    if not isinstance(value, list):
-        raise MethodError(f"{where} is {_short(value)}; write a list")
-    if len(value) > most:
-        raise MethodError(f"{where} has {len(value)} entries; at most {most} are read")
-    if length is not None and len(value) != length:
-        raise MethodError(f"{where} has {len(value)} entries, {length} are needed")
-    return value
-
-
 def _numbers(values: object, where: str, read: Read, length: int | None = None) -> tuple[Any, ...]:
-    return tuple(_number(x, f"{where}[{i}]", read) for i, x in enumerate(_list(values, where, length)))
+    return tuple(_number(x, f"{where}[{i}]", read) for i, x in enumerate(as_list(values, where, length, MOST_STAGES)))
 
 
 def _number(value: object, where: str, read: Read) -> Any:
@@ -203,13 +156,13 @@ def _number(value: object, where: str, read: Read) -> Any:
         return Fraction(value)
     if isinstance(value, str):
         return read(value, where)
-    raise MethodError(f"{where} is {_short(value)}; write an integer, a decimal or an expression in quotes")
+    raise MethodError(f"{where} is {quoted(value)}; write an integer, a decimal or an expression in quotes")
 
 
 def _square(table: Table, read: Read, stages: int) -> tuple[tuple[Any, ...], ...]:
-    rows = _list(_entry(table, "A"), "A")
+    rows = as_list(_entry(table, "A"), "A", most=MOST_STAGES)
     for i, row in enumerate(rows):
-        if len(_list(row, f"A[{i}]")) != len(rows):
+        if len(as_list(row, f"A[{i}]", most=MOST_STAGES)) != len(rows):
             raise MethodError(f"A is not square: A[{i}] has {len(row)} entries, A has {len(rows)} rows")
     if len(rows) != stages:
         raise MethodError(f"A has {len(rows)} rows, the weights are {stages}; they must agree")
@@ -222,14 +175,6 @@ def _entry(table: Table, name: str) -> object:
     return table[name]
 
 
-def _short(value: object) -> str:
-    try:
-        text = repr(value)
-    except ValueError:  # an integer of more digits than Python will print
-        return "a huge number"
-    return text if len(text) <= 60 else text[:57] + "..."
-
-
 def _runge_kutta(table: Table, common: dict[str, Any], read: Read) -> Method:
     b = _numbers(_entry(table, "b"), "b", read)
     a = _square(table, read, len(b))
@@ -240,7 +185,7 @@ def _runge_kutta(table: Table, common: dict[str, Any], read: Read) -> Method:
         b=b,
         c=_nodes(table, a, read),
         b_embedded=_numbers(_entry(table, "b_embedded"), "b_embedded", read, len(b)) if pair else None,
-        embedded_order=_order(table, "embedded_order", 0) if pair else None,
+        embedded_order=as_whole(table.get("embedded_order", 0), "embedded_order", 0, MOST_STAGES) if pair else None,
     )
 
 
@@ -264,9 +209,9 @@ def _family(table: Table, common: dict[str, Any], read: Read) -> Family:
 
 def _splitting(table: Table, common: dict[str, Any], read: Read) -> Method:
     parts = []
-    for i, part in enumerate(_list(_entry(table, "parts"), "parts", most=5 * MOST_STAGES)):
+    for i, part in enumerate(as_list(_entry(table, "parts"), "parts", most=5 * MOST_STAGES)):
         if not isinstance(part, list) or len(part) != 2 or part[0] not in SUBSTEPS:
-            raise MethodError(f"parts[{i}] is {_short(part)}; write ['kick', number] or ['drift', number]")
+            raise MethodError(f"parts[{i}] is {quoted(part)}; write ['kick', number] or ['drift', number]")
         parts.append((part[0], _number(part[1], f"parts[{i}][1]", read)))
     return Splitting(**common, parts=tuple(parts))
 
@@ -285,7 +230,7 @@ def _nystrom(table: Table, common: dict[str, Any], read: Read) -> Method:
 def _collocation(table: Table, common: dict[str, Any], read: Read) -> Method:
     if common.pop("decimal"):
         raise MethodError("decimal is true; a node polynomial that is rounded has other nodes, and is meant exactly")
-    coefficients = _list(_entry(table, "node_polynomial"), "node_polynomial", most=MOST_NODES + 1)
+    coefficients = as_list(_entry(table, "node_polynomial"), "node_polynomial", most=MOST_NODES + 1)
     polynomial = _numbers(coefficients, "node_polynomial", read)
     return Collocation(**common, node_polynomial=tuple(_rational(x) for x in polynomial))
 

@@ -6,10 +6,10 @@ from dataclasses import dataclass, fields
 from difflib import get_close_matches
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 from driftproof.methods.catalogue import method_named
 from driftproof.methods.rationals import parse_rational, step_count
+from driftproof.support.toml_tables import Table, as_list, as_text, as_texts, demand_keys, quoted, read_toml
 
 TRAJECTORY = "trajectory"
 READOUTS = (
@@ -130,61 +130,26 @@ def scene_named(name: str) -> Scene:
 
 def read_scene(path: Path) -> Scene:
     """The scene described by a TOML file, decimals read exactly. Raises SceneError with one line that says where."""
-    import tomllib
-
-    try:
-        with path.open("rb") as file:
-            text = file.read(LONGEST_FILE + 1)
-        if len(text) > LONGEST_FILE:
-            raise SceneError(f"{path}: longer than {LONGEST_FILE} bytes; a scene is a few lines")
-        # parse_float keeps the decimal as written: 0.1 is to mean 1/10, not the nearest double.
-        table = tomllib.loads(text.decode(), parse_float=str)
-    except OSError as error:
-        raise SceneError(f"{path}: {error.strerror}") from None
-    except SceneError:
-        raise
-    except (ValueError, RecursionError) as error:  # tomllib lets int() and the stack complain in their own words
-        raise SceneError(f"{path}: not TOML: {error}") from None
-    return _scene_from(table, path)
+    return read_toml(path, LONGEST_FILE, lambda table: _scene(table, path.stem), SceneError)
 
 
-def _scene_from(table: dict[str, Any], path: Path) -> Scene:
-    known = tuple(field.name for field in fields(Scene))
-    for key in table:
-        if key not in known:
-            raise SceneError(f"{path}: unknown key {key!r}; choose from {', '.join(known)}")
+def _scene(table: Table, name: str) -> Scene:
+    demand_keys(table, tuple(field.name for field in fields(Scene)), "a scene")
     for key in ("selected", "h", "t"):
         if key not in table:
-            raise SceneError(f"{path}: {key!r} is missing")
-    try:
-        start = table.get("start", [1, 0])
-        if not isinstance(start, list) or len(start) != 2:
-            raise SceneError("start is two numbers, like [1, 0]")
-        return Scene(
-            name=_text(table.get("name", path.stem), "name"),
-            selected=_text(table["selected"], "selected"),
-            h=_rational(table["h"], "h"),
-            t=_rational(table["t"], "t"),
-            start=(_rational(start[0], "start[0]"), _rational(start[1], "start[1]")),
-            **{key: _texts(table.get(key, []), key) for key in ("methods", "readouts", "certified", "panels")},
-        )
-    except ValueError as error:
-        raise SceneError(f"{path}: {error}") from None
+            raise SceneError(f"{key!r} is missing")
+    start = as_list(table.get("start", [1, 0]), "start", 2)
+    return Scene(
+        name=as_text(table.get("name", name), "name"),
+        selected=as_text(table["selected"], "selected"),
+        h=_rational(table["h"], "h"),
+        t=_rational(table["t"], "t"),
+        start=(_rational(start[0], "start[0]"), _rational(start[1], "start[1]")),
+        **{key: as_texts(table.get(key, []), key) for key in ("methods", "readouts", "certified", "panels")},
+    )
 
 
-def _rational(value: object, what: str) -> Fraction:
+def _rational(value: object, where: str) -> Fraction:
     if isinstance(value, int | str) and not isinstance(value, bool):
-        return parse_rational(str(value), what)
-    raise SceneError(f"{what} is {value!r}; write a number or a quoted fraction like '1/4'")
-
-
-def _text(value: object, what: str) -> str:
-    if not isinstance(value, str):
-        raise SceneError(f"{what} is {value!r}; write a quoted name")
-    return value
-
-
-def _texts(value: object, what: str) -> tuple[str, ...]:
-    if not isinstance(value, list):
-        raise SceneError(f"{what} is {value!r}; write a list of quoted names")
-    return tuple(_text(item, f"{what}[{i}]") for i, item in enumerate(value))
+        return parse_rational(str(value), where)
+    raise SceneError(f"{where} is {quoted(value)}; write a number or a quoted fraction like '1/4'")

@@ -72,14 +72,14 @@ WRONG = [
     (HEAD + "A = [[0, 0]]\nb = ['t']", "A is not square"),
     (HEAD + "A = []\nb = []", "A needs as many rows and columns as b and c have entries, one at least"),
     (HEAD + "A = [['t']]\nb = [1]\ndecimal = true", "decimal is true; a tableau with a parameter is meant exactly"),
-    (HEAD + "A = [['t']]\nb = [1]\nb_embedded = [1]", "b_embedded is unknown here; a runge_kutta has family, key"),
+    (HEAD + "A = [['t']]\nb = [1]\nb_embedded = [1]", "a runge_kutta has no key 'b_embedded'; there are family, key"),
     (HEAD + "A = [['t']]\nb = [1]\n[roots]\ns3 = 'sqrt(3)'", "parameter and [roots] do not go together"),
     (HEAD.replace('"t"', "3") + "A = [[0]]\nb = [1]", "parameter is 3; write a letter and up to 30 letters"),
     (HEAD.replace('"t"', '"a b"') + "A = [[0]]\nb = [1]", "parameter is 'a b'; write a letter"),
     (HEAD.replace('"t"', '"sqrt"') + "A = [[0]]\nb = [1]", "parameter is 'sqrt'; write a letter"),
     (
         HEAD.replace("runge_kutta", "splitting") + "parts = [['kick', 't']]",
-        "parameter is unknown here; a splitting has",
+        "a splitting has no key 'parameter'; there are",
     ),
 ]
 

@@ -85,12 +85,12 @@ BAD_FILES = {
     'selected = "rk4"\nt = 1\n' + ASKED: "'h' is missing",
     'selected = "rk4"\nh = 1\n' + ASKED: "'t' is missing",
     'selected = "rk4"\nh = 1\nt = 1\n': "scene 'mine' asks for nothing; name readouts, certified or panels",
-    MINIMAL + "colour = 1": "unknown key 'colour'; choose from name, selected, h, t, start",
+    MINIMAL + "colour = 1": "a scene has no key 'colour'; there are name, selected, h, t, start",
     'selected = "rk5"\nh = 1\nt = 1\n' + ASKED: "scene 'mine': unknown method 'rk5'; did you mean rk4 or rk38?",
     MINIMAL + 'methods = ["rk4", "euler"]': "unknown method 'euler'; did you mean",
-    MINIMAL + "methods = 5": "methods is 5; write a list of quoted names",
-    MINIMAL + 'methods = "rk4"': "methods is 'rk4'; write a list of quoted names",
-    MINIMAL + "methods = [1]": "methods[0] is 1; write a quoted name",
+    MINIMAL + "methods = 5": "methods is 5; write a list",
+    MINIMAL + 'methods = "rk4"': "methods is 'rk4'; write a list",
+    MINIMAL + "methods = [1]": "methods[0] is 1; write a text in quotes",
     MINIMAL + 'certified = ["steps"]': "unknown certified readout 'steps'; choose from final_state",
     MINIMAL + 'panels = ["pie"]': "unknown panel 'pie'; choose from table, position, phase_plane",
     MINIMAL + 'panels = ["table"]': "has a table but names no methods to compare",
@@ -106,16 +106,16 @@ BAD_FILES = {
     MINIMAL.replace('"1/8"', "1e999999999"): "h: '1e999999999' is too long",
     MINIMAL.replace('"1/8"', "1979-05-27"): "h is datetime.date(1979, 5, 27); write a number",
     MINIMAL.replace('"1/8"', "[1]"): "h is [1]; write a number",
-    MINIMAL + "start = [1]": "start is two numbers, like [1, 0]",
-    MINIMAL + "start = 1": "start is two numbers, like [1, 0]",
+    MINIMAL + "start = [1]": "start has 1 entries, 2 are needed",
+    MINIMAL + "start = 1": "start is 1; write a list",
     MINIMAL + 'start = [1, "x"]': "start[1]: 'x' is not a rational number",
     MINIMAL + 'name = "../elsewhere"': "scene '../elsewhere': a name has no folders in it",
-    MINIMAL + "name = 5": "name is 5; write a quoted name",
-    MINIMAL + 'name = "two"\nname = "names"': "not TOML: Cannot overwrite a value",
+    MINIMAL + "name = 5": "name is 5; write a text in quotes",
+    MINIMAL + 'name = "two"\nname = "names"': "not TOML: a key is given twice",
     "h = ": "not TOML: Invalid value",
-    "x = " + "[" * 20_000: "not TOML: ",
+    "x = " + "[" * 20_000: "nested too deeply",
     "x = " + "9" * 5000: "not TOML: Exceeds the limit",
-    "#" * (LONGEST_FILE + 1): f"longer than {LONGEST_FILE} bytes; a scene is a few lines",
+    "#" * (LONGEST_FILE + 1): f"too large; at most {LONGEST_FILE} bytes are read",
 }
 
 
@@ -133,7 +133,11 @@ def test_bad_file_is_refused_in_one_line_that_names_the_file(text: str, tmp_path
 def test_file_that_cannot_be_read_is_refused_in_one_line(tmp_path: Path) -> None:
     binary = tmp_path / "binary.toml"
     binary.write_bytes(b"\xff\xfe")
-    for path, reason in [(tmp_path / "none.toml", "No such file"), (tmp_path, "directory"), (binary, "not TOML")]:
+    for path, reason in [
+        (tmp_path / "none.toml", "No such file"),
+        (tmp_path, "directory"),
+        (binary, "byte 0 is not UTF-8 text"),
+    ]:
         with pytest.raises(SceneError, match=reason):
             read_scene(path)
 

@@ -3,13 +3,25 @@
 from __future__ import annotations
 
 import re
-import tomllib
-from collections.abc import Iterable, Mapping
+from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from driftproof.support.toml_tables import (
+    Table,
+    as_choice,
+    as_flag,
+    as_line,
+    as_list,
+    as_table,
+    as_whole,
+    demand_keys,
+    parse_toml,
+    read_toml,
+)
 from driftproof.texts.claims.phrases import Phrase
 from driftproof.texts.claims.spelling import MOST_DIGITS, ROUNDINGS, Form
 from driftproof.texts.readers.canonical import canonical
@@ -21,8 +33,6 @@ LARGEST_FILE = 2**20
 MOST_CLAIMS = 5000
 MOST_OCCURRENCES = 10_000
 LONGEST_NAME = 200
-# tomllib takes the square of the time for a key of many parts, which are parted by dots.
-MOST_DOTS = 300
 
 
 @dataclass(frozen=True)
@@ -81,47 +91,29 @@ class Claims:
 
 
 def read_claims(path: str | Path) -> Claims:
-    """The claims file at `path`. Raises OSError, and ValueError, in one line, for anything else than a claims file."""
-    with Path(path).open("rb") as file:
-        content = file.read(LARGEST_FILE + 1)
-    try:
-        return parse_claims(content)
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
+    """The claims file at `path`. Raises ValueError, in one line, for anything else than a claims file."""
+    return read_toml(path, LARGEST_FILE, _claims)
 
 
 def parse_claims(content: bytes) -> Claims:
     """The claims that a TOML file with this content states. Raises ValueError, in one line."""
-    if len(content) > LARGEST_FILE:
-        raise ValueError(f"a claims file has at most {LARGEST_FILE} bytes")
-    if any(line.count(b".") > MOST_DOTS for line in content.splitlines()):
-        raise ValueError(f"more than {MOST_DOTS} dots in one line make no claim")
-    try:
-        table = tomllib.loads(content.decode(), parse_float=str)
-    except UnicodeDecodeError as error:
-        raise ValueError(f"byte {error.start} is not UTF-8 text") from None
-    except RecursionError:
-        raise ValueError("it is nested too deep") from None
-    _only(table, ("text", "claim", "label"), "the file")
-    text = _table(table.get("text", {}), "text")
-    _only(text, ("format", "coverage"), "text")
+    return _claims(parse_toml(content, LARGEST_FILE))
+
+
+def _claims(table: Table) -> Claims:
+    demand_keys(table, ("text", "claim", "label"), "the file")
+    text = as_table(table.get("text", {}), "text")
+    demand_keys(text, ("format", "coverage"), "text")
     claims = tuple(_claim(entry, i) for i, entry in enumerate(_entries(table, "claim"), 1))
-    ids = [claim.id for claim in claims]
-    if (
-        twice := next((key for i, key in enumerate(ids) if key in set(ids[:i])), None)
-        if len(set(ids)) < len(ids)
-        else None
-    ):
+    if twice := next((key for key, times in Counter(claim.id for claim in claims).items() if times > 1), None):
         raise ValueError(f"claim {twice!r} stands in it twice")
     labels = tuple(_label(entry, i) for i, entry in enumerate(_entries(table, "label"), 1))
-    form = _one_of(text, "format", tuple(READERS), "text")
+    form = as_choice(text["format"], "format of text", READERS) if "format" in text else None
     return Claims(claims, labels, form, _share(text.get("coverage", "0%")))
 
 
-def _claim(entry: dict[str, Any], number: int) -> Claim:
-    key = entry.get("id")
-    if not isinstance(key, str) or not 0 < len(key) <= LONGEST_NAME or not key.isprintable():
-        raise ValueError(f"claim {number} needs an id, a text of 1 to {LONGEST_NAME} characters on one line")
+def _claim(entry: Table, number: int) -> Claim:
+    key = as_line(entry.get("id"), f"id of claim {number}", LONGEST_NAME)
     try:
         return _claim_named(key, entry)
     except ValueError as error:
@@ -131,8 +123,8 @@ def _claim(entry: dict[str, Any], number: int) -> Claim:
 _FORM = ("places", "digits", "exact", "rounding")
 
 
-def _claim_named(key: str, entry: dict[str, Any]) -> Claim:
-    _only(entry, ("id", "phrase", "value", "values", "count", "given", "ignore_case", *_FORM), "a claim")
+def _claim_named(key: str, entry: Table) -> Claim:
+    demand_keys(entry, ("id", "phrase", "value", "values", "count", "given", "ignore_case", *_FORM), "a claim")
     phrase = _phrase(entry)
     given = entry.get("given")
     if not (given is None or given is True or (isinstance(given, str) and 0 < len(given) <= LONGEST_NAME)):
@@ -143,21 +135,20 @@ def _claim_named(key: str, entry: dict[str, Any]) -> Claim:
         raise ValueError(f"the number {free} of its phrase is no value; make it one, or say given = true if it is data")
     if not values and free is None:
         raise ValueError("its phrase holds no number; write {value} where one stands, and say what it is")
-    count = _whole(entry, "count", 0, MOST_OCCURRENCES)
     return Claim(
         key,
         phrase,
         values,
-        1 if count is None else count,
+        as_whole(entry.get("count", 1), "count", 0, MOST_OCCURRENCES),
         "given" if given is True else given,
-        _flag(entry, "ignore_case"),
+        as_flag(entry.get("ignore_case", False), "ignore_case"),
     )
 
 
-def _values(entry: dict[str, Any], phrase: Phrase) -> dict[str, Expected]:
+def _values(entry: Table, phrase: Phrase) -> dict[str, Expected]:
     if "value" in entry and "values" in entry:
         raise ValueError("it has both value and values; value is for a phrase with {value} alone")
-    values = {"value": entry["value"]} if "value" in entry else _table(entry.get("values", {}), "values")
+    values = {"value": entry["value"]} if "value" in entry else as_table(entry.get("values", {}), "values")
     for name in phrase.names:
         if name not in values:
             raise ValueError(f"its phrase holds {{{name}}}, and nothing says what that is")
@@ -173,7 +164,7 @@ def _expected(value: Any, default: dict[str, Any]) -> Expected:
     entry = {"ask": value} if isinstance(value, str) else value
     if not isinstance(entry, dict) or ("ask" in entry) == ("given" in entry):
         raise ValueError('a value is a question, {ask = "...", places = 3}, or {given = "0.25"}')
-    _only(entry, ("ask", "given", *_FORM), "a value")
+    demand_keys(entry, ("ask", "given", *_FORM), "a value")
     question, given = entry.get("ask"), entry.get("given")
     if given is not None:
         found = numbers(_canonical(given)) if isinstance(given, str) and len(given) <= LONGEST_NAME else []
@@ -185,21 +176,21 @@ def _expected(value: Any, default: dict[str, Any]) -> Expected:
     return Expected(question, None, _form(entry if set(entry) & {*_FORM} - {"rounding"} else {**default, **entry}))
 
 
-def _form(entry: dict[str, Any]) -> Form:
+def _form(entry: Table) -> Form:
     chosen = [key for key in ("places", "digits", "exact") if key in entry]
     if len(chosen) > 1:
         raise ValueError(f"it says {' and '.join(chosen)}; one of them is enough")
     return Form(
-        _whole(entry, "places", 0, MOST_DIGITS),
-        _whole(entry, "digits", 1, MOST_DIGITS),
-        _flag(entry, "exact"),
-        _one_of(entry, "rounding", ROUNDINGS, "a value"),
+        as_whole(entry["places"], "places", 0, MOST_DIGITS) if "places" in entry else None,
+        as_whole(entry["digits"], "digits", 1, MOST_DIGITS) if "digits" in entry else None,
+        as_flag(entry.get("exact", False), "exact"),
+        as_choice(entry["rounding"], "rounding", ROUNDINGS) if "rounding" in entry else None,
     )
 
 
-def _label(entry: dict[str, Any], number: int) -> Label:
+def _label(entry: Table, number: int) -> Label:
     try:
-        _only(entry, ("phrase", "why"), "a label")
+        demand_keys(entry, ("phrase", "why"), "a label")
         why = entry.get("why")
         if not isinstance(why, str) or not 0 < len(why) <= LONGEST_NAME:
             raise ValueError("why says in a few words what its numbers are")
@@ -208,7 +199,7 @@ def _label(entry: dict[str, Any], number: int) -> Label:
         raise ValueError(f"label {number}: {error}") from None
 
 
-def _phrase(entry: dict[str, Any]) -> Phrase:
+def _phrase(entry: Table) -> Phrase:
     if not isinstance(entry.get("phrase"), str):
         raise ValueError("its phrase is missing, or no text")
     try:
@@ -221,46 +212,10 @@ def _canonical(text: str) -> str:
     return canonical(Mapped.of(text.strip())).text
 
 
-def _entries(table: dict[str, Any], name: str) -> list[dict[str, Any]]:
-    found = table.get(name, [])
-    if not isinstance(found, list) or not all(isinstance(entry, dict) for entry in found):
+def _entries(table: Table, name: str) -> list[Table]:
+    found = as_list(table.get(name, []), name, most=MOST_CLAIMS)
+    if not all(isinstance(entry, dict) for entry in found):
         raise ValueError(f"{name} is a list of tables; begin each with [[{name}]]")
-    if len(found) > MOST_CLAIMS:
-        raise ValueError(f"it has {len(found)} entries {name}; at most {MOST_CLAIMS} are allowed")
-    return found
-
-
-def _only(table: dict[str, Any], allowed: Iterable[str], what: str) -> None:
-    if unknown := next((key for key in table if key not in allowed), None):
-        raise ValueError(f"{what} has no key {unknown[:40]!r}; there are {', '.join(allowed)}")
-
-
-def _table(found: Any, name: str) -> dict[str, Any]:
-    if not isinstance(found, dict):
-        raise ValueError(f"{name} is a table")
-    return found
-
-
-def _whole(entry: dict[str, Any], key: str, least: int, most: int) -> int | None:
-    found = entry.get(key)
-    if found is None:
-        return None
-    if isinstance(found, bool) or not isinstance(found, int) or not least <= found <= most:
-        raise ValueError(f"{key} is a whole number from {least} to {most}")
-    return found
-
-
-def _flag(entry: dict[str, Any], key: str) -> bool:
-    found = entry.get(key, False)
-    if not isinstance(found, bool):
-        raise ValueError(f"{key} is true or false")
-    return found
-
-
-def _one_of(entry: dict[str, Any], key: str, allowed: tuple[str, ...], what: str) -> str | None:
-    found = entry.get(key)
-    if found is not None and found not in allowed:
-        raise ValueError(f"{key} of {what} is one of {', '.join(allowed)}")
     return found
 
 
