@@ -1,0 +1,142 @@
+"""The wheel, installed where a user's project has files of our folders' names: it owns one name; nothing shadows it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import sysconfig
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+SPRINGS = """\
+def step(q, v, h):
+    return q + h * v, v - h * q
+"""
+
+THREE_LINES = """\
+from driftproof import assert_verified
+from springs import step
+
+assert_verified(step, method="forward_euler", examples=50)
+print("verified")
+"""
+
+TEMPLATE = 'RK4 leads to q = {{ value("rk4.first_step.q") }} and v = {{ value("step rk4 h=1/2 : v") }}.\n'
+RENDER_AND_SHOW = """\
+from pathlib import Path
+from driftproof.cli import main
+
+assert main(["render", "lesson.md.j2"]) == 0
+print(Path("lesson.md").read_text())
+"""
+
+CLAIMS = """\
+[[claim]]
+id = "first-step"
+value = "rk4.first_step.q"
+phrase = "q = {value}"
+exact = true
+"""
+
+# What somebody's project may have: modules and packages of the names that our folders have.
+DECOYS = [
+    "methods.py",
+    "symbolic/__init__.py",
+    "numeric.py",
+    "support/__init__.py",
+    "texts.py",
+    "reports.py",
+    "commands.py",
+    "blackbox/__init__.py",
+    "enclosure.py",
+    "cli.py",
+    "proofs.py",
+]
+
+# What is run in both projects; one line of what it prints, so that two failures alike are no success.
+RUNS = {
+    "assert_verified": (["-c", THREE_LINES], "verified"),
+    "verify": (
+        ["-m", "driftproof", "verify", "springs:step", "--method", "forward_euler", "--examples", "50"],
+        "is forward_euler",
+    ),
+    "identify": (["-m", "driftproof", "identify", "springs:step"], "forward_euler"),
+    "render": (["-c", RENDER_AND_SHOW], "q = 337/384 and v = -23/48"),
+    "check": (["-m", "driftproof", "check", "lesson.md", "--claims", "claims.toml"], "1 claim"),
+    "facts": (["-m", "driftproof", "facts", "rk4", "--only", "order"], "4"),
+}
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("wheel")
+    command = [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", str(folder), str(ROOT)]
+    subprocess.run(command, check=True, capture_output=True, timeout=120)
+    (built,) = folder.glob("*.whl")
+    return built
+
+
+@pytest.fixture(scope="module")
+def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The interpreter of an environment with the wheel, and with what it needs from ours; not with the checkout."""
+    home = tmp_path_factory.mktemp("environment")
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(home)], check=True, timeout=120)
+    version = f"python{sys.version_info.major}.{sys.version_info.minor}"
+    packages = home / "lib" / version / "site-packages"
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(packages)
+    # A path in a .pth file is a path only: the .pth file of the editable install in it is not read.
+    (packages / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n", encoding="utf-8")
+    return home / "bin" / "python"
+
+
+def project(folder: Path, decoys: list[str]) -> Path:
+    files = {
+        "springs.py": SPRINGS,
+        "lesson.md.j2": TEMPLATE,
+        "lesson.md": "RK4 leads to q = 337/384 at once.\n",
+        "claims.toml": CLAIMS,
+    }
+    for name, text in {**files, **dict.fromkeys(decoys, "X = 1\n")}.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return folder
+
+
+def said(python: Path, arguments: list[str], folder: Path) -> tuple[int, str, str]:
+    done = subprocess.run(
+        [str(python), *arguments], cwd=folder, capture_output=True, text=True, timeout=120, stdin=subprocess.DEVNULL
+    )
+    return done.returncode, done.stdout, done.stderr
+
+
+def test_wheel_holds_one_name(wheel: Path) -> None:
+    with zipfile.ZipFile(wheel) as archive:
+        tops = {name.split("/")[0] for name in archive.namelist()}
+    assert {name for name in tops if not name.endswith(".dist-info")} == {"driftproof"}
+    assert len(tops) == 2
+
+
+def test_environment_is_that_of_the_wheel(installed: Path, tmp_path: Path) -> None:
+    status, out, _ = said(installed, ["-c", "import driftproof; print(driftproof.__file__)"], tmp_path)
+    assert status == 0
+    assert Path(out.strip()).is_relative_to(installed.parents[1])
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_answer_beside_decoys_is_that_without(name: str, installed: Path, tmp_path: Path) -> None:
+    arguments, part = RUNS[name]
+    plain = said(installed, arguments, project(tmp_path / "plain", []))
+    assert plain[0] == 0, plain[2]
+    assert part in plain[1]
+    assert said(installed, arguments, project(tmp_path / "decoys", DECOYS)) == plain
+
+
+def test_decoys_would_shadow_what_is_not_in_the_package(installed: Path, tmp_path: Path) -> None:
+    folder = project(tmp_path, DECOYS)
+    assert said(installed, ["-c", "import methods; print(methods.X)"], folder)[1] == "1\n"
