@@ -11,11 +11,10 @@ from itertools import product
 from driftproof.methods.rationals import parse_rational
 from driftproof.numeric.run import Readouts, run_method
 from driftproof.numeric.scenes import PRESETS
-from driftproof.reports.page.axes import Scale, symmetric_limit, ticks
 from driftproof.reports.page.document import document
 from driftproof.reports.page.figure import Figure
-from driftproof.reports.page.svg import Plot
-from driftproof.reports.page.trajectory import Run, phase_plane, position
+from driftproof.reports.page.plot import Plot, Scale, symmetric_limit, ticks
+from driftproof.reports.page.trajectory import SampledRun, phase_plane, position
 from driftproof.reports.scene_view import COMPARED, asking_for, comparison_rows, readout_rows
 from driftproof.symbolic.algebra.certified import Exact, enclose, is_less
 from driftproof.symbolic.n_steps import apply, matrix_at
@@ -30,7 +29,7 @@ TICK = re.compile(r'<text class="tick ([xy])"[^>]*>([^<]*)</text>')
 def drawn(name: str, key: str) -> tuple[Figure, Figure]:
     """The two diagrams of a preset with the method `key` selected, from its float run."""
     times, states = run_method(asking_for(PRESETS[name], ("trajectory",)), key)["trajectory"]
-    shown = Run(PRESETS[name], key, times, states, "diagram")
+    shown = SampledRun(PRESETS[name], key, times, states, "diagram")
     return position(shown), phase_plane(shown)
 
 

@@ -11,7 +11,7 @@ EXAMPLES = """\
 examples:
   driftproof scene default
   driftproof scene stability_boundary --format json
-  driftproof scene default --figures pictures/      needs the extra: pip install 'driftproof[report]'
+  driftproof scene default --figures pictures/
   driftproof scene mine.toml
 
 mine.toml:
@@ -43,19 +43,17 @@ def add(commands: Commands) -> None:
 
 def answer(options: argparse.Namespace) -> str:
     """The scene's readouts and table, and where its figures were written."""
-    from driftproof.numeric.scenes import FIGURES, scene_named
-    from driftproof.reports.scene_view import draw_scene, scene_json, scene_text, show_scene
-    from driftproof.support.extras import demand_pictures
+    from driftproof.numeric.scenes import scene_named
+    from driftproof.reports.page.trajectory import write_figures
+    from driftproof.reports.scene_view import scene_json, scene_text, show_scene
     from driftproof.support.files import demand_folder
     from driftproof.support.plain_text import as_json
 
     scene = scene_named(options.name)
     if options.figures:
         demand_folder(options.figures)
-        if set(scene.panels) & set(FIGURES):
-            demand_pictures()
     shown = show_scene(scene, options.digits, progress)
-    drawn = draw_scene(scene, options.figures) if options.figures else []
+    drawn = write_figures(scene, options.figures) if options.figures else []
     if options.format == "json":
         return as_json(scene_json(scene, shown))
     wrote = "\n".join(f"wrote {path}" for path in drawn)

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from driftproof.methods.schemes import Method
-from driftproof.reports.figures import save
+from driftproof.support.files import whole
 from driftproof.symbolic.algebra.polynomials import coefficients
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
 from driftproof.symbolic.linear.facts import LinearFacts
@@ -36,7 +36,7 @@ def draw_method(picture: str, method: Method, path: Path) -> Path:
         PICTURES[picture](axes, facts.stability_function)
         axes.set_title(method.title)
         axes.grid(alpha=0.3)
-        save(figure, path)
+        save_picture(figure, path)
     return path
 
 
@@ -93,3 +93,12 @@ def _complex_plane(axes: Any) -> None:
     axes.set_aspect("equal")
     axes.set_xlabel("Re z")
     axes.set_ylabel("Im z")
+
+
+def save_picture(figure: Figure, path: Path) -> None:
+    """Write the figure whole or not at all, as the kind that the suffix names. Raises ValueError for any other name."""
+    known = figure.canvas.get_supported_filetypes()
+    if path.suffix[1:].lower() not in known:
+        raise ValueError(f"{path}: the name of a picture ends in one of {', '.join(f'.{kind}' for kind in known)}")
+    with whole(path) as draft:
+        figure.savefig(draft, metadata={"Date": None})

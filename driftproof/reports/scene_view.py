@@ -1,14 +1,13 @@
-"""A scene, run and shown: its readouts, its table of methods, its figures; nothing that it does not name."""
+"""A scene, run and shown as text or JSON: its readouts, its table of methods; nothing that it does not name."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from pathlib import Path
 from typing import Any
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.run import Counter, NonFiniteReadout, NonFiniteState, Readouts, run_method
-from driftproof.numeric.scenes import FIGURES, TABLE, Scene
+from driftproof.numeric.scenes import TABLE, Scene
 from driftproof.support.plain_text import LARGEST_PLAIN, short, table
 
 COMPARED = ("state_error", "energy_change", "evaluations")
@@ -59,17 +58,6 @@ def scene_text(scene: Scene, shown: dict[str, Any]) -> str:
         compared = table(comparison_rows(shown["table"]), right=(1, 2, 3))
         parts.append(f"All methods at h = {scene.h}, measured at t = {scene.t}\n\n{compared}")
     return "\n\n".join(parts)
-
-
-def draw_scene(scene: Scene, folder: Path) -> list[Path]:
-    """Write the figures that the scene names as SVG files into `folder`; where it names any, matplotlib is imported."""
-    figures = [panel for panel in scene.panels if panel in FIGURES]
-    if not figures:
-        return []
-    from driftproof.reports.figures import draw
-
-    readouts = run_method(asking_for(scene, ("trajectory",)), scene.selected)
-    return [draw(panel, scene, readouts["trajectory"], folder) for panel in figures]
 
 
 def asking_for(scene: Scene, readouts: Iterable[str]) -> Scene:

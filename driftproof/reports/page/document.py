@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from importlib.resources import files
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
-from driftproof.numeric.run import Counter
-from driftproof.numeric.scenes import Scene
-from driftproof.reports.page.panels import Option, choice, scene_section
-from driftproof.reports.page.svg import element, text
+from driftproof.methods.catalogue import METHODS
+from driftproof.numeric.run import Counter, Readouts, run_method
+from driftproof.numeric.scenes import FIGURES, STABILITY, TABLE, TRAJECTORY, WORK_PRECISION, Scene
+from driftproof.reports.page.figure import style_sheet
+from driftproof.reports.page.markup import element, escaped, html_table
+from driftproof.reports.page.trajectory import DRAWN, SampledRun, demand_drawable, setting
+from driftproof.reports.scene_view import (
+    COMPARED,
+    asking_for,
+    certified,
+    certified_rows,
+    comparison_rows,
+    or_message,
+    readout_rows,
+)
 
 # The browser is told to load nothing at all: the style sheet is in the page, the icon is empty, there is no script.
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
@@ -29,13 +40,12 @@ def document(scenes: Sequence[Scene], digits: int, *, times: bool = False, count
 
 
 def _head(title: str) -> str:
-    style = files("driftproof.reports.page").joinpath("style.css").read_text(encoding="utf-8")
     return (
         '<head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         '<meta name="color-scheme" content="light dark">'
-        f'<meta http-equiv="Content-Security-Policy" content="{text(POLICY)}">'
-        f'<link rel="icon" href="data:,"><title>{text(title)}</title><style>\n{style}</style></head>'
+        f'<meta http-equiv="Content-Security-Policy" content="{escaped(POLICY)}">'
+        f'<link rel="icon" href="data:,"><title>{escaped(title)}</title><style>\n{style_sheet()}</style></head>'
     )
 
 
@@ -51,3 +61,128 @@ def _header() -> str:
 def _footer() -> str:
     words = "Runs are in binary64. What is called proved, and every limit, is exact. Written by driftproof report."
     return element("footer", element("p", words))
+
+
+@dataclass(frozen=True)
+class Option:
+    """One of several things to look at: its id, its label, its content."""
+
+    identity: str
+    label: str
+    content: str
+
+
+def choice(options: Sequence[Option], name: str, first: int = 0) -> str:
+    """The options, one at a time, `first` to begin with: radio buttons and a rule of the style sheet, no script.
+
+    Without the style sheet they stand one after the other. A single option is no choice.
+    """
+    if len(options) == 1:
+        return element("div", options[0].content, id=options[0].identity)
+    parts = []
+    for i, option in enumerate(options):
+        button = f"{option.identity}-shown"
+        checked = "" if i == first else None
+        parts += [
+            element("input", type="radio", name=name, id=button, checked=checked, autocomplete="off"),
+            element("label", escaped(option.label), for_=button),
+            element("div", option.content, class_="option", id=option.identity),
+        ]
+    return element("div", *parts, class_="choice", role="group", aria_label=name)
+
+
+@dataclass(frozen=True)
+class _Shown:
+    """A scene with its runs; `identity` begins the ids of its parts."""
+
+    scene: Scene
+    identity: str
+    digits: int
+    times: bool
+    runs: Mapping[str, Readouts | str]
+
+
+def scene_section(scene: Scene, identity: str, digits: int, *, times: bool = False, counter: Counter = range) -> str:
+    """The scene under a heading: readouts and figures of each of its methods, then the panels that are about all."""
+    shown = _Shown(scene, identity, digits, times, _runs(scene, counter))
+    parts = [element("h2", escaped(scene.name)), element("p", escaped(setting(scene)), class_="setting")]
+    if scene.readouts or scene.certified or set(FIGURES) & set(scene.panels):
+        options = [Option(f"{identity}-{key}", METHODS[key].title, _method(shown, key)) for key in scene.every_method]
+        first = scene.every_method.index(scene.selected)
+        parts.append(choice(options, f"Method shown, {scene.name}", first))
+    for panel, (title, content) in _PANELS.items():
+        if panel in scene.panels:
+            parts.append(element("section", element("h3", escaped(title)), content(shown), class_="panel"))
+    return element("section", *parts, class_="scene")
+
+
+def _runs(scene: Scene, counter: Counter) -> dict[str, Readouts | str]:
+    """One run of each method that the scene shows or compares, which yields all that is asked of it."""
+    wanted = dict.fromkeys(scene.readouts)
+    if set(FIGURES) & set(scene.panels):
+        wanted[TRAJECTORY] = None
+    keys = dict.fromkeys(scene.every_method if wanted else ())
+    if TABLE in scene.panels:
+        wanted |= dict.fromkeys(COMPARED)
+        keys |= dict.fromkeys(scene.methods)
+    if TRAJECTORY in wanted:
+        demand_drawable(scene)
+    if not keys:
+        return {}
+    asked = asking_for(scene, wanted)
+    return {key: or_message(lambda key=key: run_method(asked, key, counter)) for key in keys}  # type: ignore[misc]
+
+
+def _method(shown: _Shown, key: str) -> str:
+    """The readouts of one method, and its figures."""
+    scene, run, parts = shown.scene, shown.runs.get(key), [element("h3", escaped(METHODS[key].title))]
+    if isinstance(run, str):
+        parts.append(element("p", escaped(run), class_="message"))
+    elif run is not None:
+        readouts = {name: run[name] for name in scene.readouts if name != TRAJECTORY}
+        parts.append(_cards(readout_rows(readouts), "readouts"))
+    if scene.certified:
+        parts.append(_cards(certified_rows(certified(replace(scene, selected=key), shown.digits)), "certified"))
+    if run is not None and not isinstance(run, str) and TRAJECTORY in run:
+        times, states = run[TRAJECTORY]
+        drawn = SampledRun(scene, key, times, states, f"{shown.identity}-{key}")
+        figures = [DRAWN[panel](drawn).markup() for panel in DRAWN if panel in scene.panels]
+        parts.append(element("div", *figures, class_="figures") if figures else drawn.samples_table())
+    return "".join(parts)
+
+
+def _cards(rows: Sequence[Sequence[str]], class_: str) -> str:
+    cards = [element("div", element("dt", escaped(label)), element("dd", escaped(value))) for label, value in rows]
+    return element("dl", *cards, class_=class_) if cards else ""
+
+
+def _table(shown: _Shown) -> str:
+    rows = comparison_rows({key: shown.runs[key] for key in shown.scene.methods})
+    return html_table(rows, f"At t = {shown.scene.t}, each with h = {shown.scene.h}", "methods")
+
+
+def _work_precision(shown: _Shown) -> str:
+    from driftproof.reports.page.work import CALLS, cost_figure, measured_seconds, work_curves, work_table
+
+    found = work_curves(shown.scene)
+    figure, orders = cost_figure(shown.scene, found, CALLS, shown.identity).markup(), work_table(found)
+    if not shown.times:
+        return element("div", figure, orders, class_="beside")
+    timed = cost_figure(shown.scene, found, measured_seconds(shown.scene, found), shown.identity).markup()
+    return element("div", figure, timed, class_="pair") + orders
+
+
+def _stability(shown: _Shown) -> str:
+    from driftproof.reports.page.stability import growth_figure, verdict, verdicts_table
+
+    found = [verdict(key, shown.scene.h) for key in shown.scene.every_method]
+    figure = growth_figure(shown.scene, found, shown.identity).markup()
+    return element("div", figure, verdicts_table(shown.scene, found), class_="beside")
+
+
+# Panels about all methods of a scene, in the order in which they stand on the page.
+_PANELS: dict[str, tuple[str, Callable[[_Shown], str]]] = {
+    TABLE: ("Side by side", _table),
+    WORK_PRECISION: ("Work", _work_precision),
+    STABILITY: ("Stability", _stability),
+}

@@ -1,11 +1,24 @@
-"""A figure of the page: its heading, a legend, the picture, a note, and the numbers behind it as a table."""
+"""A figure: a plot with its heading, legend, note and numbers, as part of a page and as an SVG file of its own."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
+from importlib.resources import files
 
-from driftproof.reports.page.svg import Plot, element, text
+from driftproof.reports.page.markup import details, element, escaped, html_table
+from driftproof.reports.page.plot import LEFT, Plot, place
+
+# Units of the picture that a file has above its plot for two lines, below it for two entries of the legend,
+# and at the foot.
+_HEADING, _LEGEND_ROW, _FOOT = 44, 20, 8
+_SWATCHES = {
+    "line": '<path class="{mark}" d="M1 7H27"/>',
+    "dotted": '<path class="{mark} path" d="M1 7H27"/><path class="{mark} dots" d="M4 7h0M14 7h0M24 7h0"/>',
+    "end": '<circle class="{mark}" cx="14" cy="7" r="5"/>',
+}
 
 
 @dataclass(frozen=True)
@@ -23,69 +36,72 @@ class Figure:
     data_title: str
 
     def markup(self) -> str:
-        """The figure element."""
-        heading = element("h4", text(self.title), id=f"{self.identity}-heading")
+        """The figure element of a page: heading, legend, picture, note, and the numbers behind it as a table."""
+        heading = element("h4", escaped(self.title), id=f"{self.identity}-heading")
+        items = [
+            element("li", element("svg", _swatch(mark), viewBox="0 0 28 14", aria_hidden="true"), escaped(words))
+            for mark, words in self.legend
+        ]
         return element(
             "figure",
-            element("figcaption", heading, legend(self.legend)),
+            element("figcaption", heading, element("ul", *items, class_="legend")),
             self.plot.picture(self.identity, self.title, self.description),
-            element("p", text(self.note), class_="note"),
-            details(f"Numbers: {self.data_title}", table(self.data, self.data_title)),
+            element("p", escaped(self.note), class_="note"),
+            details(f"Numbers: {self.data_title}", html_table(self.data, self.data_title)),
             class_=self.kind,
             id=self.identity,
             aria_labelledby=f"{self.identity}-heading",
         )
 
-
-SWATCHES = {
-    "line": '<path class="{mark}" d="M1 7H27"/>',
-    "dotted": '<path class="{mark} path" d="M1 7H27"/><path class="{mark} dots" d="M4 7h0M14 7h0M24 7h0"/>',
-    "end": '<circle class="{mark}" cx="14" cy="7" r="5"/>',
-}
-
-
-def legend(marks: Sequence[tuple[str, str]]) -> str:
-    """A list of marks with what they stand for; "line exact" is a line of class exact."""
-    items = []
-    for mark, words in marks:
-        shape, _, name = mark.partition(" ")
-        sample = element("svg", SWATCHES[shape].format(mark=text(name)), viewBox="0 0 28 14", aria_hidden="true")
-        items.append(element("li", sample, text(words)))
-    return element("ul", *items, class_="legend")
-
-
-def table(rows: Sequence[Sequence[str]], title: str, class_: str | None = None) -> str:
-    """A table with a header row, in a container that scrolls where it is too wide; its first column names the rows.
-
-    An empty cell lets the one before it reach over its column.
-    """
-    header, *body = rows
-    head = element("tr", *(element("th", text(cell), scope="col") for cell in header))
-    return element(
-        "div",
-        element(
-            "table",
-            element("caption", text(title)),
-            element("thead", head),
-            element("tbody", *(element("tr", *_cells(row)) for row in body)),
-        ),
-        class_=f"scroll {class_}" if class_ else "scroll",
-        tabindex=0,
-        role="region",
-        aria_label=title,
-    )
+    def file(self, setting: str) -> str:
+        """The same picture as an SVG file of its own: heading and `setting` above, the legend below, light colours."""
+        width, height = self.plot.size
+        below, column = height + _LEGEND_ROW * -(-len(self.legend) // 2) + _FOOT, (width - LEFT) / 2
+        legend = [
+            element(
+                "g",
+                _swatch(mark),
+                element("text", escaped(words), x=36, y=11),
+                transform=f"translate({place(LEFT + i % 2 * column)} {place(height + i // 2 * _LEGEND_ROW)})",
+            )
+            for i, (mark, words) in enumerate(self.legend)
+        ]
+        size = {"width": place(width), "height": place(below + _HEADING)}
+        return element(
+            "svg",
+            element("title", escaped(self.title)),
+            element("desc", escaped(self.description)),
+            element("style", _style_of_pictures()),
+            element("rect", y=-_HEADING, fill="#ffffff", **size),
+            element("text", escaped(self.title), class_="name", x=LEFT, y=-24, style="font-size: 14px"),
+            element("text", escaped(setting), x=LEFT, y=-7),
+            *self.plot.axes(),
+            *self.plot.drawn,
+            *legend,
+            xmlns="http://www.w3.org/2000/svg",
+            viewBox=f"0 {-_HEADING} {size['width']} {size['height']}",
+            font_family="Segoe UI, Noto Sans, DejaVu Sans, sans-serif",
+            **{
+                name: place(length * Fraction(3, 2))
+                for name, length in (("width", width), ("height", below + _HEADING))
+            },
+        )
 
 
-def _cells(row: Sequence[str]) -> list[str]:
-    first, *others = row
-    cells = [element("th", text(first), scope="row")]
-    for i, cell in enumerate(others):
-        empty = next((k for k, later in enumerate(others[i + 1 :]) if later), len(others) - i - 1)
-        if cell:
-            cells.append(element("td", text(cell), colspan=empty + 1 if empty else None))
-    return cells
+def _swatch(mark: str) -> str:
+    """A sample of a mark, 28 units by 14; "line exact" is a line of class exact."""
+    shape, _, name = mark.partition(" ")
+    return _SWATCHES[shape].format(mark=escaped(name))
 
 
-def details(summary: str, content: str) -> str:
-    """What is folded away until asked for."""
-    return element("details", element("summary", text(summary)), content)
+def style_sheet() -> str:
+    """The style sheet of the page."""
+    return files("driftproof.reports.page").joinpath("style.css").read_text(encoding="utf-8")
+
+
+def _style_of_pictures() -> str:
+    """The rules of the style sheet that are about pictures, with the light colours in the place of their names."""
+    sheet = style_sheet()
+    colours = dict(re.findall(r"(--\w+): (#\w+);", sheet.partition("@media")[0]))
+    rules = "\n".join(re.findall(r"^svg .*", sheet, re.MULTILINE))
+    return re.sub(r"var\((--\w+)\)", lambda name: colours[name[1]], rules)

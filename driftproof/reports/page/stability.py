@@ -11,9 +11,9 @@ from flint import arb, ctx
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.scenes import Scene
-from driftproof.reports.page.axes import Scale, ten_to, ticks
-from driftproof.reports.page.figure import Figure, table
-from driftproof.reports.page.svg import Axis, Plot, frame
+from driftproof.reports.page.figure import Figure
+from driftproof.reports.page.markup import html_table
+from driftproof.reports.page.plot import WIDE, Axis, Plot, Scale, ten_to, ticks
 from driftproof.symbolic.algebra.certified import FIRST_BITS, Exact, enclose, significant
 from driftproof.symbolic.algebra.polynomials import evaluate, scalar, sign
 from driftproof.symbolic.algebra.real_roots import ZERO, rational_root
@@ -23,11 +23,10 @@ from driftproof.symbolic.linear.limits import Infinity, Limit, data, smallest
 from driftproof.symbolic.linear.spectral_radius import spectral_radius
 from driftproof.symbolic.n_steps import as_balls, exact_matrix_at, power
 
-WIDE = frame(346, 228)
 # How long powers are followed, in lengths of the scene, and at how many places.
 LENGTHS, PLACES = 10, 200
 # Methods beyond these share colours and dashes.
-STYLES = 6
+LINE_STYLES = 6
 LIMIT_DIGITS, GROWTH_DIGITS = 10, 3
 
 
@@ -73,7 +72,7 @@ def verdicts_table(scene: Scene, verdicts: Sequence[Verdict]) -> str:
         growth = significant(found.growth, GROWTH_DIGITS)
         powers = "bounded" if found.bounded else "unbounded"
         rows.append([METHODS[found.key].title, limit, decimal, beside(found.limit, scene.h), powers, growth])
-    return table(rows, f"Decided exactly, for M(h) on the oscillator at h = {scene.h}", "verdicts")
+    return html_table(rows, f"Decided exactly, for M(h) on the oscillator at h = {scene.h}", "verdicts")
 
 
 def _limit(limit: Limit) -> tuple[str, str]:
@@ -113,7 +112,7 @@ def growth_figure(scene: Scene, verdicts: Sequence[Verdict], identity: str) -> F
         Axis(Scale(low, high, *WIDE[1]), "growth after n steps", decades, [ten_to(int(tick)) for tick in decades]),
     )
     for i, curve in enumerate(curves.values()):
-        plot.line(curve, f"path m{i % STYLES}")
+        plot.line(curve, f"path m{i % LINE_STYLES}")
     ends = [f"{METHODS[key].title} {10 ** curve[-1][1]:.3g}" for key, curve in curves.items() if curve[-1][1] < 300]
     return Figure(
         identity=f"{identity}-growth",
@@ -122,7 +121,7 @@ def growth_figure(scene: Scene, verdicts: Sequence[Verdict], identity: str) -> F
         description=f"Size of the n-th power of the one-step matrix, n from 0 to {end}, logarithmic axis from "
         f"{ten_to(int(low))} to {ten_to(int(high))}. At the end: {', '.join(ends)}.",
         plot=plot,
-        legend=[(f"line path m{i % STYLES}", METHODS[key].title) for i, key in enumerate(curves)],
+        legend=[(f"line path m{i % LINE_STYLES}", METHODS[key].title) for i, key in enumerate(curves)],
         note=f"{LENGTHS} times as many steps as the scene has. A line that keeps climbing is an unbounded method's.",
         data=_data(counts, curves),
         data_title="Growth, as powers of ten",

@@ -1,34 +1,52 @@
-"""The figures of a run: position over time, and the phase plane at equal scales, beside the exact motion."""
+"""The figures of a run: position over time, and the phase plane at equal scales, beside the exact motion.
+
+A page shows them, and `write_figures` writes the same pictures as files of their own.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from math import hypot
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.readouts import State, exact_state
-from driftproof.numeric.scenes import Scene
-from driftproof.reports.page.axes import Scale, label, symmetric_limit, ticks
-from driftproof.reports.page.figure import Figure, details, table
-from driftproof.reports.page.svg import Axis, Plot, frame
-from driftproof.reports.page.thinning import extremes_by_column, moved, spread
+from driftproof.numeric.run import run_method
+from driftproof.numeric.scenes import TRAJECTORY, Scene
+from driftproof.reports.page.figure import Figure
+from driftproof.reports.page.markup import details, html_table
+from driftproof.reports.page.plot import (
+    COLUMNS_OF_PIXELS,
+    SQUARE,
+    WIDE,
+    Axis,
+    Plot,
+    Scale,
+    label,
+    symmetric_limit,
+    ticks,
+)
+from driftproof.reports.scene_view import asking_for
+from driftproof.support.files import whole
 
-COLUMNS = 346
-WIDE, SQUARE = frame(COLUMNS, 228), frame(264, 264)
+# A run is kept whole to be drawn; the samples of a longer one would fill the memory.
+MOST_DRAWN_STEPS = 10**6
 # More samples than this are drawn without dots, which would cover the line; more than this many marks, thinned.
 MOST_DOTS, MOST_MARKS = 400, 4000
 MOST_ROWS = 200
-DOTTED, LINE = "dotted samples", "line samples path"
+_DOTTED, _LINE = "dotted samples", "line samples path"
 # Points of the exact curve: a chord over 1/24 radian is off the circle by 2e-4 of its radius.
-PER_RADIAN, MOST_CURVE_POINTS = 24, 10**6
+_PER_RADIAN, _MOST_CURVE_POINTS = 24, 10**6
 
 
 @dataclass(frozen=True)
-class Run:
+class SampledRun:
     """The samples of a method in a scene: times of shape (N + 1), states of shape (N + 1, 2); `identity` begins ids."""
 
     scene: Scene
@@ -65,23 +83,23 @@ class Run:
 
     def data(self, component: int) -> list[list[str]]:
         """Step, time, computed and exact value of the samples; of a long run, of at most MOST_ROWS and one of them."""
-        name, kept = "qv"[component], spread(len(self.times), MOST_ROWS)
+        name, kept = "qv"[component], evenly_spaced(len(self.times), MOST_ROWS)
         columns = (kept, self.times[kept], self.states[kept, component], self.exact[kept, component])
         rows = [[str(i), f"{t:.6g}", _number(x), _number(y)] for i, t, x, y in zip(*columns, strict=True)]
         return [["step", "t", f"computed {name}", f"exact {name}"], *rows]
 
-    def table(self) -> str:
+    def samples_table(self) -> str:
         """The samples of a scene that asks for them but for no figure."""
         titles = (f"Positions, {self.method}", f"Velocities, {self.method}")
-        return "".join(details(title, table(self.data(i), title)) for i, title in enumerate(titles))
+        return "".join(details(title, html_table(self.data(i), title)) for i, title in enumerate(titles))
 
 
-def position(run: Run) -> Figure:
+def position(run: SampledRun) -> Figure:
     """q against t: samples joined by straight segments, the exact curve dashed. The q axis ends just beyond both."""
     reach = symmetric_limit(Fraction(max(run.radius, float(np.abs(run.states[:, 0]).max()))))
     low, high = sorted((Fraction(0), run.scene.t)) if run.scene.t else (Fraction(0), Fraction(1))
     plot = Plot(_axis(low, high, WIDE[0], "time t"), _axis(-reach, reach, WIDE[1], "position q"))
-    kept = extremes_by_column(run.states[:, 0], COLUMNS) if run.thin else np.arange(len(run.times))
+    kept = downsample(run.states[:, 0], COLUMNS_OF_PIXELS) if run.thin else np.arange(len(run.times))
     samples = list(zip(run.times[kept], run.states[kept, 0], strict=True))
     dense = " dense" if run.thin else ""
     plot.line(samples, f"samples path{dense}")
@@ -96,7 +114,7 @@ def position(run: Run) -> Figure:
         f"Dashed: the exact motion. {_joined(run)} The run ends at q = {_number(run.states[-1, 0])}, "
         f"the exact motion at q = {_number(run.exact[-1, 0])}.",
         plot=plot,
-        legend=[("line exact path", "exact"), (LINE if run.thin else DOTTED, "computed")],
+        legend=[("line exact path", "exact"), (_LINE if run.thin else _DOTTED, "computed")],
         note=f"{len(run.times) - 1} steps; the segments only join what was computed."
         + (" Of each column the extremes are drawn." if run.thin else ""),
         data=run.data(0),
@@ -104,7 +122,7 @@ def position(run: Run) -> Figure:
     )
 
 
-def phase_plane(run: Run) -> Figure:
+def phase_plane(run: SampledRun) -> Figure:
     """v against q at one scale for both axes, with the exact circle dashed and the two final states marked apart."""
     reach = symmetric_limit(Fraction(max(run.radius, float(np.abs(run.states).max()))))
     plot = Plot(_axis(-reach, reach, SQUARE[0], "position q"), _axis(-reach, reach, SQUARE[1], "velocity v"))
@@ -135,41 +153,74 @@ def phase_plane(run: Run) -> Figure:
     )
 
 
+DRAWN: dict[str, Callable[[SampledRun], Figure]] = {"position": position, "phase_plane": phase_plane}
+
+
+def write_figures(scene: Scene, folder: Path) -> list[Path]:
+    """Write the figures that the scene names as SVG files into `folder`, each whole or not at all; byte-stable.
+
+    Raises as `demand_drawable` and `run_method`.
+    """
+    if not set(DRAWN) & set(scene.panels):
+        return []
+    demand_drawable(scene)
+    times, states = run_method(asking_for(scene, (TRAJECTORY,)), scene.selected)[TRAJECTORY]
+    sampled, paths = SampledRun(scene, scene.selected, times, states, scene.name), list[Path]()
+    for panel in (panel for panel in scene.panels if panel in DRAWN):
+        paths.append(folder / f"{scene.name}_{panel}.svg")
+        with whole(paths[-1]) as draft:
+            Path(draft).write_text(DRAWN[panel](sampled).file(setting(scene)) + "\n", encoding="utf-8", newline="\n")
+    return paths
+
+
+def demand_drawable(scene: Scene) -> None:
+    """Raises ValueError for a scene of more than MOST_DRAWN_STEPS."""
+    if scene.steps > MOST_DRAWN_STEPS:
+        raise ValueError(f"scene {scene.name!r}: at most {MOST_DRAWN_STEPS} steps are drawn, not {scene.steps}")
+
+
+def setting(scene: Scene) -> str:
+    """Start, step, end and number of steps of the scene, in words."""
+    q, v = scene.start
+    steps = "1 step" if scene.steps == 1 else f"{scene.steps} steps"
+    return f"start ({q}, {v}), h = {scene.h}, t = {scene.t}, {steps}"
+
+
 def _axis(low: Fraction, high: Fraction, places: tuple[Fraction, Fraction], name: str) -> Axis:
     return Axis(Scale(low, high, *places), name, ticks(low, high))
 
 
-def _exact_curve(run: Run) -> list[tuple[float, float]]:
-    turned = abs(float(run.scene.t)) * PER_RADIAN
-    fine = np.linspace(0, float(run.scene.t), int(min(max(turned, PER_RADIAN), MOST_CURVE_POINTS)) + 1)
+def _exact_curve(run: SampledRun) -> list[tuple[float, float]]:
+    turned = abs(float(run.scene.t)) * _PER_RADIAN
+    fine = np.linspace(0, float(run.scene.t), int(min(max(turned, _PER_RADIAN), _MOST_CURVE_POINTS)) + 1)
     q = exact_state(run.start, fine)[0]
-    kept = extremes_by_column(q, COLUMNS)
+    kept = downsample(q, COLUMNS_OF_PIXELS)
     return list(zip(fine[kept], q[kept], strict=True))
 
 
-def _draw_path(plot: Plot, run: Run, pixel: float) -> tuple[str, str]:
+def _draw_path(plot: Plot, run: SampledRun, pixel: float) -> tuple[str, str]:
     """The samples joined; of a long run those a pixel apart; where they are too many still, some specks, not joined.
 
     Returns the mark for the legend, and what has been drawn in words.
     """
     if not run.thin:
         plot.line(map(tuple, run.states), "samples path")
-        return DOTTED, _joined(run)
-    kept = moved(run.states, pixel)
+        return _DOTTED, _joined(run)
+    kept = one_per_square(run.states, pixel)
     if len(kept) <= MOST_MARKS:
         plot.line(map(tuple, run.states[kept]), "samples path")
-        return LINE, _joined(run)
-    kept = spread(len(run.states), MOST_MARKS)
+        return _LINE, _joined(run)
+    kept = evenly_spaced(len(run.states), MOST_MARKS)
     plot.dots(map(tuple, run.states[kept]), "samples specks")
     return "line samples specks", f"Specks: {len(kept)} of {len(run.states)} computed samples, not joined."
 
 
-def _joined(run: Run) -> str:
+def _joined(run: SampledRun) -> str:
     marks = "Solid" if run.thin else "Dots on a solid line"
     return f"{marks}: {len(run.times)} computed samples, joined by straight segments."
 
 
-def _sense(run: Run) -> str:
+def _sense(run: SampledRun) -> str:
     return "clockwise" if run.scene.t >= 0 else "anticlockwise"
 
 
@@ -179,3 +230,32 @@ def _number(x: float) -> str:
 
 def _pair(state: Any) -> str:
     return f"({_number(state[0])}, {_number(state[1])})"
+
+
+def downsample(values: Any, columns: int) -> Any:
+    """Indices of the first, the least, the largest and the last sample in each of `columns` equal parts of them.
+
+    Joined by segments they cover in each column of pixels what all samples cover, if the columns are as wide as those
+    (jugel-et-al-2014, the aggregation M4). Where there are not more samples than that, all are kept.
+    """
+    if len(values) <= 4 * columns:
+        return np.arange(len(values))
+    ends = np.linspace(0, len(values), columns + 1).astype(int)
+    kept = set()
+    for start, end in pairwise(ends):
+        part = values[start:end]
+        kept |= {start, start + int(part.argmin()), start + int(part.argmax()), end - 1}
+    return np.array(sorted(kept))
+
+
+def one_per_square(states: Any, distance: float) -> Any:
+    """Indices of the first and last sample, and of each in another square of side `distance` than its predecessor."""
+    cells = np.floor(states / distance)
+    left = np.any(cells[1:] != cells[:-1], axis=1)
+    return np.unique(np.concatenate([[0], np.flatnonzero(left) + 1, [len(states) - 1]]))
+
+
+def evenly_spaced(count: int, most: int) -> Any:
+    """At most `most` + 1 of `count` indices, equally far apart, and the last one with them."""
+    apart = -(-count // most)
+    return np.unique(np.append(np.arange(0, count, apart), count - 1))

@@ -12,21 +12,25 @@ from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.problems.problem import EXACT, Problem, Reference
 from driftproof.numeric.scenes import Scene
 from driftproof.numeric.work_precision.curves import Curve, Point, curves
-from driftproof.reports.page.axes import Scale, ten_to, ticks
-from driftproof.reports.page.figure import Figure, table
-from driftproof.reports.page.stability import STYLES
-from driftproof.reports.page.svg import Axis, Plot, frame
+from driftproof.numeric.work_precision.integrators import PYTHON, integrator
+from driftproof.numeric.work_precision.timing import Timing, started, take_turns
+from driftproof.reports.page.figure import Figure
+from driftproof.reports.page.markup import html_table
+from driftproof.reports.page.plot import WIDE, Axis, Plot, Scale, ten_to, ticks
+from driftproof.reports.page.stability import LINE_STYLES
+from driftproof.support.machine import machine
 from driftproof.support.plain_text import short
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.oscillator_run import OscillatorRun
 
-WIDE = frame(346, 228)
 # Steps are halved down to COARSEST of them for the whole interval, and doubled up to FINEST, implicit ones, which are
 # solved in Python, to FINEST_IMPLICIT of them.
 COARSEST, FINEST, FINEST_IMPLICIT = 5, 10_000, 600
 REFERENCE_DIGITS = 30
+# A call that has spent so many seconds gets no further turn.
+_LONGEST_TIMED = 1.0
 # Errors to be reached, as powers of ten.
-GOALS = (-3, -6)
+_GOALS = (-3, -6)
 
 
 def work_curves(scene: Scene) -> list[Curve]:
@@ -38,11 +42,13 @@ def work_curves(scene: Scene) -> list[Curve]:
         raise ValueError(f"scene {scene.name!r}: work is compared up to a t above 0")
     problem, found = problem_of(scene), list[Curve]()
     for key in scene.every_method:
-        found += curves(problem, [key], ladder(scene.steps, FINEST if METHODS[key].explicit else FINEST_IMPLICIT))
+        found += curves(
+            problem, [key], halved_and_doubled(scene.steps, FINEST if METHODS[key].explicit else FINEST_IMPLICIT)
+        )
     return found
 
 
-def ladder(steps: int, finest: int = FINEST) -> list[int]:
+def halved_and_doubled(steps: int, finest: int = FINEST) -> list[int]:
     """N/2ᵏ while that is whole and COARSEST or more, N itself, and 2ᵏN up to `finest`."""
     down = [steps]
     while down[-1] % 2 == 0 and down[-1] // 2 >= COARSEST:
@@ -101,10 +107,10 @@ def cost_figure(scene: Scene, found: Sequence[Curve], cost: Cost, identity: str)
     for i, curve in enumerate(found):
         points = places[curve.key]
         if points:
-            plot.line(points.values(), f"path m{i % STYLES}")
-            plot.dots(points.values(), f"dots m{i % STYLES}")
+            plot.line(points.values(), f"path m{i % LINE_STYLES}")
+            plot.dots(points.values(), f"dots m{i % LINE_STYLES}")
         if scene.steps in points:
-            plot.disc(points[scene.steps], 6, f"own m{i % STYLES}", f"{curve.title} at h = {scene.h}")
+            plot.disc(points[scene.steps], 6, f"own m{i % LINE_STYLES}", f"{curve.title} at h = {scene.h}")
     return Figure(
         identity=f"{identity}-{cost.name}",
         kind="wide",
@@ -112,7 +118,7 @@ def cost_figure(scene: Scene, found: Sequence[Curve], cost: Cost, identity: str)
         description=f"Distance from the exact state at t = {scene.t} against {cost.axis}, both axes logarithmic. "
         f"Rings: h = {scene.h}. {' '.join(_sentence(curve, cost) for curve in found)}",
         plot=plot,
-        legend=[(f"line path m{i % STYLES}", curve.title) for i, curve in enumerate(found)],
+        legend=[(f"line path m{i % LINE_STYLES}", curve.title) for i, curve in enumerate(found)],
         note=f"Ringed: h = {scene.h}. {cost.note}",
         data=_data(found, cost),
         data_title=f"Error and {cost.axis}",
@@ -148,7 +154,7 @@ def _sentence(curve: Curve, cost: Cost) -> str:
 
 def work_table(found: Sequence[Curve]) -> str:
     """A row for each method: the order claimed and measured, and the fewest evaluations seen to reach each goal."""
-    header = ["Method", "order", "measured", *(f"calls for {ten_to(goal)}" for goal in GOALS)]
+    header = ["Method", "order", "measured", *(f"calls for {ten_to(goal)}" for goal in _GOALS)]
     rows = []
     for curve in found:
         if curve.refused:
@@ -156,8 +162,8 @@ def work_table(found: Sequence[Curve]) -> str:
             continue
         order = curve.order
         measured = f"{order.median:.3f} ({order.least:.3f} to {order.largest:.3f})" if order else "–"
-        rows.append([curve.title, str(curve.claimed_order), measured, *(_fewest(curve, 10.0**goal) for goal in GOALS)])
-    return table([header, *rows], "Orders, and the least work seen", "orders")
+        rows.append([curve.title, str(curve.claimed_order), measured, *(_fewest(curve, 10.0**goal) for goal in _GOALS)])
+    return html_table([header, *rows], "Orders, and the least work seen", "orders")
 
 
 def _fewest(curve: Curve, goal: float) -> str:
@@ -173,3 +179,36 @@ def _data(found: Sequence[Curve], cost: Cost) -> list[list[str]]:
             shown = "–" if spent is None else cost.shown(spent)
             rows.append([curve.title, str(point.steps), shown, point.remark or short(point.error)])
     return rows
+
+
+def measured_seconds(scene: Scene, found: Sequence[Curve]) -> Cost:
+    """The least seconds of one trajectory in plain Python, for every point that has an error; turns interleave."""
+    problem, calls, timings = problem_of(scene), {}, dict[str, Timing]()
+    for curve in found:
+        if curve.refused:
+            continue
+        call = integrator(METHODS[curve.key], problem).calls[PYTHON]
+        for point in curve.points:
+            if point.steps and isfinite(point.error):
+                name = _point_name(curve, point.steps)
+                calls[name] = call(point.steps)
+                timings[name], _ = started(calls[name])
+    for _ in take_turns(calls, timings, limit=_LONGEST_TIMED):
+        pass
+
+    def least(curve: Curve, steps: int | None) -> float | None:
+        timing = timings.get(_point_name(curve, steps))
+        return timing.best if timing and timing.samples else None
+
+    return Cost(
+        name="times",
+        title="Error against time",
+        axis="seconds in plain Python",
+        note=f"The least of several rounds, on {machine()}.",
+        of=lambda curve, point: least(curve, point.steps),
+        shown=lambda spent: f"{spent:.2e} s",
+    )
+
+
+def _point_name(curve: Curve, steps: int | None) -> str:
+    return f"{curve.key} {steps}"

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from driftproof.numeric.work_precision.curves import Curve, Point
 from driftproof.numeric.work_precision.exact import ENERGY, PHASE, STATE, U, floors, half_unit, scale
 from driftproof.numeric.work_precision.integrators import COMPILED, ENSEMBLE, KINDS, PYTHON
-from driftproof.reports.figures import save
+from driftproof.reports.method_figures import save_picture
 from driftproof.reports.work_precision.study import Measured, Study, kinds_of, per_state
 
 WHAT = {STATE: "error of the state", ENERGY: "error of the energy", PHASE: "error of the phase, degrees"}
@@ -52,7 +52,7 @@ def draw(study: Study, measured: Measured, quantity: str, folder: Path) -> Path:
         figure.suptitle(fill(study.problem.title.replace("to t = ", "to\u00a0t\u00a0=\u00a0"), CHARACTERS * columns))
         _legend(figure, [*measured.curves])
         path = folder / f"work_precision_{quantity}.svg"
-        save(figure, path)
+        save_picture(figure, path)
     return path
 
 

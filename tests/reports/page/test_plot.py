@@ -1,4 +1,4 @@
-"""Axes of the page: ticks are round, few and inside; limits are just beyond; scales and labels are exact."""
+"""Axes and plots: ticks are round, few and inside; limits are just beyond; scales and labels are exact."""
 
 from __future__ import annotations
 
@@ -9,7 +9,19 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from driftproof.reports.page.axes import LIMITS, STEPS, Scale, decade, label, symmetric_limit, ten_to, ticks
+from driftproof.reports.page.plot import (
+    AXIS_ENDS,
+    TICK_STEPS,
+    Axis,
+    Plot,
+    Scale,
+    decade,
+    label,
+    place,
+    symmetric_limit,
+    ten_to,
+    ticks,
+)
 
 fractions = st.fractions(min_value=-(10**9), max_value=10**9, max_denominator=10**9)
 positive = st.fractions(min_value=Q(1, 10**12), max_value=10**12, max_denominator=10**12)
@@ -26,7 +38,7 @@ def test_ticks_are_three_to_six_multiples_of_one_round_step_inside(low: Q, high:
     assert found[0] - step < low
     assert found[-1] + step > high
     assert all((tick / step).denominator == 1 for tick in found)
-    assert step / Q(10) ** decade(step) in STEPS
+    assert step / Q(10) ** decade(step) in TICK_STEPS
 
 
 @given(low=fractions, high=fractions)
@@ -36,7 +48,7 @@ def test_no_coarser_round_step_has_three_ticks(low: Q, high: Q) -> None:
     found = ticks(low, high)
     step = found[1] - found[0]
     coarser = min(
-        m * Q(10) ** (decade(step) + k) for m in STEPS for k in (0, 1) if m * Q(10) ** (decade(step) + k) > step
+        m * Q(10) ** (decade(step) + k) for m in TICK_STEPS for k in (0, 1) if m * Q(10) ** (decade(step) + k) > step
     )
     assert len([i for i in range(int(low // coarser), int(high // coarser) + 2) if low <= i * coarser <= high]) < 3
 
@@ -69,13 +81,13 @@ def test_axis_without_length_has_no_ticks() -> None:
 @given(largest=positive)
 def test_limit_is_round_beyond_and_near(largest: Q) -> None:
     limit = symmetric_limit(largest)
-    assert limit / Q(10) ** decade(limit) in LIMITS
+    assert limit / Q(10) ** decade(limit) in AXIS_ENDS
     assert largest < limit <= Q(7, 5) * largest
     assert largest * Q(21, 20) <= limit
 
 
 def test_limits_grow_by_a_third_at_most() -> None:
-    ladder = [*LIMITS, Q(10)]
+    ladder = [*AXIS_ENDS, Q(10)]
     assert max(b / a for a, b in pairwise(ladder)) == Q(4, 3)
     assert (symmetric_limit(Q(0)), symmetric_limit(Q(3)), symmetric_limit(Q(39, 4))) == (1, 4, Q(25, 2))
 
@@ -134,3 +146,28 @@ def test_scale_refuses_what_is_no_number() -> None:
     for x in (float("inf"), float("nan")):
         with pytest.raises((OverflowError, ValueError)):
             scale(x)
+
+
+@given(st.fractions(min_value=-(10**6), max_value=10**6))
+def test_place_is_within_half_a_hundredth(x: Q) -> None:
+    assert abs(Q(place(x)) - x) <= Q(1, 200)
+    assert place(x) != "-0"
+
+
+def small_plot() -> Plot:
+    x, y = Scale(Q(-1), Q(1), Q(0), Q(100)), Scale(Q(-1), Q(1), Q(100), Q(0))
+    return Plot(Axis(x, "x", ticks(x.low, x.high)), Axis(y, "y", ticks(y.low, y.high)))
+
+
+def test_marks_are_where_their_numbers_are() -> None:
+    plot = small_plot()
+    plot.line([(-1.0, -1.0), (0.5, 1.0)], "a")
+    plot.dots([(0.0, 0.0)], "b")
+    plot.disc((Q(1, 3), 0), 5, "c", "third")
+    plot.circle(0.5, "d")
+    assert plot.drawn == [
+        '<path class="a" d="M0 100L75 0"></path>',
+        '<path class="b" d="M50 50h0"></path>',
+        '<circle class="c" cx="66.67" cy="50" r="5"><title>third</title></circle>',
+        '<circle class="d" cx="50" cy="50" r="25"></circle>',
+    ]

@@ -1,0 +1,61 @@
+"""The panel of stability: verdicts on both sides of the limit, held to another derivation and to eigenvalues."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+
+import numpy as np
+import pytest
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.reports.page.stability import beside, verdict
+from driftproof.symbolic.algebra.certified import enclose
+from driftproof.symbolic.derivation.one_step import one_step_matrix
+from driftproof.symbolic.derivation.stability import bounded_at
+from driftproof.symbolic.linear.facts import LinearFacts
+from driftproof.symbolic.linear.spectral_radius import spectral_radius
+from driftproof.symbolic.n_steps import exact_matrix_at
+
+VERDICTS = [
+    ("forward_euler", Q(1, 4), False, "above"),
+    ("symplectic_euler", Q(1, 4), True, "below"),
+    ("symplectic_euler", Q(2), False, "at the limit"),
+    ("symplectic_euler", Q(5, 2), False, "above"),
+    ("rk4", Q(2828427124, 10**9), True, "below"),
+    ("rk4", Q(2828427125, 10**9), False, "above"),
+    ("implicit_midpoint", Q(10**6), True, "below"),
+    ("backward_euler", Q(1), True, "below"),
+    ("symplectic_euler", Q(-1), True, "backwards"),
+]
+
+
+@pytest.mark.parametrize(("key", "h", "bounded", "where"), VERDICTS)
+def test_verdict_and_place_beside_the_limit(key: str, h: Q, bounded: bool, where: str) -> None:
+    found = verdict(key, h)
+    assert (found.bounded, beside(found.limit, h)) == (bounded, where)
+
+
+@pytest.mark.parametrize("key", ["forward_euler", "symplectic_euler", "rk4", "velocity_verlet", "heun2"])
+@pytest.mark.parametrize("h", [Q(1, 10), Q(1), Q(2), Q(5, 2), Q(3)])
+def test_verdict_agrees_with_the_other_derivation(key: str, h: Q) -> None:
+    """The witness works over Q[h] with SymPy's number fields, and with NumPy's eigenvalues; neither is used here."""
+    found = verdict(key, h)
+    assert found.bounded == bounded_at(one_step_matrix(METHODS[key]), h)
+    a, b, c, d = map(float, exact_matrix_at(METHODS[key], h))
+    seen = max(abs(np.linalg.eigvals([[a, b], [c, d]])))
+    # A double eigenvalue is found to the square root of rounding only.
+    assert abs(float(enclose(found.growth)) + 1 - seen) < 1e-6
+
+
+def test_radius_of_one_is_known_to_be_one() -> None:
+    """Where M keeps area and its powers are bounded, also with coefficients in a number field: no enclosure decides."""
+    for key in ("symplectic_euler", "velocity_verlet", "yoshida4", "implicit_midpoint", "gauss2"):
+        assert verdict(key, Q(1, 2)).growth == 0
+    assert verdict("symplectic_euler", Q(2)).growth == 0
+    assert spectral_radius((Q(1), Q(0), Q(0), Q(3))) == 3
+    assert spectral_radius((Q(-5), Q(0), Q(0), Q(3))) == 5
+    assert spectral_radius((Q(0), Q(4), Q(-4), Q(0))) == 4
+
+
+def test_limit_of_the_verdict_is_the_fact() -> None:
+    assert verdict("rk4", Q(1)).limit == LinearFacts(METHODS["rk4"]).imaginary_limit

@@ -1,0 +1,37 @@
+"""The panel of work: numbers of steps are halved and doubled, and errors are measured from the scene's own start."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+from itertools import pairwise
+from math import cos, hypot, sin
+
+import pytest
+
+from driftproof.numeric.run import run_method
+from driftproof.numeric.scenes import Scene
+from driftproof.reports.page.work import halved_and_doubled, work_curves
+
+
+def test_numbers_of_steps_hold_the_scene_and_only_halve_and_doubles() -> None:
+    assert halved_and_doubled(40) == [5, 10, 20, 40, 80, 160, 320, 640, 1280, 2560, 5120]
+    assert halved_and_doubled(7)[0] == 7
+    assert halved_and_doubled(3)[0] == 3
+    assert halved_and_doubled(10**6)[-1] == 10**6
+    assert all(b == 2 * a for a, b in pairwise(halved_and_doubled(96)))
+
+
+def test_work_is_measured_from_the_scene_s_own_start() -> None:
+    """The error at the scene's own number of steps is the distance from the exact state that its start leads to."""
+    scene = Scene("s", "rk4", Q(1, 2), Q(3), (Q(1, 3), Q(-2)), readouts=("final_state",))
+    (curve,) = work_curves(scene)
+    (own,) = [point for point in curve.points if point.steps == scene.steps]
+    q, v = run_method(scene, "rk4")["final_state"]
+    exact = (cos(3) / 3 - 2 * sin(3), -2 * cos(3) - sin(3) / 3)
+    assert own.evaluations == 24
+    assert own.error == pytest.approx(hypot(q - exact[0], v - exact[1]), rel=1e-9)
+
+
+def test_work_of_a_scene_that_runs_backwards_is_refused() -> None:
+    with pytest.raises(ValueError, match="up to a t above 0"):
+        work_curves(Scene("back", "rk4", Q(-1), Q(-3), panels=("work_precision",)))
