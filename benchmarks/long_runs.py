@@ -27,9 +27,9 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.engine import OSCILLATOR, compiled_ensemble_runner, compiled_runner
 from driftproof.support.plain_text import table
 from driftproof.symbolic.algebra.certified import significant
-from driftproof.symbolic.n_steps import apply, as_balls, exact_matrix_at, power
 from driftproof.symbolic.rounding.error_of_run import ErrorOfRun
 from driftproof.symbolic.rounding.n_steps import run_bound
+from driftproof.symbolic.runs import apply, as_balls, exact_matrix_at, power
 
 H, START = 2.0**-6, (0.6, -0.8)
 # Ensembles take as many steps less as they have members, and the sine of each takes longer still.

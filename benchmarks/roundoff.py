@@ -23,13 +23,13 @@ from driftproof.numeric.worst_case import Envelope
 from driftproof.numeric.worst_case_search import search
 from driftproof.support.plain_text import table
 from driftproof.symbolic.algebra.certified import enclose, significant
-from driftproof.symbolic.derivation.one_step import one_step_matrix
-from driftproof.symbolic.n_steps import apply, matrix_at
+from driftproof.symbolic.derivation.one_step import matrix_at, one_step_matrix
 from driftproof.symbolic.rounding.error_of_run import ErrorOfRun
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
 from driftproof.symbolic.rounding.n_steps import run_bound
 from driftproof.symbolic.rounding.sharp import sharp_bound
 from driftproof.symbolic.rounding.step import step_bound
+from driftproof.symbolic.runs import apply
 
 FORMATS = {BINARY64: np.float64, BINARY32: np.float32, BINARY16: np.float16}
 RANGES = {"|h| <= 1/4": (0.0, 0.25), "|h| = 1/4": (0.25, 0.25), "|h| = 1": (1.0, 1.0), "|h| = 5/2": (2.5, 2.5)}

@@ -18,7 +18,7 @@ _PUBLIC = {
     "RungeKutta": "driftproof.methods.schemes",
     "Splitting": "driftproof.methods.schemes",
     "stepper": "driftproof.methods.stepping",
-    "OscillatorRun": "driftproof.symbolic.oscillator_run",
+    "OscillatorRun": "driftproof.symbolic.runs",
     "one_step_matrix": "driftproof.symbolic.derivation.one_step",
     "energy_multiplier": "driftproof.symbolic.derivation.energy",
     "invariant_quadratic": "driftproof.symbolic.derivation.energy",

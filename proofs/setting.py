@@ -9,9 +9,8 @@ from sympy.polys.matrices import DomainMatrix
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.run import run_method
 from driftproof.numeric.scenes import PRESETS, Scene
-from driftproof.symbolic.derivation.one_step import Polynomial, exact_stepper, one_step_matrix, symbolic_step
-from driftproof.symbolic.n_steps import apply, matrix_at, power
-from driftproof.symbolic.oscillator_run import OscillatorRun
+from driftproof.symbolic.derivation.one_step import Polynomial, exact_stepper, matrix_at, one_step_matrix, symbolic_step
+from driftproof.symbolic.runs import OscillatorRun, apply, power
 
 EULER, SYMPLECTIC, RK4 = LESSON_METHODS = ("forward_euler", "symplectic_euler", "rk4")
 START = (Q(1), Q(0))

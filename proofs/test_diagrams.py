@@ -17,7 +17,8 @@ from driftproof.reports.page.plot import Plot, Scale, symmetric_limit, ticks
 from driftproof.reports.page.trajectory import SampledRun, phase_plane, position
 from driftproof.reports.scene_view import COMPARED, asking_for, comparison_rows, readout_rows
 from driftproof.symbolic.algebra.certified import Exact, enclose, is_less
-from driftproof.symbolic.n_steps import apply, matrix_at
+from driftproof.symbolic.derivation.one_step import matrix_at
+from driftproof.symbolic.runs import apply
 from proofs.claims import COUNTED, PROVED, RESTRICTED, claim
 from proofs.setting import END, EULER, LESSON_METHODS, RK4, START, M, run
 

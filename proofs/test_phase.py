@@ -12,7 +12,7 @@ from driftproof.numeric import readouts
 from driftproof.symbolic.algebra.certified import fixed, is_less, sign
 from driftproof.symbolic.derivation.one_step import H
 from driftproof.symbolic.derivation.phase import leading_term, phase_error_series, phase_per_step
-from driftproof.symbolic.oscillator_run import OscillatorRun
+from driftproof.symbolic.runs import OscillatorRun
 from proofs.claims import CERTIFIED, COUNTED, PROVED, RESTRICTED, claim
 from proofs.setting import DEFAULT_H, EULER, LESSON_METHODS, RK4, START, SYMPLECTIC, M, energy, run
 
@@ -24,7 +24,10 @@ QUARTER = ((Q(1), Q(0)), (Q(0), Q(-1)))
 def test_state_error_is_euclidean_distance() -> None:
     """The state error is the Euclidean distance of two states: its square is (q - x)² + (v - y)²."""
     exact = run(EULER, DEFAULT_H)
-    squared = (exact.final_state[0] - exact.exact_state[0]) ** 2 + (exact.final_state[1] - exact.exact_state[1]) ** 2
+    exact_q, exact_v = cos(10), -sin(10)
+    assert exact.t == 10
+    assert list(map(str, exact.exact_state)) == [str(exact_q), str(exact_v)]
+    squared = (exact.final_state[0] - exact_q) ** 2 + (exact.final_state[1] - exact_v) ** 2
     assert fixed(exact.state_error, 30) == fixed(sympy.sqrt(squared), 30)
     assert readouts.state_error((3.0, 0.0), (0.0, 4.0)) == 5
     assert (q - x) ** 2 + (v - y) ** 2 != (q - x) ** 2 - (v - y) ** 2

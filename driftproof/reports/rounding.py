@@ -15,7 +15,6 @@ from driftproof.numeric.steppers import HAND_WRITTEN, float_stepper
 from driftproof.support.plain_text import table
 from driftproof.symbolic.algebra.certified import AWAY, Exact, enclose
 from driftproof.symbolic.linear.oscillator import one_step_matrix
-from driftproof.symbolic.n_steps import exact_matrix_at
 from driftproof.symbolic.rounding.error_of_run import ErrorOfRun
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 from driftproof.symbolic.rounding.n_steps import HypothesisFails, run_bound
@@ -23,6 +22,7 @@ from driftproof.symbolic.rounding.sharp import sharp_bound
 from driftproof.symbolic.rounding.step import StepBound, step_bound
 from driftproof.symbolic.rounding.text import first_order_text, format_text, full_text
 from driftproof.symbolic.rounding.trace import Subject, program_of
+from driftproof.symbolic.runs import exact_matrix_at
 from driftproof.texts.writing.answers import Answer, number
 
 # Bounds are quoted, not compared: few digits say enough.

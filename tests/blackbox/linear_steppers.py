@@ -14,7 +14,7 @@ from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta,
 from driftproof.methods.stepping import stepper
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.linear.oscillator import one_step_matrix
-from driftproof.symbolic.n_steps import Entries
+from driftproof.symbolic.runs import Entries
 
 
 def float_subject(method: Method) -> Subject:

@@ -30,7 +30,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation
 from driftproof.numeric.steppers import rk4, symplectic_euler
 from driftproof.symbolic.algebra.certified import significant
-from driftproof.symbolic.n_steps import exact_matrix_at
+from driftproof.symbolic.runs import exact_matrix_at
 from tests.blackbox.linear_steppers import float_subject, with_one_changed
 
 EXPLICIT = [key for key, method in METHODS.items() if method.explicit]

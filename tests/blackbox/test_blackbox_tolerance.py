@@ -11,9 +11,9 @@ from driftproof.blackbox.judging.tolerance import BITS, Allowance, Tolerance
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.problems import oscillator
 from driftproof.numeric.steppers import float_stepper
-from driftproof.symbolic.n_steps import exact_matrix_at
 from driftproof.symbolic.rounding.any_order import any_order_bound
 from driftproof.symbolic.rounding.formats import BINARY32
+from driftproof.symbolic.runs import exact_matrix_at
 
 RK4, EULER, VERLET = METHODS["rk4"], METHODS["forward_euler"], METHODS["velocity_verlet"]
 CASES = [(1.0, 0.0, 0.5), (0.3, -0.7, 0.1), (1e5, 1e-5, 1.75), (-3.0, 3.0, 1e-9)]

@@ -22,13 +22,13 @@ from driftproof.symbolic.algebra.polynomials import coefficients as entry_coeffi
 from driftproof.symbolic.algebra.rational_functions import fraction
 from driftproof.symbolic.derivation.one_step import STATE_H, STATE_Q, STATE_RING, STATE_V, rational
 from driftproof.symbolic.linear.oscillator import one_step_matrix
-from driftproof.symbolic.n_steps import apply, exact_matrix_at
 from driftproof.symbolic.rounding import polynomials
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 from driftproof.symbolic.rounding.number import Rounded, constant
 from driftproof.symbolic.rounding.sharp import SharpBound, sharp_bound
 from driftproof.symbolic.rounding.step import StepBound
 from driftproof.symbolic.rounding.trace import lift_to
+from driftproof.symbolic.runs import apply, exact_matrix_at
 from tests.changes import changed, coefficients
 from tests.witnesses.witness_steps import Pair, as_function, stage_equations
 

@@ -18,7 +18,7 @@ from driftproof.symbolic.algebra.certified import enclose, endpoints
 from driftproof.symbolic.derivation import one_step
 from driftproof.symbolic.derivation.one_step import matrix_of, one_step_matrix
 from driftproof.symbolic.linear import oscillator as linear_oscillator
-from driftproof.symbolic.oscillator_run import OscillatorRun
+from driftproof.symbolic.runs import OscillatorRun
 from tests.nine import NINE, is_printed
 
 

@@ -13,7 +13,7 @@ from driftproof.methods.problems import oscillator
 from driftproof.numeric.engine import compiled_runner, ensemble_runner, runner
 from driftproof.numeric.steppers import rk4
 from driftproof.symbolic.algebra.certified import significant
-from driftproof.symbolic.n_steps import as_balls, exact_matrix_at, power
+from driftproof.symbolic.runs import as_balls, exact_matrix_at, power
 
 EXPLICIT = [method for method in METHODS.values() if method.explicit]
 RK4, VERLET, SYMPLECTIC = METHODS["rk4"], METHODS["velocity_verlet"], METHODS["symplectic_euler"]

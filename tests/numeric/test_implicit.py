@@ -15,7 +15,7 @@ from driftproof.methods.tables.collocation import gauss, lobatto_iiia, radau_iia
 from driftproof.numeric.implicit import StageEquationsUnsolved, implicit_run, implicit_stepper
 from driftproof.numeric.linear import endpoint, exact_matrix, float_matrix
 from driftproof.numeric.tableaux import solved, tableau
-from driftproof.symbolic.n_steps import exact_matrix_at
+from driftproof.symbolic.runs import exact_matrix_at
 
 IMPLICIT = [method for method in METHODS.values() if not method.explicit]
 U = Q(1, 2**53)

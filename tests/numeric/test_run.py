@@ -20,7 +20,7 @@ from driftproof.numeric.scenes import READOUTS, Scene
 from driftproof.numeric.steppers import forward_euler, rk4, symplectic_euler
 from driftproof.strategies import rational_steps, states
 from driftproof.symbolic.algebra.certified import enclose, endpoints
-from driftproof.symbolic.oscillator_run import OscillatorRun
+from driftproof.symbolic.runs import OscillatorRun
 from tests.nine import NINE
 
 

@@ -25,8 +25,7 @@ from driftproof.numeric.steppers import (
     symplectic_euler,
 )
 from driftproof.strategies import STABILITY_LIMITS, states, step_by_ulps, steps, steps_near_stability_limits
-from driftproof.symbolic.derivation.one_step import one_step_matrix
-from driftproof.symbolic.n_steps import matrix_at
+from driftproof.symbolic.derivation.one_step import matrix_at, one_step_matrix
 from tests.nine import NINE
 
 # Rounding to nearest in binary64: fl(x) = x (1 + d) + e with |d| <= U, |e| <= E and d e = 0; sums and differences, and

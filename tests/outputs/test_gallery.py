@@ -14,7 +14,7 @@ import pytest
 from driftproof.blackbox.isolation.laboratory import Laboratory
 from driftproof.blackbox.stepper.target import Target
 from driftproof.methods.catalogue import METHODS
-from driftproof.symbolic.n_steps import exact_matrix_at
+from driftproof.symbolic.runs import exact_matrix_at
 from examples.gallery import run, trial
 from tests.outputs.gallery_expected import EXPECTED, FIELDS, FORCES, MAPS, Expected
 

@@ -17,9 +17,9 @@ from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import Exact, enclose
 from driftproof.symbolic.algebra.polynomials import coefficients
 from driftproof.symbolic.linear.oscillator import one_step_matrix
-from driftproof.symbolic.n_steps import apply, exact_matrix_at
 from driftproof.symbolic.rounding.any_order import AnyOrderBound, any_order_bound
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat, power_of_two
+from driftproof.symbolic.runs import apply, exact_matrix_at
 
 # A double times a double needs 106 bits, and a step of the longest program some 30 products: at this precision the
 # radii of all balls here are below 2**-200 of what they enclose, and no comparison with a bound of size u is undecided.

@@ -16,8 +16,8 @@ from driftproof.methods.number_field import Exact
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.algebra.polynomials import ONE, X, polynomial
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
-from driftproof.symbolic.n_steps import Entries
 from driftproof.symbolic.rounding.formats import BINARY64
+from driftproof.symbolic.runs import Entries
 
 # A number of one of the arithmetics below.
 Number: TypeAlias = Any

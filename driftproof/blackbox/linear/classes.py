@@ -30,7 +30,7 @@ from driftproof.symbolic.algebra.polynomials import coefficients, exact, in_squa
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
 from driftproof.symbolic.algebra.series import expand
 from driftproof.symbolic.linear.oscillator import one_step_matrix, stability_function_of
-from driftproof.symbolic.n_steps import Entries, multiply
+from driftproof.symbolic.runs import Entries, multiply
 
 # 16^128/128! < 2^-200.
 LONGEST_SERIES = 128

@@ -21,7 +21,7 @@ from driftproof.symbolic.algebra.rational_functions import RationalFunction, fra
 from driftproof.symbolic.algebra.series import expand
 from driftproof.symbolic.algebra.text import rational_text as function_text
 from driftproof.symbolic.linear.oscillator import determinant
-from driftproof.symbolic.n_steps import Entries
+from driftproof.symbolic.runs import Entries
 
 # An exchange of the entries of a matrix.
 Undo: TypeAlias = Callable[[Any], Entries]

@@ -11,7 +11,7 @@ from typing import Protocol
 from driftproof.blackbox.linear.arithmetics import FLOATS, SIZES, Arithmetic, Number, identity, inverse
 from driftproof.blackbox.linear.classes import MethodClass, Rates, exact_flow, exact_flow_sizes
 from driftproof.methods.number_field import Exact
-from driftproof.symbolic.n_steps import Entries, multiply
+from driftproof.symbolic.runs import Entries, multiply
 
 # Ways in which a velocity is damped at the rate g over a time h: by the factor
 EXPLICIT, IMPLICIT, TRAPEZOIDAL = "explicit", "implicit", "trapezoidal"

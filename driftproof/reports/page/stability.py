@@ -21,7 +21,7 @@ from driftproof.symbolic.linear.bounded_powers import boundary_of, is_bounded
 from driftproof.symbolic.linear.facts import LinearFacts
 from driftproof.symbolic.linear.limits import Infinity, Limit, data, smallest
 from driftproof.symbolic.linear.spectral_radius import spectral_radius
-from driftproof.symbolic.n_steps import as_balls, exact_matrix_at, power
+from driftproof.symbolic.runs import as_balls, exact_matrix_at, power
 
 # How long powers are followed, in lengths of the scene, and at how many places.
 LENGTHS, PLACES = 10, 200

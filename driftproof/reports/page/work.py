@@ -21,7 +21,7 @@ from driftproof.reports.page.stability import LINE_STYLES
 from driftproof.support.machine import machine
 from driftproof.support.plain_text import short
 from driftproof.symbolic.algebra.certified import significant
-from driftproof.symbolic.oscillator_run import OscillatorRun
+from driftproof.symbolic.runs import OscillatorRun
 
 # Steps are halved down to COARSEST of them for the whole interval, and doubled up to FINEST, implicit ones, which are
 # solved in Python, to FINEST_IMPLICIT of them.

@@ -84,6 +84,12 @@ def at_rational(polynomial: Polynomial, h: Fraction) -> Fraction:
     return Fraction(int(value.numerator), int(value.denominator))
 
 
+def matrix_at(m: DomainMatrix, h: Fraction) -> tuple[Fraction, Fraction, Fraction, Fraction]:
+    """(M_qq, M_qv, M_vq, M_vv) at a rational h."""
+    qq, qv, vq, vv = (at_rational(entry, h) for entry in entries(m))
+    return qq, qv, vq, vv
+
+
 def expression(polynomial: Polynomial) -> sympy.Expr:
     """An element of Q[h] as a SymPy expression in the symbol h, for printing and for algebraic numbers."""
     return polynomial.as_expr()

@@ -9,7 +9,7 @@ from typing import TypeAlias
 from flint import arb
 
 from driftproof.symbolic.algebra.certified import Exact, enclose
-from driftproof.symbolic.n_steps import Entries, apply, as_balls, distance, exact_flow, power, short_power
+from driftproof.symbolic.runs import Entries, apply, as_balls, distance, exact_flow, power, short_power
 
 State: TypeAlias = tuple[Fraction, Fraction]
 # Up to this many bits M**N is also formed exactly, to recognise a run without any rounding error.

@@ -11,8 +11,8 @@ from sympy.polys.matrices import DomainMatrix
 from driftproof.methods.number_field import Exact
 from driftproof.symbolic.derivation.energy import Quadratic
 from driftproof.symbolic.derivation.one_step import entries
-from driftproof.symbolic.n_steps import Entries
 from driftproof.symbolic.rounding.irrational import above, size
+from driftproof.symbolic.runs import Entries
 
 # Rational upper bounds of square roots are good to about this many bits.
 ROOT_BITS = 200

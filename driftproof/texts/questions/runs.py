@@ -12,8 +12,7 @@ from flint import arb
 from driftproof.methods.number_field import Exact as Coefficient
 from driftproof.methods.schemes import Method, RungeKutta
 from driftproof.symbolic.algebra.certified import Exact, enclose
-from driftproof.symbolic.n_steps import exact_flow
-from driftproof.symbolic.oscillator_run import OscillatorRun
+from driftproof.symbolic.runs import OscillatorRun, exact_flow
 from driftproof.texts.questions.value import CERTIFIED, COUNTED, PROVED, Value
 
 State = tuple[Fraction, Fraction]

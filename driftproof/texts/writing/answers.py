@@ -11,7 +11,7 @@ from driftproof.methods.catalogue import method_named
 from driftproof.methods.schemes import Method
 from driftproof.numeric.steppers import evaluations_per_step
 from driftproof.symbolic.algebra.certified import HALF_EVEN, Exact, significant
-from driftproof.symbolic.oscillator_run import OscillatorRun
+from driftproof.symbolic.runs import OscillatorRun, TrigonometricNumber
 
 Answer: TypeAlias = dict[str, Any]
 
@@ -28,7 +28,7 @@ def _exact_text(value: Exact) -> str | None:
     if isinstance(value, Fraction):
         # fmpq prints fractions of any length; Python's own str() refuses beyond 4300 digits.
         return str(fmpq(value.numerator, value.denominator))
-    return None if callable(value) else str(value)
+    return None if callable(value) and not isinstance(value, TrigonometricNumber) else str(value)
 
 
 def step_answer(key: str, h: Fraction, start: tuple[Fraction, Fraction], digits: int, rounding: str) -> Answer:

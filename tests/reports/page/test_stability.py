@@ -14,7 +14,7 @@ from driftproof.symbolic.derivation.one_step import one_step_matrix
 from driftproof.symbolic.derivation.stability import bounded_at
 from driftproof.symbolic.linear.facts import LinearFacts
 from driftproof.symbolic.linear.spectral_radius import spectral_radius
-from driftproof.symbolic.n_steps import exact_matrix_at
+from driftproof.symbolic.runs import exact_matrix_at
 
 VERDICTS = [
     ("forward_euler", Q(1, 4), False, "above"),

@@ -21,8 +21,8 @@ from driftproof.symbolic.derivation.convergence import (
     local_error,
     rotation,
 )
-from driftproof.symbolic.derivation.one_step import H, entries, matrix, one_step_matrix
-from driftproof.symbolic.n_steps import as_balls, matrix_at, power
+from driftproof.symbolic.derivation.one_step import H, entries, matrix, matrix_at, one_step_matrix
+from driftproof.symbolic.runs import as_balls, power
 from tests.nine import NINE
 
 PRECISION = 400

@@ -26,9 +26,10 @@ from driftproof.symbolic.derivation.one_step import (
     determinant,
     entries,
     matrix,
+    matrix_at,
     one_step_matrix,
 )
-from driftproof.symbolic.n_steps import apply, matrix_at
+from driftproof.symbolic.runs import apply
 from tests.nine import NINE
 
 

@@ -22,12 +22,13 @@ from driftproof.symbolic.derivation.one_step import (
     entries,
     expression,
     matrix,
+    matrix_at,
     matrix_of,
     one_step_matrix,
     rational,
     trace,
 )
-from driftproof.symbolic.n_steps import apply, matrix_at
+from driftproof.symbolic.runs import apply
 from tests.nine import NINE
 
 

@@ -18,6 +18,7 @@ from driftproof.symbolic.derivation.one_step import (
     at_rational,
     determinant,
     matrix,
+    matrix_at,
     one_step_matrix,
     rational,
 )
@@ -29,7 +30,6 @@ from driftproof.symbolic.derivation.phase import (
     phase_per_step,
     sine_series,
 )
-from driftproof.symbolic.n_steps import matrix_at
 from tests.nine import NINE
 
 TERMS = 9

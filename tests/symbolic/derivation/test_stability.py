@@ -19,6 +19,7 @@ from driftproof.symbolic.derivation.one_step import (
     determinant,
     expression,
     matrix,
+    matrix_at,
     one_step_matrix,
     rational,
     trace,
@@ -32,7 +33,7 @@ from driftproof.symbolic.derivation.stability import (
     multipliers,
     stability_limit,
 )
-from driftproof.symbolic.n_steps import apply, matrix_at
+from driftproof.symbolic.runs import apply
 from tests.nine import NINE
 
 SYMPLECTIC = one_step_matrix(NINE["symplectic_euler"])

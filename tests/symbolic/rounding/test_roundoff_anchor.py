@@ -15,8 +15,7 @@ from driftproof.methods.stepping import stepper
 from driftproof.numeric.leapfrog import leapfrog
 from driftproof.numeric.steppers import HAND_WRITTEN, symplectic_euler
 from driftproof.symbolic.algebra.certified import enclose, fixed, is_less, settle, significant
-from driftproof.symbolic.derivation.one_step import one_step_matrix
-from driftproof.symbolic.n_steps import matrix_at
+from driftproof.symbolic.derivation.one_step import matrix_at, one_step_matrix
 from driftproof.symbolic.rounding.error_of_run import ErrorOfRun
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
 from driftproof.symbolic.rounding.n_steps import run_bound

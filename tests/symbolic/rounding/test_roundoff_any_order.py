@@ -14,11 +14,11 @@ from driftproof.methods.stepping import stepper
 from driftproof.numeric.leapfrog import leapfrog
 from driftproof.numeric.steppers import HAND_WRITTEN, rk4
 from driftproof.symbolic.linear.oscillator import one_step_matrix
-from driftproof.symbolic.n_steps import apply, exact_matrix_at
 from driftproof.symbolic.rounding.any_order import any_order_bound
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 from driftproof.symbolic.rounding.soft_float import soft_lift
 from driftproof.symbolic.rounding.step import step_bound
+from driftproof.symbolic.runs import apply, exact_matrix_at
 from tests.nine import NINE
 
 COARSE = FloatFormat("coarse", 4, -3, 3)

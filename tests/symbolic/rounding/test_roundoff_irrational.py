@@ -21,7 +21,6 @@ from driftproof.numeric.worst_case import Envelope
 from driftproof.numeric.worst_case_search import search
 from driftproof.symbolic.algebra.certified import enclose, is_less
 from driftproof.symbolic.linear.oscillator import one_step_matrix
-from driftproof.symbolic.n_steps import apply, exact_matrix_at
 from driftproof.symbolic.rounding import number
 from driftproof.symbolic.rounding.any_order import any_order_bound
 from driftproof.symbolic.rounding.error_of_run import ErrorOfRun
@@ -36,6 +35,7 @@ from driftproof.symbolic.rounding.soft_float import soft_lift
 from driftproof.symbolic.rounding.step import step_bound
 from driftproof.symbolic.rounding.text import first_order_text
 from driftproof.symbolic.rounding.trace import program_of
+from driftproof.symbolic.runs import apply, exact_matrix_at
 from tests.changes import coefficients, first_weight, moved
 
 IRRATIONAL = [key for key, m in METHODS.items() if m.explicit and getattr(m, "field", None)]

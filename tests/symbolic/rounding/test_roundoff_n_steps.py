@@ -17,14 +17,14 @@ from driftproof.numeric.leapfrog import leapfrog
 from driftproof.numeric.steppers import HAND_WRITTEN, forward_euler, rk4, symplectic_euler
 from driftproof.symbolic.algebra.certified import enclose, endpoints
 from driftproof.symbolic.derivation.energy import StateDependentEnergy, energy_multiplier, invariant_quadratic
-from driftproof.symbolic.derivation.one_step import RING, determinant, entries, matrix, one_step_matrix
-from driftproof.symbolic.n_steps import apply, matrix_at, power
+from driftproof.symbolic.derivation.one_step import RING, determinant, entries, matrix, matrix_at, one_step_matrix
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
 from driftproof.symbolic.rounding.n_steps import HypothesisFails, RunBound, run_bound
 from driftproof.symbolic.rounding.overflow import largest_safe_state
 from driftproof.symbolic.rounding.own_norm import NoOwnNorm, OwnNorm, own_norm, root_above, swept_area
 from driftproof.symbolic.rounding.sharp import sharp_bound
 from driftproof.symbolic.rounding.step import LinearBound, step_bound
+from driftproof.symbolic.runs import apply, power
 from tests.nine import NINE
 
 ONE_ZERO = (Q(1), Q(0))

@@ -16,13 +16,13 @@ from driftproof.numeric.leapfrog import leapfrog
 from driftproof.numeric.steppers import HAND_WRITTEN, forward_euler, rk4
 from driftproof.numeric.worst_case import Envelope
 from driftproof.numeric.worst_case_search import search
-from driftproof.symbolic.derivation.one_step import one_step_matrix
-from driftproof.symbolic.n_steps import apply, matrix_at
+from driftproof.symbolic.derivation.one_step import matrix_at, one_step_matrix
 from driftproof.symbolic.rounding.formats import BFLOAT16, BINARY16, BINARY64, FloatFormat
 from driftproof.symbolic.rounding.sharp import sharp_bound
 from driftproof.symbolic.rounding.soft_float import soft_lift
 from driftproof.symbolic.rounding.step import step_bound
 from driftproof.symbolic.rounding.trace import NotLinear
+from driftproof.symbolic.runs import apply
 from tests.nine import NINE
 
 WRITTEN_OUT = {**HAND_WRITTEN, "leapfrog": leapfrog}

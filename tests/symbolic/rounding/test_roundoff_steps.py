@@ -18,10 +18,11 @@ from driftproof.numeric.steppers import HAND_WRITTEN
 from driftproof.numeric.worst_case import Envelope, every_finite, exhaust
 from driftproof.numeric.worst_case_search import random_floats, search
 from driftproof.symbolic.algebra.certified import settle
-from driftproof.symbolic.n_steps import apply, matrix_at
+from driftproof.symbolic.derivation.one_step import matrix_at
 from driftproof.symbolic.rounding.formats import BFLOAT16, BINARY16, BINARY32, BINARY64, FloatFormat, power_of_two
 from driftproof.symbolic.rounding.soft_float import soft_lift
 from driftproof.symbolic.rounding.step import StepBound, step_bound
+from driftproof.symbolic.runs import apply
 from tests.changes import coefficients
 from tests.nine import NINE
 

@@ -12,13 +12,13 @@ from driftproof.methods.problems import oscillator
 from driftproof.numeric.steppers import HAND_WRITTEN, forward_euler, rk4, symplectic_euler
 from driftproof.numeric.worst_case import Envelope, error_ratios, worst_of
 from driftproof.numeric.worst_case_search import random_steps
-from driftproof.symbolic.derivation.one_step import one_step_matrix
-from driftproof.symbolic.n_steps import apply, matrix_at
+from driftproof.symbolic.derivation.one_step import matrix_at, one_step_matrix
 from driftproof.symbolic.rounding.any_order import any_order_bound
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
 from driftproof.symbolic.rounding.sharp import sharp_bound
 from driftproof.symbolic.rounding.soft_float import soft_lift
 from driftproof.symbolic.rounding.step import step_bound
+from driftproof.symbolic.runs import apply
 
 TOLERANCE = 1e-12
 RANDOM_CHECKS = 2000

@@ -1,13 +1,16 @@
-"""Whole runs, certified: against stepping with fractions, against mpmath, and where numbers are exact or undefined."""
+"""Powers by squaring, and whole certified runs: against stepping with fractions, mpmath and SymPy's own cosines."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction as Q
+from functools import reduce
 from typing import Any
 
 import mpmath
 import pytest
 import sympy
+from flint import arb
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -15,15 +18,61 @@ from driftproof import strategies
 from driftproof.methods.problems import oscillator
 from driftproof.methods.schemes import RungeKutta
 from driftproof.methods.stepping import stepper
-from driftproof.symbolic import oscillator_run
-from driftproof.symbolic.algebra.certified import Uncertified, fixed, is_less, significant
-from driftproof.symbolic.oscillator_run import OscillatorRun
+from driftproof.symbolic import runs
+from driftproof.symbolic.algebra.certified import Uncertified, endpoints, fixed, is_less, significant
+from driftproof.symbolic.runs import OscillatorRun, apply, as_balls, exact_matrix_at, multiply, power, short_power
 from tests.nine import NINE
 
 EULER, SYMPLECTIC, RK4 = NINE["forward_euler"], NINE["symplectic_euler"], NINE["rk4"]
 START = (Q(1), Q(0))
 WIDE = mpmath.mp.clone()
 WIDE.dps = 60
+MATRICES = st.tuples(*4 * [strategies.rationals(max_size=3, max_denominator=9)])
+
+
+@given(MATRICES, st.integers(0, 20))
+def test_power_is_repeated_multiplication(matrix: tuple[Q, Q, Q, Q], n: int) -> None:
+    assert power(matrix, n) == reduce(multiply, [matrix] * n, (1, 0, 0, 1))
+
+
+@given(MATRICES, MATRICES, strategies.rational_states())
+def test_product_applies_the_right_factor_first(a: tuple[Q, ...], b: tuple[Q, ...], state: tuple[Q, Q]) -> None:
+    assert apply(multiply(a, b), *state) == apply(a, *apply(b, *state))
+
+
+def test_order_of_factors_matters() -> None:
+    shear, other = (1, 1, 0, 1), (1, 0, 1, 1)
+    assert multiply(shear, other) != multiply(other, shear)
+
+
+@given(MATRICES, st.integers(0, 40), st.integers(1, 200))
+def test_short_power_is_the_power_or_nothing(matrix: tuple[Q, Q, Q, Q], n: int, bits: int) -> None:
+    short, full = short_power(matrix, n, bits), power(matrix, n)
+    length = max(max(abs(x.numerator), x.denominator).bit_length() for x in map(Q, full))
+    assert short == full if short else length > bits or n > 0
+    assert short is None or length <= bits or n == 0
+
+
+def test_matrix_of_finite_order_has_short_powers_for_ever() -> None:
+    sixth_of_a_turn = exact_matrix_at(SYMPLECTIC, Q(1))
+    assert short_power(sixth_of_a_turn, 6 * 10**100 + 1, 1) == sixth_of_a_turn
+    growing = exact_matrix_at(EULER, Q(1, 4))
+    assert short_power(growing, 10**100, 4000) is None
+
+
+@given(MATRICES, st.integers(0, 50))
+def test_balls_enclose_the_exact_power(matrix: tuple[Q, Q, Q, Q], n: int) -> None:
+    for ball, exact in zip(power(as_balls(matrix), n), power(matrix, n), strict=True):
+        low, high = endpoints(arb(ball))
+        assert low <= exact <= high
+
+
+def test_squaring_keeps_balls_narrow_where_stepping_does_not() -> None:
+    matrix = as_balls(exact_matrix_at(SYMPLECTIC, Q(1, 10)))
+    stepped = reduce(lambda state, _: apply(matrix, *state), range(2000), (arb(1), arb(0)))
+    squared = apply(power(matrix, 2000), arb(1), arb(0))
+    assert squared[0].rad() < arb(10) ** -8
+    assert stepped[0].rad() > 1
 
 
 def stepped(key: str, h: Q, n: int, state: tuple[Q, Q]) -> tuple[Q, Q]:
@@ -91,15 +140,23 @@ def test_lesson_run_has_its_digits() -> None:
     run = OscillatorRun(EULER, Q(1, 4), Q(10))
     assert significant(run.state_error, 30) == "2.39029716830675147537827059350"
     assert fixed(run.phase_error, 6) == "-11.508056"
-    assert (run.steps, run.exact_state) == (40, (sympy.cos(10), -sympy.sin(10)))
+    assert (run.steps, *map(str, run.exact_state)) == (40, "cos(10)", "-sin(10)")
 
 
-def test_certified_readouts_lie_where_they_must() -> None:
-    for key in NINE:
-        run = OscillatorRun(NINE[key], Q(1, 2), Q(100))
-        assert is_less(Q(0), run.state_error)
-        assert is_less(Q(-180), run.phase_error)
-        assert is_less(run.phase_error, Q(180))
+@given(strategies.rational_states(max_size=4, max_denominator=20), strategies.rationals(max_size=20, max_denominator=3))
+def test_exact_state_is_written_as_sympy_writes_it(start: tuple[Q, Q], t: Q) -> None:
+    assume(t != 0)
+    q, v, angle = (sympy.Rational(x.numerator, x.denominator) for x in (*start, t))
+    c, s = sympy.cos(angle), sympy.sin(angle)
+    found = OscillatorRun(EULER, t, t, start).exact_state
+    assert tuple(map(str, found)) == (str(q * c + v * s), str(v * c - q * s))
+    for x, wanted in zip(found, (q * c + v * s, v * c - q * s), strict=True):
+        assert fixed(x, 25) == fixed(Q(str(sympy.N(wanted, 60))), 25)
+
+
+@pytest.mark.parametrize("command", ["run rk4 --h 1/4 --t 10", "step rk4 --h 1/4 --state 1,0", "facts gauss2"])
+def test_answers_load_no_sympy(command: str, modules_after: Callable[[str], set[str]]) -> None:
+    assert "sympy" not in modules_after(f"from driftproof.cli import main; main({command.split()!r})")
 
 
 def test_positive_phase_error_means_ahead() -> None:
@@ -150,7 +207,7 @@ def test_periodic_run_keeps_exact_fractions_however_long() -> None:
 def test_long_and_short_forms_print_the_same_digits(monkeypatch: pytest.MonkeyPatch) -> None:
     short = OscillatorRun(RK4, Q(1, 4), Q(10), (Q(1, 3), Q(2)))
     assert short.has_short_fractions
-    monkeypatch.setattr(oscillator_run, "LONGEST_FRACTION", 10)
+    monkeypatch.setattr(runs, "LONGEST_FRACTION", 10)
     long = OscillatorRun(RK4, Q(1, 4), Q(10), (Q(1, 3), Q(2)))
     assert not long.has_short_fractions
     assert callable(long.energy)
