@@ -23,7 +23,7 @@ from driftproof.texts.claims.checking import Outcome, check_claims, occurrences_
 from driftproof.texts.claims.claims import Claim, read_claims  # noqa: E402
 from driftproof.texts.claims.coverage import GIVEN, LABEL, UNCOVERED, VALUE, coverage  # noqa: E402
 from driftproof.texts.readers.canonical import FRACTIONS, LOWERED, RAISED  # noqa: E402
-from driftproof.texts.readers.reading import Reading, read_file, read_text  # noqa: E402
+from driftproof.texts.readers.document import Document, document_of, read_document  # noqa: E402
 
 LESSON = ROOT.parent / "shared" / "lesson" / "lesson.txt"
 CLAIMS = ROOT / "proofs" / "lesson" / "claims.toml"
@@ -42,14 +42,14 @@ MISPRINTS = {digit: kind.replace(digit, "") for kind in _KINDS for digit in kind
 ROUND_ABOUT = 200
 
 
-def misprints(reading: Reading, outcome: Outcome) -> Iterator[tuple[int, str]]:
+def misprints(document: Document, outcome: Outcome) -> Iterator[tuple[int, str]]:
     """Every change of one digit where the claim's phrase stands: the place in the file, and the digit put there."""
     for occurrence in outcome.occurrences:
-        places = {reading.text.origin(i): None for i in range(occurrence.start, occurrence.end)}
-        yield from ((at, other) for at in places for other in MISPRINTS.get(reading.source[at], ""))
+        places = {document.text.origin(i): None for i in range(occurrence.start, occurrence.end)}
+        yield from ((at, other) for at in places for other in MISPRINTS.get(document.source[at], ""))
 
 
-def unnoticed(reading: Reading, outcome: Outcome) -> list[tuple[int, str]]:
+def unnoticed(document: Document, outcome: Outcome) -> list[tuple[int, str]]:
     """The misprints of a plain text by which the claim is not refuted, from their surroundings alone.
 
     The claim holds of the text as it is, so that one occurrence more or less refutes it.
@@ -58,20 +58,20 @@ def unnoticed(reading: Reading, outcome: Outcome) -> list[tuple[int, str]]:
 
     @cache
     def count(at: int, digit: str) -> int:
-        before, after = reading.source[max(0, at - ROUND_ABOUT) : at], reading.source[at + 1 : at + ROUND_ABOUT]
-        return len(occurrences_of(read_text(before + digit + after), claim, spellings))
+        before, after = document.source[max(0, at - ROUND_ABOUT) : at], document.source[at + 1 : at + ROUND_ABOUT]
+        return len(occurrences_of(document_of(before + digit + after), claim, spellings))
 
-    tried = misprints(reading, outcome)
-    return [(at, digit) for at, digit in tried if count(at, digit) == count(at, reading.source[at])]
+    tried = misprints(document, outcome)
+    return [(at, digit) for at, digit in tried if count(at, digit) == count(at, document.source[at])]
 
 
 def figures(lesson: Path = LESSON) -> dict[str, Any]:
     """Everything that the page says in numbers."""
     claims = read_claims(CLAIMS)
-    reading = read_file(lesson, claims.form)
-    outcomes = check_claims(reading, claims.claims)
-    covered = coverage(reading, outcomes, claims.labels)
-    tried = {place for outcome in outcomes for place in misprints(reading, outcome)}
+    document = read_document(lesson, claims.form)
+    outcomes = check_claims(document, claims.claims)
+    covered = coverage(document, outcomes, claims.labels)
+    tried = {place for outcome in outcomes for place in misprints(document, outcome)}
     why = {claim.id: _reason(claim) for claim in claims.claims}
     return {
         "claims": len(outcomes),
@@ -80,10 +80,10 @@ def figures(lesson: Path = LESSON) -> dict[str, Any]:
         "share": str(covered.share),
         "labels": dict(Counter(one.by for one in covered.numbers if one.kind == LABEL)),
         "given_as": dict(Counter(why[one.by] for one in covered.numbers if one.kind == GIVEN)),
-        "digits": sum(character in MISPRINTS for character in reading.source),
+        "digits": sum(character in MISPRINTS for character in document.source),
         "held_digits": len({at for at, _ in tried}),
         "misprints": len(tried),
-        "unnoticed": sum(len(unnoticed(reading, outcome)) for outcome in outcomes),
+        "unnoticed": sum(len(unnoticed(document, outcome)) for outcome in outcomes),
     }
 
 

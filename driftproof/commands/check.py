@@ -81,16 +81,16 @@ def answer(options: argparse.Namespace) -> str:
     from driftproof.texts.claims.drafting import draft
     from driftproof.texts.claims.report import Report
     from driftproof.texts.claims.running import run_listings
-    from driftproof.texts.readers.reading import read_file
+    from driftproof.texts.readers.document import read_document
 
     if options.init and (options.run or options.coverage or options.format != "text"):
         raise ValueError("--init drafts claims; --run, --coverage and --format need --claims")
     claims = Claims() if options.init else read_claims(options.claims)
-    reading = read_file(options.text, claims.form)
+    document = read_document(options.text, claims.form)
     if options.init:
-        return draft(reading, options.text)
-    ran = run_listings(reading, options.time_limit) if options.run else None
-    report = Report.of(options.text, reading, claims, ran, options.coverage)
+        return draft(document, options.text)
+    ran = run_listings(document, options.time_limit) if options.run else None
+    report = Report.of(options.text, document, claims, ran, options.coverage)
     if not report.passed:
         raise Refuted(report.written(options.format))
     return report.written(options.format)

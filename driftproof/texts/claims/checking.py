@@ -9,7 +9,7 @@ from itertools import islice
 
 from driftproof.texts.claims.claims import Claim
 from driftproof.texts.claims.phrases import Spellings
-from driftproof.texts.readers.reading import Place, Reading
+from driftproof.texts.readers.document import Document, Position
 
 # What is shown of the text where a phrase begins as it should and then goes on differently.
 SHOWN = 60
@@ -32,7 +32,7 @@ class Finding:
     """One thing that is wrong: the claim, the place, what is expected there, what is found, and the same in words."""
 
     claim: str
-    place: Place
+    place: Position
     expected: str
     found: str
     message: str
@@ -47,88 +47,88 @@ class Outcome:
     findings: tuple[Finding, ...]
 
 
-def occurrences_of(reading: Reading, claim: Claim, spellings: Spellings) -> tuple[Occurrence, ...]:
+def occurrences_of(document: Document, claim: Claim, spellings: Spellings) -> tuple[Occurrence, ...]:
     """Everywhere that the phrase stands with its values, spelled so."""
     return tuple(
         Occurrence(*match.span(), tuple(match.span(name) for name in claim.phrase.names))
-        for match in claim.phrase.exact(spellings, claim.ignore_case).finditer(reading.text.text)
+        for match in claim.phrase.exact(spellings, claim.ignore_case).finditer(document.text.text)
     )
 
 
-def check_claim(reading: Reading, claim: Claim, spellings: Spellings) -> Outcome:
+def check_claim(document: Document, claim: Claim, spellings: Spellings) -> Outcome:
     """The claim, whose values are spelled so, held to the text."""
-    occurrences = occurrences_of(reading, claim, spellings)
+    occurrences = occurrences_of(document, claim, spellings)
     if len(occurrences) == claim.count:
         return Outcome(claim, occurrences, ())
     if len(occurrences) > claim.count:
-        return Outcome(claim, occurrences, tuple(_surplus(reading, claim, occurrences)))
-    return Outcome(claim, occurrences, tuple(_missing(reading, claim, spellings, occurrences)))
+        return Outcome(claim, occurrences, tuple(_surplus(document, claim, occurrences)))
+    return Outcome(claim, occurrences, tuple(_missing(document, claim, spellings, occurrences)))
 
 
-def check_claims(reading: Reading, claims: Iterable[Claim]) -> list[Outcome]:
+def check_claims(document: Document, claims: Iterable[Claim]) -> list[Outcome]:
     """Every claim held to the text. Raises ValueError where a claim has no value."""
-    return [check_claim(reading, claim, claim.spellings()) for claim in claims]
+    return [check_claim(document, claim, claim.spellings()) for claim in claims]
 
 
 def _times(count: int) -> str:
     return "once" if count == 1 else f"{count} times"
 
 
-def _surplus(reading: Reading, claim: Claim, occurrences: tuple[Occurrence, ...]) -> Iterable[Finding]:
+def _surplus(document: Document, claim: Claim, occurrences: tuple[Occurrence, ...]) -> Iterable[Finding]:
     for occurrence in occurrences[claim.count :][:MOST_FINDINGS]:
-        found = reading.text.text[occurrence.start : occurrence.end]
+        found = document.text.text[occurrence.start : occurrence.end]
         message = f"this stands {_times(len(occurrences))} in the text, and should stand {_times(claim.count)}"
-        yield Finding(claim.id, reading.place(occurrence.start), "nothing", found, message)
+        yield Finding(claim.id, document.position(occurrence.start), "nothing", found, message)
 
 
 def _missing(
-    reading: Reading, claim: Claim, spellings: Spellings, occurrences: tuple[Occurrence, ...]
+    document: Document, claim: Claim, spellings: Spellings, occurrences: tuple[Occurrence, ...]
 ) -> Iterable[Finding]:
     """As many as are missing of the places that come closest: the most numbers right, and the first such."""
     missing, known = claim.count - len(occurrences), {occurrence.start for occurrence in occurrences}
     for names in (True, False):  # a name with another number in it comes close, too, where nothing comes closer
         expected = claim.phrase.numbers(spellings, names)
         shape = claim.phrase.shape(spellings, claim.ignore_case, names)
-        found = islice(shape.finditer(reading.text.text), MOST_COMPARED)
+        found = islice(shape.finditer(document.text.text), MOST_COMPARED)
         near = [match for match in found if match.start() not in known]
         near.sort(key=lambda match: -sum(a == b for a, b in zip(expected, match.groups(), strict=True)))
         if near:
-            yield from (_difference(reading, claim, expected, match) for match in near[: min(missing, MOST_FINDINGS)])
+            yield from (_difference(document, claim, expected, match) for match in near[: min(missing, MOST_FINDINGS)])
             return
     often = "nowhere" if not occurrences else f"only {_times(len(occurrences))}"
     written = claim.phrase.written(spellings)
     message = f"{written!r} stands {often} in the text, and should stand {_times(claim.count)}"
-    yield _unseen(reading, claim, spellings, message)
+    yield _unseen(document, claim, spellings, message)
 
 
-def _unseen(reading: Reading, claim: Claim, spellings: Spellings, message: str) -> Finding:
+def _unseen(document: Document, claim: Claim, spellings: Spellings, message: str) -> Finding:
     """A phrase that has not even its shape in the text: where the text comes closest."""
     written = claim.phrase.written(spellings)
-    capitals = None if claim.ignore_case else claim.phrase.shape(spellings, True).search(reading.text.text)
+    capitals = None if claim.ignore_case else claim.phrase.shape(spellings, True).search(document.text.text)
     if capitals:
-        place, found, why = reading.place(capitals.start()), capitals[0], "other capitals, and ignore_case = true"
+        place, found, why = document.position(capitals.start()), capitals[0], "other capitals, and ignore_case = true"
         return Finding(claim.id, place, written, found, f"{message}; {found!r} has {why} allows them")
-    place, found = _beginning(reading, written)
+    place, found = _beginning(document, written)
     return Finding(claim.id, place, written, found, f"{message}; closest is {found!r}" if found else message)
 
 
-def _difference(reading: Reading, claim: Claim, expected: list[str], match: re.Match[str]) -> Finding:
+def _difference(document: Document, claim: Claim, expected: list[str], match: re.Match[str]) -> Finding:
     """The first number that is not as it should be."""
     groups = list(match.groups())
     first = next((i for i, (a, b) in enumerate(zip(expected, groups, strict=True)) if a != b), None)
     if first is None:
         message = f"{match[0]!r} is part of something longer here, or is spelled in another way"
-        return Finding(claim.id, reading.place(match.start()), match[0], match[0], message)
+        return Finding(claim.id, document.position(match.start()), match[0], match[0], message)
     message = f"expected {expected[first]}, found {groups[first]}"
-    return Finding(claim.id, reading.place(match.start(first + 1)), expected[first], groups[first], message)
+    return Finding(claim.id, document.position(match.start(first + 1)), expected[first], groups[first], message)
 
 
-def _beginning(reading: Reading, written: str) -> tuple[Place, str]:
+def _beginning(document: Document, written: str) -> tuple[Position, str]:
     """Where the longest run of first words of a phrase stands, and what does; the first place and "" if none does."""
-    flat = reading.text.text.replace("\n", " ")
+    flat = document.text.text.replace("\n", " ")
     words = [match.end() for match in re.finditer(r"\S+", written.replace("\n", " "))]
     for end in reversed(words):
         at = flat.find(written[:end].replace("\n", " "))
         if at >= 0 and end > 1:
-            return reading.place(at), flat[at : at + max(len(written), end)][:SHOWN]
-    return Place(1, 1), ""
+            return document.position(at), flat[at : at + max(len(written), end)][:SHOWN]
+    return Position(1, 1), ""

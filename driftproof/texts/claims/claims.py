@@ -24,10 +24,10 @@ from driftproof.support.toml_tables import (
 )
 from driftproof.texts.claims.phrases import Phrase
 from driftproof.texts.claims.spelling import MOST_DIGITS, ROUNDINGS, Form
-from driftproof.texts.readers.canonical import canonical
-from driftproof.texts.readers.mapped import Mapped
-from driftproof.texts.readers.numbers import numbers
-from driftproof.texts.readers.reading import READERS
+from driftproof.texts.readers.canonical import canonical_spelling
+from driftproof.texts.readers.document import READERS
+from driftproof.texts.readers.numbers import numbers_in
+from driftproof.texts.readers.source_text import SourceText
 
 LARGEST_FILE = 2**20
 MOST_CLAIMS = 5000
@@ -130,7 +130,7 @@ def _claim_named(key: str, entry: Table) -> Claim:
     if not (given is None or given is True or (isinstance(given, str) and 0 < len(given) <= LONGEST_NAME)):
         raise ValueError("given is true, or says in a few words why the numbers of the phrase are")
     values = _values(entry, phrase)
-    free = next((n.text for literal in phrase.literals for n in numbers(literal) if n.label is None), None)
+    free = next((n.text for literal in phrase.literals for n in numbers_in(literal) if n.label is None), None)
     if free is not None and given is None:
         raise ValueError(f"the number {free} of its phrase is no value; make it one, or say given = true if it is data")
     if not values and free is None:
@@ -167,7 +167,7 @@ def _expected(value: Any, default: dict[str, Any]) -> Expected:
     demand_keys(entry, ("ask", "given", *_FORM), "a value")
     question, given = entry.get("ask"), entry.get("given")
     if given is not None:
-        found = numbers(_canonical(given)) if isinstance(given, str) and len(given) <= LONGEST_NAME else []
+        found = numbers_in(_canonical(given)) if isinstance(given, str) and len(given) <= LONGEST_NAME else []
         if len(entry) > 1 or len(found) != 1 or found[0].text != _canonical(given):
             raise ValueError("given is one number as a text, as it stands in the phrase, and has no form")
         return Expected(None, given, Form())
@@ -209,7 +209,7 @@ def _phrase(entry: Table) -> Phrase:
 
 
 def _canonical(text: str) -> str:
-    return canonical(Mapped.of(text.strip())).text
+    return canonical_spelling(SourceText.of(text.strip())).text
 
 
 def _entries(table: Table, name: str) -> list[Table]:

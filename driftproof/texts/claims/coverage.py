@@ -9,8 +9,8 @@ from fractions import Fraction
 
 from driftproof.texts.claims.checking import Outcome
 from driftproof.texts.claims.claims import Label
-from driftproof.texts.readers.numbers import Number, numbers
-from driftproof.texts.readers.reading import Reading
+from driftproof.texts.readers.document import Document
+from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 VALUE, GIVEN, LABEL, RUN, UNCOVERED = "value", "given", "label", "run", "uncovered"
 # Stands for each character of what is answered for already: of no number, of no word.
@@ -23,7 +23,7 @@ Span = tuple[int, int]
 class Accounted:
     """A number, how it is accounted for (one of the kinds above), and by what: a claim's id, or why it is a label."""
 
-    number: Number
+    number: TextNumber
     kind: str
     by: str
 
@@ -48,19 +48,19 @@ class Coverage:
         return 1 - Fraction(counts[UNCOVERED], of) if of else Fraction(1)
 
     @property
-    def uncovered(self) -> list[Number]:
+    def uncovered(self) -> list[TextNumber]:
         """The numbers that nobody answers for."""
         return [accounted.number for accounted in self.numbers if accounted.kind == UNCOVERED]
 
 
 def coverage(
-    reading: Reading, outcomes: Iterable[Outcome], labels: Iterable[Label] = (), ran: Iterable[Span] = ()
+    document: Document, outcomes: Iterable[Outcome], labels: Iterable[Label] = (), ran: Iterable[Span] = ()
 ) -> Coverage:
     """Every number of the text; `ran` are the spans of what listings print and were seen to print.
 
     Raises ValueError for a label that stands nowhere.
     """
-    text = reading.text.text
+    text = document.text.text
     values: dict[Span, tuple[str, str]] = {}
     phrases: list[tuple[Span, str, str]] = []
     for outcome in outcomes:
@@ -72,7 +72,7 @@ def coverage(
     phrases += [(span, LABEL, label.why) for label in labels for span in _label_spans(text, label)]
     phrases += [(span, RUN, "running the listing") for span in ran]
     found = [accounted for span, how in values.items() for accounted in _of_value(text, span, *how)]
-    rest = numbers(_masked(text, values))
+    rest = numbers_in(_masked(text, values))
     return Coverage(tuple(sorted([*found, *_of_rest(rest, phrases)], key=lambda a: a.number.start)))
 
 
@@ -86,7 +86,7 @@ def _label_spans(text: str, label: Label) -> list[Span]:
 def _of_value(text: str, span: Span, kind: str, by: str) -> list[Accounted]:
     """The numbers of one value: of a formula there are several."""
     start, end = span
-    inside = [number for number in numbers(text[start:end]) if number.label is None]
+    inside = [number for number in numbers_in(text[start:end]) if number.label is None]
     return [
         Accounted(replace(number, start=start + number.start, end=start + number.end), kind, by) for number in inside
     ]
@@ -101,7 +101,7 @@ def _masked(text: str, spans: Iterable[Span]) -> str:
     return "".join([*pieces, text[done:]])
 
 
-def _of_rest(rest: list[Number], phrases: list[tuple[Span, str, str]]) -> list[Accounted]:
+def _of_rest(rest: list[TextNumber], phrases: list[tuple[Span, str, str]]) -> list[Accounted]:
     """Numbers outside of values: labels by rule, then what stands in a phrase, then what is left."""
     found = []
     waiting, active = sorted(phrases, key=lambda phrase: phrase[0][0], reverse=True), list[tuple[Span, str, str]]()

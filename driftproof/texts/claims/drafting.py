@@ -12,8 +12,8 @@ from typing import TypeAlias
 from driftproof.texts.claims.phrases import Phrase
 from driftproof.texts.claims.spelling import Form
 from driftproof.texts.claims.suggestions import Candidate, Suggestions
-from driftproof.texts.readers.numbers import Number, numbers
-from driftproof.texts.readers.reading import Reading
+from driftproof.texts.readers.document import Document
+from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # Words of a phrase before its first number and after its last, until it stands there and only once.
 EXTENTS = tuple((before, after) for after in range(4) for before in range(3, 12))
@@ -28,27 +28,27 @@ HEADER = """\
 """
 
 # A number, and the values that it looks like.
-Member: TypeAlias = tuple[Number, list[Candidate]]
+Member: TypeAlias = tuple[TextNumber, list[Candidate]]
 Group: TypeAlias = Sequence[Member]
 
 
-def draft(reading: Reading, name: str) -> str:
+def draft(document: Document, name: str) -> str:
     """The text of a claims file for a text called `name`."""
-    return "\n".join([HEADER.format(name=" ".join(name.split())), *_Draft(reading).claims()])
+    return "\n".join([HEADER.format(name=" ".join(name.split())), *_Draft(document).claims()])
 
 
 @dataclass
 class _Draft:
     """The claims so far: which numbers they cover, and how often the same questions came up."""
 
-    reading: Reading
+    document: Document
     covered: set[int] = field(default_factory=set)
     named: Counter[str] = field(default_factory=Counter)
 
     def claims(self) -> Iterator[str]:
         """One claim for each group of numbers that no claim before it covers."""
-        text = self.reading.text.text
-        found = [number for number in numbers(text) if number.label is None]
+        text = self.document.text.text
+        found = [number for number in numbers_in(text) if number.label is None]
         if len(found) > LARGEST_DRAFT:
             raise ValueError(f"the text has {len(found)} numbers; claims for more than {LARGEST_DRAFT} are not drafted")
         suggestions = Suggestions(text)
@@ -61,7 +61,7 @@ class _Draft:
 
     def claim(self, text: str, room: tuple[int, int], group: Group) -> str:
         """A claim about the numbers of one group, whose phrase keeps to `room`; a remark where there is none."""
-        line, column = self.reading.place(group[0][0].start)
+        line, column = self.document.position(group[0][0].start)
         strong = all(_is_strong(candidates) for _, candidates in group)
         written, found = _best_phrase(text, room, [number for number, _ in group], strong)
         if not found:
@@ -82,7 +82,7 @@ class _Draft:
         return questions if self.named[questions] == 1 else f"{questions} ({self.named[questions]})"
 
 
-def _best_phrase(text: str, room: tuple[int, int], group: list[Number], strong: bool) -> tuple[str, list[int]]:
+def _best_phrase(text: str, room: tuple[int, int], group: list[TextNumber], strong: bool) -> tuple[str, list[int]]:
     """The phrase that stands once, or else least often, and where its first number does; ("", []) if none stands."""
     best: tuple[str, list[int]] = ("", [])
     for before, after in EXTENTS:
@@ -95,7 +95,9 @@ def _best_phrase(text: str, room: tuple[int, int], group: list[Number], strong: 
     return best
 
 
-def _groups(text: str, found: list[tuple[Number, list[Candidate]]]) -> Iterator[list[tuple[Number, list[Candidate]]]]:
+def _groups(
+    text: str, found: list[tuple[TextNumber, list[Candidate]]]
+) -> Iterator[list[tuple[TextNumber, list[Candidate]]]]:
     """Neighbours on one line, all of which look like values, or none of which do."""
     group: list[Member] = []
     for number, candidates in found:
@@ -121,7 +123,7 @@ def _names(group: Sequence[object]) -> list[str]:
 
 
 def _phrase(
-    text: str, room: tuple[int, int], group: list[Number], before: int, after: int, strong: bool
+    text: str, room: tuple[int, int], group: list[TextNumber], before: int, after: int, strong: bool
 ) -> tuple[str, int]:
     """The phrase with at most so many words before its first number and after its last, and where it begins.
 
@@ -142,7 +144,7 @@ def _escaped(text: str) -> str:
     return text.replace("\n", " ").replace("{", "{{").replace("}", "}}")
 
 
-def _starts(text: str, written: str, group: list[Number], first: int) -> list[int]:
+def _starts(text: str, written: str, group: list[TextNumber], first: int) -> list[int]:
     """Where the phrase stands, everywhere in the text; nothing if it does not stand at `first`."""
     try:
         spellings = {name: [number.text] for name, number in zip(_names(group), group, strict=False)}
@@ -173,7 +175,7 @@ def _form(form: Form) -> list[str]:
     return [*size, *([f'rounding = "{form.rounding}"'] if form.rounding else [])]
 
 
-def _remark(number: Number, candidates: list[Candidate]) -> str:
+def _remark(number: TextNumber, candidates: list[Candidate]) -> str:
     others = [candidate.question for candidate in candidates[_is_strong(candidates) :]]
     if not others:
         return ""

@@ -9,9 +9,9 @@ from itertools import zip_longest
 from typing import TypeAlias
 
 from driftproof.texts.claims.spelling import literal_pattern, pattern
-from driftproof.texts.readers.canonical import canonical
-from driftproof.texts.readers.mapped import Mapped
-from driftproof.texts.readers.numbers import numbers
+from driftproof.texts.readers.canonical import canonical_spelling
+from driftproof.texts.readers.numbers import numbers_in
+from driftproof.texts.readers.source_text import SourceText
 
 LONGEST_PHRASE = 400
 MOST_VALUES = 20
@@ -51,7 +51,7 @@ class Phrase:
         if _SEAT.search(text):
             raise ValueError("it holds a character of Unicode's private use")
         names: list[str] = []
-        spelled = canonical(Mapped.of(_seated(text.strip(), names))).text
+        spelled = canonical_spelling(SourceText.of(_seated(text.strip(), names))).text
         if not spelled:
             raise ValueError("it is empty")
         return cls(tuple(_SEAT.split(spelled)), tuple(names))
@@ -85,7 +85,7 @@ class Phrase:
         texts, found = [""], list[str]()
         for part in _alternating(self.literals, [spellings[name][0] for name in self.names]):
             done = 0
-            for number in numbers(part):
+            for number in numbers_in(part):
                 if number.label is None or not names:
                     texts[-1] += part[done : number.start]
                     if found and not texts[-1]:

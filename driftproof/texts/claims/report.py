@@ -13,8 +13,8 @@ from driftproof.texts.claims.claims import Claims
 from driftproof.texts.claims.coverage import GIVEN, LABEL, RUN, UNCOVERED, VALUE, Accounted, Coverage, coverage
 from driftproof.texts.claims.running import Ran
 from driftproof.texts.claims.suggestions import Candidate, Suggestions
-from driftproof.texts.readers.numbers import Number
-from driftproof.texts.readers.reading import Place, Reading
+from driftproof.texts.readers.document import Document, Position
+from driftproof.texts.readers.numbers import TextNumber
 
 # Characters of the text that are shown on each side of a number, and the values that are named of those it looks like.
 CONTEXT, MOST_NAMED = 24, 3
@@ -28,7 +28,7 @@ class Report:
     """A text called `file`, held to claims: the outcomes, the coverage, and what running its listings showed."""
 
     file: str
-    reading: Reading
+    document: Document
     outcomes: tuple[Outcome, ...]
     coverage: Coverage
     least_coverage: Fraction
@@ -36,17 +36,17 @@ class Report:
     suggestions: Suggestions | None = field(default=None, compare=False)
 
     @classmethod
-    def of(cls, file: str, reading: Reading, claims: Claims, ran: Ran | None = None, suggest: bool = False) -> Report:
+    def of(cls, file: str, document: Document, claims: Claims, ran: Ran | None = None, suggest: bool = False) -> Report:
         """The claims checked. With `suggest` it says which values each uncovered number looks like.
 
         Raises ValueError where a claim has no value, a label stands nowhere, or there is too much to suggest.
         """
-        outcomes = tuple(check_claims(reading, claims.claims))
-        covered = coverage(reading, outcomes, claims.labels, ran.spans if ran else ())
+        outcomes = tuple(check_claims(document, claims.claims))
+        covered = coverage(document, outcomes, claims.labels, ran.spans if ran else ())
         if suggest and len(covered.uncovered) > MOST_LISTED:
             raise ValueError(f"{len(covered.uncovered)} numbers are not covered; at most {MOST_LISTED} are listed")
-        suggestions = Suggestions(reading.text.text) if suggest else None
-        return cls(file, reading, outcomes, covered, claims.coverage, ran, suggestions)
+        suggestions = Suggestions(document.text.text) if suggest else None
+        return cls(file, document, outcomes, covered, claims.coverage, ran, suggestions)
 
     @property
     def findings(self) -> list[Finding]:
@@ -55,7 +55,7 @@ class Report:
         found += self.ran.findings if self.ran else ()
         if self.coverage.share < self.least_coverage:
             least, share = _percent(self.least_coverage), _percent(self.coverage.share)
-            place = self.reading.place(self.coverage.uncovered[0].start)
+            place = self.document.position(self.coverage.uncovered[0].start)
             message = f"{share} of the numbers are covered, and {least} should be; this is the first that is not"
             found.append(Finding("coverage", place, least, share, message))
         return sorted(found, key=lambda finding: finding.place)
@@ -97,7 +97,7 @@ class Report:
         }
 
     def _number_as_dict(self, accounted: Accounted) -> dict[str, Any]:
-        number, place = accounted.number, self.reading.place(accounted.number.start)
+        number, place = accounted.number, self.document.position(accounted.number.start)
         entry = {"text": number.text, "line": place.line, "column": place.column, "kind": accounted.kind}
         if accounted.kind != UNCOVERED:
             return {**entry, "by": accounted.by}
@@ -124,15 +124,15 @@ class Report:
             f"and {_counted(counts[LABEL], 'label')}"
         )
 
-    def _uncovered_line(self, number: Number) -> str:
-        line, column = self.reading.place(number.start)
+    def _uncovered_line(self, number: TextNumber) -> str:
+        line, column = self.document.position(number.start)
         assert self.suggestions is not None
         return (
             f"{self.file}:{line}:{column}: not covered: {self._context(number)!r}{_named(self.suggestions.of(number))}"
         )
 
-    def _context(self, number: Number) -> str:
-        text = self.reading.text.text
+    def _context(self, number: TextNumber) -> str:
+        text = self.document.text.text
         start = max(text.rfind("\n", 0, number.start) + 1, number.start - CONTEXT)
         end = text.find("\n", number.end)
         return text[start : min(len(text) if end < 0 else end, number.end + CONTEXT)]
@@ -143,10 +143,10 @@ class Report:
         if self.suggestions:
             for number in self.coverage.uncovered:
                 message = f"no claim covers {number.text}{_named(self.suggestions.of(number))}"
-                yield _annotation("notice", self.file, self.reading.place(number.start), "coverage", message)
+                yield _annotation("notice", self.file, self.document.position(number.start), "coverage", message)
 
 
-def _annotation(level: str, file: str, place: Place, title: str, message: str) -> str:
+def _annotation(level: str, file: str, place: Position, title: str, message: str) -> str:
     """A workflow command of GitHub's, in which a few characters have to be escaped."""
     properties = {"file": file, "line": str(place.line), "col": str(place.column), "title": title}
     listed = ",".join(f"{key}={_escaped(value, ':,')}" for key, value in properties.items())

@@ -19,9 +19,9 @@ from typing import Any
 
 from driftproof.texts.claims import child
 from driftproof.texts.claims.checking import Finding
-from driftproof.texts.readers.listings import Listing, listings
-from driftproof.texts.readers.mapped import Mapped
-from driftproof.texts.readers.reading import Reading
+from driftproof.texts.claims.listings import Listing, listings
+from driftproof.texts.readers.document import Document
+from driftproof.texts.readers.source_text import SourceText
 
 TIME_LIMIT = 10.0
 MEMORY = 2 * 2**30
@@ -38,18 +38,18 @@ class Ran:
     spans: tuple[tuple[int, int], ...]
 
 
-def run_listings(reading: Reading, time_limit: float = TIME_LIMIT) -> Ran:
+def run_listings(document: Document, time_limit: float = TIME_LIMIT) -> Ran:
     """Every Python listing of the text run, in order, in one process, within `time_limit` seconds together."""
-    found = listings(reading)
+    found = listings(document)
     outcomes = _outcomes(found, time_limit) if found else []
     findings: list[Finding] = []
     spans: list[tuple[int, int]] = []
     for number, (listing, outcome) in enumerate(zip(found, outcomes, strict=True), 1):
-        wrong = _compared(reading, f"listing {number}", listing, outcome)
+        wrong = _compared(document, f"listing {number}", listing, outcome)
         findings += [wrong] if wrong else []
         if not wrong and listing.printed is not None:
             ends = (listing.printed.origin(0), listing.printed.origin(len(listing.printed.text)))
-            spans.append((reading.text.index(ends[0]), reading.text.index(ends[1])))
+            spans.append((document.text.index(ends[0]), document.text.index(ends[1])))
     return Ran(tuple(findings), len(found), tuple(spans))
 
 
@@ -103,10 +103,10 @@ def _read(line: str) -> dict[str, Any] | None:
     return None
 
 
-def _compared(reading: Reading, name: str, listing: Listing, outcome: dict[str, Any]) -> Finding | None:
+def _compared(document: Document, name: str, listing: Listing, outcome: dict[str, Any]) -> Finding | None:
     """What is wrong, if anything: an error, or the first line that differs."""
     if outcome["error"] is not None:
-        place = reading.place_of_origin(listing.origin)
+        place = document.position_of_origin(listing.origin)
         error = " ".join(str(outcome["error"]).split())
         return Finding(name, place, "an end without error", error, f"running this listing: {error}")
     if listing.printed is None:
@@ -115,7 +115,7 @@ def _compared(reading: Reading, name: str, listing: Listing, outcome: dict[str, 
     for i in range(max(len(printed), len(shown))):
         ours, theirs = (lines[i] if i < len(lines) else "" for lines in (printed, shown))
         if ours != theirs:
-            place = reading.place_of_origin(_line_origin(listing.printed, i))
+            place = document.position_of_origin(_line_origin(listing.printed, i))
             return Finding(name, place, ours, theirs, f"the listing prints {ours!r}, the text says {theirs!r}")
     return None
 
@@ -124,7 +124,7 @@ def _lines(text: str) -> list[str]:
     return [line.replace("\N{NO-BREAK SPACE}", " ").rstrip() for line in text.strip().splitlines()]
 
 
-def _line_origin(text: Mapped, number: int) -> int:
+def _line_origin(text: SourceText, number: int) -> int:
     """Where in the file the line of this number begins, from the first that is not empty; the last for one beyond."""
     start = len(text.text) - len(text.text.lstrip())
     for _ in range(number):

@@ -9,7 +9,7 @@ from fractions import Fraction
 from functools import cached_property
 
 from driftproof.texts.claims.spelling import Form
-from driftproof.texts.readers.numbers import Number
+from driftproof.texts.readers.numbers import TextNumber
 
 # Methods of which a text is taken to speak where it names none that we know.
 USUAL_METHODS = ("forward_euler", "symplectic_euler", "velocity_verlet", "rk4")
@@ -63,7 +63,7 @@ class Suggestions:
 
     text: str
 
-    def of(self, number: Number) -> list[Candidate]:
+    def of(self, number: TextNumber) -> list[Candidate]:
         """Every value that is written like the number, the best first: its names stand nearby, or it is equal."""
         try:
             value = number.value
@@ -79,7 +79,7 @@ class Suggestions:
                 found.append((order, Candidate(known.question, form, fit, strong)))
         return [candidate for _, candidate in sorted(found, key=lambda pair: pair[0])]
 
-    def _fit(self, known: _Known, number: Number) -> int:
+    def _fit(self, known: _Known, number: TextNumber) -> int:
         """How many of the value's names stand near the number."""
         near = self.text[max(0, number.start - NEIGHBOURHOOD) : number.end + NEIGHBOURHOOD].lower()
         return sum(bool(re.search(rf"(?<![a-z]){name}", near)) for name in known.names)
@@ -143,7 +143,7 @@ def _known(question: str, published: bool) -> _Known | None:
     return _Known(question, published, near, exact)
 
 
-def _form(known: _Known, number: Number) -> Form | None:
+def _form(known: _Known, number: TextNumber) -> Form | None:
     """The form in which the value is written like the number; None where there is none."""
     from driftproof.texts.questions.ask import value
     from driftproof.texts.questions.errors import AmbiguousRounding
@@ -163,7 +163,7 @@ def _form(known: _Known, number: Number) -> Form | None:
     return None
 
 
-def _form_of(number: Number, rounding: str | None) -> Form:
+def _form_of(number: TextNumber, rounding: str | None) -> Form:
     """The form in which the number stands."""
     if "/" in number.text:
         return Form(exact=True)
@@ -172,7 +172,7 @@ def _form_of(number: Number, rounding: str | None) -> Form:
     return Form() if number.places == 0 else Form(places=number.places, rounding=rounding)
 
 
-def _is_long(number: Number, value: Fraction) -> bool:
+def _is_long(number: TextNumber, value: Fraction) -> bool:
     return _digits(number.text) >= ENOUGH_DIGITS or bool(value and (number.places or 0) >= ENOUGH_DIGITS)
 
 
@@ -181,7 +181,7 @@ def _digits(text: str) -> int:
     return len(re.sub(r"[^0-9]", "", text).lstrip("0"))
 
 
-def _unit_of(number: Number, value: Fraction) -> Fraction:
+def _unit_of(number: TextNumber, value: Fraction) -> Fraction:
     """How far a value may be from what the number spells: a unit of its last place, or nothing."""
     if "/" in number.text or number.places == 0:
         return Fraction(0)

@@ -6,7 +6,7 @@ import re
 import unicodedata
 from collections.abc import Iterable, Iterator
 
-from driftproof.texts.readers.mapped import At, Mapped, Part
+from driftproof.texts.readers.source_text import Insertion, Piece, SourceText
 
 RAISED = dict(zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻⁼⁽⁾ⁿⁱ", "0123456789+-=()ni", strict=True))
 LOWERED = dict(zip("₀₁₂₃₄₅₆₇₈₉₊₋₌₍₎ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ", "0123456789+-=()aehijklmnoprstuvx", strict=True))
@@ -33,58 +33,54 @@ _SPECIAL = re.compile(
 )
 
 
-def canonical(text: Mapped) -> Mapped:
+def canonical_spelling(text: SourceText) -> SourceText:
     """The text with one spelling of each thing, every character with its place.
 
     Space is " " or, where a line ends, "\\n"; minus is "-"; h⁶ is h^6, 10⁻⁴ is 10^{-4}, q₁ is q_1, vₙ₊₁ is v_{n+1}; ½
     is 1/2; prime and apostrophe are '; a no-break space between groups of digits is a comma; digits are 0 to 9.
     """
-    return text.rewritten(_SPECIAL, _parts)
+    return text.rewritten(_SPECIAL, _pieces)
 
 
-def _parts(match: re.Match[str]) -> Iterable[Part]:
+def _pieces(match: re.Match[str]) -> Iterable[Piece]:
     kind, found = match.lastgroup, match[0]
+    if kind in _SCRIPTS:
+        return _script(*_SCRIPTS[kind], match)
+    if kind == "script":
+        return _braced(match)
     if kind == "group":
         return [","]
     if kind == "space":
         return ["\n" if "\n" in found or "\r" in found else " "]
-    if kind == "raised":
-        return _script("^", match, RAISED)
-    if kind == "lowered":
-        return _script("_", match, LOWERED)
     if kind == "fraction":
-        return _fraction(match)
-    if kind == "script":
-        return _braced(match)
-    if kind == "sign":
-        return [_ONE_SIGN[found]]
-    return [str(unicodedata.decimal(found))]
+        return [_fraction(match)]
+    return [_ONE_SIGN[found] if kind == "sign" else str(unicodedata.decimal(found))]
 
 
-def _script(sign: str, match: re.Match[str], table: dict[str, str]) -> Iterator[Part]:
+_SCRIPTS = {"raised": ("^", RAISED), "lowered": ("_", LOWERED)}
+
+
+def _script(sign: str, table: dict[str, str], match: re.Match[str]) -> Iterator[Piece]:
     """^ or _ before one character, braces around more, and around one that another digit follows."""
-    found, start = match[0], match.start()
-    braces = len(found) > 1 or _is_digit(match.string[match.end() : match.end() + 1])
+    braces = len(match[0]) > 1 or _is_digit(match.string[match.end() : match.end() + 1])
     yield sign + "{" * braces
-    yield from (At(table[character], start + i) for i, character in enumerate(found))
+    yield from (Insertion(table[character], i) for i, character in enumerate(match[0], match.start()))
     yield "}" * braces
 
 
-def _braced(match: re.Match[str]) -> Iterator[Part]:
+def _braced(match: re.Match[str]) -> Iterable[Piece]:
     """The same for what is written with ^ or _ already."""
-    text, start, end = match[0], match.start(), match.end()
-    yield (start, start + 1)
-    if text[1] == "{":
-        yield (start + 2, end - 1)
-    else:
-        yield from ("{", (start + 1, end), "}")
+    start, end = match.span()
+    if match[0][1] == "{":
+        return [(start, start + 1), (start + 2, end - 1)]
+    return [(start, start + 1), "{", (start + 1, end), "}"]
 
 
-def _fraction(match: re.Match[str]) -> Iterator[Part]:
+def _fraction(match: re.Match[str]) -> str:
     """½ as 1/2, with a space beside a whole number: 1½ is 1 1/2."""
     before, after = match.string[match.start() - 1 : match.start()], match.string[match.end() : match.end() + 1]
     spelled = unicodedata.normalize("NFKC", match[0]).replace("\N{FRACTION SLASH}", "/")
-    yield " " * _is_digit(before) + spelled + " " * (_is_digit(after) and after not in FRACTIONS)
+    return " " * _is_digit(before) + spelled + " " * (_is_digit(after) and after not in FRACTIONS)
 
 
 def _is_digit(character: str) -> bool:

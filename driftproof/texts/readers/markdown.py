@@ -6,8 +6,7 @@ import html
 import re
 from collections.abc import Iterable
 
-from driftproof.texts.readers.blocks import LISTING, PROSE, Block
-from driftproof.texts.readers.mapped import Mapped, Part, joined
+from driftproof.texts.readers.source_text import LISTING, PROSE, Block, Piece, SourceText, joined
 from driftproof.texts.readers.tex import tex_prose
 
 _FRONT_MATTER = re.compile(r"\A---[ \t]*\n.*?\n(?:---|\.\.\.)[ \t]*\n", re.DOTALL)
@@ -46,7 +45,7 @@ _STRESSED = re.compile(
 )
 
 
-def markdown_blocks(source: Mapped) -> list[Block]:
+def markdown_blocks(source: SourceText) -> list[Block]:
     """Prose as it is read, and fenced listings; front matter is for the machine and is left out."""
     front = _FRONT_MATTER.match(source.text)
     blocks, done = [], front.end() if front else 0
@@ -62,7 +61,7 @@ def markdown_blocks(source: Mapped) -> list[Block]:
     return [*blocks, Block(PROSE, markdown_prose(source[done:]))]
 
 
-def markdown_prose(text: Mapped) -> Mapped:
+def markdown_prose(text: SourceText) -> SourceText:
     """A piece of Markdown without fences, as it is read."""
     text = _code_and_mathematics_shielded(text)
     text = text.removed(_DELIMITER_ROW).removed(_DEFINITION).removed(_LINE_MARK)
@@ -77,7 +76,7 @@ def _shield(punctuation: str) -> str:
     return chr(_FIRST_SHIELD + ord(punctuation))
 
 
-def _code_and_mathematics_shielded(text: Mapped) -> Mapped:
+def _code_and_mathematics_shielded(text: SourceText) -> SourceText:
     pieces, done = [], 0
     for match in _KEPT.finditer(text.text):
         pieces.append(text[done : match.start()])
@@ -91,7 +90,7 @@ def _code_and_mathematics_shielded(text: Mapped) -> Mapped:
     return joined([*pieces, text[done:]])
 
 
-def _inside(match: re.Match[str]) -> Iterable[Part]:
+def _inside(match: re.Match[str]) -> Iterable[Piece]:
     """What stands between the marks."""
     return [match.span("b" if match["a"] is None else "a")]
 
@@ -103,7 +102,7 @@ _PARTING = {
 }  # fmt: skip
 
 
-def _tag(match: re.Match[str]) -> Iterable[Part]:
+def _tag(match: re.Match[str]) -> Iterable[Piece]:
     name = match["name"].lower()
     if name in ("sup", "sub"):
         return ["}" if match["end"] else "^{" if name == "sup" else "_{"]

@@ -23,27 +23,18 @@ _REFERENCE = re.compile(
     re.IGNORECASE,
 )
 _LONGEST_REFERENCE, _BEFORE_REFERENCE = 16, tuple(" \n(§#")
-_LOWERED = re.compile(r"_\{[^{}]{0,40}\}")
-_ADDRESS = re.compile(r"(?:https?://|www\.|doi:)[^\s<>\"]+", re.IGNORECASE)
-_ITEM = re.compile(r"^ ?\(?[0-9]{1,3}[.)](?= )", re.MULTILINE)
-_BRACKETS = re.compile(r"\[\^?[0-9]+\]")
-_FORMAT = re.compile(r"[:%][-+,<>^ ]?[0-9]*\.[0-9]+[a-zA-Z%]")
-# What makes each of these a label, as coverage says it.
-NAME, INDEX, REFERENCE, VERSION, ADDRESS, ITEM, BRACKETED, FORMAT = (
-    "part of a name",
-    "an index",
-    "a reference",
-    "a version or a date",
-    "part of an address",
-    "the number of an item",
-    "an index or a reference in brackets",
-    "a format",
-)
-_REASONS = {INDEX: _LOWERED, ADDRESS: _ADDRESS, ITEM: _ITEM, BRACKETED: _BRACKETS, FORMAT: _FORMAT}
+# Why a number in one of these is a label, as coverage says it; the first that holds counts.
+_LABELS = {
+    re.compile(r"_\{[^{}]{0,40}\}"): "an index",
+    re.compile(r"(?:https?://|www\.|doi:)[^\s<>\"]+", re.IGNORECASE): "part of an address",
+    re.compile(r"^ ?\(?[0-9]{1,3}[.)](?= )", re.MULTILINE): "the number of an item",
+    re.compile(r"\[\^?[0-9]+\]"): "an index or a reference in brackets",
+    re.compile(r"[:%][-+,<>^ ]?[0-9]*\.[0-9]+[a-zA-Z%]"): "a format",
+}
 
 
 @dataclass(frozen=True)
-class Number:
+class TextNumber:
     """A number of a text: where, as it stands there, and why it is a label, or None."""
 
     start: int
@@ -68,7 +59,7 @@ class Number:
         return len(self.text.partition(".")[2])
 
 
-def numbers(text: str) -> list[Number]:
+def numbers_in(text: str) -> list[TextNumber]:
     """Every number of a text in canonical spelling, in order.
 
     Read are integers, decimals, fractions, exponents, powers and groups of three digits; words for numbers are not.
@@ -76,37 +67,25 @@ def numbers(text: str) -> list[Number]:
     Figure or Exercise, a version or a date, the number of an item at the start of a line, one number in square
     brackets, what is in an address, and the digits of a format such as :.6f.
     """
-    spans = {reason: [match.span() for match in pattern.finditer(text)] for reason, pattern in _REASONS.items()}
-    inside = {reason: _Inside(found) for reason, found in spans.items()}
-    return [Number(*match.span(), match[0], _label(text, match, inside)) for match in _NUMBER.finditer(text)]
+    inside = bytearray(len(text))  # of each character, which of _LABELS holds, counted from 1
+    for k, pattern in reversed([*enumerate(_LABELS, 1)]):
+        for match in pattern.finditer(text):
+            inside[slice(*match.span())] = bytes([k]) * len(match[0])
+    reasons = [None, *_LABELS.values()]
+    return [
+        TextNumber(*match.span(), match[0], _label(text, match, reasons[inside[match.start()]]))
+        for match in _NUMBER.finditer(text)
+    ]
 
 
-class _Inside:
-    """Whether an index stands in one of some spans, asked from left to right."""
-
-    def __init__(self, spans: list[tuple[int, int]]) -> None:
-        self.spans = spans[::-1]
-
-    def __call__(self, index: int) -> bool:
-        while self.spans and self.spans[-1][1] <= index:
-            self.spans.pop()
-        return bool(self.spans) and self.spans[-1][0] <= index
-
-
-def _label(text: str, match: re.Match[str], inside: dict[str, _Inside]) -> str | None:
-    start = match.start()
-    reasons = [reason for reason, holds in inside.items() if holds(start)]
+def _label(text: str, match: re.Match[str], place: str | None) -> str | None:
+    """Why the number is a label: what it is, what it stands in, or what stands before it."""
     if match["version"]:
-        return VERSION
-    if reasons:
-        return reasons[0]
-    before = text[start - 1 : start]
-    whole = match[0].isdigit()
-    if whole and before.isalpha():
-        return NAME
-    if whole and before == "_":
-        return INDEX
+        return "a version or a date"
+    start, before = match.start(), text[match.start() - 1 : match.start()]
+    if place is None and match[0].isdigit() and (before.isalpha() or before == "_"):
+        return "part of a name" if before.isalpha() else "an index"
     refers = match["number"] and before in _BEFORE_REFERENCE and match[0][0] not in "+-"
-    if refers and _REFERENCE.search(text, max(0, start - _LONGEST_REFERENCE), start):
-        return REFERENCE
-    return None
+    if place is None and refers and _REFERENCE.search(text, max(0, start - _LONGEST_REFERENCE), start):
+        return "a reference"
+    return place

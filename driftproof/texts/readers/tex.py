@@ -3,13 +3,12 @@ r"""TeX as its reader sees it: comments and commands gone, \frac{a}{b} as a/b, \
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable
 
-from driftproof.texts.readers.blocks import LISTING, PROSE, Block
-from driftproof.texts.readers.mapped import Mapped, Part
+from driftproof.texts.readers.source_text import LISTING, PROSE, Block, Piece, SourceText
 
-# Of rewritings that open one level of braces at a time: no text that people write is nested deeper.
-DEEPEST = 20
+# Braces are opened one level at a time; no text that people write is nested deeper.
+_DEEPEST = 20
 
 _VERBATIM = re.compile(
     r"\\begin\{(?P<name>verbatim\*?|lstlisting|minted|Verbatim)\}"
@@ -33,7 +32,6 @@ _NUMBER = re.compile(
 )
 _SCRIPT = re.compile(r"(?P<sign>[\^_])\s*\{(?P<a>[^{}]*)\}")
 _THIN = re.compile(r"(?<=[0-9])(?:\\,|\{,\}|\{\\,\})(?=[0-9]{3}(?![0-9]))")
-_GROUP = re.compile(r"[{}]")
 _SIGNS = {
     "times": "×", "cdot": "·", "pm": "±", "mp": "∓", "le": "≤", "leq": "≤", "ge": "≥", "geq": "≥", "ne": "≠",
     "neq": "≠", "approx": "≈", "sim": "~", "infty": "∞", "prime": "′", "circ": "°", "degree": "°", "percent": "%",
@@ -46,10 +44,9 @@ _COMMAND = re.compile(
 )
 # Raised and lowered groups, kept apart from the braces that only group.
 _OPEN, _CLOSE = "\ue010", "\ue011"
-_KEPT = re.compile(f"[{_OPEN}{_CLOSE}]")
 
 
-def tex_blocks(source: Mapped) -> list[Block]:
+def tex_blocks(source: SourceText) -> list[Block]:
     """Prose and mathematics as they are read, and verbatim environments as listings."""
     blocks, done = [], 0
     for match in _VERBATIM.finditer(source.text):
@@ -61,56 +58,45 @@ def tex_blocks(source: Mapped) -> list[Block]:
     return [*blocks, Block(PROSE, tex_prose(source[done:]))]
 
 
-def tex_prose(text: Mapped) -> Mapped:
+def tex_prose(text: SourceText) -> SourceText:
     """A piece of TeX without listings, as it is read."""
     text = text.rewritten(_COMMENT, _inside).removed(_UNSEEN).rewritten(_THIN, lambda match: [","])
-    for _ in range(DEEPEST):  # from the inside out
+    for _ in range(_DEEPEST):  # from the inside out
         before = text.text
         for pattern, become in _STEPS:
             text = text.rewritten(pattern, become)
         if text.text == before:
             break
-    text = text.rewritten(_COMMAND, _command).removed(_GROUP)
-    return text.rewritten(_KEPT, lambda match: ["{" if match[0] == _OPEN else "}"])
+    text = text.rewritten(_COMMAND, _command).removed(re.compile(r"[{}]"))
+    return text.rewritten(re.compile(f"[{_OPEN}{_CLOSE}]"), lambda match: ["{" if match[0] == _OPEN else "}"])
 
 
-def _argument(match: re.Match[str], *names: str) -> tuple[int, int]:
-    return next(match.span(name) for name in names if match[name] is not None)
-
-
-def _fraction(match: re.Match[str]) -> Iterator[Part]:
-    yield from _in_brackets(match, _argument(match, "a", "c"))
-    yield "/"
-    yield from _in_brackets(match, _argument(match, "b", "d"))
-
-
-def _root(match: re.Match[str]) -> Iterator[Part]:
-    yield "√"
-    yield from _in_brackets(match, _argument(match, "a", "c"))
-
-
-def _in_brackets(match: re.Match[str], span: tuple[int, int]) -> Iterable[Part]:
-    """What stands in the span, in brackets unless it is one number or name."""
-    return [span] if match.string[slice(*span)].strip().isalnum() else ["(", span, ")"]
-
-
-def _script(match: re.Match[str]) -> Iterable[Part]:
-    return [match["sign"] + _OPEN, match.span("a"), _CLOSE]
-
-
-def _inside(match: re.Match[str]) -> Iterable[Part]:
+def _inside(match: re.Match[str]) -> Iterable[Piece]:
     return [match.span("a")]
 
 
-_STEPS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], Iterable[Part]]], ...] = (
-    (_FRACTION, _fraction),
-    (_ROOT, _root),
-    (_SCRIPT, _script),
-    (_NUMBER, _inside),
-)
+def _script(match: re.Match[str]) -> Iterable[Piece]:
+    return [match["sign"] + _OPEN, match.span("a"), _CLOSE]
 
 
-def _command(match: re.Match[str]) -> Iterable[Part]:
+def _fraction(match: re.Match[str]) -> Iterable[Piece]:
+    return [*_in_brackets(match, "a", "c"), "/", *_in_brackets(match, "b", "d")]
+
+
+def _root(match: re.Match[str]) -> Iterable[Piece]:
+    return ["√", *_in_brackets(match, "a", "c")]
+
+
+def _in_brackets(match: re.Match[str], *names: str) -> Iterable[Piece]:
+    """The first of these groups that is there, in brackets unless it is one number or name."""
+    name = next(name for name in names if match[name] is not None)
+    return [match.span(name)] if match[name].strip().isalnum() else ["(", match.span(name), ")"]
+
+
+_STEPS = ((_FRACTION, _fraction), (_ROOT, _root), (_SCRIPT, _script), (_NUMBER, _inside))
+
+
+def _command(match: re.Match[str]) -> Iterable[Piece]:
     """A sign for a command that stands for one, the character for an escaped one, nothing for the rest."""
     if match["name"]:
         return [_SIGNS.get(match["name"], "")]

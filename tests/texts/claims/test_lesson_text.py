@@ -16,8 +16,8 @@ from driftproof.texts.claims.claims import Claim, parse_claims, read_claims
 from driftproof.texts.claims.coverage import coverage
 from driftproof.texts.claims.phrases import ANY_NUMBER, Phrase, Spellings
 from driftproof.texts.claims.running import run_listings
-from driftproof.texts.readers.numbers import numbers
-from driftproof.texts.readers.reading import read_file, read_text
+from driftproof.texts.readers.document import document_of, read_document
+from driftproof.texts.readers.numbers import numbers_in
 from proofs.claims import REQUIRED, STATEMENTS
 from proofs.printed import ROWS
 
@@ -50,13 +50,13 @@ def test_figures_of_the_page_are_those_of_the_lesson() -> None:
 @pytest.mark.long
 def test_every_misprint_of_the_lesson_is_noticed_in_the_whole_file() -> None:
     """The same changes, each in the whole text, read from its first character to its last."""
-    reading = read_file(LESSON)
+    document = read_document(LESSON)
     tried = 0
     for claim in read_claims(CLAIMS).claims:
         spellings = claim.spellings()
-        for at, digit in misprints(reading, check_claim(reading, claim, spellings)):
-            wrong = read_text(reading.source[:at] + digit + reading.source[at + 1 :])
-            assert check_claim(wrong, claim, spellings).findings, (claim.id, reading.place_of_origin(at), digit)
+        for at, digit in misprints(document, check_claim(document, claim, spellings)):
+            wrong = document_of(document.source[:at] + digit + document.source[at + 1 :])
+            assert check_claim(wrong, claim, spellings).findings, (claim.id, document.position_of_origin(at), digit)
             tried += 1
     assert tried >= known()["misprints"]
 
@@ -108,31 +108,31 @@ def test_text_of_ours_stands_as_its_claims_say(capsys: pytest.CaptureFixture[str
 
 
 def test_every_misprint_of_our_text_is_noticed_and_told_in_its_place() -> None:
-    reading = read_file(SPRING)
+    document = read_document(SPRING)
     tried = 0
     for claim in read_claims(SPRING_CLAIMS).claims:
         spellings = claim.spellings()
-        for at, digit in misprints(reading, check_claim(reading, claim, spellings)):
-            wrong = read_text(reading.source[:at] + digit + reading.source[at + 1 :], "markdown")
+        for at, digit in misprints(document, check_claim(document, claim, spellings)):
+            wrong = document_of(document.source[:at] + digit + document.source[at + 1 :], "markdown")
             findings = check_claim(wrong, claim, spellings).findings
-            assert findings, (claim.id, reading.place_of_origin(at), digit)
+            assert findings, (claim.id, document.position_of_origin(at), digit)
             tried += 1
-            line = reading.place_of_origin(at).line
+            line = document.position_of_origin(at).line
             assert min(abs(finding.place.line - line) for finding in findings) <= 1, (claim.id, digit, findings)
     assert tried > 700
 
 
 def test_uncovered_digit_of_our_text_would_be_seen() -> None:
     claims = read_claims(SPRING_CLAIMS)
-    reading = read_file(SPRING)
+    document = read_document(SPRING)
     fewer = [claim for claim in claims.claims if claim.id != "ratio"]
-    assert [number.text for number in coverage(reading, check_claims(reading, fewer)).uncovered] == ["70"]
+    assert [number.text for number in coverage(document, check_claims(document, fewer)).uncovered] == ["70"]
 
 
 def test_misprint_in_the_printed_lines_of_our_text_is_seen_by_running_it() -> None:
     source = SPRING.read_text(encoding="utf-8")
-    assert run_listings(read_text(source, "markdown")).findings == ()
-    (finding,) = run_listings(read_text(source.replace("-0.8245", "-0.8246"), "markdown")).findings
+    assert run_listings(document_of(source, "markdown")).findings == ()
+    (finding,) = run_listings(document_of(source.replace("-0.8245", "-0.8246"), "markdown")).findings
     assert (finding.expected, finding.found) == ("q = -0.8245, v = 0.5614", "q = -0.8246, v = 0.5614")
 
 
@@ -147,16 +147,16 @@ class Careless(Phrase):
 
 def test_misprints_that_a_careless_claim_lets_pass_are_counted() -> None:
     (claim,) = parse_claims(b'[[claim]]\nid="a"\nphrase="is {value} at RK4"\nvalue="1/4"').claims
-    reading = read_text("it is 0.25 at RK4, q\u2081")
+    document = document_of("it is 0.25 at RK4, q\u2081")
     careless = replace(claim, phrase=Careless(claim.phrase.literals, claim.phrase.names))
     for one, missed in ((claim, 0), (careless, 27)):
-        outcome = check_claims(reading, [one])[0]
-        assert len(list(misprints(reading, outcome))) == 36
-        assert len(unnoticed(reading, outcome)) == missed
+        outcome = check_claims(document, [one])[0]
+        assert len(list(misprints(document, outcome))) == 36
+        assert len(unnoticed(document, outcome)) == missed
 
 
 def test_misprint_is_a_digit_of_the_same_kind() -> None:
     assert (MISPRINTS["5"], MISPRINTS["²"], MISPRINTS["₁"]) == ("012346789", "⁰¹³⁴⁵⁶⁷⁸⁹", "₀₂₃₄₅₆₇₈₉")
     assert "½" not in MISPRINTS["½"]
     assert len(MISPRINTS["½"]) == 17
-    assert all(numbers(read_text(digit).text.text) for digit in "½" + MISPRINTS["½"])
+    assert all(numbers_in(document_of(digit).text.text) for digit in "½" + MISPRINTS["½"])

@@ -15,7 +15,7 @@ from driftproof.texts.claims.checking import check_claim, check_claims
 from driftproof.texts.claims.claims import Claim, Claims, parse_claims
 from driftproof.texts.claims.coverage import GIVEN, LABEL, RUN, UNCOVERED, VALUE, coverage
 from driftproof.texts.claims.report import Report
-from driftproof.texts.readers.reading import read_text
+from driftproof.texts.readers.document import document_of
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -28,7 +28,7 @@ def claim(phrase: str, more: str = "", value: str = "0.33") -> Claim:
 
 
 def found(text: str, one: Claim, form: str = "plain") -> int:
-    return len(check_claims(read_text(text, form), [one])[0].occurrences)
+    return len(check_claims(document_of(text, form), [one])[0].occurrences)
 
 
 # phrase, value, a text that says it, texts that do not
@@ -93,7 +93,7 @@ def test_case_counts_unless_told() -> None:
 
 
 def findings(text: str, one: Claim) -> list[tuple[int, int, str, str]]:
-    (outcome,) = check_claims(read_text(text), [one])
+    (outcome,) = check_claims(document_of(text), [one])
     return [(*finding.place, finding.expected, finding.found) for finding in outcome.findings]
 
 
@@ -119,7 +119,7 @@ def test_phrase_that_stands_nowhere_is_looked_for_by_its_beginning() -> None:
     one = claim("the error is {value} here")
     (found_at,) = findings("a\nthe error was 0.33 here", one)
     assert found_at[:2] == (2, 1)
-    (outcome,) = check_claims(read_text("The error is 0.4 here"), [one])
+    (outcome,) = check_claims(document_of("The error is 0.4 here"), [one])
     assert "ignore_case = true allows them" in outcome.findings[0].message
     assert findings("nothing", one) == [(1, 1, "the error is 0.33 here", "")]
 
@@ -133,7 +133,7 @@ def test_phrase_stands_exactly_as_often_as_the_claim_says() -> None:
 
 
 def test_number_right_but_part_of_more_is_said_to_be() -> None:
-    (outcome,) = check_claims(read_text("is 0.33 %"), [claim("is {value}")])
+    (outcome,) = check_claims(document_of("is 0.33 %"), [claim("is {value}")])
     assert "stands nowhere" in outcome.findings[0].message
 
 
@@ -154,10 +154,10 @@ CLAIMS = Claims(
 
 
 def test_every_number_is_accounted_for() -> None:
-    reading = read_text(TEXT)
-    outcomes = check_claims(reading, CLAIMS.claims)
-    at = reading.text.text.index("0.25")
-    covered = coverage(reading, outcomes, CLAIMS.labels, [(at, at + 4)])
+    document = document_of(TEXT)
+    outcomes = check_claims(document, CLAIMS.claims)
+    at = document.text.text.index("0.25")
+    covered = coverage(document, outcomes, CLAIMS.labels, [(at, at + 4)])
     assert [(one.number.text, one.kind) for one in covered.numbers] == [
         ("4", LABEL),
         ("5", LABEL),
@@ -172,44 +172,44 @@ def test_every_number_is_accounted_for() -> None:
         ("8/9", UNCOVERED),
     ]
     assert covered.share == Fraction(1, 2)
-    assert coverage(reading, [], CLAIMS.labels).counts[UNCOVERED] == 6
+    assert coverage(document, [], CLAIMS.labels).counts[UNCOVERED] == 6
 
 
 def test_numbers_that_run_together_are_counted_one_by_one() -> None:
     text = '[[claim]]\nid="a"\nphrase="RK4{a}{b}{c}"\nvalues={a="1/4", b="-1/8", c="16"}'
-    reading = read_text("RK40.25-0.12516")
-    counts = coverage(reading, check_claims(reading, parse_claims(text.encode()).claims)).counts
+    document = document_of("RK40.25-0.12516")
+    counts = coverage(document, check_claims(document, parse_claims(text.encode()).claims)).counts
     assert (counts[VALUE], counts[LABEL], counts[UNCOVERED]) == (3, 1, 0)
 
 
 def test_label_that_stands_nowhere_is_refused() -> None:
     with pytest.raises(ValueError, match="label for 'time' stands nowhere"):
-        coverage(read_text("none"), [], CLAIMS.labels)
+        coverage(document_of("none"), [], CLAIMS.labels)
 
 
 @given(st.lists(st.sampled_from(["error is 0.33 after 40 steps", "0.5", "5 min", "RK4", " ", "1/2", "x"])))
 def test_coverage_counts_every_number_once(pieces: list[str]) -> None:
-    reading = read_text(" ".join(["5 min", *pieces]))
-    covered = coverage(reading, check_claims(reading, CLAIMS.claims), CLAIMS.labels)
+    document = document_of(" ".join(["5 min", *pieces]))
+    covered = coverage(document, check_claims(document, CLAIMS.claims), CLAIMS.labels)
     spans = [(one.number.start, one.number.end) for one in covered.numbers]
     assert spans == sorted(set(spans))
-    digits = {i for i, character in enumerate(reading.text.text) if character.isdigit()}
+    digits = {i for i, character in enumerate(document.text.text) if character.isdigit()}
     assert digits == {i for start, end in spans for i in range(start, end)} & digits
 
 
 def test_report_says_what_is_wrong_and_what_is_covered() -> None:
-    reading = read_text(TEXT)
-    assert Report.of("a.txt", reading, CLAIMS).written("text").splitlines() == [
+    document = document_of(TEXT)
+    assert Report.of("a.txt", document, CLAIMS).written("text").splitlines() == [
         "a.txt: 1 claim, all hold",
         "33.3% of 6 numbers covered: 0 by values, 2 given; 4 not; and 5 labels",
     ]
-    wrong = Report.of("a.txt", read_text(TEXT.replace("0.33", "0.34")), CLAIMS)
+    wrong = Report.of("a.txt", document_of(TEXT.replace("0.33", "0.34")), CLAIMS)
     assert wrong.written("text").splitlines()[:2] == [
         "a.txt:2:30: a: expected 0.33, found 0.34",
         "a.txt: 1 claim, 1 refuted",
     ]
-    assert Report.of("a.txt", reading, Claims()).written("text").startswith("a.txt: 0 claims, so nothing is held")
-    listed = Report.of("a.txt", reading, CLAIMS, suggest=True)
+    assert Report.of("a.txt", document, Claims()).written("text").startswith("a.txt: 0 claims, so nothing is held")
+    listed = Report.of("a.txt", document, CLAIMS, suggest=True)
     assert any(
         line.startswith("a.txt:3:11: not covered: 'It prints 0.25, and") for line in listed.written("text").splitlines()
     )
@@ -217,7 +217,7 @@ def test_report_says_what_is_wrong_and_what_is_covered() -> None:
 
 
 def test_report_in_json_has_every_number_and_every_finding() -> None:
-    answer = json.loads(Report.of("a.txt", read_text(TEXT.replace("40", "41")), CLAIMS, suggest=True).written("json"))
+    answer = json.loads(Report.of("a.txt", document_of(TEXT.replace("40", "41")), CLAIMS, suggest=True).written("json"))
     assert answer["passed"] is False
     assert answer["claims"] == {"a": {"count": 1, "found": 0}}
     assert answer["findings"][0] | {"message": ""} == {
@@ -228,18 +228,18 @@ def test_report_in_json_has_every_number_and_every_finding() -> None:
 
 
 def test_report_for_github_escapes_what_it_must() -> None:
-    report = Report.of("a,b:c%.txt", read_text("is 0.34 %\nis 0.3"), Claims((claim("is {value}\n"),)))
+    report = Report.of("a,b:c%.txt", document_of("is 0.34 %\nis 0.3"), Claims((claim("is {value}\n"),)))
     (line,) = report.written("github").splitlines()
     assert line.startswith("::error file=a%2Cb%3Ac%25.txt,line=2,col=4,title=a::expected 0.33")
 
 
 def test_least_coverage_fails_a_text_with_new_numbers() -> None:
     claims = Claims(CLAIMS.claims, CLAIMS.labels, coverage=Fraction(1, 3))
-    assert Report.of("a", read_text(TEXT), claims).passed
-    report = Report.of("a", read_text(TEXT + " And 9."), claims)
+    assert Report.of("a", document_of(TEXT), claims).passed
+    report = Report.of("a", document_of(TEXT + " And 9."), claims)
     assert not report.passed
     assert report.findings[0].claim == "coverage"
-    assert Report.of("a", read_text("5 min"), Claims((), CLAIMS.labels, coverage=Fraction(1))).passed
+    assert Report.of("a", document_of("5 min"), Claims((), CLAIMS.labels, coverage=Fraction(1))).passed
 
 
 @pytest.fixture
@@ -292,5 +292,5 @@ def test_command_refuses_bad_input_in_one_line(files: Path, run: Run, arguments:
 
 def test_check_of_one_claim_looks_at_no_more_places_than_it_says() -> None:
     one = claim("a {value} b")
-    outcome = check_claim(read_text("a 1 b " * 5000), one, one.spellings())
+    outcome = check_claim(document_of("a 1 b " * 5000), one, one.spellings())
     assert len(outcome.findings) == 1

@@ -16,8 +16,8 @@ from driftproof.texts.claims.claims import parse_claims
 from driftproof.texts.claims.coverage import GIVEN, UNCOVERED, VALUE, coverage
 from driftproof.texts.claims.drafting import draft
 from driftproof.texts.claims.suggestions import Candidate, Suggestions
-from driftproof.texts.readers.numbers import numbers
-from driftproof.texts.readers.reading import Reading, read_file, read_text
+from driftproof.texts.readers.document import Document, document_of, read_document
+from driftproof.texts.readers.numbers import numbers_in
 
 ROOT = Path(__file__).parents[3]
 SPRING = ROOT / "examples" / "text" / "spring.md"
@@ -25,7 +25,7 @@ SPRING = ROOT / "examples" / "text" / "spring.md"
 
 def suggested(text: str) -> list[list[Candidate]]:
     suggestions = Suggestions(text)
-    return [suggestions.of(number) for number in numbers(text) if number.label is None]
+    return [suggestions.of(number) for number in numbers_in(text) if number.label is None]
 
 
 @pytest.mark.parametrize(
@@ -57,7 +57,7 @@ def test_suggested_value_is_spelled_as_the_number_is() -> None:
     from driftproof.texts.questions.ask import value
 
     text = "RK4 and forward Euler: 2.390, 3.3e-4, 337/384, 160, 0.8776"
-    for number, candidates in zip([n for n in numbers(text) if n.label is None], suggested(text), strict=True):
+    for number, candidates in zip([n for n in numbers_in(text) if n.label is None], suggested(text), strict=True):
         assert candidates
         assert all(number.text in candidate.form.spellings(value(candidate.question)) for candidate in candidates)
 
@@ -65,32 +65,32 @@ def test_suggested_value_is_spelled_as_the_number_is() -> None:
 TODO = re.compile(r"(?m)^# (?:TODO\n)?(?=\[\[claim|id =|phrase =|count =|given =)|^# TODO\n")
 
 
-def held(reading: Reading, text: str) -> dict[str, int]:
+def held(document: Document, text: str) -> dict[str, int]:
     """The coverage by drafted claims, all of which hold."""
     claims = parse_claims(text.encode())
-    outcomes = check_claims(reading, claims.claims)
+    outcomes = check_claims(document, claims.claims)
     assert [finding for outcome in outcomes for finding in outcome.findings] == []
-    return coverage(reading, outcomes).counts
+    return coverage(document, outcomes).counts
 
 
 def test_drafted_claims_hold_and_cover_all_once_the_rest_is_given() -> None:
-    reading = read_file(SPRING)
-    text = draft(reading, "spring.md")
-    counts = held(reading, text)
+    document = read_document(SPRING)
+    text = draft(document, "spring.md")
+    counts = held(document, text)
     assert counts[VALUE] > 10
     assert counts[GIVEN] == 0
-    assert held(reading, TODO.sub("", text))[UNCOVERED] == 0
+    assert held(document, TODO.sub("", text))[UNCOVERED] == 0
 
 
 def test_drafted_claims_notice_a_changed_digit() -> None:
-    claims = parse_claims(draft(read_file(SPRING), "spring.md").encode())
-    wrong = read_text(SPRING.read_text(encoding="utf-8").replace("5.151", "5.152"), "markdown")
+    claims = parse_claims(draft(read_document(SPRING), "spring.md").encode())
+    wrong = document_of(SPRING.read_text(encoding="utf-8").replace("5.151", "5.152"), "markdown")
     findings = [finding for outcome in check_claims(wrong, claims.claims) for finding in outcome.findings]
     assert [(finding.expected, finding.found) for finding in findings] == [("5.151", "5.152")]
 
 
 def test_name_of_the_text_cannot_break_the_draft() -> None:
-    assert tomllib.loads(draft(read_text("7"), 'a\nb = 1\n"')) == {}
+    assert tomllib.loads(draft(document_of("7"), 'a\nb = 1\n"')) == {}
 
 
 @given(
@@ -121,10 +121,10 @@ def test_name_of_the_text_cannot_break_the_draft() -> None:
     )
 )
 def test_draft_of_any_text_holds_of_it(pieces: list[str]) -> None:
-    reading = read_text("".join(pieces))
-    text = draft(reading, "a.txt")
-    held(reading, text)
-    held(reading, TODO.sub("", text))
+    document = document_of("".join(pieces))
+    text = draft(document, "a.txt")
+    held(document, text)
+    held(document, TODO.sub("", text))
 
 
 def test_command_drafts_in_the_format_of_the_text(

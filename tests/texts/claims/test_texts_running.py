@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftproof.texts.claims import running
+from driftproof.texts.claims.listings import listings
 from driftproof.texts.claims.running import run_listings
-from driftproof.texts.readers.listings import listings
-from driftproof.texts.readers.reading import Reading, read_text
+from driftproof.texts.readers.document import Document, document_of
 
 MARKDOWN = """\
 # A listing
@@ -77,10 +77,10 @@ TEXTS = {
 @pytest.mark.parametrize("form", TEXTS)
 def test_listing_prints_what_the_text_says_or_the_line_is_found(form: str) -> None:
     source, shown, count, line = TEXTS[form]
-    ran = run_listings(read_text(source, form))
+    ran = run_listings(document_of(source, form))
     assert (ran.findings, ran.count, len(ran.spans)) == ((), count, count)
     changed = shown.replace(shown.strip('"\n')[-1], "9")
-    wrong = run_listings(read_text(source.replace(shown, changed), form))
+    wrong = run_listings(document_of(source.replace(shown, changed), form))
     (finding,) = wrong.findings
     assert finding.message.startswith("the listing prints ")
     assert line is None or finding.place.line == line
@@ -88,15 +88,15 @@ def test_listing_prints_what_the_text_says_or_the_line_is_found(form: str) -> No
 
 
 def test_numbers_seen_printed_are_those_of_the_output() -> None:
-    reading = read_text(PLAIN)
-    ((start, end),) = run_listings(reading).spans
-    assert reading.text.text[start:end].split() == ["0", "0.5", "2", "0.5"]
+    document = document_of(PLAIN)
+    ((start, end),) = run_listings(document).spans
+    assert document.text.text[start:end].split() == ["0", "0.5", "2", "0.5"]
 
 
 def outcome(program: str, printed: str = "x", time_limit: float = 10.0) -> str:
     """What is found wrong with a listing that should print something."""
-    reading = read_text(f"```python\n{program}\n```\n\n```\n{printed}\n```\n", "markdown")
-    return " ".join(finding.message for finding in run_listings(reading, time_limit).findings)
+    document = document_of(f"```python\n{program}\n```\n\n```\n{printed}\n```\n", "markdown")
+    return " ".join(finding.message for finding in run_listings(document, time_limit).findings)
 
 
 @pytest.mark.parametrize(
@@ -148,32 +148,32 @@ def test_listing_that_lies_about_its_outcome_is_not_believed_to_have_run() -> No
 
 
 def test_names_are_shared_and_order_is_kept() -> None:
-    assert run_listings(read_text(MARKDOWN, "markdown")).findings == ()
-    alone = run_listings(read_text(MARKDOWN.replace("x = 3\nprint(f", "print(f"), "markdown"))
+    assert run_listings(document_of(MARKDOWN, "markdown")).findings == ()
+    alone = run_listings(document_of(MARKDOWN.replace("x = 3\nprint(f", "print(f"), "markdown"))
     assert [finding.claim for finding in alone.findings] == ["listing 1", "listing 2"]
 
 
-def found(reading: Reading) -> list[tuple[str, bool]]:
-    return [(listing.program.strip(), listing.printed is not None) for listing in listings(reading)]
+def found(document: Document) -> list[tuple[str, bool]]:
+    return [(listing.program.strip(), listing.printed is not None) for listing in listings(document)]
 
 
 def test_output_far_away_or_in_another_language_belongs_to_no_listing() -> None:
     far = "```python\na\n```\n" + "word " * 100 + "\n```\nb\n```\n"
-    assert found(read_text(far, "markdown")) == [("a", False)]
-    assert found(read_text("```python\na\n```\n```sh\nb\n```\n", "markdown")) == [("a", False)]
-    assert found(read_text("```python\na\n```\n```python\nb\n```\n", "markdown")) == [("a", False), ("b", False)]
-    assert found(read_text("```\na\n```\n", "markdown")) == []
+    assert found(document_of(far, "markdown")) == [("a", False)]
+    assert found(document_of("```python\na\n```\n```sh\nb\n```\n", "markdown")) == [("a", False)]
+    assert found(document_of("```python\na\n```\n```python\nb\n```\n", "markdown")) == [("a", False), ("b", False)]
+    assert found(document_of("```\na\n```\n", "markdown")) == []
 
 
 def test_listing_of_plain_text_begins_where_it_can_be_python() -> None:
-    assert found(read_text(PLAIN))[0][0].startswith("def double")
-    assert found(read_text("prose only\n\nExpected output:\n\n5\n")) == []
-    assert found(read_text("import os\nOutput:\n")) == []
+    assert found(document_of(PLAIN))[0][0].startswith("def double")
+    assert found(document_of("prose only\n\nExpected output:\n\n5\n")) == []
+    assert found(document_of("import os\nOutput:\n")) == []
 
 
 def test_text_without_listings_starts_no_process(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delattr(running.subprocess, "Popen")
-    assert run_listings(read_text("0.5", "markdown")).count == 0
+    assert run_listings(document_of("0.5", "markdown")).count == 0
 
 
 @given(
@@ -184,4 +184,4 @@ def test_text_without_listings_starts_no_process(monkeypatch: pytest.MonkeyPatch
     )
 )
 def test_no_text_crashes_the_search_for_listings(pieces: list[str]) -> None:
-    listings(read_text("".join(pieces)))
+    listings(document_of("".join(pieces)))

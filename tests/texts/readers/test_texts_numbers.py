@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof.texts.readers.numbers import numbers
-from driftproof.texts.readers.reading import read_text
+from driftproof.texts.readers.document import document_of
+from driftproof.texts.readers.numbers import numbers_in
 
 # text in a file, its numbers, its labels
 CASES: list[tuple[str, list[str], list[str]]] = [
@@ -39,7 +39,7 @@ CASES: list[tuple[str, list[str], list[str]]] = [
 
 @pytest.mark.parametrize(("text", "expected", "labels"), CASES)
 def test_numbers_and_labels_of_a_text(text: str, expected: list[str], labels: list[str]) -> None:
-    found = numbers(read_text(text).text.text)
+    found = numbers_in(document_of(text).text.text)
     assert [number.text for number in found if number.label is None] == expected
     assert [number.text for number in found if number.label is not None] == labels
 
@@ -54,20 +54,20 @@ def test_numbers_and_labels_of_a_text(text: str, expected: list[str], labels: li
     ],
 )
 def test_number_spells_a_value(text: str, value: Fraction, places: int | None) -> None:
-    (number,) = numbers(text)
+    (number,) = numbers_in(text)
     assert (number.value, number.places) == (value, places)
 
 
 def test_number_that_nobody_means_has_no_value() -> None:
     with pytest.raises(ValueError, match="too long"):
-        _ = numbers("1e999999999")[0].value
+        _ = numbers_in("1e999999999")[0].value
     with pytest.raises(ZeroDivisionError):
-        _ = numbers("1/0")[0].value
+        _ = numbers_in("1/0")[0].value
 
 
 @given(st.text(alphabet="0123456789.,-+/eE^_{}()[]' ×%hq\n"))
 def test_every_digit_belongs_to_one_number(text: str) -> None:
-    found = numbers(text)
+    found = numbers_in(text)
     covered = {i for number in found for i in range(number.start, number.end)}
     assert {i for i, character in enumerate(text) if character.isdigit()} <= covered
     assert all(a.end <= b.start for a, b in pairwise(found))

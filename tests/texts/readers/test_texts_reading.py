@@ -9,11 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof.texts.readers.blocks import LISTING, OUTPUT
-from driftproof.texts.readers.canonical import canonical
-from driftproof.texts.readers.mapped import At, Mapped, joined
-from driftproof.texts.readers.numbers import numbers
-from driftproof.texts.readers.reading import LARGEST_TEXT, READERS, read_file, read_text
+from driftproof.texts.readers.canonical import canonical_spelling
+from driftproof.texts.readers.document import LARGEST_DOCUMENT, READERS, document_of, read_document
+from driftproof.texts.readers.numbers import numbers_in
+from driftproof.texts.readers.source_text import LISTING, OUTPUT, Insertion, SourceText, joined
 
 NOTEBOOK = {
     "cells": [
@@ -64,13 +63,15 @@ READ = [
 
 @pytest.mark.parametrize(("form", "source", "text"), READ)
 def test_text_is_read_as_people_read_it(form: str, source: str, text: str) -> None:
-    assert " ".join(read_text(source, form).text.text.split(" ")) == text or (
-        read_text(source, form).text.text.replace("  ", " ").replace(" \n", "\n") == text
+    assert " ".join(document_of(source, form).text.text.split(" ")) == text or (
+        document_of(source, form).text.text.replace("  ", " ").replace(" \n", "\n") == text
     )
 
 
 def test_reading_a_number_wrongly_would_be_noticed() -> None:
-    assert read_text("<td>0.090<td>40", "html").text.text != read_text("<b>0.090</b>40", "html").text.text == "0.09040"
+    assert (
+        document_of("<td>0.090<td>40", "html").text.text != document_of("<b>0.090</b>40", "html").text.text == "0.09040"
+    )
 
 
 @pytest.mark.parametrize(
@@ -87,13 +88,13 @@ def test_reading_a_number_wrongly_would_be_noticed() -> None:
     ],
 )
 def test_place_is_where_the_number_stands_in_the_file(form: str, source: str) -> None:
-    reading = read_text(source, form)
-    line, column = reading.place(reading.text.text.index("42.5"))
+    document = document_of(source, form)
+    line, column = document.position(document.text.text.index("42.5"))
     assert source.splitlines()[line - 1][column - 1 :].startswith("42.5")
 
 
 def test_listings_and_outputs_are_told_from_prose() -> None:
-    markdown = read_text("a\n```python\nb\n```\n~~~\nc\n~~~\n```{math}\nh^{2}\n```\n", "markdown")
+    markdown = document_of("a\n```python\nb\n```\n~~~\nc\n~~~\n```{math}\nh^{2}\n```\n", "markdown")
     assert [
         (block.kind, block.language, block.text.text.strip()) for block in markdown.blocks if block.text.text.strip()
     ] == [
@@ -102,26 +103,26 @@ def test_listings_and_outputs_are_told_from_prose() -> None:
         (LISTING, "", "c"),
         ("prose", "", "h^{2}"),
     ]
-    tex = read_text("\\begin{lstlisting}[language=Python]\nx\n\\end{lstlisting}", "tex")
+    tex = document_of("\\begin{lstlisting}[language=Python]\nx\n\\end{lstlisting}", "tex")
     assert [(b.kind, b.language) for b in tex.blocks if b.text.text.strip()] == [(LISTING, "python")]
-    html = read_text('<div class="highlight-python"><pre><span>x</span></pre></div><pre>y</pre>', "html")
+    html = document_of('<div class="highlight-python"><pre><span>x</span></pre></div><pre>y</pre>', "html")
     assert [(b.kind, b.language) for b in html.blocks if b.text.text.strip()] == [(LISTING, "python"), (LISTING, "")]
-    notebook = read_text(json.dumps(NOTEBOOK), "notebook")
+    notebook = document_of(json.dumps(NOTEBOOK), "notebook")
     assert [block.kind for block in notebook.blocks].count(OUTPUT) == 2
 
 
 def test_reader_is_chosen_by_the_ending(tmp_path: Path) -> None:
     for name, text in (("a.md", "*b*"), ("a.html", "<i>b</i>"), ("a.TEX", "\\emph{b}"), ("a.txt", "b"), ("a", "b")):
         (tmp_path / name).write_text(text, encoding="utf-8")
-        assert read_file(tmp_path / name).text.text == "b"
-    assert read_file(tmp_path / "a.md", "plain").text.text == "*b*"
+        assert read_document(tmp_path / name).text.text == "b"
+    assert read_document(tmp_path / "a.md", "plain").text.text == "*b*"
 
 
 @pytest.mark.parametrize(
     ("content", "message"),
     [
         (b"\xff\xfe", "byte 0 is not UTF-8 text"),
-        (b" " * (LARGEST_TEXT + 1), "at most 4194304 bytes"),
+        (b" " * (LARGEST_DOCUMENT + 1), "at most 4194304 bytes"),
         (b"{", "it is no notebook"),
         (b'{"cells": 3}', 'a list "cells"'),
         (b"[" * 100_000, "nested too deep"),
@@ -132,7 +133,7 @@ def test_file_that_is_no_text_is_refused_in_one_line(content: bytes, message: st
     path = tmp_path / "a.ipynb"
     path.write_bytes(content)
     with pytest.raises(ValueError, match=message) as error:
-        read_file(path)
+        read_document(path)
     assert "\n" not in str(error.value)
 
 
@@ -175,8 +176,8 @@ ENDLESS += [
 @pytest.mark.parametrize("form", sorted({*READERS} - {"notebook"}))
 def test_markup_that_never_ends_is_read_to_the_end(form: str) -> None:
     for piece in ENDLESS:
-        reading = read_text(piece * (5_000 // len(piece)), form)
-        numbers(reading.text.text)
+        document = document_of(piece * (5_000 // len(piece)), form)
+        numbers_in(document.text.text)
 
 
 @given(
@@ -207,27 +208,27 @@ def test_no_notebook_crashes_its_reader(cells: list[dict[str, object]]) -> None:
 def held(form: str, source: str) -> None:
     """What is read has a place for every character and every number, in the order of the file."""
     try:
-        reading = read_text(source, form)
+        document = document_of(source, form)
     except ValueError:
         assert form == "notebook"
         return
-    origins = [reading.text.origin(i) for i in range(len(reading.text.text))]
+    origins = [document.text.origin(i) for i in range(len(document.text.text))]
     assert origins == sorted(origins)
     assert all(0 <= origin <= len(source) for origin in origins)
-    for number in numbers(reading.text.text):
-        assert reading.text.text[number.start : number.end] == number.text
-        assert reading.place(number.start).line <= source.count("\n") + 1
+    for number in numbers_in(document.text.text):
+        assert document.text.text[number.start : number.end] == number.text
+        assert document.position(number.start).line <= source.count("\n") + 1
 
 
 @given(st.text(alphabet="0123456789 ,.-−½⁰¹²₁ab\n\u00a0"))
 def test_canonical_spelling_is_its_own(text: str) -> None:
-    once = canonical(Mapped.of(text)).text
-    assert canonical(Mapped.of(once)).text == once
+    once = canonical_spelling(SourceText.of(text)).text
+    assert canonical_spelling(SourceText.of(once)).text == once
 
 
 def test_pieces_keep_their_places_when_they_are_cut_and_joined() -> None:
-    source = Mapped.of("abcdef")
-    text = joined([source[4:6], At("-", 3), source[0:2]])
+    source = SourceText.of("abcdef")
+    text = joined([source[4:6], Insertion("-", 3), source[0:2]])
     assert (text.text, [text.origin(i) for i in range(5)]) == ("ef-ab", [4, 5, 3, 0, 1])
     assert [source[2:5].origin(i) for i in range(4)] == [2, 3, 4, 5]
     assert source[1:4].index(3) == 2

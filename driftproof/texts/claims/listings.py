@@ -8,9 +8,8 @@ import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from driftproof.texts.readers.blocks import LISTING, OUTPUT, PROSE, Block
-from driftproof.texts.readers.mapped import Mapped, joined
-from driftproof.texts.readers.reading import Reading
+from driftproof.texts.readers.document import Document
+from driftproof.texts.readers.source_text import LISTING, OUTPUT, PROSE, Block, SourceText, joined
 
 PYTHON = {"python", "py", "python3", "ipython", "ipython3"}
 # What the block that follows a listing is called where it shows what the listing prints.
@@ -31,18 +30,18 @@ class Listing:
 
     program: str
     origin: int
-    printed: Mapped | None = None
+    printed: SourceText | None = None
     shows: bool = False
 
 
-def listings(reading: Reading) -> list[Listing]:
+def listings(document: Document) -> list[Listing]:
     """The listings in order. What one prints is in the block that follows it.
 
     That is what a cell of a notebook has printed; in other texts the next listing, if it is in no language and no more
     than MOST_PROSE characters on. In plain text a listing is what stands above a line such as "Expected output:", as
     far up as it is Python, and what it prints are the lines below, to the next empty one.
     """
-    blocks = reading.blocks
+    blocks = document.blocks
     found = [_paired(blocks, i) for i, block in enumerate(blocks) if block.kind == LISTING and block.language in PYTHON]
     if not found:
         found = [listing for block in blocks if block.kind == PROSE for listing in _under_headings(block.text)]
@@ -69,7 +68,7 @@ def _paired(blocks: tuple[Block, ...], i: int) -> Listing:
     return Listing(program.text, program.origin(0))
 
 
-def _under_headings(text: Mapped) -> Iterator[Listing]:
+def _under_headings(text: SourceText) -> Iterator[Listing]:
     done = 0
     for heading in _HEADING.finditer(text.text):
         start = _listing_start(text.text, done, heading.start())

@@ -6,10 +6,9 @@ import json
 import re
 from collections.abc import Iterator
 
-from driftproof.texts.readers.blocks import LISTING, OUTPUT, Block
-from driftproof.texts.readers.mapped import Mapped, joined
+from driftproof.texts.readers.html import html_blocks
 from driftproof.texts.readers.markdown import markdown_blocks
-from driftproof.texts.readers.markup import html_blocks
+from driftproof.texts.readers.source_text import LISTING, OUTPUT, Block, SourceText, joined
 
 _TOKEN = re.compile(r'"(?P<string>(?:[^"\\]++|\\.)*+)"|(?P<open>[\[{])|(?P<close>[\]}])|(?P<comma>,)|(?P<colon>:)')
 _ESCAPE = re.compile(r"\\(?:u[dD][89abAB]\w\w\\u\w{4}|u\w{4}|.)")
@@ -19,10 +18,10 @@ _READ = ("cell_type", "source", "text", "text/plain", "text/html")
 Key = str | int
 
 
-def notebook_blocks(source: Mapped) -> list[Block]:
+def notebook_blocks(source: SourceText) -> list[Block]:
     """The cells in order. Raises ValueError, in one line, for what is no notebook."""
     language = _checked(source.text)
-    cells: dict[int, dict[tuple[Key, ...], list[Mapped]]] = {}
+    cells: dict[int, dict[tuple[Key, ...], list[SourceText]]] = {}
     for path, string in _strings(source):
         if len(path) > 2 and path[0] == "cells" and isinstance(path[1], int):
             last = path[:-1] if isinstance(path[-1], int) else path  # of lines, what they are lines of
@@ -47,10 +46,10 @@ def _checked(text: str) -> str:
     return name.lower() if isinstance(name, str) else "python"
 
 
-def _strings(source: Mapped) -> Iterator[tuple[tuple[Key, ...], Mapped]]:
+def _strings(source: SourceText) -> Iterator[tuple[tuple[Key, ...], SourceText]]:
     """Every string value of a valid JSON text, as it is spelled, with the keys and indices that lead to it."""
     path: list[Key] = []
-    pending: Mapped | None = None  # a string that is a key if a colon follows
+    pending: SourceText | None = None  # a string that is a key if a colon follows
     for match in _TOKEN.finditer(source.text):
         if match["colon"] and pending is not None:
             path[-1] = _decoded(pending).text
@@ -69,13 +68,13 @@ def _strings(source: Mapped) -> Iterator[tuple[tuple[Key, ...], Mapped]]:
             path[-1] += 1
 
 
-def _decoded(string: Mapped) -> Mapped:
+def _decoded(string: SourceText) -> SourceText:
     """A JSON string's characters: escapes decoded, half of a pair as a sign that something is missing."""
     return string.rewritten(_ESCAPE, lambda match: [_LONE.sub("\ufffd", json.loads(f'"{match[0]}"'))])
 
 
-def _blocks_of(cell: dict[tuple[Key, ...], list[Mapped]], language: str) -> list[Block]:
-    kind = cell.get(("cell_type",), [Mapped.of("")])[0].text
+def _blocks_of(cell: dict[tuple[Key, ...], list[SourceText]], language: str) -> list[Block]:
+    kind = cell.get(("cell_type",), [SourceText.of("")])[0].text
     source = joined(cell.get(("source",), []))
     if kind == "markdown":
         return markdown_blocks(source)
@@ -84,7 +83,7 @@ def _blocks_of(cell: dict[tuple[Key, ...], list[Mapped]], language: str) -> list
     return [Block(LISTING, source, language), *_outputs(cell)]
 
 
-def _outputs(cell: dict[tuple[Key, ...], list[Mapped]]) -> Iterator[Block]:
+def _outputs(cell: dict[tuple[Key, ...], list[SourceText]]) -> Iterator[Block]:
     """What the code printed and showed; of what is shown in several forms the plain one, else the page."""
     shown = {path[1] for path in cell if path[0] == "outputs" and path[-1] == "text/plain"}
     for path, strings in cell.items():

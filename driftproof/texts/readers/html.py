@@ -10,19 +10,17 @@ import html
 import re
 from dataclasses import dataclass, field
 
-from driftproof.texts.readers.blocks import LISTING, PROSE, Block
-from driftproof.texts.readers.mapped import At, Mapped, joined
+from driftproof.texts.readers.source_text import LISTING, PROSE, Block, Insertion, SourceText, joined
 
 _TOKEN = re.compile(
-    r"(?P<comment><!--.*?(?:-->|\Z)|<[!?][^>]*+(?:>|\Z))"
+    r"(?P<unseen><!--.*?(?:-->|\Z)|<[!?][^>]*+(?:>|\Z)|<(?P<raw>script|style)(?![\w:-]).*?(?=</(?P=raw)\b|\Z))"
     r"|<(?P<end>/?)(?P<name>[a-zA-Z][a-zA-Z0-9:-]*+)"
     r"(?P<attributes>(?:[^>\"'=]++|=\s*+\"[^\"]*+\"|=\s*+'[^']*+'|[\"'=])*+)(?:>|\Z)"
     r"|(?P<entity>&(?:\#[0-9]{1,7}|\#[xX][0-9a-fA-F]{1,6}|[a-zA-Z][a-zA-Z0-9]{1,31});)",
-    re.DOTALL,
+    re.DOTALL | re.IGNORECASE,
 )
 _CLASS = re.compile(r"\bclass\s*=\s*(?:\"([^\"]*)\"|'([^']*)'|([^\s\"'>]+))", re.IGNORECASE)
 _LANGUAGE = re.compile(r"(?:language|lang|highlight|sourceCode|brush)[-: ]\s*([A-Za-z]\w*)")
-_RAW = ("script", "style")
 _HIDDEN = ("template", "annotation", "annotation-xml")
 # Parts of a page that repeat its mathematics for the eye, beside the MathML.
 _REPEATING = ("katex-html",)
@@ -41,7 +39,7 @@ _SCHEMES = {
 _DEEPEST = 100
 
 
-def html_blocks(source: Mapped) -> list[Block]:
+def html_blocks(source: SourceText) -> list[Block]:
     """Prose as it is read, and preformatted text as listings; what attributes say is left out."""
     return _Page(source).blocks()
 
@@ -59,9 +57,9 @@ class _Open:
 class _Page:
     """One pass over the tags of a page."""
 
-    source: Mapped
+    source: SourceText
     done: list[Block] = field(default_factory=list)
-    pieces: list[Mapped | At] = field(default_factory=list)
+    pieces: list[SourceText | Insertion] = field(default_factory=list)
     schemes: list[_Open] = field(default_factory=list)
     hidden: str = ""  # the element in which nothing is seen, and how many of its name are open
     hidden_depth: int = 0
@@ -71,15 +69,15 @@ class _Page:
 
     def blocks(self) -> list[Block]:
         """All of it."""
-        text, at = self.source.text, 0
-        while match := _TOKEN.search(text, at):
-            self.keep(at, match.start())
-            at = match.end()
+        done = 0
+        for match in _TOKEN.finditer(self.source.text):
+            self.keep(done, match.start())
+            done = match.end()
             if match["entity"]:
                 self.write(html.unescape(match["entity"]), match.start())
             elif match["name"]:
-                at = self.tag(match)
-        self.keep(at, len(text))
+                self.tag(match["name"].lower(), match["attributes"], bool(match["end"]), match.start())
+        self.keep(done, len(self.source.text))
         self.finish()
         return self.done
 
@@ -91,27 +89,22 @@ class _Page:
     def write(self, text: str, index: int) -> None:
         """Text that a tag stands for."""
         if not self.hidden and text:
-            self.pieces.append(At(text, self.source.origin(index)))
+            self.pieces.append(Insertion(text, self.source.origin(index)))
 
     def finish(self) -> None:
         """End the present block."""
         self.done.append(Block(LISTING if self.listing else PROSE, joined(self.pieces), self.language * self.listing))
         self.pieces = []
 
-    def tag(self, match: re.Match[str]) -> int:
-        """A tag is met; the index at which to go on."""
-        name, attributes = match["name"].lower(), match["attributes"]
-        if name in _RAW and not match["end"]:
-            end = re.compile(rf"</{name}\b", re.IGNORECASE).search(self.source.text, match.end())
-            return end.start() if end else len(self.source.text)
+    def tag(self, name: str, attributes: str, ends: bool, index: int) -> None:
+        """A tag is met."""
         if self.hidden:
-            self.hidden_depth += 0 if name != self.hidden or attributes.endswith("/") else -1 if match["end"] else 1
+            self.hidden_depth += 0 if name != self.hidden or attributes.endswith("/") else -1 if ends else 1
             self.hidden = self.hidden if self.hidden_depth else ""
-        elif match["end"]:
-            self.closed(name, match.start())
+        elif ends:
+            self.closed(name, index)
         else:
-            self.opened(name, attributes, match.start())
-        return match.end()
+            self.opened(name, attributes, index)
 
     def opened(self, name: str, attributes: str, index: int) -> None:
         """A start tag."""

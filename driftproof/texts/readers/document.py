@@ -1,0 +1,97 @@
+"""A file as its reader sees it: which format, its text in canonical spelling, and where each character stands."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
+
+from driftproof.texts.readers.canonical import canonical_spelling
+from driftproof.texts.readers.html import html_blocks
+from driftproof.texts.readers.jupyter import notebook_blocks
+from driftproof.texts.readers.markdown import markdown_blocks
+from driftproof.texts.readers.source_text import PROSE, Block, Insertion, SourceText, joined
+from driftproof.texts.readers.tex import tex_blocks
+
+READERS: dict[str, Callable[[SourceText], list[Block]]] = {
+    "plain": lambda source: [Block(PROSE, source)],
+    "markdown": markdown_blocks,
+    "html": html_blocks,
+    "tex": tex_blocks,
+    "notebook": notebook_blocks,
+}
+_ENDINGS = {
+    **dict.fromkeys((".md", ".markdown", ".qmd", ".rmd", ".myst"), "markdown"),
+    **dict.fromkeys((".html", ".htm", ".xhtml"), "html"),
+    **dict.fromkeys((".tex", ".ltx", ".latex"), "tex"),
+    ".ipynb": "notebook",
+}
+# A long book has 2 MB of text; the patterns of the readers take seconds for twice as much.
+LARGEST_DOCUMENT = 4 * 2**20
+
+
+class Position(NamedTuple):
+    """Where something stands in a file, both counted from 1."""
+
+    line: int
+    column: int
+
+
+@dataclass(frozen=True)
+class Document:
+    """What a reader sees of the file `source`: its `blocks` as they were read, and `text`, all of them in one spelling.
+
+    Every character of `text` knows its place in the file.
+    """
+
+    source: str
+    text: SourceText
+    blocks: tuple[Block, ...]
+
+    @cached_property
+    def _line_starts(self) -> list[int]:
+        return [0, *(i + 1 for i, character in enumerate(self.source) if character == "\n")]
+
+    def position(self, index: int) -> Position:
+        """Line and column in the file of the character at `index` of the text."""
+        return self.position_of_origin(self.text.origin(index))
+
+    def position_of_origin(self, origin: int) -> Position:
+        """Line and column of a place in the file."""
+        line = bisect_right(self._line_starts, origin)
+        return Position(line, origin - self._line_starts[line - 1] + 1)
+
+
+def document_of(source: str, form: str = "plain") -> Document:
+    """The text `source`, read as `form`, one of READERS. Raises ValueError for what the reader cannot take."""
+    if form not in READERS:
+        raise ValueError(f"format: {form!r} is unknown; choose one of {', '.join(READERS)}")
+    blocks = tuple(READERS[form](SourceText.of(source)))
+    pieces: list[SourceText | Insertion] = []
+    for block in blocks:
+        text = canonical_spelling(block.text).stripped()
+        if text.text:
+            pieces += [Insertion("\n", text.origin(0)), text] if pieces else [text]
+    return Document(source, joined(pieces), blocks)
+
+
+def read_document(path: str | Path, form: str | None = None) -> Document:
+    """The file at `path`, read as `form` or as its ending says, plain if that says nothing.
+
+    Raises OSError, and ValueError for a file of more than LARGEST_DOCUMENT bytes, one that is not UTF-8, and for what
+    the reader cannot take.
+    """
+    path = Path(path)
+    with path.open("rb") as file:
+        content = file.read(LARGEST_DOCUMENT + 1)
+    if len(content) > LARGEST_DOCUMENT:
+        raise ValueError(f"{path}: a text has at most {LARGEST_DOCUMENT} bytes")
+    try:
+        return document_of(content.decode(), form or _ENDINGS.get(path.suffix.lower(), "plain"))
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{path}: byte {error.start} is not UTF-8 text") from None
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
