@@ -1,4 +1,4 @@
-"""Errors of methods on a problem over a ladder of step numbers, beside the evaluations that they took."""
+"""Errors of methods on a problem over numbers of steps that double, beside the evaluations that they took."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.work_precision.exact import STATE, Size, doubt, errors, scale
 from driftproof.numeric.work_precision.integrators import Integrator, integrator
 
-# The numbers of steps of a ladder double; implicit methods, in Python, climb less far.
+# Numbers of steps double; implicit methods, in Python, get less far.
 FEWEST, MOST, MOST_IMPLICIT = 8, 2**20, 2**10
-# A ladder that would have to be a multiple of more than this lands on the last of the reference's times only.
+# Numbers that would have to be multiples of more than this land on the last of the reference's times only.
 LARGEST_UNIT = 64
-# So many points at which rounding may explain the whole error end a ladder: they show its floor.
+# So many points at which rounding may explain the whole error end a curve: they show its floor.
 FLOOR_POINTS = 3
 # A point counts while its error is so many times its doubt. The error of the method itself is then within
 # 1/32 of what is seen, and a slope over a doubling within log2(33/31) = 0.09 of its own.
@@ -107,7 +107,7 @@ def counts(point: Point) -> bool:
     return point.scale > point.error > ABOVE * point.doubt
 
 
-def ladder(problem: Problem, most: int = MOST, fewest: int = FEWEST) -> tuple[int, ...]:
+def step_counts(problem: Problem, most: int = MOST, fewest: int = FEWEST) -> tuple[int, ...]:
     """Numbers of steps from `fewest` to `most`, each twice the one before, that land on the reference's times.
 
     They are multiples of the common denominator of tᵢ/t, unless that is above LARGEST_UNIT: then they land on t, and on
@@ -125,8 +125,8 @@ def curves(
 ) -> list[Curve]:
     """The curve of each method of the catalogue; errors and evaluations only. Raises ValueError for an unknown key.
 
-    `steps` rise; without them it is the `ladder` of the problem. A method that does not apply has a curve without
-    points, which says why. `compiled` runs by numba, where it is installed: the same numbers, sooner on long ladders.
+    `steps` rise; by default they are the `step_counts` of the problem. A method that does not apply has a curve without
+    points, which says why. `compiled` runs by numba, where it is installed: the same numbers, sooner for many steps.
     """
     return [curve_of(method_named(key), problem, steps, compiled=compiled) for key in keys]
 
@@ -134,17 +134,17 @@ def curves(
 def curve_of(
     method: Method, problem: Problem, steps: Sequence[int] | None = None, *, compiled: bool = False, limit: float = inf
 ) -> Curve:
-    """The curve of one method. A run that should take more than `limit` seconds is not made, see `climb`."""
+    """The curve of one method. A run that should take more than `limit` seconds is not made, see `measure_curve`."""
     claim = (method.key, method.title, method.claimed_order)
     try:
         runs = integrator(method, problem, compiled=compiled)
     except MethodError as error:
         return Curve(*claim, refused=str(error))
-    rungs = steps or ladder(problem, MOST if method.explicit else MOST_IMPLICIT)
-    return Curve(*claim, climb(problem, runs, rungs, limit))
+    steps_of_runs = steps or step_counts(problem, MOST if method.explicit else MOST_IMPLICIT)
+    return Curve(*claim, measure_curve(problem, runs, steps_of_runs, limit))
 
 
-def climb(problem: Problem, runs: Integrator, rungs: Sequence[int], limit: float = inf) -> list[Point]:
+def measure_curve(problem: Problem, runs: Integrator, steps_of_runs: Sequence[int], limit: float = inf) -> list[Point]:
     """The points of one method, until FLOOR_POINTS of them are at the floor.
 
     A run that the one before lets expect to take more than `limit` seconds is not made, and neither are longer ones:
@@ -152,9 +152,9 @@ def climb(problem: Problem, runs: Integrator, rungs: Sequence[int], limit: float
     """
     found: list[Point] = []
     taken, before, at_floor = 0.0, 1, 0
-    if limit < inf and rungs:
-        measured(problem, runs, rungs[0])  # the first call may compile
-    for steps in rungs:
+    if limit < inf and steps_of_runs:
+        measured(problem, runs, steps_of_runs[0])  # the first call may compile
+    for steps in steps_of_runs:
         expected = taken * steps / before
         if expected > limit:
             remark = f"not run: would take about {expected:.2g} s, limit {limit:g} s"

@@ -61,7 +61,7 @@ def started(call: Callable[[], object], clock: Clock = perf_counter) -> tuple[Ti
     return Timing(batch), seconds
 
 
-def take_turns(
+def interleave(
     calls: Mapping[str, Callable[[], object]],
     timings: Mapping[str, Timing],
     *,
@@ -77,7 +77,7 @@ def take_turns(
     """
     order = Random(seed)
     for _ in range(rounds):
-        names = sorted(name for name in calls if open_for_more(timings[name], rounds, limit))
+        names = sorted(name for name in calls if needs_more_samples(timings[name], rounds, limit))
         order.shuffle(names)
         for name in names:
             timing = timings[name]
@@ -86,7 +86,7 @@ def take_turns(
         yield ""
 
 
-def open_for_more(timing: Timing, rounds: int, limit: float) -> bool:
+def needs_more_samples(timing: Timing, rounds: int, limit: float) -> bool:
     """True for a timing with too few samples that has not spent its time; never for one with a remark."""
     spent = sum(timing.samples) * timing.batch
     return not timing.remark and len(timing.samples) < rounds and spent < limit

@@ -13,7 +13,7 @@ from driftproof.numeric.problems.problem import EXACT, Problem, Reference
 from driftproof.numeric.scenes import Scene
 from driftproof.numeric.work_precision.curves import Curve, Point, curves
 from driftproof.numeric.work_precision.integrators import PYTHON, integrator
-from driftproof.numeric.work_precision.timing import Timing, started, take_turns
+from driftproof.numeric.work_precision.timing import Timing, interleave, started
 from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.markup import html_table
 from driftproof.reports.page.plot import WIDE, Axis, Plot, Scale, ten_to, ticks
@@ -193,7 +193,7 @@ def measured_seconds(scene: Scene, found: Sequence[Curve]) -> Cost:
                 name = _point_name(curve, point.steps)
                 calls[name] = call(point.steps)
                 timings[name], _ = started(calls[name])
-    for _ in take_turns(calls, timings, limit=_LONGEST_TIMED):
+    for _ in interleave(calls, timings, limit=_LONGEST_TIMED):
         pass
 
     def least(curve: Curve, steps: int | None) -> float | None:

@@ -21,7 +21,7 @@ from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.work_precision.curves import Curve, Point, curve_of, speed
 from driftproof.numeric.work_precision.exact import Size, distance, doubt, errors, scale
 from driftproof.numeric.work_precision.integrators import ENSEMBLE, MEMBERS, Call, integrator
-from driftproof.numeric.work_precision.timing import ROUNDS, SEED, Timing, open_for_more, started, take_turns
+from driftproof.numeric.work_precision.timing import ROUNDS, SEED, Timing, interleave, needs_more_samples, started
 from driftproof.reports.work_precision.peers import TOLERANCES, Peer, Solver
 from driftproof.support.files import whole
 from driftproof.support.machine import machine, versions
@@ -86,7 +86,7 @@ def _digest(data: object) -> str:
     return hashlib.sha256(repr(data).encode()).hexdigest()[:16]
 
 
-class Notebook:
+class ResultStore:
     """Where points are written down as soon as they are measured, whole or not at all; without a folder, nowhere."""
 
     def __init__(self, folder: Path | None, question: Json, say: Say) -> None:
@@ -142,15 +142,15 @@ class Steps:
 def measure(study: Study, folder: Path | None, say: Say, steps: Steps | None = None) -> Measured:
     """Everything that the study asks for, and that `folder` does not hold already."""
     steps = steps or Steps()
-    notebook = Notebook(folder, study.question(), say)
-    measured, solvers = notebook.measured, _solvers(study)
+    store = ResultStore(folder, study.question(), say)
+    measured, solvers = store.measured, _solvers(study)
     steps.expect(len(study.methods) + len(solvers))
     for key, make in _curve_makers(study, solvers).items():
         if key not in measured.curves:
             measured.curves[key] = make()
-            notebook.save()
+            store.save()
         steps.done()
-    _time(study, solvers, notebook, steps)
+    _time(study, solvers, store, steps)
     measured.curves = {key: measured.curves[key] for key in _curve_makers(study, solvers)}
     return measured
 
@@ -210,19 +210,19 @@ _CallAt: TypeAlias = Callable[[Point], Callable[[], State]]
 _Calls: TypeAlias = Mapping[str, _CallAt]
 
 
-def _time(study: Study, solvers: Mapping[str, _OfPeer], notebook: Notebook, steps: Steps) -> None:
+def _time(study: Study, solvers: Mapping[str, _OfPeer], store: ResultStore, steps: Steps) -> None:
     """Choose batches one curve after the other, then take turns."""
-    measured, calls = notebook.measured, dict[str, Callable[[], object]]()
+    measured, calls = store.measured, dict[str, Callable[[], object]]()
     for key, made in _callable_curves(study, solvers, measured):
         calls |= _started(study, measured, measured.curves[key], made)
-    notebook.save()
-    wanted = {name for name in calls if open_for_more(measured.timings[name], ROUNDS, study.limit)}
+    store.save()
+    wanted = {name for name in calls if needs_more_samples(measured.timings[name], ROUNDS, study.limit)}
     steps.expect(sum(ROUNDS - len(measured.timings[name].samples) for name in wanted))
-    for name in take_turns(calls, measured.timings, limit=study.limit, rounds=ROUNDS, seed=SEED):
+    for name in interleave(calls, measured.timings, limit=study.limit, rounds=ROUNDS, seed=SEED):
         if name:
             steps.done()
         else:
-            notebook.save()
+            store.save()
 
 
 def _callable_curves(study: Study, solvers: Mapping[str, _OfPeer], measured: Measured) -> Iterator[tuple[str, _Calls]]:
@@ -281,7 +281,7 @@ def doubtful(problem: Problem, point: Point, call: Callable[[], State]) -> str:
 
 
 def _is_finished(timing: Timing | None, limit: float) -> bool:
-    return timing is not None and not open_for_more(timing, ROUNDS, limit)
+    return timing is not None and not needs_more_samples(timing, ROUNDS, limit)
 
 
 def _warm_up(measured: Measured, curve: Curve, kind: str, call_at: _CallAt, points: Sequence[Point]) -> float:

@@ -20,11 +20,11 @@ from driftproof.numeric.work_precision.curves import (
     FLOOR_POINTS,
     Curve,
     Point,
-    climb,
     counts,
     curve_of,
     curves,
-    ladder,
+    measure_curve,
+    step_counts,
 )
 from driftproof.numeric.work_precision.exact import (
     ENERGY,
@@ -47,7 +47,7 @@ from driftproof.numeric.work_precision.integrators import (
     counted_evaluations,
     integrator,
 )
-from driftproof.numeric.work_precision.timing import BATCH, ROUNDS, SHORT, Timing, started, take_turns
+from driftproof.numeric.work_precision.timing import BATCH, ROUNDS, SHORT, Timing, interleave, started
 from driftproof.numeric.work_precision.verdicts import Priced, cheapest, dominators
 
 T = Q(10)
@@ -112,18 +112,18 @@ def _decay(energy: str | None = None) -> Problem:
 
 
 def test_doubt_grows_with_the_steps_and_covers_the_rounding_of_a_run_whose_method_is_exact_enough() -> None:
-    found = climb(HARMONIC, integrator(METHODS["dop853"], HARMONIC), (256, 512, 1024))
+    found = measure_curve(HARMONIC, integrator(METHODS["dop853"], HARMONIC), (256, 512, 1024))
     assert all(0 < point.error < point.doubt for point in found)
     assert doubt(HARMONIC, 1024, 1.0) > 1.9 * doubt(HARMONIC, 512, 1.0) > float(512 * U)
 
 
 def test_ladder_lands_on_the_references_times_and_only_on_the_last_where_that_would_cost_too_much() -> None:
-    assert ladder(HARMONIC, 100) == (8, 16, 32, 64)
+    assert step_counts(HARMONIC, 100) == (8, 16, 32, 64)
     times = (Q(1, 997), Q(1))
     awkward = dataclasses.replace(_decay(), reference=Reference(times, (("1",), ("1",)), EXACT, ""))
-    assert ladder(awkward, 64) == (8, 16, 32, 64)
+    assert step_counts(awkward, 64) == (8, 16, 32, 64)
     thirds = dataclasses.replace(_decay(), reference=Reference((Q(1, 3), Q(1)), (("1",), ("1",)), EXACT, ""))
-    assert ladder(thirds, 64) == (9, 18, 36)
+    assert step_counts(thirds, 64) == (9, 18, 36)
     assert set(integrator(METHODS["rk4"], HARMONIC).run(8).states) == set(HARMONIC.reference.times)
     assert set(integrator(METHODS["rk4"], HARMONIC).run(9).states) == {T}
 
@@ -207,7 +207,7 @@ def test_climb_marks_a_run_that_would_take_too_long_and_makes_none_after_it() ->
         sum(range(40 * steps))
         return Run({T: (1.0, 0.0)}, steps)
 
-    found = climb(HARMONIC, Integrator(slow, {}, {}), (8, 10**9, 10**10), limit=1)
+    found = measure_curve(HARMONIC, Integrator(slow, {}, {}), (8, 10**9, 10**10), limit=1)
     assert [point.steps for point in found] == [8, 10**9]
     assert found[-1].remark.startswith("not run: would take about")
     assert set(made) == {8}
@@ -267,7 +267,7 @@ def test_turns_interleave_in_a_random_order_that_the_seed_fixes() -> None:
         clock, names = FakeClock(), "abcdef"
         timings = {name: Timing() for name in names}
         calls = {name: clock.call(1e-3) for name in names}
-        return list(take_turns(calls, timings, limit=1, seed=seed, clock=clock))  # type: ignore[arg-type]
+        return list(interleave(calls, timings, limit=1, seed=seed, clock=clock))  # type: ignore[arg-type]
 
     turns = order(1)
     rounds = "".join(turn or "|" for turn in turns).split("|")[:-1]
@@ -280,7 +280,7 @@ def test_samples_are_seconds_of_one_call_and_their_minimum_median_and_spread_are
     clock = FakeClock()
     timings = {"a": Timing(batch=2)}
     calls = {"a": clock.call(*[x for pair in ((1, 1), (4, 4), (2, 2), (3, 3), (9, 9)) for x in pair])}
-    list(take_turns(calls, timings, limit=100, clock=clock))  # type: ignore[arg-type]
+    list(interleave(calls, timings, limit=100, clock=clock))  # type: ignore[arg-type]
     timing = timings["a"]
     assert timing.samples == [1, 4, 2, 3, 9]
     assert (timing.best, timing.median, timing.spread) == (1, 3, (4 - 2) / 3)
@@ -291,7 +291,7 @@ def test_a_call_that_has_spent_its_time_gets_no_further_turn() -> None:
     clock = FakeClock()
     timings = {"slow": Timing(), "quick": Timing(), "marked": Timing(remark="too long")}
     calls = {"slow": clock.call(2.0), "quick": clock.call(0.1), "marked": clock.call(1.0)}
-    list(take_turns(calls, timings, limit=1, clock=clock))  # type: ignore[arg-type]
+    list(interleave(calls, timings, limit=1, clock=clock))  # type: ignore[arg-type]
     assert [len(timing.samples) for timing in timings.values()] == [1, ROUNDS, 0]
 
 

@@ -87,8 +87,8 @@ def test_limit_is_round_beyond_and_near(largest: Q) -> None:
 
 
 def test_limits_grow_by_a_third_at_most() -> None:
-    ladder = [*AXIS_ENDS, Q(10)]
-    assert max(b / a for a, b in pairwise(ladder)) == Q(4, 3)
+    ends = [*AXIS_ENDS, Q(10)]
+    assert max(b / a for a, b in pairwise(ends)) == Q(4, 3)
     assert (symmetric_limit(Q(0)), symmetric_limit(Q(3)), symmetric_limit(Q(39, 4))) == (1, 4, Q(25, 2))
 
 

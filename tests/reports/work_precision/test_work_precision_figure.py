@@ -22,7 +22,7 @@ def study(problem: str) -> Study:
 
 def test_figure_of_runs_that_blow_up_keeps_the_others_legible(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     figures: list[Any] = []
-    monkeypatch.setattr(drawing, "save", lambda figure, path: figures.append(figure))
+    monkeypatch.setattr(drawing, "save_picture", lambda figure, path: figures.append(figure))
 
     def points(*errors: tuple[int, float]) -> list[Point]:
         return [Point(str(n), n, {"state": Size(e, e)}, scale=1.0) for n, e in errors]

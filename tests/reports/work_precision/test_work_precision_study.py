@@ -33,7 +33,7 @@ Run = Callable[..., tuple[int, str, str]]
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Short ladders, and nothing compiled."""
+    """Few steps, and nothing compiled."""
     monkeypatch.setattr(integrators, "has_numba", lambda: False)
     monkeypatch.setattr(curves, "MOST", 64)
     monkeypatch.setattr(curves, "MOST_IMPLICIT", 16)
@@ -76,7 +76,7 @@ def test_what_is_measured_is_not_measured_again(tmp_path: Path, monkeypatch: pyt
 
 
 def test_a_study_that_is_interrupted_goes_on_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    asked, turns = study("rk4", "velocity_verlet"), work_precision.take_turns
+    asked, turns = study("rk4", "velocity_verlet"), work_precision.interleave
 
     def interrupted(*arguments: object, **named: object) -> object:
         taken = turns(*arguments, **named)  # type: ignore[arg-type]
@@ -86,7 +86,7 @@ def test_a_study_that_is_interrupted_goes_on_where_it_was(tmp_path: Path, monkey
                 raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:
-        patched.setattr(work_precision, "take_turns", interrupted)
+        patched.setattr(work_precision, "interleave", interrupted)
         with pytest.raises(KeyboardInterrupt):
             measure(asked, tmp_path, unheard)
     held = json.loads((tmp_path / "points.json").read_text(encoding="utf-8"))
@@ -103,9 +103,9 @@ def test_a_save_that_fails_leaves_the_file_as_it_was(tmp_path: Path, monkeypatch
     measure(asked, tmp_path, unheard)
     before = contents(tmp_path)
     monkeypatch.setattr(work_precision.json, "dumps", lambda *_, **__: (_ for _ in ()).throw(OSError("disk full")))
-    notebook = work_precision.Notebook(tmp_path, asked.question(), unheard)
+    store = work_precision.ResultStore(tmp_path, asked.question(), unheard)
     with pytest.raises(OSError, match="disk full"):
-        notebook.save()
+        store.save()
     assert contents(tmp_path) == before
 
 
