@@ -1,0 +1,213 @@
+"""The supervisor of code that may hang, crash or hoard, and its worker: the far side of `processes`.
+
+The supervisor forks the worker and waits until that ends or its session does. Then it kills every process that has come
+of the worker: on Linux, those that moved to a session of their own come back to it, as to a subreaper; elsewhere what
+is left of the worker's process group is killed. Run as a file, this is a supervisor in a fresh interpreter, which has
+nothing of ours to import; so it imports nothing of ours.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import faulthandler
+import importlib.util
+import json
+import os
+import select
+import signal
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from math import ceil
+from pathlib import Path
+from time import monotonic, process_time, sleep
+from typing import Any, NamedTuple
+
+Json = Any
+Handler = Callable[[Json], Json]
+# Seconds in which the supervisor kills what is left: one kill takes microseconds, a fork bomb some rounds of them.
+LAST_ROUND = 10.0
+_PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36  # linux/prctl.h
+
+
+class Ends(NamedTuple):
+    """The supervisor's and worker's ends: of the requests, the answers, and the supervisor's own line to the parent."""
+
+    requests: int
+    answers: int
+    control: int
+
+
+def ready(seconds: float | None, *readable: int, writable: int | None = None) -> list[int]:
+    """Those that can be read or written without waiting, or are closed at their other end; none after the time."""
+    poll = select.poll()  # select.select refuses descriptors beyond 1023
+    for descriptor in readable:
+        poll.register(descriptor, select.POLLIN)
+    if writable is not None:
+        poll.register(writable, select.POLLOUT)
+    return [descriptor for descriptor, _ in poll.poll(None if seconds is None else max(0.0, 1000 * seconds))]
+
+
+def supervise(theirs: Ends, handler: Handler | None) -> None:
+    """Fork the worker, wait for its end or the session's, end all that came of it, and tell how the worker ended."""
+    control = theirs[2]
+    _prctl(_PR_SET_CHILD_SUBREAPER, 1)
+    worker = os.fork()
+    if worker == 0:
+        os.close(control)
+        status = 1
+        with suppress(BaseException):
+            _work(theirs, handler)
+            status = 0
+        os._exit(status)
+    with suppress(OSError):  # as the worker does itself, whoever is first
+        os.setpgid(worker, worker)
+    for end in theirs[:2]:
+        os.close(end)
+    _wait_for_end(worker, control)
+    code, peak = _end_all(worker)
+    os.write(control, json.dumps({"code": code, "peak": peak}).encode())
+    os._exit(0)
+
+
+def _wait_for_end(worker: int, control: int) -> None:
+    """Until the worker has ended, not yet reaped, or the session is closed."""
+    try:
+        ready(None, control, os.pidfd_open(worker))
+    except (AttributeError, OSError):  # not Linux, or an old one: look now and then
+        while not ready(0.01, control):
+            if os.waitid(os.P_PID, worker, os.WEXITED | os.WNOHANG | os.WNOWAIT):
+                return
+
+
+def _end_all(worker: int) -> tuple[int, int]:
+    """Kill and reap whatever came of the worker: the worker's exit code, or minus its signal, and its peak memory."""
+    import resource
+
+    code, peak, limit = -signal.SIGKILL, 0, monotonic() + LAST_ROUND
+    unit, at_start = 1 if sys.platform == "darwin" else 1024, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    while monotonic() < limit:
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(worker, signal.SIGKILL)
+        for process in _descendants():
+            with suppress(ProcessLookupError, PermissionError):
+                os.kill(process, signal.SIGKILL)
+        try:
+            while (ended := os.wait4(-1, os.WNOHANG))[0]:
+                if ended[0] == worker:
+                    code = os.waitstatus_to_exitcode(ended[1])
+                    peak = (ended[2].ru_maxrss - at_start) * unit
+        except ChildProcessError:
+            break
+        sleep(0.001)
+    return code, peak
+
+
+def _descendants() -> list[int]:
+    """All processes below this one, where there is a /proc to read."""
+    parents: dict[int, int] = {}
+    for entry in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError, ValueError, IndexError):
+            parents[int(entry.name)] = int((entry / "stat").read_text().rpartition(")")[2].split()[1])
+    found = {os.getpid()}
+    while more := {process for process, parent in parents.items() if parent in found} - found:
+        found |= more
+    return sorted(found - {os.getpid()})
+
+
+def _work(theirs: Ends, handler: Handler | None) -> None:
+    """Answer requests until there are no more; what is printed meanwhile is thrown away."""
+    _prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    os.setpgid(0, 0)
+    faulthandler.disable()
+    requests, answers = os.fdopen(theirs[0], "rb"), theirs[1]
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    for descriptor in (0, 1, 2):
+        os.dup2(nowhere, descriptor)
+    sys.stdout = sys.stderr = os.fdopen(nowhere, "w")  # a notebook's, or a test runner's, go elsewhere
+    try:
+        answering = _imported(json.loads(requests.readline())) if handler is None else handler
+        limits = json.loads(requests.readline())
+        _limit(limits["memory"], limits["file"])
+        _tell(answers, {"answer": None})
+    except Exception as error:
+        _tell(answers, _raised(error))
+        return
+    for line in requests:
+        _limit_processor(limits["processor"])
+        try:
+            message = {"answer": answering(json.loads(line))}
+            text = json.dumps(message)
+        except Exception as error:
+            text = json.dumps(_raised(error))
+        _tell(answers, text)
+
+
+def _tell(answers: int, message: Json) -> None:
+    text = message if isinstance(message, str) else json.dumps(message)
+    rest = memoryview(f"{text}\n".encode())
+    while rest:
+        rest = rest[os.write(answers, rest) :]
+
+
+def _raised(error: Exception) -> dict[str, Json]:
+    return {
+        "raised": f"{type(error).__name__}: {' '.join(str(error).split())}"[:2000],
+        "memory": isinstance(error, MemoryError),
+    }
+
+
+def _imported(order: dict[str, Any]) -> Handler:
+    """The handler, on the import path of the order, our own package loaded before: from where this file is.
+
+    Its modules are then found within it: nothing of the user's is taken for one of ours, whatever its name is, and
+    nothing that lies beside our package for one of the user's.
+    """
+    package = Path(__file__).parents[1]
+    spec = importlib.util.spec_from_file_location(package.name, package / "__init__.py")
+    assert spec is not None
+    assert spec.loader is not None
+    sys.modules[package.name] = module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    sys.path[:] = order["path"]
+    place, _, name = order["handler"].partition(":")
+    handler: Handler = getattr(importlib.import_module(place), name)
+    return handler
+
+
+def _limit(memory: int | None, file: int | None) -> None:
+    """Bound the size of a file, and private data at `memory` bytes beyond what there is now."""
+    import resource
+
+    used = 0
+    with suppress(OSError):
+        used = 1024 * int(Path("/proc/self/status").read_text().partition("VmData:")[2].split()[0])
+    for what, most in (
+        (resource.RLIMIT_DATA, None if memory is None else used + memory),
+        (resource.RLIMIT_FSIZE, file),
+        (resource.RLIMIT_CORE, 0),
+    ):
+        _, hard = resource.getrlimit(what)
+        if most is not None:
+            most = most if hard == resource.RLIM_INFINITY else min(most, hard)
+            resource.setrlimit(what, (most, most))
+
+
+def _limit_processor(seconds: float | None) -> None:
+    """Bound processor time at so many seconds from now on."""
+    import resource
+
+    if seconds is not None:
+        _, hard = resource.getrlimit(resource.RLIMIT_CPU)
+        most = ceil(process_time() + seconds)
+        resource.setrlimit(resource.RLIMIT_CPU, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+
+
+def _prctl(option: int, argument: int) -> None:
+    with suppress(OSError, AttributeError):
+        if sys.platform == "linux":
+            ctypes.CDLL(None).prctl(option, argument, 0, 0, 0)
+
+
+if __name__ == "__main__":
+    supervise(Ends(*map(int, sys.argv[1:4])), None)
