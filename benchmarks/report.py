@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own package
 from benchmarks import answers, engine, facts, import_time, long_runs, order, peers, peers_time, roundoff, stability
 from benchmarks.timing import LIMIT, ROUNDS, TURN, Goal, Row, Section, goal_rows, times_rows
 from docs.pages import markdown
-from driftproof.support import machine
+from driftproof.support.environment import machine_description, versions_of
 
 ROOT = Path(__file__).parents[1]
 TIMED = {
@@ -44,7 +44,7 @@ def versions() -> str:
     fast = ("numba",) if find_spec("numba") else ()
     ours = [f"{name} {version(name)}" for name in ("numpy", "sympy", "python-flint", *fast)]
     theirs = [f"{name} {found}" for name, found in (peers.installed() | peers_time.installed()).items()]
-    return f"{machine.versions(())['python']}, {', '.join(ours)}; peers: {', '.join(theirs) or 'none'}"
+    return f"{versions_of(())['python']}, {', '.join(ours)}; peers: {', '.join(theirs) or 'none'}"
 
 
 def commit() -> str:
@@ -78,7 +78,7 @@ def head(rounds: int) -> str:
     at = datetime.now(UTC).strftime("%Y-%m-%d")
     return (
         f"Made by `make bench` on {at} from commit {commit()}, {rounds} rounds.\n\n"
-        f"* machine: {machine.machine()}\n* versions: {versions()}"
+        f"* machine: {machine_description()}\n* versions: {versions()}"
     )
 
 

@@ -1,66 +1,83 @@
-"""The front door: exact facts and float runs of one-step integrators, from Python and from the command line.
+"""Exact facts and float runs of one-step integrators, from Python and from the command line.
 
 Everything heavy is imported when it is first asked for, so `import driftproof` costs next to nothing.
 """
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import Any
-
 __version__ = "0.1.0"
 
-# Public name -> where it lives. Names resolve on first use (PEP 562).
-_PUBLIC = {
-    "METHODS": "driftproof.methods.catalogue",
-    "FAMILIES": "driftproof.methods.families",
-    "read_method": "driftproof.methods.tableau_file",
-    "RungeKutta": "driftproof.methods.schemes",
-    "Splitting": "driftproof.methods.schemes",
-    "stepper": "driftproof.methods.stepping",
-    "OscillatorRun": "driftproof.symbolic.runs",
-    "one_step_matrix": "driftproof.symbolic.derivation.one_step",
-    "energy_multiplier": "driftproof.symbolic.derivation.energy",
-    "invariant_quadratic": "driftproof.symbolic.derivation.energy",
-    "stability_limit": "driftproof.symbolic.derivation.stability",
-    "facts_of": "driftproof.symbolic.facts",
-    "system_facts": "driftproof.symbolic.facts",
-    "order_within": "driftproof.symbolic.facts",
-    "family_facts": "driftproof.symbolic.family_facts",
-    "stability_function_of": "driftproof.symbolic.linear.oscillator",
-    "boundary_points": "driftproof.symbolic.linear.region",
-    "significant": "driftproof.symbolic.algebra.certified",
-    "fixed": "driftproof.symbolic.algebra.certified",
-    "Scene": "driftproof.numeric.scenes",
-    "PRESETS": "driftproof.numeric.scenes",
-    "read_scene": "driftproof.numeric.scenes",
-    "run": "driftproof.numeric.run",
-    "published_values": "driftproof.texts.values.published",
-    "value": "driftproof.texts.questions.ask",
-    "QuestionError": "driftproof.texts.questions.errors",
-    "Style": "driftproof.texts.questions.style",
-    "PRINTED": "driftproof.texts.questions.style",
-    "PROBLEMS": "driftproof.numeric.problems.catalogue",
-    "sweep": "driftproof.numeric.sweep",
-    "identify": "driftproof.blackbox.identify",
-    "stepper_of": "driftproof.blackbox.stepper.objects",
-    "field_stepper_of": "driftproof.blackbox.stepper.objects",
-    "verify": "driftproof.blackbox.verify",
-    "assert_verified": "driftproof.blackbox.verify",
-    "Domain": "driftproof.blackbox.judging.agreement",
-    "Allowance": "driftproof.blackbox.judging.tolerance",
-}
+TYPE_CHECKING = False  # known to type checkers by its name; the module typing is slower to import than all of this
+if TYPE_CHECKING:
+    # The public names. Type checkers read these lines as they are; at run time `_modules` does.
+    from driftproof.blackbox.identify import identify as identify
+    from driftproof.blackbox.judging.agreement import Domain as Domain
+    from driftproof.blackbox.judging.tolerance import Allowance as Allowance
+    from driftproof.blackbox.stepper.objects import field_stepper_of as field_stepper_of
+    from driftproof.blackbox.stepper.objects import stepper_of as stepper_of
+    from driftproof.blackbox.verify import assert_verified as assert_verified
+    from driftproof.blackbox.verify import verify as verify
+    from driftproof.methods.catalogue import METHODS as METHODS
+    from driftproof.methods.families import FAMILIES as FAMILIES
+    from driftproof.methods.schemes import RungeKutta as RungeKutta
+    from driftproof.methods.schemes import Splitting as Splitting
+    from driftproof.methods.stepping import stepper as stepper
+    from driftproof.methods.tableau_file import read_method as read_method
+    from driftproof.numeric.problems.catalogue import PROBLEMS as PROBLEMS
+    from driftproof.numeric.run import run as run
+    from driftproof.numeric.scenes import PRESETS as PRESETS
+    from driftproof.numeric.scenes import Scene as Scene
+    from driftproof.numeric.scenes import read_scene as read_scene
+    from driftproof.numeric.sweep import sweep as sweep
+    from driftproof.symbolic.algebra.certified import fixed as fixed
+    from driftproof.symbolic.algebra.certified import significant as significant
+    from driftproof.symbolic.derivation.energy import energy_multiplier as energy_multiplier
+    from driftproof.symbolic.derivation.energy import invariant_quadratic as invariant_quadratic
+    from driftproof.symbolic.derivation.one_step import one_step_matrix as one_step_matrix
+    from driftproof.symbolic.derivation.stability import stability_limit as stability_limit
+    from driftproof.symbolic.facts import facts_of as facts_of
+    from driftproof.symbolic.facts import order_within as order_within
+    from driftproof.symbolic.facts import system_facts as system_facts
+    from driftproof.symbolic.family_facts import family_facts as family_facts
+    from driftproof.symbolic.linear.oscillator import stability_function_of as stability_function_of
+    from driftproof.symbolic.linear.region import boundary_points as boundary_points
+    from driftproof.symbolic.runs import OscillatorRun as OscillatorRun
+    from driftproof.texts.questions.ask import value as value
+    from driftproof.texts.questions.errors import QuestionError as QuestionError
+    from driftproof.texts.questions.style import PRINTED as PRINTED
+    from driftproof.texts.questions.style import Style as Style
+    from driftproof.texts.values.published import published_values as published_values
 
-__all__ = sorted(_PUBLIC)
+    __all__: list[str]
+else:
 
+    def __getattr__(name: str) -> object:
+        """The public object `name`, imported now (PEP 562). Raises AttributeError for any other name."""
+        from importlib import import_module
 
-def __getattr__(name: str) -> Any:
-    """The public object `name`, imported now. Raises AttributeError for any other name."""
-    if name not in _PUBLIC:
-        raise AttributeError(f"module 'driftproof' has no attribute {name!r}")
-    return getattr(import_module(_PUBLIC[name]), name)
+        modules = _modules()
+        if name == "__all__":
+            return sorted(modules)
+        if name not in modules:
+            raise AttributeError(f"module 'driftproof' has no attribute {name!r}")
+        return getattr(import_module(modules[name]), name)
 
 
 def __dir__() -> list[str]:
     """The public names."""
-    return [*__all__, "__version__"]
+    return [*sorted(_modules()), "__all__", "__version__"]
+
+
+_MODULES: dict[str, str] = {}
+
+
+def _modules() -> dict[str, str]:
+    """Public name -> the module that has it, read once from the imports above, so that each name stands once."""
+    if not _MODULES:
+        import ast
+
+        with open(__file__, encoding="utf-8") as source:
+            (block,) = (node for node in ast.parse(source.read()).body if isinstance(node, ast.If))
+        lines = (line for line in block.body if isinstance(line, ast.ImportFrom))
+        _MODULES.update((alias.name, str(line.module)) for line in lines for alias in line.names)
+    return _MODULES

@@ -1,56 +1,54 @@
-"""The command line: parse, ask, print. One line and a non-zero exit for anything that cannot be answered."""
+"""The command line: parse, ask, print. One line and a non-zero exit for anything that cannot be answered.
+
+What is not asked for is not imported: neither other commands nor, for --help and --version, the parser of any.
+"""
 
 from __future__ import annotations
 
 import sys
-from argparse import Namespace
-from collections.abc import Sequence
 
 from driftproof import __version__
-from driftproof.commands import (
-    check,
-    diff,
-    facts,
-    identify,
-    methods,
-    render,
-    report,
-    roundoff,
-    run,
-    scene,
-    scenes,
-    stability,
-    step,
-    sweep,
-    value,
-    values,
-    verify,
-    work_precision,
-)
-from driftproof.commands.arguments import BAD_INPUT, INTERRUPTED, NO_ANSWER, REFUTED, Parser, Refuted
 
-COMMANDS = (
-    methods,
-    facts,
-    step,
-    run,
-    roundoff,
-    stability,
-    identify,
-    verify,
-    scenes,
-    scene,
-    sweep,
-    report,
-    work_precision,
-    value,
-    values,
-    render,
-    check,
-    diff,
-)
+TYPE_CHECKING = False  # known to type checkers by its name; the module typing is half of a start
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
-EXAMPLES = """\
+    from driftproof.commands.arguments import Command
+
+# Command -> the module of driftproof.commands that has it, and what it is for.
+COMMANDS = {
+    "methods": ("methods", "list the methods, and the families with a free parameter"),
+    "facts": ("methods", "every exact fact of a method or of a family of methods"),
+    "step": ("oscillator", "one step, exactly"),
+    "run": ("oscillator", "a whole run, certified to any number of digits"),
+    "roundoff": ("oscillator", "the rounding bound of one step, derived by running it"),
+    "stability": ("problems", "which steps a method can take on a problem: proved, and seen"),
+    "identify": ("steppers", "which method a float stepper really is"),
+    "verify": ("steppers", "whether a float stepper is the method its name says, to roundoff"),
+    "scenes": ("scenes", "list the lesson's scenes"),
+    "scene": ("scenes", "run a scene in floats and show what it asks for"),
+    "sweep": ("scenes", "run a scene at every point of a grid of steps, times, starts and methods"),
+    "report": ("scenes", "write scenes as a page of HTML"),
+    "work-precision": ("problems", "error against evaluations and against run time"),
+    "value": ("values", "a number for a text, asked for in a small language"),
+    "values": ("values", "the numbers of the lesson, proved"),
+    "render": ("texts", "a text from its template, with proved values in it"),
+    "check": ("texts", "whether the numbers of a text are right, and which nobody claims"),
+    "diff": ("values", "what changed between two files of values: value, digits or wording"),
+}
+
+HELP = """\
+usage: driftproof [-h] [--version] COMMAND ...
+
+Exact facts and certified numbers about one-step integrators, and float runs held to them.
+
+commands:
+{commands}
+
+options:
+  -h, --help      show this help message and exit
+  --version       show the version and exit
+
 examples:
   driftproof step rk4 --h 1/2 --state 1,0          337/384 and -23/48, with decimals
   driftproof run forward_euler --h 1/4 --t 10      certified state, errors, energy and phase
@@ -69,35 +67,60 @@ Numbers are read exactly: 0.1 is 1/10, and 1/4 is a quarter. `driftproof COMMAND
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; the status is 0 if answered, 1 if the answer is no, 2 for bad input, 3 for no answer."""
-    name = "driftproof"
+    name, *words = (sys.argv[1:] if arguments is None else arguments) or ("",)
+    if name in ("-h", "--help"):
+        listed = "\n".join(f"  {command:14}  {what}" for command, (_, what) in COMMANDS.items())
+        return _print(HELP.format(commands=listed).removesuffix("\n"))
+    if name == "--version":
+        return _print(f"driftproof {__version__}")
+    return _answer(name, words)
+
+
+def _answer(name: str, words: list[str]) -> int:
+    """Parse the words of one command, print its answer or one line of complaint."""
+    from driftproof.commands.arguments import BAD_INPUT, INTERRUPTED, NO_ANSWER, REFUTED, Refuted
+
+    prog = f"driftproof {name}" if name in COMMANDS else "driftproof"
     try:
-        options = _parser().parse_args(arguments)
-        name = f"driftproof {options.command}"
-        status, text = _answered(options)
-        _show(text)
+        command = command_named(name)
+        options = command.parser(prog).parse_args(words)
+        try:
+            return _print(command.answer(options))
+        except Refuted as answer:
+            _print(str(answer))
+            return REFUTED
     except OSError as error:
-        return _complain(name, _in_words(error), BAD_INPUT)
+        return _complain(prog, _in_words(error), BAD_INPUT)
     except ValueError as error:
-        return _complain(name, str(error), BAD_INPUT)
+        return _complain(prog, str(error), BAD_INPUT)
     except ArithmeticError as error:
-        return _complain(name, str(error), NO_ANSWER)
+        return _complain(prog, str(error), NO_ANSWER)
     except KeyboardInterrupt:
-        return _complain(name, "interrupted", INTERRUPTED)
-    return status
+        return _complain(prog, "interrupted", INTERRUPTED)
 
 
-def _answered(options: Namespace) -> tuple[int, str]:
-    try:
-        return 0, options.answer(options)
-    except Refuted as answer:
-        return REFUTED, str(answer)
+def command_named(name: str) -> Command:
+    """The command, its module imported now. Raises ValueError, with the names nearest to it, if there is none."""
+    from importlib import import_module
+
+    from driftproof.support.plain_text import did_you_mean
+
+    if not name or name.startswith("-"):
+        wrong = f"unrecognized arguments: {name}" if name else "the following arguments are required: COMMAND"
+        raise ValueError(f"{wrong} (`driftproof --help` shows how)")
+    if name not in COMMANDS:
+        raise ValueError(f"unknown command {name[:60]!r}{did_you_mean(name, COMMANDS)} (`driftproof --help` lists all)")
+    module = import_module(f"driftproof.commands.{COMMANDS[name][0]}")
+    command: Command = getattr(module, f"{name.replace('-', '_')}_command")
+    return command
 
 
-def _show(text: str) -> None:
+def _print(text: str) -> int:
     try:
         print(text, flush=True)
     except BrokenPipeError:
         sys.stderr.close()  # the reader has gone; a second complaint at exit would be noise
+    return 0
 
 
 def _in_words(error: OSError) -> str:
@@ -108,16 +131,3 @@ def _in_words(error: OSError) -> str:
 def _complain(name: str, message: str, status: int) -> int:
     print(f"{name}: {' '.join(message.split())}", file=sys.stderr)
     return status
-
-
-def _parser() -> Parser:
-    parser = Parser(
-        prog="driftproof",
-        description="Exact facts and certified numbers about one-step integrators, and float runs held to them.",
-        epilog=EXAMPLES,
-    )
-    parser.add_argument("--version", action="version", version=f"driftproof {__version__}")
-    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=Parser)
-    for command in COMMANDS:
-        command.add(commands)
-    return parser

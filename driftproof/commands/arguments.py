@@ -1,4 +1,4 @@
-"""What the command line takes and how it ends: a parser that complains in one line, numbers read exactly, statuses."""
+"""What commands are made of: options as data, numbers read exactly, a parser that complains in one line, statuses."""
 
 from __future__ import annotations
 
@@ -7,10 +7,15 @@ import re
 import sys
 from collections.abc import Callable, Iterable
 from fractions import Fraction
+from importlib import import_module
 from pathlib import Path
-from typing import Any, NoReturn, TypeAlias
+from typing import Any, NamedTuple, NoReturn, TypeAlias, TypeVar
 
 from driftproof.methods.rationals import parse_rational
+
+T = TypeVar("T")
+# What adds one option, or several that exclude each other, to a parser.
+Option: TypeAlias = "Callable[[argparse._ActionsContainer], object]"
 
 REFUTED, BAD_INPUT, NO_ANSWER, INTERRUPTED = 1, 2, 3, 130
 MOST_DIGITS = 10_000
@@ -25,72 +30,107 @@ class Refuted(Exception):
 class Parser(argparse.ArgumentParser):
     """An argument parser that complains in one line, and takes -1/2 and -1,0 for values rather than options."""
 
-    def __init__(self, *args: Any, **kwargs: Any) -> None:
+    def __init__(self, prog: str, description: str, epilog: str) -> None:
         """Keep the line breaks of descriptions and examples."""
-        kwargs["formatter_class"] = argparse.RawDescriptionHelpFormatter
-        super().__init__(*args, **kwargs)
+        keep = argparse.RawDescriptionHelpFormatter
+        super().__init__(prog, description=description, epilog=epilog, formatter_class=keep)
         self._negative_number_matcher = re.compile(r"-[\d.]")
 
     def error(self, message: str) -> NoReturn:
         """Print one line that names the problem and where to read more, and exit with status 2."""
         self.exit(BAD_INPUT, f"{self.prog}: {' '.join(message.split())} (`{self.prog} --help` shows how)\n")
 
-    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """As argparse, but what a command does not know is its own complaint, whose --help then helps."""
-        found, unknown = super().parse_known_args(args, namespace)
-        if unknown:
-            self.error(f"unrecognized arguments: {' '.join(unknown)}")
-        return found, unknown
+
+class Command(NamedTuple):
+    """A command: what answers it, whose docstring is its --help, and the options that it takes."""
+
+    answer: Callable[[argparse.Namespace], str]
+    options: tuple[Option, ...]
+
+    def parser(self, prog: str) -> Parser:
+        """The parser of this command: the first paragraph of the docstring above the options, the rest below them."""
+        about, _, examples = (self.answer.__doc__ or "").replace("\n    ", "\n").partition("\n\n")
+        parser = Parser(prog, about, examples)
+        for add in self.options:
+            add(parser)
+        return parser
 
 
-Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
+def command(*options: Option) -> Callable[[Callable[[argparse.Namespace], str]], Command]:
+    """Makes a command of the function that answers it."""
+    return lambda answer: Command(answer, options)
+
+
+def option(*names: str, **settings: Any) -> Option:
+    """An option, or a positional argument, as argparse describes it; `choices` may be a function that lists them."""
+
+    def add(parser: argparse._ActionsContainer) -> None:
+        choices = settings.get("choices")
+        parser.add_argument(*names, **{**settings, "choices": choices()} if callable(choices) else settings)
+
+    return add
+
+
+def one_of(*options: Option, required: bool = False) -> Option:
+    """Options that exclude each other."""
+
+    def add(parser: argparse._ActionsContainer) -> None:
+        group = parser.add_mutually_exclusive_group(required=required)
+        for each in options:
+            each(group)
+
+    return add
+
+
+def names_in(module: str, table: str) -> Callable[[], tuple[str, ...]]:
+    """The names in a table of a module, which is imported when the command's parser is made."""
+    return lambda: tuple(getattr(import_module(module), table))
+
+
+def read_by(parse: Callable[..., T], *more: Any) -> Callable[[str], T]:
+    """`parse` as argparse takes it: what it raises becomes the complaint about the option."""
+
+    def read(text: str) -> T:
+        try:
+            return parse(text, *more)
+        except ValueError as error:
+            raise argparse.ArgumentTypeError(str(error)) from None
+
+    return read
 
 
 def rational(what: str) -> Callable[[str], Fraction]:
     """A reader of exact numbers, named `what` in its complaints."""
-
-    def parse(text: str) -> Fraction:
-        try:
-            return parse_rational(text, what)
-        except ValueError as error:
-            raise argparse.ArgumentTypeError(str(error)) from None
-
-    return parse
+    return read_by(parse_rational, what)
 
 
+@read_by
 def nonzero_step(text: str) -> Fraction:
     """A step size, exact and not zero."""
-    h = rational("h")(text)
+    h = parse_rational(text, "h")
     if h == 0:
-        raise argparse.ArgumentTypeError("a step of size 0 goes nowhere; give a nonzero h")
+        raise ValueError("a step of size 0 goes nowhere; give a nonzero h")
     return h
 
 
-def state(text: str) -> tuple[Fraction, Fraction]:
+@read_by
+def initial_state(text: str) -> tuple[Fraction, Fraction]:
     """A state written as position,velocity."""
     parts = text.split(",")
     if len(parts) != 2:
-        raise argparse.ArgumentTypeError(f"{text[:40]!r} is not a state; write position,velocity like 1,0")
-    return rational("q")(parts[0]), rational("v")(parts[1])
+        raise ValueError(f"{text[:40]!r} is not a state; write position,velocity like 1,0")
+    return parse_rational(parts[0], "q"), parse_rational(parts[1], "v")
 
 
-def counted(what: str, most: int, least: int = 1) -> Callable[[str], int]:
-    """A reader of whole numbers from `least` to `most`, which counts `what`: "digits", say."""
+def integer_in(least: int, most: int, what: str) -> Callable[[str], int]:
+    """A reader of whole numbers from `least` to `most`, which count `what`: "digits", say."""
 
     def parse(text: str) -> int:
         if not (text.isascii() and text.isdigit() and len(text) < 9 and least <= int(text) <= most):
-            raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a number of {what} from {least} to {most}")
+            raise ValueError(f"{text[:20]!r} is not a number of {what} from {least} to {most}")
         return int(text)
 
-    return parse
-
-
-digits = counted("digits", MOST_DIGITS)
-
-
-def several(read: Callable[[str], Any]) -> Callable[[str], list[Any]]:
-    """A reader of values that commas part; with the action "extend" the option may be repeated, too."""
-    return lambda text: [read(part.strip()) for part in text.split(",")]
+    return read_by(parse)
 
 
 def positive_number(what: str) -> Callable[[str], float]:
@@ -98,51 +138,59 @@ def positive_number(what: str) -> Callable[[str], float]:
 
     def parse(text: str) -> float:
         try:
-            value = float(rational(what)(text))
+            value = float(parse_rational(text, what))
         except OverflowError:
-            raise argparse.ArgumentTypeError(f"{text[:20]!r} is too large a {what}") from None
+            raise ValueError(f"{text[:20]!r} is too large a {what}") from None
         if not value > 0:
-            raise argparse.ArgumentTypeError(f"{text[:20]!r} is no {what}; write a number above 0")
+            raise ValueError(f"{text[:20]!r} is no {what}; write a number above 0")
         return value
 
-    return parse
+    return read_by(parse)
 
 
-def add_method(parser: Parser) -> None:
-    """The positional argument METHOD."""
-    parser.add_argument("method", help="a key that `driftproof methods` lists, e.g. rk4")
+def several(read: Callable[[str], Any]) -> Callable[[str], list[Any]]:
+    """A reader of values that commas part."""
+    return lambda text: [read(part.strip()) for part in text.split(",")]
 
 
-def add_methods(parser: Parser, words: str) -> None:
-    """--methods, as a list that is empty where none is given."""
-    parser.add_argument("--methods", type=several(str), action="extend", default=[], metavar="M,M", help=words)
+def list_option(name: str, read: Callable[[str], Any], metavar: str, words: str) -> Option:
+    """An option whose values commas part, and which may be repeated; an empty list where it is not given."""
+    return option(name, type=several(read), action="extend", default=[], metavar=f"{metavar},{metavar}", help=words)
 
 
-def add_sizes(parser: Parser, words: str) -> None:
-    """--h, once or several times, with one step size or several."""
-    parser.add_argument("--h", type=several(nonzero_step), action="extend", default=[], metavar="H,H", help=words)
+def methods_option(words: str) -> Option:
+    """--methods, several keys."""
+    return list_option("--methods", str, "M", words)
 
 
-def add_output(parser: Parser, words: str, metavar: str = "FILE", *, required: bool = False) -> None:
+def steps_option(words: str) -> Option:
+    """--h, several step sizes."""
+    return list_option("--h", nonzero_step, "H", words)
+
+
+def digits_option(words: str, **settings: Any) -> Option:
+    """--digits, a number of decimal digits."""
+    return option("--digits", type=integer_in(1, MOST_DIGITS, "digits"), help=words, **settings)
+
+
+def output_option(words: str, **settings: Any) -> Option:
     """-o or --output, what is written."""
-    parser.add_argument("-o", "--output", type=Path, metavar=metavar, required=required, help=words)
+    return option("-o", "--output", type=Path, help=words, **{"metavar": "FILE", **settings})
 
 
-def add_format(parser: Parser) -> None:
-    """--format text or json."""
-    parser.add_argument("--format", choices=("text", "json"), default="text", help="json is canonical, text is for you")
+def format_option(*choices: str, words: str | None = "json is canonical", **settings: Any) -> Option:
+    """--format; the first choice is the default."""
+    return option("--format", **{"choices": choices, "default": choices and choices[0], "help": words, **settings})
 
 
-def add_question(parser: Parser) -> None:
-    """What `step` and `run` share: method, step, start, digits, rounding, format."""
-    add_method(parser)
-    parser.add_argument("--h", type=nonzero_step, required=True, help="step size, e.g. 1/4 or 0.25")
-    parser.add_argument("--state", type=state, default="1,0", help="start as position,velocity (default 1,0)")
-    parser.add_argument("--digits", type=digits, default=15, help="significant digits (default 15)")
-    parser.add_argument(
-        "--rounding", choices=("half-even", "half-away"), default="half-even", help="what a tie becomes"
-    )
-    add_format(parser)
+def time_limit_option(seconds: float, words: str, **settings: Any) -> Option:
+    """--time-limit, in seconds."""
+    return option("--time-limit", type=positive_number("time limit"), default=seconds, help=words, **settings)
+
+
+METHOD = option("method", help="a key that `driftproof methods` lists, e.g. rk4")
+TEXT_OR_JSON = format_option("text", "json", words="json is canonical, text is for you")
+ROUNDINGS = names_in("driftproof.texts.questions.style", "ROUNDINGS")
 
 
 def progress(steps: int) -> Iterable[int]:

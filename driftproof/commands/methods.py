@@ -1,24 +1,133 @@
-"""`driftproof methods`: the catalogue, listed."""
+"""`driftproof methods` and `facts`: the catalogue, and every exact fact of a method or of a family of methods."""
 
 from __future__ import annotations
 
-import argparse
+from argparse import Namespace
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from driftproof.commands.arguments import Commands
+from driftproof.commands.arguments import command, format_option, integer_in, option, rational, read_by, several
+
+if TYPE_CHECKING:
+    from driftproof.methods.families import Family
+    from driftproof.methods.number_field import Exact
+    from driftproof.methods.schemes import Method
+
+# For most methods a second; those with irrational coefficients take minutes.
+MOST_TERMS = 1000
 
 
-def add(commands: Commands) -> None:
-    """Describe the command."""
-    commands.add_parser(
-        "methods",
-        help="list the methods, and the families with a free parameter",
-        description="List the methods of the catalogue: key, family, claimed order, title and source.",
-        epilog="example:\n  driftproof methods\n",
-    ).set_defaults(answer=answer)
+@command()
+def methods_command(options: Namespace) -> str:
+    """List the methods of the catalogue: key, family, claimed order, title and source.
 
-
-def answer(options: argparse.Namespace) -> str:
-    """The catalogue as a table."""
+    example:
+      driftproof methods
+    """
     from driftproof.texts.writing.text import methods_text
 
     return methods_text()
+
+
+@read_by
+def _number(text: str) -> Exact:
+    from driftproof.methods.expressions import parse_number
+
+    return parse_number(text, "value")
+
+
+@read_by
+def _system(text: str) -> Any:
+    from driftproof.methods.systems import parse_system
+
+    return parse_system(text)
+
+
+@command(
+    option("method", help="a key that `driftproof methods` lists, or a file that ends in .toml"),
+    option("--only", type=several(str), metavar="FACT,FACT", help="compute only these facts"),
+    option("--at", type=_number, metavar="VALUE", help="the parameter of a family, e.g. 1/4: one method"),
+    option("--system", type=_system, metavar="ROWS", help="facts on z' = Az, A given as '0 1; -1 -1/10'"),
+    option(
+        "--order-tolerance", type=rational("order tolerance"), metavar="SIZE", help="add the order up to such residuals"
+    ),
+    option("--terms", type=integer_in(1, MOST_TERMS, "terms"), default=12, help="length of the series (default 12)"),
+    format_option("text", "json", "tex"),
+    option("--plot", type=Path, metavar="FILE", help="also draw a picture, e.g. region.svg"),
+    option(
+        "--picture",
+        choices=("region", "order-star", "phase"),
+        default="region",
+        help="what to draw: stability region, order star, or dispersion and dissipation",
+    ),
+)
+def facts_command(options: Namespace) -> str:
+    """Derive the exact facts of a method: order, stability, symplecticity, limits, series, and why.
+
+    examples:
+      driftproof facts rk4
+      driftproof facts rk4 --only order,stability_function,imaginary_limit
+      driftproof facts rk4 --system '0 1; -1 -1/10'            on z' = Az: R(hA), its determinant, limits of h
+      driftproof facts sdirk_order_2                           a family, as a function of its parameter
+      driftproof facts sdirk_order_2 --at '1 - sqrt(2)/2'      one member of it
+      driftproof facts tsitouras54 --only order,order_fails --order-tolerance 1e-12
+      driftproof facts rk4 --only region_boundary --format json
+      driftproof facts tableau.toml --format tex
+      driftproof facts rk4 --only order --plot region.svg      needs the extra: pip install 'driftproof[report]'
+
+    A family of your own is a Runge-Kutta tableau with a line parameter = "theta" and entries such as "1 - theta".
+
+    tableau.toml:
+      family = "runge_kutta"            or splitting, nystrom, collocation
+      A = [[0, 0], ["2/3", 0]]
+      b = ["1/4", "3/4"]                c may be left out: then the row sums of A
+      [roots]                           if coefficients need one, e.g. s3 = "sqrt(3)"; then write "1/4 - s3/6"
+    """
+    from driftproof.methods.families import Family
+    from driftproof.support.plain_text import as_json
+    from driftproof.texts.writing.facts import facts_text, subject_of
+    from driftproof.texts.writing.tex import facts_tex
+
+    subject = subject_of(options.method)
+    if isinstance(subject, Family):
+        result = _of_family(subject, options)
+    elif options.at is None:
+        result = _of_method(subject, options)
+    else:
+        raise ValueError(f"{subject.key} has no parameter; --at is for families such as sdirk_order_2")
+    forms: dict[str, Callable[[dict[str, Any]], str]] = {"json": as_json, "text": facts_text, "tex": facts_tex}
+    return forms[options.format](result)
+
+
+def _of_family(family: Family, options: Namespace) -> dict[str, Any]:
+    """The facts of the family, or of its member at --at. Raises ValueError for options that only a method has."""
+    from driftproof.symbolic.family_facts import FAMILY_FACTS, family_facts
+
+    if options.at is not None:
+        return _of_method(family.member(options.at), options)
+    if options.system or options.order_tolerance is not None or options.plot:
+        raise ValueError(f"{family.key} is a family; choose one method with --at, a value of {family.parameter}")
+    return family_facts(family, options.only or tuple(FAMILY_FACTS))
+
+
+def _of_method(method: Method, options: Namespace) -> dict[str, Any]:
+    """The facts of the method, or of the method on a system; also its picture, if one is asked for."""
+    from driftproof.symbolic.facts import FACTS, facts_of, order_within, system_facts
+    from driftproof.symbolic.linear.systems import SYSTEM_FACTS
+
+    if options.system and (options.order_tolerance is not None or options.plot):
+        raise ValueError("--system is about one problem, --order-tolerance and --plot about the method; ask separately")
+    if options.system:
+        return system_facts(method, options.system, options.only or tuple(SYSTEM_FACTS))
+    found = facts_of(method, options.only or tuple(FACTS), options.terms)
+    if options.order_tolerance is not None:
+        found["order_to_tolerance"] = order_within(method, options.order_tolerance)
+    if options.plot:
+        from driftproof.support.environment import require_matplotlib
+
+        require_matplotlib()
+        from driftproof.reports.method_figures import draw_method
+
+        draw_method(options.picture, method, options.plot)
+    return found

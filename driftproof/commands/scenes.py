@@ -1,25 +1,178 @@
-"""`driftproof scenes`: the lesson's presets, listed."""
+"""`driftproof scenes`, `scene`, `sweep` and `report`: float runs as a scene describes them, one or many, or a page."""
 
 from __future__ import annotations
 
-import argparse
+from argparse import Namespace
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
 
-from driftproof.commands.arguments import Commands
+from driftproof.commands.arguments import (
+    TEXT_OR_JSON,
+    command,
+    digits_option,
+    initial_state,
+    integer_in,
+    list_option,
+    methods_option,
+    one_of,
+    option,
+    output_option,
+    progress,
+    rational,
+    steps_option,
+)
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+MOST_WORKERS = 1024
+CERTIFIED_DIGITS = digits_option("digits of certified readouts (default 15)", default=15)
 
 
-def add(commands: Commands) -> None:
-    """Describe the command."""
-    commands.add_parser(
-        "scenes",
-        help="list the lesson's scenes",
-        description="List the lesson's presets: the method shown, h, t and the number of steps.",
-        epilog="example:\n  driftproof scenes\n",
-    ).set_defaults(answer=answer)
+@command()
+def scenes_command(options: Namespace) -> str:
+    """List the lesson's presets: the method shown, h, t and the number of steps.
 
-
-def answer(options: argparse.Namespace) -> str:
-    """The presets as a table."""
+    example:
+      driftproof scenes
+    """
     from driftproof.numeric.scenes import PRESETS
     from driftproof.texts.writing.text import scenes_text
 
     return scenes_text(list(PRESETS.values()))
+
+
+@command(
+    option("name", help="a preset that `driftproof scenes` lists, or a file that ends in .toml"),
+    CERTIFIED_DIGITS,
+    option("--figures", type=Path, metavar="FOLDER", help="also draw the scene's figures, as SVG"),
+    TEXT_OR_JSON,
+)
+def scene_command(options: Namespace) -> str:
+    """Run a preset, or a scene of your own from a TOML file, in floats.
+
+    examples:
+      driftproof scene default
+      driftproof scene stability_boundary --format json
+      driftproof scene default --figures pictures/
+      driftproof scene mine.toml
+
+    mine.toml:
+      selected = "rk4"                  the method whose readouts are shown
+      h = "1/8"                         0.125 is read exactly, too
+      t = 10
+      start = [1, 0]
+      readouts = ["state_error", "evaluations"]
+      certified = ["phase_error"]       to any number of --digits, by the exact side
+      methods = ["rk4", "velocity_verlet"]
+      panels = ["table"]                table, position, phase_plane; for a report also work_precision, stability
+    """
+    from driftproof.numeric.scenes import scene_named
+    from driftproof.reports.page.trajectory import write_figures
+    from driftproof.reports.scene_view import scene_json, scene_text, show_scene
+    from driftproof.support.files import require_folder
+    from driftproof.support.plain_text import as_json
+
+    scene = scene_named(options.name)
+    if options.figures:
+        require_folder(options.figures)
+    shown = show_scene(scene, options.digits, progress)
+    drawn = write_figures(scene, options.figures) if options.figures else []
+    if options.format == "json":
+        return as_json(scene_json(scene, shown))
+    wrote = "\n".join(f"wrote {path}" for path in drawn)
+    return "\n\n".join(filter(None, [scene_text(scene, shown), wrote]))
+
+
+@command(
+    option("scene", help="a preset that `driftproof scenes` lists, or a file that ends in .toml"),
+    methods_option("keys that `driftproof methods` lists"),
+    option("--state", type=initial_state, action="append", help="start as position,velocity; repeatable"),
+    list_option("--t", rational("t"), "T", "final times"),
+    steps_option("step sizes, such as 1/4,1/8"),
+    output_option("keep answers here, as JSON lines, as they come; an interrupted sweep goes on from them"),
+    one_of(
+        option(
+            "--workers",
+            type=integer_in(1, MOST_WORKERS, "processes"),
+            metavar="N",
+            help="processes (default: one for each processor)",
+        ),
+        option("--cluster", metavar="ADDRESS", help="the scheduler of a dask cluster"),
+    ),
+    TEXT_OR_JSON,
+)
+def sweep_command(options: Namespace) -> str:
+    """Run a scene in floats at every point of a grid, in parallel, with answers that survive a crash.
+
+    examples:
+      driftproof sweep default --h 1/4,1/8,1/16 --methods rk4,velocity_verlet
+      driftproof sweep default --h 1/8,1/16 --t 10,20 --state 1,0 --state 0,1 --format json
+      driftproof sweep default --methods rk4 --h 1/4,1/8 -o answers.jsonl      run it again to go on where it stopped
+
+    The grid has a point for each combination, --h varying fastest; what is not given is as in the scene. A run that
+    overflows, or an h that does not divide t, is answered by its message. Nothing in the result depends on --workers,
+    or on --cluster tcp://HOST:8786, the scheduler of a dask cluster (extra: pip install 'driftproof[cluster]').
+    """
+    from driftproof.numeric.scenes import scene_named
+    from driftproof.reports.sweeps import answers, sweep_json, sweep_text
+    from driftproof.support.plain_text import as_json
+
+    scene = scene_named(options.scene)
+    axes = {"selected": options.methods, "start": options.state, "t": options.t, "h": options.h}
+    grid = {name: values for name, values in axes.items() if values}
+    with _executor(options) as executor:
+        found = answers(scene, grid, executor, options.output)
+    return as_json(sweep_json(scene, found)) if options.format == "json" else sweep_text(scene, found)
+
+
+@contextmanager
+def _executor(options: Namespace) -> Iterator[Executor | None]:
+    if options.cluster:
+        from driftproof.reports.cluster import cluster_executor
+
+        with cluster_executor(options.cluster) as executor:
+            yield executor
+    elif options.workers:
+        from driftproof.numeric.sweep import processes
+
+        with processes(options.workers) as executor:
+            yield executor
+    else:
+        yield None
+
+
+@command(
+    option("scenes", nargs="*", metavar="SCENE", help="a preset, or a file that ends in .toml (default: all presets)"),
+    output_option("the page to write", required=True),
+    CERTIFIED_DIGITS,
+    option(
+        "--times",
+        action="store_true",
+        help="also measure seconds where a scene names work_precision; never twice alike",
+    ),
+)
+def report_command(options: Namespace) -> str:
+    """Write presets, or scenes of your own from TOML files, as one page of HTML.
+
+    examples:
+      driftproof report -o report.html                  the lesson's presets
+      driftproof report default -o report.html
+      driftproof report mine.toml compare -o report.html
+
+    The page is one file that loads nothing, with figures, tables and the numbers behind them; it runs no script. It has
+    the panels that the scenes name: table, position, phase_plane, work_precision, stability (`driftproof scene --help`
+    shows a scene). The same scenes make the same bytes, but for measured --times.
+    """
+    from driftproof.numeric.scenes import PRESETS, scene_named
+    from driftproof.reports.page.document import document
+    from driftproof.support.files import atomic_write, require_file
+
+    require_file(options.output)
+    scenes = [scene_named(name) for name in options.scenes or PRESETS]
+    page = document(scenes, options.digits, times=options.times, counter=progress)
+    with atomic_write(options.output) as draft:
+        Path(draft).write_text(page, encoding="utf-8", newline="\n")
+    return f"wrote {options.output}"

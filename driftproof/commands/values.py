@@ -1,36 +1,117 @@
-"""`driftproof values`: the numbers of the lesson, proved."""
+"""`driftproof value`, `values` and `diff`: numbers for a text, asked for, published, and compared with older ones."""
 
 from __future__ import annotations
 
-import argparse
+from argparse import Namespace
+from pathlib import Path
 
-from driftproof.commands.arguments import Commands
-
-
-def add(commands: Commands) -> None:
-    """Describe the command."""
-    from driftproof.texts.values.published import FORMATS
-
-    parser = commands.add_parser(
-        "values",
-        help="the numbers of the lesson, proved",
-        description="Print every number that the lesson prints, by id, as the last green run of the proofs wrote it.",
-        epilog=(
-            "examples:\n"
-            "  driftproof values\n"
-            "  driftproof values --only 'rk4.*' --format md\n"
-            "  driftproof values --only '*.state_error' --format csv\n"
-            "  driftproof values --format js       a module for web pages: save it as driftproof.mjs\n"
-            "  driftproof values --format tex      definitions for \\driftproof{id}: save it as values.tex\n"
-        ),
-    )
-    parser.add_argument("--only", default="*", metavar="PATTERN", help="ids that match this shell pattern")
-    parser.add_argument("--format", choices=tuple(FORMATS), default="json", help="json is canonical")
-    parser.set_defaults(answer=answer)
+from driftproof.commands.arguments import (
+    MOST_DIGITS,
+    ROUNDINGS,
+    Refuted,
+    command,
+    digits_option,
+    format_option,
+    integer_in,
+    names_in,
+    one_of,
+    option,
+)
 
 
-def answer(options: argparse.Namespace) -> str:
-    """The published values in the format asked for."""
+@command(
+    option("question", nargs="?", help="the question, in quotes"),
+    one_of(
+        digits_option("significant digits", metavar="N"),
+        option("--places", type=integer_in(0, MOST_DIGITS, "places"), metavar="N", help="digits after the point"),
+    ),
+    option("--rounding", choices=ROUNDINGS, help="the policy (default half-even, ties refused)"),
+    option("--style", choices=("plain", "printed"), default="plain", help="-6.7e-5 or −6.7×10⁻⁵"),
+    format_option("text", "json", "tex", "mathml", "md", words=None),
+    option("--list", action="store_true", help="list what can be asked"),
+)
+def value_command(options: Namespace) -> str:
+    """Answer one question exactly, and print the number as a text wants it: digits, rounding, style.
+
+    what can be asked, with [optional parts] and any of a|b:
+      ID                                                       a published value, as `driftproof values` lists them
+      step METHOD h=1/2 [N=3] [from q,v] : READOUT             q v energy energy_change state_error phase_error
+      run METHOD h=1/4 t=10 [from q,v] : READOUT               exact.q exact.v steps evaluations h t k1.q k1.v ...
+      exact t=10 [from q,v] : q|v|energy                       the solution itself
+      FACT METHOD [at VALUE] [h=1/4] [: PART]                  order, energy_multiplier, imaginary_limit, a_stable, ...
+      roundoff METHOD h=1/4 [sharp] [from q,v] : READOUT       q v qq qv vq vv c, bounds in units of u
+      + - * / ** ( ) abs sqrt log2 log10 cos sin               on all of these; ratio(a, b) = |a|/|b|, percent(a, b)
+    Of h, t and N (or steps), two make a run. A start not given is 1,0. phase_error may end in deg, rad or turns.
+
+    examples:
+      driftproof value rk4.first_step.q --digits 6
+      driftproof value 'run symplectic_euler h=1/4 t=10 : phase_error deg' --places 3 --style printed
+      driftproof value 'energy_multiplier rk4' --format tex
+      driftproof value 'one_step_matrix rk4 h=1/2 : M_qq'
+      driftproof value 'ratio(run rk4 h=1/2 t=10 : state_error, run rk4 h=1/4 t=10 : state_error)' --digits 3
+      driftproof value 'order sdirk_order_2 at (1/2 + sqrt(3)/6)'
+      driftproof value --list      every head, readout, fact, function and id
+
+    With --digits or --places only the number is printed, ready for a text. A tie is refused unless --rounding says what
+    it becomes; tofixed does what JavaScript's toFixed does, away is for bounds. docs/language.md has the whole of it.
+    """
+    from dataclasses import replace
+
+    from driftproof.texts.questions import ask, limits
+    from driftproof.texts.questions.rendered import Wish, rendered
+    from driftproof.texts.questions.style import PLAIN, PRINTED
+    from driftproof.texts.questions.vocabulary import vocabulary
+
+    if options.list:
+        return vocabulary()
+    if options.question is None:
+        raise ValueError("no question is asked; write one in quotes, or --list to see what can be asked")
+    style = replace(PRINTED if options.style == "printed" else PLAIN, rounding=options.rounding)
+    with limits.time_limit(options.question, limits.SECONDS):
+        return rendered(ask.value(options.question), Wish(options.digits, options.places, style), options.format)
+
+
+@command(
+    option("--only", default="*", metavar="PATTERN", help="ids that match this shell pattern"),
+    format_option(choices=names_in("driftproof.texts.values.published", "FORMATS"), default="json"),
+)
+def values_command(options: Namespace) -> str:
+    r"""Print every number that the lesson prints, by id, as the last green run of the proofs wrote it.
+
+    examples:
+      driftproof values
+      driftproof values --only 'rk4.*' --format md
+      driftproof values --only '*.state_error' --format csv
+      driftproof values --format js       a module for web pages: save it as driftproof.mjs
+      driftproof values --format tex      definitions for \driftproof{id}: save it as values.tex
+    """
     from driftproof.texts.values.published import published_values, render_values
 
     return render_values(published_values(options.only), options.format)
+
+
+@command(
+    option("old", type=Path, help="what `driftproof values` printed before"),
+    option("new", type=Path, help="what it prints now"),
+    format_option("text", "json", "github", words="text, json, or annotations for github"),
+)
+def diff_command(options: Namespace) -> str:
+    """Compare two files of values: what changed in value, what only in digits or wording, what is new and what is gone.
+
+    examples:
+      driftproof diff old.json new.json
+      driftproof diff old.json new.json --format github      annotations, for a continuous-integration run
+
+    old.json and new.json are what `driftproof values` printed then, and what it prints now.
+    The exit status is 0 where no value changed, 1 where one did, 2 where a file cannot be read. A number changed in
+    value if its exact forms differ, or its decimals cannot be roundings of one number; only in digits if more or fewer
+    are shown. Outputs of `driftproof facts`, `step` and `run --format json` are compared as well.
+    """
+    from driftproof.texts.values.changes import VALUE, changes, read_document
+    from driftproof.texts.values.changes_report import FORMATS
+
+    found = changes(read_document(options.old), read_document(options.new))
+    report = FORMATS[options.format](found, options.old, options.new)
+    if any(change.kind == VALUE for change in found):
+        raise Refuted(report)
+    return report

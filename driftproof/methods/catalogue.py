@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from importlib import import_module
 
 from driftproof.methods.schemes import Method
-from driftproof.support.naming import did_you_mean
+from driftproof.support.plain_text import did_you_mean
 
 # The tables of `driftproof.methods.tables`, in the order in which the methods are listed.
 TABLES = (

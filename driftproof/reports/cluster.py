@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from concurrent.futures import CancelledError, Executor
 from contextlib import contextmanager
 
-from driftproof.support.extras import demand
+from driftproof.support.environment import require_package
 
 ADDRESS = re.compile(r"(\w+://)?[^/\s]+:\d+")
 # Seconds in which a scheduler has to answer.
@@ -24,7 +24,7 @@ def cluster_executor(address: str) -> Iterator[Executor]:
     """
     if not ADDRESS.fullmatch(address):
         raise ValueError(f"{address!r} is no address of a scheduler; write it like tcp://10.0.0.1:8786")
-    demand("distributed", "cluster", "a cluster needs distributed")
+    require_package("distributed", "cluster", "a cluster needs distributed")
     from distributed import Client, KilledWorker
 
     with Client(address, timeout=PATIENCE, set_as_default=False) as client:

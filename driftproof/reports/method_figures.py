@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from driftproof.methods.schemes import Method
-from driftproof.support.files import whole
+from driftproof.support.files import atomic_write
 from driftproof.symbolic.algebra.polynomials import coefficients
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
 from driftproof.symbolic.linear.facts import LinearFacts
@@ -100,5 +100,5 @@ def save_picture(figure: Figure, path: Path) -> None:
     known = figure.canvas.get_supported_filetypes()
     if path.suffix[1:].lower() not in known:
         raise ValueError(f"{path}: the name of a picture ends in one of {', '.join(f'.{kind}' for kind in known)}")
-    with whole(path) as draft:
+    with atomic_write(path) as draft:
         figure.savefig(draft, metadata={"Date": None})

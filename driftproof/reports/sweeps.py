@@ -12,7 +12,7 @@ from driftproof.numeric.run import Readouts
 from driftproof.numeric.scenes import Scene
 from driftproof.numeric.sweep import Answer, Found, Grid, batches, points_of
 from driftproof.reports.scene_view import scene_json
-from driftproof.support.files import demand_file
+from driftproof.support.files import require_file
 from driftproof.support.plain_text import table, with_digits
 
 # Pairs would widen the table; they are in the JSON.
@@ -28,7 +28,7 @@ def answers(scene: Scene, grid: Grid, executor: Executor | None, checkpoint: Pat
     from tqdm import tqdm
 
     if checkpoint is not None:
-        demand_file(checkpoint)
+        require_file(checkpoint)
     points, found = points_of(scene, grid), dict[int, Found]()
     with tqdm(total=len(points), unit="point", leave=False, disable=not sys.stderr.isatty()) as bar:
         for batch in batches(scene, grid, executor, checkpoint):

@@ -10,13 +10,13 @@ from pathlib import Path
 
 
 @contextmanager
-def whole(path: Path) -> Iterator[str]:
+def atomic_write(path: Path) -> Iterator[str]:
     """The name of a draft beside `path`, with its suffix, that takes its place when the block ends without an error.
 
     Folders on the way are made. Raises ValueError where `path` is something else than a file, OSError as usual.
     """
     path = path.resolve()  # a link keeps pointing where it does; a device would be replaced by a file
-    demand_file(path)
+    require_file(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     try:
         handle, draft = tempfile.mkstemp(dir=path.parent, suffix=path.suffix)
@@ -32,13 +32,13 @@ def whole(path: Path) -> Iterator[str]:
         raise
 
 
-def demand_folder(path: Path) -> None:
+def require_folder(path: Path) -> None:
     """Raises ValueError if `path` is there and is no folder."""
     if path.exists() and not path.is_dir():
         raise ValueError(f"{path} is a file; name a folder")
 
 
-def demand_file(path: Path) -> None:
+def require_file(path: Path) -> None:
     """Raises ValueError if `path` is there and is no file, so that nothing is computed for a name that cannot be."""
     if path.is_dir():
         raise ValueError(f"{path} is a folder; name a file in it")

@@ -1,9 +1,8 @@
-"""Plain text and JSON for a terminal: aligned tables, floats in few digits, canonical JSON."""
+"""Plain text and JSON for a terminal: aligned tables, floats in few digits, canonical JSON, names nearly right."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 # A float of this size or more is shown with an exponent.
@@ -12,6 +11,8 @@ LARGEST_PLAIN = 1e9
 
 def as_json(answer: Any) -> str:
     """Canonical JSON: keys sorted, one line per value, byte-stable from run to run."""
+    import json
+
     return json.dumps(answer, indent=1, sort_keys=True, ensure_ascii=False)
 
 
@@ -38,3 +39,11 @@ def short(x: float) -> str:
         return f"{x:.3f}"
     mantissa, exponent = f"{x:.1e}".split("e")
     return f"{mantissa}e{int(exponent)}"
+
+
+def did_you_mean(key: str, known: Iterable[str]) -> str:
+    """ "; did you mean a or b?" with the names nearest to `key`, or "" where none is near."""
+    from difflib import get_close_matches
+
+    close = get_close_matches(key, known, n=2, cutoff=0.4)
+    return f"; did you mean {' or '.join(close)}?" if close else ""

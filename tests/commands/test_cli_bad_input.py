@@ -19,7 +19,7 @@ RK4 = ("rk4", "--h", "1/2")
 
 BAD_INPUTS: list[tuple[tuple[str, ...], str]] = [
     ((), "required: COMMAND"),
-    (("fly",), "invalid choice: 'fly'"),
+    (("fly",), "unknown command 'fly'; did you mean verify? (`driftproof --help` lists all)"),
     (("step", "rk5", "--h", "1/2"), "unknown method 'rk5'; did you mean rk4 or rk38?"),
     (("step", "__import__('os')", "--h", "1"), 'unknown method "__import__'),
     (("step", "rk4"), "required: --h"),

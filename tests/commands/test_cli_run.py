@@ -8,8 +8,7 @@ from collections.abc import Callable
 
 import pytest
 
-from driftproof.cli import NO_ANSWER
-from driftproof.commands.arguments import LONG_RUN, progress
+from driftproof.commands.arguments import LONG_RUN, NO_ANSWER, progress
 
 Run = Callable[..., tuple[int, str, str]]
 

@@ -12,7 +12,6 @@ from docs.pages import CONSOLE, printed
 from driftproof.cli import COMMANDS
 
 ROOT = Path(__file__).parents[2]
-COMMAND_NAMES = [command.__name__.rpartition(".")[2].replace("_", "-") for command in COMMANDS]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 TOUR = (ROOT / "docs" / "tour.md").read_text(encoding="utf-8")
 BLOCKS = CONSOLE.findall(README.partition("## Any text\n")[0]) + CONSOLE.findall(TOUR)
@@ -25,7 +24,7 @@ def test_page_shows_what_the_command_prints(command, shown):
 
 def test_every_command_is_on_the_tour_or_in_the_readme():
     told = README + TOUR
-    missing = [name for name in COMMAND_NAMES if f"driftproof {name}" not in told and f"`{name}`" not in told]
+    missing = [name for name in COMMANDS if f"driftproof {name}" not in told and f"`{name}`" not in told]
     assert missing == []
 
 

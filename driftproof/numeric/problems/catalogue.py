@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from driftproof.numeric.problems import linear, mechanics, stiff
 from driftproof.numeric.problems.problem import Problem
-from driftproof.support.naming import did_you_mean
+from driftproof.support.plain_text import did_you_mean
 
 PROBLEMS: dict[str, Problem] = {p.key: p for file in (linear, stiff, mechanics) for p in file.ENTRIES}
 

@@ -33,7 +33,7 @@ from driftproof.reports.page.plot import (
     ticks,
 )
 from driftproof.reports.scene_view import asking_for
-from driftproof.support.files import whole
+from driftproof.support.files import atomic_write
 
 # A run is kept whole to be drawn; the samples of a longer one would fill the memory.
 MOST_DRAWN_STEPS = 10**6
@@ -168,7 +168,7 @@ def write_figures(scene: Scene, folder: Path) -> list[Path]:
     sampled, paths = SampledRun(scene, scene.selected, times, states, scene.name), list[Path]()
     for panel in (panel for panel in scene.panels if panel in DRAWN):
         paths.append(folder / f"{scene.name}_{panel}.svg")
-        with whole(paths[-1]) as draft:
+        with atomic_write(paths[-1]) as draft:
             Path(draft).write_text(DRAWN[panel](sampled).file(setting(scene)) + "\n", encoding="utf-8", newline="\n")
     return paths
 

@@ -18,7 +18,7 @@ from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.markup import html_table
 from driftproof.reports.page.plot import WIDE, Axis, Plot, Scale, ten_to, ticks
 from driftproof.reports.page.stability import LINE_STYLES
-from driftproof.support.machine import machine
+from driftproof.support.environment import machine_description
 from driftproof.support.plain_text import short
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.runs import OscillatorRun
@@ -204,7 +204,7 @@ def measured_seconds(scene: Scene, found: Sequence[Curve]) -> Cost:
         name="times",
         title="Error against time",
         axis="seconds in plain Python",
-        note=f"The least of several rounds, on {machine()}.",
+        note=f"The least of several rounds, on {machine_description()}.",
         of=lambda curve, point: least(curve, point.steps),
         shown=lambda spent: f"{spent:.2e} s",
     )

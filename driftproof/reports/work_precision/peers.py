@@ -20,7 +20,7 @@ from driftproof.methods.fields import FUNCTIONS
 from driftproof.numeric.advance import Rate, State, field_rate, float_start
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.work_precision.integrators import COMPILED, PYTHON
-from driftproof.support.extras import how_to_install
+from driftproof.support.environment import how_to_install
 
 TOLERANCES = tuple(10.0**-k for k in range(3, 14))
 # The packages that run outside Python cannot be stopped by the clock, but by the number of their steps.

@@ -17,7 +17,7 @@ from driftproof.numeric.work_precision.timing import ROUNDS, Timing
 from driftproof.numeric.work_precision.verdicts import GOALS, Priced, cheapest, dominators
 from driftproof.reports.work_precision.peers import INSTALL
 from driftproof.reports.work_precision.study import Measured, Study, kinds_of, name_of, per_state
-from driftproof.support.files import whole
+from driftproof.support.files import atomic_write
 from driftproof.support.plain_text import as_json, table, with_digits
 
 ERRORS, TIMES, TABLE = "errors.json", "times.json", "work_precision.csv"
@@ -142,7 +142,7 @@ def write(study: Study, measured: Measured, folder: Path) -> list[Path]:
         TABLE: csv_text(measured),
     }
     for name, text in texts.items():
-        with whole(folder / name) as draft:
+        with atomic_write(folder / name) as draft:
             Path(draft).write_text(text, encoding="utf-8")
     return [folder / name for name in texts]
 

@@ -23,8 +23,8 @@ from driftproof.numeric.work_precision.exact import Size, distance, doubt, error
 from driftproof.numeric.work_precision.integrators import ENSEMBLE, MEMBERS, Call, integrator
 from driftproof.numeric.work_precision.timing import ROUNDS, SEED, Timing, interleave, needs_more_samples, started
 from driftproof.reports.work_precision.peers import TOLERANCES, Peer, Solver
-from driftproof.support.files import whole
-from driftproof.support.machine import machine, versions
+from driftproof.support.environment import machine_description, versions_of
+from driftproof.support.files import atomic_write
 
 # A run for its error, which is made once, may take so many times as long as one that is timed.
 ONCE = 10
@@ -77,8 +77,8 @@ class Study:
             "peers": [peer.name for peer in self.peers],
             "time_limit": repr(self.limit),
             "rounds": str(ROUNDS),
-            "machine": machine(),
-            "versions": {"driftproof": __version__, **versions(packages)},
+            "machine": machine_description(),
+            "versions": {"driftproof": __version__, **versions_of(packages)},
         }
 
 
@@ -99,7 +99,7 @@ class ResultStore:
     def save(self) -> None:
         """Write down everything that is known by now."""
         if self.path is not None:
-            with whole(self.path) as draft:
+            with atomic_write(self.path) as draft:
                 Path(draft).write_text(json.dumps(self._content(), indent=1, sort_keys=True), encoding="utf-8")
 
     def _content(self) -> Json:

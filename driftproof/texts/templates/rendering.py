@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from driftproof.support.extras import demand
+from driftproof.support.environment import require_package
 
 TIME_LIMIT = 120.0  # in seconds
 MEMORY_LIMIT = 2 * 10**9  # in bytes
@@ -35,7 +35,7 @@ def render(
     Raises ValueError with one line, which holds the place in the template wherever there is one; OSError for a
     template that cannot be read.
     """
-    demand("jinja2", "text", "templates need Jinja2")
+    require_package("jinja2", "text", "templates need Jinja2")
     if not template.is_file():
         raise ValueError(f"{template}: {'no file' if template.exists() else 'No such file or directory'}")
     with template.open("rb") as file:

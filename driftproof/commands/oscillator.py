@@ -1,0 +1,100 @@
+"""`driftproof step`, `run` and `roundoff`: the oscillator's step and runs, exactly, and what rounding may add."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+
+from driftproof.commands.arguments import (
+    METHOD,
+    TEXT_OR_JSON,
+    command,
+    digits_option,
+    initial_state,
+    names_in,
+    nonzero_step,
+    option,
+    progress,
+    rational,
+    steps_option,
+)
+
+QUESTION = (
+    METHOD,
+    option("--h", type=nonzero_step, required=True, help="step size, e.g. 1/4 or 0.25"),
+    option("--state", type=initial_state, default="1,0", help="start as position,velocity (default 1,0)"),
+    digits_option("significant digits (default 15)", default=15),
+    option("--rounding", choices=("half-even", "half-away"), default="half-even", help="what a tie becomes"),
+    TEXT_OR_JSON,
+)
+FLOAT_FORMATS = names_in("driftproof.symbolic.rounding.formats", "FORMATS")
+
+
+@command(*QUESTION)
+def step_command(options: Namespace) -> str:
+    """Take one step of q' = v, v' = -q exactly, and print fractions with certified decimals.
+
+    examples:
+      driftproof step rk4 --h 1/2 --state 1,0
+      driftproof step symplectic_euler --h 0.5 --state 0,1 --format json
+    """
+    from driftproof.support.plain_text import as_json
+    from driftproof.texts.writing.answers import step_answer
+    from driftproof.texts.writing.text import answer_text
+
+    result = step_answer(options.method, options.h, options.state, options.digits, options.rounding)
+    return as_json(result) if options.format == "json" else answer_text(result)
+
+
+@command(
+    *QUESTION,
+    option("--t", type=rational("t"), required=True, help="final time, a multiple of h"),
+    option("--budget", action="store_true", help="also run in floats: its error, split in truncation and rounding"),
+)
+def run_command(options: Namespace) -> str:
+    """Take t/h steps exactly and certify the final state, its errors, energy and phase.
+    Long runs are answered by repeated squaring: ten million steps take a moment.
+
+    examples:
+      driftproof run forward_euler --h 1/4 --t 10 --digits 30
+      driftproof run rk4 --h 0.01 --t 100000 --state 0,1 --format json
+      driftproof run symplectic_euler --h 1/4 --t 10 --budget
+    """
+    from driftproof.support.plain_text import as_json
+    from driftproof.texts.writing.answers import run_answer
+    from driftproof.texts.writing.text import answer_text
+
+    question = (options.method, options.h, options.t, options.state, options.digits)
+    result = run_answer(*question, options.rounding)
+    if not options.budget:
+        return as_json(result) if options.format == "json" else answer_text(result)
+    from driftproof.reports.rounding import budget_answer, budget_text
+
+    budget = budget_answer(*question, options.rounding, progress)
+    if options.format == "json":
+        return as_json({**result, "budget": budget})
+    return f"{answer_text(result)}\n\n{budget_text(budget)}"
+
+
+@command(
+    METHOD,
+    steps_option("step sizes, such as 1/4,1/8"),
+    option("--float", choices=FLOAT_FORMATS, default="binary64", help="the number format"),
+    TEXT_OR_JSON,
+)
+def roundoff_command(options: Namespace) -> str:
+    """Derive the rounding bound of one step from its own program: as a formula, to first order and in full,
+    and in units of u at the step sizes asked for. It bounds the distance to the definition's exact step;
+    where the program rounds coefficients, also that to the step with the coefficients that it holds.
+
+    examples:
+      driftproof roundoff rk4
+      driftproof roundoff rk4 --h 1/4,5/2
+      driftproof roundoff yoshida4 --h 1/10
+      driftproof roundoff velocity_verlet --h 1/32 --float binary32
+    """
+    from driftproof.reports.rounding import roundoff_answer, roundoff_text
+    from driftproof.support.plain_text import as_json
+    from driftproof.symbolic.rounding.formats import FORMATS
+
+    result = roundoff_answer(options.method, options.h, FORMATS[options.float])
+    return as_json(result) if options.format == "json" else roundoff_text(result)

@@ -1,0 +1,169 @@
+"""`driftproof stability` and `work-precision`: which steps a method can take on a problem, and what accuracy costs."""
+
+from __future__ import annotations
+
+import sys
+from argparse import Namespace
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from driftproof.commands.arguments import (
+    TEXT_OR_JSON,
+    command,
+    list_option,
+    methods_option,
+    option,
+    output_option,
+    steps_option,
+    time_limit_option,
+)
+
+if TYPE_CHECKING:
+    from driftproof.reports.work_precision.study import Measured, Steps, Study
+
+# One of each behaviour, and the lesson's three among them.
+BEHAVIOURS = ("forward_euler", "rk4", "symplectic_euler", "backward_euler", "implicit_midpoint", "radau_iia2")
+# The lesson's three, and one of each kind beside them.
+KINDS = (
+    "forward_euler",
+    "symplectic_euler",
+    "rk4",
+    "velocity_verlet",
+    "dormand_prince54",
+    "blanes_moan6",
+    "gauss2",
+)
+
+
+@command(
+    option("problem", nargs="?", help="a problem; without one they are listed"),
+    methods_option(f"keys or .toml files (default {','.join(BEHAVIOURS)})"),
+    steps_option("step sizes that divide t, such as 1/4,1/8 (default: 10, 100 and 1000 steps)"),
+    TEXT_OR_JSON,
+)
+def stability_command(options: Namespace) -> str:
+    """Which steps methods can take on a stiff or extreme problem, where runs end, and what is expected.
+
+    examples:
+      driftproof stability                                        lists the problems
+      driftproof stability stiff_oscillator
+      driftproof stability dahlquist_1e3 --h 1/500,1/256 --methods forward_euler,rk4,backward_euler
+      driftproof stability kepler_eccentric --methods rk4,velocity_verlet,yoshida4 --format json
+
+    On a linear problem y' = Ay the verdicts are proved, at exactly the double h that is run, read as a fraction. The
+    largest step is also found by bisection on the float step itself. On any other problem, what was seen is said.
+    """
+    from driftproof.numeric.problems.catalogue import PROBLEMS, problem_named
+    from driftproof.reports.stability import problems_json, problems_text, stability_answer, stability_text
+    from driftproof.support.plain_text import as_json
+
+    if options.problem is None:
+        listed = problems_json(PROBLEMS.values())
+        return as_json(listed) if options.format == "json" else problems_text(listed)
+    result = stability_answer(problem_named(options.problem), options.methods or BEHAVIOURS, options.h, _walk)
+    return as_json(result) if options.format == "json" else stability_text(result)
+
+
+def _walk(names: Sequence[str]) -> Iterable[str]:
+    """The names, with a progress bar on a terminal."""
+    if not sys.stderr.isatty():
+        return names
+    from tqdm import tqdm
+
+    bar: Iterable[str] = tqdm(names, unit="method", leave=False)
+    return bar
+
+
+@command(
+    option("problem", nargs="?", default="harmonic_oscillator", help="`driftproof stability` lists them"),
+    methods_option(f"keys or .toml files (default {','.join(KINDS)})"),
+    output_option("a folder for files and figures; an interrupted study goes on from it", metavar="FOLDER"),
+    list_option("--peers", str, "P", "scipy, diffrax, heyoka, ..."),
+    time_limit_option(
+        0.1,
+        "seconds that a point may be timed for; one that is run for its error alone may take ten times as long;"
+        " what would take longer is marked as such (default 0.1)",
+        metavar="S",
+    ),
+    TEXT_OR_JSON,
+)
+def work_precision_command(options: Namespace) -> str:
+    """What error methods reach on a problem, at how many evaluations of f, in what time.
+
+    examples:
+      driftproof work-precision --methods rk4,velocity_verlet --time-limit 0.01
+      driftproof work-precision kaps --methods rk4,radau_iia2 --time-limit 0.01 -o measured/
+
+    Without any argument: seven methods on the harmonic oscillator, in about ten seconds.
+
+    Each method runs at numbers of steps that double, until rounding is all that is left of its error. Errors are formed
+    exactly, against digits that are certified; evaluations of f are counted. Times are of one trajectory, compiled
+    (extra `fast`) and in plain Python, and of one state of an ensemble; they are measured in turns, in random order.
+
+    A method is dominated when each of its points is beaten by a point of another with no more error for no more cost.
+
+    -o writes into the folder
+      errors.json                errors, evaluations, measured orders: the same in every run
+      times.json                 all that was measured in seconds, with machine and versions
+      work_precision.csv         both, one row a point
+      work_precision_state.svg   the figures: state, energy, phase (needs the extra: pip install 'driftproof[report]')
+      points.json                what an interrupted study goes on from
+    --peers runs scipy, diffrax, heyoka or torchdiffeq beside ours (extra `peers`), at tolerances from 1e-3 to 1e-13.
+    """
+    from driftproof.numeric.problems.catalogue import problem_named
+    from driftproof.reports.work_precision.peers import peers_named
+    from driftproof.reports.work_precision.report import errors_json, text, times_json
+    from driftproof.reports.work_precision.study import Study, measure
+    from driftproof.support.files import require_folder
+    from driftproof.support.plain_text import as_json
+    from driftproof.texts.writing.facts import method_of
+
+    methods = [method_of(name) for name in options.methods or KINDS]
+    study = Study(problem_named(options.problem), methods, peers_named(options.peers), options.time_limit)
+    if options.output:
+        require_folder(options.output)
+    with _progress() as steps:
+        measured = measure(study, options.output, _say, steps)
+    written = _write(study, measured, options.output) if options.output else []
+    if options.format == "json":
+        return as_json({"errors": errors_json(study, measured), "times": times_json(study, measured)})
+    return "\n".join([text(study, measured), *written])
+
+
+def _write(study: Study, measured: Measured, folder: Path) -> list[str]:
+    """A line for each file; the figures are left out, with the reason, where nothing can be drawn."""
+    from driftproof.numeric.work_precision.exact import floors
+    from driftproof.reports.work_precision.report import write
+    from driftproof.support.environment import how_to_install, installed
+
+    lines = [f"wrote {path}" for path in write(study, measured, folder)]
+    if not installed("matplotlib"):
+        return [*lines, f"no figures: matplotlib is not installed; {how_to_install('report')}"]
+    from driftproof.reports.work_precision.figure import draw
+
+    return [*lines, *(f"wrote {draw(study, measured, quantity, folder)}" for quantity in floors(study.problem))]
+
+
+def _say(line: str) -> None:
+    print(f"driftproof work-precision: {line}", file=sys.stderr)
+
+
+@contextmanager
+def _progress() -> Iterator[Steps | None]:
+    """A bar on a terminal, of which curves and samples are steps."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from tqdm import tqdm
+
+    from driftproof.reports.work_precision.study import Steps
+
+    with tqdm(total=0, unit="point", leave=False) as bar:
+
+        def expect(more: int) -> None:
+            bar.total += more
+            bar.refresh()
+
+        yield Steps(expect, lambda: bar.update(1))

@@ -1,0 +1,106 @@
+"""`driftproof identify` and `verify`: which method a float stepper is, and whether it is the one its name says."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+
+from driftproof.commands.arguments import (
+    Refuted,
+    command,
+    format_option,
+    integer_in,
+    option,
+    positive_number,
+    rational,
+    time_limit_option,
+)
+
+MOST_EXAMPLES = 10**6
+TARGET = (
+    option("step", metavar="MODULE:STEP", help="where the stepper is imported from, e.g. mylib.ode:step"),
+    option("--door", choices=("map", "force", "field"), help="if the names of its parameters do not tell"),
+    option("--array", metavar="MODULE:MAKER", help="what makes its numbers of floats, e.g. torch:tensor"),
+    time_limit_option(60.0, "seconds for each question (default 60)"),
+    format_option("text", "json", "markdown", words="markdown is ready for an issue"),
+)
+
+
+@command(*TARGET)
+def identify_command(options: Namespace) -> str:
+    """Read a stepper from outside and say which method it is, of which order, and what it does besides.
+
+    examples:
+      driftproof identify mylib.integrators:step
+      driftproof identify mylib.integrators:rk_step --door field
+      driftproof identify mylib.integrators:step --array numpy:float32 --format markdown
+
+    what a stepper may look like:
+      step(q, v, h) -> (q1, v1)            its system is built in; also step(state, h), and with m, k, t
+      step(force, q, v, h) -> (q1, v1)     q'' = force(q)
+      step(f, t, y, h) -> y1               y' = f(t, y); also without t
+    An object with a state, a method that advances it and a force that it calls, or that is given to it, is made one by
+      from driftproof import stepper_of
+      step = stepper_of(lambda force: Body(acceleration=force), position="x", velocity="v", advance="update")
+      step = stepper_of(Body, position="x", velocity="v", push="apply_force", advance="update")
+    (field_stepper_of for y' = f(t, y)). Wrap anything else in a function of two lines.
+    It runs in a child process: a hang or a crash is a finding.
+    """
+    from driftproof.blackbox.identify import identify
+
+    report = identify(options.step, door=options.door, array=options.array, time_limit=options.time_limit)
+    return report.written(options.format)
+
+
+@command(
+    *TARGET,
+    option("--method", required=True, help="a key that `driftproof methods` lists, or a .toml file"),
+    option(
+        "--examples", type=integer_in(1, MOST_EXAMPLES, "examples"), default=1000, help="steps to try (default 1000)"
+    ),
+    option("--largest-step", type=positive_number("h"), default=2.0, help="0 < h <= this (default 2)"),
+    option("--largest-state", type=positive_number("state"), default=1000.0, help="|q|, |v| <= this (default 1000)"),
+    option("--extremes", action="store_true", help="try the smallest floats, too, down to subnormal ones"),
+    option("--step-in-binary32", action="store_true", help="allow that h is rounded to binary32 first"),
+    option("--velocity-from-positions", action="store_true", help="allow for v formed as (q1 - q)/h: u (|q| + |q1|)/h"),
+    option("--flush-to-zero", action="store_true", help="allow that subnormal numbers become 0"),
+    option(
+        "--solver-tolerance", type=rational("solver tolerance"), help="how well implicit stages are solved, e.g. 1e-10"
+    ),
+)
+def verify_command(options: Namespace) -> str:
+    """Hold a stepper to a method: its coefficients, its rounding errors against a derived bound, its order.
+    The bound holds for the definition's sums and products in any order, fused or not.
+
+    examples:
+      driftproof verify mylib.integrators:step --method velocity_verlet
+      driftproof verify mylib.integrators:rk_step --method tableau.toml --examples 5000
+      driftproof verify mylib.implicit:step --method backward_euler --solver-tolerance 1e-10
+
+    exit status: 0 if it agrees, 1 if it does not, 2 if the question makes no sense.
+    `driftproof identify --help` says what a stepper may look like.
+    """
+    from driftproof.blackbox.judging.agreement import Domain
+    from driftproof.blackbox.judging.tolerance import Allowance
+    from driftproof.blackbox.verify import verify
+
+    if options.solver_tolerance is not None and options.solver_tolerance < 0:
+        raise ValueError(f"solver tolerance {options.solver_tolerance} is below zero")
+    smallest = {"smallest_step": 0.0, "smallest_state": 0.0} if options.extremes else {}
+    report = verify(
+        options.step,
+        options.method,
+        door=options.door,
+        array=options.array,
+        examples=options.examples,
+        domain=Domain(options.largest_step, options.largest_state, **smallest),
+        allowance=Allowance(
+            options.step_in_binary32,
+            options.velocity_from_positions,
+            options.flush_to_zero,
+            options.solver_tolerance,
+        ),
+        time_limit=options.time_limit,
+    )
+    if not report.passed:
+        raise Refuted(report.written(options.format))
+    return report.written(options.format)

@@ -1,0 +1,154 @@
+"""`driftproof render` and `check`: a text from its template, and a text held to a file of claims."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from pathlib import Path
+
+from driftproof.commands.arguments import (
+    ROUNDINGS,
+    Refuted,
+    command,
+    format_option,
+    one_of,
+    option,
+    output_option,
+    time_limit_option,
+)
+
+TEMPLATE_SUFFIX = ".j2"
+
+
+@command(
+    option("templates", nargs="+", type=Path, metavar="TEMPLATE", help="a text with {{ value(...) }} in it"),
+    output_option("default: the template's name without .j2"),
+    option("--check", action="store_true", help="write nothing; fail with a diff if the output is another"),
+    option("--style", choices=("plain", "printed"), help="-3.3e-4 or −3.3×10⁻⁴ (default plain, in TeX printed)"),
+    option("--rounding", choices=ROUNDINGS, help="what a tie becomes (default: a tie is an error)"),
+)
+def render_command(options: Namespace) -> str:
+    """Render a Jinja2 template, in a sandbox, with proved values and tables of methods in it.
+    Needs the extra: pip install 'driftproof[text]'.
+
+    examples:
+      driftproof render lesson.md.j2
+      driftproof render lesson.md.j2 -o lesson.html
+      driftproof render lesson.md.j2 --check          is lesson.md what it renders? else a diff, and status 1
+
+    The name of the output says what it is: Markdown (.md, .markdown, .myst), HTML (.html, .htm) or TeX (.tex). In the
+    template, value("...") takes an id of `driftproof values` or a question of `driftproof value`, and | digits(6),
+    | places(3), | exact, | tex or | mathml say how it is written. docs/texts.md teaches the rest.
+
+    lesson.md.j2:
+      q = {{ value("rk4.first_step.q") | digits(6) }}, which is {{ value("step rk4 h=1/2 : q") }}.
+      {{ methods_table(["forward_euler", "rk4"], ["state_error digits 4", "evaluations"], h="1/4", t="10") }}
+    """
+    from driftproof.support.files import atomic_write
+    from driftproof.texts.templates.rendering import difference, render
+
+    outputs = _outputs(options.templates, options.output)
+    rendered = {out: render(template, out, options.style, options.rounding) for out, template in outputs.items()}
+    if options.check:
+        diffs = [difference(out, rendered[out].text, template) for out, template in outputs.items()]
+        if any(diffs):
+            raise Refuted("\n".join(filter(None, diffs)))
+        return "\n".join(f"{out} is what {template} renders" for out, template in outputs.items())
+    for out, found in rendered.items():
+        with atomic_write(out) as draft:
+            Path(draft).write_bytes(found.text.encode("utf-8"))
+    return "\n".join(f"{out}: {found.asked} values" for out, found in rendered.items())
+
+
+def _outputs(templates: list[Path], output: Path | None) -> dict[Path, Path]:
+    """Output -> template. Raises ValueError where two have one output, or a template would be overwritten."""
+    from driftproof.texts.templates.kinds import kind_of
+
+    if output is not None and len(templates) > 1:
+        raise ValueError("--output names one file, and there are several templates; render them one by one")
+    found: dict[Path, Path] = {}
+    for template in templates:
+        if output is None and template.suffix != TEMPLATE_SUFFIX:
+            raise ValueError(f"{template}: the name does not end in {TEMPLATE_SUFFIX}; name the output with -o")
+        out = output or template.with_suffix("")
+        kind_of(out)
+        if out in found or out.resolve() in {path.resolve() for path in templates}:
+            raise ValueError(f"{out} is already a template or an output here; name another with -o")
+        found[out] = template
+    return found
+
+
+@command(
+    option("text", help="a text: .txt, .md, .html, .tex, .ipynb; anything else is read as plain text"),
+    one_of(
+        option("--claims", metavar="FILE", help="the claims, in TOML"),
+        option("--init", action="store_true", help="draft the claims from the text instead"),
+        required=True,
+    ),
+    option("--coverage", action="store_true", help="list the numbers no claim covers, with suggestions"),
+    option("--run", action="store_true", help="run the Python listings and compare what they print"),
+    time_limit_option(10.0, "seconds for --run (default 10)"),
+    format_option("text", "json", "github"),
+)
+def check_command(options: Namespace) -> str:
+    """Hold a text to a file of claims: each phrase, with its values worked out and rounded here, has to stand
+    in the text exactly as often as it says. Reports line, column, expected and found, and the coverage.
+
+    examples:
+      driftproof check chapter.md --init                     claims drafted from the text, to be read and completed
+      driftproof check chapter.md --claims claims.toml
+      driftproof check chapter.md --claims claims.toml --coverage
+      driftproof check chapter.md --claims claims.toml --run --format github
+
+    A phrase stands as the text does, but for minus signs, kinds of space, ends of lines and raised or lowered digits,
+    and never inside a longer word or number. A value is an id or a question, which `driftproof value --help` teaches.
+
+    Read are plain text, Markdown, HTML, TeX and notebooks, by the file's ending: markup, comments, front matter and
+    attributes are left out. Numbers are integers, decimals, fractions, percentages, powers and what has an exponent;
+    words for numbers are not read. Labels by themselves are whole numbers after a letter (RK4), indices (q₁), what
+    follows Section, Figure and the like, versions, dates, numbers of items, [1], addresses and formats such as :.6f.
+
+    --run runs the Python listings of the text, in order, in one process without a shell, within the time limit and
+    2 GiB, and compares what each prints with the block that follows it, or with the lines under "Expected output:".
+    This executes the code of the text with your rights: use it on texts that you trust.
+
+    exit status: 0 if every claim holds, 1 if one does not, 2 if the claims or the text make no sense.
+
+    claims.toml:
+      [text]
+      coverage = "95%"                              # with fewer numbers covered it fails; format = "tex" is possible
+      [[claim]]
+      id = "rk4 state"
+      phrase = "the state is ({q}, {v}) after"      # stands once, or as often as count says
+      values = { q = "rk4.first_step.q", v = "step rk4 h=1/2 : v" }
+      exact = true                                  # or places = 6, or digits = 2; with none of them the number in full
+      [[claim]]
+      id = "error at ten"
+      phrase = "off by {value} at the end"
+      value = "run rk4 h=1/4 t=10 : state_error"
+      digits = 2                                    # 3.3e-4, 0.00033 and 3.3×10⁻⁴ are the same
+      [[claim]]
+      id = "steps"
+      phrase = "takes {steps} steps of h = 0.25"
+      values = { steps = "run rk4 h=1/4 t=10 : steps" }
+      given = "our choice of h"                     # why a number of the phrase is no value; true will do
+      [[label]]
+      phrase = "{n} min read"                       # numbers that belong to names are not counted
+      why = "reading time"
+    """
+    from driftproof.texts.claims.claims import Claims, read_claims
+    from driftproof.texts.claims.drafting import draft
+    from driftproof.texts.claims.report import Report
+    from driftproof.texts.claims.running import run_listings
+    from driftproof.texts.readers.document import read_document
+
+    if options.init and (options.run or options.coverage or options.format != "text"):
+        raise ValueError("--init drafts claims; --run, --coverage and --format need --claims")
+    claims = Claims() if options.init else read_claims(options.claims)
+    document = read_document(options.text, claims.form)
+    if options.init:
+        return draft(document, options.text)
+    ran = run_listings(document, options.time_limit) if options.run else None
+    report = Report.of(options.text, document, claims, ran, options.coverage)
+    if not report.passed:
+        raise Refuted(report.written(options.format))
+    return report.written(options.format)

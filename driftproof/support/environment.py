@@ -1,0 +1,52 @@
+"""What is installed here and on what machine: optional packages, and what a time was measured on."""
+
+from __future__ import annotations
+
+import os
+import platform
+from collections.abc import Iterable
+from importlib.util import find_spec
+from pathlib import Path
+
+
+def installed(package: str) -> bool:
+    """True where the package can be imported."""
+    return find_spec(package) is not None
+
+
+def how_to_install(extra: str) -> str:
+    """What to type for an extra of ours."""
+    return f"pip install 'driftproof[{extra}]'"
+
+
+def require_package(package: str, extra: str, need: str) -> None:
+    """Raises ValueError with one line, `need` and what to type, if the package is not there: before work is done."""
+    if not installed(package):
+        raise ValueError(f"{need}; install it with {how_to_install(extra)}")
+
+
+def require_matplotlib() -> None:
+    """Raises ValueError if nothing can be drawn."""
+    require_package("matplotlib", "report", "pictures need matplotlib")
+
+
+def machine_description() -> str:
+    """The processor and the system, in words, without a name of the machine or a path on it."""
+    cpuinfo = Path("/proc/cpuinfo")
+    lines = cpuinfo.read_text(encoding="utf-8").splitlines() if cpuinfo.exists() else []
+    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    model = models[0] if models else platform.processor() or platform.machine()
+    return f"{model}, {os.cpu_count()} processors, {platform.system()} {platform.machine()}"
+
+
+def versions_of(packages: Iterable[str]) -> dict[str, str]:
+    """The versions of Python and of these packages, "not installed" for one that is not there."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    found = {"python": f"{platform.python_implementation()} {platform.python_version()}"}
+    for name in packages:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "not installed"
+    return found
