@@ -15,7 +15,7 @@ from driftproof.reports.page.document import document
 from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.plot import Plot, Scale, symmetric_limit, ticks
 from driftproof.reports.page.trajectory import SampledRun, phase_plane, position
-from driftproof.reports.scene_view import COMPARED, asking_for, comparison_rows, readout_rows
+from driftproof.reports.scene_view import COMPARED_READOUTS, asking_for, comparison_rows, readout_rows
 from driftproof.symbolic.algebra.certified import Exact, enclose, is_less
 from driftproof.symbolic.derivation.one_step import matrix_at
 from driftproof.symbolic.runs import apply
@@ -187,7 +187,7 @@ def test_readouts_have_finer_digits_than_the_table_of_large_values() -> None:
     """
     assert reach(drawn("default", EULER)[0].plot) != reach(drawn("default", RK4)[0].plot)
     for name, key in EVERY:
-        values = run_method(asking_for(PRESETS[name], COMPARED), key)
+        values = run_method(asking_for(PRESETS[name], COMPARED_READOUTS), key)
         for compared, shown in shown_twice(values).items():
             if abs(Q(values[compared])) >= Q(1, 10**4):
                 assert unit(shown[0]) < unit(shown[1])
@@ -198,7 +198,7 @@ def test_readouts_have_finer_digits_than_the_table_of_large_values() -> None:
             {"state_error": float(10**exponent), "energy_change": -float(10**exponent), "evaluations": 1}
         )
         assert all(unit(readout) < unit(cell) for readout, cell in shown.values())
-    readout, cell = shown_twice(run_method(asking_for(PRESETS["default"], COMPARED), RK4))["energy_change"]
+    readout, cell = shown_twice(run_method(asking_for(PRESETS["default"], COMPARED_READOUTS), RK4))["energy_change"]
     assert (readout, cell) == ("-0.000067", "-6.7e-5")
     assert parse_rational(readout) == parse_rational(cell)
 
@@ -208,7 +208,7 @@ def shown_twice(values: Readouts) -> dict[str, tuple[str, str]]:
     _, row = comparison_rows({EULER: values})
     return {
         name: (readout_rows({name: values[name]})[0][1], cell)
-        for name, cell in zip(COMPARED[:2], row[1:3], strict=True)
+        for name, cell in zip(COMPARED_READOUTS[:2], row[1:3], strict=True)
     }
 
 

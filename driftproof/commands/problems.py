@@ -114,7 +114,7 @@ def work_precision_command(options: Namespace) -> str:
     """
     from driftproof.numeric.problems.catalogue import problem_named
     from driftproof.reports.work_precision.peers import peers_named
-    from driftproof.reports.work_precision.report import errors_json, text, times_json
+    from driftproof.reports.work_precision.report import errors_json, study_text, times_json
     from driftproof.reports.work_precision.study import Study, measure
     from driftproof.support.files import require_folder
     from driftproof.support.plain_text import as_json
@@ -129,21 +129,21 @@ def work_precision_command(options: Namespace) -> str:
     written = _write(study, measured, options.output) if options.output else []
     if options.format == "json":
         return as_json({"errors": errors_json(study, measured), "times": times_json(study, measured)})
-    return "\n".join([text(study, measured), *written])
+    return "\n".join([study_text(study, measured), *written])
 
 
 def _write(study: Study, measured: Measured, folder: Path) -> list[str]:
     """A line for each file; the figures are left out, with the reason, where nothing can be drawn."""
     from driftproof.numeric.work_precision.exact import floors
-    from driftproof.reports.work_precision.report import write
+    from driftproof.reports.work_precision.report import write_study
     from driftproof.support.environment import how_to_install, installed
 
-    lines = [f"wrote {path}" for path in write(study, measured, folder)]
+    lines = [f"wrote {path}" for path in write_study(study, measured, folder)]
     if not installed("matplotlib"):
         return [*lines, f"no figures: matplotlib is not installed; {how_to_install('report')}"]
-    from driftproof.reports.work_precision.figure import draw
+    from driftproof.reports.work_precision.figure import draw_study
 
-    return [*lines, *(f"wrote {draw(study, measured, quantity, folder)}" for quantity in floors(study.problem))]
+    return [*lines, *(f"wrote {draw_study(study, measured, quantity, folder)}" for quantity in floors(study.problem))]
 
 
 def _say(line: str) -> None:

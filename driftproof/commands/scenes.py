@@ -117,21 +117,21 @@ def sweep_command(options: Namespace) -> str:
     or on --cluster tcp://HOST:8786, the scheduler of a dask cluster (extra: pip install 'driftproof[cluster]').
     """
     from driftproof.numeric.scenes import scene_named
-    from driftproof.reports.sweeps import answers, sweep_json, sweep_text
+    from driftproof.reports.sweeps import sweep_json, sweep_text, sweep_with_progress
     from driftproof.support.plain_text import as_json
 
     scene = scene_named(options.scene)
     axes = {"selected": options.methods, "start": options.state, "t": options.t, "h": options.h}
     grid = {name: values for name, values in axes.items() if values}
     with _executor(options) as executor:
-        found = answers(scene, grid, executor, options.output)
+        found = sweep_with_progress(scene, grid, executor, options.output)
     return as_json(sweep_json(scene, found)) if options.format == "json" else sweep_text(scene, found)
 
 
 @contextmanager
 def _executor(options: Namespace) -> Iterator[Executor | None]:
     if options.cluster:
-        from driftproof.reports.cluster import cluster_executor
+        from driftproof.reports.sweeps import cluster_executor
 
         with cluster_executor(options.cluster) as executor:
             yield executor

@@ -17,12 +17,12 @@ from driftproof.symbolic.linear.facts import LinearFacts
 from driftproof.symbolic.linear.oscillator import energy_multiplier_of
 from driftproof.symbolic.linear.region import boundary_points
 
-INSIDE, LINE, POINT = "#cfe3f4", "#1f6fb4", "#c87a00"
+_INSIDE, _LINE, _POINT = "#cfe3f4", "#1f6fb4", "#c87a00"
 # Certified points on the boundary: 2 count + 1 values of Re R(z).
-POINTS = 24
-GRID = 601
+_POINTS = 24
+_GRID = 601
 # The boundary of an A-stable method goes to infinity; the picture does not.
-FARTHEST = 12
+_FARTHEST = 12
 
 
 def draw_method(picture: str, method: Method, path: Path) -> Path:
@@ -41,29 +41,29 @@ def draw_method(picture: str, method: Method, path: Path) -> Path:
 
 
 def _region(axes: Any, r: RationalFunction) -> None:
-    points = np.array([complex(point.z.mid()) for point in boundary_points(r, POINTS)])
-    points = points[np.abs(points) <= FARTHEST]
+    points = np.array([complex(point.z.mid()) for point in boundary_points(r, _POINTS)])
+    points = points[np.abs(points) <= _FARTHEST]
     x, y = _around(points)
-    axes.contourf(x, y, np.abs(_values(r, x + 1j * y)) <= 1, levels=[0.5, 1.5], colors=[INSIDE])
-    axes.plot(points.real, points.imag, ".", color=POINT, markersize=4, label="certified: |R(z)| = 1")
+    axes.contourf(x, y, np.abs(_values(r, x + 1j * y)) <= 1, levels=[0.5, 1.5], colors=[_INSIDE])
+    axes.plot(points.real, points.imag, ".", color=_POINT, markersize=4, label="certified: |R(z)| = 1")
     _complex_plane(axes)
     axes.figure.legend(loc="outside lower center", frameon=False)
 
 
 def _order_star(axes: Any, r: RationalFunction) -> None:
-    x, y = np.meshgrid(np.linspace(-5, 5, GRID), np.linspace(-5, 5, GRID))
+    x, y = np.meshgrid(np.linspace(-5, 5, _GRID), np.linspace(-5, 5, _GRID))
     z = x + 1j * y
-    axes.contourf(x, y, np.abs(_values(r, z)) > np.abs(np.exp(z)), levels=[0.5, 1.5], colors=[INSIDE])
+    axes.contourf(x, y, np.abs(_values(r, z)) > np.abs(np.exp(z)), levels=[0.5, 1.5], colors=[_INSIDE])
     _complex_plane(axes)
     axes.set_xlabel("Re z; shaded: |R(z)| > |exp z|")
 
 
 def _phase(axes: Any, r: RationalFunction) -> None:
-    h = np.linspace(0, 3, GRID)[1:]
+    h = np.linspace(0, 3, _GRID)[1:]
     value = _values(r, 1j * h)
     growth = np.sqrt(_values(energy_multiplier_of(r), h * h))
-    axes.plot(h, np.unwrap(np.angle(value)) - h, color=LINE, label="dispersion: arg R(ih) - h")
-    axes.plot(h, np.log(growth), "--", color=POINT, label="dissipation: log |R(ih)|")
+    axes.plot(h, np.unwrap(np.angle(value)) - h, color=_LINE, label="dispersion: arg R(ih) - h")
+    axes.plot(h, np.log(growth), "--", color=_POINT, label="dissipation: log |R(ih)|")
     axes.set_xlabel("step h")
     axes.legend(loc="best")
 
@@ -82,7 +82,7 @@ def _around(points: Any) -> tuple[Any, Any]:
     """A square grid around the points, a fifth wider than they need."""
     ends = [(part.min(), part.max()) for part in (points.real, points.imag)]
     reach = 0.6 * max(1.0, *(high - low for low, high in ends))
-    lines = [np.linspace((low + high) / 2 - reach, (low + high) / 2 + reach, GRID) for low, high in ends]
+    lines = [np.linspace((low + high) / 2 - reach, (low + high) / 2 + reach, _GRID) for low, high in ends]
     x, y = np.meshgrid(*lines)
     return x, y
 

@@ -10,7 +10,7 @@ from driftproof.numeric.run import Counter, NonFiniteReadout, NonFiniteState, Re
 from driftproof.numeric.scenes import TABLE, Scene
 from driftproof.support.plain_text import LARGEST_PLAIN, short, table
 
-COMPARED = ("state_error", "energy_change", "evaluations")
+COMPARED_READOUTS = ("state_error", "energy_change", "evaluations")
 UNDEFINED = "undefined at the origin"
 
 
@@ -25,7 +25,7 @@ def show_scene(scene: Scene, digits: int, counter: Counter = range) -> dict[str,
     if scene.certified:
         shown["certified"] = certified(scene, digits)
     if TABLE in scene.panels:
-        compared = asking_for(scene, COMPARED)
+        compared = asking_for(scene, COMPARED_READOUTS)
         shown["table"] = {
             key: or_message(lambda key=key: run_method(compared, key, counter))  # type: ignore[misc]
             for key in scene.methods
@@ -132,7 +132,7 @@ def comparison_rows(rows: dict[str, Readouts | str]) -> list[list[str]]:
         if isinstance(readouts, str):
             lines.append([METHODS[key].title, readouts, "", ""])
         else:
-            error, change, calls = (readouts[name] for name in COMPARED)
+            error, change, calls = (readouts[name] for name in COMPARED_READOUTS)
             lines.append([METHODS[key].title, short(error), short(change), str(calls)])
     return lines
 

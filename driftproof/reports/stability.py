@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from math import inf, isfinite
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from flint import ctx
 
@@ -23,37 +23,36 @@ from driftproof.symbolic.linear.conjugate_pairs import UndecidedLimitError
 from driftproof.symbolic.linear.oscillator import stability_function_of
 from driftproof.symbolic.linear.systems import SYSTEM_FACTS, SystemFacts
 from driftproof.symbolic.linear.verdicts import bounded_at, factor_at, largest_eigenvalue
-from driftproof.texts.writing.answers import number
+from driftproof.texts.writing.answers import Answer, number
 from driftproof.texts.writing.facts import method_of
 
-Json: TypeAlias = Any
 # Goes over the methods, with a progress bar perhaps.
 Walk: TypeAlias = Callable[[Sequence[str]], Iterable[str]]
 
-DIGITS = 6
+_DIGITS = 6
 # Steps of the runs that are looked for, and of those that are shown: implicit steps take a thousand times as long.
-MOST_EXPLICIT, MOST_IMPLICIT, MOST_SHOWN = 1 << 14, 1 << 9, 10**6
+_MOST_EXPLICIT, _MOST_IMPLICIT, _MOST_SHOWN = 1 << 14, 1 << 9, 10**6
 # Steps of the runs that are shown where no h is asked for.
-SHOWN = (10, 100, 1000)
+_SHOWN = (10, 100, 1000)
 # Far more than the 53 of h: a factor that is not told from 1 is printed as that.
-ONE_BITS = 1024
+_ONE_BITS = 1024
 # An error of so much of the size of the solution still follows it; one of all its size is lost.
-FOLLOWS = 0.1
+_FOLLOWS = 0.1
 # A run that has grown so many times beyond the solution is not run to its end where only its verdict is asked for.
-LOST = 1e6
+_LOST = 1e6
 
 
-def stability_answer(problem: Problem, names: Sequence[str], sizes: Sequence[Fraction], walk: Walk = iter) -> Json:
+def stability_answer(problem: Problem, names: Sequence[str], sizes: Sequence[Fraction], walk: Walk = iter) -> Answer:
     """{"problem", "title", "linear", "size", "methods": [...]}, one entry a method; numbers are strings.
 
-    `sizes` are step sizes that divide t; without them runs of SHOWN steps are shown. On a linear problem, per method:
+    `sizes` are step sizes that divide t; without them runs of _SHOWN steps are shown. On a linear problem, per method:
     `limit`, `attained`, `at_infinity` as proved, `seen`, the neighbouring doubles between which powers of the float
     step begin to grow. On any other, the `fewest_steps` that follow the solution to its end, as longer runs do.
     Raises ValueError.
     """
-    counts = [step_count(problem.t, h) for h in sizes] or list(SHOWN)
-    if max(counts) > MOST_SHOWN:
-        raise ValueError(f"{brief(max(counts))} steps to t = {problem.t}; at most {MOST_SHOWN} are run here")
+    counts = [step_count(problem.t, h) for h in sizes] or list(_SHOWN)
+    if max(counts) > _MOST_SHOWN:
+        raise ValueError(f"{brief(max(counts))} steps to t = {problem.t}; at most {_MOST_SHOWN} are run here")
     return {
         "problem": problem.key,
         "title": problem.title,
@@ -63,7 +62,7 @@ def stability_answer(problem: Problem, names: Sequence[str], sizes: Sequence[Fra
     }
 
 
-def _method_answer(problem: Problem, method: Method, counts: Sequence[int]) -> Json:
+def _method_answer(problem: Problem, method: Method, counts: Sequence[int]) -> Answer:
     """One method, or the reason why it does not apply."""
     header = {"method": method.key, "title": method.title}
     try:
@@ -86,7 +85,7 @@ def behaviour(method: Method, problem: Problem) -> str:
     return next((name for name in known if name in problem.expected), "explicit" if method.explicit else "implicit")
 
 
-def _linear_part(problem: Problem, found: SystemFacts, runs: Advance) -> Json:
+def _linear_part(problem: Problem, found: SystemFacts, runs: Advance) -> Answer:
     components = len(problem.start)
     norm = max(sum(abs(x) for x in row) for row in found.rows)
     low, high = largest_bounded(lambda h: stays_bounded(runs, components, h), 1 / float(norm))
@@ -100,19 +99,19 @@ def _linear_part(problem: Problem, found: SystemFacts, runs: Advance) -> Json:
     }
 
 
-def _nonlinear_part(problem: Problem, method: Method, runs: Advance) -> Json:
+def _nonlinear_part(problem: Problem, method: Method, runs: Advance) -> Answer:
     start, extent = float_start(problem), solution_size(problem)
 
     def follows(steps: int) -> bool:
-        seen = observe(runs, start, clock(problem.t, steps).h, steps, LOST * extent)
-        ended = seen.failed_after is None and seen.largest <= LOST * extent
-        return ended and error_of(problem, seen) <= FOLLOWS * extent
+        seen = observe(runs, start, clock(problem.t, steps).h, steps, _LOST * extent)
+        ended = seen.failed_after is None and seen.largest <= _LOST * extent
+        return ended and error_of(problem, seen) <= _FOLLOWS * extent
 
-    most = MOST_EXPLICIT if method.explicit else MOST_IMPLICIT
+    most = _MOST_EXPLICIT if method.explicit else _MOST_IMPLICIT
     return {"fewest_steps": fewest_steps(follows, most), "looked_up_to": most}
 
 
-def _run_answer(problem: Problem, runs: Advance, found: SystemFacts | None, steps: int) -> Json:
+def _run_answer(problem: Problem, runs: Advance, found: SystemFacts | None, steps: int) -> Answer:
     h = clock(problem.t, steps).h
     seen = observe(runs, float_start(problem), h, steps)
     error = error_of(problem, seen) if seen.failed_after is None else inf
@@ -128,19 +127,19 @@ def _run_answer(problem: Problem, runs: Advance, found: SystemFacts | None, step
     }
 
 
-def _proved_at(found: SystemFacts, h: Fraction) -> Json:
+def _proved_at(found: SystemFacts, h: Fraction) -> Answer:
     """Boundedness at exactly the h that is run, and the factor per step of the eigenvalue that is largest in size."""
     try:
         bounded: bool | str = bounded_at(found, h)
     except UndecidedLimitError as reason:
         bounded = str(reason)
     factor = factor_at(found, largest_eigenvalue(found.rows), h)
-    return {"bounded": bounded, "factor": number(factor, DIGITS, HALF_EVEN), "factor_less_one": _less_one(factor)}
+    return {"bounded": bounded, "factor": number(factor, _DIGITS, HALF_EVEN), "factor_less_one": _less_one(factor)}
 
 
 def _less_one(factor: Exact) -> str | None:
-    """The factor less 1, to two digits; None where so small a ball as ONE_BITS give holds 1."""
-    with ctx.workprec(ONE_BITS):
+    """The factor less 1, to two digits; None where so small a ball as _ONE_BITS give holds 1."""
+    with ctx.workprec(_ONE_BITS):
         if (enclose(factor) - 1).contains(0):
             return None
     return significant(lambda: enclose(factor) - 1, 2)
@@ -157,7 +156,7 @@ def solution_size(problem: Problem) -> float:
     return max(size(float_start(problem)), *(distance(origin, state) for state in problem.reference.states))
 
 
-def stability_text(answer: Json) -> str:
+def stability_text(answer: Answer) -> str:
     """The answer as tables: how far steps stay stable, then each run, then what is expected."""
     applying = [entry for entry in answer["methods"] if "refused" not in entry]
     parts = [answer["title"]]
@@ -169,12 +168,12 @@ def stability_text(answer: Json) -> str:
     return "\n\n".join(part for part in parts if part)
 
 
-def _limits_text(answer: Json, entries: Sequence[Json]) -> str:
+def _limits_text(answer: Answer, entries: Sequence[Answer]) -> str:
     if not answer["linear"]:
         rows = [["method", "follows from N =", "looked up to N ="]]
         for entry in entries:
             rows.append([entry["method"], str(entry["fewest_steps"] or "none"), str(entry["looked_up_to"])])
-        title = f"Observed: with N steps, 2N, ... the error at the end is below {FOLLOWS} of the size of the solution"
+        title = f"Observed: with N steps, 2N, ... the error at the end is below {_FOLLOWS} of the size of the solution"
         return f"{title}\n\n{table(rows, right=(1, 2))}"
     rows = [["method", "proved: bounded for", "seen over 2^48 steps", "R(oo)"]]
     for entry in entries:
@@ -183,7 +182,7 @@ def _limits_text(answer: Json, entries: Sequence[Json]) -> str:
     return f"The steps h whose powers stay bounded\n\n{table(rows)}\n\n{note}"
 
 
-def _limit_text(entry: Json) -> str:
+def _limit_text(entry: Answer) -> str:
     limit = entry["limit"]
     if limit in ("0", "oo"):
         return {"0": "no h > 0", "oo": "every h > 0"}[limit]
@@ -200,14 +199,14 @@ def _cut(digits: str) -> str:
     return digits if len(digits) <= 12 else f"{digits[:12]}..."
 
 
-def _seen_text(seen: Json) -> str:
+def _seen_text(seen: Answer) -> str:
     low, high = float(seen["bounded"]), float(seen["grows"])
     if high == float("inf"):
         return f"up to {with_digits(low, 4)}, the largest tried"
     return f"up to {with_digits(low, 10)}" if low else f"growth at {with_digits(high, 4)}, the smallest tried"
 
 
-def _runs_text(answer: Json, entries: Sequence[Json]) -> str:
+def _runs_text(answer: Answer, entries: Sequence[Answer]) -> str:
     head = ["method", "h", "steps", *(["bounded?", "factor"] if answer["linear"] else []), "the run to t"]
     rows = [head]
     for entry in entries:
@@ -221,7 +220,7 @@ def _runs_text(answer: Json, entries: Sequence[Json]) -> str:
     return f"{table(rows, right=(2,))}\n\n{notes}"
 
 
-def _factor_text(run: Json) -> str:
+def _factor_text(run: Answer) -> str:
     """The decimal, or by how much the factor is not 1 where the decimal does not say."""
     decimal, rest = run["factor"]["decimal"], run["factor_less_one"]
     if rest is None or Fraction(decimal) != 1:
@@ -233,7 +232,7 @@ def _verdict(bounded: bool | str) -> str:
     return {True: "yes", False: "no"}[bounded] if isinstance(bounded, bool) else "not decided"
 
 
-def _outcome(run: Json) -> str:
+def _outcome(run: Answer) -> str:
     if run["failed_after"] is not None:
         return f"ends at step {run['failed_after']}: {run['remark']}"
     if run["error"] is None:
@@ -242,7 +241,7 @@ def _outcome(run: Json) -> str:
     return f"{error}, more than the solution: lost" if run["lost"] else error
 
 
-def _expected_text(entries: Sequence[Json]) -> str:
+def _expected_text(entries: Sequence[Answer]) -> str:
     told: dict[str, list[str]] = {}
     for entry in entries:
         if entry["expected"]:
@@ -251,7 +250,7 @@ def _expected_text(entries: Sequence[Json]) -> str:
     return "Expected\n\n" + "\n".join(lines) if lines else ""
 
 
-def problems_json(problems: Iterable[Problem]) -> list[dict[str, Any]]:
+def problems_json(problems: Iterable[Problem]) -> list[Answer]:
     """The problems: key, title, and whether linear, stiff or q'' = F(q)."""
     return [
         {
@@ -265,7 +264,7 @@ def problems_json(problems: Iterable[Problem]) -> list[dict[str, Any]]:
     ]
 
 
-def problems_text(listed: Sequence[dict[str, Any]]) -> str:
+def problems_text(listed: Sequence[Answer]) -> str:
     """What `problems_json` lists, as a table."""
     names = {"linear": "linear", "stiff": "stiff", "second_order": "q'' = F(q)"}
     rows = [["problem", "kind", "title"]]

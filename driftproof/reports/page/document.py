@@ -12,7 +12,7 @@ from driftproof.reports.page.figure import style_sheet
 from driftproof.reports.page.markup import element, escaped, html_table
 from driftproof.reports.page.trajectory import DRAWN, SampledRun, demand_drawable, setting
 from driftproof.reports.scene_view import (
-    COMPARED,
+    COMPARED_READOUTS,
     asking_for,
     certified,
     certified_rows,
@@ -123,7 +123,7 @@ def _runs(scene: Scene, counter: Counter) -> dict[str, Readouts | str]:
         wanted[TRAJECTORY] = None
     keys = dict.fromkeys(scene.every_method if wanted else ())
     if TABLE in scene.panels:
-        wanted |= dict.fromkeys(COMPARED)
+        wanted |= dict.fromkeys(COMPARED_READOUTS)
         keys |= dict.fromkeys(scene.methods)
     if TRAJECTORY in wanted:
         demand_drawable(scene)

@@ -9,35 +9,35 @@ from typing import Any
 import matplotlib
 from matplotlib.figure import Figure
 
-from driftproof.numeric.work_precision.curves import Curve, Point
+from driftproof.numeric.work_precision.curves import Curve
 from driftproof.numeric.work_precision.exact import ENERGY, PHASE, STATE, U, floors, half_unit, scale
-from driftproof.numeric.work_precision.integrators import COMPILED, ENSEMBLE, KINDS, PYTHON
+from driftproof.numeric.work_precision.integrators import COMPILED, ENSEMBLE, PYTHON
 from driftproof.reports.method_figures import save_picture
-from driftproof.reports.work_precision.study import Measured, Study, kinds_of, per_state
+from driftproof.reports.work_precision.study import EVALUATIONS, Measured, Study
 
-WHAT = {STATE: "error of the state", ENERGY: "error of the energy", PHASE: "error of the phase, degrees"}
-COSTS = {
-    "evaluations": "evaluations of f",
+_WHAT = {STATE: "error of the state", ENERGY: "error of the energy", PHASE: "error of the phase, degrees"}
+_COSTS = {
+    EVALUATIONS: "evaluations of f",
     COMPILED: "seconds, compiled",
     PYTHON: "seconds, Python",
     ENSEMBLE: "seconds a state, ensemble",
 }
 # Eight hues that stay apart for most eyes (Okabe and Ito's, black last), and what tells their repetitions apart.
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c510a", "#000000")
-MARKERS, DASHES = "os^Dv<>P", ("-", "--", ":")
-FARTHEST = 1000
+_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c510a", "#000000")
+_MARKERS, _DASHES = "os^Dv<>P", ("-", "--", ":")
+_FARTHEST = 1000
 # What fits above a panel.
-CHARACTERS = 55
-FLOOR = {"color": "#555555", "linewidth": 1.2, "linestyle": (0, (6, 2, 1, 2))}
+_CHARACTERS = 55
+_FLOOR = {"color": "#555555", "linewidth": 1.2, "linestyle": (0, (6, 2, 1, 2))}
 
 
-def draw(study: Study, measured: Measured, quantity: str, folder: Path) -> Path:
+def draw_study(study: Study, measured: Measured, quantity: str, folder: Path) -> Path:
     """Write the figure of the quantity as an SVG file and return its path. Points without error or cost have no place.
 
     Lines with markers are errors at the end, thin ones the largest at the reference's times. The floor is what rounding
     the exact result may cost, `exact.floors`; where the reference's own digits say less than that, they are the floor.
     """
-    costs = ["evaluations", *kinds_of(measured, KINDS)]
+    costs = [EVALUATIONS, *measured.kinds]
     columns = min(2, len(costs))
     rows = -(-len(costs) // columns)
     with matplotlib.rc_context({"svg.hashsalt": "driftproof", "font.size": 11}):
@@ -48,8 +48,8 @@ def draw(study: Study, measured: Measured, quantity: str, folder: Path) -> Path:
         for axes in list(grid.flat)[len(costs) :]:
             axes.remove()
         for row in grid:
-            row[0].set_ylabel(WHAT[quantity])
-        figure.suptitle(fill(study.problem.title.replace("to t = ", "to\u00a0t\u00a0=\u00a0"), CHARACTERS * columns))
+            row[0].set_ylabel(_WHAT[quantity])
+        figure.suptitle(fill(study.problem.title.replace("to t = ", "to\u00a0t\u00a0=\u00a0"), _CHARACTERS * columns))
         _legend(figure, [*measured.curves])
         path = folder / f"work_precision_{quantity}.svg"
         save_picture(figure, path)
@@ -70,9 +70,9 @@ def _panel(axes: Any, study: Study, measured: Measured, quantity: str, cost: str
     axes.set_yscale("log")
     drawn: list[tuple[float, float, float]] = []
     for i, (key, curve) in enumerate(measured.curves.items()):
-        again, hue = divmod(i, len(COLOURS))
-        marker = MARKERS[(hue + 3 * again) % len(MARKERS)]
-        style = {"color": COLOURS[hue], "linestyle": DASHES[again % len(DASHES)]}
+        again, hue = divmod(i, len(_COLOURS))
+        marker = _MARKERS[(hue + 3 * again) % len(_MARKERS)]
+        style = {"color": _COLOURS[hue], "linestyle": _DASHES[again % len(_DASHES)]}
         places = _places(measured, curve, quantity, cost)
         if places:
             drawn += places
@@ -83,18 +83,18 @@ def _panel(axes: Any, study: Study, measured: Measured, quantity: str, cost: str
     _width(axes, drawn)
     axes.plot([], [], color="#555555", linewidth=0.6, label="thin: the largest on the way")
     _floor(axes, study, quantity)
-    axes.set_xlabel(COSTS[cost])
+    axes.set_xlabel(_COSTS[cost])
     axes.grid(alpha=0.3)
 
 
 def _limits(axes: Any, study: Study, measured: Measured, quantity: str) -> None:
-    """What leaves at the top has blown up, to FARTHEST times the scale, and at the bottom decayed below u² of it."""
+    """What leaves at the top has blown up, to _FARTHEST times the scale, and at the bottom decayed below u² of it."""
     found = [point.errors[quantity] for c in measured.curves.values() for point in c.points if point.errors]
     lows = [x for x in (*(size.final for size in found), floors(study.problem)[quantity]) if x > 0]
     if lows and found:
         whole = _scale(study, quantity)
         low = min(whole, max(min(lows), whole * float(U) ** 2))
-        axes.set_ylim(low / 2, 2 * max(low, min(FARTHEST * whole, max(size.largest for size in found))))
+        axes.set_ylim(low / 2, 2 * max(low, min(_FARTHEST * whole, max(size.largest for size in found))))
 
 
 def _width(axes: Any, places: list[tuple[float, float, float]]) -> None:
@@ -116,24 +116,17 @@ def _scale(study: Study, quantity: str) -> float:
 
 def _places(measured: Measured, curve: Curve, quantity: str, cost: str) -> list[tuple[float, float, float]]:
     """Cost, final and largest error of the points that have a place on logarithmic axes."""
-    found = []
+    costs, found = measured.costs(curve, cost), []
     for point in curve.points:
-        size, x = point.errors.get(quantity), _cost(measured, curve, point, cost)
+        size, x = point.errors.get(quantity), costs.get(point.setting)
         if size is not None and x and size.final > 0:
             found.append((x, size.final, size.largest))
     return found
 
 
-def _cost(measured: Measured, curve: Curve, point: Point, cost: str) -> float | None:
-    if cost == "evaluations":
-        return point.evaluations
-    timing = measured.timed(curve, cost).get(point.setting)
-    return per_state(cost, timing.best) if timing else None
-
-
 def _floor(axes: Any, study: Study, quantity: str) -> None:
     floor, digits = floors(study.problem).get(quantity, 0.0), half_unit(study.problem.reference.states[-1])
     if floor > 0:
-        axes.axhline(floor, **FLOOR, label="rounding the exact result")
+        axes.axhline(floor, **_FLOOR, label="rounding the exact result")
     if quantity == STATE and digits > floor:
         axes.axhline(digits, color="#555555", linewidth=1.2, label="the reference's last digit")

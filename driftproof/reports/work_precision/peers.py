@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from importlib import import_module
 from importlib.metadata import version
 from importlib.util import find_spec
@@ -21,10 +20,11 @@ from driftproof.numeric.advance import Rate, State, field_rate, float_start
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.work_precision.integrators import COMPILED, PYTHON
 from driftproof.support.environment import how_to_install
+from driftproof.support.plain_text import did_you_mean
 
 TOLERANCES = tuple(10.0**-k for k in range(3, 14))
 # The packages that run outside Python cannot be stopped by the clock, but by the number of their steps.
-MOST_STEPS = 10**5
+_MOST_STEPS = 10**5
 INSTALL = f"not installed; {how_to_install('peers')}"
 
 
@@ -66,20 +66,16 @@ def peers_named(names: Iterable[str]) -> list[Peer]:
     found = []
     for name in dict.fromkeys(names):
         if name not in PEERS:
-            close = get_close_matches(name, PEERS, n=1, cutoff=0.4)
-            hint = f"did you mean {close[0]}? " if close else ""
-            raise ValueError(f"unknown peer {name[:60]!r}; {hint}the peers are {', '.join(PEERS)}")
+            others = f"; the peers are {', '.join(PEERS)}"
+            raise ValueError(f"unknown peer {name[:60]!r}{did_you_mean(name, PEERS) or others}")
         found.append(PEERS[name])
     return found
 
 
-class Scipy:
-    """scipy.integrate.solve_ivp, the rate in plain Python."""
+class _CallsARate:
+    """A solver that calls the rate as a Python function, whose calls can be counted."""
 
-    def __init__(self, problem: Problem, solver: str) -> None:
-        """Keep both."""
-        self.solve_ivp = import_module("scipy.integrate").solve_ivp
-        self.rate, self.start, self.solver = field_rate(problem.field), float_start(problem), solver
+    rate: Rate
 
     def solve(self, tolerance: float, t: float) -> State:
         """The state at t."""
@@ -92,13 +88,25 @@ class Scipy:
         return rate.calls
 
     def _solved(self, rate: Rate, tolerance: float, t: float) -> State:
+        raise NotImplementedError
+
+
+class Scipy(_CallsARate):
+    """scipy.integrate.solve_ivp, the rate in plain Python."""
+
+    def __init__(self, problem: Problem, solver: str) -> None:
+        """Keep both."""
+        self.solve_ivp = import_module("scipy.integrate").solve_ivp
+        self.rate, self.start, self.solver = field_rate(problem.field), float_start(problem), solver
+
+    def _solved(self, rate: Rate, tolerance: float, t: float) -> State:
         found = self.solve_ivp(rate, (0.0, t), self.start, method=self.solver, rtol=tolerance, atol=tolerance)
         if not found.success:
             raise ArithmeticError(found.message)
         return tuple(map(float, found.y[:, -1]))
 
 
-class TorchDiffEq:
+class TorchDiffEq(_CallsARate):
     """torchdiffeq.odeint on tensors of binary64; a result at t is interpolated in the step that passes it."""
 
     def __init__(self, problem: Problem, solver: str) -> None:
@@ -107,16 +115,6 @@ class TorchDiffEq:
         self.rate = field_rate(problem.field, {name: getattr(self.torch, name) for name in FUNCTIONS})
         self.start = self.torch.tensor(float_start(problem), dtype=self.torch.float64)
         self.solver = solver
-
-    def solve(self, tolerance: float, t: float) -> State:
-        """The state at t."""
-        return self._solved(self.rate, tolerance, t)
-
-    def counted(self, tolerance: float, t: float, limit: float = inf) -> int | None:
-        """The calls of the rate."""
-        rate = _Watched(self.rate, limit)
-        self._solved(rate, tolerance, t)
-        return rate.calls
 
     def _solved(self, rate: Rate, tolerance: float, t: float) -> State:
         stacked = lambda at, y: self.torch.stack(rate(at, y))
@@ -147,9 +145,9 @@ class Heyoka:
         stepper = self.compiled[tolerance]
         stepper.time = 0.0
         stepper.state[:] = self.start
-        outcome = stepper.propagate_until(t, max_steps=MOST_STEPS)[0]
+        outcome = stepper.propagate_until(t, max_steps=_MOST_STEPS)[0]
         if outcome != self.heyoka.taylor_outcome.time_limit:  # what it calls the end of the interval
-            raise ArithmeticError(f"{outcome} within {MOST_STEPS} steps")
+            raise ArithmeticError(f"{outcome} within {_MOST_STEPS} steps")
         return tuple(map(float, stepper.state))
 
     def counted(self, tolerance: float, t: float, limit: float = inf) -> int | None:
@@ -184,7 +182,7 @@ class Diffrax:
     def _result(self, found: Any) -> State:
         y, successful = found
         if not successful:
-            raise ArithmeticError(f"not at the end within {MOST_STEPS} steps")
+            raise ArithmeticError(f"not at the end within {_MOST_STEPS} steps")
         return tuple(map(float, y))
 
     def _solver(self, *, counting: bool) -> Callable[[Any, Any], Any]:
@@ -196,7 +194,7 @@ class Diffrax:
         def solve(t: Any, tolerance: Any) -> Any:
             control = self.diffrax.PIDController(rtol=tolerance, atol=tolerance)
             solver, end = getattr(self.diffrax, self.solver)(), self.diffrax.SaveAt(t1=True)
-            settings = {"stepsize_controller": control, "saveat": end, "max_steps": MOST_STEPS, "throw": False}
+            settings = {"stepsize_controller": control, "saveat": end, "max_steps": _MOST_STEPS, "throw": False}
             found = self.diffrax.diffeqsolve(self.diffrax.ODETerm(rates), solver, 0.0, t, None, self.start, **settings)
             return found.ys[0], found.result == self.diffrax.RESULTS.successful
 

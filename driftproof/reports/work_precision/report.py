@@ -4,49 +4,44 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from math import inf, isfinite
 from pathlib import Path
 from statistics import median
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 from driftproof.numeric.work_precision.curves import Curve, Point
 from driftproof.numeric.work_precision.exact import QUANTITIES, floors, half_unit
-from driftproof.numeric.work_precision.integrators import ENSEMBLE, KINDS, MEMBERS
+from driftproof.numeric.work_precision.integrators import ENSEMBLE, MEMBERS
 from driftproof.numeric.work_precision.timing import ROUNDS, Timing
 from driftproof.numeric.work_precision.verdicts import GOALS, Priced, cheapest, dominators
 from driftproof.reports.work_precision.peers import INSTALL
-from driftproof.reports.work_precision.study import Measured, Study, kinds_of, name_of, per_state
+from driftproof.reports.work_precision.study import EVALUATIONS, Measured, Study, per_state, timing_name
 from driftproof.support.files import atomic_write
 from driftproof.support.plain_text import as_json, table, with_digits
 
-ERRORS, TIMES, TABLE = "errors.json", "times.json", "work_precision.csv"
-EVALUATIONS = "evaluations"
-LABELS = {EVALUATIONS: EVALUATIONS, "compiled": "compiled", "python": "Python", ENSEMBLE: "ensemble, a state"}
-Json: TypeAlias = Any
+_LABELS = {EVALUATIONS: EVALUATIONS, "compiled": "compiled", "python": "Python", ENSEMBLE: "ensemble, a state"}
+_Key = TypeVar("_Key")
+_Member = TypeVar("_Member")
 # By cost and by curve.
-Costs: TypeAlias = Mapping[str, Mapping[str, Sequence[Priced]]]
+_Costs: TypeAlias = Mapping[str, Mapping[str, Sequence[Priced]]]
 
 
 def priced(measured: Measured, cost: str) -> dict[str, list[Priced]]:
-    """The points of each curve with their cost: EVALUATIONS, or the least seconds of a kind, of one state.
+    """The points of each curve with what they cost; infinite where that was not measured.
 
-    Left out are those that err by as much as the solution is large. A cost is infinite where it was not measured.
+    Left out are those that err by as much as the solution is large.
     """
     found: dict[str, list[Priced]] = {}
     for key, curve in measured.curves.items():
-        points = [point for point in curve.points if point.error < point.scale]
-        if cost == EVALUATIONS:
-            found[key] = [Priced(point.error, point.evaluations) for point in points if point.evaluations]
-            continue
-        timed = measured.timed(curve, cost)
-        costs = {setting: per_state(cost, timing.best) for setting, timing in timed.items()}
-        applies = name_of(key, cost) in measured.warm_up
-        found[key] = [Priced(point.error, costs.get(point.setting, inf)) for point in points if applies]
+        costs, counted = measured.costs(curve, cost), cost == EVALUATIONS
+        points = [p for p in curve.points if p.error < p.scale and (not counted or p.setting in costs)]
+        applies = counted or timing_name(key, cost) in measured.warm_up
+        found[key] = [Priced(p.error, costs.get(p.setting, inf)) for p in points if applies]
     return found
 
 
-def errors_json(study: Study, measured: Measured) -> Json:
+def errors_json(study: Study, measured: Measured) -> dict[str, Any]:
     """What is the same in every run: errors, evaluations, orders. Numbers are strings, by repr."""
     problem = study.problem
     return {
@@ -64,7 +59,7 @@ def errors_json(study: Study, measured: Measured) -> Json:
     }
 
 
-def _curve_json(curve: Curve) -> Json:
+def _curve_json(curve: Curve) -> dict[str, Any]:
     order = curve.order
     measured = {name: repr(value) for name, value in vars(order).items()} if order else None
     return {
@@ -78,7 +73,7 @@ def _curve_json(curve: Curve) -> Json:
     }
 
 
-def _point_json(point: Point) -> Json:
+def _point_json(point: Point) -> dict[str, Any]:
     sizes = {name: {k: repr(v) for k, v in size._asdict().items()} for name, size in point.errors.items()}
     return {
         "setting": point.setting,
@@ -89,7 +84,7 @@ def _point_json(point: Point) -> Json:
     }
 
 
-def times_json(study: Study, measured: Measured) -> Json:
+def times_json(study: Study, measured: Measured) -> dict[str, Any]:
     """What was measured in seconds, and on what: of ensembles, the seconds of all MEMBERS states."""
     timings = {name: _timing_json(timing) for name, timing in measured.timings.items()}
     absent = dict(measured.absent) | {peer.name: INSTALL for peer in study.peers if not peer.installed}
@@ -102,7 +97,7 @@ def times_json(study: Study, measured: Measured) -> Json:
     }
 
 
-def _timing_json(timing: Timing) -> Json:
+def _timing_json(timing: Timing) -> dict[str, Any]:
     if not timing.samples:
         return {"remark": timing.remark}
     read = {"minimum": timing.best, "median": timing.median, "spread": timing.spread}
@@ -111,7 +106,7 @@ def _timing_json(timing: Timing) -> Json:
 
 def csv_text(measured: Measured) -> str:
     """One row a point: errors, evaluations, and of each kind minimum, median and spread in seconds of one state."""
-    kinds = kinds_of(measured, KINDS)
+    kinds = measured.kinds
     sizes = [f"{name}_{which}" for name in QUANTITIES for which in ("final", "largest")]
     costs = [f"{kind}_{what}" for kind in kinds for what in ("minimum", "median", "spread")]
     out = io.StringIO()
@@ -134,22 +129,22 @@ def _seconds(kind: str, timing: Timing | None) -> list[Any]:
     return [per_state(kind, timing.best), per_state(kind, timing.median), spread]
 
 
-def write(study: Study, measured: Measured, folder: Path) -> list[Path]:
-    """The files beside the figures."""
-    texts = {
-        ERRORS: as_json(errors_json(study, measured)) + "\n",
-        TIMES: as_json(times_json(study, measured)) + "\n",
-        TABLE: csv_text(measured),
+def write_study(study: Study, measured: Measured, folder: Path) -> list[Path]:
+    """Write the files beside the figures, each whole or not at all, and return their paths."""
+    contents = {
+        "errors.json": as_json(errors_json(study, measured)) + "\n",
+        "times.json": as_json(times_json(study, measured)) + "\n",
+        "work_precision.csv": csv_text(measured),
     }
-    for name, text in texts.items():
+    for name, content in contents.items():
         with atomic_write(folder / name) as draft:
-            Path(draft).write_text(text, encoding="utf-8")
-    return [folder / name for name in texts]
+            Path(draft).write_text(content, encoding="utf-8")
+    return [folder / name for name in contents]
 
 
-def text(study: Study, measured: Measured) -> str:
+def study_text(study: Study, measured: Measured) -> str:
     """The tables: orders and who is dominated, the least work for each goal, and what was not run, and why."""
-    costs = [EVALUATIONS, *kinds_of(measured, KINDS)]
+    costs = [EVALUATIONS, *measured.kinds]
     by_cost = {cost: priced(measured, cost) for cost in costs}
     parts = [_head(study), table(order_rows(measured), right=(1,))]
     dominated = dominated_rows(by_cost)
@@ -185,21 +180,21 @@ def order_rows(measured: Measured) -> list[list[str]]:
     return rows
 
 
-def dominated_rows(by_cost: Costs) -> list[list[str]]:
+def dominated_rows(by_cost: _Costs) -> list[list[str]]:
     """The methods that are dominated in some cost, and by whom."""
     dominated = [dominators(curves) for curves in by_cost.values()]
     keys = list(dict.fromkeys(key for found in dominated for key in found))
     rows = [[key, *(f"by {', '.join(found[key])}" if key in found else "" for found in dominated)] for key in keys]
-    return [["method", *(LABELS[cost] for cost in by_cost)], *rows]
+    return [["method", *(_LABELS[cost] for cost in by_cost)], *rows]
 
 
-def goal_rows(measured: Measured, by_cost: Costs, goal: float) -> list[list[str]]:
+def goal_rows(measured: Measured, by_cost: _Costs, goal: float) -> list[list[str]]:
     """The cheapest measured point of each method for the goal, in each cost; nothing is interpolated."""
     found = {cost: {key: cheapest(points, goal) for key, points in of.items()} for cost, of in by_cost.items()}
-    rows = [["method", *(LABELS[cost] for cost in by_cost)]]
+    rows = [["method", *(_LABELS[cost] for cost in by_cost)]]
     for key, curve in measured.curves.items():
         counted = any(point.evaluations and isfinite(point.error) for point in curve.points)
-        applies = {c: counted if c == EVALUATIONS else name_of(key, c) in measured.warm_up for c in by_cost}
+        applies = {c: counted if c == EVALUATIONS else timing_name(key, c) in measured.warm_up for c in by_cost}
         if not curve.refused:
             cells = (_goal_cell(curve, cost, found[cost], goal) if applies[cost] else "-" for cost in by_cost)
             rows.append([key, *cells])
@@ -238,9 +233,14 @@ def _remarks(study: Study, measured: Measured) -> list[str]:
     """What does not apply, what was not run, what is absent; and how times were taken."""
     lines = [f"{key}: not applicable: {c.refused}" for key, c in measured.curves.items() if c.refused]
     for key, curve in measured.curves.items():
-        lines += [f"{key} at {_settings(curve, points)}: {remark}" for remark, points in _by_remark(curve).items()]
+        by_remark = _grouped((point.remark, point) for point in curve.points if point.remark)
+        lines += [f"{key} at {_settings(curve, points)}: {remark}" for remark, points in by_remark.items()]
     lines += [f"peer {peer.name}: {INSTALL}" for peer in study.peers if not peer.installed]
-    lines += _absences(measured) + _limits(measured)
+    absent = _grouped(((name.split(" | ")[1], why), name.split(" | ")[0]) for name, why in measured.absent.items())
+    lines += [f"no times, {_LABELS[kind]}, of {', '.join(keys)}: {why}" for (kind, why), keys in absent.items()]
+    marked = (name.split(" | ") for name, timing in measured.timings.items() if timing.remark)
+    untimed = _grouped((f"{key}, {_LABELS[kind]}", setting) for key, kind, setting in marked)
+    lines += [f"not timed: {whose}, at {', '.join(settings)}" for whose, settings in untimed.items()]
     spreads = [t.spread for t in measured.timings.values() if t.samples and t.spread is not None]
     if spreads:
         lines.append(
@@ -256,40 +256,21 @@ def _remarks(study: Study, measured: Measured) -> list[str]:
     return lines
 
 
-def _by_remark(curve: Curve) -> dict[str, list[Point]]:
-    found: dict[str, list[Point]] = {}
-    for point in curve.points:
-        if point.remark:
-            found.setdefault(point.remark, []).append(point)
-    return found
-
-
 def _settings(curve: Curve, points: Sequence[Point]) -> str:
     """The settings of some points of a curve, neighbours by the first and the last of them."""
-    what = "N =" if points[0].steps else "tolerance"
-    parts = [[point] for point in points[:1]]
-    for point in points[1:]:
-        if curve.points.index(point) == curve.points.index(parts[-1][-1]) + 1:
-            parts[-1].append(point)
+    runs: list[list[Point]] = []
+    for point in points:
+        if runs and curve.points.index(point) == curve.points.index(runs[-1][-1]) + 1:
+            runs[-1].append(point)
         else:
-            parts.append([point])
-    return f"{what} " + ", ".join(" to ".join(dict.fromkeys((p[0].setting, p[-1].setting))) for p in parts)
+            runs.append([point])
+    what = "N =" if points[0].steps else "tolerance"
+    return f"{what} " + ", ".join(" to ".join(dict.fromkeys((run[0].setting, run[-1].setting))) for run in runs)
 
 
-def _absences(measured: Measured) -> list[str]:
-    """One line for each reason, with the kind and all the methods it holds for."""
-    found: dict[tuple[str, str], list[str]] = {}
-    for name, why in measured.absent.items():
-        key, kind = name.split(" | ")
-        found.setdefault((kind, why), []).append(key)
-    return [f"no times, {LABELS[kind]}, of {', '.join(keys)}: {why}" for (kind, why), keys in found.items()]
-
-
-def _limits(measured: Measured) -> list[str]:
-    found: dict[str, list[str]] = {}
-    for name, timing in measured.timings.items():
-        if timing.remark:
-            key, kind, setting = name.split(" | ")
-            found.setdefault(f"{key}, {LABELS[kind]}", []).append(setting)
-    each: Callable[[str], str] = lambda of: f"not timed: {of}, at {', '.join(found[of])}"
-    return [each(of) for of in found]
+def _grouped(pairs: Iterable[tuple[_Key, _Member]]) -> dict[_Key, list[_Member]]:
+    """Everything that stands under one key, in the order in which it comes."""
+    found: dict[_Key, list[_Member]] = {}
+    for key, member in pairs:
+        found.setdefault(key, []).append(member)
+    return found

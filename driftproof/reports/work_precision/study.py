@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from fractions import Fraction
-from functools import cached_property, partial
+from functools import cache, partial
 from math import isfinite
 from pathlib import Path
 from time import perf_counter
@@ -20,7 +20,7 @@ from driftproof.numeric.advance import State
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.work_precision.curves import Curve, Point, curve_of, speed
 from driftproof.numeric.work_precision.exact import Size, distance, doubt, errors, scale
-from driftproof.numeric.work_precision.integrators import ENSEMBLE, MEMBERS, Call, integrator
+from driftproof.numeric.work_precision.integrators import ENSEMBLE, KINDS, MEMBERS, integrator
 from driftproof.numeric.work_precision.timing import ROUNDS, SEED, Timing, interleave, needs_more_samples, started
 from driftproof.reports.work_precision.peers import TOLERANCES, Peer, Solver
 from driftproof.support.environment import machine_description, versions_of
@@ -28,8 +28,7 @@ from driftproof.support.files import atomic_write
 
 # A run for its error, which is made once, may take so many times as long as one that is timed.
 ONCE = 10
-POINTS = "points.json"
-Json: TypeAlias = Any
+EVALUATIONS = "evaluations"
 Say: TypeAlias = Callable[[str], object]
 
 
@@ -49,13 +48,29 @@ class Measured:
 
     def timed(self, curve: Curve, kind: str) -> dict[str, Timing]:
         """The timings of a curve, by the settings of its points; without those that were not timed."""
-        names = {point.setting: name_of(curve.key, kind, point.setting) for point in curve.points}
+        names = {point.setting: timing_name(curve.key, kind, point.setting) for point in curve.points}
         return {s: self.timings[n] for s, n in names.items() if n in self.timings and self.timings[n].samples}
 
+    def costs(self, curve: Curve, cost: str) -> dict[str, float]:
+        """What the points of a curve cost, by setting: EVALUATIONS, or the least seconds of one state, of a kind."""
+        if cost == EVALUATIONS:
+            return {point.setting: point.evaluations for point in curve.points if point.evaluations}
+        return {setting: per_state(cost, timing.best) for setting, timing in self.timed(curve, cost).items()}
 
-def name_of(*parts: str) -> str:
+    @property
+    def kinds(self) -> list[str]:
+        """The kinds of which there is any timing."""
+        return [kind for kind in KINDS if any(self.timed(curve, kind) for curve in self.curves.values())]
+
+
+def timing_name(*parts: str) -> str:
     """The name of a timing."""
     return " | ".join(parts)
+
+
+def per_state(kind: str, seconds: float) -> float:
+    """The seconds of one state: a call of an ensemble integrates MEMBERS of them."""
+    return seconds / MEMBERS if kind == ENSEMBLE else seconds
 
 
 @dataclass(frozen=True)
@@ -67,7 +82,7 @@ class Study:
     peers: Sequence[Peer]
     limit: float
 
-    def question(self) -> Json:
+    def question(self) -> dict[str, Any]:
         """All that the answers depend on, as JSON: the points of another question are not taken over."""
         packages = ("numpy", "numba", *(peer.name for peer in self.peers))
         return {
@@ -87,11 +102,11 @@ def _digest(data: object) -> str:
 
 
 class ResultStore:
-    """Where points are written down as soon as they are measured, whole or not at all; without a folder, nowhere."""
+    """The file in which points are kept as soon as they are measured, whole or not at all; without a folder, none."""
 
-    def __init__(self, folder: Path | None, question: Json, say: Say) -> None:
+    def __init__(self, folder: Path | None, question: dict[str, Any], say: Say) -> None:
         """Take over what the folder holds on the same question; say so in a line when it is another one."""
-        self.path = folder / POINTS if folder else None
+        self.path = folder / "points.json" if folder else None
         self.question, self.measured = question, Measured()
         if self.path is not None and self.path.exists():
             self._take_over(self.path, say)
@@ -99,11 +114,9 @@ class ResultStore:
     def save(self) -> None:
         """Write down everything that is known by now."""
         if self.path is not None:
+            content = {"question": self.question, **asdict(self.measured)}
             with atomic_write(self.path) as draft:
-                Path(draft).write_text(json.dumps(self._content(), indent=1, sort_keys=True), encoding="utf-8")
-
-    def _content(self) -> Json:
-        return {"question": self.question, **asdict(self.measured)}
+                Path(draft).write_text(json.dumps(content, indent=1, sort_keys=True), encoding="utf-8")
 
     def _take_over(self, path: Path, say: Say) -> None:
         try:
@@ -118,17 +131,14 @@ class ResultStore:
                 say(f"{path} answers another question ({', '.join(different)} differ); everything is measured anew")
 
 
-def _from_json(held: Json) -> Measured:
+def _from_json(held: dict[str, Any]) -> Measured:
     curves = {}
     for key, curve in held["curves"].items():
-        points = [
-            Point(**{**point, "errors": {name: Size(*size) for name, size in point["errors"].items()}})
-            for point in curve["points"]
-        ]
+        sizes = [{name: Size(*size) for name, size in point["errors"].items()} for point in curve["points"]]
+        points = [Point(**{**point, "errors": errors}) for point, errors in zip(curve["points"], sizes, strict=True)]
         curves[key] = Curve(**{**curve, "points": points})
-    return Measured(
-        curves, {key: Timing(**timing) for key, timing in held["timings"].items()}, held["warm_up"], held["absent"]
-    )
+    timings = {key: Timing(**timing) for key, timing in held["timings"].items()}
+    return Measured(curves, timings, held["warm_up"], held["absent"])
 
 
 @dataclass(frozen=True)
@@ -139,60 +149,63 @@ class Steps:
     done: Callable[[], object] = lambda: None
 
 
-def measure(study: Study, folder: Path | None, say: Say, steps: Steps | None = None) -> Measured:
-    """Everything that the study asks for, and that `folder` does not hold already."""
-    steps = steps or Steps()
-    store = ResultStore(folder, study.question(), say)
-    measured, solvers = store.measured, _solvers(study)
-    steps.expect(len(study.methods) + len(solvers))
-    for key, make in _curve_makers(study, solvers).items():
-        if key not in measured.curves:
-            measured.curves[key] = make()
-            store.save()
-        steps.done()
-    _time(study, solvers, store, steps)
-    measured.curves = {key: measured.curves[key] for key in _curve_makers(study, solvers)}
-    return measured
+# What is called for a point of a curve, and that by kind.
+_CallAt: TypeAlias = Callable[[Point], Callable[[], State]]
+_Calls: TypeAlias = Mapping[str, _CallAt]
 
 
 @dataclass(frozen=True)
-class _OfPeer:
-    """A solver of a peer, made when it is first used."""
+class _Contestant:
+    """A method or a solver of a peer: how its curve is made, and by kind what is timed, or why nothing is."""
 
-    peer: Peer
-    name: str
-    problem: Problem
-
-    @cached_property
-    def solver(self) -> Solver:
-        return self.peer.on(self.problem, self.name)
+    key: str
+    curve: Callable[[], Curve]
+    calls: Callable[[], tuple[_Calls, Mapping[str, str]]]
 
 
-def _solvers(study: Study) -> dict[str, _OfPeer]:
-    installed = [peer for peer in study.peers if peer.installed]
-    return {f"{peer.name} {name}": _OfPeer(peer, name, study.problem) for peer in installed for name in peer.solvers}
+def _contestants(study: Study) -> list[_Contestant]:
+    """All whose curves are made, in the order in which they are shown."""
+    problem, once = study.problem, ONCE * study.limit
+    found = [
+        _Contestant(
+            method.key,
+            partial(curve_of, method, problem, compiled=True, limit=once),
+            partial(_calls_of_method, method, problem),
+        )
+        for method in study.methods
+    ]
+    for peer in (peer for peer in study.peers if peer.installed):
+        for name in peer.solvers:
+            key, solver = f"{peer.name} {name}", cache(partial(peer.on, problem, name))  # made when it is first used
+            calls = partial(_calls_of_peer, peer.kind, solver, float(problem.t))
+            found.append(_Contestant(key, partial(_peer_curve, key, solver, study), calls))
+    return found
 
 
-def _curve_makers(study: Study, solvers: Mapping[str, _OfPeer]) -> dict[str, Callable[[], Curve]]:
-    """How the curve of each contestant is made, in the order in which they are shown."""
-    once = ONCE * study.limit
-    ours: dict[str, Callable[[], Curve]] = {
-        method.key: partial(curve_of, method, study.problem, compiled=True, limit=once) for method in study.methods
-    }
-    return ours | {key: partial(peer_curve, key, of_peer, study) for key, of_peer in solvers.items()}
+def _calls_of_method(method: Method, problem: Problem) -> tuple[_Calls, Mapping[str, str]]:
+    try:
+        runs = integrator(method, problem, compiled=True)
+    except MethodError:  # said by its curve
+        return {}, {}
+    return {kind: lambda point, call=call: call(point.steps or 0) for kind, call in runs.calls.items()}, runs.absent
 
 
-def peer_curve(key: str, asked: _OfPeer, study: Study) -> Curve:
+def _calls_of_peer(kind: str, solver: Callable[[], Solver], t: float) -> tuple[_Calls, Mapping[str, str]]:
+    return {kind: lambda point: partial(solver().solve, float(point.setting), t)}, {}
+
+
+def _peer_curve(key: str, solver: Callable[[], Solver], study: Study) -> Curve:
     """The points of a peer's solver at TOLERANCES, until it fails or takes too long."""
     points: list[Point] = []
     for tolerance in TOLERANCES:
-        points.append(_peer_point(asked.solver, tolerance, study))
+        points.append(peer_point(solver(), tolerance, study))
         if points[-1].remark:
             break
     return Curve(key, key, 0, points)
 
 
-def _peer_point(solver: Solver, tolerance: float, study: Study) -> Point:
+def peer_point(solver: Solver, tolerance: float, study: Study) -> Point:
+    """Errors and evaluations of one solve; where it does not arrive, the solver's own words."""
     problem, setting = study.problem, f"{tolerance:.0e}"
     try:
         evaluations = solver.counted(tolerance, float(problem.t), ONCE * study.limit)
@@ -205,51 +218,41 @@ def _peer_point(solver: Solver, tolerance: float, study: Study) -> Point:
     return Point(setting, evaluations, sizes, doubt(problem, 0, speed(problem)), scale(problem))
 
 
-# What is called for a point of a curve, and that by kind.
-_CallAt: TypeAlias = Callable[[Point], Callable[[], State]]
-_Calls: TypeAlias = Mapping[str, _CallAt]
-
-
-def _time(study: Study, solvers: Mapping[str, _OfPeer], store: ResultStore, steps: Steps) -> None:
-    """Choose batches one curve after the other, then take turns."""
+def measure(study: Study, folder: Path | None, say: Say, steps: Steps | None = None) -> Measured:
+    """All that the study asks for and `folder` does not hold already: first every error, then times in turns."""
+    steps, everybody = steps or Steps(), _contestants(study)
+    store = ResultStore(folder, study.question(), say)
     measured, calls = store.measured, dict[str, Callable[[], object]]()
-    for key, made in _callable_curves(study, solvers, measured):
-        calls |= _started(study, measured, measured.curves[key], made)
+    steps.expect(len(everybody))
+    for one in everybody:
+        if one.key not in measured.curves:
+            measured.curves[one.key] = one.curve()
+            store.save()
+        steps.done()
+    for one in everybody:
+        made, absent = one.calls()
+        measured.absent |= {timing_name(one.key, kind): why for kind, why in absent.items()}
+        calls |= _begin_timings(study, measured, measured.curves[one.key], made)
     store.save()
-    wanted = {name for name in calls if needs_more_samples(measured.timings[name], ROUNDS, study.limit)}
+    wanted = [name for name in calls if needs_more_samples(measured.timings[name], ROUNDS, study.limit)]
     steps.expect(sum(ROUNDS - len(measured.timings[name].samples) for name in wanted))
     for name in interleave(calls, measured.timings, limit=study.limit, rounds=ROUNDS, seed=SEED):
         if name:
             steps.done()
         else:
             store.save()
+    measured.curves = {one.key: measured.curves[one.key] for one in everybody}
+    return measured
 
 
-def _callable_curves(study: Study, solvers: Mapping[str, _OfPeer], measured: Measured) -> Iterator[tuple[str, _Calls]]:
-    for method in study.methods:
-        with suppress(MethodError):  # said by its curve
-            runs = integrator(method, study.problem, compiled=True)
-            measured.absent |= {name_of(method.key, kind): why for kind, why in runs.absent.items()}
-            yield method.key, {kind: _at_steps(call) for kind, call in runs.calls.items()}
-    for key, asked in solvers.items():
-        yield key, {asked.peer.kind: _at_tolerance(asked, float(study.problem.t))}
-
-
-def _at_steps(call: Call) -> _CallAt:
-    return lambda point: call(point.steps or 0)
-
-
-def _at_tolerance(asked: _OfPeer, t: float) -> _CallAt:
-    return lambda point: partial(asked.solver.solve, float(point.setting), t)
-
-
-def _started(study: Study, measured: Measured, curve: Curve, made: _Calls) -> dict[str, Callable[[], object]]:
+def _begin_timings(study: Study, measured: Measured, curve: Curve, made: _Calls) -> dict[str, Callable[[], object]]:
     """The calls of the points that have errors, each with a timing begun; those not to be timed have a remark."""
     calls: dict[str, Callable[[], object]] = {}
     points = [point for point in curve.points if isfinite(point.error)]
     for kind, call_at in made.items():
-        names = [name_of(curve.key, kind, point.setting) for point in points]
-        if all(_is_finished(measured.timings.get(name), study.limit) for name in names):
+        names = [timing_name(curve.key, kind, point.setting) for point in points]
+        known = [measured.timings.get(name) for name in names]
+        if all(timing and not needs_more_samples(timing, ROUNDS, study.limit) for timing in known):
             continue
         seconds, before = _warm_up(measured, curve, kind, call_at, points), points[0].steps or 1
         for name, point in zip(names, points, strict=True):
@@ -280,10 +283,6 @@ def doubtful(problem: Problem, point: Point, call: Callable[[], State]) -> str:
     return "" if same else "it reaches another state than the run whose error was measured"
 
 
-def _is_finished(timing: Timing | None, limit: float) -> bool:
-    return timing is not None and not needs_more_samples(timing, ROUNDS, limit)
-
-
 def _warm_up(measured: Measured, curve: Curve, kind: str, call_at: _CallAt, points: Sequence[Point]) -> float:
     """The seconds of a second call at the first point; those of the first are kept apart."""
     call, taken = call_at(points[0]), []
@@ -292,15 +291,5 @@ def _warm_up(measured: Measured, curve: Curve, kind: str, call_at: _CallAt, poin
         with suppress(ArithmeticError, ValueError):  # told apart by `doubtful`
             call()
         taken.append(perf_counter() - before)
-    measured.warm_up.setdefault(name_of(curve.key, kind), taken[0])
+    measured.warm_up.setdefault(timing_name(curve.key, kind), taken[0])
     return taken[1]
-
-
-def per_state(kind: str, seconds: float) -> float:
-    """The seconds of one state: a call of an ensemble integrates MEMBERS of them."""
-    return seconds / MEMBERS if kind == ENSEMBLE else seconds
-
-
-def kinds_of(measured: Measured, kinds: Iterable[str]) -> list[str]:
-    """Those of the kinds that have any timing."""
-    return [kind for kind in kinds if any(measured.timed(curve, kind) for curve in measured.curves.values())]

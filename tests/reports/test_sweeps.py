@@ -13,7 +13,7 @@ import pytest
 from driftproof.numeric import sweep as sweeping
 from driftproof.numeric.scenes import Scene
 from driftproof.numeric.sweep import Answer, batches, points_of, run_points
-from driftproof.reports.cluster import cluster_executor
+from driftproof.reports.sweeps import cluster_executor
 
 ROOT = Path(__file__).parents[2]
 SCENE = Scene("long", "symplectic_euler", Q(1, 2**10), Q(16), readouts=("final_state", "state_error"))

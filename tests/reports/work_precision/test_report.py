@@ -1,0 +1,80 @@
+"""What a study tells: who is cheapest, who is dominated, what was lost or left out; the same bytes in JSON and CSV."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import re
+from math import inf
+from pathlib import Path
+
+from driftproof.numeric.work_precision.curves import Curve, Point
+from driftproof.numeric.work_precision.exact import Size
+from driftproof.numeric.work_precision.timing import Timing
+from driftproof.numeric.work_precision.verdicts import Priced, dominators
+from driftproof.reports.work_precision.report import goal_rows, priced, study_text, write_study
+from driftproof.reports.work_precision.study import Measured, measure, timing_name
+from tests.reports.studies import study, unheard
+
+
+def test_tables_say_who_is_cheapest_who_is_dominated_and_what_does_not_apply() -> None:
+    asked = study("rk4", "velocity_verlet", problem="dahlquist_1")
+    shown = study_text(asked, measure(asked, None, unheard))
+    assert "velocity_verlet: not applicable: " in shown
+    assert "Least work for an error of at most 1e-6 (* least of all)" in shown
+    assert "no times, compiled, of rk4: numba is not installed" in shown
+    assert re.search(r"^rk4 +4 +4\.\d\d \(", shown, re.MULTILINE)
+
+
+def test_goal_is_met_by_measured_points_only() -> None:
+    points = [Point(str(n), n, {"state": Size(e, e)}, steps=n) for n, e in ((8, 1e-2), (16, 1e-5))]
+    measured = Measured({"a": Curve("a", "A", 1, points)})
+    cost = {"evaluations": priced(measured, "evaluations")}
+    assert goal_rows(measured, cost, 1e-3)[1] == ["a", "16 *"]
+    assert goal_rows(measured, cost, 1e-6)[1] == ["a", "not met: 1.0e-5"]
+
+
+def test_errors_as_large_as_the_solution_are_lost_and_decide_nothing() -> None:
+    def curve(key: str, *errors: float) -> Curve:
+        points = [Point(str(8 << i), 8 << i, {"state": Size(e, e)}, scale=1.0) for i, e in enumerate(errors)]
+        return Curve(key, key, 1, points)
+
+    measured = Measured({"a": curve("a", 1e9, 0.1), "b": curve("b", 1e8, 0.01), "c": curve("c", 1e7)})
+    cost = {"evaluations": priced(measured, "evaluations")}
+    assert cost["evaluations"] == {"a": [Priced(0.1, 16)], "b": [Priced(0.01, 16)], "c": []}
+    assert dominators(cost["evaluations"]) == {"a": ["b"]}
+    assert [row[1] for row in goal_rows(measured, cost, 1e-3)[1:]] == ["not met: 0.1", "not met: 0.01", "not met: lost"]
+
+
+def test_neighbouring_points_of_one_remark_are_told_by_the_first_and_the_last() -> None:
+    remarks = ["not finite", "not finite", "", "not finite", "", "not solved"]
+    points = [Point(str(8 << i), None, {}, remark=remark, steps=8 << i) for i, remark in enumerate(remarks)]
+    shown = study_text(study("rk4"), Measured({"rk4": Curve("rk4", "", 4, points)}))
+    assert "rk4 at N = 8 to 16, 64: not finite" in shown
+    assert "rk4 at N = 256: not solved" in shown
+
+
+def test_json_and_csv_hold_every_point(tmp_path: Path) -> None:
+    asked = study("rk4", "heun3")
+    measured = measure(asked, None, unheard)
+    write_study(asked, measured, tmp_path)
+    rows = list(csv.DictReader(io.StringIO((tmp_path / "work_precision.csv").read_text(encoding="utf-8"))))
+    points = [(curve.key, point.setting) for curve in measured.curves.values() for point in curve.points]
+    assert [(row["curve"], row["setting"]) for row in rows] == points
+    assert float(rows[0]["state_final"]) == measured.curves["rk4"].points[0].error
+    errors = json.loads((tmp_path / "errors.json").read_text(encoding="utf-8"))
+    times = json.loads((tmp_path / "times.json").read_text(encoding="utf-8"))
+    assert sum(len(curve["points"]) for curve in errors["curves"]) == len(points)
+    kinds = {name.split(" | ")[1] for name in times["timings"]}
+    assert set(times["timings"]) == {timing_name(key, kind, setting) for key, setting in points for kind in kinds}
+    assert times["question"]["machine"]
+    assert "numpy" in times["question"]["versions"]
+
+
+def test_timing_of_no_sample_is_an_infinite_cost_and_a_kind_never_called_none() -> None:
+    point = Point("8", 8, {"state": Size(0.1, 0.1)}, steps=8)
+    marked = {"a | python | 8": Timing(remark="too long")}
+    measured = Measured({"a": Curve("a", "A", 1, [point])}, marked, {"a | python": 1.0})
+    assert priced(measured, "python") == {"a": [Priced(0.1, inf)]}
+    assert priced(measured, "compiled") == {"a": []}

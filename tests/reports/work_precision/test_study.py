@@ -1,0 +1,119 @@
+"""A study of error against work: kept point by point, gone on from where it stopped, never measured twice."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.numeric.problems.linear import HARMONIC
+from driftproof.numeric.work_precision import curves, integrators
+from driftproof.numeric.work_precision.timing import ROUNDS
+from driftproof.reports.work_precision import study as work_precision
+from driftproof.reports.work_precision.report import errors_json, study_text, write_study
+from driftproof.reports.work_precision.study import Study, doubtful, measure
+from tests.reports.studies import contents, study, unheard
+
+
+def test_errors_are_the_same_bytes_in_two_runs_and_seconds_stand_elsewhere(tmp_path: Path) -> None:
+    asked = study("rk4", "velocity_verlet", "gauss2")
+    for folder in ("first", "second"):
+        write_study(asked, measure(asked, tmp_path / folder, unheard), tmp_path / folder)
+    first, second = contents(tmp_path / "first"), contents(tmp_path / "second")
+    assert first["errors.json"] == second["errors.json"]
+    assert first["times.json"] != second["times.json"]
+    assert b"python" not in first["errors.json"]
+    assert str(tmp_path).encode() not in b"".join(first.values())
+
+
+def test_what_is_measured_is_not_measured_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = study("rk4", "gauss2")
+    before = measure(asked, tmp_path, unheard)
+    kept = (tmp_path / "points.json").read_bytes()
+    for name in ("curve_of", "started"):
+        monkeypatch.setattr(work_precision, name, lambda *_, **__: pytest.fail("measured again"))
+    again = measure(asked, tmp_path, unheard)
+    assert (again.timings, errors_json(asked, again)) == (before.timings, errors_json(asked, before))
+    assert list(again.curves) == ["rk4", "gauss2"]
+    assert (tmp_path / "points.json").read_bytes() == kept
+
+
+def test_a_study_that_is_interrupted_goes_on_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked, turns = study("rk4", "velocity_verlet"), work_precision.interleave
+
+    def interrupted(*arguments: object, **named: object) -> object:
+        taken = turns(*arguments, **named)  # type: ignore[arg-type]
+        for name in taken:
+            yield name
+            if not name:
+                raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(work_precision, "interleave", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            measure(asked, tmp_path, unheard)
+    held = json.loads((tmp_path / "points.json").read_text(encoding="utf-8"))
+    first = {name: timing["samples"] for name, timing in held["timings"].items()}
+    assert {len(samples) for samples in first.values()} == {1}
+    finished = measure(asked, tmp_path, unheard)
+    for name, timing in finished.timings.items():
+        assert timing.samples[:1] == first[name]
+        assert len(timing.samples) == ROUNDS
+
+
+def test_a_save_that_fails_leaves_the_file_as_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = study("rk4")
+    measure(asked, tmp_path, unheard)
+    before = contents(tmp_path)
+    monkeypatch.setattr(work_precision.json, "dumps", lambda *_, **__: (_ for _ in ()).throw(OSError("disk full")))
+    store = work_precision.ResultStore(tmp_path, asked.question(), unheard)
+    with pytest.raises(OSError, match="disk full"):
+        store.save()
+    assert contents(tmp_path) == before
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        (study("rk4", "heun3"), "methods differ"),
+        (study("rk4", limit=0.06), "time_limit differ"),
+        (study("rk4", problem="dahlquist_1"), "problem, definition differ"),
+    ],
+)
+def test_another_question_starts_anew_with_one_line(tmp_path: Path, asked: Study, said: str) -> None:
+    before = measure(study("rk4"), tmp_path, unheard)
+    heard: list[str] = []
+    found = measure(asked, tmp_path, heard.append)
+    assert all(
+        found.timings[name].samples != before.timings[name].samples for name in found.timings.keys() & before.timings
+    )
+    assert len(heard) == 1
+    assert said in heard[0]
+    assert "\n" not in heard[0]
+    assert [*found.curves] == [method.key for method in asked.methods]
+
+
+@pytest.mark.parametrize("held", ["", "{", "[]", '{"question": 1}', '{"question": {}, "curves": 3}'])
+def test_a_file_that_cannot_be_read_starts_anew_with_one_line(tmp_path: Path, held: str) -> None:
+    (tmp_path / "points.json").write_text(held, encoding="utf-8")
+    heard: list[str] = []
+    assert measure(study("rk4"), tmp_path, heard.append).curves
+    assert len(heard) == 1
+
+
+def test_a_timed_call_that_reaches_another_state_is_not_timed() -> None:
+    point = curves.curves(HARMONIC, ["rk4"], [16])[0].points[0]
+    state = integrators.integrator(METHODS["rk4"], HARMONIC).calls["python"](16)
+    assert doubtful(HARMONIC, point, state) == ""
+    assert "another state" in doubtful(HARMONIC, point, lambda: (state()[0] + 1e-9, state()[1]))
+    assert "ZeroDivisionError" in doubtful(HARMONIC, point, lambda: (1 / 0,))
+
+
+def test_points_over_the_limit_are_marked_and_not_timed() -> None:
+    asked = study("gauss2", limit=1e-4)
+    found = measure(asked, None, unheard)
+    assert found.timings
+    assert all("limit 0.0001 s" in timing.remark and not timing.samples for timing in found.timings.values())
+    assert "not timed: gauss2, Python, at 8" in study_text(asked, found)
