@@ -16,7 +16,7 @@ from driftproof.numeric.engine import runner
 from driftproof.numeric.run import run_method
 from driftproof.numeric.scenes import PRESETS, Scene
 from driftproof.numeric.sweep import Answer, points_of, run_points, sweep
-from driftproof.reports.cluster import cluster_executor
+from driftproof.reports.sweeps import cluster_executor
 
 SCENE = Scene("short", "rk4", Q(1, 4), Q(2), readouts=("final_state", "state_error", "phase_error", "evaluations"))
 METHOD_KEYS = ("yoshida4", "forward_euler")
