@@ -15,7 +15,7 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from driftproof.methods.number_field import Exact, cube_root, square_root
-from driftproof.methods.parameters import PARAMETER, Function, function
+from driftproof.methods.parameters import Function, function
 from driftproof.methods.rationals import parse_rational
 
 # A Fraction, an element of a number field, or a function of a parameter: whatever the names stand for.
@@ -56,7 +56,7 @@ def parse_function(text: str, parameter: str, what: str) -> Function:
 
     Raises ValueError, in one line.
     """
-    value = _parsed(text, {parameter: PARAMETER}, what, f"is an unknown name; the parameter is {parameter}")
+    value = _parsed(text, {parameter: function((0, 1))}, what, f"is an unknown name; the parameter is {parameter}")
     if not isinstance(value, Function | Fraction):
         raise ValueError(f"{what}: {_shown(text)} is irrational; beside a parameter, numbers are rational")
     return value if isinstance(value, Function) else function((value,))

@@ -1,17 +1,28 @@
-"""Exact real algebraic numbers: the elements of Q(α), for coefficients such as sqrt 3 or the cube root of 2."""
+"""Exact real algebraic numbers: the elements of Q(α), for coefficients such as sqrt 3 or the cube root of 2.
+
+The arithmetic is FLINT's. It is loaded when the first field is made: methods of rational coefficients do without.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache, lru_cache, total_ordering
-from itertools import zip_longest
-from math import copysign, isqrt
-from typing import TypeAlias
+from functools import cache, cached_property, lru_cache, total_ordering
+from itertools import pairwise
+from math import copysign
+from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
-from driftproof.methods.irreducibility import is_irreducible
-from driftproof.methods.polynomials import Polynomial, divide, product, real_roots_between, trimmed, value_at
+if TYPE_CHECKING:
+    from flint import arb, fmpq
+
+# Arithmetic takes the square of the degree, and no published method comes near.
+LARGEST_DEGREE = 12
+_FIRST_BITS = 64
+
+
+class UndecidedError(ValueError):
+    """The polynomial has too large a degree for a number field."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +31,8 @@ class NumberField:
 
     `minimal` has integer coefficients, constant term first; `low` < α < `high`, and the polynomial changes sign there.
     `name` is how α is written, e.g. "sqrt(3)". Raises ValueError without a change of sign, for several roots in the
-    interval, and for a polynomial that factors, with which equality in the field would not be equality of numbers.
+    interval, and for a polynomial that factors, with which equality in the field would not be equality of numbers;
+    UndecidedError for a degree above LARGEST_DEGREE.
     """
 
     name: str
@@ -30,12 +42,17 @@ class NumberField:
 
     def __post_init__(self) -> None:
         """Refuse an interval without a change of sign or with several roots, and a polynomial that factors."""
-        changes = self.low < self.high and self._at(self.low) * self._at(self.high) < 0
-        if len(self.minimal) < 3 or not self.minimal[-1] or not changes:
+        from flint import fmpz_poly
+
+        p = fmpz_poly(list(self.minimal))
+        at_low, at_high = p(as_fmpq(self.low)), p(as_fmpq(self.high))
+        if len(self.minimal) < 3 or not self.minimal[-1] or not (self.low < self.high and at_low * at_high < 0):
             raise ValueError(f"{self.name}: needs degree 2 or more, and a change of sign on the interval")
-        if real_roots_between(self.minimal, self.low, self.high) != 1:
+        if len(_roots_between(self, _FIRST_BITS)) != 1:
             raise ValueError(f"{self.name}: several roots lie between {self.low} and {self.high}; narrow the interval")
-        if not is_irreducible(self.minimal):
+        if self.degree > LARGEST_DEGREE:
+            raise UndecidedError(f"degree {self.degree}: irreducibility is decided up to degree {LARGEST_DEGREE}")
+        if [multiplicity for _, multiplicity in p.factor()[1]] != [1]:
             raise ValueError(f"{self.name}: the minimal polynomial is reducible, a product of two over Q")
 
     @property
@@ -46,107 +63,173 @@ class NumberField:
     @property
     def generator(self) -> Algebraic:
         """α itself."""
-        return Algebraic(self, (Fraction(0), Fraction(1)))
+        return Algebraic(self, (0, 1))
 
-    def enclosure(self, bits: int) -> tuple[Fraction, Fraction]:
-        """Rational ends, at most 2**-bits apart, with α between them: by bisection on dyadic points."""
-        return _bisected(self, bits)
+    def ball(self) -> arb:
+        """A ball around α, at Arb's current precision."""
+        from flint import ctx
 
-    def _at(self, x: Fraction) -> Fraction:
-        return value_at(self.minimal, x)
+        return _roots_between(self, ctx.prec)[0]
+
+    @cached_property
+    def reductions(self) -> list[list[fmpq]]:
+        """Rows: the coefficients of α**d, α**(d + 1), ..., α**(2d - 2) in 1, α, ..., α**(d - 1)."""
+        from flint import fmpq_poly
+
+        d, modulus = self.degree, fmpq_poly(list(self.minimal))
+        powers = [fmpq_poly([0] * k + [1]) % modulus for k in range(d, 2 * d - 1)]
+        return [[power[i] for i in range(d)] for power in powers]
+
+    def inverse(self, parts: Sequence[fmpq]) -> list[fmpq]:
+        """The coefficients of 1/x in 1, α, α**2, ..., given those of x. Raises ZeroDivisionError for x = 0."""
+        from flint import fmpq_poly
+
+        element = fmpq_poly(list(parts))
+        if element == 0:
+            raise ZeroDivisionError("division by zero in a number field")
+        inverse: list[fmpq] = element.xgcd(fmpq_poly(list(self.minimal)))[1].coeffs()
+        return inverse
 
 
-@lru_cache(maxsize=256)
-def _bisected(field: NumberField, bits: int) -> tuple[Fraction, Fraction]:
-    low, high = field.low, field.high
-    rising = value_at(field.minimal, high) > 0
-    while (high - low) * 2**bits > 1:
-        middle = (low + high) / 2
-        low, high = (low, middle) if (value_at(field.minimal, middle) > 0) == rising else (middle, high)
-    return low, high
+class ScalarExtension:
+    """Σ αⁱ pᵢ, i below the degree of K = Q(α), the pᵢ in a commutative ring R that holds Q: R with scalars from K.
 
-
-@total_ordering
-@dataclass(frozen=True)
-class Algebraic:
-    """An element of a real number field, as a polynomial in its generator of smaller degree: exact, hashable.
-
-    Arithmetic with int, Fraction and elements of the same field; equality is exact, order is decided by enclosures.
-    Mixing fields raises TypeError, a float is refused like any other foreign number.
+    A subclass names R by `part`. Arithmetic with whatever `part` takes and with its own kind over the same field;
+    anything else raises TypeError. Equality is exact.
     """
 
-    field: NumberField
-    coefficients: Polynomial
+    __slots__ = ("field", "parts")
 
-    def __post_init__(self) -> None:
-        """Reduce to the representative of least degree, so that equal numbers compare equal."""
-        object.__setattr__(self, "coefficients", _remainder(self.coefficients, self.field.minimal))
+    def __init__(self, field: NumberField, parts: Sequence[Any]) -> None:
+        """Reduce the powers of α from the field's degree d on, at most α**(2d - 2), by its minimal polynomial."""
+        d = field.degree
+        low = [*parts[:d], *(self.part(0) for _ in range(d - len(parts)))]
+        for high, row in zip(parts[d:], field.reductions, strict=False):
+            low = [p + high * c for p, c in zip(low, row, strict=True)]
+        self.field = field
+        self.parts: tuple[Any, ...] = tuple(low)
 
-    @property
-    def is_rational(self) -> bool:
-        """True when no power of the generator occurs."""
-        return len(self.coefficients) <= 1
+    @staticmethod
+    def part(x: object) -> Any:
+        """`x` as an element of R; raises TypeError if it is none."""
+        raise NotImplementedError
 
-    def as_fraction(self) -> Fraction:
-        """The number as a Fraction. Raises ValueError for an irrational one."""
-        if not self.is_rational:
-            raise ValueError(f"{self} is irrational")
-        return self.coefficients[0] if self.coefficients else Fraction(0)
+    def __neg__(self) -> Self:
+        """The negative."""
+        return self._map(lambda p: -p)
 
-    def __add__(self, other: object) -> Algebraic:
-        """The sum, in the field."""
-        return self._combine(other, lambda a, b: tuple(x + y for x, y in zip_longest(a, b, fillvalue=Fraction(0))))
+    def __add__(self, other: object) -> Self:
+        """The sum."""
+        return type(self)(self.field, [p + q for p, q in zip(self.parts, self._parts(other), strict=True)])
 
     __radd__ = __add__
 
-    def __neg__(self) -> Algebraic:
-        """The negative."""
-        return Algebraic(self.field, tuple(-x for x in self.coefficients))
+    def __sub__(self, other: object) -> Self:
+        """The difference."""
+        return type(self)(self.field, [p - q for p, q in zip(self.parts, self._parts(other), strict=True)])
 
-    def __sub__(self, other: object) -> Algebraic:
-        """The difference, in the field."""
-        return self._combine(other, lambda a, b: tuple(x - y for x, y in zip_longest(a, b, fillvalue=Fraction(0))))
-
-    def __rsub__(self, other: object) -> Algebraic:
-        """The difference, in the field."""
+    def __rsub__(self, other: object) -> Self:
+        """The difference."""
         return -(self - other)
 
-    def __mul__(self, other: object) -> Algebraic:
-        """The product, in the field."""
-        return self._combine(other, product)
+    def __mul__(self, other: object) -> Self:
+        """The product."""
+        factors = self._parts(other)
+        if not isinstance(other, type(self)):
+            return self._map(lambda p: p * factors[0])
+        products = [self.part(0)] * (2 * len(factors) - 1)
+        for i, p in enumerate(self.parts):
+            for j, q in enumerate(factors):
+                products[i + j] = products[i + j] + p * q
+        return type(self)(self.field, products)
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: object) -> Algebraic:
-        """The quotient, in the field. Raises ZeroDivisionError."""
-        return self._combine(other, lambda a, b: product(a, _inverse(b, self.field.minimal)))
-
-    def __rtruediv__(self, other: object) -> Algebraic:
-        """The quotient, in the field. Raises ZeroDivisionError."""
-        return self._combine(other, lambda a, b: product(b, _inverse(a, self.field.minimal)))
-
-    def __pow__(self, exponent: int) -> Algebraic:
-        """An integer power; negative ones by the inverse."""
-        base = self if exponent >= 0 else 1 / self
-        result = Algebraic(self.field, (Fraction(1),))
+    def __pow__(self, exponent: int) -> Self:
+        """An integer power; negative ones by the inverse, where there is one."""
+        base: Any = self if exponent >= 0 else 1 / self  # type: ignore[operator]
+        result = type(self)(self.field, [self.part(1)])
         for _ in range(abs(exponent)):
             result = result * base
         return result
 
     def __eq__(self, other: object) -> bool:
-        """Equal as numbers, exactly."""
+        """Equal over the real numbers, exactly: the minimal polynomial is irreducible."""
         try:
-            return self.coefficients == self._coerce(other)
+            return self.parts == tuple(self._parts(other))
         except TypeError:
             return NotImplemented
 
-    def __hash__(self) -> int:
-        """Equal numbers hash alike, rational ones like their Fraction."""
-        return hash(self.as_fraction()) if self.is_rational else hash(self.coefficients)
+    __hash__: Any = None
 
     def __bool__(self) -> bool:
         """False for zero."""
-        return bool(self.coefficients)
+        return any(p != 0 for p in self.parts)
+
+    def _map(self, change: Callable[[Any], Any]) -> Self:
+        return type(self)(self.field, [change(p) for p in self.parts])
+
+    def _parts(self, other: object) -> Sequence[Any]:
+        if not isinstance(other, type(self)):
+            try:
+                return (self.part(other), *(self.part(0) for _ in self.parts[1:]))
+            except TypeError:
+                kind = type(other).__name__
+                raise TypeError(f"no exact arithmetic between {self.field.name} and {other!r} ({kind})") from None
+        if other.field != self.field:
+            raise TypeError(f"no exact arithmetic between {self.field.name} and {other.field.name}")
+        return other.parts
+
+
+@total_ordering
+class Algebraic(ScalarExtension):
+    """An element of a real number field, as a polynomial in its generator of smaller degree: exact, hashable.
+
+    Arithmetic with int, Fraction, FLINT's fmpq and elements of the same field; equality is exact, order is decided by
+    enclosures. Mixing fields raises TypeError, a float is refused like any other foreign number.
+    """
+
+    __slots__ = ()
+
+    def __init__(self, field: NumberField, coefficients: Sequence[Any]) -> None:
+        """The sum of the rational coefficients times 1, α, α**2, ..."""
+        super().__init__(field, [self.part(c) for c in coefficients])
+
+    @staticmethod
+    def part(x: object) -> fmpq:
+        """The rational number as FLINT's."""
+        return as_fmpq(x)
+
+    @property
+    def coefficients(self) -> tuple[Fraction, ...]:
+        """Those of 1, α, α**2, ..., without trailing zeros."""
+        end = len(self.parts)
+        while end and not self.parts[end - 1]:
+            end -= 1
+        return tuple(as_fraction(p) for p in self.parts[:end])
+
+    @property
+    def is_rational(self) -> bool:
+        """True when no power of the generator occurs."""
+        return not any(self.parts[1:])
+
+    def as_fraction(self) -> Fraction:
+        """The number as a Fraction. Raises ValueError for an irrational one."""
+        if not self.is_rational:
+            raise ValueError(f"{self} is irrational")
+        return as_fraction(self.parts[0])
+
+    def __truediv__(self, other: object) -> Algebraic:
+        """The quotient, in the field. Raises ZeroDivisionError."""
+        return self * Algebraic(self.field, self.field.inverse(self._parts(other)))
+
+    def __rtruediv__(self, other: object) -> Algebraic:
+        """The quotient, in the field. Raises ZeroDivisionError."""
+        return Algebraic(self.field, self.field.inverse(self.parts)) * other
+
+    def __hash__(self) -> int:
+        """Equal numbers hash alike, rational ones like their Fraction."""
+        return hash(self.as_fraction()) if self.is_rational else hash(self.parts)
 
     def __lt__(self, other: object) -> bool:
         """Less as real numbers, decided by enclosing the difference, which is zero only if it is the zero element."""
@@ -154,53 +237,55 @@ class Algebraic:
 
     def sign(self) -> int:
         """-1, 0 or 1."""
-        if not self:
-            return 0
-        bits = 32
-        while True:
+        bits = _FIRST_BITS
+        while self:
             low, high = self.enclosure(bits)
             if low > 0 or high < 0:
                 return 1 if low > 0 else -1
             bits *= 2
+        return 0
 
     def __float__(self) -> float:
         """The double nearest to the number: the enclosure shrinks until both its ends round to the same double.
 
         That happens, as an irrational number lies strictly between two ties. Raises OverflowError beyond the doubles.
         """
-        bits = 64
+        bits = _FIRST_BITS
         while True:
             low, high = (float(end) for end in self.enclosure(bits))
             if low == high and copysign(1, low) == copysign(1, high):
                 return low
             bits *= 2
 
+    def ball(self) -> arb:
+        """A ball around the number, at Arb's current precision."""
+        from flint import arb_poly
+
+        return arb_poly(list(self.parts))(self.field.ball())
+
     def enclosure(self, bits: int) -> tuple[Fraction, Fraction]:
-        """Rational ends with the number between them, the closer the higher `bits`: Horner's rule on intervals."""
-        generator = self.field.enclosure(bits)
-        low = high = Fraction(0)
-        for coefficient in reversed(self.coefficients):
-            ends = [x * y for x in (low, high) for y in generator]
-            low, high = min(ends) + coefficient, max(ends) + coefficient
-        return low, high
+        """Rational ends with the number between them, the closer the higher `bits`; equal for a rational number."""
+        from flint import ctx
+
+        if self.is_rational:
+            return self.as_fraction(), self.as_fraction()
+        with ctx.workprec(bits):
+            ball = self.ball()
+        return dyadic(ball.mid()) - dyadic(ball.rad()), dyadic(ball.mid()) + dyadic(ball.rad())
 
     def __str__(self) -> str:
         """E.g. "1/2 - 1/6*sqrt(3)"."""
         text = ""
-        for power, coefficient in enumerate(self.coefficients):
-            if coefficient:
-                text += _term(coefficient, power, self.field.name, first=not text)
+        for power, c in enumerate(self.coefficients):
+            if c:
+                root = self.field.name if power == 1 else f"({self.field.name})**{power}"
+                body = str(abs(c)) if power == 0 else root if abs(c) == 1 else f"{abs(c)}*{root}"
+                text += f" {'-' if c < 0 else '+'} {body}" if text else f"{'-' if c < 0 else ''}{body}"
         return text or "0"
 
-    def _coerce(self, other: object) -> Polynomial:
-        if isinstance(other, Algebraic) and other.field == self.field:
-            return other.coefficients
-        if isinstance(other, int | Fraction) and not isinstance(other, bool):
-            return (Fraction(other),) if other else ()
-        raise TypeError(f"no exact arithmetic between {self.field.name} and {other!r} ({type(other).__name__})")
-
-    def _combine(self, other: object, operation: Callable[[Polynomial, Polynomial], Polynomial]) -> Algebraic:
-        return Algebraic(self.field, operation(self.coefficients, self._coerce(other)))
+    def __repr__(self) -> str:
+        """The number and its kind."""
+        return f"Algebraic({self})"
 
 
 # An exact coefficient of a method.
@@ -210,52 +295,76 @@ Exact: TypeAlias = Fraction | Algebraic
 @cache
 def square_root(n: int) -> Algebraic:
     """sqrt n for an integer n > 1 that is no square. Raises ValueError for another n."""
-    floor = isqrt(max(n, 0))
-    if floor * floor == n or n < 2:
-        raise ValueError(f"square_root({n}): n must be above 1 and no square")
-    return NumberField(f"sqrt({n})", (-n, 0, 1), Fraction(floor), Fraction(floor + 1)).generator
+    return _root("square", n, 2, f"sqrt({n})")
 
 
 @cache
 def cube_root(n: int) -> Algebraic:
     """n ** (1/3) for an integer n > 1 that is no cube. Raises ValueError for another n."""
-    floor = _integer_cube_root(max(n, 0))
-    if floor**3 == n or n < 2:
-        raise ValueError(f"cube_root({n}): n must be above 1 and no cube")
-    return NumberField(f"{n}**(1/3)", (-n, 0, 0, 1), Fraction(floor), Fraction(floor + 1)).generator
+    return _root("cube", n, 3, f"{n}**(1/3)")
 
 
-def _integer_cube_root(n: int) -> int:
-    low, high = 0, n + 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (middle, high) if middle**3 <= n else (low, middle)
-    return low
+def _root(kind: str, n: int, degree: int, name: str) -> Algebraic:
+    floor, beyond = 0, n + 2
+    while beyond - floor > 1:
+        middle = (floor + beyond) // 2
+        floor, beyond = (middle, beyond) if middle**degree <= n else (floor, middle)
+    if floor**degree == n or n < 2:
+        raise ValueError(f"{kind}_root({n}): n must be above 1 and no {kind}")
+    return NumberField(name, (-n, *[0] * (degree - 1), 1), Fraction(floor), Fraction(floor + 1)).generator
 
 
-def _remainder(a: Sequence[Fraction], minimal: Sequence[int]) -> Polynomial:
-    return trimmed(a) if len(a) < len(minimal) else divide(a, minimal)[1]
+@lru_cache(maxsize=4096)
+def real_root_balls(coefficients: tuple[int, ...], bits: int) -> tuple[arb, ...]:
+    """Balls of `bits` bits, or more, around the distinct real roots of an integer polynomial, ascending and apart.
+
+    The polynomial's constant term comes first. A rational root with a power of two below it has radius 0.
+    """
+    from flint import arb, ctx, fmpq, fmpz_poly
+
+    balls: list[arb] = []
+    with ctx.workprec(bits):
+        for factor, _ in fmpz_poly(list(coefficients)).factor()[1]:
+            if factor.degree() == 1:
+                balls.append(arb(fmpq(-factor[0], factor[1])))
+            else:
+                balls += [root.real for root, _ in factor.complex_roots() if root.imag.is_zero()]
+    balls.sort(key=lambda ball: dyadic(ball.mid()))
+    if all(left < right for left, right in pairwise(balls)):
+        return tuple(balls)
+    return real_root_balls(coefficients, 2 * bits)
 
 
-def _inverse(a: Polynomial, minimal: Sequence[int]) -> Polynomial:
-    """The u with u a = 1 modulo the minimal polynomial, by Euclid's algorithm. Raises ZeroDivisionError for a = 0."""
-    if not a:
-        raise ZeroDivisionError("division by zero in a number field")
-    r0, r1 = tuple(Fraction(x) for x in minimal), a
-    u0, u1 = (), (Fraction(1),)  # type: tuple[Polynomial, Polynomial]
-    while len(r1) > 1:
-        quotient, rest = divide(r0, r1)
-        step = product(quotient, u1)
-        r0, r1 = r1, rest
-        u0, u1 = u1, trimmed([x - y for x, y in zip_longest(u0, step, fillvalue=Fraction(0))])
-    return tuple(x / r1[0] for x in u1)
+@lru_cache(maxsize=256)
+def _roots_between(field: NumberField, bits: int) -> list[arb]:
+    """Balls around the roots of the polynomial between the two ends, neither of which is a root."""
+    from flint import arb, ctx
+
+    with ctx.workprec(bits):
+        low, high = arb(as_fmpq(field.low)), arb(as_fmpq(field.high))
+        balls = real_root_balls(field.minimal, bits)
+        if any(ball.overlaps(low) or ball.overlaps(high) for ball in balls):
+            return _roots_between(field, 2 * bits)
+        return [ball for ball in balls if low < ball < high]
 
 
-def _term(coefficient: Fraction, power: int, name: str, *, first: bool) -> str:
-    sign = "-" if coefficient < 0 else "+"
-    size = abs(coefficient)
-    root = name if power == 1 else f"({name})**{power}"
-    body = str(size) if power == 0 else root if size == 1 else f"{size}*{root}"
-    if first:
-        return f"-{body}" if sign == "-" else body
-    return f" {sign} {body}"
+def as_fmpq(x: object) -> fmpq:
+    """An integer, Fraction or fmpq as FLINT's rational. Raises TypeError for anything else."""
+    from flint import fmpq
+
+    if isinstance(x, fmpq):
+        return x
+    if isinstance(x, int | Fraction) and not isinstance(x, bool):
+        return fmpq(x.numerator, x.denominator)
+    raise TypeError(f"{x!r} ({type(x).__name__}) is no rational; exact arithmetic takes int or Fraction")
+
+
+def as_fraction(x: fmpq) -> Fraction:
+    """FLINT's rational as Python's."""
+    return Fraction(int(x.p), int(x.q))
+
+
+def dyadic(exact_ball: arb) -> Fraction:
+    """The number at which a ball of radius 0 lies."""
+    mantissa, exponent = (int(part) for part in exact_ball.man_exp())
+    return Fraction(mantissa * 2**exponent) if exponent >= 0 else Fraction(mantissa, 2**-exponent)

@@ -6,10 +6,21 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import ClassVar, TypeAlias
+from math import lcm, prod
+from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
-from driftproof.methods.number_field import Algebraic, Exact, NumberField
-from driftproof.methods.polynomials import Polynomial, count_real_roots
+from driftproof.methods.number_field import (
+    Algebraic,
+    Exact,
+    NumberField,
+    as_fmpq,
+    as_fraction,
+    dyadic,
+    real_root_balls,
+)
+
+if TYPE_CHECKING:
+    from flint import arb
 
 SUBSTEPS = ("kick", "drift")
 
@@ -213,7 +224,7 @@ class Collocation:
     title: str
     claimed_order: int
     source: str
-    node_polynomial: Polynomial
+    node_polynomial: tuple[Fraction, ...]
     decimal: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
@@ -227,7 +238,7 @@ class Collocation:
         if len(rational) < 2:
             raise MethodError(f"{self.key}: node_polynomial is constant; a method has at least one node")
         object.__setattr__(self, "node_polynomial", tuple(x / rational[-1] for x in rational))
-        if count_real_roots(self.node_polynomial) != self.stages:
+        if len(self._roots(64)) != self.stages:
             raise MethodError(f"{self.key}: node_polynomial has a complex or a multiple root; nodes are real, distinct")
 
     @property
@@ -244,6 +255,25 @@ class Collocation:
     def field(self) -> NumberField | None:
         """None: the node polynomial is rational, and nothing else is given."""
         return None
+
+    def tableau(self, bits: int) -> tuple[list[list[Fraction]], list[Fraction], list[Fraction]]:
+        """(A, b, c) with the nodes to so many bits, 0, 1 and other short binary fractions exactly.
+
+        aᵢⱼ is the integral of Lagrange's j-th polynomial from 0 to cᵢ, bⱼ that from 0 to 1.
+        """
+        from flint import fmpq_poly
+
+        nodes = [as_fmpq(dyadic(ball.mid())) for ball in self._roots(bits)]
+        integrals = []
+        for node in nodes:
+            factors = [fmpq_poly([-x, 1]) / (node - x) for x in nodes if x != node]
+            integrals.append(prod(factors, start=fmpq_poly([1])).integral())
+        rows = [[as_fraction(integral(node)) for integral in integrals] for node in nodes]
+        return rows, [as_fraction(integral(as_fmpq(1))) for integral in integrals], [as_fraction(x) for x in nodes]
+
+    def _roots(self, bits: int) -> tuple[arb, ...]:
+        common = lcm(*(x.denominator for x in self.node_polynomial))
+        return real_root_balls(tuple(int(x * common) for x in self.node_polynomial), bits)
 
     def inconsistencies(self) -> dict[str, Exact]:
         """None ever: the weights integrate constants exactly by construction, and so do the rows of A."""

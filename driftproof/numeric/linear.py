@@ -9,7 +9,6 @@ from operator import mul
 from typing import Any, NamedTuple, TypeAlias
 
 from driftproof.methods.number_field import Exact
-from driftproof.methods.polynomials import derivative, value_at
 from driftproof.methods.problems import oscillator
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta
 from driftproof.methods.stepping import stepper
@@ -146,9 +145,8 @@ def _stability_function(method: Collocation) -> tuple[tuple[int, ...], tuple[int
     """
     derivatives = [method.node_polynomial]
     for _ in range(method.stages):
-        derivatives.append(derivative(derivatives[-1]))
-    above, below = (
-        [(-1) ** (j // 2) * value_at(p, Fraction(x)) for j, p in enumerate(reversed(derivatives))] for x in (1, 0)
-    )
+        derivatives.append(tuple(k * x for k, x in enumerate(derivatives[-1]))[1:])
+    above = [(-1) ** (j // 2) * sum(p) for j, p in enumerate(reversed(derivatives))]
+    below = [(-1) ** (j // 2) * p[0] for j, p in enumerate(reversed(derivatives))]
     common = lcm(*(c.denominator for c in (*above, *below)))
     return tuple(int(c * common) for c in above), tuple(int(c * common) for c in below)

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Any, TypeAlias
 
 from driftproof.methods.families import Family
-from driftproof.methods.irreducibility import UndecidedError
+from driftproof.methods.number_field import UndecidedError
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
 from driftproof.symbolic.algebra.text import rational_text
 from driftproof.symbolic.facts import answers

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from driftproof.methods.expressions import parse_number
 from driftproof.methods.families import FAMILIES, Family
 from driftproof.methods.number_field import cube_root, square_root
-from driftproof.methods.parameters import PARAMETER, Function, function
+from driftproof.methods.parameters import Function, function
 from driftproof.methods.schemes import MethodError
 from driftproof.methods.tableau_file import read_method
 from driftproof.symbolic.family_facts import family_facts
@@ -96,6 +96,9 @@ def test_wrong_family_is_refused_in_one_line(write: Write, text: str, reason: st
 
 
 # --- functions of a parameter, and numbers without names
+
+
+PARAMETER = function((0, 1))
 
 
 def functions() -> st.SearchStrategy[Function]:

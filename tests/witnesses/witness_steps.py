@@ -7,7 +7,6 @@ from fractions import Fraction as Q
 from typing import Any, TypeAlias
 
 from driftproof.methods.number_field import Exact
-from driftproof.methods.polynomials import divide
 from driftproof.methods.problems import oscillator
 from driftproof.methods.schemes import Collocation, Method, Nystrom, Splitting
 from driftproof.methods.stepping import Force, Lift, Number, Step
@@ -25,8 +24,8 @@ def tableau(method: Any) -> tuple[Sequence[Row], Row, Row]:
     s = range(method.stages)
     if not isinstance(method, Collocation):
         return method.a, method.b, [Q(1) for _ in s]
-    images = [divide([*[Q(0)] * (j + 1), Q(1, j + 1)], method.node_polynomial)[1] for j in s]
-    rows = [[image[i] if i < len(image) else Q(0) for image in images] for i in s]
+    images = [(X ** (j + 1) / (j + 1)) % polynomial(method.node_polynomial) for j in s]
+    rows = [[Q(int(image[i].p), int(image[i].q)) for image in images] for i in s]
     return rows, [Q(1, j + 1) for j in s], [Q(k == 0) for k in s]
 
 

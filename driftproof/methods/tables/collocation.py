@@ -3,43 +3,41 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from math import comb, perm
 
-from driftproof.methods.polynomials import Polynomial, derivative, product
 from driftproof.methods.schemes import Collocation, Method
 
 BOOK = "hairer-wanner-1996, IV.5"
 
 
-def gauss_nodes(stages: int) -> Polynomial:
+def gauss_nodes(stages: int) -> tuple[Fraction, ...]:
     """The shifted Legendre polynomial of degree s >= 1, monic: the s-th derivative of x^s (x - 1)^s."""
     return _rodrigues("gauss_nodes", stages, 1, stages, stages)
 
 
-def radau_left_nodes(stages: int) -> Polynomial:
+def radau_left_nodes(stages: int) -> tuple[Fraction, ...]:
     """Radau's nodes with 0 among them, s >= 1: the (s-1)-st derivative of x^s (x - 1)^(s-1)."""
     return _rodrigues("radau_left_nodes", stages, 1, stages, stages - 1)
 
 
-def radau_right_nodes(stages: int) -> Polynomial:
+def radau_right_nodes(stages: int) -> tuple[Fraction, ...]:
     """Radau's nodes with 1 among them, s >= 1: the (s-1)-st derivative of x^(s-1) (x - 1)^s."""
     return _rodrigues("radau_right_nodes", stages, 1, stages - 1, stages)
 
 
-def lobatto_nodes(stages: int) -> Polynomial:
+def lobatto_nodes(stages: int) -> tuple[Fraction, ...]:
     """Lobatto's nodes, 0 and 1 among them, s >= 2: the (s-2)-nd derivative of x^(s-1) (x - 1)^(s-1)."""
     return _rodrigues("lobatto_nodes", stages, 2, stages - 1, stages - 1)
 
 
-def _rodrigues(name: str, stages: int, fewest: int, at_zero: int, at_one: int) -> Polynomial:
+def _rodrigues(name: str, stages: int, fewest: int, at_zero: int, at_one: int) -> tuple[Fraction, ...]:
     """x**at_zero (x - 1)**at_one, differentiated until its degree is `stages`, made monic."""
     if stages < fewest:
         raise ValueError(f"{name}({stages}): at least {fewest} stages are needed")
-    polynomial: Polynomial = (Fraction(1),)
-    for factor in at_zero * [(0, 1)] + at_one * [(-1, 1)]:
-        polynomial = product(polynomial, factor)
-    while len(polynomial) > stages + 1:
-        polynomial = derivative(polynomial)
-    return tuple(x / polynomial[-1] for x in polynomial)
+    times = at_zero + at_one - stages
+    terms = [(k, (-1) ** (at_one - k) * comb(at_one, k) * perm(at_zero + k, times)) for k in range(at_one + 1)]
+    by_power = {at_zero + k - times: Fraction(c, terms[-1][1]) for k, c in terms}
+    return tuple(by_power.get(power, Fraction(0)) for power in range(stages + 1))
 
 
 def gauss(stages: int) -> Collocation:

@@ -6,8 +6,7 @@ from flint import ctx, fmpq_poly
 
 from driftproof.methods.number_field import Algebraic, Exact, NumberField
 from driftproof.symbolic.algebra.certified import enclose
-from driftproof.symbolic.algebra.number_field_polynomials import interpolate
-from driftproof.symbolic.algebra.polynomials import Polynomial, X, norm, reflected, scalar
+from driftproof.symbolic.algebra.polynomials import Polynomial, X, interpolate, norm, reflected, scalar
 from driftproof.symbolic.algebra.real_roots import FIRST_BITS, ZERO, RealRoot, positive_roots, rational_root
 from driftproof.symbolic.linear.limits import Infinity, Limit
 
@@ -15,7 +14,7 @@ from driftproof.symbolic.linear.limits import Infinity, Limit
 def number_of(root: RealRoot, name: str = "alpha") -> Exact:
     """The root as exact data of `methods`, `name` being the generator of its field.
 
-    Raises `driftproof.methods.irreducibility.UndecidedError` for a degree above 12.
+    Raises `driftproof.methods.number_field.UndecidedError` for a degree above 12.
     """
     if root.rational is not None:
         return root.rational

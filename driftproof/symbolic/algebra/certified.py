@@ -8,10 +8,9 @@ from fractions import Fraction
 from math import ceil
 from typing import TYPE_CHECKING, TypeAlias, TypeGuard, TypeVar
 
-from flint import arb, arb_poly, ctx, fmpq, fmpz
+from flint import arb, ctx, fmpq, fmpz
 
-from driftproof.methods.number_field import Algebraic
-from driftproof.symbolic.algebra.number_field_polynomials import root_ball
+from driftproof.methods.number_field import Algebraic, dyadic
 
 if TYPE_CHECKING:
     import sympy
@@ -46,7 +45,7 @@ def enclose(value: Exact) -> arb:
     if callable(value):
         return value()
     if isinstance(value, Algebraic):
-        return arb_poly([fmpq(c.numerator, c.denominator) for c in value.coefficients])(root_ball(value.field))
+        return value.ball()
     return arb(fmpq(value.numerator, value.denominator))
 
 
@@ -86,7 +85,10 @@ def _is_vague(ball: arb) -> bool:
 
 def endpoints(ball: arb) -> tuple[Fraction, Fraction]:
     """The two ends of a finite ball, as exact rationals."""
-    middle, radius = (_dyadic(part) for part in (ball.mid(), ball.rad()))
+    for part in (ball.mid(), ball.rad()):
+        if abs(int(part.man_exp()[1])) > LARGEST_EXPONENT:
+            raise Uncertified("the number lies outside 10**-78000 .. 10**78000, too long to write out")
+    middle, radius = dyadic(ball.mid()), dyadic(ball.rad())
     return middle - radius, middle + radius
 
 
@@ -140,13 +142,6 @@ def scientific(value: Exact, digits: int, rounding: str = HALF_EVEN) -> str:
 def _demand_a_digit(digits: int) -> None:
     if digits < 1:
         raise ValueError(f"digits = {digits}; ask for at least one")
-
-
-def _dyadic(exact_ball: arb) -> Fraction:
-    mantissa, exponent = (int(part) for part in exact_ball.man_exp())
-    if abs(exponent) > LARGEST_EXPONENT:
-        raise Uncertified("the number lies outside 10**-78000 .. 10**78000, too long to write out")
-    return Fraction(mantissa) * Fraction(2) ** exponent
 
 
 def _round_to_integer(x: Fraction, rounding: str) -> int:

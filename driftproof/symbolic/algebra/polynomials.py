@@ -7,10 +7,9 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any, TypeAlias
 
-from flint import arb, arb_poly, ctx, fmpq, fmpq_poly
+from flint import arb, arb_poly, fmpq, fmpq_mat, fmpq_poly
 
-from driftproof.methods.number_field import Algebraic, Exact
-from driftproof.symbolic.algebra.number_field_polynomials import FieldPolynomial, field_element
+from driftproof.methods.number_field import Algebraic, Exact, ScalarExtension
 
 # fmpq_poly over Q, FieldPolynomial over a number field; FLINT has no static types.
 Polynomial: TypeAlias = Any
@@ -20,6 +19,132 @@ Scalar: TypeAlias = Any
 X = fmpq_poly([0, 1])
 ONE = fmpq_poly([1])
 ZERO = fmpq_poly()
+
+
+class FieldPolynomial(ScalarExtension):
+    """The element Σ αⁱ pᵢ(z) of K[z], pᵢ in Q[z], i below the degree of K; of degree 0 in z also K's own elements.
+
+    Arithmetic, and the verbs of FLINT's polynomials, with int, fmpq, fmpq_poly and its own kind over the same field.
+    """
+
+    __slots__ = ()
+
+    @staticmethod
+    def part(x: object) -> Polynomial:
+        """The polynomial over Q; a number as a constant."""
+        if isinstance(x, fmpq_poly):
+            return x
+        if isinstance(x, int | fmpq) and not isinstance(x, bool):
+            return fmpq_poly([x])
+        raise TypeError
+
+    def degree(self) -> int:
+        """The degree in z; -1 for zero."""
+        return max(int(p.degree()) for p in self.parts)
+
+    def coeffs(self) -> list[FieldPolynomial]:
+        """The coefficients in K, constant term first."""
+        return [self[k] for k in range(self.degree() + 1)]
+
+    def leading_coefficient(self) -> FieldPolynomial:
+        """The coefficient in K of the highest power of z."""
+        return self[self.degree()]
+
+    def __getitem__(self, k: int) -> FieldPolynomial:
+        """The coefficient in K of z**k."""
+        return FieldPolynomial(self.field, [fmpq_poly([p[k]]) for p in self.parts])
+
+    def derivative(self) -> FieldPolynomial:
+        """d/dz."""
+        return self._map(lambda p: p.derivative())
+
+    def left_shift(self, k: int) -> FieldPolynomial:
+        """Times z**k."""
+        return self._map(lambda p: p.left_shift(k))
+
+    def __truediv__(self, other: object) -> FieldPolynomial:
+        """The quotient by an element of K. Raises ZeroDivisionError."""
+        if isinstance(other, int | fmpq):
+            return self._map(lambda p: p / other)
+        return self * self._coerce(other).inverse()
+
+    def __rtruediv__(self, other: object) -> FieldPolynomial:
+        """The quotient by an element of K. Raises ZeroDivisionError."""
+        return self._coerce(other) * self.inverse()
+
+    def __divmod__(self, other: object) -> tuple[FieldPolynomial, FieldPolynomial]:
+        """Quotient and remainder in K[z]."""
+        divisor = self._coerce(other)
+        size, inverse = divisor.degree(), divisor.leading_coefficient().inverse()
+        quotient, rest = self * 0, self
+        while (excess := rest.degree() - size) >= 0:
+            term = (rest.leading_coefficient() * inverse).left_shift(excess)
+            quotient, rest = quotient + term, rest - term * divisor
+        return quotient, rest
+
+    def __floordiv__(self, other: object) -> FieldPolynomial:
+        """The quotient in K[z]."""
+        return divmod(self, other)[0]
+
+    def __mod__(self, other: object) -> FieldPolynomial:
+        """The remainder in K[z]."""
+        return divmod(self, other)[1]
+
+    def gcd(self, other: object) -> FieldPolynomial:
+        """The monic greatest common divisor, by Euclid's algorithm."""
+        a, b = self, self._coerce(other)
+        while b != 0:
+            a, b = b, a % b
+        return a / a.leading_coefficient() if a != 0 else a
+
+    def inverse(self) -> FieldPolynomial:
+        """1/x for an element x of K. Raises ZeroDivisionError for 0, ValueError for a polynomial in z."""
+        if self.degree() > 0:
+            raise ValueError("only an element of the field has an inverse")
+        return field_element(Algebraic(self.field, self.field.inverse([p[0] for p in self.parts])))
+
+    def __call__(self, x: fmpq) -> FieldPolynomial:
+        """The value at a rational x, in K."""
+        return self._map(lambda p: fmpq_poly([p(x)]))
+
+    def __repr__(self) -> str:
+        """The coefficients, constant term first."""
+        return f"{type(self).__name__}({', '.join(str(c.element()) for c in self.coeffs())})"
+
+    def at_ball(self, x: arb) -> arb:
+        """A ball around the value at a ball x, at Arb's current precision."""
+        alpha, total = self.field.ball(), arb(0)
+        for part in reversed(self.parts):
+            total = total * alpha + arb_poly(part)(x)
+        return total
+
+    def element(self) -> Algebraic:
+        """An element of K as exact data of `methods`."""
+        return Algebraic(self.field, [p[0] for p in self.parts])
+
+    def norm(self) -> Polynomial:
+        """The product of all conjugates, in Q[z]: the determinant of multiplication by this polynomial.
+
+        Every root of this polynomial is one of its norm; the norm has further ones, the roots of the conjugates.
+        """
+        rows = list(zip(*(column.parts for column in self.multiples()), strict=True))
+        points = range(self.degree() * len(rows) + 1)
+        return interpolate([fmpq_mat([[p(fmpq(k)) for p in row] for row in rows]).det() for k in points])
+
+    def multiples(self) -> list[FieldPolynomial]:
+        """This polynomial times 1, α, α**2, ...: the columns of multiplication by it."""
+        found, alpha = [self], FieldPolynomial(self.field, [ZERO, ONE])
+        while len(found) < self.field.degree:
+            found.append(found[-1] * alpha)
+        return found
+
+    def _coerce(self, other: object) -> FieldPolynomial:
+        return other if isinstance(other, FieldPolynomial) else FieldPolynomial(self.field, self._parts(other))
+
+
+def field_element(x: Algebraic) -> FieldPolynomial:
+    """`x` as a constant polynomial over its field."""
+    return FieldPolynomial(x.field, [fmpq_poly([c]) for c in x.parts])
 
 
 def scalar(x: Exact | int) -> Scalar:
@@ -37,7 +162,7 @@ def exact(x: Scalar) -> Exact:
     """A scalar as exact data of `methods`: a Fraction, or an Algebraic where it is irrational."""
     if isinstance(x, FieldPolynomial):
         element = x.element()
-        return (element.coefficients or (Fraction(0),))[0] if element.is_rational else element
+        return element.as_fraction() if element.is_rational else element
     return Fraction(int(x.p), int(x.q))
 
 
@@ -86,17 +211,19 @@ def at_ball(p: Polynomial, x: arb) -> arb:
 
 def sign(x: Scalar) -> int:
     """-1, 0 or 1: zero is decided exactly, a nonzero irrational by balls that shrink until they exclude zero."""
-    if not isinstance(x, FieldPolynomial):
-        return int(x > 0) - int(x < 0)
-    if x == 0:
-        return 0
-    bits = 64
-    while True:
-        with ctx.workprec(bits):
-            ball = x.at_ball(arb(0))
-            if ball > 0 or ball < 0:
-                return 1 if ball > 0 else -1
-        bits *= 2
+    return x.element().sign() if isinstance(x, FieldPolynomial) else int(x > 0) - int(x < 0)
+
+
+def interpolate(values: Sequence[fmpq]) -> Polynomial:
+    """The polynomial over Q of degree below n with the given values at 0, 1, ..., n - 1 (Newton's formula)."""
+    differences = [fmpq(v) for v in values]
+    for order in range(1, len(differences)):
+        for k in reversed(range(order, len(differences))):
+            differences[k] = (differences[k] - differences[k - 1]) / order
+    total = fmpq_poly()
+    for k in reversed(range(len(differences))):
+        total = total * fmpq_poly([-k, 1]) + differences[k]
+    return total
 
 
 def dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:

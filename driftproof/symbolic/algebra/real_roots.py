@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import lru_cache
 from itertools import pairwise
 from typing import Any, TypeAlias
 
 from flint import arb, ctx, fmpq, fmpq_poly, fmpz_poly
 
+from driftproof.methods.number_field import dyadic, real_root_balls
 from driftproof.symbolic.algebra.polynomials import (
     Polynomial,
     at_ball,
@@ -38,7 +38,7 @@ class RealRoot:
 
     def ball(self) -> arb:
         """A ball around the number, at Arb's current precision."""
-        return _real_balls(self.minimal, ctx.prec)[self.index]
+        return real_root_balls(self.minimal, ctx.prec)[self.index]
 
     @property
     def polynomial(self) -> Polynomial:
@@ -48,7 +48,7 @@ class RealRoot:
     @property
     def count(self) -> int:
         """The number of real roots of the minimal polynomial."""
-        return len(_real_balls(self.minimal, FIRST_BITS))
+        return len(real_root_balls(self.minimal, FIRST_BITS))
 
     @property
     def degree(self) -> int:
@@ -70,7 +70,7 @@ class RealRoot:
         bits = FIRST_BITS
         while True:
             with ctx.workprec(bits):  # lower() and upper() round to it
-                ends = [(_dyadic(b.lower()), _dyadic(b.upper())) for b in _real_balls(self.minimal, bits)]
+                ends = [(dyadic(b.lower()), dyadic(b.upper())) for b in real_root_balls(self.minimal, bits)]
             if all(left[1] < right[0] for left, right in pairwise(ends)):
                 break
             bits *= 2
@@ -95,7 +95,7 @@ class RealRoot:
                 found = [
                     RealRoot(m, k)
                     for m in minimals
-                    for k, ball in enumerate(_real_balls(m, bits))
+                    for k, ball in enumerate(real_root_balls(m, bits))
                     if not ball < 0 and (ball * ball).overlaps(self.ball())
                 ]
             if len(found) == 1:
@@ -123,8 +123,8 @@ def positive_roots(polynomials: Iterable[Polynomial]) -> list[RealRoot]:
     bits = FIRST_BITS
     while True:
         with ctx.workprec(bits):
-            roots = [RealRoot(m, k) for m in minimals for k, b in enumerate(_real_balls(m, bits)) if b > 0]
-            roots.sort(key=lambda root: _dyadic(root.ball().mid()))
+            roots = [RealRoot(m, k) for m in minimals for k, b in enumerate(real_root_balls(m, bits)) if b > 0]
+            roots.sort(key=lambda root: dyadic(root.ball().mid()))
             if all(left.ball() < right.ball() for left, right in pairwise(roots)):
                 return roots
         bits *= 2
@@ -137,7 +137,7 @@ def samples(roots: list[RealRoot]) -> list[fmpq]:
     bits = FIRST_BITS
     while True:
         with ctx.workprec(bits):
-            ends = [(_dyadic(r.ball().lower()), _dyadic(r.ball().upper())) for r in roots]
+            ends = [(dyadic(r.ball().lower()), dyadic(r.ball().upper())) for r in roots]
         gaps = [(Fraction(0), ends[0][0]), *((a[1], b[0]) for a, b in pairwise(ends))]
         if all(low < high for low, high in gaps):
             inner = [simplest_between(low, high) for low, high in gaps]
@@ -195,20 +195,3 @@ def _factors(p: Any) -> list[Minimal]:
     """The irreducible factors of a nonzero integer polynomial, each once, primitive, leading coefficient positive."""
     factors = [f for f, _ in p.factor()[1]]
     return [tuple(int(c) for c in (f if f.leading_coefficient() > 0 else -f).coeffs()) for f in factors]
-
-
-@lru_cache(maxsize=4096)
-def _real_balls(minimal: Minimal, bits: int) -> tuple[arb, ...]:
-    """Balls around the real roots, ascending."""
-    with ctx.workprec(bits):
-        if len(minimal) == 2:
-            return (arb(fmpq(-minimal[0], minimal[1])),)
-        balls = [root.real for root, _ in fmpz_poly(list(minimal)).complex_roots() if root.imag.is_zero()]
-    if all(left < right for left, right in pairwise(balls)):
-        return tuple(balls)
-    return tuple(sorted(balls, key=lambda ball: _dyadic(ball.mid())))
-
-
-def _dyadic(exact_ball: arb) -> Fraction:
-    mantissa, exponent = (int(part) for part in exact_ball.man_exp())
-    return Fraction(mantissa * 2**exponent) if exponent >= 0 else Fraction(mantissa, 2**-exponent)

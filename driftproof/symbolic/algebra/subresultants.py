@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 from flint import fmpq, fmpq_mat
 
-from driftproof.symbolic.algebra.number_field_polynomials import interpolate
-from driftproof.symbolic.algebra.polynomials import Polynomial, Scalar
+from driftproof.symbolic.algebra.polynomials import Polynomial, Scalar, interpolate
 
 
 class Pair(NamedTuple):

@@ -12,8 +12,16 @@ from typing import Any, TypeAlias
 from flint import acb_poly, arb, ctx, fmpq, fmpq_mat
 
 from driftproof.methods.number_field import Exact, NumberField
-from driftproof.symbolic.algebra.number_field_polynomials import FieldPolynomial, interpolate
-from driftproof.symbolic.algebra.polynomials import ONE, Polynomial, Scalar, at_ball, coefficients, polynomial
+from driftproof.symbolic.algebra.polynomials import (
+    ONE,
+    FieldPolynomial,
+    Polynomial,
+    Scalar,
+    at_ball,
+    coefficients,
+    interpolate,
+    polynomial,
+)
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
 from driftproof.symbolic.algebra.real_roots import FIRST_BITS, ZERO, Minimal, RealRoot, positive_roots, samples
 from driftproof.symbolic.linear.eigenvalues import Complex

@@ -15,7 +15,6 @@ from driftproof.symbolic.algebra.polynomials import (
     Polynomial,
     descend,
     greatest_common_divisor,
-    polynomial,
 )
 from driftproof.symbolic.algebra.polynomials import quotient as polynomial_quotient
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
@@ -55,14 +54,13 @@ def poles(family: Family) -> Polynomial:
     """The least common multiple of the denominators of all entries: it vanishes where the method is not defined."""
     common: Polynomial = ONE
     for entry in (*(f for row in family.a for f in row), *family.b, *family.c):
-        den = polynomial(entry.den)
-        common = common * polynomial_quotient(den, greatest_common_divisor(common, den))
+        common = common * polynomial_quotient(entry.den, greatest_common_divisor(common, entry.den))
     return common
 
 
 def cleared(entries: Sequence[Function], common: Polynomial) -> list[Polynomial]:
     """The entries times a common multiple of their denominators: polynomials in the parameter."""
-    return [polynomial(f.num) * polynomial_quotient(common, polynomial(f.den)) for f in entries]
+    return [f.num * polynomial_quotient(common, f.den) for f in entries]
 
 
 def family_stability(family: Family) -> FamilyStability:

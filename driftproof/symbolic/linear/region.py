@@ -8,8 +8,7 @@ from typing import NamedTuple
 from flint import acb, acb_poly, arb, ctx
 
 from driftproof.symbolic.algebra.certified import endpoints, fixed
-from driftproof.symbolic.algebra.number_field_polynomials import FieldPolynomial, root_ball
-from driftproof.symbolic.algebra.polynomials import Polynomial, scalar, squarefree
+from driftproof.symbolic.algebra.polynomials import FieldPolynomial, Polynomial, scalar, squarefree
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
 
 # The boundary as a fact: values of Re R(z) on either side of 0, and digits after the point.
@@ -72,15 +71,8 @@ def complex_roots(p: Polynomial, bits: int) -> list[acb]:
     while True:
         with ctx.workprec(work):
             try:
-                found: list[acb] = acb_poly([_ball(c) for c in simple.coeffs()]).roots(tol=arb(2) ** -bits)
+                found: list[acb] = acb_poly([c.element().ball() for c in simple.coeffs()]).roots(tol=arb(2) ** -bits)
             except ValueError:  # the balls of the coefficients are too wide
                 work *= 2
             else:
                 return found
-
-
-def _ball(x: FieldPolynomial) -> arb:
-    total, alpha = arb(0), root_ball(x.field)
-    for part in reversed(x.parts):
-        total = total * alpha + arb(part[0])
-    return total

@@ -8,8 +8,7 @@ from typing import Any
 from flint import arb, fmpq
 
 from driftproof.symbolic.algebra.certified import settle, significant
-from driftproof.symbolic.algebra.number_field_polynomials import FieldPolynomial
-from driftproof.symbolic.algebra.polynomials import ONE, ZERO, Polynomial, X, evaluate, from_scalars
+from driftproof.symbolic.algebra.polynomials import ONE, ZERO, FieldPolynomial, Polynomial, X, evaluate, from_scalars
 from driftproof.symbolic.algebra.radicals import DIGITS
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
 from driftproof.symbolic.algebra.real_roots import ZERO as NO_SECTOR

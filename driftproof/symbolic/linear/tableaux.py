@@ -11,8 +11,15 @@ from flint import fmpq, fmpq_mat, fmpq_poly
 
 from driftproof.methods.number_field import NumberField
 from driftproof.methods.schemes import Collocation, RungeKutta, is_strictly_lower
-from driftproof.symbolic.algebra.number_field_polynomials import FieldPolynomial
-from driftproof.symbolic.algebra.polynomials import Polynomial, Scalar, descend, dot, polynomial, scalar
+from driftproof.symbolic.algebra.polynomials import (
+    FieldPolynomial,
+    Polynomial,
+    Scalar,
+    descend,
+    dot,
+    polynomial,
+    scalar,
+)
 
 RationalMatrix: TypeAlias = Any
 
@@ -143,8 +150,5 @@ def _multiplication(x: Scalar, field: NumberField) -> list[list[fmpq]]:
     d = field.degree
     if not isinstance(x, FieldPolynomial):
         return [[x if i == j else fmpq(0) for j in range(d)] for i in range(d)]
-    alpha = FieldPolynomial(field, [fmpq_poly(), fmpq_poly([1])])
-    columns = [x]
-    for _ in range(d - 1):
-        columns.append(columns[-1] * alpha)
+    columns = x.multiples()
     return [[column.parts[i][0] for column in columns] for i in range(d)]

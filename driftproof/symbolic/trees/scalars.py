@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from typing import Any, Protocol, TypeAlias
 
-from flint import fmpq, fmpq_poly
+from flint import fmpq
 
 from driftproof.methods.number_field import Algebraic, Exact, NumberField
 
@@ -41,80 +40,25 @@ class Rationals:
         return _fraction(x)
 
 
-class FieldElement:
-    """A polynomial over Q modulo the minimal polynomial of a field's generator: exact, and fast."""
-
-    __slots__ = ("modulus", "polynomial")
-
-    def __init__(self, polynomial: fmpq_poly, modulus: fmpq_poly) -> None:
-        """`polynomial` has a smaller degree than `modulus`."""
-        self.polynomial = polynomial
-        self.modulus = modulus
-
-    def __add__(self, other: Number) -> FieldElement:
-        """The sum, in the field."""
-        return FieldElement(self.polynomial + _polynomial(other), self.modulus)
-
-    __radd__ = __add__
-
-    def __sub__(self, other: Number) -> FieldElement:
-        """The difference, in the field."""
-        return FieldElement(self.polynomial - _polynomial(other), self.modulus)
-
-    def __rsub__(self, other: Number) -> FieldElement:
-        """The difference, in the field."""
-        return FieldElement(_polynomial(other) - self.polynomial, self.modulus)
-
-    def __neg__(self) -> FieldElement:
-        """The negative."""
-        return FieldElement(-self.polynomial, self.modulus)
-
-    def __mul__(self, other: Number) -> FieldElement:
-        """The product, in the field."""
-        if isinstance(other, FieldElement):
-            return FieldElement(self.polynomial * other.polynomial % self.modulus, self.modulus)
-        return FieldElement(self.polynomial * other, self.modulus)
-
-    __rmul__ = __mul__
-
-    def __eq__(self, other: object) -> bool:
-        """Equal as numbers: the polynomials agree, because the modulus is irreducible."""
-        return bool(self.polynomial == _polynomial(other))
-
-    def __hash__(self) -> int:
-        """Of the coefficients."""
-        return hash(tuple(self.polynomial.coeffs()))
-
-    def __bool__(self) -> bool:
-        """False for zero."""
-        return bool(self.polynomial.degree() >= 0)
-
-
 @dataclass(frozen=True)
 class FieldScalars:
-    """Q(α) for the generator α of a number field, its elements polynomials in α."""
+    """A number field, its elements Algebraic."""
 
     field: NumberField
 
-    @cached_property
-    def modulus(self) -> fmpq_poly:
-        """The minimal polynomial of α."""
-        return fmpq_poly(list(self.field.minimal))
-
     def lift(self, x: Exact | int) -> Number:
-        """The number as a polynomial in α. Raises TypeError for a float, or an element of another field."""
+        """The number as an element of the field. Raises TypeError for a float, or an element of another field."""
         if not isinstance(x, Algebraic):
-            return FieldElement(fmpq_poly([Rationals().lift(x)]), self.modulus)
+            return Algebraic(self.field, [Rationals().lift(x)])
         if x.field != self.field:
             raise TypeError(f"coefficients in {self.field.name} and in {x.field.name}: give all of them in one field")
-        return FieldElement(fmpq_poly([Rationals().lift(y) for y in x.coefficients]), self.modulus)
+        return x
 
     def exact(self, x: Number) -> Exact:
         """The number as an Algebraic; as a Fraction where it is rational."""
-        coefficients = [_fraction(y) for y in _polynomial(x).coeffs()]
-        if len(coefficients) <= 1:
-            return coefficients[0] if coefficients else Fraction(0)
-        return Algebraic(self.field, tuple(coefficients))
+        if not isinstance(x, Algebraic):
+            return _fraction(x)
+        return x.as_fraction() if x.is_rational else x
 
 
 def scalars_for(coefficients: Iterable[Exact | int]) -> Scalars:
@@ -127,7 +71,3 @@ def scalars_for(coefficients: Iterable[Exact | int]) -> Scalars:
 
 def _fraction(x: Number) -> Fraction:
     return Fraction(int(x.numerator), int(x.denominator))
-
-
-def _polynomial(x: Any) -> fmpq_poly:
-    return x.polynomial if isinstance(x, FieldElement) else fmpq_poly([x])

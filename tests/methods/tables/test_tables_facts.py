@@ -5,11 +5,10 @@ from __future__ import annotations
 import dataclasses
 from fractions import Fraction as Q
 from itertools import product as pairs
-from typing import Any
+from typing import Any, TypeAlias
 
 import pytest
 
-from driftproof.methods.polynomials import Polynomial, product, value_at
 from driftproof.methods.schemes import RungeKutta
 from driftproof.methods.tables.collocation import gauss_nodes, lobatto_nodes, radau_left_nodes, radau_right_nodes
 from driftproof.methods.tables.diagonally_implicit import ALEXANDER_GAMMA, CROUZEIX_GAMMA
@@ -18,6 +17,8 @@ from driftproof.methods.tables.splittings import palindrome, verlet_composition
 from driftproof.methods.tables.stabilised import chebyshev_first_order, ssprk_second_order
 from tests.methods.tables.entries import by_key, entry
 from tests.methods.tables.tables_orders import stability_series, tree_residuals, word_residuals
+
+Polynomial: TypeAlias = tuple[Q, ...]
 
 NODES = {
     "implicit_midpoint": gauss_nodes(1),
@@ -47,6 +48,14 @@ def test_nodes_of_tableau_are_the_roots_of_its_node_polynomial(key: str) -> None
     assert all(at(NODES[key], c) == 0 for c in nodes)
     assert len(set(nodes)) == len(NODES[key]) - 1
     assert at(NODES[key], nodes[0] + Q(1, 10**40)) != 0
+
+
+def product(p: Polynomial, q: Polynomial) -> Polynomial:
+    """The product, coefficient by coefficient."""
+    found = [Q(0)] * (len(p) + len(q) - 1)
+    for (i, x), (j, y) in pairs(enumerate(p), enumerate(q)):
+        found[i + j] += x * y
+    return tuple(found)
 
 
 def at(polynomial: Polynomial, x: Any) -> Any:
@@ -128,8 +137,8 @@ def test_stability_function_of_chebyshev_method_is_the_shifted_polynomial(stages
     method = chebyshev_first_order(stages)
     assert tuple(stability_series(method, stages)) == shifted_chebyshev(stages)
     assert stability_series(method, stages + 2)[stages + 1 :] == [0, 0]
-    assert value_at(shifted_chebyshev(stages), Q(-2 * stages**2)) == (-1) ** stages  # where |R| reaches 1
-    assert abs(value_at(shifted_chebyshev(stages), Q(-2 * stages**2) - Q(1, 10**12))) > 1
+    assert at(shifted_chebyshev(stages), Q(-2 * stages**2)) == (-1) ** stages  # where |R| reaches 1
+    assert abs(at(shifted_chebyshev(stages), Q(-2 * stages**2) - Q(1, 10**12))) > 1
     assert method.inconsistencies() == {}
 
 
@@ -140,10 +149,10 @@ def test_stability_function_of_ssprk2_leaves_one_where_published(stages: int) ->
     assert series == [x + (Q(1, stages) if k == 0 else 0) for k, x in enumerate(power(stages))]
     for x in (Q(-2 * (stages - 1)), Q(-2 * (stages - 1)) - Q(1, 10**12)):
         inside = (1 + x / (stages - 1)) ** stages
-        assert value_at(tuple(series), x) == Q(1, stages) + Q(stages - 1, stages) * inside
+        assert at(tuple(series), x) == Q(1, stages) + Q(stages - 1, stages) * inside
     if stages % 2 == 0:
-        assert value_at(tuple(series), Q(-2 * (stages - 1))) == 1
-        assert value_at(tuple(series), Q(-2 * (stages - 1)) - Q(1, 10**12)) > 1
+        assert at(tuple(series), Q(-2 * (stages - 1))) == 1
+        assert at(tuple(series), Q(-2 * (stages - 1)) - Q(1, 10**12)) > 1
 
 
 def power(stages: int) -> Polynomial:

@@ -12,13 +12,14 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from driftproof.methods.number_field import Algebraic, NumberField, cube_root, square_root
-from driftproof.symbolic.algebra.number_field_polynomials import FieldPolynomial, interpolate, root_ball
 from driftproof.symbolic.algebra.polynomials import (
+    FieldPolynomial,
     at_ball,
     exact,
     from_scalars,
     greatest_common_divisor,
     in_square,
+    interpolate,
     polynomial,
     quotient,
     reflected,
@@ -133,7 +134,7 @@ def test_sign_of_an_element_agrees_with_its_square_root_free_definition(x: Algeb
 def test_generator_ball_lies_in_the_interval_and_on_the_polynomial() -> None:
     for generator in (ROOT_3, CUBE_2, GAMMA):
         with ctx.workprec(200):
-            ball = root_ball(generator.field)
+            ball = generator.field.ball()
             low, high = (
                 arb(fmpq(end.numerator, end.denominator)) for end in (generator.field.low, generator.field.high)
             )

@@ -112,7 +112,7 @@ def test_series_of_other_things_than_steps_are_refused() -> None:
 
 def test_series_over_two_fields_are_refused() -> None:
     first, second = (method_series(tableau([[root]], [root]), 2) for root in (square_root(2), square_root(3)))
-    with pytest.raises(TypeError, match="two B-series over different number fields"):
+    with pytest.raises(TypeError, match=r"two B-series over different|no exact arithmetic between"):
         compose(first, second)
 
 
