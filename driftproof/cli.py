@@ -7,12 +7,9 @@ from __future__ import annotations
 
 import sys
 
-from driftproof import __version__
+from driftproof import TYPE_CHECKING, __version__
 
-TYPE_CHECKING = False  # known to type checkers by its name; the module typing is half of a start
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from driftproof.commands.arguments import Command
 
 # Command -> the module of driftproof.commands that has it, and what it is for.
@@ -65,7 +62,7 @@ Numbers are read exactly: 0.1 is 1/10, and 1/4 is a quarter. `driftproof COMMAND
 """
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments: list[str] | tuple[str, ...] | None = None) -> int:
     """Run the command line; the status is 0 if answered, 1 if the answer is no, 2 for bad input, 3 for no answer."""
     name, *words = (sys.argv[1:] if arguments is None else arguments) or ("",)
     if name in ("-h", "--help"):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from importlib import import_module
 from pathlib import Path
@@ -13,12 +13,12 @@ from typing import Any, NamedTuple, NoReturn, TypeAlias, TypeVar
 
 from driftproof.methods.rationals import parse_rational
 
-T = TypeVar("T")
+_T = TypeVar("_T")
 # What adds one option, or several that exclude each other, to a parser.
-Option: TypeAlias = "Callable[[argparse._ActionsContainer], object]"
+CommandOption: TypeAlias = "Callable[[argparse._ActionsContainer], object]"
 
 REFUTED, BAD_INPUT, NO_ANSWER, INTERRUPTED = 1, 2, 3, 130
-MOST_DIGITS = 10_000
+_MOST_DIGITS = 10_000
 # A float run longer than this shows a progress bar.
 LONG_RUN = 10**6
 
@@ -45,7 +45,7 @@ class Command(NamedTuple):
     """A command: what answers it, whose docstring is its --help, and the options that it takes."""
 
     answer: Callable[[argparse.Namespace], str]
-    options: tuple[Option, ...]
+    options: tuple[CommandOption, ...]
 
     def parser(self, prog: str) -> Parser:
         """The parser of this command: the first paragraph of the docstring above the options, the rest below them."""
@@ -56,12 +56,12 @@ class Command(NamedTuple):
         return parser
 
 
-def command(*options: Option) -> Callable[[Callable[[argparse.Namespace], str]], Command]:
+def command(*options: CommandOption) -> Callable[[Callable[[argparse.Namespace], str]], Command]:
     """Makes a command of the function that answers it."""
     return lambda answer: Command(answer, options)
 
 
-def option(*names: str, **settings: Any) -> Option:
+def option(*names: str, **settings: Any) -> CommandOption:
     """An option, or a positional argument, as argparse describes it; `choices` may be a function that lists them."""
 
     def add(parser: argparse._ActionsContainer) -> None:
@@ -71,7 +71,12 @@ def option(*names: str, **settings: Any) -> Option:
     return add
 
 
-def one_of(*options: Option, required: bool = False) -> Option:
+def flag(name: str, words: str) -> CommandOption:
+    """An option without a value: false where it is not given."""
+    return option(name, action="store_true", help=words)
+
+
+def one_of(*options: CommandOption, required: bool = False) -> CommandOption:
     """Options that exclude each other."""
 
     def add(parser: argparse._ActionsContainer) -> None:
@@ -87,10 +92,10 @@ def names_in(module: str, table: str) -> Callable[[], tuple[str, ...]]:
     return lambda: tuple(getattr(import_module(module), table))
 
 
-def read_by(parse: Callable[..., T], *more: Any) -> Callable[[str], T]:
+def read_by(parse: Callable[..., _T], *more: Any) -> Callable[[str], _T]:
     """`parse` as argparse takes it: what it raises becomes the complaint about the option."""
 
-    def read(text: str) -> T:
+    def read(text: str) -> _T:
         try:
             return parse(text, *more)
         except ValueError as error:
@@ -99,7 +104,7 @@ def read_by(parse: Callable[..., T], *more: Any) -> Callable[[str], T]:
     return read
 
 
-def rational(what: str) -> Callable[[str], Fraction]:
+def exactly(what: str) -> Callable[[str], Fraction]:
     """A reader of exact numbers, named `what` in its complaints."""
     return read_by(parse_rational, what)
 
@@ -153,51 +158,72 @@ def several(read: Callable[[str], Any]) -> Callable[[str], list[Any]]:
     return lambda text: [read(part.strip()) for part in text.split(",")]
 
 
-def list_option(name: str, read: Callable[[str], Any], metavar: str, words: str) -> Option:
+def list_option(name: str, read: Callable[[str], Any], metavar: str, words: str) -> CommandOption:
     """An option whose values commas part, and which may be repeated; an empty list where it is not given."""
     return option(name, type=several(read), action="extend", default=[], metavar=f"{metavar},{metavar}", help=words)
 
 
-def methods_option(words: str) -> Option:
+def methods_option(words: str) -> CommandOption:
     """--methods, several keys."""
     return list_option("--methods", str, "M", words)
 
 
-def steps_option(words: str) -> Option:
+def steps_option(words: str) -> CommandOption:
     """--h, several step sizes."""
     return list_option("--h", nonzero_step, "H", words)
 
 
-def digits_option(words: str, **settings: Any) -> Option:
+def digits_option(words: str, **settings: Any) -> CommandOption:
     """--digits, a number of decimal digits."""
-    return option("--digits", type=integer_in(1, MOST_DIGITS, "digits"), help=words, **settings)
+    return option("--digits", type=integer_in(1, _MOST_DIGITS, "digits"), help=words, **settings)
 
 
-def output_option(words: str, **settings: Any) -> Option:
+def places_option(words: str, **settings: Any) -> CommandOption:
+    """--places, a number of digits after the point."""
+    return option("--places", type=integer_in(0, _MOST_DIGITS, "places"), help=words, **settings)
+
+
+def rounding_option(words: str) -> CommandOption:
+    """--rounding, a policy; None where it is not given."""
+    return option("--rounding", choices=names_in("driftproof.texts.questions.style", "ROUNDINGS"), help=words)
+
+
+def output_option(words: str, **settings: Any) -> CommandOption:
     """-o or --output, what is written."""
     return option("-o", "--output", type=Path, help=words, **{"metavar": "FILE", **settings})
 
 
-def format_option(*choices: str, words: str | None = "json is canonical", **settings: Any) -> Option:
+def format_option(*choices: str, words: str | None = "json is canonical", **settings: Any) -> CommandOption:
     """--format; the first choice is the default."""
     return option("--format", **{"choices": choices, "default": choices and choices[0], "help": words, **settings})
 
 
-def time_limit_option(seconds: float, words: str, **settings: Any) -> Option:
+def time_limit_option(seconds: float, words: str, **settings: Any) -> CommandOption:
     """--time-limit, in seconds."""
     return option("--time-limit", type=positive_number("time limit"), default=seconds, help=words, **settings)
 
 
 METHOD = option("method", help="a key that `driftproof methods` lists, e.g. rk4")
 TEXT_OR_JSON = format_option("text", "json", words="json is canonical, text is for you")
-ROUNDINGS = names_in("driftproof.texts.questions.style", "ROUNDINGS")
 
 
-def progress(steps: int) -> Iterable[int]:
-    """range(steps), with a progress bar on a terminal when it will take a while."""
-    if steps < LONG_RUN or not sys.stderr.isatty():
-        return range(steps)
-    from tqdm import trange
+def as_asked(options: argparse.Namespace, answer: Any, text: Callable[[Any], str]) -> str:
+    """The answer as canonical JSON where --format asks for it, else as `text` writes it."""
+    from driftproof.support.plain_text import as_json
 
-    bar: Iterable[int] = trange(steps, unit="step", unit_scale=True, leave=False)
+    return as_json(answer) if options.format == "json" else text(answer)
+
+
+def with_progress(items: Sequence[_T], unit: str) -> Iterable[_T]:
+    """The items, with a progress bar on a terminal."""
+    if not sys.stderr.isatty():
+        return items
+    from tqdm import tqdm
+
+    bar: Iterable[_T] = tqdm(items, unit=unit, unit_scale=True, leave=False)
     return bar
+
+
+def count_steps(steps: int) -> Iterable[int]:
+    """range(steps), with a progress bar when it will take a while."""
+    return range(steps) if steps < LONG_RUN else with_progress(range(steps), "step")

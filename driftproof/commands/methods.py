@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from driftproof.commands.arguments import command, format_option, integer_in, option, rational, read_by, several
+from driftproof.commands.arguments import command, exactly, format_option, integer_in, option, read_by, several
 
 if TYPE_CHECKING:
     from driftproof.methods.families import Family
@@ -50,7 +50,7 @@ def _system(text: str) -> Any:
     option("--at", type=_number, metavar="VALUE", help="the parameter of a family, e.g. 1/4: one method"),
     option("--system", type=_system, metavar="ROWS", help="facts on z' = Az, A given as '0 1; -1 -1/10'"),
     option(
-        "--order-tolerance", type=rational("order tolerance"), metavar="SIZE", help="add the order up to such residuals"
+        "--order-tolerance", type=exactly("order tolerance"), metavar="SIZE", help="add the order to such residuals"
     ),
     option("--terms", type=integer_in(1, MOST_TERMS, "terms"), default=12, help="length of the series (default 12)"),
     format_option("text", "json", "tex"),

@@ -7,14 +7,16 @@ from argparse import Namespace
 from driftproof.commands.arguments import (
     METHOD,
     TEXT_OR_JSON,
+    as_asked,
     command,
+    count_steps,
     digits_option,
+    exactly,
+    flag,
     initial_state,
     names_in,
     nonzero_step,
     option,
-    progress,
-    rational,
     steps_option,
 )
 
@@ -37,18 +39,17 @@ def step_command(options: Namespace) -> str:
       driftproof step rk4 --h 1/2 --state 1,0
       driftproof step symplectic_euler --h 0.5 --state 0,1 --format json
     """
-    from driftproof.support.plain_text import as_json
     from driftproof.texts.writing.answers import step_answer
     from driftproof.texts.writing.text import answer_text
 
     result = step_answer(options.method, options.h, options.state, options.digits, options.rounding)
-    return as_json(result) if options.format == "json" else answer_text(result)
+    return as_asked(options, result, answer_text)
 
 
 @command(
     *QUESTION,
-    option("--t", type=rational("t"), required=True, help="final time, a multiple of h"),
-    option("--budget", action="store_true", help="also run in floats: its error, split in truncation and rounding"),
+    option("--t", type=exactly("t"), required=True, help="final time, a multiple of h"),
+    flag("--budget", "also run in floats: its error, split in truncation and rounding"),
 )
 def run_command(options: Namespace) -> str:
     """Take t/h steps exactly and certify the final state, its errors, energy and phase.
@@ -59,20 +60,18 @@ def run_command(options: Namespace) -> str:
       driftproof run rk4 --h 0.01 --t 100000 --state 0,1 --format json
       driftproof run symplectic_euler --h 1/4 --t 10 --budget
     """
-    from driftproof.support.plain_text import as_json
     from driftproof.texts.writing.answers import run_answer
     from driftproof.texts.writing.text import answer_text
 
     question = (options.method, options.h, options.t, options.state, options.digits)
     result = run_answer(*question, options.rounding)
     if not options.budget:
-        return as_json(result) if options.format == "json" else answer_text(result)
+        return as_asked(options, result, answer_text)
     from driftproof.reports.rounding import budget_answer, budget_text
 
-    budget = budget_answer(*question, options.rounding, progress)
-    if options.format == "json":
-        return as_json({**result, "budget": budget})
-    return f"{answer_text(result)}\n\n{budget_text(budget)}"
+    budget = budget_answer(*question, options.rounding, count_steps)
+    both = {**result, "budget": budget}
+    return as_asked(options, both, lambda _: f"{answer_text(result)}\n\n{budget_text(budget)}")
 
 
 @command(
@@ -93,8 +92,7 @@ def roundoff_command(options: Namespace) -> str:
       driftproof roundoff velocity_verlet --h 1/32 --float binary32
     """
     from driftproof.reports.rounding import roundoff_answer, roundoff_text
-    from driftproof.support.plain_text import as_json
     from driftproof.symbolic.rounding.formats import FORMATS
 
     result = roundoff_answer(options.method, options.h, FORMATS[options.float])
-    return as_json(result) if options.format == "json" else roundoff_text(result)
+    return as_asked(options, result, roundoff_text)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import sys
 from argparse import Namespace
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from driftproof.commands.arguments import (
     TEXT_OR_JSON,
+    as_asked,
     command,
     list_option,
     methods_option,
@@ -18,15 +20,16 @@ from driftproof.commands.arguments import (
     output_option,
     steps_option,
     time_limit_option,
+    with_progress,
 )
 
 if TYPE_CHECKING:
     from driftproof.reports.work_precision.study import Measured, Steps, Study
 
 # One of each behaviour, and the lesson's three among them.
-BEHAVIOURS = ("forward_euler", "rk4", "symplectic_euler", "backward_euler", "implicit_midpoint", "radau_iia2")
+STABILITY_METHODS = ("forward_euler", "rk4", "symplectic_euler", "backward_euler", "implicit_midpoint", "radau_iia2")
 # The lesson's three, and one of each kind beside them.
-KINDS = (
+WORK_PRECISION_METHODS = (
     "forward_euler",
     "symplectic_euler",
     "rk4",
@@ -39,7 +42,7 @@ KINDS = (
 
 @command(
     option("problem", nargs="?", help="a problem; without one they are listed"),
-    methods_option(f"keys or .toml files (default {','.join(BEHAVIOURS)})"),
+    methods_option(f"keys or .toml files (default {','.join(STABILITY_METHODS)})"),
     steps_option("step sizes that divide t, such as 1/4,1/8 (default: 10, 100 and 1000 steps)"),
     TEXT_OR_JSON,
 )
@@ -57,28 +60,17 @@ def stability_command(options: Namespace) -> str:
     """
     from driftproof.numeric.problems.catalogue import PROBLEMS, problem_named
     from driftproof.reports.stability import problems_json, problems_text, stability_answer, stability_text
-    from driftproof.support.plain_text import as_json
 
     if options.problem is None:
-        listed = problems_json(PROBLEMS.values())
-        return as_json(listed) if options.format == "json" else problems_text(listed)
-    result = stability_answer(problem_named(options.problem), options.methods or BEHAVIOURS, options.h, _walk)
-    return as_json(result) if options.format == "json" else stability_text(result)
-
-
-def _walk(names: Sequence[str]) -> Iterable[str]:
-    """The names, with a progress bar on a terminal."""
-    if not sys.stderr.isatty():
-        return names
-    from tqdm import tqdm
-
-    bar: Iterable[str] = tqdm(names, unit="method", leave=False)
-    return bar
+        return as_asked(options, problems_json(PROBLEMS.values()), problems_text)
+    methods = options.methods or STABILITY_METHODS
+    walk = partial(with_progress, unit="method")
+    return as_asked(options, stability_answer(problem_named(options.problem), methods, options.h, walk), stability_text)
 
 
 @command(
     option("problem", nargs="?", default="harmonic_oscillator", help="`driftproof stability` lists them"),
-    methods_option(f"keys or .toml files (default {','.join(KINDS)})"),
+    methods_option(f"keys or .toml files (default {','.join(WORK_PRECISION_METHODS)})"),
     output_option("a folder for files and figures; an interrupted study goes on from it", metavar="FOLDER"),
     list_option("--peers", str, "P", "scipy, diffrax, heyoka, ..."),
     time_limit_option(
@@ -117,19 +109,17 @@ def work_precision_command(options: Namespace) -> str:
     from driftproof.reports.work_precision.report import errors_json, study_text, times_json
     from driftproof.reports.work_precision.study import Study, measure
     from driftproof.support.files import require_folder
-    from driftproof.support.plain_text import as_json
     from driftproof.texts.writing.facts import method_of
 
-    methods = [method_of(name) for name in options.methods or KINDS]
+    methods = [method_of(name) for name in options.methods or WORK_PRECISION_METHODS]
     study = Study(problem_named(options.problem), methods, peers_named(options.peers), options.time_limit)
     if options.output:
         require_folder(options.output)
     with _progress() as steps:
         measured = measure(study, options.output, _say, steps)
     written = _write(study, measured, options.output) if options.output else []
-    if options.format == "json":
-        return as_json({"errors": errors_json(study, measured), "times": times_json(study, measured)})
-    return "\n".join([study_text(study, measured), *written])
+    both = {"errors": errors_json(study, measured), "times": times_json(study, measured)}
+    return as_asked(options, both, lambda _: "\n".join([study_text(study, measured), *written]))
 
 
 def _write(study: Study, measured: Measured, folder: Path) -> list[str]:

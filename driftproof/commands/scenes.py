@@ -10,8 +10,12 @@ from typing import TYPE_CHECKING
 
 from driftproof.commands.arguments import (
     TEXT_OR_JSON,
+    as_asked,
     command,
+    count_steps,
     digits_option,
+    exactly,
+    flag,
     initial_state,
     integer_in,
     list_option,
@@ -19,8 +23,6 @@ from driftproof.commands.arguments import (
     one_of,
     option,
     output_option,
-    progress,
-    rational,
     steps_option,
 )
 
@@ -73,24 +75,22 @@ def scene_command(options: Namespace) -> str:
     from driftproof.reports.page.trajectory import write_figures
     from driftproof.reports.scene_view import scene_json, scene_text, show_scene
     from driftproof.support.files import require_folder
-    from driftproof.support.plain_text import as_json
 
     scene = scene_named(options.name)
     if options.figures:
         require_folder(options.figures)
-    shown = show_scene(scene, options.digits, progress)
+    shown = show_scene(scene, options.digits, count_steps)
     drawn = write_figures(scene, options.figures) if options.figures else []
-    if options.format == "json":
-        return as_json(scene_json(scene, shown))
     wrote = "\n".join(f"wrote {path}" for path in drawn)
-    return "\n\n".join(filter(None, [scene_text(scene, shown), wrote]))
+    text = "\n\n".join(filter(None, [scene_text(scene, shown), wrote]))
+    return as_asked(options, scene_json(scene, shown), lambda _: text)
 
 
 @command(
     option("scene", help="a preset that `driftproof scenes` lists, or a file that ends in .toml"),
     methods_option("keys that `driftproof methods` lists"),
     option("--state", type=initial_state, action="append", help="start as position,velocity; repeatable"),
-    list_option("--t", rational("t"), "T", "final times"),
+    list_option("--t", exactly("t"), "T", "final times"),
     steps_option("step sizes, such as 1/4,1/8"),
     output_option("keep answers here, as JSON lines, as they come; an interrupted sweep goes on from them"),
     one_of(
@@ -118,14 +118,13 @@ def sweep_command(options: Namespace) -> str:
     """
     from driftproof.numeric.scenes import scene_named
     from driftproof.reports.sweeps import sweep_json, sweep_text, sweep_with_progress
-    from driftproof.support.plain_text import as_json
 
     scene = scene_named(options.scene)
     axes = {"selected": options.methods, "start": options.state, "t": options.t, "h": options.h}
     grid = {name: values for name, values in axes.items() if values}
     with _executor(options) as executor:
         found = sweep_with_progress(scene, grid, executor, options.output)
-    return as_json(sweep_json(scene, found)) if options.format == "json" else sweep_text(scene, found)
+    return as_asked(options, sweep_json(scene, found), lambda _: sweep_text(scene, found))
 
 
 @contextmanager
@@ -148,11 +147,7 @@ def _executor(options: Namespace) -> Iterator[Executor | None]:
     option("scenes", nargs="*", metavar="SCENE", help="a preset, or a file that ends in .toml (default: all presets)"),
     output_option("the page to write", required=True),
     CERTIFIED_DIGITS,
-    option(
-        "--times",
-        action="store_true",
-        help="also measure seconds where a scene names work_precision; never twice alike",
-    ),
+    flag("--times", "also measure seconds where a scene names work_precision; never twice alike"),
 )
 def report_command(options: Namespace) -> str:
     """Write presets, or scenes of your own from TOML files, as one page of HTML.
@@ -172,7 +167,7 @@ def report_command(options: Namespace) -> str:
 
     require_file(options.output)
     scenes = [scene_named(name) for name in options.scenes or PRESETS]
-    page = document(scenes, options.digits, times=options.times, counter=progress)
+    page = document(scenes, options.digits, times=options.times, counter=count_steps)
     with atomic_write(options.output) as draft:
         Path(draft).write_text(page, encoding="utf-8", newline="\n")
     return f"wrote {options.output}"

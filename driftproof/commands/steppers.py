@@ -7,11 +7,12 @@ from argparse import Namespace
 from driftproof.commands.arguments import (
     Refuted,
     command,
+    exactly,
+    flag,
     format_option,
     integer_in,
     option,
     positive_number,
-    rational,
     time_limit_option,
 )
 
@@ -59,13 +60,11 @@ def identify_command(options: Namespace) -> str:
     ),
     option("--largest-step", type=positive_number("h"), default=2.0, help="0 < h <= this (default 2)"),
     option("--largest-state", type=positive_number("state"), default=1000.0, help="|q|, |v| <= this (default 1000)"),
-    option("--extremes", action="store_true", help="try the smallest floats, too, down to subnormal ones"),
-    option("--step-in-binary32", action="store_true", help="allow that h is rounded to binary32 first"),
-    option("--velocity-from-positions", action="store_true", help="allow for v formed as (q1 - q)/h: u (|q| + |q1|)/h"),
-    option("--flush-to-zero", action="store_true", help="allow that subnormal numbers become 0"),
-    option(
-        "--solver-tolerance", type=rational("solver tolerance"), help="how well implicit stages are solved, e.g. 1e-10"
-    ),
+    flag("--extremes", "try the smallest floats, too, down to subnormal ones"),
+    flag("--step-in-binary32", "allow that h is rounded to binary32 first"),
+    flag("--velocity-from-positions", "allow for v formed as (q1 - q)/h: u (|q| + |q1|)/h"),
+    flag("--flush-to-zero", "allow that subnormal numbers become 0"),
+    option("--solver-tolerance", type=exactly("solver tolerance"), help="how well stages are solved, e.g. 1e-10"),
 )
 def verify_command(options: Namespace) -> str:
     """Hold a stepper to a method: its coefficients, its rounding errors against a derived bound, its order.

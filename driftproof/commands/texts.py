@@ -6,13 +6,14 @@ from argparse import Namespace
 from pathlib import Path
 
 from driftproof.commands.arguments import (
-    ROUNDINGS,
     Refuted,
     command,
+    flag,
     format_option,
     one_of,
     option,
     output_option,
+    rounding_option,
     time_limit_option,
 )
 
@@ -22,9 +23,9 @@ TEMPLATE_SUFFIX = ".j2"
 @command(
     option("templates", nargs="+", type=Path, metavar="TEMPLATE", help="a text with {{ value(...) }} in it"),
     output_option("default: the template's name without .j2"),
-    option("--check", action="store_true", help="write nothing; fail with a diff if the output is another"),
+    flag("--check", "write nothing; fail with a diff if the output is another"),
     option("--style", choices=("plain", "printed"), help="-3.3e-4 or −3.3×10⁻⁴ (default plain, in TeX printed)"),
-    option("--rounding", choices=ROUNDINGS, help="what a tie becomes (default: a tie is an error)"),
+    rounding_option("what a tie becomes (default: a tie is an error)"),
 )
 def render_command(options: Namespace) -> str:
     """Render a Jinja2 template, in a sandbox, with proved values and tables of methods in it.
@@ -81,11 +82,11 @@ def _outputs(templates: list[Path], output: Path | None) -> dict[Path, Path]:
     option("text", help="a text: .txt, .md, .html, .tex, .ipynb; anything else is read as plain text"),
     one_of(
         option("--claims", metavar="FILE", help="the claims, in TOML"),
-        option("--init", action="store_true", help="draft the claims from the text instead"),
+        flag("--init", "draft the claims from the text instead"),
         required=True,
     ),
-    option("--coverage", action="store_true", help="list the numbers no claim covers, with suggestions"),
-    option("--run", action="store_true", help="run the Python listings and compare what they print"),
+    flag("--coverage", "list the numbers no claim covers, with suggestions"),
+    flag("--run", "run the Python listings and compare what they print"),
     time_limit_option(10.0, "seconds for --run (default 10)"),
     format_option("text", "json", "github"),
 )

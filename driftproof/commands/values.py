@@ -6,16 +6,16 @@ from argparse import Namespace
 from pathlib import Path
 
 from driftproof.commands.arguments import (
-    MOST_DIGITS,
-    ROUNDINGS,
     Refuted,
     command,
     digits_option,
+    flag,
     format_option,
-    integer_in,
     names_in,
     one_of,
     option,
+    places_option,
+    rounding_option,
 )
 
 
@@ -23,12 +23,12 @@ from driftproof.commands.arguments import (
     option("question", nargs="?", help="the question, in quotes"),
     one_of(
         digits_option("significant digits", metavar="N"),
-        option("--places", type=integer_in(0, MOST_DIGITS, "places"), metavar="N", help="digits after the point"),
+        places_option("digits after the point", metavar="N"),
     ),
-    option("--rounding", choices=ROUNDINGS, help="the policy (default half-even, ties refused)"),
+    rounding_option("the policy (default half-even, ties refused)"),
     option("--style", choices=("plain", "printed"), default="plain", help="-6.7e-5 or −6.7×10⁻⁵"),
     format_option("text", "json", "tex", "mathml", "md", words=None),
-    option("--list", action="store_true", help="list what can be asked"),
+    flag("--list", "list what can be asked"),
 )
 def value_command(options: Namespace) -> str:
     """Answer one question exactly, and print the number as a text wants it: digits, rounding, style.

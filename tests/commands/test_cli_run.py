@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import pytest
 
-from driftproof.commands.arguments import LONG_RUN, NO_ANSWER, progress
+from driftproof.commands.arguments import LONG_RUN, NO_ANSWER, count_steps
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -69,10 +69,10 @@ def test_question_without_an_answer_gives_one_line_and_its_own_exit(run: Run) ->
 
 
 def test_progress_bar_is_for_long_runs_on_a_terminal_only(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert progress(LONG_RUN * 10) == range(LONG_RUN * 10)  # standard error is no terminal here
+    assert count_steps(LONG_RUN * 10) == range(LONG_RUN * 10)  # standard error is no terminal here
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
-    assert progress(10) == range(10)
-    bar = progress(LONG_RUN)
+    assert count_steps(10) == range(10)
+    bar = count_steps(LONG_RUN)
     assert not isinstance(bar, range)
     assert len(bar) == LONG_RUN
     bar.close()
