@@ -19,9 +19,17 @@ from typing import Any
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
-from driftproof.texts.claims.checking import Outcome, check_claims, occurrences_of  # noqa: E402
+from driftproof.texts.claims.checking import (  # noqa: E402
+    GIVEN,
+    LABEL,
+    UNCOVERED,
+    WORKED_OUT,
+    CheckedClaim,
+    check_claims,
+    coverage,
+    occurrences_of,
+)
 from driftproof.texts.claims.claims import Claim, read_claims  # noqa: E402
-from driftproof.texts.claims.coverage import GIVEN, LABEL, UNCOVERED, VALUE, coverage  # noqa: E402
 from driftproof.texts.readers.canonical import FRACTIONS, LOWERED, RAISED  # noqa: E402
 from driftproof.texts.readers.document import Document, document_of, read_document  # noqa: E402
 
@@ -42,14 +50,14 @@ MISPRINTS = {digit: kind.replace(digit, "") for kind in _KINDS for digit in kind
 ROUND_ABOUT = 200
 
 
-def misprints(document: Document, outcome: Outcome) -> Iterator[tuple[int, str]]:
+def misprints(document: Document, outcome: CheckedClaim) -> Iterator[tuple[int, str]]:
     """Every change of one digit where the claim's phrase stands: the place in the file, and the digit put there."""
     for occurrence in outcome.occurrences:
         places = {document.text.origin(i): None for i in range(occurrence.start, occurrence.end)}
         yield from ((at, other) for at in places for other in MISPRINTS.get(document.source[at], ""))
 
 
-def unnoticed(document: Document, outcome: Outcome) -> list[tuple[int, str]]:
+def unnoticed(document: Document, outcome: CheckedClaim) -> list[tuple[int, str]]:
     """The misprints of a plain text by which the claim is not refuted, from their surroundings alone.
 
     The claim holds of the text as it is, so that one occurrence more or less refutes it.
@@ -102,12 +110,12 @@ def known() -> dict[str, Any]:
 
 def _coverage() -> Rows:
     found = known()
-    numbers = found[VALUE] + found[GIVEN] + found[UNCOVERED]
+    numbers = found[WORKED_OUT] + found[GIVEN] + found[UNCOVERED]
     share = Fraction(found["share"]) * 100
     return [
         ["numbers of the lesson", "how many"],
         ["all but labels", str(numbers)],
-        ["worked out and rounded here", str(found[VALUE])],
+        ["worked out and rounded here", str(found[WORKED_OUT])],
         *[[f"given: {why}", str(count)] for why, count in sorted(found["given_as"].items())],
         ["covered by no claim", str(found[UNCOVERED])],
         ["covered", f"{share.numerator}%" if share.denominator == 1 else f"{float(share):.1f}%"],

@@ -138,8 +138,8 @@ def check_command(options: Namespace) -> str:
     """
     from driftproof.texts.claims.claims import Claims, read_claims
     from driftproof.texts.claims.drafting import draft
-    from driftproof.texts.claims.report import Report
-    from driftproof.texts.claims.running import run_listings
+    from driftproof.texts.claims.listings import run_listings
+    from driftproof.texts.claims.report import TextReport
     from driftproof.texts.readers.document import read_document
 
     if options.init and (options.run or options.coverage or options.format != "text"):
@@ -149,7 +149,7 @@ def check_command(options: Namespace) -> str:
     if options.init:
         return draft(document, options.text)
     ran = run_listings(document, options.time_limit) if options.run else None
-    report = Report.of(options.text, document, claims, ran, options.coverage)
-    if not report.passed:
+    report = TextReport.of(options.text, document, claims, ran, options.coverage)
+    if report.findings:
         raise Refuted(report.written(options.format))
     return report.written(options.format)

@@ -47,3 +47,15 @@ def did_you_mean(key: str, known: Iterable[str]) -> str:
 
     close = get_close_matches(key, known, n=2, cutoff=0.4)
     return f"; did you mean {' or '.join(close)}?" if close else ""
+
+
+def annotation(level: str, message: str, **properties: object) -> str:
+    """A workflow command of GitHub's, shown beside a line of a file: error, warning or notice, and where it belongs."""
+    listed = ",".join(f"{key}={_escaped(str(value), ':,')}" for key, value in properties.items())
+    return f"::{level} {listed}::{_escaped(message)}"
+
+
+def _escaped(text: str, more: str = "") -> str:
+    for character in "%\r\n" + more:
+        text = text.replace(character, f"%{ord(character):02X}")
+    return text

@@ -1,21 +1,28 @@
-"""Whether a text says what its claims say: each phrase with its values exactly as often as claimed."""
+"""Whether a text says what its claims say, and which of its numbers the claims answer for."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from itertools import islice
 
-from driftproof.texts.claims.claims import Claim
+from driftproof.texts.claims.claims import Claim, NumberLabel
 from driftproof.texts.claims.phrases import Spellings
 from driftproof.texts.readers.document import Document, Position
+from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
+# How a number is accounted for: worked out here, given, printed by a listing that was run, part of a name, or not.
+WORKED_OUT, GIVEN, RUN, LABEL, UNCOVERED = ACCOUNTS = ("value", "given", "run", "label", "uncovered")
 # What is shown of the text where a phrase begins as it should and then goes on differently.
-SHOWN = 60
+_SHOWN = 60
 # Places of a text that have the shape of one phrase: of more, the first are compared.
-MOST_COMPARED = 2000
-MOST_FINDINGS = 3
+_MOST_COMPARED = 2000
+_MOST_FINDINGS = 3
+
+Span = tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -24,7 +31,7 @@ class Occurrence:
 
     start: int
     end: int
-    values: tuple[tuple[int, int], ...]
+    values: tuple[Span, ...]
 
 
 @dataclass(frozen=True)
@@ -32,19 +39,33 @@ class Finding:
     """One thing that is wrong: the claim, the place, what is expected there, what is found, and the same in words."""
 
     claim: str
-    place: Position
+    line: int
+    column: int
     expected: str
     found: str
     message: str
 
 
 @dataclass(frozen=True)
-class Outcome:
+class CheckedClaim:
     """A claim held to a text: where it stands, and what is wrong with it."""
 
     claim: Claim
     occurrences: tuple[Occurrence, ...]
     findings: tuple[Finding, ...]
+
+
+def check_claims(document: Document, claims: Iterable[Claim]) -> list[CheckedClaim]:
+    """Every claim held to the text. Raises ValueError where a claim has no value."""
+    return [check_claim(document, claim, claim.spellings()) for claim in claims]
+
+
+def check_claim(document: Document, claim: Claim, spellings: Spellings) -> CheckedClaim:
+    """The claim, whose values are spelled so, held to the text."""
+    found = occurrences_of(document, claim, spellings)
+    wrong = _surplus if len(found) > claim.count else _missing
+    findings = () if len(found) == claim.count else tuple(wrong(document, claim, spellings, found))
+    return CheckedClaim(claim, found, findings)
 
 
 def occurrences_of(document: Document, claim: Claim, spellings: Spellings) -> tuple[Occurrence, ...]:
@@ -55,80 +76,155 @@ def occurrences_of(document: Document, claim: Claim, spellings: Spellings) -> tu
     )
 
 
-def check_claim(document: Document, claim: Claim, spellings: Spellings) -> Outcome:
-    """The claim, whose values are spelled so, held to the text."""
-    occurrences = occurrences_of(document, claim, spellings)
-    if len(occurrences) == claim.count:
-        return Outcome(claim, occurrences, ())
-    if len(occurrences) > claim.count:
-        return Outcome(claim, occurrences, tuple(_surplus(document, claim, occurrences)))
-    return Outcome(claim, occurrences, tuple(_missing(document, claim, spellings, occurrences)))
-
-
-def check_claims(document: Document, claims: Iterable[Claim]) -> list[Outcome]:
-    """Every claim held to the text. Raises ValueError where a claim has no value."""
-    return [check_claim(document, claim, claim.spellings()) for claim in claims]
-
-
 def _times(count: int) -> str:
     return "once" if count == 1 else f"{count} times"
 
 
-def _surplus(document: Document, claim: Claim, occurrences: tuple[Occurrence, ...]) -> Iterable[Finding]:
-    for occurrence in occurrences[claim.count :][:MOST_FINDINGS]:
-        found = document.text.text[occurrence.start : occurrence.end]
-        message = f"this stands {_times(len(occurrences))} in the text, and should stand {_times(claim.count)}"
-        yield Finding(claim.id, document.position(occurrence.start), "nothing", found, message)
+def _surplus(
+    document: Document, claim: Claim, spellings: Spellings, occurrences: tuple[Occurrence, ...]
+) -> Iterator[Finding]:
+    message = f"this stands {_times(len(occurrences))} in the text, and should stand {_times(claim.count)}"
+    for one in occurrences[claim.count :][:_MOST_FINDINGS]:
+        found = document.text.text[one.start : one.end]
+        yield Finding(claim.id, *document.position(one.start), "nothing", found, message)
 
 
 def _missing(
     document: Document, claim: Claim, spellings: Spellings, occurrences: tuple[Occurrence, ...]
-) -> Iterable[Finding]:
+) -> Iterator[Finding]:
     """As many as are missing of the places that come closest: the most numbers right, and the first such."""
     missing, known = claim.count - len(occurrences), {occurrence.start for occurrence in occurrences}
     for names in (True, False):  # a name with another number in it comes close, too, where nothing comes closer
         expected = claim.phrase.numbers(spellings, names)
         shape = claim.phrase.shape(spellings, claim.ignore_case, names)
-        found = islice(shape.finditer(document.text.text), MOST_COMPARED)
+        found = islice(shape.finditer(document.text.text), _MOST_COMPARED)
         near = [match for match in found if match.start() not in known]
         near.sort(key=lambda match: -sum(a == b for a, b in zip(expected, match.groups(), strict=True)))
         if near:
-            yield from (_difference(document, claim, expected, match) for match in near[: min(missing, MOST_FINDINGS)])
+            nearest = near[: min(missing, _MOST_FINDINGS)]
+            yield from (_difference(document, claim, expected, match) for match in nearest)
             return
     often = "nowhere" if not occurrences else f"only {_times(len(occurrences))}"
     written = claim.phrase.written(spellings)
     message = f"{written!r} stands {often} in the text, and should stand {_times(claim.count)}"
-    yield _unseen(document, claim, spellings, message)
-
-
-def _unseen(document: Document, claim: Claim, spellings: Spellings, message: str) -> Finding:
-    """A phrase that has not even its shape in the text: where the text comes closest."""
-    written = claim.phrase.written(spellings)
     capitals = None if claim.ignore_case else claim.phrase.shape(spellings, True).search(document.text.text)
     if capitals:
-        place, found, why = document.position(capitals.start()), capitals[0], "other capitals, and ignore_case = true"
-        return Finding(claim.id, place, written, found, f"{message}; {found!r} has {why} allows them")
-    place, found = _beginning(document, written)
-    return Finding(claim.id, place, written, found, f"{message}; closest is {found!r}" if found else message)
+        place, shown = document.position(capitals.start()), capitals[0]
+        message += f"; {shown!r} has other capitals, and ignore_case = true allows them"
+    else:
+        place, shown = _beginning(document, written)
+        message += f"; closest is {shown!r}" if shown else ""
+    yield Finding(claim.id, *place, written, shown, message)
 
 
 def _difference(document: Document, claim: Claim, expected: list[str], match: re.Match[str]) -> Finding:
     """The first number that is not as it should be."""
-    groups = list(match.groups())
-    first = next((i for i, (a, b) in enumerate(zip(expected, groups, strict=True)) if a != b), None)
-    if first is None:
-        message = f"{match[0]!r} is part of something longer here, or is spelled in another way"
-        return Finding(claim.id, document.position(match.start()), match[0], match[0], message)
-    message = f"expected {expected[first]}, found {groups[first]}"
-    return Finding(claim.id, document.position(match.start(first + 1)), expected[first], groups[first], message)
+    for i, (right, found) in enumerate(zip(expected, match.groups(), strict=True), 1):
+        if right != found:
+            place = document.position(match.start(i))
+            return Finding(claim.id, *place, right, found, f"expected {right}, found {found}")
+    message = f"{match[0]!r} is part of something longer here, or is spelled in another way"
+    return Finding(claim.id, *document.position(match.start()), match[0], match[0], message)
 
 
 def _beginning(document: Document, written: str) -> tuple[Position, str]:
     """Where the longest run of first words of a phrase stands, and what does; the first place and "" if none does."""
     flat = document.text.text.replace("\n", " ")
-    words = [match.end() for match in re.finditer(r"\S+", written.replace("\n", " "))]
-    for end in reversed(words):
-        at = flat.find(written[:end].replace("\n", " "))
-        if at >= 0 and end > 1:
-            return document.position(at), flat[at : at + max(len(written), end)][:SHOWN]
+    for word in reversed([*re.finditer(r"\S+", written)]):
+        at = flat.find(written[: word.end()].replace("\n", " "))
+        if at >= 0 and word.end() > 1:
+            return document.position(at), flat[at : at + len(written)][:_SHOWN]
     return Position(1, 1), ""
+
+
+@dataclass(frozen=True)
+class Accounted:
+    """A number, how it is accounted for (one of ACCOUNTS), and by what: a claim's id, or why it is a label."""
+
+    number: TextNumber
+    kind: str
+    by: str
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """Every number of a text, accounted for, in order."""
+
+    numbers: tuple[Accounted, ...]
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many there are of each kind."""
+        found = Counter(accounted.kind for accounted in self.numbers)
+        return {kind: found[kind] for kind in ACCOUNTS}
+
+    @property
+    def share(self) -> Fraction:
+        """The part of the numbers, labels apart, that is covered: values, given and run. All of none is 1."""
+        of = len(self.numbers) - self.counts[LABEL]
+        return 1 - Fraction(len(self.uncovered), of) if of else Fraction(1)
+
+    @property
+    def uncovered(self) -> list[TextNumber]:
+        """The numbers that nobody answers for."""
+        return [accounted.number for accounted in self.numbers if accounted.kind == UNCOVERED]
+
+
+def coverage(
+    document: Document, checked: Iterable[CheckedClaim], labels: Iterable[NumberLabel] = (), ran: Iterable[Span] = ()
+) -> Coverage:
+    """Every number of the text; `ran` are the spans of what listings print and were seen to print.
+
+    A number counts for the value it stands in, else as a label by rule, else for what it stands in first: the phrase of
+    a claim, which gives it, that of a label, or what was run. Raises ValueError for a label that stands nowhere.
+    """
+    text = document.text.text
+    values: dict[Span, tuple[str, str]] = {}
+    holders: list[tuple[int, int, str, str]] = []
+    for one in checked:
+        claim = one.claim
+        for occurrence in one.occurrences:
+            for name, span in zip(claim.phrase.names, occurrence.values, strict=True):
+                values.setdefault(span, (WORKED_OUT if claim.values[name].given is None else GIVEN, claim.id))
+            holders.append((occurrence.start, occurrence.end, GIVEN, claim.id))
+    for label in labels:
+        found = [match.span() for match in label.phrase.any_numbers().finditer(text)]
+        if not found:
+            raise ValueError(f"the label for {label.why!r} stands nowhere in the text")
+        holders += [(*span, LABEL, label.why) for span in found]
+    holders += [(*span, RUN, "running the listing") for span in ran]
+    numbers = [number for span, how in values.items() for number in _of_value(text, span, *how)]
+    numbers += _of_rest(_masked(text, values), holders)
+    return Coverage(tuple(sorted(numbers, key=lambda accounted: accounted.number.start)))
+
+
+def _of_value(text: str, span: Span, kind: str, by: str) -> Iterator[Accounted]:
+    """The numbers of one value: of a formula there are several."""
+    start, end = span
+    for number in numbers_in(text[start:end]):
+        if number.label is None:
+            yield Accounted(replace(number, start=start + number.start, end=start + number.end), kind, by)
+
+
+def _masked(text: str, spans: Iterable[Span]) -> str:
+    """The text with signs of no number and no word, from Unicode's private use, where the values stand."""
+    pieces, done = [], 0
+    for start, end in sorted(spans):
+        if start >= done:
+            pieces += [text[done:start], "\uf8ff" * (end - start)]
+            done = end
+    return "".join([*pieces, text[done:]])
+
+
+def _of_rest(text: str, holders: list[tuple[int, int, str, str]]) -> Iterator[Accounted]:
+    held: list[tuple[int, str, str] | None] = [None] * len(text)  # of each character, by what, and where that ends
+    for start, end, kind, by in sorted(holders, key=lambda holder: holder[0], reverse=True):
+        held[start:end] = [(end, kind, by)] * (end - start)
+    for number in numbers_in(text):
+        holder = held[number.start]
+        if number.label is not None:
+            yield Accounted(number, LABEL, number.label)
+        elif holder and number.end <= holder[0]:
+            yield Accounted(number, *holder[1:])
+        else:
+            yield Accounted(number, UNCOVERED, "")

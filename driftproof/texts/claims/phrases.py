@@ -1,20 +1,29 @@
-"""A phrase of a text with places for values: the pattern of what must stand there, and of its shape."""
+"""A phrase of a text with places for values: the ways to spell each, and the pattern of what must stand there.
+
+No value is spelled as another number can be.
+"""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
 from itertools import zip_longest
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
-from driftproof.texts.claims.spelling import literal_pattern, pattern
-from driftproof.texts.readers.canonical import canonical_spelling
+from driftproof.texts.readers.canonical import canonical_text
 from driftproof.texts.readers.numbers import numbers_in
-from driftproof.texts.readers.source_text import SourceText
+
+if TYPE_CHECKING:
+    from driftproof.texts.questions.value import Value
 
 LONGEST_PHRASE = 400
 MOST_VALUES = 20
+MOST_DECIMALS = 1000
+# An exact form longer than this is nothing that a text prints.
+_LONGEST_EXACT = 400
 # The ways to write each value, by its name, the plainest first.
 Spellings: TypeAlias = Mapping[str, list[str]]
 
@@ -22,6 +31,7 @@ _PLACEHOLDER = re.compile(r"\{\{|\}\}|\{(?P<name>[a-z][a-z0-9_]*)\}|[{}]")
 # In a phrase a placeholder is one character of Unicode's private use, so that its spelling can be made canonical.
 _FIRST_SEAT = 0xF000
 _SEAT = re.compile(f"[{chr(_FIRST_SEAT)}-{chr(_FIRST_SEAT + MOST_VALUES)}]")
+_DECIMAL = re.compile(r"(?P<sign>-?)(?P<whole>[0-9]+)(?:\.(?P<rest>[0-9]+))?(?:e(?P<exponent>-?[0-9]+))?")
 # Any number, or several that run together; a power is no part of a fraction. It gives nothing back, so that no search
 # takes long.
 ANY_NUMBER = (
@@ -31,6 +41,81 @@ ANY_NUMBER = (
 # A number is not torn out of a longer one, nor out of a product, a power or a percentage of which it is a part.
 _NUMBER_BEGINS = r"(?<![0-9][,'/])(?<![\w.^_√+-])"
 _NUMBER_ENDS = r"(?!\w)(?![.,'/][0-9])(?!/[\w(])(?![\^_√])(?! ?[×·] ?10\^)(?! ?%)"
+
+
+@dataclass(frozen=True)
+class NumberForm:
+    """How a number stands in a text: so many places, or digits, or exactly; with none of them as it is, in full."""
+
+    places: int | None = None
+    digits: int | None = None
+    exact: bool = False
+    rounding: str | None = None
+
+    def spellings(self, value: Value) -> list[str]:
+        """Every way to write the value so, in canonical spelling, the plainest first.
+
+        Raises ValueError for a number that cannot be written so: an irrational one in full, a tie between two policies
+        of rounding.
+        """
+        from driftproof.texts.questions.style import Style
+
+        style, x = Style(rounding=self.rounding), value.exact
+        if not value.is_number or self.exact:
+            return _exact_spellings(value)
+        if self.places is not None:
+            return [value.places(self.places, style)]
+        if self.digits is not None:
+            return _decimal_spellings(value.digits(self.digits, style))
+        if isinstance(x, Fraction) and 10**MOST_DECIMALS % x.denominator == 0:
+            return [value.places(next(n for n in range(MOST_DECIMALS + 1) if 10**n % x.denominator == 0))]
+        raise ValueError("the value has no decimal that ends; say places, digits or exact")
+
+
+def _exact_spellings(value: Value) -> list[str]:
+    """3/8, or a formula: as on paper, or with * and ** as in a program."""
+    text = value.exact_text
+    if text is None:
+        raise ValueError("the value has no exact form; say places or digits")
+    if len(text) > _LONGEST_EXACT:
+        raise ValueError(f"the exact form has {len(text)} characters; say places or digits")
+    printed = re.sub(
+        r"\*\*\(?(-?\w+)\)?", lambda power: f"^{power[1]}" if len(power[1]) == 1 else f"^{{{power[1]}}}", text
+    )
+    printed = re.sub(r"sqrt\((\w+)\)", r"√\1", printed).replace("sqrt(", "√(").replace("*", "")
+    return list(dict.fromkeys((printed, text)))
+
+
+def _decimal_spellings(decimal: str) -> list[str]:
+    """The same digits with and without an exponent: 0.00033 and 3.3e-4."""
+    x = Decimal(decimal)
+    if not x:
+        return [decimal]
+    scientific = f"{x:e}".replace("e+", "e")
+    return [scientific] if abs(x.adjusted()) > MOST_DECIMALS else [f"{x:f}", scientific]
+
+
+def _spelling_pattern(spelling: str) -> str:
+    """A regular expression for one spelling: groups of three digits may be set apart, × or · stand for e."""
+    match = _DECIMAL.fullmatch(spelling)
+    if match is None:
+        return _literal_pattern(spelling)
+    whole, rest, exponent = match["whole"], match["rest"], match["exponent"]
+    if len(whole) > 3:
+        head = len(whole) % 3 or 3
+        groups = [whole[:head], *(whole[i : i + 3] for i in range(head, len(whole), 3))]
+        whole = f"(?:{whole}|{','.join(groups)}|{chr(39).join(groups)})"
+    text = f"{match['sign']}{whole}" + (rf"\.{rest}" if rest else "")
+    if exponent is None:
+        return text
+    sign, raised = ("-", exponent) if exponent.startswith("-") else (r"\+?", exponent)
+    raised = raised if len(raised) == 1 else rf"\{{{raised}\}}"
+    return text + rf"(?:[eE]{sign}0?{exponent.lstrip('-')}| ?[×·] ?10\^{raised})"
+
+
+def _literal_pattern(text: str) -> str:
+    """A regular expression for a text in canonical spelling, whose spaces may be ends of lines."""
+    return re.sub(r"(?:\\?[ \n])+", lambda space: "[ \\n]", re.escape(text))
 
 
 @dataclass(frozen=True)
@@ -51,20 +136,25 @@ class Phrase:
         if _SEAT.search(text):
             raise ValueError("it holds a character of Unicode's private use")
         names: list[str] = []
-        spelled = canonical_spelling(SourceText.of(_seated(text.strip(), names))).text
+        spelled = canonical_text(_seated(text.strip(), names))
         if not spelled:
             raise ValueError("it is empty")
         return cls(tuple(_SEAT.split(spelled)), tuple(names))
 
     def exact(self, spellings: Spellings, ignore_case: bool = False) -> re.Pattern[str]:
         """The pattern of the phrase as it must stand, each value in one of its spellings, as a group of its name."""
-        values = (f"(?P<{name}>{'|'.join(map(pattern, spellings[name]))})" for name in self.names)
-        return self._pattern("".join(_alternating(map(literal_pattern, self.literals), values)), ignore_case)
+        values = (f"(?P<{name}>{'|'.join(map(_spelling_pattern, spellings[name]))})" for name in self.names)
+        return self._pattern(_alternating(map(_literal_pattern, self.literals), values), ignore_case)
 
     def shape(self, spellings: Spellings, ignore_case: bool = False, names: bool = True) -> re.Pattern[str]:
         """The pattern of the phrase with any numbers for its own, each a group; `names` such as RK4 keep theirs."""
-        texts, _ = self._texts_and_numbers(spellings, names)
-        return self._pattern(f"({ANY_NUMBER})".join(map(literal_pattern, texts)), ignore_case)
+        texts, found = self._texts_and_numbers(spellings, names)
+        return self._pattern(_alternating(map(_literal_pattern, texts), [f"({ANY_NUMBER})"] * len(found)), ignore_case)
+
+    def any_numbers(self) -> re.Pattern[str]:
+        """The pattern of the phrase with any number for each value, and its own literal numbers."""
+        numbers = [f"({ANY_NUMBER})"] * len(self.names)
+        return self._pattern(_alternating(map(_literal_pattern, self.literals), numbers))
 
     def numbers(self, spellings: Spellings, names: bool = True) -> list[str]:
         """What the groups of the shape are where every number is right."""
@@ -73,12 +163,6 @@ class Phrase:
     def written(self, spellings: Spellings) -> str:
         """The phrase with the plainest spelling of each value."""
         return "".join(_alternating(self.literals, (spellings[name][0] for name in self.names)))
-
-    def any_numbers(self) -> re.Pattern[str]:
-        """The pattern of the phrase with any number for each value, and its own literal numbers."""
-        return self._pattern(
-            "".join(_alternating(map(literal_pattern, self.literals), (f"({ANY_NUMBER})" for _ in self.names)))
-        )
 
     def _texts_and_numbers(self, spellings: Spellings, names: bool) -> tuple[list[str], list[str]]:
         """The phrase cut at its numbers, those that run together being one: n + 1 texts and n numbers."""
@@ -97,9 +181,16 @@ class Phrase:
             texts[-1] += part[done:]
         return texts, found
 
-    def _pattern(self, text: str, ignore_case: bool = False) -> re.Pattern[str]:
-        whole = _begins(self.literals[0]) + text + _ends(self.literals[-1])
-        return re.compile(whole, re.IGNORECASE if ignore_case else 0)
+    def _pattern(self, parts: Iterable[str], ignore_case: bool = False) -> re.Pattern[str]:
+        """The parts as one pattern; a word or a number at either end is whole."""
+        first, last = self.literals[0], self.literals[-1]
+        begins = r"(?<!\w)" if re.match(r"\w", first) else ""
+        ends = r"(?!\w)" if re.search(r"\w\Z", last) else ""
+        if not first or re.match("[-+.]?[0-9]", first):
+            begins = _NUMBER_BEGINS
+        if not last or last[-1].isdigit():
+            ends = _NUMBER_ENDS
+        return re.compile(begins + "".join(parts) + ends, re.IGNORECASE if ignore_case else 0)
 
 
 def _seated(text: str, names: list[str]) -> str:
@@ -123,17 +214,3 @@ def _seated(text: str, names: list[str]) -> str:
 def _alternating(literals: Iterable[str], values: Iterable[str]) -> Iterator[str]:
     for pair in zip_longest(literals, values, fillvalue=""):
         yield from pair
-
-
-def _begins(literal: str) -> str:
-    """What must hold where a phrase begins with this text, or, where there is none, with a value."""
-    if not literal or re.match("[-+.]?[0-9]", literal):
-        return _NUMBER_BEGINS
-    return r"(?<!\w)" if re.match(r"\w", literal) else ""
-
-
-def _ends(literal: str) -> str:
-    """What must hold where a phrase ends with this text, or, where there is none, with a value."""
-    if not literal or literal[-1].isdigit():
-        return _NUMBER_ENDS
-    return r"(?!\w)" if re.search(r"\w\Z", literal) else ""

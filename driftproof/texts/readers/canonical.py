@@ -86,3 +86,8 @@ def _fraction(match: re.Match[str]) -> str:
 def _is_digit(character: str) -> bool:
     """Whether a digit stands there, or a fraction, which begins and ends with one."""
     return character.isdecimal() or (character != "" and character in FRACTIONS)
+
+
+def canonical_text(text: str) -> str:
+    """A text in this spelling, of whose places nothing is asked."""
+    return canonical_spelling(SourceText.of(text.strip())).text

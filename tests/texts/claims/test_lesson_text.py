@@ -11,11 +11,10 @@ import pytest
 from docs.lesson_tables import CLAIMS, LESSON, MISPRINTS, TABLES, figures, known, misprints, unnoticed
 from docs.pages import refreshed
 from driftproof.cli import main
-from driftproof.texts.claims.checking import check_claim, check_claims
+from driftproof.texts.claims.checking import check_claim, check_claims, coverage
 from driftproof.texts.claims.claims import Claim, parse_claims, read_claims
-from driftproof.texts.claims.coverage import coverage
+from driftproof.texts.claims.listings import run_listings
 from driftproof.texts.claims.phrases import ANY_NUMBER, Phrase, Spellings
-from driftproof.texts.claims.running import run_listings
 from driftproof.texts.readers.document import document_of, read_document
 from driftproof.texts.readers.numbers import numbers_in
 from proofs.claims import REQUIRED, STATEMENTS
@@ -118,7 +117,7 @@ def test_every_misprint_of_our_text_is_noticed_and_told_in_its_place() -> None:
             assert findings, (claim.id, document.position_of_origin(at), digit)
             tried += 1
             line = document.position_of_origin(at).line
-            assert min(abs(finding.place.line - line) for finding in findings) <= 1, (claim.id, digit, findings)
+            assert min(abs(finding.line - line) for finding in findings) <= 1, (claim.id, digit, findings)
     assert tried > 700
 
 

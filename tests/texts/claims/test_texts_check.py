@@ -11,10 +11,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof.texts.claims.checking import check_claim, check_claims
+from driftproof.texts.claims.checking import (
+    GIVEN,
+    LABEL,
+    RUN,
+    UNCOVERED,
+    WORKED_OUT,
+    check_claim,
+    check_claims,
+    coverage,
+)
 from driftproof.texts.claims.claims import Claim, Claims, parse_claims
-from driftproof.texts.claims.coverage import GIVEN, LABEL, RUN, UNCOVERED, VALUE, coverage
-from driftproof.texts.claims.report import Report
+from driftproof.texts.claims.report import TextReport
 from driftproof.texts.readers.document import document_of
 
 Run = Callable[..., tuple[int, str, str]]
@@ -94,7 +102,7 @@ def test_case_counts_unless_told() -> None:
 
 def findings(text: str, one: Claim) -> list[tuple[int, int, str, str]]:
     (outcome,) = check_claims(document_of(text), [one])
-    return [(*finding.place, finding.expected, finding.found) for finding in outcome.findings]
+    return [(finding.line, finding.column, finding.expected, finding.found) for finding in outcome.findings]
 
 
 def test_finding_names_line_column_expected_and_found() -> None:
@@ -179,7 +187,7 @@ def test_numbers_that_run_together_are_counted_one_by_one() -> None:
     text = '[[claim]]\nid="a"\nphrase="RK4{a}{b}{c}"\nvalues={a="1/4", b="-1/8", c="16"}'
     document = document_of("RK40.25-0.12516")
     counts = coverage(document, check_claims(document, parse_claims(text.encode()).claims)).counts
-    assert (counts[VALUE], counts[LABEL], counts[UNCOVERED]) == (3, 1, 0)
+    assert (counts[WORKED_OUT], counts[LABEL], counts[UNCOVERED]) == (3, 1, 0)
 
 
 def test_label_that_stands_nowhere_is_refused() -> None:
@@ -199,17 +207,17 @@ def test_coverage_counts_every_number_once(pieces: list[str]) -> None:
 
 def test_report_says_what_is_wrong_and_what_is_covered() -> None:
     document = document_of(TEXT)
-    assert Report.of("a.txt", document, CLAIMS).written("text").splitlines() == [
+    assert TextReport.of("a.txt", document, CLAIMS).written("text").splitlines() == [
         "a.txt: 1 claim, all hold",
         "33.3% of 6 numbers covered: 0 by values, 2 given; 4 not; and 5 labels",
     ]
-    wrong = Report.of("a.txt", document_of(TEXT.replace("0.33", "0.34")), CLAIMS)
+    wrong = TextReport.of("a.txt", document_of(TEXT.replace("0.33", "0.34")), CLAIMS)
     assert wrong.written("text").splitlines()[:2] == [
         "a.txt:2:30: a: expected 0.33, found 0.34",
         "a.txt: 1 claim, 1 refuted",
     ]
-    assert Report.of("a.txt", document, Claims()).written("text").startswith("a.txt: 0 claims, so nothing is held")
-    listed = Report.of("a.txt", document, CLAIMS, suggest=True)
+    assert TextReport.of("a.txt", document, Claims()).written("text").startswith("a.txt: 0 claims, so nothing is held")
+    listed = TextReport.of("a.txt", document, CLAIMS, suggest=True)
     assert any(
         line.startswith("a.txt:3:11: not covered: 'It prints 0.25, and") for line in listed.written("text").splitlines()
     )
@@ -217,7 +225,9 @@ def test_report_says_what_is_wrong_and_what_is_covered() -> None:
 
 
 def test_report_in_json_has_every_number_and_every_finding() -> None:
-    answer = json.loads(Report.of("a.txt", document_of(TEXT.replace("40", "41")), CLAIMS, suggest=True).written("json"))
+    answer = json.loads(
+        TextReport.of("a.txt", document_of(TEXT.replace("40", "41")), CLAIMS, suggest=True).written("json")
+    )
     assert answer["passed"] is False
     assert answer["claims"] == {"a": {"count": 1, "found": 0}}
     assert answer["findings"][0] | {"message": ""} == {
@@ -228,18 +238,18 @@ def test_report_in_json_has_every_number_and_every_finding() -> None:
 
 
 def test_report_for_github_escapes_what_it_must() -> None:
-    report = Report.of("a,b:c%.txt", document_of("is 0.34 %\nis 0.3"), Claims((claim("is {value}\n"),)))
+    report = TextReport.of("a,b:c%.txt", document_of("is 0.34 %\nis 0.3"), Claims((claim("is {value}\n"),)))
     (line,) = report.written("github").splitlines()
     assert line.startswith("::error file=a%2Cb%3Ac%25.txt,line=2,col=4,title=a::expected 0.33")
 
 
 def test_least_coverage_fails_a_text_with_new_numbers() -> None:
     claims = Claims(CLAIMS.claims, CLAIMS.labels, coverage=Fraction(1, 3))
-    assert Report.of("a", document_of(TEXT), claims).passed
-    report = Report.of("a", document_of(TEXT + " And 9."), claims)
-    assert not report.passed
+    assert not TextReport.of("a", document_of(TEXT), claims).findings
+    report = TextReport.of("a", document_of(TEXT + " And 9."), claims)
+    assert report.findings
     assert report.findings[0].claim == "coverage"
-    assert Report.of("a", document_of("5 min"), Claims((), CLAIMS.labels, coverage=Fraction(1))).passed
+    assert not TextReport.of("a", document_of("5 min"), Claims((), CLAIMS.labels, coverage=Fraction(1))).findings
 
 
 @pytest.fixture

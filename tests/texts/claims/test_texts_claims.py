@@ -8,9 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof.texts.claims.claims import LARGEST_FILE, parse_claims
-from driftproof.texts.claims.phrases import Phrase
-from driftproof.texts.claims.spelling import Form
+from driftproof.texts.claims.claims import parse_claims
+from driftproof.texts.claims.phrases import NumberForm, Phrase
 
 CLAIM = '[[claim]]\nid = "a"\nphrase = "is {value}"\nvalue = "rk4.first_step.q"\n'
 
@@ -78,7 +77,7 @@ BAD = [
     ("a = " + "[" * 100_000, "nested too deep"),
     ("a = " + "{a=" * 100_000, "nested too deep"),
     ("a" + ".a" * 500_000 + " = 1", "dots in one line"),
-    ("#" * (LARGEST_FILE + 1), "too large; at most 1048576 bytes are read"),
+    ("#" * (2**20 + 1), "too large; at most 1048576 bytes are read"),
     ("x = ", "Invalid value"),
     ("[[claim]]\n" * 5001, "claim has 5001 entries; at most 5000 are read"),
 ]
@@ -117,20 +116,22 @@ def test_value_that_cannot_be_written_so_is_refused_in_one_line(question: str, f
 @pytest.mark.parametrize(
     ("question", "form", "spellings"),
     [
-        ("1/2", Form(), ["0.5"]),
-        ("40", Form(), ["40"]),
-        ("337/384", Form(exact=True), ["337/384"]),
-        ("337/384", Form(places=3), ["0.878"]),
-        ("-1/3000", Form(digits=2), ["-0.00033", "-3.3e-4"]),
-        ("5651", Form(digits=2), ["5700", "5.7e3"]),
-        ("1/8", Form(places=2, rounding="half-away"), ["0.13"]),
-        ("1/8", Form(places=2, rounding="half-even"), ["0.12"]),
-        ("0", Form(digits=3), ["0"]),
-        ("imaginary_limit rk4", Form(exact=True), ["2√2", "2*sqrt(2)"]),
-        ("energy_multiplier rk4", Form(places=3), ["1 - h^6/72 + h^8/576", "1 - h**6/72 + h**8/576"]),
+        ("1/2", NumberForm(), ["0.5"]),
+        ("40", NumberForm(), ["40"]),
+        ("337/384", NumberForm(exact=True), ["337/384"]),
+        ("337/384", NumberForm(places=3), ["0.878"]),
+        ("-1/3000", NumberForm(digits=2), ["-0.00033", "-3.3e-4"]),
+        ("5651", NumberForm(digits=2), ["5700", "5.7e3"]),
+        ("1/8", NumberForm(places=2, rounding="half-away"), ["0.13"]),
+        ("1/8", NumberForm(places=2, rounding="half-even"), ["0.12"]),
+        ("0", NumberForm(digits=3), ["0"]),
+        ("imaginary_limit rk4", NumberForm(exact=True), ["2√2", "2*sqrt(2)"]),
+        ("energy_multiplier rk4", NumberForm(places=3), ["1 - h^6/72 + h^8/576", "1 - h**6/72 + h**8/576"]),
     ],
 )
-def test_value_is_spelled_in_every_way_that_means_the_same(question: str, form: Form, spellings: list[str]) -> None:
+def test_value_is_spelled_in_every_way_that_means_the_same(
+    question: str, form: NumberForm, spellings: list[str]
+) -> None:
     from driftproof.texts.questions.ask import value
 
     assert form.spellings(value(question)) == spellings

@@ -11,11 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof.texts.claims.checking import check_claims
+from driftproof.texts.claims.checking import GIVEN, UNCOVERED, WORKED_OUT, check_claims, coverage
 from driftproof.texts.claims.claims import parse_claims
-from driftproof.texts.claims.coverage import GIVEN, UNCOVERED, VALUE, coverage
 from driftproof.texts.claims.drafting import draft
-from driftproof.texts.claims.suggestions import Candidate, Suggestions
+from driftproof.texts.claims.suggestions import LookAlike, Suggestions
 from driftproof.texts.readers.document import Document, document_of, read_document
 from driftproof.texts.readers.numbers import numbers_in
 
@@ -23,7 +22,7 @@ ROOT = Path(__file__).parents[3]
 SPRING = ROOT / "examples" / "text" / "spring.md"
 
 
-def suggested(text: str) -> list[list[Candidate]]:
+def suggested(text: str) -> list[list[LookAlike]]:
     suggestions = Suggestions(text)
     return [suggestions.of(number) for number in numbers_in(text) if number.label is None]
 
@@ -77,7 +76,7 @@ def test_drafted_claims_hold_and_cover_all_once_the_rest_is_given() -> None:
     document = read_document(SPRING)
     text = draft(document, "spring.md")
     counts = held(document, text)
-    assert counts[VALUE] > 10
+    assert counts[WORKED_OUT] > 10
     assert counts[GIVEN] == 0
     assert held(document, TODO.sub("", text))[UNCOVERED] == 0
 
