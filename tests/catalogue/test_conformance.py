@@ -1,7 +1,8 @@
 """What every method of the catalogue must pass: its entry, every arithmetic, every witness, every control.
 
-A method added to methods/tables is asked all of this. What is held against what is in the modules that are imported
-here from `tests`; facts of single methods that stand in print are in test_catalogue.py and test_linear_facts.py.
+A method added to methods/tables is asked all of this. What its entry says is asked of EVERY method; what our machinery
+makes of entries, of REPRESENTATIVES of each path through it, and in a thorough run of all. What is held against what is
+in the modules that are imported here from `tests`.
 """
 
 from __future__ import annotations
@@ -38,6 +39,7 @@ from driftproof.texts.writing.tex import facts_tex
 from tests import changes
 from tests.catalogue.conformance import ARITHMETICS
 from tests.catalogue.measured_orders import differences, order_in_balls, order_on_series, program_is_its_definition
+from tests.catalogue.representatives import THOROUGH, by_path, path_of, representatives
 from tests.changes import NOTICES, coefficients, compensated, first_weight, moved, must_notice
 from tests.claims import KNOWN_INCONSISTENT, NEARLY, ROUNDED_SUMS, by_trees, claimed, conditions
 from tests.methods.tables.entries import DECIMAL, by_key, of_type
@@ -46,6 +48,8 @@ from tests.witnesses.witness_limits import EPSILON, is_where_growth_begins, limi
 from tests.witnesses.witness_steps import as_function, witness_matrix
 
 EVERY = pytest.mark.parametrize("key", METHODS)
+CHOSEN = {key: METHODS[key] for key in representatives()}
+REPRESENTATIVES = pytest.mark.parametrize("key", CHOSEN)
 BIBLIOGRAPHY = (Path(__file__).parents[2] / "references.bib").read_text(encoding="utf-8")
 TINY = Q(1, 10**14)
 
@@ -78,7 +82,7 @@ def test_entry_is_consistent_or_known_not_to_be(key: str) -> None:
         assert residuals == KNOWN_INCONSISTENT.get(key, {})
 
 
-@EVERY
+@REPRESENTATIVES
 def test_every_fact_is_answered_as_json_as_text_and_as_tex(key: str) -> None:
     facts = facts_of(METHODS[key])
     assert list(facts) == list(FACTS)
@@ -101,7 +105,7 @@ def length(method: Method) -> int:
 
 def meetings() -> Iterator[Any]:
     for name, arithmetic in ARITHMETICS.items():
-        for key, method in METHODS.items():
+        for key, method in CHOSEN.items():
             if arithmetic.suits(method):
                 slow = length(method) > BOUNDED.get(name, length(method))
                 yield pytest.param(key, name, marks=pytest.mark.long if slow else (), id=f"{key}-{name}")
@@ -134,7 +138,7 @@ def test_implicit_method_has_no_explicit_step(key: str) -> None:
 # --- witnesses of the one-step matrix ---------------------------------------------------------------------------------
 
 
-@EVERY
+@REPRESENTATIVES
 def test_one_step_matrix_solves_the_stage_equations_or_is_the_product_of_shears(key: str) -> None:
     method = METHODS[key]
     matrix = one_step_matrix(method)
@@ -161,7 +165,7 @@ def distance_from_rotation(method: Method) -> Any:
     return max(*found, *(-x for x in found))
 
 
-@EVERY
+@REPRESENTATIVES
 def test_growth_begins_at_the_stability_limits_in_balls(key: str) -> None:
     for limit, growth in limits_with_growth(METHODS[key]):
         assert is_where_growth_begins(limit, growth)
@@ -178,9 +182,10 @@ def test_symplectic_method_keeps_area_and_symmetric_one_undoes_itself_on_the_osc
     assert not is_symmetric(method) or is_matrix_symmetric(matrix)
 
 
-@pytest.mark.parametrize("method", [*of_type(RungeKutta), *of_type(Collocation)], ids=by_key)
-def test_structure_by_coefficients_is_structure_by_trees(method: Any) -> None:
+@pytest.mark.parametrize("key", [key for key, m in CHOSEN.items() if isinstance(m, RungeKutta | Collocation)])
+def test_structure_by_coefficients_is_structure_by_trees(key: str) -> None:
     """B-series two orders beyond p know nothing of coefficient conditions; for many stages, Mᵢⱼ = 0 of the tableau."""
+    method: Any = METHODS[key]
     form = reduced(stages_of(method)) if isinstance(method, RungeKutta) else method
     assert is_symplectic(method) == (not any(x for row in quadratic_matrix(form) for x in row))
     if method.claimed_order <= 8 and method.stages <= 14 and not method.decimal:
@@ -204,7 +209,7 @@ def test_claimed_order_is_the_order_by_trees(key: str) -> None:
     assert {name: order_to_tolerance(found, NEARLY) for name, found in conditions(method).items()} == claimed(method)
 
 
-@EVERY
+@REPRESENTATIVES
 def test_order_is_measured_on_series_of_nonlinear_problems(key: str) -> None:
     """Step and solution part where trees say, exactly; of a rounded table they do so visibly where it is claimed."""
     method = METHODS[key]
@@ -218,7 +223,7 @@ def test_order_is_measured_on_series_of_nonlinear_problems(key: str) -> None:
         assert order_on_series(differences(off, problem, order + 1)) < order
 
 
-@pytest.mark.parametrize("key", [key for key, method in METHODS.items() if method.explicit])
+@pytest.mark.parametrize("key", [key for key, method in CHOSEN.items() if method.explicit])
 def test_step_on_a_nonlinear_force_is_the_definition_written_out(key: str) -> None:
     method = METHODS[key]
     assert program_is_its_definition(method, method)
@@ -232,7 +237,7 @@ def test_order_of_the_program_is_measured_in_balls(key: str) -> None:
     assert order_in_balls(moved(method, first_weight(method), TINY)) == 0
 
 
-@EVERY
+@REPRESENTATIVES
 def test_claimed_order_holds_by_conditions_that_are_written_apart_and_the_next_one_does_not(key: str) -> None:
     method = METHODS[key]
     assert meets_claim(method)
@@ -262,7 +267,7 @@ def sample(method: Method, places: list[Any]) -> list[Any]:
     return places[:: 7 if len(coefficients(method)) > 1000 else 1]
 
 
-@EVERY
+@REPRESENTATIVES
 def test_each_coefficient_off_by_1e_14_is_noticed_zeros_included(key: str) -> None:
     """An entry of A on or above the diagonal makes an explicit method implicit, which says all."""
     method = METHODS[key]
@@ -273,7 +278,7 @@ def test_each_coefficient_off_by_1e_14_is_noticed_zeros_included(key: str) -> No
             assert {name for name in must_notice(method, place) if NOTICES[name](off) == before[name]} == set(), place
 
 
-@EVERY
+@REPRESENTATIVES
 def test_two_coefficients_changed_so_that_no_sum_shows_it_are_noticed(key: str) -> None:
     method = METHODS[key]
     notices = [NOTICES[name] for name in ("order", "one-step matrix", "second row")]
@@ -291,7 +296,11 @@ def test_conditions_written_apart_notice_what_is_more_than_rounding(key: str) ->
     assert not any(map(meets_claim, changes.notable_changes(method, by)))
 
 
-def test_rounded_tables_and_every_family_are_among_those_asked() -> None:
+def test_every_path_is_represented_and_every_kind_of_method_is_among_those_asked() -> None:
+    paths = by_path(METHODS.values())
+    assert {path_of(METHODS[key]) for key in CHOSEN} == set(paths)
+    assert len(CHOSEN) == len(METHODS) if THOROUGH else len(paths) <= len(CHOSEN) <= 2 * len(paths)
     assert {type(method) for method in METHODS.values()} == {RungeKutta, Splitting, Nystrom, Collocation}
     assert {type(method) for method in METHODS.values() if method.decimal} == {RungeKutta, Splitting}
+    assert {name for _, name in ((p.values[0], p.values[1]) for p in meetings())} == set(ARITHMETICS)
     assert len(METHODS) >= 100
