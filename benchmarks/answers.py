@@ -22,7 +22,7 @@ from benchmarks.peers import installed, kauri_method, nodepy_method, rkkit_metho
 from benchmarks.timing import quiet
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
-from driftproof.symbolic.facts import facts_of
+from driftproof.texts.writing.records import facts_of
 
 # Seconds after which a question counts as not answered: far more than any takes that is put.
 PATIENCE = 60.0

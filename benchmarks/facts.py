@@ -10,7 +10,8 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own package
 
 from benchmarks.timing import Row, Subject, cold_and_warm, measure, print_measured
 from driftproof.methods.catalogue import METHODS
-from driftproof.symbolic.facts import FACTS, facts_of
+from driftproof.symbolic.facts import FACTS
+from driftproof.texts.writing.records import facts_of
 
 CATALOGUE = "every fact of the whole catalogue"
 

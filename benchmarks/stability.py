@@ -27,8 +27,9 @@ from benchmarks.peers import (
 )
 from benchmarks.timing import Contestant, Row, Subject, cold_and_warm, measure, print_measured, with_peers
 from driftproof.methods.catalogue import METHODS
+from driftproof.symbolic.algebra.radicals import decimal
 from driftproof.symbolic.linear.implicit_stability import a_stability, l_stability
-from driftproof.symbolic.linear.limits import data, imaginary_limit, real_limit
+from driftproof.symbolic.linear.limits import imaginary_limit, real_limit
 from driftproof.symbolic.linear.monotonicity import ssp_coefficient
 from driftproof.symbolic.linear.oscillator import stability_function_of
 from driftproof.symbolic.linear.stability_function import stability_function, stability_function_of_collocation
@@ -63,7 +64,7 @@ def limits_of(key: str) -> Callable[[], Any]:
 
 def read_limits(limits: Any) -> str:
     """Both to six digits."""
-    return ", ".join(f"{float(data(limit, 8)['decimal']):.6g}" for limit in limits)
+    return ", ".join(f"{float(decimal(limit, 8)):.6g}" for limit in limits)
 
 
 def nodepy_tasks() -> dict[str, dict[str, Contestant]]:
@@ -126,7 +127,7 @@ def subjects() -> list[Subject]:
     radau, ssp = METHOD["radau_iia3"], METHOD["ssprk104"]
     found += [Subject(f"A- and L-stability of {key}", properties(key)) for key in ("radau_iia3", "gauss10")]
     found.append(Subject("algebraic stability of radau_iia3", cold_and_warm(lambda: algebraic_stability(radau).holds)))
-    read = six_digits(lambda limit: data(limit, 8)["decimal"])
+    read = six_digits(lambda limit: decimal(limit, 8))
     found.append(Subject("SSP coefficient of ssprk104", cold_and_warm(lambda: ssp_coefficient(ssp), read)))
     return with_peers(found, (tasks() for name, tasks in TASKS.items() if name in installed()))
 

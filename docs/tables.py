@@ -15,11 +15,11 @@ from typing import Any
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.algebra.certified import scientific
-from driftproof.symbolic.facts import facts_of
 from driftproof.symbolic.trees.alternating import nystrom_conditions, separable_conditions
 from driftproof.symbolic.trees.order import OrderFact, RungeKuttaConditions, order, order_of
 from driftproof.symbolic.trees.rooted import written
 from driftproof.symbolic.trees.weights import TableauStages
+from driftproof.texts.writing.records import facts_of
 
 HERE = Path(__file__).parent
 Rows = list[list[str]]

@@ -35,10 +35,8 @@ if TYPE_CHECKING:
     from driftproof.symbolic.derivation.energy import invariant_quadratic as invariant_quadratic
     from driftproof.symbolic.derivation.one_step import one_step_matrix as one_step_matrix
     from driftproof.symbolic.derivation.stability import stability_limit as stability_limit
-    from driftproof.symbolic.facts import facts_of as facts_of
+    from driftproof.symbolic.facts import Facts as Facts
     from driftproof.symbolic.facts import order_within as order_within
-    from driftproof.symbolic.facts import system_facts as system_facts
-    from driftproof.symbolic.family_facts import family_facts as family_facts
     from driftproof.symbolic.linear.oscillator import stability_function_of as stability_function_of
     from driftproof.symbolic.linear.region import boundary_points as boundary_points
     from driftproof.symbolic.runs import OscillatorRun as OscillatorRun
@@ -47,6 +45,9 @@ if TYPE_CHECKING:
     from driftproof.texts.questions.style import PRINTED as PRINTED
     from driftproof.texts.questions.style import Style as Style
     from driftproof.texts.values.published import published_values as published_values
+    from driftproof.texts.writing.records import facts_of as facts_of
+    from driftproof.texts.writing.records import family_facts as family_facts
+    from driftproof.texts.writing.records import system_facts as system_facts
 
     __all__: list[str]
 else:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -84,10 +83,11 @@ def facts_command(options: Namespace) -> str:
       b = ["1/4", "3/4"]                c may be left out: then the row sums of A
       [roots]                           if coefficients need one, e.g. s3 = "sqrt(3)"; then write "1/4 - s3/6"
     """
-    from driftproof.methods.families import Family
+    from driftproof.methods.families import Family, subject_of
     from driftproof.support.plain_text import as_json
-    from driftproof.texts.writing.facts import facts_text, subject_of
+    from driftproof.texts.writing.records import record
     from driftproof.texts.writing.tex import facts_tex
+    from driftproof.texts.writing.text import facts_text
 
     subject = subject_of(options.method)
     if isinstance(subject, Family):
@@ -96,31 +96,34 @@ def facts_command(options: Namespace) -> str:
         result = _of_method(subject, options)
     else:
         raise ValueError(f"{subject.key} has no parameter; --at is for families such as sdirk_order_2")
-    forms: dict[str, Callable[[dict[str, Any]], str]] = {"json": as_json, "text": facts_text, "tex": facts_tex}
-    return forms[options.format](result)
+    if options.format == "json":
+        return as_json(record(result))
+    return facts_tex(result) if options.format == "tex" else facts_text(result)
 
 
 def _of_family(family: Family, options: Namespace) -> dict[str, Any]:
     """The facts of the family, or of its member at --at. Raises ValueError for options that only a method has."""
-    from driftproof.symbolic.family_facts import FAMILY_FACTS, family_facts
+    from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
+    from driftproof.symbolic.linear.facts import facts_by_name
 
     if options.at is not None:
         return _of_method(family.member(options.at), options)
     if options.system or options.order_tolerance is not None or options.plot:
         raise ValueError(f"{family.key} is a family; choose one method with --at, a value of {family.parameter}")
-    return family_facts(family, options.only or tuple(FAMILY_FACTS))
+    return facts_by_name(FamilyFacts(family), options.only or FAMILY_FACTS, FAMILY_FACTS)
 
 
 def _of_method(method: Method, options: Namespace) -> dict[str, Any]:
     """The facts of the method, or of the method on a system; also its picture, if one is asked for."""
-    from driftproof.symbolic.facts import FACTS, facts_of, order_within, system_facts
-    from driftproof.symbolic.linear.systems import SYSTEM_FACTS
+    from driftproof.symbolic.facts import FACTS, ON_REQUEST, Facts, order_within
+    from driftproof.symbolic.linear.facts import facts_by_name
+    from driftproof.symbolic.linear.systems import facts_on_system
 
     if options.system and (options.order_tolerance is not None or options.plot):
         raise ValueError("--system is about one problem, --order-tolerance and --plot about the method; ask separately")
     if options.system:
-        return system_facts(method, options.system, options.only or tuple(SYSTEM_FACTS))
-    found = facts_of(method, options.only or tuple(FACTS), options.terms)
+        return facts_on_system(method, options.system, options.only)
+    found = facts_by_name(Facts(method, options.terms), options.only or FACTS, (*FACTS, *ON_REQUEST))
     if options.order_tolerance is not None:
         found["order_to_tolerance"] = order_within(method, options.order_tolerance)
     if options.plot:

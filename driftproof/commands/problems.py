@@ -104,12 +104,12 @@ def work_precision_command(options: Namespace) -> str:
       points.json                what an interrupted study goes on from
     --peers runs scipy, diffrax, heyoka or torchdiffeq beside ours (extra `peers`), at tolerances from 1e-3 to 1e-13.
     """
+    from driftproof.methods.families import method_of
     from driftproof.numeric.problems.catalogue import problem_named
     from driftproof.reports.work_precision.peers import peers_named
     from driftproof.reports.work_precision.report import errors_json, study_text, times_json
     from driftproof.reports.work_precision.study import Study, measure
     from driftproof.support.files import require_folder
-    from driftproof.texts.writing.facts import method_of
 
     methods = [method_of(name) for name in options.methods or WORK_PRECISION_METHODS]
     study = Study(problem_named(options.problem), methods, peers_named(options.peers), options.time_limit)

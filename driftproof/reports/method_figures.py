@@ -13,8 +13,7 @@ from driftproof.methods.schemes import Method
 from driftproof.support.files import atomic_write
 from driftproof.symbolic.algebra.polynomials import coefficients
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
-from driftproof.symbolic.linear.facts import LinearFacts
-from driftproof.symbolic.linear.oscillator import energy_multiplier_of
+from driftproof.symbolic.linear.oscillator import energy_multiplier_of, stability_function_of
 from driftproof.symbolic.linear.region import boundary_points
 
 _INSIDE, _LINE, _POINT = "#cfe3f4", "#1f6fb4", "#c87a00"
@@ -27,13 +26,13 @@ _FARTHEST = 12
 
 def draw_method(picture: str, method: Method, path: Path) -> Path:
     """Write the picture of the method to `path` and return it. Raises ValueError for a method without R(z)."""
-    facts = LinearFacts(method)
-    if facts.stability_function is None:
+    r = stability_function_of(method)
+    if r is None:
         raise ValueError(f"{method.key} has no stability function to draw: it is no Runge-Kutta method")
     with matplotlib.rc_context({"svg.hashsalt": "driftproof", "font.size": 11}):
         figure = Figure(figsize=(6.4, 5.2), layout="constrained")
         axes = figure.add_subplot()
-        PICTURES[picture](axes, facts.stability_function)
+        PICTURES[picture](axes, r)
         axes.set_title(method.title)
         axes.grid(alpha=0.3)
         save_picture(figure, path)

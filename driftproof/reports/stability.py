@@ -9,6 +9,7 @@ from typing import TypeAlias
 
 from flint import ctx
 
+from driftproof.methods.families import method_of
 from driftproof.methods.rationals import brief, step_count
 from driftproof.methods.schemes import Method, MethodError
 from driftproof.numeric.advance import Advance, advance, float_start
@@ -18,13 +19,13 @@ from driftproof.numeric.stability import Observed, fewest_steps, largest_bounded
 from driftproof.numeric.work_precision.exact import distance
 from driftproof.support.plain_text import table, with_digits
 from driftproof.symbolic.algebra.certified import HALF_EVEN, Exact, enclose, significant
-from driftproof.symbolic.facts import facts_of
+from driftproof.symbolic.facts import Facts
 from driftproof.symbolic.linear.conjugate_pairs import UndecidedLimitError
 from driftproof.symbolic.linear.oscillator import stability_function_of
 from driftproof.symbolic.linear.systems import SYSTEM_FACTS, SystemFacts
 from driftproof.symbolic.linear.verdicts import bounded_at, factor_at, largest_eigenvalue
 from driftproof.texts.writing.answers import Answer, number
-from driftproof.texts.writing.facts import method_of
+from driftproof.texts.writing.records import record
 
 # Goes over the methods, with a progress bar perhaps.
 Walk: TypeAlias = Callable[[Sequence[str]], Iterable[str]]
@@ -80,8 +81,8 @@ def _method_answer(problem: Problem, method: Method, counts: Sequence[int]) -> A
 
 def behaviour(method: Method, problem: Problem) -> str:
     """The name under which `Problem.expected` speaks of the method: the most telling that it has."""
-    facts = facts_of(method, ["symplectic", "l_stable", "a_stable"])
-    known = [name for name in ("symplectic", "l_stable", "a_stable") if facts[name]]
+    facts = Facts(method)
+    known = [name for name in ("symplectic", "l_stable", "a_stable") if getattr(facts, name)]
     return next((name for name in known if name in problem.expected), "explicit" if method.explicit else "implicit")
 
 
@@ -92,7 +93,7 @@ def _linear_part(problem: Problem, found: SystemFacts, runs: Advance) -> Answer:
     r = stability_function_of(found.method)
     at_infinity = None if r is None else r.at_infinity()
     return {
-        "limit": SYSTEM_FACTS["step_limit"](found),
+        "limit": record(SYSTEM_FACTS["step_limit"](found)),
         "attained": SYSTEM_FACTS["step_limit_attained"](found),
         "at_infinity": None if r is None else "oo" if at_infinity is None else str(at_infinity),
         "seen": {"bounded": repr(low), "grows": repr(high)},

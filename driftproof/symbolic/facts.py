@@ -1,17 +1,15 @@
-"""Every exact fact of a method by name: who it is, its order by rooted trees, and what it does on linear problems."""
+"""Every exact fact of a method by name, as exact objects: who it is, its order, and what it does on linear problems."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from fractions import Fraction
-from typing import Any, TypeAlias, TypeVar
+from functools import cached_property
+from typing import Any, NamedTuple
 
+from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
-from driftproof.symbolic.algebra.certified import significant
-from driftproof.symbolic.algebra.radicals import DIGITS, integer_polynomial_text
-from driftproof.symbolic.linear.facts import FACTS as LINEAR_FACTS
-from driftproof.symbolic.linear.facts import ON_REQUEST, LinearFacts
-from driftproof.symbolic.linear.systems import SYSTEM_FACTS, SystemFacts
+from driftproof.symbolic.linear.facts import LinearFacts, fact_names
 from driftproof.symbolic.trees.alternating import (
     nystrom_conditions,
     nystrom_order,
@@ -22,6 +20,7 @@ from driftproof.symbolic.trees.modified import modified_equation
 from driftproof.symbolic.trees.order import (
     Conditions,
     OrderFact,
+    PrincipalError,
     embedded_conditions,
     embedded_order,
     order,
@@ -30,20 +29,123 @@ from driftproof.symbolic.trees.order import (
     runge_kutta_conditions,
 )
 from driftproof.symbolic.trees.quadratic import algebraic_stability
-from driftproof.symbolic.trees.rooted import written
-from driftproof.symbolic.trees.simplifying import simplifying_assumptions
+from driftproof.symbolic.trees.rooted import Tree
+from driftproof.symbolic.trees.simplifying import Simplifying, simplifying_assumptions
 from driftproof.symbolic.trees.table import TooManyTrees
 
-Json: TypeAlias = Any
-Fact: TypeAlias = Callable[[LinearFacts], Json]
-TableauMethod: TypeAlias = RungeKutta | Collocation
-Subject = TypeVar("Subject")
-
-FAMILIES = {RungeKutta: "runge_kutta", Splitting: "splitting", Nystrom: "nystrom", Collocation: "collocation"}
-# Trees that the modified equation goes to.
+FAMILY_NAMES = {RungeKutta: "runge_kutta", Splitting: "splitting", Nystrom: "nystrom", Collocation: "collocation"}
+# Vertices of the trees in the modified equation: 17 trees; those with six vertices would be 20 more.
 MODIFIED_ORDER = 5
 # Vertices to which an order to a tolerance goes: beyond the exact order, no further.
 TOLERANCE_ORDER = 12
+
+
+class Facts(LinearFacts):
+    """The exact facts about `method`, each derived when it is first asked for: `Facts(METHODS["rk4"]).imaginary_limit`.
+
+    A fact is None where the method has none. FACTS has the names of all.
+    """
+
+    @cached_property
+    def family(self) -> str:
+        """The kind of method by which its coefficients are read."""
+        return FAMILY_NAMES[type(self.method)]
+
+    @cached_property
+    def stages(self) -> int:
+        """How often a step evaluates the right-hand side, as written; of a splitting, its kicks."""
+        if isinstance(self.method, Splitting):
+            return sum(kind == "kick" for kind, _ in self.method.parts)
+        return self.method.stages
+
+    @cached_property
+    def inconsistencies(self) -> Mapping[str, Exact]:
+        """What is not zero and should be, as sum(b) - 1: of coefficients that are printed as decimals."""
+        return self.method.inconsistencies()
+
+    @cached_property
+    def order(self) -> int:
+        """The order on the widest class of problems that the family is for, never on linear problems alone."""
+        return self.order_fails.order
+
+    @cached_property
+    def order_fails(self) -> OrderFact[Any]:
+        """Why the order is no higher: the first tree with a residual, and the residual."""
+        return general_order(self.method)
+
+    @cached_property
+    def order_second_order_problems(self) -> int | None:
+        """The order on q'' = F(q), of splittings and Nyström methods."""
+        return nystrom_order(self.method).order if isinstance(self.method, Splitting | Nystrom) else None
+
+    @cached_property
+    def embedded_order(self) -> int | None:
+        """The order of the embedded method of a pair."""
+        found = embedded_order(self.method) if isinstance(self.method, RungeKutta) else None
+        return None if found is None else found.order
+
+    @cached_property
+    def stage_order(self) -> int | None:
+        """The order to which stages approximate the solution."""
+        return None if self.simplifying_assumptions is None else self.simplifying_assumptions.stage_order
+
+    @cached_property
+    def simplifying_assumptions(self) -> Simplifying | None:
+        """How far B, C and D hold."""
+        return None if self._tableau is None else simplifying_assumptions(self._tableau)
+
+    @cached_property
+    def principal_error(self) -> PrincipalError[Tree] | TooManyTrees | None:
+        """The coefficients of the leading error term, by trees, unless there are too many."""
+        if self._tableau is None:
+            return None
+        try:
+            return principal_error(runge_kutta_conditions(self._tableau))
+        except TooManyTrees as refusal:
+            return refusal
+
+    @cached_property
+    def algebraically_stable(self) -> bool | None:
+        """Whether two solutions of a contractive problem never come apart."""
+        return None if self._tableau is None else algebraic_stability(self._tableau).holds
+
+    @cached_property
+    def modified_equation(self) -> Mapping[Tree, Exact] | None:
+        """The coefficients that are not zero of the equation whose exact flow the step is, by trees."""
+        if self._tableau is None:
+            return None
+        return {tree: c for tree, c in modified_equation(self._tableau, MODIFIED_ORDER).items() if c != 0}
+
+    @property
+    def _tableau(self) -> RungeKutta | Collocation | None:
+        return self.method if isinstance(self.method, RungeKutta | Collocation) else None
+
+
+# So long that they are given only when they are named.
+ON_REQUEST = ("region_boundary",)
+# Every fact by name, in the order in which a reader wants them; those that the method itself states, among the first.
+_IDENTITY = ("method", "title", "family", "source", "stages", "explicit", "decimal", "field", "inconsistencies")
+_LINEAR = (name for name in fact_names(LinearFacts) if name not in ON_REQUEST)
+FACTS = tuple(dict.fromkeys((*_IDENTITY, "claimed_order", *fact_names(Facts), *_LINEAR)))
+# Why a method may not have a fact.
+_NO_R = "only Runge-Kutta and collocation methods have R(z)"
+WHY_NONE = {
+    **dict.fromkeys(("stability_function", "real_limit", "a_stable", "a_stability", "i_stable", "l_stable"), _NO_R),
+    **dict.fromkeys(("sector", "limit_at_infinity", "error_constant", "modified_rate", "region_boundary"), _NO_R),
+    "ssp_coefficient": "only Runge-Kutta and collocation methods have one",
+    "energy_multiplier": "what a step does to the energy depends on the state",
+    "invariant": "the quadratics that it conserves form a space of another dimension than 1",
+    "dissipation": "the whole series vanishes",
+}
+
+
+class OrderWithin(NamedTuple):
+    """The largest p such that every residual of the order conditions up to p is at most `tolerance` in size."""
+
+    tolerance: Fraction
+    order: int
+    order_second_order_problems: int | None
+    embedded_order: int | None
 
 
 def general_order(method: Method) -> OrderFact[Any]:
@@ -52,146 +154,30 @@ def general_order(method: Method) -> OrderFact[Any]:
     """
     if isinstance(method, Splitting):
         return separable_order(method)
-    if isinstance(method, Nystrom):
-        return nystrom_order(method)
-    return order(method)
+    return nystrom_order(method) if isinstance(method, Nystrom) else order(method)
 
 
-def general_conditions(method: Method) -> Conditions[Any]:
-    """The order conditions on the class of problems that `general_order` speaks of."""
-    if isinstance(method, Splitting):
-        return separable_conditions(method)
-    return nystrom_conditions(method) if isinstance(method, Nystrom) else runge_kutta_conditions(method)
-
-
-def order_within(method: Method, tolerance: Fraction) -> Json:
-    """The largest p such that every residual of the order conditions up to p is at most `tolerance` in size.
+def order_within(method: Method, tolerance: Fraction) -> OrderWithin:
+    """The order to a tolerance, also on second-order problems, and of an embedded method.
 
     Not the order: that is decided by equality alone. Looked for up to TOLERANCE_ORDER, or to the order where that is
-    higher; likewise on second-order problems, and of an embedded method. Raises ValueError for a negative tolerance.
+    higher. Raises ValueError for a negative tolerance.
     """
-
     if tolerance < 0:
         raise ValueError(f"tolerance {tolerance} is below zero")
 
     def within(conditions: Conditions[Any], order: int = 0) -> int:
         return order if order >= TOLERANCE_ORDER else order_to_tolerance(conditions, tolerance, TOLERANCE_ORDER)
 
-    second = embedded_conditions(method) if isinstance(method, RungeKutta) else None
-    return {
-        "tolerance": str(tolerance),
-        "order": within(general_conditions(method), general_order(method).order),
-        "order_second_order_problems": within(nystrom_conditions(method)) if isinstance(method, Splitting) else None,
-        "embedded_order": None if second is None else within(second),
-    }
-
-
-def _order_fails(facts: LinearFacts) -> Json:
-    found = general_order(facts.method)
-    return {"tree": written(found.failing_tree), "residual": str(found.residual)}
-
-
-def _stages(method: Method) -> int:
+    conditions: Conditions[Any]
     if isinstance(method, Splitting):
-        return sum(kind == "kick" for kind, _ in method.parts)
-    return method.stages
-
-
-def _embedded_order(facts: LinearFacts) -> Json:
-    if not isinstance(facts.method, RungeKutta):
-        return None
-    found = embedded_order(facts.method)
-    return None if found is None else found.order
-
-
-def _field(facts: LinearFacts) -> Json:
-    field = facts.method.field
-    if field is None:
-        return None
-    return {
-        "generator": field.name,
-        "minpoly": integer_polynomial_text(field.minimal),
-        "interval": [str(field.low), str(field.high)],
-        "decimal": significant(field.generator, DIGITS),
-    }
-
-
-def _simplifying(method: TableauMethod) -> Json:
-    found = simplifying_assumptions(method)
-    degrees = {"B": found.b, "C": found.c, "D": found.d}
-    return {name: "oo" if degree is None else degree for name, degree in degrees.items()}
-
-
-def _principal_error(method: TableauMethod) -> Json:
-    try:
-        found = principal_error(runge_kutta_conditions(method))
-    except TooManyTrees as refusal:
-        return {"refused": str(refusal)}
-    coefficients = {written(tree): str(value) for tree, value in found.coefficients}
-    return {"vertices": found.vertices, "squared_norm": str(found.squared_norm), "coefficients": coefficients}
-
-
-def _modified_equation(method: TableauMethod) -> Json:
-    series = modified_equation(method, MODIFIED_ORDER)
-    return {written(tree): str(value) for tree, value in series.items() if value != 0}
-
-
-def _of_tableaux(fact: Callable[[TableauMethod], Json]) -> Fact:
-    """The fact, of methods that have a tableau; null for the others."""
-    return lambda facts: fact(facts.method) if isinstance(facts.method, RungeKutta | Collocation) else None
-
-
-IDENTITY: dict[str, Fact] = {
-    "method": lambda facts: facts.method.key,
-    "title": lambda facts: facts.method.title,
-    "family": lambda facts: FAMILIES[type(facts.method)],
-    "source": lambda facts: facts.method.source,
-    "stages": lambda facts: _stages(facts.method),
-    "explicit": lambda facts: facts.method.explicit,
-    "decimal": lambda facts: facts.method.decimal,
-    "field": _field,
-    "inconsistencies": lambda facts: {k: str(r) for k, r in facts.method.inconsistencies().items()},
-    "claimed_order": lambda facts: facts.method.claimed_order,
-}
-ORDER: dict[str, Fact] = {
-    "order": lambda facts: general_order(facts.method).order,
-    "order_fails": _order_fails,
-    "order_second_order_problems": lambda facts: (
-        nystrom_order(facts.method).order if isinstance(facts.method, Splitting | Nystrom) else None
-    ),
-    "embedded_order": _embedded_order,
-    "stage_order": _of_tableaux(lambda method: simplifying_assumptions(method).stage_order),
-    "simplifying_assumptions": _of_tableaux(_simplifying),
-    "principal_error": _of_tableaux(_principal_error),
-    "algebraically_stable": _of_tableaux(lambda method: algebraic_stability(method).holds),
-    "modified_equation": _of_tableaux(_modified_equation),
-}
-# Every fact by name, in the order in which a reader wants them.
-FACTS: dict[str, Fact] = {**IDENTITY, **ORDER, **LINEAR_FACTS}
-
-
-def facts_of(method: Method, names: Sequence[str] = tuple(FACTS), terms: int | None = None) -> dict[str, Json]:
-    """The named facts of the method, JSON-ready: numbers are strings, null is what the method has not.
-
-    Only those asked for are computed. `terms` is the length of series. Beside FACTS, points of the boundary of the
-    stability region may be named, "region_boundary". Raises ValueError for an unknown name.
-    """
-    return answers({**FACTS, **ON_REQUEST}, names, LinearFacts(method) if terms is None else LinearFacts(method, terms))
-
-
-def system_facts(
-    method: Method, rows: Sequence[Sequence[Fraction]], names: Sequence[str] = tuple(SYSTEM_FACTS)
-) -> dict[str, Json]:
-    """The named facts of the method on z' = Az, A given by its rows: one-step matrix, eigenvalues, limits of h.
-
-    Raises ValueError for an unknown name, a matrix that is not square, and a system that the method is not for.
-    """
-    return answers(SYSTEM_FACTS, names, SystemFacts(method, rows))
-
-
-def answers(table: Mapping[str, Callable[[Subject], Json]], names: Sequence[str], subject: Subject) -> dict[str, Json]:
-    """What the table says of the subject, by name. Raises ValueError for a name that it does not have."""
-    for name in names:
-        if name not in table:
-            raise ValueError(f"unknown fact {name!r}; choose from {', '.join(table)}")
-    return {name: table[name](subject) for name in names}
+        conditions = separable_conditions(method)
+    else:
+        conditions = nystrom_conditions(method) if isinstance(method, Nystrom) else runge_kutta_conditions(method)
+    second = embedded_conditions(method) if isinstance(method, RungeKutta) else None
+    return OrderWithin(
+        tolerance,
+        within(conditions, general_order(method).order),
+        within(nystrom_conditions(method)) if isinstance(method, Splitting) else None,
+        None if second is None else within(second),
+    )

@@ -1,112 +1,333 @@
-"""Every fact about a family of Runge-Kutta methods as a function of its parameter, JSON-ready."""
+"""Every fact about a family of Runge-Kutta methods as a function of its parameter: order, limits, stability."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cached_property
-from typing import Any, TypeAlias
+from itertools import count
+from typing import Any, NamedTuple, TypeAlias, TypeVar
+
+from flint import fmpq, fmpq_poly
 
 from driftproof.methods.families import Family
-from driftproof.methods.number_field import UndecidedError
-from driftproof.symbolic.algebra.rational_functions import RationalFunction
-from driftproof.symbolic.algebra.text import rational_text
-from driftproof.symbolic.facts import answers
-from driftproof.symbolic.family_order import FamilyOrder, family_order
-from driftproof.symbolic.linear.families import family_error_constant, family_stability
-from driftproof.symbolic.linear.implicit_stability import a_stability, i_stability, l_stability
-from driftproof.symbolic.linear.parameter_sets import Line, parameter_set, set_data
-from driftproof.symbolic.linear.parametric_limits import (
-    ParametricLimit,
-    parametric_imaginary_limit,
-    parametric_real_limit,
+from driftproof.methods.number_field import Exact, UndecidedError
+from driftproof.symbolic.algebra.bivariate import (
+    Bivariate,
+    at_parameter,
+    difference,
+    in_square,
+    irreducible_factors,
+    product,
+    signed,
+    total,
+    without_root_zero,
 )
-from driftproof.symbolic.trees.rooted import written
+from driftproof.symbolic.algebra.bivariate import text as curve_text
+from driftproof.symbolic.algebra.polynomials import ZERO, Polynomial, greatest_common_divisor, scalar
+from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
+from driftproof.symbolic.algebra.real_roots import ZERO as ORIGIN
+from driftproof.symbolic.algebra.real_roots import RealRoot, positive_roots, vanishes_at
+from driftproof.symbolic.algebra.text import rational_text
+from driftproof.symbolic.linear.facts import ExactFunction, fact_names
+from driftproof.symbolic.linear.families import (
+    FamilyStability,
+    Interval,
+    Line,
+    ParameterSet,
+    cleared,
+    critical_values,
+    family_error_constant,
+    family_stability,
+    parameter_set,
+    poles,
+)
+from driftproof.symbolic.linear.implicit_stability import a_stability, i_stability, l_stability
+from driftproof.symbolic.linear.limits import INFINITY, Limit, imaginary_limit, real_limit
+from driftproof.symbolic.linear.stability_function import stability_function
+from driftproof.symbolic.trees.rooted import Tree, shapes
+from driftproof.symbolic.trees.weights import ElementaryWeights, TableauStages
 
-Json: TypeAlias = Any
-Fact: TypeAlias = Callable[["FamilyFacts"], Json]
+T = TypeVar("T")
+
+
+class FailingTree(NamedTuple):
+    """The first tree whose condition does not hold for all values, and its residual Φ - 1/γ."""
+
+    tree: Tree
+    residual: ExactFunction
+
+
+class FamilyFunction(NamedTuple):
+    """A rational function of z by its coefficients, functions of the parameter, constant term first."""
+
+    num: list[ExactFunction]
+    den: list[ExactFunction]
+
+
+class FamilyTerm(NamedTuple):
+    """coefficient * z**power, the coefficient a function of the parameter."""
+
+    power: int
+    coefficient: ExactFunction
+
+
+class OrderSet(NamedTuple):
+    """The values of the parameter at which the order is at least this."""
+
+    order: int
+    values: ParameterSet
+
+
+class Branch(NamedTuple):
+    """The positive real root number `root` (from 1, ascending) of the irreducible curve number `curve` in x."""
+
+    curve: int
+    root: int
+
+
+class Piece(NamedTuple):
+    """A limit x on an interval of the parameter: a number, or a root of an irreducible curve F(x, parameter) = 0.
+
+    `root` counts the positive roots of the curve, from 1, ascending; `formula` solves it where it is linear in x or in
+    x**2. Both are in SymPy's syntax.
+    """
+
+    where: Interval
+    limit: Limit | None = None
+    curve: str | None = None
+    root: int | None = None
+    formula: str | None = None
 
 
 class FamilyFacts:
-    """The facts about `family`; the order is computed once for all that use it."""
+    """The exact facts about a family, for almost all or for which values of the parameter; those of a member differ.
 
-    def __init__(self, family: Family) -> None:
+    Each is derived when it is first asked for. A set or a limit is an UndecidedError where a critical value of the
+    parameter lies in a number field too large. FAMILY_FACTS has the names of all.
+    """
+
+    def __init__(self, method: Family) -> None:
         """Compute nothing yet."""
-        self.family = family
+        self.method = method
 
     @cached_property
-    def order(self) -> FamilyOrder:
-        """The order for all values, and the values where it is higher."""
-        return family_order(self.family)
+    def family(self) -> str:
+        """What its members are."""
+        return "runge_kutta"
 
-    def text(self, f: RationalFunction) -> str:
-        """A function of the parameter in SymPy's syntax."""
-        return rational_text(f, self.family.parameter)
+    @cached_property
+    def defined(self) -> ParameterSet:
+        """The values at which no coefficient has a pole."""
+        return Line.cut(self.method, []).where(lambda value: True)
 
+    @cached_property
+    def order(self) -> int:
+        """The order for all values that are no poles."""
+        return self._order[0]
 
-def _order_fails(facts: FamilyFacts) -> Json:
-    return {"tree": written(facts.order.failing_tree), "residual": facts.text(facts.order.residual)}
+    @cached_property
+    def order_fails(self) -> FailingTree:
+        """Why that order is no higher."""
+        return self._order[1]
 
+    @cached_property
+    def order_sets(self) -> list[OrderSet]:
+        """The values of order at least 1, 2, ..., up to the first order that no value has."""
+        return self._order[2]
 
-def _order_sets(facts: FamilyFacts) -> Json:
-    return [{"order": p, **set_data(where)} for p, where in enumerate(facts.order.sets, 1)]
+    @cached_property
+    def stability_function(self) -> FamilyFunction:
+        """R(z), with coefficients that are functions of the parameter."""
+        num, den = family_stability(self.method).coefficients()
+        return FamilyFunction(
+            [ExactFunction(c, self.method.parameter) for c in num],
+            [ExactFunction(c, self.method.parameter) for c in den],
+        )
 
+    @cached_property
+    def error_constant(self) -> FamilyTerm:
+        """The leading term of R(z) - exp z, its coefficient a function of the parameter."""
+        power, constant = family_error_constant(self.method)
+        return FamilyTerm(power, ExactFunction(constant, self.method.parameter))
 
-def _stability(facts: FamilyFacts) -> Json:
-    num, den = family_stability(facts.family).coefficients()
-    return {"num": [facts.text(c) for c in num], "den": [facts.text(c) for c in den]}
+    @cached_property
+    def real_limit(self) -> list[Piece] | UndecidedError:
+        """The largest x with |R| <= 1 on [-x, 0], by pieces."""
+        return self._decided(parametric_real_limit)
 
+    @cached_property
+    def imaginary_limit(self) -> list[Piece] | UndecidedError:
+        """The largest y with |R| <= 1 on [0, iy], by pieces."""
+        return self._decided(parametric_imaginary_limit)
 
-def _error_constant(facts: FamilyFacts) -> Json:
-    power, constant = family_error_constant(facts.family)
-    return {"power": power, "coefficient": facts.text(constant)}
+    @cached_property
+    def a_stable(self) -> ParameterSet | UndecidedError:
+        """The values of A-stable methods."""
+        return self._decided(lambda family: parameter_set(family, a_stability))
 
+    @cached_property
+    def i_stable(self) -> ParameterSet | UndecidedError:
+        """The values of methods that are stable on the imaginary axis."""
+        return self._decided(lambda family: parameter_set(family, i_stability))
 
-def _set_where(decide: Callable[[RationalFunction], object]) -> Fact:
-    return _if_decided(lambda facts: set_data(parameter_set(facts.family, decide)))
+    @cached_property
+    def l_stable(self) -> ParameterSet | UndecidedError:
+        """The values of L-stable methods."""
+        return self._decided(lambda family: parameter_set(family, l_stability))
 
+    @cached_property
+    def _order(self) -> tuple[int, FailingTree, list[OrderSet]]:
+        return family_order(self.method)
 
-def _limit(limit: Callable[[Family], ParametricLimit]) -> Fact:
-    return _if_decided(lambda facts: limit(facts.family).data())
-
-
-def _if_decided(fact: Fact) -> Fact:
-    """The fact, or why it is not decided: a critical value of the parameter lies in a number field too large."""
-
-    def found(facts: FamilyFacts) -> Json:
+    def _decided(self, fact: Callable[[Family], T]) -> T | UndecidedError:
         try:
-            return fact(facts)
+            return fact(self.method)
         except UndecidedError as reason:
-            return {"refused": f"a critical value of {facts.family.parameter} is not decided: {reason}"}
-
-    return found
+            return UndecidedError(f"a critical value of {self.method.parameter} is not decided: {reason}")
 
 
-FAMILY_FACTS: dict[str, Fact] = {
-    "method": lambda facts: facts.family.key,
-    "title": lambda facts: facts.family.title,
-    "family": lambda facts: "runge_kutta",
-    "parameter": lambda facts: facts.family.parameter,
-    "source": lambda facts: facts.family.source,
-    "stages": lambda facts: facts.family.stages,
-    "explicit": lambda facts: facts.family.explicit,
-    "defined": lambda facts: set_data(Line.cut(facts.family, []).where(lambda value: True)),
-    "claimed_order": lambda facts: facts.family.claimed_order,
-    "order": lambda facts: facts.order.order,
-    "order_fails": _order_fails,
-    "order_sets": _order_sets,
-    "stability_function": _stability,
-    "error_constant": _error_constant,
-    "real_limit": _limit(parametric_real_limit),
-    "imaginary_limit": _limit(parametric_imaginary_limit),
-    "a_stable": _set_where(a_stability),
-    "i_stable": _set_where(i_stability),
-    "l_stable": _set_where(l_stability),
-}
+# Every fact by name, in the order in which a reader wants them.
+_IDENTITY = ("method", "title", "family", "parameter", "source", "stages", "explicit", "defined", "claimed_order")
+FAMILY_FACTS = tuple(dict.fromkeys((*_IDENTITY, *fact_names(FamilyFacts))))
 
 
-def family_facts(family: Family, names: Sequence[str] = tuple(FAMILY_FACTS)) -> dict[str, Json]:
-    """The named facts of the family, for almost all or for which values of the parameter; those of a member differ.
+class _Polynomials:
+    """Q[parameter] as the ring of order conditions."""
 
-    Sets are exact unions of intervals, functions in SymPy's syntax. Raises ValueError for an unknown name.
+    def lift(self, x: Any) -> Polynomial:
+        """The polynomial itself, or an integer as one."""
+        return fmpq_poly([x]) if isinstance(x, int) else x
+
+    def exact(self, x: Polynomial) -> Any:
+        """The polynomial itself."""
+        return x
+
+
+def family_residuals(family: Family, vertices: int) -> list[tuple[Tree, RationalFunction]]:
+    """Φ(t) - 1/γ(t) as a function of the parameter, for every tree with so many vertices.
+
+    Φ is homogeneous in the entries of A and b, of degree n for n vertices: so with A = A'/d and b = b'/d it is that of
+    (A', b'), a polynomial, over dⁿ.
     """
-    return answers(FAMILY_FACTS, names, FamilyFacts(family))
+    common = poles(family)
+    rows = [cleared(row, common) for row in family.a]
+    weights = ElementaryWeights(TableauStages(rows, cleared(family.b, common), _Polynomials()))
+    table, scale = weights.table(vertices), common**vertices
+    return [
+        (tree, fraction(weight - scale * fmpq(1, table.density[label]), scale))
+        for tree, label, weight in zip(
+            shapes(vertices)[table.first[vertices] :], table.ids(vertices), weights.of_order(vertices), strict=True
+        )
+    ]
+
+
+def family_order(family: Family) -> tuple[int, FailingTree, list[OrderSet]]:
+    """The order for all values of the parameter, why it is no higher, and the values where it is."""
+    failing: tuple[int, FailingTree] | None = None
+    shared: Polynomial = ZERO  # vanishes exactly where all conditions so far hold
+    sets: list[OrderSet] = []
+    for n in count(1):
+        for tree, residual in family_residuals(family, n):
+            if residual.num != 0:
+                failing = failing or (n - 1, FailingTree(tree, ExactFunction(residual, family.parameter)))
+                shared = greatest_common_divisor(shared, residual.num)
+        sets.append(OrderSet(n, _vanishing(family, shared)))
+        if failing and not sets[-1].values.intervals:
+            return (*failing, sets)
+    raise AssertionError("unreachable: count has no end")
+
+
+def _vanishing(family: Family, p: Polynomial) -> ParameterSet:
+    """The values of the parameter at which p vanishes and no entry has a pole."""
+    line = Line.cut(family, [p])
+    open_cells = [p == 0] * (len(line.points) + 1)
+    at_points = [vanishes_at(p, point) and not vanishes_at(line.poles, point) for point in line.points]
+    return line.marked([label for pair in zip(open_cells, [*at_points, False], strict=True) for label in pair][:-1])
+
+
+# A limit that does not depend on the parameter, or the branch of a curve on which it lies.
+_Value: TypeAlias = Limit | Branch
+
+
+def parametric_real_limit(family: Family) -> list[Piece]:
+    """The real limit: (Q - P)(Q + P) at -x vanishes there."""
+    r = family_stability(family)
+    margin = without_root_zero(signed(product(difference(r.den, r.num), total(r.den, r.num))))
+    return _pieces(family, r, margin, margin, real_limit)
+
+
+def parametric_imaginary_limit(family: Family) -> list[Piece]:
+    """The imaginary limit: |Q(ix)|² - |P(ix)|² vanishes there, a polynomial in x**2."""
+    r = family_stability(family)
+    margin = r.margin_on_axis()
+    return _pieces(family, r, margin, in_square(margin), imaginary_limit)
+
+
+def _pieces(
+    family: Family,
+    r: FamilyStability,
+    margin: Bivariate,
+    in_limit: Bivariate,
+    limit_of: Callable[[RationalFunction], Limit],
+) -> list[Piece]:
+    """On an open cell between critical values the number of positive roots and the signs between them are constant.
+
+    So is, there, the number of the root at which the limit lies: one rational value decides it. Critical are the roots
+    of the first and last coefficient of the margin and of its first nonzero subresultant with its derivative, and the
+    values where a factor of R cancels (basu-pollack-roy-2006, chapter 5).
+    """
+    line = Line.cut(family, critical_values(r, margin))
+    curves = irreducible_factors(in_limit)
+    values = list(line.values())
+    limits = [None if v is None else limit_of(stability_function(family.member(v))) for v in values]
+    cells = [_value(curves, v, x) for v, x in zip(values[::2], limits[::2], strict=True)]
+    labels: list[_Value | None] = []
+    for k, cell in enumerate(cells):
+        labels.append(cell)
+        if k < len(line.points):
+            labels.append(_at_point(curves, values[2 * k + 1], limits[2 * k + 1], cells[k : k + 2]))
+    return [_piece(curves, family.parameter, x, where) for x, where in line.runs(labels) if x is not None]
+
+
+def _piece(curves: list[Bivariate], parameter: str, value: _Value, where: Interval) -> Piece:
+    if not isinstance(value, Branch):
+        return Piece(where, value)
+    curve, formula = curves[value.curve], None
+    powers = [k for k, c in enumerate(curve) if c != 0]
+    if powers in ([0, 1], [0, 2]):
+        solved = rational_text(fraction(-curve[0], curve[-1]), parameter)
+        formula = solved if powers == [0, 1] else f"sqrt({solved})"
+    return Piece(where, None, curve_text(curve, "x", parameter), value.root, formula)
+
+
+def _value(curves: list[Bivariate], value: Exact | None, limit: Limit | None) -> _Value | None:
+    """The branch on which the limit lies at a value that is not critical; the limit itself on a curve free of it."""
+    if value is None or not isinstance(limit, RealRoot) or limit == ORIGIN:
+        return limit
+    found = (k for k, curve in enumerate(curves) if vanishes_at(at_parameter(curve, scalar(value)), limit))
+    curve = next(found)
+    if all(c.degree() <= 0 for c in curves[curve]):
+        return limit
+    return Branch(curve, _roots(curves[curve], value).index(limit) + 1)
+
+
+def _at_point(
+    curves: list[Bivariate], value: Exact | None, limit: Limit | None, beside: list[_Value | None]
+) -> _Value | None:
+    """The value of a cell beside the point, left before right, if the limit at the point continues it."""
+    if value is None or limit is None:
+        return None
+    for cell in beside:
+        if cell == limit:
+            return cell
+        if isinstance(cell, Branch) and limit is not INFINITY:
+            roots = _roots(curves[cell.curve], value)
+            if limit in roots[cell.root - 1 : cell.root]:
+                return cell
+    return limit
+
+
+def _roots(curve: Bivariate, value: Exact) -> list[RealRoot]:
+    """The positive real roots of the curve at a value of the parameter, ascending."""
+    polynomial_ = at_parameter(curve, scalar(value))
+    return [root for root in positive_roots([polynomial_]) if vanishes_at(polynomial_, root)]

@@ -26,7 +26,8 @@ from driftproof.methods.stepping import stepper
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.algebra.real_roots import ZERO
 from driftproof.symbolic.algebra.series import expand
-from driftproof.symbolic.facts import FACTS, facts_of, general_order
+from driftproof.symbolic.facts import FACTS, Facts, general_order
+from driftproof.symbolic.linear.facts import facts_by_name
 from driftproof.symbolic.linear.irreducible import reduced, stages_of
 from driftproof.symbolic.linear.limits import INFINITY
 from driftproof.symbolic.linear.oscillator import determinant, is_matrix_symmetric, one_step_matrix
@@ -34,8 +35,9 @@ from driftproof.symbolic.linear.structure import is_symmetric, is_symplectic
 from driftproof.symbolic.trees.order import embedded_conditions, embedded_order, order_to_tolerance
 from driftproof.symbolic.trees.quadratic import quadratic_matrix
 from driftproof.symbolic.trees.series import method_series, symmetric_to_order, symplectic_to_order
-from driftproof.texts.writing.facts import facts_text
+from driftproof.texts.writing.records import record
 from driftproof.texts.writing.tex import facts_tex
+from driftproof.texts.writing.text import facts_text
 from tests import changes
 from tests.catalogue.conformance import ARITHMETICS
 from tests.catalogue.measured_orders import differences, order_in_balls, order_on_series, program_is_its_definition
@@ -84,9 +86,10 @@ def test_entry_is_consistent_or_known_not_to_be(key: str) -> None:
 
 @REPRESENTATIVES
 def test_every_fact_is_answered_as_json_as_text_and_as_tex(key: str) -> None:
-    facts = facts_of(METHODS[key])
-    assert list(facts) == list(FACTS)
-    assert json.loads(json.dumps(facts)) == facts
+    facts = facts_by_name(Facts(METHODS[key]), FACTS, FACTS)
+    found = record(facts)
+    assert list(found) == list(FACTS)
+    assert json.loads(json.dumps(found)) == found
     for form in (facts_text, facts_tex):
         assert key in form(facts).replace("\\_", "_")
 

@@ -16,7 +16,7 @@ from driftproof.methods.number_field import cube_root, square_root
 from driftproof.methods.parameters import Function, function
 from driftproof.methods.schemes import MethodError
 from driftproof.methods.tableau_file import read_method
-from driftproof.symbolic.family_facts import family_facts
+from driftproof.texts.writing.records import family_facts
 from tests.symbolic.linear.family_examples import THETA
 
 Write = Callable[[str], Path]

@@ -1,15 +1,18 @@
-"""The facts door: it answers right where others are wrong, only what is asked for, and refuses in one line."""
+"""Exact facts by name: the order apart from the linear order and the order to a tolerance, only what is asked for."""
 
-import json
+from __future__ import annotations
+
 from dataclasses import replace
 from fractions import Fraction as Q
 
 import pytest
 
-from driftproof.cli import main
+import driftproof
 from driftproof.methods.catalogue import METHODS
-from driftproof.symbolic.facts import FACTS, facts_of
-from driftproof.texts.writing.tex import number_tex, polynomial_tex
+from driftproof.methods.schemes import RungeKutta
+from driftproof.symbolic.facts import FACTS, ON_REQUEST, WHY_NONE, Facts, OrderWithin, general_order, order_within
+from driftproof.symbolic.linear.facts import facts_by_name
+from driftproof.symbolic.trees.rooted import written
 
 # The keys that the output format promises for every method.
 SCHEMA = {
@@ -34,103 +37,92 @@ SCHEMA = {
 }
 
 
-def only(method, *names):
-    return facts_of(method, names)
-
-
-def test_every_key_that_is_promised_is_a_fact():
+def test_every_key_that_is_promised_is_a_fact_and_has_a_sentence() -> None:
     assert set(FACTS) >= SCHEMA
+    assert set(WHY_NONE) <= {*FACTS, *ON_REQUEST}
+    of_facts = [getattr(Facts, name) for name in (*FACTS, *ON_REQUEST) if hasattr(Facts, name)]
+    assert len(of_facts) > 35
+    assert all(fact.__doc__.endswith(".") for fact in of_facts)
 
 
-def test_order_and_linear_order_are_two_facts():
+def test_a_fact_is_an_exact_object_of_a_public_class() -> None:
+    facts = driftproof.Facts(METHODS["rk4"])
+    limit = facts.imaginary_limit
+    assert limit.minimal == (-8, 0, 1)  # x**2 - 8
+    assert facts.stability_function(Q(-1)) == Q(3, 8)
+    assert str(facts.energy_multiplier) == "1 - h**6/72 + h**8/576"
+    assert facts.energy_multiplier(2) == Q(5, 9)
+    assert facts.a_stability.witness == 9
+
+
+def test_only_what_is_asked_for_is_derived() -> None:
+    facts = Facts(METHODS["rk4"])
+    assert facts_by_name(facts, ("order",), FACTS) == {"order": 4}
+    assert set(vars(facts)) == {"method", "terms", "order", "order_fails"}
+    assert facts_by_name(facts, ("title", "method"), FACTS) == {"title": "Classical RK4", "method": METHODS["rk4"]}
+    with pytest.raises(ValueError, match="unknown fact 'colour'; choose from method, title, family"):
+        facts_by_name(facts, ("order", "colour"), FACTS)
+
+
+def test_order_and_linear_order_are_two_facts() -> None:
     heun3 = METHODS["heun3"]
     rows = ((0, 0, 0), (Q(1, 3), 0, 0), (0, Q(1, 2), 0))
-    twin = replace(heun3, key="twin", a=rows, b=(0, 0, 1), c=(0, Q(1, 3), Q(1, 2)))
-    names = ("stability_function", "linear_order")
-    assert only(twin, *names) == only(heun3, *names)
-    assert (only(twin, "order")["order"], only(heun3, "order")["order"]) == (2, 3)
+    twin = Facts(replace(heun3, key="twin", a=rows, b=(0, 0, 1), c=(0, Q(1, 3), Q(1, 2))))
+    known = Facts(heun3)
+    assert (twin.stability_function, twin.linear_order) == (known.stability_function, known.linear_order)
+    assert (twin.order, known.order) == (2, 3)
 
 
-@pytest.mark.parametrize("power", [14, 30])
-def test_a_weight_off_in_a_far_digit_costs_the_order(power):
+@pytest.mark.parametrize("power", [8, 13, 14, 30])
+def test_a_weight_off_in_a_far_digit_costs_the_order_and_not_the_order_to_a_tolerance(power: int) -> None:
     rk4 = METHODS["rk4"]
+    assert isinstance(rk4, RungeKutta)
     off = replace(rk4, b=(rk4.b[0] + Q(1, 10**power), *rk4.b[1:]))
-    facts = only(off, "order", "order_fails", "inconsistencies")
-    assert facts["order"] == 0
-    assert facts["order_fails"] == {"tree": "τ", "residual": f"1/{10**power}"}
-    assert facts["inconsistencies"] == {"sum(b) - 1": f"1/{10**power}"}
+    facts = Facts(off)
+    assert facts.order == 0
+    assert (written(facts.order_fails.failing_tree), facts.order_fails.residual) == ("τ", Q(1, 10**power))
+    assert facts.inconsistencies == {"sum(b) - 1": Q(1, 10**power)}
+    assert order_within(off, Q(1, 10**12)).order == (4 if power >= 13 else 0)
 
 
-@pytest.mark.parametrize(("key", "limit"), [("chebyshev10_1", "200"), ("ssprk40_2", "78")])
-def test_real_limits_where_sampling_goes_wrong(key, limit):
-    assert only(METHODS[key], "real_limit")["real_limit"]["exact"] == limit
-
-
-def test_radau_is_algebraically_stable_and_trapezoid_is_not():
-    assert only(METHODS["radau_iia2"], "algebraically_stable", "l_stable") == {
-        "algebraically_stable": True,
-        "l_stable": True,
-    }
-    assert only(METHODS["trapezoid"], "algebraically_stable", "a_stable") == {
-        "algebraically_stable": False,
-        "a_stable": True,
-    }
-
-
-def test_printed_inconsistency_is_a_verdict_with_its_residual():
-    residual = Q(only(METHODS["prince_dormand87"], "inconsistencies")["inconsistencies"]["sum(b) - 1"])
+def test_printed_inconsistency_is_a_verdict_with_its_residual() -> None:
+    residual = Facts(METHODS["prince_dormand87"]).inconsistencies["sum(b) - 1"]
     assert -Q(37, 10**19) < residual < -Q(36, 10**19)
 
 
-def test_only_what_is_asked_for_is_computed(monkeypatch):
-    def refuse(_):
-        raise AssertionError("computed without being asked for")
-
-    monkeypatch.setitem(FACTS, "ssp_coefficient", refuse)
-    assert only(METHODS["rk4"], "order") == {"order": 4}
-    with pytest.raises(AssertionError, match="without being asked"):
-        only(METHODS["rk4"], "ssp_coefficient")
+def test_radau_is_algebraically_stable_and_trapezoid_is_not() -> None:
+    radau, trapezoid = Facts(METHODS["radau_iia2"]), Facts(METHODS["trapezoid"])
+    assert (radau.algebraically_stable, radau.l_stable) == (True, True)
+    assert (trapezoid.algebraically_stable, trapezoid.a_stable) == (False, True)
 
 
-def test_user_s_own_tableau_and_bad_files(tmp_path, capsys):
-    mine = tmp_path / "mine.toml"
-    mine.write_text('family = "runge_kutta"\nA = [[0, 0], ["2/3", 0]]\nb = ["1/4", "3/4"]\n', encoding="utf-8")
-    assert main(["facts", str(mine), "--only", "order,stability_function", "--format", "json"]) == 0
-    assert json.loads(capsys.readouterr().out)["order"] == 2
-    bad = {
-        "ragged.toml": 'family = "runge_kutta"\nA = [[0, 0], ["2/3"]]\nb = ["1/4", "3/4"]\n',
-        "code.toml": 'family = "runge_kutta"\nA = [["__import__(1)"]]\nb = [1]\n',
-        "root.toml": 'family = "runge_kutta"\nA = [["s3"]]\nb = [1]\n',
-        "missing.toml": None,
-    }
-    for name, text in bad.items():
-        if text is not None:
-            (tmp_path / name).write_text(text, encoding="utf-8")
-        assert main(["facts", str(tmp_path / name)]) == 2
-        captured = capsys.readouterr()
-        assert captured.out == ""
-        assert captured.err.count("\n") == 1
-        assert name in captured.err
+# --- three answers about the order
 
 
-def test_unknown_fact_and_method_get_one_line(capsys):
-    for arguments in (["facts", "rk4", "--only", "speed"], ["facts", "rk5"]):
-        assert main(arguments) == 2
-        assert capsys.readouterr().err.count("\n") == 1
+def test_exact_order_failing_residual_and_order_to_a_tolerance_are_three_answers() -> None:
+    tsitouras = METHODS["tsitouras54"]
+    facts = Facts(tsitouras)
+    assert (facts.order, written(facts.order_fails.failing_tree)) == (0, "τ")
+    assert facts.order_fails.residual == Q(-17, 10**17)
+    tolerances = [(Q(1, 10**12), 5), (Q(17, 10**17), 1), (Q(16, 10**17), 0), (Q(0), 0)]
+    assert [order_within(tsitouras, t).order for t, _ in tolerances] == [p for _, p in tolerances]
+    assert order_within(tsitouras, Q(1, 10**12)) == OrderWithin(Q(1, 10**12), 5, None, 4)
 
 
-def test_picture_of_the_region_is_drawn_and_a_splitting_has_none(tmp_path, capsys):
-    picture = tmp_path / "region.svg"
-    for kind in ("region", "order-star", "phase"):
-        assert main(["facts", "rk4", "--only", "order", "--plot", str(picture), "--picture", kind]) == 0
-        assert picture.read_text(encoding="utf-8").count("<svg") == 1
-        picture.unlink()
-    assert main(["facts", "symplectic_euler", "--plot", str(picture)]) == 2
-    assert not picture.exists()
-
-
-def test_numbers_and_polynomials_in_tex():
-    assert number_tex("-1/120") == r"-\frac{1}{120}"
-    assert number_tex("2*sqrt(2)") == r"2 \sqrt{2}"
-    assert number_tex("2**(1/3)") == r"\sqrt[3]{2}"
-    assert polynomial_tex(["1", "0", "-1", "1/2"], "h^2") == r"1-h^{4}+\frac{1}{2}h^{6}"
+@pytest.mark.parametrize(
+    ("key", "order", "second"),
+    [
+        ("pefrl", 4, 4),
+        ("blanes_moan_rkn6a", 4, 6),
+        ("suzuki_umeno8", 8, 8),
+        ("gauss9", 18, None),
+        ("nystrom4", 4, None),
+    ],
+)
+def test_order_to_a_tolerance_of_every_kind_of_method(key: str, order: int, second: int | None) -> None:
+    found = order_within(METHODS[key], Q(1, 10**12))
+    assert (found.order, found.order_second_order_problems, found.embedded_order) == (order, second, None)
+    assert general_order(METHODS[key]).order <= order
+    assert order_within(METHODS[key], Q(0)).order == general_order(METHODS[key]).order
+    with pytest.raises(ValueError, match="tolerance -1 is below zero"):
+        order_within(METHODS[key], Q(-1))

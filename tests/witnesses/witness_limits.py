@@ -12,6 +12,7 @@ from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.real_roots import ZERO, RealRoot
 from driftproof.symbolic.linear.facts import LinearFacts
 from driftproof.symbolic.linear.limits import INFINITY, Limit
+from driftproof.symbolic.linear.oscillator import stability_function_of
 from tests.symbolic.linear.linear_examples import at, modulus
 
 Growth: TypeAlias = Callable[[arb], arb]
@@ -24,7 +25,7 @@ SLACK = arb(2) ** -2000
 def limits_with_growth(method: Method) -> Iterator[tuple[Limit, Growth]]:
     """Each limit of the method, and what one step multiplies by: |R(-x)| and |R(ix)|, or the spectral radius of M."""
     facts = LinearFacts(method)
-    r, m = facts.stability_function, facts.matrix
+    r, m = stability_function_of(method), facts.one_step_matrix
     if r is None:
         yield facts.imaginary_limit, lambda x: spectral_radius(m, x)
         return

@@ -19,9 +19,10 @@ from driftproof.symbolic.algebra.polynomials import evaluate, scalar, sign
 from driftproof.symbolic.algebra.real_roots import ZERO, rational_root
 from driftproof.symbolic.linear.bounded_powers import boundary_of, is_bounded
 from driftproof.symbolic.linear.facts import LinearFacts
-from driftproof.symbolic.linear.limits import Infinity, Limit, data, smallest
+from driftproof.symbolic.linear.limits import Infinity, Limit, smallest
 from driftproof.symbolic.linear.spectral_radius import spectral_radius
 from driftproof.symbolic.runs import as_balls, exact_matrix_at, power
+from driftproof.texts.writing.records import number_record
 
 # How long powers are followed, in lengths of the scene, and at how many places.
 LENGTHS, PLACES = 10, 200
@@ -47,7 +48,7 @@ def verdict(key: str, h: Fraction) -> Verdict:
     """The verdict on the method `key` at this very h. Raises ValueError at a pole of M(h)."""
     facts = LinearFacts(METHODS[key])
     growth = spectral_radius(exact_matrix_at(facts.method, h))
-    bounded = is_bounded(boundary_of(facts.matrix), lambda p: sign(evaluate(p, scalar(h))))
+    bounded = is_bounded(boundary_of(facts.one_step_matrix), lambda p: sign(evaluate(p, scalar(h))))
     return Verdict(key, facts.imaginary_limit, bounded, _less_one(growth))
 
 
@@ -78,7 +79,7 @@ def verdicts_table(scene: Scene, verdicts: Sequence[Verdict]) -> str:
 def _limit(limit: Limit) -> tuple[str, str]:
     if isinstance(limit, Infinity) or limit == ZERO:
         return ("all h" if isinstance(limit, Infinity) else "none"), "–"
-    known = data(limit, LIMIT_DIGITS)
+    known = number_record(limit, LIMIT_DIGITS)
     assert not isinstance(known, str)
     radicals, decimal = known["exact"], known["decimal"]
     words = radicals or f"a root of degree {len(limit.minimal) - 1}"

@@ -9,7 +9,7 @@ from flint import fmpq, fmpq_mpoly_ctx, fmpq_poly
 
 from driftproof.symbolic.algebra.polynomials import ZERO, Polynomial, Scalar, evaluate, from_scalars
 from driftproof.symbolic.algebra.subresultants import Pair, critical_polynomial
-from driftproof.symbolic.algebra.text import polynomial_text
+from driftproof.symbolic.algebra.text import polynomial_text, sum_text
 
 Bivariate: TypeAlias = list[Polynomial]
 
@@ -107,13 +107,8 @@ def slope(rows: Bivariate) -> Bivariate:
 
 def text(rows: Bivariate, variable: str, parameter: str) -> str:
     """The polynomial in SymPy's syntax, highest power of x first, e.g. "(1 - 2*gamma)*x - 2"."""
-    found = ""
-    for power in reversed(range(len(rows))):
-        if rows[power] != 0:
-            term = _term(rows[power], power, variable, parameter)
-            body = term.removeprefix("-")
-            found += f" {'-' if body != term else '+'} {body}" if found else term
-    return found or "0"
+    powers = (k for k in reversed(range(len(rows))) if rows[k] != 0)
+    return sum_text(_term(rows[k], k, variable, parameter) for k in powers)
 
 
 def _term(coefficient: Polynomial, power: int, variable: str, parameter: str) -> str:

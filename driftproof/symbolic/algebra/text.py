@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from fractions import Fraction
 
 from driftproof.methods.number_field import Exact
@@ -11,12 +12,15 @@ from driftproof.symbolic.algebra.rational_functions import RationalFunction
 
 def polynomial_text(p: Polynomial, name: str) -> str:
     """The polynomial, constant term first, e.g. "1/2 - h**2/8" or "(2 - sqrt(2))*h"."""
+    return sum_text(_term(c, power, name) for power, c in enumerate(coefficients(p)) if c != 0)
+
+
+def sum_text(terms: Iterable[str]) -> str:
+    """The sum of terms with their signs in front: "1 - h" from "1" and "-h"; "0" of none."""
     text = ""
-    for power, c in enumerate(coefficients(p)):
-        if c != 0:
-            term = _term(c, power, name)
-            body = term.removeprefix("-")
-            text += f" {'-' if body != term else '+'} {body}" if text else term
+    for term in terms:
+        size = term.removeprefix("-")
+        text += f" {'+' if size == term else '-'} {size}" if text else term
     return text or "0"
 
 

@@ -10,10 +10,7 @@ from typing import Any, TypeAlias
 
 from flint import acb, ctx, fmpq, fmpq_mat, fmpz_poly
 
-from driftproof.symbolic.algebra.certified import significant
-from driftproof.symbolic.algebra.radicals import DIGITS, decimal, integer_polynomial_text, radical_form
-from driftproof.symbolic.algebra.real_roots import FIRST_BITS, Minimal, RealRoot, rational_root
-from driftproof.symbolic.linear.limits import data
+from driftproof.symbolic.algebra.real_roots import FIRST_BITS, Minimal, RealRoot
 
 Rows: TypeAlias = Sequence[Sequence[Fraction]]
 
@@ -66,10 +63,6 @@ class Eigenvalue:
     place: Place
     multiplicity: int
     block: int
-
-    def data(self) -> dict[str, Any]:
-        """{"value", "multiplicity", "largest_block"}; of a pair the one above the real axis."""
-        return {"value": _value(self.place), "multiplicity": self.multiplicity, "largest_block": self.block}
 
 
 def eigenvalues(rows: Rows) -> list[Eigenvalue]:
@@ -132,28 +125,3 @@ def _upper_balls(minimal: Minimal, bits: int) -> tuple[acb, ...]:
 def _middle(ball: Any) -> Fraction:
     mantissa, exponent = (int(part) for part in ball.mid().man_exp())
     return Fraction(mantissa) * Fraction(2) ** exponent
-
-
-def _value(place: Place) -> Any:
-    """A real number as `limits.data` writes it, another with its real and imaginary part."""
-    if isinstance(place, RealRoot):
-        return data(place)
-    if isinstance(place, Imaginary):
-        size = radical_form(place.size)
-        exact, real, imaginary = size and _times_i(size), "0", decimal(place.size)
-    else:
-        exact = _quadratic(place) if place.degree == 2 else None
-        real, imaginary = (significant(part, DIGITS) for part in (lambda: place.ball().real, lambda: place.ball().imag))
-    return {"exact": exact, "minpoly": integer_polynomial_text(place.minimal), "real": real, "imaginary": imaginary}
-
-
-def _quadratic(place: Complex) -> str | None:
-    total, product = place.sum_and_product()
-    square = product - total * total / 4
-    height = radical_form(rational_root(Fraction(int(square.p), int(square.q))).square_root())
-    return height and f"{total / 2} + {_times_i(height)}"
-
-
-def _times_i(size: str) -> str:
-    """The number times i, e.g. "sqrt(399)/20*I"."""
-    return "I" if size == "1" else f"({size})*I" if " " in size else f"{size}*I"

@@ -1,26 +1,51 @@
-"""R(z) and the error constant of a family of Runge-Kutta methods, as functions of its parameter."""
+"""Families of Runge-Kutta methods with a parameter: R(z) as a function of it, and stability as exact sets of values."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import groupby
+from typing import NamedTuple, TypeVar
+
+from flint import fmpq
 
 from driftproof.methods.families import Family
-from driftproof.methods.parameters import Function
-from driftproof.symbolic.algebra.bivariate import Bivariate, common_divisor, quotient
+from driftproof.methods.number_field import Exact
+from driftproof.methods.parameters import Function as ParameterFunction
+from driftproof.symbolic.algebra.algebraic_numbers import number_of
+from driftproof.symbolic.algebra.bivariate import (
+    Bivariate,
+    common_divisor,
+    difference,
+    merging_values,
+    quotient,
+    signed,
+    size_on_axis,
+    slope,
+    without_root_zero,
+)
 from driftproof.symbolic.algebra.matrices import characteristic_and_adjugate
 from driftproof.symbolic.algebra.polynomials import (
     ONE,
     ZERO,
     Polynomial,
     descend,
+    exact,
     greatest_common_divisor,
+    reflected,
 )
 from driftproof.symbolic.algebra.polynomials import quotient as polynomial_quotient
+from driftproof.symbolic.algebra.radicals import decimal, radical_form
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
+from driftproof.symbolic.algebra.real_roots import ZERO as ORIGIN
+from driftproof.symbolic.algebra.real_roots import RealRoot, positive_roots, samples, vanishes_at
 from driftproof.symbolic.algebra.series import exponential
+from driftproof.symbolic.linear.stability_function import stability_function
 
 NIL = fraction(ZERO)
+# Digits of an end without a radical form, in text; the records have them all.
+DIGITS_SHOWN = 12
+Label = TypeVar("Label", bound=Hashable)
 
 
 @dataclass(frozen=True)
@@ -43,11 +68,15 @@ class FamilyStability:
         num, den = self.coefficients()
         found: list[RationalFunction] = []
         for k in range(terms):
-            total = num[k] if k < len(num) else NIL
+            c = num[k] if k < len(num) else NIL
             for j in range(1, min(k, len(den) - 1) + 1):
-                total = total - den[j] * found[k - j]
-            found.append(total)
+                c = c - den[j] * found[k - j]
+            found.append(c)
         return found
+
+    def margin_on_axis(self) -> Bivariate:
+        """|Q(iy)|² - |P(iy)|² by powers of y², without common ones."""
+        return without_root_zero(difference(size_on_axis(self.den), size_on_axis(self.num)))
 
 
 def poles(family: Family) -> Polynomial:
@@ -58,7 +87,7 @@ def poles(family: Family) -> Polynomial:
     return common
 
 
-def cleared(entries: Sequence[Function], common: Polynomial) -> list[Polynomial]:
+def cleared(entries: Sequence[ParameterFunction], common: Polynomial) -> list[Polynomial]:
     """The entries times a common multiple of their denominators: polynomials in the parameter."""
     return [f.num * polynomial_quotient(common, f.den) for f in entries]
 
@@ -73,6 +102,15 @@ def family_stability(family: Family) -> FamilyStability:
     return FamilyStability(quotient(num, shared), quotient(den, shared))
 
 
+def _determinant(rows: Sequence[Sequence[Polynomial]], common: Polynomial) -> Bivariate:
+    """det(I - zA) times commonˢ, for A = rows/common: coefficient k is that of `rows` times common**(s - k)."""
+    found = [descend(c) for c in characteristic_and_adjugate(rows)[0]]
+    scaled = [c * common ** (len(rows) - k) for k, c in enumerate(found)]
+    while scaled[-1] == 0:
+        scaled.pop()
+    return scaled
+
+
 def family_error_constant(family: Family) -> tuple[int, RationalFunction]:
     """(power, C) with R(z) - eᶻ = C(parameter) z**power + ..., C not zero; at the roots of C the order is higher.
 
@@ -84,10 +122,124 @@ def family_error_constant(family: Family) -> tuple[int, RationalFunction]:
     return next((power, f) for power, f in enumerate(differences) if f != NIL)
 
 
-def _determinant(rows: Sequence[Sequence[Polynomial]], common: Polynomial) -> Bivariate:
-    """det(I - zA) times commonˢ, for A = rows/common: coefficient k is that of `rows` times common**(s - k)."""
-    found = [descend(c) for c in characteristic_and_adjugate(rows)[0]]
-    scaled = [c * common ** (len(rows) - k) for k, c in enumerate(found)]
-    while scaled[-1] == 0:
-        scaled.pop()
-    return scaled
+@dataclass(frozen=True)
+class Interval:
+    """The numbers between `low` and `high` (None: no bound), with the ends that are closed."""
+
+    low: RealRoot | None
+    high: RealRoot | None
+    low_closed: bool
+    high_closed: bool
+
+    def __str__(self) -> str:
+        """E.g. "[1/4, oo)", "{1 - sqrt(2)/2}"."""
+        if self.low is not None and self.low == self.high:
+            return f"{{{_text(self.low)}}}"
+        left, right = "[" if self.low_closed else "(", "]" if self.high_closed else ")"
+        low, high = ("-oo" if self.low is None else _text(self.low), "oo" if self.high is None else _text(self.high))
+        return f"{left}{low}, {high}{right}"
+
+
+class ParameterSet(NamedTuple):
+    """A union of disjoint intervals, ascending."""
+
+    intervals: tuple[Interval, ...]
+
+    def __str__(self) -> str:
+        """The union, e.g. "[1/4, oo)"; "empty" for none."""
+        return " U ".join(map(str, self.intervals)) or "empty"
+
+
+@dataclass(frozen=True)
+class Line:
+    """The line cut at the real roots of polynomials in the parameter: open cell 0, point 0, open cell 1, and so on.
+
+    Points where the family has a pole are kept as points, and left out as values.
+    """
+
+    points: list[RealRoot]
+    poles: Polynomial
+
+    @classmethod
+    def cut(cls, family: Family, polynomials: Iterable[Polynomial]) -> Line:
+        """The line of the family's parameter, cut at its poles and at the roots of the nonzero ones of these."""
+        common = poles(family)
+        return cls(_real_roots([p for p in (common, *polynomials) if p != 0]), common)
+
+    def values(self) -> Iterator[Exact | None]:
+        """A rational number of each open cell, and each point itself, ascending; None at a pole.
+
+        Raises `methods.irreducibility.UndecidedError` at a point of degree above 12, which has no number field here.
+        """
+        for k, inner in enumerate(_samples(self.points)):
+            yield exact(inner)
+            if k < len(self.points):
+                point = self.points[k]
+                yield None if vanishes_at(self.poles, point) else number_of(point)
+
+    def runs(self, labels: Sequence[Label]) -> list[tuple[Label, Interval]]:
+        """Intervals of equal labels, ascending; label 2k is that of the open cell before point k, 2k + 1 its own."""
+        found = []
+        for label, run in groupby(enumerate(labels), key=lambda item: item[1]):
+            places = [place for place, _ in run]
+            first, last = places[0], places[-1]
+            low = self.points[(first - 1) // 2] if first else None
+            high = self.points[last // 2] if last < 2 * len(self.points) else None
+            found.append((label, Interval(low, high, first % 2 == 1, last % 2 == 1)))
+        return found
+
+    def where(self, holds: Callable[[Exact], object]) -> ParameterSet:
+        """The values at which `holds` is true, if it is constant on each open cell."""
+        return self.marked([value is not None and bool(holds(value)) for value in self.values()])
+
+    def marked(self, verdicts: Sequence[bool]) -> ParameterSet:
+        """The cells and points with the verdict True."""
+        return ParameterSet(tuple(interval for verdict, interval in self.runs(verdicts) if verdict))
+
+
+def parameter_set(family: Family, decide: Callable[[RationalFunction], object]) -> ParameterSet:
+    """The values of the parameter at which `decide` of R(z) is true.
+
+    For A-, I- and L-stability and whatever else depends on the degrees of R in lowest terms, on the sign pattern of
+    |Q(iy)|² - |P(iy)|² and on the side of the imaginary axis where the poles lie: between critical values none of these
+    changes, so one rational value decides each interval; critical values are decided in their number fields.
+    """
+    line = Line.cut(family, critical_polynomials(family))
+    return line.where(lambda value: decide(stability_function(family.member(value))))
+
+
+def critical_polynomials(family: Family) -> list[Polynomial]:
+    """Polynomials in the parameter, one of which vanishes wherever the facts named in `parameter_set` can change."""
+    r = family_stability(family)
+    even, odd = signed(r.den[::2]), signed(r.den[1::2])
+    return critical_values(r, r.margin_on_axis(), (even, odd))
+
+
+def critical_values(r: FamilyStability, margin: Bivariate, *pairs: tuple[Bivariate, Bivariate]) -> list[Polynomial]:
+    """Polynomials that vanish where the degree of P, Q or the margin changes, or where roots merge.
+
+    These are roots of P and Q, roots of the margin, and roots of the two in a pair.
+    """
+    merging = [merging_values(p, q) for p, q in ((r.num, r.den), *pairs, (margin, slope(margin)))]
+    ends = [p for rows in (r.num, r.den, margin) if rows for p in (rows[0], rows[-1])]
+    return [p for p in (*ends, *merging) if p is not None and p != 0]
+
+
+def _real_roots(polynomials: list[Polynomial]) -> list[RealRoot]:
+    """All real roots, ascending."""
+    negative = [root.negated() for root in positive_roots([reflected(p) for p in polynomials])]
+    middle = [ORIGIN] if any(p[0] == 0 for p in polynomials) else []
+    return [*reversed(negative), *middle, *positive_roots(polynomials)]
+
+
+def _samples(points: list[RealRoot]) -> list[fmpq]:
+    """A rational number in each of the open intervals that the ascending points cut the line into."""
+    negative = [p.negated() for p in points if p.ball() < 0][::-1]
+    positive = [p for p in points if p.ball() > 0]
+    below, above = [-x for x in samples(negative)][::-1], samples(positive)
+    return [*below, *above] if ORIGIN in points else [*below[:-1], fmpq(0), *above[1:]]
+
+
+def _text(root: RealRoot) -> str:
+    """In radicals, or else with few digits and a sign that they are not all."""
+    return radical_form(root) or f"~{decimal(root, DIGITS_SHOWN)}"

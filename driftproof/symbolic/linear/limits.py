@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from enum import Enum
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from flint import fmpq
 
 from driftproof.symbolic.algebra.polynomials import Polynomial, evaluate, reflected, sign, size_on_imaginary_axis
-from driftproof.symbolic.algebra.radicals import DIGITS, decimal, integer_polynomial_text, radical_form
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
 from driftproof.symbolic.algebra.real_roots import ZERO, RealRoot, positive_roots, samples
 
@@ -68,21 +67,6 @@ def smallest(limits: Sequence[Limit]) -> Limit:
         return ZERO if finite else INFINITY
     order = positive_roots([limit.polynomial for limit in finite])
     return next(root for root in order if root in finite)
-
-
-def data(limit: Limit, digits: int = DIGITS) -> str | dict[str, Any]:
-    """ "0", "oo", or {"exact", "minpoly", "interval", "decimal"}: radicals in SymPy's syntax or None, polynomial in x.
-
-    The number is the one root of its polynomial in the closed interval; `decimal` is rounded correctly.
-    """
-    if isinstance(limit, Infinity) or limit == ZERO:
-        return "oo" if isinstance(limit, Infinity) else "0"
-    return {
-        "exact": radical_form(limit),
-        "minpoly": integer_polynomial_text(limit.minimal),
-        "interval": [str(end) for end in limit.interval()],
-        "decimal": decimal(limit, digits),
-    }
 
 
 def _sign_of_product(factors: Sequence[Polynomial], x: fmpq) -> int:

@@ -6,14 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from math import isqrt
-from typing import Any
 
 from driftproof.methods.number_field import Exact
 from driftproof.methods.number_field import square_root as number_root
-from driftproof.symbolic.algebra.algebraic_numbers import root_of
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import ONE, exact, reflected, scalar
-from driftproof.symbolic.algebra.radicals import is_readable, perfect_part
+from driftproof.symbolic.algebra.radicals import perfect_part
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 from driftproof.symbolic.algebra.series import (
     Series,
@@ -26,7 +24,6 @@ from driftproof.symbolic.algebra.series import (
     multiply,
     square_root,
 )
-from driftproof.symbolic.linear.limits import data
 from driftproof.symbolic.linear.oscillator import determinant, trace
 
 
@@ -40,14 +37,6 @@ class LeadingTerm:
 
     power: int
     coefficient: Exact
-
-    def data(self) -> dict[str, Any]:
-        """{"power": p, "coefficient": "..."}; where radicals are too long, the number is as `limits.data` writes it."""
-        readable = is_readable(self.coefficient)
-        return {
-            "power": self.power,
-            "coefficient": str(self.coefficient) if readable else data(root_of(self.coefficient)),
-        }
 
 
 def error_constant(r: RationalFunction) -> LeadingTerm:

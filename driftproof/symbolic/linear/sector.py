@@ -2,24 +2,42 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
 from flint import arb, fmpq
 
-from driftproof.symbolic.algebra.certified import settle, significant
 from driftproof.symbolic.algebra.polynomials import ONE, ZERO, FieldPolynomial, Polynomial, X, evaluate, from_scalars
-from driftproof.symbolic.algebra.radicals import DIGITS
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
 from driftproof.symbolic.algebra.real_roots import ZERO as NO_SECTOR
 from driftproof.symbolic.algebra.real_roots import RealRoot, positive_roots
 from driftproof.symbolic.algebra.subresultants import Pair, critical_polynomial
 from driftproof.symbolic.linear.implicit_stability import a_stability, negative_point
-from driftproof.symbolic.linear.limits import INFINITY, Infinity, Limit, data, first_failure
+from driftproof.symbolic.linear.limits import INFINITY, Infinity, Limit, first_failure
 from driftproof.symbolic.linear.sector_enclosure import EnclosedTangent
 
 # Beyond, the critical polynomial has a degree of hundreds, and takes minutes.
 LARGEST_EXACT_DEGREE = 7
+
+
+@dataclass(frozen=True)
+class Angle:
+    """An angle of at most 90 degrees by its tangent."""
+
+    tangent: Limit | EnclosedTangent
+
+    def ball(self) -> arb:
+        """The angle in degrees, at Arb's current precision; not of 0 and 90 degrees."""
+        assert not isinstance(self.tangent, Infinity)
+        return self.tangent.ball().atan() * 180 / arb.pi()
+
+    @property
+    def exact(self) -> Fraction | Callable[[], arb]:
+        """The angle in degrees as a number for `certified`."""
+        if isinstance(self.tangent, Infinity) or self.tangent == NO_SECTOR:
+            return Fraction(90 if isinstance(self.tangent, Infinity) else 0)
+        return self.ball
 
 
 def sector_tangent(r: RationalFunction) -> Limit | EnclosedTangent:
@@ -50,26 +68,6 @@ def sector_tangent_by_rays(margin: list[Polynomial]) -> Limit:
         return INFINITY
     limit = first_failure(_critical(margin), lambda square: negative_point(_at(margin, square)) is None)
     return limit.square_root() if isinstance(limit, RealRoot) else limit
-
-
-def sector_degrees(tangent: Limit | EnclosedTangent, digits: int = DIGITS) -> str:
-    """α in degrees, correctly rounded to so many significant digits; "90" if A-stable."""
-    if isinstance(tangent, Infinity):
-        return "90"
-    return significant(lambda: tangent.ball().atan() * 180 / arb.pi(), digits) if tangent != NO_SECTOR else "0"
-
-
-def tangent_data(tangent: Limit | EnclosedTangent, digits: int = DIGITS) -> str | dict[str, Any]:
-    """tan α as `limits.data` writes numbers; an enclosed one has no exact form and no polynomial."""
-    if not isinstance(tangent, EnclosedTangent):
-        return data(tangent, digits)
-    billionths = settle(tangent.ball, lambda x: int(x * 10**9))
-    return {
-        "exact": None,
-        "minpoly": None,
-        "interval": [str(Fraction(n, 10**9)) for n in (billionths, billionths + 1)],
-        "decimal": significant(tangent.ball, digits),
-    }
 
 
 def ray_margin(r: RationalFunction) -> list[Polynomial]:

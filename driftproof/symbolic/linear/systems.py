@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import cached_property, partial
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple
 
 from flint import fmpq
 
@@ -18,12 +18,18 @@ from driftproof.symbolic.algebra.real_roots import ZERO, RealRoot, sign_at
 from driftproof.symbolic.linear.bounded_powers import boundary_of, bounded_limit, common_denominator, is_bounded
 from driftproof.symbolic.linear.conjugate_pairs import UndecidedLimitError, pair_bound
 from driftproof.symbolic.linear.eigenvalues import Complex, Eigenvalue, Imaginary, Place, eigenvalues
-from driftproof.symbolic.linear.limits import Infinity, data, smallest
+from driftproof.symbolic.linear.facts import demand_known
+from driftproof.symbolic.linear.limits import Infinity, Limit, smallest
 from driftproof.symbolic.linear.oscillator import determinant as area_factor
 from driftproof.symbolic.linear.oscillator import linear_step_matrix, one_step_matrix, stability_function_of
 from driftproof.symbolic.linear.rays import ALWAYS, NEVER, Bound, at_rest, ray_bound
 
-Json: TypeAlias = Any
+
+class EigenvalueLimit(NamedTuple):
+    """An eigenvalue of A with the bound for its part of M(h), or why that is not decided."""
+
+    eigenvalue: Eigenvalue
+    bound: Bound | UndecidedLimitError
 
 
 class SystemFacts:
@@ -52,9 +58,9 @@ class SystemFacts:
         return fraction(descend(determinant(rows)), den ** len(rows))
 
     @cached_property
-    def bounds(self) -> list[tuple[Eigenvalue, Bound | UndecidedLimitError]]:
-        """Each eigenvalue of A with the bound for its part of M(h), or why that is not decided."""
-        return [(eigenvalue, self._bound(eigenvalue)) for eigenvalue in eigenvalues(self.rows)]
+    def bounds(self) -> list[EigenvalueLimit]:
+        """The eigenvalues of A, each with its bound."""
+        return [EigenvalueLimit(eigenvalue, self._bound(eigenvalue)) for eigenvalue in eigenvalues(self.rows)]
 
     @cached_property
     def step_limit(self) -> Bound:
@@ -137,29 +143,32 @@ def _per(bound: Bound, size: RealRoot) -> Bound:
     return Bound(scaled(bound.limit, size), bound.attained)
 
 
-def _eigenvalue_data(eigenvalue: Eigenvalue, bound: Bound | UndecidedLimitError) -> Json:
-    return {**eigenvalue.data(), **_bound_data(bound)}
-
-
-def _bound_data(bound: Bound | UndecidedLimitError) -> Json:
-    if isinstance(bound, UndecidedLimitError):
-        return {"limit": {"refused": str(bound)}, "attained": None}
-    return {"limit": data(bound.limit), "attained": bound.attained}
-
-
-def _step_limit(facts: SystemFacts) -> Bound | UndecidedLimitError:
+def _limit(facts: SystemFacts) -> tuple[Limit | UndecidedLimitError, bool | None]:
     try:
         return facts.step_limit
     except UndecidedLimitError as reason:
-        return reason
+        return reason, None
 
 
-SYSTEM_FACTS: dict[str, Callable[[SystemFacts], Json]] = {
-    "method": lambda facts: facts.method.key,
-    "system": lambda facts: [[str(x) for x in row] for row in facts.rows],
-    "one_step_matrix": lambda facts: [[entry.data() for entry in row] for row in facts.matrix],
-    "determinant": lambda facts: facts.determinant.data(),
-    "eigenvalues": lambda facts: [_eigenvalue_data(*item) for item in facts.bounds],
-    "step_limit": lambda facts: _bound_data(_step_limit(facts))["limit"],
-    "step_limit_attained": lambda facts: _bound_data(_step_limit(facts))["attained"],
+# Every fact by name, in the order in which a reader wants them; an UndecidedLimitError is a fact, too.
+SYSTEM_FACTS: dict[str, Callable[[SystemFacts], Any]] = {
+    "method": lambda facts: facts.method,
+    "system": lambda facts: facts.rows,
+    "one_step_matrix": lambda facts: facts.matrix,
+    "determinant": lambda facts: facts.determinant,
+    "eigenvalues": lambda facts: facts.bounds,
+    "step_limit": lambda facts: _limit(facts)[0],
+    "step_limit_attained": lambda facts: _limit(facts)[1],
 }
+
+
+def facts_on_system(
+    method: Method, rows: Sequence[Sequence[Fraction]], names: Sequence[str] | None = None
+) -> dict[str, Any]:
+    """The facts with these names, or all, of the method on z' = Az, A given by its rows.
+
+    Raises ValueError for an unknown name, a matrix that is not square, and a system that the method is not for.
+    """
+    demand_known(names or (), SYSTEM_FACTS)
+    facts = SystemFacts(method, rows)
+    return {name: SYSTEM_FACTS[name](facts) for name in names or SYSTEM_FACTS}

@@ -2,85 +2,152 @@
 
 from __future__ import annotations
 
-import re
+from dataclasses import replace
 from difflib import get_close_matches
 from fractions import Fraction
 from typing import Any
 
+from driftproof.methods.expressions import parse_number
 from driftproof.methods.families import Family
-from driftproof.symbolic.algebra.polynomials import polynomial
-from driftproof.symbolic.algebra.text import polynomial_text
-from driftproof.symbolic.facts import FACTS, facts_of
-from driftproof.symbolic.family_facts import FAMILY_FACTS, family_facts
-from driftproof.symbolic.linear.facts import ON_REQUEST, LinearFacts
+from driftproof.methods.number_field import Algebraic
+from driftproof.symbolic.algebra.polynomials import Polynomial, coefficients, evaluate, exact, polynomial, scalar
+from driftproof.symbolic.algebra.radicals import radical_form
+from driftproof.symbolic.algebra.rational_functions import fraction
+from driftproof.symbolic.algebra.real_roots import RealRoot
+from driftproof.symbolic.algebra.text import polynomial_text, sum_text
+from driftproof.symbolic.facts import FACTS, ON_REQUEST, WHY_NONE, Facts
+from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
+from driftproof.symbolic.linear.facts import ExactFunction, PowerSeries, Sector, facts_by_name
+from driftproof.symbolic.linear.invariants import Quadratic
+from driftproof.symbolic.linear.limits import Infinity
+from driftproof.symbolic.linear.phase import LeadingTerm
+from driftproof.symbolic.linear.sector import Angle
+from driftproof.symbolic.linear.sector_enclosure import EnclosedTangent
 from driftproof.texts.questions.asking import HEADS, Asking
 from driftproof.texts.questions.errors import refused_at
-from driftproof.texts.questions.exact_facts import EXACT_FACTS, NoSuchFact
-from driftproof.texts.questions.value import COUNTED, PROVED, STATED, Value
-from driftproof.texts.writing.facts import VARIABLES, fact_text
+from driftproof.texts.questions.value import CERTIFIED, COUNTED, PROVED, STATED, Value
+from driftproof.texts.writing.records import Formula, parts
 from driftproof.texts.writing.tex import fact_tex
+from driftproof.texts.writing.text import fact_text
 
+NAMES = (*FACTS, *ON_REQUEST, *(name for name in FAMILY_FACTS if name not in FACTS))
 # Facts that were counted, and those that are only what the source says: the others are derived.
 EVIDENCE = {"stages": COUNTED} | dict.fromkeys(("method", "title", "family", "source", "claimed_order"), STATED)
-# Parts that are formulas in SymPy's syntax: of the modified Hamiltonian.
-FORMULAS = ("factor", "q2", "qv", "v2")
+# Leading terms that are written with their power of h; of others the coefficient is asked for.
+WITH_POWER = ("dispersion", "dissipation")
 
 
 def fact(asking: Asking) -> Value:
     """Answers `FACT METHOD [at VALUE] [h=1/4] [: PART]`. Raises QuestionError, also where there is no such fact."""
     name = asking.head
     if name not in NAMES:
-        raise asking.error(None, _unknown(name))
+        close = get_close_matches(name, [*HEADS, *NAMES], n=2)
+        hint = f"did you mean {' or '.join(close)}? " if close else ""
+        reason = f"{name[:40]!r} is nothing that can be asked; {hint}`driftproof value --list` shows what can"
+        raise asking.error(None, reason)
     subject = asking.subject()
     with refused_at(asking.text, asking.asked.column):
-        if not isinstance(subject, Family) and name in EXACT_FACTS:
-            try:
-                return EXACT_FACTS[name](asking, LinearFacts(subject))
-            except NoSuchFact as reason:
-                raise ValueError(f"{subject.key} has no {name}: {reason}") from None
+        if isinstance(subject, Family):
+            found = facts_by_name(FamilyFacts(subject), (name,), FAMILY_FACTS)[name]
+        else:
+            found = facts_by_name(Facts(subject), (name,), (*FACTS, *ON_REQUEST))[name]
+        if found is None:
+            why = f": {WHY_NONE[name]}" if name in WHY_NONE else ""
+            raise ValueError(f"{subject.key} has no {name}{why}")
+        if isinstance(found, Quadratic) and asking.asked.readout is None:
+            return _quadratic(asking, found)
+        return _answer(asking, *_part(asking, found, subject.key))
+
+
+def _part(asking: Asking, found: Any, key: str) -> tuple[str, Any]:
+    """The part that the readout names, with its own name."""
+    name, token = asking.head, asking.asked.readout
+    if name == "one_step_matrix":
+        entries = (ExactFunction(entry, "h") for row in found for entry in row)
+        return name, asking.readout(dict(zip(("M_qq", "M_qv", "M_vq", "M_vv"), entries, strict=True)))
+    if isinstance(found, Sector):
+        return name, asking.readout(parts(found) or {})
+    for part in token.text.split(".") if token else ():
+        known = parts(found)
+        if known is None or part not in known:
+            has = f"it has {', '.join(known)}" if known else "it has no parts"
+            raise asking.error(token, f"{part[:40]!r} is no part of {name} of {key}; {has}")
+        found, name = known[part], part
+    if isinstance(found, LeadingTerm) and name in WITH_POWER:
+        return name, ExactFunction(fraction(polynomial([*found.power * [0], found.coefficient])), "h")
+    return name, found.coefficient if isinstance(found, LeadingTerm) else found
+
+
+def _answer(asking: Asking, name: str, found: Any) -> Value:
+    """A number or a formula where it is one, else words; a function has a value where its variable is set."""
+    function = found.function if isinstance(found, Formula) else found
+    if isinstance(function, ExactFunction):
+        asking.demand_only(function.variable, readout=True)
+        found = _at_setting(asking, function)
+    else:
         asking.demand_only(readout=True)
-        of_subject = family_facts(subject, (name,)) if isinstance(subject, Family) else facts_of(subject, (name,))
-        return _of_json(asking, of_subject[name], subject.key)
+    number = of_number(found)
+    if number is not None:
+        return replace(number, evidence=EVIDENCE[name]) if name in EVIDENCE else number
+    if isinstance(found, Formula):
+        return Value("", None, form=found.text)
+    if isinstance(found, PowerSeries):
+        return Value("", None, form=polynomial_text(polynomial(found.coefficients), found.variable))
+    return Value("", None, EVIDENCE.get(name, PROVED), form=fact_text(found), words=fact_tex(found))
 
 
-NAMES = (*FACTS, *ON_REQUEST, *(name for name in FAMILY_FACTS if name not in FACTS))
+def _at_setting(asking: Asking, f: ExactFunction) -> Any:
+    """The value of f where its variable is set or f is constant, else f as a formula."""
+    number = asking.asked.settings.get(f.variable)
+    if number is None and (f.f.num.degree() > 0 or f.f.den.degree() > 0):
+        return Formula(str(f))
+    try:
+        return f(0 if number is None else number.value)
+    except ZeroDivisionError:
+        raise ValueError(f"{asking.head} has a pole at {f.variable} = {number and number.value}") from None
 
 
-def _unknown(name: str) -> str:
-    close = get_close_matches(name, [*HEADS, *NAMES], n=2)
-    hint = f"did you mean {' or '.join(close)}? " if close else ""
-    return f"{name[:40]!r} is nothing that can be asked; {hint}`driftproof value --list` shows what can"
+def _quadratic(asking: Asking, form: Quadratic) -> Value:
+    """The conserved quadratic: a formula in h, q and v, or its value at h and a state."""
+    asking.demand_only("h", start=True)
+    h, polynomials = asking.asked.settings.get("h"), form.coefficients
+    if h is not None:
+        polynomials = tuple(polynomial([exact(evaluate(p, scalar(h.value)))]) for p in polynomials)
+    if asking.asked.start is None:
+        terms = zip(polynomials, ("q**2", "q*v", "v**2"), strict=True)
+        return Value("", None, form=sum_text(_times(p, monomial) for p, monomial in terms if p != 0))
+    if h is None:
+        raise ValueError("the value of the invariant at a state needs h, as in h=1/2 from 1,0")
+    q, v = asking.start
+    monomials = (q * q, q * v, v * v)
+    found = sum(exact(p[0]) * x for p, x in zip(polynomials, monomials, strict=True))
+    return of_number(found) or Value("", None)
 
 
-def _of_json(asking: Asking, found: Any, key: str) -> Value:
-    """The part of a JSON-ready fact that the readout names: a number where it is one, else words."""
-    name = asking.head
-    for part in asking.asked.readout.text.split(".") if asking.asked.readout else ():
-        if not isinstance(found, dict) or part not in found:
-            parts = f"it has {', '.join(found)}" if isinstance(found, dict) and found else "it has no parts"
-            raise asking.error(asking.asked.readout, f"{part[:40]!r} is no part of {name} of {key}; {parts}")
-        found, name = found[part], part
-    if found is None:
-        raise ValueError(f"{key} has no {asking.head}")
-    if found == "oo":
+def _times(p: Polynomial, monomial: str) -> str:
+    """p(h)*monomial in SymPy's syntax, a single term with its number in front and its denominator behind."""
+    terms = [(k, c) for k, c in enumerate(coefficients(p)) if c]
+    if len(terms) > 1:
+        return f"({polynomial_text(p, 'h')})*{monomial}"
+    [(k, c)] = terms
+    power = "" if k == 0 else "h*" if k == 1 else f"h**{k}*"
+    return polynomial_text(polynomial([0, c]), power + monomial)
+
+
+def of_number(x: Any) -> Value | None:
+    """A number of any kind that facts consist of, with its radicals where it has some; oo is no number."""
+    if isinstance(x, Infinity):
         return Value("", None, form="oo")
-    evidence = EVIDENCE.get(name, PROVED)
-    if (x := _rational(found)) is not None:
-        return Value("", x, evidence)
-    if name.endswith(("series", "rate")) and isinstance(found, list):
-        terms = [x for c in found if (x := _rational(c)) is not None]
-        if len(terms) == len(found):
-            return Value("", None, form=polynomial_text(polynomial(terms), VARIABLES.get(name, "h")))
-    if isinstance(found, str) and name in FORMULAS:
-        return Value("", None, form=found)
-    return Value("", None, evidence, form=fact_text(name, found), words=fact_tex(name, found))
-
-
-def _rational(found: Any) -> Fraction | None:
-    """The number, where a JSON-ready value is an integer or spells a rational number."""
-    if isinstance(found, bool) or not isinstance(found, int | str):
-        return None
-    return Fraction(found) if isinstance(found, int) or _RATIONAL.fullmatch(found) else None
-
-
-_RATIONAL = re.compile(r"-?[0-9]{1,4000}(/[0-9]{1,4000})?")
+    if isinstance(x, Angle):
+        return Value("", x.exact, CERTIFIED if callable(x.exact) else PROVED, "degrees")
+    if isinstance(x, EnclosedTangent):
+        return Value("", x.ball, CERTIFIED)
+    if isinstance(x, RealRoot) and x.rational is None:
+        form = radical_form(x)
+        # In its quadratic field where it lies in one, so that arithmetic with it stays exact.
+        return Value("", parse_number(form, "root") if form and len(x.minimal) == 3 else x.ball, form=form)
+    if isinstance(x, RealRoot):
+        return Value("", x.rational)
+    if isinstance(x, Algebraic):
+        return Value("", x.as_fraction() if x.is_rational else x)
+    return Value("", Fraction(x)) if isinstance(x, int | Fraction) and not isinstance(x, bool) else None

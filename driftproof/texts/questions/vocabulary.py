@@ -8,7 +8,6 @@ def vocabulary() -> str:
     from driftproof.methods.families import FAMILIES
     from driftproof.texts.questions.arithmetic import FUNCTIONS
     from driftproof.texts.questions.bounds import ENTRIES, GROWTH, OF_STATE
-    from driftproof.texts.questions.exact_facts import EXACT_FACTS
     from driftproof.texts.questions.facts import NAMES
     from driftproof.texts.questions.runs import EXACT_READOUTS, READOUTS, UNITS
     from driftproof.texts.values.published import published_values
@@ -18,8 +17,7 @@ def vocabulary() -> str:
         "readouts of exact": [*EXACT_READOUTS],
         "readouts of roundoff": [*OF_STATE, *ENTRIES, GROWTH],
         "units of phase_error": [*UNITS],
-        "facts that are numbers or formulas": [*EXACT_FACTS],
-        "other facts": [name for name in NAMES if name not in EXACT_FACTS],
+        "facts": [*NAMES],
         "functions": [*FUNCTIONS],
         "families, with at": [f"{key} ({family.parameter})" for key, family in FAMILIES.items()],
         "published values": [*published_values()],

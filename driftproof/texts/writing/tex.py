@@ -2,159 +2,162 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping
 from fractions import Fraction
+from functools import singledispatch
 from typing import Any
 
-from driftproof.texts.writing.facts import VARIABLES, fact_text
+from driftproof.methods.number_field import Algebraic, NumberField
+from driftproof.symbolic.algebra.polynomials import polynomial as polynomial_of
+from driftproof.symbolic.algebra.radicals import decimal, radical_form
+from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
+from driftproof.symbolic.algebra.real_roots import RealRoot
+from driftproof.symbolic.family_facts import FamilyFunction, FamilyTerm, OrderSet, Piece
+from driftproof.symbolic.linear.eigenvalues import Complex, Imaginary
+from driftproof.symbolic.linear.facts import Boundary, ExactFunction, PowerSeries
+from driftproof.symbolic.linear.families import DIGITS_SHOWN, Interval, ParameterSet
+from driftproof.symbolic.linear.limits import Infinity
+from driftproof.symbolic.linear.phase import LeadingTerm
+from driftproof.symbolic.linear.sector_enclosure import EnclosedTangent
+from driftproof.symbolic.linear.systems import EigenvalueLimit
+from driftproof.texts.writing.markup import TEX, formula
+from driftproof.texts.writing.records import Formula, parts, record
+from driftproof.texts.writing.text import MOST_SHOWN, fact_text, is_list, more, polynomial, power_text
 
-Json = Any
-
+# Of a decimal beside its exact form.
 DECIMALS_SHOWN = 10
-# Our own exact numbers, written in SymPy's syntax, as TeX.
-_NOTATION = (
-    (re.compile(r"(\d+)\*\*\(1/(\d+)\)"), r"\\sqrt[\2]{\1}"),
-    (re.compile(r"sqrt\((\d+)\)"), r"\\sqrt{\1}"),
-    (re.compile(r"\*\*(\d+)"), r"^{\1}"),
-    (re.compile(r"\*"), " "),
-    (re.compile(r"\boo\b"), r"\\infty"),
-    (re.compile(r"\b(alpha|beta|gamma|delta|theta|lambda|mu|omega|sigma|tau)\b"), r"\\\1"),
-)
-_SETS = (("{", r"\{"), ("}", r"\}"), (" U ", r" \cup "), ("empty", r"\emptyset"), ("~", r"\approx "))
 _ESCAPED = str.maketrans({"_": r"\_", "^": r"\^{}", "#": r"\#", "&": r"\&", "%": r"\%", "τ": r"$\tau$"})
 
 
-def facts_tex(facts: dict[str, Json]) -> str:
+def facts_tex(facts: Mapping[str, Any]) -> str:
     """A tabular with one row per fact."""
-    rows = [rf"  {name.replace('_', ' ')} & {fact_tex(name, value)} \\" for name, value in facts.items()]
+    rows = [rf"  {name.replace('_', ' ')} & {fact_tex(value)} \\" for name, value in facts.items()]
     return "\n".join([r"\begin{tabular}{ll}", *rows, r"\end{tabular}"])
 
 
-def number_tex(text: str) -> str:
-    """A rational as a fraction, an element of a number field by its roots: what stands between dollar signs."""
-    try:
-        x = Fraction(text)
-    except ValueError:
-        for pattern, replacement in _NOTATION:
-            text = pattern.sub(replacement, text)
-        return text
-    sign = "-" if x < 0 else ""
-    return f"{sign}{abs(x)}" if x.denominator == 1 else rf"{sign}\frac{{{abs(x.numerator)}}}{{{x.denominator}}}"
+@singledispatch
+def fact_tex(value: Any) -> str:
+    """One fact, or what facts consist of: formulas between dollar signs, words with TeX's own characters escaped."""
+    if is_list(value) and value and is_list(value[0]):
+        rows = r" \\ ".join(" & ".join(fact_tex(x).strip("$") for x in row) for row in value)
+        return rf"$\begin{{pmatrix}}{rows}\end{{pmatrix}}$"
+    if is_list(value) and value:
+        return "; ".join(fact_tex(x) for x in value)
+    found = None if isinstance(value, Boundary) else parts(value)
+    if not found:
+        return fact_text(value).replace("**", "^").translate(_ESCAPED)
+    shown = [f"{name.translate(_ESCAPED)}: {fact_tex(part)}" for name, part in list(found.items())[:MOST_SHOWN]]
+    return ", ".join(shown) + more(found)
 
 
-def polynomial_tex(ascending: Sequence[str], variable: str) -> str:
-    """1-\\frac{1}{2}h^{2}+..., from coefficients as text, constant first; terms that are zero are left out."""
-    text = ""
-    for power, coefficient in enumerate(ascending):
-        if coefficient != "0":
-            term = _term(coefficient, _power(variable, power))
-            text += term if not text or term.startswith("-") else f"+{term}"
-    return text or "0"
+def _math(text: str) -> str:
+    """A form in SymPy's syntax, between dollar signs."""
+    return f"${formula(text, TEX)}$"
 
 
-def _term(coefficient: str, factor: str) -> str:
-    number = number_tex(coefficient)
-    if not factor:
-        return number
-    if coefficient in ("1", "-1"):
-        return number[:-1] + factor
-    if " " in coefficient:
-        return f"({number}){factor}"
-    return f"{number} {factor}" if number[-1].isalpha() else number + factor
+@fact_tex.register(Fraction | Algebraic | ExactFunction | Formula)
+def _(value: Fraction | Algebraic | ExactFunction | Formula) -> str:
+    return _math(str(value))
 
 
-def _power(variable: str, power: int) -> str:
-    base, _, exponent = variable.partition("^")
-    power *= int(exponent or 1)
-    return "" if power == 0 else base if power == 1 else f"{base}^{{{power}}}"
+@fact_tex.register
+def _(value: RationalFunction) -> str:
+    return _math(str(ExactFunction(value, "h")))
 
 
-def fact_tex(name: str, value: Json) -> str:
-    """The value of one fact; what has no form of its own, as plain text with TeX's own characters escaped."""
-    if value == "oo":
-        return r"$\infty$"
-    if isinstance(value, dict):
-        for keys, tex in _FORMS:
-            if keys <= value.keys():
-                return tex(name, value)
-    if isinstance(value, list) and value and isinstance(value[0], list):
-        return f"${_matrix(name, value)}$"
-    if isinstance(value, list) and value and isinstance(value[0], dict):
-        return "; ".join(fact_tex(name, part) for part in value)
-    return fact_text(name, value).replace("**", "^").translate(_ESCAPED)
+@fact_tex.register
+def _(value: Infinity) -> str:
+    return _math(value.value)
 
 
-def _fraction(name: str, value: Json) -> str:
-    top, bottom = (polynomial_tex(value[part], VARIABLES.get(name, "h")) for part in ("num", "den"))
-    return top if bottom == "1" else rf"\frac{{{top}}}{{{bottom}}}"
+@fact_tex.register
+def _(value: FamilyFunction) -> str:
+    num, den = (polynomial(record(value)[part], "z", 1, ("*", "**")) for part in ("num", "den"))
+    return _math(f"({num})/({den})" if den != "1" else num)
 
 
-def _matrix(name: str, rows: Json) -> str:
-    cells = ((number_tex(x) if isinstance(x, str) else _fraction(name, x) for x in row) for row in rows)
-    body = r" \\ ".join(" & ".join(row) for row in cells)
-    return rf"\begin{{pmatrix}}{body}\end{{pmatrix}}"
+@fact_tex.register
+def _(value: PowerSeries) -> str:
+    known = polynomial(record(value), value.variable, 1, ("*", "**"))
+    return f"${formula(known, TEX)}+O({value.variable}^{{{len(value.coefficients)}}})$"
 
 
-def _number(_: str, value: Json) -> str:
+@fact_tex.register(LeadingTerm | FamilyTerm)
+def _(value: LeadingTerm | FamilyTerm) -> str:
+    coefficient = (parts(value) or {})["coefficient"]
+    if isinstance(coefficient, RealRoot):
+        return f"{fact_tex(coefficient)} {_math(power_text('h', value.power, '**'))}"
+    if isinstance(value, FamilyTerm):
+        return _math(f"({value.coefficient})*{power_text('h', value.power, '**')}")
+    return fact_tex(fraction(polynomial_of([*value.power * [0], value.coefficient])))
+
+
+@fact_tex.register(RealRoot | EnclosedTangent | NumberField)
+def _(value: RealRoot | EnclosedTangent | NumberField) -> str:
     """In radicals, else by its polynomial; with the first digits."""
-    decimal = value["decimal"]
-    if not value.get("exact"):
-        place = rf"the root of ${number_tex(value['minpoly'])}$ in $({', '.join(value['interval'])})$"
-        if "generator" in value:
-            place = f"${number_tex(value['generator'])}$, {place}"
-        return rf"{place}, $\approx {_digits(decimal)}$"
-    exact = number_tex(value["exact"])
-    short = value["exact"] in (decimal, decimal.rstrip("0").rstrip("."))
-    return f"${exact}$" if short else rf"${exact} \approx {_digits(decimal)}$"
+    found = record(value)
+    if isinstance(found, str):
+        return _math(found)
+    digits, exact = found["decimal"], found.get("exact")
+    if exact:
+        short = exact in (digits, digits.rstrip("0").rstrip("."))
+        return _math(exact) if short else rf"${formula(exact, TEX)} \approx {_digits(digits)}$"
+    within = rf"in $({', '.join(found['interval'])})$, $\approx {_digits(digits)}$"
+    root = f"the root of {_math(found['minpoly'])} {within}" if found["minpoly"] else f"a number {within}"
+    return f"{_math(found['generator'])}, {root}" if "generator" in found else root
 
 
-def _digits(decimal: str) -> str:
-    """The first digits of the decimal, with its exponent if it has one."""
-    mantissa, _, exponent = decimal.partition("e")
+def _digits(text: str) -> str:
+    """The first digits of a decimal, with its exponent if it has one."""
+    mantissa, _, exponent = text.partition("e")
     power = rf" \cdot 10^{{{exponent}}}" if exponent else ""
     return mantissa[:DECIMALS_SHOWN] + power
 
 
-def _complex(_: str, value: Json) -> str:
-    if value["exact"]:
-        return f"${number_tex(value['exact'])}$"
-    parts = f"{_digits(value['real'])} + {_digits(value['imaginary'])} I"
-    return rf"the root of ${number_tex(value['minpoly'])}$ near ${parts}$"
+@fact_tex.register(Imaginary | Complex)
+def _(value: Imaginary | Complex) -> str:
+    found = record(value)
+    if found["exact"]:
+        return _math(found["exact"])
+    near = f"{_digits(found['real'])} + {_digits(found['imaginary'])} I"
+    return f"the root of {_math(found['minpoly'])} near ${near}$"
 
 
-def _leading_term(_: str, value: Json) -> str:
-    coefficient, power = value["coefficient"], _power("h", value["power"])
-    return f"${_term(coefficient, power)}$" if isinstance(coefficient, str) else f"{_number('', coefficient)} ${power}$"
+@fact_tex.register
+def _(value: Interval) -> str:
+    if value.low is not None and value.low == value.high:
+        return rf"$\{{{_end(value.low)}\}}$"
+    low = r"-\infty" if value.low is None else _end(value.low)
+    high = r"\infty" if value.high is None else _end(value.high)
+    return f"${'[' if value.low_closed else '('}{low}, {high}{']' if value.high_closed else ')'}$"
 
 
-def _set(values: str) -> str:
-    for plain, tex in _SETS:
-        values = values.replace(plain, tex)
-    return number_tex(values)
+def _end(root: RealRoot) -> str:
+    radicals = radical_form(root)
+    return rf"\approx {decimal(root, DIGITS_SHOWN)}" if radicals is None else formula(radicals, TEX)
 
 
-def _piece(_: str, value: Json) -> str:
-    """One piece of a limit as a function of a parameter."""
-    if value["curve"] is None:
-        found = fact_tex("", value["limit"])
+@fact_tex.register
+def _(value: ParameterSet) -> str:
+    union = r" \cup ".join(fact_tex(interval).strip("$") for interval in value.intervals) or r"\emptyset"
+    return f"${union}$"
+
+
+@fact_tex.register
+def _(value: OrderSet) -> str:
+    return f"{value.order} on {fact_tex(value.values)}"
+
+
+@fact_tex.register
+def _(value: Piece) -> str:
+    if value.curve is None:
+        found = fact_tex(value.limit)
     else:
-        solved = f"${number_tex(value['formula'])}$" if value["formula"] else ""
-        found = solved or f"positive root {value['root']} of ${number_tex(value['curve'])}$"
-    return f"{found} on ${_set(value['where'])}$"
+        found = _math(value.formula) if value.formula else f"positive root {value.root} of {_math(value.curve)}"
+    return f"{found} on {fact_tex(value.where)}"
 
 
-def _eigenvalue(_: str, value: Json) -> str:
-    return f"{fact_tex('', value['value'])}: limit {fact_tex('', value['limit'])}"
-
-
-_FORMS: tuple[tuple[set[str], Callable[[str, Json], str]], ...] = (
-    ({"num"}, lambda name, value: f"${_fraction(name, value)}$"),
-    ({"minpoly", "decimal"}, _number),
-    ({"minpoly", "imaginary"}, _complex),
-    ({"power", "coefficient"}, _leading_term),
-    ({"set", "order"}, lambda _, value: f"{value['order']} on ${_set(value['set'])}$"),
-    ({"set"}, lambda _, value: f"${_set(value['set'])}$"),
-    ({"where", "curve"}, _piece),
-    ({"multiplicity", "limit"}, _eigenvalue),
-)
+@fact_tex.register
+def _(value: EigenvalueLimit) -> str:
+    found = parts(value) or {}
+    return f"{fact_tex(found['value'])}: limit {fact_tex(found['limit'])}"

@@ -16,7 +16,7 @@ from driftproof.numeric.clock import clock
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.stability import observe
 from driftproof.numeric.work_precision.exact import distance, energy, scale
-from driftproof.symbolic.facts import facts_of
+from driftproof.texts.writing.records import facts_of
 
 RIGHT, WRONG, ENDED = "right", "wrong", "ended"
 

@@ -316,7 +316,7 @@ def test_ball_of_a_rational_reads_as_the_rational_away_from_decisions(value: Q) 
 
 def test_only_an_expression_of_sympy_needs_sympy(modules_after: Callable[[str], set[str]]) -> None:
     """Numbers of the other kinds are certified, and every fact is found, without; with SymPy at hand it is noticed."""
-    facts = "import driftproof.symbolic.facts, driftproof.texts.writing.facts"
+    facts = "import driftproof.symbolic.facts, driftproof.texts.writing.tex"
     numbers = (
         "import driftproof.symbolic.algebra.certified as c; from fractions import Fraction; "
         "from driftproof.methods.number_field import square_root"

@@ -12,7 +12,8 @@ from driftproof.methods.number_field import cube_root, square_root
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.algebra.polynomials import at_ball, polynomial
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
-from driftproof.symbolic.linear.limits import Limit, data
+from driftproof.symbolic.linear.limits import Limit
+from driftproof.texts.writing.records import record
 from tests.nine import NINE
 
 Z = fmpq_poly([0, 1])
@@ -49,7 +50,7 @@ def chebyshev(degree: int, argument: Any) -> Any:
 
 def limit_text(limit: Limit) -> str:
     """The limit in radicals, or its polynomial; "0" and "oo"."""
-    return record_text(data(limit))
+    return record_text(record(limit))
 
 
 def record_text(record: Any) -> str:

@@ -18,8 +18,9 @@ from driftproof.symbolic.algebra.real_roots import ZERO, RealRoot, sign_at
 from driftproof.symbolic.derivation.one_step import one_step_matrix as polynomial_matrix
 from driftproof.symbolic.derivation.stability import stability_limit
 from driftproof.symbolic.linear.bounded_powers import boundary_of, bounded_limit, is_bounded
-from driftproof.symbolic.linear.limits import INFINITY, data
+from driftproof.symbolic.linear.limits import INFINITY
 from driftproof.symbolic.linear.oscillator import one_step_matrix
+from driftproof.texts.writing.records import record
 from tests.nine import NINE
 from tests.symbolic.linear.linear_examples import NIL, ROOT_3, Z, limit_text, triple_jump
 
@@ -112,7 +113,7 @@ def test_powers_of_random_splittings_inside_and_beyond(method: Splitting) -> Non
 
 def test_limit_of_a_splitting_over_a_cubic_field() -> None:
     limit = bounded_limit(one_step_matrix(triple_jump()))
-    assert data(limit) == {
+    assert record(limit) == {
         "exact": None,
         "minpoly": "x**6 - 36*x**4 + 432*x**2 - 864",
         "interval": ["1", "2"],

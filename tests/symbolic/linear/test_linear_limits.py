@@ -18,13 +18,13 @@ from driftproof.symbolic.algebra.real_roots import ZERO, RealRoot, rational_root
 from driftproof.symbolic.linear.limits import (
     INFINITY,
     Limit,
-    data,
     first_failure,
     imaginary_limit,
     real_limit,
     smallest,
 )
 from driftproof.symbolic.linear.stability_function import stability_function
+from driftproof.texts.writing.records import number_record, record
 from tests.nine import NINE
 from tests.symbolic.linear.linear_examples import ROOT_3, Z, chebyshev, limit_text, modulus, sdirk
 
@@ -139,7 +139,7 @@ def test_limit_over_a_number_field_is_not_one_of_a_conjugate() -> None:
     r = fraction(polynomial([1, 1, (ROOT_3 - 1) / 2]))
     assert limit_text(real_limit(r)) == "1 + sqrt(3)"
     conjugate = real_limit(fraction(polynomial([1, 1, (-ROOT_3 - 1) / 2])))
-    assert data(conjugate, 6)["decimal"] == "0.898125"
+    assert number_record(conjugate, 6)["decimal"] == "0.898125"
 
 
 def assert_lost_at(limit: Limit, inside: Callable[[arb], Any], outside: Callable[[arb], Any]) -> None:
@@ -202,5 +202,5 @@ def test_first_failure_is_the_left_end_of_the_first_interval_that_fails() -> Non
 def test_limit_data_of_the_design() -> None:
     r = stability_function(RUNGE_KUTTA["rk4"])
     wanted = {"exact": "2*sqrt(2)", "minpoly": "x**2 - 8", "decimal": "2.828427124746190097603377448419"}
-    assert data(imaginary_limit(r)) == wanted | {"interval": ["2", "3"]}
-    assert (data(INFINITY), data(ZERO)) == ("oo", "0")
+    assert record(imaginary_limit(r)) == wanted | {"interval": ["2", "3"]}
+    assert (record(INFINITY), record(ZERO)) == ("oo", "0")

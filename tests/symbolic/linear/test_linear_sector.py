@@ -7,21 +7,22 @@ from fractions import Fraction as Q
 import pytest
 from flint import arb, ctx, fmpq_poly
 
+from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.algebra.polynomials import from_scalars, polynomial, scalar
 from driftproof.symbolic.algebra.rational_functions import fraction
 from driftproof.symbolic.algebra.real_roots import ZERO, RealRoot
 from driftproof.symbolic.linear.implicit_stability import negative_point
-from driftproof.symbolic.linear.limits import INFINITY, data, real_limit
+from driftproof.symbolic.linear.limits import INFINITY, real_limit
 from driftproof.symbolic.linear.region import boundary_points
 from driftproof.symbolic.linear.sector import (
+    Angle,
     ray_margin,
-    sector_degrees,
     sector_tangent,
     sector_tangent_by_rays,
-    tangent_data,
 )
 from driftproof.symbolic.linear.sector_enclosure import EnclosedTangent
 from driftproof.symbolic.linear.stability_function import stability_function
+from driftproof.texts.writing.records import number_record, record
 from tests.symbolic.linear.linear_examples import ROOT_3, Z, pade, sdirk
 
 
@@ -31,12 +32,12 @@ from tests.symbolic.linear.linear_examples import ROOT_3, Z, pade, sdirk
 def test_sectors_of_pade_approximants(num: int, den: int, degrees: str) -> None:
     tangent = sector_tangent(pade(num, den))
     assert isinstance(tangent, RealRoot)
-    assert sector_degrees(tangent, 4) == degrees
+    assert significant(Angle(tangent).exact, 4) == degrees
 
 
 def test_sector_of_order_three_without_a_numerator() -> None:
     tangent = sector_tangent(pade(0, 3))
-    assert data(tangent, 12) == {
+    assert number_record(tangent, 12) == {
         "exact": None,
         "minpoly": "81*x**14 - 84830*x**12 - 6537*x**10 - 129912*x**8 - 78065*x**6 - 39990*x**4 - 6711*x**2 - 340",
         "interval": ["32", "33"],
@@ -69,14 +70,14 @@ def test_contact_on_the_negative_axis_leaves_no_sector() -> None:
 def test_sector_that_ends_at_the_origin() -> None:
     """R = 1 - z² + ...: near 0, |R| <= 1 up to 45 degrees and no further."""
     tangent = sector_tangent(fraction(fmpq_poly([1]), 1 + Z**2))
-    assert data(tangent)["exact"] == "1"
-    assert sector_degrees(tangent, 6) == "45.0000"
+    assert record(tangent)["exact"] == "1"
+    assert significant(Angle(tangent).exact, 6) == "45.0000"
 
 
 def test_no_sector_for_polynomials_and_for_what_is_unstable_at_infinity() -> None:
     assert sector_tangent(fraction(1 + Z)) == ZERO
     assert sector_tangent(fraction(1 - 2 * Z, 1 - Z)) == ZERO
-    assert (sector_degrees(ZERO), sector_degrees(INFINITY)) == ("0", "90")
+    assert (record(Angle(ZERO)), record(Angle(INFINITY))) == ("0", "90")
 
 
 @pytest.mark.parametrize(("num", "den"), [(0, 3), (0, 4), (1, 4), (2, 5)])
@@ -86,7 +87,7 @@ def test_sector_by_bisection_is_the_exact_one(num: int, den: int) -> None:
     enclosed = EnclosedTangent(r, ray_margin(r))
     exact_one = sector_tangent(r)
     assert isinstance(exact_one, RealRoot)
-    assert sector_degrees(enclosed) == sector_degrees(exact_one)
+    assert record(Angle(enclosed)) == record(Angle(exact_one))
     with ctx.workprec(150):
         assert enclosed.ball().overlaps(exact_one.ball())
         assert enclosed.ball().rad() < enclosed.ball() * arb(2) ** -140
@@ -95,12 +96,12 @@ def test_sector_by_bisection_is_the_exact_one(num: int, den: int) -> None:
 def test_sector_of_high_degree_is_enclosed() -> None:
     found = sector_tangent(pade(2, 8))
     assert isinstance(found, EnclosedTangent)
-    assert sector_degrees(found, 12) == "84.8830684663"
-    first = tangent_data(found)
+    assert significant(Angle(found).exact, 12) == "84.8830684663"
+    first = record(found)
     assert (first["exact"], first["minpoly"]) == (None, None)
     assert first["interval"] == ["11167507641/1000000000", "5583753821/500000000"]
     assert first["decimal"].startswith("11.16750764")
-    assert tangent_data(found) == first
+    assert record(found) == first
 
 
 def test_pole_inside_the_sector_ends_it() -> None:
@@ -128,4 +129,4 @@ def test_sector_over_a_number_field() -> None:
     near = ROOT_3 / Q(1039230485, 10**8)  # about 1/6
     tangent = sector_tangent(fraction(fmpq_poly([1]), polynomial([1, -1, Q(1, 2), -near])))
     assert isinstance(tangent, RealRoot)
-    assert sector_degrees(tangent, 5) == "88.230"
+    assert significant(Angle(tangent).exact, 5) == "88.230"

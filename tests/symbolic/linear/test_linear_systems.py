@@ -22,13 +22,13 @@ from driftproof.symbolic.algebra.certified import enclose, endpoints
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.algebra.radicals import radical_form
 from driftproof.symbolic.algebra.real_roots import ZERO, RealRoot
-from driftproof.symbolic.facts import system_facts
 from driftproof.symbolic.linear.conjugate_pairs import pair_polynomial
 from driftproof.symbolic.linear.eigenvalues import Imaginary, eigenvalues, places
 from driftproof.symbolic.linear.limits import Limit
 from driftproof.symbolic.linear.oscillator import linear_step_matrix, stability_function_of
 from driftproof.symbolic.linear.rays import ALWAYS, Bound
 from driftproof.symbolic.linear.systems import SystemFacts
+from driftproof.texts.writing.records import record, system_facts
 from tests.symbolic.linear.linear_examples import MIDPOINT, MIDPOINT_NYSTROM, NYSTROM_4, at, limit_text, record_text
 from tests.witnesses.witness_limits import is_where_growth_begins
 
@@ -139,8 +139,7 @@ BLOCKS = {
 
 @pytest.mark.parametrize("text", BLOCKS)
 def test_eigenvalues_with_their_jordan_blocks(text: str) -> None:
-    found = [eigenvalue.data() for eigenvalue in eigenvalues(parse_system(text))]
-    shown = [(value_text(e["value"]), e["multiplicity"], e["largest_block"]) for e in found]
+    shown = [(value_text(record(e.place)), e.multiplicity, e.block) for e in eigenvalues(parse_system(text))]
     assert shown == BLOCKS[text]
     assert _jordan(text) == sorted((m, block) for e in eigenvalues(parse_system(text)) for m, block in _counted(e))
 

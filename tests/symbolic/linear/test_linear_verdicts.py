@@ -13,6 +13,7 @@ from driftproof.symbolic.algebra.certified import enclose, endpoints
 from driftproof.symbolic.linear.conjugate_pairs import UndecidedLimitError
 from driftproof.symbolic.linear.systems import SystemFacts
 from driftproof.symbolic.linear.verdicts import bounded_at, factor_at, largest_eigenvalue
+from driftproof.texts.writing.records import record
 from tests.symbolic.linear.linear_examples import at
 
 STIFF = "0 1; -1000000 0"
@@ -121,8 +122,8 @@ def test_factor_is_the_spectral_radius_of_one_oscillator(key: str, h: Q) -> None
 
 
 def test_largest_eigenvalue_is_the_largest_in_size() -> None:
-    assert largest_eigenvalue(parse_system("998 1998; -999 -1999")).data()["value"]["exact"] == "-1000"
-    assert largest_eigenvalue(parse_system("0 1; -4 0")).data()["value"]["exact"] == "2*I"
+    assert record(largest_eigenvalue(parse_system("998 1998; -999 -1999")).place)["exact"] == "-1000"
+    assert record(largest_eigenvalue(parse_system("0 1; -4 0")).place)["exact"] == "2*I"
 
 
 def test_what_is_not_decided_is_refused() -> None:

@@ -14,8 +14,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.texts.questions.ask import value
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.style import Style
-from driftproof.texts.writing.markup import MATHML, TEX, decimal, formula, rational
-from driftproof.texts.writing.tex import number_tex
+from driftproof.texts.writing.markup import MATHML, TEX, decimal, formula
 
 IN_TEX = {
     "337/384": r"\frac{337}{384}",
@@ -44,11 +43,6 @@ IN_TEX = {
 @pytest.mark.parametrize("form", IN_TEX)
 def test_tex_is_what_an_author_would_write(form: str) -> None:
     assert formula(form, TEX) == IN_TEX[form]
-
-
-@given(st.fractions())
-def test_rationals_look_in_answers_as_in_tables_of_facts(x: Q) -> None:
-    assert rational(str(x.numerator), str(x.denominator), TEX) == number_tex(str(x))
 
 
 OPERATORS = {"+": "+", "−": "-", "⁢": "*", "·": "*"}
@@ -136,7 +130,7 @@ def test_number_without_an_exact_form_has_none_in_tex_either() -> None:
 def test_words_are_text_and_hold_their_own_mathematics() -> None:
     assert value("a_stable radau_iia2").tex() == r"\text{yes}"
     assert value("a_stable radau_iia2").mathml() == "<math><mtext>yes</mtext></math>"
-    assert value("a_stable sdirk_order_2").tex() == r"\text{$[1/4, \infty)$}"
+    assert value("a_stable sdirk_order_2").tex() == r"\text{$[\frac{1}{4}, \infty)$}"
     assert value("family rk4").tex() == r"\text{runge\_kutta}"
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from fractions import Fraction as Q
 from functools import cache
@@ -19,11 +18,9 @@ from driftproof.methods.families import FAMILIES, Family
 from driftproof.methods.schemes import MethodError
 from driftproof.symbolic.algebra.bivariate import irreducible_factors, text
 from driftproof.symbolic.algebra.polynomials import exact, scalar
-from driftproof.symbolic.facts import facts_of
-from driftproof.symbolic.family_facts import FAMILY_FACTS, family_facts
-from driftproof.symbolic.family_order import family_order, family_residuals
-from driftproof.symbolic.linear.parameter_sets import describe
+from driftproof.symbolic.family_facts import FamilyFacts, family_residuals
 from driftproof.symbolic.trees.order import order, residuals, runge_kutta_conditions
+from driftproof.texts.writing.records import facts_of, family_facts, record
 from tests.symbolic.linear.family_examples import CUBIC, SDIRK_3, THETA, family
 
 EVERY = {**FAMILIES, "theta": THETA, "cubic": CUBIC, "sdirk_3": SDIRK_3}
@@ -47,13 +44,13 @@ def inside(value: Q, interval: dict[str, Any]) -> bool:
 
 def agrees(key: str, name: str, value: Q, pieces: list[dict[str, Any]]) -> bool:
     """Is the limit by pieces that of the member, to 29 digits? SymPy counts the roots of the curve below it."""
-    record = facts_of(EVERY[key].member(value), (name,))[name]
+    of_member = facts_of(EVERY[key].member(value), (name,))[name]
     (piece,) = (piece for piece in pieces if inside(value, piece["interval"]))
     if piece["curve"] is None:
-        return bool(piece["limit"] == record)
-    if isinstance(record, str):
+        return bool(piece["limit"] == of_member)
+    if isinstance(of_member, str):
         return False
-    wanted = sympy.Rational(record["decimal"])
+    wanted = sympy.Rational(of_member["decimal"])
     names = {"x": sympy.Symbol("x"), "sqrt": sympy.sqrt, EVERY[key].parameter: sympy.Rational(value)}
     curve = sympy.Poly(value_of(piece["curve"], sympy.Rational, **names), names["x"])
     slack = wanted * sympy.Rational(1, 10**29)
@@ -137,38 +134,27 @@ ORDERS = {
 
 @pytest.mark.parametrize("key", ORDERS)
 def test_order_and_the_values_where_it_is_higher(key: str) -> None:
-    found = family_order(EVERY[key])
-    assert (found.order, [describe(where) for where in found.sets]) == ORDERS[key]
-    assert found.residual.num != 0
+    found = FamilyFacts(EVERY[key])
+    assert (found.order, [str(where.values) for where in found.order_sets]) == ORDERS[key]
+    assert [where.order for where in found.order_sets] == list(range(1, len(found.order_sets) + 1))
+    assert found.order_fails.residual.f.num != 0
 
 
 @pytest.mark.parametrize("key", FAMILIES)
 def test_claimed_order_of_a_family_is_its_order_for_all_values(key: str) -> None:
-    assert family_order(FAMILIES[key]).order == FAMILIES[key].claimed_order
+    assert FamilyFacts(FAMILIES[key]).order == FAMILIES[key].claimed_order
     assert family_facts(FAMILIES[key], ("method", "order")) == {"method": key, "order": FAMILIES[key].claimed_order}
 
 
 def test_order_four_is_reached_at_the_three_values_of_crouzeix() -> None:
     """The roots of 24g³ - 36g² + 12g - 1, of which 1.0685790213016288 is the known one (hairer-wanner-1996, IV.6)."""
-    sets = family_order(SDIRK_3).sets
+    sets = [where.values.intervals for where in FamilyFacts(SDIRK_3).order_sets]
     assert [len(where) for where in sets] == [2, 2, 3, 3, 0]
     low = sets[3][2].low
     assert low is not None
     assert low.minimal == (-1, 12, -36, 24)
-    assert sets[3][2].data()["low"]["decimal"].startswith("1.0685790213016288")
+    assert record(low)["decimal"].startswith("1.0685790213016288")
     assert order(SDIRK_3.member(Q(1068579021, 10**9))).order == 2
-
-
-# --- the door
-
-
-def test_every_fact_of_a_family_is_json_and_the_same_every_time() -> None:
-    for key, each in {**FAMILIES, "theta": THETA}.items():
-        facts = family_facts(each)
-        assert list(facts) == list(FAMILY_FACTS), key
-        assert json.loads(json.dumps(facts)) == facts == family_facts(each)
-    with pytest.raises(ValueError, match="unknown fact 'colour'; choose from method"):
-        family_facts(THETA, ("colour",))
 
 
 def test_a_critical_value_of_high_degree_is_refused_and_said_so() -> None:

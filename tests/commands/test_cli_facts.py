@@ -103,18 +103,18 @@ def test_points_of_the_boundary_are_there_when_named(facts: Facts, answer: Answe
 
 
 TEX = {
-    ("forward_euler", "--only", "imaginary_limit"): "imaginary limit & 0 ",
+    ("forward_euler", "--only", "imaginary_limit"): "imaginary limit & $0$ ",
     ("gauss2", "--only", "real_limit"): r"real limit & $\infty$ ",
     ("rk4", "--only", "imaginary_limit"): r"$2 \sqrt{2} \approx 2.82842712$",
-    ("rk4", "--only", "real_limit"): r"the root of $x^{3} - 4 x^{2} + 12 x - 24$ in $(2, 3)$, $\approx 2.78529356$",
-    ("gauss2", "--only", "field"): r"$\sqrt{3}$, the root of $x^{2} - 3$ in $(1, 2)$, $\approx 1.73205080$",
+    ("rk4", "--only", "real_limit"): r"the root of $x^{3}-4 x^{2}+12 x-24$ in $(2, 3)$, $\approx 2.78529356$",
+    ("gauss2", "--only", "field"): r"$\sqrt{3}$, the root of $x^{2}-3$ in $(1, 2)$, $\approx 1.73205080$",
     ("ssprk22", "--only", "real_limit"): "real limit & $2$ ",
     ("mclachlan_atela5", "--only", "dispersion"): r"$\approx -5.0000000 \cdot 10^{-20}$ $h$",
-    ("sdirk_order_2", "--only", "a_stable"): r"$[1/4, \infty)$",
-    ("sdirk_order_2", "--only", "l_stable"): r"$\{1 - \sqrt{2}/2\} \cup \{1 + \sqrt{2}/2\}$",
+    ("sdirk_order_2", "--only", "a_stable"): r"$[\frac{1}{4}, \infty)$",
+    ("sdirk_order_2", "--only", "l_stable"): r"$\{1-\frac{\sqrt{2}}{2}\} \cup \{1+\frac{\sqrt{2}}{2}\}$",
     ("explicit_order_2", "--only", "a_stable"): r"$\emptyset$",
-    ("sdirk_order_2", "--only", "real_limit"): r"$2/(1 - 4 \gamma)$ on $(-\infty, 1/4)$; $\infty$ on $[1/4, \infty)$",
-    ("sdirk_order_2", "--only", "stability_function"): r"}{1-2 \gamma z+\gamma^{2}z^{2}}$",
+    ("sdirk_order_2", "--only", "real_limit"): r"$\frac{2}{1-4 \gamma}$ on $(-\infty, \frac{1}{4})$; $\infty$ on $[",
+    ("sdirk_order_2", "--only", "stability_function"): r"}{1-2 \gamma z+\gamma^{2} z^{2}}$",
     ("rk4", "--system", "0 1; -3 0", "--only", "system"): r"$\begin{pmatrix}0 & 1 \\ -3 & 0\end{pmatrix}$",
     ("rk4", "--system", "0 1; -3 0", "--only", "eigenvalues"): r"$\sqrt{3} I$",
     (
@@ -123,7 +123,7 @@ TEX = {
         "0 1 0; 0 0 1; -5 -1 -1/2",
         "--only",
         "eigenvalues",
-    ): r"near $0.58932965 + 1.62211528 I$: limit 0",
+    ): r"near $0.58932965 + 1.62211528 I$: limit $0$",
 }
 
 
@@ -181,6 +181,8 @@ WRONG = [
     (("sdirk_order_2", "--order-tolerance", "1"), "sdirk_order_2 is a family; choose one method"),
     (("sdirk_order_2", "--plot", "x.svg"), "sdirk_order_2 is a family; choose one method"),
     (("sdirk_order_2", "--only", "ssp_coefficient"), "unknown fact 'ssp_coefficient'; choose from method, title"),
+    (("rk4", "--only", "speed"), "unknown fact 'speed'; choose from method, title"),
+    (("rk5",), "unknown method 'rk5'"),
     (("rk4", "--order-tolerance", "-1"), "tolerance -1 is below zero"),
     (("rk4", "--order-tolerance", "small"), "order tolerance: 'small' is not a rational number"),
 ]
@@ -195,8 +197,36 @@ def test_bad_input_gets_one_line_and_status_two(arguments: tuple[str, ...], reas
     assert len(err) < 500
 
 
+def test_user_s_own_tableau_and_bad_files(facts: Facts, run: Run, tmp_path: Path) -> None:
+    mine = tmp_path / "mine.toml"
+    mine.write_text('family = "runge_kutta"\nA = [[0, 0], ["2/3", 0]]\nb = ["1/4", "3/4"]\n', encoding="utf-8")
+    assert facts(str(mine), "--only", "order,stability_function")["order"] == 2
+    bad = {
+        "ragged.toml": 'family = "runge_kutta"\nA = [[0, 0], ["2/3"]]\nb = ["1/4", "3/4"]\n',
+        "code.toml": 'family = "runge_kutta"\nA = [["__import__(1)"]]\nb = [1]\n',
+        "root.toml": 'family = "runge_kutta"\nA = [["s3"]]\nb = [1]\n',
+        "missing.toml": None,
+    }
+    for name, text in bad.items():
+        if text is not None:
+            (tmp_path / name).write_text(text, encoding="utf-8")
+        status, out, err = run("facts", str(tmp_path / name))
+        assert (status, out, err.count("\n")) == (2, "", 1)
+        assert name in err
+
+
+def test_picture_of_the_region_is_drawn_and_a_splitting_has_none(run: Run, tmp_path: Path) -> None:
+    picture = tmp_path / "region.svg"
+    for kind in ("region", "order-star", "phase"):
+        assert run("facts", "rk4", "--only", "order", "--plot", str(picture), "--picture", kind)[0] == 0
+        assert picture.read_text(encoding="utf-8").count("<svg") == 1
+        picture.unlink()
+    assert run("facts", "symplectic_euler", "--plot", str(picture))[0] == 2
+    assert not picture.exists()
+
+
 def test_a_family_is_no_single_method() -> None:
-    from driftproof.texts.writing.facts import method_of
+    from driftproof.methods.families import method_of
 
     with pytest.raises(ValueError, match="sdirk_order_2 is a family of methods, with gamma free; one method is needed"):
         method_of("sdirk_order_2")
@@ -206,6 +236,6 @@ def test_a_family_is_no_single_method() -> None:
 def test_python_has_what_the_command_line_has() -> None:
     r = driftproof.stability_function_of(driftproof.METHODS["rk4"])
     assert len(driftproof.boundary_points(r, 2)) > 8
-    assert driftproof.order_within(driftproof.METHODS["rk4"], 0)["order"] == 4
+    assert driftproof.order_within(driftproof.METHODS["rk4"], 0).order == 4
     assert driftproof.facts_of(driftproof.METHODS["rk4"], ("order",)) == {"order": 4}
     assert set(driftproof.FAMILIES) == {"sdirk_order_2", "sdirk_stiffly_accurate", "explicit_order_2"}

@@ -1,0 +1,296 @@
+"""Facts of single methods as printed, two formulas for R, monotonicity, phase, and points of the boundary."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+from math import isqrt
+from typing import Any
+
+import pytest
+from flint import acb, arb, ctx, fmpq
+from hypothesis import given
+from hypothesis import strategies as st
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.number_field import Algebraic
+from driftproof.methods.schemes import Collocation, RungeKutta, Splitting
+from driftproof.symbolic.algebra.real_roots import ZERO
+from driftproof.symbolic.linear.facts import LinearFacts
+from driftproof.symbolic.linear.limits import INFINITY
+from driftproof.symbolic.linear.monotonicity import ssp_coefficient
+from driftproof.symbolic.linear.oscillator import one_step_matrix, stability_function_of
+from driftproof.symbolic.linear.phase import NoRotationError, angle_series, turning_rate
+from driftproof.symbolic.linear.region import rounded_boundary
+from driftproof.symbolic.linear.sector import Angle
+from driftproof.symbolic.linear.stability_function import (
+    stability_function_by_determinants,
+    stability_function_by_moments,
+)
+from driftproof.symbolic.linear.tableaux import tableau
+from driftproof.texts.writing.records import record
+from tests.symbolic.linear.linear_examples import limit_text, record_text, value
+
+WITH_R = [key for key, method in METHODS.items() if isinstance(method, RungeKutta | Collocation)]
+
+
+@pytest.mark.parametrize("key", WITH_R)
+def test_two_formulas_for_r(key: str) -> None:
+    data = tableau(METHODS[key])
+    found = stability_function_of(METHODS[key])
+    assert stability_function_by_moments(data) == found
+    if not isinstance(METHODS[key], RungeKutta) or METHODS[key].stages < 20:
+        assert stability_function_by_determinants(data) == found
+
+
+# (key, fact): value, as printed in the sources, or derived in them.
+PUBLISHED: dict[tuple[str, str], str] = {
+    ("rk4", "imaginary_limit"): "2*sqrt(2)",
+    ("kutta3", "imaginary_limit"): "sqrt(3)",
+    ("ssprk33", "imaginary_limit"): "sqrt(3)",
+    ("chebyshev10_1", "real_limit"): "200",
+    ("ssprk40_2", "real_limit"): "78",
+    ("heun2", "imaginary_limit"): "0",
+    ("ssprk22", "ssp_coefficient"): "1",
+    ("ssprk33", "ssp_coefficient"): "1",
+    ("ssprk43", "ssp_coefficient"): "2",
+    ("ssprk104", "ssp_coefficient"): "6",
+    ("ssprk40_2", "ssp_coefficient"): "39",
+    ("rk4", "ssp_coefficient"): "0",
+    ("velocity_verlet", "imaginary_limit"): "2",
+    ("symplectic_euler", "imaginary_limit"): "2",
+    ("backward_euler", "real_limit"): "oo",
+    ("backward_euler", "imaginary_limit"): "oo",
+    ("gauss2", "imaginary_limit"): "oo",
+    ("bogacki_shampine32", "imaginary_limit"): "sqrt(3)",
+    ("merson45", "imaginary_limit"): "2*sqrt(3)",
+}
+# Two to five digits as papers print them.
+PRINTED: dict[tuple[str, str], str] = {
+    ("rk4", "real_limit"): "2.785",
+    ("kutta3", "real_limit"): "2.512",
+    ("dormand_prince54", "real_limit"): "3.306",
+    ("fehlberg45", "real_limit"): "3.02",
+    ("ssprk104", "real_limit"): "13.91",
+    ("forest_ruth", "imaginary_limit"): "1.573",
+    ("pefrl", "imaginary_limit"): "2.98",
+}
+
+
+@pytest.mark.parametrize("where", PUBLISHED)
+def test_published_exact_value(where: tuple[str, str]) -> None:
+    key, fact = where
+    assert record_text(record(getattr(LinearFacts(METHODS[key]), fact))) == PUBLISHED[where]
+
+
+@pytest.mark.parametrize("where", PRINTED)
+def test_printed_digits(where: tuple[str, str]) -> None:
+    key, fact = where
+    assert record(getattr(LinearFacts(METHODS[key]), fact))["decimal"].startswith(PRINTED[where])
+
+
+A_AND_L = {
+    "gauss": (True, False),
+    "radau_ia": (True, True),
+    "radau_iia": (True, True),
+    "lobatto_iiia": (True, False),
+    "lobatto_iiib": (True, False),
+    "lobatto_iiic": (True, True),
+    "sdirk2": (True, True),
+    "sdirk4": (True, True),
+    "alexander3": (True, True),
+    "crouzeix": (True, False),
+    "tr_bdf2": (True, True),
+    "trapezoid": (True, False),
+    "backward_euler": (True, True),
+}
+
+
+@pytest.mark.parametrize("key", WITH_R)
+def test_stability_of_the_classical_families(key: str) -> None:
+    facts = LinearFacts(METHODS[key])
+    found = (facts.a_stable, facts.l_stable)
+    family = next((name for name in A_AND_L if key.startswith(name)), None)
+    if family:
+        assert found == A_AND_L[family]
+        assert facts.sector == (INFINITY, Angle(INFINITY))
+    elif facts.stability_function is not None and facts.stability_function.f.den.degree() < 1:
+        assert found == (False, False)
+
+
+# ---- the shape of the JSON
+
+
+def test_facts_of_rk4_are_those_of_the_design() -> None:
+    facts = LinearFacts(METHODS["rk4"])
+    wanted: dict[str, Any] = {
+        "energy_multiplier": {"num": ["1", "0", "0", "-1/72", "1/576"], "den": ["1"]},
+        "a_stable": False,
+        "l_stable": False,
+        "symplectic": False,
+        "error_constant": {"power": 5, "coefficient": "-1/120"},
+        "dispersion": {"power": 5, "coefficient": "-1/120"},
+        "dissipation": {"power": 6, "coefficient": "-1/144"},
+        "invariant": None,
+        "linear_order": 4,
+        "limit_at_infinity": "oo",
+    }
+    assert {name: record(getattr(facts, name)) for name in wanted} == wanted
+
+
+def test_facts_of_symplectic_euler_are_those_of_the_design() -> None:
+    facts = LinearFacts(METHODS["symplectic_euler"])
+    wanted: dict[str, Any] = {
+        "stability_function": None,
+        "real_limit": None,
+        "a_stable": None,
+        "a_stability": None,
+        "sector": None,
+        "limit_at_infinity": None,
+        "modified_rate": None,
+        "ssp_coefficient": None,
+        "error_constant": None,
+        "energy_multiplier": None,
+        "invariant": {"q2": "1/2", "qv": "-h/2", "v2": "1/2"},
+        "determinant": {"num": ["1"], "den": ["1"]},
+        "dissipation": None,
+        "dispersion": {"power": 3, "coefficient": "1/24"},
+        "symplectic": True,
+        "symmetric": False,
+        "linearly_symmetric": False,
+    }
+    assert {name: record(getattr(facts, name)) for name in wanted} == wanted
+
+
+def test_a_refusal_names_a_witness() -> None:
+    found = record(LinearFacts(METHODS["rk4"]).a_stability)
+    assert found["margin"] == ["0", "0", "0", "1/72", "-1/576"]
+    assert found["witness"] == "9"
+    assert not found["holds"]
+
+
+def test_modified_hamiltonian_of_symplectic_euler_as_text() -> None:
+    found = record(LinearFacts(METHODS["symplectic_euler"], terms=5).modified_hamiltonian)
+    assert found["factor"] == "acos(1 - h**2/2)/sqrt(1 - (1 - h**2/2)**2)"
+    assert found["quadratic"] == {"q2": "1/2", "qv": "-h/2", "v2": "1/2"}
+    assert found["factor_series"] == ["1", "0", "1/6", "0", "1/30"]
+    assert found["valid_limit"]["exact"] == "2"
+
+
+def test_splittings_without_r_have_the_same_keys() -> None:
+    assert isinstance(METHODS["velocity_verlet"], Splitting)
+    assert len(one_step_matrix(METHODS["velocity_verlet"])) == 2
+
+
+# --- monotonicity of collocation
+
+
+def collocation(*nodes: Q) -> Collocation:
+    polynomial = [Q(1)]
+    for c in nodes:
+        polynomial = [low - c * high for low, high in zip([Q(0), *polynomial], [*polynomial, Q(0)], strict=True)]
+    return Collocation("given", "Given", 0, "x", tuple(polynomial))
+
+
+def by_lagrange(*nodes: Q) -> RungeKutta:
+    """The same method by its tableau: integrals of the Lagrange polynomials."""
+
+    def integral(j: int, end: Q) -> Q:
+        polynomial = [Q(1)]
+        for i, c in enumerate(nodes):
+            if i != j:
+                rows = zip([Q(0), *polynomial], [*polynomial, Q(0)], strict=True)
+                polynomial = [(low - c * high) / (nodes[j] - c) for low, high in rows]
+        return sum((x * end ** (k + 1) / (k + 1) for k, x in enumerate(polynomial)), Q(0))
+
+    stages = range(len(nodes))
+    rows = tuple(tuple(integral(j, c) for j in stages) for c in nodes)
+    return RungeKutta("given", "Given", 0, "x", rows, tuple(integral(j, Q(1)) for j in stages), nodes)
+
+
+@given(st.lists(st.fractions(-1, 2, max_denominator=4), min_size=1, max_size=4, unique=True))
+def test_ssp_coefficient_of_collocation_is_that_of_its_tableau(nodes: list[Q]) -> None:
+    assert ssp_coefficient(collocation(*nodes)) == ssp_coefficient(by_lagrange(*nodes))
+
+
+def test_collocation_methods_that_are_monotone() -> None:
+    wanted = {(Q(1),): "oo", (Q(1, 2),): "2", (Q(0), Q(1)): "2", (Q(0), Q(2, 3)): "3/2", (Q(1, 3), Q(1)): "0"}
+    assert {nodes: limit_text(ssp_coefficient(collocation(*nodes))) for nodes in wanted} == wanted
+    every = [method for method in METHODS.values() if isinstance(method, Collocation)]
+    assert {limit_text(ssp_coefficient(method)) for method in every} <= {"0", "3/2"}
+    assert LinearFacts(METHODS["gauss4"]).ssp_coefficient == ZERO
+
+
+# --- phase
+
+
+def splitting(kick: Q, drift: Q) -> Splitting:
+    return Splitting("given", "Given", 0, "x", (("kick", kick / 2), ("drift", drift), ("kick", kick / 2)))
+
+
+def phase(method: Splitting) -> dict[str, Any]:
+    facts = LinearFacts(method)
+    return {name: record(getattr(facts, name)) for name in ("dispersion", "dispersion_series", "modified_hamiltonian")}
+
+
+def test_an_inconsistent_splitting_turns_at_its_own_rate() -> None:
+    short = phase(splitting(Q(10, 9), Q(1)))
+    assert short["dispersion"] == {"power": 1, "coefficient": "-1 + 1/3*sqrt(10)"}
+    assert short["dispersion_series"][1] == "-1 + 1/3*sqrt(10)"
+    rational = phase(splitting(Q(4, 9), Q(1)))
+    assert rational["dispersion"] == {"power": 1, "coefficient": "-1/3"}
+
+
+def test_a_rate_too_long_to_read_is_a_number_and_has_no_series() -> None:
+    found = phase(METHODS["mclachlan_atela5"])
+    coefficient = found["dispersion"]["coefficient"]
+    assert (found["dispersion"]["power"], coefficient["exact"], found["dispersion_series"]) == (1, None, None)
+    assert found["modified_hamiltonian"]["factor_series"] is None
+    rate = turning_rate(one_step_matrix(METHODS["mclachlan_atela5"]))
+    assert isinstance(rate, Algebraic)
+    low, high = (rate - 1).enclosure(200)
+    assert low < high < 0
+    assert abs(Q(coefficient["decimal"]) / low - 1) < Q(1, 10**28)
+    low, high = map(Q, coefficient["interval"])
+    assert low <= rate - 1 <= high
+    consistent = phase(METHODS["pefrl"])
+    assert consistent["dispersion_series"][3] == consistent["dispersion"]["coefficient"]
+
+
+@pytest.mark.parametrize(("kick", "drift"), [(Q(-1), Q(1)), (Q(0), Q(1)), (Q(1), Q(0))])
+def test_a_step_that_is_no_rotation_has_no_phase(kick: Q, drift: Q) -> None:
+    method = splitting(kick, drift)
+    found = phase(method)
+    assert found == {"dispersion": None, "dispersion_series": None, "modified_hamiltonian": None}
+    with pytest.raises(NoRotationError, match="no positive rational"):
+        angle_series(one_step_matrix(method), 4)
+
+
+# --- the boundary of the stability region
+
+
+def on_boundary(r: Any, point: tuple[str, str, str], places: int) -> bool:
+    """Does the square of half-width 10**-places around the point hold |R| = 1 with this real part?"""
+    with ctx.workprec(400):
+        unit = arb(0, arb(10) ** -places)
+        cosine, re, im = (arb(fmpq(*Q(part).as_integer_ratio())) for part in point)
+        at_point = value(r, acb(re + unit, im + unit))
+        return bool(abs(at_point).contains(1)) and bool(at_point.real.overlaps(cosine))
+
+
+@pytest.mark.parametrize("key", ["rk4", "backward_euler", "gauss2", "sdirk2", "radau_iia4", "ssprk33"])
+def test_rounded_points_lie_on_the_boundary_and_moved_ones_do_not(key: str) -> None:
+    r = stability_function_of(METHODS[key])
+    points = rounded_boundary(r, 3)
+    assert len(points) >= 4
+    assert all(on_boundary(r, point, 15) for point in points)
+    moved = [(c, str(Q(re) + Q(1, 10**9)), im) for c, re, im in points]
+    assert not all(on_boundary(r, point, 15) for point in moved)
+    assert all(Q(im) >= 0 for _, _, im in points)
+
+
+def test_root_of_ten_is_drawn_out_of_ninety() -> None:
+    """σ² = 10/9: the reference is the integer square root."""
+    rate = turning_rate(one_step_matrix(splitting(Q(10, 9), Q(1))))
+    low, high = rate.enclosure(200) if isinstance(rate, Algebraic) else (rate, rate)
+    root = Q(isqrt(10 * 10**100 // 9), 10**50)
+    assert low - Q(1, 10**49) < root < high + Q(1, 10**49)

@@ -1,0 +1,88 @@
+"""The records of facts: limits as the schema has them, number fields, points of the boundary, null where due."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction as Q
+from typing import Any
+
+import pytest
+from hypothesis import given
+
+from driftproof import strategies
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.families import FAMILIES
+from driftproof.methods.schemes import RungeKutta
+from driftproof.symbolic.facts import FACTS
+from driftproof.symbolic.family_facts import FAMILY_FACTS
+from driftproof.texts.writing.records import facts_of, family_facts
+from tests.symbolic.linear.family_examples import THETA
+
+
+@pytest.mark.parametrize(
+    ("key", "name", "wanted"),
+    [
+        ("forward_euler", "imaginary_limit", "0"),
+        ("backward_euler", "real_limit", "oo"),
+        ("gauss2", "imaginary_limit", "oo"),
+        ("rk4", "ssp_coefficient", "0"),
+        ("velocity_verlet", "real_limit", None),
+    ],
+)
+def test_a_limit_that_is_none_or_always_is_a_bare_string(key: str, name: str, wanted: Any) -> None:
+    assert facts_of(METHODS[key], (name,))[name] == wanted
+
+
+def test_a_limit_that_is_a_number_is_a_record() -> None:
+    found = facts_of(METHODS["rk4"], ("imaginary_limit", "real_limit"))
+    assert found["imaginary_limit"] == {
+        "exact": "2*sqrt(2)",
+        "minpoly": "x**2 - 8",
+        "interval": ["2", "3"],
+        "decimal": "2.828427124746190097603377448419",
+    }
+    assert found["real_limit"]["exact"] is None
+    assert found["real_limit"]["minpoly"] == "x**3 - 4*x**2 + 12*x - 24"
+
+
+@pytest.mark.parametrize("key", [key for key, method in METHODS.items() if method.field])
+def test_number_field_is_written_out(key: str) -> None:
+    field = METHODS[key].field
+    record = facts_of(METHODS[key], ("field",))["field"]
+    assert field is not None
+    assert record["generator"] == field.name
+    assert "x**" in record["minpoly"]
+    decimal, (low, high) = Q(record["decimal"]), map(Q, record["interval"])
+    assert low < decimal < high
+    unit = Q(1, 10**29)
+    assert field.generator - unit < decimal < field.generator + unit
+    assert abs(sum(c * decimal**k for k, c in enumerate(field.minimal))) < Q(1, 10**25)
+    assert facts_of(METHODS["rk4"], ("field",)) == {"field": None}
+
+
+@pytest.mark.parametrize(("key", "limit"), [("chebyshev10_1", "200"), ("ssprk40_2", "78")])
+def test_real_limits_where_sampling_goes_wrong(key: str, limit: str) -> None:
+    assert facts_of(METHODS[key], ("real_limit",))["real_limit"]["exact"] == limit
+
+
+def test_boundary_is_given_only_when_it_is_named() -> None:
+    assert "region_boundary" not in FACTS
+    record = facts_of(METHODS["rk4"], ("region_boundary",))["region_boundary"]
+    assert record["radius"] == "1e-15"
+    assert {"cosine": "1", "re": "-2.785293563405282", "im": "0.000000000000000"} in record["points"]
+    assert facts_of(METHODS["velocity_verlet"], ("region_boundary",)) == {"region_boundary": None}
+
+
+@given(strategies.runge_kutta_methods(max_stages=3))
+def test_limits_of_drawn_methods_are_strings_or_records(method: RungeKutta) -> None:
+    found = facts_of(method, ("real_limit", "imaginary_limit", "ssp_coefficient"))
+    assert all(x in ("0", "oo") or set(x) == {"exact", "minpoly", "interval", "decimal"} for x in found.values())
+
+
+def test_every_fact_of_a_family_is_json_and_the_same_every_time() -> None:
+    for key, each in {**FAMILIES, "theta": THETA}.items():
+        facts = family_facts(each)
+        assert list(facts) == list(FAMILY_FACTS), key
+        assert json.loads(json.dumps(facts)) == facts == family_facts(each)
+    with pytest.raises(ValueError, match="unknown fact 'colour'; choose from method"):
+        family_facts(THETA, ("colour",))
