@@ -181,7 +181,6 @@ WRONG = [
     (("sdirk_order_2", "--order-tolerance", "1"), "sdirk_order_2 is a family; choose one method"),
     (("sdirk_order_2", "--plot", "x.svg"), "sdirk_order_2 is a family; choose one method"),
     (("sdirk_order_2", "--only", "ssp_coefficient"), "unknown fact 'ssp_coefficient'; choose from method, title"),
-    (("rk4", "--only", "speed"), "unknown fact 'speed'; choose from method, title"),
     (("rk5",), "unknown method 'rk5'"),
     (("rk4", "--order-tolerance", "-1"), "tolerance -1 is below zero"),
     (("rk4", "--order-tolerance", "small"), "order tolerance: 'small' is not a rational number"),
