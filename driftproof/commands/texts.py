@@ -45,12 +45,12 @@ def render_command(options: Namespace) -> str:
       {{ methods_table(["forward_euler", "rk4"], ["state_error digits 4", "evaluations"], h="1/4", t="10") }}
     """
     from driftproof.support.files import atomic_write
-    from driftproof.texts.templates.rendering import difference, render
+    from driftproof.texts.templates.rendering import output_difference, render
 
     outputs = _outputs(options.templates, options.output)
     rendered = {out: render(template, out, options.style, options.rounding) for out, template in outputs.items()}
     if options.check:
-        diffs = [difference(out, rendered[out].text, template) for out, template in outputs.items()]
+        diffs = [output_difference(out, rendered[out].text, template) for out, template in outputs.items()]
         if any(diffs):
             raise Refuted("\n".join(filter(None, diffs)))
         return "\n".join(f"{out} is what {template} renders" for out, template in outputs.items())
@@ -62,7 +62,7 @@ def render_command(options: Namespace) -> str:
 
 def _outputs(templates: list[Path], output: Path | None) -> dict[Path, Path]:
     """Output -> template. Raises ValueError where two have one output, or a template would be overwritten."""
-    from driftproof.texts.templates.kinds import kind_of
+    from driftproof.texts.templates.text_kinds import kind_of
 
     if output is not None and len(templates) > 1:
         raise ValueError("--output names one file, and there are several templates; render them one by one")

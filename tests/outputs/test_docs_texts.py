@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from driftproof.cli import main
-from driftproof.texts.templates.child import Rendering
-from driftproof.texts.templates.kinds import MARKDOWN
+from driftproof.texts.templates.template import Template
+from driftproof.texts.templates.text_kinds import MARKDOWN
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "texts.md").read_text(encoding="utf-8")
@@ -71,7 +71,7 @@ def test_page_shows_what_its_commands_print(page: str, count: int, printed: Prin
 
 def rendered(template: str, folder: Path) -> str:
     (folder / "page.md.j2").write_text(template, encoding="utf-8")
-    return Rendering(folder / "page.md.j2", MARKDOWN, None, None).text()
+    return Template(folder / "page.md.j2", MARKDOWN, None, None).text()
 
 
 def test_filters_do_what_the_table_of_the_page_says(tmp_path: Path) -> None:

@@ -6,21 +6,19 @@ import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import MethodType
-from typing import Any
+from typing import Any, NamedTuple
 
 from jinja2 import BaseLoader, Environment, StrictUndefined, nodes
 from jinja2.exceptions import SecurityError, TemplateNotFound, TemplateSyntaxError
-from jinja2.lexer import TOKEN_INTEGER, Lexer
+from jinja2.lexer import Lexer
 from jinja2.runtime import BlockReference, Context, LoopContext, Macro
-from jinja2.sandbox import SandboxedEnvironment
+from jinja2.sandbox import SandboxedEnvironment, safe_range
 from jinja2.utils import Namespace
 
-from driftproof.texts.templates.problems import Refusal
+from driftproof.texts.templates.text_kinds import HTML, LATEX, TextKind
 
-LARGEST_TEMPLATE = 10**7
-LONGEST_RANGE = 10_000
-LARGEST_NUMBER = 10**18
-LARGEST_EXPONENT = 64
+# Larger than any text that people read.
+_LARGEST_TEMPLATE = 10**7
 # Of Jinja2's own filters those that need no bound; `default` would make a blank of what is missing.
 FILTERS = ("capitalize", "join", "length", "lower", "replace", "sort", "title", "trim", "upper")
 # The argument through which a call or a filter of ours learns where it stands.
@@ -28,6 +26,59 @@ PLACE = "driftproof_place"
 # What TeX writes and Jinja2 would read: an argument {#1}, and a brace before the end of a line {%. Noncharacters of
 # Unicode hold their places meanwhile.
 _OF_TEX = ((re.compile(r"(?<=\{)#(?=#*[0-9])"), "\ufdd0", "#"), (re.compile(r"(?<=\{)%(?=[ \t]*\r?\n)"), "\ufdd1", "%"))
+
+
+class TemplatePlace(NamedTuple):
+    """A character of a template: the template's name, and the offset from its beginning.
+
+    `of_question` is true where a question begins there, whose own columns then count from that character.
+    """
+
+    template: str
+    offset: int
+    of_question: bool = False
+
+
+class Refusal(ValueError):
+    """What a template asks for is not done; whoever knows the place makes a TemplateProblem of it."""
+
+
+class TemplateProblem(ValueError):
+    """A template that cannot be rendered; the message is the whole line: file, line, column, reason."""
+
+    @classmethod
+    def at(cls, place: TemplatePlace, source: str, reason: str) -> TemplateProblem:
+        """The problem at a place in the source of its template; lines and columns count from 1."""
+        before = source[: place.offset]
+        line, column = before.count("\n") + 1, place.offset - before.rfind("\n")
+        return cls(f"{place.template}, line {line}, column {column}: {' '.join(reason.split())}")
+
+
+class FolderLoader(BaseLoader):
+    """Templates from one folder; `sources` keeps the text of each that was read, line ends as \\n."""
+
+    def __init__(self, template: Path) -> None:
+        """The folder is that of the template, which itself may be a link to elsewhere."""
+        self.template, self.folder = template.name, template.parent
+        self.sources: dict[str, str] = {}
+
+    def get_source(self, environment: Environment, template: str) -> tuple[str, str, None]:
+        """The text of a template. Raises Refusal for a path that leads out of the folder, ValueError for no text."""
+        path = self.folder / template
+        if template != self.template and not path.resolve().is_relative_to(self.folder.resolve()):
+            raise Refusal(f"{template[:60]!r} lies outside the folder of the template")
+        if not path.is_file():
+            raise TemplateNotFound(template)
+        with path.open("rb") as file:
+            data = file.read(_LARGEST_TEMPLATE + 1)
+        if len(data) > _LARGEST_TEMPLATE:
+            raise ValueError(f"{path}: longer than {_LARGEST_TEMPLATE} bytes")
+        try:
+            text = data.decode("utf-8").replace("\r\n", "\n").replace("\r", "\n")
+        except UnicodeDecodeError as error:
+            raise ValueError(f"{path}: not UTF-8 at byte {error.start}") from None
+        self.sources[template] = text
+        return text, template, None
 
 
 class _Lexer(Lexer):
@@ -41,7 +92,6 @@ class _Lexer(Lexer):
         self, source: str, name: str | None, filename: str | None = None, state: str | None = None
     ) -> Iterator[tuple[int, str, str]]:
         """The tokens in order; between two of them stands white space at most, which Jinja2 has stripped."""
-        marks = _OF_TEX if self.tex else ()
         for pattern, mark, _ in _OF_TEX:
             if mark in source:
                 reason = f"the noncharacter U+{ord(mark):04X} has no place in a text"
@@ -51,47 +101,15 @@ class _Lexer(Lexer):
         try:
             for _, token, text in super().tokeniter(source, name, filename, state):
                 offset = source.index(text, end)
-                if token == TOKEN_INTEGER and len(text) > len(str(LARGEST_NUMBER)):
-                    raise TemplateSyntaxError("whole numbers go up to 10**18 here", offset + 1, name, filename)
                 end = offset + len(text)
-                for _, mark, sign in marks:
+                for _, mark, sign in _OF_TEX:
                     text = text.replace(mark, sign)
                 yield offset + 1, token, text
         except TemplateSyntaxError as error:
             # Jinja2 knows the line: it fails at what follows the last token, or at that one if it is never closed.
-            error.lineno = 1 + (offset if "Missing end" in str(error.message) else _next(source, end))
+            follows = len(source) - len(source[end:].lstrip())
+            error.lineno = 1 + (offset if "Missing end" in str(error.message) else follows)
             raise
-
-
-class FolderLoader(BaseLoader):
-    """Templates from one folder; `sources` keeps the text of each that was read."""
-
-    def __init__(self, template: Path) -> None:
-        """The folder is that of the template, which itself may be a link to elsewhere."""
-        self.template, self.folder = template.name, template.parent
-        self.sources: dict[str, str] = {}
-
-    def get_source(self, environment: Environment, template: str) -> tuple[str, str, None]:
-        """The text of a template. Raises Refusal for a path that leads out of the folder."""
-        path = self.folder / template
-        if template != self.template and not path.resolve().is_relative_to(self.folder.resolve()):
-            raise Refusal(f"{template[:60]!r} lies outside the folder of the template")
-        if not path.is_file():
-            raise TemplateNotFound(template)
-        self.sources[template] = read_text(path)
-        return self.sources[template], template, None
-
-
-def read_text(path: Path) -> str:
-    """The text of a file, line ends as \\n. Raises ValueError for one that is too long or not in UTF-8."""
-    with path.open("rb") as file:
-        data = file.read(LARGEST_TEMPLATE + 1)
-    if len(data) > LARGEST_TEMPLATE:
-        raise ValueError(f"{path}: longer than {LARGEST_TEMPLATE} bytes")
-    try:
-        return data.decode("utf-8").replace("\r\n", "\n").replace("\r", "\n")
-    except UnicodeDecodeError as error:
-        raise ValueError(f"{path}: not UTF-8 at byte {error.start}") from None
 
 
 class Sandbox(SandboxedEnvironment):
@@ -102,26 +120,24 @@ class Sandbox(SandboxedEnvironment):
     def __init__(
         self,
         loader: FolderLoader,
+        kind: TextKind,
         functions: dict[str, Callable[..., Any]],
         filters: dict[str, Callable[..., Any]],
         finalize: Callable[[Any], Any],
-        *,
-        html: bool,
-        tex: bool,
     ) -> None:
-        """`functions` and `filters` take the keyword PLACE."""
+        """`functions` and `filters` take the keyword PLACE; `finalize` makes text of what is printed."""
         super().__init__(
             loader=loader,
             undefined=StrictUndefined,
-            autoescape=html,
+            autoescape=kind is HTML,
             finalize=finalize,
             keep_trailing_newline=True,
             auto_reload=False,
         )
         self.placed = {**functions, **filters}
-        self.globals = {**functions, "range": short_range, "namespace": Namespace}
+        self.globals = {**functions, "range": safe_range, "namespace": Namespace}
         self.filters = {name: self.filters[name] for name in FILTERS} | filters
-        self.places = _Lexer(self, tex)
+        self.places = _Lexer(self, kind is LATEX)
 
     @property
     def lexer(self) -> Lexer:
@@ -135,10 +151,9 @@ class Sandbox(SandboxedEnvironment):
         for call in source.find_all(nodes.Call):
             called = getattr(call.node, "name", None)
             if called in self.placed:
-                first = call.args[0] if call.args and called == "value" else None
-                question = first if isinstance(first, nodes.Const) else None
-                at = question.lineno + 1 if question else _first(call)  # after the quotation mark
-                call.kwargs.append(_told(name, at, of_question=question is not None))
+                asks = called == "value" and bool(call.args) and isinstance(call.args[0], nodes.Const)
+                at = call.args[0].lineno + 1 if asks else _first(call)  # after the quotation mark
+                call.kwargs.append(_told(name, at, asks))
         for applied in source.find_all(nodes.Filter):
             if applied.name not in self.filters:
                 unknown = f"there is no filter {applied.name[:40]!r}; there are {', '.join(self.filters)}"
@@ -154,55 +169,29 @@ class Sandbox(SandboxedEnvironment):
         """Our functions, and what Jinja2 makes of macros, loops and blocks; no method of any other object."""
         of_loop = isinstance(obj, MethodType) and isinstance(obj.__self__, LoopContext)
         ours = any(obj is function for function in self.globals.values())
-        return ours or of_loop or isinstance(obj, Macro | LoopContext | BlockReference)
+        # What is undefined says so when it is called.
+        return ours or of_loop or isinstance(obj, Macro | LoopContext | BlockReference | StrictUndefined)
 
     def call(__self, __context: Context, __obj: Any, *args: Any, **kwargs: Any) -> Any:  # noqa: N805
         """Call what is safe; say in words what is."""
-        if isinstance(__obj, StrictUndefined):
-            return __context.call(__obj)  # which says that it is undefined
         if not __self.is_safe_callable(__obj):
             names = ", ".join(__self.globals)
             raise SecurityError(f"a template calls {names} and its own macros, and nothing else")
         return super().call(__context, __obj, *args, **kwargs)
 
     def call_binop(self, context: Context, operator: str, left: Any, right: Any) -> Any:
-        """Whole numbers of moderate size; text may be added to text."""
-        if operator == "+" and isinstance(left, str) and isinstance(right, str):
-            return left + right
-        if operator == "/" or not (_is_whole(left) and _is_whole(right)):
-            raise Refusal(f"{operator} is for whole numbers here; value('1/3 + 1/6') computes exactly")
-        if operator == "**" and not 0 <= right <= LARGEST_EXPONENT:
-            raise Refusal(f"powers go from 0 to {LARGEST_EXPONENT} here; value('(1/2)**64') computes exactly")
-        found = super().call_binop(context, operator, left, right)
-        if abs(found) > LARGEST_NUMBER:
-            raise Refusal(f"whole numbers go up to 10**18 here; {operator} leads beyond")
-        return found
-
-
-def short_range(*bounds: Any) -> range:
-    """range, not too long."""
-    if not all(_is_whole(bound) for bound in bounds):
-        raise Refusal("range takes whole numbers")
-    found = range(*bounds)
-    if len(found) > LONGEST_RANGE:
-        raise Refusal(f"a range has at most {LONGEST_RANGE} members here, not {len(found)}")
-    return found
-
-
-def _is_whole(x: object) -> bool:
-    return isinstance(x, int) and not isinstance(x, bool) and abs(x) <= LARGEST_NUMBER
-
-
-def _next(source: str, offset: int) -> int:
-    """The first character from here on that is no white space."""
-    return len(source) - len(source[offset:].lstrip())
+        """Whole numbers are added, subtracted, multiplied, divided with a remainder; text is added to text."""
+        whole = type(left) is type(right) is int and operator not in ("/", "**")
+        if not whole and not (type(left) is type(right) is str and operator == "+"):
+            raise Refusal(f"{operator} is not for a template; value('1/3 + 1/6') computes exactly")
+        return super().call_binop(context, operator, left, right)
 
 
 def _told(name: str | None, at: int, of_question: bool = False) -> nodes.Keyword:
-    """The keyword that tells a call its Place; a plain tuple, as the compiled template spells constants out."""
+    """The keyword that tells a call its place; a plain tuple, as the compiled template spells constants out."""
     return nodes.Keyword(PLACE, nodes.Const((name, at - 1, of_question)), lineno=at)
 
 
 def _first(node: nodes.Node) -> int:
     """Where the first token of an expression stands."""
-    return min([node.lineno or LARGEST_TEMPLATE, *map(_first, node.iter_child_nodes())])
+    return min([node.lineno or _LARGEST_TEMPLATE, *map(_first, node.iter_child_nodes())])

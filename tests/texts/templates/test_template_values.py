@@ -1,23 +1,19 @@
-"""Templates with values in them: what they become in each kind of text, and how numbers are written in it."""
+"""Values in a template: how a number is written in each kind of text, and what is no value."""
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Callable
 
 import pytest
 
-from driftproof.texts.templates.kinds import HTML, KINDS, MARKDOWN, TEX, Kind, is_code, kind_of
-from driftproof.texts.templates.problems import TemplateProblem
-from tests.texts.templates.templating import Become, become_in
+from driftproof.texts.templates.sandbox import TemplateProblem
+from driftproof.texts.templates.text_kinds import HTML, LATEX, MARKDOWN
+
+Become = Callable[..., str]
 
 Q, V = 'value("rk4.first_step.q")', 'value("rk4.first_step.v")'
 LIMIT = 'value("imaginary_limit rk4")'
-FIRST = MARKDOWN, HTML, TEX
-
-
-@pytest.fixture
-def become(tmp_path: Path) -> Become:
-    return become_in(tmp_path)
+FIRST = MARKDOWN, HTML, LATEX
 
 
 @pytest.mark.parametrize(
@@ -55,27 +51,7 @@ def test_mathml_is_markup_in_html_and_in_markdown_and_refused_in_tex(become: Bec
     formula = "<math><mfrac><mn>1</mn><mn>3</mn></mfrac></math>"
     assert become(asked, HTML) == become(asked, MARKDOWN) == formula
     with pytest.raises(TemplateProblem, match=r"line 1, column 19: MathML has no place in TeX; write \| tex"):
-        become(asked, TEX)
-
-
-TABLE = (
-    '{{ methods_table(["forward_euler", "rk4"], {"A_1": "energy_change digits 2", "Limit": "imaginary_limit exact"},'
-    ' h="1/4", t="10") }}'
-)
-TABLES = {
-    MARKDOWN.name: "| Method | A\\_1 | Limit |\n| --- | ---: | ---: |\n| Forward Euler | 5.2 | 0 |\n"
-    "| Classical RK4 | -0.000067 | 2\\*sqrt(2) |",
-    HTML.name: "<table>\n<thead><tr><th>Method</th><th>A_1</th><th>Limit</th></tr></thead>\n<tbody>\n"
-    "<tr><td>Forward Euler</td><td>5.2</td><td>0</td></tr>\n"
-    "<tr><td>Classical RK4</td><td>-0.000067</td><td>2*sqrt(2)</td></tr>\n</tbody>\n</table>",
-    TEX.name: "\\begin{tabular}{lrr}\nMethod & A\\_1 & Limit \\\\\n\\hline\nForward Euler & 5.2 & 0 \\\\\n"
-    "Classical RK4 & \\ensuremath{-0.000067} & 2*sqrt(2) \\\\\n\\end{tabular}",
-}
-
-
-@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
-def test_table_of_methods_is_written_in_the_kind_of_the_text(kind: Kind, become: Become) -> None:
-    assert become(TABLE, kind) == TABLES[kind.name]
+        become(asked, LATEX)
 
 
 def test_headings_of_columns_are_what_is_asked_in_words(become: Become) -> None:
@@ -91,31 +67,3 @@ def test_style_and_rounding_are_set_once_in_a_template_or_by_the_command(become:
     macro = '{% macro m() %}{{ value("-1/2") | places(1) }}{% endmacro %}'
     imported = '{% set style = "printed" %}{% import "m.j2" as m with context %}{{ m.m() }}'
     assert become(imported, m_j2=macro) == "−0.5"
-
-
-def test_arguments_and_comment_signs_of_tex_stay_what_they_are(become: Become) -> None:
-    text = "\\newcommand{\\x}[1]{#1}\n\\newcommand{\\y}{%\n  {##1}}{%  \n"
-    assert become(text + "{{ value('1/2') }}", TEX) == text + "1/2"
-    assert become("{#1#}", HTML) == ""
-
-
-@pytest.mark.parametrize(
-    ("source", "code"),
-    [
-        ("a `b X` c", True),
-        ("a `b` X `c`", False),
-        ("a ` X c", False),
-        ("```\nX\n```", True),
-        ("```\n```\nX", False),
-        ("~~~~\n```\nX", True),
-        ("```x\n~~~\n```\nX", False),
-    ],
-)
-def test_code_of_markdown_is_told_from_prose(source: str, code: bool) -> None:
-    assert is_code(source, source.index("X")) is code
-
-
-def test_output_is_known_by_its_name() -> None:
-    assert [kind_of(Path(f"a.{end}")) for end in ("md", "MYST", "htm", "tex")] == [MARKDOWN, MARKDOWN, HTML, TEX]
-    with pytest.raises(ValueError, match=r"a.txt: what is rendered has a name that ends in one of .md, .markdown"):
-        kind_of(Path("a.txt"))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -10,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from driftproof.commands.arguments import BAD_INPUT, REFUTED
+from driftproof.support.processes import ProcessEnded
 from driftproof.texts.templates import rendering
 
 Run = Callable[..., tuple[int, str, str]]
@@ -35,7 +35,7 @@ def test_check_passes_what_was_rendered_and_shows_what_was_changed(lesson: Path,
     for place, character in enumerate(text):
         if character.isdigit():
             changed = text[:place] + str((int(character) + 1) % 10) + text[place + 1 :]
-            assert rendering.difference(Path("lesson.md"), changed, lesson)
+            assert rendering.output_difference(Path("lesson.md"), changed, lesson)
     Path("lesson.md").write_text("q = 0.877614\nv", encoding="utf-8")
     assert run("render", "lesson.md.j2", "--check") == (
         REFUTED,
@@ -89,7 +89,7 @@ def test_bad_arguments_are_one_line(arguments: tuple[str, ...], message: str, le
 
 
 def test_memory_and_time_of_a_template_are_bounded(lesson: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rendering, "MEMORY_LIMIT", 6 * 10**8)
+    monkeypatch.setattr(rendering, "RENDERING_MEMORY", 6 * 10**8)
     lesson.write_text(
         "{% set n = namespace(s='aaaaaaaa') %}{% for i in range(60) %}{% set n.s = n.s ~ n.s %}{% endfor %}"
     )
@@ -103,12 +103,19 @@ def test_memory_and_time_of_a_template_are_bounded(lesson: Path, monkeypatch: py
         rendering.render(lesson, Path("lesson.md"), time_limit=1)
 
 
-def test_child_that_dies_is_reported_in_one_line(lesson: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def dies(*_: object, **__: object) -> subprocess.CompletedProcess[str]:
-        return subprocess.CompletedProcess([], -11, "", "trace\nSegmentation fault\n")
+def test_process_that_dies_or_writes_too_much_is_reported_in_one_line(
+    lesson: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(rendering, "LONGEST_RENDERED", 1000)
+    lesson.write_text("{% for i in range(2000) %}x{% endfor %}")
+    with pytest.raises(ValueError, match=r"^lesson\.md\.j2: an answer of more than 1000 bytes$"):
+        rendering.render(lesson, Path("lesson.md"))
 
-    monkeypatch.setattr(rendering.subprocess, "run", dies)
-    with pytest.raises(ValueError, match=r"lesson\.md\.j2: the rendering ended with status -11: Segmentation fault"):
+    def dies(*_: object) -> None:
+        raise ProcessEnded("signal", "the process ended (signal 11, SIGSEGV)")
+
+    monkeypatch.setattr(rendering, "ask_once", dies)
+    with pytest.raises(ValueError, match=r"^lesson\.md\.j2: the process ended \(signal 11, SIGSEGV\)$"):
         rendering.render(lesson, Path("lesson.md"))
 
 
@@ -119,15 +126,6 @@ def test_without_jinja_one_line_says_what_to_install(lesson: Path, run: Run, mon
         "",
         "driftproof render: templates need Jinja2; install it with pip install 'driftproof[text]'\n",
     )
-
-
-def test_file_of_very_many_lines_is_compared_up_to_the_first_difference(
-    lesson: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(rendering, "MOST_LINES", 2)
-    Path("lesson.md").write_text("a\nb\nc\n", encoding="utf-8")
-    said = rendering.difference(Path("lesson.md"), "a\nx\nc\n", lesson)
-    assert said == "lesson.md, line 2: not as lesson.md.j2 renders it"
 
 
 def test_command_line_without_render_loads_no_jinja(modules_after: Callable[[str], set[str]]) -> None:

@@ -7,18 +7,17 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeAlias
 
-from driftproof.texts.questions.style import PLAIN, PRINTED
+CellRows: TypeAlias = Sequence[Sequence[str]]
 
-STYLES = {"plain": PLAIN, "printed": PRINTED}
-Rows = Sequence[Sequence[str]]
-
-_MARKDOWN = re.compile(r"[\\`*_\[\]<>|&]")
-_TEX = str.maketrans({c: rf"\{c}" for c in "_#&%${}"} | {"^": r"\^{}", "~": r"\~{}", "\\": r"\textbackslash{}"})
+_MARKUP = re.compile(r"[\\`*_\[\]<>|&]")
+_FENCE = re.compile(r" {0,3}(`{3,}|~{3,})")
+_ESCAPES = str.maketrans({c: rf"\{c}" for c in "_#&%${}"} | {"^": r"\^{}", "~": r"\~{}", "\\": r"\textbackslash{}"})
 
 
 @dataclass(frozen=True)
-class Kind:
+class TextKind:
     """A kind of text: its name, the suffixes of its files, and its style where a template names none.
 
     `escape` writes words so that none of them is markup; `table` takes rows of cells that are written already, the
@@ -29,47 +28,41 @@ class Kind:
     suffixes: tuple[str, ...]
     style: str
     escape: Callable[[str], str]
-    table: Callable[[Rows], str]
+    table: Callable[[CellRows], str]
 
 
-def kind_of(path: Path) -> Kind:
+def kind_of(path: Path) -> TextKind:
     """The kind of text that a file of this name holds. Raises ValueError for other names."""
-    for kind in KINDS:
+    for kind in TEXT_KINDS:
         if path.suffix.lower() in kind.suffixes:
             return kind
-    allowed = ", ".join(suffix for kind in KINDS for suffix in kind.suffixes)
+    allowed = ", ".join(suffix for kind in TEXT_KINDS for suffix in kind.suffixes)
     raise ValueError(f"{path}: what is rendered has a name that ends in one of {allowed}")
 
 
-def _markdown_table(rows: Rows) -> str:
-    header, *body = rows
-    rule = ["---", *["---:"] * (len(header) - 1)]
-    return "\n".join(f"| {' | '.join(row)} |" for row in (header, rule, *body))
+def _markdown_table(rows: CellRows) -> str:
+    rule = ["---", *["---:"] * (len(rows[0]) - 1)]
+    return "\n".join(f"| {' | '.join(row)} |" for row in (rows[0], rule, *rows[1:]))
 
 
-def _html_table(rows: Rows) -> str:
-    header, *body = rows
-    head = "".join(f"<th>{cell}</th>" for cell in header)
-    lines = (f"<tr>{''.join(f'<td>{cell}</td>' for cell in row)}</tr>" for row in body)
+def _html_table(rows: CellRows) -> str:
+    head = "".join(f"<th>{cell}</th>" for cell in rows[0])
+    lines = (f"<tr>{''.join(f'<td>{cell}</td>' for cell in row)}</tr>" for row in rows[1:])
     return "\n".join(["<table>", f"<thead><tr>{head}</tr></thead>", "<tbody>", *lines, "</tbody>", "</table>"])
 
 
-def _tex_table(rows: Rows) -> str:
+def _tex_table(rows: CellRows) -> str:
     header, *body = [f"{' & '.join(row)} \\\\" for row in rows]
     columns = "l" + "r" * (len(rows[0]) - 1)
     return "\n".join([f"\\begin{{tabular}}{{{columns}}}", header, r"\hline", *body, r"\end{tabular}"])
 
 
-MARKDOWN = Kind(
-    "Markdown",
-    (".md", ".markdown", ".myst"),
-    "plain",
-    lambda text: _MARKDOWN.sub(r"\\\g<0>", text),
-    _markdown_table,
+MARKDOWN = TextKind(
+    "Markdown", (".md", ".markdown", ".myst"), "plain", lambda text: _MARKUP.sub(r"\\\g<0>", text), _markdown_table
 )
-HTML = Kind("HTML", (".html", ".htm"), "plain", html.escape, _html_table)
-TEX = Kind("TeX", (".tex",), "printed", lambda text: text.translate(_TEX), _tex_table)
-KINDS = (MARKDOWN, HTML, TEX)
+HTML = TextKind("HTML", (".html", ".htm"), "plain", html.escape, _html_table)
+LATEX = TextKind("TeX", (".tex",), "printed", lambda text: text.translate(_ESCAPES), _tex_table)
+TEXT_KINDS = (MARKDOWN, HTML, LATEX)
 
 
 def is_code(source: str, offset: int) -> bool:
@@ -77,16 +70,12 @@ def is_code(source: str, offset: int) -> bool:
 
     A span is looked for on the character's own line: an odd number of backticks before it and one after it.
     """
-    fence = ""
-    for line in source[: source.rfind("\n", 0, offset) + 1].splitlines():
+    line_start, fence = source.rfind("\n", 0, offset) + 1, ""
+    for line in source[:line_start].splitlines():
         marks = _FENCE.match(line)
         if marks and not fence:
             fence = marks[1]
         elif marks and marks[1].startswith(fence) and not line.strip(" `~"):
             fence = ""
-    end = source.find("\n", offset)
-    before = source[source.rfind("\n", 0, offset) + 1 : offset]
-    return bool(fence) or (before.count("`") % 2 == 1 and "`" in source[offset : end if end >= 0 else None])
-
-
-_FENCE = re.compile(r" {0,3}(`{3,}|~{3,})")
+    after = source[offset:].partition("\n")[0]
+    return bool(fence) or (source.count("`", line_start, offset) % 2 == 1 and "`" in after)

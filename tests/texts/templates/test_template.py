@@ -1,32 +1,24 @@
-"""What is wrong with a template is one line with file, line and column; what is hostile is refused or bounded."""
+"""What is wrong with a template is one line with file, line and column."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from fractions import Fraction
-from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from driftproof.texts.questions.value import Value
-from driftproof.texts.templates import child
-from driftproof.texts.templates.child import Rendering
-from driftproof.texts.templates.kinds import KINDS, Kind
-from driftproof.texts.templates.problems import TemplateProblem
-from driftproof.texts.templates.sandbox import FILTERS
-from tests.texts.templates.templating import Become, become_in
+from driftproof.texts.templates import template as module
+from driftproof.texts.templates.sandbox import TemplateProblem
+from driftproof.texts.templates.template import Template
+from driftproof.texts.templates.text_kinds import TEXT_KINDS, TextKind
 
-Factory = pytest.TempPathFactory
+Become = Callable[..., str]
 
-
-@pytest.fixture
-def become(tmp_path: Path) -> Become:
-    return become_in(tmp_path)
-
-
-HUGE = "9" * 30
+# Template, line, column, reason.
 PROBLEMS = [
     ("a\n  {{ nope }}", 2, 6, "'nope' is undefined"),
     ("{{ value(nope) }}", 1, 10, "'nope' is undefined"),
@@ -62,7 +54,7 @@ PROBLEMS = [
     ("{{ none }}", 1, 4, "a NoneType is nothing to print"),
     ("{{ [1] }}", 1, 4, "a list is nothing to print"),
     ("{{ 0.5 }}", 1, 4, "a float is nothing to print"),
-    ("{{ value }}", 1, 4, "a method is nothing to print"),
+    ("{{ value }}", 1, 4, "a function is nothing to print"),
     ('{{ value("1/2" }}', 1, 16, "unexpected '}', expected ')'"),
     ("x {% endfor %}", 1, 6, "Encountered unknown tag 'endfor'."),
     ("x\n{# never closed", 2, 1, "Missing end of comment tag"),
@@ -75,47 +67,17 @@ PROBLEMS = [
     ("{{ methods_table(['rk4'], [3]) }}", 1, 4, "columns are a list"),
     ("{{ methods_table(['backward_euler'], ['evaluations'], h='1/4', t='1') }}", 1, 4, "backward_euler is implicit"),
     ("x\n\ufdd0", 2, 1, "the noncharacter U+FDD0 has no place in a text"),
-    # hostile ones
-    ("{{ ''.__class__.__mro__ }}", 1, 4, "access to attribute '__class__' of 'str' object is unsafe."),
-    ("{{ value.__globals__ }}", 1, 4, "access to attribute '__globals__'"),
-    ("{{ value('1/2')._value }}", 1, 4, "access to attribute '_value' of 'Quantity' object is unsafe."),
-    ("{{ value('1/2')['_value'] }}", 1, 4, "access to attribute '_value'"),
-    (
-        "{{ '{0.__class__}'.format(value) }}",
-        1,
-        4,
-        "a template calls value, methods_table, range, namespace and its own",
-    ),
-    ("{{ 'a'.center(1000000000) }}", 1, 4, "a template calls value"),
-    ("{{ lipsum(1000) }}", 1, 4, "'lipsum' is undefined"),
-    ("{{ 'a' * 10**9 }}", 1, 4, "* is for whole numbers here"),
-    ("{{ [0] * 10 }}", 1, 4, "* is for whole numbers here"),
-    ("{{ '%999999999d' % 1 }}", 1, 4, "% is for whole numbers here"),
-    ("{{ 10**10**10 }}", 1, 4, "whole numbers go up to 10**18 here; ** leads beyond"),
-    ("{{ 2**10000000000 }}", 1, 4, "powers go from 0 to 64 here"),
-    (f"{{{{ {HUGE} }}}}", 1, 4, "whole numbers go up to 10**18 here"),
-    ("{{ 1/3 }}", 1, 4, "/ is for whole numbers here; value('1/3 + 1/6') computes exactly"),
-    ("{{ 1 // 0 }}", 1, 4, "integer division or modulo by zero"),
-    ("{% for i in range(10**9) %}{% endfor %}", 1, 4, "a range has at most 10000 members here, not 1000000000"),
-    ("{% include '../secret' %}", 1, 4, "'../secret' lies outside the folder of the template"),
-    ("{% include '/etc/passwd' %}", 1, 4, "'/etc/passwd' lies outside the folder of the template"),
-    ("{% include 'link' %}", 1, 4, "'link' lies outside the folder of the template"),
-    ("{% include 'none' %}", 1, 4, "there is no template 'none' beside this one"),
-    ("{% include 't.j2' %}", 1, 4, "nested too deeply, or a template includes itself"),
 ]
 
 
 @pytest.mark.parametrize(("template", "line", "column", "reason"), PROBLEMS, ids=range(len(PROBLEMS)))
 def test_problem_is_one_line_with_file_line_and_column(
-    template: str, line: int, column: int, reason: str, become: Become, tmp_path: Path
+    template: str, line: int, column: int, reason: str, become: Become
 ) -> None:
-    (tmp_path.parent / "secret").write_text("secret", encoding="utf-8")
-    (tmp_path / "link").symlink_to(tmp_path.parent / "secret")
-    with pytest.raises(TemplateProblem) as raised:
+    with pytest.raises(TemplateProblem, match=r"\A[^\n]*\Z") as raised:
         become(template)
     assert str(raised.value).startswith(f"t.j2, line {line}, column {column}: ")
     assert reason in str(raised.value)
-    assert "\n" not in str(raised.value)
 
 
 def test_problem_of_an_included_template_names_that_one(become: Become) -> None:
@@ -125,23 +87,14 @@ def test_problem_of_an_included_template_names_that_one(become: Become) -> None:
 
 
 def test_value_that_is_not_proved_is_refused(become: Become, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(child, "value", lambda _: Value("x", Fraction(1), "FUZZED"))
+    monkeypatch.setattr(module, "value", lambda _: Value("x", Fraction(1), "FUZZED"))
     with pytest.raises(TemplateProblem, match=r"line 1, column 11: 'x' is only FUZZED; a text prints what is proved"):
         become('{{ value("x") | digits(2) }}')
 
 
-def test_text_that_grows_and_a_template_nested_too_deeply_are_stopped(
-    become: Become, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(child, "LONGEST_OUTPUT", 100)
-    with pytest.raises(TemplateProblem, match=r"^t\.j2: the text grows beyond 100 characters$"):
-        become("{% for i in range(1000) %}x{% endfor %}")
+def test_template_nested_too_deeply_is_refused(become: Become) -> None:
     with pytest.raises(TemplateProblem, match=r"^t\.j2: nested too deeply"):
         become(f"{{{{ {'(' * 5000}1{')' * 5000} }}}}")
-
-
-def test_no_filter_of_jinja_turns_what_is_missing_into_a_blank() -> None:
-    assert not {"default", "d", "format", "center", "indent", "attr", "map", "safe", "tojson"} & set(FILTERS)
 
 
 TAGS = [
@@ -176,13 +129,15 @@ INSIDE = st.lists(st.sampled_from(WORDS), max_size=6).map(" ".join)
 PARTS = st.sampled_from(TAGS) | INSIDE | INSIDE.map("{{{{ {} }}}}".format) | INSIDE.map("{{% {} %}}".format)
 
 
-@given(text=st.lists(PARTS, max_size=8).map("".join), kind=st.sampled_from(KINDS))
-def test_any_template_is_rendered_or_refused_in_one_line(text: str, kind: Kind, tmp_path_factory: Factory) -> None:
+@given(text=st.lists(PARTS, max_size=8).map("".join), kind=st.sampled_from(TEXT_KINDS))
+def test_any_template_is_rendered_or_refused_in_one_line(
+    text: str, kind: TextKind, tmp_path_factory: pytest.TempPathFactory
+) -> None:
     template = tmp_path_factory.mktemp("any") / "t.j2"
     template.write_text(text, encoding="utf-8", newline="")
     said = ""
     try:
-        assert isinstance(Rendering(template, kind, None, None).text(), str)
+        assert isinstance(Template(template, kind, None, None).text(), str)
     except TemplateProblem as problem:
         said = str(problem)
     assert said == "" or re.fullmatch(r"t\.j2, line \d+, column \d+: .+", said)

@@ -1,0 +1,206 @@
+"""Values in a template: what value(...) is, how filters write it, and a table of methods."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import NoReturn
+
+from driftproof.methods.catalogue import method_named
+from driftproof.texts.questions.errors import AmbiguousRounding, QuestionError
+from driftproof.texts.questions.runs import READOUTS
+from driftproof.texts.questions.style import PLAIN, PRINTED, Style
+from driftproof.texts.questions.value import CERTIFIED, COUNTED, MOST_DIGITS, PROVED, Value
+from driftproof.texts.templates.sandbox import Refusal
+from driftproof.texts.templates.text_kinds import LATEX, MARKDOWN, TextKind
+from driftproof.texts.writing import markup
+from driftproof.texts.writing.text import LONGEST_SHOWN
+
+_STYLES = {"plain": PLAIN, "printed": PRINTED}
+_MOST_CELLS = 10_000
+_COLUMN = re.compile(r"(?P<asked>.*?)(?: (?P<form>(?:digits|places)(?= [0-9]{1,6}$)|exact$)(?P<count>.*))?", re.DOTALL)
+
+
+@dataclass(frozen=True)
+class NumberStyle:
+    """How numbers are written: the kind of text, "plain" or "printed", and the rounding policy, None for none named.
+
+    `in_code` is true where nothing is escaped.
+    """
+
+    kind: TextKind
+    style: str
+    rounding: str | None
+    in_code: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse unknown names."""
+        if self.style not in _STYLES:
+            raise Refusal(f"the style {str(self.style)[:20]!r} is unknown; choose one of {', '.join(_STYLES)}")
+        try:
+            Style(self.rounding)
+        except ValueError as error:
+            raise Refusal(str(error)) from None
+
+    def decimal(self, write: Callable[[Style], str]) -> str:
+        """What `write` makes of a style. In TeX the printed style is mathematics wherever it stands."""
+        if self.kind is not LATEX or self.style == "plain":
+            return write(replace(_STYLES[self.style], rounding=self.rounding))
+        return _in_mathematics(write(Style(self.rounding)))
+
+
+def _in_mathematics(decimal: str) -> str:
+    """A decimal in TeX: digits as they are; with a sign or an exponent mathematics, in a text and in a formula."""
+    plain = decimal.replace(".", "").isdigit()
+    return decimal if plain else rf"\ensuremath{{{markup.decimal(decimal, markup.TEX)}}}"
+
+
+class TemplateValue:
+    """What value(...) is in a template: it prints itself where there is one obvious way, and is no condition."""
+
+    def __init__(self, value: Value, kind: TextKind) -> None:
+        """Raises Refusal for a value that is not proved."""
+        if value.evidence not in (PROVED, CERTIFIED, COUNTED):
+            raise Refusal(f"{value.question!r} is only {value.evidence}; a text prints what is proved")
+        self._value, self._kind = value, kind
+
+    @property
+    def unit(self) -> str:
+        """Its unit in words. Raises Refusal where it has none."""
+        if self._value.unit is None:
+            raise Refusal(f"{self._value.question!r} has no unit")
+        return self._value.unit
+
+    def __str__(self) -> str:
+        """A short rational, or a word. Raises Refusal for others."""
+        value, text = self._value, self._value.exact_text or ""
+        short = isinstance(value.exact, Fraction) and len(text) <= LONGEST_SHOWN
+        if short and self._kind is LATEX:
+            return text.replace("-", r"\ensuremath{-}") if "/" in text else _in_mathematics(text)
+        if short or (not value.is_number and text.replace(" ", "").isalpha()):
+            return text
+        ways = "| digits(6), | places(6), | exact, | tex or | mathml"
+        raise Refusal(f"{value.question!r} can be written in many ways; say which: {ways}")
+
+    def _no_condition(self, *_: object) -> NoReturn:
+        raise Refusal(f"{self._value.question!r} is no condition and is not compared; ask for what you mean")
+
+    __bool__ = __eq__ = __lt__ = __le__ = __gt__ = __ge__ = _no_condition
+    __hash__ = None  # type: ignore[assignment]
+
+
+def digits_filter(style: NumberStyle, x: object, count: object) -> str:
+    """To `count` significant digits."""
+    n, value = _count(count, 1), _value_of(x)
+    return _written(lambda: style.decimal(lambda style: value.digits(n, style)), f"digits({n}")
+
+
+def places_filter(style: NumberStyle, x: object, count: object) -> str:
+    """To `count` digits after the point."""
+    n, value = _count(count, 0), _value_of(x)
+    return _written(lambda: style.decimal(lambda style: value.places(n, style)), f"places({n}")
+
+
+def exact_filter(style: NumberStyle, x: object) -> str:
+    """The exact form in SymPy's syntax, as it stands in code, else so that nothing in it is markup."""
+    text = _value_of(x).exact_text
+    if text is None:
+        raise Refusal(f"{_value_of(x).question!r} has no exact form; write | digits(6)")
+    # Of HTML the template itself escapes what is no markup.
+    return style.kind.escape(text) if style.kind in (MARKDOWN, LATEX) and not style.in_code else text
+
+
+def tex_filter(style: NumberStyle, x: object) -> str:
+    """The exact form as TeX, without dollar signs."""
+    return _written(_value_of(x).tex)
+
+
+def mathml_filter(style: NumberStyle, x: object) -> str:
+    """The exact form as a <math> element."""
+    if style.kind is LATEX:
+        raise Refusal("MathML has no place in TeX; write | tex")
+    return _written(_value_of(x).mathml)
+
+
+VALUE_FILTERS: dict[str, Callable[..., str]] = {
+    "digits": digits_filter,
+    "places": places_filter,
+    "exact": exact_filter,
+    "tex": tex_filter,
+}
+
+
+def _value_of(x: object) -> Value:
+    if not isinstance(x, TemplateValue):
+        raise Refusal(f"a {type(x).__name__} is no value; apply filters to value(...)")
+    return x._value
+
+
+def _count(n: object, least: int) -> int:
+    if isinstance(n, bool) or not isinstance(n, int) or not least <= n <= MOST_DIGITS:
+        raise Refusal(f"{str(n)[:20]!r} is no number of digits; write a whole number from {least} to {MOST_DIGITS}")
+    return n
+
+
+def _written(write: Callable[[], str], call: str = "") -> str:
+    """What `write` gives, its refusals for the author of a template who called it so."""
+    try:
+        return write()
+    except AmbiguousRounding as error:
+        raise Refusal(f'{error.question!r}: {error.reason}, as in {call}, rounding="half-even")') from None
+    except QuestionError as error:
+        raise Refusal(f"{error.question!r}: {error.reason}") from None
+
+
+def methods_table(
+    style: NumberStyle,
+    ask: Callable[[str], TemplateValue],
+    methods: Sequence[str],
+    columns: Sequence[str] | Mapping[str, str],
+    h: str | None = None,
+    t: str | None = None,
+) -> str:
+    """A row for each method, and a column for each readout of the run to t by steps of h, or fact.
+
+    A column says how its numbers are written: "state_error digits 4", "energy_change places 3", "imaginary_limit
+    exact"; where it says nothing, they must be short. A mapping names the columns: {"Calls": "evaluations"}. Raises
+    Refusal, and what `ask` raises.
+    """
+    if isinstance(methods, str) or not all(isinstance(key, str) for key in methods):
+        raise Refusal('methods are a list of keys, as in ["rk4", "forward_euler"]')
+    asked = list(columns.values() if isinstance(columns, Mapping) else columns)
+    if isinstance(columns, str) or not all(isinstance(column, str) for column in asked):
+        raise Refusal('columns are a list, as in ["state_error digits 4", "evaluations"], or named in a mapping')
+    parsed = [match for column in asked if (match := _COLUMN.fullmatch(column))]
+    names = columns if isinstance(columns, Mapping) else [_in_words(match["asked"]) for match in parsed]
+    if not 0 < len(methods) * len(parsed) <= _MOST_CELLS:
+        raise Refusal(f"a table of methods has from 1 to {_MOST_CELLS} cells; name methods and columns")
+    run = "" if h is None and t is None else f"h={h} t={t}"
+    rows = [[style.kind.escape(name) for name in ("Method", *names)]]
+    for key in methods:
+        try:
+            title = method_named(key).title
+        except ValueError as error:
+            raise Refusal(str(error)) from None
+        cells = (_cell(style, ask, key, column, run) for column in parsed)
+        rows.append([style.kind.escape(title), *cells])
+    return style.kind.table(rows)
+
+
+def _in_words(asked: str) -> str:
+    words = asked.replace("_", " ")
+    return words if len(words) == 1 else words[:1].upper() + words[1:]
+
+
+def _cell(style: NumberStyle, ask: Callable[[str], TemplateValue], key: str, column: re.Match[str], run: str) -> str:
+    head, _, rest = column["asked"].partition(" ")
+    if head in READOUTS and not run:
+        raise Refusal(f"the column {head!r} is read out of a run; give h and t")
+    found = ask(f"run {key} {run} : {column['asked']}" if head in READOUTS else f"{head} {key} {rest}".rstrip())
+    return (
+        VALUE_FILTERS[column["form"]](style, found, *map(int, column["count"].split()))
+        if column["form"]
+        else str(found)
+    )
