@@ -17,26 +17,26 @@ from hypothesis.strategies import SearchStrategy
 from driftproof.methods.schemes import SUBSTEPS, RungeKutta, Splitting
 
 # A normal binary64 number is m * 2**e, 1 <= m < 2, with e in this range; below it lie the subnormals and 0.
-SMALLEST_EXPONENT = sys.float_info.min_exp - 1
-LARGEST_EXPONENT = sys.float_info.max_exp - 1
+MIN_EXPONENT = sys.float_info.min_exp - 1
+MAX_EXPONENT = sys.float_info.max_exp - 1
 MANTISSA_BITS = sys.float_info.mant_dig
 
 # The largest stable steps of symplectic Euler, 2, and of RK4, 2 sqrt 2; the latter is no double, this one is nearest.
 STABILITY_LIMITS = (2.0, 2 * 2**0.5)
 
 
-def finite_floats(min_exponent: int = SMALLEST_EXPONENT, max_exponent: int = LARGEST_EXPONENT) -> SearchStrategy[float]:
+def finite_floats(min_exponent: int = MIN_EXPONENT, max_exponent: int = MAX_EXPONENT) -> SearchStrategy[float]:
     """Doubles 0.0, -0.0 and ±m·2^e, 1 <= m < 2, all exponents alike, so that most are tiny or huge.
 
     The subnormals are among them if min_exponent is the smallest, as it is by default. Raises ValueError for exponents
     that no double has.
     """
-    if not SMALLEST_EXPONENT <= min_exponent <= max_exponent <= LARGEST_EXPONENT:
+    if not MIN_EXPONENT <= min_exponent <= max_exponent <= MAX_EXPONENT:
         raise ValueError(
-            f"exponents {min_exponent} to {max_exponent}: need {SMALLEST_EXPONENT} <= min <= max <= {LARGEST_EXPONENT}"
+            f"exponents {min_exponent} to {max_exponent}: need {MIN_EXPONENT} <= min <= max <= {MAX_EXPONENT}"
         )
     sizes = [_sizes(min_exponent, max_exponent), _sizes(max_exponent, max_exponent)]
-    if min_exponent == SMALLEST_EXPONENT:
+    if min_exponent == MIN_EXPONENT:
         sizes.append(st.integers(1, 1 << (MANTISSA_BITS - 1)).map(lambda m: m * 5e-324))
     signed = st.builds(lambda size, negative: -size if negative else size, st.one_of(sizes), st.booleans())
     return st.sampled_from((0.0, -0.0)) | signed
@@ -51,7 +51,7 @@ def _sizes(min_exponent: int, max_exponent: int) -> SearchStrategy[float]:
     return st.builds(lambda m, e: ldexp(float(m), e), mantissas, exponents)
 
 
-def states(min_exponent: int = SMALLEST_EXPONENT, max_exponent: int = LARGEST_EXPONENT) -> SearchStrategy[Any]:
+def states(min_exponent: int = MIN_EXPONENT, max_exponent: int = MAX_EXPONENT) -> SearchStrategy[Any]:
     """Pairs (q, v) of `finite_floats`, and pairs of similar size, in which sums cancel."""
     floats = finite_floats(min_exponent, max_exponent)
     alike = st.builds(_nearby, floats, st.integers(-4, 4), st.booleans())

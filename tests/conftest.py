@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from driftproof.cli import main
+from driftproof.cli import COMMANDS, main
 
 ROOT = Path(__file__).parents[1]
 
@@ -37,6 +37,22 @@ def answer(run: Callable[..., tuple[int, str, str]]) -> Callable[..., str]:
         status, out, err = run(*arguments)
         assert (status, err) == (0, "")
         return out
+
+    return call
+
+
+@pytest.fixture
+def refusal(run: Callable[..., tuple[int, str, str]]) -> Callable[..., str]:
+    """refusal(*arguments): the one line on standard error of a question that makes no sense; exit status 2."""
+
+    def call(*arguments: str) -> str:
+        status, out, err = run(*arguments)
+        assert (status, out) == (2, "")
+        assert err.startswith(f"driftproof {arguments[0]}: " if set(arguments[:1]) & set(COMMANDS) else "driftproof: ")
+        assert err.count("\n") == 1
+        assert err.endswith("\n")
+        assert len(err) < 1000
+        return err
 
     return call
 

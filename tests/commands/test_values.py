@@ -1,20 +1,13 @@
-"""`driftproof value`: bare numbers for texts, every format, what is refused, and a start that loads nothing heavy."""
-
-from __future__ import annotations
+"""`driftproof value`, `values` and `diff`: bare numbers for texts, every format, and what is refused."""
 
 import json
 import shlex
-from collections.abc import Callable
 
 import pytest
 
-from driftproof.commands.arguments import BAD_INPUT
 from driftproof.symbolic.facts import FACTS
 from driftproof.texts.questions import ask, limits
 from driftproof.texts.questions.runs import READOUTS
-
-Run = Callable[..., tuple[int, str, str]]
-Answer = Callable[..., str]
 
 ANSWERS = {
     "rk4.first_step.q": "0.877604166666667, exactly 337/384  (PROVED)",
@@ -44,11 +37,11 @@ ANSWERS = {
 
 
 @pytest.mark.parametrize("line", ANSWERS)
-def test_answers_to_the_letter(line: str, answer: Answer) -> None:
+def test_answers_to_the_letter(line, answer):
     assert answer("value", *shlex.split(line)) == f"{ANSWERS[line]}\n"
 
 
-def test_json_says_everything(answer: Answer) -> None:
+def test_json_says_everything(answer):
     assert json.loads(answer("value", "step rk4 h=1/2 : v", "--digits", "3", "--format", "json")) == {
         "question": "step rk4 h=1/2 : v",
         "exact": "-23/48",
@@ -63,57 +56,53 @@ def test_json_says_everything(answer: Answer) -> None:
     assert (bound["rounding"], bound["unit"]) == ("away", "u")
 
 
-REFUSED = [
-    ((), "no question is asked"),
-    (("1/8", "--places", "2"), "half-even gives 0.12, half-away 0.13; name a rounding"),
-    (("1/3", "--digits", "0"), "'0' is not a number of digits from 1 to 10000"),
-    (("1/3", "--places", "10001"), "'10001' is not a number of places from 0 to 10000"),
-    (("1/3", "--places", "-1"), "'-1' is not a number of places"),
-    (("1/3", "--places", "1", "--digits", "1"), "not allowed with argument"),
-    (("1/3", "--rounding", "up"), "invalid choice: 'up'"),
-    (("1/3", "--style", "loud"), "invalid choice: 'loud'"),
-    (("energy_multiplier rk4", "--digits", "3"), "is no number and has no decimals"),
-    (("energy_multiplier rk4", "--digits", "3", "--format", "json"), "is no number and has no decimals"),
-    (("run rk4 h=1/4 t=10 : state_error", "--format", "tex"), "has no exact form; ask for digits"),
-    (("step rk5 h=1/2 : q",), "'step rk5 h=1/2 : q', column 6: unknown method 'rk5'"),
-    (("9" * 3000,), "at most 2000 characters, not 3000"),
-    (("{{ ''.__class__ }}",), "'{' has no place in a question"),
-    (("two\nlines rk4",), "'two lines rk4', column 11: 'rk4' has no place here"),
-]
-
-
-@pytest.mark.parametrize(("arguments", "message"), REFUSED, ids=range(len(REFUSED)))
-def test_refusal_is_one_line_and_status_two(arguments: tuple[str, ...], message: str, run: Run) -> None:
-    status, out, err = run("value", *arguments)
-    assert (status, out) == (BAD_INPUT, "")
-    assert err.startswith("driftproof value: ")
-    assert err.count("\n") == 1
-    assert message in err
-
-
-def test_list_names_everything_that_can_be_asked(answer: Answer) -> None:
+def test_list_names_everything_that_can_be_asked(answer):
     shown = answer("value", "--list")
     for name in (*READOUTS, *FACTS, "ratio", "sdirk_order_2", "rk4.first_step.q", "turns", "qv"):
         assert name in shown
 
 
-def test_answer_that_takes_too_long_is_given_up(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    def for_ever(question: str) -> None:
+def test_answer_that_takes_too_long_is_given_up(refusal, monkeypatch):
+    def for_ever(question):
         while question:
             pass
 
     monkeypatch.setattr(ask, "value", for_ever)
     monkeypatch.setattr(limits, "SECONDS", 0.05)
-    status, out, err = run("value", "order rk4")
-    assert (status, out) == (BAD_INPUT, "")
-    assert "no answer within 0.05 seconds" in err
+    assert "no answer within 0.05 seconds" in refusal("value", "order rk4")
 
 
-SIMPLE = ["run rk4 h=1/4 t=10 : state_error", "rk4.first_step.q", "order rk4", "exact t=1 : q"]
+REFUSED = {
+    ("value",): "no question is asked",
+    ("value", "1/8", "--places", "2"): "half-even gives 0.12, half-away 0.13; name a rounding",
+    ("value", "1/3", "--digits", "0"): "'0' is not a number of digits from 1 to 10000",
+    ("value", "1/3", "--places", "10001"): "'10001' is not a number of places from 0 to 10000",
+    ("value", "1/3", "--places", "1", "--digits", "1"): "not allowed with argument",
+    ("value", "1/3", "--rounding", "up"): "invalid choice: 'up'",
+    ("value", "1/3", "--style", "loud"): "invalid choice: 'loud'",
+    ("value", "energy_multiplier rk4", "--digits", "3"): "is no number and has no decimals",
+    ("value", "energy_multiplier rk4", "--digits", "3", "--format", "json"): "is no number and has no decimals",
+    ("value", "run rk4 h=1/4 t=10 : state_error", "--format", "tex"): "has no exact form; ask for digits",
+    ("value", "step rk5 h=1/2 : q"): "'step rk5 h=1/2 : q', column 6: unknown method 'rk5'",
+    ("value", "9" * 3000): "at most 2000 characters, not 3000",
+    ("value", "{{ ''.__class__ }}"): "'{' has no place in a question",
+    ("value", "two\nlines rk4"): "'two lines rk4', column 11: 'rk4' has no place here",
+    ("values", "--only", "no such id"): "no published value has an id that matches 'no such id'",
+    ("values", "--format", "xml"): "invalid choice: 'xml'",
+    ("diff", "none.json", "none.json"): "none.json: No such file or directory",
+}
+
+
+@pytest.mark.parametrize("words", REFUSED, ids=range(len(REFUSED)))
+def test_refusal_is_one_line(words, refusal):
+    assert REFUSED[words] in refusal(*words)
+
+
+SIMPLE = ["run rk4 h=1/4 t=10 : state_error", "order rk4", "exact t=1 : q"]
 
 
 @pytest.mark.parametrize("question", SIMPLE)
-def test_simple_questions_load_neither_sympy_nor_numpy(question: str, modules_after: Callable[[str], set[str]]) -> None:
+def test_simple_questions_load_neither_sympy_nor_numpy(question, modules_after):
     loaded = modules_after(f"from driftproof.cli import main; main(['value', {question!r}])")
     assert loaded & {"sympy", "numpy", "mpmath", "matplotlib"} == set()
     assert "flint" in loaded

@@ -1,0 +1,141 @@
+"""What commands are made of: readers that take a value or complain in one line, options as data, a progress bar."""
+
+import sys
+from argparse import ArgumentTypeError
+from fractions import Fraction as Q
+
+import pytest
+
+from driftproof.commands import arguments
+from driftproof.commands.arguments import (
+    BAD_INPUT,
+    LONG_RUN,
+    Command,
+    count_steps,
+    exactly,
+    flag,
+    initial_state,
+    integer_in,
+    list_option,
+    names_in,
+    nonzero_step,
+    one_of,
+    option,
+    positive_number,
+    read_by,
+    several,
+)
+
+digits = integer_in(1, 10000, "digits")
+MINUS = "\N{MINUS SIGN}"
+
+READ = [
+    (exactly("t"), "0.1", Q(1, 10)),
+    (exactly("t"), f"{MINUS}1/4", Q(-1, 4)),
+    (nonzero_step, "-.25", Q(-1, 4)),
+    (initial_state, "-1/3, 2", (Q(-1, 3), Q(2))),
+    (digits, "10000", 10000),
+    (integer_in(0, 9, "places"), "0", 0),
+    (positive_number("limit"), "1/4", 0.25),
+    (several(nonzero_step), "1/4, 1/8", [Q(1, 4), Q(1, 8)]),
+    (read_by(Q), "1/3", Q(1, 3)),
+]
+
+
+@pytest.mark.parametrize(("reader", "text", "value"), READ, ids=range(len(READ)))
+def test_value_is_read_exactly(reader, text, value):
+    assert reader(text) == value
+
+
+REFUSED = [
+    (exactly("t"), "1//2", "t: '1//2' is not a rational number; write an integer, a fraction like 1/4"),
+    (exactly("t"), "__import__('os').getpid()", "is not a rational number"),
+    (exactly("t"), "9" * 5000, "is too long; at most 1200 characters"),
+    (nonzero_step, "1e999999999", "h: '1e999999999' is too long"),
+    (nonzero_step, "-0.0", "a step of size 0 goes nowhere; give a nonzero h"),
+    (initial_state, "1", "'1' is not a state; write position,velocity like 1,0"),
+    (initial_state, "1,0,0", "'1,0,0' is not a state"),
+    (initial_state, "1e999999999,0", "q: '1e999999999' is too long"),
+    (initial_state, "1,x", "v: 'x' is not a rational number"),
+    *((digits, text, f"{text!r} is not a number of digits from 1 to 10000") for text in ("0", "-3", "10001", "1.5")),
+    (digits, "\u0663", "is not a number of digits"),
+    (digits, "1" + "0" * 5000, "'10000000000000000000' is not a number of digits"),
+    (positive_number("limit"), "0", "'0' is no limit; write a number above 0"),
+    (positive_number("limit"), "1e400", "'1e400' is too large a limit"),
+    (positive_number("limit"), "nan", "limit: 'nan' is not a rational number"),
+    (several(nonzero_step), "1/4,,1/8", "h: '' is not a rational number"),
+]
+
+
+@pytest.mark.parametrize(("reader", "text", "complaint"), REFUSED, ids=range(len(REFUSED)))
+def test_what_cannot_be_read_is_complained_about_in_one_line(reader, text, complaint):
+    with pytest.raises(ArgumentTypeError) as refused:
+        reader(text)
+    assert complaint in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def command_of(options):
+    """Says what it does.
+
+    Here and there.
+    """
+    return str(options)
+
+
+PARSER = Command(
+    command_of,
+    (
+        option("--format", choices=names_in("driftproof.commands.arguments", "__all__"), default="a"),
+        list_option("--h", nonzero_step, "H", "steps"),
+        one_of(flag("--this", "this"), flag("--that", "that")),
+        option("state", type=initial_state, nargs="?"),
+    ),
+)
+
+
+@pytest.fixture
+def parse(monkeypatch):
+    monkeypatch.setattr(arguments, "__all__", ["a", "b"], raising=False)
+    return lambda *words: PARSER.parser("prog").parse_args(words)
+
+
+def test_options_are_data(parse):
+    assert vars(parse()) == {"format": "a", "h": [], "this": False, "that": False, "state": None}
+    found = parse("--format", "b", "--h", "1/4,1/8", "--that", "--h", "-1/2", "-1,.5")
+    assert (found.format, found.h, found.that, found.state) == ("b", [Q(1, 4), Q(1, 8), Q(-1, 2)], True, (-1, Q(1, 2)))
+    assert parse().h == []  # nothing is left of the call before
+
+
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [
+        (("--format", "c"), "prog: argument --format: invalid choice: 'c' (choose from 'a', 'b') (`prog --help` shows"),
+        (("--this", "--that"), "prog: argument --that: not allowed with argument --this"),
+        (("--h", "0"), "prog: argument --h: a step of size 0 goes nowhere"),
+        (("1,0", "two\nlines"), "prog: unrecognized arguments: two lines (`prog --help` shows how)\n"),
+    ],
+)
+def test_parser_complains_in_one_line(words, complaint, parse, capsys):
+    with pytest.raises(SystemExit) as stopped:
+        parse(*words)
+    out, err = capsys.readouterr()
+    assert (stopped.value.code, out, err.count("\n")) == (BAD_INPUT, "", 1)
+    assert complaint in err
+
+
+def test_docstring_is_the_help(parse, capsys):
+    with pytest.raises(SystemExit):
+        parse("--help")
+    _, about, *_, examples = capsys.readouterr().out.split("\n\n")
+    assert (about, examples) == ("Says what it does.", "Here and there.\n")
+
+
+def test_progress_bar_is_for_long_runs_on_a_terminal_only(monkeypatch):
+    assert count_steps(LONG_RUN * 10) == range(LONG_RUN * 10)  # standard error is no terminal here
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    assert count_steps(10) == range(10)
+    bar = count_steps(LONG_RUN)
+    assert not isinstance(bar, range)
+    assert len(bar) == LONG_RUN
+    bar.close()

@@ -1,0 +1,58 @@
+"""`driftproof identify` and `verify`: the report as asked for, the exit status, no trace beside the stepper."""
+
+import json
+import os
+import subprocess
+import sys
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_stepper_that_is_another_method_is_refuted_and_no_folder_is_left_behind(tmp_path):
+    source = "def step(q, v, h):\n    return q + h * v, v - h * q\n"
+    (tmp_path / "mine.py").write_text(source, encoding="utf-8")
+    path = os.pathsep.join([str(ROOT), *sys.path])
+    done = subprocess.run(
+        [sys.executable, "-B", "-m", "driftproof", "verify", "mine:step", "--method", "rk4", "--format", "json"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1"},
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert (done.returncode, json.loads(done.stdout)["passed"], done.stderr) == (1, False, "")
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.py"]
+
+
+@pytest.mark.parametrize("command", ["identify", "verify"])
+def test_report_is_in_the_format_asked_for(command, run, monkeypatch):
+    """The examination itself is replaced: tests/blackbox has it."""
+
+    class Report:
+        passed = command == "identify"
+        written = staticmethod(lambda form: f"as {form}")
+
+    module = import_module(f"driftproof.blackbox.{command}")
+    monkeypatch.setattr(module, command, lambda *_, **__: Report)
+    words = ("--method", "rk4") if command == "verify" else ()
+    assert run(command, "mine:step", *words, "--format", "markdown") == (not Report.passed, "as markdown\n", "")
+
+
+REFUSED = {
+    ("identify",): "required: MODULE:STEP",
+    ("identify", "os"): "'os' names no stepper; write package.module:function",
+    ("verify", "os:getcwd"): "required: --method",
+    ("verify", "os:getcwd", "--method", "rk5"): "unknown method 'rk5'; did you mean rk4 or rk38?",
+    ("verify", "os:getcwd", "--method", "rk4", "--examples", "0"): "'0' is not a number of examples from 1 to 1000000",
+    ("verify", "os:getcwd", "--method", "rk4", "--largest-step", "-1"): "'-1' is no h; write a number above 0",
+    ("verify", "os:getcwd", "--method", "rk4", "--solver-tolerance", "-1"): "tolerance -1 is below zero",
+}
+
+
+@pytest.mark.parametrize("words", REFUSED, ids=range(len(REFUSED)))
+def test_refusal_is_one_line(words, refusal):
+    assert REFUSED[words] in refusal(*words)

@@ -1,0 +1,37 @@
+"""What is installed is asked before work is done; the machine is described without its name."""
+
+import platform
+import sys
+
+import pytest
+
+from driftproof.support.environment import (
+    installed,
+    machine_description,
+    require_matplotlib,
+    require_package,
+    versions_of,
+)
+
+
+def test_missing_package_says_what_to_install(monkeypatch):
+    assert installed("json")
+    require_package("json", "text", "templates need json")
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(
+        ValueError, match=r"^pictures need matplotlib; install it with pip install 'driftproof\[report\]'$"
+    ):
+        require_matplotlib()
+
+
+def test_description_names_processor_and_system_and_no_machine():
+    words = machine_description()
+    assert platform.system() in words
+    assert " processors, " in words
+    assert platform.node() not in words
+
+
+def test_versions_are_those_that_are_there():
+    found = versions_of(["pytest", "no-such-package"])
+    assert found["python"].endswith(platform.python_version())
+    assert (found["pytest"], found["no-such-package"]) == (pytest.__version__, "not installed")

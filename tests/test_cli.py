@@ -1,0 +1,204 @@
+"""The command line: one line and a non-zero exit where there is no answer, help by example, a start that is light."""
+
+import json
+import os
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from driftproof import __version__
+from driftproof.cli import COMMANDS, command_named
+from driftproof.commands.arguments import BAD_INPUT, INTERRUPTED, NO_ANSWER, REFUTED
+from driftproof.texts.values.published import VALUES_FILE
+from driftproof.texts.writing import text
+
+ROOT = Path(__file__).parents[1]
+DRIFTPROOF = (sys.executable, "-m", "driftproof")
+
+
+REFUSED = {
+    (): "driftproof: the following arguments are required: COMMAND (`driftproof --help` shows how)\n",
+    ("-x", "step"): "driftproof: unrecognized arguments: -x (`driftproof --help` shows how)\n",
+    ("stepp",): "driftproof: unknown command 'stepp'; did you mean step or sweep? (`driftproof --help` lists all)\n",
+    ("x" * 9999,): f"driftproof: unknown command {'x' * 60!r} (`driftproof --help` lists all)\n",
+    ("methods", "more\nwords"): "driftproof methods: unrecognized arguments: more words (`driftproof methods --help`",
+    ("scene", "two\nlines.toml"): "driftproof scene: two lines.toml: No such file or directory\n",
+}
+
+
+@pytest.mark.parametrize("arguments", REFUSED, ids=range(len(REFUSED)))
+def test_what_cannot_be_understood_gets_one_line(arguments, refusal):
+    assert REFUSED[arguments] in refusal(*arguments)
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "line"),
+    [
+        (ValueError("one\n  two\n"), BAD_INPUT, "one two"),
+        (FileNotFoundError(2, "No such file", "x.toml"), BAD_INPUT, "x.toml: No such file"),
+        (OSError("odd"), BAD_INPUT, "odd"),
+        (ArithmeticError("too long"), NO_ANSWER, "too long"),
+        (KeyboardInterrupt(), INTERRUPTED, "interrupted"),
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_what_goes_wrong_while_answering_gets_one_line_too(error, status, line, run, monkeypatch):
+    def broken():
+        raise error
+
+    monkeypatch.setattr(text, "methods_text", broken)
+    assert run("methods") == (status, "", f"driftproof methods: {line}\n")
+
+
+def test_defect_of_the_program_is_not_dressed_as_bad_input(run, monkeypatch):
+    monkeypatch.setattr(text, "methods_text", lambda: 1 + "a defect")
+    with pytest.raises(TypeError):
+        run("methods")
+
+
+def test_real_process_has_the_same_manners_and_nobody_has_to_read_its_answer(tmp_path):
+    def process(*words, **how):
+        return subprocess.run([*DRIFTPROOF, *words], cwd=ROOT, stderr=subprocess.PIPE, text=True, timeout=60, **how)
+
+    done = process("step", "rk5", "--h", "1/2", stdout=subprocess.PIPE)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (BAD_INPUT, "", 1)
+    for name, number in (("old.json", 1), ("new.json", 2)):
+        number = {"exact": str(number), "decimal": str(number)}
+        (tmp_path / name).write_text(json.dumps({"values": {"x": number}}), encoding="utf-8")
+    read, write = os.pipe()
+    os.close(read)
+    done = process("diff", str(tmp_path / "old.json"), str(tmp_path / "new.json"), stdout=write)
+    os.close(write)
+    assert (done.returncode, done.stderr) == (REFUTED, "")
+
+
+JSON_COMMANDS = [
+    ("step", "symplectic_euler", "--h", "0.5", "--state", "0,1"),
+    ("run", "rk4", "--h", "0.01", "--t", "100", "--state", "0,1"),
+    ("scene", "stability_boundary"),
+]
+
+
+@pytest.mark.parametrize("command", JSON_COMMANDS, ids=lambda command: command[0])
+def test_json_is_canonical_and_byte_stable(command, answer):
+    first = answer(*command, "--format", "json")
+    assert first == answer(*command, "--format", "json")
+    assert first == json.dumps(json.loads(first), indent=1, sort_keys=True, ensure_ascii=False) + "\n"
+
+
+def test_same_bytes_come_from_processes_with_other_hash_seeds():
+    command = [*DRIFTPROOF, *JSON_COMMANDS[1], "--format", "json"]
+    run = {"cwd": ROOT, "capture_output": True, "check": True, "timeout": 60}
+    assert len({subprocess.run(command, env={"PYTHONHASHSEED": seed}, **run).stdout for seed in ("0", "1")}) == 1
+
+
+# What the examples of `identify` and `verify` are about, and the claims of `check`.
+FILES = {
+    "mylib/integrators.py": """
+def step(q, v, h):
+    v = v - h / 2 * q
+    q = q + h * v
+    return q, v - h / 2 * q
+
+def rk_step(f, t, y, h):
+    k1 = f(t, y)
+    return y + h * (k1 / 4 + 3 * f(t + 2 * h / 3, y + 2 * h / 3 * k1) / 4)
+""",
+    "mylib/implicit.py": """
+def step(q, v, h):
+    v = (v - h * q) / (1 + h * h)
+    return q + h * v, v
+""",
+    "chapter.md": """5 min read. Then the state is (337/384, −23/48) after one step.
+RK4 takes 40 steps of h = 0.25 and is off by 3.3×10⁻⁴ at the end.
+""",
+}
+# The files that a command's --help shows.
+SHOWN_FILES = {"scene": "mine.toml", "facts": "tableau.toml", "render": "lesson.md.j2", "check": "claims.toml"}
+# Seconds each: all are parsed, and run with -m long; one of each is run by tests/commands.
+SLOW = {"identify", "verify", "work-precision"}
+
+
+def parser_of(command):
+    return command_named(command).parser(f"driftproof {command}")
+
+
+def examples_of(command):
+    """The words of each example in the help, without the remark beside it."""
+    lines = (line.strip() for line in parser_of(command).epilog.splitlines())
+    found = [shlex.split(line.split("      ")[0])[2:] for line in lines if line.startswith(f"driftproof {command}")]
+    assert found
+    return found
+
+
+@pytest.mark.parametrize("command", [(), *((name,) for name in COMMANDS)], ids=" ".join)
+def test_help_teaches_by_example(command, answer):
+    shown = answer(*command, "--help")
+    assert f"driftproof {' '.join(command)}".strip() in shown.split("example", 1)[1]
+    assert command or all(f"  {name:14}  {what}\n" in shown for name, (_, what) in COMMANDS.items())
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_examples_in_the_help_are_understood(command):
+    for words in examples_of(command):
+        assert parser_of(command).parse_args(words)
+
+
+@pytest.mark.parametrize("command", [pytest.param(c, marks=pytest.mark.long) if c in SLOW else c for c in COMMANDS])
+def test_examples_in_the_help_are_answered(command, run, tmp_path, monkeypatch):
+    shown = {file: parser_of(name).epilog.split(f"{file}:\n")[1].splitlines() for name, file in SHOWN_FILES.items()}
+    plain = {file: "\n".join(line.strip().split("     ")[0] for line in lines) for file, lines in shown.items()}
+    values = dict.fromkeys(("old.json", "new.json"), VALUES_FILE.read_text(encoding="utf-8"))
+    for name, content in {**FILES, **plain, **values}.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(content, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    for words in examples_of(command):
+        assert run(command, *words)[0] == 0, words
+
+
+def test_version_is_the_package_version(answer):
+    assert answer("--version") == f"driftproof {__version__}\n"
+
+
+HEAVY = {"sympy", "flint", "numpy", "numba", "matplotlib", "hypothesis", "tqdm", "jinja2", "mpmath", "distributed"}
+
+
+@pytest.mark.parametrize("words", ["--version", "--help"])
+def test_version_and_help_load_no_parser_and_no_command(words, modules_after):
+    loaded = modules_after(f"from driftproof.cli import main; main([{words!r}])")
+    assert {name for name in loaded if name.startswith("driftproof")} == {"driftproof", "driftproof.cli"}
+    assert not loaded & {"argparse", "typing", "fractions", "dataclasses", *HEAVY}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_of_a_command_loads_that_command_alone(command, modules_after):
+    start = "import contextlib; from driftproof.cli import main"
+    loaded = modules_after(f"{start}\n    with contextlib.suppress(SystemExit): main([{command!r}, '--help'])")
+    mine = {name for name in loaded if name.startswith("driftproof.commands.")}
+    assert mine == {"driftproof.commands.arguments", f"driftproof.commands.{COMMANDS[command][0]}"}
+    assert not loaded & HEAVY
+
+
+# What an answer may need of the heavy libraries, and no more.
+NEEDED = {
+    "methods": {"flint"},
+    "scenes": {"flint"},
+    "values --only rk4.first_step.q": set(),
+    "step rk4 --h 1/2": {"flint"},
+    "run rk4 --h 1/4 --t 10": {"flint"},
+    "facts rk4 --only order": {"flint"},
+    "value rk4.first_step.q": {"flint"},
+    "sweep default --h 1/4": {"numpy", "tqdm"},
+}
+
+
+@pytest.mark.parametrize("line", NEEDED)
+def test_answer_loads_what_it_needs(line, modules_after):
+    loaded = modules_after(f"from driftproof.cli import main; main({line.split()!r})")
+    assert loaded & HEAVY <= NEEDED[line]
+    assert "driftproof.cli" in loaded
