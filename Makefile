@@ -31,7 +31,7 @@ docs: .venv
 # Times beside NodePy, kauri, RKkit, SciPy, diffrax and heyoka, and their answers: about a quarter of an hour. RKkit needs
 # 2 GB of Sage, and is left out of the report where that cannot be had.
 bench: $(PEERS)
-	$(PEERS)/bin/python benchmarks/report.py
+	$(PEERS)/bin/python -m benchmarks
 
 $(PEERS): requirements.lock benchmarks/peers.txt
 	$(PYTHON) -m venv $(PEERS)

@@ -1,4 +1,4 @@
-"""What the peers answer for every tableau of the catalogue, and where they differ from us: python benchmarks/answers.py
+"""What the peers answer for every tableau of the catalogue, and where they differ from us.
 
 Orders, stability properties and limits of NodePy, kauri and RKkit, each of its own object for our tableau, and what
 they say of some methods of their own. `docs/peers.json` keeps it, and `docs/differences.md` shows it.
@@ -9,17 +9,13 @@ from __future__ import annotations
 import json
 import math
 import signal
-import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own packages, whatever else is installed
-
+from benchmarks.harness import quiet
 from benchmarks.peers import installed, kauri_method, nodepy_method, rkkit_method
-from benchmarks.timing import quiet
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
 from driftproof.texts.writing.records import facts_of
@@ -49,86 +45,83 @@ def tableaux() -> list[RungeKutta]:
     return [method for method in METHODS.values() if isinstance(method, RungeKutta)]
 
 
-def of_explicit(question: Question) -> Question:
-    """None of an implicit method."""
-    return lambda method: question(method) if method.explicit else None
+def at_most(stages: int, question: Question, *, explicit: bool = False) -> Question:
+    """The question, put to methods with at most so many stages, and perhaps to explicit ones only; else None."""
+    return lambda method: question(method) if method.stages <= stages and method.explicit >= explicit else None
 
 
 def of_pairs(question: Question) -> Question:
-    """None of a method without a second row."""
+    """The question, put to methods with a second row; None to others."""
     return lambda method: None if method.b_embedded is None else question(method)
 
 
-def at_most(stages: int, question: Question) -> Question:
-    """None of a method with more stages."""
-    return lambda method: question(method) if method.stages <= stages else None
+def nodepy(ask: str, **how: bool) -> Question:
+    """What this method of NodePy's own object answers."""
+    return lambda method: getattr(nodepy_method(method, **how), ask)()
 
 
-def of_rkkit(ask: Callable[[Any], Any], stages: int = RKKIT) -> Question:
-    """What RKkit's own object answers."""
-    return at_most(stages, lambda method: ask(rkkit_method(method)))
+def rkkit(ask: str, stages: int = RKKIT) -> Question:
+    """What this method of RKkit's own object answers."""
+    return at_most(stages, lambda method: getattr(rkkit_method(method), ask)())
 
 
 # Facts by our names; None means that the question is not put.
 QUESTIONS: dict[str, dict[str, Question]] = {
     "nodepy": {
-        "order": lambda m: nodepy_method(m, exact=False).order(),
-        "embedded_order": of_pairs(lambda m: nodepy_method(m, embedded=True, exact=False).order()),
-        "stage_order": lambda m: nodepy_method(m, exact=False).stage_order(),
-        "algebraically_stable": lambda m: nodepy_method(m, exact=False).is_algebraically_stable(),
-        "ssp_coefficient": lambda m: nodepy_method(m, exact=False).absolute_monotonicity_radius(),
-        "real_limit": at_most(NODEPY_LIMITS, of_explicit(lambda m: nodepy_method(m).real_stability_interval())),
-        "imaginary_limit": at_most(
-            NODEPY_LIMITS, of_explicit(lambda m: nodepy_method(m).imaginary_stability_interval())
-        ),
+        "order": nodepy("order", exact=False),
+        "embedded_order": of_pairs(nodepy("order", embedded=True, exact=False)),
+        "stage_order": nodepy("stage_order", exact=False),
+        "algebraically_stable": nodepy("is_algebraically_stable", exact=False),
+        "ssp_coefficient": nodepy("absolute_monotonicity_radius", exact=False),
+        "real_limit": at_most(NODEPY_LIMITS, nodepy("real_stability_interval"), explicit=True),
+        "imaginary_limit": at_most(NODEPY_LIMITS, nodepy("imaginary_stability_interval"), explicit=True),
     },
     "kauri": {
         "order": lambda m: kauri_method(m).order(),
         "embedded_order": of_pairs(lambda m: kauri_method(m, embedded=True).order()),
     },
     "RKkit": {
-        "order": of_rkkit(lambda made: made.order(), RKKIT_ORDER),
-        "a_stable": of_rkkit(lambda made: made.is_A_stable()),
-        "l_stable": of_rkkit(lambda made: made.is_L_stable()),
-        "algebraically_stable": of_rkkit(lambda made: made.is_algebraically_stable()),
-        "symmetric": of_rkkit(lambda made: made.is_Symmetric()),
-        "symplectic": of_rkkit(lambda made: made.is_Symplectic()),
+        "order": rkkit("order", RKKIT_ORDER),
+        "a_stable": rkkit("is_A_stable"),
+        "l_stable": rkkit("is_L_stable"),
+        "algebraically_stable": rkkit("is_algebraically_stable"),
+        "symmetric": rkkit("is_Symmetric"),
+        "symplectic": rkkit("is_Symplectic"),
         # Its limit is the point on the axis, not the length.
-        "real_limit": of_rkkit(lambda made: -float(made.stability_on_real_negative_axis())),
+        "real_limit": at_most(RKKIT, lambda m: -float(rkkit_method(m).stability_on_real_negative_axis())),
     },
 }
 
 
-def own_methods(peer: str) -> dict[str, Callable[[], Any]]:
-    """What the peer says of methods that it makes itself, by the expression that says it."""
+# What peers say of methods that they make themselves, as Python of theirs.
+OWN_METHODS = {
+    "nodepy": (
+        "rk.RKC1(10).real_stability_interval()",
+        "rk.SSPRK2(40).real_stability_interval(mode='float')",
+        "rk.SSPRK2(40).absolute_monotonicity_radius()",
+    ),
+    "RKkit": (
+        "SDIRK3().Title",
+        "RKformula(SDIRK3()).order()",
+        "SDIRK5().Title",
+        "RKformula(SDIRK5()).check_order_using_rooted_trees(4)",
+        "RKformula(SDIRK5()).check_order_using_rooted_trees(5)",
+        "RKformula(Radau5()).is_algebraically_stable()",
+    ),
+}
+
+
+def names_of(peer: str) -> dict[str, Any]:
+    """The names that its expressions use."""
     if peer == "nodepy":
         from nodepy import rk
 
-        return {
-            "rk.RKC1(10).real_stability_interval()": lambda: rk.RKC1(10).real_stability_interval(),
-            "rk.SSPRK2(40).real_stability_interval(mode='float')": lambda: rk.SSPRK2(40).real_stability_interval(
-                mode="float"
-            ),
-            "rk.SSPRK2(40).absolute_monotonicity_radius()": lambda: rk.SSPRK2(40).absolute_monotonicity_radius(),
-        }
-    if peer == "RKkit":
-        rkkit_method(METHODS["rk4"])  # type: ignore[arg-type]  # loads Sage in the order that it needs
-        from RKkit.formulas import SDIRK3, SDIRK5, Radau5
-        from RKkit.RKformula import RKformula
+        return {"rk": rk}
+    rkkit_method(METHODS["rk4"])  # type: ignore[arg-type]  # loads Sage in the order that it needs
+    from RKkit.formulas import SDIRK3, SDIRK5, Radau5
+    from RKkit.RKformula import RKformula
 
-        return {
-            "SDIRK3().Title": lambda: SDIRK3().Title,
-            "RKformula(SDIRK3()).order()": lambda: RKformula(SDIRK3()).order(),
-            "SDIRK5().Title": lambda: SDIRK5().Title,
-            "RKformula(SDIRK5()).check_order_using_rooted_trees(4)": lambda: RKformula(
-                SDIRK5()
-            ).check_order_using_rooted_trees(4),
-            "RKformula(SDIRK5()).check_order_using_rooted_trees(5)": lambda: RKformula(
-                SDIRK5()
-            ).check_order_using_rooted_trees(5),
-            "RKformula(Radau5()).is_algebraically_stable()": lambda: RKformula(Radau5()).is_algebraically_stable(),
-        }
-    return {}
+    return {"SDIRK3": SDIRK3, "SDIRK5": SDIRK5, "Radau5": Radau5, "RKformula": RKformula}
 
 
 class NoAnswer(Exception):
@@ -214,8 +207,8 @@ def answers() -> dict[str, Any]:
 def _of_peer(peer: str, version: str) -> dict[str, Any]:
     facts = {fact: vars(compared(fact, question)) for fact, question in QUESTIONS[peer].items()}
     own: dict[str, str] = {}
-    for expression, question in own_methods(peer).items():
-        value, reason = answered(question)
+    for expression in OWN_METHODS.get(peer, ()):
+        value, reason = answered(lambda expression=expression: eval(expression, names_of(peer)))
         own[expression] = reason or shown(value)
     return {"version": version, "facts": facts, "own": own}
 
@@ -223,7 +216,3 @@ def _of_peer(peer: str, version: str) -> dict[str, Any]:
 def as_json(found: Mapping[str, Any]) -> str:
     """Sorted, byte-stable."""
     return json.dumps(found, indent=1, sort_keys=True, ensure_ascii=False) + "\n"
-
-
-if __name__ == "__main__":
-    print(as_json(answers()), end="")

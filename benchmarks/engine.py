@@ -1,4 +1,4 @@
-"""Many steps, beside loops by hand, C compiled here, and SciPy: python benchmarks/engine.py (about a minute)
+"""Many steps, beside loops by hand, C compiled here, and SciPy: about a minute.
 
 All contestants of a subject take the same steps of the same size from the same start, and each step does the same
 operations in the same order. C is compiled with -O3, once without fused multiply-adds, which gives our bits, and once
@@ -7,23 +7,19 @@ with all that the processor has, which does not. C, numba and SciPy are left out
 
 from __future__ import annotations
 
-import argparse
 import ctypes
 import hashlib
 import shutil
 import subprocess
-import sys
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own packages, whatever else is installed
-
 import numpy as np
 
-from benchmarks.timing import ROUNDS, Contestant, Goal, Row, Section, Subject, goal_rows, measure, times_rows
+from benchmarks.harness import Contestant, Section, Subject, timed
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.fields import Field
 from driftproof.numeric.engine import (
@@ -36,26 +32,11 @@ from driftproof.numeric.engine import (
     field_runner,
     runner,
 )
-from driftproof.support.plain_text import table
 
 RK4, PAIR = METHODS["rk4"], METHODS["dormand_prince54"]
 H, START = 0.01, (0.6, -0.8)
 # Steps of one trajectory in Python and compiled; members and steps of an ensemble.
 FEW, MANY, MEMBERS, ENSEMBLE_STEPS = 2_000, 200_000, 8 * ARRAY_BLOCK, 20
-
-ONE, BY_C, ENSEMBLE = f"rk4, one trajectory, {FEW} steps", f"rk4, one trajectory, {MANY} steps", "rk4, ensemble"
-BY_NUMPY, BY_SCIPY = "rk4, ensemble by NumPy", f"dormand_prince54, {FEW} steps"
-SYSTEM = f"rk4, Lorenz's system, {FEW} steps"
-# Name of a subject, of ours in it and of the other: the most that our minimum may be of its.
-WANTED = {
-    (ONE, "ours", "by hand, one loop"): 1.05,
-    (BY_C, "ours", "C"): 1.05,
-    (ENSEMBLE, "ours", "C, fused"): 1.6,
-    (BY_NUMPY, "ours", "C, fused"): 13.0,
-    (ONE, "ours", "scipy, RK45"): 1 / 75,
-    (BY_SCIPY, "ours, numba", "scipy, RK45"): 1 / 75,
-}
-SAME_BITS = ("C", "by hand, one loop", "by hand, a step function", "by hand, tuples", "ours, numba")
 LORENZ = Field(("10 * (y1 - y0)", "y0 * (28 - y2) - y1", "y0 * y1 - 8 * y2 / 3"))
 LORENZ_START = (1.0, 1.5, 20.0)
 
@@ -194,88 +175,60 @@ def with_scipy() -> dict[str, Contestant]:
         return {}
     from scipy.integrate import solve_ivp
 
-    def run() -> Any:
-        end = FEW * H
-        found = solve_ivp(
-            lambda t, y: (y[1], -y[0]), (0, end), START, "RK45", first_step=H, max_step=H, rtol=1e-3, atol=1e-3
-        )
-        return len(found.t) - 1
-
-    return {"scipy, RK45": Contestant(run, lambda steps: f"in {steps} steps")}
+    held = {"first_step": H, "max_step": H, "rtol": 1e-3, "atol": 1e-3}
+    run = lambda: solve_ivp(lambda t, y: (y[1], -y[0]), (0, FEW * H), START, "RK45", **held)
+    return {"scipy, RK45": Contestant(run, lambda found: f"in {len(found.t) - 1} steps")}
 
 
-def subjects() -> Iterator[Subject]:
-    """What can be had here; numba compiles before anything is timed."""
-    numba = find_spec("numba") is not None
-    plain, fused = compiled_c("-ffp-contract=off"), compiled_c("-march=native", "-ffp-contract=fast")
-    fused_ensemble = {} if fused is None else {"C, fused": Contestant(c_ensemble(fused), bits)}
-    yield in_python()
-    if numba:
-        others = {} if plain is None else {"C": Contestant(c_trajectory(plain), bits)}
-        yield Subject(BY_C, {"ours": compiled(compiled_runner(RK4), *START, H, MANY), **others})
-        together = our_ensemble(compiled_ensemble_runner(RK4))
-        together()
-        yield Subject(ENSEMBLE, {"ours": Contestant(together, bits), **fused_ensemble})
-    yield Subject(BY_NUMPY, {"ours": Contestant(our_ensemble(ensemble_runner(RK4)), bits), **fused_ensemble})
-    of_pair, of_lorenz = runner(PAIR), field_runner(RK4, LORENZ)
-    pair = {"ours": Contestant(lambda: of_pair(*START, H, FEW), bits)}
-    lorenz = {"ours": Contestant(lambda: of_lorenz(LORENZ_START, H, 0, FEW), bits)}
-    if numba:
-        pair["ours, numba"] = compiled(compiled_runner(PAIR), *START, H, FEW)
-        lorenz["ours, numba"] = compiled(compiled_field_runner(RK4, LORENZ), LORENZ_START, H, 0, FEW)
-    yield Subject(SYSTEM, {**lorenz, "by hand, tuples": Contestant(lambda: lorenz_by_hand(LORENZ_START, H, FEW), bits)})
-    yield Subject(BY_SCIPY, {**pair, **with_scipy()})
-
-
-def in_python() -> Subject:
-    """Our loop and two by hand."""
-    run = runner(RK4)
-    return Subject(
-        ONE,
-        {
-            "ours": Contestant(lambda: run(*START, H, FEW), bits),
-            "by hand, one loop": Contestant(lambda: by_hand(*START, H, FEW), bits),
-            "by hand, a step function": Contestant(lambda: by_steps(*START, H, FEW), bits),
-            **with_scipy(),
-        },
-    )
-
-
-def compiled(run: Callable[..., Any], *arguments: Any) -> Contestant:
+def compiled(run: Callable[..., Any], *arguments: Any, our_bits: bool = False) -> Contestant:
     """A compiled run, compiled: the last of its arguments is the number of steps."""
     run(*arguments[:-1], 0)
+    return Contestant(lambda: run(*arguments), bits, our_bits=our_bits)
+
+
+def by_us(run: Callable[..., Any], *arguments: Any) -> Contestant:
+    """A run whose bits the others are compared with."""
     return Contestant(lambda: run(*arguments), bits)
 
 
-def goals(rows: Sequence[Row]) -> Iterator[Goal]:
-    """Our minimum over the other's, both of one run, where the other is there; and that the same operations agree."""
-    for row in rows:
-        for (name, ours, other), most in WANTED.items():
-            if name == row.name and {ours, other} <= row.times.keys():
-                share = row.times[ours].best / row.times[other].best
-                what, shown, wanted = f"{ours} over {other}", f"{share:.3g}", f"≤ {most:g}"
-                if most < 1:
-                    what, shown, wanted = f"{other} over {ours}", f"{1 / share:.3g}", f"≥ {1 / most:.0f}"
-                yield Goal(f"{name}: {what}", wanted, shown, share <= most)
-        for same in SAME_BITS:
-            if same in row.times:
-                alike = row.answers[same] == row.answers["ours"]
-                yield Goal(f"{row.name}: {same}", "our bits", "our bits" if alike else "others", alike)
+def same(task: Callable[[], Any]) -> Contestant:
+    """Another program with the same operations."""
+    return Contestant(task, bits, our_bits=True)
 
 
-def section(rounds: int) -> Section:
+def subjects() -> Iterator[Subject]:
+    """What can be had here, with the most that our minimum may be of another's; numba compiles beforehand."""
+    numba = find_spec("numba") is not None
+    plain, fused = compiled_c("-ffp-contract=off"), compiled_c("-march=native", "-ffp-contract=fast")
+    fused_ensemble = {} if fused is None else {"C, fused": Contestant(c_ensemble(fused), bits)}
+    by_hand_too = {
+        "by hand, one loop": same(lambda: by_hand(*START, H, FEW)),
+        "by hand, a step function": same(lambda: by_steps(*START, H, FEW)),
+    }
+    shares = {("ours", "by hand, one loop"): 1.05, ("ours", "scipy, RK45"): 1 / 75}
+    ours = by_us(runner(RK4), *START, H, FEW)
+    yield Subject(f"rk4, one trajectory, {FEW} steps", {"ours": ours, **by_hand_too, **with_scipy()}, None, shares)
+    if numba:
+        others = {} if plain is None else {"C": same(c_trajectory(plain))}
+        by_c = {"ours": compiled(compiled_runner(RK4), *START, H, MANY), **others}
+        yield Subject(f"rk4, one trajectory, {MANY} steps", by_c, None, {("ours", "C"): 1.05})
+        together = our_ensemble(compiled_ensemble_runner(RK4))
+        together()
+        ensembles = {"ours": Contestant(together, bits), **fused_ensemble}
+        yield Subject("rk4, ensemble", ensembles, None, {("ours", "C, fused"): 1.6})
+    by_numpy = {"ours": Contestant(our_ensemble(ensemble_runner(RK4)), bits), **fused_ensemble}
+    yield Subject("rk4, ensemble by NumPy", by_numpy, None, {("ours", "C, fused"): 13.0})
+    lorenz = {"ours": by_us(field_runner(RK4, LORENZ), LORENZ_START, H, 0, FEW)}
+    pair = {"ours": by_us(runner(PAIR), *START, H, FEW)}
+    if numba:
+        lorenz["ours, numba"] = compiled(compiled_field_runner(RK4, LORENZ), LORENZ_START, H, 0, FEW, our_bits=True)
+        pair["ours, numba"] = compiled(compiled_runner(PAIR), *START, H, FEW, our_bits=True)
+    lorenz["by hand, tuples"] = same(lambda: lorenz_by_hand(LORENZ_START, H, FEW))
+    yield Subject(f"rk4, Lorenz's system, {FEW} steps", lorenz)
+    slower = {("ours, numba", "scipy, RK45"): 1 / 75}
+    yield Subject(f"dormand_prince54, {FEW} steps", {**pair, **with_scipy()}, None, slower)
+
+
+def sections(rounds: int) -> Iterator[Section]:
     """Measured."""
-    rows = measure(list(subjects()), rounds)
-    return Section("Many steps", times_rows(rows), list(goals(rows)))
-
-
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--rounds", type=int, default=ROUNDS, help=f"turns of each contestant (default {ROUNDS})")
-    found = section(parser.parse_args(arguments).rounds)
-    print(table(found.rows), table(goal_rows(found.goals)), sep="\n\n")
-
-
-if __name__ == "__main__":
-    main()
+    yield timed("Many steps", subjects(), rounds)

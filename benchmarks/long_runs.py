@@ -1,6 +1,6 @@
-"""Runs of up to 10⁹ steps: energy, rounding and its laws in N, beside the theorem: python benchmarks/long_runs.py
+"""Runs of up to 10⁹ steps: energy, rounding and its laws in N, beside the theorem.
 
-About three minutes; `--steps` takes fewer. Needs numba. Of one trajectory of the oscillator, the rounding error is
+About three minutes. Needs numba. Of one trajectory of the oscillator, the rounding error is
 |z_N - M^N z₀| with M^N certified, in units of u = 2⁻⁵³, and the theorem is that of `symbolic.rounding.n_steps`. Of
 ensembles, of the pendulum too, it is the root mean square of what a plain run and a compensated one differ by, in the
 energy and along the motion. All numbers but times are the same on every machine that rounds to nearest.
@@ -8,24 +8,18 @@ energy and along the motion. All numbers but times are the same on every machine
 
 from __future__ import annotations
 
-import argparse
-import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from importlib.util import find_spec
-from pathlib import Path
 from typing import Any
-
-sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own packages, whatever else is installed
 
 import numpy as np
 from flint import arb
 
-from benchmarks.timing import Goal, Section, goal_rows
+from benchmarks.harness import Goal, Section
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.engine import OSCILLATOR, compiled_ensemble_runner, compiled_runner
-from driftproof.support.plain_text import table
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.rounding.error_of_run import ErrorOfRun
 from driftproof.symbolic.rounding.n_steps import run_bound
@@ -138,31 +132,13 @@ def laws_section(most: int) -> Section:
         found = [exponent(counts, [size[i] for size in sizes]) for i in (0, 1)]
         rows.append(["", "exponent of N", *(f"{x:.2f}" for x in found)])
         for what, law, x in zip(("energy", "time"), laws, found, strict=True):
-            goals.append(
-                Goal(
-                    f"rounding of {what}, {name}: exponent of N",
-                    f"{law:g} ± {NEAR:g}",
-                    f"{x:.2f}",
-                    abs(x - law) <= NEAR,
-                )
-            )
+            asked = f"rounding of {what}, {name}: exponent of N"
+            goals.append(Goal(asked, f"{law:g} ± {NEAR:g}", f"{x:.2f}", abs(x - law) <= NEAR))
     return Section("Laws of rounding in the number of steps", rows, goals)
 
 
-def sections(most: int = LONGEST) -> Iterator[Section]:
-    """The tables, one after the other; none without numba."""
+def sections(_: int = 1) -> Iterator[Section]:
+    """The tables, one after the other; none without numba. Nothing is repeated: only times would differ."""
     if find_spec("numba") is not None:
-        yield runs_section(most)
-        yield laws_section(most)
-
-
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Run and print, table by table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--steps", type=int, default=LONGEST, help=f"of the longest run (default {LONGEST})")
-    for section in sections(parser.parse_args(arguments).steps):
-        print(section.title, table(section.rows), table(goal_rows(section.goals)), "", sep="\n\n", flush=True)
-
-
-if __name__ == "__main__":
-    main()
+        yield runs_section(LONGEST)
+        yield laws_section(LONGEST)

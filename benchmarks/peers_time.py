@@ -1,4 +1,4 @@
-"""The time to a given error, beside scipy, diffrax and heyoka: python benchmarks/peers_time.py (about a minute)
+"""The time to a given error, beside scipy, diffrax and heyoka: about a minute.
 
 The oscillator from (1, 0). Of each peer, the tolerance is the one with which it reaches the error in the least time, of
 ours the number of steps; both are found here, beforehand. So everybody is measured at his best, and nobody's search,
@@ -9,37 +9,26 @@ are left out where they are not installed, and so are we without numba.
 
 from __future__ import annotations
 
-import argparse
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from importlib.util import find_spec
 from math import cos, hypot, sin
-from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own packages, whatever else is installed
-
-from benchmarks.timing import ROUNDS, Contestant, Goal, Row, Section, Subject, goal_rows, measure, quiet, times_rows
+from benchmarks.harness import Contestant, Section, Subject, quiet, timed
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.engine import compiled_runner
 from driftproof.numeric.linear import endpoint
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.reports.work_precision.peers import PEERS, Peer, Solver
-from driftproof.support.plain_text import table
 
 START = (1.0, 0.0)
 STEPPED, POWERED = METHODS["blanes_moan_rkn6b"], METHODS["gauss5"]
-STEPS = f"t = 10, error 1e-6; ours: {STEPPED.key}"
-POWERS = f"t = 1000, error 1e-10; ours: power of {POWERED.key}"
 TOLERANCES = tuple(10 ** (-k / 2) for k in range(6, 31))
-# Name of a subject, of a peer and of its solver: the least that its minimum is to be of ours.
-WANTED = {
-    (STEPS, "scipy, DOP853"): 500.0,
-    (STEPS, "diffrax, Dopri8"): 30.0,
-    (STEPS, "diffrax, Tsit5"): 30.0,
-    (STEPS, "heyoka, Taylor"): 2.5,
-    (POWERS, "heyoka, Taylor"): 10.0,
+# How often our minimum is to fit into that of a peer's solver.
+TIMES_FASTER = {
+    10.0: {"scipy, DOP853": 500.0, "diffrax, Dopri8": 30.0, "diffrax, Tsit5": 30.0, "heyoka, Taylor": 2.5},
+    1000.0: {"heyoka, Taylor": 10.0},
 }
 SEARCHES = 15
 
@@ -124,44 +113,27 @@ def by_powers(t: float, error: float) -> Contestant:
 
 def subjects() -> Iterator[Subject]:
     """What can be had here."""
-    for name, ours, t, error in ((STEPS, by_steps, 10.0, 1e-6), (POWERS, by_powers, 1000.0, 1e-10)):
+    for t, error, ours, name in (
+        (10.0, 1e-6, by_steps, STEPPED.key),
+        (1000.0, 1e-10, by_powers, f"power of {POWERED.key}"),
+    ):
         others = {}
-        for who in (who for asked, who in WANTED if asked == name):
+        for who in TIMES_FASTER[t]:
             peer, _, solver = who.partition(", ")
             found = at_its_best(PEERS[peer], solver, t, error) if PEERS[peer].installed else None
             others.update({who: found} if found is not None else {})
-        yield Subject(name, {"ours": ours(t, error), **others})
-
-
-def goals(rows: Sequence[Row]) -> Iterator[Goal]:
-    """The other's minimum over ours, both of one run, where the other is there."""
-    for row in rows:
-        for (name, other), least in WANTED.items():
-            if name == row.name and other in row.times:
-                ratio = row.ratio(other)
-                yield Goal(f"{name}: {other} over ours", f"≥ {least:g}", f"{ratio:.3g}", ratio >= least)
+        shares = {("ours", who): 1 / least for who, least in TIMES_FASTER[t].items()}
+        asked = f"t = {t:g}, error {error:.0e}; ours: {name}".replace("e-0", "e-")
+        yield Subject(asked, {"ours": ours(t, error), **others}, None, shares)
 
 
 def sections(rounds: int) -> Iterator[Section]:
     """Measured; nothing without numba."""
     if find_spec("numba") is not None:
-        rows = measure(list(subjects()), rounds)
-        yield Section("Beside other people's integrators", times_rows(rows), list(goals(rows)))
+        yield timed("Beside other people's integrators", subjects(), rounds)
 
 
 def installed() -> dict[str, str]:
     """The peers that can be had here, with their versions."""
-    asked = {who.partition(",")[0] for _, who in WANTED}
+    asked = {who.partition(",")[0] for faster in TIMES_FASTER.values() for who in faster}
     return {name: peer.version for name, peer in PEERS.items() if name in asked and peer.installed}
-
-
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--rounds", type=int, default=ROUNDS, help=f"turns of each contestant (default {ROUNDS})")
-    for found in sections(parser.parse_args(arguments).rounds):
-        print(table(found.rows), table(goal_rows(found.goals)), sep="\n\n")
-
-
-if __name__ == "__main__":
-    main()

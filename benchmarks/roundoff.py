@@ -1,18 +1,13 @@
-"""Rounding bounds against the worst that searches find: python benchmarks/roundoff.py (about two minutes)"""
+"""Rounding bounds against the worst that searches find: about two minutes."""
 
 from __future__ import annotations
 
-import argparse
-import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from fractions import Fraction as Q
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).parents[1]))  # the checkout's own packages, whatever else is installed
 
 import numpy as np
 
-from benchmarks.timing import Goal, Row, Section, Subject, cold_and_warm, goal_rows, measure
+from benchmarks.harness import Goal, Section
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.problems import oscillator
 from driftproof.methods.stepping import stepper
@@ -21,13 +16,11 @@ from driftproof.numeric.leapfrog import leapfrog
 from driftproof.numeric.steppers import HAND_WRITTEN, rk4
 from driftproof.numeric.worst_case import Envelope
 from driftproof.numeric.worst_case_search import search
-from driftproof.support.plain_text import table
 from driftproof.symbolic.algebra.certified import enclose, significant
 from driftproof.symbolic.derivation.one_step import matrix_at, one_step_matrix
 from driftproof.symbolic.rounding.error_of_run import ErrorOfRun
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
 from driftproof.symbolic.rounding.n_steps import run_bound
-from driftproof.symbolic.rounding.sharp import sharp_bound
 from driftproof.symbolic.rounding.step import step_bound
 from driftproof.symbolic.runs import apply
 
@@ -60,49 +53,6 @@ def worst_over_bound(generations: int) -> Section:
         Goal("worst found / bound for |h| ≤ 1/4, every program", f"≥ {TIGHT}", f"{least:.3f}", least >= TIGHT),
     ]
     return Section("Worst rounding error of one step that a search finds, over the proved bound", rows, goals)
-
-
-def sharper_form(generations: int) -> Section:
-    """In units of u, for |q|, |v| <= 1: both bounds, and the worst error found."""
-    rows = [[PROGRAM, "plain bound", "sharper bound", "worst found", "found / sharper"]]
-    for key, step in {**HAND_WRITTEN, "leapfrog": leapfrog}.items():
-        for h in (Q(1, 4), Q(1), Q(5, 2)):
-            plain = max(step_bound(step).error_of(h, Q(1), Q(1)))
-            sharp = max(sharp_bound(step, h).over_box(Q(1), Q(1)))
-            worst = _worst_in_box(step, h, generations)
-            cells = [f"{float(x / BINARY64.u):.2f}" for x in (plain, sharp, worst)]
-            rows.append([f"{key}, h = {h}", *cells, f"{float(worst / sharp):.3f}"])
-    return Section("One step with |q|, |v| ≤ 1, in units of u", rows)
-
-
-def _worst_in_box(step, h: Q, generations: int) -> Q:
-    """The largest error found in |q|, |v| <= 1: the bound searched against is the constant u, whatever the state."""
-    exact, _, _ = step_bound(step).coefficients
-    flat = Envelope(exact, (((), ()), ((), ())), ((BINARY64.u,), (BINARY64.u,)))
-
-    def boxed(force, q, v, size):
-        inside = (abs(q) <= 1) & (abs(v) <= 1)
-        q1, v1 = step(force, q, v, size)
-        return np.where(inside, q1, np.nan), np.where(inside, v1, np.nan)
-
-    found = search(boxed, flat, np.float64, (float(h), float(h)), 2, generations)
-    return Q(found.ratio) * BINARY64.u
-
-
-def forty_steps() -> Section:
-    """What is proved of 40 steps for every float run, and the certified rounding error of this one."""
-    h, start = Q(1, 4), (Q(1), Q(0))
-    rows = [[PROGRAM, "theorem", "with the plain bound", "this run, certified"]]
-    for key, step in HAND_WRITTEN.items():
-        sharp = run_bound(step, h, 40, start)
-        plain = run_bound(step, h, 40, start, local=step_bound(step).at(h))
-        q, v = 1.0, 0.0
-        for _ in range(40):
-            q, v = step(oscillator, q, v, 0.25)
-        run = ErrorOfRun(matrix_at(one_step_matrix(METHODS[key]), h), h, 40, start, (Q(q), Q(v)))
-        certified = significant(lambda run=run: enclose(run.rounding) / enclose(BINARY64.u), 4)
-        rows.append([key, *(f"{float(b.euclidean / BINARY64.u):.1f}" for b in (sharp, plain)), certified])
-    return Section("40 steps of h = 1/4 from (1, 0), in units of u", rows)
 
 
 def anchor() -> Section:
@@ -144,9 +94,8 @@ def teeth(checks: int) -> Section:
         rates = [100 * sum(column) / checks for column in zip(*seen, strict=True)]
         rows.append([f"{error:g}", *(f"{rate:.1f} %" for rate in rates)])
         if error == 1e-13:
-            goals.append(
-                Goal("a weight of RK4 wrong by 1e-13 is caught", "100 %", f"{rates[0]:.1f} %", rates[0] == 100)
-            )
+            caught = "a weight of RK4 wrong by 1e-13 is caught"
+            goals.append(Goal(caught, "100 %", f"{rates[0]:.1f} %", rates[0] == 100))
         if error == 0:
             goals.append(Goal("RK4 as it is is caught", "0 %", f"{rates[0]:.1f} %", rates[0] == 0))
     return Section(f"Teeth: RK4 with a wrong weight in {checks} random steps", rows, goals)
@@ -175,38 +124,8 @@ def _caught(step, matrix, bound, h: float, q: float, v: float) -> tuple[bool, bo
     return by_bound, any(e > Q(1, 10**12) for e in errors)
 
 
-def sections(generations: int = GENERATIONS, checks: int = CHECKS) -> Iterator[Section]:
-    """The tables, one after the other, for they take about two minutes together."""
-    yield worst_over_bound(generations)
-    yield sharper_form(5 * generations)
-    yield forty_steps()
+def sections(_: int = 1) -> Iterator[Section]:
+    """The tables, one after the other, for the first takes a minute or two. No table is one of times."""
+    yield worst_over_bound(GENERATIONS)
     yield anchor()
-    yield teeth(checks)
-
-
-def rows(rounds: int) -> list[Row]:
-    """What a bound costs."""
-    h, start = Q(1, 4), (Q(1), Q(0))
-    tasks = {
-        "bound of one step of rk4": lambda: step_bound(rk4).coefficients,
-        "sharper bound of one step of rk4, h = 1/4": lambda: sharp_bound(rk4, h),
-        "bound of one step of dop853": lambda: step_bound(METHODS["dop853"]).coefficients,
-        "bound of 40 steps of rk4, h = 1/4": lambda: run_bound(rk4, h, 40, start),
-    }
-    return measure([Subject(name, cold_and_warm(task, lambda found: "")) for name, task in tasks.items()], rounds)
-
-
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Search and print, table by table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--generations", type=int, default=GENERATIONS, help=f"of a search (default {GENERATIONS})")
-    parser.add_argument("--checks", type=int, default=CHECKS, help=f"random steps of the last table ({CHECKS})")
-    chosen = parser.parse_args(arguments)
-    for section in sections(chosen.generations, chosen.checks):
-        print(section.title, table(section.rows), "", sep="\n", flush=True)
-        if section.goals:
-            print(table(goal_rows(section.goals)), end="\n\n", flush=True)
-
-
-if __name__ == "__main__":
-    main()
+    yield teeth(CHECKS)

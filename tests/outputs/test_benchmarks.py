@@ -1,97 +1,245 @@
-"""The benchmarks run, compare and report; how long anything takes depends on the machine, so no time is tested."""
+"""The benchmarks compare like with like and report; how long anything takes is the machine's, and is not tested."""
 
 from __future__ import annotations
 
 import json
+import shutil
 import time
+from collections.abc import Callable
+from math import cos, sin
 from pathlib import Path
 
 import pytest
 
-from benchmarks import answers, facts, import_time, order, report, roundoff, stability
-from benchmarks.timing import Contestant, Goal, Row, Section, Subject, Times, forget, measure, times_rows
+from benchmarks import __main__ as benchmarks
+from benchmarks import answers, engine, exact_facts, harness, import_time, peers_time, roundoff
+from benchmarks.harness import Contestant, Goal, Row, Section, Subject, forget, measure, timed
 from driftproof.methods.catalogue import METHODS
+from driftproof.numeric.engine import field_runner, runner
 from driftproof.numeric.steppers import rk4
+from driftproof.numeric.work_precision.timing import Timing
+from driftproof.reports.work_precision.peers import Peer
 from driftproof.symbolic.facts import FACTS
 from driftproof.symbolic.trees import rooted
 
 DOCS = Path(__file__).parents[2] / "docs"
+SUBJECTS = [subject for subjects in exact_facts.TITLES.values() for subject in subjects()]
 
 
-@pytest.mark.parametrize("benchmark", [order, stability, import_time], ids=lambda benchmark: benchmark.__name__)
-def test_benchmark_measures_and_prints_its_goals(benchmark, capsys):
-    benchmark.main(["--rounds", "1"])
-    shown = capsys.readouterr().out
-    assert "minimum" in shown
-    assert "wanted" in shown
+def timing(*seconds: float) -> Timing:
+    return Timing(samples=list(seconds))
 
 
-def test_benchmark_of_rounding_searches_and_prints_its_goals(capsys, monkeypatch):
-    monkeypatch.setattr(roundoff, "PROGRAMS", {"rk4": rk4})
-    roundoff.main(["--generations", "0", "--checks", "3"])
-    assert "steps whose rounding error exceeds the bound      0" in capsys.readouterr().out
+# --- the harness --------------------------------------------------------------------------------------------------
 
 
-def test_every_fact_is_asked():
-    (row,) = measure(facts.subjects()[:1], rounds=1, turn=0)
-    assert row.answers["ours"] == str(len(FACTS))
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """A clock of one reading, in seconds, that tasks put forward; the harness reads it instead of the machine's."""
+    readings = [0.0]
+    monkeypatch.setattr(harness, "perf_counter", lambda: readings[0])
+    return readings
 
 
-def test_contestants_take_turns_and_a_slow_one_gets_a_single_one():
+def takes(seconds: float, clock: list[float], turns: list[str], name: str) -> Callable[[], int]:
+    """A task, or what comes before one."""
+
+    def task() -> int:
+        clock[0] += seconds
+        turns.append(name)
+        return 7
+
+    return task
+
+
+def test_contestants_take_turns_and_a_slow_one_gets_a_single_one(clock: list[float]) -> None:
     turns: list[str] = []
-    slow = Contestant(lambda: (turns.append("slow"), time.sleep(0.01)))
-    quick = Contestant(lambda: turns.append("quick"))
-    (row,) = measure([Subject("q", {"ours": quick, "peer": slow})], rounds=3, turn=0, limit=0.005)
+    both = {"ours": Contestant(takes(1, clock, turns, "quick")), "peer": Contestant(takes(9, clock, turns, "slow"))}
+    (row,) = measure([Subject("q", both)], rounds=3, turn=0, limit=5)
     assert turns == ["quick", "slow", "quick", "quick"]
-    assert [len(times.samples) for times in row.times.values()] == [3, 1]
+    assert [times.samples for times in row.times.values()] == [[1, 1, 1], [9]]
 
 
-def test_row_says_where_the_goal_is_missed_and_who_answers_otherwise():
-    times = {"ours": Times([4.0, 2.0, 3.0]), "peer": Times([5.0, 9.0])}
-    row = Row("question", times, {"ours": "8", "peer": "7"}, 1.5)
-    (goal,) = row.goals()
-    assert (goal.found, goal.met) == ("2 ms", False)
-    assert next(Row("question", times, {}, 2.5).goals()).met
-    assert times_rows([row])[1:] == [
+def test_short_task_is_repeated_in_its_turn_and_what_comes_before_it_is_not_timed(clock: list[float]) -> None:
+    turns: list[str] = []
+    task, before = takes(2, clock, turns, "task"), takes(100, clock, turns, "before")
+    (row,) = measure([Subject("q", {"ours": Contestant(task, lambda found: f"read {found}", before)})], 1, turn=5)
+    assert turns == ["before", "task"] * 3
+    assert (row.times["ours"].samples, row.answers) == ([2, 2, 2], {"ours": "read 7"})
+
+
+def test_row_says_where_goals_are_missed_and_who_answers_otherwise() -> None:
+    both = {"ours": Contestant(int), "peer": Contestant(int, our_bits=True)}
+    subject = Subject("question", both, 1.5, {("ours", "peer"): 0.25, ("peer", "ours"): 3})
+    row = Row(subject, {"ours": timing(4e-3, 2e-3, 3e-3), "peer": timing(5e-3, 9e-3)}, {"ours": "8", "peer": "7"})
+    assert list(row.goals()) == [
+        Goal("question", "≤ 1.5 ms", "2 ms", False),
+        Goal("question: peer over ours", "≥ 4", "2.5", False),
+        Goal("question: peer over ours", "≤ 3", "2.5", True),
+        Goal("question: peer", "our bits", "others", False),
+    ]
+    assert list(row.lines()) == [
         ["question", "ours", "2 ms", "3 ms", "33 %", "3", "", "8"],
         ["", "peer", "5 ms", "7 ms", "29 %", "2", "2.5", "7"],
     ]
+    assert [goal.met for goal in Row(subject, row.times, {"ours": "8", "peer": "8"}).goals()] == [
+        False,
+        False,
+        True,
+        True,
+    ]
 
 
-def test_forgetting_empties_the_caches_of_the_exact_side():
+def test_goal_of_a_contestant_that_is_absent_is_not_asked() -> None:
+    section = timed("t", [Subject("q", {"ours": Contestant(int)}, None, {("ours", "C"): 1.0})], rounds=1)
+    assert section.goals == []
+    assert [row[:2] for row in section.rows[1:]] == [["q", "ours"]]
+
+
+def test_forgetting_empties_the_caches_of_the_exact_side() -> None:
     rooted.shapes(5)
     assert rooted.shapes.cache_info().currsize
     forget()
     assert rooted.shapes.cache_info().currsize == 0
 
 
-def test_report_names_the_goals_that_are_missed():
-    timed = {"Times": [Row("quick", {"ours": Times([1.0])}, {"ours": "1"}, 2)]}
-    sections = [Section("Table", [["a", "b"], ["|h|", "1"]], [Goal("bound", "0", "3", False)])]
-    page = report.page(timed, sections, {}, 1)
+# --- each benchmark -----------------------------------------------------------------------------------------------
+
+
+SLOW = ("every fact of the whole catalogue", "every fact of dop853", "bound of one step of dop853")
+
+
+@pytest.mark.parametrize("subject", [s for s in SUBJECTS if s.name not in SLOW], ids=lambda s: s.name)
+def test_ours_answers_cold_as_it_does_warm(subject: Subject) -> None:
+    cold, warm = (contestant.read(contestant.task()) for contestant in subject.contestants.values())
+    assert cold == warm
+
+
+def test_every_fact_is_asked() -> None:
+    (subject,) = (subject for subject in SUBJECTS if subject.name == "every fact of rk4")
+    assert subject.contestants["ours"].task() == len(FACTS)
+
+
+# By default each question is answered, untimed. Here the benchmarks run, rounds, peers, interpreters and all.
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["exact_facts", "import_time", "engine", "peers_time"])
+def test_benchmark_measures_and_prints_its_goals(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    benchmarks.main([name, "--rounds", "1"])
+    shown = capsys.readouterr().out
+    assert "minimum" in shown
+    assert "wanted" in shown
+
+
+def test_name_of_no_benchmark_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        benchmarks.main(["roundof"])
+    assert "'roundof' is no benchmark; choose from exact_facts, " in capsys.readouterr().err
+
+
+def test_benchmark_of_rounding_searches_and_counts_violations(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(roundoff, "PROGRAMS", {"rk4": rk4})
+    searched = roundoff.worst_over_bound(0)
+    assert searched.goals[0].found == "0"
+    assert int(searched.rows[1][-2]) > 0
+    assert [goal.what for goal in roundoff.teeth(3).goals] == [
+        "RK4 as it is is caught",
+        "a weight of RK4 wrong by 1e-13 is caught",
+    ]
+
+
+def test_loops_by_hand_have_the_bits_of_ours() -> None:
+    ours = runner(engine.RK4)(*engine.START, engine.H, 100)
+    assert engine.by_hand(*engine.START, engine.H, 100) == engine.by_steps(*engine.START, engine.H, 100) == ours
+    lorenz = field_runner(engine.RK4, engine.LORENZ)(engine.LORENZ_START, engine.H, 0, 100)
+    assert engine.lorenz_by_hand(engine.LORENZ_START, engine.H, 100) == lorenz
+
+
+@pytest.mark.skipif(not (shutil.which("gcc") or shutil.which("cc")), reason="no C compiler")
+def test_unfused_c_has_our_bits_and_fused_c_has_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(engine, "MANY", 1000)
+    ours = runner(engine.RK4)(*engine.START, engine.H, 1000)
+    assert engine.c_trajectory(engine.compiled_c("-ffp-contract=off"))() == ours
+    flags = Path("/proc/cpuinfo")
+    if flags.exists() and " fma " in flags.read_text(encoding="utf-8"):
+        assert engine.c_trajectory(engine.compiled_c("-mfma", "-ffp-contract=fast"))() != ours
+
+
+def test_ours_reach_their_errors_with_as_few_steps_as_will_do() -> None:
+    pytest.importorskip("numba")
+    for t, error, ours, steps in ((10.0, 1e-6, peers_time.by_steps, 10), (1000.0, 1e-10, peers_time.by_powers, 2048)):
+        contestant = ours(t, error)
+        assert peers_time.error_at(t, contestant.task()) <= error
+        assert contestant.read(contestant.task()).endswith(f", {steps} steps")
+
+
+def test_a_peer_is_measured_with_the_fastest_tolerance_that_reaches_the_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Here of a peer whose error is a tenth of its tolerance, and whose time grows as that falls."""
+    solver = lambda *_: type("Solver", (), {"solve": lambda _, x, t: (cos(t) + x / 10, -sin(t))})()
+    taken = iter([9.0, 3.0, 5.0] * 100)
+    monkeypatch.setattr(peers_time, "_seconds", lambda task: next(taken))
+    monkeypatch.setattr(peers_time, "TOLERANCES", (1e-3, 1e-4, 1e-5, 1e-6))
+    peer = Peer("scipy", ("any",), "", solver)
+    found = peers_time.at_its_best(peer, "any", 10.0, 1.5e-5)
+    assert found is not None
+    assert found.read(found.task()) == "1.0e-06, tol 1e-05"
+    assert peers_time.at_its_best(peer, "any", 10.0, 1e-9) is None
+
+
+@pytest.mark.parametrize(("least", "met"), [(0.15, True), (0.16, False)])
+def test_imports_are_compared_by_their_minima(least: float, met: bool) -> None:
+    taken = {name: timing(0.2, 0.1, 0.9) for name in import_time.SUBJECTS} | {import_time.FLOATS: timing(0.9, least)}
+    shown = import_time.section(taken, loads_sympy=False)
+    assert [goal.met for goal in shown.goals] == [met, True]
+    assert shown.goals[0].found == f"{10 * least:.2f}"
+    assert [row[0] for row in shown.rows[1:]] == list(import_time.SUBJECTS)
+    assert not import_time.section(taken, loads_sympy=True).goals[1].met
+
+
+def test_subjects_of_the_import_benchmark_run_in_a_new_interpreter() -> None:
+    code = "\n".join(import_time.SUBJECTS[name] for name in ("all of numeric", "import driftproof"))
+    assert float(import_time.new_interpreter(import_time.TIMED.format(code="pass"))) > 0
+    assert import_time.new_interpreter(f"{code}\nprint('done')") == "done"
+
+
+# --- the report, and what peers answer ----------------------------------------------------------------------------
+
+
+def test_report_names_the_goals_that_are_missed() -> None:
+    sections = [
+        Section("Times", [["", "minimum"], ["quick", "1 ms"]], [Goal("quick", "≤ 2 ms", "1 ms", True)]),
+        Section("Table", [["a", "b"], ["|h|", "1"]], [Goal("bound", "0", "3", False)]),
+    ]
+    page = benchmarks.page(sections, {}, 1)
     assert "1 of 2 goals are met; missed: bound." in page
     assert "| bound | 0 | 3 | **missed** |" in page
     assert "| \\|h\\| | 1 |" in page
     assert "No peer was installed." in page
 
 
-def test_committed_report_has_every_goal():
+def test_committed_report_has_every_goal() -> None:
     page = (DOCS / "benchmarks.md").read_text(encoding="utf-8").partition("## How")[0]
-    subjects = [*order.subjects(), *stability.subjects(), *facts.subjects()]
-    assert all(f"| {subject.name} | ≤" in page for subject in subjects if subject.goal)
+    assert all(f"| {subject.name} | ≤" in page for subject in SUBJECTS if subject.goal)
     assert "| import driftproof loads SymPy | no | no | met |" in page
 
 
-def test_kept_answers_of_peers_are_about_our_methods_and_facts():
+def test_kept_answers_of_peers_are_about_our_methods_and_facts() -> None:
     kept = json.loads((DOCS / "peers.json").read_text(encoding="utf-8"))
     assert answers.as_json(kept) == (DOCS / "peers.json").read_text(encoding="utf-8")
     assert set(kept) <= set(answers.QUESTIONS)
     for name, peer in kept.items():
         assert set(peer["facts"]) == set(answers.QUESTIONS[name]) <= set(FACTS)
+        assert set(peer["own"]) == set(answers.OWN_METHODS.get(name, ()))
         assert all(set(seen["differs"]) | set(seen["silent"]) <= set(METHODS) for seen in peer["facts"].values())
 
 
-def test_comparison_counts_what_a_peer_answers_and_where_it_differs(monkeypatch):
+def test_questions_are_put_to_the_methods_that_they_are_about() -> None:
+    asked = answers.at_most(3, lambda method: method.key, explicit=True)
+    keys = ("heun3", "rk4", "implicit_midpoint")
+    assert [asked(METHODS[key]) for key in keys] == ["heun3", None, None]  # type: ignore[arg-type]
+    assert answers.of_pairs(lambda method: method.key)(METHODS["rk4"]) is None  # type: ignore[arg-type]
+
+
+def test_comparison_counts_what_a_peer_answers_and_where_it_differs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(answers, "tableaux", lambda: [METHODS[key] for key in ("rk4", "heun2", "gauss2", "rk38")])
     said = {"rk4": 4, "heun2": 3, "gauss2": "Unknown"}
     found = answers.compared("order", lambda method: said[method.key])
@@ -113,7 +261,7 @@ def test_reals_are_compared_as_far_as_floats_go(theirs: str, mine: str, same: bo
     assert answers.same(theirs, mine) is same
 
 
-def test_a_question_that_takes_too_long_has_no_answer(monkeypatch):
+def test_a_question_that_takes_too_long_has_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(answers, "PATIENCE", 0.01)
     assert answers.answered(lambda: time.sleep(1)) == (None, "no answer within 0.01 s")
     assert answers.answered(lambda: 1) == (1, "")

@@ -1,0 +1,111 @@
+"""Every benchmark, beside every peer that is installed: python -m benchmarks (about a quarter of an hour)
+
+Writes docs/benchmarks.md, and docs/peers.json, from which docs/differences.md takes what peers answer; `make bench`
+runs it in an environment that has the peers. `python -m benchmarks NAME ...` prints what some of them find instead.
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from datetime import UTC, datetime
+from importlib.metadata import version
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from benchmarks import answers, engine, exact_facts, import_time, long_runs, peers, peers_time, roundoff
+from benchmarks.harness import LIMIT, ROUNDS, TURN, Section, goal_rows
+from docs.pages import markdown
+from driftproof.support.environment import machine_description, versions_of
+from driftproof.support.plain_text import table
+
+ROOT = Path(__file__).parents[1]
+# In the order of the page; each is asked for so many rounds, and yields its tables as they are finished.
+BENCHMARKS: dict[str, Callable[[int], Iterator[Section]]] = {
+    module.__name__.rpartition(".")[2]: module.sections
+    for module in (exact_facts, import_time, roundoff, engine, peers_time, long_runs)
+}
+HOW = f"""\
+`ours` starts with every cache emptied, before each call; `ours, warm` with what the calls before have left. In a round
+every contestant has one turn, in which a short task is repeated for {1000 * TURN:.0f} ms, so that a busy moment of the
+machine meets all of them; one that has spent {LIMIT:g} s gets no further turn, so that a slow one may have a single
+sample. The minimum is the estimate; the spread is the middle half of the samples, from end to end, over their median.
+"Over ours" is the ratio of minima, above 1 where we are faster. Garbage is not collected meanwhile. What a contestant
+answers is compared in the same run. Peers compute in floats where that is said."""
+
+
+def head(rounds: int) -> str:
+    """What made the page, when, of what, on what."""
+    fast = ("numba",) if find_spec("numba") else ()
+    ours = [f"{name} {version(name)}" for name in ("numpy", "sympy", "python-flint", *fast)]
+    theirs = [f"{name} {found}" for name, found in (peers.installed() | peers_time.installed()).items()]
+    versions = f"{versions_of(())['python']}, {', '.join(ours)}; peers: {', '.join(theirs) or 'none'}"
+    return (
+        f"Made by `make bench` on {datetime.now(UTC):%Y-%m-%d} from commit {commit()}, {rounds} rounds.\n\n"
+        f"* machine: {machine_description()}\n* versions: {versions}"
+    )
+
+
+def commit() -> str:
+    """The commit, and whether the checkout differs from it."""
+
+    def git(*arguments: str) -> str:
+        return subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
+
+    changed = ", changed" if git("--no-optional-locks", "status", "--porcelain") else ""
+    return (git("rev-parse", "--short", "HEAD") or "unknown") + changed
+
+
+def page(sections: Iterable[Section], counts: dict[str, Any], rounds: int) -> str:
+    """docs/benchmarks.md."""
+    sections = list(sections)
+    goals = [goal for section in sections for goal in section.goals]
+    missed = [goal.what for goal in goals if not goal.met]
+    summary = f"{len(goals) - len(missed)} of {len(goals)} goals are met"
+    summary += f"; missed: {'; '.join(missed)}." if missed else "."
+    parts = ["# Benchmarks", head(rounds), "## Goals", summary, markdown(goal_rows(goals))]
+    parts += ["## How it is measured", HOW]
+    parts += [part for section in sections for part in (f"## {section.title}", markdown(section.rows))]
+    parts += ["## Do peers answer the same?", agreement(counts)]
+    return "\n\n".join(part.strip() for part in parts) + "\n"
+
+
+def agreement(counts: dict[str, Any]) -> str:
+    """The number of answers that are ours, and that are not, by peer."""
+    if not counts:
+        return "No peer was installed."
+    rows = [["peer", "answers", "not ours", "no answer"]]
+    for name, peer in counts.items():
+        seen = list(peer["facts"].values())
+        differs, silent = (sum(len(fact[kind]) for fact in seen) for kind in ("differs", "silent"))
+        total = sum(fact["agree"] for fact in seen) + differs
+        rows.append([f"{name} {peer['version']}", str(total), str(differs), str(silent)])
+    return (
+        f"{markdown(rows)}\n[differences.md](differences.md) shows each answer that is not ours, and says who is right."
+    )
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Measure what is named and print it, or measure everything and write both files."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"one of {', '.join(BENCHMARKS)}")
+    parser.add_argument("--rounds", type=int, default=ROUNDS, help=f"turns of each contestant (default {ROUNDS})")
+    chosen = parser.parse_args(arguments)
+    for name in chosen.names:
+        if name not in BENCHMARKS:
+            parser.error(f"{name!r} is no benchmark; choose from {', '.join(BENCHMARKS)}")
+        for section in BENCHMARKS[name](chosen.rounds):
+            goals = [table(goal_rows(section.goals))] if section.goals else []
+            print(section.title, table(section.rows), *goals, "", sep="\n\n", flush=True)
+    if not chosen.names:
+        sections = [section for benchmark in BENCHMARKS.values() for section in benchmark(chosen.rounds)]
+        found = answers.answers()
+        if found:
+            (ROOT / "docs" / "peers.json").write_text(answers.as_json(found), encoding="utf-8")
+        (ROOT / "docs" / "benchmarks.md").write_text(page(sections, found, chosen.rounds), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
