@@ -28,9 +28,9 @@ from benchmarks.peers import (
 )
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.steppers import rk4
-from driftproof.symbolic.facts import facts_of
+from driftproof.symbolic.algebra.radicals import decimal
 from driftproof.symbolic.linear.implicit_stability import a_stability, l_stability
-from driftproof.symbolic.linear.limits import data, imaginary_limit, real_limit
+from driftproof.symbolic.linear.limits import imaginary_limit, real_limit
 from driftproof.symbolic.linear.monotonicity import ssp_coefficient
 from driftproof.symbolic.linear.oscillator import stability_function_of
 from driftproof.symbolic.linear.stability_function import stability_function, stability_function_of_collocation
@@ -41,6 +41,7 @@ from driftproof.symbolic.trees import rooted, table
 from driftproof.symbolic.trees.modified import modified_equation
 from driftproof.symbolic.trees.order import embedded_order, order, order_of, runge_kutta_conditions
 from driftproof.symbolic.trees.quadratic import algebraic_stability
+from driftproof.texts.writing.records import facts_of
 
 # Any: the catalogue holds methods of every family under its keys.
 METHOD: dict[str, Any] = {**METHODS}
@@ -109,9 +110,9 @@ def stability() -> list[Subject]:
         return of
 
     limits, properties = both(real_limit, imaginary_limit), both(a_stability, l_stability)
-    decimal = six_digits(lambda limit: data(limit, 8)["decimal"])
+    digits = six_digits(lambda limit: decimal(limit, 8))
     goals = {"rk4": 0.1, "fehlberg78": 2, "gauss5": 1}
-    shown = lambda found: ", ".join(map(decimal, found))
+    shown = lambda found: ", ".join(map(digits, found))
     verdicts = lambda found: str(tuple(map(bool, found)))
     return [
         *(Subject(f"R(z) of {key}", r_of(METHOD[key]), goals.get(key)) for key in PLAIN),
@@ -121,7 +122,7 @@ def stability() -> list[Subject]:
             for key in ("radau_iia3", "gauss10")
         ),
         Subject(ALGEBRAIC, cold_and_warm(lambda: algebraic_stability(RADAU).holds)),
-        Subject(SSP_NAME, cold_and_warm(lambda: ssp_coefficient(SSP), decimal)),
+        Subject(SSP_NAME, cold_and_warm(lambda: ssp_coefficient(SSP), digits)),
     ]
 
 
