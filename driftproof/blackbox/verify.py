@@ -17,8 +17,8 @@ from driftproof.blackbox.matching.match import match_method
 from driftproof.blackbox.questions import coefficients
 from driftproof.blackbox.report import Json, Report, sections
 from driftproof.blackbox.stepper.target import Target
-from driftproof.methods.families import method_of
 from driftproof.methods.schemes import Method
+from driftproof.methods.tableau_file import method_of
 
 # Of a question that a stepper's door does not allow, nothing follows.
 NOT_ASKED = ("no_such_door", "not_readable")

@@ -83,7 +83,8 @@ def facts_command(options: Namespace) -> str:
       b = ["1/4", "3/4"]                c may be left out: then the row sums of A
       [roots]                           if coefficients need one, e.g. s3 = "sqrt(3)"; then write "1/4 - s3/6"
     """
-    from driftproof.methods.families import Family, subject_of
+    from driftproof.methods.families import Family
+    from driftproof.methods.tableau_file import subject_of
     from driftproof.support.plain_text import as_json
     from driftproof.texts.writing.records import record
     from driftproof.texts.writing.tex import facts_tex

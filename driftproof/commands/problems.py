@@ -104,7 +104,7 @@ def work_precision_command(options: Namespace) -> str:
       points.json                what an interrupted study goes on from
     --peers runs scipy, diffrax, heyoka or torchdiffeq beside ours (extra `peers`), at tolerances from 1e-3 to 1e-13.
     """
-    from driftproof.methods.families import method_of
+    from driftproof.methods.tableau_file import method_of
     from driftproof.numeric.problems.catalogue import problem_named
     from driftproof.reports.work_precision.peers import peers_named
     from driftproof.reports.work_precision.report import errors_json, study_text, times_json

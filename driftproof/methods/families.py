@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
-from driftproof.methods.catalogue import method_named
 from driftproof.methods.expressions import parse_function
 from driftproof.methods.number_field import Exact
 from driftproof.methods.parameters import Function
-from driftproof.methods.schemes import Method, MethodError, RungeKutta
+from driftproof.methods.schemes import MethodError, RungeKutta
 
 
 @dataclass(frozen=True)
@@ -111,20 +109,3 @@ _ENTRIES = (
     ),
 )
 FAMILIES: dict[str, Family] = {family.key: family for family in _ENTRIES}
-
-
-def method_of(name: str) -> Method:
-    """The method `name`, or the one in the TOML file `name` if it ends in .toml. Raises ValueError, of a family too."""
-    subject = subject_of(name)
-    if isinstance(subject, Family):
-        raise ValueError(f"{subject.key} is a family of methods, with {subject.parameter} free; one method is needed")
-    return subject
-
-
-def subject_of(name: str) -> Method | Family:
-    """The method or the family `name`, or the one in the TOML file `name` if it ends in .toml. Raises ValueError."""
-    if name.endswith(".toml"):
-        from driftproof.methods.tableau_file import read_method
-
-        return read_method(Path(name))
-    return FAMILIES[name] if name in FAMILIES else method_named(name)

@@ -23,8 +23,9 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from driftproof.methods.catalogue import method_named
 from driftproof.methods.expressions import RADICALS, parse_exact, parse_function, parse_number
-from driftproof.methods.families import Family
+from driftproof.methods.families import FAMILIES, Family
 from driftproof.methods.number_field import Algebraic, Exact, NumberField
 from driftproof.methods.parameters import Function, function
 from driftproof.methods.schemes import SUBSTEPS, Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
@@ -243,3 +244,18 @@ _FAMILIES: dict[str, tuple[tuple[str, ...], _Reader]] = {
     "collocation": (("node_polynomial",), _collocation),
 }
 _PARAMETRIC: tuple[tuple[str, ...], _Reader] = (("parameter", "A", "b", "c"), _family)
+
+
+def method_of(name: str) -> Method:
+    """The method `name`, or the one in the TOML file `name` if it ends in .toml. Raises ValueError, of a family too."""
+    subject = subject_of(name)
+    if isinstance(subject, Family):
+        raise ValueError(f"{subject.key} is a family of methods, with {subject.parameter} free; one method is needed")
+    return subject
+
+
+def subject_of(name: str) -> Method | Family:
+    """The method or the family `name`, or the one in the TOML file `name` if it ends in .toml. Raises ValueError."""
+    if name.endswith(".toml"):
+        return read_method(Path(name))
+    return FAMILIES[name] if name in FAMILIES else method_named(name)

@@ -9,9 +9,9 @@ from typing import TypeAlias
 
 from flint import ctx
 
-from driftproof.methods.families import method_of
 from driftproof.methods.rationals import brief, step_count
 from driftproof.methods.schemes import Method, MethodError
+from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.advance import Advance, advance, float_start
 from driftproof.numeric.clock import clock
 from driftproof.numeric.problems.problem import Problem
