@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
+from driftproof.texts.questions.answer import OutputOptions, format_answer
 from driftproof.texts.questions.ask import value
-from driftproof.texts.questions.rendered import Wish, rendered
-from driftproof.texts.questions.style import PLAIN, ROUNDINGS, Style
+from driftproof.texts.questions.decimals import PLAIN, ROUNDING_POLICIES, Style
 
 RUNS = (
     "rk4.first_step.q",
@@ -93,17 +93,18 @@ REFUSED = (
 
 def answers(questions: tuple[str, ...]) -> list[list[str]]:
     """Each question with what `driftproof value` prints."""
-    rows = [[f"`{question}`", rendered(value(question), Wish(None, None, PLAIN), "text")] for question in questions]
+    options = OutputOptions(None, None, PLAIN)
+    rows = [[f"`{question}`", format_answer(value(question), options, "text")] for question in questions]
     return [["question", "answer"], *rows]
 
 
 def roundings() -> list[list[str]]:
     """Numbers under every policy, "refused" where a tie is no answer."""
     rows = [
-        [f"`{question}`", str(places), *(_rounded(question, places, name) for name in (None, *ROUNDINGS)), why]
+        [f"`{question}`", str(places), *(_rounded(question, places, name) for name in (None, *ROUNDING_POLICIES)), why]
         for question, places, why in ROUNDED
     ]
-    return [["number", "places", "none named", *ROUNDINGS, ""], *rows]
+    return [["number", "places", "none named", *ROUNDING_POLICIES, ""], *rows]
 
 
 def _rounded(question: str, places: int, rounding: str | None) -> str:

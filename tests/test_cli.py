@@ -12,8 +12,8 @@ import pytest
 from driftproof import __version__
 from driftproof.cli import COMMANDS, command_named
 from driftproof.commands.arguments import BAD_INPUT, INTERRUPTED, NO_ANSWER, REFUTED
+from driftproof.support import plain_text
 from driftproof.texts.values.published import VALUES_FILE
-from driftproof.texts.writing import text
 
 ROOT = Path(__file__).parents[1]
 DRIFTPROOF = (sys.executable, "-m", "driftproof")
@@ -46,15 +46,15 @@ def test_what_cannot_be_understood_gets_one_line(arguments, refusal):
     ids=lambda value: type(value).__name__,
 )
 def test_what_goes_wrong_while_answering_gets_one_line_too(error, status, line, run, monkeypatch):
-    def broken():
+    def broken(*_, **__):
         raise error
 
-    monkeypatch.setattr(text, "methods_text", broken)
+    monkeypatch.setattr(plain_text, "table", broken)
     assert run("methods") == (status, "", f"driftproof methods: {line}\n")
 
 
 def test_defect_of_the_program_is_not_dressed_as_bad_input(run, monkeypatch):
-    monkeypatch.setattr(text, "methods_text", lambda: 1 + "a defect")
+    monkeypatch.setattr(plain_text, "table", lambda *_, **__: 1 + "a defect")
     with pytest.raises(TypeError):
         run("methods")
 

@@ -185,7 +185,8 @@ def places_option(words: str, **settings: Any) -> CommandOption:
 
 def rounding_option(words: str) -> CommandOption:
     """--rounding, a policy; None where it is not given."""
-    return option("--rounding", choices=names_in("driftproof.texts.questions.style", "ROUNDINGS"), help=words)
+    policies = names_in("driftproof.texts.questions.decimals", "ROUNDING_POLICIES")
+    return option("--rounding", choices=policies, help=words)
 
 
 def output_option(words: str, **settings: Any) -> CommandOption:

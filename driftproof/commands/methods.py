@@ -24,9 +24,17 @@ def methods_command(options: Namespace) -> str:
     example:
       driftproof methods
     """
-    from driftproof.texts.writing.text import methods_text
+    from driftproof.methods.catalogue import METHODS
+    from driftproof.methods.families import FAMILIES
+    from driftproof.support.plain_text import table
 
-    return methods_text()
+    names = {"RungeKutta": "Runge-Kutta", "Collocation": "collocation", "Splitting": "splitting", "Nystrom": "Nyström"}
+    rows = [["method", "family", "order", "title", "source"]]
+    for key, method in METHODS.items():
+        rows.append([key, names[type(method).__name__], str(method.claimed_order), method.title, method.source])
+    for key, family in FAMILIES.items():
+        rows.append([key, f"Runge-Kutta in {family.parameter}", str(family.claimed_order), family.title, family.source])
+    return table(rows, right=(2,))
 
 
 @read_by

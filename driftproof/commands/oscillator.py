@@ -39,8 +39,7 @@ def step_command(options: Namespace) -> str:
       driftproof step rk4 --h 1/2 --state 1,0
       driftproof step symplectic_euler --h 0.5 --state 0,1 --format json
     """
-    from driftproof.texts.writing.answers import step_answer
-    from driftproof.texts.writing.text import answer_text
+    from driftproof.texts.writing.answers import answer_text, step_answer
 
     result = step_answer(options.method, options.h, options.state, options.digits, options.rounding)
     return as_asked(options, result, answer_text)
@@ -60,8 +59,7 @@ def run_command(options: Namespace) -> str:
       driftproof run rk4 --h 0.01 --t 100000 --state 0,1 --format json
       driftproof run symplectic_euler --h 1/4 --t 10 --budget
     """
-    from driftproof.texts.writing.answers import run_answer
-    from driftproof.texts.writing.text import answer_text
+    from driftproof.texts.writing.answers import answer_text, run_answer
 
     question = (options.method, options.h, options.t, options.state, options.digits)
     result = run_answer(*question, options.rounding)

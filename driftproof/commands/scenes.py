@@ -41,9 +41,11 @@ def scenes_command(options: Namespace) -> str:
       driftproof scenes
     """
     from driftproof.numeric.scenes import PRESETS
-    from driftproof.texts.writing.text import scenes_text
+    from driftproof.support.plain_text import table
 
-    return scenes_text(list(PRESETS.values()))
+    rows = [["scene", "selected method", "h", "t", "steps"]]
+    rows += [[scene.name, scene.selected, str(scene.h), str(scene.t), str(scene.steps)] for scene in PRESETS.values()]
+    return table(rows, right=(2, 3, 4))
 
 
 @command(

@@ -58,8 +58,8 @@ def value_command(options: Namespace) -> str:
     from dataclasses import replace
 
     from driftproof.texts.questions import ask, limits
-    from driftproof.texts.questions.rendered import Wish, rendered
-    from driftproof.texts.questions.style import PLAIN, PRINTED
+    from driftproof.texts.questions.answer import OutputOptions, format_answer
+    from driftproof.texts.questions.decimals import PLAIN, PRINTED
     from driftproof.texts.questions.vocabulary import vocabulary
 
     if options.list:
@@ -67,8 +67,9 @@ def value_command(options: Namespace) -> str:
     if options.question is None:
         raise ValueError("no question is asked; write one in quotes, or --list to see what can be asked")
     style = replace(PRINTED if options.style == "printed" else PLAIN, rounding=options.rounding)
+    output = OutputOptions(options.digits, options.places, style)
     with limits.time_limit(options.question, limits.SECONDS):
-        return rendered(ask.value(options.question), Wish(options.digits, options.places, style), options.format)
+        return format_answer(ask.value(options.question), output, options.format)
 
 
 @command(

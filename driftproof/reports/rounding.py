@@ -12,7 +12,7 @@ from driftproof.methods.problems import oscillator
 from driftproof.methods.rationals import step_count
 from driftproof.numeric.run import Counter, demand_few, integrate, nearest_double
 from driftproof.numeric.steppers import HAND_WRITTEN, float_stepper
-from driftproof.support.plain_text import table
+from driftproof.support.plain_text import Json, table
 from driftproof.symbolic.algebra.certified import AWAY, Exact, enclose
 from driftproof.symbolic.linear.oscillator import one_step_matrix
 from driftproof.symbolic.rounding.error_of_run import ErrorOfRun
@@ -23,7 +23,7 @@ from driftproof.symbolic.rounding.step import StepBound, step_bound
 from driftproof.symbolic.rounding.text import first_order_text, format_text, full_text
 from driftproof.symbolic.rounding.trace import Subject, program_of
 from driftproof.symbolic.runs import exact_matrix_at
-from driftproof.texts.writing.answers import Answer, number
+from driftproof.texts.writing.answers import number
 
 # Bounds are quoted, not compared: few digits say enough.
 BOUND_DIGITS = 6
@@ -31,7 +31,7 @@ BOUND_DIGITS = 6
 ROWS = {"plain": "plain", "sharp": "sharp", "as_held": "as held"}
 
 
-def roundoff_answer(key: str, steps: Sequence[Fraction], fmt: FloatFormat = BINARY64) -> Answer:
+def roundoff_answer(key: str, steps: Sequence[Fraction], fmt: FloatFormat = BINARY64) -> Json:
     """The rounding bound of one step of the catalogue method `key`, as formulas and at each h of `steps`.
 
     Binary64 takes the program that float runs use, hand-written where there is one; other formats the generic step,
@@ -60,7 +60,7 @@ def _program(key: str) -> Subject:
     return HAND_WRITTEN.get(key) or method_named(key)
 
 
-def _at(key: str, subject: Any, bound: StepBound, h: Fraction) -> Answer:
+def _at(key: str, subject: Any, bound: StepBound, h: Fraction) -> Json:
     bounds = {"plain": bound.at(h), "sharp": sharp_bound(subject, h, bound.format).linear}
     if bound.rounds_constants:
         bounds["as_held"] = sharp_bound(program_of(method_named(key), bound.format), h, bound.format).linear
@@ -68,11 +68,11 @@ def _at(key: str, subject: Any, bound: StepBound, h: Fraction) -> Answer:
     return {"h": str(h), **rows, "per_step": _per_step(subject, h, bound.format)}
 
 
-def _in_units(bound: Fraction, fmt: FloatFormat) -> Answer | None:
+def _in_units(bound: Fraction, fmt: FloatFormat) -> Json | None:
     return number(bound / fmt.u, BOUND_DIGITS, AWAY, unit="u")
 
 
-def _per_step(subject: Any, h: Fraction, fmt: FloatFormat) -> Answer:
+def _per_step(subject: Any, h: Fraction, fmt: FloatFormat) -> Json:
     """C(h), the growth of the error per step in the step's own norm, from which the theorem on N steps starts."""
     try:
         theorem = run_bound(subject, h, 1, (Fraction(1), Fraction(0)), fmt)
@@ -94,7 +94,7 @@ def budget_answer(
     digits: int,
     rounding: str,
     counter: Counter,
-) -> Answer:
+) -> Json:
     """The error of one binary64 run, truncation and rounding apart, each certified, beside the theorem's bound.
 
     The run uses the double nearest to h, and the state is compared at N times that double: what is reported is
@@ -122,7 +122,7 @@ def _in_u(value: Exact) -> Exact:
     return value / BINARY64.u if isinstance(value, Fraction) else lambda: enclose(value) / enclose(BINARY64.u)
 
 
-def _theorem(key: str, h: Fraction, steps: int, start: tuple[Fraction, Fraction]) -> Answer:
+def _theorem(key: str, h: Fraction, steps: int, start: tuple[Fraction, Fraction]) -> Json:
     try:
         bound = run_bound(_program(key), h, steps, start).euclidean
     except HypothesisFails as reason:
@@ -133,7 +133,7 @@ def _theorem(key: str, h: Fraction, steps: int, start: tuple[Fraction, Fraction]
     }
 
 
-def roundoff_text(answer: Answer) -> str:
+def roundoff_text(answer: Json) -> str:
     """The answer of `driftproof roundoff`: formulas first, then the numbers at each h asked for."""
     parts = [
         f"{answer['title']} ({answer['method']}), {answer['program']} step, {answer['format']}",
@@ -149,7 +149,7 @@ def roundoff_text(answer: Answer) -> str:
 _DECIMAL = re.compile(r"\d\.\d")
 
 
-def _about(answer: Answer) -> str:
+def _about(answer: Json) -> str:
     """What the bounds are about: whose polynomial the program evaluates."""
     different = answer["differences_from_definition"]
     if different:
@@ -162,7 +162,7 @@ def _about(answer: Answer) -> str:
     )
 
 
-def _at_text(at: Answer) -> str:
+def _at_text(at: Json) -> str:
     rows = [["", "|dq| per |q|", "|dq| per |v|", "|dv| per |q|", "|dv| per |v|"]]
     rows += [[label, *(_with_unit(x) for x in at[name])] for name, label in ROWS.items() if name in at]
     step = at["per_step"]
@@ -170,7 +170,7 @@ def _at_text(at: Answer) -> str:
     return f"At h = {at['h']}, {growth}\n{table(rows, right=(1, 2, 3, 4))}"
 
 
-def budget_text(budget: Answer) -> str:
+def budget_text(budget: Json) -> str:
     """The error budget of `driftproof run --budget`, under the certified answers."""
     bound = budget["bound"]
     proved = _with_unit(bound["in_u"]) if bound["value"] else f"none: {bound['reason']}"
@@ -184,5 +184,5 @@ def budget_text(budget: Answer) -> str:
     return f"Budget of the binary64 run with h = {budget['h_run']}\n\n{table(rows)}"
 
 
-def _with_unit(x: Answer) -> str:
+def _with_unit(x: Json) -> str:
     return f"{x['decimal']} {x['unit']}"

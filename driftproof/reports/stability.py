@@ -17,14 +17,14 @@ from driftproof.numeric.clock import clock
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.stability import Observed, fewest_steps, largest_bounded, observe, size, stays_bounded
 from driftproof.numeric.work_precision.exact import distance
-from driftproof.support.plain_text import table, with_digits
+from driftproof.support.plain_text import Json, table, with_digits
 from driftproof.symbolic.algebra.certified import HALF_EVEN, Exact, enclose, significant
 from driftproof.symbolic.facts import Facts
 from driftproof.symbolic.linear.conjugate_pairs import UndecidedLimitError
 from driftproof.symbolic.linear.oscillator import stability_function_of
 from driftproof.symbolic.linear.systems import SYSTEM_FACTS, SystemFacts
 from driftproof.symbolic.linear.verdicts import bounded_at, factor_at, largest_eigenvalue
-from driftproof.texts.writing.answers import Answer, number
+from driftproof.texts.writing.answers import number
 from driftproof.texts.writing.records import record
 
 # Goes over the methods, with a progress bar perhaps.
@@ -43,7 +43,7 @@ _FOLLOWS = 0.1
 _LOST = 1e6
 
 
-def stability_answer(problem: Problem, names: Sequence[str], sizes: Sequence[Fraction], walk: Walk = iter) -> Answer:
+def stability_answer(problem: Problem, names: Sequence[str], sizes: Sequence[Fraction], walk: Walk = iter) -> Json:
     """{"problem", "title", "linear", "size", "methods": [...]}, one entry a method; numbers are strings.
 
     `sizes` are step sizes that divide t; without them runs of _SHOWN steps are shown. On a linear problem, per method:
@@ -63,7 +63,7 @@ def stability_answer(problem: Problem, names: Sequence[str], sizes: Sequence[Fra
     }
 
 
-def _method_answer(problem: Problem, method: Method, counts: Sequence[int]) -> Answer:
+def _method_answer(problem: Problem, method: Method, counts: Sequence[int]) -> Json:
     """One method, or the reason why it does not apply."""
     header = {"method": method.key, "title": method.title}
     try:
@@ -86,7 +86,7 @@ def behaviour(method: Method, problem: Problem) -> str:
     return next((name for name in known if name in problem.expected), "explicit" if method.explicit else "implicit")
 
 
-def _linear_part(problem: Problem, found: SystemFacts, runs: Advance) -> Answer:
+def _linear_part(problem: Problem, found: SystemFacts, runs: Advance) -> Json:
     components = len(problem.start)
     norm = max(sum(abs(x) for x in row) for row in found.rows)
     low, high = largest_bounded(lambda h: stays_bounded(runs, components, h), 1 / float(norm))
@@ -100,7 +100,7 @@ def _linear_part(problem: Problem, found: SystemFacts, runs: Advance) -> Answer:
     }
 
 
-def _nonlinear_part(problem: Problem, method: Method, runs: Advance) -> Answer:
+def _nonlinear_part(problem: Problem, method: Method, runs: Advance) -> Json:
     start, extent = float_start(problem), solution_size(problem)
 
     def follows(steps: int) -> bool:
@@ -112,7 +112,7 @@ def _nonlinear_part(problem: Problem, method: Method, runs: Advance) -> Answer:
     return {"fewest_steps": fewest_steps(follows, most), "looked_up_to": most}
 
 
-def _run_answer(problem: Problem, runs: Advance, found: SystemFacts | None, steps: int) -> Answer:
+def _run_answer(problem: Problem, runs: Advance, found: SystemFacts | None, steps: int) -> Json:
     h = clock(problem.t, steps).h
     seen = observe(runs, float_start(problem), h, steps)
     error = error_of(problem, seen) if seen.failed_after is None else inf
@@ -128,7 +128,7 @@ def _run_answer(problem: Problem, runs: Advance, found: SystemFacts | None, step
     }
 
 
-def _proved_at(found: SystemFacts, h: Fraction) -> Answer:
+def _proved_at(found: SystemFacts, h: Fraction) -> Json:
     """Boundedness at exactly the h that is run, and the factor per step of the eigenvalue that is largest in size."""
     try:
         bounded: bool | str = bounded_at(found, h)
@@ -157,7 +157,7 @@ def solution_size(problem: Problem) -> float:
     return max(size(float_start(problem)), *(distance(origin, state) for state in problem.reference.states))
 
 
-def stability_text(answer: Answer) -> str:
+def stability_text(answer: Json) -> str:
     """The answer as tables: how far steps stay stable, then each run, then what is expected."""
     applying = [entry for entry in answer["methods"] if "refused" not in entry]
     parts = [answer["title"]]
@@ -169,7 +169,7 @@ def stability_text(answer: Answer) -> str:
     return "\n\n".join(part for part in parts if part)
 
 
-def _limits_text(answer: Answer, entries: Sequence[Answer]) -> str:
+def _limits_text(answer: Json, entries: Sequence[Json]) -> str:
     if not answer["linear"]:
         rows = [["method", "follows from N =", "looked up to N ="]]
         for entry in entries:
@@ -183,7 +183,7 @@ def _limits_text(answer: Answer, entries: Sequence[Answer]) -> str:
     return f"The steps h whose powers stay bounded\n\n{table(rows)}\n\n{note}"
 
 
-def _limit_text(entry: Answer) -> str:
+def _limit_text(entry: Json) -> str:
     limit = entry["limit"]
     if limit in ("0", "oo"):
         return {"0": "no h > 0", "oo": "every h > 0"}[limit]
@@ -200,14 +200,14 @@ def _cut(digits: str) -> str:
     return digits if len(digits) <= 12 else f"{digits[:12]}..."
 
 
-def _seen_text(seen: Answer) -> str:
+def _seen_text(seen: Json) -> str:
     low, high = float(seen["bounded"]), float(seen["grows"])
     if high == float("inf"):
         return f"up to {with_digits(low, 4)}, the largest tried"
     return f"up to {with_digits(low, 10)}" if low else f"growth at {with_digits(high, 4)}, the smallest tried"
 
 
-def _runs_text(answer: Answer, entries: Sequence[Answer]) -> str:
+def _runs_text(answer: Json, entries: Sequence[Json]) -> str:
     head = ["method", "h", "steps", *(["bounded?", "factor"] if answer["linear"] else []), "the run to t"]
     rows = [head]
     for entry in entries:
@@ -221,7 +221,7 @@ def _runs_text(answer: Answer, entries: Sequence[Answer]) -> str:
     return f"{table(rows, right=(2,))}\n\n{notes}"
 
 
-def _factor_text(run: Answer) -> str:
+def _factor_text(run: Json) -> str:
     """The decimal, or by how much the factor is not 1 where the decimal does not say."""
     decimal, rest = run["factor"]["decimal"], run["factor_less_one"]
     if rest is None or Fraction(decimal) != 1:
@@ -233,7 +233,7 @@ def _verdict(bounded: bool | str) -> str:
     return {True: "yes", False: "no"}[bounded] if isinstance(bounded, bool) else "not decided"
 
 
-def _outcome(run: Answer) -> str:
+def _outcome(run: Json) -> str:
     if run["failed_after"] is not None:
         return f"ends at step {run['failed_after']}: {run['remark']}"
     if run["error"] is None:
@@ -242,7 +242,7 @@ def _outcome(run: Answer) -> str:
     return f"{error}, more than the solution: lost" if run["lost"] else error
 
 
-def _expected_text(entries: Sequence[Answer]) -> str:
+def _expected_text(entries: Sequence[Json]) -> str:
     told: dict[str, list[str]] = {}
     for entry in entries:
         if entry["expected"]:
@@ -251,7 +251,7 @@ def _expected_text(entries: Sequence[Answer]) -> str:
     return "Expected\n\n" + "\n".join(lines) if lines else ""
 
 
-def problems_json(problems: Iterable[Problem]) -> list[Answer]:
+def problems_json(problems: Iterable[Problem]) -> list[Json]:
     """The problems: key, title, and whether linear, stiff or q'' = F(q)."""
     return [
         {
@@ -265,7 +265,7 @@ def problems_json(problems: Iterable[Problem]) -> list[Answer]:
     ]
 
 
-def problems_text(listed: Sequence[Answer]) -> str:
+def problems_text(listed: Sequence[Json]) -> str:
     """What `problems_json` lists, as a table."""
     names = {"linear": "linear", "stiff": "stiff", "second_order": "q'' = F(q)"}
     rows = [["problem", "kind", "title"]]

@@ -6,8 +6,8 @@ import sys
 import pytest
 
 import driftproof
-from driftproof.methods.families import method_of
 from driftproof.methods.systems import parse_system
+from driftproof.methods.tableau_file import method_of
 from driftproof.symbolic.linear.systems import SYSTEM_FACTS
 
 DAMPED = "0 1; -1 -1/10"

@@ -24,7 +24,7 @@ from driftproof.support.toml_tables import (
     read_toml,
 )
 from driftproof.texts.claims.phrases import MOST_DECIMALS, NumberForm, Phrase
-from driftproof.texts.questions.style import ROUNDINGS
+from driftproof.texts.questions.decimals import ROUNDING_POLICIES
 from driftproof.texts.readers.canonical import canonical_text
 from driftproof.texts.readers.document import READERS
 from driftproof.texts.readers.numbers import numbers_in
@@ -208,5 +208,5 @@ def _form(entry: Table) -> NumberForm:
         as_whole(entry["places"], "places", 0, MOST_DECIMALS) if "places" in entry else None,
         as_whole(entry["digits"], "digits", 1, MOST_DECIMALS) if "digits" in entry else None,
         as_flag(entry.get("exact", False), "exact"),
-        as_choice(entry["rounding"], "rounding", ROUNDINGS) if "rounding" in entry else None,
+        as_choice(entry["rounding"], "rounding", ROUNDING_POLICIES) if "rounding" in entry else None,
     )

@@ -17,7 +17,7 @@ from driftproof.texts.readers.canonical import canonical_text
 from driftproof.texts.readers.numbers import numbers_in
 
 if TYPE_CHECKING:
-    from driftproof.texts.questions.value import Value
+    from driftproof.texts.questions.answer import Answer
 
 LONGEST_PHRASE = 400
 MOST_VALUES = 20
@@ -52,13 +52,13 @@ class NumberForm:
     exact: bool = False
     rounding: str | None = None
 
-    def spellings(self, value: Value) -> list[str]:
+    def spellings(self, value: Answer) -> list[str]:
         """Every way to write the value so, in canonical spelling, the plainest first.
 
         Raises ValueError for a number that cannot be written so: an irrational one in full, a tie between two policies
         of rounding.
         """
-        from driftproof.texts.questions.style import Style
+        from driftproof.texts.questions.decimals import Style
 
         style, x = Style(rounding=self.rounding), value.exact
         if not value.is_number or self.exact:
@@ -72,7 +72,7 @@ class NumberForm:
         raise ValueError("the value has no decimal that ends; say places, digits or exact")
 
 
-def _exact_spellings(value: Value) -> list[str]:
+def _exact_spellings(value: Answer) -> list[str]:
     """3/8, or a formula: as on paper, or with * and ** as in a program."""
     text = value.exact_text
     if text is None:

@@ -124,7 +124,7 @@ def _given(pattern: re.Pattern[str], text: str, default: Iterable[str]) -> list[
 def _known(question: str, published: bool) -> _Known | None:
     """The value, None where it is no number, or the method has none."""
     from driftproof.texts.questions.ask import value
-    from driftproof.texts.questions.style import HALF_EVEN, Style
+    from driftproof.texts.questions.decimals import HALF_EVEN, Style
 
     try:
         answer = value(question)

@@ -12,37 +12,37 @@ from flint import arb
 from driftproof.methods.number_field import Algebraic, cube_root, square_root
 from driftproof.symbolic.algebra.certified import LARGEST_EXPONENT, Exact, enclose, sign
 from driftproof.symbolic.algebra.radicals import perfect_part
-from driftproof.texts.questions.value import CERTIFIED, EVIDENCE, Value
+from driftproof.texts.questions.answer import CERTIFIED, EVIDENCE, Answer
 
 PERCENT = "%"
 # Roots that are kept exact: degree -> the root of an integer that is no power of this degree.
 FIELDS = {2: square_root, 3: cube_root}
 
 
-def add(a: Value, b: Value) -> Value:
+def add(a: Answer, b: Answer) -> Answer:
     """a + b. Raises ValueError for two different units; a number without a unit takes the other's."""
     return replace(_combined(a, b, lambda x, y: x + y), unit=_common_unit(a, b))
 
 
-def subtract(a: Value, b: Value) -> Value:
+def subtract(a: Answer, b: Answer) -> Answer:
     """a - b, units as in a sum."""
     return replace(_combined(a, b, lambda x, y: x - y), unit=_common_unit(a, b))
 
 
-def _common_unit(a: Value, b: Value) -> str | None:
+def _common_unit(a: Answer, b: Answer) -> str | None:
     if a.unit and b.unit and a.unit != b.unit:
         raise ValueError(f"{a.unit} and {b.unit} do not add")
     return a.unit or b.unit
 
 
-def multiply(a: Value, b: Value) -> Value:
+def multiply(a: Answer, b: Answer) -> Answer:
     """a b. Raises ValueError where both have a unit."""
     if a.unit and b.unit:
         raise ValueError(f"{a.unit} times {b.unit} has no unit of its own")
     return replace(_combined(a, b, lambda x, y: x * y), unit=a.unit or b.unit)
 
 
-def divide(a: Value, b: Value) -> Value:
+def divide(a: Answer, b: Answer) -> Answer:
     """a / b, without a unit where both have the same. Raises ValueError for b = 0 and for another unit below."""
     if b.unit and a.unit != b.unit:
         raise ValueError(f"{a.unit or 'a number without a unit'} over {b.unit} has no unit of its own")
@@ -51,13 +51,13 @@ def divide(a: Value, b: Value) -> Value:
     return replace(_combined(a, b, lambda x, y: x / y), unit=None if b.unit else a.unit)
 
 
-def negate(a: Value) -> Value:
+def negate(a: Answer) -> Answer:
     """-a."""
     x = number(a)
-    return Value("", (lambda: -enclose(x)) if callable(x) else -x, a.evidence, a.unit)
+    return Answer("", (lambda: -enclose(x)) if callable(x) else -x, a.evidence, a.unit)
 
 
-def power(a: Value, exponent: Fraction) -> Value:
+def power(a: Answer, exponent: Fraction) -> Answer:
     """a**exponent, exact for a whole exponent and where a root is rational.
 
     Raises ValueError for 0 to a power below 0, a root of a number below 0, a number with a unit, a power too long.
@@ -71,25 +71,25 @@ def power(a: Value, exponent: Fraction) -> Value:
         return _root(power(a, Fraction(exponent.numerator)), exponent.denominator)
     n = int(exponent)
     if callable(x):
-        return Value("", lambda: enclose(x) ** n, a.evidence, a.unit)
+        return Answer("", lambda: enclose(x) ** n, a.evidence, a.unit)
     if _bits(x) * abs(n) > LARGEST_EXPONENT:
         raise ValueError(f"the power is too long to write out: more than {LARGEST_EXPONENT} bits")
-    return Value("", _short(x**n), a.evidence, a.unit)
+    return Answer("", _short(x**n), a.evidence, a.unit)
 
 
-def number(a: Value) -> Exact:
+def number(a: Answer) -> Exact:
     """The number that a is. Raises ValueError for a formula and for a word."""
     if a.exact is None:
         raise ValueError(f"{a.exact_text} is no number")
     return a.exact
 
 
-def absolute(a: Value) -> Value:
+def absolute(a: Answer) -> Answer:
     """|a|."""
     return negate(a) if sign(number(a)) < 0 else a
 
 
-def _root(a: Value, degree: int) -> Value:
+def _root(a: Answer, degree: int) -> Answer:
     """The root of this degree: exact where it is rational or in one of FIELDS, else enclosed."""
     x = _pure(a)
     if sign(x) < 0:
@@ -100,11 +100,11 @@ def _root(a: Value, degree: int) -> Value:
         split = perfect_part(x.numerator * x.denominator ** (degree - 1), degree)
         if split is not None and (split[1] == 1 or degree in FIELDS):
             outer, inner = split
-            return Value("", Fraction(outer, x.denominator) * (FIELDS[degree](inner) if inner > 1 else 1), a.evidence)
+            return Answer("", Fraction(outer, x.denominator) * (FIELDS[degree](inner) if inner > 1 else 1), a.evidence)
     return _enclosed(a, arb.sqrt if degree == 2 else lambda ball: ball ** (arb(1) / degree))
 
 
-def logarithm(a: Value, base: int) -> Value:
+def logarithm(a: Answer, base: int) -> Answer:
     """The logarithm to the base 2 or 10, rational where a is a power of it. Raises ValueError unless a > 0."""
     x = _pure(a)
     if sign(x) <= 0:
@@ -115,35 +115,35 @@ def logarithm(a: Value, base: int) -> Value:
         guess = size.bit_length() - 1 if base == 2 else (size.bit_length() - 1) * 30103 // 100000
         for exponent in (guess, guess + 1):
             if base**exponent == size:
-                return Value("", Fraction(exponent if x >= 1 else -exponent), a.evidence)
+                return Answer("", Fraction(exponent if x >= 1 else -exponent), a.evidence)
     return _enclosed(a, lambda ball: ball.log() / arb(base).log())
 
 
-def cosine(a: Value) -> Value:
+def cosine(a: Answer) -> Answer:
     """cos a, a in radians."""
-    return Value("", Fraction(1), a.evidence) if _pure(a) == 0 else _enclosed(a, arb.cos, "cos")
+    return Answer("", Fraction(1), a.evidence) if _pure(a) == 0 else _enclosed(a, arb.cos, "cos")
 
 
-def sine(a: Value) -> Value:
+def sine(a: Answer) -> Answer:
     """sin a, a in radians."""
     return a if _pure(a) == 0 else _enclosed(a, arb.sin, "sin")
 
 
-def ratio(a: Value, b: Value) -> Value:
+def ratio(a: Answer, b: Answer) -> Answer:
     """|a| / |b|: how many times larger a is."""
     return divide(absolute(a), absolute(b))
 
 
-def percent(a: Value, b: Value) -> Value:
+def percent(a: Answer, b: Answer) -> Answer:
     """100 a / b, in percent."""
     found = divide(a, b)
     if found.unit:
         raise ValueError(f"percent compares two numbers of one unit; {found.unit} is left")
-    return replace(multiply(Value("", Fraction(100)), found), unit=PERCENT)
+    return replace(multiply(Answer("", Fraction(100)), found), unit=PERCENT)
 
 
 # Name -> the function, and how many numbers it takes.
-FUNCTIONS: dict[str, tuple[Callable[..., Value], int]] = {
+FUNCTIONS: dict[str, tuple[Callable[..., Answer], int]] = {
     "abs": (absolute, 1),
     "sqrt": (lambda a: _root(a, 2), 1),
     "log2": (lambda a: logarithm(a, 2), 1),
@@ -155,29 +155,29 @@ FUNCTIONS: dict[str, tuple[Callable[..., Value], int]] = {
 }
 
 
-def _pure(a: Value) -> Exact:
+def _pure(a: Answer) -> Exact:
     """The number. Raises ValueError where it has a unit."""
     if a.unit:
         raise ValueError(f"a function of {a.unit} is not defined; divide by a number with that unit first")
     return number(a)
 
 
-def _enclosed(a: Value, function: Callable[[arb], arb], name: str | None = None) -> Value:
+def _enclosed(a: Answer, function: Callable[[arb], arb], name: str | None = None) -> Answer:
     x = number(a)
     form = f"{name}({a.exact_text})" if name and isinstance(x, Fraction) else None
-    return Value("", lambda: function(enclose(x)), CERTIFIED, form=form)
+    return Answer("", lambda: function(enclose(x)), CERTIFIED, form=form)
 
 
-def _combined(a: Value, b: Value, operation: Callable[[Any, Any], Any]) -> Value:
+def _combined(a: Answer, b: Answer, operation: Callable[[Any, Any], Any]) -> Answer:
     """The operation in exact arithmetic, in balls where one of the two is a procedure or the fields differ."""
     x, y = number(a), number(b)
     evidence = max(a.evidence, b.evidence, key=EVIDENCE.index)
     if not (callable(x) or callable(y)):
         try:
-            return Value("", _short(operation(x, y)), evidence)
+            return Answer("", _short(operation(x, y)), evidence)
         except TypeError:
             evidence = CERTIFIED
-    return Value("", lambda: operation(enclose(x), enclose(y)), evidence)
+    return Answer("", lambda: operation(enclose(x), enclose(y)), evidence)
 
 
 def _short(x: Exact) -> Exact:

@@ -7,14 +7,14 @@ from dataclasses import replace
 from difflib import get_close_matches
 from functools import lru_cache
 
+from driftproof.texts.questions.answer import Answer
 from driftproof.texts.questions.errors import QuestionError, refused_at
 from driftproof.texts.questions.parser import parse
 from driftproof.texts.questions.syntax import Asked, Call, Chain, Negated, Node, Number, Power, Published
-from driftproof.texts.questions.value import Value
 
 
 @lru_cache(maxsize=1024)
-def value(question: str) -> Value:
+def value(question: str) -> Answer:
     """The answer to a question of the language that docs/language.md describes, or the published value of that id.
 
     Raises QuestionError, one line with the column, for a question that has no answer. Nothing is evaluated as code.
@@ -22,12 +22,12 @@ def value(question: str) -> Value:
     return replace(_answer(parse(question), question), question=question)
 
 
-def _answer(node: Node, question: str) -> Value:
+def _answer(node: Node, question: str) -> Answer:
     from driftproof.texts.questions import arithmetic
 
     match node:
         case Number():
-            return Value("", node.value)
+            return Answer("", node.value)
         case Published():
             return _published(node, question)
         case Asked():
@@ -48,9 +48,9 @@ def _answer(node: Node, question: str) -> Value:
                 return arithmetic.power(base, node.exponent)
 
 
-def _published(node: Published, question: str) -> Value:
+def _published(node: Published, question: str) -> Answer:
     """The exact form of a published value is itself a question, of which the answer is enclosed to any length."""
-    from driftproof.texts.questions.published import as_printed
+    from driftproof.texts.questions.answer import as_printed
     from driftproof.texts.values.published import published_values
 
     entries = published_values()
@@ -68,11 +68,11 @@ def _unknown(name: str, ids: list[str]) -> str:
     return f"{name[:60]!r} is no id of a published value; {hint}`driftproof value --list` shows what can be asked"
 
 
-def _chain(node: Chain, question: str) -> Value:
+def _chain(node: Chain, question: str) -> Answer:
     """Sums and products, from the left."""
     from driftproof.texts.questions import arithmetic
 
-    operations: dict[str, Callable[[Value, Value], Value]] = {
+    operations: dict[str, Callable[[Answer, Answer], Answer]] = {
         "+": arithmetic.add,
         "-": arithmetic.subtract,
         "*": arithmetic.multiply,
@@ -86,7 +86,7 @@ def _chain(node: Chain, question: str) -> Value:
     return total
 
 
-def _call(node: Call, question: str) -> Value:
+def _call(node: Call, question: str) -> Answer:
     """A function of numbers."""
     from driftproof.texts.questions.arithmetic import FUNCTIONS
 

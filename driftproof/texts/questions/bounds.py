@@ -11,9 +11,9 @@ from driftproof.symbolic.rounding.n_steps import run_bound
 from driftproof.symbolic.rounding.sharp import sharp_bound
 from driftproof.symbolic.rounding.step import LinearBound, step_bound
 from driftproof.symbolic.rounding.trace import Subject
+from driftproof.texts.questions.answer import Answer
 from driftproof.texts.questions.asking import START, Asking
 from driftproof.texts.questions.errors import refused_at
-from driftproof.texts.questions.value import Value
 
 State = tuple[Fraction, Fraction]
 
@@ -27,7 +27,7 @@ OF_STATE = {"q": 0, "v": 1}
 GROWTH = "c"
 
 
-def bound(asking: Asking) -> Value:
+def bound(asking: Asking) -> Answer:
     """Answers `roundoff METHOD h=1/4 [sharp] [from q,v] : READOUT` with a number that bounds a rounding error, over u.
 
     qq, qv, vq and vv are the entries of E(h) in |dz| <= E(h)|z| + r(h); q and v are |dq| and |dv| from the start, r
@@ -41,7 +41,7 @@ def bound(asking: Asking) -> Value:
         if h == 0:
             raise ValueError("a step of size 0 goes nowhere; give a nonzero h")
         subject: Subject = HAND_WRITTEN.get(method.key) or method
-        return Value("", _bound(asking, subject, h) / BINARY64.u, unit="u", is_bound=True)
+        return Answer("", _bound(asking, subject, h) / BINARY64.u, unit="u", is_bound=True)
 
 
 def _bound(asking: Asking, subject: Subject, h: Fraction) -> Fraction:

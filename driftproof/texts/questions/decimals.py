@@ -1,20 +1,62 @@
-"""Exact numbers as decimals in a style: ties refused unless a policy is named, JavaScript's toFixed to the letter."""
+"""Exact numbers as decimals: rounding policies by name, ties refused where none is named, the sign and the exponent."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from dataclasses import dataclass
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
-from driftproof.symbolic.algebra.certified import Exact, fixed, settle, significant
-from driftproof.texts.questions.style import AWAY, HALF_AWAY, HALF_EVEN, TOFIXED, Style
+if TYPE_CHECKING:
+    from driftproof.symbolic.algebra.certified import Exact
 
+HYPHEN, MINUS = "-", "\N{MINUS SIGN}"
+E, TIMES_TEN = "e", "×10"
+HALF_EVEN, HALF_AWAY, TOFIXED, AWAY = "half-even", "half-away", "tofixed", "away"
+ROUNDING_POLICIES = (HALF_EVEN, HALF_AWAY, TOFIXED, AWAY)
+_SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 # Number.prototype.toFixed refuses more digits after the point (ecma-262-2025, 21.1.3.3).
 MOST_PLACES_OF_TOFIXED = 100
 # From here on toFixed writes an exponent.
 LARGEST_OF_TOFIXED = 10**21
 
-# (number, digits, rounding) -> text.
-Write = Callable[[Exact, int, str], str]
+
+@dataclass(frozen=True)
+class Style:
+    """`rounding`, one of ROUNDING_POLICIES or None for none named; `minus`, "-" or "−"; `exponent`, "e" or "×10".
+
+    half-even and half-away round to the nearest decimal and differ on ties, away rounds every number away from 0, and
+    tofixed does what JavaScript's toFixed and toPrecision do: it rounds the binary64 number nearest to the exact
+    value, a tie away from 0. With None the rounding is half-even, and a tie is refused. Raises ValueError for others.
+    """
+
+    rounding: str | None = None
+    minus: str = HYPHEN
+    exponent: str = E
+
+    def __post_init__(self) -> None:
+        """Refuse unknown names."""
+        for what, chosen, allowed in (
+            ("rounding", self.rounding, (None, *ROUNDING_POLICIES)),
+            ("minus", self.minus, (HYPHEN, MINUS)),
+            ("exponent", self.exponent, (E, TIMES_TEN)),
+        ):
+            if chosen not in allowed:
+                names = ", ".join(name for name in allowed if name is not None)
+                raise ValueError(f"{what}: {chosen!r} is unknown; choose one of {names}")
+
+    def written(self, decimal: str) -> str:
+        """A decimal such as "-6.7e-5" in this style, e.g. "−6.7×10⁻⁵"."""
+        mantissa, _, exponent = decimal.partition("e")
+        mantissa = mantissa.replace(HYPHEN, self.minus)
+        if not exponent:
+            return mantissa
+        if self.exponent == E:
+            return f"{mantissa}e{exponent.replace(HYPHEN, self.minus)}"
+        return f"{mantissa}×10{exponent.translate(_SUPERSCRIPTS)}"
+
+
+PLAIN = Style()
+PRINTED = Style(minus=MINUS, exponent=TIMES_TEN)
 
 
 class Tie(ValueError):
@@ -26,39 +68,40 @@ def to_digits(x: Exact, digits: int, style: Style, default: str | None = None) -
 
     Raises ValueError for a count below one, Tie, and Uncertified.
     """
-    if style.rounding == TOFIXED:
-        return style.written(significant(nearest_double(x), digits, HALF_AWAY))
-    return style.written(_rounded(significant, x, digits, style.rounding or default))
+    return _decimal("significant", x, digits, style, default)
 
 
 def to_places(x: Exact, places: int, style: Style, default: str | None = None) -> str:
     """x to so many digits after the point. Raises ValueError for a count below zero, Tie, and Uncertified."""
-    if style.rounding == TOFIXED:
-        return style.written(_to_fixed(nearest_double(x), places))
-    return style.written(_rounded(fixed, x, places, style.rounding or default))
+    return _decimal("fixed", x, places, style, default)
 
 
-def nearest_double(x: Exact) -> Fraction:
-    """The binary64 number nearest to x, as a fraction; 0 where x underflows. Raises ValueError where it overflows."""
-    try:
-        return settle(x, lambda y: Fraction(float(y)))
-    except OverflowError:
-        raise ValueError("the number is beyond the largest double, and toFixed is for doubles") from None
+def _decimal(form: str, x: Exact, count: int, style: Style, default: str | None) -> str:
+    from driftproof.symbolic.algebra import certified
 
-
-def _rounded(write: Write, x: Exact, count: int, rounding: str | None) -> str:
-    if rounding in (HALF_EVEN, HALF_AWAY, AWAY):
-        return write(x, count, rounding)
+    write = certified.fixed if form == "fixed" else certified.significant
+    rounding = style.rounding or default
+    if rounding == TOFIXED:
+        double = _nearest_double(x)
+        if form == "fixed" and (count > MOST_PLACES_OF_TOFIXED or abs(double) >= LARGEST_OF_TOFIXED):
+            raise ValueError(f"toFixed takes at most {MOST_PLACES_OF_TOFIXED} places, and numbers below 10**21")
+        # The sign is set aside first: "-0.00" for a negative number that rounds to 0.
+        size = write(abs(double), count, HALF_AWAY)
+        return style.written(f"-{size}" if double < 0 else size)
+    if rounding is not None:
+        return style.written(write(x, count, rounding))
     even = write(x, count, HALF_EVEN)
     # Irrational numbers lie on no tie; of an enclosed rational one, settle says that it is undecided.
     if isinstance(x, Fraction) and even != (away := write(x, count, HALF_AWAY)):
         raise Tie(f"the number is half-way: half-even gives {even}, half-away {away}; name a rounding")
-    return even
+    return style.written(even)
 
 
-def _to_fixed(x: Fraction, places: int) -> str:
-    """x.toFixed(places) of a double x: half-away, "-0.00" for a negative number that rounds to 0."""
-    if places > MOST_PLACES_OF_TOFIXED or abs(x) >= LARGEST_OF_TOFIXED:
-        raise ValueError(f"toFixed takes at most {MOST_PLACES_OF_TOFIXED} places, and numbers below 10**21")
-    text = fixed(abs(x), places, HALF_AWAY)
-    return f"-{text}" if x < 0 else text
+def _nearest_double(x: Exact) -> Fraction:
+    """The binary64 number nearest to x, as a fraction; 0 where x underflows. Raises ValueError where it overflows."""
+    from driftproof.symbolic.algebra.certified import settle
+
+    try:
+        return settle(x, lambda y: Fraction(float(y)))
+    except OverflowError:
+        raise ValueError("the number is beyond the largest double, and toFixed is for doubles") from None

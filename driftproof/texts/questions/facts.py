@@ -23,9 +23,9 @@ from driftproof.symbolic.linear.limits import Infinity
 from driftproof.symbolic.linear.phase import LeadingTerm
 from driftproof.symbolic.linear.sector import Angle
 from driftproof.symbolic.linear.sector_enclosure import EnclosedTangent
+from driftproof.texts.questions.answer import CERTIFIED, COUNTED, PROVED, STATED, Answer
 from driftproof.texts.questions.asking import HEADS, Asking
 from driftproof.texts.questions.errors import refused_at
-from driftproof.texts.questions.value import CERTIFIED, COUNTED, PROVED, STATED, Value
 from driftproof.texts.writing.records import Formula, parts
 from driftproof.texts.writing.tex import fact_tex
 from driftproof.texts.writing.text import fact_text
@@ -37,7 +37,7 @@ EVIDENCE = {"stages": COUNTED} | dict.fromkeys(("method", "title", "family", "so
 WITH_POWER = ("dispersion", "dissipation")
 
 
-def fact(asking: Asking) -> Value:
+def fact(asking: Asking) -> Answer:
     """Answers `FACT METHOD [at VALUE] [h=1/4] [: PART]`. Raises QuestionError, also where there is no such fact."""
     name = asking.head
     if name not in NAMES:
@@ -78,7 +78,7 @@ def _part(asking: Asking, found: Any, key: str) -> tuple[str, Any]:
     return name, found.coefficient if isinstance(found, LeadingTerm) else found
 
 
-def _answer(asking: Asking, name: str, found: Any) -> Value:
+def _answer(asking: Asking, name: str, found: Any) -> Answer:
     """A number or a formula where it is one, else words; a function has a value where its variable is set."""
     function = found.function if isinstance(found, Formula) else found
     if isinstance(function, ExactFunction):
@@ -90,10 +90,10 @@ def _answer(asking: Asking, name: str, found: Any) -> Value:
     if number is not None:
         return replace(number, evidence=EVIDENCE[name]) if name in EVIDENCE else number
     if isinstance(found, Formula):
-        return Value("", None, form=found.text)
+        return Answer("", None, form=found.text)
     if isinstance(found, PowerSeries):
-        return Value("", None, form=polynomial_text(polynomial(found.coefficients), found.variable))
-    return Value("", None, EVIDENCE.get(name, PROVED), form=fact_text(found), words=fact_tex(found))
+        return Answer("", None, form=polynomial_text(polynomial(found.coefficients), found.variable))
+    return Answer("", None, EVIDENCE.get(name, PROVED), form=fact_text(found), words=fact_tex(found))
 
 
 def _at_setting(asking: Asking, f: ExactFunction) -> Any:
@@ -107,7 +107,7 @@ def _at_setting(asking: Asking, f: ExactFunction) -> Any:
         raise ValueError(f"{asking.head} has a pole at {f.variable} = {number and number.value}") from None
 
 
-def _quadratic(asking: Asking, form: Quadratic) -> Value:
+def _quadratic(asking: Asking, form: Quadratic) -> Answer:
     """The conserved quadratic: a formula in h, q and v, or its value at h and a state."""
     asking.demand_only("h", start=True)
     h, polynomials = asking.asked.settings.get("h"), form.coefficients
@@ -115,13 +115,13 @@ def _quadratic(asking: Asking, form: Quadratic) -> Value:
         polynomials = tuple(polynomial([exact(evaluate(p, scalar(h.value)))]) for p in polynomials)
     if asking.asked.start is None:
         terms = zip(polynomials, ("q**2", "q*v", "v**2"), strict=True)
-        return Value("", None, form=sum_text(_times(p, monomial) for p, monomial in terms if p != 0))
+        return Answer("", None, form=sum_text(_times(p, monomial) for p, monomial in terms if p != 0))
     if h is None:
         raise ValueError("the value of the invariant at a state needs h, as in h=1/2 from 1,0")
     q, v = asking.start
     monomials = (q * q, q * v, v * v)
     found = sum(exact(p[0]) * x for p, x in zip(polynomials, monomials, strict=True))
-    return of_number(found) or Value("", None)
+    return of_number(found) or Answer("", None)
 
 
 def _times(p: Polynomial, monomial: str) -> str:
@@ -134,20 +134,20 @@ def _times(p: Polynomial, monomial: str) -> str:
     return polynomial_text(polynomial([0, c]), power + monomial)
 
 
-def of_number(x: Any) -> Value | None:
+def of_number(x: Any) -> Answer | None:
     """A number of any kind that facts consist of, with its radicals where it has some; oo is no number."""
     if isinstance(x, Infinity):
-        return Value("", None, form="oo")
+        return Answer("", None, form="oo")
     if isinstance(x, Angle):
-        return Value("", x.exact, CERTIFIED if callable(x.exact) else PROVED, "degrees")
+        return Answer("", x.exact, CERTIFIED if callable(x.exact) else PROVED, "degrees")
     if isinstance(x, EnclosedTangent):
-        return Value("", x.ball, CERTIFIED)
+        return Answer("", x.ball, CERTIFIED)
     if isinstance(x, RealRoot) and x.rational is None:
         form = radical_form(x)
         # In its quadratic field where it lies in one, so that arithmetic with it stays exact.
-        return Value("", parse_number(form, "root") if form and len(x.minimal) == 3 else x.ball, form=form)
+        return Answer("", parse_number(form, "root") if form and len(x.minimal) == 3 else x.ball, form=form)
     if isinstance(x, RealRoot):
-        return Value("", x.rational)
+        return Answer("", x.rational)
     if isinstance(x, Algebraic):
-        return Value("", x.as_fraction() if x.is_rational else x)
-    return Value("", Fraction(x)) if isinstance(x, int | Fraction) and not isinstance(x, bool) else None
+        return Answer("", x.as_fraction() if x.is_rational else x)
+    return Answer("", Fraction(x)) if isinstance(x, int | Fraction) and not isinstance(x, bool) else None

@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from fractions import Fraction
 
+from driftproof.texts.questions.answer import Answer
 from driftproof.texts.questions.asking import HEADS, Asking
 from driftproof.texts.questions.errors import QuestionError, refused_at
 from driftproof.texts.questions.syntax import Asked
-from driftproof.texts.questions.value import Value
 
 
-def answer(asked: Asked, question: str) -> Value:
+def answer(asked: Asked, question: str) -> Answer:
     """The answer to what is asked in the question. Raises QuestionError."""
     return _ANSWERS.get(asked.head.text, _fact)(Asking(asked, question))
 
 
-def _exact(asking: Asking) -> Value:
+def _exact(asking: Asking) -> Answer:
     """Answers `exact t=10 [from q,v] : READOUT`."""
     from driftproof.texts.questions.runs import EXACT_READOUTS, ExactFlow
 
@@ -27,14 +27,14 @@ def _exact(asking: Asking) -> Value:
     return asking.readout(EXACT_READOUTS)(ExactFlow(asking.setting("t", "t=10"), asking.start))
 
 
-def _step(asking: Asking) -> Value:
+def _step(asking: Asking) -> Answer:
     """Answers `step METHOD h=1/2 [N=3] [from q,v] : READOUT [UNIT]`."""
     asking.demand_only("h", "N", start=True, readout=True, unit=True)
     h = asking.setting("h", "h=1/2")
     return _of_run(asking, h, h * (_whole_number(asking) if "N" in asking.asked.settings else 1))
 
 
-def _run(asking: Asking) -> Value:
+def _run(asking: Asking) -> Answer:
     """Answers `run METHOD h=1/4 t=10 [from q,v] : READOUT [UNIT]`, with any two of h, t and N."""
     asking.demand_only("h", "t", "N", start=True, readout=True, unit=True)
     given = {name: number.value for name, number in asking.asked.settings.items()}
@@ -53,7 +53,7 @@ def _whole_number(asking: Asking) -> int:
     return int(n.value)
 
 
-def _of_run(asking: Asking, h: Fraction, t: Fraction) -> Value:
+def _of_run(asking: Asking, h: Fraction, t: Fraction) -> Answer:
     from driftproof.texts.questions.runs import ANGLES, READOUTS, UNITS, in_unit, run_of, slope
 
     method, readout, unit = asking.method(), asking.asked.readout, asking.asked.unit
@@ -72,16 +72,16 @@ def _of_run(asking: Asking, h: Fraction, t: Fraction) -> Value:
         return found if unit is None else in_unit(found, UNITS[unit.text])
 
 
-def _roundoff(asking: Asking) -> Value:
+def _roundoff(asking: Asking) -> Answer:
     from driftproof.texts.questions.bounds import bound
 
     return bound(asking)
 
 
-def _fact(asking: Asking) -> Value:
+def _fact(asking: Asking) -> Answer:
     from driftproof.texts.questions.facts import fact
 
     return fact(asking)
 
 
-_ANSWERS: dict[str, Callable[[Asking], Value]] = dict(zip(HEADS, (_step, _run, _exact, _roundoff), strict=True))
+_ANSWERS: dict[str, Callable[[Asking], Answer]] = dict(zip(HEADS, (_step, _run, _exact, _roundoff), strict=True))

@@ -12,8 +12,10 @@ from flint import arb
 from driftproof.methods.number_field import Exact as Coefficient
 from driftproof.methods.schemes import Method, RungeKutta
 from driftproof.symbolic.algebra.certified import Exact, enclose
+from driftproof.symbolic.algebra.polynomials import polynomial
+from driftproof.symbolic.algebra.text import polynomial_text, sum_text
 from driftproof.symbolic.runs import OscillatorRun, exact_flow
-from driftproof.texts.questions.value import CERTIFIED, COUNTED, PROVED, Value
+from driftproof.texts.questions.answer import CERTIFIED, COUNTED, PROVED, Answer
 
 State = tuple[Fraction, Fraction]
 
@@ -30,50 +32,35 @@ class ExactFlow:
     start: State
 
 
-def _exact_component(flow: ExactFlow, index: int) -> Value:
+def _exact_component(flow: ExactFlow, index: int) -> Answer:
     (q, v), t = flow.start, flow.t
     of_cosine, of_sine = ((q, v), (v, -q))[index]
     if t == 0 or not any(flow.start):
-        return Value("", of_cosine)
-    form = _combination({f"cos({t})": of_cosine, f"sin({t})": of_sine})
-    return Value("", lambda: exact_flow(flow.start, t)[index], CERTIFIED, form=form)
+        return Answer("", of_cosine)
+    terms = ((of_cosine, f"cos({t})"), (of_sine, f"sin({t})"))
+    form = sum_text(polynomial_text(polynomial([0, c]), name) for c, name in terms if c)
+    return Answer("", lambda: exact_flow(flow.start, t)[index], CERTIFIED, form=form)
 
 
-def _combination(terms: dict[str, Fraction]) -> str:
-    """Σ coefficient*name in SymPy's syntax, zeros left out."""
-    text = ""
-    for name, x in terms.items():
-        if x:
-            size = "" if abs(x.numerator) == 1 else f"{abs(x.numerator)}*"
-            over = "" if x.denominator == 1 else f"/{x.denominator}"
-            plus, minus = (" + ", " - ") if text else ("", "-")
-            text += f"{plus if x > 0 else minus}{size}{name}{over}"
-    return text
-
-
-def _energy(q: Fraction, v: Fraction) -> Fraction:
-    return (q * q + v * v) / 2
-
-
-EXACT_READOUTS: dict[str, Callable[[ExactFlow], Value]] = {
+EXACT_READOUTS: dict[str, Callable[[ExactFlow], Answer]] = {
     "q": lambda flow: _exact_component(flow, 0),
     "v": lambda flow: _exact_component(flow, 1),
-    "energy": lambda flow: Value("", _energy(*flow.start)),
+    "energy": lambda flow: Answer("", (flow.start[0] ** 2 + flow.start[1] ** 2) / 2),
 }
 
 
-def _of(x: Exact | None) -> Value:
-    return Value("", x, CERTIFIED if callable(x) else PROVED)
+def _of(x: Exact | None) -> Answer:
+    return Answer("", x, CERTIFIED if callable(x) else PROVED)
 
 
-def _phase_error(run: OscillatorRun) -> Value:
+def _phase_error(run: OscillatorRun) -> Answer:
     found = run.phase_error
     if found is None:
         raise ValueError("the phase error is undefined, as a state is the origin")
-    return Value("", found, CERTIFIED if callable(found) else PROVED, DEGREES)
+    return Answer("", found, CERTIFIED if callable(found) else PROVED, DEGREES)
 
 
-def _evaluations(run: OscillatorRun) -> Value:
+def _evaluations(run: OscillatorRun) -> Answer:
     """Calls of the acceleration, counted on a real step; only where the method says by itself how many it makes."""
     from driftproof.methods.catalogue import METHODS
     from driftproof.methods.problems import oscillator
@@ -86,10 +73,10 @@ def _evaluations(run: OscillatorRun) -> Value:
     force = CountedForce(oscillator)
     step = float_stepper(method.key) if method.key in METHODS else stepper(method, float)
     step(force, 1.0, 0.0, 1.0)
-    return Value("", Fraction(run.steps * force.calls), COUNTED)
+    return Answer("", Fraction(run.steps * force.calls), COUNTED)
 
 
-READOUTS: dict[str, Callable[[OscillatorRun], Value]] = {
+READOUTS: dict[str, Callable[[OscillatorRun], Answer]] = {
     "q": lambda run: _of(run.final_state[0]),
     "v": lambda run: _of(run.final_state[1]),
     "energy": lambda run: _of(run.energy),
@@ -98,16 +85,16 @@ READOUTS: dict[str, Callable[[OscillatorRun], Value]] = {
     "phase_error": _phase_error,
     "exact.q": lambda run: _exact_component(ExactFlow(run.t, run.start), 0),
     "exact.v": lambda run: _exact_component(ExactFlow(run.t, run.start), 1),
-    "steps": lambda run: Value("", Fraction(run.steps), PROVED),
+    "steps": lambda run: Answer("", Fraction(run.steps), PROVED),
     "evaluations": _evaluations,
-    "h": lambda run: Value("", run.h),
-    "t": lambda run: Value("", run.t),
+    "h": lambda run: Answer("", run.h),
+    "t": lambda run: Answer("", run.t),
 }
 ANGLES = ("phase_error",)
 _SLOPE = re.compile(r"k([1-9][0-9]{0,2})\.([qv])")
 
 
-def slope(run: OscillatorRun, readout: str) -> Value | None:
+def slope(run: OscillatorRun, readout: str) -> Answer | None:
     """kᵢ.q or kᵢ.v of the first step of an explicit Runge-Kutta method, as `k2.v`; None for another readout.
 
     kᵢ = F(z + h Σⱼ aᵢⱼ kⱼ) with F(q, v) = (v, -q). Raises ValueError for another method, and a stage it has not.
@@ -131,13 +118,13 @@ def _slopes(method: RungeKutta, h: Fraction, start: State, number: int) -> list[
     return slopes
 
 
-def in_unit(angle: Value, unit: str) -> Value:
+def in_unit(angle: Answer, unit: str) -> Answer:
     """An angle in degrees in another unit."""
     x = angle.exact
     if unit == DEGREES or x is None or x == 0:
-        return Value("", x, angle.evidence, unit)
+        return Answer("", x, angle.evidence, unit)
     factor: Callable[[], arb] = (lambda: arb.pi() / 180) if unit == RADIANS else (lambda: arb(1) / 360)
-    return Value("", lambda: enclose(x) * factor(), angle.evidence, unit)
+    return Answer("", lambda: enclose(x) * factor(), angle.evidence, unit)
 
 
 # As an author writes it -> as it is called.

@@ -9,14 +9,13 @@ from fractions import Fraction
 from typing import NoReturn
 
 from driftproof.methods.catalogue import method_named
+from driftproof.texts.questions.answer import CERTIFIED, COUNTED, MOST_DIGITS, PROVED, Answer
+from driftproof.texts.questions.decimals import PLAIN, PRINTED, Style
 from driftproof.texts.questions.errors import AmbiguousRounding, QuestionError
 from driftproof.texts.questions.runs import READOUTS
-from driftproof.texts.questions.style import PLAIN, PRINTED, Style
-from driftproof.texts.questions.value import CERTIFIED, COUNTED, MOST_DIGITS, PROVED, Value
 from driftproof.texts.templates.sandbox import Refusal
 from driftproof.texts.templates.text_kinds import LATEX, MARKDOWN, TextKind
 from driftproof.texts.writing import markup
-from driftproof.texts.writing.text import LONGEST_SHOWN
 
 _STYLES = {"plain": PLAIN, "printed": PRINTED}
 _MOST_CELLS = 10_000
@@ -60,7 +59,7 @@ def _in_mathematics(decimal: str) -> str:
 class TemplateValue:
     """What value(...) is in a template: it prints itself where there is one obvious way, and is no condition."""
 
-    def __init__(self, value: Value, kind: TextKind) -> None:
+    def __init__(self, value: Answer, kind: TextKind) -> None:
         """Raises Refusal for a value that is not proved."""
         if value.evidence not in (PROVED, CERTIFIED, COUNTED):
             raise Refusal(f"{value.question!r} is only {value.evidence}; a text prints what is proved")
@@ -76,7 +75,7 @@ class TemplateValue:
     def __str__(self) -> str:
         """A short rational, or a word. Raises Refusal for others."""
         value, text = self._value, self._value.exact_text or ""
-        short = isinstance(value.exact, Fraction) and len(text) <= LONGEST_SHOWN
+        short = isinstance(value.exact, Fraction) and len(text) <= markup.LONGEST_IN_TEXT
         if short and self._kind is LATEX:
             return text.replace("-", r"\ensuremath{-}") if "/" in text else _in_mathematics(text)
         if short or (not value.is_number and text.replace(" ", "").isalpha()):
@@ -132,7 +131,7 @@ VALUE_FILTERS: dict[str, Callable[..., str]] = {
 }
 
 
-def _value_of(x: object) -> Value:
+def _value_of(x: object) -> Answer:
     if not isinstance(x, TemplateValue):
         raise Refusal(f"a {type(x).__name__} is no value; apply filters to value(...)")
     return x._value

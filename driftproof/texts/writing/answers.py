@@ -1,26 +1,29 @@
-"""Certified answers as JSON-ready dictionaries: every number a string, with its exact form where it has one."""
+"""Certified answers about steps and runs, JSON-ready: numbers are strings, with their exact forms; and as text."""
 
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Any, TypeAlias
+from typing import Any
 
 from flint import fmpq
 
 from driftproof.methods.catalogue import method_named
 from driftproof.methods.schemes import Method
 from driftproof.numeric.steppers import evaluations_per_step
+from driftproof.support.plain_text import Json, table
 from driftproof.symbolic.algebra.certified import HALF_EVEN, Exact, significant
 from driftproof.symbolic.runs import OscillatorRun, TrigonometricNumber
+from driftproof.texts.writing.markup import LONGEST_IN_TEXT
 
-Answer: TypeAlias = dict[str, Any]
+# What a step and a run are asked for, in the order in which a reader wants it.
+_SHOWN = ["final_state", "exact_state", "state_error", "energy", "energy_change", "phase_error", "steps", "evaluations"]
 
 
-def number(value: Exact | None, digits: int, rounding: str = HALF_EVEN, unit: str | None = None) -> Answer | None:
+def number(value: Exact | None, digits: int, rounding: str = HALF_EVEN, unit: str | None = None) -> Json | None:
     """{"exact": "337/384" or None, "decimal": correctly rounded digits, "unit": ...}; None for an undefined value."""
     if value is None:
         return None
-    answer: Answer = {"exact": _exact_text(value), "decimal": significant(value, digits, rounding)}
+    answer: Json = {"exact": _exact_text(value), "decimal": significant(value, digits, rounding)}
     return answer if unit is None else {**answer, "unit": unit}
 
 
@@ -31,7 +34,7 @@ def _exact_text(value: Exact) -> str | None:
     return None if callable(value) and not isinstance(value, TrigonometricNumber) else str(value)
 
 
-def step_answer(key: str, h: Fraction, start: tuple[Fraction, Fraction], digits: int, rounding: str) -> Answer:
+def step_answer(key: str, h: Fraction, start: tuple[Fraction, Fraction], digits: int, rounding: str) -> Json:
     """One step of the method `key` from `start`: the state and its energy, exact and in decimals."""
     run = OscillatorRun(method_named(key), h, h, start)
     return {**_header(run.method, h, start, digits, rounding), **_state_and_energy(run, digits, rounding)}
@@ -39,7 +42,7 @@ def step_answer(key: str, h: Fraction, start: tuple[Fraction, Fraction], digits:
 
 def run_answer(
     key: str, h: Fraction, t: Fraction, start: tuple[Fraction, Fraction], digits: int, rounding: str
-) -> Answer:
+) -> Json:
     """N = t/h steps of the method `key`: final and exact state, errors, energy, phase, steps and evaluations."""
     run = OscillatorRun(method_named(key), h, t, start)
     return {
@@ -54,12 +57,12 @@ def run_answer(
     }
 
 
-def _evaluations(run: OscillatorRun) -> Answer:
+def _evaluations(run: OscillatorRun) -> Json:
     """The evaluations of an explicit method; those of an implicit one depend on how its equations are solved."""
     return {"evaluations": run.steps * evaluations_per_step(run.method.key)} if run.method.explicit else {}
 
 
-def _header(method: Method, h: Fraction, start: tuple[Fraction, Fraction], digits: int, rounding: str) -> Answer:
+def _header(method: Method, h: Fraction, start: tuple[Fraction, Fraction], digits: int, rounding: str) -> Json:
     return {
         "method": method.key,
         "title": method.title,
@@ -70,7 +73,7 @@ def _header(method: Method, h: Fraction, start: tuple[Fraction, Fraction], digit
     }
 
 
-def _state_and_energy(run: OscillatorRun, digits: int, rounding: str) -> Answer:
+def _state_and_energy(run: OscillatorRun, digits: int, rounding: str) -> Json:
     return {
         "final_state": _pair(run.final_state, digits, rounding),
         "energy": number(run.energy, digits, rounding),
@@ -78,5 +81,29 @@ def _state_and_energy(run: OscillatorRun, digits: int, rounding: str) -> Answer:
     }
 
 
-def _pair(state: tuple[Exact, Exact], digits: int, rounding: str) -> Answer:
+def _pair(state: tuple[Exact, Exact], digits: int, rounding: str) -> Json:
     return {name: number(x, digits, rounding) for name, x in zip("qv", state, strict=True)}
+
+
+def answer_text(answer: Json) -> str:
+    """The answer of `driftproof step` or `driftproof run`, as a titled table."""
+    start = ", ".join(answer["start"])
+    steps = f"{answer['steps']} steps" if "steps" in answer else "one step"
+    until = f" to t = {answer['t']}" if "t" in answer else ""
+    title = f"{answer['title']} ({answer['method']}): {steps} of h = {answer['h']} from ({start}){until}"
+    rows = [row for name in _SHOWN if name in answer for row in _rows(name, answer[name])]
+    return f"{title}\n\n{table(rows)}\n\n{answer['digits']} digits, rounded {answer['rounding']}, certified"
+
+
+def _rows(name: str, value: Any) -> list[list[str]]:
+    label = name.replace("_", " ")
+    if value is None:
+        return [[label, "undefined at the origin", ""]]
+    if isinstance(value, int):
+        return [[label, str(value), ""]]
+    if "decimal" not in value:
+        return [row for component, part in value.items() for row in _rows(f"{label} {component}", part)]
+    unit = f" {value['unit']}" if "unit" in value else ""
+    exact = value["exact"] or ""
+    short = f"exactly {exact}" if exact and exact != value["decimal"] and len(exact) <= LONGEST_IN_TEXT else ""
+    return [[label, value["decimal"] + unit, short]]

@@ -10,6 +10,8 @@ from xml.sax.saxutils import escape
 from driftproof.texts.questions.parser import parse_form
 from driftproof.texts.questions.syntax import Asked, Call, Chain, Negated, Node, Number, Power, Published
 
+# An exact form longer than this is left out of texts.
+LONGEST_IN_TEXT = 24
 GREEK = {
     **{"alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "theta": "θ"},
     **{"lambda": "λ", "mu": "μ", "omega": "ω", "sigma": "σ", "tau": "τ"},

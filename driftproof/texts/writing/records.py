@@ -6,11 +6,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import singledispatch
-from typing import Any, TypeAlias
+from typing import Any
 
 from driftproof.methods.families import Family
 from driftproof.methods.number_field import NumberField
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
+from driftproof.support.plain_text import Json
 from driftproof.symbolic.algebra.algebraic_numbers import root_of
 from driftproof.symbolic.algebra.certified import settle, significant
 from driftproof.symbolic.algebra.radicals import (
@@ -52,8 +53,6 @@ from driftproof.symbolic.linear.systems import SYSTEM_FACTS, EigenvalueLimit, fa
 from driftproof.symbolic.trees.order import OrderFact, PrincipalError
 from driftproof.symbolic.trees.rooted import written
 from driftproof.symbolic.trees.simplifying import Simplifying
-
-Json: TypeAlias = Any
 
 
 @dataclass(frozen=True)

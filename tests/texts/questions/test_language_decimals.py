@@ -12,11 +12,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from driftproof.texts.questions.answer import Answer
 from driftproof.texts.questions.ask import value
-from driftproof.texts.questions.decimals import to_digits, to_places
+from driftproof.texts.questions.decimals import PLAIN, PRINTED, ROUNDING_POLICIES, Style, to_digits, to_places
 from driftproof.texts.questions.errors import AmbiguousRounding, QuestionError
-from driftproof.texts.questions.style import PLAIN, PRINTED, ROUNDINGS, Style
-from driftproof.texts.questions.value import Value
 
 IN_DECIMAL = {"half-even": ROUND_HALF_EVEN, "half-away": ROUND_HALF_UP, "away": ROUND_UP}
 # Decimals with few digits, so that ties are as frequent as they are in texts.
@@ -47,7 +46,7 @@ def test_digits_are_rounded_as_decimal_rounds(x: Q, digits: int, rounding: str) 
 @given(SHORT, st.integers(0, 7))
 def test_tie_is_refused_exactly_where_the_policies_differ(x: Q, places: int) -> None:
     even, away = (to_places(x, places, Style(rounding)) for rounding in ("half-even", "half-away"))
-    answer = Value("a question", x)
+    answer = Answer("a question", x)
     if even == away:
         assert answer.places(places) == even
     else:
@@ -165,7 +164,7 @@ def test_bound_is_rounded_up_unless_another_policy_is_named() -> None:
     assert any(bound.digits(n) != bound.digits(n, Style("half-even")) for n in range(1, 12))
 
 
-@pytest.mark.parametrize("rounding", ROUNDINGS)
+@pytest.mark.parametrize("rounding", ROUNDING_POLICIES)
 def test_irrational_numbers_are_never_refused_and_never_tied(rounding: str) -> None:
     with localcontext(Context(prec=70, rounding=ROUND_DOWN)):
         root = Decimal(2).sqrt()

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from docs.language_tables import ARITHMETIC, BOUNDS, FACTS, REFUSED, RUNS
 from driftproof.texts.questions import ask
 from driftproof.texts.questions.ask import value
+from driftproof.texts.questions.decimals import ROUNDING_POLICIES, Style
 from driftproof.texts.questions.errors import AmbiguousRounding, QuestionError
-from driftproof.texts.questions.style import ROUNDINGS, Style
 from driftproof.texts.questions.tokens import tokens
 
 QUESTIONS = (*RUNS, *FACTS, *ARITHMETIC, *REFUSED)
@@ -32,7 +32,7 @@ def answer_or_refuse(question: str) -> None:
         answer = value(question)
         assert answer.evidence in ("PROVED", "COUNTED", "CERTIFIED", "STATED")
         assert answer.exact_text != ""
-        for rounding in (None, *ROUNDINGS):
+        for rounding in (None, *ROUNDING_POLICIES):
             for ask_for in (answer.digits, answer.places):
                 with suppress(AmbiguousRounding):
                     assert ask_for(3, Style(rounding)).strip("-0123456789.e") == ""

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof.texts.questions.value import Value
+from driftproof.texts.questions.answer import Answer
 from driftproof.texts.templates import template as module
 from driftproof.texts.templates.sandbox import TemplateProblem
 from driftproof.texts.templates.template import Template
@@ -87,7 +87,7 @@ def test_problem_of_an_included_template_names_that_one(become: Become) -> None:
 
 
 def test_value_that_is_not_proved_is_refused(become: Become, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "value", lambda _: Value("x", Fraction(1), "FUZZED"))
+    monkeypatch.setattr(module, "value", lambda _: Answer("x", Fraction(1), "FUZZED"))
     with pytest.raises(TemplateProblem, match=r"line 1, column 11: 'x' is only FUZZED; a text prints what is proved"):
         become('{{ value("x") | digits(2) }}')
 
