@@ -1,0 +1,79 @@
+"""The public names: each resolves, has a type that checkers see, and an example that runs."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import driftproof
+
+ROOT = Path(__file__).parents[1]
+NAMES = driftproof.__all__
+
+# What a type checker sees of a few names, in part.
+SEEN = {
+    "METHODS": "driftproof.methods.catalogue.Catalogue",
+    "PRESETS": "dict[str, driftproof.numeric.scenes.Scene]",
+    "OscillatorRun": "h: fractions.Fraction, t: fractions.Fraction",
+    "order_within": "tolerance: fractions.Fraction",
+    "stability_function_of": "-> driftproof.symbolic.algebra.rational_functions.RationalFunction | None",
+    "published_values": "def (pattern: str =) -> dict[str, dict[str, Any]]",
+    "verify": "-> driftproof.blackbox.report.Report",
+    "assert_verified": "method: driftproof.methods.schemes.RungeKutta | ",
+}
+# Wrong uses, and the kind of error that each is.
+WRONG = {
+    "driftproof.assert_verifed": "attr-defined",
+    "driftproof.METHODS['rk4'].no_such_fact": "union-attr",
+    "driftproof.assert_verified(3)": "call-arg",
+    "driftproof.order_within(driftproof.METHODS['rk4'], 'small')": "arg-type",
+    "driftproof.Scene(name='mine')": "call-arg",
+    "driftproof.published_values(3)": "arg-type",
+    "driftproof.verify(str, 'rk4', exampels=3)": "call-arg",
+}
+
+
+@pytest.fixture(scope="module")
+def checked(tmp_path_factory):
+    """What mypy --strict says of a user's file: line -> words. It reads the package, once: three seconds."""
+    folder = tmp_path_factory.mktemp("user")
+    lines = ["import driftproof", *(f"reveal_type(driftproof.{name})" for name in NAMES), *WRONG]
+    (folder / "user.py").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    (folder / "mypy.ini").write_text("[mypy]\nstrict = true\nfollow_imports = silent\n", encoding="utf-8")
+    (folder / "driftproof").symlink_to(ROOT / "driftproof")
+    done = subprocess.run(
+        [sys.executable, "-m", "mypy", "--config-file", "mypy.ini", "--hide-error-context", "user.py"],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=600,
+    )
+    assert done.stderr == ""
+    said = {lines[int(n) - 1]: [] for n in re.findall(r"^user\.py:(\d+): ", done.stdout, re.MULTILINE)}
+    for number, words in re.findall(r"^user\.py:(\d+): (.*)$", done.stdout, re.MULTILINE):
+        said[lines[int(number) - 1]].append(words)
+    return said
+
+
+def test_type_checkers_see_every_name(checked):
+    assert (ROOT / "driftproof" / "py.typed").exists()
+    for name in NAMES:
+        (words,) = checked[f"reveal_type(driftproof.{name})"]
+        assert words.startswith("note: Revealed type is ")
+        assert words != 'note: Revealed type is "Any"', name
+        assert SEEN.get(name, "") in words
+
+
+def test_type_checkers_refuse_wrong_uses(checked):
+    for use, kind in WRONG.items():
+        assert any(words.startswith("error: ") and words.endswith(f"[{kind}]") for words in checked[use]), use
+
+
+def test_names_resolve_and_others_do_not():
+    assert len(NAMES) > 30
+    assert set(NAMES) < set(dir(driftproof))
+    assert all(getattr(driftproof, name) is not None for name in NAMES)
+    with pytest.raises(AttributeError, match="module 'driftproof' has no attribute 'missing'"):
+        _ = driftproof.missing
