@@ -74,7 +74,7 @@ def value_command(options: Namespace) -> str:
 
 @command(
     option("--only", default="*", metavar="PATTERN", help="ids that match this shell pattern"),
-    format_option(choices=names_in("driftproof.texts.values.published", "FORMATS"), default="json"),
+    format_option(choices=names_in("driftproof.texts.values.published", "VALUE_FORMATS"), default="json"),
 )
 def values_command(options: Namespace) -> str:
     r"""Print every number that the lesson prints, by id, as the last green run of the proofs wrote it.
@@ -108,11 +108,10 @@ def diff_command(options: Namespace) -> str:
     value if its exact forms differ, or its decimals cannot be roundings of one number; only in digits if more or fewer
     are shown. Outputs of `driftproof facts`, `step` and `run --format json` are compared as well.
     """
-    from driftproof.texts.values.changes import VALUE, changes, read_document
-    from driftproof.texts.values.changes_report import FORMATS
+    from driftproof.texts.values.changes import changes, changes_report, read_values
 
-    found = changes(read_document(options.old), read_document(options.new))
-    report = FORMATS[options.format](found, options.old, options.new)
-    if any(change.kind == VALUE for change in found):
+    found = changes(read_values(options.old), read_values(options.new))
+    report = changes_report(found, options.old, options.new, options.format)
+    if any(change.kind == "value" for change in found):
         raise Refuted(report)
     return report

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -12,27 +13,34 @@ from typing import Any, TypeAlias
 
 from flint import fmpz
 
-VALUE, DIGITS, WORDING, ADDED, REMOVED = "value", "digits", "wording", "added", "removed"
-KINDS = (VALUE, DIGITS, WORDING, ADDED, REMOVED)
+from driftproof.support.plain_text import annotation, as_json, table
 
+# Kind of change -> the words for one and for several, and the level of its annotation; the gravest first.
+CHANGES = {
+    "value": ("value changed", "values changed", "error"),
+    "digits": ("only in digits", "only in digits", "notice"),
+    "wording": ("only in wording", "only in wording", "notice"),
+    "added": ("added", "added", "notice"),
+    "removed": ("removed", "removed", "warning"),
+}
 # Documents beyond these are refused: a file of 64 MB holds some hundred thousand values.
-LARGEST_FILE = 64 * 10**6
-LARGEST_EXPONENT = 10**5
-
-Json: TypeAlias = Any
-# "values" -> id, or the keys and list positions that lead to a leaf.
-Place: TypeAlias = tuple[str, ...]
-
-# Words about a number, which is the same number under other words; how long it is printed is a matter of digits.
+_LARGEST_FILE = 64 * 10**6
+_LARGEST_EXPONENT = 10**5
+# A text longer than this is cut in the middle of a report, not in JSON.
+_LONGEST_TEXT = 40
+# Keys of words about a number, which is the same number under other words, and of how long it is printed.
 _WORDS = {"evidence", "statement", "title", "source", "technique", "rounding", "reason", "generator"}
 _LENGTHS = {"digits"}
 _DECIMAL = re.compile(r"(-?)([0-9]+)(?:\.([0-9]+))?(?:[eE]([+-]?[0-9]{1,6}))?")
 _FRACTION = re.compile(r"(-?[0-9]+)/([0-9]+)")
 
+# "values" -> id, or the keys and list positions that lead to a leaf; what stands there.
+Leaf: TypeAlias = tuple[tuple[str, ...], Any]
+
 
 @dataclass(frozen=True)
 class Change:
-    """One difference: its kind, one of KINDS; the id or path; the part of it, "" for the number itself; both texts."""
+    """One difference: its kind, one of CHANGES; the id or path; the part of it, "" for the number; both texts."""
 
     kind: str
     id: str
@@ -40,45 +48,48 @@ class Change:
     old: str | None
     new: str | None
 
+    def __str__(self) -> str:
+        """In one line, without kind and id."""
+        part = f"{self.part}: " if self.part else ""
+        if self.kind in ("added", "removed"):
+            return part + _cut(self.new if self.kind == "added" else self.old)
+        return f"{part}{_cut(self.old)} became {_cut(self.new)}"
 
-def read_document(path: Path) -> dict[str, Json]:
+
+def read_values(path: Path) -> dict[str, Any]:
     """The JSON object in the file; numbers stay text, so that none is rounded. Raises ValueError with one line."""
     try:
         with path.open("rb") as file:
-            data = file.read(LARGEST_FILE + 1)
+            data = file.read(_LARGEST_FILE + 1)
+        if len(data) > _LARGEST_FILE:
+            raise ValueError(f"longer than {_LARGEST_FILE} bytes; give a file of values")
+        text, hook = data.decode("utf-8-sig"), _without_repetition
+        read = json.loads(text, parse_int=str, parse_float=str, parse_constant=str, object_pairs_hook=hook)
+        if not isinstance(read, dict):
+            raise ValueError("holds no JSON object; give what `driftproof values` prints")
+        return read
     except OSError as error:
-        raise ValueError(f"{path}: {error.strerror}") from None
-    if len(data) > LARGEST_FILE:
-        raise ValueError(f"{path}: longer than {LARGEST_FILE} bytes; give a file of values")
-    try:
-        read = json.loads(
-            data.decode("utf-8-sig"),
-            parse_int=str,
-            parse_float=str,
-            parse_constant=str,
-            object_pairs_hook=_without_repetition,
-        )
+        reason = str(error.strerror)
     except UnicodeDecodeError as error:
-        raise ValueError(f"{path}: not UTF-8 at byte {error.start}") from None
+        reason = f"not UTF-8 at byte {error.start}"
     except RecursionError:
-        raise ValueError(f"{path}: nested too deeply for a file of values") from None
+        reason = "nested too deeply for a file of values"
+    except json.JSONDecodeError as error:
+        reason = f"no JSON: {error}"
     except ValueError as error:
-        raise ValueError(f"{path}: no JSON: {error}") from None
-    if not isinstance(read, dict):
-        raise ValueError(f"{path}: holds no JSON object; give what `driftproof values` prints")
-    return read
+        reason = str(error)
+    raise ValueError(f"{path}: {reason}")
 
 
-def _without_repetition(pairs: list[tuple[str, Json]]) -> dict[str, Json]:
+def _without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) < len(pairs):
-        keys = [key for key, _ in pairs]
-        twice = next(key for key in keys if keys.count(key) > 1)
-        raise ValueError(f"the key {twice[:60]!r} stands twice in one object")
+        twice = next(key for key, times in Counter(key for key, _ in pairs).items() if times > 1)
+        raise ValueError(f"no JSON: the key {twice[:60]!r} stands twice in one object")
     return found
 
 
-def changes(old: dict[str, Json], new: dict[str, Json]) -> list[Change]:
+def changes(old: dict[str, Any], new: dict[str, Any]) -> list[Change]:
     """Every difference, by place. A number is an object with the key "decimal"; all else is compared leaf by leaf.
 
     A number changed in value if both exact forms are rational and differ, or the decimals cannot be roundings of one
@@ -88,17 +99,18 @@ def changes(old: dict[str, Json], new: dict[str, Json]) -> list[Change]:
     before, after = dict(_leaves(old)), dict(_leaves(new))
     found: list[Change] = []
     for place in sorted(before.keys() | after.keys()):
-        name = _name(place)
+        parts = place[1:] if place[0] == "values" and len(place) > 1 else place
+        name = ".".join(parts).replace(".[", "[")
         if place not in after:
-            found.append(Change(REMOVED, name, "", _shown(before[place]), None))
+            found.append(Change("removed", name, "", _shown(before[place]), None))
         elif place not in before:
-            found.append(Change(ADDED, name, "", None, _shown(after[place])))
-        elif before[place] != after[place]:
-            found += _of_leaf(place, before[place], after[place])
+            found.append(Change("added", name, "", None, _shown(after[place])))
+        else:
+            found += _of_leaf(name, place[-1], before[place], after[place])
     return found
 
 
-def _leaves(node: Json, place: Place = ()) -> Iterator[tuple[Place, Json]]:
+def _leaves(node: Any, place: tuple[str, ...] = ()) -> Iterator[Leaf]:
     if isinstance(node, dict) and not isinstance(node.get("decimal"), str) and (node or not place):
         for key, inner in node.items():
             yield from _leaves(inner, (*place, key))
@@ -109,103 +121,72 @@ def _leaves(node: Json, place: Place = ()) -> Iterator[tuple[Place, Json]]:
         yield place, node
 
 
-def _name(place: Place) -> str:
-    parts = place[1:] if place[0] == "values" and len(place) > 1 else place
-    return ".".join(parts).replace(".[", "[")
-
-
-def _of_leaf(place: Place, old: Json, new: Json) -> Iterator[Change]:
-    name = _name(place)
+def _of_leaf(name: str, key: str, old: Any, new: Any) -> Iterator[Change]:
+    if old == new:
+        return
     if isinstance(old, dict) and isinstance(new, dict) and old and new:
         yield from _of_number(name, old, new)
-    else:
-        yield Change(_kind_of_words(place[-1], old, new), name, "", _shown(old), _shown(new))
+        return
+    same = _number(old) is not None and _number(old) == _number(new)
+    kind = "digits" if key in _LENGTHS else "wording" if key in _WORDS or same else "value"
+    yield Change(kind, name, "", _shown(old), _shown(new))
 
 
-def _kind_of_words(key: str, old: Json, new: Json) -> str:
-    if key in _WORDS:
-        return WORDING
-    if key in _LENGTHS:
-        return DIGITS
-    exact = [_exact(text) for text in (old, new)]
-    return WORDING if None not in exact and exact[0] == exact[1] else VALUE
-
-
-def _of_number(name: str, old: dict[str, Json], new: dict[str, Json]) -> Iterator[Change]:
-    if kind := _kind_of_number(old, new):
-        yield Change(kind, name, "", _shown(old), _shown(new))
-    if old.get("unit") != new.get("unit"):
-        yield Change(VALUE, name, "unit", _shown(old.get("unit")), _shown(new.get("unit")))
-    for part in sorted((old.keys() | new.keys()) - {"exact", "decimal", "unit", "printed"}):
-        if old.get(part) != new.get(part):
-            yield Change(WORDING, name, part, _shown(old.get(part)), _shown(new.get(part)))
-    yield from _of_prints(name, old.get("printed"), new.get("printed"))
-
-
-def _kind_of_number(old: dict[str, Json], new: dict[str, Json]) -> str | None:
-    """How exact form and decimal together changed; None if neither did."""
-    exact = [_exact(number.get("exact")) for number in (old, new)]
-    decimals = old["decimal"], new["decimal"]
+def _of_number(name: str, old: dict[str, Any], new: dict[str, Any]) -> Iterator[Change]:
+    """How exact form and decimal together changed, then unit, words and the texts in which claims print the number."""
+    exact, decimals = [_number(number.get("exact")) for number in (old, new)], (old["decimal"], new["decimal"])
     if (None not in exact and exact[0] != exact[1]) or not _agree(*decimals):
-        return VALUE
-    if decimals[0] != decimals[1]:
-        return DIGITS
-    return WORDING if old.get("exact") != new.get("exact") else None
+        yield Change("value", name, "", _shown(old), _shown(new))
+    elif decimals[0] != decimals[1] or old.get("exact") != new.get("exact"):
+        yield Change("digits" if decimals[0] != decimals[1] else "wording", name, "", _shown(old), _shown(new))
+    for part in ["unit", *sorted((old.keys() | new.keys()) - {"exact", "decimal", "unit", "printed"})]:
+        if old.get(part) != new.get(part):
+            kind = "value" if part == "unit" else "wording"
+            yield Change(kind, name, part, _shown(old.get(part)), _shown(new.get(part)))
+    before, after = (prints if isinstance(prints, dict) else {} for prints in (old.get("printed"), new.get("printed")))
+    for claim in sorted(before.keys() | after.keys()):
+        texts = before.get(claim), after.get(claim)
+        if texts[0] != texts[1]:
+            kind = "wording" if None in texts else "digits" if _agree(*texts) else "value"
+            yield Change(kind, name, f"printed {claim}", *map(_shown, texts))
 
 
-def _of_prints(name: str, old: Json, new: Json) -> Iterator[Change]:
-    """The texts in which claims print the number: {claim: text}."""
-    old, new = (prints if isinstance(prints, dict) else {} for prints in (old, new))
-    for claim in sorted(old.keys() | new.keys()):
-        texts = old.get(claim), new.get(claim)
-        if texts[0] == texts[1]:
-            continue
-        kind = WORDING if None in texts else DIGITS if _agree(*texts) else VALUE
-        yield Change(kind, name, f"printed {claim}", *map(_shown, texts))
-
-
-def _agree(old: Json, new: Json) -> bool:
+def _agree(old: Any, new: Any) -> bool:
     """True if both texts can be correct roundings of one number, and not two different ones to one length.
 
     A decimal with last digit 10**-k stands for its value up to 10**-k/2 either way, a fraction for itself.
     """
-    if old == new:
-        return True
     before, after = _rounded(old), _rounded(new)
-    if before is None or after is None:
-        return False
+    if old == new or before is None or after is None:
+        return bool(old == new)
     (x, half_x), (y, half_y) = before, after
     return half_x != half_y and abs(x - y) <= half_x + half_y
 
 
-def _rounded(text: Json) -> tuple[Fraction, Fraction] | None:
-    """The number that the text spells and half a unit of its last digit, 0 for a fraction; None for other text."""
-    match = _DECIMAL.fullmatch(text) if isinstance(text, str) else None
-    if match is None:
-        exact = _exact(text)
-        return None if exact is None else (exact, Fraction(0))
-    sign, whole, part, exponent = match.groups("")
-    power = int(exponent or 0) - len(part)
-    if abs(power) > LARGEST_EXPONENT:
-        return None
-    unit = Fraction(10) ** power
-    # fmpz reads integers of any length; Python's own int() refuses beyond 4300 digits.
-    x = int(fmpz(whole + part)) * unit
-    return (-x if sign else x), unit / 2
-
-
-def _exact(text: Json) -> Fraction | None:
+def _number(text: Any) -> Fraction | None:
     """The rational that the text spells, a decimal being itself; None for other text."""
+    found = _rounded(text)
+    return found[0] if found else None
+
+
+def _rounded(text: Any) -> tuple[Fraction, Fraction] | None:
+    """The number that the text spells and half a unit of its last digit, 0 for a fraction; None for other text."""
     if not isinstance(text, str):
         return None
+    # fmpz reads integers of any length; Python's own int() refuses beyond 4300 digits.
     if match := _FRACTION.fullmatch(text):
         top, bottom = (int(fmpz(part)) for part in match.groups())
-        return Fraction(top, bottom) if bottom else None
-    read = _rounded(text) if _DECIMAL.fullmatch(text) else None
-    return read[0] if read else None
+        return (Fraction(top, bottom), Fraction(0)) if bottom else None
+    if match := _DECIMAL.fullmatch(text):
+        sign, whole, part, exponent = match.groups("")
+        power = int(exponent or 0) - len(part)
+        if abs(power) <= _LARGEST_EXPONENT:
+            unit = Fraction(10) ** power
+            return int(fmpz(sign + whole + part)) * unit, unit / 2
+    return None
 
 
-def _shown(leaf: Json) -> str | None:
+def _shown(leaf: Any) -> str | None:
     """A number as exact = decimal, other leaves as they are spelled in JSON."""
     if leaf is None or isinstance(leaf, str):
         return leaf
@@ -213,3 +194,37 @@ def _shown(leaf: Json) -> str | None:
         exact, decimal = leaf.get("exact"), leaf["decimal"]
         return f"{exact} = {decimal}" if exact and exact != decimal else str(decimal)
     return json.dumps(leaf)
+
+
+def _cut(text: str | None) -> str:
+    """The text in one line, both ends of it where it is long."""
+    shown = "nothing" if text is None else " ".join(text.split()) or '""'
+    parts = (part if len(part) <= _LONGEST_TEXT else f"{part[:18]}...{part[-18:]}" for part in shown.split(" = "))
+    return " = ".join(parts)
+
+
+def changes_report(changes: Sequence[Change], old: Path, new: Path, form: str) -> str:
+    """The changes as text, the gravest first; as json; or for github, as annotations on the lines of the new file."""
+    counts = Counter(change.kind for change in changes)
+    if form == "json":
+        files = {"old": str(old), "new": str(new)}
+        listed = [vars(change) for change in changes]
+        return as_json({**files, "changes": listed, "counts": {kind: counts[kind] for kind in CHANGES}})
+    counted = ", ".join(f"{counts[kind]} {words[counts[kind] != 1]}" for kind, words in CHANGES.items())
+    counted = counted if changes else f"{old} and {new} say the same"
+    if form == "github":
+        return "\n".join([*_annotations(changes, new), counted])
+    rows = [[kind, change.id, str(change)] for kind in CHANGES for change in changes if change.kind == kind]
+    return f"{table(rows)}\n\n{counted}" if rows else counted
+
+
+def _annotations(changes: Sequence[Change], new: Path) -> Iterator[str]:
+    """On the first line that opens with the id, or with the first part of a path; on line 1 where there is none."""
+    lines: dict[str, int] = {}
+    for number, line in enumerate(new.read_text(encoding="utf-8-sig").splitlines(), start=1):
+        if match := re.match(r'\s*"([^"]*)":', line):
+            lines.setdefault(match[1], number)
+    for change in changes:
+        at = lines.get(change.id) or lines.get(re.split(r"[.\[]", change.id)[0], 1)
+        title, _, level = CHANGES[change.kind]
+        yield annotation(level, f"{change.id}: {change}", file=new, line=at, title=title)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from fnmatch import fnmatchcase
+from fractions import Fraction
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -14,12 +15,15 @@ from typing import Any, TypeAlias
 from driftproof.support.plain_text import as_json
 
 # id -> {"exact": "337/384" or None, "decimal": digits, "printed": {claim id: text}, "evidence": ..., "statement": ...}
-Values: TypeAlias = dict[str, dict[str, Any]]
+PublishedValues: TypeAlias = dict[str, dict[str, Any]]
 
 VALUES_FILE = Path(__file__).with_name("values.json")
 # The module for web pages; its line NO_VALUES is where the values go.
 MODULE_FILE = Path(__file__).with_name("driftproof.mjs")
 NO_VALUES = "export const values = {};"
+# The macros for LaTeX, which say the number of digits in words, too.
+MACROS_FILE = Path(__file__).with_name("driftproof.tex")
+MOST_MACRO_DIGITS = 12
 
 
 @cache
@@ -27,25 +31,21 @@ def _document() -> dict[str, Any]:
     return dict(json.loads(VALUES_FILE.read_text(encoding="utf-8")))
 
 
-def published_values(pattern: str = "*") -> Values:
+def published_values(pattern: str = "*") -> PublishedValues:
     """The published values whose id matches the shell pattern, e.g. "rk4.*". Raises ValueError if none does."""
-    values: Values = _document()["values"]
+    values: PublishedValues = _document()["values"]
     chosen = {key: value for key, value in values.items() if fnmatchcase(key, pattern)}
     if not chosen:
         raise ValueError(f"no published value has an id that matches {pattern!r}; `driftproof values` lists them")
     return chosen
 
 
-def render_values(values: Values, form: str) -> str:
-    """The values in one of FORMATS; JSON is canonical, the others are renderings of it."""
-    return FORMATS[form](values)
+def render_values(values: PublishedValues, form: str) -> str:
+    """The values in one of VALUE_FORMATS; JSON is canonical, the others are renderings of it."""
+    return VALUE_FORMATS[form](values)
 
 
-def _as_json(values: Values) -> str:
-    return as_json({**_document(), "values": values})
-
-
-def _as_markdown(values: Values) -> str:
+def _as_markdown(values: PublishedValues) -> str:
     lines = ["| id | exact | decimal | printed |", "|---|---|---|---|"]
     for key, value in values.items():
         exact = f"`{value['exact']}`" if value["exact"] else ""
@@ -53,20 +53,7 @@ def _as_markdown(values: Values) -> str:
     return "\n".join(lines)
 
 
-def _as_tex(values: Values) -> str:
-    """Definitions for a LaTeX document, which then says \\driftproof{id}."""
-    from driftproof.texts.values.macros import values_tex
-
-    return values_tex(values)
-
-
-def _as_js(values: Values) -> str:
-    """An ES module that holds the values, and rounds and shows them."""
-    module = MODULE_FILE.read_text(encoding="utf-8")
-    return module.replace(NO_VALUES, f"export const values = {as_json(values)};").rstrip("\n")
-
-
-def _as_csv(values: Values) -> str:
+def _as_csv(values: PublishedValues) -> str:
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(["id", "exact", "decimal", "printed", "evidence"])
@@ -75,12 +62,57 @@ def _as_csv(values: Values) -> str:
     return out.getvalue().rstrip("\n")
 
 
-def _prints(value: dict[str, Any]) -> list[str]:
+def _prints(value: Mapping[str, Any]) -> Iterable[str]:
     return sorted(set(value["printed"].values()))
 
 
-FORMATS: dict[str, Callable[[Values], str]] = {
-    "json": _as_json,
+def _as_js(values: PublishedValues) -> str:
+    """An ES module that holds the values, and rounds and shows them."""
+    module = MODULE_FILE.read_text(encoding="utf-8")
+    return module.replace(NO_VALUES, f"export const values = {as_json(values)};").rstrip("\n")
+
+
+def _as_tex(values: PublishedValues) -> str:
+    """The macros \\driftproof, \\driftproofdigits and \\driftproofexact, and one line per value, which they look up."""
+    from driftproof.texts.writing import markup
+
+    lines = []
+    for key, value in values.items():
+        exact = _mathematics(markup.formula(value["exact"], markup.TEX)) if value["exact"] else ""
+        # Printed is the longest decimal without an exponent that a claim prints; the certified one where none does.
+        decimals = [text for text in value["printed"].values() if text.lstrip("-").replace(".", "").isdigit()]
+        printed, *rounded = (
+            _mathematics(markup.decimal(decimal, markup.TEX))
+            for decimal in (max(decimals, key=len, default=str(value["decimal"])), *_rounded(key, value))
+        )
+        digits = "".join(f"\\or {text}" for text in rounded)
+        lines.append(f"\\driftproofvalue{{{key}}}{{{exact}}}{{{printed}}}{{{digits}}}")
+    return MACROS_FILE.read_text(encoding="utf-8") + "\n".join(lines)
+
+
+def _mathematics(formula: str) -> str:
+    """What reads the same in text and in mathematics stays; the rest is mathematics wherever it stands."""
+    return formula if formula.replace(".", "").isdigit() else rf"\ensuremath{{{formula}}}"
+
+
+def _rounded(key: str, value: Mapping[str, Any]) -> list[str]:
+    """To 1, 2, ... MOST_MACRO_DIGITS digits. Raises ValueError where the certified decimal does not settle a digit."""
+    from driftproof.methods.rationals import parse_rational
+    from driftproof.symbolic.algebra.certified import HALF_AWAY, significant
+
+    try:
+        x, exact = parse_rational(value["exact"] or ""), True
+    except ValueError:
+        x, exact = Fraction(value["decimal"]), False
+    found = [significant(x, digits) for digits in range(1, MOST_MACRO_DIGITS + 1)]
+    for digits, text in enumerate(found, 1):
+        if not exact and text != significant(x, digits, HALF_AWAY):
+            raise ValueError(f"{key}: the certified decimal {value['decimal']} does not settle {digits} digits")
+    return found
+
+
+VALUE_FORMATS: dict[str, Callable[[PublishedValues], str]] = {
+    "json": lambda values: as_json({**_document(), "values": values}),
     "md": _as_markdown,
     "tex": _as_tex,
     "js": _as_js,

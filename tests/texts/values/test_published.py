@@ -1,7 +1,8 @@
-r"""Values in a LaTeX document: \driftproof{id} and its two sisters, and what LaTeX makes of them."""
+"""The published values: every form to the letter, patterns over ids, never a blank, and what LaTeX makes of them."""
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 import subprocess
@@ -12,14 +13,74 @@ from typing import Any
 
 import pytest
 
+from driftproof.commands.arguments import BAD_INPUT
 from driftproof.symbolic.algebra.certified import significant
-from driftproof.texts.values.macros import MACROS_FILE, MOST_DIGITS, values_tex
-from driftproof.texts.values.published import published_values
+from driftproof.texts.values import published as module
+from driftproof.texts.values.published import MACROS_FILE, MOST_MACRO_DIGITS, published_values, render_values
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "tex" / "lesson.tex"
 PDFLATEX = shutil.which("pdflatex")
 
 Latex = Callable[[str], tuple[int, str, bytes]]
+
+
+Run = Callable[..., tuple[int, str, str]]
+
+Answer = Callable[..., str]
+
+DOCUMENT = {
+    "rounding": "half-even",
+    "values": {
+        "a.h": {"exact": "1/4", "decimal": "0.25", "printed": {"L1": "0.25"}, "evidence": "PROVED"},
+        "b.state_error": {
+            "exact": None,
+            "decimal": "2.390",
+            "printed": {"L3": "2.390", "L2": "2.39", "L4": "2.39"},
+            "evidence": "CERTIFIED",
+        },
+    },
+}
+
+RENDERED = {
+    "md": "| id | exact | decimal | printed |\n|---|---|---|---|\n| `a.h` | `1/4` | 0.25 | 0.25 |\n"
+    "| `b.state_error` |  | 2.390 | 2.39, 2.390 |\n",
+    "csv": "id,exact,decimal,printed,evidence\na.h,1/4,0.25,0.25,PROVED\nb.state_error,,2.390,2.39 2.390,CERTIFIED\n",
+}
+
+
+@pytest.fixture
+def published(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "_document", lambda: json.loads(json.dumps(DOCUMENT)))
+
+
+@pytest.mark.usefixtures("published")
+@pytest.mark.parametrize("form", RENDERED)
+def test_values_are_rendered(form: str, answer: Answer) -> None:
+    assert answer("values", "--format", form) == RENDERED[form]
+
+
+@pytest.mark.usefixtures("published")
+def test_values_as_json_are_canonical_and_as_javascript_the_same(answer: Answer) -> None:
+    assert json.loads(answer("values")) == DOCUMENT
+    script = answer("values", "--format", "js").split("export const values = ")[1]
+    assert json.JSONDecoder().raw_decode(script)[0] == DOCUMENT["values"]
+
+
+@pytest.mark.usefixtures("published")
+def test_only_takes_a_shell_pattern_in_every_format(answer: Answer, run: Run) -> None:
+    assert set(json.loads(answer("values", "--only", "a.*"))["values"]) == {"a.h"}
+    assert answer("values", "--only", "*error", "--format", "csv").endswith(
+        "evidence\nb.state_error,,2.390,2.39 2.390,CERTIFIED\n"
+    )
+    assert run("values", "--only", "A.*")[0] == BAD_INPUT
+
+
+@pytest.mark.usefixtures("published")
+def test_missing_decimal_is_an_error_and_never_a_blank(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "_document", lambda: {"values": {"x": {"exact": "1", "printed": {}, "evidence": "P"}}})
+    for form in ("tex", *RENDERED):
+        with pytest.raises(KeyError):
+            run("values", "--format", form)
 
 
 def value(exact: str | None, decimal: str, *printed: str) -> dict[str, Any]:
@@ -44,29 +105,29 @@ def value(exact: str | None, decimal: str, *printed: str) -> dict[str, Any]:
 def test_definition_has_exact_form_printed_decimal_and_digits(
     found: dict[str, Any], exact: str, printed: str, third: str
 ) -> None:
-    line = values_tex({"x": found}).splitlines()[-1]
+    line = render_values({"x": found}, "tex").splitlines()[-1]
     assert line.startswith(rf"\driftproofvalue{{x}}{{{exact}}}{{{printed}}}{{\or ")
     assert line.removesuffix("}").split(r"\or ")[3] == third
-    assert line.count(r"\or ") == MOST_DIGITS
+    assert line.count(r"\or ") == MOST_MACRO_DIGITS
 
 
 def test_decimal_that_settles_no_digit_is_refused() -> None:
     with pytest.raises(ValueError, match=r"x: the certified decimal 0.125 does not settle 2 digits"):
-        values_tex({"x": value(None, "0.125")})
-    assert r"\or 0.12\or " in values_tex({"x": value("1/8", "0.125")})  # half-even, of a number that is a tie
+        render_values({"x": value(None, "0.125")}, "tex")
+    assert r"\or 0.12\or " in render_values({"x": value("1/8", "0.125")}, "tex")  # half-even, of a number that is a tie
 
 
 def test_macros_say_how_many_digits_there_are() -> None:
     macros = MACROS_FILE.read_text(encoding="utf-8")
-    assert macros.count(f"1 to {MOST_DIGITS} digits") == 2
-    assert f"1 ... {MOST_DIGITS} significant" in macros
+    assert macros.count(f"1 to {MOST_MACRO_DIGITS} digits") == 2
+    assert f"1 ... {MOST_MACRO_DIGITS} significant" in macros
     assert macros.isascii()
 
 
 @pytest.fixture
 def latex(tmp_path: Path) -> Latex:
     """latex(document): exit status, log and uncompressed PDF of a LaTeX run beside values.tex."""
-    (tmp_path / "values.tex").write_text(values_tex(published_values()) + "\n", encoding="utf-8")
+    (tmp_path / "values.tex").write_text(render_values(published_values(), "tex") + "\n", encoding="utf-8")
 
     def run(document: str) -> tuple[int, str, bytes]:
         (tmp_path / "lesson.tex").write_text(document, encoding="utf-8")
@@ -107,7 +168,7 @@ def test_example_is_built_with_the_values_in_it(latex: Latex) -> None:
 @pytest.mark.skipif(PDFLATEX is None, reason="there is no pdflatex")
 def test_every_value_is_found_by_its_id_to_every_number_of_digits(latex: Latex) -> None:
     values = published_values()
-    asked = [(key, n) for key in values for n in range(1, MOST_DIGITS + 1)]
+    asked = [(key, n) for key in values for n in range(1, MOST_MACRO_DIGITS + 1)]
     lines = [rf"\typeout{{SAID {key} {n} \driftproofdigits{{{n}}}{{{key}}}}}" for key, n in asked]
     status, log, _ = latex(document("\n".join([*lines, "x"])))
     assert status == 0, log
