@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from driftproof.blackbox.contract.clauses import Clause
 from driftproof.blackbox.contract.whole import BRIEF, EXPERIMENTS, clauses_of
 from driftproof.blackbox.findings import Outcome
-from driftproof.blackbox.isolation.laboratory import TIME_LIMIT, Laboratory
+from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import ORDINARY, explained
 from driftproof.blackbox.judging.nonlinear import MeasuredOrder, measured_order
 from driftproof.blackbox.linear.fit import Candidate, LinearFit, linear_fit
@@ -46,14 +46,14 @@ def identify(
     `door`, `array`, `time_limit` and `isolate` are as for `verify`. Raises ValueError where the stepper cannot be
     imported, or has no door.
     """
-    laboratory = Laboratory(Target(step, door, array), time_limit, isolate)
-    outcomes = laboratory.run([*QUESTIONS, *EXPERIMENTS.values()], BRIEF)
+    runner = IsolatedRunner(Target(step, door, array), time_limit, isolate)
+    outcomes = runner.run([*QUESTIONS, *EXPERIMENTS.values()], BRIEF)
     if outcomes[0].kind == "bad_input":
         raise ValueError(outcomes[0].seen)
     introduced, read, fit, order = outcomes[: len(QUESTIONS)]
     seen = Seen(introduced, read, fit, order, tuple(clauses_of(outcomes[len(QUESTIONS) :])))
-    rounding = None if seen.key is None else _rounding(laboratory, METHODS[seen.key], seen.size)
-    return Report(laboratory.target.name, seen.verdict, None, _sections(seen, rounding), _data(seen, rounding))
+    rounding = None if seen.key is None else _rounding(runner, METHODS[seen.key], seen.size)
+    return Report(runner.target.name, seen.verdict, None, _sections(seen, rounding), _data(seen, rounding))
 
 
 class _Recognised(NamedTuple):
@@ -150,9 +150,9 @@ def _on_the_oscillator(candidate: Candidate) -> bool:
     return candidate.extras == 0 and rates == (Fraction(1), Fraction(1), Fraction(0))
 
 
-def _rounding(laboratory: Laboratory, method: Method, size: float) -> Outcome:
+def _rounding(runner: IsolatedRunner, method: Method, size: float) -> Outcome:
     domain = ORDINARY if size >= 1 else replace(ORDINARY, largest_state=size)
-    return laboratory.run([partial(explained, method=method, domain=domain, examples=EXAMPLES)])[0]
+    return runner.run([partial(explained, method=method, domain=domain, examples=EXAMPLES)])[0]
 
 
 def _sections(seen: Seen, rounding: Outcome | None) -> tuple[Section, ...]:

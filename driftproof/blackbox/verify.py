@@ -9,7 +9,7 @@ from typing import Any
 
 from driftproof.blackbox.findings import Outcome
 from driftproof.blackbox.identify import identify
-from driftproof.blackbox.isolation.laboratory import TIME_LIMIT, Laboratory
+from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY, Agreement, Domain, agreement
 from driftproof.blackbox.judging.nonlinear import MeasuredOrder, measured_order
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
@@ -58,17 +58,17 @@ def verify(
     """
     asked = method_of(method) if isinstance(method, str) else method
     Tolerance(asked, allowance=allowance)  # a question without sense is refused before anything runs
-    laboratory = Laboratory(Target(step, door, array), time_limit, isolate)
+    runner = IsolatedRunner(Target(step, door, array), time_limit, isolate)
     agreed = partial(agreement, method=asked, allowance=allowance, domain=domain, examples=examples)
-    outcomes = laboratory.run([agreed, coefficients, measured_order])
+    outcomes = runner.run([agreed, coefficients, measured_order])
     if outcomes[0].kind == "bad_input":
         raise ValueError(outcomes[0].seen)
     checks = [check(asked, outcome) for check, outcome in zip(CHECKS, outcomes, strict=True)]
     failed = [check for check in checks if check.passed is False]
     if not failed:
-        return _report(laboratory.target, _agreed(asked, outcomes[0].result), checks)
+        return _report(runner.target, _agreed(asked, outcomes[0].result), checks)
     instead = identify(step, door=door, array=array, time_limit=time_limit, isolate=isolate)
-    return _report(laboratory.target, f"is not {asked.key}; {instead.verdict}", checks, instead)
+    return _report(runner.target, f"is not {asked.key}; {instead.verdict}", checks, instead)
 
 
 def assert_verified(step: Callable[..., Any] | str, method: Method | str, **conditions: Any) -> None:

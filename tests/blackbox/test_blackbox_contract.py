@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.contract.whole import EXPERIMENTS, contract
-from driftproof.blackbox.isolation.laboratory import Laboratory
+from driftproof.blackbox.isolation import IsolatedRunner
 from driftproof.blackbox.stepper.target import Target
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.steppers import float_stepper
@@ -17,7 +17,7 @@ from tests.blackbox import planted
 
 
 def clauses_of(step, **how):
-    return contract(Laboratory(Target(step, **how), isolate=False))
+    return contract(IsolatedRunner(Target(step, **how), isolate=False))
 
 
 def clause(step, key):

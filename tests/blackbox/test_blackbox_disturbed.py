@@ -12,7 +12,7 @@ from driftproof.blackbox.contract.sub_steps import sub_steps
 from driftproof.blackbox.contract.whole import BRIEF, EXPERIMENTS, clauses_of
 from driftproof.blackbox.findings import Outcome
 from driftproof.blackbox.identify import identify
-from driftproof.blackbox.isolation.laboratory import LEAST_LIMIT, Laboratory
+from driftproof.blackbox.isolation import LEAST_LIMIT, IsolatedRunner
 from driftproof.blackbox.linear.fit import linear_fit
 from driftproof.blackbox.matching.match import matched
 from driftproof.blackbox.probes.tableau_probe import read_tableau
@@ -180,12 +180,12 @@ def second(subject):
 
 
 def test_a_brief_experiment_that_hangs_is_given_up_before_the_time_limit(monkeypatch):
-    monkeypatch.setattr("driftproof.blackbox.isolation.laboratory.LEAST_LIMIT", 0.2)
-    laboratory = Laboratory(Target(rogues.hangs_at_nan), 60.0)
-    outcomes = laboratory.run([first, EXPERIMENTS["not_a_number_step"], second], BRIEF)
+    monkeypatch.setattr("driftproof.blackbox.isolation.LEAST_LIMIT", 0.2)
+    runner = IsolatedRunner(Target(rogues.hangs_at_nan), 60.0)
+    outcomes = runner.run([first, EXPERIMENTS["not_a_number_step"], second], BRIEF)
     assert [outcome.kind for outcome in outcomes] == [None, "hangs", None]
     assert "60 s" not in outcomes[1].seen
-    assert LEAST_LIMIT < laboratory.time_limit
+    assert LEAST_LIMIT < runner.time_limit
     assert clauses_of([outcomes[1]] * len(EXPERIMENTS))[0].is_fault
 
 
@@ -195,7 +195,7 @@ def many(subject):
 
 
 def test_a_slow_stepper_does_not_hang():
-    slow, after = Laboratory(Target(rogues.dawdles), 0.4).run([many, first])
+    slow, after = IsolatedRunner(Target(rogues.dawdles), 0.4).run([many, first])
     assert (slow.kind, after.kind) == ("slow", None)
     of_one = [slow, *[Outcome(result=()) for _ in range(len(EXPERIMENTS) - 1)]]
     assert [clause.holds for clause in clauses_of(of_one)] == [None]

@@ -11,7 +11,7 @@ from pathlib import Path
 import mpmath
 import pytest
 
-from driftproof.blackbox.isolation.laboratory import Laboratory
+from driftproof.blackbox.isolation import IsolatedRunner
 from driftproof.blackbox.stepper.target import Target
 from driftproof.methods.catalogue import METHODS
 from driftproof.symbolic.runs import exact_matrix_at
@@ -67,8 +67,8 @@ def test_table_is_markdown_with_a_row_for_each_target() -> None:
 @pytest.mark.parametrize("name", PRESENT)
 def test_one_step_is_as_expected(name: str) -> None:
     entry, expected = TARGETS[name], EXPECTED[name]
-    laboratory = Laboratory(Target(entry.step, entry.door, entry.array), run.TIME_LIMIT)
-    matrix, answers, precision = laboratory.run([trial.matrix, trial.answers, trial.format_of])
+    runner = IsolatedRunner(Target(entry.step, entry.door, entry.array), run.TIME_LIMIT)
+    matrix, answers, precision = runner.run([trial.matrix, trial.answers, trial.format_of])
     noise = NOISE[precision.result]
     if expected.what in METHODS and not matrix.failed:
         assert _distance(matrix.result, expected.what) <= noise + expected.loose

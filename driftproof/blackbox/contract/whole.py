@@ -20,7 +20,7 @@ from driftproof.blackbox.contract.step_size import step_size
 from driftproof.blackbox.contract.sub_steps import sub_steps
 from driftproof.blackbox.contract.zero_and_back import negative_step, zero_step
 from driftproof.blackbox.findings import Outcome
-from driftproof.blackbox.isolation.laboratory import Laboratory
+from driftproof.blackbox.isolation import IsolatedRunner
 from driftproof.blackbox.stepper.subject import Subject
 
 # By the key of the clause that stands for an experiment without result.
@@ -50,9 +50,9 @@ BRIEF = frozenset((not_a_number, infinity, not_a_number_step))
 _BITWISE = frozenset(("time", "batches", "takes_integers"))
 
 
-def contract(laboratory: Laboratory) -> tuple[Clause, ...]:
+def contract(runner: IsolatedRunner) -> tuple[Clause, ...]:
     """All clauses of a stepper's contract, its manners first and what it does to areas and sizes last."""
-    return clauses_of(laboratory.run(list(EXPERIMENTS.values()), BRIEF))
+    return clauses_of(runner.run(list(EXPERIMENTS.values()), BRIEF))
 
 
 def clauses_of(outcomes: Sequence[Outcome]) -> tuple[Clause, ...]:

@@ -8,7 +8,7 @@ import pytest
 from driftproof.blackbox.contract.whole import EXPERIMENTS, contract
 from driftproof.blackbox.contract.zero_and_back import negative_step, zero_step
 from driftproof.blackbox.findings import StepRaised
-from driftproof.blackbox.isolation.laboratory import Laboratory
+from driftproof.blackbox.isolation import IsolatedRunner
 from driftproof.blackbox.stepper.target import Target
 from tests.blackbox import rogues
 
@@ -17,9 +17,9 @@ SHORT, LONG = 0.5, 60.0
 WAYS = ["fork", "by name"]
 
 
-def laboratory(rogue, way="fork"):
+def runner(rogue, way="fork"):
     limit = SHORT if rogue.__name__.startswith("hangs") else LONG
-    return Laboratory(Target(rogue if way == "fork" else f"tests.blackbox.rogues:{rogue.__name__}"), time_limit=limit)
+    return IsolatedRunner(Target(rogue if way == "fork" else f"tests.blackbox.rogues:{rogue.__name__}"), time_limit=limit)
 
 
 def answer(subject, h=0.25):
@@ -27,7 +27,7 @@ def answer(subject, h=0.25):
 
 
 def outcome(rogue, way="fork"):
-    return laboratory(rogue, way).run([answer])[0]
+    return runner(rogue, way).run([answer])[0]
 
 
 def faults(clauses):
@@ -45,7 +45,7 @@ def faults(clauses):
     ids=lambda value: getattr(value, "__name__", ""),
 )
 def test_a_rogue_without_an_answer_has_one_clause(rogue, seen, way):
-    clauses = contract(laboratory(rogue, way))
+    clauses = contract(runner(rogue, way))
     assert [(clause.key, clause.holds) for clause in clauses] == [("answers", False)]
     assert seen in clauses[0].words
     assert clauses[0].is_fault
@@ -53,7 +53,7 @@ def test_a_rogue_without_an_answer_has_one_clause(rogue, seen, way):
 
 @pytest.mark.parametrize("way", WAYS)
 def test_a_rogue_that_always_hangs_is_given_up_after_one_time_limit(way):
-    clauses = contract(laboratory(rogues.hangs, way))
+    clauses = contract(runner(rogues.hangs, way))
     assert [clause.words for clause in clauses] == [
         "no question could be put: no answer within 0.5 s in step(q=1.0, v=0.75, h=0.25)"
     ]
@@ -71,11 +71,11 @@ def test_a_rogue_that_always_hangs_is_given_up_after_one_time_limit(way):
     ids=lambda value: getattr(value, "__name__", ""),
 )
 def test_a_rogue_that_answers_is_described(rogue, seen, way):
-    assert any(seen in words for words in faults(contract(laboratory(rogue, way))))
+    assert any(seen in words for words in faults(contract(runner(rogue, way))))
 
 
 def test_a_hang_costs_its_own_question_only():
-    clauses = {clause.key: clause for clause in contract(laboratory(rogues.hangs_at_zero))}
+    clauses = {clause.key: clause for clause in contract(runner(rogues.hangs_at_zero))}
     assert faults(clauses.values()) == [
         "zero step: the stepper hangs, no answer within 0.5 s in step(q=1.0, v=0.75, h=0.0)"
     ]
@@ -83,7 +83,7 @@ def test_a_hang_costs_its_own_question_only():
 
 
 def test_a_crash_costs_its_own_question_only():
-    found = laboratory(rogues.crashes_backwards).run([answer, partial(answer, h=-0.25), answer, zero_step])
+    found = runner(rogues.crashes_backwards).run([answer, partial(answer, h=-0.25), answer, zero_step])
     assert [outcome.kind for outcome in found] == [None, "crashes", None, None]
     assert found[1].seen == "the process ended (exit status 3) in step(q=1.0, v=0.75, h=-0.25)"
     assert found[0].result == found[2].result == (1.1875, 0.5)
@@ -106,7 +106,7 @@ def test_what_a_stepper_prints_and_warns_of_is_neither_shown_nor_read(way, capfd
 
 
 def test_a_stepper_that_cannot_be_imported_is_refused_by_every_question():
-    found = Laboratory(Target("tests.blackbox.rogues:nobody")).run([answer, answer])
+    found = IsolatedRunner(Target("tests.blackbox.rogues:nobody")).run([answer, answer])
     assert [outcome.kind for outcome in found] == ["bad_input", "bad_input"]
     assert found[0].seen.startswith("tests.blackbox.rogues:nobody cannot be imported: AttributeError")
 
@@ -118,9 +118,9 @@ def test_without_isolation_the_stepper_runs_here():
         here.append(h)
         return q + h * v, v - h * q
 
-    assert Laboratory(Target(step), isolate=False).run([answer])[0].result == (1.1875, 0.5)
+    assert IsolatedRunner(Target(step), isolate=False).run([answer])[0].result == (1.1875, 0.5)
     assert here == [0.25, 0.25]
-    assert Laboratory(Target(step)).run([answer])[0].result == (1.1875, 0.5)
+    assert IsolatedRunner(Target(step)).run([answer])[0].result == (1.1875, 0.5)
     assert len(here) == 2
 
 
@@ -133,18 +133,18 @@ def has_a_mistake(subject):
 
 
 def test_outcomes_come_in_the_order_of_the_questions():
-    found = laboratory(rogues.noisy).run([raises_misbehaviour, answer, has_a_mistake, negative_step])
+    found = runner(rogues.noisy).run([raises_misbehaviour, answer, has_a_mistake, negative_step])
     assert [outcome.kind for outcome in found] == ["raises", None, "instrument_failed", "unsteady"]
     assert found[0].seen == "as it were"
     assert "ZeroDivisionError" in found[2].seen
 
 
 def test_no_question_is_no_outcome():
-    assert laboratory(rogues.noisy).run([]) == []
+    assert runner(rogues.noisy).run([]) == []
 
 
 def test_every_experiment_is_picklable_by_name():
-    found = laboratory(rogues.crashes_backwards, "by name").run(list(EXPERIMENTS.values()))
+    found = runner(rogues.crashes_backwards, "by name").run(list(EXPERIMENTS.values()))
     kinds = dict(zip(EXPERIMENTS, (outcome.kind for outcome in found), strict=True))
     assert [key for key, kind in kinds.items() if kind] == ["negative_step", "reversal"]
     assert {kinds["negative_step"], kinds["reversal"]} == {"crashes"}

@@ -1,1 +1,0 @@
-"""Foreign code in a process of its own, with a time limit."""
