@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from functools import cached_property, partial
 from typing import Any, NamedTuple
 
@@ -14,10 +13,10 @@ from driftproof.blackbox.findings import Outcome
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import ORDINARY, explained
 from driftproof.blackbox.judging.nonlinear import MeasuredOrder, measured_order
-from driftproof.blackbox.linear.fit import Candidate, LinearFit, linear_fit
-from driftproof.blackbox.linear.reading import LINEAR
+from driftproof.blackbox.matching.linear_match import Candidate, LinearFit, linear_fit
 from driftproof.blackbox.matching.match import Identity, Reading, match_tableau, matched
 from driftproof.blackbox.matching.read_order import ReadOrder, read_order
+from driftproof.blackbox.probes.linear_steps import LINEAR
 from driftproof.blackbox.probes.tableau_probe import TableauReading
 from driftproof.blackbox.questions import Introduction, coefficients, introduction
 from driftproof.blackbox.report import Json, Report, Section, sections
@@ -146,8 +145,7 @@ def _at(size: float) -> str:
 
 def _on_the_oscillator(candidate: Candidate) -> bool:
     """True for a method as it stands, of q' = v, v' = -q."""
-    rates = candidate.position, candidate.stiffness, candidate.damping
-    return candidate.extras == 0 and rates == (Fraction(1), Fraction(1), Fraction(0))
+    return candidate.extras == 0 and candidate.position == candidate.stiffness == 1 and bool(candidate.methods)
 
 
 def _rounding(runner: IsolatedRunner, method: Method, size: float) -> Outcome:

@@ -137,7 +137,7 @@ class Serving:
         return encode(self.outcome(index))
 
     def outcome(self, index: int) -> Outcome:
-        """The outcome of one probe; warnings of the stepper's, as of overflow where that is asked for, are not shown."""
+        """The outcome of one probe; warnings of the stepper's, as of overflow, are not shown."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             if self._opened is None:

@@ -13,7 +13,7 @@ from driftproof.blackbox.contract.whole import BRIEF, EXPERIMENTS, clauses_of
 from driftproof.blackbox.findings import Outcome
 from driftproof.blackbox.identify import identify
 from driftproof.blackbox.isolation import LEAST_LIMIT, IsolatedRunner
-from driftproof.blackbox.linear.fit import linear_fit
+from driftproof.blackbox.matching.linear_match import linear_fit
 from driftproof.blackbox.matching.match import matched
 from driftproof.blackbox.probes.tableau_probe import read_tableau
 from driftproof.blackbox.stepper.opening import opened

@@ -53,9 +53,9 @@ def two_half_steps(q, v, h):
         (rk4, "it is rk4"),
         (rk38, "it is rk38"),
         (velocity_verlet, "it is velocity_verlet"),
-        (with_drag, "linear drag 0.04"),
+        (with_drag, "it is no method that is known here"),
         (half_moved, "the position moves by 0.5 h v"),
-        (two_half_steps, "two half steps"),
+        (two_half_steps, "it is no method that is known here"),
     ],
 )
 def test_a_stepper_is_named(step, words):

@@ -19,7 +19,9 @@ WAYS = ["fork", "by name"]
 
 def runner(rogue, way="fork"):
     limit = SHORT if rogue.__name__.startswith("hangs") else LONG
-    return IsolatedRunner(Target(rogue if way == "fork" else f"tests.blackbox.rogues:{rogue.__name__}"), time_limit=limit)
+    return IsolatedRunner(
+        Target(rogue if way == "fork" else f"tests.blackbox.rogues:{rogue.__name__}"), time_limit=limit
+    )
 
 
 def answer(subject, h=0.25):

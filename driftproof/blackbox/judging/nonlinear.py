@@ -10,10 +10,9 @@ from math import log2, sin
 from typing import Any
 
 import numpy as np
-from flint import arb, ctx
+from flint import arb, arb_poly, ctx
 
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, WrongShape
-from driftproof.blackbox.linear.arithmetics import horner
 from driftproof.blackbox.stepper.dialects import Dialect, Number
 from driftproof.blackbox.stepper.subject import Force, Subject, Watch
 
@@ -114,7 +113,7 @@ def _taylor(q: arb, v: arb, h: arb, terms: int) -> tuple[arb, arb]:
         vs.append(-sines[k] / (k + 1))
         sines.append(_convolved(cosines, vs, k) / (k + 1))
         cosines.append(-_convolved(sines, vs, k) / (k + 1))
-    return horner(qs, h), horner(vs, h)
+    return arb_poly(qs)(h), arb_poly(vs)(h)
 
 
 def _convolved(a: Sequence[arb], b: Sequence[arb], k: int) -> arb:

@@ -6,13 +6,11 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property
-from itertools import zip_longest
 from math import inf, log
 from typing import Any, NamedTuple, TypeAlias
 
-from flint import arb, ctx
+from flint import arb, arb_poly, ctx
 
-from driftproof.blackbox.linear.arithmetics import horner
 from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import Exact, enclose
 from driftproof.symbolic.algebra.polynomials import coefficients
@@ -24,10 +22,8 @@ from driftproof.symbolic.runs import apply, exact_matrix_at
 # A double times a double needs 106 bits, and a step of the longest program some 30 products: at this precision the
 # radii of all balls here are below 2**-200 of what they enclose, and no comparison with a bound of size u is undecided.
 BITS = 320
-# Σ cₖ hᵏ in balls, constant term first.
-Series: TypeAlias = Sequence[arb]
-# What is linear in the state: a series in h for |q|, one for |v|, one for 1.
-Columns: TypeAlias = Sequence[Series]
+# What is linear in the state: a polynomial in h, in balls, for |q|, one for |v|, one for 1.
+Columns: TypeAlias = Sequence[arb_poly]
 COLUMNS = ((1, 0), (0, 1), (0, 0))  # as powers of q and v
 
 
@@ -84,7 +80,7 @@ class Tolerance:
         """The exact step from the very numbers given, in balls of negligible radius."""
         with ctx.workprec(BITS):
             at = arb(self._step(h))
-            (qq, qv), (vq, vv) = ([horner(num, at) / horner(den, at) for num, den in row] for row in self._matrix)
+            (qq, qv), (vq, vv) = ([num(at) / den(at) for num, den in row] for row in self._matrix)
             return qq * q + qv * v, vq * q + vv * v
 
     def in_full(self, q: float, v: float, h: float) -> tuple[Exact, Exact]:
@@ -137,10 +133,10 @@ class Tolerance:
         return bound + _at(self._flushed[component], h, state) if self.allowance.flush_to_zero else bound
 
     def _denominator(self, h: arb) -> arb:
-        return abs(horner(self._matrix[0][0][1], h))
+        return abs(self._matrix[0][0][1](h))
 
     @cached_property
-    def _matrix(self) -> list[list[tuple[Series, Series]]]:
+    def _matrix(self) -> list[list[tuple[arb_poly, arb_poly]]]:
         rows = one_step_matrix(self.method)
         return [[(_series(coefficients(x.num)), _series(coefficients(x.den))) for x in row] for row in rows]
 
@@ -159,10 +155,11 @@ class Tolerance:
         def lost(k: int, _: int) -> arb:
             return _compounded(half_eta, k) * (1 + _compounded(d, k))
 
-        return [
-            [_sum(*pair) for pair in zip(_weighted(counted, rounded), _weighted(raised, lost), strict=True)]
-            for counted, raised in zip(self._any_order.counted, self._any_order.raised, strict=True)
-        ]
+        with ctx.workprec(BITS):
+            return [
+                [x + y for x, y in zip(_weighted(counted, rounded), _weighted(raised, lost), strict=True)]
+                for counted, raised in zip(self._any_order.counted, self._any_order.raised, strict=True)
+            ]
 
     @cached_property
     def _flushed(self) -> list[Columns]:
@@ -183,7 +180,7 @@ class Tolerance:
         """The sum of |monomials| of the exact expression: of the definition's, before anything cancels."""
         if self.method.explicit:
             return [_weighted(counted, lambda k, n: arb(1)) for counted in self._any_order.counted]
-        return [[*([abs(c) for c in num] for num, _ in row), [arb(0)]] for row in self._matrix]
+        return [[*(arb_poly([abs(c) for c in num.coeffs()]) for num, _ in row), arb_poly([])] for row in self._matrix]
 
 
 def _judgement(error: arb, bound: arb, unit: arb) -> Judgement:
@@ -199,9 +196,9 @@ def _ratio(error: arb, bound: arb) -> float:
     return float((error / bound).mid()) if bool(bound > 0) else inf
 
 
-def _series(ascending: Iterable[Any]) -> Series:
+def _series(ascending: Iterable[Any]) -> arb_poly:
     with ctx.workprec(BITS):
-        return [enclose(c) for c in ascending] or [arb(0)]
+        return arb_poly([enclose(c) for c in ascending])
 
 
 def _weighted(polynomial: Any, weight: Callable[[int, int], arb]) -> Columns:
@@ -212,7 +209,7 @@ def _weighted(polynomial: Any, weight: Callable[[int, int], arb]) -> Columns:
             found = by_column[COLUMNS.index(tuple(in_state))]
             size = enclose(Fraction(int(c.numerator), int(c.denominator)))
             found[in_h] = found.get(in_h, arb(0)) + size * weight(k, in_h + sum(in_state))
-    return [[found.get(k, arb(0)) for k in range(max(found, default=0) + 1)] for found in by_column]
+    return [arb_poly([found.get(k, arb(0)) for k in range(max(found, default=0) + 1)]) for found in by_column]
 
 
 @cache
@@ -222,11 +219,6 @@ def _compounded(rate: Fraction, times: int) -> arb:
         return (enclose(rate).log1p() * times).expm1()
 
 
-def _sum(a: Series, b: Series) -> Series:
-    with ctx.workprec(BITS):
-        return [x + y for x, y in zip_longest(a, b, fillvalue=arb(0))]
-
-
 def _at(columns: Columns, h: arb, state: tuple[arb, arb]) -> arb:
-    q, v, one = (horner(series, h) for series in columns)
+    q, v, one = (polynomial(h) for polynomial in columns)
     return q * state[0] + v * state[1] + one

@@ -8,18 +8,19 @@ must meet every value at every other step, some of which are not dyadic, within 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import TypeVar
 
 from flint import fmpq, fmpq_mat
 
-from driftproof.blackbox.linear.arithmetics import horner
-from driftproof.blackbox.linear.reading import Reading
+from driftproof.blackbox.probes.linear_steps import Reading
 from driftproof.blackbox.probes.simple_rationals import simple_rational
 from driftproof.symbolic.algebra.polynomials import polynomial
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 
+Number = TypeVar("Number", float, Fraction)
 # About twice what a power of h costs: a coefficient worked out, a force, a product or two, a sum or two.
 ROUNDINGS = 18
 # Steps that determine coefficients, in units of the reading's own time; the others check them.
@@ -151,8 +152,8 @@ def _is_near(entry: Recovered, values: dict[Fraction, Fraction]) -> bool:
 
 
 def _near_at(num: Sequence[float], den: Sequence[float], x: float, y: float) -> bool:
-    top, bottom = horner(num, x), horner(den, x)
-    sizes = horner([abs(c) for c in num], abs(x)) + abs(y) * horner([abs(c) for c in den], abs(x))
+    top, bottom = _horner(num, x), _horner(den, x)
+    sizes = _horner([abs(c) for c in num], abs(x)) + abs(y) * _horner([abs(c) for c in den], abs(x))
     return bool(abs(top - y * bottom) <= HALF_THE_DIGITS * sizes)
 
 
@@ -173,7 +174,7 @@ _ZERO, _ONE = Coefficient(Fraction(0), Fraction(0)), Coefficient(Fraction(1), Fr
 def _meets(entry: Recovered, values: dict[Fraction, Fraction], u: Fraction) -> bool:
     """True when the function has all the values, up to what rounding allows."""
     for x, y in values.items():
-        num, den = (_sum(part, x, lambda c: c) for part in (entry.num, entry.den))
+        num, den = (_horner([c.value for c in part], x) for part in (entry.num, entry.den))
         if den == 0 or abs(num - y * den) > _allowed(entry, x, y, u):
             return False
     return True
@@ -182,15 +183,15 @@ def _meets(entry: Recovered, values: dict[Fraction, Fraction], u: Fraction) -> b
 def _allowed(entry: Recovered, x: Fraction, y: Fraction, u: Fraction) -> Fraction:
     """k u (|num|~ + |y| |den|~), which bounds |num - y den| to first order, for y in error by k u of its monomials."""
     k = ROUNDINGS * (len(entry.num) + len(entry.den))
-    sizes = (_sum(part, abs(x), abs) for part in (entry.num, entry.den))
-    above, below = sizes
+    above, below = (_horner([abs(c.value) for c in part], abs(x)) for part in (entry.num, entry.den))
     return k * u * (above + (abs(y) * below if len(entry.den) > 1 else 0))
 
 
-def _sum(part: Sequence[Coefficient], x: Fraction, of: Callable[[Fraction], Fraction]) -> Fraction:
-    total = Fraction(0)
-    for c in reversed(part):
-        total = total * x + of(c.value)
+def _horner(coefficients: Sequence[Number], x: Number) -> Number:
+    """The polynomial with these coefficients, constant term first, at x."""
+    total = coefficients[-1]
+    for c in coefficients[-2::-1]:
+        total = total * x + c
     return total
 
 

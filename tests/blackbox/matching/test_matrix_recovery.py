@@ -7,9 +7,9 @@ from math import sin
 
 import pytest
 
-from driftproof.blackbox.linear.fit import LinearFit, linear_fit
-from driftproof.blackbox.linear.reading import read
-from driftproof.blackbox.linear.recovery import recovered
+from driftproof.blackbox.matching.linear_match import LinearFit, linear_fit
+from driftproof.blackbox.matching.matrix_recovery import recovered
+from driftproof.blackbox.probes.linear_steps import read
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.symbolic.algebra.polynomials import scalar
 

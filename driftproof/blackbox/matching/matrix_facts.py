@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any, TypeAlias
 
-from flint import arb
+from flint import arb, arb_series, ctx
 
-from driftproof.blackbox.linear.arithmetics import FUNCTIONS, SERIES, SERIES_LENGTH, precise, step_function, step_series
-from driftproof.blackbox.linear.classes import MethodClass, Rates
-from driftproof.blackbox.linear.parts import Model
-from driftproof.blackbox.linear.recovery import Recovered
+from driftproof.blackbox.matching.equivalent_methods import BITS, LinearlyEquivalentMethods, scaled_matrix
+from driftproof.blackbox.matching.matrix_recovery import Recovered
 from driftproof.methods.number_field import Exact
+from driftproof.methods.stepping import stepper
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import ONE, Polynomial, coefficients, exact, polynomial
@@ -21,10 +19,10 @@ from driftproof.symbolic.algebra.rational_functions import RationalFunction, fra
 from driftproof.symbolic.algebra.series import expand
 from driftproof.symbolic.algebra.text import rational_text as function_text
 from driftproof.symbolic.linear.oscillator import determinant
-from driftproof.symbolic.runs import Entries
+from driftproof.symbolic.rounding.formats import BINARY64
 
-# An exchange of the entries of a matrix.
-Undo: TypeAlias = Callable[[Any], Entries]
+# Powers of h in a series: enough for an order below it.
+SERIES_LENGTH = 24
 ENTRIES = ("M_qq", "M_qv", "M_vq", "M_vv")
 # An exact text longer than this says less than decimals do.
 LONGEST_EXACT = 120
@@ -46,16 +44,31 @@ class MatrixFacts:
     linear_order: int | None
 
 
-def facts_of_model(
-    model: Model, rates: Sequence[Fraction], system: tuple[Fraction, Fraction], undo: Undo
+def facts_of_methods(
+    each: LinearlyEquivalentMethods, position: Fraction, stiffness: Fraction, system: Fraction
 ) -> MatrixFacts:
-    """The facts of a model with the rates a, k, g, and with `undo` applied, for a system with `system` = k, g."""
-    with precise():
-        m = undo(model.matrix(SERIES, Rates(step_series(), *(SERIES.number(x) for x in rates))))
-        order = linear_order([series.coeffs() for series in m], *system)
-    if not model.has_short_matrix:
-        return MatrixFacts(None, None, None, order)
-    return replace(facts_of(_undone(_matrix(model, rates), undo), *system), linear_order=order)
+    """The facts of a class for q' = a v, v' = -k q, as an answer to q' = v, v' = -`system` q.
+
+    The order of decimals is that of what their source prints, each right to half of its last binary digit.
+    """
+    found = facts_of(scaled_matrix(each.matrix, position, stiffness), system, Fraction(0))
+    if not (each.programs and each.programs[0].decimal) or {position, stiffness, system} != {Fraction(1)}:
+        return found
+    terms, ctx.cap = ctx.cap, SERIES_LENGTH
+    try:
+        with ctx.workprec(BITS):
+            step, one, nil = stepper(each.programs[0], _printed), arb_series([1]), arb_series([0])
+            columns = [step(lambda q: -q, q, v, arb_series([0, 1])) for q, v in ((one, nil), (nil, one))]
+            series = [entry.coeffs() for row in zip(*columns, strict=True) for entry in row]
+            return replace(found, linear_order=linear_order(series, system, Fraction(0)))
+    finally:
+        ctx.cap = terms
+
+
+def _printed(x: Exact) -> arb_series:
+    """A decimal as its source prints it, right to a rounding of binary64: a ball around it."""
+    radius = abs(Fraction(x)) * BINARY64.u if isinstance(x, Fraction) else Fraction(0)
+    return arb_series([enclose(x) + arb(0, 1) * enclose(radius)])
 
 
 def facts_of(matrix: StepMatrix, stiffness: Fraction, damping: Fraction) -> MatrixFacts:
@@ -63,25 +76,11 @@ def facts_of(matrix: StepMatrix, stiffness: Fraction, damping: Fraction) -> Matr
     qq, qv, vq, vv = (text_of(entry) for row in matrix for entry in row)
     multiplier = _energy_multiplier(matrix, stiffness)
     series = [[exact(c) for c in expand(entry, SERIES_LENGTH)] for row in matrix for entry in row]
-    with precise():
+    with ctx.workprec(BITS):
         order = linear_order([[enclose(c) for c in each] for each in series], stiffness, damping)
     return MatrixFacts(
         (qq, qv, vq, vv), text_of(determinant(matrix)), text_of(multiplier) if multiplier else None, order
     )
-
-
-def _matrix(model: Model, rates: Sequence[Fraction]) -> StepMatrix:
-    """The exact matrix of a model."""
-    if model.as_method and rates[0] == rates[1] == 1:
-        return model.as_method.matrix
-    qq, qv, vq, vv = model.matrix(FUNCTIONS, Rates(step_function(), *(FUNCTIONS.number(x) for x in rates)))
-    return (qq.value, qv.value), (vq.value, vv.value)
-
-
-def _undone(matrix: StepMatrix, undo: Undo) -> StepMatrix:
-    (qq, qv), (vq, vv) = matrix
-    a, b, c, d = undo((qq, qv, vq, vv))
-    return (a, b), (c, d)
 
 
 def linear_order(series: Sequence[Sequence[arb]], stiffness: Fraction, damping: Fraction) -> int | None:
@@ -139,12 +138,15 @@ def _decimals(p: Polynomial) -> str:
     return " + ".join(shown).replace("+ -", "- ")
 
 
-def differences(read: Sequence[Recovered], other: MethodClass, position: Fraction, stiffness: Fraction) -> list[str]:
+def differences(
+    read: Sequence[Recovered], other: LinearlyEquivalentMethods, position: Fraction, stiffness: Fraction
+) -> list[str]:
     """Where a recovered matrix certainly differs from that of a method for q' = a v, v' = -k q, in words.
 
     Power by power of the series in h: of polynomials every coefficient, of other entries the first that differs.
     """
-    theirs = other.series(position, stiffness, POWERS_COMPARED)
+    matrix = scaled_matrix(other.matrix, position, stiffness)
+    theirs = [[exact(c) for c in expand(entry, POWERS_COMPARED)] for row in matrix for entry in row]
     polynomial_ = all(entry.den == ONE for row in other.matrix for entry in row)
     found: list[tuple[int, str]] = []
     for name, entry, series in zip(ENTRIES, read, theirs, strict=True):

@@ -1,0 +1,456 @@
+"""Which method a float stepper is, as far as steps of a linear system tell: one of the catalogue, or its own matrix.
+
+A candidate is a one-step map of q' = a v, v' = -k q, a and k read from a tiny step: a method of the catalogue, the
+exact solution, or the adjoint of a method that is not its own. It explains a reading if at every step each entry is off
+by no more than any float program of it may be; balls certify that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from math import inf, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from flint import arb, ctx
+
+from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.matching.equivalent_methods import (
+    BITS,
+    ExactFlow,
+    LinearlyEquivalentMethods,
+    LinearMap,
+    Rates,
+    adjoint_methods,
+    all_matrices,
+    equivalent_methods,
+)
+from driftproof.blackbox.matching.matrix_facts import (
+    ENTRIES,
+    SERIES_LENGTH,
+    MatrixFacts,
+    damping_of,
+    differences,
+    facts_of,
+    facts_of_methods,
+)
+from driftproof.blackbox.matching.matrix_recovery import Recovered, recovered
+from driftproof.blackbox.probes.linear_steps import (
+    FAR_OUT,
+    LINEAR,
+    LINEARISED,
+    NOT_LINEAR,
+    Floats,
+    Reading,
+    growing,
+    read,
+)
+from driftproof.blackbox.probes.simple_rationals import rational_text, simple_rational
+from driftproof.blackbox.stepper.doors import MAP
+from driftproof.blackbox.stepper.subject import Subject
+from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat
+
+# A linear stepper that any method may be.
+UNDETERMINED = "undetermined"
+# Where a limit or a rule disturbs the reading at states of size 1: below most limits, above most rules of rest.
+OTHER_SIZES = (2.0**-5, 2.0**-10, 2.0**20)
+# In a format with fewer powers of two there are no such sizes.
+OWN_RANGE = 100
+# A longer text is left to programs.
+LONGEST_LINE = 160
+MOST_COMPARED, MOST_DIFFERENCES = 8, 4
+MOST_EXPLANATIONS = 4
+# The roundings, at most, in a rate read at a tiny step: there the slopes of all stages are equal, and only summed.
+RATE_ROUNDINGS = 1 << 8
+# Where candidates are tried in floats before they are certified, in units of the reading's own time.
+TRIED = (0.25, 0.5)
+# As many times as the roundings of one program may exceed those of another: between the shortest step in the catalogue
+# and the longest, counts of roundings and sizes of terms differ by less.
+MUCH_FARTHER = 1 << 10
+# A rate that is wrong in a program, and not a little by accident, is wrong by this much.
+LEAST_OFF = Fraction(1, 1024)
+FORWARDS = "but only at h > 0"
+# What people call the methods whose keys leave open which of two things comes first.
+NAMES = {
+    "symplectic_euler": "velocity-first symplectic Euler",
+    "symplectic_euler_position_first": "position-first symplectic Euler",
+}
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A map that the stepper cannot be told from by linear steps.
+
+    `methods` are the catalogue's keys with the same matrix, of which it is made; `extras` counts what makes it differ
+    from them. `score` is its worst error in units of the bound, at most 1. q' = a v, v' = -k q with a = `position` and
+    k = `stiffness`. `restriction` says at which steps only, if so.
+    """
+
+    methods: tuple[str, ...]
+    words: str
+    extras: int
+    score: float
+    position: Fraction
+    stiffness: Fraction
+    restriction: str = ""
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """The methods nearest to a stepper that none explains: how far `off` their matrix is at one `h`, and where."""
+
+    methods: tuple[str, ...]
+    h: float
+    off: float
+    differences: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class LinearFit:
+    """What linear steps say of a stepper; plain data.
+
+    `kind` is that of the `Reading`, and `amplitude` the size of the states at which the stepper was read; `format` is
+    the one in which it computes. `position`, `stiffness` and `damping` are a, k, g of the system q' = a v,
+    v' = -k q - g v that small steps follow, None where there is none. `candidates` are what explains it, the simplest
+    first; where there are none, `nearest` is what comes closest. `facts` are those of the exact matrix, where that is
+    known. `remarks` are for people.
+    """
+
+    kind: str
+    amplitude: float
+    format: str
+    position: Fraction | None = None
+    stiffness: Fraction | None = None
+    damping: Fraction | None = None
+    candidates: tuple[Candidate, ...] = ()
+    nearest: Nearest | None = None
+    facts: MatrixFacts | None = None
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def best(self) -> Candidate | None:
+        """The simplest explanation."""
+        return self.candidates[0] if self.candidates else None
+
+    @property
+    def doubts(self) -> int:
+        """0 where a method holds at all steps, 1 at all ahead, 2 at some, 3 where there is none."""
+        if self.best is None:
+            return 3
+        return {"": 0, FORWARDS: 1}.get(self.best.restriction, 2)
+
+    @property
+    def is_disturbed(self) -> bool:
+        """True when something was seen that depends on the size of states, and no method holds at all steps ahead."""
+        if self.best is not None:
+            return self.doubts > 1
+        limited = any(remark.startswith(FAR_OUT) for remark in self.remarks)
+        return limited or self.kind == NOT_LINEAR or 0 in (self.position, self.stiffness)
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """The answer in plain English, the most important line first."""
+        return tuple(_lines(self))
+
+
+def linear_fit(subject: Subject) -> LinearFit:
+    """The stepper explained by its linear steps: of the oscillator, or of the system that it has built in.
+
+    Some seventy calls, or twice or three times as many where a limit disturbs the first. Lets a Misbehaviour pass.
+    """
+    known = subject.door.kind != MAP or bool(subject.door.extra)
+    first = fitted(read(subject), known=known)
+    if first.is_disturbed and subject.format.emin < -OWN_RANGE:
+        for size in OTHER_SIZES:
+            with suppress(Misbehaviour):
+                other = fitted(read(subject, size), known=known)
+                if other.kind == LINEAR and other.doubts < first.doubts:
+                    return other
+    return first
+
+
+def fitted(reading: Reading, *, known: bool) -> LinearFit:
+    """A reading explained; `known`: of the oscillator, q' = v, v' = -q."""
+    start = LinearFit(reading.kind, reading.amplitude, reading.format.name, remarks=reading.remarks)
+    if reading.at_zero is None or not reading.steps:
+        return start
+    position, stiffness = rates_of(reading)
+    near, rates = min(_tried(reading)), (1.0, 1.0) if known else (float(position), float(stiffness))
+    if not reading.identifiable:
+        return replace(start, nearest=_nearest(*near, rates))
+    if all((m[0], *m[2:]) == (1, 0, 1) for _, m in reading.steps):
+        return replace(start, kind=UNDETERMINED, remarks=("no force acts: all methods agree", *reading.remarks))
+    if reading.starts_at_identity:
+        start = replace(start, position=position, stiffness=stiffness)
+    if known and reading.ordinary:
+        start = replace(start, nearest=_nearest(*reading.ordinary, rates))
+    found = explanations(reading, known=known) if position and stiffness else []
+    return _explained(start, found) if found else _unexplained(start, reading, known=known)
+
+
+def rates_of(reading: Reading) -> tuple[Fraction, Fraction]:
+    """The a and k of q' = a v, v' = -k q read at the tiny step, as simple rationals where they are some."""
+    assert reading.at_zero is not None
+    slack = max(RATE_ROUNDINGS * float(reading.format.u), 8 * (reading.tiny / reading.unit) ** 2)
+    in_position, in_velocity = growing(reading.at_zero)
+    rates = in_position / reading.tiny, -in_velocity / reading.tiny
+    simple = [simple_rational(x, abs(x) * slack) for x in rates]
+    a, k = (Fraction(x) if found is None else found for x, found in zip(rates, simple, strict=True))
+    return a, k
+
+
+def _tried(reading: Reading) -> list[tuple[float, Floats]]:
+    return [(h, m) for h, m in reading.steps if h / reading.unit in TRIED]
+
+
+class Error(NamedTuple):
+    """The worst |read - exact| of some entries, in units of its bound, and relative to 1 + |read|."""
+
+    in_bounds: float
+    relative: float
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """A map with its worst error over all steps or, where that is too much, over those that `restriction` names.
+
+    With `known`, the system is q' = v, v' = -q; else its stiffness is the stepper's own.
+    """
+
+    map: LinearMap
+    position: Fraction
+    stiffness: Fraction
+    known: bool
+    error: Error
+    restriction: str = ""
+
+    @property
+    def methods(self) -> tuple[str, ...]:
+        """The keys of the methods that it is made from."""
+        return self.map.keys if isinstance(self.map, LinearlyEquivalentMethods) else ()
+
+    @property
+    def rates_are_right(self) -> bool:
+        """True for q' = v, v' = -q."""
+        return self.position == self.stiffness == 1
+
+    @property
+    def extras(self) -> int:
+        """How many things make it differ from a method of the catalogue on its system."""
+        off = self.position != 1 or (self.known and self.stiffness != 1)
+        return bool(self.restriction) + off + (isinstance(self.map, LinearlyEquivalentMethods) and self.map.adjoint)
+
+    @property
+    def words(self) -> str:
+        """What the stepper is, if this is it."""
+        name = "the exact solution"
+        if isinstance(self.map, LinearlyEquivalentMethods):
+            name = f"{'the adjoint of ' * self.map.adjoint}{NAMES.get(self.methods[0], self.methods[0])}"
+        return f"{name}{self._rates_in_words()}{f', {self.restriction}' if self.restriction else ''}"
+
+    def _rates_in_words(self) -> str:
+        a, k = self.position, self.stiffness
+        if a == k == -1 or (a == -1 and not self.known):
+            return ", with -h for h: it steps back in time"
+        if a == k != 1 and self.known:
+            return f", with {rational_text(a)} h for h"
+        wrong = [f"the position moves by {rational_text(a)} h v"] * (a != 1)
+        wrong += [f"the force enters {rational_text(k)} times"] * (self.known and k != 1)
+        return f", but {' and '.join(wrong)}" if wrong else ""
+
+
+def explanations(reading: Reading, *, known: bool) -> list[Explanation]:
+    """What explains the reading, of the fewest extras first; adjoints only where no method does at all steps."""
+    position, stiffness = rates_of(reading)
+    if any(rate != 1 and abs(rate - 1) < LEAST_OFF for rate in ((position, stiffness) if known else (position,))):
+        return []
+    found: list[Explanation] = []
+    for classes in (equivalent_methods(), adjoint_methods()):
+        maps: list[LinearMap] = [*([] if found else [ExactFlow()]), *_near(reading, classes, position, stiffness)]
+        explained = (explained_by(each, reading, position, stiffness, known=known) for each in maps)
+        found += [each for each in explained if each.error.in_bounds <= 1]
+        if any(not each.restriction for each in found):
+            break
+    everywhere = [each for each in found if not each.restriction] or found
+    least = min((each.error.relative for each in everywhere), default=0.0)
+    most = MUCH_FARTHER * (least + float(reading.format.u))
+    near = sorted((each for each in everywhere if each.error.relative <= most), key=lambda each: each.extras)
+    return [each for each in near if each.extras == near[0].extras][:MOST_EXPLANATIONS]
+
+
+def _near(
+    reading: Reading, classes: tuple[LinearlyEquivalentMethods, ...], position: Fraction, stiffness: Fraction
+) -> list[LinearlyEquivalentMethods]:
+    """Those that are near at the steps tried, to half the digits."""
+    near, most = np.full(len(classes), True), sqrt(reading.format.u)
+    for h, m in _tried(reading):
+        apart = np.abs(all_matrices(classes, Rates(h, float(position), float(stiffness))) - m)
+        near &= (apart <= most * (1 + np.abs(m))).all(axis=1)
+    return [each for each, is_near in zip(classes, near.tolist(), strict=True) if is_near]
+
+
+def explained_by(
+    each: LinearMap, reading: Reading, position: Fraction, stiffness: Fraction, *, known: bool
+) -> Explanation:
+    """A map held to its bound; where that fails, with h rounded to binary32 first; where that fails, at fewer steps.
+
+    A map that fails at a dyadic step within the system's own time is beyond all that, and is not looked at further.
+    """
+
+    def at(h: float, m: Floats, step_format: FloatFormat = BINARY64) -> Error:
+        used = step_format.nearest(Fraction(h))
+        rates = Rates(float(used), float(position), float(stiffness))
+        exact, allowed = each.matrix_at(used, position, stiffness), each.allowances(rates, reading.format)
+        off = [float(abs(arb(x) - ball).upper()) for x, ball in zip(m, exact, strict=True)]
+        if not all(x < inf for x in off):  # a pole
+            return Error(inf, inf)
+        in_bounds = max(x / most for x, most in zip(off, allowed, strict=True))
+        return Error(in_bounds, max(x / (1 + abs(y)) for x, y in zip(off, m, strict=True)))
+
+    within = {h for h, _ in reading.steps if 0 < h <= reading.unit and _is_coarse(h)}
+    errors: dict[float, Error] = {}
+    found = Explanation(each, position, stiffness, known, Error(inf, inf))
+    with ctx.workprec(BITS):
+        for h, m in sorted(reading.steps, key=lambda step: (step[0] not in within, -step[0])):
+            errors[h] = at(h, m)
+            if h in within and errors[h].in_bounds > 1:
+                return replace(found, error=errors[h])
+        if _worst(errors, _is_coarse).in_bounds <= 1 < _worst(errors).in_bounds:
+            rounded = _worst({h: at(h, m, BINARY32) for h, m in reading.steps})
+            if rounded.in_bounds <= 1:
+                return replace(found, error=rounded, restriction="with h rounded to binary32")
+    for words, kept in _restrictions(reading.unit):
+        worst = _worst(errors, kept)
+        if worst.in_bounds <= 1:
+            return replace(found, error=worst, restriction=words)
+    return replace(found, error=_worst(errors))
+
+
+def _worst(errors: Mapping[float, Error], kept: Callable[[float], bool] = lambda h: True) -> Error:
+    found = [error for h, error in errors.items() if kept(h)]
+    return Error(max(error.in_bounds for error in found), max(error.relative for error in found))
+
+
+def _is_coarse(h: float) -> bool:
+    """True for a number of binary32."""
+    return float(np.float32(h)) == h
+
+
+def _restrictions(unit: float) -> Sequence[tuple[str, Callable[[float], bool]]]:
+    """Where a map may hold, from everywhere on down."""
+    return (
+        ("", lambda h: True),
+        (FORWARDS, lambda h: h > 0),
+        (f"but only at |h| <= {unit:g}", lambda h: abs(h) <= unit),
+        (f"but only at 0 < h <= {unit:g}", lambda h: 0 < h <= unit),
+    )
+
+
+def _explained(start: LinearFit, found: Sequence[Explanation]) -> LinearFit:
+    """The fit with what explains it, and the facts of the first."""
+    candidates = tuple(
+        Candidate(e.methods, e.words, e.extras, e.error.in_bounds, e.position, e.stiffness, e.restriction)
+        for e in found
+    )
+    first, system = found[0], Fraction(1) if found[0].known else found[0].stiffness
+    facts = MatrixFacts(None, None, None, None)
+    if isinstance(first.map, LinearlyEquivalentMethods):
+        facts = facts_of_methods(first.map, first.position, first.stiffness, system)
+    return replace(start, candidates=candidates, facts=facts, damping=Fraction(0))
+
+
+def _unexplained(start: LinearFit, reading: Reading, *, known: bool) -> LinearFit:
+    """The fit with what comes closest, and with the facts of the matrix, if that is a simple function of h."""
+    (h, m), (position, stiffness) = min(_tried(reading)), rates_of(reading)
+    entries = recovered(reading)
+    if entries is None:
+        return replace(start, nearest=_nearest(h, m, (float(position), float(stiffness))))
+    rates = (Fraction(1), Fraction(1)) if known else (position, stiffness)
+    start = replace(start, nearest=_least_different(h, m, entries, *rates))
+    if not all(entry.exact for entry in entries):
+        return start
+    qq, qv, vq, vv = (entry.function for entry in entries)
+    damping = damping_of(vv)
+    return replace(start, damping=damping, facts=facts_of(((qq, qv), (vq, vv)), rates[1], damping))
+
+
+def _nearest(h: float, m: Floats, rates: tuple[float, float]) -> Nearest:
+    """The methods that are least far off at one step."""
+    off, each = _by_distance(h, m, rates)[0]
+    return Nearest(each.keys, h, off, ())
+
+
+def _least_different(
+    h: float, m: Floats, entries: Sequence[Recovered], position: Fraction, stiffness: Fraction
+) -> Nearest:
+    """The method that differs in one coefficient, if there is one; else the methods that are least far off."""
+    closest = _by_distance(h, m, (float(position), float(stiffness)))[:MOST_COMPARED]
+    told = [(differences(entries, each, position, stiffness), off, each) for off, each in closest]
+    found, off, each = min(told, key=lambda one: (len(one[0]) != 1, one[1]))
+    return Nearest(each.keys, h, off, tuple(found[:MOST_DIFFERENCES]))
+
+
+def _by_distance(h: float, m: Floats, rates: tuple[float, float]) -> list[tuple[float, LinearlyEquivalentMethods]]:
+    """The catalogue for q' = a v, v' = -k q, nearest first, with the distance from a matrix read at h."""
+    classes = equivalent_methods()
+    off = np.nan_to_num(np.max(np.abs(all_matrices(classes, Rates(h, *rates)) - m), axis=1), nan=inf).tolist()
+    return sorted(zip(off, classes, strict=True), key=lambda pair: pair[0])
+
+
+def _lines(fit: LinearFit) -> Iterator[str]:
+    yield from _identity(fit)
+    if fit.nearest:
+        where = "at states of size 1, nearest" if fit.best else "nearest"
+        yield f"{where}: {fit.nearest.methods[0]}, off by {fit.nearest.off:.1e} at h = {fit.nearest.h:g}"
+        yield from fit.nearest.differences
+    if fit.kind == LINEARISED or fit.amplitude != 1:
+        yield f"read at states of size {fit.amplitude:.1e}, where the step is linear"
+    yield from _rates(fit)
+    if fit.facts:
+        yield from _facts(fit.facts)
+    yield from fit.remarks
+
+
+def _identity(fit: LinearFit) -> Iterator[str]:
+    if fit.best:
+        yield f"{fit.best.words}, to rounding in {fit.format}"
+        if fit.best.methods[1:]:
+            yield f"no linear test tells {fit.best.methods[0]} from {', '.join(fit.best.methods[1:])}"
+        yield from (f"or, as the same map: {other.words}" for other in fit.candidates[1:])
+    elif fit.kind in (LINEAR, LINEARISED):
+        yield f"no method of the catalogue, nor the adjoint of one, to rounding in {fit.format}"
+    else:
+        yield f"{fit.kind}: no method can be named"
+
+
+def _rates(fit: LinearFit) -> Iterator[str]:
+    """The system of small steps, where it is not the oscillator."""
+    damping = fit.damping or Fraction(0)
+    if fit.position is None or fit.stiffness is None or (fit.position == fit.stiffness == 1 and damping == 0):
+        return
+    if fit.position != 1:
+        yield f"order 0: the position moves by {_times(fit.position, 'h v')}"
+    drag = f" {'-' if damping > 0 else '+'} {_times(abs(damping), 'v')}" if damping else ""
+    yield f"small steps follow q' = {_times(fit.position, 'v')}, v' = {_times(-fit.stiffness, 'q')}{drag}"
+
+
+def _times(x: Fraction, of: str) -> str:
+    """The product in words: 2 v, -v."""
+    if abs(x) == 1:
+        return of if x == 1 else f"-{of}"
+    return f"{rational_text(x)} {of}"
+
+
+def _facts(facts: MatrixFacts) -> Iterator[str]:
+    named = dict(zip(ENTRIES, facts.entries or (), strict=False))
+    texts = {**named, "determinant": facts.determinant, "energy multiplier": facts.energy_multiplier}
+    yield from (f"{name} = {text}" for name, text in texts.items() if text and len(text) <= LONGEST_LINE)
+    if facts.linear_order is None:
+        yield f"no difference from the exact solution up to h^{SERIES_LENGTH - 1}"
+    elif facts.linear_order < 0:
+        yield "no order: a step of h = 0 moves the state"
+    else:
+        yield f"linear order {facts.linear_order}"

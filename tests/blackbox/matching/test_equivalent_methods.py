@@ -1,0 +1,117 @@
+"""What any program of a method may err by is its definition's any-order bound, or wider; adjoints are the inverses."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+
+import numpy as np
+import pytest
+from flint import arb, ctx
+
+from driftproof.blackbox.matching.equivalent_methods import (
+    BITS,
+    ErrorTally,
+    ExactFlow,
+    Rates,
+    adjoint_methods,
+    all_matrices,
+    equivalent_methods,
+    tallies_of,
+)
+from driftproof.blackbox.probes.linear_steps import LINEARITY_ROUNDINGS, LINEARITY_STEP
+from driftproof.methods.catalogue import METHODS
+from driftproof.symbolic.linear.structure import is_symmetric
+from driftproof.symbolic.rounding.any_order import any_order_bound
+from driftproof.symbolic.rounding.formats import BINARY64
+
+EXPLICIT = [key for key, method in METHODS.items() if method.explicit]
+MAPS = (*equivalent_methods(), *adjoint_methods(), ExactFlow())
+
+
+@pytest.mark.parametrize("key", ["symplectic_euler", "velocity_verlet", "midpoint2", "rk4", "heun3", "nystrom4"])
+@pytest.mark.parametrize("h", [0.25, 2.0])
+def test_the_bound_of_a_method_is_nowhere_below_its_any_order_bound(key, h):
+    each = next(each for each in equivalent_methods() if key in each.keys)
+    bound = any_order_bound(METHODS[key])
+    columns = bound.error_of(Q(h), Q(1), Q(0)), bound.error_of(Q(h), Q(0), Q(1))
+    its = columns[0][0], columns[1][0], columns[0][1], columns[1][1]
+    allowed = each.allowances(Rates(h, 1.0, 1.0), BINARY64)
+    assert all(x <= y for x, y in zip(its, allowed, strict=True))
+
+
+def test_a_bound_is_not_wide_for_nothing():
+    assert tallies_of(METHODS["rk4"])[0](0.25) < 1.05
+
+
+X, Y = ErrorTally(np.array([0.75, 0.5]), count=3, additions=2), ErrorTally(np.array([4.0]), count=1)
+
+
+@pytest.mark.parametrize(
+    ("made", "sizes", "roundings"),
+    [
+        (X + Y, [4.75, 0.5], 3 + 2 + 0 + 1),
+        (X * Y, [3.0, 2.0], 5 + 1 + 1),
+        (X + ErrorTally(np.zeros(0)), [0.75, 0.5], 5),
+        (X * ErrorTally(np.zeros(0)), [], 0),
+        (X * ErrorTally(np.ones(1)), [0.75, 0.5], 5),
+    ],
+)
+def test_each_operation_adds_up_sizes_and_roundings(made, sizes, roundings):
+    assert (made.sizes.tolist(), made.roundings) == (sizes, roundings)
+
+
+def test_every_map_has_the_same_values_in_floats_and_balls_up_to_what_it_allows():
+    h, a, k = Q(1, 4), Q(1), Q(5, 4)
+    rates = Rates(float(h), float(a), float(k))
+    for each in MAPS[:-1]:
+        (in_floats,), in_balls = all_matrices((each,), rates).tolist(), each.matrix_at(h, a, k)
+        allowed = each.allowances(rates, BINARY64)
+        assert all(
+            abs(x - float(ball.mid())) <= most for x, ball, most in zip(in_floats, in_balls, allowed, strict=True)
+        )
+
+
+def test_the_exact_flow_is_that_of_a_long_series_for_both_signs_of_the_stiffness():
+    for k in (Q(5, 4), Q(-3, 2)):
+        a, h, term, total = Q(2), Q(1, 2), np.eye(2, dtype=object), np.zeros((2, 2), dtype=object)
+        field = np.array([[Q(0), a], [-k, Q(0)]], dtype=object) * h
+        for i in range(1, 40):
+            total, term = total + term, term.dot(field) / i
+        seen = ExactFlow().matrix_at(h, a, k)
+        assert all(abs(float(x) - float(y)) < 1e-15 for x, y in zip(seen, total.ravel(), strict=True))
+
+
+def test_self_adjoint_methods_are_never_called_the_adjoint_of():
+    adjoints = {key for each in adjoint_methods() for key in each.keys}
+    assert "rk4" in adjoints
+    assert not {key for key, method in METHODS.items() if is_symmetric(method)} & adjoints
+    assert not {"gauss3", "implicit_midpoint", "lobatto_iiib4", "yoshida6_position_first"} & adjoints
+
+
+def test_an_adjoint_is_the_inverse_of_the_step_back_and_no_method_of_the_catalogue():
+    h, one = Q(3, 2), Q(1)
+    known = {each.keys: each for each in equivalent_methods()}
+    assert adjoint_methods()
+    for each in adjoint_methods():
+        a, b, c, d = each.matrix_at(h, one, one)
+        back = known[each.keys].matrix_at(-h, one, one)
+        with ctx.workprec(BITS):
+            product = [a * back[0] + b * back[2], a * back[1] + b * back[3], c * back[0] + d * back[2]]
+        assert all(x.overlaps(arb(y)) and x.rad() < 1e-60 for x, y in zip(product, (1, 0, 0), strict=True))
+        values = all_matrices(equivalent_methods(), Rates(float(h), 1.0, 1.0))
+        assert np.abs(values - [float(x) for x in (a, b, c, d)]).max(axis=1).min() > 1e-13
+
+
+@pytest.mark.parametrize("key", EXPLICIT)
+def test_no_program_of_the_catalogue_is_taken_for_nonlinear(key):
+    each = next(each for each in equivalent_methods() if key in each.keys)
+    rates = Rates(float(LINEARITY_STEP), 1.0, 1.0)
+    allowed, values = each.allowances(rates, BINARY64), all_matrices((each,), rates)[0].tolist()
+    u = float(BINARY64.u)
+    assert all(s <= LINEARITY_ROUNDINGS * u * (1 + abs(x)) for s, x in zip(allowed, values, strict=True))
+
+
+def test_methods_with_one_matrix_are_one_class():
+    found = [each.keys for each in equivalent_methods() if "rk38" in each.keys]
+    assert [keys[0] for keys in found] == ["rk4"]
+    assert sorted(key for each in equivalent_methods() for key in each.keys) == sorted(METHODS)
