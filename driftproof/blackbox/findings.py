@@ -41,15 +41,15 @@ class NotFinite(Misbehaviour):
         self.answer = answer
 
 
-class NoSuchDoor(ValueError):
+class UnsupportedCall(ValueError):
     """The stepper takes no force, or no right-hand side, so that this question cannot be put to it."""
 
-    kind = "no_such_door"
+    kind = "unsupported_call"
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of one experiment: its result; or one word for why there is none, and what was seen."""
+    """What came of one check: its result; or one word for why there is none, and what was seen."""
 
     result: Any = None
     kind: str | None = None

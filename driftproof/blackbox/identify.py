@@ -1,4 +1,4 @@
-"""Which method a float stepper really is: what its door lets us read, in words, the surest first."""
+"""Which method a float stepper really is: what its calling convention lets us read, in words, the surest first."""
 
 from __future__ import annotations
 
@@ -7,21 +7,21 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any, NamedTuple
 
-from driftproof.blackbox.contract.clauses import Clause
-from driftproof.blackbox.contract.whole import BRIEF, EXPERIMENTS, clauses_of
+from driftproof.blackbox.checks.suite import BRIEF, CHECKS, checks_of
+from driftproof.blackbox.checks.trials import CheckResult
 from driftproof.blackbox.findings import Outcome
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import ORDINARY, explained
-from driftproof.blackbox.judging.nonlinear import MeasuredOrder, measured_order
+from driftproof.blackbox.judging.pendulum_order import MeasuredOrder, measured_order
 from driftproof.blackbox.matching.linear_match import Candidate, LinearFit, linear_fit
 from driftproof.blackbox.matching.match import Identity, Reading, match_tableau, matched
 from driftproof.blackbox.matching.read_order import ReadOrder, read_order
 from driftproof.blackbox.probes.linear_steps import LINEAR
-from driftproof.blackbox.probes.tableau_probe import TableauReading
+from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.questions import Introduction, coefficients, introduction
 from driftproof.blackbox.report import Json, Report, Section, sections
-from driftproof.blackbox.stepper.doors import DOORS
-from driftproof.blackbox.stepper.target import Target
+from driftproof.blackbox.stepper.calling_conventions import CALLS
+from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Method
 
@@ -33,7 +33,7 @@ QUESTIONS = (introduction, coefficients, linear_fit, measured_order)
 def identify(
     step: Callable[..., Any] | str,
     *,
-    door: str | None = None,
+    calls: str | None = None,
     array: Callable[[Any], Any] | str | None = None,
     time_limit: float = TIME_LIMIT,
     isolate: bool = True,
@@ -41,16 +41,16 @@ def identify(
     """Which method a float stepper is, of which order, how near to roundoff, and what it does besides.
 
     `step` is a callable or "package.module:name". Its coefficients are read where it takes a right-hand side or a
-    force, its one-step matrix in any case; what is read is compared with the catalogue and with relatives of it.
-    `door`, `array`, `time_limit` and `isolate` are as for `verify`. Raises ValueError where the stepper cannot be
-    imported, or has no door.
+    force, its one-step matrix in any case; what is read is compared with the catalogue and with variants of it.
+    `calls`, `array`, `time_limit` and `isolate` are as for `verify`. Raises ValueError where the stepper cannot be
+    imported, or is called in no known way.
     """
-    runner = IsolatedRunner(Target(step, door, array), time_limit, isolate)
-    outcomes = runner.run([*QUESTIONS, *EXPERIMENTS.values()], BRIEF)
+    runner = IsolatedRunner(Target(step, calls, array), time_limit, isolate)
+    outcomes = runner.run([*QUESTIONS, *CHECKS.values()], BRIEF)
     if outcomes[0].kind == "bad_input":
         raise ValueError(outcomes[0].seen)
     introduced, read, fit, order = outcomes[: len(QUESTIONS)]
-    seen = Seen(introduced, read, fit, order, tuple(clauses_of(outcomes[len(QUESTIONS) :])))
+    seen = Seen(introduced, read, fit, order, tuple(checks_of(outcomes[len(QUESTIONS) :])))
     rounding = None if seen.key is None else _rounding(runner, METHODS[seen.key], seen.size)
     return Report(runner.target.name, seen.verdict, None, _sections(seen, rounding), _data(seen, rounding))
 
@@ -72,11 +72,11 @@ class Seen:
     coefficients: Outcome
     linear: Outcome
     order: Outcome
-    clauses: tuple[Clause, ...]
+    checks: tuple[CheckResult, ...]
 
     @cached_property
     def read(self) -> _Recognised | None:
-        """The coefficients, where the door lets them be read and there are any, and what they are."""
+        """The coefficients, where its calls let them be read and there are any, and what they are."""
         reading: Reading | None = self.coefficients.result
         if reading is None:
             return None
@@ -154,8 +154,8 @@ def _rounding(runner: IsolatedRunner, method: Method, size: float) -> Outcome:
 
 
 def _sections(seen: Seen, rounding: Outcome | None) -> tuple[Section, ...]:
-    faults = [clause.words for clause in seen.clauses if clause.is_fault]
-    rest = [clause.words for clause in seen.clauses if not clause.is_fault]
+    faults = [check.words for check in seen.checks if check.is_fault]
+    rest = [check.words for check in seen.checks if not check.is_fault]
     return sections(
         ("Stepper", _introduced(seen)),
         ("Coefficients", [] if seen.read is None else [*seen.read.identity.lines, *seen.read.reading.lines]),
@@ -163,13 +163,13 @@ def _sections(seen: Seen, rounding: Outcome | None) -> tuple[Section, ...]:
         ("Order", _orders(seen)),
         ("Rounding", [] if rounding is None or rounding.failed else rounding.result.lines),
         ("Faults", faults),
-        ("Contract", rest),
+        ("Checks", rest),
         ("Not answered", _not_answered(seen, rounding)),
     )
 
 
 def _not_answered(seen: Seen, rounding: Outcome | None) -> list[str]:
-    failed = [o for o in _questions(seen, rounding) if o.failed and o.kind != "no_such_door"]
+    failed = [o for o in _questions(seen, rounding) if o.failed and o.kind != "unsupported_call"]
     return [f"{o.kind}: {o.seen}" for o in failed]
 
 
@@ -182,13 +182,13 @@ def _introduced(seen: Seen) -> list[str]:
     if seen.introduction.failed:
         return []
     opened: Introduction = seen.introduction.result
-    return [DOORS[opened.door], f"takes {opened.numbers}, works in {opened.format}"]
+    return [CALLS[opened.calls], f"takes {opened.numbers}, works in {opened.format}"]
 
 
 def _orders(seen: Seen) -> list[str]:
     by_trees = [] if seen.read is None else seen.read.order.lines
     measured = [] if seen.order.failed else [seen.order.result.words]
-    linear_only = seen.order.kind == "no_such_door"
+    linear_only = seen.order.kind == "unsupported_call"
     return [*by_trees, *measured, *(["on other than linear problems the order is not known"] if linear_only else [])]
 
 
@@ -196,7 +196,7 @@ def _data(seen: Seen, rounding: Outcome | None) -> dict[str, Json]:
     read, fit = seen.read, seen.fit
     measured: MeasuredOrder | None = seen.order.result
     return {
-        "door": None if seen.introduction.failed else seen.introduction.result.door,
+        "calls": None if seen.introduction.failed else seen.introduction.result.calls,
         "format": None if seen.introduction.failed else seen.introduction.result.format,
         "method": seen.key,
         "coefficients": None if read is None else [*read.identity.lines, *read.reading.lines],
@@ -206,6 +206,6 @@ def _data(seen: Seen, rounding: Outcome | None) -> dict[str, Json]:
         "linear_order": None if fit is None or fit.facts is None else fit.facts.linear_order,
         "measured_order": None if measured is None else measured.order,
         "rounding": None if rounding is None or rounding.failed else rounding.result.data,
-        "contract": [clause.as_dict() for clause in seen.clauses],
+        "checks": [check.as_dict() for check in seen.checks],
         "not_answered": [{"kind": o.kind, "seen": o.seen} for o in _questions(seen, rounding) if o.failed],
     }

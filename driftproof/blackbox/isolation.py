@@ -15,12 +15,12 @@ from time import monotonic, sleep
 from typing import Any
 
 from driftproof.blackbox.findings import Misbehaviour, Outcome
-from driftproof.blackbox.stepper.subject import Subject
-from driftproof.blackbox.stepper.target import Target
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.opening import Target
 from driftproof.support.messages import MessageError, decode, encode
 from driftproof.support.processes import Limits, ProcessEnded, Session
 
-Probe = Callable[[Subject], Any]
+Probe = Callable[[ForeignStepper], Any]
 
 TIME_LIMIT = 60.0
 # In bytes, beyond what the process has at its start: no stepper of three numbers needs it, and most machines have it.
@@ -32,7 +32,7 @@ PATIENCE, LEAST_LIMIT = 4, 5.0
 A_CALL = 1.0
 
 
-def opens(subject: Subject) -> None:
+def opens(subject: ForeignStepper) -> None:
     """The probe that asks for nothing: it succeeds if the stepper can be imported and answers a first call."""
 
 
@@ -130,7 +130,7 @@ class Serving:
     target: Target
     probes: Sequence[Probe]
     log: Path | None = None
-    _opened: Subject | Outcome | None = field(default=None, init=False)
+    _opened: ForeignStepper | Outcome | None = field(default=None, init=False)
 
     def __call__(self, index: int) -> str:
         """The outcome of one probe, encoded."""
@@ -165,7 +165,7 @@ def answer(request: str | int) -> str | None:
     return _serving[-1](request)
 
 
-def _outcome(probe: Probe, subject: Subject) -> Outcome:
+def _outcome(probe: Probe, subject: ForeignStepper) -> Outcome:
     try:
         return Outcome(probe(subject))
     except (Misbehaviour, ValueError) as error:

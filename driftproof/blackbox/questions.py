@@ -1,4 +1,4 @@
-"""What the child is asked of a stepper, one experiment each: functions of the opened stepper with picklable answers."""
+"""What the child is asked of a stepper, one check each: functions of the opened stepper with picklable answers."""
 
 from __future__ import annotations
 
@@ -6,33 +6,35 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from driftproof.blackbox.matching.match import Reading
-from driftproof.blackbox.probes.force_probe import read_forces
-from driftproof.blackbox.probes.probing import NotReadable
-from driftproof.blackbox.probes.tableau_probe import read_tableau
-from driftproof.blackbox.stepper.doors import FIELD
-from driftproof.blackbox.stepper.subject import Subject
+from driftproof.blackbox.probes.force import read_forces
+from driftproof.blackbox.probes.scripted_answers import NotReadable
+from driftproof.blackbox.probes.tableau import read_tableau
+from driftproof.blackbox.stepper.calling_conventions import FIELD
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 
 @dataclass(frozen=True)
 class Introduction:
-    """Which door the stepper has, what numbers it takes and gives, and in which format it works."""
+    """How the stepper is called, what numbers it takes and gives, and in which format it works."""
 
-    door: str
+    calls: str
     numbers: str
     format: str
 
 
-def introduction(subject: Subject) -> Introduction:
+def introduction(subject: ForeignStepper) -> Introduction:
     """The stepper as it was opened."""
-    return Introduction(subject.door.kind, subject.dialect.name, subject.format.name)
+    return Introduction(subject.convention.kind, subject.adapter.name, subject.format.name)
 
 
-def coefficients(subject: Subject) -> Reading:
+def coefficients(subject: ForeignStepper) -> Reading:
     """The stepper's own coefficients: of its tableau through a right-hand side, else as a force sees them.
 
-    A symplectic step of y = [q, v] has no tableau, but has coefficients on q'' = F(q). Raises NoSuchDoor, NotReadable.
+    A symplectic step of y = [q, v] has no tableau, but has coefficients on q'' = F(q).
+
+    Raises UnsupportedCall, NotReadable.
     """
-    if subject.door.kind == FIELD:
+    if subject.convention.kind == FIELD:
         try:
             return read_tableau(subject)
         except NotReadable as refusal:

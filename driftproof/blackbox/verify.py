@@ -11,21 +11,21 @@ from driftproof.blackbox.findings import Outcome
 from driftproof.blackbox.identify import identify
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY, Agreement, Domain, agreement
-from driftproof.blackbox.judging.nonlinear import MeasuredOrder, measured_order
+from driftproof.blackbox.judging.pendulum_order import MeasuredOrder, measured_order
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
 from driftproof.blackbox.matching.match import match_method
 from driftproof.blackbox.questions import coefficients
 from driftproof.blackbox.report import Json, Report, sections
-from driftproof.blackbox.stepper.target import Target
+from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.schemes import Method
 from driftproof.methods.tableau_file import method_of
 
-# Of a question that a stepper's door does not allow, nothing follows.
-NOT_ASKED = ("no_such_door", "not_readable")
+# Where a stepper's calls do not allow a question, nothing follows from it.
+NOT_ASKED = ("unsupported_call", "not_readable")
 
 
 @dataclass(frozen=True)
-class Check:
+class Criterion:
     """One way to hold a stepper to a method: whether it passed (None: it could not be asked), and what was seen."""
 
     title: str
@@ -38,7 +38,7 @@ def verify(
     step: Callable[..., Any] | str,
     method: Method | str,
     *,
-    door: str | None = None,
+    calls: str | None = None,
     array: Callable[[Any], Any] | str | None = None,
     examples: int = EXAMPLES,
     domain: Domain = ORDINARY,
@@ -51,23 +51,24 @@ def verify(
     `step` is a callable or "package.module:name", `method` a catalogue key, a .toml file or a method. It is tried at
     `examples` floats of the `domain`, with what `allowance` adds to the bound. Where it takes a force or a right-hand
     side, its coefficients are read, too, and its order on the pendulum is measured. If it does not pass, the report
-    says what it is instead. `door` and `array` are for steppers whose parameters do not tell how they are called.
+    says what it is instead. `calls` ("map", "force" or "field") and `array` are for steppers whose
+    parameters do not tell how they are called.
     With `isolate` false it runs in this process, without a time limit.
 
-    Raises ValueError for a method, a door or an allowance that makes no sense, and for a domain that overflows.
+    Raises ValueError for a method, calls or an allowance that makes no sense, and for a domain that overflows.
     """
     asked = method_of(method) if isinstance(method, str) else method
     Tolerance(asked, allowance=allowance)  # a question without sense is refused before anything runs
-    runner = IsolatedRunner(Target(step, door, array), time_limit, isolate)
+    runner = IsolatedRunner(Target(step, calls, array), time_limit, isolate)
     agreed = partial(agreement, method=asked, allowance=allowance, domain=domain, examples=examples)
     outcomes = runner.run([agreed, coefficients, measured_order])
     if outcomes[0].kind == "bad_input":
         raise ValueError(outcomes[0].seen)
-    checks = [check(asked, outcome) for check, outcome in zip(CHECKS, outcomes, strict=True)]
+    checks = [check(asked, outcome) for check, outcome in zip(CRITERIA, outcomes, strict=True)]
     failed = [check for check in checks if check.passed is False]
     if not failed:
         return _report(runner.target, _agreed(asked, outcomes[0].result), checks)
-    instead = identify(step, door=door, array=array, time_limit=time_limit, isolate=isolate)
+    instead = identify(step, calls=calls, array=array, time_limit=time_limit, isolate=isolate)
     return _report(runner.target, f"is not {asked.key}; {instead.verdict}", checks, instead)
 
 
@@ -79,31 +80,31 @@ def assert_verified(step: Callable[..., Any] | str, method: Method | str, **cond
         raise AssertionError(f"\n{report.text()}")
 
 
-def _check_rounding(method: Method, outcome: Outcome) -> Check:
+def _check_rounding(method: Method, outcome: Outcome) -> Criterion:
     if outcome.failed:
-        return Check("Rounding", False, (f"{outcome.kind}: {outcome.seen}",), {})
+        return Criterion("Rounding", False, (f"{outcome.kind}: {outcome.seen}",), {})
     found: Agreement = outcome.result
-    return Check("Rounding", found.holds, tuple(found.lines), found.data)
+    return Criterion("Rounding", found.holds, tuple(found.lines), found.data)
 
 
-def _check_coefficients(method: Method, outcome: Outcome) -> Check:
+def _check_coefficients(method: Method, outcome: Outcome) -> Criterion:
     if outcome.failed:
-        return Check("Coefficients", None if outcome.kind in NOT_ASKED else False, (outcome.seen,), {})
+        return Criterion("Coefficients", None if outcome.kind in NOT_ASKED else False, (outcome.seen,), {})
     identity = match_method(outcome.result, method)
     if identity.matches:
-        return Check("Coefficients", True, tuple(identity.lines), {})
+        return Criterion("Coefficients", True, tuple(identity.lines), {})
     differences = [f"those of {near.key} but for {'; '.join(near.differences)}" for near in identity.near]
-    return Check("Coefficients", False, tuple(differences) or (f"not those of {method.key}",), {})
+    return Criterion("Coefficients", False, tuple(differences) or (f"not those of {method.key}",), {})
 
 
-def _check_order(method: Method, outcome: Outcome) -> Check:
+def _check_order(method: Method, outcome: Outcome) -> Criterion:
     if outcome.failed:
-        return Check("Order", None if outcome.kind in NOT_ASKED else False, (outcome.seen,), {})
+        return Criterion("Order", None if outcome.kind in NOT_ASKED else False, (outcome.seen,), {})
     found: MeasuredOrder = outcome.result
     order = method.claimed_order or _derived_order(method)
     passed = None if found.order is None else found.order >= order
     claim = f"{method.key} has order {order}"
-    return Check("Order", passed, (claim, found.words), {"measured": found.order})
+    return Criterion("Order", passed, (claim, found.words), {"measured": found.order})
 
 
 def _derived_order(method: Method) -> int:
@@ -113,7 +114,7 @@ def _derived_order(method: Method) -> int:
     return general_order(method).order
 
 
-CHECKS: Sequence[Callable[[Method, Outcome], Check]] = (_check_rounding, _check_coefficients, _check_order)
+CRITERIA: Sequence[Callable[[Method, Outcome], Criterion]] = (_check_rounding, _check_coefficients, _check_order)
 
 
 def _agreed(method: Method, found: Agreement) -> str:
@@ -123,7 +124,7 @@ def _agreed(method: Method, found: Agreement) -> str:
     )
 
 
-def _report(target: Target, verdict: str, checks: Sequence[Check], instead: Report | None = None) -> Report:
+def _report(target: Target, verdict: str, checks: Sequence[Criterion], instead: Report | None = None) -> Report:
     marks = {True: "passed", False: "FAILED", None: "not asked"}
     parts = [(f"{check.title}: {marks[check.passed]}", check.lines) for check in checks]
     data = {check.title.lower(): {"passed": check.passed, "seen": list(check.lines), **check.data} for check in checks}

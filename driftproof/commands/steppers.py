@@ -19,7 +19,7 @@ from driftproof.commands.arguments import (
 MOST_EXAMPLES = 10**6
 TARGET = (
     option("step", metavar="MODULE:STEP", help="where the stepper is imported from, e.g. mylib.ode:step"),
-    option("--door", choices=("map", "force", "field"), help="if the names of its parameters do not tell"),
+    option("--calls", choices=("map", "force", "field"), help="if the names of its parameters do not tell"),
     option("--array", metavar="MODULE:MAKER", help="what makes its numbers of floats, e.g. torch:tensor"),
     time_limit_option(60.0, "seconds for each question (default 60)"),
     format_option("text", "json", "markdown", words="markdown is ready for an issue"),
@@ -32,7 +32,7 @@ def identify_command(options: Namespace) -> str:
 
     examples:
       driftproof identify mylib.integrators:step
-      driftproof identify mylib.integrators:rk_step --door field
+      driftproof identify mylib.integrators:rk_step --calls field
       driftproof identify mylib.integrators:step --array numpy:float32 --format markdown
 
     what a stepper may look like:
@@ -44,11 +44,11 @@ def identify_command(options: Namespace) -> str:
       step = stepper_of(lambda force: Body(acceleration=force), position="x", velocity="v", advance="update")
       step = stepper_of(Body, position="x", velocity="v", push="apply_force", advance="update")
     (field_stepper_of for y' = f(t, y)). Wrap anything else in a function of two lines.
-    It runs in a child process: a hang or a crash is a finding.
+    It runs in an isolated process: a hang or a crash is a finding.
     """
     from driftproof.blackbox.identify import identify
 
-    report = identify(options.step, door=options.door, array=options.array, time_limit=options.time_limit)
+    report = identify(options.step, calls=options.calls, array=options.array, time_limit=options.time_limit)
     return report.written(options.format)
 
 
@@ -88,7 +88,7 @@ def verify_command(options: Namespace) -> str:
     report = verify(
         options.step,
         options.method,
-        door=options.door,
+        calls=options.calls,
         array=options.array,
         examples=options.examples,
         domain=Domain(options.largest_step, options.largest_state, **smallest),

@@ -22,7 +22,7 @@ Lift: TypeAlias = Callable[[Any], Number]
 def stepper(method: Method, lift: Lift) -> Step:
     """The step (force, q, v, h) → (q₁, v₁) of `method` for q' = v, v' = force(q): the text of `methods.source`.
 
-    `lift` carries each exact coefficient into the number type of q, v and h. It is the only door: relying on
+    `lift` carries each exact coefficient into the number type of q, v and h. It is the only way in: relying on
     coercion would turn `Fraction * ndarray` into an object array and `Fraction * float32` into a Python float.
     Raises MethodError for an implicit method, whose stages are equations rather than formulas.
     """

@@ -18,7 +18,7 @@ class Entry:
     package: str
     method: str
     order: int | None
-    door: str
+    calls: str
     key: str | None = None
     array: str | None = None
     rounds: str = ""
@@ -28,13 +28,13 @@ Claim = tuple[str, int | None] | tuple[str, int | None, str]
 
 
 def targets(
-    module: str, package: str, door: str, claims: Mapping[str, Claim], array: str | None = None, rounds: str = ""
+    module: str, package: str, calls: str, claims: Mapping[str, Claim], array: str | None = None, rounds: str = ""
 ) -> dict[str, Entry]:
     """The table of a module, named `package step`: of each step the claimed method, its order and its catalogue key."""
     maker = f"{module}:{array}" if array else None
     return {
         f"{package} {step}": Entry(
-            f"{module}:{step}", package, claim[0], claim[1], door, *claim[2:], array=maker, rounds=rounds
+            f"{module}:{step}", package, claim[0], claim[1], calls, *claim[2:], array=maker, rounds=rounds
         )
         for step, claim in claims.items()
     }

@@ -11,7 +11,7 @@ from examples.gallery.entry import targets
 
 @cache
 def _integrators():
-    """neuromancer.dynamics.integrators alone: the package would import experiment trackers and much else."""
+    """neuromancer.dynamics.integrators alone: the package would import check trackers and much else."""
     package = find_spec("neuromancer")
     if package is None or package.origin is None:
         raise ModuleNotFoundError("No module named 'neuromancer'", name="neuromancer")

@@ -27,14 +27,14 @@ Made by `make gallery`: what each stepper says that it is, and what driftproof f
 told. The true order is that of the coefficients where they can be read (any problem that the stepper is for), else
 measured on the pendulum, else on linear problems. The worst error of 200 steps is over the sum of |monomials|, in
 units of the unit roundoff u; beyond the bound means that the code does more than round the method's sums and
-products, and the row says what: by its source, or as found from outside. The contract is what else nobody
+products, and the row says what: by its source, or as found from outside. The checks say what else nobody
 expects. What each target is by its source, and which claims are not so, stands in
 `tests/outputs/gallery_expected.py`."""
 # Seconds for each question to a stepper; compiled code takes most of them to compile.
 TIME_LIMIT = 60.0
-# The clauses of the contract that, broken, take a step beyond the bound, the plainest first.
+# The checks that, failed, take a step beyond the bound, the plainest first.
 REASONS = ("full_precision", "small_digits", "position_range", "velocity_range", "linear")
-HEAD = ("target", "version", "claimed", "identified", "order claimed", "true order", "worst error", "contract")
+HEAD = ("target", "version", "claimed", "identified", "order claimed", "true order", "worst error", "checks")
 
 
 def targets() -> dict[str, Entry]:
@@ -56,10 +56,10 @@ def row(name: str, entry: Entry) -> tuple[str, ...]:
     start = (name, installed(entry) or "", entry.method)
     claimed = "" if entry.order is None else str(entry.order)
     try:
-        report = identify(entry.step, door=entry.door, array=entry.array, time_limit=TIME_LIMIT)
+        report = identify(entry.step, calls=entry.calls, array=entry.array, time_limit=TIME_LIMIT)
     except ValueError as error:
         return (*start, f"cannot be asked: {error}", claimed, "", "", "")
-    return (*start, report.verdict, claimed, _order(report), _worst(report, entry), _contract(report))
+    return (*start, report.verdict, claimed, _order(report), _worst(report, entry), _checks(report))
 
 
 def _order(report: Report) -> str:
@@ -88,11 +88,11 @@ def _why(report: Report, entry: Entry) -> str:
         return entry.rounds
     if report.data["rounding"]["but_for"]:
         return f"every error is within it {report.data['rounding']['but_for']}"
-    broken = {clause["key"]: clause["words"] for clause in report.data["contract"] if clause["holds"] is False}
+    broken = {check["key"]: check["words"] for check in report.data["checks"] if check["holds"] is False}
     return next((broken[key] for key in REASONS if key in broken), "not known")
 
 
-def _contract(report: Report) -> str:
+def _checks(report: Report) -> str:
     faults = report.section("Faults")
     # How long was waited depends on the machine.
     return "kept" if faults is None else re.sub(r", no answer within [\d.]+ s", "", "; ".join(faults.lines))

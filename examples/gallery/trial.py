@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from driftproof.blackbox.stepper.doors import FIELD, MAP
-from driftproof.blackbox.stepper.doors import TIME as DOOR_TIME
-from driftproof.blackbox.stepper.subject import Subject
+from driftproof.blackbox.stepper.calling_conventions import FIELD, MAP
+from driftproof.blackbox.stepper.calling_conventions import TIME as TIME_ARGUMENT
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 Pair = tuple[float, float]
 START, TIME = (0.75, 0.5), 0.25
@@ -12,25 +12,25 @@ STEPS = tuple(2.0**-k for k in range(1, 7))
 DRIVEN, SPRING, OSCILLATOR = "driven", "spring", "oscillator"
 
 
-def matrix(subject: Subject) -> tuple[Pair, Pair]:
+def matrix(subject: ForeignStepper) -> tuple[Pair, Pair]:
     """The one-step matrix on the oscillator at h = 1/2, by rows."""
     (a, c), (b, d) = subject.step(1.0, 0.0, 0.5), subject.step(0.0, 1.0, 0.5)
     return (a, b), (c, d)
 
 
-def answers(subject: Subject) -> tuple[str, list[Pair]]:
+def answers(subject: ForeignStepper) -> tuple[str, list[Pair]]:
     """The hardest of three problems that the target takes, and one step from START for each h of STEPS.
 
     DRIVEN is y' = driven(t, y) from TIME, SPRING is q'' = hard_spring(q), OSCILLATOR is q'' = -q.
     """
-    if subject.door.kind == MAP:
+    if subject.convention.kind == MAP:
         return OSCILLATOR, [_pair(subject.step(*START, h)) for h in STEPS]
-    if subject.door.kind == FIELD and DOOR_TIME in subject.door.order:
+    if subject.convention.kind == FIELD and TIME_ARGUMENT in subject.convention.order:
         return DRIVEN, [_pair(subject.step_field(driven, TIME, START, h)) for h in STEPS]
     return SPRING, [_pair(subject.step_with(hard_spring, *START, h)) for h in STEPS]
 
 
-def format_of(subject: Subject) -> str:
+def format_of(subject: ForeignStepper) -> str:
     """The precision of the target's answers, by name."""
     return subject.format.name
 

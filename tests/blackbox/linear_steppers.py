@@ -7,8 +7,8 @@ from dataclasses import replace
 from fractions import Fraction as Q
 from functools import cache
 
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.opening import opened
-from driftproof.blackbox.stepper.subject import Subject
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.methods.stepping import stepper
@@ -17,7 +17,7 @@ from driftproof.symbolic.linear.oscillator import one_step_matrix
 from driftproof.symbolic.runs import Entries
 
 
-def float_subject(method: Method) -> Subject:
+def float_subject(method: Method) -> ForeignStepper:
     """The method as a stepper of floats; of an implicit one, the exact step rounded once."""
     if not method.explicit:
         return opened(rounded_step(method))

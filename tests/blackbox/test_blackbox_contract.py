@@ -8,20 +8,20 @@ from math import nextafter
 import numpy as np
 import pytest
 
-from driftproof.blackbox.contract.whole import EXPERIMENTS, contract
+from driftproof.blackbox.checks.suite import CHECKS, all_checks
 from driftproof.blackbox.isolation import IsolatedRunner
-from driftproof.blackbox.stepper.target import Target
+from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.steppers import float_stepper
 from tests.blackbox import planted
 
 
-def clauses_of(step, **how):
-    return contract(IsolatedRunner(Target(step, **how), isolate=False))
+def checks_of(step, **how):
+    return all_checks(IsolatedRunner(Target(step, **how), isolate=False))
 
 
-def clause(step, key):
-    return next(clause for clause in clauses_of(step) if clause.key == key)
+def check(step, key):
+    return next(check for check in checks_of(step) if check.key == key)
 
 
 def identified(value):
@@ -31,15 +31,15 @@ def identified(value):
 FAULTS = [
     (planted.speed_capped, "velocity_range", "|v| is capped at 100"),
     (planted.speed_capped_before, "velocity_range", "|v| is capped at 100"),
-    (planted.car_in_a_valley, "position_range", "q is clamped to [-1.2, 0.6]"),
+    (planted.car_in_a_valley, "position_range", "q beyond 0.6 becomes 0.6; q below -1.2 becomes -1.2"),
     (planted.car_in_a_valley, "velocity_range", "|v| is capped at 0.07"),
-    (planted.floor, "position_range", "q is kept at 0 or above"),
-    (planted.stop, "position_range", "q is kept at 3 or below, and v becomes 0"),
-    (planted.wrapped, "position_range", "q is wrapped to [-pi, pi)"),
-    (planted.wrapped_from_zero, "position_range", "q is wrapped to [0, 2 pi)"),
-    (planted.wrapped_once, "position_range", "q beyond pi is moved by -2 pi once; q below -pi is moved by 2 pi once"),
+    (planted.floor, "position_range", "q below 0 becomes 0"),
+    (planted.stop, "position_range", "with q beyond 3 the state jumps to (3.0, 0.0)"),
+    (planted.wrapped, "position_range", "with q below -pi the state is changed at once: (-3.14"),
+    (planted.wrapped_from_zero, "position_range", "with q from 2 pi on the state is changed at once"),
+    (planted.wrapped_once, "position_range", "with |q| beyond pi the state is changed at once"),
     (planted.episode, "position_range", "with |q| beyond 2.4 the state jumps to (0.05, 0.0)"),
-    (planted.wall, "position_range", "q below 0 is turned back about 0, and v becomes -v"),
+    (planted.wall, "position_range", "with q below 0 the state is changed at once"),
     (planted.drained, "position_range", "the state is changed at once: (5.0, 0.375) becomes (4.98"),
     (planted.slow_speeds_rest, "small_states", "|v| below 0.01 becomes 0"),
     (planted.small_states_rest, "small_states", "becomes (0.0, 0.0)"),
@@ -94,7 +94,7 @@ FAULTS = [
     ("step", "key", "words"), FAULTS, ids=lambda value: getattr(value, "__name__", str(value)[:20])
 )
 def test_a_planted_fault_is_told_in_words(step, key, words):
-    seen = clause(step, key)
+    seen = check(step, key)
     assert seen.is_fault
     assert words in seen.words
 
@@ -122,7 +122,7 @@ ALL_FAULTS = [
 
 @pytest.mark.parametrize(("step", "keys"), ALL_FAULTS, ids=identified)
 def test_a_planted_fault_is_told_and_no_other(step, keys):
-    assert {seen.key for seen in clauses_of(step) if seen.is_fault} == keys
+    assert {seen.key for seen in checks_of(step) if seen.is_fault} == keys
 
 
 OPEN = [
@@ -137,7 +137,7 @@ OPEN = [
 
 @pytest.mark.parametrize(("step", "key", "words"), OPEN, ids=identified)
 def test_a_refusal_is_no_fault_and_said(step, key, words):
-    seen = clause(step, key)
+    seen = check(step, key)
     assert seen.holds is None
     assert words in seen.words
 
@@ -159,16 +159,16 @@ TRAITS = [
 
 @pytest.mark.parametrize(("method", "key", "holds", "words"), TRAITS)
 def test_a_trait_of_a_method_is_seen(method, key, holds, words):
-    seen = clause(float_stepper(method), key)
+    seen = check(float_stepper(method), key)
     assert (seen.holds, seen.is_fault) == (holds, False)
     assert words in seen.words
 
 
 NONLINEAR = [
-    (planted.pendulum, "nonlinear: at q = 0.739 it departs from proportionality by 0.024, growing as the power 2"),
+    (planted.pendulum, "nonlinear: at q = 0.739 it departs from proportionality by 0.024"),
     (planted.wrapped_pendulum, "nonlinear: at q = 2.96 it departs from proportionality by 0.23"),
-    (planted.force_limited, "linear up to |q| = 10 and no further: the change of q in a step stays at 0.625 in size"),
-    (planted.speed_capped_at_60_hertz, "linear up to |v| = 100 and no further: the new v stays at 100 in size"),
+    (planted.force_limited, "linear up to q = 10 and no further; linear up to q = -10 and no further"),
+    (planted.speed_capped_at_60_hertz, "linear up to v = 100 and no further; linear up to v = -100 and no further"),
     (planted.falls, "not proportional to the state, since (0, 0) moves"),
     (planted.one_sided, "not linear: S(-z) is not -S(z)"),
     (planted.coupled, "not linear: S(q, v) is not S(q, 0) + S(0, v)"),
@@ -177,36 +177,36 @@ NONLINEAR = [
 
 @pytest.mark.parametrize(("step", "words"), NONLINEAR, ids=identified)
 def test_a_nonlinear_step_is_told_from_one_that_is_cut_off(step, words):
-    seen = clause(step, "linear")
+    seen = check(step, "linear")
     assert seen.holds is False
     assert words in seen.words
     assert not seen.is_fault
 
 
 def test_a_linear_step_with_a_domain_is_linear_in_it():
-    seen = clause(planted.speed_capped, "linear")
+    seen = check(planted.speed_capped, "linear")
     assert (seen.holds, seen.words) == (True, "linear within its domain, to rounding")
 
 
 CLEAN = {key: float_stepper(key) for key in ("forward_euler", "symplectic_euler", "rk4", "velocity_verlet", "yoshida8")}
-CLEAN |= {"through the door of a map": planted.plain, "through the door of a field": planted.told_the_time}
+CLEAN |= {"called as a map": planted.plain, "called with a field": planted.told_the_time}
 
 
 @pytest.mark.parametrize("step", CLEAN.values(), ids=CLEAN)
 def test_a_clean_stepper_has_no_fault_and_leaves_no_question_open(step):
     traits = {"symmetric", "reversible", "area_preserving", "norm_preserving"}
-    found = clauses_of(step)
+    found = checks_of(step)
     assert [seen.words for seen in found if not seen.holds and seen.key not in traits] == []
-    assert len({seen.key for seen in found}) == len(found) >= len(EXPERIMENTS)
+    assert len({seen.key for seen in found}) == len(found) >= len(CHECKS)
 
 
 def test_no_explicit_method_of_the_catalogue_has_a_fault():
     explicit = [key for key, method in METHODS.items() if method.explicit]
-    assert [key for key in explicit[::3] for seen in clauses_of(float_stepper(key)) if seen.is_fault] == []
+    assert [key for key in explicit[::3] for seen in checks_of(float_stepper(key)) if seen.is_fault] == []
 
 
 def test_the_same_clauses_hold_in_binary32_with_arrays_of_that_type():
-    found = clauses_of(planted.plain, array=np.float32)
+    found = checks_of(planted.plain, array=np.float32)
     assert [seen.words for seen in found if seen.is_fault] == []
     assert "returns float32" in [seen.words for seen in found]
 
@@ -215,7 +215,7 @@ def test_the_same_clauses_hold_in_binary32_with_arrays_of_that_type():
     ("step", "words"),
     [
         (planted.speed_capped, "|v| is capped at 100"),
-        (planted.force_limited, "linear up to |q| = 10 and no further: "),
+        (planted.force_limited, "linear up to q = 10 and no further"),
         (planted.pendulum, "nonlinear: at q = 0.739 it departs from proportionality by 0.024"),
         (planted.slow_speeds_rest, "|v| below 0.01 in binary32 becomes 0"),
         (planted.episode, "with |q| beyond 2.4 in binary32 the state jumps to (0.05, 0.0)"),
@@ -223,16 +223,16 @@ def test_the_same_clauses_hold_in_binary32_with_arrays_of_that_type():
     ids=identified,
 )
 def test_habits_are_told_in_binary32_as_in_binary64(step, words):
-    assert any(words in seen.words for seen in clauses_of(step, array=np.float32))
+    assert any(words in seen.words for seen in checks_of(step, array=np.float32))
 
 
 @pytest.mark.parametrize("step", [*CLEAN.values(), planted.pendulum, planted.speed_capped], ids=[*CLEAN, "bent", "cap"])
-def test_the_whole_contract_takes_a_few_hundred_calls(step):
+def test_all_checks_take_a_few_hundred_calls(step):
     calls = []
     with warnings.catch_warnings(action="ignore"):
         subject = Target(step).open(calls.append)
-        for experiment in EXPERIMENTS.values():
-            experiment(subject)
+        for check in CHECKS.values():
+            check(subject)
     assert 300 < len(calls) < 500
 
 
@@ -247,7 +247,7 @@ BORDERS = [
 
 @pytest.mark.parametrize(("step", "key", "component", "limit"), BORDERS)
 def test_a_border_is_found_to_the_float(step, key, component, limit):
-    kept, beyond = (trial.given[component] for trial in clause(step, key).example[:2])
+    kept, beyond = (trial.given[component] for trial in check(step, key).example[:2])
     assert kept == limit
     assert beyond in (nextafter(limit, 0.0), nextafter(limit, np.inf))
 
@@ -258,7 +258,7 @@ def test_a_cap_of_any_size_is_found_to_the_float(limit):
         q, v = planted.plain(q, v, h)
         return q, planted.bounded(v, -limit, limit)
 
-    seen = clause(capped, "velocity_range" if limit > 1e-3 else "domain")
+    seen = check(capped, "velocity_range" if limit > 1e-3 else "domain")
     assert seen.words.startswith(f"|v| is capped at {limit!r}" if limit > 1e-3 else "not asked: there is no step")
 
 
@@ -271,7 +271,7 @@ REPEATED += [(CLEAN["rk4"], "symmetric"), (CLEAN["rk4"], "large_states"), (plant
 
 @pytest.mark.parametrize(("step", "key"), REPEATED, ids=identified)
 def test_the_call_of_an_example_made_again_has_the_same_answer(step, key):
-    example = clause(step, key).example
+    example = check(step, key).example
     assert example
     for trial in example:
         again = eval(trial.call, {"step": step, "numpy": np})
@@ -279,7 +279,7 @@ def test_the_call_of_an_example_made_again_has_the_same_answer(step, key):
 
 
 def test_clauses_are_json_with_numbers_as_strings():
-    seen = clause(planted.speed_capped, "velocity_range").as_dict()
+    seen = check(planted.speed_capped, "velocity_range").as_dict()
     assert json.loads(json.dumps(seen, allow_nan=False)) == seen
     assert seen["example"][0] == {
         "call": "step(0.3125, 100.0, 5e-324)",
@@ -287,12 +287,12 @@ def test_clauses_are_json_with_numbers_as_strings():
         "answer": ["0.3125", "100.0"],
         "failure": None,
     }
-    nan = clause(planted.repairs_nan, "not_a_number").as_dict()
+    nan = check(planted.repairs_nan, "not_a_number").as_dict()
     assert nan["example"][0]["given"]["q"] == "nan"
 
 
 def test_of_an_unsteady_stepper_nothing_else_is_asked():
-    keys = [seen.key for seen in clauses_of(planted.unrepeatable)]
+    keys = [seen.key for seen in checks_of(planted.unrepeatable)]
     assert keys == ["same_answer_twice", "no_memory", "unsteady"]
 
 
@@ -301,5 +301,5 @@ def test_random_numbers_of_everybody_are_put_back():
     expected = [random.random(), random.random()]
     random.seed(7)
     random.random()
-    clauses_of(planted.unrepeatable)
+    checks_of(planted.unrepeatable)
     assert random.random() == expected[1]

@@ -1,4 +1,4 @@
-"""The parts of the contract on their own: borders to the float, their names, grains, and steps that keep still."""
+"""The parts of the checks on their own: borders to the float, their names, grains, and steps that keep still."""
 
 import math
 from math import inf, nextafter, pi
@@ -8,31 +8,30 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftproof.blackbox.contract.bench import Bench, Unsteady, call_text, same, steady_bench
-from driftproof.blackbox.contract.clauses import Clause, Trial
-from driftproof.blackbox.contract.grain import grain_of, narrow_format, significant_bits
-from driftproof.blackbox.contract.still import still
-from driftproof.blackbox.contract.thresholds import edge, named, rounder
-from driftproof.blackbox.contract.whole import EXPERIMENTS, clauses_of
+from driftproof.blackbox.checks.borders import edge, named, negligible_step, rounder
+from driftproof.blackbox.checks.quantisation import narrow_format, quantisation_of, significant_bits
+from driftproof.blackbox.checks.suite import CHECKS, checks_of
+from driftproof.blackbox.checks.trials import CheckResult, Trial, TrialRunner, Unsteady, same, steady_runner
 from driftproof.blackbox.findings import Outcome
+from driftproof.blackbox.stepper.foreign_stepper import call_text
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
 from tests.blackbox import planted
 
-BENCH = Bench(opened(planted.plain))
+BENCH = TrialRunner(opened(planted.plain))
 # Halving in magnitude takes 11 tries from one end of the exponents to the other, 52 more the digits; and a round number
 # is tried, with its neighbour, at up to 20 of them.
 MOST_TRIES = 110
 
 
-def tries_and_edge(limit, kept, gone, bench=BENCH):
+def tries_and_edge(limit, kept, gone, runner=BENCH):
     tried = []
 
     def changed(x):
         tried.append(x)
         return (x > limit) == (gone > limit)
 
-    return len(tried), edge(changed, kept, gone, bench), tried
+    return len(tried), edge(changed, kept, gone, runner), tried
 
 
 @given(st.floats(1e-300, 1e300))
@@ -63,8 +62,8 @@ def test_a_border_at_0_is_found_next_to_it():
 
 @pytest.mark.parametrize(("fmt", "kind"), [(BINARY32, np.float32), (BINARY16, np.float16)])
 def test_neighbours_are_those_of_the_format(fmt, kind):
-    bench = Bench(BENCH.subject, fmt)
-    kept, gone = tries_and_edge(math.e, 1.0, 1000.0, bench)[1]
+    runner = TrialRunner(BENCH.subject, fmt)
+    kept, gone = tries_and_edge(math.e, 1.0, 1000.0, runner)[1]
     assert kept == float(kind(kept)) < math.e < gone
     assert gone == float(np.nextafter(kind(kept), kind(10)))
 
@@ -86,7 +85,7 @@ def test_hints_are_tried_first_and_left_if_they_are_wrong():
     ("x", "name"),
     [
         *((100.0, "100"), (0.01, "0.01"), (-2.4, "-2.4"), (1e300, "1e+300"), (0.0, "0"), (-0.0, "0")),
-        *((pi, "pi"), (-pi, "-pi"), (2 * pi, "2 pi"), (-pi / 2, "-pi/2"), (2 / 3 * pi, "2 pi/3")),
+        *((pi, "pi"), (-pi, "-pi"), (2 * pi, "2 pi"), (-pi / 2, "-pi/2")),
         (nextafter(pi, 4.0), "3.1415926535897936"),
         *((float(np.float32(0.1)), "0.1 in binary32"), (float(np.float16(-0.1)), "-0.1 in binary16"), (0.625, "0.625")),
         *((2.0**-1074, "5e-324"), (65536.0, "65536"), (2.0**100, "1.2676506e+30 in binary32")),
@@ -119,7 +118,7 @@ STATES = [0.7390851332151607, -123.45678901234567, 0.0009876543210987654, 5.5512
     ids=["doubles", "whole", "1 decimal", "9 decimals", "fixed point", "binary32", "binary16"],
 )
 def test_a_rule_that_rounds_is_seen_in_the_numbers(rule, size, words):
-    grain = grain_of([float(rule(x)) for x in STATES])
+    grain = quantisation_of([float(rule(x)) for x in STATES])
     assert (grain and grain.size, grain and grain.words) == (size, words)
 
 
@@ -144,23 +143,23 @@ def test_a_narrower_format_is_seen_in_the_numbers():
     ],
 )
 def test_the_bench_sees_what_arithmetic_it_has_on_it(step, fmt, grain):
-    bench = steady_bench(opened(step))
-    assert (bench.format, bench.grain) == (fmt, grain)
+    runner = steady_runner(opened(step))
+    assert (runner.format, runner.grain) == (fmt, grain)
 
 
 def test_no_bench_is_made_for_answers_that_vary():
     with pytest.raises(Unsteady, match="the same call does not give the same answer again"):
-        steady_bench(opened(planted.unrepeatable))
+        steady_runner(opened(planted.unrepeatable))
     with pytest.raises(Unsteady):
-        steady_bench(opened(planted.Multistep().step))
+        steady_runner(opened(planted.Multistep().step))
 
 
 def test_a_trial_is_made_once():
     subject = opened(planted.plain)
-    bench = steady_bench(subject)
-    calls = subject.watch.calls
-    assert bench.trial(1.0, 2.0, 0.5) is bench.trial(1.0, 2.0, 0.5)
-    assert subject.watch.calls == calls + 1
+    runner = steady_runner(subject)
+    calls = subject.log.calls
+    assert runner.trial(1.0, 2.0, 0.5) is runner.trial(1.0, 2.0, 0.5)
+    assert subject.log.calls == calls + 1
 
 
 def test_numbers_are_the_same_with_their_signs_and_as_nan():
@@ -213,14 +212,14 @@ def test_nan_and_infinity_are_written_as_python_reads_them():
     ],
 )
 def test_a_step_that_keeps_still_is_found(step, slack):
-    found = still(steady_bench(opened(step)))
+    found = negligible_step(steady_runner(opened(step)))
     assert found.slack == slack
     assert found.keeps(found.along(0, found.state[0]))
     assert found.h < 1e-15
 
 
 def test_a_step_that_is_always_taken_has_no_still_one():
-    assert still(steady_bench(opened(planted.fixed_step))) is None
+    assert negligible_step(steady_runner(opened(planted.fixed_step))) is None
 
 
 def test_what_came_is_shown_on_one_line():
@@ -231,16 +230,16 @@ def test_what_came_is_shown_on_one_line():
 
 
 def test_what_does_not_hold_is_a_fault_unless_methods_differ_in_it():
-    assert Clause("zero_step", False, "").is_fault
-    assert not Clause("symmetric", False, "").is_fault
-    assert not Clause("zero_step", None, "").is_fault
+    assert CheckResult("zero_step", False, "").is_fault
+    assert not CheckResult("symmetric", False, "").is_fault
+    assert not CheckResult("zero_step", None, "").is_fault
 
 
 def test_outcomes_without_result_are_clauses_of_their_own():
-    good, hang = Outcome((Clause("zero_step", True, "yes"),)), Outcome(kind="hangs", seen="no answer within 1 s")
+    good, hang = Outcome((CheckResult("zero_step", True, "yes"),)), Outcome(kind="hangs", seen="no answer within 1 s")
     shape, unsteady = Outcome(kind="wrong_shape", seen="3 came out"), Outcome(kind="unsteady", seen="not twice")
-    outcomes = [good, hang, shape, unsteady] + [good] * (len(EXPERIMENTS) - 4)
-    first, second, third, *rest = clauses_of(outcomes)
+    outcomes = [good, hang, shape, unsteady] + [good] * (len(CHECKS) - 4)
+    first, second, third, *rest = checks_of(outcomes)
     assert first.key == "zero_step"
     assert (second.key, second.holds, second.words) == (
         "arguments",
@@ -249,4 +248,4 @@ def test_outcomes_without_result_are_clauses_of_their_own():
     )
     assert (third.key, third.holds, third.words) == ("types", None, "types: not asked: 3 came out")
     assert rest[-1].words == "nothing else was asked: not twice"
-    assert [clause.key for clause in clauses_of([hang] * len(EXPERIMENTS))] == ["answers"]
+    assert [check.key for check in checks_of([hang] * len(CHECKS))] == ["answers"]

@@ -8,16 +8,15 @@ from time import sleep
 import numpy as np
 import pytest
 
-from driftproof.blackbox.contract.sub_steps import sub_steps
-from driftproof.blackbox.contract.whole import BRIEF, EXPERIMENTS, clauses_of
+from driftproof.blackbox.checks.step_size import sub_steps
+from driftproof.blackbox.checks.suite import BRIEF, CHECKS, checks_of
 from driftproof.blackbox.findings import Outcome
 from driftproof.blackbox.identify import identify
 from driftproof.blackbox.isolation import LEAST_LIMIT, IsolatedRunner
 from driftproof.blackbox.matching.linear_match import linear_fit
 from driftproof.blackbox.matching.match import matched
-from driftproof.blackbox.probes.tableau_probe import read_tableau
-from driftproof.blackbox.stepper.opening import opened
-from driftproof.blackbox.stepper.target import Target
+from driftproof.blackbox.probes.tableau import read_tableau
+from driftproof.blackbox.stepper.opening import Target, opened
 from tests.blackbox import rogues
 
 
@@ -166,9 +165,9 @@ def adaptive(force, q, v, h):
     ],
 )
 def test_an_iteration_is_told_from_sub_steps(step, holds, words):
-    (clause,) = sub_steps(opened(step))
-    assert clause.holds is holds
-    assert words in clause.words
+    (check,) = sub_steps(opened(step))
+    assert check.holds is holds
+    assert words in check.words
 
 
 def first(subject):
@@ -182,11 +181,11 @@ def second(subject):
 def test_a_brief_experiment_that_hangs_is_given_up_before_the_time_limit(monkeypatch):
     monkeypatch.setattr("driftproof.blackbox.isolation.LEAST_LIMIT", 0.2)
     runner = IsolatedRunner(Target(rogues.hangs_at_nan), 60.0)
-    outcomes = runner.run([first, EXPERIMENTS["not_a_number_step"], second], BRIEF)
+    outcomes = runner.run([first, CHECKS["not_a_number_step"], second], BRIEF)
     assert [outcome.kind for outcome in outcomes] == [None, "hangs", None]
     assert "60 s" not in outcomes[1].seen
     assert LEAST_LIMIT < runner.time_limit
-    assert clauses_of([outcomes[1]] * len(EXPERIMENTS))[0].is_fault
+    assert checks_of([outcomes[1]] * len(CHECKS))[0].is_fault
 
 
 def many(subject):
@@ -197,5 +196,5 @@ def many(subject):
 def test_a_slow_stepper_does_not_hang():
     slow, after = IsolatedRunner(Target(rogues.dawdles), 0.4).run([many, first])
     assert (slow.kind, after.kind) == ("slow", None)
-    of_one = [slow, *[Outcome(result=()) for _ in range(len(EXPERIMENTS) - 1)]]
-    assert [clause.holds for clause in clauses_of(of_one)] == [None]
+    of_one = [slow, *[Outcome(result=()) for _ in range(len(CHECKS) - 1)]]
+    assert [check.holds for check in checks_of(of_one)] == [None]

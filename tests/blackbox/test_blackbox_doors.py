@@ -1,11 +1,19 @@
-"""The door of a stepper, told by the names of its parameters in the wild; what fits none is refused in a line."""
+"""The names of parameters in the wild tell the calling convention; what fits none is refused in one line."""
 
 import functools
 import inspect
 
 import pytest
 
-from driftproof.blackbox.stepper.doors import DOORS, FIELD, FORCE, MAP, STANDARD_ORDER, Door, door_of
+from driftproof.blackbox.stepper.calling_conventions import (
+    CALLS,
+    FIELD,
+    FORCE,
+    MAP,
+    STANDARD_ORDER,
+    CallingConvention,
+    convention_of,
+)
 from driftproof.blackbox.stepper.opening import opened
 
 WILD = [
@@ -48,8 +56,8 @@ def with_parameters(parameters):
 
 
 @pytest.mark.parametrize(("parameters", "kind", "order"), WILD)
-def test_names_in_the_wild_tell_the_door(parameters, kind, order):
-    assert door_of(with_parameters(parameters)) == Door(kind, tuple(order.split()))
+def test_names_in_the_wild_tell_the_calling_convention(parameters, kind, order):
+    assert convention_of(with_parameters(parameters)) == CallingConvention(kind, tuple(order.split()))
 
 
 @pytest.mark.parametrize(
@@ -59,36 +67,36 @@ def test_names_in_the_wild_tell_the_door(parameters, kind, order):
         *("q, v, h, t, t0", "a, b, c", "*args", "state, action", "f, force, q, v, h"),
     ],
 )
-def test_other_names_are_refused_in_one_line_that_shows_the_doors(parameters):
+def test_other_names_are_refused_in_one_line_that_shows_the_known_ones(parameters):
     step = with_parameters(parameters)
     with pytest.raises(ValueError, match="is not one of these") as caught:
-        door_of(step)
+        convention_of(step)
     message = str(caught.value)
     assert "\n" not in message
-    assert all(words in message for words in DOORS.values())
+    assert all(words in message for words in CALLS.values())
     assert "<lambda>(" in message
 
 
 @pytest.mark.parametrize(("kind", "order"), STANDARD_ORDER.items())
-def test_a_door_that_is_named_takes_arguments_in_its_standard_order(kind, order):
+def test_a_convention_that_is_named_takes_arguments_in_its_standard_order(kind, order):
     parameters = ", ".join(f"argument{i}" for i in range(len(order)))
-    assert door_of(with_parameters(parameters), kind) == Door(kind, order)
+    assert convention_of(with_parameters(parameters), kind) == CallingConvention(kind, order)
 
 
-def test_a_door_that_is_named_is_taken_of_two_that_fit():
-    assert door_of(with_parameters("y, v, h"), MAP).order == ("position", "velocity", "step")
-    assert door_of(with_parameters("f, y, h"), FIELD).order == ("function", "state", "step")
+def test_a_convention_that_is_named_is_taken_of_two_that_fit():
+    assert convention_of(with_parameters("y, v, h"), MAP).order == ("position", "velocity", "step")
+    assert convention_of(with_parameters("f, y, h"), FIELD).order == ("function", "state", "step")
     with pytest.raises(ValueError, match="is not one of these"):
-        door_of(with_parameters("q, v, h"), FIELD)
+        convention_of(with_parameters("q, v, h"), FIELD)
 
 
-def test_an_unknown_door_is_refused_with_the_known_ones():
-    with pytest.raises(ValueError, match="unknown door 'window'; choose from map, force, field"):
-        door_of(with_parameters("q, v, h"), "window")
+def test_an_unknown_convention_is_refused_with_the_known_ones():
+    with pytest.raises(ValueError, match="unknown calling convention 'window'; choose from map, force, field"):
+        convention_of(with_parameters("q, v, h"), "window")
 
 
 def test_parameters_with_a_default_are_left_alone():
-    assert door_of(lambda q, v, h, k=4.0: None) == Door(MAP, ("position", "velocity", "step"))
+    assert convention_of(lambda q, v, h, k=4.0: None) == CallingConvention(MAP, ("position", "velocity", "step"))
 
 
 @pytest.mark.parametrize(
@@ -103,7 +111,7 @@ def test_parameters_with_a_default_are_left_alone():
     ids=parameters_of,
 )
 def test_parameters_of_an_oscillator_are_set_to_1_wherever_they_stand(step):
-    assert set(door_of(step).extra.values()) == {1.0}
+    assert set(convention_of(step).extra.values()) == {1.0}
     assert opened(step).step(1.0, 0.75, 0.25) == (1.1875, 0.5)
 
 
@@ -138,23 +146,25 @@ def general(f, t, y, h):
     return y + h * f(t, y)
 
 
-def test_methods_objects_and_bound_functions_have_doors():
-    assert door_of(Oscillator().step).order == ("position", "velocity", "step")
-    assert door_of(Oscillator()).order == ("state", "step")
-    assert door_of(Oscillator.advance).kind == MAP
-    assert door_of(functools.partial(general, lambda t, y: -y)) == Door(MAP, ("time", "state", "step"))
-    assert door_of(functools.wraps(general)(lambda *arguments: general(*arguments))).kind == FIELD
+def test_methods_objects_and_bound_functions_are_steppers():
+    assert convention_of(Oscillator().step).order == ("position", "velocity", "step")
+    assert convention_of(Oscillator()).order == ("state", "step")
+    assert convention_of(Oscillator.advance).kind == MAP
+    assert convention_of(functools.partial(general, lambda t, y: -y)) == CallingConvention(
+        MAP, ("time", "state", "step")
+    )
+    assert convention_of(functools.wraps(general)(lambda *arguments: general(*arguments))).kind == FIELD
 
 
-def test_a_step_size_that_is_bound_leaves_no_door():
+def test_a_step_size_that_is_bound_leaves_no_convention():
     with pytest.raises(ValueError, match=r"partial\(q, v\) is not one of these"):
-        door_of(functools.partial(Oscillator().step, h=0.1))
+        convention_of(functools.partial(Oscillator().step, h=0.1))
 
 
 @pytest.mark.parametrize("no_signature", [dict, max, 42])
-def test_without_a_signature_the_door_has_to_be_named(no_signature):
+def test_without_a_signature_the_convention_has_to_be_named(no_signature):
     with pytest.raises((TypeError, ValueError)):
         inspect.signature(no_signature).bind_partial(1, 2, 3, 4)
     with pytest.raises(ValueError, match=r"\(\?\) is not one of these"):
-        door_of(no_signature)
-    assert door_of(no_signature, FIELD) == Door(FIELD, STANDARD_ORDER[FIELD])
+        convention_of(no_signature)
+    assert convention_of(no_signature, FIELD) == CallingConvention(FIELD, STANDARD_ORDER[FIELD])

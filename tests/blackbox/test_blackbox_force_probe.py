@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftproof.blackbox.findings import NoSuchDoor
-from driftproof.blackbox.probes.force_probe import read_forces
-from driftproof.blackbox.probes.probing import NotReadable
+from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.probes.force import read_forces
+from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox import blackbox_codes as codes
 
@@ -199,5 +199,5 @@ def test_a_step_that_does_not_go_back_is_read_with_a_remark():
 
 
 def test_a_map_has_no_force():
-    with pytest.raises(NoSuchDoor):
+    with pytest.raises(UnsupportedCall):
         read_forces(opened(lambda q, v, h: (q + h * v, v - h * q)))

@@ -1,4 +1,4 @@
-"""identify, from end to end: what a stepper is comes out in words, through each door, in a child or here."""
+"""identify, from end to end: what a stepper is comes out in words, called in each way, isolated or here."""
 
 import json
 
@@ -97,7 +97,7 @@ def test_a_rogue_is_a_finding(step, seen):
 def test_the_report_is_json_markdown_and_text():
     report = identify(rk38)
     data = json.loads(report.json())
-    assert (data["method"], data["order"], data["door"]) == ("rk38", 4, "field")
+    assert (data["method"], data["order"], data["calls"]) == ("rk38", 4, "field")
     assert report.markdown().startswith("### `")
     assert str(report) == report.text()
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.matching.match import match_forces, match_tableau
-from driftproof.blackbox.probes.force_probe import read_forces
-from driftproof.blackbox.probes.tableau_probe import read_tableau
+from driftproof.blackbox.probes.force import read_forces
+from driftproof.blackbox.probes.tableau import read_tableau
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Nystrom, RungeKutta, Splitting
@@ -71,7 +71,7 @@ BY_HAND = [
 def test_a_code_written_by_hand_is_recognised(step, keys):
     identity = in_field(step)
     assert set(identity.keys) == keys
-    assert identity.lines[0].startswith("through this door" if len(keys) > 1 else min(keys))
+    assert identity.lines[0].startswith("called in this way" if len(keys) > 1 else min(keys))
 
 
 BY_HAND_ON_FORCES = [
@@ -164,7 +164,7 @@ def sample(changed, key):
 
 
 @pytest.mark.parametrize("key", SHORT[::3])
-def test_a_wrong_coefficient_is_named_through_either_door(key):
+def test_a_wrong_coefficient_is_named_through_both_conventions(key):
     name, wrong = sample(changed_tableaux(METHODS[key]), key)
     step = codes.tableau(*codes.floats(wrong))
     demand_that_it_is_named(in_field(step), key, name)
@@ -173,7 +173,7 @@ def test_a_wrong_coefficient_is_named_through_either_door(key):
 
 @pytest.mark.long
 @pytest.mark.parametrize("key", SHORT)
-def test_every_wrong_coefficient_is_named_through_either_door(key):
+def test_every_wrong_coefficient_is_named_through_both_conventions(key):
     for name, wrong in changed_tableaux(METHODS[key]):
         step = codes.tableau(*codes.floats(wrong))
         demand_that_it_is_named(in_field(step), key, name)

@@ -1,12 +1,12 @@
-"""A relative of a method is named as one: repeated, with another step, rearranged, iterated; and strangers as none."""
+"""A variant of a method is named as one: repeated, with another step, rearranged, iterated; and strangers as none."""
 
 from __future__ import annotations
 
 import pytest
 
 from driftproof.blackbox.matching.match import match_forces, match_tableau
-from driftproof.blackbox.probes.force_probe import read_forces
-from driftproof.blackbox.probes.tableau_probe import read_tableau
+from driftproof.blackbox.probes.force import read_forces
+from driftproof.blackbox.probes.tableau import read_tableau
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from tests.blackbox import blackbox_codes as codes
@@ -41,7 +41,7 @@ RELATIVES = [
 
 
 @pytest.mark.parametrize(("step", "name"), RELATIVES)
-def test_a_relative_is_named_through_either_door(step, name):
+def test_a_relative_is_named_through_both_conventions(step, name):
     for identity in (in_field(step), match_forces(read_forces(opened(step, "field")))):
         assert identity.keys == ()
         assert [match.name.startswith(name) for match in identity.matches] == [True]

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
-from driftproof.blackbox.findings import NoSuchDoor
-from driftproof.blackbox.judging.nonlinear import BITS, measured_order, pendulum
+from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.judging.pendulum_order import BITS, measured_order, pendulum
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import stepper
@@ -64,7 +64,7 @@ def test_a_field_is_stepped_in_arrays_of_balls():
 
 
 def test_a_built_in_system_is_not_asked():
-    with pytest.raises(NoSuchDoor):
+    with pytest.raises(UnsupportedCall):
         measured_order(opened(lambda q, v, h: (q + h * v, v - h * q)))
 
 

@@ -1,4 +1,4 @@
-"""Objects with a state behind a door: named like the step that they make, and what they remember is told."""
+"""Objects with a state as steppers: named like the step that they make, and what they remember is told."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from driftproof.blackbox.contract.repeats import repeats
+from driftproof.blackbox.checks.determinism import repeats
 from driftproof.blackbox.identify import identify
-from driftproof.blackbox.probes.force_probe import read_forces
+from driftproof.blackbox.probes.force import read_forces
 from driftproof.blackbox.stepper.objects import field_stepper_of, stepper_of
 from driftproof.blackbox.stepper.opening import opened
 
@@ -117,11 +117,11 @@ def test_attributes_and_functions_do_for_methods():
 
 
 def test_an_object_that_remembers_is_told_from_one_made_anew():
-    memory = next(clause for clause in repeats(opened(remembering)) if clause.key == "no_memory")
+    memory = next(check for check in repeats(opened(remembering)) if check.key == "no_memory")
     assert memory.holds is False
     assert "remembers every call" in memory.words
     assert "velocity_verlet" not in identify(remembering).verdict
-    assert all(clause.holds for clause in repeats(opened(renewed)))
+    assert all(check.holds for check in repeats(opened(renewed)))
 
 
 def test_what_lies_beside_the_state_becomes_zero():
@@ -154,5 +154,5 @@ def test_an_attribute_that_is_not_there_is_a_finding_in_its_own_words():
 
 
 def test_the_help_shows_it(capsys):
-    text = (Path(__file__).parents[2] / "driftproof/commands/identify.py").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[2] / "driftproof/commands/steppers.py").read_text(encoding="utf-8")
     assert "stepper_of(lambda force: Body(acceleration=force)" in text

@@ -7,8 +7,8 @@ import pytest
 
 from driftproof.blackbox.matching.match import match_tableau
 from driftproof.blackbox.matching.read_order import read_order
-from driftproof.blackbox.probes.force_probe import read_forces
-from driftproof.blackbox.probes.tableau_probe import read_tableau
+from driftproof.blackbox.probes.force import read_forces
+from driftproof.blackbox.probes.tableau import read_tableau
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta, Splitting

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof.blackbox.probes.simple_rationals import rational_text, simple_rational, simplest_in
+from driftproof.blackbox.probes.coefficients import rational_text, simple_rational, simplest_in
 
 FRACTIONS = st.fractions(min_value=-50, max_value=50, max_denominator=400)
 

@@ -1,4 +1,4 @@
-"""Steppers behind their doors: what they take and give, in place or not, in whose arrays, and what they do instead."""
+"""Steppers of other people: what they take and give, in place or not, in whose arrays, and what they do instead."""
 
 import math
 from dataclasses import replace
@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from driftproof.blackbox.findings import NoSuchDoor, NotANumber, NotFinite, StepRaised, WrongShape
-from driftproof.blackbox.stepper.dialects import ARRAYS, LISTS, SCALARS
+from driftproof.blackbox.findings import NotANumber, NotFinite, StepRaised, UnsupportedCall, WrongShape
+from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, SCALARS
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
 
@@ -166,35 +166,35 @@ def test_h_of_0_and_rest_are_answered_however_the_step_is_written(step):
 
 
 @pytest.mark.parametrize(
-    ("step", "dialect"),
+    ("step", "adapter"),
     [(map_of_numbers, SCALARS), (map_of_a_state, ARRAYS), (map_of_a_list, LISTS), (force_of_arrays, ARRAYS)],
 )
-def test_the_dialect_is_the_first_in_which_it_answers(step, dialect):
-    assert opened(step).dialect is dialect
+def test_the_dialect_is_the_first_in_which_it_answers(step, adapter):
+    assert opened(step).adapter is adapter
 
 
 @pytest.mark.parametrize("step", [numbers_in_place, state_in_place, list_in_place])
 def test_a_step_in_place_is_seen_by_the_watch(step):
     subject = opened(step)
     subject.step(*STATE, H)
-    assert subject.watch.works_in_place
-    assert subject.watch.changes_its_arguments
+    assert subject.log.works_in_place
+    assert subject.log.changes_its_arguments
 
 
 def test_the_watch_tells_changed_arguments_from_a_step_in_place():
     subject = opened(both, array=np.array)
     subject.step(*STATE, H)
-    assert (subject.watch.changes_its_arguments, subject.watch.works_in_place) == (True, False)
+    assert (subject.log.changes_its_arguments, subject.log.works_in_place) == (True, False)
     clean = opened(map_of_a_state)
     clean.step(*STATE, H)
-    assert (clean.watch.changes_its_arguments, clean.watch.works_in_place) == (False, False)
-    assert (clean.watch.calls, clean.watch.types) == (1, {"float64"})
+    assert (clean.log.changes_its_arguments, clean.log.works_in_place) == (False, False)
+    assert (clean.log.calls, clean.log.types) == (1, {"float64"})
 
 
 def test_nan_in_an_argument_is_no_change_of_it():
     subject = opened(map_of_a_state)
     assert str(subject.step(float("nan"), 0.75, H)) == "(nan, nan)"
-    assert not subject.watch.changes_its_arguments
+    assert not subject.log.changes_its_arguments
 
 
 def map_of_a_tensor(y, dt):
@@ -210,8 +210,8 @@ def test_other_peoples_arrays_are_written_and_read(step):
     subject = opened(step, array=Tensor)
     assert subject.step(*STATE, H) == EULER
     assert subject.format is BINARY32
-    assert subject.watch.types == {"torch.float32"}
-    assert not subject.watch.changes_its_arguments
+    assert subject.log.types == {"torch.float32"}
+    assert not subject.log.changes_its_arguments
 
 
 def test_a_tensor_changed_in_place_is_seen():
@@ -220,7 +220,7 @@ def test_a_tensor_changed_in_place_is_seen():
 
     subject = opened(in_place, array=Tensor)
     assert subject.step(*STATE, H) == EULER
-    assert subject.watch.works_in_place
+    assert subject.log.works_in_place
 
 
 def test_a_tensor_beside_the_time_is_read():
@@ -308,10 +308,10 @@ def test_the_right_hand_side_is_told_the_time():
         assert asked == [8.0]
 
 
-def test_a_door_that_is_not_there_is_refused():
-    with pytest.raises(NoSuchDoor, match="'map', which takes no right-hand side"):
+def test_a_call_that_is_not_offered_is_refused():
+    with pytest.raises(UnsupportedCall, match="'map', which takes no right-hand side"):
         opened(map_of_numbers).step_field(lambda t, y: y, 0.0, STATE, H)
-    with pytest.raises(NoSuchDoor):
+    with pytest.raises(UnsupportedCall):
         opened(map_of_numbers).step_with(lambda q: -q, *STATE, H)
 
 

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftproof.blackbox.findings import Misbehaviour, NoSuchDoor
-from driftproof.blackbox.probes.probing import NotReadable
-from driftproof.blackbox.probes.tableau_probe import read_tableau
+from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
+from driftproof.blackbox.probes.scripted_answers import NotReadable
+from driftproof.blackbox.probes.tableau import read_tableau
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32
 from tests.blackbox import blackbox_codes as codes
@@ -198,7 +198,7 @@ def test_a_step_that_refuses_to_go_back_is_read_with_a_remark():
 
 def test_other_doors_have_no_right_hand_side():
     for step in (codes.velocity_verlet, lambda q, v, h: (q + h * v, v - h * q)):
-        with pytest.raises(NoSuchDoor):
+        with pytest.raises(UnsupportedCall):
             read_tableau(opened(step))
 
 

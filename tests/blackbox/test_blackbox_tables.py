@@ -1,4 +1,4 @@
-"""The parts that matching is made of: sizes beside exact sums, tables of relatives, and the quick test before them."""
+"""The parts that matching is made of: sizes beside exact sums, tables of variants, and the quick test before them."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ import pytest
 
 from driftproof.blackbox.matching.candidates import field_methods, force_methods
 from driftproof.blackbox.matching.tables import (
+    bounded,
     induced_by_tableau,
     induced_repeated,
-    sized,
     tableau_of,
     tableau_repeated,
 )
 from driftproof.blackbox.probes.coefficients import exact_shown, half_spacing, is_nearest, shown
-from driftproof.blackbox.probes.probing import Rounding
+from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import square_root
 from driftproof.symbolic.linear.irreducible import Stages, reduced
@@ -24,15 +24,15 @@ from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
 
 
 def test_sizes_add_up_where_values_cancel():
-    x = sized(Q(1, 3)) * sized(Q(3)) - sized(Q(1))
+    x = bounded(Q(1, 3)) * bounded(Q(3)) - bounded(Q(1))
     assert not x
     assert x == 0
     assert (x.value, x.size) == (0, 2.0)
 
 
 def test_reduction_keeps_sizes():
-    third, rest = sized(Q(1, 3)), sized(Q(-1, 3))
-    stages = Stages(((sized(0), sized(0)), (sized(0), sized(0))), ((third, rest),), (sized(0), sized(0)))
+    third, rest = bounded(Q(1, 3)), bounded(Q(-1, 3))
+    stages = Stages(((bounded(0), bounded(0)), (bounded(0), bounded(0))), ((third, rest),), (bounded(0), bounded(0)))
     ((merged,),) = reduced(stages).weights
     assert (merged.value, merged.size) == (0, 2 * (1 / 3))
 
@@ -45,15 +45,15 @@ def test_a_table_repeated_and_then_squared_is_one_squared_and_then_repeated():
 def test_the_quick_test_lets_a_method_pass_for_itself_and_for_hardly_any_other():
     for methods in (field_methods(True), force_methods()):
         for one in methods:
-            rounding = Rounding(BINARY64, one.sketch.calls)
-            passed = [other.key for other in methods if one.sketch.may_be(other.sketch, rounding)]
+            rounding = Rounding(BINARY64, one.fingerprint.calls)
+            passed = [other.key for other in methods if one.fingerprint.may_be(other.fingerprint, rounding)]
             assert one.key in passed
             assert len(passed) <= 4  # such as rk4, zonneveld43, gill4 and england45
 
 
 def test_the_stages_that_count_are_counted_in_floats_as_they_are_exactly():
     for candidate in (*field_methods(True), *force_methods()):
-        assert candidate.sketch.used == candidate.small.calls
+        assert candidate.fingerprint.used == candidate.small.calls
 
 
 NEAREST = [

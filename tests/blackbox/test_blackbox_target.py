@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from driftproof.blackbox.stepper.target import Target, imported
+from driftproof.blackbox.stepper.opening import Target, imported
 from driftproof.symbolic.rounding.formats import BINARY32
 
 

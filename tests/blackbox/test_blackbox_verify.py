@@ -82,7 +82,7 @@ def test_an_implicit_stepper_is_held_to_the_tolerance_that_is_stated():
     assert not verify(backward_euler, "implicit_midpoint", allowance=stated, examples=FEW).passed
 
 
-def test_a_domain_keeps_a_capped_stepper_within_its_contract():
+def test_a_domain_keeps_a_capped_stepper_to_what_is_asked():
     def capped(q, v, h):
         v = min(v - h * q, 100.0)
         return q + h * v, v

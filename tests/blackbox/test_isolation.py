@@ -5,11 +5,11 @@ from functools import partial
 
 import pytest
 
-from driftproof.blackbox.contract.whole import EXPERIMENTS, contract
-from driftproof.blackbox.contract.zero_and_back import negative_step, zero_step
+from driftproof.blackbox.checks.special_arguments import negative_step, zero_step
+from driftproof.blackbox.checks.suite import CHECKS, all_checks
 from driftproof.blackbox.findings import StepRaised
 from driftproof.blackbox.isolation import IsolatedRunner
-from driftproof.blackbox.stepper.target import Target
+from driftproof.blackbox.stepper.opening import Target
 from tests.blackbox import rogues
 
 # A hang is waited for; everything else is over long before its limit.
@@ -32,8 +32,8 @@ def outcome(rogue, way="fork"):
     return runner(rogue, way).run([answer])[0]
 
 
-def faults(clauses):
-    return [clause.words for clause in clauses if clause.is_fault]
+def faults(checks):
+    return [check.words for check in checks if check.is_fault]
 
 
 @pytest.mark.parametrize("way", WAYS)
@@ -46,17 +46,17 @@ def faults(clauses):
     ],
     ids=lambda value: getattr(value, "__name__", ""),
 )
-def test_a_rogue_without_an_answer_has_one_clause(rogue, seen, way):
-    clauses = contract(runner(rogue, way))
-    assert [(clause.key, clause.holds) for clause in clauses] == [("answers", False)]
-    assert seen in clauses[0].words
-    assert clauses[0].is_fault
+def test_a_rogue_without_an_answer_has_one_check(rogue, seen, way):
+    checks = all_checks(runner(rogue, way))
+    assert [(check.key, check.holds) for check in checks] == [("answers", False)]
+    assert seen in checks[0].words
+    assert checks[0].is_fault
 
 
 @pytest.mark.parametrize("way", WAYS)
 def test_a_rogue_that_always_hangs_is_given_up_after_one_time_limit(way):
-    clauses = contract(runner(rogues.hangs, way))
-    assert [clause.words for clause in clauses] == [
+    checks = all_checks(runner(rogues.hangs, way))
+    assert [check.words for check in checks] == [
         "no question could be put: no answer within 0.5 s in step(q=1.0, v=0.75, h=0.25)"
     ]
 
@@ -73,15 +73,15 @@ def test_a_rogue_that_always_hangs_is_given_up_after_one_time_limit(way):
     ids=lambda value: getattr(value, "__name__", ""),
 )
 def test_a_rogue_that_answers_is_described(rogue, seen, way):
-    assert any(seen in words for words in faults(contract(runner(rogue, way))))
+    assert any(seen in words for words in faults(all_checks(runner(rogue, way))))
 
 
 def test_a_hang_costs_its_own_question_only():
-    clauses = {clause.key: clause for clause in contract(runner(rogues.hangs_at_zero))}
-    assert faults(clauses.values()) == [
+    checks = {check.key: check for check in all_checks(runner(rogues.hangs_at_zero))}
+    assert faults(checks.values()) == [
         "zero step: the stepper hangs, no answer within 0.5 s in step(q=1.0, v=0.75, h=0.0)"
     ]
-    assert all(clauses[key].holds for key in ("no_memory", "negative_step", "position_range", "linear"))
+    assert all(checks[key].holds for key in ("no_memory", "negative_step", "position_range", "linear"))
 
 
 def test_a_crash_costs_its_own_question_only():
@@ -146,7 +146,7 @@ def test_no_question_is_no_outcome():
 
 
 def test_every_experiment_is_picklable_by_name():
-    found = runner(rogues.crashes_backwards, "by name").run(list(EXPERIMENTS.values()))
-    kinds = dict(zip(EXPERIMENTS, (outcome.kind for outcome in found), strict=True))
+    found = runner(rogues.crashes_backwards, "by name").run(list(CHECKS.values()))
+    kinds = dict(zip(CHECKS, (outcome.kind for outcome in found), strict=True))
     assert [key for key, kind in kinds.items() if kind] == ["negative_step", "reversal"]
     assert {kinds["negative_step"], kinds["reversal"]} == {"crashes"}

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 class Expected:
     """A key of the catalogue, or words; the order that one step shows; and what of the package's claim is not so.
 
-    The order is that of y' = f(t, y), or of y' = f(y) where the step takes no time; behind the door `force` of
-    q'' = F(q), behind the door `map` on the oscillator; None where the step is of another equation. `loose` is how
+    The order is that of y' = f(t, y), or of y' = f(y) where the step takes no time; called by `force` of
+    q'' = F(q), called by `map` on the oscillator; None where the step is of another equation. `loose` is how
     far an iterated step stays from its equations.
     """
 

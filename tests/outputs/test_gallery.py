@@ -12,7 +12,7 @@ import mpmath
 import pytest
 
 from driftproof.blackbox.isolation import IsolatedRunner
-from driftproof.blackbox.stepper.target import Target
+from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS
 from driftproof.symbolic.runs import exact_matrix_at
 from examples.gallery import run, trial
@@ -20,16 +20,16 @@ from tests.outputs.gallery_expected import EXPECTED, FIELDS, FORCES, MAPS, Expec
 
 TARGETS = run.targets()
 PRESENT = [name for name, entry in TARGETS.items() if run.installed(entry) is not None]
-DOORS = {"field": FIELDS, "force": FORCES, "map": MAPS}
+CALLS = {"field": FIELDS, "force": FORCES, "map": MAPS}
 # A step is some dozens of roundings of numbers about 1.
 NOISE = {"binary64": 64 * 2.0**-53, "binary32": 64 * 2.0**-24}
 # Twice this far from a whole number a slope would show the next one.
 SLACK = 0.45
 
 
-def test_every_target_has_an_expected_answer_behind_its_door() -> None:
-    assert {name: entry.door for name, entry in TARGETS.items()} == {
-        name: door for door, expected in DOORS.items() for name in expected
+def test_every_target_has_an_expected_answer_of_its_calling_convention() -> None:
+    assert {name: entry.calls for name, entry in TARGETS.items()} == {
+        name: calls for calls, expected in CALLS.items() for name in expected
     }
 
 
@@ -54,7 +54,7 @@ def test_adapters_import_no_package(modules_after: Callable[[str], set[str]]) ->
 
 def test_gallery_skips_what_is_not_installed() -> None:
     entry = next(iter(TARGETS.values()))
-    absent = type(entry)(entry.step, "no-such-package-of-ours", entry.method, entry.order, entry.door)
+    absent = type(entry)(entry.step, "no-such-package-of-ours", entry.method, entry.order, entry.calls)
     assert run.installed(absent) is None
 
 
@@ -67,7 +67,7 @@ def test_table_is_markdown_with_a_row_for_each_target() -> None:
 @pytest.mark.parametrize("name", PRESENT)
 def test_one_step_is_as_expected(name: str) -> None:
     entry, expected = TARGETS[name], EXPECTED[name]
-    runner = IsolatedRunner(Target(entry.step, entry.door, entry.array), run.TIME_LIMIT)
+    runner = IsolatedRunner(Target(entry.step, entry.calls, entry.array), run.TIME_LIMIT)
     matrix, answers, precision = runner.run([trial.matrix, trial.answers, trial.format_of])
     noise = NOISE[precision.result]
     if expected.what in METHODS and not matrix.failed:

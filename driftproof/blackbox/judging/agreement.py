@@ -9,10 +9,9 @@ from fractions import Fraction
 from math import copysign, inf
 from typing import TYPE_CHECKING, Any, Literal
 
-from driftproof.blackbox.contract.bench import call_text
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.judging.tolerance import Allowance, Judgement, Tolerance
-from driftproof.blackbox.stepper.subject import Subject
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper, call_text
 from driftproof.symbolic.algebra.certified import significant
 
 if TYPE_CHECKING:
@@ -163,7 +162,7 @@ class Agreement:
 
 
 def agreement(
-    subject: Subject,
+    subject: ForeignStepper,
     method: Method,
     allowance: Allowance = NO_ALLOWANCE,
     domain: Domain = ORDINARY,
@@ -201,7 +200,7 @@ def agreement(
     return seen.summary(tolerance, domain, subject)
 
 
-def explained(subject: Subject, method: Method, domain: Domain, examples: int) -> Agreement:
+def explained(subject: ForeignStepper, method: Method, domain: Domain, examples: int) -> Agreement:
     """The agreement; where it does not hold, with the first allowance of `HABITS` with which it does, if any."""
     found = agreement(subject, method, NO_ALLOWANCE, domain, examples)
     if found.holds or found.failing is None or found.failing.answer is None:
@@ -213,7 +212,7 @@ def explained(subject: Subject, method: Method, domain: Domain, examples: int) -
 
 
 @dataclass
-class _Remembering(Subject):
+class _Remembering(ForeignStepper):
     """A stepper whose answers are kept: Hypothesis asks for some again, and refuses those that vary."""
 
     made: dict[str, tuple[float, float]] = field(default_factory=dict)
@@ -247,7 +246,7 @@ class _Seen:
         if self.worst is None or example.error_over_bound > self.worst.error_over_bound:
             self.worst = example
 
-    def summary(self, tolerance: Tolerance, domain: Domain, subject: Subject) -> Agreement:
+    def summary(self, tolerance: Tolerance, domain: Domain, subject: ForeignStepper) -> Agreement:
         assert self.worst is not None
         worst = _in_full(self.worst, tolerance, subject)
         failing = None if self.failing is None else _in_full(self.failing, tolerance, subject)
@@ -258,7 +257,7 @@ def _fails(example: Example) -> bool:
     return example.answer is None or example.error_over_bound > 1
 
 
-def _example(subject: Subject, tolerance: Tolerance, q: float, v: float, h: float) -> Example:
+def _example(subject: ForeignStepper, tolerance: Tolerance, q: float, v: float, h: float) -> Example:
     try:
         answer = subject.step(q, v, h)
     except Misbehaviour as error:
@@ -269,7 +268,7 @@ def _example(subject: Subject, tolerance: Tolerance, q: float, v: float, h: floa
     return Example(q, v, h, answer, COMPONENTS[worse], "", judgement.ratio, max(j.scaled for j in judged))
 
 
-def _in_full(example: Example, tolerance: Tolerance, subject: Subject) -> Example:
+def _in_full(example: Example, tolerance: Tolerance, subject: ForeignStepper) -> Example:
     """The example with the exact value of its component written out, and its call."""
     example = replace(example, reproduction=call_text(subject, example.q, example.v, example.h))
     if example.answer is None:
@@ -279,7 +278,7 @@ def _in_full(example: Example, tolerance: Tolerance, subject: Subject) -> Exampl
     return replace(example, exact=text if exact != Fraction(text) else f"{Decimal(text).normalize():f}")
 
 
-def _arguments(domain: Domain, subject: Subject) -> tuple[SearchStrategy[float], ...]:
+def _arguments(domain: Domain, subject: ForeignStepper) -> tuple[SearchStrategy[float], ...]:
     """q, v and h as floats of the subject's format, so that nothing is rounded on the way in."""
     from hypothesis import strategies as st
 

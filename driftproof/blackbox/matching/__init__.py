@@ -1,1 +1,1 @@
-"""Coefficients that were read: the methods and relatives that have them, and the order that they give."""
+"""Coefficients that were read: the methods and variants that have them, and the order that they give."""

@@ -1,4 +1,4 @@
-"""What a reading is compared with: the explicit methods of the catalogue and their relatives, seen through a door."""
+"""What a reading is compared with: explicit methods of the catalogue and variants, as fields or forces show them."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from driftproof.blackbox.matching.sketching import Array, Sketch
+from driftproof.blackbox.matching.fingerprints import Array, Fingerprint
 from driftproof.blackbox.matching.tables import (
+    BoundedCoefficient,
     Lift,
     Row,
-    Sized,
     Tableau,
+    bounded,
     induced_by_nystrom,
     induced_by_parts,
     induced_by_tableau,
     induced_repeated,
     induced_scaled,
-    sized,
     tableau_iterated,
     tableau_of,
     tableau_repeated,
@@ -32,7 +32,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Method, MethodError, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.linear.irreducible import Stages, reduced
 
-# A table through a door, without a drift through the field door: over the numbers that it is asked for.
+# A table, without a drift where a right-hand side shows it: over the numbers that it is asked for.
 Recipe: TypeAlias = Callable[[Lift], tuple[Stages, Any]]
 
 # More steps of a method in one are not looked for.
@@ -45,19 +45,19 @@ EXCHANGED = "kicks and drifts exchanged"
 
 @dataclass(frozen=True)
 class Table:
-    """One table through one door, entries `Sized`: A above the rows of weights, the nodes if they count, the drift."""
+    """One table, entries `BoundedCoefficient`: A above the rows of weights, the nodes if they count, the drift."""
 
     entries: tuple[Row, ...]
     nodes: Row | None
-    drift: Sized | None
+    drift: BoundedCoefficient | None
 
     @classmethod
     def of(cls, stages: Stages, drift: Any) -> Table:
-        """From the stages as `symbolic.linear.irreducible` has them; `drift` is None through the field door."""
+        """From the stages as `symbolic.linear.irreducible` has them; `drift` is None of a right-hand side."""
         weights = stages.weights if drift is not None else stages.weights[:1]
-        entries = tuple(tuple(map(sized, row)) for row in (*stages.a, *weights))
-        nodes = tuple(map(sized, stages.c)) if len(stages.weights) > 1 else None
-        return cls(entries, nodes, None if drift is None else sized(drift))
+        entries = tuple(tuple(map(bounded, row)) for row in (*stages.a, *weights))
+        nodes = tuple(map(bounded, stages.c)) if len(stages.weights) > 1 else None
+        return cls(entries, nodes, None if drift is None else bounded(drift))
 
     @property
     def calls(self) -> int:
@@ -98,9 +98,9 @@ class Candidate:
     recipe: Recipe
 
     @cached_property
-    def sketch(self) -> Sketch:
+    def fingerprint(self) -> Fingerprint:
         """Every stage, in floats."""
-        return Sketch(*self.recipe(float))
+        return Fingerprint(*self.recipe(float))
 
     @cached_property
     def raw(self) -> Table:
@@ -115,7 +115,7 @@ class Candidate:
 
     @cached_property
     def _exact(self) -> tuple[Stages, Any]:
-        return self.recipe(sized)
+        return self.recipe(bounded)
 
 
 @cache
@@ -148,10 +148,10 @@ def on_force(method: Method) -> Candidate:
     raise MethodError(f"{method.key} is implicit: no coefficients of its stages can be read")
 
 
-def field_relatives(timed: bool, calls: int, factor: Fraction) -> Iterator[Candidate]:
-    """Relatives of the catalogue's methods with so many stages that count; `factor` is the step in units of h."""
+def field_variants(timed: bool, calls: int, factor: Fraction) -> Iterator[Candidate]:
+    """Variants of the catalogue's methods with so many stages that count; `factor` is the step in units of h."""
     for method, candidate in zip(_explicit(), field_methods(timed), strict=True):
-        key, stages, make = method.key, candidate.sketch.used, partial(tableau_of, method)
+        key, stages, make = method.key, candidate.fingerprint.used, partial(tableau_of, method)
         if method.b_embedded is not None and calls <= method.stages:
             yield Candidate(key, EMBEDDED, _in_field(partial(make, weights=method.b_embedded), timed))
         if factor not in (0, 1) and stages == calls:
@@ -162,8 +162,8 @@ def field_relatives(timed: bool, calls: int, factor: Fraction) -> Iterator[Candi
         yield Candidate(key, relation, _in_field(iterated, timed))
 
 
-def force_relatives(calls: int, factor: Fraction) -> Iterator[Candidate]:
-    """Relatives through the force door; of splittings, also the adjoint, and kicks and drifts exchanged."""
+def force_variants(calls: int, factor: Fraction) -> Iterator[Candidate]:
+    """Variants as a force shows them; of splittings, also the adjoint, and kicks and drifts exchanged."""
     for method in _explicit():
         if method.b_embedded is not None and calls <= method.stages:
             embedded = partial(tableau_of, method, weights=method.b_embedded)
@@ -172,7 +172,7 @@ def force_relatives(calls: int, factor: Fraction) -> Iterator[Candidate]:
         if isinstance(splitting, Splitting):
             yield from _rearranged(splitting, calls)
     for candidate in force_methods():
-        key, stages = candidate.key, candidate.sketch.used
+        key, stages = candidate.key, candidate.fingerprint.used
         if factor not in (0, 1) and stages == calls:
             yield Candidate(key, _scaling(factor), _then(candidate.recipe, induced_scaled, factor))
         for times in _repetitions(stages, calls):

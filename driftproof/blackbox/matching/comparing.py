@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from driftproof.blackbox.matching.candidates import Table
-from driftproof.blackbox.matching.sketching import Array
-from driftproof.blackbox.matching.tables import Sized
+from driftproof.blackbox.matching.fingerprints import Array
+from driftproof.blackbox.matching.tables import BoundedCoefficient
 from driftproof.blackbox.probes.coefficients import is_nearest
-from driftproof.blackbox.probes.probing import Rounding
+from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.methods.number_field import Exact
 
 
@@ -26,7 +26,7 @@ class Place(NamedTuple):
 
     name: str
     seen: float
-    exact: Sized
+    exact: BoundedCoefficient
     scale: float
 
 

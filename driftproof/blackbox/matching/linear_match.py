@@ -38,6 +38,7 @@ from driftproof.blackbox.matching.matrix_facts import (
     facts_of_methods,
 )
 from driftproof.blackbox.matching.matrix_recovery import Recovered, recovered
+from driftproof.blackbox.probes.coefficients import rational_text, simple_rational
 from driftproof.blackbox.probes.linear_steps import (
     FAR_OUT,
     LINEAR,
@@ -48,9 +49,8 @@ from driftproof.blackbox.probes.linear_steps import (
     growing,
     read,
 )
-from driftproof.blackbox.probes.simple_rationals import rational_text, simple_rational
-from driftproof.blackbox.stepper.doors import MAP
-from driftproof.blackbox.stepper.subject import Subject
+from driftproof.blackbox.stepper.calling_conventions import MAP
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat
 
 # A linear stepper that any method may be.
@@ -156,12 +156,12 @@ class LinearFit:
         return tuple(_lines(self))
 
 
-def linear_fit(subject: Subject) -> LinearFit:
+def linear_fit(subject: ForeignStepper) -> LinearFit:
     """The stepper explained by its linear steps: of the oscillator, or of the system that it has built in.
 
     Some seventy calls, or twice or three times as many where a limit disturbs the first. Lets a Misbehaviour pass.
     """
-    known = subject.door.kind != MAP or bool(subject.door.extra)
+    known = subject.convention.kind != MAP or bool(subject.convention.extra)
     first = fitted(read(subject), known=known)
     if first.is_disturbed and subject.format.emin < -OWN_RANGE:
         for size in OTHER_SIZES:

@@ -1,4 +1,4 @@
-"""Which method of the catalogue a reading is; or which relative of one; or which one it is but for what."""
+"""Which method of the catalogue a reading is; or which variant of one; or which one it is but for what."""
 
 from __future__ import annotations
 
@@ -12,21 +12,19 @@ from driftproof.blackbox.matching.candidates import (
     Candidate,
     Table,
     field_methods,
-    field_relatives,
+    field_variants,
     force_methods,
-    force_relatives,
+    force_variants,
     in_field,
     on_force,
 )
 from driftproof.blackbox.matching.comparing import Comparison
-from driftproof.blackbox.matching.decimals import typed_in
-from driftproof.blackbox.matching.explaining import explanations
-from driftproof.blackbox.matching.sketching import Sketch
-from driftproof.blackbox.probes.coefficients import difference
-from driftproof.blackbox.probes.force_probe import ForceReading
-from driftproof.blackbox.probes.probing import Rounding, Row
-from driftproof.blackbox.probes.simple_rationals import simple_rational
-from driftproof.blackbox.probes.tableau_probe import TableauReading
+from driftproof.blackbox.matching.fingerprints import Fingerprint
+from driftproof.blackbox.matching.near_misses import explanations, typed_in
+from driftproof.blackbox.probes.coefficients import difference, simple_rational
+from driftproof.blackbox.probes.force import ForceReading
+from driftproof.blackbox.probes.scripted_answers import Rounding, Row
+from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.methods.schemes import Method, RungeKutta
 from driftproof.symbolic.linear.irreducible import Stages, reduced
 
@@ -92,7 +90,7 @@ class Identity:
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """The methods that it is as they stand; relatives are not among them."""
+        """The methods that it is as they stand; variants are not among them."""
         return tuple(match.key for match in self.matches if not match.relation)
 
     @property
@@ -100,7 +98,7 @@ class Identity:
         """What it is, in words."""
         if self.matches:
             names = "; ".join(match.name for match in self.matches)
-            tie = [f"through this door these cannot be told apart: {names}", self.matches[0].closeness]
+            tie = [f"called in this way these cannot be told apart: {names}", self.matches[0].closeness]
             only = [f"{self.matches[0].name}: {self.matches[0].closeness}"]
             beside = [f"{m.key}: in a call whose answer is not used, {line}" for m in self.matches for line in m.beside]
             return (only if len(self.matches) == 1 else tie) + beside
@@ -118,8 +116,8 @@ def match_tableau(reading: TableauReading) -> Identity:
     """
     timed, rounding = reading.c is not None, Rounding(reading.format, reading.calls)
     read = _Read.of(reading.stages, None, rounding)
-    relatives = field_relatives(timed, read.small.calls, _factor(reading.b, rounding))
-    return _identity(read, field_methods(timed), relatives, _with_decimals(read, field_methods(timed)))
+    variants = field_variants(timed, read.small.calls, _factor(reading.b, rounding))
+    return _identity(read, field_methods(timed), variants, _with_decimals(read, field_methods(timed)))
 
 
 def match_forces(reading: ForceReading) -> Identity:
@@ -129,9 +127,9 @@ def match_forces(reading: ForceReading) -> Identity:
     """
     drift, rounding = Fraction(reading.drift), Rounding(reading.format, reading.calls)
     read = _Read.of(reading.stages, drift, rounding)
-    relatives = force_relatives(read.small.calls, _factor((reading.drift,), rounding))
+    variants = force_variants(read.small.calls, _factor((reading.drift,), rounding))
     near = (Near(found.key, found.differences) for found in explanations(reading))
-    return _identity(read, force_methods(), relatives, near)
+    return _identity(read, force_methods(), variants, near)
 
 
 def matched(reading: Reading) -> Identity:
@@ -142,7 +140,7 @@ def matched(reading: Reading) -> Identity:
 def match_method(reading: Reading, method: Method) -> Identity:
     """Whether the reading is this method, of the catalogue or not; if it is not, where it differs, if in few places.
 
-    Through the field door no splitting matches, and no method matches an implicit one.
+    Through a right-hand side no splitting matches, and no method matches an implicit one.
     """
     rounding = Rounding(reading.format, reading.calls)
     if isinstance(reading, ForceReading):
@@ -159,25 +157,25 @@ class _Read(NamedTuple):
 
     raw: Table
     small: Table
-    sketch: Sketch
+    fingerprint: Fingerprint
     rounding: Rounding
 
     @classmethod
     def of(cls, stages: Stages, drift: Fraction | None, rounding: Rounding) -> _Read:
         """From the coefficients as exact numbers."""
-        return cls(Table.of(stages, drift), Table.of(reduced(stages), drift), Sketch(stages, drift), rounding)
+        return cls(Table.of(stages, drift), Table.of(reduced(stages), drift), Fingerprint(stages, drift), rounding)
 
 
 def _with_decimals(read: _Read, methods: Iterable[Candidate]) -> Iterator[Near]:
-    return (Near(key, (words,)) for key, words in typed_in(read.sketch, methods, read.rounding))
+    return (Near(key, (words,)) for key, words in typed_in(read.fingerprint, methods, read.rounding))
 
 
 def _identity(
-    read: _Read, methods: Iterable[Candidate], relatives: Iterable[Candidate], explained: Iterable[Near]
+    read: _Read, methods: Iterable[Candidate], variants: Iterable[Candidate], explained: Iterable[Near]
 ) -> Identity:
     # Among those that cannot be told apart, a method that makes as many calls comes before a pair that makes more.
-    methods = sorted(methods, key=lambda candidate: candidate.sketch.calls != read.raw.calls)
-    matches = _best(m for c in methods for m in _match(read, c)) or _best(m for c in relatives for m in _match(read, c))
+    methods = sorted(methods, key=lambda candidate: candidate.fingerprint.calls != read.raw.calls)
+    matches = _best(m for c in methods for m in _match(read, c)) or _best(m for c in variants for m in _match(read, c))
     if matches:
         return Identity(matches)
     return Identity(near=_nearest([*explained, *(near for c in methods for near in _near(read, c))]))
@@ -185,7 +183,7 @@ def _identity(
 
 def _match(read: _Read, candidate: Candidate) -> Iterator[Match]:
     # Most candidates are told apart without their exact tables, which take long to make.
-    if not read.sketch.may_be(candidate.sketch, read.rounding) or candidate.small.calls != read.small.calls:
+    if not read.fingerprint.may_be(candidate.fingerprint, read.rounding) or candidate.small.calls != read.small.calls:
         return
     comparison = Comparison(read.small, candidate.small, read.rounding)
     order = comparison.arrangement()
@@ -209,9 +207,9 @@ def _best(matches: Iterable[Match]) -> tuple[Match, ...]:
 def _near(read: _Read, candidate: Candidate) -> Iterator[Near]:
     """With all stages against all, and irreducible against irreducible: a wrong zero can make a stage useless."""
     pairs = []
-    if candidate.sketch.calls == read.raw.calls:
+    if candidate.fingerprint.calls == read.raw.calls:
         pairs.append((read.raw, candidate.raw))
-    if candidate.sketch.used == read.small.calls:
+    if candidate.fingerprint.used == read.small.calls:
         pairs.append((read.small, candidate.small))
     for mine, its in pairs:
         differences = _differences(read, mine, its)

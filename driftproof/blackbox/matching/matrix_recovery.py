@@ -15,8 +15,8 @@ from typing import TypeVar
 
 from flint import fmpq, fmpq_mat
 
+from driftproof.blackbox.probes.coefficients import simple_rational
 from driftproof.blackbox.probes.linear_steps import Reading
-from driftproof.blackbox.probes.simple_rationals import simple_rational
 from driftproof.symbolic.algebra.polynomials import polynomial
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 

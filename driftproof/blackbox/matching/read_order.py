@@ -9,10 +9,10 @@ from typing import TypeAlias
 
 from driftproof.blackbox.matching.candidates import Table
 from driftproof.blackbox.matching.match import Match
-from driftproof.blackbox.probes.force_probe import ForceReading
-from driftproof.blackbox.probes.probing import Rounding, Row
-from driftproof.blackbox.probes.simple_rationals import simple_rational
-from driftproof.blackbox.probes.tableau_probe import TableauReading
+from driftproof.blackbox.probes.coefficients import simple_rational
+from driftproof.blackbox.probes.force import ForceReading
+from driftproof.blackbox.probes.scripted_answers import Rounding, Row
+from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.symbolic.trees.balls import (
     Ball,
     BallNystrom,
@@ -32,7 +32,7 @@ HIGHEST_ORDER = 12
 
 @dataclass(frozen=True)
 class ReadOrder:
-    """The order of the coefficients read, on every problem that the door is for, and why it is not one higher.
+    """The order of the coefficients read, on all problems of the kind it was read on, and why it is not one higher.
 
     `failing_tree` is written in brackets, its condition is Φ = 1/γ, and `residual` encloses Φ - 1/γ and excludes 0;
     None where nothing fails up to HIGHEST_ORDER. `linear_order` is the order on linear problems. `untimed_order` is

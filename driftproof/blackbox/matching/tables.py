@@ -1,6 +1,6 @@
-"""Tables of coefficients as the two doors show them: made from a method's own, repeated, scaled or iterated.
+"""Tables of coefficients as fields and forces show them: of a method as it is, repeated, scaled or iterated.
 
-Entries are of any kind of number: floats for a sketch, `Sized` for a comparison.
+Entries are of any kind of number: floats for a fingerprint, `BoundedCoefficient` for a comparison.
 """
 
 from __future__ import annotations
@@ -25,32 +25,32 @@ Induced: TypeAlias = tuple[Stages, Number]
 
 
 @dataclass(frozen=True)
-class Sized:
+class BoundedCoefficient:
     """An exact number, with the sum of the sizes of the terms that it was made of: what rounding errors scale with."""
 
     value: Exact
     size: float
 
-    def __add__(self, other: object) -> Sized:
+    def __add__(self, other: object) -> BoundedCoefficient:
         """The sum: sizes are added, even where values cancel."""
-        right = sized(other)
-        return Sized(self.value + right.value, self.size + right.size)
+        right = bounded(other)
+        return BoundedCoefficient(self.value + right.value, self.size + right.size)
 
     __radd__ = __add__
 
-    def __sub__(self, other: object) -> Sized:
+    def __sub__(self, other: object) -> BoundedCoefficient:
         """The difference; sizes are added."""
-        right = sized(other)
-        return Sized(self.value - right.value, self.size + right.size)
+        right = bounded(other)
+        return BoundedCoefficient(self.value - right.value, self.size + right.size)
 
-    def __mul__(self, other: object) -> Sized:
+    def __mul__(self, other: object) -> BoundedCoefficient:
         """The product; so of sizes."""
-        right = sized(other)
-        return Sized(self.value * right.value, self.size * right.size)
+        right = bounded(other)
+        return BoundedCoefficient(self.value * right.value, self.size * right.size)
 
     def __eq__(self, other: object) -> bool:
         """Equal values."""
-        return bool(self.value == sized(other).value)
+        return bool(self.value == bounded(other).value)
 
     def __hash__(self) -> int:
         """Of the value."""
@@ -61,12 +61,12 @@ class Sized:
         return bool(self.value)
 
 
-def sized(x: Any) -> Sized:
+def bounded(x: Any) -> BoundedCoefficient:
     """A number as it stands in a table: its size is its own."""
-    if isinstance(x, Sized):
+    if isinstance(x, BoundedCoefficient):
         return x
     exact = Fraction(x) if isinstance(x, int) else x
-    return Sized(exact, abs(float(exact)))
+    return BoundedCoefficient(exact, abs(float(exact)))
 
 
 def stages(a: Sequence[Row], weights: Sequence[Row], c: Row) -> Stages:

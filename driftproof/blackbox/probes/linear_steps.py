@@ -8,7 +8,7 @@ from math import isfinite, ldexp, log2, sqrt
 from typing import TypeAlias
 
 from driftproof.blackbox.findings import Misbehaviour
-from driftproof.blackbox.stepper.subject import Subject
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, FloatFormat
 
 # M_qq, M_qv, M_vq, M_vv as floats.
@@ -71,7 +71,7 @@ class Reading:
         return self.kind in (LINEAR, LINEARISED)
 
 
-def read(subject: Subject, amplitude: float = 1.0) -> Reading:
+def read(subject: ForeignStepper, amplitude: float = 1.0) -> Reading:
     """The one-step matrix of a stepper at some twenty steps, by some seventy calls of it, at states of a size.
 
     Lets a Misbehaviour pass at steps well within the system's own time; beyond, and at negative steps, it is a remark.
@@ -95,7 +95,7 @@ def read(subject: Subject, amplitude: float = 1.0) -> Reading:
     return _with_steps(subject, replace(reading, kind=NOT_LINEAR, remarks=(seen,)))
 
 
-def _linearised(subject: Subject, fmt: FloatFormat, at_identity: bool) -> Reading | None:
+def _linearised(subject: ForeignStepper, fmt: FloatFormat, at_identity: bool) -> Reading | None:
     """The reading at states so small that the step is linear there, but not so small that a rule puts them to rest.
 
     At the first size products of two states are below a rounding of one, and still ordinary numbers.
@@ -110,14 +110,14 @@ def _linearised(subject: Subject, fmt: FloatFormat, at_identity: bool) -> Readin
     return None
 
 
-def _own_format(subject: Subject) -> FloatFormat:
+def _own_format(subject: ForeignStepper) -> FloatFormat:
     """The narrowest format that holds the answers to a generic step: that in which it was computed."""
     answers = [Fraction(x) for x in subject.step(*STATE, STEP)]
     narrower = (f for f in (BINARY16, BINARY32) if f.precision < subject.format.precision)
     return next((f for f in narrower if any(answers) and all(map(f.holds, answers))), subject.format)
 
 
-def _repeats(subject: Subject, fmt: FloatFormat) -> bool:
+def _repeats(subject: ForeignStepper, fmt: FloatFormat) -> bool:
     """True when the same step gives the same answer again, but for a few roundings, as of sums in any order."""
     first = subject.step(*STATE, STEP)
     subject.step(-STATE[1], STATE[0], STEP / 2)
@@ -129,12 +129,12 @@ def _in_format(fmt: FloatFormat, x: float) -> float:
     return float(fmt.nearest(Fraction(x)))
 
 
-def _matrix(subject: Subject, h: float, amplitude: float) -> Floats:
+def _matrix(subject: ForeignStepper, h: float, amplitude: float) -> Floats:
     (qq, vq), (qv, vv) = subject.step(amplitude, 0.0, h), subject.step(0.0, amplitude, h)
     return qq / amplitude, qv / amplitude, vq / amplitude, vv / amplitude
 
 
-def _at_amplitude(subject: Subject, reading: Reading) -> Reading:
+def _at_amplitude(subject: ForeignStepper, reading: Reading) -> Reading:
     """The reading with its tiny step and its unit of time."""
     unit = 1.0
     for _ in range(2):  # the first step is tiny in seconds, the second in the system's own time
@@ -148,7 +148,7 @@ def _at_amplitude(subject: Subject, reading: Reading) -> Reading:
     return replace(reading, unit=unit)
 
 
-def _rates(subject: Subject, reading: Reading, unit: float) -> tuple[float, Floats] | None:
+def _rates(subject: ForeignStepper, reading: Reading, unit: float) -> tuple[float, Floats] | None:
     """The least of some tiny steps at which rates show rather than noise, with M there; None if there is none."""
     p = reading.format.precision
     for bits in sorted({p + 7, p // 2, *COARSE_BITS}, reverse=True):
@@ -166,7 +166,7 @@ def _rates(subject: Subject, reading: Reading, unit: float) -> tuple[float, Floa
     return None
 
 
-def _asleep(subject: Subject, reading: Reading, unit: float, m: Floats) -> bool:
+def _asleep(subject: ForeignStepper, reading: Reading, unit: float, m: Floats) -> bool:
     """True when nothing grows in a tiny step though it does in a longer one: small numbers are put to rest, or lost."""
     if all(growing(m)):
         return False
@@ -211,7 +211,7 @@ def _unit(m: Floats, tiny: float) -> float:
     return ldexp(1.0, -round(log2(frequency))) if isfinite(frequency) and frequency else 1.0
 
 
-def _nonlinearity(subject: Subject, reading: Reading, size: float) -> str | None:
+def _nonlinearity(subject: ForeignStepper, reading: Reading, size: float) -> str | None:
     """What was seen of M(z + w) ≠ M(z) + M(w) at states of a size, times the amplitude; None if nothing was."""
     h = _in_format(reading.format, reading.unit * float(LINEARITY_STEP))
     (qq, qv, vq, vv), scale = _matrix(subject, h, reading.amplitude), size * reading.amplitude
@@ -226,7 +226,7 @@ def _nonlinearity(subject: Subject, reading: Reading, size: float) -> str | None
     return None
 
 
-def _is_linearisation(subject: Subject, tiny: Reading) -> bool:
+def _is_linearisation(subject: ForeignStepper, tiny: Reading) -> bool:
     """True when states of a fourth of the size have the same rates: those of a cubic force are a sixteenth."""
     if tiny.at_zero is None:
         return False
@@ -234,7 +234,7 @@ def _is_linearisation(subject: Subject, tiny: Reading) -> bool:
     return all(abs(x - y) * 2**RATE_BITS <= abs(x) + abs(y) for x, y in zip(growing(tiny.at_zero), less, strict=True))
 
 
-def _far_out(subject: Subject, reading: Reading) -> tuple[str, ...]:
+def _far_out(subject: ForeignStepper, reading: Reading) -> tuple[str, ...]:
     """What is seen of a limit on the size of states, as a remark."""
     try:
         seen = _nonlinearity(subject, reading, 2.0 ** min(FAR_BITS, reading.format.emax // 2))
@@ -243,7 +243,7 @@ def _far_out(subject: Subject, reading: Reading) -> tuple[str, ...]:
     return (f"{FAR_OUT}: {seen}",) if seen else ()
 
 
-def _with_steps(subject: Subject, reading: Reading) -> Reading:
+def _with_steps(subject: ForeignStepper, reading: Reading) -> Reading:
     found, failures = [], []
     for text in (*DYADIC, *NOT_DYADIC, *FAR):
         h = _in_format(reading.format, reading.unit * float(Fraction(text)))

@@ -1,1 +1,1 @@
-"""Somebody's stepper, opened: its door, the numbers it takes, how it is called and what comes back."""
+"""Somebody's stepper, opened: how it is called, the numbers it takes and what comes back."""

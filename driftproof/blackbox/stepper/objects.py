@@ -1,4 +1,4 @@
-"""An object with a state, somebody's body, solver or simulation, as a stepper behind one of the doors."""
+"""An object with a state, somebody's body, solver or simulation, as a stepper of one of the calling conventions."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from driftproof.blackbox.stepper.dialects import as_array, floats_in
+from driftproof.blackbox.stepper.array_adapters import as_array, floats_in
 
 Object: TypeAlias = Any
 # Where an object keeps numbers: the name of an attribute, dotted where it lies deeper, or two functions, get and put.

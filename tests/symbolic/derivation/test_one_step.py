@@ -39,7 +39,7 @@ def test_inexact_number_never_enters_exact_arithmetic(value: Any) -> None:
 
 
 def test_the_ring_itself_would_guess_a_float_back() -> None:
-    """Why `rational` is the only door: SymPy turns 0.1 into 1/10, which the double is not."""
+    """Why `rational` is the only way in: SymPy turns 0.1 into 1/10, which the double is not."""
     assert 0.1 * H == H / 10
     assert at_rational(H, Q(0.1)) != Q(1, 10)
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.probes.coefficients import shown
-from driftproof.blackbox.probes.probing import (
+from driftproof.blackbox.probes.scripted_answers import (
     AT_REST,
     BACKWARD,
     CONTROLS,
@@ -29,7 +29,7 @@ from driftproof.blackbox.probes.probing import (
     unit,
     varied,
 )
-from driftproof.blackbox.stepper.subject import Subject
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.linear.irreducible import Stages
 from driftproof.symbolic.rounding.formats import FloatFormat
 
@@ -39,7 +39,7 @@ class TableauReading:
     """Call i is made at t + cᵢh and y + h Σ aᵢⱼ kⱼ, the result is y + h Σ bⱼ kⱼ: the step's own float coefficients.
 
     kⱼ is the answer to call j; calls are stages, in the order in which they are made. `c` is None where the right-hand
-    side is given no time. An embedded row of weights does not show through this door.
+    side is given no time. An embedded row of weights does not show.
     `remarks` are lines on what else was seen, `amplitude` the size of the numbers that went in.
     """
 
@@ -79,7 +79,7 @@ class TableauReading:
         return [*rows, *unused, *clock, *self.remarks]
 
 
-def read_tableau(subject: Subject) -> TableauReading:
+def read_tableau(subject: ForeignStepper) -> TableauReading:
     """The A, b and c of a step(f, t, y, h), exactly the floats that the code multiplies by.
 
     From t = 0, y = 0 with h = 1, call j is answered by 1 and every other one by 0: then products by h and by the answer
@@ -87,8 +87,8 @@ def read_tableau(subject: Subject) -> TableauReading:
     first and divides later, such as h(k₁ + 2k₂ + 2k₃ + k₄)/6, has them as those quotients. Further steps control that
     the coefficients account for everything.
 
-    Raises NotReadable, saying what was seen, for a step that is adaptive, iterates, limits or remembers; NoSuchDoor
-    where there is no right-hand side to give.
+    Raises NotReadable, saying what was seen, for a step that is adaptive, iterates, limits or remembers;
+    UnsupportedCall where there is no right-hand side to give.
     """
     reading, remarks = read_at_some_size(lambda amplitude: _Probe(subject, amplitude).reading())
     return replace(reading, remarks=(*remarks, *reading.remarks))
@@ -110,7 +110,7 @@ class _Run(NamedTuple):
 class _Probe:
     """Steps of one subject with scripted answers, on two numbers where it takes vectors, on one where it does not."""
 
-    def __init__(self, subject: Subject, amplitude: float) -> None:
+    def __init__(self, subject: ForeignStepper, amplitude: float) -> None:
         self.subject, self.amplitude = subject, amplitude
         self.size, self.silent = self._opened()
         self.calls = len(self.silent.places)

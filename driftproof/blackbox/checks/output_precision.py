@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import log2
 
-from driftproof.blackbox.contract.bench import ANOTHER, IRREGULAR_STEP, ORDINARY, Bench, steady_bench
-from driftproof.blackbox.contract.clauses import Clause
-from driftproof.blackbox.contract.grain import grain_of, narrow_format
-from driftproof.blackbox.stepper.dialects import ARRAYS, LISTS, SCALARS
-from driftproof.blackbox.stepper.subject import Subject
+from driftproof.blackbox.checks.quantisation import narrow_format, quantisation_of
+from driftproof.blackbox.checks.trials import ANOTHER, IRREGULAR_STEP, ORDINARY, CheckResult, TrialRunner, steady_runner
+from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, SCALARS
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.rounding.formats import BINARY64
 
 _KEY = "full_precision"
@@ -18,15 +17,15 @@ _NO_DIGITS, _ALIKE = 2.0**-18, 2.0**6
 _DOUBLES = (SCALARS, ARRAYS, LISTS)
 
 
-def digits(subject: Subject) -> tuple[Clause, ...]:
+def digits(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     """Whether answers are whole, decimal, fixed-point or narrower numbers, or were formed of such."""
-    bench = steady_bench(subject)
-    trials = [trial for trial in (bench.trial(*z, IRREGULAR_STEP) for z in _states()) if trial.finite]
+    runner = steady_runner(subject)
+    trials = [trial for trial in (runner.trial(*z, IRREGULAR_STEP) for z in _states()) if trial.finite]
     numbers = [x for trial in trials for x in trial.answer or ()]
-    words = _rounded(numbers, subject) or _rounds_inside(bench)
+    words = _rounded(numbers, subject) or _rounds_inside(runner)
     if words:
-        return (Clause(_KEY, False, words, (trials[0],)),)
-    return (Clause(_KEY, True, f"answers have all digits of {subject.format.name}"),)
+        return (CheckResult(_KEY, False, words, (trials[0],)),)
+    return (CheckResult(_KEY, True, f"answers have all digits of {subject.format.name}"),)
 
 
 def _states() -> list[tuple[float, float]]:
@@ -34,21 +33,21 @@ def _states() -> list[tuple[float, float]]:
     return [(a * q, b * v) for q, v in (ORDINARY, ANOTHER) for a, b in ((1, 1), (1000, 10), (0.01, 0.001))]
 
 
-def _rounded(numbers: Sequence[float], subject: Subject) -> str:
+def _rounded(numbers: Sequence[float], subject: ForeignStepper) -> str:
     """The rule by which all numbers are rounded, in words; empty if there is none."""
-    grain, narrow = grain_of(numbers), narrow_format(numbers)
-    given = BINARY64 if subject.dialect in _DOUBLES else subject.format
+    grain, narrow = quantisation_of(numbers), narrow_format(numbers)
+    given = BINARY64 if subject.adapter in _DOUBLES else subject.format
     if grain is not None:
         return grain.words
     return f"answers are rounded to {narrow.name}" if narrow and narrow.precision < given.precision else ""
 
 
-def _rounds_inside(bench: Bench) -> str:
+def _rounds_inside(runner: TrialRunner) -> str:
     """Whether S(3z) = 3 S(z) to fewer digits than are returned, at two sizes where nothing else shows; in words."""
-    if bench.format is not BINARY64 or bench.grain:
+    if runner.format is not BINARY64 or runner.grain:
         return ""
-    large, small = (max(_defect(bench, 2.0**-k, *z) for z in _states()) for k in (30, 60))
-    if not bench.rounding < min(large, small) or not max(large, small) < _NO_DIGITS:
+    large, small = (max(_defect(runner, 2.0**-k, *z) for z in _states()) for k in (30, 60))
+    if not runner.rounding < min(large, small) or not max(large, small) < _NO_DIGITS:
         return ""
     if max(large, small) > _ALIKE * min(large, small):  # a rule about sizes, or dynamics, and no rounding
         return ""
@@ -56,10 +55,10 @@ def _rounds_inside(bench: Bench) -> str:
     return f"S(3z) is 3 S(z) to about {bits} bits only: narrower numbers, or a solver that stops early, are inside"
 
 
-def _defect(bench: Bench, size: float, q: float, v: float) -> float:
+def _defect(runner: TrialRunner, size: float, q: float, v: float) -> float:
     """|S(3z) - 3 S(z)| over |S(3z)|, the largest component each, for a state of that size."""
-    once = bench.trial(size * q, size * v, IRREGULAR_STEP).answer
-    thrice = bench.trial(3 * size * q, 3 * size * v, IRREGULAR_STEP).answer
+    once = runner.trial(size * q, size * v, IRREGULAR_STEP).answer
+    thrice = runner.trial(3 * size * q, 3 * size * v, IRREGULAR_STEP).answer
     if once is None or thrice is None or not any(thrice):
         return 0.0
     return max(abs(b - 3 * a) for a, b in zip(once, thrice, strict=True)) / max(map(abs, thrice))

@@ -1,4 +1,4 @@
-"""Three doors into a stepper, found by the names of its parameters: its map alone, a force, a right-hand side."""
+"""Three calling conventions, told by the names of a stepper's parameters: its map alone, a force, a right-hand side."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 MAP, FORCE, FIELD = "map", "force", "field"
-# What a stepper behind each door is, as a reader writes it down.
-DOORS = {
+# What a stepper of each is, as a reader writes it down.
+CALLS = {
     MAP: "step(q, v, h) -> (q1, v1), or step(state, h) with state = [q, v]: the system is built in",
     FORCE: "step(force, q, v, h) -> (q1, v1): q' = v, v' = force(q)",
     FIELD: "step(f, t, y, h) -> y1: y' = f(t, y)",
 }
 FUNCTION, POSITION, VELOCITY, STATE, TIME, STEP = "function", "position", "velocity", "state", "time", "step"
-# The roles of the arguments, door by door; the time may be missing, and may be asked for anywhere.
+# The roles of the arguments, one by one; the time may be missing, and may be asked for anywhere.
 VARIANTS = (
     (MAP, (POSITION, VELOCITY, STEP)),
     (MAP, (STATE, STEP)),
@@ -53,8 +53,8 @@ UNIT_PARAMETERS = ("m", "mass", "k", "stiffness", "omega", "omega0", "w", "w0")
 
 
 @dataclass(frozen=True)
-class Door:
-    """Which door a stepper has, and the roles of its arguments in the order in which it takes them.
+class CallingConvention:
+    """How a stepper is called, and the roles of its arguments in the order in which it takes them.
 
     `extra` are arguments besides, passed by name: the parameters of its oscillator, all 1. `names` are those of all
     others, where they are passed by name, too.
@@ -66,24 +66,26 @@ class Door:
     names: tuple[str, ...] = ()
 
 
-def door_of(step: Callable[..., Any], kind: str | None = None) -> Door:
-    """The door of a stepper, from the names of its parameters; with `kind`, that one.
+def convention_of(step: Callable[..., Any], kind: str | None = None) -> CallingConvention:
+    """The calling convention of a stepper, from the names of its parameters; with `kind`, that one.
 
     Raises ValueError, saying what is allowed, if the names do not tell, or for an unknown kind.
     """
-    if kind is not None and kind not in DOORS:
-        raise ValueError(f"unknown door {kind!r}; choose from {', '.join(DOORS)}")
+    if kind is not None and kind not in CALLS:
+        raise ValueError(f"unknown calling convention {kind!r}; choose from {', '.join(CALLS)}")
     names = _required_names(step)
     if names is not None:
-        doors = (_fitted(names, *variant) for variant in VARIANTS if kind in (None, variant[0]))
-        found = next((door for door in doors if door is not None), None)
+        fitting = (_fitted(names, *variant) for variant in VARIANTS if kind in (None, variant[0]))
+        found = next((each for each in fitting if each is not None), None)
         if found is not None:
             return _by_name(found, step, names)
     if kind is not None and (names is None or len(names) == len(STANDARD_ORDER[kind])):
-        return Door(kind, STANDARD_ORDER[kind])
+        return CallingConvention(kind, STANDARD_ORDER[kind])
     shown = "(?)" if names is None else f"({', '.join(names)})"
-    choices = "; ".join(f"{kind}: {words}" for kind, words in DOORS.items())
-    raise ValueError(f"{_name(step)}{shown} is not one of these: {choices}. Bind other arguments, or name the door")
+    choices = "; ".join(f"{kind}: {words}" for kind, words in CALLS.items())
+    raise ValueError(
+        f"{_name(step)}{shown} is not one of these: {choices}. Bind other arguments, or name the calling convention"
+    )
 
 
 def _name(step: Callable[..., Any]) -> str:
@@ -101,16 +103,16 @@ def _required_names(step: Callable[..., Any]) -> list[str] | None:
     return [p.name for p in parameters if p.default is p.empty and p.kind is not p.VAR_KEYWORD]
 
 
-def _by_name(door: Door, step: Callable[..., Any], names: Sequence[str]) -> Door:
-    """The door with the names of its arguments, where an order does not tell which is which."""
+def _by_name(found: CallingConvention, step: Callable[..., Any], names: Sequence[str]) -> CallingConvention:
+    """The convention with the names of its arguments, where an order does not tell which is which."""
     parameters = inspect.signature(step).parameters
-    if door.extra or any(parameters[name].kind is inspect.Parameter.KEYWORD_ONLY for name in names):
-        return replace(door, names=tuple(name for name in names if name not in door.extra))
-    return door
+    if found.extra or any(parameters[name].kind is inspect.Parameter.KEYWORD_ONLY for name in names):
+        return replace(found, names=tuple(name for name in names if name not in found.extra))
+    return found
 
 
-def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> Door | None:
-    """The door, if each name has one of the roles, each role one name, and the rest are parameters of an oscillator."""
+def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingConvention | None:
+    """The convention, if each name has one of the roles, each role one name, and the rest belong to an oscillator."""
     open_roles, order, extra = [*roles, TIME], [], {}
     for name in names:
         word = name.lower().strip("_")
@@ -122,4 +124,4 @@ def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> Door | Non
             extra[name] = 1.0
         else:
             return None
-    return Door(kind, tuple(order), extra) if set(open_roles) <= {TIME} else None
+    return CallingConvention(kind, tuple(order), extra) if set(open_roles) <= {TIME} else None

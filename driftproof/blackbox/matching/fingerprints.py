@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from driftproof.blackbox.probes.probing import Rounding
+from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.symbolic.linear.irreducible import Stages
 
 Array: TypeAlias = "np.ndarray[Any, Any]"
@@ -16,11 +16,11 @@ Array: TypeAlias = "np.ndarray[Any, Any]"
 POWERS = (0, 1, 2, 11)
 
 
-class Sketch:
-    """A table with all its stages, in floats; through the field door the sums of A's rows are nodes, too."""
+class Fingerprint:
+    """A table with all its stages, in floats; of a right-hand side the sums of A's rows are nodes, too."""
 
     def __init__(self, stages: Stages, drift: Any) -> None:
-        """`drift` is None through the field door, where c counts if the weights stand twice."""
+        """`drift` is None of a right-hand side, where c counts if the weights stand twice."""
         self.a = np.array([[float(x) for x in row] for row in stages.a])
         self.weights = np.array([[float(x) for x in row] for row in stages.weights])
         nodes = np.array([float(x) for x in stages.c])
@@ -55,7 +55,7 @@ class Sketch:
         columns = np.abs(np.vstack([self.a, self.weights])).max(axis=0)
         return float(columns.sum()) * max(1.0, self.length, abs(self.drift))
 
-    def may_be(self, other: Sketch, rounding: Rounding) -> bool:
+    def may_be(self, other: Fingerprint, rounding: Rounding) -> bool:
         """False if the two are different methods: sums that no order and no reduction of the stages changes differ.
 
         They are wcᵏ, wAcᵏ and wAAcᵏ for each row w of weights, c the nodes in units of the largest. Where no entry is

@@ -10,13 +10,13 @@ import numpy as np
 
 from driftproof.blackbox.findings import NotANumber, WrongShape
 
-# A float, or a number of the arithmetic that a dialect is for.
+# A float, or a number of the arithmetic that a adapter is for.
 Number: TypeAlias = Any
 Foreign: TypeAlias = Any
 
 
 @dataclass(frozen=True)
-class Dialect:
+class ArrayAdapter:
     """`write` makes of n numbers what the stepper takes; `read` makes n numbers of what it gives.
 
     `number` makes one of them of a float. `read` raises WrongShape or NotANumber. All are exact, up to the rounding
@@ -67,16 +67,16 @@ def _one(numbers: Sequence[Number]) -> Number:
     return numbers[0]
 
 
-SCALARS = Dialect("Python floats", lambda numbers: float(_one(numbers)), floats_in)
-ARRAYS = Dialect("NumPy arrays", lambda numbers: np.array(numbers, dtype=np.float64), floats_in)
-LISTS = Dialect("lists", lambda numbers: [float(x) for x in numbers], floats_in)
+SCALARS = ArrayAdapter("Python floats", lambda numbers: float(_one(numbers)), floats_in)
+ARRAYS = ArrayAdapter("NumPy arrays", lambda numbers: np.array(numbers, dtype=np.float64), floats_in)
+LISTS = ArrayAdapter("lists", lambda numbers: [float(x) for x in numbers], floats_in)
 
 
-def dialect_of(make: Callable[[Any], Foreign]) -> Dialect:
-    """The dialect whose numbers `make` makes, of a list of floats: torch.tensor, jax.numpy.asarray, ..."""
-    return Dialect(f"{getattr(make, '__module__', '')}.{getattr(make, '__name__', 'array')}", make, floats_in)
+def adapter_of(make: Callable[[Any], Foreign]) -> ArrayAdapter:
+    """The adapter whose numbers `make` makes, of a list of floats: torch.tensor, jax.numpy.asarray, ..."""
+    return ArrayAdapter(f"{getattr(make, '__module__', '')}.{getattr(make, '__name__', 'array')}", make, floats_in)
 
 
-def dialect_of_scalars(make: Callable[[Any], Foreign]) -> Dialect:
-    """The dialect whose numbers `make` makes, of one float: numpy.float32, ..."""
-    return Dialect(dialect_of(make).name, lambda numbers: make(_one(numbers)), floats_in)
+def scalar_adapter_of(make: Callable[[Any], Foreign]) -> ArrayAdapter:
+    """The adapter whose numbers `make` makes, of one float: numpy.float32, ..."""
+    return ArrayAdapter(adapter_of(make).name, lambda numbers: make(_one(numbers)), floats_in)

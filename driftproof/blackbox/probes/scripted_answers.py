@@ -22,7 +22,7 @@ MOST_CALLS = 200
 
 
 class NotReadable(ValueError):
-    """The step has no coefficients that could be read through this door; the message says what was seen instead."""
+    """The step has no coefficients that could be read; the message says what was seen instead."""
 
     kind = "not_readable"
 

@@ -13,8 +13,8 @@ import numpy as np
 from flint import arb, arb_poly, ctx
 
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, WrongShape
-from driftproof.blackbox.stepper.dialects import Dialect, Number
-from driftproof.blackbox.stepper.subject import Force, Subject, Watch
+from driftproof.blackbox.stepper.array_adapters import ArrayAdapter, Number
+from driftproof.blackbox.stepper.foreign_stepper import CallLog, Force, ForeignStepper
 
 # q'' = -sin q, from a state at which no derivative of the solution vanishes.
 START = (1.0, 0.75)
@@ -45,15 +45,15 @@ class MeasuredOrder:
         return f"{shown} on the pendulum (slopes of the local error: {slopes}; in {self.arithmetic})"
 
 
-def measured_order(subject: Subject) -> MeasuredOrder:
+def measured_order(subject: ForeignStepper) -> MeasuredOrder:
     """The order on q'' = -sin q, in balls where the stepper runs on them, else in its own floats.
 
-    In balls only the stepper's own constants are rounded. Raises NoSuchDoor where it takes no force.
+    In balls only the stepper's own constants are rounded. Raises UnsupportedCall where it takes no force.
     """
     with ctx.workprec(BITS):
-        for dialect in (BALLS, ARRAYS_OF_BALLS):
+        for adapter in (BALLS, ARRAYS_OF_BALLS):
             try:
-                errors = _errors(replace(subject, dialect=dialect, watch=Watch()), lambda q: -q.sin())
+                errors = _errors(replace(subject, adapter=adapter, log=CallLog()), lambda q: -q.sin())
             except Misbehaviour:
                 continue
             return _fitted(errors, [_noise(subject, h) for h in _steps()], "Arb balls")
@@ -65,13 +65,13 @@ def _steps() -> list[float]:
     return [2.0**-k for k in HALVINGS]
 
 
-def _noise(subject: Subject, size: float) -> float:
+def _noise(subject: ForeignStepper, size: float) -> float:
     return CLEARANCE * float(subject.format.u) * size
 
 
-def _errors(subject: Subject, force: Force) -> list[float]:
+def _errors(subject: ForeignStepper, force: Force) -> list[float]:
     """The error of one step, in the larger component, for each h."""
-    number = subject.dialect.number
+    number = subject.adapter.number
     found = []
     for h in _steps():
         answer = subject.step_with(force, number(START[0]), number(START[1]), number(h))
@@ -130,5 +130,5 @@ def _balls_in(value: Any, size: int) -> list[Number]:
     return balls
 
 
-BALLS = Dialect("Arb balls", lambda numbers: numbers[0], _balls_in, arb)
-ARRAYS_OF_BALLS = Dialect("arrays of Arb balls", lambda numbers: np.array(numbers, dtype=object), _balls_in, arb)
+BALLS = ArrayAdapter("Arb balls", lambda numbers: numbers[0], _balls_in, arb)
+ARRAYS_OF_BALLS = ArrayAdapter("arrays of Arb balls", lambda numbers: np.array(numbers, dtype=object), _balls_in, arb)

@@ -17,29 +17,29 @@ _BITS_TO_SPARE = 5
 
 
 @dataclass(frozen=True)
-class Grain:
+class Quantisation:
     """The distance of the numbers between which a rule chooses, and the rule in words."""
 
     size: float
     words: str
 
 
-def grain_of(numbers: Sequence[float]) -> Grain | None:
+def quantisation_of(numbers: Sequence[float]) -> Quantisation | None:
     """The coarsest grain on which all numbers lie; None if they lie on none, as those of a format do."""
     if all(x.is_integer() for x in numbers):
-        return Grain(1.0, "answers are whole numbers")
+        return Quantisation(1.0, "answers are whole numbers")
     decimals = next((k for k in range(1, _DECIMALS) if all(round(x, k) == x for x in numbers)), None)
     if decimals is not None:
-        return Grain(10.0**-decimals, f"answers are rounded to {decimals} decimal{'s' * (decimals > 1)}")
+        return Quantisation(10.0**-decimals, f"answers are rounded to {decimals} decimal{'s' * (decimals > 1)}")
     last = max(-_last_bit(x) for x in numbers)
     if last <= _FIXED_POINT and not _fills_a_format(numbers):
-        return Grain(2.0**-last, f"answers are multiples of 2**-{last}")
+        return Quantisation(2.0**-last, f"answers are multiples of 2**-{last}")
     return None
 
 
 def narrow_format(numbers: Sequence[float]) -> FloatFormat | None:
     """The narrowest format up to binary32 that holds all of these; None if none does, or if they lie on a grain."""
-    if grain_of(numbers) is not None:
+    if quantisation_of(numbers) is not None:
         return None
     widest = max(map(significant_bits, numbers))
     return next((fmt for fmt in (BINARY16, BINARY32) if widest <= fmt.precision), None)

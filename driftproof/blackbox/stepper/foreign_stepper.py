@@ -1,4 +1,4 @@
-"""A foreign stepper as the instruments see it: called with floats, watched, and read back as floats."""
+"""A foreign stepper as the instruments see it: called with floats, logged, and read back as floats."""
 
 from __future__ import annotations
 
@@ -7,17 +7,37 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any, TypeAlias
 
-from driftproof.blackbox.findings import Misbehaviour, NoSuchDoor, NotANumber, NotFinite, StepRaised, WrongShape
-from driftproof.blackbox.stepper.dialects import ARRAYS, SCALARS, Dialect, Foreign, Number, as_array, type_of
-from driftproof.blackbox.stepper.doors import FIELD, FORCE, FUNCTION, MAP, POSITION, STATE, STEP, TIME, VELOCITY, Door
+import numpy as np
+
+from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, StepRaised, UnsupportedCall, WrongShape
+from driftproof.blackbox.stepper.array_adapters import (
+    ARRAYS,
+    LISTS,
+    SCALARS,
+    ArrayAdapter,
+    Foreign,
+    Number,
+    as_array,
+    type_of,
+)
+from driftproof.blackbox.stepper.calling_conventions import (
+    FIELD,
+    FORCE,
+    FUNCTION,
+    MAP,
+    POSITION,
+    STATE,
+    STEP,
+    TIME,
+    VELOCITY,
+    CallingConvention,
+)
 from driftproof.methods.problems import oscillator
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 
-# A force, or a right-hand side of t and y, of ours: on numbers of the dialect.
+# A force, or a right-hand side of t and y, of ours: on numbers of the adapter.
 Force: TypeAlias = Callable[[Number], Number]
 Field: TypeAlias = Callable[[Number, list[Number]], Sequence[Number]]
-
-
 # Longer answers are cut where a message shows them.
 MOST_SHOWN = 60
 # A sum of times in the narrowest format is nearer to the true one.
@@ -25,7 +45,7 @@ _ABOUT = 2.0**-6
 
 
 @dataclass
-class Watch:
+class CallLog:
     """What was seen besides the answers, over all calls: how many, types returned, arguments changed in place."""
 
     calls: int = 0
@@ -35,48 +55,50 @@ class Watch:
 
 
 @dataclass
-class Subject:
-    """A stepper behind its door.
+class ForeignStepper:
+    """Somebody's stepper, called in its own way.
 
-    `step_with` and `step` take and give numbers of the dialect, floats as a rule. Whatever the stepper does instead of
+    `step_with` and `step` take and give numbers of the adapter, floats as a rule. Whatever the stepper does instead of
     answering comes as a `Misbehaviour`. `before` is told each call before it is made.
     """
 
     function: Callable[..., Any]
-    door: Door
-    dialect: Dialect
+    convention: CallingConvention
+    adapter: ArrayAdapter
     format: FloatFormat = BINARY64
-    watch: Watch = field(default_factory=Watch)
+    log: CallLog = field(default_factory=CallLog)
     before: Callable[[str], None] = lambda call: None
 
     def step(self, q: Number, v: Number, h: Number) -> tuple[Number, Number]:
         """One step of its own system, or of the oscillator where it takes a force or a right-hand side."""
-        if self.door.kind == MAP:
+        if self.convention.kind == MAP:
             return self._map(q, v, h)
         return self.step_with(oscillator, q, v, h)
 
     def step_with(self, force: Force, q: Number, v: Number, h: Number) -> tuple[Number, Number]:
-        """One step of q' = v, v' = force(q). Raises NoSuchDoor where the system is built in."""
-        if self.door.kind == FORCE:
+        """One step of q' = v, v' = force(q). Raises UnsupportedCall where the system is built in."""
+        if self.convention.kind == FORCE:
             return self._forced(force, q, v, h)
-        q1, v1 = self.step_field(lambda t, y: [y[1], force(y[0])], self.dialect.number(0.0), [q, v], h)
+        q1, v1 = self.step_field(lambda t, y: [y[1], force(y[0])], self.adapter.number(0.0), [q, v], h)
         return q1, v1
 
     def step_field(self, rate: Field, t: Number, y: Sequence[Number], h: Number) -> list[Number]:
-        """One step of y' = rate(t, y). Raises NoSuchDoor where there is no right-hand side to give."""
-        if self.door.kind != FIELD:
-            raise NoSuchDoor(f"the stepper has the door {self.door.kind!r}, which takes no right-hand side")
-        size, write = len(y), self.dialect.write
-        time_first = TIME not in self.door.order or self.door.order.index(TIME) < self.door.order.index(STATE)
+        """One step of y' = rate(t, y). Raises UnsupportedCall where there is no right-hand side to give."""
+        if self.convention.kind != FIELD:
+            raise UnsupportedCall(f"the stepper is called by {self.convention.kind!r}, which takes no right-hand side")
+        size, write = len(y), self.adapter.write
+        time_first = TIME not in self.convention.order or self.convention.order.index(
+            TIME
+        ) < self.convention.order.index(STATE)
 
         def callback(*arguments: Foreign) -> Foreign:
             state, time = (-1, 0) if time_first else (0, -1)
             try:
-                asked = self.dialect.read(arguments[state], size)
+                asked = self.adapter.read(arguments[state], size)
             except WrongShape:  # it calls f(y, t), whichever way it takes them itself
                 state, time = time, state
-                asked = self.dialect.read(arguments[state], size)
-            at = self.dialect.read(arguments[time], 1)[0] if len(arguments) > 1 else t
+                asked = self.adapter.read(arguments[state], size)
+            at = self.adapter.read(arguments[time], 1)[0] if len(arguments) > 1 else t
             return write(rate(at, asked))
 
         roles = {FUNCTION: callback, TIME: t, STATE: write(y), STEP: h}
@@ -86,29 +108,29 @@ class Subject:
     def step_batch(self, qs: Sequence[float], vs: Sequence[float], h: float) -> list[tuple[float, float]]:
         """One step of several states at once, as arrays; under the force -q where it takes one.
 
-        Raises NoSuchDoor where position and velocity are not apart, so that an array is one state.
+        Raises UnsupportedCall where position and velocity are not apart, so that an array is one state.
         """
-        if POSITION not in self.door.order:
-            raise NoSuchDoor("position and velocity come in one array, which is one state")
-        write = ARRAYS.write if self.dialect is SCALARS else self.dialect.write
+        if POSITION not in self.convention.order:
+            raise UnsupportedCall("position and velocity come in one array, which is one state")
+        write = ARRAYS.write if self.adapter is SCALARS else self.adapter.write
         roles = {FUNCTION: lambda q, *_: -q, POSITION: write(qs), VELOCITY: write(vs), STEP: h, TIME: 0.0}
         answer = self._call(roles, f"q={list(qs)!r}, v={list(vs)!r}, h={h!r}")
         positions, velocities = self._two_parts(answer)
-        return list(zip(*(self.dialect.read(part, len(qs)) for part in (positions, velocities)), strict=True))
+        return list(zip(*(self.adapter.read(part, len(qs)) for part in (positions, velocities)), strict=True))
 
     def _map(self, q: Number, v: Number, h: Number) -> tuple[Number, Number]:
-        write = self.dialect.write
-        if STATE in self.door.order:
+        write = self.adapter.write
+        if STATE in self.convention.order:
             answer = self._call({STATE: write([q, v]), STEP: h, TIME: 0.0}, f"state=[{q!r}, {v!r}], h={h!r}")
             q1, v1 = self._finite(self._read_state(answer, 2, h), [q, v, h])
             return q1, v1
         return self._pair({POSITION: write([q]), VELOCITY: write([v]), STEP: h, TIME: 0.0}, q, v, h)
 
     def _forced(self, force: Force, q: Number, v: Number, h: Number) -> tuple[Number, Number]:
-        write = self.dialect.write
+        write = self.adapter.write
 
         def callback(position: Foreign, *_: Foreign) -> Foreign:
-            return write([force(self.dialect.read(position, 1)[0])])
+            return write([force(self.adapter.read(position, 1)[0])])
 
         roles = {FUNCTION: callback, POSITION: write([q]), VELOCITY: write([v]), STEP: h, TIME: 0.0}
         return self._pair(roles, q, v, h)
@@ -127,13 +149,13 @@ class Subject:
 
     def _call(self, roles: dict[str, Foreign], words: str) -> Foreign:
         self.before(words)
-        self.watch.calls += 1
-        values = [roles[role] for role in self.door.order]
-        named = dict(zip(self.door.names, values, strict=False))  # all of them, or none
+        self.log.calls += 1
+        values = [roles[role] for role in self.convention.order]
+        named = dict(zip(self.convention.names, values, strict=False))  # all of them, or none
         arguments = () if named else values
         kept = {role: _copied(x) for role, x in roles.items() if role in (POSITION, VELOCITY, STATE)}
         try:
-            answer = self.function(*arguments, **named, **self.door.extra)
+            answer = self.function(*arguments, **named, **self.convention.extra)
         except Misbehaviour:
             raise
         except (Exception, SystemExit) as error:
@@ -143,15 +165,15 @@ class Subject:
     def _answer(self, answer: Foreign, roles: dict[str, Foreign], kept: dict[str, Foreign]) -> Foreign:
         """What was returned; where that is None, the arguments, if the step was written into them."""
         changed = any(_differs(roles[role], before) for role, before in kept.items())
-        self.watch.changes_its_arguments |= changed
-        if answer is not None or not (changed or self.watch.works_in_place):
+        self.log.changes_its_arguments |= changed
+        if answer is not None or not (changed or self.log.works_in_place):
             return answer
-        self.watch.works_in_place = True
-        return roles[STATE] if STATE in self.door.order else (roles[POSITION], roles[VELOCITY])
+        self.log.works_in_place = True
+        return roles[STATE] if STATE in self.convention.order else (roles[POSITION], roles[VELOCITY])
 
     def _read(self, answer: Foreign, size: int) -> list[Number]:
-        self.watch.types.add(type_of(answer))
-        return self.dialect.read(answer, size)
+        self.log.types.add(type_of(answer))
+        return self.adapter.read(answer, size)
 
     def _read_state(self, answer: Foreign, size: int, end: Number) -> list[Number]:
         """The state that was returned, alone or as (t1, y1); (y1, error) is refused, its first being no time.
@@ -159,7 +181,7 @@ class Subject:
         Of one number, what may be a time is one only if it is about the end of the step.
         """
         if isinstance(answer, tuple) and len(answer) == 2 and [_size(part) for part in answer] == [1, size]:
-            first = self.dialect.read(answer[0], 1)[0]
+            first = self.adapter.read(answer[0], 1)[0]
             if size > 1 or abs(first - end) <= _ABOUT * abs(end):
                 answer = answer[1]
         return self._read(answer, size)
@@ -169,6 +191,39 @@ class Subject:
             seen = f"from {', '.join(map(repr, given))} it returns {', '.join(map(repr, answer))}"
             raise NotFinite(seen, tuple(answer))
         return answer
+
+
+def call_text(stepper: ForeignStepper, q: float, v: float, h: float) -> str:
+    """The call of a step as a line of Python, `step` being the stepper."""
+    calls = stepper.convention
+    state_first = {STATE, TIME} <= {*calls.order} and calls.order.index(STATE) < calls.order.index(TIME)
+    rates = f"lambda {'y, t' if state_first else 't, y'}: {_as_written(stepper, '[y[1], -y[0]]')}"
+    function = {FORCE: "lambda q: -q", FIELD: rates}.get(calls.kind, "")
+    numbers = {POSITION: (q,), VELOCITY: (v,), STATE: (q, v)}
+    texts = {FUNCTION: function, TIME: "0.0", STEP: _literal(h)}
+    arguments = [texts[role] if role in texts else _written(stepper, *numbers[role]) for role in calls.order]
+    named = [f"{name}={text}" for name, text in zip(calls.names, arguments, strict=False)]
+    extra = [f"{name}={value!r}" for name, value in calls.extra.items()]
+    return f"step({', '.join([*(named or arguments), *extra])})"
+
+
+def _literal(x: float) -> str:
+    """x as Python reads it, to the last bit."""
+    return repr(x) if isfinite(x) else f'float("{x!r}")'
+
+
+def _written(stepper: ForeignStepper, *numbers: float) -> str:
+    """The numbers as the stepper takes them, with the name of what makes them."""
+    texts = ", ".join(map(_literal, numbers))
+    if stepper.adapter is SCALARS:
+        return texts
+    return _as_written(stepper, f"[{texts}]" if np.ndim(stepper.adapter.write(numbers)) else texts)
+
+
+def _as_written(stepper: ForeignStepper, text: str) -> str:
+    makers = {LISTS: "", ARRAYS: "numpy.array"}
+    maker = makers.get(stepper.adapter, stepper.adapter.name)
+    return f"{maker}({text})" if maker else text
 
 
 def _is_finite(x: Number) -> bool:

@@ -1,19 +1,17 @@
-"""The bench of the contract: steps that may fail, steps that repeat, and the numbers of the stepper's own format."""
+"""What all checks work with: steps that may fail, steps that repeat, and the numbers of the stepper's own format."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
+from typing import Any
 
 import numpy as np
 
-from driftproof.blackbox.contract.clauses import Trial
-from driftproof.blackbox.contract.grain import grain_of, narrow_format
+from driftproof.blackbox.checks.quantisation import narrow_format, quantisation_of
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, StepRaised, WrongShape
-from driftproof.blackbox.stepper.dialects import ARRAYS, LISTS, SCALARS
-from driftproof.blackbox.stepper.doors import FIELD, FORCE, FUNCTION, POSITION, STATE, STEP, TIME, VELOCITY
-from driftproof.blackbox.stepper.subject import Subject
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper, call_text
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 
 State = tuple[float, float]
@@ -46,15 +44,15 @@ class Unsteady(Misbehaviour):
 
 
 @dataclass(frozen=True)
-class Bench:
-    """A stepper on the bench; `format` is that of the numbers it returns, or a narrower one in which they all lie.
+class TrialRunner:
+    """A stepper on the runner; `format` is that of the numbers it returns, or a narrower one in which they all lie.
 
     `grain` is the distance between its answers where a rule rounds them, else 0. `size` is 1, or a power of two below
     it by which ordinary states lie in a smaller domain. Where a call is known to give the same answer again, `made`
     keeps the trials that were made.
     """
 
-    subject: Subject
+    subject: ForeignStepper
     format: FloatFormat = BINARY64
     grain: float = 0.0
     size: float = 1.0
@@ -120,28 +118,28 @@ class Bench:
         return float(np.nextafter(kind(x), kind(towards)))
 
 
-def steady_bench(subject: Subject) -> Bench:
-    """The bench of a stepper whose call gives the same bits again, with another call in between. Raises Unsteady."""
-    bench = Bench(subject)
+def steady_runner(subject: ForeignStepper) -> TrialRunner:
+    """The runner of a stepper whose call gives the same bits again, with another call in between. Raises Unsteady."""
+    runner = TrialRunner(subject)
     small: State = (ANOTHER[0] * _SMALLER, ANOTHER[1] * _SMALLER)
-    first, between, again = (bench.step(*z, IRREGULAR_STEP) for z in (ORDINARY, small, ORDINARY))
+    first, between, again = (runner.step(*z, IRREGULAR_STEP) for z in (ORDINARY, small, ORDINARY))
     if not same(first, again):
         raise Unsteady("the same call does not give the same answer again")
     numbers = [*first, *between]
-    narrow, grain = narrow_format(numbers), grain_of(numbers)
+    narrow, grain = narrow_format(numbers), quantisation_of(numbers)
     fmt = narrow if narrow is not None and narrow.precision < subject.format.precision else subject.format
-    found = Bench(subject, fmt, grain.size if grain else 0.0, made={})
+    found = TrialRunner(subject, fmt, grain.size if grain else 0.0, made={})
     return replace(found, size=_size(found))
 
 
-def _size(bench: Bench) -> float:
+def _size(runner: TrialRunner) -> float:
     """The largest of a few sizes at which a very short step leaves an ordinary state alone; 1 if none does."""
     for size in SIZES:
-        state = replace(bench, size=size).ordinary
-        for h in (float(bench.format.eta), 0.0):
-            answer = bench.trial(*state, h).answer
+        state = replace(runner, size=size).ordinary
+        for h in (float(runner.format.eta), 0.0):
+            answer = runner.trial(*state, h).answer
             if answer is not None and all(
-                abs(x - z) <= bench.rounding * size for x, z in zip(answer, state, strict=True)
+                abs(x - z) <= runner.rounding * size for x, z in zip(answer, state, strict=True)
             ):
                 return size
     return 1.0
@@ -154,34 +152,77 @@ def same(first: Sequence[float] | None, second: Sequence[float] | None) -> bool:
     return list(map(repr, first)) == list(map(repr, second))
 
 
-def call_text(subject: Subject, q: float, v: float, h: float) -> str:
-    """The call of a step as a line of Python, `step` being the stepper."""
-    door = subject.door
-    state_first = {STATE, TIME} <= {*door.order} and door.order.index(STATE) < door.order.index(TIME)
-    rates = f"lambda {'y, t' if state_first else 't, y'}: {_as_written(subject, '[y[1], -y[0]]')}"
-    function = {FORCE: "lambda q: -q", FIELD: rates}.get(door.kind, "")
-    numbers = {POSITION: (q,), VELOCITY: (v,), STATE: (q, v)}
-    texts = {FUNCTION: function, TIME: "0.0", STEP: literal(h)}
-    arguments = [texts[role] if role in texts else _written(subject, *numbers[role]) for role in door.order]
-    named = [f"{name}={text}" for name, text in zip(door.names, arguments, strict=False)]
-    extra = [f"{name}={value!r}" for name, value in door.extra.items()]
-    return f"step({', '.join([*(named or arguments), *extra])})"
+# What methods have or have not. All other checks are what anybody expects of a stepper without asking.
+TRAITS = frozenset(("symmetric", "reversible", "area_preserving", "norm_preserving", "linear"))
 
 
-def literal(x: float) -> str:
-    """x as Python reads it, to the last bit."""
-    return repr(x) if isfinite(x) else f'float("{x!r}")'
+@dataclass(frozen=True)
+class Trial:
+    """One call, as a line of Python, and what came of it: numbers; or, where there are none, what was seen instead.
+
+    `given` is (q, v, h).
+    """
+
+    call: str
+    given: tuple[float, float, float]
+    answer: tuple[float, ...] | None = None
+    failure: str = ""
+
+    @property
+    def finite(self) -> bool:
+        """True when numbers came, none of them NaN or infinite."""
+        return self.answer is not None and all(map(isfinite, self.answer))
+
+    @property
+    def overflowed(self) -> bool:
+        """True where Python's own powers and functions say so instead of returning infinity."""
+        return self.failure.startswith("raises OverflowError")
+
+    @property
+    def seen(self) -> str:
+        """What came, as a reader writes it: (1.0, 0.75), or `raises ValueError: ...`."""
+        return self.failure if self.answer is None else shown(self.answer)
+
+    @property
+    def refusal(self) -> str:
+        """What was seen instead of numbers, as the end of a sentence."""
+        return f"it {self.failure}" if self.failure.startswith(("raises", "returns")) else self.failure
+
+    @property
+    def line(self) -> str:
+        """The call and what came, to be tried again."""
+        return f"{self.call} -> {self.seen}"
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON; numbers are strings which give them back to the last bit."""
+        answer = None if self.answer is None else [repr(x) for x in self.answer]
+        given = dict(zip("qvh", map(repr, self.given), strict=True))
+        return {"call": self.call, "given": given, "answer": answer, "failure": self.failure or None}
 
 
-def _written(subject: Subject, *numbers: float) -> str:
-    """The numbers as the stepper takes them, with the name of what makes them."""
-    texts = ", ".join(map(literal, numbers))
-    if subject.dialect is SCALARS:
-        return texts
-    return _as_written(subject, f"[{texts}]" if np.ndim(subject.dialect.write(numbers)) else texts)
+@dataclass(frozen=True)
+class CheckResult:
+    """One sentence about a stepper; `key` says what it is about, `holds` is None where it was not or cannot be asked.
+
+    `holds` is True where a duty is done, and where a trait is there.
+    """
+
+    key: str
+    holds: bool | None
+    words: str
+    example: tuple[Trial, ...] = ()
+
+    @property
+    def is_fault(self) -> bool:
+        """True when something does not hold that anybody expects to."""
+        return self.holds is False and self.key not in TRAITS
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        example = [trial.as_dict() for trial in self.example]
+        return {"key": self.key, "holds": self.holds, "words": self.words, "example": example}
 
 
-def _as_written(subject: Subject, text: str) -> str:
-    makers = {LISTS: "", ARRAYS: "numpy.array"}
-    maker = makers.get(subject.dialect, subject.dialect.name)
-    return f"{maker}({text})" if maker else text
+def shown(numbers: tuple[float, ...]) -> str:
+    """(1.0, 0.75), to the last bit."""
+    return f"({', '.join(map(repr, numbers))})"

@@ -10,7 +10,7 @@ from math import fsum
 from typing import Any, NamedTuple, TypeAlias
 
 from driftproof.blackbox.probes.coefficients import shown
-from driftproof.blackbox.probes.probing import (
+from driftproof.blackbox.probes.scripted_answers import (
     AT_REST,
     BACKWARD,
     CONTROLS,
@@ -28,7 +28,7 @@ from driftproof.blackbox.probes.probing import (
     unit,
     varied,
 )
-from driftproof.blackbox.stepper.subject import Subject
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.linear.irreducible import Stages, reduced
 from driftproof.symbolic.rounding.formats import FloatFormat
 
@@ -93,7 +93,7 @@ class ForceReading:
         return [*lines, *self.remarks]
 
 
-def read_forces(subject: Subject) -> ForceReading:
+def read_forces(subject: ForeignStepper) -> ForceReading:
     """The coefficients of a step(force, q, v, h), or of a step(f, t, y, h) with y = [q, v], as exact floats.
 
     With h = 1, one of q, v and the answers is 1 and all others 0: then products by h and by that one and sums with
@@ -101,7 +101,7 @@ def read_forces(subject: Subject) -> ForceReading:
     themselves. Further steps control that the coefficients account for everything.
 
     Raises NotReadable, saying what was seen, for a step that is adaptive, iterates, limits or remembers, that has drag
-    or a force of its own; NoSuchDoor where there is no force to give.
+    or a force of its own; UnsupportedCall where there is no force to give.
     """
     reading, remarks = read_at_some_size(lambda amplitude: _Probe(subject, amplitude).reading())
     return replace(reading, remarks=(*remarks, *reading.remarks))
@@ -123,7 +123,7 @@ class _Run(NamedTuple):
 class _Probe:
     """Steps of one subject with scripted forces."""
 
-    def __init__(self, subject: Subject, amplitude: float) -> None:
+    def __init__(self, subject: ForeignStepper, amplitude: float) -> None:
         self.subject, self.amplitude = subject, amplitude
         silent = self._run(0.0, 0.0, 1.0, [])
         self.calls = len(silent.places)

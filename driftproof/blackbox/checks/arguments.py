@@ -1,0 +1,124 @@
+"""What a stepper does to its arguments and to its earlier answers, and what types it takes and gives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from driftproof.blackbox.checks.trials import TYPICAL_STEP, CheckResult, Trial, TrialRunner, same, steady_runner
+from driftproof.blackbox.findings import Misbehaviour, NotANumber
+from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, SCALARS, ArrayAdapter, Foreign, Number, as_array
+from driftproof.blackbox.stepper.foreign_stepper import CallLog, ForeignStepper
+
+_WHOLE = (3, 1)
+
+
+def arguments(subject: ForeignStepper) -> tuple[CheckResult, ...]:
+    """Whether arguments and earlier answers are left alone, also of a stepper of scalars that is given arrays."""
+    runner = steady_runner(subject)
+    own = _keeping(runner, subject)
+    if subject.adapter is not SCALARS:
+        return own
+    try:
+        arrays = _keeping(runner, replace(subject, adapter=ARRAYS))
+    except Misbehaviour:  # it takes no arrays, as it need not
+        return own
+    return tuple(a if a.holds else replace(a, words=f"given arrays, {a.words}") for a in arrays)
+
+
+class _Recorder:
+    """A stepper, with its last answer as it came."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.function = function
+        self.answer: Foreign = None
+
+    def __call__(self, *arguments: Foreign, **named: Foreign) -> Foreign:
+        self.answer = self.function(*arguments, **named)
+        return self.answer
+
+
+def _keeping(steady: TrialRunner, subject: ForeignStepper) -> tuple[CheckResult, CheckResult]:
+    recorder, log = _Recorder(subject.function), CallLog()
+    runner = TrialRunner(replace(subject, function=recorder, log=log))
+    runner.step(*steady.ordinary, TYPICAL_STEP)
+    trial = runner.trial(*steady.ordinary, TYPICAL_STEP)
+    answer, before = recorder.answer, _numbers(recorder.answer)
+    runner.step(*steady.another, TYPICAL_STEP)
+    if same(before, _numbers(answer)):
+        answers = CheckResult("keeps_answers", True, "earlier answers are left as they are")
+    else:
+        answers = CheckResult("keeps_answers", False, "an answer is overwritten by the next", (trial,))
+    return _arguments_check(log, trial), answers
+
+
+def _arguments_check(log: CallLog, trial: Trial) -> CheckResult:
+    if log.works_in_place:
+        return CheckResult(
+            "keeps_arguments", False, "it writes its answer into its arguments and returns nothing", (trial,)
+        )
+    if log.changes_its_arguments:
+        return CheckResult("keeps_arguments", False, "it changes its arguments, besides returning an answer", (trial,))
+    return CheckResult("keeps_arguments", True, "its arguments are left as they are")
+
+
+def _numbers(answer: Foreign) -> list[float]:
+    """All numbers in an answer as they are now; none where they are not to be read."""
+    parts = answer if isinstance(answer, tuple | list) else [answer]
+    try:
+        return [float(x) for part in parts for x in as_array(part).ravel()]
+    except NotANumber:
+        return []
+
+
+def types(subject: ForeignStepper) -> tuple[CheckResult, ...]:
+    """What types of numbers come back, and whether integers may be given."""
+    runner = steady_runner(subject)
+    log = CallLog(works_in_place=subject.log.works_in_place)
+    logged = TrialRunner(replace(subject, log=log))
+    logged.step(*runner.ordinary, TYPICAL_STEP)
+    found = sorted(log.types)
+    if all(name.rpartition(".")[2].startswith(("int", "uint", "bool")) for name in found):
+        trial = runner.trial(1.0, 0.75, 0.0)
+        rounded = trial.answer is not None and trial.answer != (1.0, 0.75)
+        words = f"returns integers{': at h = 0, (1.0, 0.75) becomes ' + trial.seen if rounded else ''}"
+        returns = CheckResult("returns", False, words, (trial,))
+    else:
+        returns = CheckResult("returns", True, f"returns {' and '.join(found)}")
+    return returns, *_integers(runner)
+
+
+def _integers(runner: TrialRunner) -> tuple[CheckResult, ...]:
+    """Whether integers give what the floats give; nothing for numbers that are neither."""
+    adapter = _INTEGERS.get(runner.subject.adapter.name)
+    if adapter is None:
+        return ()
+    given = TrialRunner(replace(runner.subject, adapter=adapter))
+    q, v = _WHOLE
+    for h in (TYPICAL_STEP, 1):
+        floats, whole = runner.trial(float(q), float(v), float(h)), given.trial(q, v, h)
+        if whole.answer is None:
+            words = f"integers are refused: {whole.refusal}"
+            return (CheckResult("takes_integers", None, words, (whole,)),)
+        if not same(floats.answer, whole.answer):
+            cut = floats.answer and whole.answer == tuple(map(float, map(int, floats.answer)))
+            words = (
+                f"integers {'cut the answer off' if cut else 'give another answer'}: {floats.seen} becomes {whole.seen}"
+            )
+            return (CheckResult("takes_integers", False, words, (floats, whole)),)
+    return (CheckResult("takes_integers", True, "integers give what the same floats give"),)
+
+
+def _whole(numbers: Sequence[Number]) -> list[Number]:
+    return [int(x) for x in numbers] if all(x == int(x) for x in numbers) else list(numbers)
+
+
+# Numbers that are whole go in as integers; the others, as of a force, as they are.
+_INTEGERS = {
+    SCALARS.name: ArrayAdapter("int", lambda numbers: _whole(numbers)[0], SCALARS.read),
+    ARRAYS.name: ArrayAdapter("numpy.array", lambda numbers: np.array(_whole(numbers)), ARRAYS.read),
+    LISTS.name: ArrayAdapter("list", _whole, LISTS.read),
+}

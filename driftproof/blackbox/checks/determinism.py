@@ -1,0 +1,164 @@
+"""Whether the same call gives the same answer: noise, memory of the calls before, and whose memory it is."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+from copy import deepcopy
+from dataclasses import replace
+
+import numpy as np
+
+from driftproof.blackbox.checks.trials import (
+    ANOTHER,
+    IRREGULAR_STEP,
+    ORDINARY,
+    CheckResult,
+    State,
+    TrialRunner,
+    same,
+    steady_runner,
+)
+from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
+from driftproof.blackbox.probes.coefficients import half_spacing
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.symbolic.rounding.formats import FloatFormat
+
+_REPETITIONS = 8
+# So many and fewer are those of sums taken in another order.
+_FEW_ULPS = 16
+_THIRD: State = (-1.4142135623730951, -0.2360679774997898)
+SAME, _MEMORY = "same_answer_twice", "no_memory"
+
+
+def repeats(subject: ForeignStepper) -> tuple[CheckResult, ...]:
+    """Whether a call gives the same bits again, at once and after other calls."""
+    runner = TrialRunner(subject)
+    at_once = [_asked(runner) for _ in range(3)]
+    after = [_asked(runner, other) for other in (ANOTHER, _THIRD, ANOTHER, _THIRD)]
+    if all(same(answer, at_once[0]) for answer in (*at_once, *after)):
+        return (
+            CheckResult(SAME, True, "the same call gives the same bits"),
+            CheckResult(_MEMORY, True, "it does not remember the calls before"),
+        )
+    if same(at_once[1], at_once[2]) and same(after[0], after[2]) and same(after[1], after[3]):
+        return _remembers(runner)
+    return _varies(runner)
+
+
+def _asked(runner: TrialRunner, before: State | None = None) -> State:
+    """The answer to one and the same call, made after another one."""
+    if before is not None:
+        runner.step(*before, IRREGULAR_STEP)
+    return runner.step(*ORDINARY, IRREGULAR_STEP)
+
+
+def _remembers(runner: TrialRunner) -> tuple[CheckResult, ...]:
+    """The answer depends on the call before, and on nothing else that changes."""
+    example = tuple(runner.trial(*z, IRREGULAR_STEP) for before in (ANOTHER, _THIRD) for z in (before, ORDINARY))
+    found = (
+        CheckResult(SAME, True, "the same call gives the same bits after the same call before"),
+        CheckResult(_MEMORY, False, "the answer depends on the call before", example),
+    )
+    return found + _memory_of_another(runner)
+
+
+def _memory_of_another(runner: TrialRunner) -> tuple[CheckResult, ...]:
+    """Whether a copy of the stepper changes what this one remembers; nothing where there is no copy."""
+    other = _copy(runner)
+    if other is None:
+        return ()
+    alone = _asked(runner, ANOTHER)
+    runner.step(*ANOTHER, IRREGULAR_STEP)
+    other.step(*_THIRD, IRREGULAR_STEP)
+    if same(_asked(runner), alone):
+        return (CheckResult("own_memory", True, "a second object has a memory of its own"),)
+    return (CheckResult("own_memory", False, "a second object shares the memory"),)
+
+
+def _copy(runner: TrialRunner) -> TrialRunner | None:
+    """The runner of a second object; None where a copy is the same object, as of a function, or cannot be made."""
+    function = runner.subject.function
+    try:
+        other = deepcopy(function)
+    except Exception:  # other people's objects raise what they like
+        return None
+    return None if other is function else TrialRunner(replace(runner.subject, function=other))
+
+
+def _varies(runner: TrialRunner) -> tuple[CheckResult, ...]:
+    """Every call gives another answer: drawn at random, by a count of its own, or for no reason seen from outside."""
+    trials = tuple(runner.trial(*ORDINARY, IRREGULAR_STEP) for _ in range(_REPETITIONS))
+    answers = [trial.answer for trial in trials if trial.answer is not None]
+    spread = max(max(part) - min(part) for part in zip(*answers, strict=True))
+    apart = f"{_distance(spread, answers[0], runner.subject.format)} apart"
+    example = tuple({trial.answer: trial for trial in trials}.values())[:2]
+    if _draws(runner):
+        why = "it draws on the random numbers of Python or NumPy"
+    elif _repeats_when(runner, _copy):
+        words = f"every call changes something that it remembers: the same call gives answers {apart}"
+        return CheckResult(SAME, False, words, example), CheckResult(_MEMORY, False, "it remembers every call", example)
+    else:
+        why = "noise, or something that it remembers outside"
+    words = f"the same call gives answers {apart}: {why}"
+    return CheckResult(SAME, False, words, example), CheckResult(
+        _MEMORY, None, "not asked: the answers vary by themselves"
+    )
+
+
+def _distance(spread: float, answer: tuple[float, ...], fmt: FloatFormat) -> str:
+    """Up to 2 ulp, where it is a few of them; else relative to the size of ordinary states."""
+    ulps = round(spread / (2 * float(half_spacing(max(map(abs, answer)), fmt))))
+    if ulps <= _FEW_ULPS:
+        return f"up to {max(1, ulps)} ulp"
+    return f"up to {spread / max(map(abs, ORDINARY)):.1e} of their size"
+
+
+def _repeats_when(runner: TrialRunner, prepared: Callable[[TrialRunner], TrialRunner | None]) -> bool:
+    """True when two series of the same calls agree, each begun from the same preparation."""
+    series = []
+    for _ in range(2):
+        ready = prepared(runner)
+        if ready is None:
+            return False
+        series.append([_asked(ready) for _ in range(3)])
+    return all(map(same, *series))
+
+
+def _draws(runner: TrialRunner) -> bool:
+    """True when the answers come from the generators of random numbers that everybody shares; these are put back."""
+    pythons, numpys = random.getstate(), np.random.get_state()
+    try:
+        return _repeats_when(runner, _seeded)
+    finally:
+        random.setstate(pythons)
+        np.random.set_state(numpys)
+
+
+def _seeded(runner: TrialRunner) -> TrialRunner:
+    random.seed(0)
+    np.random.seed(0)
+    return runner
+
+
+_KEY = "batches"
+_STATES = ((1.0, 0.75), (-0.625, 0.25), (0.1, -1.3))
+
+
+def batches(subject: ForeignStepper) -> tuple[CheckResult, ...]:
+    """Arrays of three states against the same three, one after the other: the same bits, or said not to be."""
+    runner = steady_runner(subject)
+    states = [(runner.size * q, runner.size * v) for q, v in _STATES]
+    h = runner.number(IRREGULAR_STEP)
+    try:
+        together = subject.step_batch([q for q, _ in states], [v for _, v in states], h)
+    except UnsupportedCall:
+        return ()
+    except Misbehaviour:
+        return (CheckResult(_KEY, None, "takes one state at a time"),)
+    trials = tuple(runner.trial(q, v, h) for q, v in states)
+    for trial, answer in zip(trials, together, strict=True):
+        if trial.answer != answer:
+            words = f"several states at once come out otherwise than one by one: {answer} in place of {trial.line}"
+            return (CheckResult(_KEY, False, words, (trial,)),)
+    return (CheckResult(_KEY, True, "several states at once come out as they do one by one", trials[:1]),)

@@ -1,0 +1,182 @@
+"""What becomes of large and of small states before anything moves: caps, resets, refusals, overflow, rest."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from math import ldexp
+
+from driftproof.blackbox.checks.borders import NAMES, Border, NegligibleStep, border, named, negligible_step, rounder
+from driftproof.blackbox.checks.trials import CheckResult, Trial, TrialRunner, shown, steady_runner
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+
+CAPPED, RESET, REFUSED, OVERFLOWS, CHANGED = "capped", "reset", "refused", "overflows", "changed"
+_RANGES = ("position_range", "velocity_range")
+_PLURALS = ("positions", "velocities")
+# Further out, a rule changes a state by a good part of its size; a strong force in a short step, by rounding.
+_PLAIN = 2.0**-10
+# Sums of stages overflow a few binades early. What overflows earlier by more than this multiplies states.
+_EARLY = 2.0**-24
+# Powers of two on the way out: closely spaced where limits are, for angles, speeds and lengths of everyday things.
+_OUTWARDS = (1, 2, 3, 4, 6, 8, 10, 13, 20, 30, 50)
+# And on the way in, as far as binary64 goes.
+_INWARDS = (1, 2, 3, 4, 6, 8, 10, 13, 17, 20, 27, 33, 50, 100, 300)
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What happens to one component beyond a border.
+
+    `value` is where the component is put (CAPPED); `more` is in words what happens otherwise.
+    """
+
+    kind: str
+    component: int
+    border: Border
+    value: float = 0.0
+    more: str = ""
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The last value that is left alone, and the first beyond."""
+        kept, beyond = (trial.given[self.component] for trial in (self.border.kept, self.border.beyond[0]))
+        return kept, beyond
+
+    @property
+    def limit(self) -> float:
+        """The border as somebody may have written it: the one of the two with the shorter name."""
+        return rounder(*self.ends)
+
+    @property
+    def example(self) -> tuple[Trial, ...]:
+        """The last state that is left alone and the first that is not."""
+        return self.border.kept, self.border.beyond[0]
+
+
+def domain(subject: ForeignStepper) -> tuple[CheckResult, ...]:
+    """What becomes of large positions and velocities, of small ones, and from where on the arithmetic overflows."""
+    runner = steady_runner(subject)
+    short = negligible_step(runner)
+    if short is None:
+        return (CheckResult("domain", None, "not asked: there is no step so short that it leaves the state alone"),)
+    rules: list[Rule] = []
+    for component in (0, 1):
+        for sign in (1, -1):
+            rules += filter(None, [_outwards(short, component, sign, rules)])
+    ranges = (_range_check(component, [rule for rule in rules if rule.component == component]) for component in (0, 1))
+    return (*ranges, _small(short), _large(runner, rules))
+
+
+def _outwards(short: NegligibleStep, component: int, sign: int, before: Sequence[Rule]) -> Rule | None:
+    """The rule for large values of one component and sign; often one has been found elsewhere before.
+
+    The way out starts from the state, or from 0 on the other side.
+    """
+    base, e_max = short.state[component], short.runner.format.emax
+    powers = {k for k in (*_OUTWARDS, e_max // 2 + 8, e_max - 24) if k < e_max}
+    points = [sign * ldexp(base, k) for k in [*([0] if sign < 0 else []), *sorted({*powers, e_max + 1})]]
+    hints = [(sign * abs(inner), sign * abs(outer)) for inner, outer in (rule.ends for rule in before)]
+    seen = border(short, partial(short.along, component), base if sign > 0 else 0.0, points, hints)
+    return _rule_of(short, component, seen) if seen else None
+
+
+def _rule_of(short: NegligibleStep, component: int, seen: Border) -> Rule | None:
+    """The rule that the border shows; None where it is only a strong force that begins to be felt."""
+    first = seen.beyond[0]
+    if first.answer is None and not first.overflowed:
+        return Rule(REFUSED, component, seen, more=first.refusal)
+    if not first.finite:
+        return Rule(OVERFLOWS, component, seen)
+    finite = [trial for trial in seen.beyond if trial.answer is not None and trial.finite]
+    answers = {trial.answer for trial in finite if trial.answer is not None}
+    values = {answer[component] for answer in answers}
+    if len(values) == 1 and len({trial.given[component] for trial in finite}) > 1:
+        others_kept = all(short.keeps_other(component, trial) for trial in finite)
+        if others_kept:
+            return Rule(CAPPED, component, seen, values.pop())
+        if len(answers) == 1:
+            return Rule(RESET, component, seen, more=f"the state jumps to {first.seen}")
+    plain = next((t for t in finite if short.change(t) > _PLAIN * max(map(abs, t.given[:2]))), None)
+    if plain is None:
+        return None
+    return Rule(CHANGED, component, seen, more=f"the state is changed at once: {_becomes(plain)}")
+
+
+def _range_check(component: int, found: Sequence[Rule]) -> CheckResult:
+    rules = [rule for rule in found if rule.kind != OVERFLOWS]
+    if not rules:
+        return CheckResult(_RANGES[component], True, f"{_PLURALS[component]} of any size are taken as they are")
+    example = tuple(trial for rule in rules for trial in rule.example)
+    holds = None if all(rule.kind == REFUSED for rule in rules) else False
+    return CheckResult(_RANGES[component], holds, _in_words(NAMES[component], rules), example)
+
+
+def _in_words(name: str, rules: Sequence[Rule]) -> str:
+    """What happens to the component called `name` beyond its one or two borders; one sentence if they are alike."""
+    if len(rules) == 2 and rules[0].kind == rules[1].kind and rules[0].limit == -rules[1].limit:
+        above, below = rules
+        if above.kind == CAPPED and above.value == -below.value and above.value in above.ends:
+            return f"|{name}| is capped at {named(above.value)}"
+        if above.kind == CHANGED or (above.kind != CAPPED and above.more == below.more):
+            rules, name = [above], f"|{name}|"
+    return "; ".join(_one_side(name, rule) for rule in rules)
+
+
+def _one_side(name: str, rule: Rule) -> str:
+    """q beyond 2.4, from 2.4 on, below -2.4, from -2.4 down: the border, on its side, and what happens there."""
+    inner, outer = rule.ends
+    above, limit = outer > inner, named(rule.limit)
+    where = f"from {limit} {'on' if above else 'down'}"
+    if rule.limit != outer:
+        where = f"{'beyond' if above else 'below'} {limit}"
+    if rule.kind == CAPPED:
+        return f"{name} {where} becomes {named(rule.value)}"
+    return f"{name} {where} is refused: {rule.more}" if rule.kind == REFUSED else f"with {name} {where} {rule.more}"
+
+
+def _large(runner: TrialRunner, rules: Sequence[Rule]) -> CheckResult:
+    """From where on finite states have no finite answer, though they are hardly moved."""
+    overflows = [rule for rule in rules if rule.kind == OVERFLOWS]
+    if not overflows:
+        return CheckResult("large_states", True, "large states have finite answers")
+    first = min(overflows, key=lambda rule: abs(rule.limit))
+    name = NAMES[first.component]
+    holds = abs(first.limit) >= _EARLY * float(runner.format.largest)
+    words = f"overflows from {name} = {first.limit:.4g} on, where the answer is {'nearly' if holds else 'far'} "
+    words += "too large" if holds else "from too large"
+    return CheckResult("large_states", holds, words, first.example)
+
+
+def _small(short: NegligibleStep) -> CheckResult:
+    """Whether small values of one component, or small states, are put to rest."""
+    shrinking = [2.0**-k for k in _INWARDS if 3 * k < short.runner.format.emax]
+    for component in (1, 0):
+        base = short.state[component]
+        seen = border(short, partial(short.along, component), base, [base * s for s in shrinking])
+        if seen is not None:
+            return _small_check(_asleep(short, component, seen), seen)
+    # Where a rule rounds, as a wrapped angle does, small states lose digits without being put to rest.
+    seen = None if short.slack else border(short, short.scaled, 1.0, shrinking)
+    if seen is None:
+        return CheckResult("small_states", True, "small states are taken as they are")
+    return _small_check(f"small states are changed at once: {_becomes(seen.beyond[0])}", seen)
+
+
+def _small_check(words: str, seen: Border) -> CheckResult:
+    return CheckResult("small_states", False, words, (seen.kept, seen.beyond[0]))
+
+
+def _asleep(short: NegligibleStep, component: int, seen: Border) -> str:
+    """|v| below 0.01 becomes 0."""
+    name, kept, first = NAMES[component], seen.kept.given[component], seen.beyond[0]
+    given = first.given[component]
+    answers = (trial.answer or (None, None) for trial in (first, short.along(component, -given)))
+    after, mirrored = (answer[component] for answer in answers)
+    limit = rounder(kept, given)
+    where = f"{f'|{name}|' if after == mirrored == 0 else name} {'up to' if limit == given else 'below'} {named(limit)}"
+    return f"{where} becomes 0" if after == 0 else f"with {where} the state is changed at once: {_becomes(first)}"
+
+
+def _becomes(trial: Trial) -> str:
+    return f"{shown(trial.given[:2])} becomes {trial.seen}"

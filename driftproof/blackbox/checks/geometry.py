@@ -1,0 +1,181 @@
+"""Whether a step can be taken back: by a step of -h, and by turning the velocity round and stepping on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from math import log2, sqrt
+
+from driftproof.blackbox.checks.trials import TYPICAL_STEP, CheckResult, State, Trial, TrialRunner, steady_runner
+from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+
+_SYMMETRIC = "symmetric"
+_STEPS = (1.0, 0.5, 0.25, 0.125, 0.0625)
+# Measured powers of the methods of the catalogue are nearer than this to the true ones, or no leading term rules yet.
+_NEAR = 1 / 8
+# There and back from a state with one h.
+_Round = Callable[[TrialRunner, State, float], State]
+
+
+def reversal(subject: ForeignStepper) -> tuple[CheckResult, ...]:
+    """S(-h) S(h) = 1, which makes a method symmetric, and (R S(h))² = 1 with R (q, v) = (q, -v), reversible."""
+    runner = steady_runner(subject)
+    return (
+        _check(runner, _SYMMETRIC, "S(-h) undoes S(h)", _back_in_time),
+        _check(runner, "reversible", "a step with the velocity turned round undoes a step", _turned_round),
+    )
+
+
+def _back_in_time(runner: TrialRunner, z: State, h: float) -> State:
+    return runner.step(*runner.step(*z, h), -h)
+
+
+def _turned_round(runner: TrialRunner, z: State, h: float) -> State:
+    q, v = runner.step(*z, h)
+    q, v = runner.step(q, -v, h)
+    return q, -v
+
+
+def _check(runner: TrialRunner, key: str, words: str, back: _Round) -> CheckResult:
+    try:
+        defects = [_defect(runner, back, h) for h in _STEPS]
+    except Misbehaviour as seen:
+        return CheckResult(key, None, f"not asked: {seen}")
+    if max(defects) <= runner.rounding:
+        return CheckResult(key, True, f"{words}, to rounding")
+    return CheckResult(key, False, f"{words} up to {_shown(runner, defects)}", _example(runner, key))
+
+
+def _defect(runner: TrialRunner, back: _Round, h: float) -> float:
+    """How far from its start a state comes back, relative to it, in the larger component; the worse of two states."""
+    return max(
+        max(abs(x - y) for x, y in zip(back(runner, z, h), z, strict=True)) / max(map(abs, z))
+        for z in (runner.ordinary, runner.another)
+    )
+
+
+def _shown(runner: TrialRunner, defects: list[float]) -> str:
+    """The defect at h = 1/4, or at the next longer step at which it is more than rounding, and its leading power."""
+    seen = [(h, defect) for h, defect in zip(_STEPS, defects, strict=True) if defect > runner.rounding]
+    h, defect = min(seen, key=lambda pair: abs(log2(pair[0]) - log2(TYPICAL_STEP)))
+    words = f"a defect of {defect:.2g} at h = {Fraction(h)}"
+    power = _power([defect for _, defect in seen])
+    if power is None:
+        return words
+    return f"{words} that falls as h**{power}" if power > 0 else f"{words} that does not fall with h"
+
+
+def _power(defects: list[float]) -> int | None:
+    """k where the defects at h, h/2, h/4, ... fall as h**k; None where no whole k is near."""
+    if len(defects) < 2:
+        return None
+    power = log2(defects[-2] / defects[-1])
+    return round(power) if abs(power - round(power)) < _NEAR else None
+
+
+def _example(runner: TrialRunner, key: str) -> tuple[Trial, ...]:
+    first = runner.trial(*runner.ordinary, TYPICAL_STEP)
+    assert first.answer is not None
+    q, v = first.answer
+    second = (q, v, -TYPICAL_STEP) if key == _SYMMETRIC else (q, -v, TYPICAL_STEP)
+    return first, runner.trial(*second)
+
+
+_AREA, _NORM = "area_preserving", "norm_preserving"
+# What a method of high order changes is lost in rounding at the first.
+_AREA_STEPS = (TYPICAL_STEP, 1.0)
+# Four differences, each off by a few d².
+_TERMS = 64
+
+
+def area(subject: ForeignStepper) -> tuple[CheckResult, ...]:
+    """The determinant of a step, and what it does to q² + v², twice the oscillator's energy."""
+    runner = steady_runner(subject)
+    columns = [found for found in (_columns(runner, h) for h in _AREA_STEPS) if found is not None]
+    if len(columns) < len(_AREA_STEPS):
+        return _by_differences(runner), CheckResult(_NORM, None, "not asked: the step is not linear")
+    return tuple(
+        next((check for check in checks if not check.holds), checks[0])
+        for checks in ([_area(runner, m) for m in columns], [_norm(runner, m) for m in columns])
+    )
+
+
+@dataclass(frozen=True)
+class _Columns:
+    """The columns (a, c) = S(1, 0) and (b, d) = S(0, 1), less S(0, 0), of a step of h."""
+
+    h: float
+    a: Fraction
+    c: Fraction
+    b: Fraction
+    d: Fraction
+    trials: tuple[Trial, ...]
+
+    @property
+    def size(self) -> float:
+        """The sizes that are added in the determinant and in the lengths of columns; at least 1."""
+        return max(1.0, float(max(abs(x) for x in (self.a, self.b, self.c, self.d)) ** 2))
+
+
+def _columns(runner: TrialRunner, h: float) -> _Columns | None:
+    """The columns of a step that is linear, or linear but for a constant; None if it is not, to rounding."""
+    units = (runner.size, 0.0), (0.0, runner.size)
+    origin, first, second = (runner.step(*z, h) for z in ((0.0, 0.0), *units))
+    q0, v0 = map(Fraction, origin)
+    size = Fraction(runner.size)
+    (a, c), (b, d) = (((Fraction(x) - q0) / size, (Fraction(y) - v0) / size) for x, y in (first, second))
+    q, v = map(Fraction, runner.ordinary)
+    seen = runner.step(*runner.ordinary, h)
+    for x, row in zip(seen, ((q0, a * q, b * v), (v0, c * q, d * v)), strict=True):
+        if abs(Fraction(x) - sum(row)) > Fraction(runner.rounding) * sum(map(abs, row)):
+            return None
+    return _Columns(h, a, c, b, d, tuple(runner.trial(*z, h) for z in units))
+
+
+def _area(runner: TrialRunner, m: _Columns) -> CheckResult:
+    where = f"in a step of h = {Fraction(m.h)}"
+    return _of_determinant(m.a * m.d - m.b * m.c, runner.rounding * m.size, where, m.trials)
+
+
+def _of_determinant(determinant: Fraction, allowed: float, where: str, trials: tuple[Trial, ...]) -> CheckResult:
+    if abs(determinant - 1) <= allowed:
+        return CheckResult(_AREA, True, f"areas are kept, to rounding, {where}", trials)
+    turned = " and are turned over" if determinant < 0 else ""
+    size = abs(determinant)
+    words = f"areas {'grow' if size > 1 else 'shrink'} by the factor {_factor(size)}{turned} {where}"
+    return CheckResult(_AREA, False, words, trials)
+
+
+def _factor(x: Fraction) -> str:
+    return f"{float(x):.10g}"
+
+
+def _norm(runner: TrialRunner, m: _Columns) -> CheckResult:
+    """From the matrix MᵀM: the least and the largest value of |Mz|²/|z|² are its eigenvalues."""
+    p, r, s = m.a**2 + m.c**2, m.a * m.b + m.c * m.d, m.b**2 + m.d**2
+    mean, spread = (p + s) / 2, sqrt(((p - s) / 2) ** 2 + r**2)
+    where, allowed = f"in a step of h = {Fraction(m.h)}", runner.rounding * m.size
+    if spread > allowed:
+        least, most = float(mean) - spread, float(mean) + spread
+        words = f"q**2 + v**2 changes by a factor from {least:.6g} to {most:.6g} {where}, depending on the state"
+        return CheckResult(_NORM, False, words, m.trials)
+    if abs(mean - 1) <= allowed:
+        return CheckResult(_NORM, True, f"q**2 + v**2 is kept, to rounding, {where}", m.trials)
+    words = f"q**2 + v**2 {'grows' if mean > 1 else 'shrinks'} by the factor {_factor(mean)} {where}"
+    return CheckResult(_NORM, False, words, m.trials)
+
+
+def _by_differences(runner: TrialRunner) -> CheckResult:
+    """The determinant near a state, from central differences.
+
+    With d = u**(1/3) the terms that they leave out, of the size d², and their rounding, u/d, balance.
+    """
+    part = 2.0 ** -(runner.format.precision // 3)
+    d, (q, v), h = runner.size * part, runner.ordinary, TYPICAL_STEP
+    ends = (((q + d, v), (q - d, v)), ((q, v + d), (q, v - d)))
+    steps = [[tuple(map(Fraction, runner.step(*z, h))) for z in pair] for pair in ends]
+    (a, c), (b, e) = ([(x - y) / Fraction(2 * d) for x, y in zip(*pair, strict=True)] for pair in steps)
+    where = f"in a step of h = {Fraction(h)} from near ({q:.3g}, {v:.3g})"
+    return _of_determinant(a * e - b * c, _TERMS * part * part, where, (runner.trial(q, v, h),))

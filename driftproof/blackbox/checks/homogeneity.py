@@ -1,0 +1,203 @@
+"""Whether a step is proportional to the state, from the smallest numbers to the largest, and up to where."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import inf, log10
+
+from driftproof.blackbox.checks.borders import NAMES, NegligibleStep, edge, negligible_step
+from driftproof.blackbox.checks.trials import (
+    ORDINARY,
+    TYPICAL_STEP,
+    CheckResult,
+    State,
+    Trial,
+    TrialRunner,
+    steady_runner,
+)
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.symbolic.rounding.formats import power_of_two
+
+LINEAR, _REST, _DIGITS, _SUBNORMALS = "linear", "rest", "small_digits", "subnormals"
+# So many roundings of sums with a number of ordinary size, or units of the smallest number, are no rule: the longest
+# programs of the catalogue make some 30 sums, each rounded by half a unit, in each component.
+_SUMS = 64
+# Exponents of two at which states are tried: closely spaced where rules and bends begin, widely where only overflow is.
+_SMALL = (-30, -20, -12, -8, -5, -3, -1, 0)
+_LARGE = (0, 1, 3, 5, 8, 12, 20, 40, 100, 300, 700)
+# At four times the size at which it shows first, a departure that bends, as the sixth power of the size or less, is not
+# this much larger; one that begins at a border is, or a good part of the whole.
+_SOON, _SHARP, _PLAIN = 4.0, 2.0**16, 2.0**-4
+# Where the step is another so soon, there is no part in which it is the same.
+_NEXT = 1 + 2.0**-20
+
+
+def scale(subject: ForeignStepper) -> tuple[CheckResult, ...]:
+    """Whether (0, 0) stays at rest, whether S(sz) = s S(z), and whether the smallest numbers survive."""
+    runner = steady_runner(subject)
+    origin = runner.trial(0.0, 0.0, TYPICAL_STEP)
+    if origin.answer is None or not origin.finite:
+        return (CheckResult(_REST, False, f"(0, 0) has no answer: {origin.seen}", (origin,)),)
+    if any(origin.answer):
+        rest = CheckResult(_REST, None, f"(0, 0) does not stay at rest, it goes to {origin.seen}", (origin,))
+        return rest, CheckResult(LINEAR, False, "not proportional to the state, since (0, 0) moves", (origin,))
+    if runner.is_coarse:
+        return (CheckResult(LINEAR, None, "not asked: answers are too coarse to tell whether the step is linear"),)
+    rays = [Ray(runner, direction) for direction in _directions()]
+    return (
+        CheckResult(_REST, True, "(0, 0) stays at rest", (origin,)),
+        *_linear(runner, rays),
+        *_subnormals(runner, rays[::2]),
+    )
+
+
+def _directions() -> tuple[State, ...]:
+    q, v = ORDINARY
+    return (q, 0.0), (-q, 0.0), (0.0, v), (0.0, -v)
+
+
+def _linear(runner: TrialRunner, rays: Sequence[Ray]) -> tuple[CheckResult, ...]:
+    """Proportional along the rays, if need be from ordinary size on, odd and additive."""
+    small = next(filter(None, map(_absolute_rounding, rays)), None)
+    exponents = [*(() if small else _SMALL[:-1]), *(k for k in _LARGE if k < runner.format.emax - 3)]
+    broken = [(ray, *pair) for ray in rays for pair in [_first_break(ray, exponents)] if pair]
+    found = _departing(broken) if broken else _odd_and_additive(runner, rays)
+    return found, small or CheckResult(_DIGITS, True, "small states keep all their digits")
+
+
+def _absolute_rounding(ray: Ray) -> CheckResult | None:
+    """A check if small states have errors as of a sum with a number of ordinary size, and no others."""
+    once = ray.over(1.0)
+    errors = [(apart(ray.over(2.0**k), once), 2.0**k) for k in _SMALL]
+    largest = max(error * s for error, s in errors)
+    allowed = _SUMS * max(float(ray.runner.format.u), ray.runner.grain)
+    if max(error for error, _ in errors) <= ray.runner.rounding or largest > allowed:
+        return None
+    words = f"small states lose digits: the error stays at up to {largest:.1g} however small they are"
+    return CheckResult(_DIGITS, False, words, (ray.trial(1.0), ray.trial(2.0 ** _SMALL[0])))
+
+
+def _first_break(ray: Ray, exponents: Sequence[int]) -> tuple[float, float] | None:
+    """The first neighbouring powers of two between which S(sz)/s changes by more than rounding."""
+    for k, m in pairwise(exponents):
+        if apart(ray.over(2.0**m), ray.over(2.0**k)) > ray.runner.rounding:
+            return 2.0**k, 2.0**m
+    return None
+
+
+def _odd_and_additive(runner: TrialRunner, rays: Sequence[Ray]) -> CheckResult:
+    """Along the rays all is proportional: what is left is S(-z) = -S(z) and S(q, v) = S(q, 0) + S(0, v)."""
+    (q, minus_q, v, minus_v), both = (ray.trial(1.0) for ray in rays), runner.trial(*ORDINARY, TYPICAL_STEP)
+    for one, other in ((q, minus_q), (v, minus_v)):
+        if one.answer and other.answer and apart([-x for x in other.answer], one.answer) > runner.rounding:
+            return CheckResult(LINEAR, False, "not linear: S(-z) is not -S(z)", (one, other))
+    if q.answer and v.answer and both.answer:
+        summed = [x + y for x, y in zip(q.answer, v.answer, strict=True)]
+        if apart(both.answer, summed) > runner.rounding:
+            return CheckResult(LINEAR, False, "not linear: S(q, v) is not S(q, 0) + S(0, v)", (q, v, both))
+    return CheckResult(LINEAR, True, "linear in the state, to rounding")
+
+
+def _subnormals(runner: TrialRunner, rays: Sequence[Ray]) -> tuple[CheckResult, ...]:
+    """Whether results below the normal numbers are there to a few units of the smallest number."""
+    e_min = runner.format.emin
+    ordinary, tiny = 2.0 ** (e_min // 4), 2.0 ** (e_min - 9)
+    asked = [ray for ray in rays if apart(ray.over(ordinary), ray.over(16 * ordinary)) <= runner.rounding]
+    for ray in asked:
+        c, base, seen = ray.component, ray.over(ordinary), ray.trial(tiny)
+        if base is not None and seen.answer is not None:
+            lost = abs(seen.answer[c] - base[c] * tiny) > _SUMS * float(runner.format.eta)
+            if lost:
+                return (_lost(ray, ordinary, tiny),)
+    if not asked:
+        return (CheckResult(_SUBNORMALS, None, "not asked of subnormal numbers: small steps are not linear"),)
+    return (CheckResult(_SUBNORMALS, True, "subnormal numbers are kept"),)
+
+
+def _lost(ray: Ray, ordinary: float, tiny: float) -> CheckResult:
+    """The check where numbers below the normal ones, or long before, become 0 or something else."""
+    name, size = NAMES[ray.component], abs(ray.z[ray.component])
+
+    def vanishes(s: float) -> bool:
+        answer = ray.trial(s).answer
+        return answer is None or answer[ray.component] == 0
+
+    if not vanishes(tiny):
+        return CheckResult(_SUBNORMALS, False, f"{name} near {size * tiny:.2g} has another answer", (ray.trial(tiny),))
+    ends = edge(vanishes, ordinary, tiny, ray.runner)
+    limit = size * ends[0]
+    kind = "subnormal" if limit < 2 * float(power_of_two(ray.runner.format.emin)) else "small"
+    words = f"{kind} numbers become 0: {name} below {limit:.3g}"
+    return CheckResult(_SUBNORMALS, False, words, tuple(map(ray.trial, ends)))
+
+
+@dataclass(frozen=True)
+class Ray:
+    """The states s z, s > 0."""
+
+    runner: TrialRunner
+    z: State
+
+    @property
+    def component(self) -> int:
+        """The component that is not 0."""
+        return int(self.z[0] == 0)
+
+    def trial(self, s: float) -> Trial:
+        """The step from s z."""
+        q, v = (self.runner.number(s * x) for x in self.z)
+        return self.runner.trial(q, v, TYPICAL_STEP)
+
+    def over(self, s: float) -> tuple[float, float] | None:
+        """S(sz)/s; None where there is no finite answer."""
+        trial = self.trial(s)
+        return (trial.answer[0] / s, trial.answer[1] / s) if trial.answer and trial.finite else None
+
+
+def apart(first: Sequence[float] | None, second: Sequence[float] | None) -> float:
+    """How far one is from the other, relative to it; 0 where there is none, which is another matter."""
+    if first is None or second is None or first == second:
+        return 0.0
+    distance, size = max(abs(x - y) for x, y in zip(first, second, strict=True)), max(map(abs, second))
+    return distance / size if size else inf
+
+
+def _departing(broken: Sequence[tuple[Ray, float, float]]) -> CheckResult:
+    """Of a step that is linear up to borders only, or nowhere: of rays with the two s in between."""
+    short, borders = negligible_step(broken[0][0].runner), []
+    for ray, low, high in broken:
+        if short is not None and _leaves_domain(short, ray, low, high):
+            continue  # that is told by another check
+        s, name = _beginning(ray, low, high), NAMES[ray.component]
+        if s <= low * _NEXT or _departure(ray, low, _SOON * s) <= min(_SHARP * ray.runner.rounding, _PLAIN):
+            at = max(1.0, low * _SOON)
+            where = f"at {name} = {at * ray.z[ray.component]:.3g}"
+            words = f"nonlinear: {where} it departs from proportionality by {_departure(ray, low, at):.2g}"
+            return CheckResult(LINEAR, False, words, (ray.trial(low), ray.trial(at)))
+        digits = round(-log10(ray.runner.rounding)) - 2  # so many show the border, not the rounding
+        words = f"linear up to {name} = {s * ray.z[ray.component]:.{digits}g} and no further"
+        borders.append((words, (ray.trial(s), ray.trial(_SOON * s))))
+    if not borders:
+        return CheckResult(LINEAR, True, "linear within its domain, to rounding")
+    return CheckResult(
+        LINEAR, False, "; ".join(words for words, _ in borders), tuple(t for _, ts in borders for t in ts)
+    )
+
+
+def _beginning(ray: Ray, low: float, high: float) -> float:
+    """The first s at which the step is not as at `low`."""
+    return edge(lambda s: _departure(ray, low, s) > ray.runner.rounding, low, high, ray.runner)[1]
+
+
+def _departure(ray: Ray, low: float, s: float) -> float:
+    return apart(ray.over(s), ray.over(low))
+
+
+def _leaves_domain(short: NegligibleStep, ray: Ray, low: float, s: float) -> bool:
+    """True when a rule changes the state itself, or the one where a linear step would go, before anything moves."""
+    straight = ray.over(low)
+    states = [ray.z] if straight is None else [ray.z, straight]
+    scaled = [[ray.runner.number(s * x) for x in z] for z in states]
+    return not all(short.keeps(ray.runner.trial(q, v, short.h)) for q, v in scaled)

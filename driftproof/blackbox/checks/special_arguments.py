@@ -1,0 +1,151 @@
+"""What a stepper does with an h of 0 and with one below 0."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import inf, nan
+from typing import Any
+
+from driftproof.blackbox.checks.trials import (
+    ORDINARY,
+    TYPICAL_STEP,
+    CheckResult,
+    State,
+    Trial,
+    TrialRunner,
+    same,
+    steady_runner,
+)
+from driftproof.blackbox.stepper.calling_conventions import FIELD, TIME
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+
+_ZERO, _NEGATIVE = "zero_step", "negative_step"
+
+
+def zero_step(subject: ForeignStepper) -> tuple[CheckResult, ...]:
+    """Whether h = 0 gives the state back."""
+    runner = steady_runner(subject)
+    trials = [runner.trial(q, v, 0.0) for q, v in (runner.scaled((1.0, 0.75)), runner.ordinary)]
+    for trial in trials:
+        if trial.answer != trial.given[:2]:
+            return (_not_the_state(runner, trial),)
+    return (CheckResult(_ZERO, True, "h = 0 gives the state back", (trials[0],)),)
+
+
+def _not_the_state(runner: TrialRunner, trial: Trial) -> CheckResult:
+    if "ZeroDivisionError" in trial.failure:
+        return CheckResult(_ZERO, False, "h = 0 is divided by: it raises ZeroDivisionError", (trial,))
+    if trial.answer is None:
+        return CheckResult(_ZERO, None, f"h = 0 is refused: {trial.refusal}", (trial,))
+    if not trial.finite:
+        return CheckResult(_ZERO, False, f"h = 0 is divided by: {trial.seen} comes back", (trial,))
+    moved = max(abs(after - before) for after, before in zip(trial.answer, trial.given, strict=False))
+    if moved <= runner.rounding:
+        return CheckResult(_ZERO, True, f"h = 0 gives the state back but for rounding by {moved:.1g}", (trial,))
+    return CheckResult(_ZERO, False, f"h = 0 moves the state: {trial.given[:2]} becomes {trial.seen}", (trial,))
+
+
+def negative_step(subject: ForeignStepper) -> tuple[CheckResult, ...]:
+    """Whether h < 0 steps back in time."""
+    runner = steady_runner(subject)
+    forth, back = (runner.trial(*runner.ordinary, sign * TYPICAL_STEP) for sign in (1, -1))
+    if back.answer is None:
+        return (CheckResult(_NEGATIVE, None, f"h < 0 is refused: {back.refusal}", (back,)),)
+    if not back.finite:
+        return (CheckResult(_NEGATIVE, False, f"h < 0 gives {back.seen}", (back,)),)
+    if same(back.answer, runner.ordinary):
+        return (CheckResult(_NEGATIVE, False, "h < 0 does nothing: the state comes back", (back,)),)
+    if same(back.answer, forth.answer):
+        return (CheckResult(_NEGATIVE, False, "h < 0 acts as |h|", (back, forth)),)
+    return (_backward(runner, back),)
+
+
+def _backward(runner: TrialRunner, shown: Trial) -> CheckResult:
+    """Whether a short step back is opposite to the short step forth, as it is for every consistent method."""
+    for h in (TYPICAL_STEP, 2.0**-10):
+        forth, back = (runner.trial(*runner.ordinary, sign * h).answer for sign in (1, -1))
+        if forth is None or back is None:
+            continue
+        d, e = ([x - z for x, z in zip(answer, runner.ordinary, strict=True)] for answer in (forth, back))
+        along, length = sum(x * y for x, y in zip(d, e, strict=True)), sum(x * x for x in d)
+        if abs(along + length) < length / 4:
+            return CheckResult(_NEGATIVE, True, "h < 0 steps back in time", (shown,))
+    return CheckResult(_NEGATIVE, False, "h < 0 does something else than step back", (shown,))
+
+
+def not_a_number(subject: ForeignStepper) -> tuple[CheckResult, ...]:
+    """What becomes of a NaN."""
+    return (_noticed(subject, "not_a_number", "NaN", ((nan, 0.75), (1.0, nan))),)
+
+
+def infinity(subject: ForeignStepper) -> tuple[CheckResult, ...]:
+    """What becomes of an infinite position or velocity."""
+    return (_noticed(subject, "infinity", "an infinity", ((inf, 0.75), (1.0, inf), (-inf, 0.75), (1.0, -inf))),)
+
+
+def not_a_number_step(subject: ForeignStepper) -> tuple[CheckResult, ...]:
+    """What becomes of h = NaN."""
+    return (_noticed(subject, "not_a_number_step", "h = NaN", ((1.0, 0.75),), nan),)
+
+
+def _noticed(subject: ForeignStepper, key: str, name: str, states: tuple[State, ...], h: float = 0.25) -> CheckResult:
+    runner = steady_runner(subject)
+    trials = [runner.trial(*z, h) for z in states]
+    for trial in trials:
+        if trial.finite:
+            words = f"{name} goes in and ordinary numbers come out: {trial.line}"
+            return CheckResult(key, False, words, (trial,))
+    for trial in trials:
+        if trial.answer is None:
+            return CheckResult(key, None, f"{name} is refused: {trial.refusal}", (trial,))
+    return CheckResult(key, True, f"{name} is handed on", (trials[0],))
+
+
+_KEY = "time"
+_LATE = (1.0, 1000.0, -0.25)
+
+
+def clock(subject: ForeignStepper) -> tuple[CheckResult, ...]:
+    """Whether the answer depends on t though the system does not, and whether the right-hand side is told t."""
+    if TIME not in subject.convention.order:
+        return ()
+    runner = steady_runner(subject)
+    start = runner.step(*runner.ordinary, TYPICAL_STEP)
+    for t in _LATE:
+        later = TrialRunner(_at(subject, t)).trial(*runner.ordinary, TYPICAL_STEP)
+        if not same(later.answer, start):
+            words = f"the answer depends on t: from the same state, t = 0 gives {start}, t = {t} gives {later.seen}"
+            return (CheckResult(_KEY, False, words),)
+    return (
+        _told(subject)
+        if subject.convention.kind == FIELD
+        else CheckResult(_KEY, True, "the answer does not depend on t"),
+    )
+
+
+def _at(subject: ForeignStepper, t: float) -> ForeignStepper:
+    """The same stepper at another time."""
+    place = subject.convention.order.index(TIME)
+
+    def later(*arguments: Any, **named: Any) -> Any:
+        if subject.convention.names:
+            return subject.function(**{**named, subject.convention.names[place]: t})
+        return subject.function(*arguments[:place], t, *arguments[place + 1 :])
+
+    return replace(subject, function=later)
+
+
+def _told(subject: ForeignStepper) -> CheckResult:
+    """Whether the times at which the right-hand side is asked lie in the step."""
+    asked: list[float] = []
+    t, h = 8.0, TYPICAL_STEP
+
+    def rate(at: float, y: list[float]) -> list[float]:
+        asked.append(at)
+        return [y[1], -y[0]]
+
+    subject.step_field(rate, t, list(ORDINARY), h)
+    if any(t <= at <= t + h for at in asked):
+        return CheckResult(_KEY, True, "the answer does not depend on t, which the right-hand side is told")
+    words = f"the right-hand side is told another time: from t = {t} with h = {h} it is asked at {asked[0]}"
+    return CheckResult(_KEY, False, words)

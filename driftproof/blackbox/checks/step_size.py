@@ -1,0 +1,215 @@
+"""Whether a stepper takes the h that it is given, or another: a fixed one, one within bounds, whole steps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from math import ulp
+
+from driftproof.blackbox.checks.borders import edge, named, rounder
+from driftproof.blackbox.checks.trials import TYPICAL_STEP, CheckResult, State, Trial, TrialRunner, same, steady_runner
+from driftproof.blackbox.stepper.calling_conventions import MAP
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+
+_KEY = "step_size"
+# From a position of 0 it goes h v at once: every bit of h shows. One speed is of ordinary size, one small: long steps
+# may end at a border of the domain, and small speeds be put to rest, whatever h is.
+_SPEEDS = (0.5671432904097838, 0.5671432904097838 * 2.0**-20)
+# Long enough for any bound in use, and short enough for a stepper that takes sub-steps of 1/10000.
+_LONGEST, _SHORTEST = 16.0, 2.0**-40
+# Fixed steps with names: 1/60, 1/240, ...
+_DENOMINATORS = 1000
+# An answer may be the same for a few neighbouring h.
+_ULPS = 16
+
+
+def step_size(subject: ForeignStepper) -> tuple[CheckResult, ...]:
+    """Whether the answer depends on h, for long and short steps and for nearly equal ones."""
+    taken = _Taken(steady_runner(subject))
+    if all(taken.alike(h, TYPICAL_STEP) for h in (_SHORTEST, 2.0**-10, 1.0, _LONGEST)):
+        return (_ignored(taken),)
+    capped = _capped(taken)
+    found = [rule for rule in (_raised(taken), capped or _in_whole_steps(taken)) if rule]
+    if not found:
+        return (CheckResult(_KEY, True, "every h is taken as it is"),)
+    words, examples = zip(*found, strict=True)
+    return (CheckResult(_KEY, False, "; ".join(words), tuple(trial for example in examples for trial in example)),)
+
+
+@dataclass(frozen=True)
+class _Taken:
+    """The answers to one state, by h."""
+
+    runner: TrialRunner
+
+    def trial(self, h: float, speed: float = _SPEEDS[0]) -> Trial:
+        """The step of h."""
+        return self.runner.trial(*self.runner.scaled((0.0, speed)), h)
+
+    def alike(self, h: float, other: float) -> bool:
+        """True when both give the same finite answers."""
+        pairs = ((self.trial(h, speed), self.trial(other, speed)) for speed in _SPEEDS)
+        return all(one.finite and same(one.answer, two.answer) for one, two in pairs)
+
+    def edge_of(self, like: float, unlike: float) -> tuple[float, float]:
+        """Neighbours between the two h, the first with another answer than `like`, the second with the same."""
+        return edge(lambda h: self.alike(h, like), unlike, like, self.runner)
+
+    def bound(self, like: float, unlike: float) -> float:
+        """The last h with the same answer, on the way to the other; by its short name if that makes no difference."""
+        last = self.edge_of(like, unlike)[1]
+        short = float(f"{last:.12g}")
+        return short if abs(short - last) <= _ULPS * ulp(last) and self.alike(short, like) else last
+
+
+_Found = tuple[str, tuple[Trial, ...]]
+
+
+def _ignored(taken: _Taken) -> CheckResult:
+    """A check with the step that is always taken: read from a free motion, of which every method gives h v."""
+    runner, subject = taken.runner, taken.runner.subject
+    if subject.convention.kind == MAP:
+        length, words = runner.step(0.0, 1.0, TYPICAL_STEP)[0], "the step by which (0, 1) moves by"
+    else:
+        length, words = subject.step_with(lambda q: 0.0 * q, 0.0, 1.0, TYPICAL_STEP)[0], "a step of"
+    simple = Fraction(length).limit_denominator(_DENOMINATORS)
+    name = str(simple) if runner.number(float(simple)) == length else named(length)
+    words = f"h is ignored: {words} {name} is always taken"
+    return CheckResult(_KEY, False, words, (taken.trial(TYPICAL_STEP), taken.trial(1.0)))
+
+
+def _capped(taken: _Taken) -> _Found | None:
+    """Whether all long steps are one step."""
+    if not taken.alike(_LONGEST / 2, _LONGEST):
+        return None
+    unlike = next(h for h in (4.0, 1.0, TYPICAL_STEP, 2.0**-10, _SHORTEST) if not taken.alike(h, _LONGEST))
+    cap = taken.bound(_LONGEST, unlike)
+    return f"h is capped at {named(cap)}", (taken.trial(cap), taken.trial(_LONGEST))
+
+
+def _raised(taken: _Taken) -> _Found | None:
+    """Whether all short steps are one step, or none."""
+    if taken.runner.grain or not taken.alike(_SHORTEST, 2.0**-30):
+        return None
+    unlike = next(h for h in (2.0**-20, 2.0**-10, TYPICAL_STEP, 1.0, 4.0, _LONGEST) if not taken.alike(h, _SHORTEST))
+    shortest = taken.trial(_SHORTEST)
+    if not same(shortest.answer, shortest.given[:2]):
+        least = taken.bound(_SHORTEST, unlike)
+        return f"h is raised to {named(least)}", (taken.trial(_SHORTEST), taken.trial(least))
+    ends = taken.edge_of(_SHORTEST, unlike)
+    limit = rounder(*ends)
+    where = "below" if limit == ends[0] else "up to"
+    return f"h {where} {named(limit)} does nothing", (taken.trial(ends[1]), taken.trial(ends[0]))
+
+
+def _in_whole_steps(taken: _Taken) -> _Found | None:
+    """Whether nearly equal h give the same answer."""
+    if taken.runner.grain or not taken.alike(TYPICAL_STEP, TYPICAL_STEP * (1 + 2.0**-10)):
+        return None
+    longer = next((h for h in (0.5, 1.0, _LONGEST) if not taken.alike(h, TYPICAL_STEP)), None)
+    shorter = next((h for h in (0.125, 2.0**-10, _SHORTEST) if not taken.alike(h, TYPICAL_STEP)), None)
+    if longer is None or shorter is None:
+        return None
+    least, most = taken.bound(TYPICAL_STEP, shorter), taken.bound(TYPICAL_STEP, longer)
+    words = f"h is taken in whole steps: every h from {least:.6g} to {most:.6g} gives the same answer"
+    return words, (taken.trial(least), taken.trial(most))
+
+
+_SUB_STEPS = "sub_steps"
+# Calls nearer to each other than this part of the way of all are of one group; an iteration makes at least so many.
+_CLOSE, _CALLS_IN_GROUP = 2.0**-6, 3
+
+
+def sub_steps(subject: ForeignStepper) -> tuple[CheckResult, ...]:
+    """Whether steps above some length are made of shorter ones."""
+    runner = steady_runner(subject)
+    return (_by_halves(runner) if subject.convention.kind == MAP else _by_calls(runner),)
+
+
+def _by_calls(runner: TrialRunner) -> CheckResult:
+    lengths = [2.0**k for k in range(-10, 4)]
+    first = len(_places(runner, lengths[0]))
+    for shorter, longer in pairwise(lengths):
+        if len(_places(runner, longer)) == first:
+            continue
+        ends = edge(lambda h: len(_places(runner, h)) != first, shorter, longer, runner)
+        beyond = _places(runner, ends[1])
+        if _halves_agree(runner, ends[1]) and _walks_in_halves(runner, ends[1], beyond):
+            return _made_of_shorter(runner, ends, f": {first} of its force calls become {len(beyond)}")
+        words = f"it calls the force {first} times at h = {ends[0]:.3g}, {len(beyond)} times from there on"
+        why = "it iterates" if _closes_in(beyond) else "it iterates, or adapts a step of its own"
+        return CheckResult(_SUB_STEPS, None, f"{words}: {why}")
+    return CheckResult(_SUB_STEPS, True, f"one step is {first} call{'s' * (first != 1)} of the force, whatever h is")
+
+
+def _places(runner: TrialRunner, h: float, state: State | None = None) -> list[float]:
+    """Where a step calls the force, in order."""
+    places: list[float] = []
+
+    def force(q: float) -> float:
+        places.append(q)
+        return -q
+
+    runner.subject.step_with(force, *(state or runner.ordinary), h)
+    return places
+
+
+def _walks_in_halves(runner: TrialRunner, h: float, whole: Sequence[float]) -> bool:
+    """True when the step of h calls the force where two steps of h/2 do, in that order.
+
+    That the ends agree tells nothing of a method of high order and a short step. Where the last call of a step is the
+    next one's first, it may be made once.
+    """
+    middle = runner.step(*runner.ordinary, h / 2)
+    halves = [*_places(runner, h / 2), *_places(runner, h / 2, middle)]
+    near = runner.rounding * max(map(abs, (*whole, *halves)))
+    mine, its = _moves(whole, near), _moves(halves, near)
+    return len(mine) == len(its) and all(abs(x - y) <= near for x, y in zip(mine, its, strict=True))
+
+
+def _moves(places: Sequence[float], near: float) -> list[float]:
+    """The places without those that repeat the one before."""
+    return [x for i, x in enumerate(places) if i == 0 or abs(x - places[i - 1]) > near]
+
+
+def _closes_in(places: Sequence[float]) -> bool:
+    """True when most calls are made close together, as those of an iteration are, seen from all its calls."""
+    ordered = sorted(places)
+    gap = _CLOSE * (ordered[-1] - ordered[0])
+    groups = 1 + sum(y - x > gap for x, y in pairwise(ordered))
+    return _CALLS_IN_GROUP * groups <= len(places)
+
+
+def _by_halves(runner: TrialRunner) -> CheckResult:
+    """S(h) = S(h/2) S(h/2) is true of a step of h made of an even number of steps, and of no other but the exact flow.
+
+    It is true of very short steps of all methods, to rounding: what tells is that it becomes true as h grows.
+    """
+    lengths = [2.0**k for k in range(-14, 4)]
+    agree = [_halves_agree(runner, h) for h in lengths]
+    for place in range(1, len(lengths)):
+        if agree[place] and not agree[place - 1]:
+            ends = edge(lambda h: _halves_agree(runner, h), lengths[place - 1], lengths[place], runner)
+            return _made_of_shorter(runner, ends, "")
+    return CheckResult(_SUB_STEPS, True, "no sub-steps are seen")
+
+
+def _halves_agree(runner: TrialRunner, h: float) -> bool:
+    """True when one step of h is two steps of h/2, to rounding."""
+    whole = runner.trial(*runner.ordinary, h).answer
+    half = runner.trial(*runner.ordinary, h / 2).answer
+    twice = None if half is None else runner.trial(half[0], half[1], h / 2).answer
+    if whole is None or twice is None:
+        return False
+    size = max(map(abs, (*runner.ordinary, *whole, *twice)))
+    return max(abs(a - b) for a, b in zip(whole, twice, strict=True)) <= runner.rounding * size
+
+
+def _made_of_shorter(runner: TrialRunner, ends: tuple[float, float], more: str) -> CheckResult:
+    limit = rounder(*ends)
+    where = "above" if limit == ends[0] else "from"
+    example: tuple[Trial, ...] = tuple(runner.trial(*runner.ordinary, h) for h in ends)
+    words = f"{where} h = {named(limit)}{'' if where == 'above' else ' on'} it takes sub-steps{more}"
+    return CheckResult(_SUB_STEPS, False, words, example)

@@ -1,0 +1,82 @@
+"""All checks of a stepper: what they find, with a result for each that hung, crashed or was refused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+from driftproof.blackbox.checks.arguments import arguments, types
+from driftproof.blackbox.checks.determinism import SAME, batches, repeats
+from driftproof.blackbox.checks.domain import domain
+from driftproof.blackbox.checks.geometry import area, reversal
+from driftproof.blackbox.checks.homogeneity import scale
+from driftproof.blackbox.checks.output_precision import digits
+from driftproof.blackbox.checks.special_arguments import (
+    clock,
+    infinity,
+    negative_step,
+    not_a_number,
+    not_a_number_step,
+    zero_step,
+)
+from driftproof.blackbox.checks.step_size import step_size, sub_steps
+from driftproof.blackbox.checks.trials import CheckResult, Unsteady
+from driftproof.blackbox.findings import Outcome
+from driftproof.blackbox.isolation import IsolatedRunner
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+
+# By the key of the check that stands for a check without result.
+CHECKS: Mapping[str, Callable[[ForeignStepper], tuple[CheckResult, ...]]] = {
+    check.__name__: check
+    for check in (
+        *(
+            repeats,
+            arguments,
+            types,
+            batches,
+            digits,
+            zero_step,
+            negative_step,
+            step_size,
+            sub_steps,
+            clock,
+            reversal,
+            area,
+        ),
+        *(domain, scale, not_a_number, infinity, not_a_number_step),
+    )
+}
+# Of a few steps each, where a loop may have no end.
+BRIEF = frozenset((not_a_number, infinity, not_a_number_step))
+# These compare answers bit by bit: where the same call gives other bits again, they tell nothing.
+_BITWISE = frozenset(("time", "batches", "takes_integers"))
+
+
+def all_checks(runner: IsolatedRunner) -> tuple[CheckResult, ...]:
+    """What all checks find, manners first and what it does to areas and sizes last."""
+    return checks_of(runner.run(list(CHECKS.values()), BRIEF))
+
+
+def checks_of(outcomes: Sequence[Outcome]) -> tuple[CheckResult, ...]:
+    """The checks found by the checks, in their order; one check `answers` where none of them got an answer."""
+    if all(outcome == outcomes[0] for outcome in outcomes) and outcomes[0].failed:
+        return (CheckResult("answers", False, f"no question could be put: {outcomes[0].seen}"),)
+    found: list[CheckResult] = []
+    for key, outcome in zip(CHECKS, outcomes, strict=True):
+        if outcome.kind != Unsteady.kind:
+            found += (_unanswered(key, outcome),) if outcome.failed else outcome.result
+    if any(check.key == SAME and check.holds is False for check in found):
+        found = [check for check in found if check.key not in _BITWISE]
+    unsteady = next((outcome for outcome in outcomes if outcome.kind == Unsteady.kind), None)
+    return (
+        (*found, CheckResult(Unsteady.kind, None, f"nothing else was asked: {unsteady.seen}"))
+        if unsteady
+        else (*found,)
+    )
+
+
+def _unanswered(key: str, outcome: Outcome) -> CheckResult:
+    """A hang or a crash is a fault, whatever was asked; any other failure leaves the question open."""
+    title = key.replace("_", " ")
+    if outcome.kind in ("hangs", "crashes"):
+        return CheckResult(key, False, f"{title}: the stepper {outcome.kind}, {outcome.seen}")
+    return CheckResult(key, None, f"{title}: not asked: {outcome.seen}")

@@ -1,1 +1,0 @@
-"""What a stepper does at the edges of its domain and with its arguments, clause by clause, whatever its method."""
