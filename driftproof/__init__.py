@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from driftproof.numeric.sweep import sweep as sweep
     from driftproof.symbolic.algebra.certified import fixed as fixed
     from driftproof.symbolic.algebra.certified import significant as significant
+    from driftproof.symbolic.derivation.derive import derive as derive
     from driftproof.symbolic.derivation.energy import energy_multiplier as energy_multiplier
     from driftproof.symbolic.derivation.energy import invariant_quadratic as invariant_quadratic
     from driftproof.symbolic.derivation.one_step import one_step_matrix as one_step_matrix

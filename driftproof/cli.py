@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 COMMANDS = {
     "methods": ("methods", "list the methods, and the families with a free parameter"),
     "facts": ("methods", "every exact fact of a method or of a family of methods"),
+    "derive": ("methods", "how they come about on the oscillator, step by step, as text or TeX"),
     "step": ("oscillator", "one step, exactly"),
     "run": ("oscillator", "a whole run, certified to any number of digits"),
     "roundoff": ("oscillator", "the rounding bound of one step, derived by running it"),

@@ -8,10 +8,10 @@ import sympy
 from sympy import QQ, Rational
 
 from driftproof.symbolic.algebra.certified import Exact, enclose, fixed, is_less, sign
-from driftproof.symbolic.derivation.closed_form import STEPS, closed_form
 from driftproof.symbolic.derivation.convergence import T, global_error_coefficient, local_error
 from driftproof.symbolic.derivation.energy import energy_multiplier
 from driftproof.symbolic.derivation.one_step import H, expression
+from driftproof.symbolic.derivation.phase import STEPS, closed_form
 from proofs.claims import CERTIFIED, PROVED, RESTRICTED, claim
 from proofs.setting import (
     COMPARE_H,
@@ -201,12 +201,12 @@ def test_one_coarse_comparison_shows_no_order() -> None:
 @claim("L008", evidence=PROVED, by="three facts of h")
 def test_step_size_sets_convergence_work_and_stability() -> None:
     """The step decides three things: the error Chᵖ, the T/h steps of work, and whether the run stays bounded."""
-    from driftproof.symbolic.derivation.stability import bounded_at
+    from driftproof.symbolic.derivation.stability import AtStep
 
     assert leading_state_error(EULER, sympy.Integer(10)) == 5
     assert [run(EULER, step).steps for step in (Q(1, 2), Q(1, 4))] == [20, 40]
-    assert bounded_at(M(SYMPLECTIC), Q(19, 10))
-    assert not bounded_at(M(SYMPLECTIC), Q(5, 2))
+    assert AtStep(M(SYMPLECTIC), sympy.Rational(19, 10)).bounded
+    assert not AtStep(M(SYMPLECTIC), sympy.Rational(5, 2)).bounded
 
 
 @claim("L151", evidence=CERTIFIED, by="ball enclosure")

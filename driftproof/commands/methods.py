@@ -1,4 +1,4 @@
-"""`driftproof methods` and `facts`: the catalogue, and every exact fact of a method or of a family of methods."""
+"""`driftproof methods`, `facts` and `derive`: the catalogue, every exact fact of a method, and how some come about."""
 
 from __future__ import annotations
 
@@ -108,6 +108,31 @@ def facts_command(options: Namespace) -> str:
     if options.format == "json":
         return as_json(record(result))
     return facts_tex(result) if options.format == "tex" else facts_text(result)
+
+
+@command(
+    option("method", help="a key that `driftproof methods` lists, or a file that ends in .toml"),
+    option("--only", type=several(str), default=(), metavar="NAME,NAME", help="derive only these"),
+    format_option("text", "tex", "json", words="text, TeX to paste, or json"),
+)
+def derive_command(options: Namespace) -> str:
+    """Derive what a method with rational coefficients does to q' = v, v' = -q, line by line, in the symbol h:
+    one-step matrix, determinant, energy multiplier, invariant, roots, phase and stability limit.
+
+    examples:
+      driftproof derive symplectic_euler
+      driftproof derive rk4 --only energy_multiplier,stability_limit --format tex
+      driftproof derive tableau.toml --format json
+    """
+    from driftproof.methods.tableau_file import method_of
+    from driftproof.support.plain_text import as_json
+    from driftproof.symbolic.derivation.derive import derive
+
+    method = method_of(options.method)
+    derived = derive(method).chosen(options.only)
+    if options.format == "json":
+        return as_json({"method": method.key, "derived": {each.name: each.data() for each in derived}})
+    return "\n\n".join(each.derivation_tex if options.format == "tex" else each.text for each in derived)
 
 
 def _of_family(family: Family, options: Namespace) -> dict[str, Any]:

@@ -6,36 +6,36 @@ from typing import NamedTuple
 
 from sympy.polys.matrices import DomainMatrix
 
-from driftproof.symbolic.derivation.one_step import RING, H, Polynomial, entries, matrix
+from driftproof.symbolic.derivation.one_step import RING, Entry, H, Polynomial, entries, matrix
 
 
-class Quadratic(NamedTuple):
-    """The quadratic form q2·q² + qv·qv + v2·v², coefficients in Q[h]."""
+class QuadraticForm(NamedTuple):
+    """The quadratic form q2·q² + qv·qv + v2·v², coefficients in Q[h] or in Q(h)."""
 
-    q2: Polynomial
-    qv: Polynomial
-    v2: Polynomial
+    q2: Entry
+    qv: Entry
+    v2: Entry
 
 
 class StateDependentEnergy(ValueError):
     """The energy change of a step depends on the state, so no single multiplier exists."""
 
 
-def energy_after(m: DomainMatrix) -> Quadratic:
+def energy_after(m: DomainMatrix) -> QuadraticForm:
     """E(Mz) = ½|Mz|², the energy after one step as a quadratic form in the state before it."""
     qq, qv, vq, vv = entries(m)
-    return Quadratic((qq**2 + vq**2) / 2, qq * qv + vq * vv, (qv**2 + vv**2) / 2)
+    return QuadraticForm((qq**2 + vq**2) / 2, qq * qv + vq * vv, (qv**2 + vv**2) / 2)
 
 
-def energy_change(m: DomainMatrix) -> Quadratic:
+def energy_change(m: DomainMatrix) -> QuadraticForm:
     """E(Mz) - E(z), the energy that one step adds, as a quadratic form in the state before it."""
     after = energy_after(m)
     half = RING.one / 2
-    return Quadratic(after.q2 - half, after.qv, after.v2 - half)
+    return QuadraticForm(after.q2 - half, after.qv, after.v2 - half)
 
 
-def energy_multiplier(m: DomainMatrix) -> Polynomial:
-    """The polynomial μ(h) with E(Mz) = μ(h) E(z) for every state z.
+def energy_multiplier(m: DomainMatrix) -> Entry:
+    """The μ(h) with E(Mz) = μ(h) E(z) for every state z.
 
     Raises StateDependentEnergy where there is none: that fact does not exist, so it is not returned.
     """
@@ -45,7 +45,7 @@ def energy_multiplier(m: DomainMatrix) -> Polynomial:
     return 2 * after.q2
 
 
-def invariant_quadratic(m: DomainMatrix) -> Quadratic:
+def invariant_quadratic(m: DomainMatrix) -> QuadraticForm:
     """The quadratic I with I(Mz) = I(z), found by solving MᵀSM = S over Q(h), equal to the energy at h = 0.
 
     Denominators are cleared, so the coefficients lie in Q[h]. Raises ValueError unless the solutions form one line
@@ -59,13 +59,15 @@ def invariant_quadratic(m: DomainMatrix) -> Quadratic:
         [qv**2, qv * vv, vv**2],
     ]
     identity = [[RING.one if i == j else zero for j in range(3)] for i in range(3)]
-    solutions = (matrix(pulled_back) - matrix(identity)).to_field().nullspace()
+    solutions = (matrix(pulled_back).to_field() - matrix(identity).to_field()).nullspace()
+    if solutions.shape[0] == 0:
+        raise ValueError("no quadratic form is conserved")
     if solutions.shape[0] != 1:
         raise ValueError(f"the conserved quadratics form a space of dimension {solutions.shape[0]}, not a line")
     return _normalised(*solutions.to_list()[0])
 
 
-def _normalised(q2: Polynomial, qv: Polynomial, v2: Polynomial) -> Quadratic:
+def _normalised(q2: Polynomial, qv: Polynomial, v2: Polynomial) -> QuadraticForm:
     common = RING.one
     for fraction in (q2, qv, v2):
         common = common.lcm(fraction.denom)
@@ -77,13 +79,13 @@ def _normalised(q2: Polynomial, qv: Polynomial, v2: Polynomial) -> Quadratic:
     at_zero = cleared[0].evaluate(H, 0)
     if at_zero == 0 or cleared[2].evaluate(H, 0) != at_zero or cleared[1].evaluate(H, 0) != 0:
         raise ValueError("the conserved quadratic does not become the energy as h goes to 0")
-    return Quadratic(*(polynomial / (2 * at_zero) for polynomial in cleared))
+    return QuadraticForm(*(polynomial / (2 * at_zero) for polynomial in cleared))
 
 
-def definiteness(invariant: Quadratic) -> Polynomial:
+def definiteness(invariant: QuadraticForm) -> Polynomial:
     """4·q2·v2 - qv², in Q[h]: the invariant's level curves are ellipses exactly where this and q2 are positive."""
     return 4 * invariant.q2 * invariant.v2 - invariant.qv**2
 
 
-def _show(form: Quadratic) -> str:
+def _show(form: QuadraticForm) -> str:
     return f"({form.q2})*q**2 + ({form.qv})*q*v + ({form.v2})*v**2"

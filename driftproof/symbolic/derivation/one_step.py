@@ -1,4 +1,7 @@
-"""The one-step matrix M(h) of a method on the oscillator, exact over Q[h], by running the step on polynomials."""
+"""The one-step matrix M(h) of a method on the oscillator, exact over Q[h], by running the step on polynomials.
+
+An implicit method has a matrix over Q(h), which `stages` derives; what is read off a matrix here holds for both.
+"""
 
 from __future__ import annotations
 
@@ -7,17 +10,20 @@ from typing import Any, TypeAlias
 
 import sympy
 from sympy import QQ, ring
+from sympy.polys.fields import FracElement
 from sympy.polys.matrices import DomainMatrix
 
 from driftproof.methods.problems import oscillator
 from driftproof.methods.schemes import Method
 from driftproof.methods.stepping import Force, Step, stepper
 
-# An element of Q[h]. SymPy's rings have no static types.
+# An element of Q[h], and one of Q[h] or of Q(h). SymPy's rings have no static types.
 Polynomial: TypeAlias = Any
+Entry: TypeAlias = Any
 
 RING, H = ring("h", QQ)
 MATRICES = RING.to_domain()
+FRACTION_FIELD = MATRICES.get_field()
 # A step run on these generators yields polynomials in the state and h.
 STATE_RING, STATE_Q, STATE_V, STATE_H = ring("q, v, h", QQ)
 
@@ -54,33 +60,51 @@ def matrix_of(step: Step, force: Force = oscillator) -> DomainMatrix:
     return DomainMatrix([_linear_coefficients(q1, "q"), _linear_coefficients(v1, "v")], (2, 2), MATRICES)
 
 
-def matrix(rows: list[list[Polynomial]]) -> DomainMatrix:
-    """The 2x2 matrix over Q[h] with these entries; ints and Fractions are promoted."""
+def matrix(rows: list[list[Entry]]) -> DomainMatrix:
+    """The matrix with these entries over Q[h], or over Q(h) if one is a fraction; ints and Fractions are promoted."""
     entries = [[RING.ground_new(rational(x)) if isinstance(x, int | Fraction) else x for x in row] for row in rows]
-    return DomainMatrix(entries, (len(rows), len(rows[0])), MATRICES)
+    fractional = any(isinstance(x, FracElement) for row in entries for x in row)
+    entries = [[FRACTION_FIELD.convert(x) for x in row] for row in entries] if fractional else entries
+    return DomainMatrix(entries, (len(rows), len(rows[0])), FRACTION_FIELD if fractional else MATRICES)
 
 
-def entries(m: DomainMatrix) -> tuple[Polynomial, Polynomial, Polynomial, Polynomial]:
+def numerator_and_denominator(x: Entry) -> tuple[Polynomial, Polynomial]:
+    """Coprime polynomials whose quotient is `x`; the denominator of a polynomial is 1."""
+    return (x.numer, x.denom) if isinstance(x, FracElement) else (x, RING.one)
+
+
+def over_common_denominator(m: DomainMatrix) -> tuple[DomainMatrix, Polynomial]:
+    """(N, d) with M = N / d, N over Q[h] and d of the lowest degree."""
+    parts = [numerator_and_denominator(x) for x in entries(m)]
+    common = RING.one
+    for _, denominator in parts:
+        common = common.lcm(denominator)
+    qq, qv, vq, vv = (top * common.exquo(bottom) for top, bottom in parts)
+    return matrix([[qq, qv], [vq, vv]]), common
+
+
+def entries(m: DomainMatrix) -> tuple[Entry, Entry, Entry, Entry]:
     """(M_qq, M_qv, M_vq, M_vv)."""
     (qq, qv), (vq, vv) = m.to_list()
     return qq, qv, vq, vv
 
 
-def trace(m: DomainMatrix) -> Polynomial:
-    """M_qq + M_vv, in Q[h]."""
+def trace(m: DomainMatrix) -> Entry:
+    """M_qq + M_vv."""
     qq, _, _, vv = entries(m)
     return qq + vv
 
 
-def determinant(m: DomainMatrix) -> Polynomial:
-    """M_qq M_vv - M_qv M_vq, in Q[h]: the factor by which one step scales area."""
+def determinant(m: DomainMatrix) -> Entry:
+    """M_qq M_vv - M_qv M_vq: the factor by which one step scales area."""
     qq, qv, vq, vv = entries(m)
     return qq * vv - qv * vq
 
 
-def at_rational(polynomial: Polynomial, h: Fraction) -> Fraction:
-    """The value of an element of Q[h] at a rational h, as a Fraction."""
-    value = polynomial.evaluate(H, rational(h))
+def at_rational(entry: Entry, h: Fraction) -> Fraction:
+    """The value of an element of Q[h] or of Q(h) at a rational h, as a Fraction. Raises ZeroDivisionError at a pole."""
+    top, bottom = (p.evaluate(H, rational(h)) for p in numerator_and_denominator(entry))
+    value = top / bottom
     return Fraction(int(value.numerator), int(value.denominator))
 
 
@@ -90,8 +114,8 @@ def matrix_at(m: DomainMatrix, h: Fraction) -> tuple[Fraction, Fraction, Fractio
     return qq, qv, vq, vv
 
 
-def expression(polynomial: Polynomial) -> sympy.Expr:
-    """An element of Q[h] as a SymPy expression in the symbol h, for printing and for algebraic numbers."""
+def expression(polynomial: Entry) -> sympy.Expr:
+    """An element of Q[h] or of Q(h) as a SymPy expression in the symbol h, for printing and for algebraic numbers."""
     return polynomial.as_expr()
 
 

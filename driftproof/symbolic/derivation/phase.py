@@ -1,4 +1,4 @@
-"""How far one step turns the state: the angle, its series in h, and the series of the damping."""
+"""How far one step turns the state: the angle, its series in h, and M to the N in closed form."""
 
 from __future__ import annotations
 
@@ -7,9 +7,21 @@ from typing import Any
 import sympy
 from sympy import QQ
 from sympy.polys.matrices import DomainMatrix
-from sympy.polys.ring_series import rs_atan, rs_log, rs_nth_root, rs_series_inversion, rs_trunc
+from sympy.polys.ring_series import rs_atan, rs_mul, rs_nth_root, rs_series_inversion, rs_trunc
 
-from driftproof.symbolic.derivation.one_step import RING, H, Polynomial, determinant, expression, trace
+from driftproof.symbolic.derivation.one_step import (
+    RING,
+    Entry,
+    H,
+    Polynomial,
+    determinant,
+    entries,
+    expression,
+    numerator_and_denominator,
+    trace,
+)
+
+STEPS = sympy.Symbol("n", integer=True)
 
 
 def phase_per_step(m: DomainMatrix) -> sympy.Expr:
@@ -26,8 +38,8 @@ def phase_error_series(m: DomainMatrix, terms: int) -> Polynomial:
 
     From tan θ = sqrt(det M - (tr M / 2)²) / (tr M / 2). Raises ValueError unless M(h) = I + hJ + O(h²).
     """
-    half_trace = trace(m) / 2
-    squared_sine = determinant(m) - half_trace**2  # h² (1 + ...) for a consistent method
+    half_trace, area = (_series(f, terms + 2) for f in (trace(m) / 2, determinant(m)))
+    squared_sine = rs_trunc(area - half_trace**2, H, terms + 2)  # h² (1 + ...) for a consistent method
     quotient, remainder = divmod(squared_sine, H**2)
     if remainder != 0 or quotient.evaluate(H, 0) != 1 or half_trace.evaluate(H, 0) != 1:
         raise ValueError("the step is not a consistent rotation: its angle is not h + O(h**2)")
@@ -36,9 +48,12 @@ def phase_error_series(m: DomainMatrix, terms: int) -> Polynomial:
     return rs_atan(tangent, H, terms) - H
 
 
-def damping_series(m: DomainMatrix, terms: int) -> Polynomial:
-    """log ρ(h) = ½ log det M modulo h**terms, exact in Q[h]: the growth rate per step of the eigenvectors' radius."""
-    return rs_log(determinant(m), H, terms) / 2
+def _series(f: Entry, terms: int) -> Polynomial:
+    """`f` itself if it is a polynomial, else its series modulo h**terms. Raises ValueError for a pole at h = 0."""
+    top, bottom = numerator_and_denominator(f)
+    if bottom.evaluate(H, 0) == 0:
+        raise ValueError("the one-step matrix has a pole at h = 0")
+    return top if bottom == 1 else rs_mul(top, rs_series_inversion(bottom, H, terms), H, terms)
 
 
 def leading_term(series: Polynomial) -> tuple[int, Any] | None:
@@ -57,6 +72,17 @@ def sine_series(terms: int) -> Polynomial:
 def cosine_series(terms: int) -> Polynomial:
     """cos h modulo h**terms, in Q[h]."""
     return _exponential_part(terms, 0)
+
+
+def closed_form(m: DomainMatrix) -> sympy.ImmutableMatrix:
+    """Mⁿ = ρⁿ⁻¹ (sin(nθ) M - ρ sin((n-1)θ) I) / sin θ, with ρ = sqrt(det M): entries in the symbols h and n.
+
+    Holds wherever the two roots are complex, so that 0 < θ < π. By Cayley-Hamilton and induction on n.
+    """
+    rho, theta = sympy.sqrt(expression(determinant(m))), phase_per_step(m)
+    one_step = sympy.Matrix(2, 2, [expression(entry) for entry in entries(m)])
+    turned = sympy.sin(STEPS * theta) * one_step - rho * sympy.sin((STEPS - 1) * theta) * sympy.eye(2)
+    return sympy.ImmutableMatrix(rho ** (STEPS - 1) * turned / sympy.sin(theta))
 
 
 def _exponential_part(terms: int, start: int) -> Polynomial:

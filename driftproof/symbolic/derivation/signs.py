@@ -32,7 +32,7 @@ def is_positive_between(polynomial: Polynomial, low: Fraction, high: Fraction | 
     return roots_between(polynomial, low, high) == 0 and at_rational(polynomial, inner) > 0
 
 
-def in_square(polynomial: Polynomial) -> Polynomial:
+def deflate(polynomial: Polynomial) -> Polynomial:
     """The p with p(h²) = polynomial(h), so that ends such as 2 sqrt 2 become rational (h² = 8).
 
     Raises ValueError if an odd power of h occurs.

@@ -4,34 +4,79 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from fractions import Fraction
-from functools import cached_property
+from functools import partial
+from typing import Any, NamedTuple
 
 import sympy
 from sympy import QQ
 from sympy.polys.matrices import DomainMatrix
 
 from driftproof.symbolic.algebra.certified import sign
-from driftproof.symbolic.derivation.one_step import RING, H, Polynomial, determinant, entries, expression, trace
+from driftproof.symbolic.derivation.expression_balls import enclose_expression
+from driftproof.symbolic.derivation.one_step import (
+    RING,
+    Entry,
+    H,
+    Polynomial,
+    determinant,
+    entries,
+    expression,
+    numerator_and_denominator,
+    over_common_denominator,
+    trace,
+)
 
 LAMBDA = sympy.Symbol("lambda")
 
 
 def characteristic_polynomial(m: DomainMatrix) -> sympy.Poly:
-    """λ² - tr M λ + det M, as a polynomial in λ over Q[h]: both components obey this recurrence."""
+    """λ² - tr M λ + det M, as a polynomial in λ: both components obey this recurrence."""
     return sympy.Poly(LAMBDA**2 - expression(trace(m)) * LAMBDA + expression(determinant(m)), LAMBDA)
 
 
-def discriminant(m: DomainMatrix) -> Polynomial:
-    """(tr M)² - 4 det M, in Q[h]: the roots are complex conjugate where it is negative, and merge where it is zero."""
+def discriminant(m: DomainMatrix) -> Entry:
+    """(tr M)² - 4 det M: the roots are complex conjugate where it is negative, and merge where it is zero."""
     return trace(m) ** 2 - 4 * determinant(m)
 
 
+def square_root_of_discriminant(m: DomainMatrix) -> tuple[sympy.Expr, sympy.Expr]:
+    """(s, r) with discriminant s² r, r without square factors: s is positive for small h > 0."""
+    factor, rest = RING.one, RING.one
+    numerators, denominator = over_common_denominator(m)
+    content, powers = discriminant(numerators).factor_list()
+    for base, power in powers:
+        lowest = base[min(base.monoms())]
+        base, content = (base, content) if lowest > 0 else (-base, content * (-1) ** power)
+        factor, rest = factor * base ** (power // 2), rest * base ** (power % 2)
+    return expression(factor) / expression(denominator), expression(rest * content)
+
+
 def multipliers(m: DomainMatrix) -> tuple[sympy.Expr, sympy.Expr]:
-    """The two roots (tr M ± sqrt(discriminant)) / 2 of the characteristic polynomial, as expressions in h."""
-    half_trace = expression(trace(m)) / 2
-    half_root = sympy.sqrt(sympy.factor(expression(discriminant(m)))) / 2
+    """The two roots of the characteristic polynomial, half the trace ± half a root of the discriminant, in h."""
+    half_trace, (factor, rest) = expression(trace(m)) / 2, square_root_of_discriminant(m)
+    half_root = factor * sympy.sqrt(rest) / 2
     return half_trace + half_root, half_trace - half_root
+
+
+class Conditions(NamedTuple):
+    """Polynomials in h whose signs decide boundedness: 1 - det, 1 + det + tr and 1 + det - tr, all times d².
+
+    M = N / d; `merged` is d² times the discriminant, and `off` vanishes where M is a multiple of the identity.
+    """
+
+    pole: Polynomial
+    area: Polynomial
+    plus: Polynomial
+    minus: Polynomial
+    merged: Polynomial
+    off: tuple[Polynomial, Polynomial, Polynomial]
+
+
+def conditions(m: DomainMatrix) -> Conditions:
+    """The conditions of jury-1964, chapter 3, on λ² - tr M λ + det M, without denominators."""
+    n, d = over_common_denominator(m)
+    (qq, qv, vq, vv), t, area = entries(n), trace(n) * d, determinant(n)
+    return Conditions(d, d**2 - area, d**2 + area + t, d**2 + area - t, discriminant(n), (qv, vq, qq - vv))
 
 
 @dataclass(frozen=True)
@@ -41,17 +86,17 @@ class AtStep:
     m: DomainMatrix
     h: sympy.Expr
 
-    @cached_property
+    @property
     def matrix(self) -> sympy.ImmutableMatrix:
         """M(h) with exact algebraic entries."""
         return sympy.ImmutableMatrix(2, 2, [self._value(entry) for entry in entries(self.m)])
 
-    @cached_property
+    @property
     def trace(self) -> sympy.Expr:
         """tr M(h), exact."""
         return self._value(trace(self.m))
 
-    @cached_property
+    @property
     def determinant(self) -> sympy.Expr:
         """det M(h), exact."""
         return self._value(determinant(self.m))
@@ -59,29 +104,26 @@ class AtStep:
     @property
     def jordan_block(self) -> bool:
         """True when the two eigenvalues coincide and M(h) is not a multiple of the identity."""
-        merged = self._sign(discriminant(self.m)) == 0
-        qq, qv, vq, vv = entries(self.m)
-        return merged and any(self._sign(entry) != 0 for entry in (qv, vq, qq - vv))
+        found = conditions(self.m)
+        return self._sign(found.merged) == 0 and any(self._sign(entry) != 0 for entry in found.off)
 
     @property
     def bounded(self) -> bool:
-        """True when sup over n of |M(h)ⁿ| is finite: every |λ| <= 1, and |λ| = 1 only without a Jordan block.
-
-        Decided exactly from the signs of 1 - det and 1 + det ± tr (jury-1964, chapter 3).
-        """
-        t, d = trace(self.m), determinant(self.m)
-        area, plus, minus = (self._sign(p) for p in (1 - d, 1 + d + t, 1 + d - t))
-        if area < 0 or plus < 0 or minus < 0:
+        """True when sup over n of |M(h)ⁿ| is finite: every |λ| <= 1, and |λ| = 1 only without a Jordan block."""
+        found = conditions(self.m)
+        area, plus, minus = (self._sign(p) for p in (found.area, found.plus, found.minus))
+        if area < 0 or plus < 0 or minus < 0 or self._sign(found.pole) == 0:
             return False
         # Now every |λ| <= 1. A double root on the unit circle needs |det| = 1 and a zero discriminant.
         return not (area == 0 and self.jordan_block)
 
-    def _value(self, polynomial: Polynomial) -> sympy.Expr:
-        return _in_field(polynomial, self.h)[1]
+    def _value(self, entry: Entry) -> sympy.Expr:
+        top, bottom = (_in_field(p, self.h) for p in numerator_and_denominator(entry))
+        return top[1] / bottom[1]
 
     def _sign(self, polynomial: Polynomial) -> int:
         is_zero, value = _in_field(polynomial, self.h)
-        return 0 if is_zero else sign(value)
+        return 0 if is_zero else sign(partial(enclose_expression, value))
 
 
 def stability_limit(m: DomainMatrix) -> sympy.Expr:
@@ -91,60 +133,54 @@ def stability_limit(m: DomainMatrix) -> sympy.Expr:
     consecutive roots of the boundary polynomials no verdict can change, so one rational h decides each interval
     and a root where the verdict holds (a touch) is passed over.
     """
+    boundary = _boundary(m)
     reached: sympy.Expr = sympy.Integer(0)
-    for root, inner in _cells(_boundary_polynomial(m)):
+    for inner, end in _cells(boundary):
         if not AtStep(m, inner).bounded:
             return reached
-        if root is None:
+        if end is None:
             return sympy.oo
-        reached = root
-        if not AtStep(m, root).bounded:
+        reached = _root_in(boundary, *end)
+        if not AtStep(m, reached).bounded:
             return reached
     raise AssertionError("the cells end with an unbounded one")
 
 
-def _boundary_polynomial(m: DomainMatrix) -> Polynomial:
-    """The product of the nonzero polynomials among 1 - det, 1 + det ± tr: a verdict can only change at its roots."""
-    t, d = trace(m), determinant(m)
+def _boundary(m: DomainMatrix) -> sympy.Poly:
+    """The product of the nonzero ones of the first four conditions, squarefree: a verdict can change at its roots."""
     product = RING.one
-    for factor in (1 - d, 1 + d + t, 1 + d - t):
-        if factor != 0:
-            product *= factor
-    return product
+    for factor in conditions(m)[:4]:
+        product = product if factor == 0 else product.lcm(factor)
+    return sympy.Poly(expression(product), expression(H)).sqf_part()
 
 
-def _cells(polynomial: Polynomial) -> Iterator[tuple[sympy.Expr | None, sympy.Expr]]:
-    """Pairs (root, rational point just inside the open interval that ends at root), for the positive roots in order.
-
-    The last pair has root None: the interval to infinity.
-    """
-    poly = sympy.Poly(expression(polynomial), expression(H)).sqf_part()
-    roots = [root for root in poly.real_roots() if sign(root) > 0]
+def _cells(boundary: Any) -> Iterator[tuple[sympy.Rational, tuple[sympy.Rational, sympy.Rational] | None]]:
+    """A rational point of each interval between 0, the positive roots and infinity, and an interval around its end."""
     previous = sympy.Integer(0)
-    for root in roots:
-        yield root, _rational_between(previous, root)
-        previous = root
-    yield None, sympy.ceiling(previous) + 1
+    for low, high in boundary.intervals(sqf=True, inf=0) if boundary.degree() > 0 else ():
+        if high == 0:
+            continue
+        while low <= previous and low != high:
+            low, high = boundary.refine_root(low, high, steps=1)
+        yield (previous + low) / 2, (low, high)
+        previous = high
+    yield previous + 1, None
 
 
-def _rational_between(low: sympy.Expr, high: sympy.Expr) -> sympy.Rational:
-    denominator = 1
-    while True:
-        candidate = sympy.Rational(sympy.floor(low * denominator) + 1, denominator)
-        if sign(high - candidate) > 0:
-            return candidate
-        denominator *= 2
+def _root_in(boundary: Any, low: sympy.Rational, high: sympy.Rational) -> sympy.Expr:
+    """The root in the isolating interval as an exact number: in radicals where SymPy has them, else a CRootOf."""
+    factor = next(f for f, _ in boundary.factor_list()[1] if f.count_roots(low, high))
+    return next(
+        root
+        for root in factor.real_roots()
+        if all(sign(partial(enclose_expression, x)) >= 0 for x in (root - low, high - root))
+    )
 
 
 def _in_field(polynomial: Polynomial, h: sympy.Expr) -> tuple[bool, sympy.Expr]:
     """(is zero, value) of polynomial(h), by arithmetic in the number field Q(h), where equality is decidable."""
-    field = QQ if h.is_Rational else QQ.algebraic_field(h)
+    field: Any = QQ if h.is_Rational else QQ.algebraic_field(h)
     at, total = field.from_sympy(h), field.zero
     for coefficient in sympy.Poly(expression(polynomial), expression(H)).all_coeffs():
         total = total * at + field.from_sympy(coefficient)
     return total == field.zero, field.to_sympy(total)
-
-
-def bounded_at(m: DomainMatrix, h: Fraction) -> bool:
-    """True when the powers of M(h) are bounded at this rational h, e.g. at the exact value of a double."""
-    return AtStep(m, sympy.Rational(h.numerator, h.denominator)).bounded

@@ -9,7 +9,7 @@ from math import isqrt
 from sympy.polys.matrices import DomainMatrix
 
 from driftproof.methods.number_field import Exact
-from driftproof.symbolic.derivation.energy import Quadratic
+from driftproof.symbolic.derivation.energy import QuadraticForm
 from driftproof.symbolic.derivation.one_step import entries
 from driftproof.symbolic.rounding.irrational import above, size
 from driftproof.symbolic.runs import Entries
@@ -79,14 +79,14 @@ class OwnNorm:
         return self.qq * self.vv - self.qv**2 / 4
 
 
-def swept_area(m: DomainMatrix) -> Quadratic:
+def swept_area(m: DomainMatrix) -> QuadraticForm:
     """z ∧ Mz = M_vq q² + (M_vv - M_qq) q v - M_qv v², the signed area of the parallelogram on z and M z.
 
     M scales areas by det M, so Mz ∧ MMz = det M (z ∧ Mz): in this form M is a similarity, whatever M is, and where the
     form is definite it gives a norm with rho² = det M. It is definite exactly where M has no real eigenvector.
     """
     qq, qv, vq, vv = entries(m)
-    return Quadratic(vq, vv - qq, -qv)
+    return QuadraticForm(vq, vv - qq, -qv)
 
 
 def own_norm(matrix: Entries) -> OwnNorm:

@@ -6,12 +6,13 @@ from fractions import Fraction as Q
 
 import numpy as np
 import pytest
+import sympy
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.reports.page.stability import beside, verdict
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.derivation.one_step import one_step_matrix
-from driftproof.symbolic.derivation.stability import bounded_at
+from driftproof.symbolic.derivation.stability import AtStep
 from driftproof.symbolic.linear.facts import LinearFacts
 from driftproof.symbolic.linear.spectral_radius import spectral_radius
 from driftproof.symbolic.runs import exact_matrix_at
@@ -40,7 +41,7 @@ def test_verdict_and_place_beside_the_limit(key: str, h: Q, bounded: bool, where
 def test_verdict_agrees_with_the_other_derivation(key: str, h: Q) -> None:
     """The witness works over Q[h] with SymPy's number fields, and with NumPy's eigenvalues; neither is used here."""
     found = verdict(key, h)
-    assert found.bounded == bounded_at(one_step_matrix(METHODS[key]), h)
+    assert found.bounded == AtStep(one_step_matrix(METHODS[key]), sympy.Rational(h.numerator, h.denominator)).bounded
     a, b, c, d = map(float, exact_matrix_at(METHODS[key], h))
     seen = max(abs(np.linalg.eigvals([[a, b], [c, d]])))
     # A double eigenvalue is found to the square root of rounding only.

@@ -1,0 +1,261 @@
+"""What is true of a method on the oscillator, as SymPy objects, each with the steps that lead there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import sympy
+from sympy.polys.matrices import DomainMatrix
+
+from driftproof.methods.catalogue import method_named
+from driftproof.methods.schemes import Method
+from driftproof.symbolic.derivation.energy import (
+    StateDependentEnergy,
+    energy_after,
+    energy_multiplier,
+    invariant_quadratic,
+)
+from driftproof.symbolic.derivation.formulas import (
+    AREA_FORM,
+    CHARACTERISTIC,
+    COSINE,
+    DET,
+    DISCRIMINANT,
+    ENERGY_RATIO,
+    GRAM,
+    INVARIANT,
+    LIMIT,
+    MATRIX,
+    POSITION,
+    ROOTS,
+    STEP_SIZE,
+    TANGENT,
+    THETA,
+    TRACE,
+    VELOCITY,
+    Derived,
+    Step,
+    as_matrix,
+)
+from driftproof.symbolic.derivation.one_step import determinant, entries, expression, trace
+from driftproof.symbolic.derivation.phase import leading_term, phase_error_series, phase_per_step
+from driftproof.symbolic.derivation.stability import (
+    LAMBDA,
+    AtStep,
+    characteristic_polynomial,
+    conditions,
+    discriminant,
+    multipliers,
+    square_root_of_discriminant,
+    stability_limit,
+)
+from driftproof.symbolic.derivation.stages import derived_matrix
+
+# The first terms of the phase error; where they are all zero, twice as many, up to the last.
+FIRST_TERMS, LAST_TERMS = 8, 64
+MONOMIALS = (POSITION**2, POSITION * VELOCITY, VELOCITY**2)
+
+
+@dataclass(frozen=True)
+class Derivation:
+    """Everything that is derived of `method` on q' = v, v' = -q, in the symbol h; each when it is first asked for."""
+
+    method: Method
+
+    @cached_property
+    def _matrix_and_steps(self) -> tuple[DomainMatrix, list[Step]]:
+        return derived_matrix(self.method)
+
+    @property
+    def _m(self) -> DomainMatrix:
+        return self._matrix_and_steps[0]
+
+    @cached_property
+    def one_step_matrix(self) -> Derived:
+        """M(h) with (q₁, v₁) = M(h) (q, v)."""
+        return Derived("one_step_matrix", MATRIX, as_matrix(self._m), tuple(self._matrix_and_steps[1]))
+
+    @cached_property
+    def determinant(self) -> Derived:
+        """det M, the factor by which a step scales area."""
+        value = expression(determinant(self._m))
+        qq, qv, vq, vv = sympy.symbols("M_qq M_qv M_vq M_vv")
+        step = Step("The factor by which a step scales area.", (DET, qq * vv - qv * vq, value))
+        return Derived("determinant", DET, value, (step,))
+
+    @cached_property
+    def energy_multiplier(self) -> Derived:
+        """The μ(h) with E(Mz) = μ E(z) for every z, where there is one."""
+        after, gram = energy_after(self._m), as_matrix(self._m.transpose() * self._m)
+        square = Step("A step multiplies by $M$, and $E = |z|^2/2$.", (GRAM, gram))
+        try:
+            value = expression(energy_multiplier(self._m))
+        except StateDependentEnergy:
+            form = sum(expression(c) * x for c, x in zip(after, MONOMIALS, strict=True))
+            change = Step("So the energy after one step is:", (sympy.Symbol("E_1"), form))
+            reason = "$M^T M$ is no multiple of $I$: what a step does to the energy depends on the state"
+            return Derived("energy_multiplier", ENERGY_RATIO, None, (square, change), reason)
+        ratio = Step("It is a multiple of $I$, and the factor is that of the energy.", (ENERGY_RATIO, value))
+        gain = Step("A step adds this part of the energy.", (ENERGY_RATIO - 1, sympy.factor(value - 1)))
+        return Derived("energy_multiplier", ENERGY_RATIO, value, (square, ratio, gain))
+
+    @cached_property
+    def invariant(self) -> Derived:
+        """The quadratic that every step conserves and that becomes the energy as h goes to 0, where there is one."""
+        qq, qv, vq, vv = (expression(x) for x in entries(self._m))
+        area_form = vq * POSITION**2 + sympy.factor(vv - qq) * POSITION * VELOCITY - qv * VELOCITY**2
+        steps = [
+            Step("The area between $z$ and its image is a quadratic form.", (AREA_FORM, area_form)),
+            Step(
+                r"A step multiplies it by $\det M$, as it does every area.",
+                (DET, expression(determinant(self._m))),
+            ),
+        ]
+        try:
+            found = invariant_quadratic(self._m)
+        except ValueError as error:
+            return Derived("invariant", INVARIANT, None, tuple(steps), str(error))
+        value = sympy.Add(*(expression(c) * x for c, x in zip(found, MONOMIALS, strict=True)))
+        steps.append(Step(r"$\det M = 1$, so it is conserved; scaled to the energy at $h = 0$:", (INVARIANT, value)))
+        return Derived("invariant", INVARIANT, value, tuple(steps))
+
+    @cached_property
+    def characteristic_polynomial(self) -> Derived:
+        """λ² - tr M λ + det M."""
+        value, sum_of_roots = characteristic_polynomial(self._m).as_expr(), expression(trace(self._m))
+        forms = ((TRACE, DET), (sum_of_roots, expression(determinant(self._m))))
+        chain = (sympy.Add(LAMBDA**2, -LAMBDA * t, d, evaluate=False) for t, d in forms)
+        steps = (
+            Step("The trace is the sum of the diagonal.", (TRACE, sum_of_roots)),
+            Step("With the trace and the determinant it is:", (CHARACTERISTIC, *chain)),
+        )
+        return Derived("characteristic_polynomial", CHARACTERISTIC, value, steps)
+
+    @cached_property
+    def roots(self) -> Derived:
+        """The two roots of the characteristic polynomial."""
+        inside = expression(discriminant(self._m))
+        value = sympy.Tuple(*multipliers(self._m))
+        steps = [
+            Step(
+                "The discriminant; where it is negative, the roots are complex conjugates.",
+                _chain(DISCRIMINANT, TRACE**2 - 4 * DET, inside, sympy.factor(inside)),
+            ),
+            Step("Half the trace, plus half a square root of the discriminant:", (ROOTS[0], value[0])),
+            Step("And minus half of it:", (ROOTS[1], value[1])),
+        ]
+        return Derived("roots", sympy.Tuple(*ROOTS), value, tuple(steps))
+
+    @cached_property
+    def phase(self) -> Derived:
+        """θ(h), the angle by which a step turns; the exact flow turns by h."""
+        half_trace, area = expression(trace(self._m)) / 2, expression(determinant(self._m))
+        cosine = Step(
+            r"Complex roots have the modulus $(\det M)^{1/2}$, turn by $\pm\theta$, and add up to the trace.",
+            _chain(COSINE, TRACE / (2 * sympy.sqrt(DET)), half_trace / sympy.sqrt(area)),
+        )
+        value = phase_per_step(self._m)
+        return Derived("phase", THETA, value, (cosine, Step("So the angle is:", (THETA, value))))
+
+    @cached_property
+    def phase_error(self) -> Derived:
+        """The first terms of θ(h) - h; a negative leading one means that the method lags."""
+        symbol, half_trace = THETA - STEP_SIZE, expression(trace(self._m)) / 2
+        factor, rest = square_root_of_discriminant(self._m)
+        because = "The tangent is a series in $h$, and so is the arc tangent of it."
+        tangent = Step(because, (TANGENT, factor * sympy.sqrt(-rest) / 2 / half_trace))
+        leading, terms = None, FIRST_TERMS // 2
+        try:
+            while leading is None and terms < LAST_TERMS:
+                terms *= 2
+                series = phase_error_series(self._m, terms)
+                leading = leading_term(series)
+        except ValueError as error:
+            return Derived("phase_error", symbol, None, (), str(error))
+        if leading is None:
+            return Derived(
+                "phase_error", symbol, None, (tangent,), f"no term below $h^{{{LAST_TERMS}}}$ differs from 0"
+            )
+        value = expression(series) + sympy.Order(STEP_SIZE**terms)
+        first = Step("The first one decides for small $h$.", (leading[1] * STEP_SIZE ** leading[0],))
+        return Derived("phase_error", symbol, value, (tangent, Step("The first terms:", (symbol, value)), first))
+
+    @cached_property
+    def stability_limit(self) -> Derived:
+        """The largest H with the powers of M(h) bounded for every h in (0, H)."""
+        found = conditions(self._m)
+        named = (
+            ("The product of the roots is at most $1$ where this is not negative.", 1 - DET, found.area),
+            (
+                "The characteristic polynomial at $-1$: not negative while no root is below.",
+                1 + TRACE + DET,
+                found.plus,
+            ),
+            (
+                "The characteristic polynomial at $1$: not negative while no root is above.",
+                1 - TRACE + DET,
+                found.minus,
+            ),
+        )
+        square = expression(found.pole) ** 2
+        steps = [Step(why, _chain(symbol, sympy.factor(expression(p) / square))) for why, symbol, p in named]
+        value = stability_limit(self._m)
+        return Derived("stability_limit", LIMIT, value, (*steps, *_verdict(self._m, value)))
+
+    def chosen(self, names: Sequence[str] = ()) -> tuple[Derived, ...]:
+        """Those of these names, all by default. Raises ValueError for an unknown one."""
+        for name in names:
+            if name not in DERIVED:
+                raise ValueError(f"{name!r} is not derived; choose from {', '.join(DERIVED)}")
+        return tuple(getattr(self, name) for name in names or DERIVED)
+
+    def _repr_latex_(self) -> str:
+        lines = r" \\ ".join(derived.tex for derived in self.chosen())
+        return rf"$$\begin{{gathered}} {lines} \end{{gathered}}$$"
+
+
+# In the order in which a reader wants them.
+DERIVED = (
+    "one_step_matrix",
+    "determinant",
+    "energy_multiplier",
+    "invariant",
+    "characteristic_polynomial",
+    "roots",
+    "phase",
+    "phase_error",
+    "stability_limit",
+)
+
+
+def derive(method: Method | str) -> Derivation:
+    """Derive what is true of a method, or of the catalogue's method of this key, on the oscillator q' = v, v' = -q.
+
+    Raises ValueError for an unknown key, and when something is asked of a method with irrational coefficients.
+
+    >>> derive("forward_euler").energy_multiplier.value
+    h**2 + 1
+    """
+    return Derivation(method_named(method) if isinstance(method, str) else method)
+
+
+def _verdict(m: DomainMatrix, limit: sympy.Expr) -> list[Step]:
+    """The steps from the conditions to the limit, and whether the powers are bounded there."""
+    if limit in (0, sympy.oo):
+        because = "From $h = 0$ on one of them is negative, or the roots merge and the powers grow."
+        return [Step(because if limit == 0 else "None is negative for any $h > 0$.", (LIMIT, limit))]
+    steps = [Step("This is the largest $H$ with bounded powers for every $h < H$.", (LIMIT, limit))]
+    factor, root = limit.as_coeff_Mul()
+    if isinstance(root, sympy.CRootOf):
+        polynomial = sympy.Poly(root.poly.as_expr(STEP_SIZE / factor), STEP_SIZE).primitive()[1]
+        return [*steps, Step("It is a root of this irreducible polynomial.", (polynomial.as_expr(), sympy.Integer(0)))]
+    at = AtStep(m, limit)
+    grows = "At $H$ the roots merge and the powers grow." if at.jordan_block else "At $H$ the powers grow."
+    return [*steps, Step("At $H$ they are still bounded." if at.bounded else grows, (MATRIX, at.matrix))]
+
+
+def _chain(*members: sympy.Basic) -> tuple[sympy.Basic, ...]:
+    """The members without repetitions."""
+    return tuple(dict.fromkeys(members))

@@ -1,0 +1,135 @@
+"""Derivations as lines to read: the symbols, the steps, and what they look like in TeX, as text and in JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import sympy
+from sympy.polys.matrices import DomainMatrix
+
+from driftproof.symbolic.algebra.certified import significant
+from driftproof.symbolic.derivation.expression_balls import enclose_expression
+from driftproof.symbolic.derivation.one_step import expression
+
+# A number that has no radicals is shown with so many digits.
+DIGITS_SHOWN = 12
+
+# The state, the size of the step, and the map J(q, v) = (v, -q), whose products with stages are kept in order.
+POSITION, VELOCITY, STEP_SIZE = sympy.symbols("q v h")
+STATE, TURN = sympy.symbols("z J", commutative=False)
+MATRIX, NEW_STATE, STABILITY, ARGUMENT = sympy.symbols("M z_1 R z")
+ENERGY_RATIO, INVARIANT, DISCRIMINANT, THETA, LIMIT = sympy.symbols("mu I Delta theta H")
+ROOTS = sympy.symbols("lambda_1 lambda_2")
+DET, TRACE, GRAM = sympy.Symbol("det M"), sympy.Symbol("tr M"), sympy.Symbol("M^T M")
+AREA_FORM, CHARACTERISTIC = sympy.Symbol("det(z, M z)"), sympy.Symbol("det(lambda I - M)")
+COSINE, TANGENT = sympy.Symbol("cos(theta)"), sympy.Symbol("tan(theta)")
+# What is no letter of its own has a name of its own in TeX.
+TEX_NAMES = {
+    DET: r"\det M",
+    TRACE: r"\operatorname{tr} M",
+    GRAM: r"M^{\mathsf T} M",
+    AREA_FORM: r"\det(z, M z)",
+    CHARACTERISTIC: r"\det(\lambda I - M)",
+    COSINE: r"\cos\theta",
+    TANGENT: r"\tan\theta",
+}
+
+
+@dataclass(frozen=True)
+class Step:
+    """One line of a derivation: why it holds, formulas in it between dollars, and a chain of equal expressions."""
+
+    because: str
+    chain: tuple[sympy.Basic, ...]
+
+
+@dataclass(frozen=True)
+class Derived:
+    """One thing derived: the SymPy object `value`, called `symbol`, and the steps; or None, and why there is none."""
+
+    name: str
+    symbol: sympy.Basic
+    value: sympy.Basic | None
+    steps: tuple[Step, ...]
+    missing: str | None = None
+
+    @property
+    def tex(self) -> str:
+        """symbol = value in TeX, or the reason why there is none."""
+        return tex_of((self.symbol, self.value)) if self.value is not None else rf"\text{{none: {self.missing}}}"
+
+    @property
+    def derivation_tex(self) -> str:
+        """The steps as a paragraph to paste: a sentence and a displayed formula for each."""
+        lines = [rf"\paragraph{{{self.title}}}"]
+        for step in self.steps:
+            lines += [step.because, rf"\[ {tex_of(step.chain)} \]"]
+        return "\n".join([*lines, f"There is none: {self.missing}."] if self.missing else lines)
+
+    @property
+    def text(self) -> str:
+        """The steps in plain text, formulas in SymPy's syntax, and what they lead to."""
+        lines = [self.title]
+        for step in self.steps:
+            lines += [f"  {plain_words(step.because)}", f"      {text_of(step.chain)}"]
+        return "\n".join([*lines, f"  There is none: {plain_words(self.missing)}."] if self.missing else lines)
+
+    @property
+    def title(self) -> str:
+        """The name as a heading."""
+        return self.name.replace("_", " ").capitalize()
+
+    def data(self) -> dict[str, Any]:
+        """{"value", "tex", "missing", "steps"}, all strings; a value in SymPy's own syntax."""
+        steps = [{"because": s.because, "chain": [str(x) for x in s.chain], "tex": tex_of(s.chain)} for s in self.steps]
+        value = None if self.value is None else str(self.value)
+        return {"value": value, "tex": self.tex, "missing": self.missing, "steps": steps}
+
+    def _repr_latex_(self) -> str:
+        return rf"$\displaystyle {self.tex}$"
+
+
+def as_matrix(m: DomainMatrix) -> sympy.ImmutableMatrix:
+    """The matrix with entries that are expressions in h."""
+    return sympy.ImmutableMatrix([[expression(x) for x in row] for row in m.to_list()])
+
+
+def tex_of(chain: Sequence[sympy.Basic]) -> str:
+    """The expressions in TeX with signs of equality between them; polynomials ascend."""
+    settings = {"symbol_names": TEX_NAMES, "mat_str": "pmatrix", "mat_delim": "", "inv_trig_style": "full"}
+    return " = ".join(
+        rf"{_digits(x)}\ldots" if _is_long(x) else sympy.latex(x, order=_order(x), **settings) for x in chain
+    )
+
+
+def text_of(chain: Iterable[sympy.Basic]) -> str:
+    """The expressions in SymPy's syntax, a matrix as its rows: [1, h; -h, 1]."""
+    return " = ".join(_text(x) for x in chain)
+
+
+def plain_words(words: str) -> str:
+    """A sentence with formulas in TeX as plain text: without dollars, backslashes and braces."""
+    return words.translate({ord(c): None for c in "$\\{}"})
+
+
+def _text(x: sympy.Basic) -> str:
+    if isinstance(x, sympy.MatrixBase):
+        return f"[{'; '.join(', '.join(_text(entry) for entry in row) for row in x.tolist())}]"
+    return f"{_digits(x)}..." if _is_long(x) else str(sympy.sstr(x, order=_order(x)))
+
+
+def _order(x: sympy.Basic) -> str:
+    """Polynomials in one letter ascend; the terms of other expressions stay as they were written."""
+    return "rev-lex" if x.free_symbols <= {STEP_SIZE} or x.free_symbols <= {ARGUMENT} else "none"
+
+
+def _is_long(x: sympy.Basic) -> bool:
+    """True for a number that only an irreducible polynomial describes."""
+    return bool(x.atoms(sympy.CRootOf)) and not x.free_symbols and not isinstance(x, sympy.MatrixBase)
+
+
+def _digits(x: sympy.Basic) -> str:
+    return significant(partial(enclose_expression, x), DIGITS_SHOWN)

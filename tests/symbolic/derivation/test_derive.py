@@ -1,0 +1,134 @@
+"""What is derived of a method: against the FLINT engine's facts, against numbers put in, and in its three formats."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+import sympy
+
+import driftproof
+from driftproof.cli import main
+from driftproof.methods.catalogue import METHODS
+from driftproof.symbolic.derivation.derive import DERIVED, derive
+from driftproof.symbolic.facts import Facts
+
+h, q, v = sympy.symbols("h q v")
+FEW = ("forward_euler", "symplectic_euler", "velocity_verlet", "rk4", "bogacki_shampine32", "backward_euler", "gauss4",
+       "implicit_midpoint", "lobatto_iiib3", "nystrom4")  # fmt: skip
+AT = {h: sympy.Rational(3, 7)}
+LESSON = {  # multiplier, invariant, leading phase error, stability limit: as the lesson prints them
+    "forward_euler": (1 + h**2, None, -(h**3) / 3, 0),
+    "symplectic_euler": (None, (q**2 - h * q * v + v**2) / 2, h**3 / 24, 2),
+    "rk4": (1 - h**6 / 72 + h**8 / 576, None, -(h**5) / 120, 2 * sympy.sqrt(2)),
+}
+
+
+def in_sympy(function: object) -> sympy.Expr:
+    """A rational function of the FLINT engine in h."""
+    top, bottom = (
+        sum((sympy.Rational(str(c)) * h**k for k, c in enumerate(p.coeffs())), sympy.Integer(0))
+        for p in (function.num, function.den)  # type: ignore[attr-defined]
+    )
+    return top / bottom
+
+
+@pytest.mark.parametrize("key", LESSON)
+def test_lesson_methods_have_the_lesson_s_formulas(key: str) -> None:
+    found = derive(key)
+    multiplier, invariant, leading, limit = LESSON[key]
+    for derived, wanted in ((found.energy_multiplier, multiplier), (found.invariant, invariant)):
+        assert (derived.value is None) == (wanted is None) == (derived.missing is not None)
+        assert wanted is None or sympy.expand(derived.value - wanted) == 0
+    assert found.phase_error.steps[-1].chain == (leading,)
+    assert found.stability_limit.value == limit
+
+
+@pytest.mark.parametrize("key", FEW)
+def test_what_is_derived_agrees_with_the_facts_of_the_other_engine(key: str) -> None:
+    found, facts = derive(key), Facts(METHODS[key])
+    for derived, wanted in zip(
+        found.one_step_matrix.value, [x for row in facts.one_step_matrix for x in row], strict=True
+    ):
+        assert sympy.cancel(derived - in_sympy(wanted)) == 0
+    assert sympy.cancel(found.determinant.value - in_sympy(facts.determinant.f)) == 0
+    multiplier = facts.energy_multiplier
+    assert (found.energy_multiplier.value is None) == (multiplier is None)
+    if multiplier is not None:
+        assert sympy.cancel(found.energy_multiplier.value - in_sympy(multiplier.f).subs(h, h**2)) == 0
+    assert (found.invariant.value is None) == (facts.invariant is None)
+
+
+@pytest.mark.parametrize("key", FEW)
+def test_numbers_put_into_the_formulas_satisfy_what_they_say(key: str) -> None:
+    """At h = 3/7: both roots solve the characteristic equation, the invariant is conserved, the angle is a root's."""
+    found = derive(key)
+    m = found.one_step_matrix.value.subs(AT)
+    for root in found.roots.value:
+        assert sympy.simplify((m - root.subs(AT) * sympy.eye(2)).det()) == 0
+    assert sympy.simplify(sympy.cos(found.phase.value.subs(AT)) * 2 * sympy.sqrt(m.det()) - m.trace()) == 0
+    if (invariant := found.invariant.value) is not None:
+        after = m * sympy.Matrix([q, v])
+        moved = invariant.subs(AT).subs({q: after[0], v: after[1]}, simultaneous=True)
+        assert sympy.expand(moved - invariant.subs(AT)) == 0
+
+
+@pytest.mark.parametrize("key", FEW)
+def test_every_result_has_steps_and_the_last_of_a_value_ends_in_it(key: str) -> None:
+    for derived in derive(key).chosen():
+        assert derived.steps or derived.missing
+        assert (derived.value is None) == bool(derived.missing)
+        for step in derived.steps:
+            assert step.because.count("$") % 2 == 0
+            numbers = [x for x in step.chain if not isinstance(x, sympy.MatrixBase) and x.free_symbols == {h}]
+            for other in numbers[1:]:
+                assert sympy.simplify((numbers[0] - other).subs(AT)) == 0
+
+
+def test_a_plane_that_only_drifts_has_no_phase_error_and_says_why() -> None:
+    from driftproof.methods.schemes import Splitting
+
+    found = derive(Splitting("drift", "Drift", 0, "test", (("drift", 1),)))
+    assert found.phase_error.missing == "the step is not a consistent rotation: its angle is not h + O(h**2)"
+    assert "does not become the energy" in (found.invariant.missing or "")
+    assert found.stability_limit.value == 0
+
+
+def test_formats_of_the_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert main(["derive", "symplectic_euler", "--format", "json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert list(answer["derived"]) == sorted(DERIVED)
+    assert answer["derived"]["invariant"]["value"] == "-h*q*v/2 + q**2/2 + v**2/2"
+    assert answer["derived"]["energy_multiplier"]["value"] is None
+    assert main(["derive", "rk4", "--only", "energy_multiplier", "--format", "tex"]) == 0
+    assert r"\[ \mu = 1 - \frac{h^{6}}{72} + \frac{h^{8}}{576} \]" in capsys.readouterr().out
+    table = tmp_path / "ralston.toml"
+    table.write_text('family = "runge_kutta"\nA = [[0, 0], ["2/3", 0]]\nb = ["1/4", "3/4"]\n')
+    assert main(["derive", str(table), "--only", "determinant"]) == 0
+    assert "det M = M_qq*M_vv - M_qv*M_vq = 1 + h**4/4" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["rk5"], "rk5"),
+        (["rk4", "--only", "phas"], "'phas' is not derived; choose from one_step_matrix"),
+        (["gauss2"], "derivations take rational ones only"),
+        (["sdirk_order_2"], "is a family of methods"),
+        (["missing.toml"], "missing.toml"),
+    ],
+)
+def test_bad_input_is_refused_in_one_line(arguments: list[str], words: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["derive", *arguments]) == 2
+    complaint = capsys.readouterr().err
+    assert words in complaint
+    assert complaint.count("\n") == 1
+
+
+def test_front_door_takes_a_key_and_shows_itself_in_a_notebook() -> None:
+    shown = driftproof.derive("symplectic_euler")
+    assert shown.determinant._repr_latex_() == r"$\displaystyle \det M = 1$"
+    whole = shown._repr_latex_()
+    assert whole.startswith("$$")
+    assert all(each.tex in whole for each in shown.chosen())

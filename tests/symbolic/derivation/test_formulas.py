@@ -1,0 +1,53 @@
+"""What steps look like: ascending polynomials, stages in their order, numbers without radicals in digits."""
+
+from __future__ import annotations
+
+import pytest
+import sympy
+
+from driftproof.symbolic.derivation.derive import derive
+from driftproof.symbolic.derivation.formulas import DET, Derived, Step, plain_words, tex_of, text_of
+
+h = sympy.Symbol("h")
+K = sympy.symbols("k_1 k_2", commutative=False)
+MATRIX = sympy.ImmutableMatrix([[1 - h**2, h], [-h, 1]])
+
+
+@pytest.mark.parametrize(
+    ("expression", "text", "tex"),
+    [
+        (1 - h**2 + h**4 / 4, "1 - h**2 + h**4/4", r"1 - h^{2} + \frac{h^{4}}{4}"),
+        (sympy.Add(K[0] / 2, K[1], evaluate=False), "k_1/2 + k_2", r"\frac{k_{1}}{2} + k_{2}"),
+        (MATRIX, "[1 - h**2, h; -h, 1]", r"\begin{pmatrix}1 - h^{2} & h\\- h & 1\end{pmatrix}"),
+        (DET, "det M", r"\det M"),
+        (sympy.CRootOf(h**5 - h - 1, 0), "1.16730397826...", r"1.16730397826\ldots"),
+    ],
+)
+def test_expression_is_written_as_an_author_would(expression: sympy.Basic, text: str, tex: str) -> None:
+    assert (text_of([expression]), tex_of([expression])) == (text, tex)
+    assert text_of([DET, expression]) == f"det M = {text}"
+
+
+def test_words_lose_what_only_tex_needs() -> None:
+    assert (
+        plain_words(r"A step multiplies by $\det M$, and $E = |z|^{2}/2$.")
+        == "A step multiplies by det M, and E = |z|^2/2."
+    )
+
+
+def test_missing_value_says_why_in_every_form() -> None:
+    derived = Derived("invariant", DET, None, (Step("So $h$ is:", (h, h**2)),), "$h$ is odd")
+    assert derived.text == "Invariant\n  So h is:\n      h = h**2\n  There is none: h is odd."
+    assert derived.derivation_tex.splitlines() == [
+        r"\paragraph{Invariant}", "So $h$ is:", r"\[ h = h^{2} \]", "There is none: $h$ is odd.",
+    ]  # fmt: skip
+    assert derived.tex == r"\text{none: $h$ is odd}"
+    steps = [{"because": "So $h$ is:", "chain": ["h", "h**2"], "tex": "h = h^{2}"}]
+    assert derived.data() == {"value": None, "tex": derived.tex, "missing": "$h$ is odd", "steps": steps}
+
+
+def test_limit_without_radicals_is_shown_in_digits_and_by_its_polynomial() -> None:
+    limit = derive("dormand_prince54").stability_limit
+    assert "H = 0.997189008633..." in limit.text
+    assert limit.steps[-1].chain == (h**6 - 25 * h**4 + 225 * h**2 - 200, 0)
+    assert r"H = 0.997189008633\ldots" == limit.tex
