@@ -28,7 +28,7 @@ from benchmarks.peers import (
 )
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.steppers import rk4
-from driftproof.symbolic.algebra.radicals import decimal
+from driftproof.symbolic.algebra.radicals import root_decimal
 from driftproof.symbolic.linear.implicit_stability import a_stability, l_stability
 from driftproof.symbolic.linear.limits import imaginary_limit, real_limit
 from driftproof.symbolic.linear.monotonicity import ssp_coefficient
@@ -110,7 +110,7 @@ def stability() -> list[Subject]:
         return of
 
     limits, properties = both(real_limit, imaginary_limit), both(a_stability, l_stability)
-    digits = six_digits(lambda limit: decimal(limit, 8))
+    digits = six_digits(lambda limit: root_decimal(limit, 8))
     goals = {"rk4": 0.1, "fehlberg78": 2, "gauss5": 1}
     shown = lambda found: ", ".join(map(digits, found))
     verdicts = lambda found: str(tuple(map(bool, found)))

@@ -10,7 +10,7 @@ import sympy
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.scenes import LARGEST_LESSON_H, PRESETS, Scene
-from driftproof.symbolic.algebra.certified import Exact
+from driftproof.symbolic.algebra.certified import CertifiableReal
 from driftproof.symbolic.derivation.energy import invariant_quadratic
 from driftproof.symbolic.derivation.one_step import at_rational
 from proofs.claims import CERTIFIED, COUNTED, PROVED
@@ -41,15 +41,15 @@ class Quantity:
 
     id: str
     words: str
-    value: Callable[[], Exact]
+    value: Callable[[], CertifiableReal]
     evidence: str
 
 
-def _proved(key: str, words: str, value: Callable[[], Exact]) -> Quantity:
+def _proved(key: str, words: str, value: Callable[[], CertifiableReal]) -> Quantity:
     return Quantity(key, words, value, PROVED)
 
 
-def _enclosed(key: str, words: str, value: Callable[[], Exact | None]) -> Quantity:
+def _enclosed(key: str, words: str, value: Callable[[], CertifiableReal | None]) -> Quantity:
     return Quantity(key, words, lambda: _defined(value()), CERTIFIED)
 
 
@@ -57,7 +57,7 @@ def _counted(key: str, words: str, value: Callable[[], int]) -> Quantity:
     return Quantity(key, words, lambda: Q(value()), COUNTED)
 
 
-def _defined(value: Exact | None) -> Exact:
+def _defined(value: CertifiableReal | None) -> CertifiableReal:
     if value is None:
         raise ValueError("the quantity is undefined at the origin")
     return value

@@ -7,7 +7,7 @@ from fractions import Fraction as Q
 import sympy
 from sympy import QQ, Rational
 
-from driftproof.symbolic.algebra.certified import Exact, enclose, fixed, is_less, sign
+from driftproof.symbolic.algebra.certified import CertifiableReal, certified_sign, enclose, fixed, is_less
 from driftproof.symbolic.derivation.convergence import T, global_error_coefficient, local_error
 from driftproof.symbolic.derivation.energy import energy_multiplier
 from driftproof.symbolic.derivation.one_step import H, expression
@@ -51,7 +51,7 @@ def test_smaller_step_smaller_energy_error_only_of_small_h() -> None:
     slope = sympy.together(growth.diff(h) * h**2)
     assert sympy.simplify(slope - (2 * h**2 / (1 + h**2) - sympy.log(1 + h**2))) == 0
     low, high = Rational(198029, 100000), Rational(198030, 100000)
-    assert sign(slope.subs(h, low)) > 0 > sign(slope.subs(h, high))
+    assert certified_sign(slope.subs(h, low)) > 0 > certified_sign(slope.subs(h, high))
     # one turn only: with x = h² the slope rises while x < 1 and falls after, from 0 at x = 0
     x = sympy.Symbol("x", positive=True)
     assert sympy.simplify((2 * x / (1 + x) - sympy.log(1 + x)).diff(x) - (1 - x) / (x + 1) ** 2) == 0
@@ -101,7 +101,7 @@ def test_rk4_compare_run_follows_more_closely() -> None:
     """At h = ½ RK4 ends nearer to the exact state than the symplectic run, by a factor of more than 48."""
     rk4, symplectic = run(RK4, COMPARE_H).state_error, run(SYMPLECTIC, COMPARE_H).state_error
     assert is_less(rk4, symplectic)
-    assert sign(lambda: enclose(symplectic) - 48 * enclose(rk4)) > 0
+    assert certified_sign(lambda: enclose(symplectic) - 48 * enclose(rk4)) > 0
 
 
 @claim("L012", evidence=RESTRICTED, by="exact counterexample")
@@ -161,7 +161,7 @@ def test_halving_divides_leading_error_by_two_and_sixteen() -> None:
     coarse, fine = run(RK4, Q(1, 32)).state_error, run(RK4, Q(1, 64)).state_error
 
     def ratio_minus(x: Q) -> int:
-        return sign(lambda: enclose(coarse) - enclose(x) * enclose(fine))
+        return certified_sign(lambda: enclose(coarse) - enclose(x) * enclose(fine))
 
     assert ratio_minus(Q(15999, 1000)) > 0 > ratio_minus(Q(16001, 1000))
 
@@ -176,12 +176,12 @@ def test_observed_ratio_can_be_changed_three_ways() -> None:
     velocity_term = (global_error_coefficient(local_error(M(SYMPLECTIC))) * START_COLUMN)[1]
     assert velocity_term == 0
 
-    def velocity_error(step: Q) -> Exact:
+    def velocity_error(step: Q) -> CertifiableReal:
         exact = run(SYMPLECTIC, step, Q(4))
         return lambda: abs(enclose(exact.final_state[1]) - enclose(exact.exact_state[1]))
 
     coarse, fine = velocity_error(Q(1, 32)), velocity_error(Q(1, 64))
-    assert sign(lambda: enclose(coarse) - enclose(Q(39, 10)) * enclose(fine)) > 0
+    assert certified_sign(lambda: enclose(coarse) - enclose(Q(39, 10)) * enclose(fine)) > 0
     assert is_less(run(EULER, Q(5, 2)).state_error, run(EULER, Q(2)).state_error)
     tiny = 2.0**-30
     assert 1.0 - tiny * tiny == 1.0 - (tiny / 2) * (tiny / 2)
@@ -194,7 +194,7 @@ def test_one_coarse_comparison_shows_no_order() -> None:
     Read as an order that would be one and a half; it is one.
     """
     coarse, fine = (run(SYMPLECTIC, step).state_error for step in (COMPARE_H, DEFAULT_H))
-    assert sign(lambda: enclose(coarse) - enclose(Q(278, 100)) * enclose(fine)) > 0
+    assert certified_sign(lambda: enclose(coarse) - enclose(Q(278, 100)) * enclose(fine)) > 0
     assert local_error(M(SYMPLECTIC)).linear_order == 1
 
 

@@ -16,7 +16,7 @@ from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.plot import Plot, Scale, symmetric_limit, ticks
 from driftproof.reports.page.trajectory import SampledRun, phase_plane, position
 from driftproof.reports.scene_view import COMPARED_READOUTS, asking_for, comparison_rows, readout_rows
-from driftproof.symbolic.algebra.certified import Exact, enclose, is_less
+from driftproof.symbolic.algebra.certified import CertifiableReal, enclose, is_less
 from driftproof.symbolic.derivation.one_step import matrix_at
 from driftproof.symbolic.runs import apply
 from proofs.claims import COUNTED, PROVED, RESTRICTED, claim
@@ -55,7 +55,7 @@ def places(plot: Plot, class_: str) -> list[tuple[str, str]]:
     return re.findall(r"(-?[\d.]+) (-?[\d.]+)", path)
 
 
-def is_at(found: str, scale: Scale, x: Exact) -> bool:
+def is_at(found: str, scale: Scale, x: CertifiableReal) -> bool:
     """True if a mark is at x to a hundredth of a unit of the picture: places are rounded to hundredths, once.
 
     Half of one is lost in that; what is left is for the rounding of the run, so that a tie may fall either way.

@@ -8,7 +8,7 @@ from sympy import QQ, Rational, cos, ring, sin, sqrt, symbols
 from driftproof.methods.problems import oscillator
 from driftproof.numeric.readouts import exact_state
 from driftproof.numeric.scenes import PRESETS
-from driftproof.symbolic.algebra.certified import is_less, sign
+from driftproof.symbolic.algebra.certified import certified_sign, is_less
 from driftproof.symbolic.derivation.one_step import matrix
 from driftproof.symbolic.derivation.physical import Spring
 from proofs.claims import CERTIFIED, COUNTED, PROVED, claim
@@ -111,7 +111,7 @@ def test_undamped_energy_constant_and_forced_not() -> None:
 def test_every_method_misses_the_known_solution() -> None:
     """The known solution shows what each method gets wrong: all three miss it at t = 10, by different distances."""
     errors = [run(key, PRESETS["default"].h).state_error for key in LESSON_METHODS]
-    assert all(sign(error) > 0 for error in errors)
+    assert all(certified_sign(error) > 0 for error in errors)
     assert is_less(errors[2], errors[1])
     assert is_less(errors[1], errors[0])
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from driftproof.symbolic.algebra.certified import Exact, significant
+from driftproof.symbolic.algebra.certified import CertifiableReal, significant
 from proofs.claims import NOT_VERIFIABLE, REQUIRED, STATEMENTS, claim
 from proofs.ledger import Entry, Ledger
 from proofs.printed import ROWS
@@ -42,7 +42,7 @@ def test_printed_texts_and_decimals_are_those_of_the_lesson() -> None:
     assert printed - {row.claim for row in ROWS} == others
 
 
-def _agree(theirs: str, value: Exact) -> bool:
+def _agree(theirs: str, value: CertifiableReal) -> bool:
     """Their decimal is the value, correctly rounded to as many digits as it shows."""
     digits = len(theirs.lstrip("-0.").replace(".", ""))
     return Fraction(theirs) == Fraction(significant(value, digits)) if digits else value == 0

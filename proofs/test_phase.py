@@ -9,7 +9,7 @@ import sympy
 from sympy import QQ, Rational, atan2, cos, pi, ring, sin, sqrt
 
 from driftproof.numeric import readouts
-from driftproof.symbolic.algebra.certified import fixed, is_less, sign
+from driftproof.symbolic.algebra.certified import certified_sign, fixed, is_less
 from driftproof.symbolic.derivation.one_step import H
 from driftproof.symbolic.derivation.phase import leading_term, phase_error_series, phase_per_step
 from driftproof.symbolic.runs import OscillatorRun
@@ -124,7 +124,7 @@ def test_phase_error_is_the_shortest_of_all_differences() -> None:
     unwrapped = (4 * sympy.atan(Rational(5, 2)) - 10) * 180 / pi  # the angles without wrapping
     assert fixed(unwrapped + 360, 20) == fixed(wrapped, 20)  # type: ignore[arg-type]
     assert is_less(unwrapped, sympy.Integer(-180))
-    assert sign(unwrapped + 360) > 0
+    assert certified_sign(unwrapped + 360) > 0
     assert is_less(unwrapped + 360, sympy.Integer(180))
 
 

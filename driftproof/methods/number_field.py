@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from flint import arb, fmpq
 
 # Arithmetic takes the square of the degree, and no published method comes near.
-LARGEST_DEGREE = 12
+LARGEST_FIELD_DEGREE = 12
 _FIRST_BITS = 64
 
 
@@ -50,8 +50,8 @@ class NumberField:
             raise ValueError(f"{self.name}: needs degree 2 or more, and a change of sign on the interval")
         if len(_roots_between(self, _FIRST_BITS)) != 1:
             raise ValueError(f"{self.name}: several roots lie between {self.low} and {self.high}; narrow the interval")
-        if self.degree > LARGEST_DEGREE:
-            raise UndecidedError(f"degree {self.degree}: irreducibility is decided up to degree {LARGEST_DEGREE}")
+        if self.degree > LARGEST_FIELD_DEGREE:
+            raise UndecidedError(f"degree {self.degree}: irreducibility is decided up to degree {LARGEST_FIELD_DEGREE}")
         if [multiplicity for _, multiplicity in p.factor()[1]] != [1]:
             raise ValueError(f"{self.name}: the minimal polynomial is reducible, a product of two over Q")
 

@@ -30,7 +30,7 @@ from driftproof.methods.number_field import Algebraic, Exact, NumberField
 from driftproof.methods.parameters import Function, function
 from driftproof.methods.schemes import SUBSTEPS, Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
 from driftproof.support.toml_tables import (
-    Table,
+    TomlTable,
     as_choice,
     as_flag,
     as_line,
@@ -65,7 +65,7 @@ def read_method(path: str | Path) -> Method | Family:
     return read_toml(path, LARGEST_FILE, lambda table: _method(table, Path(path).stem), MethodError)
 
 
-def _method(table: Table, name: str) -> Method | Family:
+def _method(table: TomlTable, name: str) -> Method | Family:
     """The method or family that a TOML table defines, `name` its key where it has none. Raises ValueError."""
     family = as_choice(table.get("family"), "family", _FAMILIES)
     parametric = "parameter" in table and family == "runge_kutta"
@@ -74,7 +74,7 @@ def _method(table: Table, name: str) -> Method | Family:
     return build(table, _common(table, name), _reader(table))
 
 
-def _reader(table: Table) -> Read:
+def _reader(table: TomlTable) -> Read:
     """The reader of numbers in the roots, or of functions of the parameter, that the table declares."""
     if "parameter" in table:
         parameter = _parameter(table)
@@ -83,7 +83,7 @@ def _reader(table: Table) -> Read:
     return lambda text, where: parse_exact(text, roots, where)
 
 
-def _parameter(table: Table) -> str:
+def _parameter(table: TomlTable) -> str:
     name = table["parameter"]
     if not isinstance(name, str) or not _NAME.fullmatch(name) or name in RADICALS:
         raise MethodError(f"parameter is {quoted(name)}; write a letter and up to 30 letters, digits or underscores")
@@ -92,7 +92,7 @@ def _parameter(table: Table) -> str:
     return name
 
 
-def _common(table: Table, name: str) -> dict[str, Any]:
+def _common(table: TomlTable, name: str) -> dict[str, Any]:
     plain = re.sub(r"[^A-Za-z0-9_.+-]", "_", name)[:50]
     key = as_line(table.get("key", plain if _KEY.fullmatch(plain) else f"method_{plain}"), "key", LONGEST_NAME)
     if not _KEY.fullmatch(key):
@@ -160,7 +160,7 @@ def _number(value: object, where: str, read: Read) -> Any:
     raise MethodError(f"{where} is {quoted(value)}; write an integer, a decimal or an expression in quotes")
 
 
-def _square(table: Table, read: Read, stages: int) -> tuple[tuple[Any, ...], ...]:
+def _square(table: TomlTable, read: Read, stages: int) -> tuple[tuple[Any, ...], ...]:
     rows = as_list(_entry(table, "A"), "A", most=MOST_STAGES)
     for i, row in enumerate(rows):
         if len(as_list(row, f"A[{i}]", most=MOST_STAGES)) != len(rows):
@@ -170,13 +170,13 @@ def _square(table: Table, read: Read, stages: int) -> tuple[tuple[Any, ...], ...
     return tuple(_numbers(row, f"A[{i}]", read) for i, row in enumerate(rows))
 
 
-def _entry(table: Table, name: str) -> object:
+def _entry(table: TomlTable, name: str) -> object:
     if name not in table:
         raise MethodError(f"{name} is missing")
     return table[name]
 
 
-def _runge_kutta(table: Table, common: dict[str, Any], read: Read) -> Method:
+def _runge_kutta(table: TomlTable, common: dict[str, Any], read: Read) -> Method:
     b = _numbers(_entry(table, "b"), "b", read)
     a = _square(table, read, len(b))
     pair = {"b_embedded", "embedded_order"} & set(table)
@@ -190,12 +190,12 @@ def _runge_kutta(table: Table, common: dict[str, Any], read: Read) -> Method:
     )
 
 
-def _nodes(table: Table, a: Sequence[Sequence[Any]], read: Read) -> tuple[Any, ...]:
+def _nodes(table: TomlTable, a: Sequence[Sequence[Any]], read: Read) -> tuple[Any, ...]:
     """c, or the row sums of A where it is left out."""
     return _numbers(table["c"], "c", read, len(a)) if "c" in table else tuple(sum(row, Fraction(0)) for row in a)
 
 
-def _family(table: Table, common: dict[str, Any], read: Read) -> Family:
+def _family(table: TomlTable, common: dict[str, Any], read: Read) -> Family:
     if common.pop("decimal"):
         raise MethodError("decimal is true; a tableau with a parameter is meant exactly")
     b = _numbers(_entry(table, "b"), "b", read)
@@ -208,7 +208,7 @@ def _family(table: Table, common: dict[str, Any], read: Read) -> Family:
     return Family(**common, parameter=_parameter(table), a=rows, b=functions(b), c=nodes)
 
 
-def _splitting(table: Table, common: dict[str, Any], read: Read) -> Method:
+def _splitting(table: TomlTable, common: dict[str, Any], read: Read) -> Method:
     parts = []
     for i, part in enumerate(as_list(_entry(table, "parts"), "parts", most=5 * MOST_STAGES)):
         if not isinstance(part, list) or len(part) != 2 or part[0] not in SUBSTEPS:
@@ -217,7 +217,7 @@ def _splitting(table: Table, common: dict[str, Any], read: Read) -> Method:
     return Splitting(**common, parts=tuple(parts))
 
 
-def _nystrom(table: Table, common: dict[str, Any], read: Read) -> Method:
+def _nystrom(table: TomlTable, common: dict[str, Any], read: Read) -> Method:
     weights = _numbers(_entry(table, "b_velocity"), "b_velocity", read)
     return Nystrom(
         **common,
@@ -228,7 +228,7 @@ def _nystrom(table: Table, common: dict[str, Any], read: Read) -> Method:
     )
 
 
-def _collocation(table: Table, common: dict[str, Any], read: Read) -> Method:
+def _collocation(table: TomlTable, common: dict[str, Any], read: Read) -> Method:
     if common.pop("decimal"):
         raise MethodError("decimal is true; a node polynomial that is rounded has other nodes, and is meant exactly")
     coefficients = as_list(_entry(table, "node_polynomial"), "node_polynomial", most=MOST_NODES + 1)
@@ -236,7 +236,7 @@ def _collocation(table: Table, common: dict[str, Any], read: Read) -> Method:
     return Collocation(**common, node_polynomial=tuple(_rational(x) for x in polynomial))
 
 
-_Reader = Callable[[Table, dict[str, Any], Read], Method | Family]
+_Reader = Callable[[TomlTable, dict[str, Any], Read], Method | Family]
 _FAMILIES: dict[str, tuple[tuple[str, ...], _Reader]] = {
     "runge_kutta": (("A", "b", "c", "b_embedded", "embedded_order"), _runge_kutta),
     "splitting": (("parts",), _splitting),

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from driftproof.methods.catalogue import method_named
 from driftproof.methods.rationals import parse_rational, step_count
-from driftproof.support.toml_tables import Table, as_list, as_text, as_texts, demand_keys, quoted, read_toml
+from driftproof.support.toml_tables import TomlTable, as_list, as_text, as_texts, demand_keys, quoted, read_toml
 
 TRAJECTORY = "trajectory"
 READOUTS = (
@@ -133,7 +133,7 @@ def read_scene(path: Path) -> Scene:
     return read_toml(path, LONGEST_FILE, lambda table: _scene(table, path.stem), SceneError)
 
 
-def _scene(table: Table, name: str) -> Scene:
+def _scene(table: TomlTable, name: str) -> Scene:
     demand_keys(table, tuple(field.name for field in fields(Scene)), "a scene")
     for key in ("selected", "h", "t"):
         if key not in table:

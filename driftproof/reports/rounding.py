@@ -13,7 +13,7 @@ from driftproof.methods.rationals import step_count
 from driftproof.numeric.run import Counter, demand_few, integrate, nearest_double
 from driftproof.numeric.steppers import HAND_WRITTEN, float_stepper
 from driftproof.support.plain_text import Json, table
-from driftproof.symbolic.algebra.certified import AWAY, Exact, enclose
+from driftproof.symbolic.algebra.certified import AWAY, CertifiableReal, enclose
 from driftproof.symbolic.linear.oscillator import one_step_matrix
 from driftproof.symbolic.rounding.error_of_run import ErrorOfRun
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
@@ -118,7 +118,7 @@ def budget_answer(
     }
 
 
-def _in_u(value: Exact) -> Exact:
+def _in_u(value: CertifiableReal) -> CertifiableReal:
     return value / BINARY64.u if isinstance(value, Fraction) else lambda: enclose(value) / enclose(BINARY64.u)
 
 

@@ -18,7 +18,7 @@ from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.stability import Observed, fewest_steps, largest_bounded, observe, size, stays_bounded
 from driftproof.numeric.work_precision.exact import distance
 from driftproof.support.plain_text import Json, table, with_digits
-from driftproof.symbolic.algebra.certified import HALF_EVEN, Exact, enclose, significant
+from driftproof.symbolic.algebra.certified import HALF_EVEN, CertifiableReal, enclose, significant
 from driftproof.symbolic.facts import Facts
 from driftproof.symbolic.linear.conjugate_pairs import UndecidedLimitError
 from driftproof.symbolic.linear.oscillator import stability_function_of
@@ -138,7 +138,7 @@ def _proved_at(found: SystemFacts, h: Fraction) -> Json:
     return {"bounded": bounded, "factor": number(factor, _DIGITS, HALF_EVEN), "factor_less_one": _less_one(factor)}
 
 
-def _less_one(factor: Exact) -> str | None:
+def _less_one(factor: CertifiableReal) -> str | None:
     """The factor less 1, to two digits; None where so small a ball as _ONE_BITS give holds 1."""
     with ctx.workprec(_ONE_BITS):
         if (enclose(factor) - 1).contains(0):

@@ -11,8 +11,8 @@ from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
-Table: TypeAlias = dict[str, Any]
-T = TypeVar("T")
+TomlTable: TypeAlias = dict[str, Any]
+_T = TypeVar("_T")
 
 # tomllib takes the square of the time for a key of many parts, which are parted by dots: 1 ms for so many.
 MOST_DOTS = 300
@@ -21,7 +21,9 @@ LONGEST_QUOTED = 60
 _DECIMAL = re.compile(rb"(?<![\w.])\d+\.\d+(?![\w.])")
 
 
-def read_toml(path: str | Path, longest: int, make: Callable[[Table], T], refusal: type[ValueError] = ValueError) -> T:
+def read_toml(
+    path: str | Path, longest: int, make: Callable[[TomlTable], _T], refusal: type[ValueError] = ValueError
+) -> _T:
     """What `make` makes of the file's table. Whatever is wrong is a `refusal`, one line that names the file."""
     try:
         with Path(path).open("rb") as file:
@@ -34,7 +36,7 @@ def read_toml(path: str | Path, longest: int, make: Callable[[Table], T], refusa
     raise refusal(" ".join(f"{path}: {reason}".split()))
 
 
-def parse_toml(content: bytes, longest: int) -> Table:
+def parse_toml(content: bytes, longest: int) -> TomlTable:
     """The table that the content spells, a decimal as the string that stands there: 0.1 is to mean 1/10.
 
     Raises ValueError for more than `longest` bytes, and for anything that is not TOML.
@@ -63,7 +65,7 @@ def quoted(value: object) -> str:
     return text if len(text) <= LONGEST_QUOTED else text[: LONGEST_QUOTED - 3] + "..."
 
 
-def demand_keys(table: Table, allowed: Collection[str], what: str) -> None:
+def demand_keys(table: TomlTable, allowed: Collection[str], what: str) -> None:
     """Refuse a key that is not among those allowed in `what`."""
     if unknown := next((key for key in table if key not in allowed), None):
         raise ValueError(f"{what} has no key {quoted(unknown)}; there are {', '.join(allowed)}")
@@ -109,7 +111,7 @@ def as_choice(value: object, where: str, allowed: Collection[str]) -> str:
     raise _refusal(value, where, " or ".join(map(repr, allowed)))
 
 
-def as_table(value: object, where: str) -> Table:
+def as_table(value: object, where: str) -> TomlTable:
     """A table."""
     if isinstance(value, dict):
         return value

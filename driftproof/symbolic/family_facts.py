@@ -13,21 +13,20 @@ from driftproof.methods.families import Family
 from driftproof.methods.number_field import Exact, UndecidedError
 from driftproof.symbolic.algebra.bivariate import (
     Bivariate,
+    add_rows,
     at_parameter,
-    difference,
-    in_square,
+    inflate,
     irreducible_factors,
-    product,
+    multiply_rows,
     signed,
-    total,
+    subtract_rows,
     without_root_zero,
 )
-from driftproof.symbolic.algebra.bivariate import text as curve_text
+from driftproof.symbolic.algebra.bivariate import bivariate_text as curve_text
 from driftproof.symbolic.algebra.polynomials import ZERO, Polynomial, greatest_common_divisor, scalar
-from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
-from driftproof.symbolic.algebra.real_roots import ZERO as ORIGIN
+from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction, rational_function_text
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT as ORIGIN
 from driftproof.symbolic.algebra.real_roots import RealRoot, positive_roots, vanishes_at
-from driftproof.symbolic.algebra.text import rational_text
 from driftproof.symbolic.linear.facts import ExactFunction, fact_names
 from driftproof.symbolic.linear.families import (
     FamilyStability,
@@ -252,7 +251,7 @@ _Value: TypeAlias = Limit | Branch
 def parametric_real_limit(family: Family) -> list[Piece]:
     """The real limit: (Q - P)(Q + P) at -x vanishes there."""
     r = family_stability(family)
-    margin = without_root_zero(signed(product(difference(r.den, r.num), total(r.den, r.num))))
+    margin = without_root_zero(signed(multiply_rows(subtract_rows(r.den, r.num), add_rows(r.den, r.num))))
     return _pieces(family, r, margin, margin, real_limit)
 
 
@@ -260,7 +259,7 @@ def parametric_imaginary_limit(family: Family) -> list[Piece]:
     """The imaginary limit: |Q(ix)|² - |P(ix)|² vanishes there, a polynomial in x**2."""
     r = family_stability(family)
     margin = r.margin_on_axis()
-    return _pieces(family, r, margin, in_square(margin), imaginary_limit)
+    return _pieces(family, r, margin, inflate(margin), imaginary_limit)
 
 
 def _pieces(
@@ -295,7 +294,7 @@ def _piece(curves: list[Bivariate], parameter: str, value: _Value, where: Interv
     curve, formula = curves[value.curve], None
     powers = [k for k, c in enumerate(curve) if c != 0]
     if powers in ([0, 1], [0, 2]):
-        solved = rational_text(fraction(-curve[0], curve[-1]), parameter)
+        solved = rational_function_text(fraction(-curve[0], curve[-1]), parameter)
         formula = solved if powers == [0, 1] else f"sqrt({solved})"
     return Piece(where, None, curve_text(curve, "x", parameter), value.root, formula)
 

@@ -11,7 +11,7 @@ from flint import arb, ctx
 
 from driftproof.methods.rationals import step_count
 from driftproof.methods.schemes import Method
-from driftproof.symbolic.algebra.certified import Exact, enclose, sign
+from driftproof.symbolic.algebra.certified import CertifiableReal, certified_sign, enclose
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.linear.oscillator import one_step_matrix
 
@@ -122,7 +122,7 @@ class TrigonometricNumber:
     def __str__(self) -> str:
         """The terms in ascending order of their values."""
         terms = [(self.cosine, "cos"), (self.sine if self.t > 0 else -self.sine, "sin")]
-        if all(c for c, _ in terms) and sign(TrigonometricNumber(self.cosine, -self.sine, self.t)) > 0:
+        if all(c for c, _ in terms) and certified_sign(TrigonometricNumber(self.cosine, -self.sine, self.t)) > 0:
             terms.reverse()
         return " + ".join(_term(c, f"{name}({abs(self.t)})") for c, name in terms if c).replace("+ -", "- ")
 
@@ -138,7 +138,7 @@ def _term(coefficient: Fraction, factor: str) -> str:
 class OscillatorRun:
     """N = t/h steps of `method` on q' = v, v' = -q from the rational state `start`.
 
-    Every quantity is a Fraction where it is rational and short, else an enclosing procedure (`certified.Exact`).
+    Every quantity is a Fraction where it is rational and short, else a procedure that encloses it (`CertifiableReal`).
     The start is rational and t too, so the exact state is rational only at t = 0, where Fractions are returned, or
     from the origin, where the enclosures are exact: hence no question asked of these numbers is an undecidable tie
     (Lindemann: cos t and sin t are transcendental at rational t != 0).
@@ -179,7 +179,7 @@ class OscillatorRun:
         return self._power is not None
 
     @cached_property
-    def final_state(self) -> tuple[Exact, Exact]:
+    def final_state(self) -> tuple[CertifiableReal, CertifiableReal]:
         """(q_N, v_N) = M(h)ᴺ (q₀, v₀)."""
         if self._power is not None:
             q, v = apply(self._power, *self.start)
@@ -187,7 +187,7 @@ class OscillatorRun:
         return lambda: _numerical(self)[0], lambda: _numerical(self)[1]
 
     @property
-    def exact_state(self) -> tuple[Exact, Exact]:
+    def exact_state(self) -> tuple[CertifiableReal, CertifiableReal]:
         """(q₀ cos t + v₀ sin t, v₀ cos t - q₀ sin t)."""
         q, v = self.start
         if self.t == 0 or not (q or v):
@@ -195,21 +195,21 @@ class OscillatorRun:
         return TrigonometricNumber(q, v, self.t), TrigonometricNumber(v, -q, self.t)
 
     @property
-    def state_error(self) -> Exact:
+    def state_error(self) -> CertifiableReal:
         """The Euclidean distance between the numerical and the exact final state."""
         if self.t == 0:
             return Fraction(0)
         return lambda: distance(_numerical(self), exact_flow(self.start, self.t))
 
     @property
-    def energy(self) -> Exact:
+    def energy(self) -> CertifiableReal:
         """½(q_N² + v_N²)."""
         if self.has_short_fractions:
             return _energy(*self.final_state)
         return lambda: _energy(*_numerical(self))
 
     @property
-    def energy_change(self) -> Exact:
+    def energy_change(self) -> CertifiableReal:
         """½(q_N² + v_N²) - ½(q₀² + v₀²)."""
         before = _energy(*self.start)
         if self.has_short_fractions:
@@ -217,7 +217,7 @@ class OscillatorRun:
         return lambda: _energy(*_numerical(self)) - enclose(before)
 
     @property
-    def phase_error(self) -> Exact | None:
+    def phase_error(self) -> CertifiableReal | None:
         """The angle, in degrees in [-180, 180), by which the numerical final state is ahead of the exact one.
 
         atan2 of cross and dot product, so whole turns are not counted. None where an angle is undefined: at the

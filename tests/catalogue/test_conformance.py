@@ -24,8 +24,8 @@ from driftproof.methods.number_field import Algebraic
 from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
 from driftproof.methods.stepping import stepper
 from driftproof.symbolic.algebra.polynomials import exact, scalar
-from driftproof.symbolic.algebra.real_roots import ZERO
-from driftproof.symbolic.algebra.series import expand
+from driftproof.symbolic.algebra.rational_functions import taylor
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT
 from driftproof.symbolic.facts import FACTS, Facts, general_order
 from driftproof.symbolic.linear.facts import facts_by_name
 from driftproof.symbolic.linear.irreducible import reduced, stages_of
@@ -162,7 +162,7 @@ def distance_from_rotation(method: Method) -> Any:
     """The largest difference between coefficients of M(h) and of exp(hJ), up to the claimed order."""
     terms = range(method.claimed_order + 1)
     cosine, sine = ([Q((-1) ** (k // 2), factorial(k)) if k % 2 == odd else Q(0) for k in terms] for odd in (0, 1))
-    entries = [expand(entry, len(terms)) for row in one_step_matrix(method) for entry in row]
+    entries = [taylor(entry, len(terms)) for row in one_step_matrix(method) for entry in row]
     exact_entries = (cosine, sine, [-x for x in sine], cosine)
     found = [exact(x) - y for a, b in zip(entries, exact_entries, strict=True) for x, y in zip(a, b, strict=True)]
     return max(*found, *(-x for x in found))
@@ -172,7 +172,7 @@ def distance_from_rotation(method: Method) -> Any:
 def test_growth_begins_at_the_stability_limits_in_balls(key: str) -> None:
     for limit, growth in limits_with_growth(METHODS[key]):
         assert is_where_growth_begins(limit, growth)
-        if limit not in (INFINITY, ZERO):
+        if limit not in (INFINITY, ZERO_ROOT):
             assert not is_where_growth_begins(limit, growth, moved=1 + 2 * EPSILON)
             assert not is_where_growth_begins(limit, growth, moved=1 - 2 * EPSILON)
 

@@ -16,7 +16,7 @@ from driftproof.numeric.powers import GROWTH, SQUARINGS, powers_stay_bounded
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.stability import largest_bounded, step_matrix
 from driftproof.symbolic.algebra.certified import endpoints
-from driftproof.symbolic.algebra.real_roots import ZERO, RealRoot
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
 from driftproof.symbolic.linear.limits import Infinity
 from driftproof.symbolic.linear.systems import SystemFacts
 from driftproof.symbolic.linear.verdicts import bounded_at
@@ -81,7 +81,7 @@ def turns(key: str, name: str) -> bool | None:
     with h by more than 1e-4 in all; for dormand_prince54 it is 2e-10.
     """
     found = bisected(key, name)
-    if found is None or isinstance(found[0].step_limit.limit, Infinity) or found[0].step_limit.limit == ZERO:
+    if found is None or isinstance(found[0].step_limit.limit, Infinity) or found[0].step_limit.limit == ZERO_ROOT:
         return None
     facts, low = found
     return bounded_at(facts, Q(low) * (1 - NINE_DIGITS)) and not bounded_at(facts, Q(low) * (1 + NINE_DIGITS))

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from driftproof.methods.expressions import parse_function
 from driftproof.methods.families import FAMILIES, Family
 from driftproof.methods.schemes import MethodError
-from driftproof.symbolic.algebra.bivariate import irreducible_factors, text
+from driftproof.symbolic.algebra.bivariate import bivariate_text, irreducible_factors
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.family_facts import FamilyFacts, family_residuals
 from driftproof.symbolic.trees.order import order, residuals, runge_kutta_conditions
@@ -176,9 +176,9 @@ def test_a_member_at_a_pole_is_refused() -> None:
 def test_curves_are_printed_as_sympy_reads_them() -> None:
     t = fmpq_poly([0, 1])
     rows = [t * 0 - 2, t * 0, 1 - 2 * t, t * 0 - 1]
-    assert text(rows, "x", "t") == "-x**3 + (1 - 2*t)*x**2 - 2"
+    assert bivariate_text(rows, "x", "t") == "-x**3 + (1 - 2*t)*x**2 - 2"
     factors = irreducible_factors([t * 0, 2 * t, t * 0, -2 * t**3])
-    assert sorted(text(f, "x", "t") for f in factors) == ["t*x + 1", "t*x - 1", "x"]
+    assert sorted(bivariate_text(f, "x", "t") for f in factors) == ["t*x + 1", "t*x - 1", "x"]
 
 
 def refusal(expression: str) -> str | None:

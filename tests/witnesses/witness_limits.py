@@ -9,7 +9,7 @@ from flint import acb, arb, ctx, fmpq
 
 from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.matrices import StepMatrix
-from driftproof.symbolic.algebra.real_roots import ZERO, RealRoot
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
 from driftproof.symbolic.linear.facts import LinearFacts
 from driftproof.symbolic.linear.limits import INFINITY, Limit
 from driftproof.symbolic.linear.oscillator import stability_function_of
@@ -40,7 +40,7 @@ def is_where_growth_begins(limit: Limit, growth: Growth, moved: fmpq | int = 1) 
         if limit is INFINITY:
             return not any(growth(arb(size)) > 1 for size in (1, 10, 10**6))
         assert isinstance(limit, RealRoot)
-        if limit == ZERO:
+        if limit == ZERO_ROOT:
             return bool(growth(arb(2) ** -200) > 1)
         inside, outside = (limit.ball() * moved * (1 + side * EPSILON) for side in (-1, 1))
         return not growth(inside) > 1 + SLACK and bool(growth(outside) > 1)

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, TypeAlias
 from flint import arb, arb_poly, ctx
 
 from driftproof.methods.schemes import Method
-from driftproof.symbolic.algebra.certified import Exact, enclose
+from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
 from driftproof.symbolic.algebra.polynomials import coefficients
 from driftproof.symbolic.linear.oscillator import one_step_matrix
 from driftproof.symbolic.rounding.any_order import AnyOrderBound, any_order_bound
@@ -83,7 +83,7 @@ class Tolerance:
             (qq, qv), (vq, vv) = ([num(at) / den(at) for num, den in row] for row in self._matrix)
             return qq * q + qv * v, vq * q + vv * v
 
-    def in_full(self, q: float, v: float, h: float) -> tuple[Exact, Exact]:
+    def in_full(self, q: float, v: float, h: float) -> tuple[CertifiableReal, CertifiableReal]:
         """The same as exact numbers, not balls: slower, and for people."""
         matrix = exact_matrix_at(self.method, Fraction(self._step(h)))
         return apply(matrix, Fraction(q), Fraction(v))

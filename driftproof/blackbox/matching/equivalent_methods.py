@@ -30,7 +30,7 @@ from driftproof.methods.schemes import Method, Splitting
 from driftproof.methods.stepping import stepper
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.algebra.matrices import StepMatrix
-from driftproof.symbolic.algebra.polynomials import coefficients, in_square, odd_part, polynomial, reflected
+from driftproof.symbolic.algebra.polynomials import coefficients, deflate, odd_part, polynomial, reflected
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 from driftproof.symbolic.linear.oscillator import (
     determinant,
@@ -166,8 +166,8 @@ class LinearlyEquivalentMethods:
     def parts(self) -> list[list[Exact]]:
         """Numerators and denominators of A, B, C, D in s, in turn."""
         (qq, qv), (vq, vv) = self.matrix
-        numerators = in_square(qq.num), odd_part(qv.num), odd_part(vq.num), in_square(vv.num)
-        denominators = (in_square(entry.den) for entry in (qq, qv, vq, vv))
+        numerators = deflate(qq.num), odd_part(qv.num), odd_part(vq.num), deflate(vv.num)
+        denominators = (deflate(entry.den) for entry in (qq, qv, vq, vv))
         pairs = zip(numerators, denominators, strict=True)
         return [list(coefficients(p)) or [Fraction(0)] for p in chain.from_iterable(pairs)]
 

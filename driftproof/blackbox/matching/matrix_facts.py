@@ -15,9 +15,8 @@ from driftproof.methods.stepping import stepper
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import ONE, Polynomial, coefficients, exact, polynomial
-from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
-from driftproof.symbolic.algebra.series import expand
-from driftproof.symbolic.algebra.text import rational_text as function_text
+from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction, taylor
+from driftproof.symbolic.algebra.rational_functions import rational_function_text as function_text
 from driftproof.symbolic.linear.oscillator import determinant
 from driftproof.symbolic.rounding.formats import BINARY64
 
@@ -75,7 +74,7 @@ def facts_of(matrix: StepMatrix, stiffness: Fraction, damping: Fraction) -> Matr
     """The facts of an exact matrix, for the system that it should solve."""
     qq, qv, vq, vv = (text_of(entry) for row in matrix for entry in row)
     multiplier = _energy_multiplier(matrix, stiffness)
-    series = [[exact(c) for c in expand(entry, SERIES_LENGTH)] for row in matrix for entry in row]
+    series = [[exact(c) for c in taylor(entry, SERIES_LENGTH)] for row in matrix for entry in row]
     with ctx.workprec(BITS):
         order = linear_order([[enclose(c) for c in each] for each in series], stiffness, damping)
     return MatrixFacts(
@@ -103,7 +102,7 @@ def _differ(x: Exact, y: Exact, by_more_than: Fraction) -> bool:
 
 def damping_of(velocities: RationalFunction) -> Fraction:
     """g, for M_vv = 1 - g h + O(h²) over Q."""
-    return -Fraction(str(expand(velocities, 2)[1]))
+    return -Fraction(str(taylor(velocities, 2)[1]))
 
 
 def _next_term(m: Sequence[Fraction], stiffness: Fraction, damping: Fraction, power: int) -> list[Fraction]:
@@ -146,7 +145,7 @@ def differences(
     Power by power of the series in h: of polynomials every coefficient, of other entries the first that differs.
     """
     matrix = scaled_matrix(other.matrix, position, stiffness)
-    theirs = [[exact(c) for c in expand(entry, POWERS_COMPARED)] for row in matrix for entry in row]
+    theirs = [[exact(c) for c in taylor(entry, POWERS_COMPARED)] for row in matrix for entry in row]
     polynomial_ = all(entry.den == ONE for row in other.matrix for entry in row)
     found: list[tuple[int, str]] = []
     for name, entry, series in zip(ENTRIES, read, theirs, strict=True):
@@ -163,7 +162,7 @@ def _differing(entry: Recovered, theirs: Sequence[Exact]) -> Iterator[tuple[int,
     if len(entry.den) > 1 and not entry.exact:
         return
     known = dict(enumerate(entry.num)) if len(entry.den) == 1 else {}
-    ours = (exact(c) for c in expand(entry.function, len(theirs)))
+    ours = (exact(c) for c in taylor(entry.function, len(theirs)))
     for power, (x, y) in enumerate(zip(ours, theirs, strict=True)):
         if _differ(x, y, known[power].error if power in known else Fraction(0)):
             yield power, str(known[power]) if power in known else _shown(x), y

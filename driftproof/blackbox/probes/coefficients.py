@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from driftproof.methods.number_field import Exact
-from driftproof.symbolic.algebra.certified import settle
+from driftproof.symbolic.algebra.certified import decide_by_enclosure
 from driftproof.symbolic.rounding.formats import FloatFormat, exponent, power_of_two
 
 # An exact number longer than this is shown as a decimal.
@@ -14,7 +14,7 @@ LONGEST_SHOWN = 24
 
 def is_nearest(x: float, exact: Exact, fmt: FloatFormat) -> bool:
     """True when x is the number of the format nearest to `exact`: correctly rounded."""
-    return bool(settle(exact, fmt.nearest) == Fraction(x))
+    return bool(decide_by_enclosure(exact, fmt.nearest) == Fraction(x))
 
 
 def half_spacing(x: float, fmt: FloatFormat) -> Fraction:

@@ -14,9 +14,9 @@ from driftproof.numeric.scenes import Scene
 from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.markup import html_table
 from driftproof.reports.page.plot import WIDE, Axis, Plot, Scale, ten_to, ticks
-from driftproof.symbolic.algebra.certified import FIRST_BITS, Exact, enclose, significant
+from driftproof.symbolic.algebra.certified import FIRST_BITS, CertifiableReal, enclose, significant
 from driftproof.symbolic.algebra.polynomials import evaluate, scalar, sign
-from driftproof.symbolic.algebra.real_roots import ZERO, rational_root
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, rational_root
 from driftproof.symbolic.linear.bounded_powers import boundary_of, is_bounded
 from driftproof.symbolic.linear.facts import LinearFacts
 from driftproof.symbolic.linear.limits import Infinity, Limit, smallest
@@ -41,7 +41,7 @@ class Verdict:
     key: str
     limit: Limit
     bounded: bool
-    growth: Exact
+    growth: CertifiableReal
 
 
 def verdict(key: str, h: Fraction) -> Verdict:
@@ -52,7 +52,7 @@ def verdict(key: str, h: Fraction) -> Verdict:
     return Verdict(key, facts.imaginary_limit, bounded, _less_one(growth))
 
 
-def _less_one(x: Exact) -> Exact:
+def _less_one(x: CertifiableReal) -> CertifiableReal:
     return x - 1 if isinstance(x, Fraction) else lambda: enclose(x) - 1
 
 
@@ -77,7 +77,7 @@ def verdicts_table(scene: Scene, verdicts: Sequence[Verdict]) -> str:
 
 
 def _limit(limit: Limit) -> tuple[str, str]:
-    if isinstance(limit, Infinity) or limit == ZERO:
+    if isinstance(limit, Infinity) or limit == ZERO_ROOT:
         return ("all h" if isinstance(limit, Infinity) else "none"), "–"
     known = number_record(limit, LIMIT_DIGITS)
     assert not isinstance(known, str)
@@ -92,7 +92,7 @@ def beside(limit: Limit, h: Fraction) -> str:
         return "backwards"
     if isinstance(limit, Infinity):
         return "below"
-    if limit == ZERO:
+    if limit == ZERO_ROOT:
         return "above"
     step = rational_root(h)
     return "at the limit" if limit == step else "below" if smallest([limit, step]) == step else "above"

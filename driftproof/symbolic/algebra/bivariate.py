@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, TypeAlias
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, TypeAlias
 
-from flint import fmpq, fmpq_mpoly_ctx, fmpq_poly
+from flint import fmpq, fmpq_mat, fmpq_mpoly_ctx, fmpq_poly
 
-from driftproof.symbolic.algebra.polynomials import ZERO, Polynomial, Scalar, evaluate, from_scalars
-from driftproof.symbolic.algebra.subresultants import Pair, critical_polynomial
-from driftproof.symbolic.algebra.text import polynomial_text, sum_text
+from driftproof.symbolic.algebra.polynomials import ZERO, Polynomial, Scalar, evaluate, from_scalars, interpolate
+from driftproof.symbolic.algebra.rational_functions import polynomial_text, sum_text
 
 Bivariate: TypeAlias = list[Polynomial]
 
@@ -35,19 +34,19 @@ def signed(rows: Bivariate) -> Bivariate:
     return trimmed([-c if k % 2 else c for k, c in enumerate(rows)])
 
 
-def total(a: Bivariate, b: Bivariate) -> Bivariate:
+def add_rows(a: Bivariate, b: Bivariate) -> Bivariate:
     """a + b."""
     size = max(len(a), len(b))
     padded = ([*rows, *[ZERO] * (size - len(rows))] for rows in (a, b))
     return trimmed([x + y for x, y in zip(*padded, strict=True)])
 
 
-def difference(a: Bivariate, b: Bivariate) -> Bivariate:
+def subtract_rows(a: Bivariate, b: Bivariate) -> Bivariate:
     """a - b."""
-    return total(a, [-c for c in b])
+    return add_rows(a, [-c for c in b])
 
 
-def product(a: Bivariate, b: Bivariate) -> Bivariate:
+def multiply_rows(a: Bivariate, b: Bivariate) -> Bivariate:
     """a b."""
     rows: Bivariate = [ZERO] * max(len(a) + len(b) - 1, 0)
     for i, x in enumerate(a):
@@ -56,13 +55,13 @@ def product(a: Bivariate, b: Bivariate) -> Bivariate:
     return trimmed(rows)
 
 
-def size_on_axis(rows: Bivariate) -> Bivariate:
+def rows_modulus_squared(rows: Bivariate) -> Bivariate:
     """|p(iy)|² by powers of x = y²."""
     even, odd = signed(rows[::2]), signed(rows[1::2])
-    return total(product(even, even), [ZERO, *product(odd, odd)])
+    return add_rows(multiply_rows(even, even), [ZERO, *multiply_rows(odd, odd)])
 
 
-def in_square(rows: Bivariate) -> Bivariate:
+def inflate(rows: Bivariate) -> Bivariate:
     """p(x**2)."""
     return trimmed([c for row in rows for c in (row, ZERO)])
 
@@ -83,7 +82,7 @@ def common_divisor(a: Bivariate, b: Bivariate) -> Bivariate:
     return _rows(_flint(a).gcd(_flint(b)))
 
 
-def quotient(a: Bivariate, b: Bivariate) -> Bivariate:
+def divide_rows(a: Bivariate, b: Bivariate) -> Bivariate:
     """a / b for a divisor b of a."""
     return _rows(_flint(a) // _flint(b))
 
@@ -97,15 +96,15 @@ def merging_values(a: Bivariate, b: Bivariate) -> Polynomial | None:
         return at_parameter(a, value), at_parameter(b, value)
 
     first, second = (max(int(c.degree()) for c in rows) for rows in (a, b))
-    return critical_polynomial(Pair(at, (len(a) - 1, len(b) - 1), (first, second)))
+    return critical_polynomial(ParametricPair(at, (len(a) - 1, len(b) - 1), (first, second)))
 
 
-def slope(rows: Bivariate) -> Bivariate:
+def slope_in_x(rows: Bivariate) -> Bivariate:
     """The derivative by x."""
     return [c * k for k, c in enumerate(rows)][1:]
 
 
-def text(rows: Bivariate, variable: str, parameter: str) -> str:
+def bivariate_text(rows: Bivariate, variable: str, parameter: str) -> str:
     """The polynomial in SymPy's syntax, highest power of x first, e.g. "(1 - 2*gamma)*x - 2"."""
     powers = (k for k in reversed(range(len(rows))) if rows[k] != 0)
     return sum_text(_term(rows[k], k, variable, parameter) for k in powers)
@@ -131,3 +130,44 @@ def _rows(p: Any) -> Bivariate:
     reach = max((k for k, _ in terms), default=-1)
     degree = max((j for _, j in terms), default=-1)
     return [fmpq_poly([terms.get((k, j), 0) for j in range(degree + 1)]) for k in range(reach + 1)]
+
+
+class ParametricPair(NamedTuple):
+    """Two polynomials over Q in x at a value of the parameter t, and bounds on their degrees in x and in t."""
+
+    at: Callable[[fmpq], tuple[Polynomial, Polynomial]]
+    degrees: tuple[int, int]
+    reaches: tuple[int, int]
+
+
+def critical_polynomial(pair: ParametricPair) -> Polynomial | None:
+    """The first principal subresultant coefficient that is not zero for all t, a polynomial in t; None if all are.
+
+    Where it does not vanish, nor both leading coefficients, the greatest common divisor of the two has one degree, and
+    their common roots depend continuously on t (basu-pollack-roy-2006, chapter 4).
+    """
+    (m, n), (reach, other) = pair.degrees, pair.reaches
+    values: list[tuple[Polynomial, Polynomial]] = []
+    for index in range(min(m, n) + 1):
+        count = (n - index) * reach + (m - index) * other + 1
+        values += [pair.at(fmpq(k)) for k in range(len(values), count)]
+        found = [_principal_subresultant(p, q, (m, n), index) for p, q in values[:count]]
+        if any(found):
+            return interpolate(found)
+    return None
+
+
+def _principal_subresultant(p: Polynomial, q: Polynomial, degrees: tuple[int, int], index: int) -> Scalar:
+    """The determinant of the shifts xᵏp, k < n - index, and xᵏq, k < m - index, without powers of x below `index`.
+
+    p counts as of degree m and q as of degree n, whatever their leading coefficients: so the determinant is a
+    polynomial in the coefficients.
+    """
+    m, n = degrees
+    shifts = [p.left_shift(k) for k in reversed(range(n - index))] + [
+        q.left_shift(k) for k in reversed(range(m - index))
+    ]
+    size, top = len(shifts), m + n - 1 - index
+    if not size:
+        return fmpq(1)
+    return fmpq_mat([[row[top - column] for column in range(size)] for row in shifts]).det()

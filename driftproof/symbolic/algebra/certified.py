@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 # A real number, known exactly: a rational, an element of a number field, a SymPy expression, or a procedure that
 # returns an Arb ball around the number at Arb's current precision, the smaller the higher that is.
-Exact: TypeAlias = "Fraction | Algebraic | sympy.Expr | Callable[[], arb]"
+CertifiableReal: TypeAlias = "Fraction | Algebraic | sympy.Expr | Callable[[], arb]"
 T = TypeVar("T")
 
 HALF_EVEN = "half-even"
@@ -26,17 +26,17 @@ AWAY = "away"
 ROUNDINGS = (HALF_EVEN, HALF_AWAY, AWAY)
 
 FIRST_BITS = 128
-# A number still undecided at this precision is, for every value this project prints, a tie: see `settle`.
+# A number still undecided at this precision is, for every value this project prints, a tie: see `decide_by_enclosure`.
 LAST_BITS = 1 << 17
 # Binary exponents beyond this are refused rather than written out as fractions of gigabytes.
-LARGEST_EXPONENT = 1 << 18
+LARGEST_BINARY_EXPONENT = 1 << 18
 
 
 class Uncertified(ArithmeticError):
     """No enclosure up to LAST_BITS settled the question: the number is on the decision point, or has no enclosure."""
 
 
-def enclose(value: Exact) -> arb:
+def enclose(value: CertifiableReal) -> arb:
     """An Arb ball that contains `value`, at Arb's current precision. Raises TypeError for an unknown function."""
     if _is_expression(value):
         from driftproof.symbolic.derivation.expression_balls import enclose_expression
@@ -49,7 +49,7 @@ def enclose(value: Exact) -> arb:
     return arb(fmpq(value.numerator, value.denominator))
 
 
-def settle(value: Exact, read: Callable[[Fraction], T]) -> T:
+def decide_by_enclosure(value: CertifiableReal, read: Callable[[Fraction], T]) -> T:
     """read(value), for a `read` that is constant on intervals, by Ziv's loop (ziv-1991, section 2).
 
     The precision doubles until both ends of the enclosure read the same; a rational is read directly, so ties of
@@ -86,33 +86,33 @@ def _is_vague(ball: arb) -> bool:
 def endpoints(ball: arb) -> tuple[Fraction, Fraction]:
     """The two ends of a finite ball, as exact rationals."""
     for part in (ball.mid(), ball.rad()):
-        if abs(int(part.man_exp()[1])) > LARGEST_EXPONENT:
+        if abs(int(part.man_exp()[1])) > LARGEST_BINARY_EXPONENT:
             raise Uncertified("the number lies outside 10**-78000 .. 10**78000, too long to write out")
     middle, radius = dyadic(ball.mid()), dyadic(ball.rad())
     return middle - radius, middle + radius
 
 
-def sign(value: Exact) -> int:
+def certified_sign(value: CertifiableReal) -> int:
     """-1, 0 or 1, certified. A zero is recognised only if it is rational or enclosed exactly; else Uncertified."""
-    return settle(value, lambda x: (x > 0) - (x < 0))
+    return decide_by_enclosure(value, lambda x: (x > 0) - (x < 0))
 
 
-def is_less(a: Exact, b: Exact) -> bool:
+def is_less(a: CertifiableReal, b: CertifiableReal) -> bool:
     """a < b, certified by disjoint enclosures. Raises Uncertified if a = b and neither is rational."""
-    return sign(lambda: enclose(a) - enclose(b)) < 0
+    return certified_sign(lambda: enclose(a) - enclose(b)) < 0
 
 
-def fixed(value: Exact, places: int, rounding: str = HALF_EVEN) -> str:
+def fixed(value: CertifiableReal, places: int, rounding: str = HALF_EVEN) -> str:
     """`value` correctly rounded to `places` digits after the point, e.g. "-0.479167". A zero has no sign.
 
     Raises ValueError if places < 0.
     """
     if places < 0:
         raise ValueError(f"places = {places}; ask for none at least")
-    return settle(value, lambda x: _fixed(x, places, rounding))
+    return decide_by_enclosure(value, lambda x: _fixed(x, places, rounding))
 
 
-def significant(value: Exact, digits: int, rounding: str = HALF_EVEN) -> str:
+def significant(value: CertifiableReal, digits: int, rounding: str = HALF_EVEN) -> str:
     """`value` correctly rounded to `digits` significant digits: plain from 1e-5 up to 10**digits, else like "3.3e-4".
 
     Zero is "0". Raises ValueError if digits < 1.
@@ -127,16 +127,16 @@ def significant(value: Exact, digits: int, rounding: str = HALF_EVEN) -> str:
             return _fixed(x, digits - 1 - decade, rounding)
         return _scientific(x, digits, rounding)
 
-    return settle(value, read)
+    return decide_by_enclosure(value, read)
 
 
-def scientific(value: Exact, digits: int, rounding: str = HALF_EVEN) -> str:
+def scientific(value: CertifiableReal, digits: int, rounding: str = HALF_EVEN) -> str:
     """`value` correctly rounded to `digits` significant digits, always with an exponent, e.g. "-6.7e-5"; zero is "0".
 
     Raises ValueError if digits < 1.
     """
     _demand_a_digit(digits)
-    return settle(value, lambda x: _scientific(x, digits, rounding))
+    return decide_by_enclosure(value, lambda x: _scientific(x, digits, rounding))
 
 
 def _demand_a_digit(digits: int) -> None:

@@ -9,18 +9,18 @@ from driftproof.symbolic.algebra.polynomials import ZERO, Polynomial, Scalar, de
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 
 # Entries in a commutative ring that contains Q, such as scalars or polynomials.
-Rows: TypeAlias = Sequence[Sequence[Scalar]]
+MatrixRows: TypeAlias = Sequence[Sequence[Scalar]]
 # Entries are rational functions of the step h.
 StepMatrix: TypeAlias = tuple[tuple[RationalFunction, ...], ...]
 
 
-def product(a: Rows, b: Rows) -> list[list[Scalar]]:
+def matrix_product(a: MatrixRows, b: MatrixRows) -> list[list[Scalar]]:
     """The matrix product."""
     columns = list(zip(*b, strict=True))
     return [[dot(row, column) for column in columns] for row in a]
 
 
-def characteristic_and_adjugate(rows: Rows) -> tuple[list[Scalar], list[list[Scalar]]]:
+def characteristic_and_adjugate(rows: MatrixRows) -> tuple[list[Scalar], list[list[Scalar]]]:
     """(the coefficients of det(λI - A), highest power first; adj A), by the recurrence of Faddeev and LeVerrier.
 
     M₁ = I, cₖ = -tr(A Mₖ)/k, Mₖ₊₁ = A Mₖ + cₖ I; adj A = (-1)ⁿ⁻¹ Mₙ. It divides by integers only.
@@ -30,7 +30,7 @@ def characteristic_and_adjugate(rows: Rows) -> tuple[list[Scalar], list[list[Sca
     current = [[zero + int(i == j) for j in range(size)] for i in range(size)]
     found = [zero + 1]
     for k in range(1, size + 1):
-        moved = product(rows, current)
+        moved = matrix_product(rows, current)
         c = -_trace(moved) / k
         found.append(c)
         if k < size:
@@ -38,33 +38,33 @@ def characteristic_and_adjugate(rows: Rows) -> tuple[list[Scalar], list[list[Sca
     return found, [[-x for x in row] for row in current] if size % 2 == 0 else current
 
 
-def determinant(rows: Rows) -> Scalar:
+def matrix_determinant(rows: MatrixRows) -> Scalar:
     """det A."""
     last = characteristic_and_adjugate(rows)[0][-1]
     return -last if len(rows) % 2 else last
 
 
-def of_matrix(r: RationalFunction, rows: Rows) -> StepMatrix:
+def of_matrix(r: RationalFunction, rows: MatrixRows) -> StepMatrix:
     """R(hA) = P(hA) Q(hA)⁻¹ for a square matrix A of exact scalars; its entries are rational functions of h."""
     num, den = _at_matrix(r.num, rows), _at_matrix(r.den, rows)
     if r.den.degree() <= 0:
         return tuple(tuple(fraction(x, r.den) for x in row) for row in num)
     _, adjugate = characteristic_and_adjugate(den)
-    common = determinant(den)
-    return tuple(tuple(fraction(descend(x), common) for x in row) for row in product(num, adjugate))
+    common = matrix_determinant(den)
+    return tuple(tuple(fraction(descend(x), common) for x in row) for row in matrix_product(num, adjugate))
 
 
-def _at_matrix(p: Polynomial, rows: Rows) -> list[list[Polynomial]]:
+def _at_matrix(p: Polynomial, rows: MatrixRows) -> list[list[Polynomial]]:
     """p(hA), by Horner's rule."""
     size = len(rows)
     total: list[list[Polynomial]] = [[ZERO] * size for _ in range(size)]
     for c in reversed(p.coeffs()):
-        moved = [[x.left_shift(1) for x in row] for row in product(rows, total)]
+        moved = [[x.left_shift(1) for x in row] for row in matrix_product(rows, total)]
         total = [[x + c if i == j else x for j, x in enumerate(row)] for i, row in enumerate(moved)]
     return total
 
 
-def _trace(rows: Rows) -> Scalar:
+def _trace(rows: MatrixRows) -> Scalar:
     total = rows[0][0]
     for i in range(1, len(rows)):
         total = total + rows[i][i]

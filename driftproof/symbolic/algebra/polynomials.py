@@ -254,14 +254,14 @@ def odd_part(p: Polynomial) -> Polynomial:
     return from_scalars(p.coeffs()[1::2])
 
 
-def in_square(p: Polynomial) -> Polynomial:
+def deflate(p: Polynomial) -> Polynomial:
     """The e with p(z) = e(z²). Raises ValueError if an odd power occurs."""
     if odd_part(p) != 0:
         raise ValueError("an odd power occurs")
     return even_part(p)
 
 
-def size_on_imaginary_axis(p: Polynomial) -> Polynomial:
+def modulus_squared_on_imaginary_axis(p: Polynomial) -> Polynomial:
     """|p(iy)|² as a polynomial in y², for p with real coefficients: e(-y²)² + y² o(-y²)²."""
     even, odd = reflected(even_part(p)), reflected(odd_part(p))
     return descend(even * even + (odd * odd).left_shift(1))

@@ -9,9 +9,9 @@ from flint import arb, ctx, fmpq, fmpz
 
 from driftproof.methods.number_field import Algebraic, Exact
 from driftproof.symbolic.algebra.certified import significant
-from driftproof.symbolic.algebra.real_roots import FIRST_BITS, Minimal, RealRoot
+from driftproof.symbolic.algebra.real_roots import ISOLATING_BITS, Minimal, RealRoot
 
-DIGITS = 31
+PRINTED_DIGITS = 31
 # Radicands beyond this are neither readable nor quick to split into prime factors.
 LARGEST_RADICAND = 10**30
 
@@ -52,7 +52,7 @@ def is_readable(x: Exact) -> bool:
     return not isinstance(x, Algebraic) or max(map(abs, x.field.minimal)) <= LARGEST_RADICAND
 
 
-def decimal(root: RealRoot, digits: int = DIGITS) -> str:
+def root_decimal(root: RealRoot, digits: int = PRINTED_DIGITS) -> str:
     """The number correctly rounded to so many significant digits, certified by balls; "0" for zero."""
     return significant(root.ball if root.rational is None else root.rational, digits)
 
@@ -77,7 +77,7 @@ def _quadratic(minimal: Minimal, root: RealRoot, power: int) -> str | None:
         return None
     outer, inner = split
     middle, half = Fraction(-b, 2 * a), Fraction(outer, 2 * a)
-    bits = FIRST_BITS
+    bits = ISOLATING_BITS
     while True:
         with ctx.workprec(bits):
             target, reach = root.ball() ** power, arb(inner).sqrt() * _ball(half)

@@ -1,9 +1,13 @@
-"""Rational functions in lowest terms, over Q or over a real number field."""
+"""Rational functions in lowest terms over Q or a real number field, their power series, and both in SymPy's syntax."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import TypeAlias
+
+from flint import fmpq
 
 from driftproof.methods.number_field import Exact
 from driftproof.symbolic.algebra.polynomials import (
@@ -12,6 +16,7 @@ from driftproof.symbolic.algebra.polynomials import (
     Scalar,
     coefficients,
     descend,
+    dot,
     evaluate,
     exact,
     greatest_common_divisor,
@@ -74,3 +79,107 @@ def fraction(num: Polynomial, den: Polynomial = ONE) -> RationalFunction:
 def reversed_sign(f: RationalFunction) -> RationalFunction:
     """f(-z)."""
     return fraction(reflected(f.num), reflected(f.den))
+
+
+PowerSeries: TypeAlias = list[Scalar]
+
+
+def taylor(f: RationalFunction, terms: int) -> PowerSeries:
+    """The first `terms` Taylor coefficients of f at 0. Raises ZeroDivisionError where 0 is a pole."""
+    return series_quotient(_padded(f.num.coeffs(), terms), _padded(f.den.coeffs(), terms))
+
+
+def exponential_series(terms: int) -> PowerSeries:
+    """1, 1, 1/2, 1/6, ...: the Taylor coefficients of exp."""
+    coefficients = [fmpq(1)]
+    for k in range(1, terms):
+        coefficients.append(coefficients[-1] / k)
+    return coefficients[:terms]
+
+
+def series_product(a: PowerSeries, b: PowerSeries) -> PowerSeries:
+    """The product, to the length of a."""
+    b = _padded(b, len(a))
+    return [dot(a[: k + 1], b[k::-1]) for k in range(len(a))]
+
+
+def series_quotient(a: PowerSeries, b: PowerSeries) -> PowerSeries:
+    """The quotient, to the length of a. Raises ZeroDivisionError where b(0) = 0."""
+    b = _padded(b, len(a))
+    inverse, result = 1 / b[0], []  # type: tuple[Scalar, PowerSeries]
+    for k, c in enumerate(a):
+        result.append((c - dot(result, b[k:0:-1])) * inverse)
+    return result
+
+
+def series_logarithm(a: PowerSeries) -> PowerSeries:
+    """log a, for a(0) = 1: from a' = a (log a)'. Raises ValueError for another constant term."""
+    _demand_one(a)
+    slope: PowerSeries = []  # the coefficients k lₖ of z (log a)'
+    for k, c in enumerate(a):
+        slope.append(c * k - dot(slope, a[k:0:-1]))
+    return [c / k if k else c for k, c in enumerate(slope)]
+
+
+def series_root(a: PowerSeries) -> PowerSeries:
+    """The root with constant term 1, for a(0) = 1. Raises ValueError for another constant term."""
+    _demand_one(a)
+    result: PowerSeries = [fmpq(1)]
+    for k in range(1, len(a)):
+        result.append((a[k] - dot(result[1:], result[:0:-1])) / 2)
+    return result[: len(a)]
+
+
+def series_integral(a: PowerSeries) -> PowerSeries:
+    """The antiderivative that vanishes at 0, one term longer."""
+    return [fmpq(0), *(c / (k + 1) for k, c in enumerate(a))]
+
+
+def series_derivative(a: PowerSeries) -> PowerSeries:
+    """The derivative, one term shorter."""
+    return [c * k for k, c in enumerate(a)][1:]
+
+
+def _padded(a: Sequence[Scalar], terms: int) -> PowerSeries:
+    return [*a[:terms], *[fmpq(0)] * (terms - len(a))]
+
+
+def _demand_one(a: PowerSeries) -> None:
+    if not a or a[0] != 1:
+        raise ValueError("the constant term must be 1")
+
+
+def polynomial_text(p: Polynomial, name: str) -> str:
+    """The polynomial, constant term first, e.g. "1/2 - h**2/8" or "(2 - sqrt(2))*h"."""
+    return sum_text(_term(c, power, name) for power, c in enumerate(coefficients(p)) if c != 0)
+
+
+def sum_text(terms: Iterable[str]) -> str:
+    """The sum of terms with their signs in front: "1 - h" from "1" and "-h"; "0" of none."""
+    text = ""
+    for term in terms:
+        size = term.removeprefix("-")
+        text += f" {'+' if size == term else '-'} {size}" if text else term
+    return text or "0"
+
+
+def rational_function_text(f: RationalFunction, name: str) -> str:
+    """The rational function, e.g. "(1 - h**2/4)/(1 + h**2/4)"."""
+    num, den = polynomial_text(f.num, name), polynomial_text(f.den, name)
+    if den == "1":
+        return num
+    top = f"({num})" if " " in num else num
+    return f"{top}/{den}" if den.replace("**", "").isidentifier() else f"{top}/({den})"
+
+
+def _term(c: Exact, power: int, name: str) -> str:
+    """c*name**power, with the sign in front."""
+    monomial = "" if power == 0 else name if power == 1 else f"{name}**{power}"
+    if not isinstance(c, Fraction):
+        return f"({c})*{monomial}" if monomial else f"({c})"
+    if not monomial:
+        return str(c)
+    sign, size = "-" if c < 0 else "", abs(c)
+    factor = "" if size.numerator == 1 else f"{size.numerator}*"
+    over = "" if size.denominator == 1 else f"/{size.denominator}"
+    return f"{sign}{factor}{monomial}{over}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -10,20 +10,24 @@ from typing import Any, TypeAlias
 
 from flint import arb, ctx, fmpq, fmpq_poly, fmpz_poly
 
-from driftproof.methods.number_field import dyadic, real_root_balls
+from driftproof.methods.number_field import Algebraic, Exact, NumberField, dyadic, real_root_balls
 from driftproof.symbolic.algebra.polynomials import (
     Polynomial,
+    X,
     at_ball,
     greatest_common_divisor,
+    interpolate,
     norm,
     quotient,
+    reflected,
+    scalar,
     sign_changes,
 )
 
 # Coefficients of a primitive polynomial over Z, constant term first, leading coefficient positive.
 Minimal: TypeAlias = tuple[int, ...]
 
-FIRST_BITS = 64
+ISOLATING_BITS = 64
 
 
 @dataclass(frozen=True)
@@ -48,7 +52,7 @@ class RealRoot:
     @property
     def count(self) -> int:
         """The number of real roots of the minimal polynomial."""
-        return len(real_root_balls(self.minimal, FIRST_BITS))
+        return len(real_root_balls(self.minimal, ISOLATING_BITS))
 
     @property
     def degree(self) -> int:
@@ -67,7 +71,7 @@ class RealRoot:
         """
         if self.rational is not None:
             return self.rational, self.rational
-        bits = FIRST_BITS
+        bits = ISOLATING_BITS
         while True:
             with ctx.workprec(bits):  # lower() and upper() round to it
                 ends = [(dyadic(b.lower()), dyadic(b.upper())) for b in real_root_balls(self.minimal, bits)]
@@ -88,24 +92,14 @@ class RealRoot:
     def square_root(self) -> RealRoot:
         """The non-negative square root. Raises ValueError for a negative number."""
         doubled = [c for coefficient in self.minimal for c in (coefficient, 0)][:-1]
-        minimals = _factors(fmpz_poly(doubled))
-        bits = FIRST_BITS
-        while True:
-            with ctx.workprec(bits):
-                found = [
-                    RealRoot(m, k)
-                    for m in minimals
-                    for k, ball in enumerate(real_root_balls(m, bits))
-                    if not ball < 0 and (ball * ball).overlaps(self.ball())
-                ]
-            if len(found) == 1:
-                return found[0]
-            if not found:
-                raise ValueError("a negative number has no real square root")
-            bits *= 2
+        candidates = [RealRoot(m, k) for m in _factors(fmpz_poly(doubled)) for k in range(RealRoot(m, 0).count)]
+        try:
+            return _the_one(candidates, lambda r: not r.ball() < 0 and (r.ball() * r.ball()).overlaps(self.ball()))
+        except ValueError:
+            raise ValueError("a negative number has no real square root") from None
 
 
-ZERO = RealRoot((0, 1), 0)
+ZERO_ROOT = RealRoot((0, 1), 0)
 
 
 def rational_root(x: Fraction) -> RealRoot:
@@ -120,7 +114,7 @@ def positive_roots(polynomials: Iterable[Polynomial]) -> list[RealRoot]:
     Isolation is FLINT's, certified; distinct irreducible polynomials share no root, so precision separates them.
     """
     minimals = {m for p in polynomials if sign_changes(p) for m in _factors(norm(p).numer())}
-    bits = FIRST_BITS
+    bits = ISOLATING_BITS
     while True:
         with ctx.workprec(bits):
             roots = [RealRoot(m, k) for m in minimals for k, b in enumerate(real_root_balls(m, bits)) if b > 0]
@@ -134,7 +128,7 @@ def samples(roots: list[RealRoot]) -> list[fmpq]:
     """Rational points, one inside each of the open intervals that the ascending positive roots cut (0, oo) into."""
     if not roots:
         return [fmpq(1)]
-    bits = FIRST_BITS
+    bits = ISOLATING_BITS
     while True:
         with ctx.workprec(bits):
             ends = [(dyadic(r.ball().lower()), dyadic(r.ball().upper())) for r in roots]
@@ -169,7 +163,7 @@ def vanishes_at(p: Polynomial, root: RealRoot) -> bool:
     if common.degree() in (0, minimal.degree()):
         return bool(common.degree() > 0)
     rest = quotient(minimal, common)
-    bits = FIRST_BITS
+    bits = ISOLATING_BITS
     while True:
         with ctx.workprec(bits):
             at_common, at_rest = at_ball(common, root.ball()), at_ball(rest, root.ball())
@@ -182,7 +176,7 @@ def sign_at(p: Polynomial, root: RealRoot) -> int:
     """The sign of p(root): -1, 0 or 1, exact."""
     if vanishes_at(p, root):
         return 0
-    bits = FIRST_BITS
+    bits = ISOLATING_BITS
     while True:
         with ctx.workprec(bits):
             ball = at_ball(p, root.ball())
@@ -195,3 +189,44 @@ def _factors(p: Any) -> list[Minimal]:
     """The irreducible factors of a nonzero integer polynomial, each once, primitive, leading coefficient positive."""
     factors = [f for f, _ in p.factor()[1]]
     return [tuple(int(c) for c in (f if f.leading_coefficient() > 0 else -f).coeffs()) for f in factors]
+
+
+def root_as_number(root: RealRoot, name: str = "alpha") -> Exact:
+    """The root as exact data of `methods`, `name` being the generator of its field.
+
+    Raises `driftproof.methods.number_field.UndecidedError` for a degree above 12.
+    """
+    if root.rational is not None:
+        return root.rational
+    low, high = root.interval()
+    return NumberField(name, root.minimal, low, high).generator
+
+
+def root_of(x: Exact) -> RealRoot:
+    """The number as a root of its minimal polynomial, a factor of the norm of z - x."""
+    if not isinstance(x, Algebraic):
+        return rational_root(x)
+    polynomial = norm(X - scalar(x))
+    candidates = [*positive_roots([polynomial]), *(r.negated() for r in positive_roots([reflected(polynomial)]))]
+    return _the_one(candidates, lambda root: root.ball().overlaps(x.ball()))
+
+
+def root_ratio(x: RealRoot, y: RealRoot) -> RealRoot:
+    """x/y for positive x and y: a root of the product, over the conjugates of y, of m(yz), m the polynomial of x."""
+    monic = y.polynomial / y.minimal[-1]  # so that the values stay those of one polynomial where the degree drops
+    points = range(x.degree * y.degree + 1)
+    # The product over the conjugates is, up to a constant, a resultant: here by its values at integers z.
+    product = interpolate([monic.resultant(fmpq_poly([c * z**k for k, c in enumerate(x.minimal)])) for z in points])
+    return _the_one(positive_roots([product]), lambda root: (root.ball() * y.ball()).overlaps(x.ball()))
+
+
+def _the_one(candidates: Iterable[RealRoot], fits: Callable[[RealRoot], bool]) -> RealRoot:
+    """The only candidate that fits however small the balls are. Raises ValueError where none does."""
+    found, bits = list(candidates), ISOLATING_BITS
+    while len(found) > 1 or bits == ISOLATING_BITS:
+        with ctx.workprec(bits):
+            found = [root for root in found if fits(root)]
+        bits *= 2
+    if not found:
+        raise ValueError("none of the roots is the number")
+    return found[0]

@@ -11,7 +11,7 @@ import sympy
 from sympy import QQ
 from sympy.polys.matrices import DomainMatrix
 
-from driftproof.symbolic.algebra.certified import sign
+from driftproof.symbolic.algebra.certified import certified_sign
 from driftproof.symbolic.derivation.expression_balls import enclose_expression
 from driftproof.symbolic.derivation.one_step import (
     RING,
@@ -123,7 +123,7 @@ class AtStep:
 
     def _sign(self, polynomial: Polynomial) -> int:
         is_zero, value = _in_field(polynomial, self.h)
-        return 0 if is_zero else sign(partial(enclose_expression, value))
+        return 0 if is_zero else certified_sign(partial(enclose_expression, value))
 
 
 def stability_limit(m: DomainMatrix) -> sympy.Expr:
@@ -173,7 +173,7 @@ def _root_in(boundary: Any, low: sympy.Rational, high: sympy.Rational) -> sympy.
     return next(
         root
         for root in factor.real_roots()
-        if all(sign(partial(enclose_expression, x)) >= 0 for x in (root - low, high - root))
+        if all(certified_sign(partial(enclose_expression, x)) >= 0 for x in (root - low, high - root))
     )
 
 

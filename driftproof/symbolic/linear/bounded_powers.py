@@ -17,7 +17,7 @@ from driftproof.symbolic.algebra.polynomials import (
     quotient,
     sign,
 )
-from driftproof.symbolic.algebra.real_roots import ZERO, positive_roots, samples, sign_at
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, positive_roots, samples, sign_at
 from driftproof.symbolic.linear.limits import INFINITY, Limit
 
 
@@ -48,8 +48,8 @@ def bounded_limit(m: StepMatrix) -> Limit:
     if boundary.merged == 0:
         polynomials += boundary.off
     roots = positive_roots([p for p in polynomials if p != 0])
-    for start, inner in zip([ZERO, *roots], samples(roots), strict=True):
-        if start != ZERO and not is_bounded(boundary, partial(sign_at, root=start)):
+    for start, inner in zip([ZERO_ROOT, *roots], samples(roots), strict=True):
+        if start != ZERO_ROOT and not is_bounded(boundary, partial(sign_at, root=start)):
             return start
         if not is_bounded(boundary, partial(_sign_at_rational, x=inner)):
             return start

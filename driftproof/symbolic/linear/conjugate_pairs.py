@@ -23,7 +23,7 @@ from driftproof.symbolic.algebra.polynomials import (
     polynomial,
 )
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
-from driftproof.symbolic.algebra.real_roots import FIRST_BITS, ZERO, Minimal, RealRoot, positive_roots, samples
+from driftproof.symbolic.algebra.real_roots import ISOLATING_BITS, ZERO_ROOT, Minimal, RealRoot, positive_roots, samples
 from driftproof.symbolic.linear.eigenvalues import Complex
 from driftproof.symbolic.linear.rays import ALWAYS, NEVER, Bound
 
@@ -48,9 +48,9 @@ def pair_bound(r: RationalFunction, place: Complex) -> Bound:
     LARGEST_DEGREE.
     """
     roots = _critical_steps(coefficients(r.num), coefficients(r.den), place.minimal)
-    for start, inner in zip([ZERO, *roots], samples(roots), strict=True):
+    for start, inner in zip([ZERO_ROOT, *roots], samples(roots), strict=True):
         if margin_sign(r, place, inner) < 0:
-            return NEVER if start == ZERO else Bound(start, True)
+            return NEVER if start == ZERO_ROOT else Bound(start, True)
     return ALWAYS
 
 
@@ -68,7 +68,7 @@ def margin_sign(r: RationalFunction, place: Complex, h: fmpq) -> int:
 
     Raises UndecidedLimitError where LAST_BITS do not.
     """
-    bits = FIRST_BITS
+    bits = ISOLATING_BITS
     while bits <= LAST_BITS:
         with ctx.workprec(bits):
             num, den = (

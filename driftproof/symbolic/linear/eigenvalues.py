@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 from flint import acb, ctx, fmpq, fmpq_mat, fmpz_poly
 
-from driftproof.symbolic.algebra.real_roots import FIRST_BITS, Minimal, RealRoot
+from driftproof.symbolic.algebra.real_roots import ISOLATING_BITS, Minimal, RealRoot
 
 Rows: TypeAlias = Sequence[Sequence[Fraction]]
 
@@ -79,7 +79,7 @@ def places(minimal: Minimal) -> list[Place]:
         return [RealRoot(minimal, 0)]
     real = [RealRoot(minimal, k) for k in range(RealRoot(minimal, 0).count)]
     imaginary = [Imaginary(minimal, size) for size in _on_imaginary_axis(minimal)]
-    others = [Complex(minimal, k) for k in range(len(_upper_balls(minimal, FIRST_BITS)))]
+    others = [Complex(minimal, k) for k in range(len(_upper_balls(minimal, ISOLATING_BITS)))]
     return [*real, *imaginary, *others]
 
 
@@ -113,9 +113,9 @@ def _upper_balls(minimal: Minimal, bits: int) -> tuple[acb, ...]:
         if len(roots) - len(apart) == on_axis:
             break
         precision *= 2
-    if bits == FIRST_BITS:
+    if bits == ISOLATING_BITS:
         return tuple(sorted(apart, key=lambda root: (_middle(root.real), _middle(root.imag))))
-    first = _upper_balls(minimal, FIRST_BITS)
+    first = _upper_balls(minimal, ISOLATING_BITS)
     matches = [[root for root in apart if root.overlaps(ball)] for ball in first]
     if all(len(found) == 1 for found in matches):
         return tuple(found[0] for found in matches)

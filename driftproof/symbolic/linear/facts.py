@@ -13,8 +13,7 @@ from driftproof.methods.schemes import Collocation, Method, RungeKutta
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import coefficients, exact, scalar
 from driftproof.symbolic.algebra.radicals import is_readable
-from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
-from driftproof.symbolic.algebra.text import rational_text
+from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction, rational_function_text
 from driftproof.symbolic.linear.bounded_powers import bounded_limit
 from driftproof.symbolic.linear.implicit_stability import a_stability, i_stability, l_stability
 from driftproof.symbolic.linear.invariants import (
@@ -83,7 +82,7 @@ class ExactFunction:
     def __str__(self) -> str:
         """The function in SymPy's syntax, e.g. "(1 - h**2/4)/(1 + h**2/4)"."""
         f = self.f if self.power == 1 else RationalFunction(spread(self.f.num), spread(self.f.den))
-        return rational_text(f, self.variable)
+        return rational_function_text(f, self.variable)
 
 
 class PowerSeries(NamedTuple):

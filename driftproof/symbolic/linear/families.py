@@ -12,16 +12,15 @@ from flint import fmpq
 from driftproof.methods.families import Family
 from driftproof.methods.number_field import Exact
 from driftproof.methods.parameters import Function as ParameterFunction
-from driftproof.symbolic.algebra.algebraic_numbers import number_of
 from driftproof.symbolic.algebra.bivariate import (
     Bivariate,
     common_divisor,
-    difference,
+    divide_rows,
     merging_values,
-    quotient,
+    rows_modulus_squared,
     signed,
-    size_on_axis,
-    slope,
+    slope_in_x,
+    subtract_rows,
     without_root_zero,
 )
 from driftproof.symbolic.algebra.matrices import characteristic_and_adjugate
@@ -35,11 +34,10 @@ from driftproof.symbolic.algebra.polynomials import (
     reflected,
 )
 from driftproof.symbolic.algebra.polynomials import quotient as polynomial_quotient
-from driftproof.symbolic.algebra.radicals import decimal, radical_form
-from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
-from driftproof.symbolic.algebra.real_roots import ZERO as ORIGIN
-from driftproof.symbolic.algebra.real_roots import RealRoot, positive_roots, samples, vanishes_at
-from driftproof.symbolic.algebra.series import exponential
+from driftproof.symbolic.algebra.radicals import radical_form, root_decimal
+from driftproof.symbolic.algebra.rational_functions import RationalFunction, exponential_series, fraction
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT as ORIGIN
+from driftproof.symbolic.algebra.real_roots import RealRoot, positive_roots, root_as_number, samples, vanishes_at
 from driftproof.symbolic.linear.stability_function import stability_function
 
 NIL = fraction(ZERO)
@@ -76,7 +74,7 @@ class FamilyStability:
 
     def margin_on_axis(self) -> Bivariate:
         """|Q(iy)|² - |P(iy)|² by powers of y², without common ones."""
-        return without_root_zero(difference(size_on_axis(self.den), size_on_axis(self.num)))
+        return without_root_zero(subtract_rows(rows_modulus_squared(self.den), rows_modulus_squared(self.num)))
 
 
 def poles(family: Family) -> Polynomial:
@@ -99,7 +97,7 @@ def family_stability(family: Family) -> FamilyStability:
     shifted = [[x - y for x, y in zip(row, weights, strict=True)] for row in rows]
     num, den = (_determinant(matrix, common) for matrix in (shifted, rows))
     shared = common_divisor(num, den)
-    return FamilyStability(quotient(num, shared), quotient(den, shared))
+    return FamilyStability(divide_rows(num, shared), divide_rows(den, shared))
 
 
 def _determinant(rows: Sequence[Sequence[Polynomial]], common: Polynomial) -> Bivariate:
@@ -118,7 +116,9 @@ def family_error_constant(family: Family) -> tuple[int, RationalFunction]:
     """
     r = family_stability(family)
     terms = len(r.num) + len(r.den) + 1
-    differences = (f - fraction(ONE * wanted) for f, wanted in zip(r.taylor(terms), exponential(terms), strict=True))
+    differences = (
+        f - fraction(ONE * wanted) for f, wanted in zip(r.taylor(terms), exponential_series(terms), strict=True)
+    )
     return next((power, f) for power, f in enumerate(differences) if f != NIL)
 
 
@@ -175,7 +175,7 @@ class Line:
             yield exact(inner)
             if k < len(self.points):
                 point = self.points[k]
-                yield None if vanishes_at(self.poles, point) else number_of(point)
+                yield None if vanishes_at(self.poles, point) else root_as_number(point)
 
     def runs(self, labels: Sequence[Label]) -> list[tuple[Label, Interval]]:
         """Intervals of equal labels, ascending; label 2k is that of the open cell before point k, 2k + 1 its own."""
@@ -220,7 +220,7 @@ def critical_values(r: FamilyStability, margin: Bivariate, *pairs: tuple[Bivaria
 
     These are roots of P and Q, roots of the margin, and roots of the two in a pair.
     """
-    merging = [merging_values(p, q) for p, q in ((r.num, r.den), *pairs, (margin, slope(margin)))]
+    merging = [merging_values(p, q) for p, q in ((r.num, r.den), *pairs, (margin, slope_in_x(margin)))]
     ends = [p for rows in (r.num, r.den, margin) if rows for p in (rows[0], rows[-1])]
     return [p for p in (*ends, *merging) if p is not None and p != 0]
 
@@ -242,4 +242,4 @@ def _samples(points: list[RealRoot]) -> list[fmpq]:
 
 def _text(root: RealRoot) -> str:
     """In radicals, or else with few digits and a sign that they are not all."""
-    return radical_form(root) or f"~{decimal(root, DIGITS_SHOWN)}"
+    return radical_form(root) or f"~{root_decimal(root, DIGITS_SHOWN)}"

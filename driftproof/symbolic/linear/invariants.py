@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations_with_replacement
 
-from driftproof.symbolic.algebra.matrices import StepMatrix, determinant
+from driftproof.symbolic.algebra.matrices import StepMatrix, matrix_determinant
 from driftproof.symbolic.algebra.polynomials import (
     ONE,
     Polynomial,
@@ -18,7 +18,7 @@ from driftproof.symbolic.algebra.polynomials import (
     sign,
 )
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
-from driftproof.symbolic.algebra.real_roots import ZERO, positive_roots, vanishes_at
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, positive_roots, vanishes_at
 from driftproof.symbolic.linear.limits import INFINITY, Limit, smallest
 from driftproof.symbolic.linear.oscillator import determinant as area_factor
 from driftproof.symbolic.linear.oscillator import trace
@@ -71,7 +71,7 @@ def quadratics_by_elimination(m: StepMatrix) -> list[Quadratic]:
 def definite_limit(form: Quadratic) -> Limit:
     """The largest H such that the form is positive definite for every h in (0, H): Sylvester's minors are all > 0."""
     rows = form.symmetric()
-    minors = [determinant([row[:k] for row in rows[:k]]) for k in range(1, form.size + 1)]
+    minors = [matrix_determinant([row[:k] for row in rows[:k]]) for k in range(1, form.size + 1)]
     return smallest([_positive_limit(minor) for minor in minors])
 
 
@@ -100,7 +100,7 @@ def modified_hamiltonian(m: StepMatrix) -> ModifiedHamiltonian | None:
     (qq, qv), (vq, vv) = m
     cosine = trace(m) * fraction(ONE / 2)
     limit = _positive_limit((UNIT - cosine * cosine).num)
-    if limit == ZERO:
+    if limit == ZERO_ROOT:
         return None
     half_over_step = fraction(ONE / 2, X)
     q2, cross, v2 = (entry * half_over_step for entry in (-vq, qq - vv, qv))
@@ -179,5 +179,5 @@ def _positive_limit(p: Polynomial) -> Limit:
     """The largest H with p > 0 on (0, H): the first positive root, if p is positive before it."""
     lowest = next((c for c in p.coeffs() if c != 0), None)
     if lowest is None or sign(lowest) < 0:
-        return ZERO
+        return ZERO_ROOT
     return next((root for root in positive_roots([p]) if vanishes_at(p, root)), INFINITY)

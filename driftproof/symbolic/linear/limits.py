@@ -8,9 +8,15 @@ from typing import TypeAlias
 
 from flint import fmpq
 
-from driftproof.symbolic.algebra.polynomials import Polynomial, evaluate, reflected, sign, size_on_imaginary_axis
+from driftproof.symbolic.algebra.polynomials import (
+    Polynomial,
+    evaluate,
+    modulus_squared_on_imaginary_axis,
+    reflected,
+    sign,
+)
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
-from driftproof.symbolic.algebra.real_roots import ZERO, RealRoot, positive_roots, samples
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, positive_roots, samples
 
 
 class Infinity(Enum):
@@ -44,7 +50,7 @@ def imaginary_limit(r: RationalFunction) -> Limit:
 
 def imaginary_margin(r: RationalFunction) -> Polynomial:
     """|Q(iy)|² - |P(iy)|² as a polynomial in y², negative at a pole (hairer-wanner-1996, IV.3)."""
-    return size_on_imaginary_axis(r.den) - size_on_imaginary_axis(r.num)
+    return modulus_squared_on_imaginary_axis(r.den) - modulus_squared_on_imaginary_axis(r.num)
 
 
 def first_failure(polynomials: Sequence[Polynomial], holds: Callable[[fmpq], bool]) -> Limit:
@@ -54,7 +60,7 @@ def first_failure(polynomials: Sequence[Polynomial], holds: Callable[[fmpq], boo
     holds on both sides: then a root that touches is no limit, and one rational point decides each interval.
     """
     roots = positive_roots(polynomials)
-    for start, inner in zip([ZERO, *roots], samples(roots), strict=True):
+    for start, inner in zip([ZERO_ROOT, *roots], samples(roots), strict=True):
         if not holds(inner):
             return start
     return INFINITY
@@ -63,8 +69,8 @@ def first_failure(polynomials: Sequence[Polynomial], holds: Callable[[fmpq], boo
 def smallest(limits: Sequence[Limit]) -> Limit:
     """The least of some limits; `oo` of none."""
     finite = {limit for limit in limits if isinstance(limit, RealRoot)}
-    if ZERO in finite or not finite:
-        return ZERO if finite else INFINITY
+    if ZERO_ROOT in finite or not finite:
+        return ZERO_ROOT if finite else INFINITY
     order = positive_roots([limit.polynomial for limit in finite])
     return next(root for root in order if root in finite)
 

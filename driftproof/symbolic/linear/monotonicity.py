@@ -7,7 +7,12 @@ from fractions import Fraction
 from flint import fmpq, fmpq_mat
 
 from driftproof.methods.schemes import Collocation, RungeKutta
-from driftproof.symbolic.algebra.matrices import Rows, characteristic_and_adjugate, determinant, product
+from driftproof.symbolic.algebra.matrices import (
+    MatrixRows,
+    characteristic_and_adjugate,
+    matrix_determinant,
+    matrix_product,
+)
 from driftproof.symbolic.algebra.polynomials import (
     ONE,
     Polynomial,
@@ -20,7 +25,7 @@ from driftproof.symbolic.algebra.polynomials import (
     scalar,
     sign,
 )
-from driftproof.symbolic.algebra.real_roots import ZERO as ZERO_LIMIT
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT as ZERO_LIMIT
 from driftproof.symbolic.linear.irreducible import Stages, reduced, stages_of
 from driftproof.symbolic.linear.limits import Limit, first_failure, smallest
 
@@ -66,7 +71,7 @@ def monotonicity_conditions(stages: Stages) -> list[Polynomial]:
     rows = [*a, [scalar(x) for x in stages.weights[0]]]
     if any(x != 0 for i, row in enumerate(a) for x in row[i:]):
         common, inverse = _scaled_inverse(a)
-        entries = product([[ONE * x for x in row] for row in rows], inverse)
+        entries = matrix_product([[ONE * x for x in row] for row in rows], inverse)
     else:
         common, entries = ONE, _series_of_nilpotent(rows, a)
     slack = [common - (X * dot(row, [ONE] * len(row))) for row in entries]
@@ -74,13 +79,13 @@ def monotonicity_conditions(stages: Stages) -> list[Polynomial]:
     return list(distinct.values())
 
 
-def _scaled_inverse(a: Rows) -> tuple[Polynomial, list[list[Polynomial]]]:
+def _scaled_inverse(a: MatrixRows) -> tuple[Polynomial, list[list[Polynomial]]]:
     """(det(I + rA), adj(I + rA))."""
     shifted = [[X * x + int(i == j) for j, x in enumerate(row)] for i, row in enumerate(a)]
-    return determinant(shifted), characteristic_and_adjugate(shifted)[1]
+    return matrix_determinant(shifted), characteristic_and_adjugate(shifted)[1]
 
 
-def _series_of_nilpotent(rows: Rows, a: Rows) -> list[list[Polynomial]]:
+def _series_of_nilpotent(rows: MatrixRows, a: MatrixRows) -> list[list[Polynomial]]:
     """K(I + rA)⁻¹ = Σ K(-rA)ᵏ, k < s, for strictly lower triangular A; over Q by FLINT's matrices."""
     if all(isinstance(x, fmpq) for row in rows for x in row):
         current, step = fmpq_mat([list(row) for row in rows]), -fmpq_mat([list(row) for row in a])
@@ -92,7 +97,7 @@ def _series_of_nilpotent(rows: Rows, a: Rows) -> list[list[Polynomial]]:
         negative = [[-x for x in row] for row in a]
         powers = [[list(row) for row in rows]]
         for _ in range(len(a) - 1):
-            powers.append(product(powers[-1], negative))
+            powers.append(matrix_product(powers[-1], negative))
     return [[from_scalars([p[i][j] for p in powers]) for j in range(len(a))] for i in range(len(rows))]
 
 

@@ -15,13 +15,13 @@ from driftproof.symbolic.algebra.polynomials import (
     Polynomial,
     Scalar,
     X,
+    deflate,
     even_part,
     from_scalars,
-    in_square,
+    modulus_squared_on_imaginary_axis,
     odd_part,
     reflected,
     scalar,
-    size_on_imaginary_axis,
 )
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction, reversed_sign
 from driftproof.symbolic.linear.stability_function import (
@@ -92,7 +92,7 @@ def energy_multiplier(m: StepMatrix) -> RationalFunction | None:
     gained = qq * qq + vq * vq
     if gained != qv * qv + vv * vv or (qq * qv + vq * vv).num != 0:
         return None
-    return RationalFunction(in_square(gained.num), in_square(gained.den))
+    return RationalFunction(deflate(gained.num), deflate(gained.den))
 
 
 def is_matrix_symmetric(m: StepMatrix) -> bool:
@@ -110,7 +110,7 @@ def _product(a: StepMatrix, b: StepMatrix) -> StepMatrix:
 
 def energy_multiplier_of(r: RationalFunction) -> RationalFunction:
     """|R(ih)|² as a function of h²: what one step of a method with this R does to the energy of the oscillator."""
-    return fraction(size_on_imaginary_axis(r.num), size_on_imaginary_axis(r.den))
+    return fraction(modulus_squared_on_imaginary_axis(r.num), modulus_squared_on_imaginary_axis(r.den))
 
 
 def _at_minus_square(p: Polynomial) -> Polynomial:
@@ -170,6 +170,6 @@ def stiffness_of(rows: Sequence[Sequence[Scalar]]) -> list[list[Scalar]] | None:
 
 def _of_square(f: RationalFunction, stiffness: list[list[Scalar]], factor: RationalFunction) -> StepMatrix:
     """factor(h) φ(h²K), where φ(-h²) = f(h), f even."""
-    phi = fraction(*(reflected(in_square(p)) for p in (f.num, f.den)))
+    phi = fraction(*(reflected(deflate(p)) for p in (f.num, f.den)))
     found = of_matrix(phi, stiffness)
     return tuple(tuple(fraction(spread(x.num), spread(x.den)) * factor for x in row) for row in found)

@@ -12,17 +12,18 @@ from driftproof.methods.number_field import square_root as number_root
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import ONE, exact, reflected, scalar
 from driftproof.symbolic.algebra.radicals import perfect_part
-from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
-from driftproof.symbolic.algebra.series import (
-    Series,
-    derivative,
-    divide,
-    expand,
-    exponential,
-    integral,
-    logarithm,
-    multiply,
-    square_root,
+from driftproof.symbolic.algebra.rational_functions import (
+    PowerSeries,
+    RationalFunction,
+    exponential_series,
+    fraction,
+    series_derivative,
+    series_integral,
+    series_logarithm,
+    series_product,
+    series_quotient,
+    series_root,
+    taylor,
 )
 from driftproof.symbolic.linear.oscillator import determinant, trace
 
@@ -45,7 +46,7 @@ def error_constant(r: RationalFunction) -> LeadingTerm:
     There is one: R agrees with exp up to the power deg P + deg Q at most (Padé).
     """
     terms = r.num.degree() + r.den.degree() + 2
-    return _leading([a - b for a, b in zip(expand(r, terms), exponential(terms), strict=True)])
+    return _leading([a - b for a, b in zip(taylor(r, terms), exponential_series(terms), strict=True)])
 
 
 def linear_order(r: RationalFunction) -> int:
@@ -60,7 +61,7 @@ def matrix_error(m: StepMatrix) -> tuple[int, tuple[tuple[Exact, Exact], tuple[E
         terms *= 2
         turn = _rotation(terms)
         rows = [
-            [[a - b for a, b in zip(expand(f, terms), e, strict=True)] for f, e in zip(row, exact_row, strict=True)]
+            [[a - b for a, b in zip(taylor(f, terms), e, strict=True)] for f, e in zip(row, exact_row, strict=True)]
             for row, exact_row in zip(m, turn, strict=True)
         ]
         for power in range(terms):
@@ -69,22 +70,22 @@ def matrix_error(m: StepMatrix) -> tuple[int, tuple[tuple[Exact, Exact], tuple[E
                 return power, ((a, b), (c, d))
 
 
-def modified_rate(r: RationalFunction, terms: int) -> Series:
+def modified_rate(r: RationalFunction, terms: int) -> PowerSeries:
     """log R(z) = z (1 + ...) as its first `terms` coefficients: the step is the exact flow of y' = (log R(hλ)/h) y.
 
     This is the modified equation on linear problems, to any length (hairer-lubich-wanner-2006, IX.1).
     """
-    return logarithm(expand(r, terms))
+    return series_logarithm(taylor(r, terms))
 
 
-def dispersion_series(r: RationalFunction, terms: int) -> Series:
+def dispersion_series(r: RationalFunction, terms: int) -> PowerSeries:
     """arg R(ih) - h modulo h**terms, from the odd powers of log R."""
     logs = modified_rate(r, terms)
     turned = [c * (-1) ** (k // 2) if k % 2 else c * 0 for k, c in enumerate(logs)]
     return [c - 1 if k == 1 else c for k, c in enumerate(turned)]
 
 
-def dissipation_series(r: RationalFunction, terms: int) -> Series:
+def dissipation_series(r: RationalFunction, terms: int) -> PowerSeries:
     """log |R(ih)| modulo h**terms, from the even powers of log R."""
     return [c * 0 if k % 2 else c * (-1) ** (k // 2) for k, c in enumerate(modified_rate(r, terms))]
 
@@ -106,15 +107,15 @@ def is_linearly_symmetric(r: RationalFunction) -> bool:
     return bool(r.num * reflected(r.num) == r.den * reflected(r.den))
 
 
-def angle_series(m: StepMatrix, terms: int) -> Series:
+def angle_series(m: StepMatrix, terms: int) -> PowerSeries:
     """θ(h) - h modulo h**terms, θ the angle of the eigenvalues: cos θ = tr M / (2 sqrt(det M)).
 
     From θ' = -(cos θ)' / sin θ. An inconsistent splitting turns by θ = σh + O(h²) with σ = sqrt(Σ kicks Σ drifts); its
     series lies in Q(σ). Raises NoRotationError unless σ² is rational and positive.
     """
     cosine, sine = _cosine_and_sine(m, max(terms, 2))
-    slope = divide([-c for c in derivative(cosine)[1:]], sine)
-    return [c - 1 if k == 1 else c for k, c in enumerate(integral(slope)[:terms])]
+    slope = series_quotient([-c for c in series_derivative(cosine)[1:]], sine)
+    return [c - 1 if k == 1 else c for k, c in enumerate(series_integral(slope)[:terms])]
 
 
 def turning_rate(m: StepMatrix) -> Exact:
@@ -122,27 +123,27 @@ def turning_rate(m: StepMatrix) -> Exact:
     return _square_root(exact(_square_of_sine(_cosine(m, 2))[0]))
 
 
-def _cosine(m: StepMatrix, terms: int) -> Series:
+def _cosine(m: StepMatrix, terms: int) -> PowerSeries:
     """cos θ modulo h**(terms + 1)."""
-    root = square_root(expand(determinant(m), terms + 1))
-    cosine = divide([c / 2 for c in expand(trace(m), terms + 1)], root)
+    root = series_root(taylor(determinant(m), terms + 1))
+    cosine = series_quotient([c / 2 for c in taylor(trace(m), terms + 1)], root)
     if cosine[0] != 1 or cosine[1] != 0:
         raise NoRotationError("the step is no rotation by a small angle: its eigenvalues are not 1 at h = 0")
     return cosine
 
 
-def _square_of_sine(cosine: Series) -> Series:
+def _square_of_sine(cosine: PowerSeries) -> PowerSeries:
     """sin² θ / h² modulo h**(terms - 1)."""
-    return [-c for c in multiply(cosine, cosine)][2:]
+    return [-c for c in series_product(cosine, cosine)][2:]
 
 
-def _cosine_and_sine(m: StepMatrix, terms: int) -> tuple[Series, Series]:
+def _cosine_and_sine(m: StepMatrix, terms: int) -> tuple[PowerSeries, PowerSeries]:
     """cos θ modulo h**(terms + 1) and sin θ / h modulo h**(terms - 1)."""
     cosine = _cosine(m, terms)
     square_of_sine = _square_of_sine(cosine)
     rate = square_of_sine[0]
     root_of_rate = scalar(_square_root(exact(rate)))
-    return cosine, [c * root_of_rate for c in square_root([c / rate for c in square_of_sine])]
+    return cosine, [c * root_of_rate for c in series_root([c / rate for c in square_of_sine])]
 
 
 def _square_root(x: Exact) -> Exact:
@@ -156,9 +157,9 @@ def _square_root(x: Exact) -> Exact:
     return surd * Fraction(outer, x.denominator)
 
 
-def damping_series(m: StepMatrix, terms: int) -> Series:
+def damping_series(m: StepMatrix, terms: int) -> PowerSeries:
     """½ log det M modulo h**terms: the growth rate per step of the eigenvalues' radius."""
-    return [c / 2 for c in logarithm(expand(determinant(m), terms))]
+    return [c / 2 for c in series_logarithm(taylor(determinant(m), terms))]
 
 
 def angle_error(m: StepMatrix) -> LeadingTerm:
@@ -177,21 +178,21 @@ def damping(m: StepMatrix) -> LeadingTerm | None:
     return _leading_of(lambda terms: damping_series(m, terms))
 
 
-def modified_factor_series(m: StepMatrix, terms: int) -> Series:
+def modified_factor_series(m: StepMatrix, terms: int) -> PowerSeries:
     """θ / sin θ modulo h**terms, for det M = 1: the factor of the modified Hamiltonian."""
     angle = angle_series(m, terms + 1)
     over_step = [c + 1 if k == 0 else c for k, c in enumerate(angle[1:])]
-    return divide(over_step, _cosine_and_sine(m, terms + 1)[1])
+    return series_quotient(over_step, _cosine_and_sine(m, terms + 1)[1])
 
 
-def _rotation(terms: int) -> tuple[tuple[Series, Series], tuple[Series, Series]]:
-    series = exponential(terms)
+def _rotation(terms: int) -> tuple[tuple[PowerSeries, PowerSeries], tuple[PowerSeries, PowerSeries]]:
+    series = exponential_series(terms)
     cosine = [c * 0 if k % 2 else c * (-1) ** (k // 2) for k, c in enumerate(series)]
     sine = [c * (-1) ** (k // 2) if k % 2 else c * 0 for k, c in enumerate(series)]
     return (cosine, sine), ([-c for c in sine], cosine)
 
 
-def _leading_of(compute: Callable[[int], Series]) -> LeadingTerm:
+def _leading_of(compute: Callable[[int], PowerSeries]) -> LeadingTerm:
     """The leading term of a series that is not zero, computed to twice the length until it shows."""
     terms = 8
     while all(c == 0 for c in compute(terms)):
@@ -199,6 +200,6 @@ def _leading_of(compute: Callable[[int], Series]) -> LeadingTerm:
     return _leading(compute(terms))
 
 
-def _leading(series: Series) -> LeadingTerm:
+def _leading(series: PowerSeries) -> LeadingTerm:
     power = next(k for k, c in enumerate(series) if c != 0)
     return LeadingTerm(power, exact(series[power]))

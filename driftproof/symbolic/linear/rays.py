@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from driftproof.symbolic.algebra.polynomials import Polynomial, Scalar, evaluate, from_scalars, sign
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
-from driftproof.symbolic.algebra.real_roots import ZERO, positive_roots, samples, vanishes_at
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, positive_roots, samples, vanishes_at
 from driftproof.symbolic.linear.limits import INFINITY, Limit
 
 
@@ -17,7 +17,7 @@ class Bound(NamedTuple):
     attained: bool | None
 
 
-NEVER, ALWAYS = Bound(ZERO, None), Bound(INFINITY, None)
+NEVER, ALWAYS = Bound(ZERO_ROOT, None), Bound(INFINITY, None)
 
 
 def ray_bound(r: RationalFunction, total: Scalar, product: Scalar, block: int) -> Bound:
@@ -30,12 +30,12 @@ def ray_bound(r: RationalFunction, total: Scalar, product: Scalar, block: int) -
     if margin == 0:
         return ALWAYS if not any(obstacles) else NEVER
     roots = positive_roots([margin])
-    for start, inner in zip([ZERO, *roots], samples(roots), strict=True):
-        touches = start != ZERO and vanishes_at(margin, start)
+    for start, inner in zip([ZERO_ROOT, *roots], samples(roots), strict=True):
+        touches = start != ZERO_ROOT and vanishes_at(margin, start)
         if touches and not all(vanishes_at(p, start) for p in obstacles):
             return Bound(start, False)
         if sign(evaluate(margin, inner)) < 0:
-            return NEVER if start == ZERO else Bound(start, True)
+            return NEVER if start == ZERO_ROOT else Bound(start, True)
     return ALWAYS
 
 

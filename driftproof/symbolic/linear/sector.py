@@ -8,11 +8,11 @@ from fractions import Fraction
 
 from flint import arb, fmpq
 
+from driftproof.symbolic.algebra.bivariate import ParametricPair, critical_polynomial
 from driftproof.symbolic.algebra.polynomials import ONE, ZERO, FieldPolynomial, Polynomial, X, evaluate, from_scalars
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
-from driftproof.symbolic.algebra.real_roots import ZERO as NO_SECTOR
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT as NO_SECTOR
 from driftproof.symbolic.algebra.real_roots import RealRoot, positive_roots
-from driftproof.symbolic.algebra.subresultants import Pair, critical_polynomial
 from driftproof.symbolic.linear.implicit_stability import a_stability, negative_point
 from driftproof.symbolic.linear.limits import INFINITY, Infinity, Limit, first_failure
 from driftproof.symbolic.linear.sector_enclosure import EnclosedTangent
@@ -109,7 +109,9 @@ def _critical(margin: list[Polynomial]) -> list[Polynomial]:
         value = _rational_at(margin, square, conjugates)
         return value, value.derivative()
 
-    merging = critical_polynomial(Pair(with_slope, (degree, degree - 1), (reach, reach))) if degree > 1 else None
+    merging = (
+        critical_polynomial(ParametricPair(with_slope, (degree, degree - 1), (reach, reach))) if degree > 1 else None
+    )
     return [margin[0], margin[-1], *([merging] if merging is not None else [])]
 
 

@@ -7,11 +7,11 @@ from fractions import Fraction
 from math import isqrt
 
 from driftproof.methods.number_field import Algebraic
-from driftproof.symbolic.algebra.certified import Exact, enclose
+from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
 from driftproof.symbolic.algebra.polynomials import exact, scalar, sign
 
 
-def spectral_radius(entries: Sequence[Fraction | Algebraic]) -> Exact:
+def spectral_radius(entries: Sequence[Fraction | Algebraic]) -> CertifiableReal:
     """The largest |λ| of a 2x2 matrix, its entries in the order of reading; a Fraction if it is rational.
 
     sqrt(det) for complex eigenvalues, else (|tr| + sqrt(tr² - 4 det))/2.
@@ -28,7 +28,7 @@ def spectral_radius(entries: Sequence[Fraction | Algebraic]) -> Exact:
     return lambda: (enclose(trace) + enclose(root)) / 2
 
 
-def _root(x: Fraction | Algebraic) -> Exact:
+def _root(x: Fraction | Algebraic) -> CertifiableReal:
     """The square root of x >= 0."""
     if isinstance(x, Fraction):
         root = Fraction(isqrt(x.numerator), isqrt(x.denominator))

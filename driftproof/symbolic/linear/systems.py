@@ -10,11 +10,10 @@ from typing import Any, NamedTuple
 from flint import fmpq
 
 from driftproof.methods.schemes import Method
-from driftproof.symbolic.algebra.algebraic_numbers import scaled
-from driftproof.symbolic.algebra.matrices import StepMatrix, determinant
+from driftproof.symbolic.algebra.matrices import StepMatrix, matrix_determinant
 from driftproof.symbolic.algebra.polynomials import ONE, descend, quotient
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
-from driftproof.symbolic.algebra.real_roots import ZERO, RealRoot, sign_at
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, root_ratio, sign_at
 from driftproof.symbolic.linear.bounded_powers import boundary_of, bounded_limit, common_denominator, is_bounded
 from driftproof.symbolic.linear.conjugate_pairs import UndecidedLimitError, pair_bound
 from driftproof.symbolic.linear.eigenvalues import Complex, Eigenvalue, Imaginary, Place, eigenvalues
@@ -55,7 +54,7 @@ class SystemFacts:
         """det M(h), the factor by which one step scales volume."""
         den = common_denominator(self.matrix)
         rows = [[descend(x.num * quotient(den, x.den)) for x in row] for row in self.matrix]
-        return fraction(descend(determinant(rows)), den ** len(rows))
+        return fraction(descend(matrix_determinant(rows)), den ** len(rows))
 
     @cached_property
     def bounds(self) -> list[EigenvalueLimit]:
@@ -99,7 +98,7 @@ def runge_kutta_bound(r: RationalFunction, place: Place, block: int) -> Bound:
         if block > 1:
             raise UndecidedLimitError("a complex eigenvalue of degree 3 or more with a Jordan block is not decided")
         return pair_bound(r, place)
-    if place == ZERO:
+    if place == ZERO_ROOT:
         return at_rest(r, block)
     ahead = place.ball() > 0
     return _per(ray_bound(r, fmpq(2 if ahead else -2), fmpq(1), block), place if ahead else place.negated())
@@ -117,14 +116,14 @@ def partitioned_bound(method: Method, place: Place, block: int) -> Bound:
         # M = I + h[[0, β], [λ²γ, 0]] + O(h²): one of its eigenvalues 1 ± hλ sqrt(βγ) + O(h²) is above 1 in modulus,
         # as sqrt(βγ) is real or imaginary and λ neither.
         return NEVER
-    if place == ZERO and into_position != 0:
+    if place == ZERO_ROOT and into_position != 0:
         return NEVER
     if isinstance(place, Imaginary) and block == 1:
         return _per(power_bound(m), place.size)
     if isinstance(place, Imaginary) and area_factor(m) == fraction(ONE) and into_position != 0:
         # The eigenvalues lie on the circle and turn with ω: dθ/dω is not 0 but for single h.
         return NEVER
-    if isinstance(place, RealRoot) and place != ZERO:
+    if isinstance(place, RealRoot) and place != ZERO_ROOT:
         bound = power_bound(linear_step_matrix(method, [[0, 1], [1, 0]]))
         if block == 1 or bound == NEVER:
             return _per(bound, place if place.ball() > 0 else place.negated())
@@ -136,11 +135,15 @@ def power_bound(m: StepMatrix) -> Bound:
     limit = bounded_limit(m)
     if isinstance(limit, Infinity):
         return ALWAYS
-    return NEVER if limit == ZERO else Bound(limit, is_bounded(boundary_of(m), partial(sign_at, root=limit)))
+    return NEVER if limit == ZERO_ROOT else Bound(limit, is_bounded(boundary_of(m), partial(sign_at, root=limit)))
 
 
 def _per(bound: Bound, size: RealRoot) -> Bound:
-    return Bound(scaled(bound.limit, size), bound.attained)
+    """What the bound of y = h size says of h, for a size > 0."""
+    limit = bound.limit
+    if not isinstance(limit, Infinity) and limit != ZERO_ROOT:
+        limit = root_ratio(limit, size)
+    return Bound(limit, bound.attained)
 
 
 def _limit(facts: SystemFacts) -> tuple[Limit | UndecidedLimitError, bool | None]:

@@ -9,12 +9,11 @@ from functools import partial
 from flint import acb, acb_poly, arb, fmpq
 
 from driftproof.methods.schemes import Method
-from driftproof.symbolic.algebra.algebraic_numbers import ratio
-from driftproof.symbolic.algebra.certified import Exact
+from driftproof.symbolic.algebra.certified import CertifiableReal
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import ONE, Polynomial, Scalar, at_ball, exact, scalar
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
-from driftproof.symbolic.algebra.real_roots import ZERO, RealRoot, rational_root, sign_at
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root, root_ratio, sign_at
 from driftproof.symbolic.linear.bounded_powers import boundary_of, is_bounded
 from driftproof.symbolic.linear.conjugate_pairs import UndecidedLimitError, margin_sign
 from driftproof.symbolic.linear.eigenvalues import Complex, Eigenvalue, Imaginary, eigenvalues
@@ -43,7 +42,7 @@ def part_is_bounded(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> 
         if block > 1:
             raise UndecidedLimitError("a complex eigenvalue of degree 3 or more with a Jordan block is not decided")
         return margin_sign(r, place, fmpq(h.numerator, h.denominator)) > 0
-    if place == ZERO:
+    if place == ZERO_ROOT:
         return at_rest(r, block) == ALWAYS
     ahead = place.ball() > 0
     return _on_ray(r, fmpq(2 if ahead else -2), fmpq(1), block, times(place if ahead else place.negated(), h))
@@ -58,7 +57,7 @@ def _on_ray(r: RationalFunction, total: Scalar, product: Scalar, block: int, x: 
 def _partitioned(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> bool:
     """On q' = v, v' = Kq: the oscillator's matrix at hω, or that of q' = v, v' = q at h|λ|, by its exact signs."""
     place = eigenvalue.place
-    if eigenvalue.block > 1 or isinstance(place, Complex) or place == ZERO:
+    if eigenvalue.block > 1 or isinstance(place, Complex) or place == ZERO_ROOT:
         raise UndecidedLimitError("a method that is not Runge-Kutta: only simple real and imaginary eigenvalues")
     if isinstance(place, Imaginary):
         matrix, size = one_step_matrix(found.method), place.size
@@ -70,7 +69,7 @@ def _partitioned(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> boo
 
 def times(size: RealRoot, h: Fraction) -> RealRoot:
     """h times a positive number, h > 0."""
-    return ratio(size, rational_root(1 / h))
+    return root_ratio(size, rational_root(1 / h))
 
 
 def largest_eigenvalue(rows: Sequence[Sequence[Fraction]]) -> Eigenvalue:
@@ -78,7 +77,7 @@ def largest_eigenvalue(rows: Sequence[Sequence[Fraction]]) -> Eigenvalue:
     return max(eigenvalues(rows), key=lambda e: float(abs(_ball(e)).mid()))
 
 
-def factor_at(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> Exact:
+def factor_at(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> CertifiableReal:
     """The largest size of an eigenvalue of M(h) that belongs to this one of A: |R(hλ)|, or of the 2x2 matrix at h|λ|.
 
     A Fraction where it is found to be rational: there no ball would tell a size of 1, or of 0.
@@ -91,7 +90,7 @@ def factor_at(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> Exact:
     )
 
 
-def _size_of_function(r: RationalFunction, eigenvalue: Eigenvalue, h: Fraction) -> Exact:
+def _size_of_function(r: RationalFunction, eigenvalue: Eigenvalue, h: Fraction) -> CertifiableReal:
     place = eigenvalue.place
     if isinstance(place, RealRoot) and place.rational is not None:
         value = exact(r(scalar(h * place.rational)))
@@ -111,7 +110,7 @@ def _block(method: Method, eigenvalue: Eigenvalue) -> StepMatrix:
     return linear_step_matrix(method, [[0, 1], [1, 0]]) if real else one_step_matrix(method)
 
 
-def _radius(matrix: StepMatrix, eigenvalue: Eigenvalue, h: Fraction) -> Exact:
+def _radius(matrix: StepMatrix, eigenvalue: Eigenvalue, h: Fraction) -> CertifiableReal:
     place = eigenvalue.place
     size = place.size if isinstance(place, Imaginary) else place
     if isinstance(size, RealRoot) and size.rational is not None:

@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 from flint import arb
 
-from driftproof.symbolic.algebra.certified import Exact, enclose
+from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
 from driftproof.symbolic.runs import Entries, apply, as_balls, distance, exact_flow, power, short_power
 
 State: TypeAlias = tuple[Fraction, Fraction]
@@ -32,19 +32,19 @@ class ErrorOfRun:
     final: State
 
     @property
-    def rounding(self) -> Exact:
+    def rounding(self) -> CertifiableReal:
         """|z^_N - M^N z0|, what the floats did."""
         if self._is_exact:
             return Fraction(0)
         return lambda: distance(self._floats(), self._numerical())
 
     @property
-    def truncation(self) -> Exact:
+    def truncation(self) -> CertifiableReal:
         """|M^N z0 - z(t)|, what the method would do in exact arithmetic."""
         return lambda: distance(self._numerical(), self._analytic())
 
     @property
-    def total(self) -> Exact:
+    def total(self) -> CertifiableReal:
         """|z^_N - z(t)|; at most rounding + truncation."""
         return lambda: distance(self._floats(), self._analytic())
 

@@ -18,7 +18,7 @@ from numbers import Rational, Real
 from typing import Any, NoReturn
 
 from driftproof.methods.number_field import Algebraic, Exact
-from driftproof.symbolic.algebra.certified import settle
+from driftproof.symbolic.algebra.certified import decide_by_enclosure
 from driftproof.symbolic.derivation.one_step import rational
 from driftproof.symbolic.rounding.formats import FloatFormat, is_power_of_two
 from driftproof.symbolic.rounding.irrational import above, size
@@ -228,7 +228,7 @@ def _known(fmt: FloatFormat, exact: Polynomial, held: Fraction) -> Rounded:
 
 def _nearest(fmt: FloatFormat, exact: Exact) -> Fraction:
     try:
-        return settle(exact, fmt.nearest)
+        return decide_by_enclosure(exact, fmt.nearest)
     except OverflowError as overflow:
         raise OverflowError(f"{_place()}: a constant is out of range: {overflow}") from None
 

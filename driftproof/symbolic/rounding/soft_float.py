@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from driftproof.methods.number_field import Exact
-from driftproof.symbolic.algebra.certified import settle
+from driftproof.symbolic.algebra.certified import decide_by_enclosure
 from driftproof.symbolic.rounding.formats import FloatFormat
 
 
@@ -82,4 +82,4 @@ class SoftFloat:
 
 def soft_lift(fmt: FloatFormat, fusing: bool = False) -> Callable[[Exact], SoftFloat]:
     """The lift of exact numbers to floats of the format."""
-    return lambda exact: SoftFloat(settle(exact, fmt.nearest), fmt, fusing)
+    return lambda exact: SoftFloat(decide_by_enclosure(exact, fmt.nearest), fmt, fusing)

@@ -9,7 +9,7 @@ from typing import TypeAlias
 from driftproof.methods.problems import oscillator
 from driftproof.methods.schemes import Method
 from driftproof.methods.stepping import Force, Lift, Step, stepper
-from driftproof.symbolic.algebra.certified import settle
+from driftproof.symbolic.algebra.certified import decide_by_enclosure
 from driftproof.symbolic.rounding.formats import FloatFormat
 from driftproof.symbolic.rounding.number import RefusedOperation, Rounded, constant, rational_value
 from driftproof.symbolic.rounding.polynomials import H, Polynomial, Q, V, majorant, terms
@@ -49,7 +49,7 @@ def program_of(method: Method, fmt: FloatFormat) -> Step:
 
     To the definition itself this is another method, by the rounding of its coefficients.
     """
-    return stepper(method, lambda exact: settle(exact, fmt.nearest))
+    return stepper(method, lambda exact: decide_by_enclosure(exact, fmt.nearest))
 
 
 def program(outputs: Iterable[Rounded]) -> list[Rounded]:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from driftproof.support.toml_tables import (
-    Table,
+    TomlTable,
     as_choice,
     as_flag,
     as_line,
@@ -108,7 +108,7 @@ def _refused_in(what: str) -> Iterator[None]:
         raise ValueError(f"{what}: {error}") from None
 
 
-def _claims(table: Table) -> Claims:
+def _claims(table: TomlTable) -> Claims:
     demand_keys(table, ("text", "claim", "label"), "the file")
     text = as_table(table.get("text", {}), "text")
     demand_keys(text, ("format", "coverage"), "text")
@@ -120,7 +120,7 @@ def _claims(table: Table) -> Claims:
     return Claims(claims, labels, form, _share(text.get("coverage", "0%")))
 
 
-def _entries(table: Table, name: str) -> list[Table]:
+def _entries(table: TomlTable, name: str) -> list[TomlTable]:
     found = as_list(table.get(name, []), name, most=_MOST_CLAIMS)
     if not all(isinstance(entry, dict) for entry in found):
         raise ValueError(f"{name} is a list of tables; begin each with [[{name}]]")
@@ -134,7 +134,7 @@ def _share(found: object) -> Fraction:
     return Fraction(match[1]) / 100
 
 
-def _claim(entry: Table, number: int) -> Claim:
+def _claim(entry: TomlTable, number: int) -> Claim:
     key = as_line(entry.get("id"), f"id of claim {number}", _LONGEST_NAME)
     with _refused_in(f"claim {key!r}"):
         demand_keys(entry, ("id", "phrase", "value", "values", "count", "given", "ignore_case", *_FORM), "a claim")
@@ -153,7 +153,7 @@ def _claim(entry: Table, number: int) -> Claim:
         return Claim(key, phrase, values, count, "given" if given is True else given, ignore_case)
 
 
-def _label(entry: Table, number: int) -> NumberLabel:
+def _label(entry: TomlTable, number: int) -> NumberLabel:
     with _refused_in(f"label {number}"):
         demand_keys(entry, ("phrase", "why"), "a label")
         why = entry.get("why")
@@ -162,14 +162,14 @@ def _label(entry: Table, number: int) -> NumberLabel:
         return NumberLabel(_phrase(entry), why)
 
 
-def _phrase(entry: Table) -> Phrase:
+def _phrase(entry: TomlTable) -> Phrase:
     if not isinstance(entry.get("phrase"), str):
         raise ValueError("its phrase is missing, or no text")
     with _refused_in("phrase"):
         return Phrase.of(entry["phrase"])
 
 
-def _values(entry: Table, phrase: Phrase) -> dict[str, Expected]:
+def _values(entry: TomlTable, phrase: Phrase) -> dict[str, Expected]:
     if "value" in entry and "values" in entry:
         raise ValueError("it has both value and values; value is for a phrase with {value} alone")
     values = {"value": entry["value"]} if "value" in entry else as_table(entry.get("values", {}), "values")
@@ -183,7 +183,7 @@ def _values(entry: Table, phrase: Phrase) -> dict[str, Expected]:
     return {name: _expected(values[name], default) for name in phrase.names}
 
 
-def _expected(value: Any, default: Table) -> Expected:
+def _expected(value: Any, default: TomlTable) -> Expected:
     """A question, or a table of a question and its form, or of a given number."""
     entry = {"ask": value} if isinstance(value, str) else value
     if not isinstance(entry, dict) or ("ask" in entry) == ("given" in entry):
@@ -200,7 +200,7 @@ def _expected(value: Any, default: Table) -> Expected:
     return Expected(question, None, _form(entry if set(entry) & {*_FORM} - {"rounding"} else {**default, **entry}))
 
 
-def _form(entry: Table) -> NumberForm:
+def _form(entry: TomlTable) -> NumberForm:
     chosen = [key for key in ("places", "digits", "exact") if key in entry]
     if len(chosen) > 1:
         raise ValueError(f"it says {' and '.join(chosen)}; one of them is enough")

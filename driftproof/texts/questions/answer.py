@@ -16,7 +16,7 @@ from driftproof.texts.writing import markup
 if TYPE_CHECKING:
     from flint import arb
 
-    from driftproof.symbolic.algebra.certified import Exact
+    from driftproof.symbolic.algebra.certified import CertifiableReal
 
 MOST_DIGITS = 10_000
 # Significant digits of a decimal that nobody asked for.
@@ -37,7 +37,7 @@ class Answer:
     """
 
     question: str
-    exact: Exact | None
+    exact: CertifiableReal | None
     evidence: str = PROVED
     unit: str | None = None
     form: str | None = None
@@ -100,7 +100,7 @@ class Answer:
             return markup.rational(numerator, denominator or "1", write)
         return markup.formula(text, write)
 
-    def _decimal(self, write: Callable[[Exact, int, Style, str | None], str], n: int, style: Style) -> str:
+    def _decimal(self, write: Callable[[CertifiableReal, int, Style, str | None], str], n: int, style: Style) -> str:
         if self.exact is None:
             raise QuestionError(self.question, 1, f"{self.exact_text} is no number and has no decimals")
         if n > MOST_DIGITS:

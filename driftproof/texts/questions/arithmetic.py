@@ -10,7 +10,7 @@ from typing import Any
 from flint import arb
 
 from driftproof.methods.number_field import Algebraic, cube_root, square_root
-from driftproof.symbolic.algebra.certified import LARGEST_EXPONENT, Exact, enclose, sign
+from driftproof.symbolic.algebra.certified import LARGEST_BINARY_EXPONENT, CertifiableReal, certified_sign, enclose
 from driftproof.symbolic.algebra.radicals import perfect_part
 from driftproof.texts.questions.answer import CERTIFIED, EVIDENCE, Answer
 
@@ -46,7 +46,7 @@ def divide(a: Answer, b: Answer) -> Answer:
     """a / b, without a unit where both have the same. Raises ValueError for b = 0 and for another unit below."""
     if b.unit and a.unit != b.unit:
         raise ValueError(f"{a.unit or 'a number without a unit'} over {b.unit} has no unit of its own")
-    if sign(number(b)) == 0:
+    if certified_sign(number(b)) == 0:
         raise ValueError("it divides by zero")
     return replace(_combined(a, b, lambda x, y: x / y), unit=None if b.unit else a.unit)
 
@@ -65,19 +65,19 @@ def power(a: Answer, exponent: Fraction) -> Answer:
     x = number(a)
     if a.unit and exponent != 1:
         raise ValueError(f"powers of {a.unit} are no unit")
-    if exponent < 0 and sign(x) == 0:
+    if exponent < 0 and certified_sign(x) == 0:
         raise ValueError("it divides by zero")
     if exponent.denominator > 1:
         return _root(power(a, Fraction(exponent.numerator)), exponent.denominator)
     n = int(exponent)
     if callable(x):
         return Answer("", lambda: enclose(x) ** n, a.evidence, a.unit)
-    if _bits(x) * abs(n) > LARGEST_EXPONENT:
-        raise ValueError(f"the power is too long to write out: more than {LARGEST_EXPONENT} bits")
+    if _bits(x) * abs(n) > LARGEST_BINARY_EXPONENT:
+        raise ValueError(f"the power is too long to write out: more than {LARGEST_BINARY_EXPONENT} bits")
     return Answer("", _short(x**n), a.evidence, a.unit)
 
 
-def number(a: Answer) -> Exact:
+def number(a: Answer) -> CertifiableReal:
     """The number that a is. Raises ValueError for a formula and for a word."""
     if a.exact is None:
         raise ValueError(f"{a.exact_text} is no number")
@@ -86,13 +86,13 @@ def number(a: Answer) -> Exact:
 
 def absolute(a: Answer) -> Answer:
     """|a|."""
-    return negate(a) if sign(number(a)) < 0 else a
+    return negate(a) if certified_sign(number(a)) < 0 else a
 
 
 def _root(a: Answer, degree: int) -> Answer:
     """The root of this degree: exact where it is rational or in one of FIELDS, else enclosed."""
     x = _pure(a)
-    if sign(x) < 0:
+    if certified_sign(x) < 0:
         raise ValueError("a number below zero has no real root")
     if x == 0:
         return a
@@ -107,7 +107,7 @@ def _root(a: Answer, degree: int) -> Answer:
 def logarithm(a: Answer, base: int) -> Answer:
     """The logarithm to the base 2 or 10, rational where a is a power of it. Raises ValueError unless a > 0."""
     x = _pure(a)
-    if sign(x) <= 0:
+    if certified_sign(x) <= 0:
         raise ValueError("only a number above zero has a logarithm")
     if isinstance(x, Fraction) and 1 in (x.numerator, x.denominator):
         size = max(x.numerator, x.denominator)
@@ -155,7 +155,7 @@ FUNCTIONS: dict[str, tuple[Callable[..., Answer], int]] = {
 }
 
 
-def _pure(a: Answer) -> Exact:
+def _pure(a: Answer) -> CertifiableReal:
     """The number. Raises ValueError where it has a unit."""
     if a.unit:
         raise ValueError(f"a function of {a.unit} is not defined; divide by a number with that unit first")
@@ -180,12 +180,12 @@ def _combined(a: Answer, b: Answer, operation: Callable[[Any, Any], Any]) -> Ans
     return Answer("", lambda: operation(enclose(x), enclose(y)), evidence)
 
 
-def _short(x: Exact) -> Exact:
+def _short(x: CertifiableReal) -> CertifiableReal:
     """x itself, as a Fraction where it is rational. Raises ValueError where it is too long to write out."""
     if isinstance(x, Algebraic) and x.is_rational:
         x = x.as_fraction()
-    if _bits(x) > LARGEST_EXPONENT:
-        raise ValueError(f"its numbers are too long to write out: more than {LARGEST_EXPONENT} bits")
+    if _bits(x) > LARGEST_BINARY_EXPONENT:
+        raise ValueError(f"its numbers are too long to write out: more than {LARGEST_BINARY_EXPONENT} bits")
     return x
 
 

@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from driftproof.symbolic.algebra.certified import Exact
+    from driftproof.symbolic.algebra.certified import CertifiableReal
 
 HYPHEN, MINUS = "-", "\N{MINUS SIGN}"
 E, TIMES_TEN = "e", "×10"
@@ -63,7 +63,7 @@ class Tie(ValueError):
     """The number is half-way between two decimals and no policy was named."""
 
 
-def to_digits(x: Exact, digits: int, style: Style, default: str | None = None) -> str:
+def to_digits(x: CertifiableReal, digits: int, style: Style, default: str | None = None) -> str:
     """x to so many significant digits. `default` is the rounding where the style names none; None: ties are refused.
 
     Raises ValueError for a count below one, Tie, and Uncertified.
@@ -71,12 +71,12 @@ def to_digits(x: Exact, digits: int, style: Style, default: str | None = None) -
     return _decimal("significant", x, digits, style, default)
 
 
-def to_places(x: Exact, places: int, style: Style, default: str | None = None) -> str:
+def to_places(x: CertifiableReal, places: int, style: Style, default: str | None = None) -> str:
     """x to so many digits after the point. Raises ValueError for a count below zero, Tie, and Uncertified."""
     return _decimal("fixed", x, places, style, default)
 
 
-def _decimal(form: str, x: Exact, count: int, style: Style, default: str | None) -> str:
+def _decimal(form: str, x: CertifiableReal, count: int, style: Style, default: str | None) -> str:
     from driftproof.symbolic.algebra import certified
 
     write = certified.fixed if form == "fixed" else certified.significant
@@ -97,11 +97,11 @@ def _decimal(form: str, x: Exact, count: int, style: Style, default: str | None)
     return style.written(even)
 
 
-def _nearest_double(x: Exact) -> Fraction:
+def _nearest_double(x: CertifiableReal) -> Fraction:
     """The binary64 number nearest to x, as a fraction; 0 where x underflows. Raises ValueError where it overflows."""
-    from driftproof.symbolic.algebra.certified import settle
+    from driftproof.symbolic.algebra.certified import decide_by_enclosure
 
     try:
-        return settle(x, lambda y: Fraction(float(y)))
+        return decide_by_enclosure(x, lambda y: Fraction(float(y)))
     except OverflowError:
         raise ValueError("the number is beyond the largest double, and toFixed is for doubles") from None

@@ -12,9 +12,8 @@ from driftproof.methods.families import Family
 from driftproof.methods.number_field import Algebraic
 from driftproof.symbolic.algebra.polynomials import Polynomial, coefficients, evaluate, exact, polynomial, scalar
 from driftproof.symbolic.algebra.radicals import radical_form
-from driftproof.symbolic.algebra.rational_functions import fraction
+from driftproof.symbolic.algebra.rational_functions import fraction, polynomial_text, sum_text
 from driftproof.symbolic.algebra.real_roots import RealRoot
-from driftproof.symbolic.algebra.text import polynomial_text, sum_text
 from driftproof.symbolic.facts import FACTS, ON_REQUEST, WHY_NONE, Facts
 from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
 from driftproof.symbolic.linear.facts import ExactFunction, PowerSeries, Sector, facts_by_name

@@ -11,9 +11,9 @@ from flint import arb
 
 from driftproof.methods.number_field import Exact as Coefficient
 from driftproof.methods.schemes import Method, RungeKutta
-from driftproof.symbolic.algebra.certified import Exact, enclose
+from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
 from driftproof.symbolic.algebra.polynomials import polynomial
-from driftproof.symbolic.algebra.text import polynomial_text, sum_text
+from driftproof.symbolic.algebra.rational_functions import polynomial_text, sum_text
 from driftproof.symbolic.runs import OscillatorRun, exact_flow
 from driftproof.texts.questions.answer import CERTIFIED, COUNTED, PROVED, Answer
 
@@ -49,7 +49,7 @@ EXACT_READOUTS: dict[str, Callable[[ExactFlow], Answer]] = {
 }
 
 
-def _of(x: Exact | None) -> Answer:
+def _of(x: CertifiableReal | None) -> Answer:
     return Answer("", x, CERTIFIED if callable(x) else PROVED)
 
 

@@ -11,7 +11,7 @@ from driftproof.methods.catalogue import method_named
 from driftproof.methods.schemes import Method
 from driftproof.numeric.steppers import evaluations_per_step
 from driftproof.support.plain_text import Json, table
-from driftproof.symbolic.algebra.certified import HALF_EVEN, Exact, significant
+from driftproof.symbolic.algebra.certified import HALF_EVEN, CertifiableReal, significant
 from driftproof.symbolic.runs import OscillatorRun, TrigonometricNumber
 from driftproof.texts.writing.markup import LONGEST_IN_TEXT
 
@@ -19,7 +19,9 @@ from driftproof.texts.writing.markup import LONGEST_IN_TEXT
 _SHOWN = ["final_state", "exact_state", "state_error", "energy", "energy_change", "phase_error", "steps", "evaluations"]
 
 
-def number(value: Exact | None, digits: int, rounding: str = HALF_EVEN, unit: str | None = None) -> Json | None:
+def number(
+    value: CertifiableReal | None, digits: int, rounding: str = HALF_EVEN, unit: str | None = None
+) -> Json | None:
     """{"exact": "337/384" or None, "decimal": correctly rounded digits, "unit": ...}; None for an undefined value."""
     if value is None:
         return None
@@ -27,7 +29,7 @@ def number(value: Exact | None, digits: int, rounding: str = HALF_EVEN, unit: st
     return answer if unit is None else {**answer, "unit": unit}
 
 
-def _exact_text(value: Exact) -> str | None:
+def _exact_text(value: CertifiableReal) -> str | None:
     if isinstance(value, Fraction):
         # fmpq prints fractions of any length; Python's own str() refuses beyond 4300 digits.
         return str(fmpq(value.numerator, value.denominator))
@@ -81,7 +83,7 @@ def _state_and_energy(run: OscillatorRun, digits: int, rounding: str) -> Json:
     }
 
 
-def _pair(state: tuple[Exact, Exact], digits: int, rounding: str) -> Json:
+def _pair(state: tuple[CertifiableReal, CertifiableReal], digits: int, rounding: str) -> Json:
     return {name: number(x, digits, rounding) for name, x in zip("qv", state, strict=True)}
 
 

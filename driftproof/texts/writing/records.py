@@ -12,17 +12,16 @@ from driftproof.methods.families import Family
 from driftproof.methods.number_field import NumberField
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.support.plain_text import Json
-from driftproof.symbolic.algebra.algebraic_numbers import root_of
-from driftproof.symbolic.algebra.certified import settle, significant
+from driftproof.symbolic.algebra.certified import decide_by_enclosure, significant
 from driftproof.symbolic.algebra.radicals import (
-    DIGITS,
-    decimal,
+    PRINTED_DIGITS,
     integer_polynomial_text,
     is_readable,
     radical_form,
+    root_decimal,
 )
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
-from driftproof.symbolic.algebra.real_roots import ZERO, RealRoot, rational_root
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root, root_of
 from driftproof.symbolic.facts import FACTS, ON_REQUEST, Facts
 from driftproof.symbolic.family_facts import (
     FAMILY_FACTS,
@@ -190,7 +189,7 @@ def record(value: Any) -> Json:
 
 @record.register
 def _(value: Angle) -> str:
-    return significant(value.exact, DIGITS) if callable(value.exact) else str(value.exact)
+    return significant(value.exact, PRINTED_DIGITS) if callable(value.exact) else str(value.exact)
 
 
 @record.register(RungeKutta | Splitting | Nystrom | Collocation | Family)
@@ -219,26 +218,26 @@ def _(value: Infinity) -> str:
 
 
 @record.register
-def number_record(value: RealRoot, digits: int = DIGITS) -> str | dict[str, Any]:
+def number_record(value: RealRoot, digits: int = PRINTED_DIGITS) -> str | dict[str, Any]:
     """ "0" or {"exact", "minpoly", "interval", "decimal"}: radicals in SymPy's syntax or None, polynomial in x.
 
-    The number is the one root of its polynomial in the closed interval; `decimal` is rounded correctly.
+    The number is the one root of its polynomial in the closed interval; `root_decimal` is rounded correctly.
     """
-    if value == ZERO:
+    if value == ZERO_ROOT:
         return "0"
     return {
         "exact": radical_form(value),
         "minpoly": integer_polynomial_text(value.minimal),
         "interval": [str(end) for end in value.interval()],
-        "decimal": decimal(value, digits),
+        "decimal": root_decimal(value, digits),
     }
 
 
 @record.register
 def _(value: EnclosedTangent) -> dict[str, Any]:
-    billionths = settle(value.ball, lambda x: int(x * 10**9))
+    billionths = decide_by_enclosure(value.ball, lambda x: int(x * 10**9))
     interval = [str(Fraction(n, 10**9)) for n in (billionths, billionths + 1)]
-    return {"exact": None, "minpoly": None, "interval": interval, "decimal": significant(value.ball, DIGITS)}
+    return {"exact": None, "minpoly": None, "interval": interval, "decimal": significant(value.ball, PRINTED_DIGITS)}
 
 
 @record.register
@@ -247,7 +246,7 @@ def _(value: NumberField) -> dict[str, Any]:
         "generator": value.name,
         "minpoly": integer_polynomial_text(value.minimal),
         "interval": [str(value.low), str(value.high)],
-        "decimal": significant(value.generator, DIGITS),
+        "decimal": significant(value.generator, PRINTED_DIGITS),
     }
 
 
@@ -259,7 +258,7 @@ def _(value: Imaginary) -> dict[str, Any]:
         "exact": exact,
         "minpoly": integer_polynomial_text(value.minimal),
         "real": "0",
-        "imaginary": decimal(value.size),
+        "imaginary": root_decimal(value.size),
     }
 
 
@@ -271,7 +270,7 @@ def _(value: Complex) -> dict[str, Any]:
         square = product - total * total / 4
         height = radical_form(rational_root(Fraction(int(square.p), int(square.q))).square_root())
         exact = height and f"{total / 2} + {_times_i(height)}"
-    real, imaginary = (significant(x, DIGITS) for x in (lambda: value.ball().real, lambda: value.ball().imag))
+    real, imaginary = (significant(x, PRINTED_DIGITS) for x in (lambda: value.ball().real, lambda: value.ball().imag))
     return {
         "exact": exact,
         "minpoly": integer_polynomial_text(value.minimal),

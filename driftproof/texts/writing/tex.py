@@ -9,7 +9,7 @@ from typing import Any
 
 from driftproof.methods.number_field import Algebraic, NumberField
 from driftproof.symbolic.algebra.polynomials import polynomial as polynomial_of
-from driftproof.symbolic.algebra.radicals import decimal, radical_form
+from driftproof.symbolic.algebra.radicals import radical_form, root_decimal
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 from driftproof.symbolic.algebra.real_roots import RealRoot
 from driftproof.symbolic.family_facts import FamilyFunction, FamilyTerm, OrderSet, Piece
@@ -134,7 +134,7 @@ def _(value: Interval) -> str:
 
 def _end(root: RealRoot) -> str:
     radicals = radical_form(root)
-    return rf"\approx {decimal(root, DIGITS_SHOWN)}" if radicals is None else formula(radicals, TEX)
+    return rf"\approx {root_decimal(root, DIGITS_SHOWN)}" if radicals is None else formula(radicals, TEX)
 
 
 @fact_tex.register

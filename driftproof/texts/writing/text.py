@@ -10,7 +10,7 @@ from typing import Any
 from driftproof.methods.number_field import Algebraic, NumberField
 from driftproof.support.plain_text import table
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
-from driftproof.symbolic.algebra.real_roots import ZERO, RealRoot
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
 from driftproof.symbolic.family_facts import FamilyFunction, FamilyTerm, OrderSet, Piece
 from driftproof.symbolic.linear.eigenvalues import Complex, Imaginary
 from driftproof.symbolic.linear.facts import Boundary, ExactFunction, PowerSeries
@@ -137,8 +137,8 @@ def _(value: EigenvalueLimit) -> str:
     block = f", Jordan block of size {eigenvalue.block}" if eigenvalue.block > 1 else ""
     if isinstance(bound, Exception):
         until = str(bound)
-    elif bound.limit in (ZERO, INFINITY):
-        until = "no h, however small" if bound.limit == ZERO else "every h > 0"
+    elif bound.limit in (ZERO_ROOT, INFINITY):
+        until = "no h, however small" if bound.limit == ZERO_ROOT else "every h > 0"
     else:
         until = f"h {'<=' if bound.attained else '<'} {fact_text(bound.limit)}"
     return f"{fact_text(eigenvalue.place)}{often}{block}: {until}"

@@ -21,12 +21,12 @@ from driftproof.symbolic.algebra.certified import (
     HALF_AWAY,
     LAST_BITS,
     Uncertified,
+    certified_sign,
     enclose,
     endpoints,
     fixed,
     is_less,
     scientific,
-    sign,
     significant,
 )
 from driftproof.symbolic.derivation import expression_balls
@@ -178,10 +178,10 @@ def test_tie_that_no_ball_shows_is_uncertified(value: Callable[[], arb]) -> None
 
 def test_zero_that_no_ball_shows_is_uncertified_and_an_exact_zero_is_not() -> None:
     with pytest.raises(Uncertified):
-        sign(lambda: arb(2).sqrt() ** 2 - 2)
+        certified_sign(lambda: arb(2).sqrt() ** 2 - 2)
     with pytest.raises(Uncertified):
         is_less(sympy.sqrt(2), sympy.sqrt(2))
-    assert sign(lambda: arb(0)) == sign(Q(0)) == sign(sympy.Integer(0)) == 0
+    assert certified_sign(lambda: arb(0)) == certified_sign(Q(0)) == certified_sign(sympy.Integer(0)) == 0
     assert significant(lambda: arb(0), 5) == "0"
 
 
@@ -321,7 +321,9 @@ def test_only_an_expression_of_sympy_needs_sympy(modules_after: Callable[[str], 
         "import driftproof.symbolic.algebra.certified as c; from fractions import Fraction; "
         "from driftproof.methods.number_field import square_root"
     )
-    asked = "c.fixed(square_root(2), 20); c.fixed(Fraction(1, 3), 20); c.sign(lambda: c.enclose(square_root(2)))"
+    asked = (
+        "c.fixed(square_root(2), 20); c.fixed(Fraction(1, 3), 20); c.certified_sign(lambda: c.enclose(square_root(2)))"
+    )
     assert "sympy" not in modules_after(f"{facts}; {numbers}; {asked}")
     expression = "import sympy; c.fixed(sympy.sqrt(2), 20)"
     assert {"sympy", "driftproof.symbolic.derivation.expression_balls"} <= modules_after(

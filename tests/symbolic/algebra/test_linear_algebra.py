@@ -15,24 +15,24 @@ from driftproof.methods.number_field import Algebraic, NumberField, cube_root, s
 from driftproof.symbolic.algebra.polynomials import (
     FieldPolynomial,
     at_ball,
+    deflate,
     exact,
     from_scalars,
     greatest_common_divisor,
-    in_square,
     interpolate,
+    modulus_squared_on_imaginary_axis,
     polynomial,
     quotient,
     reflected,
     scalar,
     sign,
     sign_changes,
-    size_on_imaginary_axis,
     squarefree,
 )
-from driftproof.symbolic.algebra.radicals import decimal, integer_polynomial_text, radical_form
-from driftproof.symbolic.algebra.rational_functions import fraction
+from driftproof.symbolic.algebra.radicals import integer_polynomial_text, radical_form, root_decimal
+from driftproof.symbolic.algebra.rational_functions import fraction, polynomial_text, rational_function_text
 from driftproof.symbolic.algebra.real_roots import (
-    ZERO,
+    ZERO_ROOT,
     RealRoot,
     positive_roots,
     rational_root,
@@ -40,7 +40,6 @@ from driftproof.symbolic.algebra.real_roots import (
     sign_at,
     vanishes_at,
 )
-from driftproof.symbolic.algebra.text import polynomial_text, rational_text
 
 ROOT_3, ROOT_2, CUBE_2 = square_root(3), square_root(2), cube_root(2)
 GAMMA = NumberField("gamma", (-1, 9, -18, 6), Q(2, 5), Q(1, 2)).generator
@@ -148,14 +147,14 @@ def test_size_on_the_imaginary_axis_is_a_sum_of_two_squares(c: list[Q], y: Q) ->
     p = polynomial(c)
     real = sum(x * y**k * (1, 0, -1, 0)[k % 4] for k, x in enumerate(c))
     imaginary = sum(x * y**k * (0, 1, 0, -1)[k % 4] for k, x in enumerate(c))
-    assert exact(size_on_imaginary_axis(p)(scalar(y * y))) == real**2 + imaginary**2
+    assert exact(modulus_squared_on_imaginary_axis(p)(scalar(y * y))) == real**2 + imaginary**2
     assert exact(reflected(p)(scalar(y))) == exact(p(scalar(-y)))
 
 
 def test_in_square_refuses_odd_powers() -> None:
-    assert in_square(polynomial([1, 0, 2])) == polynomial([1, 2])
+    assert deflate(polynomial([1, 0, 2])) == polynomial([1, 2])
     with pytest.raises(ValueError, match="odd power"):
-        in_square(polynomial([1, 1]))
+        deflate(polynomial([1, 1]))
 
 
 # ---- real algebraic numbers
@@ -206,7 +205,7 @@ def test_square_root_of_an_algebraic_number() -> None:
     assert RealRoot((-3, -2, 1), 0) != rational_root(Q(3))
     square = RealRoot((1, -3, 1), 1)  # golden ** 2
     assert square.square_root() == golden
-    assert ZERO.square_root() == ZERO
+    assert ZERO_ROOT.square_root() == ZERO_ROOT
     with pytest.raises(ValueError, match="negative"):
         rational_root(Q(-1)).square_root()
 
@@ -274,9 +273,9 @@ def test_radicals_that_nobody_can_read_are_left_out() -> None:
 
 
 def test_decimals_are_correctly_rounded() -> None:
-    assert decimal(RealRoot((-8, 0, 1), 1)) == "2.828427124746190097603377448419"
-    assert decimal(ZERO) == "0"
-    assert decimal(rational_root(Q(2, 3)), 4) == "0.6667"
+    assert root_decimal(RealRoot((-8, 0, 1), 1)) == "2.828427124746190097603377448419"
+    assert root_decimal(ZERO_ROOT) == "0"
+    assert root_decimal(rational_root(Q(2, 3)), 4) == "0.6667"
 
 
 def test_polynomials_print_in_sympys_syntax() -> None:
@@ -285,4 +284,4 @@ def test_polynomials_print_in_sympys_syntax() -> None:
     assert polynomial_text(polynomial([Q(1, 2), 0, Q(-1, 8)]), "h") == "1/2 - h**2/8"
     assert polynomial_text(polynomial([0, Q(-1, 2)]), "h") == "-h/2"
     assert polynomial_text(polynomial([0, 2 - ROOT_2]), "h") == "(2 - sqrt(2))*h"
-    assert rational_text(fraction(1 - X**2 / 4, 1 + X**2 / 4), "h") == "(1 - h**2/4)/(1 + h**2/4)"
+    assert rational_function_text(fraction(1 - X**2 / 4, 1 + X**2 / 4), "h") == "(1 - h**2/4)/(1 + h**2/4)"

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import Algebraic
 from driftproof.methods.schemes import Collocation, RungeKutta, Splitting
-from driftproof.symbolic.algebra.real_roots import ZERO
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT
 from driftproof.symbolic.linear.facts import LinearFacts
 from driftproof.symbolic.linear.limits import INFINITY
 from driftproof.symbolic.linear.monotonicity import ssp_coefficient
@@ -217,7 +217,7 @@ def test_collocation_methods_that_are_monotone() -> None:
     assert {nodes: limit_text(ssp_coefficient(collocation(*nodes))) for nodes in wanted} == wanted
     every = [method for method in METHODS.values() if isinstance(method, Collocation)]
     assert {limit_text(ssp_coefficient(method)) for method in every} <= {"0", "3/2"}
-    assert LinearFacts(METHODS["gauss4"]).ssp_coefficient == ZERO
+    assert LinearFacts(METHODS["gauss4"]).ssp_coefficient == ZERO_ROOT
 
 
 # --- phase

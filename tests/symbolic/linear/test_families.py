@@ -12,12 +12,10 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.families import FAMILIES, Family
 from driftproof.methods.number_field import square_root
 from driftproof.methods.schemes import MethodError
-from driftproof.symbolic.algebra.bivariate import at_parameter
+from driftproof.symbolic.algebra.bivariate import ParametricPair, at_parameter, critical_polynomial
 from driftproof.symbolic.algebra.polynomials import exact, scalar
-from driftproof.symbolic.algebra.rational_functions import fraction
+from driftproof.symbolic.algebra.rational_functions import fraction, rational_function_text
 from driftproof.symbolic.algebra.real_roots import RealRoot, rational_root, sign_at
-from driftproof.symbolic.algebra.subresultants import Pair, critical_polynomial
-from driftproof.symbolic.algebra.text import rational_text
 from driftproof.symbolic.linear.families import (
     Interval,
     ParameterSet,
@@ -36,7 +34,7 @@ ROOT_3 = square_root(3)
 
 
 def texts(family: Family, name: str) -> tuple[list[str], list[str]]:
-    num, den = ([rational_text(f, name) for f in row] for row in family_stability(family).coefficients())
+    num, den = ([rational_function_text(f, name) for f in row] for row in family_stability(family).coefficients())
     return num, den
 
 
@@ -45,7 +43,7 @@ def test_r_of_the_sdirk_family_as_a_function_of_gamma() -> None:
     assert num == ["1", "1 - 2*g", "1/2 - 2*g + g**2"]
     assert den == ["1", "-2*g", "g**2"]
     power, constant = family_error_constant(FAMILIES["sdirk_order_2"])
-    assert (power, rational_text(constant, "g")) == (3, "-1/6 + g - g**2")
+    assert (power, rational_function_text(constant, "g")) == (3, "-1/6 + g - g**2")
     assert exact(constant(scalar(Q(1, 2) + ROOT_3 / 6))) == 0  # order 3 there
 
 
@@ -158,8 +156,8 @@ def test_first_subresultant_that_is_not_zero_tells_where_roots_merge() -> None:
         p = (T - t) ** 2 * (T - 1)
         return p, p.derivative()
 
-    found = critical_polynomial(Pair(at, (3, 2), (2, 2)))
+    found = critical_polynomial(ParametricPair(at, (3, 2), (2, 2)))
     assert found(1) == 0
     assert found(2) != 0
-    nothing = critical_polynomial(Pair(lambda t: (T * 0, T * 0), (2, 1), (0, 0)))
+    nothing = critical_polynomial(ParametricPair(lambda t: (T * 0, T * 0), (2, 1), (0, 0)))
     assert nothing is None

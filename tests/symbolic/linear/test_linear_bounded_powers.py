@@ -14,7 +14,7 @@ from driftproof.methods.schemes import Splitting
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import evaluate, polynomial, scalar, sign
 from driftproof.symbolic.algebra.rational_functions import fraction
-from driftproof.symbolic.algebra.real_roots import ZERO, RealRoot, sign_at
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, sign_at
 from driftproof.symbolic.derivation.one_step import one_step_matrix as polynomial_matrix
 from driftproof.symbolic.derivation.stability import stability_limit
 from driftproof.symbolic.linear.bounded_powers import boundary_of, bounded_limit, is_bounded
@@ -99,7 +99,7 @@ def test_powers_of_random_splittings_inside_and_beyond(method: Splitting) -> Non
 
     if limit is INFINITY:
         assert bounded_at(Q(10**6, 7))
-    elif limit == ZERO:
+    elif limit == ZERO_ROOT:
         assert not bounded_at(Q(1, 10**40))
     else:
         assert isinstance(limit, RealRoot)

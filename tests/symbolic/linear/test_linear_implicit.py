@@ -14,13 +14,13 @@ from driftproof.symbolic.algebra.polynomials import (
     coefficients,
     evaluate,
     exact,
+    modulus_squared_on_imaginary_axis,
     polynomial,
     reflected,
     scalar,
-    size_on_imaginary_axis,
 )
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
-from driftproof.symbolic.algebra.real_roots import ZERO
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT
 from driftproof.symbolic.linear.implicit_stability import (
     a_stability,
     i_stability,
@@ -122,7 +122,7 @@ def test_i_stable_with_poles_on_the_wrong_side_is_not_a_stable() -> None:
     assert i_stability(r)
     assert not a_stability(r)
     assert "pole" in a_stability(r).reason
-    assert real_limit(r) == ZERO
+    assert real_limit(r) == ZERO_ROOT
 
 
 def test_pole_on_the_axis_is_not_i_stable_and_a_removable_one_is() -> None:
@@ -224,7 +224,7 @@ def test_witness_of_instability_is_a_point_where_r_is_too_large(c: list[int]) ->
     if not found:
         assert found.witness is not None
         at = scalar(found.witness)
-        assert size_on_imaginary_axis(r.num)(at) > size_on_imaginary_axis(r.den)(at)
+        assert modulus_squared_on_imaginary_axis(r.num)(at) > modulus_squared_on_imaginary_axis(r.den)(at)
 
 
 def test_pade_0_6_is_i_stable_and_has_poles_in_the_left_half_plane() -> None:

@@ -9,8 +9,7 @@ from flint import arb, arb_mat, ctx, fmpq, fmpq_poly
 
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import exact, polynomial
-from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
-from driftproof.symbolic.algebra.text import polynomial_text
+from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction, polynomial_text
 from driftproof.symbolic.linear.invariants import (
     Quadratic,
     conserved_quadratics,

@@ -14,7 +14,7 @@ from driftproof import strategies
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.algebra.polynomials import polynomial
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
-from driftproof.symbolic.algebra.real_roots import ZERO, RealRoot, rational_root
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root
 from driftproof.symbolic.linear.limits import (
     INFINITY,
     Limit,
@@ -118,7 +118,7 @@ def test_a_touch_that_becomes_a_crossing_is_noticed() -> None:
     assert isinstance(below, RealRoot)
     assert Q(4) < below.interval()[1] <= Q(5)  # and -1 first where 1 - x/100 = cos(π/10)
     above = fraction(2 * BOUNDED * (1 + TINY), 1 + BOUNDED**2)
-    assert imaginary_limit(above) == ZERO
+    assert imaginary_limit(above) == ZERO_ROOT
 
 
 def test_a_weight_off_by_ten_to_the_minus_thirty_moves_the_limit_of_rk4() -> None:
@@ -131,7 +131,7 @@ def test_limits_over_a_number_field() -> None:
     stable, unstable = (stability_function(sdirk(Q(1, 2) + s * ROOT_3 / 6)) for s in (1, -1))
     assert (real_limit(stable), imaginary_limit(stable)) == (INFINITY, INFINITY)
     assert limit_text(real_limit(unstable)) == "6 + 4*sqrt(3)"
-    assert imaginary_limit(unstable) == ZERO
+    assert imaginary_limit(unstable) == ZERO_ROOT
 
 
 def test_limit_over_a_number_field_is_not_one_of_a_conjugate() -> None:
@@ -148,9 +148,9 @@ def assert_lost_at(limit: Limit, inside: Callable[[arb], Any], outside: Callable
         return
     assert isinstance(limit, RealRoot)
     with ctx.workprec(2000):
-        point = limit.ball() if limit != ZERO else arb(0)
-        step = point * arb(fmpq(1, 10**12)) if limit != ZERO else arb(2) ** -60
-        assert inside(point - step if limit != ZERO else point)
+        point = limit.ball() if limit != ZERO_ROOT else arb(0)
+        step = point * arb(fmpq(1, 10**12)) if limit != ZERO_ROOT else arb(2) ** -60
+        assert inside(point - step if limit != ZERO_ROOT else point)
         assert outside(point + step)
 
 
@@ -181,14 +181,14 @@ def test_limits_of_random_methods_in_balls(method: RungeKutta) -> None:
 
 def first_point_beyond(limit: Limit) -> arb:
     assert isinstance(limit, RealRoot)
-    return limit.ball() * (1 + arb(2) ** -60) + (arb(2) ** -60 if limit == ZERO else 0)
+    return limit.ball() * (1 + arb(2) ** -60) + (arb(2) ** -60 if limit == ZERO_ROOT else 0)
 
 
 def test_smallest_of_some_limits() -> None:
     two, root = rational_root(Q(2)), RealRoot((-3, 0, 1), 1)
     assert smallest([INFINITY, two, root]) == root
     assert smallest([INFINITY]) is INFINITY
-    assert smallest([two, ZERO]) == ZERO
+    assert smallest([two, ZERO_ROOT]) == ZERO_ROOT
     assert smallest([]) is INFINITY
 
 
@@ -196,11 +196,11 @@ def test_first_failure_is_the_left_end_of_the_first_interval_that_fails() -> Non
     p = (Z - 1) ** 2 * (Z - 2) * (Z - 3)
     assert first_failure([p], lambda x: p(x) >= 0) == rational_root(Q(2))
     assert first_failure([p], lambda x: True) is INFINITY
-    assert first_failure([p], lambda x: False) == ZERO
+    assert first_failure([p], lambda x: False) == ZERO_ROOT
 
 
 def test_limit_data_of_the_design() -> None:
     r = stability_function(RUNGE_KUTTA["rk4"])
     wanted = {"exact": "2*sqrt(2)", "minpoly": "x**2 - 8", "decimal": "2.828427124746190097603377448419"}
     assert record(imaginary_limit(r)) == wanted | {"interval": ["2", "3"]}
-    assert (record(INFINITY), record(ZERO)) == ("oo", "0")
+    assert (record(INFINITY), record(ZERO_ROOT)) == ("oo", "0")

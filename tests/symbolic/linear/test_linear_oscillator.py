@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from driftproof import strategies
 from driftproof.methods.schemes import Nystrom, Splitting
-from driftproof.symbolic.algebra.matrices import product
+from driftproof.symbolic.algebra.matrices import matrix_product
 from driftproof.symbolic.algebra.polynomials import coefficients, evaluate, exact, from_scalars, polynomial, scalar
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 from driftproof.symbolic.derivation.energy import energy_multiplier as polynomial_multiplier
@@ -157,5 +157,5 @@ def test_evaluation_of_a_rational_function(x: Q, y: Q) -> None:
     total = f + fraction(Z)
     assert exact(total(scalar(y))) == (1 + 2 * y) / (3 + y * y) + y
     assert exact(evaluate(polynomial([1, 2]), scalar(ROOT_3))) == 1 + 2 * ROOT_3
-    assert product([[fmpq(1), fmpq(2)]], [[fmpq(3)], [fmpq(4)]]) == [[11]]
+    assert matrix_product([[fmpq(1), fmpq(2)]], [[fmpq(3)], [fmpq(4)]]) == [[11]]
     assert definite_limit(conserved_quadratics(one_step_matrix(MIDPOINT))[0]) is INFINITY

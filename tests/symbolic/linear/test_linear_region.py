@@ -10,7 +10,7 @@ from flint import arb, ctx, fmpq, fmpq_mat, fmpq_poly
 from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.symbolic.algebra.polynomials import coefficients, exact, polynomial, scalar
 from driftproof.symbolic.algebra.rational_functions import fraction
-from driftproof.symbolic.algebra.real_roots import ZERO, RealRoot
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
 from driftproof.symbolic.linear.limits import INFINITY
 from driftproof.symbolic.linear.order_reduction import prothero_robinson
 from driftproof.symbolic.linear.oscillator import stability_function_of
@@ -113,4 +113,4 @@ def test_multiple_boundary_points_are_found_once() -> None:
     (double,) = points_at(fraction(square * square * 2 - 1), Q(-1))
     assert (double.real + 1 / arb(3).sqrt()).contains(0)
     assert coefficients(square)[1] == 2 * ROOT_3
-    assert ZERO is not INFINITY
+    assert ZERO_ROOT is not INFINITY

@@ -17,11 +17,10 @@ from driftproof.methods.number_field import Algebraic, square_root
 from driftproof.methods.schemes import Method, Splitting
 from driftproof.methods.stepping import stepper
 from driftproof.methods.systems import System, parse_system
-from driftproof.symbolic.algebra.algebraic_numbers import number_of, ratio, root_of
 from driftproof.symbolic.algebra.certified import enclose, endpoints
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.algebra.radicals import radical_form
-from driftproof.symbolic.algebra.real_roots import ZERO, RealRoot
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, root_as_number, root_of, root_ratio
 from driftproof.symbolic.linear.conjugate_pairs import pair_polynomial
 from driftproof.symbolic.linear.eigenvalues import Imaginary, eigenvalues, places
 from driftproof.symbolic.linear.limits import Limit
@@ -227,7 +226,7 @@ def test_limit_of_h_is_where_powers_begin_to_grow(key: str, text: str) -> None:
     wanted = LIMITS[key, text]
     record = system_facts(METHODS[key], parse_system(text), ("step_limit",))["step_limit"]
     assert wanted is None or wanted in (record, *(record.values() if isinstance(record, dict) else ()))
-    if isinstance(limit, RealRoot) and limit != ZERO:
+    if isinstance(limit, RealRoot) and limit != ZERO_ROOT:
         for moved in (fmpq(10**9 - 1, 10**9), fmpq(10**9 + 1, 10**9)):
             assert not is_where_growth_begins(limit, lambda h: radius(found, h), moved)
 
@@ -290,7 +289,7 @@ def test_powers_at_a_rational_limit_are_bounded_where_it_is_attained(
 
 def just_inside(limit: Limit) -> Q:
     """A rational step just below the limit; 1/3 where that is 0 or oo."""
-    if not isinstance(limit, RealRoot) or limit == ZERO:
+    if not isinstance(limit, RealRoot) or limit == ZERO_ROOT:
         return Q(1, 3)
     with ctx.workprec(200):
         return Q(99, 100) * endpoints(limit.ball())[0]
@@ -409,7 +408,7 @@ def conjugates(r: Any) -> list[tuple[list[Any], list[Any]]]:
 )
 def test_ratio_of_roots(x: tuple[int, ...], y: tuple[int, ...], text: str) -> None:
     largest = [RealRoot(m, RealRoot(m, 0).count - 1) for m in (x, y)]
-    assert radical_form(ratio(*largest)) == text
+    assert radical_form(root_ratio(*largest)) == text
 
 
 @settings(max_examples=25)
@@ -423,7 +422,7 @@ def test_a_number_is_the_root_of_its_polynomial_and_comes_back(a: Q, b: Q) -> No
     with ctx.workprec(200):
         assert root.ball().overlaps(enclose(x if b else a))
         assert not root.ball().overlaps(enclose(x + 1))
-    back = number_of(root)
+    back = root_as_number(root)
     assert back == a if not b else isinstance(back, Algebraic)
 
 

@@ -14,7 +14,7 @@ from driftproof.methods.problems import oscillator
 from driftproof.methods.stepping import stepper
 from driftproof.numeric.leapfrog import leapfrog
 from driftproof.numeric.steppers import HAND_WRITTEN, symplectic_euler
-from driftproof.symbolic.algebra.certified import enclose, fixed, is_less, settle, significant
+from driftproof.symbolic.algebra.certified import decide_by_enclosure, enclose, fixed, is_less, significant
 from driftproof.symbolic.derivation.one_step import matrix_at, one_step_matrix
 from driftproof.symbolic.rounding.error_of_run import ErrorOfRun
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
@@ -100,7 +100,7 @@ def test_the_error_of_a_run_splits_into_truncation_and_rounding(key):
 
 def settle_to(value) -> Q:
     """`value` to forty digits, as a fraction."""
-    return settle(value, lambda x: Q(round(x * 10**40), 10**40)) if callable(value) else value
+    return decide_by_enclosure(value, lambda x: Q(round(x * 10**40), 10**40)) if callable(value) else value
 
 
 def test_ten_million_steps_are_certified_by_squaring():

@@ -17,7 +17,7 @@ from driftproof.numeric.leapfrog import leapfrog
 from driftproof.numeric.steppers import HAND_WRITTEN
 from driftproof.numeric.worst_case import Envelope, every_finite, exhaust
 from driftproof.numeric.worst_case_search import random_floats, search
-from driftproof.symbolic.algebra.certified import settle
+from driftproof.symbolic.algebra.certified import decide_by_enclosure
 from driftproof.symbolic.derivation.one_step import matrix_at
 from driftproof.symbolic.rounding.formats import BFLOAT16, BINARY16, BINARY32, BINARY64, FloatFormat, power_of_two
 from driftproof.symbolic.rounding.soft_float import soft_lift
@@ -95,7 +95,7 @@ def test_the_machine_lifts_each_coefficient_to_the_float_that_the_bound_assumes(
     """Exact -> float -> float16 rounds twice, which might differ from once; for our coefficients it does not."""
     seen = coefficients(METHODS[key]).values()
     assert seen
-    assert all(Q(float(NATIVE[fmt](float(c)))) == settle(c, fmt.nearest) for c in seen)
+    assert all(Q(float(NATIVE[fmt](float(c)))) == decide_by_enclosure(c, fmt.nearest) for c in seen)
 
 
 @pytest.mark.parametrize("fmt", NATIVE, ids=lambda fmt: fmt.name)

@@ -9,7 +9,7 @@ from functools import cache
 from flint import arb, ctx
 
 from driftproof.numeric.problems.problem import CERTIFIED, EXACT, Problem
-from driftproof.symbolic.algebra.certified import Exact, endpoints, significant
+from driftproof.symbolic.algebra.certified import CertifiableReal, endpoints, significant
 from tests.witnesses.references.chebyshev import Chebyshev
 from tests.witnesses.references.closed_forms import CLOSED_FORMS, ball
 from tests.witnesses.references.collocation import Collocation
@@ -76,7 +76,7 @@ def common(a: Fraction, b: Fraction) -> str:
     raise Disagreement(f"{significant(a, PLACES)} and {significant(b, PLACES)}")
 
 
-def _decimal(value: Exact) -> str:
+def _decimal(value: CertifiableReal) -> str:
     """Correctly rounded to PLACES digits; what is far below any format that runs here is 0e-400."""
     with ctx.workprec(64):
         if callable(value) and value().abs_upper() < arb(10) ** -LEAST_EXPONENT / 2:
