@@ -34,9 +34,9 @@ from driftproof.symbolic.linear.limits import imaginary_limit, real_limit
 from driftproof.symbolic.linear.monotonicity import ssp_coefficient
 from driftproof.symbolic.linear.oscillator import stability_function_of
 from driftproof.symbolic.linear.stability_function import stability_function, stability_function_of_collocation
-from driftproof.symbolic.rounding.n_steps import run_bound
-from driftproof.symbolic.rounding.sharp import sharp_bound
-from driftproof.symbolic.rounding.step import step_bound
+from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound
+from driftproof.symbolic.rounding.n_steps_bound import run_bound
+from driftproof.symbolic.rounding.step_bound import step_bound
 from driftproof.symbolic.trees import rooted, table
 from driftproof.symbolic.trees.modified import modified_equation
 from driftproof.symbolic.trees.order import embedded_order, order, order_of, runge_kutta_conditions
@@ -141,7 +141,7 @@ def rounding_bounds() -> list[Subject]:
     h, start = Q(1, 4), (Q(1), Q(0))
     tasks: dict[str, Callable[[], Any]] = {
         "bound of one step of rk4": lambda: step_bound(rk4).coefficients,
-        "sharper bound of one step of rk4, h = 1/4": lambda: sharp_bound(rk4, h),
+        "sharper bound of one step of rk4, h = 1/4": lambda: fixed_step_bound(rk4, h),
         "bound of one step of dop853": lambda: step_bound(METHODS["dop853"]).coefficients,
         "bound of 40 steps of rk4, h = 1/4": lambda: run_bound(rk4, h, 40, start),
     }

@@ -21,8 +21,8 @@ from benchmarks.harness import Goal, Section
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.engine import OSCILLATOR, compiled_ensemble_runner, compiled_runner
 from driftproof.symbolic.algebra.certified import significant
-from driftproof.symbolic.rounding.error_of_run import ErrorOfRun
-from driftproof.symbolic.rounding.n_steps import run_bound
+from driftproof.symbolic.error_budget import ErrorOfRun
+from driftproof.symbolic.rounding.n_steps_bound import run_bound
 from driftproof.symbolic.runs import apply, as_balls, exact_matrix_at, power
 
 H, START = 2.0**-6, (0.6, -0.8)

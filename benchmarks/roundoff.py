@@ -12,17 +12,16 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.problems import oscillator
 from driftproof.methods.stepping import stepper
 from driftproof.methods.tables import basic
-from driftproof.numeric.leapfrog import leapfrog
 from driftproof.numeric.steppers import HAND_WRITTEN, rk4
-from driftproof.numeric.worst_case import Envelope
-from driftproof.numeric.worst_case_search import search
 from driftproof.symbolic.algebra.certified import enclose, significant
 from driftproof.symbolic.derivation.one_step import matrix_at, one_step_matrix
-from driftproof.symbolic.rounding.error_of_run import ErrorOfRun
+from driftproof.symbolic.error_budget import ErrorOfRun
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
-from driftproof.symbolic.rounding.n_steps import run_bound
-from driftproof.symbolic.rounding.step import step_bound
+from driftproof.symbolic.rounding.n_steps_bound import run_bound
+from driftproof.symbolic.rounding.step_bound import step_bound
 from driftproof.symbolic.runs import apply
+from tests.witnesses.leapfrog import leapfrog
+from tests.witnesses.worst_case import Envelope, search
 
 FORMATS = {BINARY64: np.float64, BINARY32: np.float32, BINARY16: np.float16}
 RANGES = {"|h| <= 1/4": (0.0, 0.25), "|h| = 1/4": (0.25, 0.25), "|h| = 1": (1.0, 1.0), "|h| = 5/2": (2.5, 2.5)}

@@ -13,7 +13,7 @@ from driftproof.numeric.readouts import energy
 from driftproof.numeric.steppers import HAND_WRITTEN
 from driftproof.symbolic.derivation.energy import energy_multiplier
 from driftproof.symbolic.derivation.one_step import at_rational, matrix_at
-from driftproof.symbolic.rounding.step import step_bound
+from driftproof.symbolic.rounding.step_bound import step_bound
 from driftproof.symbolic.runs import apply
 from proofs.claims import FUZZED, claim
 from proofs.setting import EULER, LESSON_METHODS, RK4, SYMPLECTIC, M

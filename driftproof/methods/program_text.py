@@ -12,7 +12,7 @@ class ProgramText:
     """Lines of a step and the coefficients that they name, as they come up.
 
     `compensated`: the additions that advance the state carry along what they round off, under names e_ and the
-    component's; `driftproof.numeric.compensated` derives what that is good for.
+    component's; `tests/witnesses/compensated.py` derives what that is good for.
     """
 
     def __init__(self, *, compensated: bool = False) -> None:

@@ -50,8 +50,8 @@ def step_source(method: Method, force: str = FORCE, *, compensated: bool = False
 
     Sums are taken from the left, h multiplies a sum once, and a coefficient of 1 or -1 is not multiplied by: that is
     exact in every arithmetic. A stage that nothing uses is left out. `compensated`: the additions that advance the
-    state carry along what they round off; `numeric.compensated` derives what that is good for. Raises MethodError for
-    an implicit method, whose stages are equations rather than formulas.
+    state carry along what they round off; `tests/witnesses/compensated.py` derives what that is good for. Raises
+    MethodError for an implicit method, whose stages are equations rather than formulas.
     """
     if not method.explicit or isinstance(method, Collocation):
         raise MethodError(f"{method.key} is implicit: its stages are equations, so it has no explicit step")

@@ -51,8 +51,8 @@ def runner(method: Method, force: str = OSCILLATOR, *, compensated: bool = False
     """The loop run(q, v, h, steps) of `method` in plain Python, on floats: the steps of `stepping.stepper`, in a row.
 
     `force` is the text of F(x) with {} for x, built from names, numbers, operators and `fields.FUNCTIONS`, of our own
-    writing. `compensated` carries along what the additions to the state round off; see `numeric.compensated`. A
-    negative h runs back in time. Raises MethodError for an implicit method.
+    writing. `compensated` carries along what the additions to the state round off (bounded in
+    `tests/witnesses/compensated.py`). A negative h runs back in time. Raises MethodError for an implicit method.
     """
     source = step_source(method, force, compensated=compensated)
     run: Run = maker(source.run(), method.key, OF_FLOATS)(*_lifted(source.coefficients, np.float64))

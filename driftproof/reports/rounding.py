@@ -14,14 +14,13 @@ from driftproof.numeric.run import Counter, demand_few, integrate, nearest_doubl
 from driftproof.numeric.steppers import HAND_WRITTEN, float_stepper
 from driftproof.support.plain_text import Json, table
 from driftproof.symbolic.algebra.certified import AWAY, CertifiableReal, enclose
+from driftproof.symbolic.error_budget import ErrorOfRun
 from driftproof.symbolic.linear.oscillator import one_step_matrix
-from driftproof.symbolic.rounding.error_of_run import ErrorOfRun
+from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
-from driftproof.symbolic.rounding.n_steps import HypothesisFails, run_bound
-from driftproof.symbolic.rounding.sharp import sharp_bound
-from driftproof.symbolic.rounding.step import StepBound, step_bound
+from driftproof.symbolic.rounding.n_steps_bound import HypothesisFails, run_bound
+from driftproof.symbolic.rounding.step_bound import StepBound, StepOrMethod, step_bound, step_with_stored_coefficients
 from driftproof.symbolic.rounding.text import first_order_text, format_text, full_text
-from driftproof.symbolic.rounding.trace import Subject, program_of
 from driftproof.symbolic.runs import exact_matrix_at
 from driftproof.texts.writing.answers import number
 
@@ -55,15 +54,17 @@ def roundoff_answer(key: str, steps: Sequence[Fraction], fmt: FloatFormat = BINA
     }
 
 
-def _program(key: str) -> Subject:
+def _program(key: str) -> StepOrMethod:
     """What a binary64 run of `key` executes: the hand-written step, or the definition with its coefficients rounded."""
     return HAND_WRITTEN.get(key) or method_named(key)
 
 
 def _at(key: str, subject: Any, bound: StepBound, h: Fraction) -> Json:
-    bounds = {"plain": bound.at(h), "sharp": sharp_bound(subject, h, bound.format).linear}
+    bounds = {"plain": bound.at(h), "sharp": fixed_step_bound(subject, h, bound.format).linear}
     if bound.rounds_constants:
-        bounds["as_held"] = sharp_bound(program_of(method_named(key), bound.format), h, bound.format).linear
+        bounds["as_held"] = fixed_step_bound(
+            step_with_stored_coefficients(method_named(key), bound.format), h, bound.format
+        ).linear
     rows = {name: [_in_units(x, bound.format) for row in linear.error for x in row] for name, linear in bounds.items()}
     return {"h": str(h), **rows, "per_step": _per_step(subject, h, bound.format)}
 

@@ -11,7 +11,7 @@ from driftproof.blackbox.judging.tolerance import BITS, Allowance, Tolerance
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.problems import oscillator
 from driftproof.numeric.steppers import float_stepper
-from driftproof.symbolic.rounding.any_order import any_order_bound
+from driftproof.symbolic.rounding.any_evaluation_order import any_evaluation_order_bound
 from driftproof.symbolic.rounding.formats import BINARY32
 from driftproof.symbolic.runs import exact_matrix_at
 
@@ -35,7 +35,7 @@ def test_the_exact_step_is_the_matrix_times_the_state(key, q, v, h):
 
 @pytest.mark.parametrize(("q", "v", "h"), CASES)
 def test_the_bound_is_the_any_order_bound(q, v, h):
-    bounds = any_order_bound(RK4, multiplied_out=True).error_of(Fraction(h), Fraction(q), Fraction(v))
+    bounds = any_evaluation_order_bound(RK4, multiplied_out=True).error_of(Fraction(h), Fraction(q), Fraction(v))
     exact = [float(x.mid()) for x in Tolerance(RK4).exact(q, v, h)]
     # An answer off by 10^6 bounds: what its own rounding adds to that is below 10^-5 of the ratio.
     off = [x + 1e6 * float(bound) for x, bound in zip(exact, bounds, strict=True)]

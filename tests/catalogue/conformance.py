@@ -23,11 +23,10 @@ from driftproof.symbolic.algebra.rational_functions import fraction
 from driftproof.symbolic.derivation.one_step import STATE_H, STATE_Q, STATE_RING, STATE_V, rational
 from driftproof.symbolic.linear.oscillator import one_step_matrix
 from driftproof.symbolic.rounding import polynomials
+from driftproof.symbolic.rounding.fixed_step_bound import FixedStepBound, fixed_step_bound
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 from driftproof.symbolic.rounding.number import Rounded, constant
-from driftproof.symbolic.rounding.sharp import SharpBound, sharp_bound
-from driftproof.symbolic.rounding.step import StepBound
-from driftproof.symbolic.rounding.trace import lift_to
+from driftproof.symbolic.rounding.step_bound import StepBound, lift_to
 from driftproof.symbolic.runs import apply, exact_matrix_at
 from tests.changes import changed, coefficients
 from tests.witnesses.witness_steps import Pair, as_function, stage_equations
@@ -171,9 +170,9 @@ def is_within_float_bound(dtype: Any) -> Callable[[Pair, Method], bool]:
 
 
 @cache
-def float_bound(held: Method, dtype: Any) -> SharpBound:
+def float_bound(held: Method, dtype: Any) -> FixedStepBound:
     """The bound of the program of these coefficients, in FLINT's rationals."""
-    bound = sharp_bound(stepper(held, lambda c: c), Q(float(dtype(FLOAT_STEP))), FORMATS[dtype])
+    bound = fixed_step_bound(stepper(held, lambda c: c), Q(float(dtype(FLOAT_STEP))), FORMATS[dtype])
     matrix, leading, remainder = map(_in_flint, (bound.matrix, bound.leading, tuple(bound.remainder)))
     return replace(bound, matrix=matrix, leading=leading, remainder=remainder)
 
@@ -183,7 +182,7 @@ def _in_flint(x: Any) -> Any:
 
 
 def errs_less(bound: Any, i: int, q: fmpq, v: fmpq, found: fmpq) -> bool:
-    """|found - (M z)ᵢ| <= what `SharpBound.error_of` says, written once more for FLINT, which is ten times faster."""
+    """|found - (M z)ᵢ| <= what `FixedStepBound.error_of` says, once more for FLINT, ten times faster."""
     (error, underflow), (by_q, by_v) = bound.remainder, bound.matrix[i]
     largest = error[i][0] * abs(q) + error[i][1] * abs(v) + underflow[i]
     largest = sum((abs(a * q + b * v + c) for a, b, c in bound.leading[i]), largest)

@@ -13,9 +13,9 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import MethodError, RungeKutta
 from driftproof.methods.tables.collocation import gauss, lobatto_iiia, radau_iia
 from driftproof.numeric.implicit import StageEquationsUnsolved, implicit_run, implicit_stepper
-from driftproof.numeric.linear import endpoint, exact_matrix, float_matrix
 from driftproof.numeric.tableaux import solved, tableau
 from driftproof.symbolic.runs import exact_matrix_at
+from tests.witnesses.linear_runs import endpoint, exact_matrix, float_matrix
 
 IMPLICIT = [method for method in METHODS.values() if not method.explicit]
 U = Q(1, 2**53)

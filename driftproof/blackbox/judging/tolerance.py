@@ -15,7 +15,7 @@ from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
 from driftproof.symbolic.algebra.polynomials import coefficients
 from driftproof.symbolic.linear.oscillator import one_step_matrix
-from driftproof.symbolic.rounding.any_order import AnyOrderBound, any_order_bound
+from driftproof.symbolic.rounding.any_evaluation_order import AnyEvaluationOrderBound, any_evaluation_order_bound
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat, power_of_two
 from driftproof.symbolic.runs import apply, exact_matrix_at
 
@@ -141,12 +141,12 @@ class Tolerance:
         return [[(_series(coefficients(x.num)), _series(coefficients(x.den))) for x in row] for row in rows]
 
     @cached_property
-    def _any_order(self) -> AnyOrderBound:
-        return any_order_bound(self.method, self.format, multiplied_out=True)
+    def _any_order(self) -> AnyEvaluationOrderBound:
+        return any_evaluation_order_bound(self.method, self.format, multiplied_out=True)
 
     @cached_property
     def _derived(self) -> list[Columns]:
-        """`AnyOrderBound.error_of`, in balls: its exact sums are long fractions, and here there are many steps."""
+        """`AnyEvaluationOrderBound.error_of`, in balls: its exact sums are long fractions, and the steps many."""
         d, half_eta = self.format.relative_error, self.format.eta / 2
 
         def rounded(k: int, _: int) -> arb:
@@ -165,8 +165,8 @@ class Tolerance:
     def _flushed(self) -> list[Columns]:
         """Of each monomial with n factors and k roundings, n + k numbers may lose up to the smallest normal each.
 
-        A loss is passed on as an underflow is (`symbolic.rounding.any_order`): times the other factors of the
-        monomial, raised to at least 1, and their roundings.
+        A loss is passed on as an underflow is (`symbolic.rounding.any_evaluation_order`): times the other factors of
+        the monomial, raised to at least 1, and their roundings.
         """
         d, smallest = self.format.relative_error, power_of_two(self.format.emin)
 
@@ -207,8 +207,7 @@ def _weighted(polynomial: Any, weight: Callable[[int, int], arb]) -> Columns:
     with ctx.workprec(BITS):
         for (k, _, in_h, *in_state), c in polynomial.terms():
             found = by_column[COLUMNS.index(tuple(in_state))]
-            size = enclose(Fraction(int(c.numerator), int(c.denominator)))
-            found[in_h] = found.get(in_h, arb(0)) + size * weight(k, in_h + sum(in_state))
+            found[in_h] = found.get(in_h, arb(0)) + arb(c) * weight(k, in_h + sum(in_state))
     return [arb_poly([found.get(k, arb(0)) for k in range(max(found, default=0) + 1)]) for found in by_column]
 
 

@@ -103,7 +103,7 @@ def doubt(problem: Problem, steps: int, speed: float) -> float:
     """(N + 1) u Q + u t ‖f‖ + half a unit: how much of an error need not be the method's own.
 
     Q is the `scale`: the start is rounded once, and each of N additions
-    to the state by u Q (`numeric.compensated`). The steps, h = fl(t/N), end within u t of t (`numeric.clock`), where
+    to the state by u Q. The steps, h = fl(t/N), end within u t of t (`numeric.clock`), where
     the solution moves at `speed` = ‖f(t, y(t))‖. The last term is the reference's. To first order, and not magnified by
     the flow: a threshold, which a stiff or a chaotic problem may exceed.
     """

@@ -17,12 +17,22 @@ from fractions import Fraction
 from numbers import Rational, Real
 from typing import Any, NoReturn
 
-from driftproof.methods.number_field import Algebraic, Exact
+from driftproof.methods.number_field import Algebraic, Exact, as_fmpq
 from driftproof.symbolic.algebra.certified import decide_by_enclosure
-from driftproof.symbolic.derivation.one_step import rational
 from driftproof.symbolic.rounding.formats import FloatFormat, is_power_of_two
-from driftproof.symbolic.rounding.irrational import above, size
-from driftproof.symbolic.rounding.polynomials import ETA, RING, D, Polynomial, constant_term, majorant, polynomial
+from driftproof.symbolic.rounding.polynomials import (
+    BOUNDS,
+    ETA,
+    ONE,
+    ZERO,
+    D,
+    ErrorPolynomial,
+    absolute_value,
+    constant_term,
+    majorant,
+    polynomial,
+    rational_above,
+)
 
 # A bound on u = d/(1 - d) in powers of d, for errors of constants, which are known as multiples of u: for d <= 1/2,
 # u = d + d**2 + d**3/(1 - d) <= UNIT.
@@ -42,8 +52,8 @@ class Rounded:
     error = propagated + [rounds] d (|x| + propagated) + [underflows] eta/2, where |x| is the sum of |monomials|, but
     for the highest powers of d and eta, see `_shortened`.
     `operands` pairs each operand with the exact partial derivative of x by it; `crossed` bounds the product of two
-    operands' errors, the only part of `propagated` that those derivatives do not give. `held` is the float itself
-    where it is a known constant, `fusible` marks a product, which a compiler may fuse into a sum.
+    operands' errors, the only part of `propagated` that those derivatives do not give. `stored_value` is the float
+    itself where it is a known constant, `may_fuse` marks a product, which a compiler may fuse into a sum.
     """
 
     __slots__ = (
@@ -51,31 +61,31 @@ class Rounded:
         "error",
         "exact",
         "format",
-        "fusible",
-        "held",
+        "may_fuse",
         "operands",
         "propagated",
         "rounds",
+        "stored_value",
         "underflows",
     )
 
     def __init__(
         self,
         fmt: FloatFormat,
-        exact: Polynomial,
-        operands: tuple[tuple[Rounded, Polynomial], ...] = (),
-        crossed: Polynomial = RING.zero,
+        exact: ErrorPolynomial,
+        operands: tuple[tuple[Rounded, ErrorPolynomial], ...] = (),
+        crossed: ErrorPolynomial = ZERO,
         rounds: bool = False,
         underflows: bool = False,
     ) -> None:
         """The result of one operation on `operands`; without operands, an input that is exact."""
         self.format, self.exact, self.operands, self.crossed = fmt, exact, operands, crossed
         self.rounds, self.underflows = rounds, underflows
-        self.fusible = False
-        self.held: Fraction | None = None
-        self.propagated: Polynomial = sum((majorant(partial) * x.error for x, partial in operands), crossed)
-        relative = D * (majorant(exact) + self.propagated) if rounds else RING.zero
-        self.error: Polynomial = _shortened(self.propagated + relative + (ETA / 2 if underflows else RING.zero), fmt)
+        self.may_fuse = False
+        self.stored_value: Fraction | None = None
+        self.propagated: ErrorPolynomial = sum((majorant(partial) * x.error for x, partial in operands), crossed)
+        relative = D * (majorant(exact) + self.propagated) if rounds else ZERO
+        self.error: ErrorPolynomial = _shortened(self.propagated + relative + (ETA / 2 if underflows else ZERO), fmt)
 
     def __add__(self, other: object) -> Rounded:
         """x + y, rounded once."""
@@ -104,9 +114,9 @@ class Rounded:
     def __truediv__(self, other: object) -> Rounded:
         """x/c for a constant c != 0, rounded once."""
         divisor = self._operand(other, "division")
-        if divisor.held is None:
+        if divisor.stored_value is None:
             _refuse("division by something that depends on q, v or h")
-        if divisor.held == 0 or not divisor.exact:
+        if divisor.stored_value == 0 or not divisor.exact:
             _refuse("division by zero")
         return _product(self, _reciprocal(divisor))
 
@@ -116,9 +126,9 @@ class Rounded:
 
     def __neg__(self) -> Rounded:
         """-x, exactly."""
-        if self.held is not None:
-            return _known(self.format, -self.exact, -self.held)
-        return Rounded(self.format, -self.exact, ((self, -RING.one),))
+        if self.stored_value is not None:
+            return _known(self.format, -self.exact, -self.stored_value)
+        return Rounded(self.format, -self.exact, ((self, -ONE),))
 
     def __pos__(self) -> Rounded:
         """+x, the number itself."""
@@ -167,7 +177,7 @@ def constant(exact: Exact | int, fmt: FloatFormat) -> Rounded:
     return _known(fmt, polynomial(exact), _nearest(fmt, exact))
 
 
-def _shortened(bound: Polynomial, fmt: FloatFormat) -> Polynomial:
+def _shortened(bound: ErrorPolynomial, fmt: FloatFormat) -> ErrorPolynomial:
     """A bound nowhere below `bound` without the highest powers, since d <= 1/2, and eta <= 1 in all but toy formats."""
     if fmt.eta > 1 or not any(in_d > MOST_D or in_eta > MOST_ETA for in_d, in_eta, *_ in bound.monoms()):
         return bound
@@ -175,22 +185,22 @@ def _shortened(bound: Polynomial, fmt: FloatFormat) -> Polynomial:
     for (in_d, in_eta, *powers), c in bound.terms():
         kept = (min(in_d, MOST_D), min(in_eta, MOST_ETA), *powers)
         short[kept] = short.get(kept, 0) + c / 2 ** max(in_d - MOST_D, 0)
-    return RING.from_dict(short)
+    return BOUNDS.from_dict(short)
 
 
 def _sum(x: Rounded, y: Rounded, sign: int) -> Rounded:
     exact = x.exact + sign * y.exact
-    if x.held is not None and y.held is not None:
-        return _known(x.format, exact, _nearest(x.format, x.held + sign * y.held))
-    if y.held == 0 and y.error == 0:  # sum(...) starts from 0
+    if x.stored_value is not None and y.stored_value is not None:
+        return _known(x.format, exact, _nearest(x.format, x.stored_value + sign * y.stored_value))
+    if y.stored_value == 0 and y.error == 0:  # sum(...) starts from 0
         return x
-    if x.held == 0 and x.error == 0:
+    if x.stored_value == 0 and x.error == 0:
         return y if sign > 0 else -y
-    return Rounded(x.format, exact, ((x, RING.one), (y, RING.one * sign)), rounds=True)
+    return Rounded(x.format, exact, ((x, ONE), (y, ONE * sign)), rounds=True)
 
 
 def _product(x: Rounded, y: Rounded) -> Rounded:
-    factors = [factor.held for factor in (x, y) if factor.held is not None]
+    factors = [factor.stored_value for factor in (x, y) if factor.stored_value is not None]
     exact = x.exact * y.exact
     if len(factors) == 2:
         result = _known(x.format, exact, _nearest(x.format, factors[0] * factors[1]))
@@ -203,26 +213,26 @@ def _product(x: Rounded, y: Rounded) -> Rounded:
             rounds=not any(is_power_of_two(c) for c in factors),
             underflows=not any(c.denominator == 1 for c in factors),
         )
-    result.fusible = True
+    result.may_fuse = True
     return result
 
 
 def _reciprocal(divisor: Rounded) -> Rounded:
     """1/c as a factor: not a float, but multiplying by it rounds exactly as dividing by c does."""
-    assert divisor.held is not None
-    return _known(divisor.format, polynomial(1 / constant_term(divisor.exact)), 1 / divisor.held)
+    assert divisor.stored_value is not None
+    return _known(divisor.format, polynomial(1 / constant_term(divisor.exact)), 1 / divisor.stored_value)
 
 
-def _known(fmt: FloatFormat, exact: Polynomial, held: Fraction) -> Rounded:
-    """A constant that the program holds as `held` where the mathematics has `exact`; the error is their distance.
+def _known(fmt: FloatFormat, exact: ErrorPolynomial, stored_value: Fraction) -> Rounded:
+    """A constant, stored as `stored_value` where the mathematics has `exact`; the error is their distance.
 
     That distance and not the u|exact| that one knows beforehand: it is exact where it is rational, so 0 for a constant
     that the format holds, and else rounded up by a relative 2**-GUARD_BITS at most.
     """
     x = Rounded(fmt, exact)
-    x.held = held
-    distance = above(size(constant_term(exact) - held))
-    x.error = x.propagated = UNIT * rational(distance / fmt.u)
+    x.stored_value = stored_value
+    distance = rational_above(absolute_value(constant_term(exact) - stored_value))
+    x.error = x.propagated = UNIT * as_fmpq(distance / fmt.u)
     return x
 
 

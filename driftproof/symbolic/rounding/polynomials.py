@@ -1,136 +1,120 @@
-"""The polynomials of a rounding bound: what is exact has coefficients in Q or a number field, what bounds in Q."""
+"""The polynomials of a rounding bound: exact ones have coefficients in Q or a number field, bounding ones in Q.
+
+An irrational coefficient enters a bound as a rational just above it, within a relative 2**-GUARD_BITS.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable
 from fractions import Fraction
-from functools import cache
+from functools import lru_cache
 from typing import Any, TypeAlias
 
-from sympy import QQ, ring
+from flint import fmpq_mpoly, fmpq_mpoly_ctx
 
-from driftproof.methods.number_field import Algebraic, Exact, NumberField
-from driftproof.symbolic.derivation.one_step import rational
-from driftproof.symbolic.rounding.irrational import above, middle_and_radius, size
+from driftproof.methods.number_field import Algebraic, Exact, ScalarExtension, as_fmpq, as_fraction
+from driftproof.symbolic.rounding.formats import exponent, power_of_two
 
-# An element of RING, or an OverField. SymPy's rings have no static types.
-Polynomial: TypeAlias = Any
+# An element of BOUNDS, or an OverField. FLINT has no static types.
+ErrorPolynomial: TypeAlias = Any
 Powers: TypeAlias = tuple[int, ...]
 
 # Bounds are polynomials in d, eta, |h|, |q|, |v| with non-negative coefficients, exact values polynomials in h, q, v;
 # one ring holds both.
-RING, D, ETA, H, Q, V = ring("d, eta, h, q, v", QQ)
+BOUNDS = fmpq_mpoly_ctx.get(("d", "eta", "h", "q", "v"))
+D, ETA, H, Q, V = BOUNDS.gens()
+ZERO, ONE = BOUNDS.constant(0), BOUNDS.constant(1)
+
+# The ends of an irrational x are apart by at most this power of two times |x|: bounds are quoted to far fewer digits.
+GUARD_BITS = 128
 
 
-class OverField:
-    """Σ αⁱ pᵢ with pᵢ in RING, i below the degree of K = Q(α): a polynomial with coefficients in K.
+class OverField(ScalarExtension):
+    """A polynomial with coefficients in K = Q(alpha): the powers of alpha times elements of BOUNDS."""
 
-    Arithmetic with integers, elements of RING and its own kind over the same field; another field raises TypeError.
-    """
+    __slots__ = ()
 
-    __slots__ = ("field", "parts")
-
-    def __init__(self, field: NumberField, parts: Sequence[Polynomial]) -> None:
-        """Reduce the powers of α from the field's degree on by its minimal polynomial."""
-        degree = field.degree
-        low = [*parts[:degree], *[RING.zero] * (degree - len(parts))]
-        for high, row in zip(parts[degree:], _reductions(field), strict=False):
-            low = [p + high * c for p, c in zip(low, row, strict=True)]
-        self.field = field
-        self.parts: tuple[Polynomial, ...] = tuple(low)
-
-    def __neg__(self) -> OverField:
-        """The negative."""
-        return self._map(lambda p: -p)
-
-    def __add__(self, other: Any) -> OverField:
-        """The sum."""
-        return OverField(self.field, [p + q for p, q in zip(self.parts, self._parts(other), strict=True)])
-
-    __radd__ = __add__
-
-    def __sub__(self, other: Any) -> OverField:
-        """The difference."""
-        return self.__add__(-other)
-
-    def __rsub__(self, other: Any) -> OverField:
-        """The difference."""
-        return (-self).__add__(other)
-
-    def __mul__(self, other: Any) -> OverField:
-        """The product."""
-        if not isinstance(other, OverField):
-            return self._map(lambda p: p * other)
-        products = [RING.zero] * (2 * self.field.degree - 1)
-        for i, p in enumerate(self.parts):
-            for j, q in enumerate(self._parts(other)):
-                products[i + j] = products[i + j] + p * q
-        return OverField(self.field, products)
-
-    __rmul__ = __mul__
-
-    def __bool__(self) -> bool:
-        """False for zero, decided exactly."""
-        return any(self.parts)
-
-    def terms(self) -> list[tuple[Powers, Exact]]:
-        """The powers of (d, eta, h, q, v) that occur, with their coefficients."""
-        found: dict[Powers, list[Fraction]] = {}
-        for i, part in enumerate(self.parts):
-            for powers, c in terms(part):
-                found.setdefault(powers, [Fraction(0)] * len(self.parts))[i] = c
-        elements = {powers: Algebraic(self.field, tuple(row)) for powers, row in found.items()}
-        return [(powers, x.as_fraction() if x.is_rational else x) for powers, x in elements.items()]
-
-    def _map(self, change: Callable[[Polynomial], Polynomial]) -> OverField:
-        return OverField(self.field, [change(p) for p in self.parts])
-
-    def _parts(self, other: Any) -> Sequence[Polynomial]:
-        if not isinstance(other, OverField):
-            return (RING.zero + other, *[RING.zero] * (self.field.degree - 1))
-        if other.field != self.field:
-            raise TypeError(f"no exact arithmetic between {self.field.name} and {other.field.name}")
-        return other.parts
+    @staticmethod
+    def part(x: object) -> ErrorPolynomial:
+        """An integer, rational or element of BOUNDS as the latter."""
+        return x if isinstance(x, fmpq_mpoly) else BOUNDS.constant(as_fmpq(x))
 
 
-def polynomial(x: Exact) -> Polynomial:
+def polynomial(x: Exact) -> ErrorPolynomial:
     """`x` as a constant polynomial."""
     if isinstance(x, Algebraic):
-        return OverField(x.field, [polynomial(c) for c in x.coefficients])
-    return RING.ground_new(rational(x))
+        return OverField(x.field, [BOUNDS.constant(c) for c in x.parts])
+    return BOUNDS.constant(as_fmpq(x))
 
 
-def terms(p: Polynomial) -> list[tuple[Powers, Any]]:
+def terms(p: ErrorPolynomial) -> list[tuple[Powers, Any]]:
     """The powers of (d, eta, h, q, v) that occur, with their coefficients: Fractions, where irrational Algebraics."""
-    if isinstance(p, OverField):
-        return p.terms()
-    return [(powers, Fraction(int(c.numerator), int(c.denominator))) for powers, c in p.terms()]
+    if not isinstance(p, OverField):
+        return [(tuple(map(int, powers)), as_fraction(c)) for powers, c in p.terms()]
+    found: dict[Powers, list[Any]] = {}
+    for i, part in enumerate(p.parts):
+        for powers, c in part.terms():
+            found.setdefault(tuple(map(int, powers)), [0] * p.field.degree)[i] = c
+    elements = {powers: Algebraic(p.field, row) for powers, row in found.items()}
+    return [(powers, x.as_fraction() if x.is_rational else x) for powers, x in elements.items()]
 
 
-def constant_term(p: Polynomial) -> Exact:
+def from_terms(found: Iterable[tuple[Powers, Fraction]]) -> ErrorPolynomial:
+    """The element of BOUNDS with these terms, no powers twice."""
+    return BOUNDS.from_dict({powers: as_fmpq(c) for powers, c in found})
+
+
+def constant_term(p: ErrorPolynomial) -> Exact:
     """The coefficient of 1."""
-    found: Exact = dict(terms(p)).get((0,) * RING.ngens, Fraction(0))
+    found: Exact = dict(terms(p)).get((0,) * BOUNDS.nvars(), Fraction(0))
     return found
 
 
-def majorant(p: Polynomial) -> Polynomial:
+def majorant(p: ErrorPolynomial) -> ErrorPolynomial:
     """The sum of |monomials|, irrational coefficients rounded up: at (|h|, |q|, |v|) it bounds |p| at (h, q, v)."""
     if isinstance(p, OverField):
-        return RING.from_dict({powers: rational(above(size(c))) for powers, c in p.terms()})
-    return RING.from_dict({powers: abs(c) for powers, c in p.terms()})
+        return from_terms((powers, rational_above(absolute_value(c))) for powers, c in terms(p))
+    return BOUNDS.from_dict({powers: abs(c) for powers, c in p.terms()})
 
 
-def nearly(p: Polynomial) -> tuple[Polynomial, Polynomial]:
-    """(m, r) in RING with |p - m| at (h, q, v) at most r at (|h|, |q|, |v|); p and 0 where p is over Q."""
+def near_rational(p: ErrorPolynomial) -> tuple[ErrorPolynomial, ErrorPolynomial]:
+    """(m, r) in BOUNDS with |p - m| at (h, q, v) at most r at (|h|, |q|, |v|); p and 0 where p is over Q."""
     if not isinstance(p, OverField):
-        return p, RING.zero
-    balls = {powers: middle_and_radius(c) for powers, c in p.terms()}
-    middle, radius = ({powers: rational(pair[i]) for powers, pair in balls.items() if pair[i]} for i in range(2))
-    return RING.from_dict(middle), RING.from_dict(radius)
+        return p, ZERO
+    balls = [(powers, middle_and_radius(c)) for powers, c in terms(p)]
+    middle, radius = (from_terms((powers, pair[i]) for powers, pair in balls) for i in range(2))
+    return middle, radius
 
 
-@cache
-def _reductions(field: NumberField) -> list[list[Any]]:
-    """Rows: the coefficients of α**d, α**(d + 1), ..., α**(2d - 2) in 1, α, ..., α**(d - 1)."""
-    rows = ((field.generator**k).coefficients for k in range(field.degree, 2 * field.degree - 1))
-    return [[rational(c) for c in (*row, *[Fraction(0)] * (field.degree - len(row)))] for row in rows]
+def absolute_value(x: Exact) -> Exact:
+    """|x|."""
+    return -x if x < 0 else x
+
+
+@lru_cache(maxsize=1 << 12)
+def rational_ends(x: Exact) -> tuple[Fraction, Fraction]:
+    """Rationals low <= x <= high, at most 2**-GUARD_BITS |x| apart; both are x where it is rational."""
+    if not isinstance(x, Algebraic):
+        return x, x
+    if x.is_rational:
+        return x.as_fraction(), x.as_fraction()
+    bits = 2 * GUARD_BITS
+    while True:
+        low, high = x.enclosure(bits)
+        if low * high > 0:
+            # At most three units apart after rounding outwards, and |x| >= 2**exponent - unit.
+            unit = power_of_two(exponent(high) - GUARD_BITS - 2)
+            if high - low <= unit:
+                return low // unit * unit, -(-high // unit) * unit
+        bits *= 2
+
+
+def rational_above(x: Exact) -> Fraction:
+    """A rational at or just above x."""
+    return rational_ends(x)[1]
+
+
+def middle_and_radius(x: Exact) -> tuple[Fraction, Fraction]:
+    """A rational m and an r >= 0 with |x - m| <= r; x itself and 0 where it is rational."""
+    low, high = rational_ends(x)
+    return (low + high) / 2, (high - low) / 2

@@ -5,8 +5,8 @@ from __future__ import annotations
 from fractions import Fraction
 
 from driftproof.symbolic.algebra.certified import AWAY, significant
-from driftproof.symbolic.derivation.one_step import Polynomial
-from driftproof.symbolic.rounding.step import StepBound
+from driftproof.symbolic.rounding.polynomials import ErrorPolynomial, terms
+from driftproof.symbolic.rounding.step_bound import StepBound
 
 # The first power of d is the bound that one quotes; from the third on the formulas are long and say nothing new, and
 # so with the second of eta.
@@ -20,7 +20,10 @@ def first_order_text(bound: StepBound) -> list[str]:
     """The two lines |dq| <= u (...|q| + ...|v|) and |dv| <= ..., the bound up to u**2 and eta, for h >= 0."""
     lines = []
     for name, row in zip("qv", bound.first_order, strict=True):
-        columns = [(_sum(_univariate(entry)), state) for entry, state in zip(row, ("|q|", "|v|"), strict=True)]
+        columns = [
+            (_sum(_by_d_and_eta(entry).get((0, 0), {})), state)
+            for entry, state in zip(row, ("|q|", "|v|"), strict=True)
+        ]
         lines.append(f"|d{name}| <= u ({' + '.join(_times(c, state) for c, state in columns if c != '0')})")
     return lines
 
@@ -51,16 +54,12 @@ def format_text(bound: StepBound) -> str:
     return f"{fmt.name}: u = 2**-{fmt.precision}, d = u/(1 + u), eta = 2**{fmt.emin - fmt.precision + 1}"
 
 
-def _by_d_and_eta(entry: Polynomial) -> dict[tuple[int, int], dict[int, Fraction]]:
+def _by_d_and_eta(entry: ErrorPolynomial) -> dict[tuple[int, int], dict[int, Fraction]]:
     """{(power of eta, power of d): {power of h: coefficient}}."""
     grouped: dict[tuple[int, int], dict[int, Fraction]] = {}
-    for (in_d, in_eta, in_h, *_), c in entry.terms():
-        grouped.setdefault((in_eta, in_d), {})[in_h] = Fraction(int(c.numerator), int(c.denominator))
+    for (in_d, in_eta, in_h, *_), c in terms(entry):
+        grouped.setdefault((in_eta, in_d), {})[in_h] = c
     return grouped
-
-
-def _univariate(entry: Polynomial) -> dict[int, Fraction]:
-    return {in_h: Fraction(int(c.numerator), int(c.denominator)) for (in_h,), c in entry.terms()}
 
 
 def _sum(by_step: dict[int, Fraction]) -> str:

@@ -6,11 +6,10 @@ from collections.abc import Callable
 from fractions import Fraction
 
 from driftproof.numeric.steppers import HAND_WRITTEN
+from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound
 from driftproof.symbolic.rounding.formats import BINARY64
-from driftproof.symbolic.rounding.n_steps import run_bound
-from driftproof.symbolic.rounding.sharp import sharp_bound
-from driftproof.symbolic.rounding.step import LinearBound, step_bound
-from driftproof.symbolic.rounding.trace import Subject
+from driftproof.symbolic.rounding.n_steps_bound import run_bound
+from driftproof.symbolic.rounding.step_bound import LinearBound, StepOrMethod, step_bound
 from driftproof.texts.questions.answer import Answer
 from driftproof.texts.questions.asking import START, Asking
 from driftproof.texts.questions.errors import refused_at
@@ -40,17 +39,17 @@ def bound(asking: Asking) -> Answer:
         h = BINARY64.nearest(h)
         if h == 0:
             raise ValueError("a step of size 0 goes nowhere; give a nonzero h")
-        subject: Subject = HAND_WRITTEN.get(method.key) or method
+        subject: StepOrMethod = HAND_WRITTEN.get(method.key) or method
         return Answer("", _bound(asking, subject, h) / BINARY64.u, unit="u", is_bound=True)
 
 
-def _bound(asking: Asking, subject: Subject, h: Fraction) -> Fraction:
+def _bound(asking: Asking, subject: StepOrMethod, h: Fraction) -> Fraction:
     readout = asking.asked.readout.text if asking.asked.readout else ""
     if readout == GROWTH:
         return run_bound(subject, h, 1, START, BINARY64).growth
     sharp = "sharp" in asking.asked.words
     if readout in ENTRIES:
-        return ENTRIES[readout](sharp_bound(subject, h).linear if sharp else step_bound(subject).at(h))
+        return ENTRIES[readout](fixed_step_bound(subject, h).linear if sharp else step_bound(subject).at(h))
     start = BINARY64.nearest(asking.start[0]), BINARY64.nearest(asking.start[1])
-    of_state = sharp_bound(subject, h).error_of(*start) if sharp else step_bound(subject).error_of(h, *start)
+    of_state = fixed_step_bound(subject, h).error_of(*start) if sharp else step_bound(subject).error_of(h, *start)
     return of_state[OF_STATE[readout]]

@@ -21,7 +21,7 @@ from driftproof.blackbox.matching.equivalent_methods import (
 from driftproof.blackbox.probes.linear_steps import LINEARITY_ROUNDINGS, LINEARITY_STEP
 from driftproof.methods.catalogue import METHODS
 from driftproof.symbolic.linear.structure import is_symmetric
-from driftproof.symbolic.rounding.any_order import any_order_bound
+from driftproof.symbolic.rounding.any_evaluation_order import any_evaluation_order_bound
 from driftproof.symbolic.rounding.formats import BINARY64
 
 EXPLICIT = [key for key, method in METHODS.items() if method.explicit]
@@ -32,7 +32,7 @@ MAPS = (*equivalent_methods(), *adjoint_methods(), ExactFlow())
 @pytest.mark.parametrize("h", [0.25, 2.0])
 def test_the_bound_of_a_method_is_nowhere_below_its_any_order_bound(key, h):
     each = next(each for each in equivalent_methods() if key in each.keys)
-    bound = any_order_bound(METHODS[key])
+    bound = any_evaluation_order_bound(METHODS[key])
     columns = bound.error_of(Q(h), Q(1), Q(0)), bound.error_of(Q(h), Q(0), Q(1))
     its = columns[0][0], columns[1][0], columns[0][1], columns[1][1]
     allowed = each.allowances(Rates(h, 1.0, 1.0), BINARY64)

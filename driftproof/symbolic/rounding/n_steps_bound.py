@@ -21,12 +21,19 @@ from flint import arb, ctx
 from driftproof.methods.problems import oscillator
 from driftproof.methods.stepping import Force
 from driftproof.symbolic.algebra.certified import Uncertified, enclose, endpoints, scientific
+from driftproof.symbolic.rounding.adapted_norm import AdaptedNorm, NoAdaptedNorm, adapted_norm
+from driftproof.symbolic.rounding.fixed_step_bound import FixedStepBound, fixed_step_bound
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
-from driftproof.symbolic.rounding.overflow import largest_safe_state
-from driftproof.symbolic.rounding.own_norm import NoOwnNorm, OwnNorm, own_norm
-from driftproof.symbolic.rounding.sharp import SharpBound, sharp_bound
-from driftproof.symbolic.rounding.step import LinearBound
-from driftproof.symbolic.rounding.trace import Subject
+from driftproof.symbolic.rounding.step_bound import (
+    LinearBound,
+    StepOrMethod,
+    at_step,
+    in_format,
+    linear_bound,
+    magnitude,
+    operations_of,
+    trace_step,
+)
 
 State: TypeAlias = tuple[Fraction, Fraction]
 # Upper bounds are rounded up from enclosures of at least this relative accuracy.
@@ -52,7 +59,7 @@ class RunBound:
     h: Fraction
     steps: int
     start: State
-    norm: OwnNorm
+    norm: AdaptedNorm
     growth: Fraction
     underflow: Fraction
     own: Fraction
@@ -69,7 +76,7 @@ class RunBound:
 
 
 def run_bound(
-    subject: Subject,
+    subject: StepOrMethod,
     h: Fraction,
     steps: int,
     start: State,
@@ -87,7 +94,7 @@ def run_bound(
         _demand_number(what, x, fmt)
     if steps < 0:
         raise HypothesisFails(f"N = {steps}: a run has no negative number of steps")
-    derived = sharp_bound(subject, h, fmt, force)
+    derived = fixed_step_bound(subject, h, fmt, force)
     norm = _norm(derived, h)
     growth, underflow = growth_per_step(norm, local or derived.linear)
     run = _Run(norm, norm.length(*start), growth, underflow, steps)
@@ -95,15 +102,37 @@ def run_bound(
     return RunBound(fmt, h, steps, start, norm, growth, underflow, run.error)
 
 
-def growth_per_step(norm: OwnNorm, local: LinearBound) -> tuple[Fraction, Fraction]:
+def growth_per_step(norm: AdaptedNorm, local: LinearBound) -> tuple[Fraction, Fraction]:
     """(c, r) with |error of one step| <= c|z| + r in the norm, rounded up, for any error within `local`."""
     return norm.gain(local.error), norm.largest_of_signs(*local.underflow)
+
+
+def largest_safe_state(
+    subject: StepOrMethod, h: Fraction, fmt: FloatFormat = BINARY64, force: Force = oscillator
+) -> Fraction:
+    """The largest s for which |q|, |v| <= s proves that no operation of the step at h overflows.
+
+    Each operation's result is a q + b v + c up to its error, both linear in the state, so each asks for
+    (|a| + |b| + error per unit of state) s + |c| + error at the origin <= largest finite number; s is the least that
+    they leave. Sufficient, not necessary. For a given state too, see `StepBound.is_safe`.
+    Raises OverflowError if not even the origin is safe, NotLinear, RefusedOperation.
+    """
+    safe = fmt.largest
+    for x in operations_of(trace_step(subject, fmt, force, h)):
+        terms = at_step(in_format(magnitude(x), fmt), Fraction(1))  # h is a constant of the program
+        row = linear_bound(terms, terms)
+        slope, free = sum(row.error[0]), row.underflow[0]
+        if free > fmt.largest:
+            raise OverflowError(f"at h = {h} the step overflows {fmt.name} from every state")
+        if slope > 0:
+            safe = min(safe, (fmt.largest - free) / slope)
+    return safe
 
 
 class _Run(NamedTuple):
     """The quantities of the theorem; the methods give balls at the current precision."""
 
-    norm: OwnNorm
+    norm: AdaptedNorm
     length: Fraction
     growth: Fraction
     underflow: Fraction
@@ -136,10 +165,10 @@ class _Run(NamedTuple):
         return enclose(self.underflow) * (enclose(self.factor) ** self.steps - 1) / enclose(excess)
 
 
-def _norm(derived: SharpBound, h: Fraction) -> OwnNorm:
+def _norm(derived: FixedStepBound, h: Fraction) -> AdaptedNorm:
     try:
-        return own_norm((*derived.matrix[0], *derived.matrix[1]))
-    except NoOwnNorm as reason:
+        return adapted_norm((*derived.matrix[0], *derived.matrix[1]))
+    except NoAdaptedNorm as reason:
         raise HypothesisFails(f"at h = {h}: {reason}") from None
 
 

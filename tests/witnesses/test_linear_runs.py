@@ -8,8 +8,8 @@ import pytest
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation
-from driftproof.numeric import linear
-from driftproof.numeric.linear import endpoint, exact_matrix, float_matrix
+from tests.witnesses import linear_runs as linear
+from tests.witnesses.linear_runs import endpoint, exact_matrix, float_matrix
 
 COLLOCATION = [method for method in METHODS.values() if isinstance(method, Collocation)]
 

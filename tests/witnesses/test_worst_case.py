@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from fractions import Fraction as Q
 
 import numpy as np
 import pytest
 
 from driftproof.methods.problems import oscillator
-from driftproof.numeric import worst_case
 from driftproof.numeric.steppers import forward_euler, rk4, symplectic_euler
-from driftproof.numeric.worst_case import Envelope, error_ratios, every_finite, exhaust, worst_of
-from driftproof.numeric.worst_case_search import random_floats, random_steps, search
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
-from driftproof.symbolic.rounding.step import step_bound
+from driftproof.symbolic.rounding.step_bound import step_bound
+from tests.witnesses import worst_case
+from tests.witnesses.worst_case import (
+    Envelope,
+    error_ratios,
+    every_finite,
+    exhaust,
+    random_floats,
+    random_steps,
+    search,
+    worst_of,
+)
 
 FORMATS = {np.float16: BINARY16, np.float32: BINARY32, np.float64: BINARY64}
 
@@ -154,12 +160,3 @@ def test_the_type_that_checks_is_wide_enough_for_the_degree():
 def test_nothing_to_exhaust_is_an_error():
     with pytest.raises(ValueError, match="no step to check"):
         exhaust(forward_euler, envelope_of(forward_euler, np.float16), [], [(1.0, 0.0)])
-
-
-def test_the_search_needs_numpy_only():
-    code = (
-        "import sys, driftproof.numeric.worst_case_search, driftproof.numeric.leapfrog; "
-        "print([m for m in ('sympy', 'flint', 'symbolic', 'matplotlib') if m in sys.modules])"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"

@@ -10,11 +10,11 @@ import pytest
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
-from driftproof.numeric.compensated import compensated_bound, plain_bound
 from driftproof.numeric.engine import OSCILLATOR, ensemble_runner, runner
 from driftproof.symbolic.algebra.certified import significant
-from driftproof.symbolic.rounding.error_of_run import ErrorOfRun
+from driftproof.symbolic.error_budget import ErrorOfRun
 from driftproof.symbolic.runs import exact_matrix_at
+from tests.witnesses.compensated import compensated_bound, plain_bound
 
 RK4, VERLET, SYMPLECTIC = METHODS["rk4"], METHODS["velocity_verlet"], METHODS["symplectic_euler"]
 U = Q(1, 2**53)

@@ -2,8 +2,8 @@
 
 E is a non-negative 2x2 matrix and r a vector of underflow terms, polynomials in d = u/(1+u), eta and |h|; nothing is
 dropped as being of higher order. M is that of the definition, exact; how its coefficients, rational or not, are rounded
-is part of E. They belong to a program, that is to one order of operations; the form that belongs to a definition
-is in `any_order`, a sharper one for one given h in `sharp`.
+is part of E. They belong to a program, that is to one order of operations; the form that belongs to a definition is in
+`any_evaluation_order`, a sharper one for one given h in `fixed_step_bound`.
 """
 
 from __future__ import annotations
@@ -14,39 +14,43 @@ from fractions import Fraction
 from functools import cached_property
 from typing import NamedTuple, TypeAlias
 
-from sympy.polys.matrices import DomainMatrix
-
 from driftproof.methods.number_field import Exact
 from driftproof.methods.problems import oscillator
-from driftproof.methods.stepping import Force
+from driftproof.methods.schemes import Method
+from driftproof.methods.stepping import Force, Lift, Step, stepper
+from driftproof.symbolic.algebra.certified import decide_by_enclosure
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import coefficients
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
-from driftproof.symbolic.derivation import one_step
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
-from driftproof.symbolic.rounding.irrational import middle_and_radius
-from driftproof.symbolic.rounding.number import Rounded
-from driftproof.symbolic.rounding.polynomials import RING, Polynomial, terms
-from driftproof.symbolic.rounding.trace import (
-    NotLinear,
-    Subject,
-    Terms,
-    at_state,
-    at_step,
-    in_format,
-    magnitude,
-    program,
-    trace,
+from driftproof.symbolic.rounding.number import RefusedOperation, Rounded, constant, rational_value
+from driftproof.symbolic.rounding.polynomials import (
+    ErrorPolynomial,
+    H,
+    Q,
+    V,
+    from_terms,
+    majorant,
+    middle_and_radius,
+    terms,
 )
 
-Table: TypeAlias = tuple[tuple[Polynomial, Polynomial], tuple[Polynomial, Polynomial]]
-Coefficients: TypeAlias = tuple[Fraction, ...]
-CoefficientTable: TypeAlias = tuple[tuple[Coefficients, Coefficients], tuple[Coefficients, Coefficients]]
+# What a bound can be asked about: a method of the catalogue, or anybody's step function.
+StepOrMethod: TypeAlias = Method | Step
+# Powers of (q, v), or of (h, q, v), with their coefficients.
+Terms: TypeAlias = dict[tuple[int, ...], Fraction]
+ErrorMatrix: TypeAlias = tuple[tuple[ErrorPolynomial, ErrorPolynomial], tuple[ErrorPolynomial, ErrorPolynomial]]
+AscendingInH: TypeAlias = tuple[Fraction, ...]
+AscendingMatrix: TypeAlias = tuple[tuple[AscendingInH, AscendingInH], tuple[AscendingInH, AscendingInH]]
 # An entry of M(h): its coefficients by power of h.
 ByPower: TypeAlias = dict[int, Exact]
 
 # Powers of (q, v) in q, in v, and in what does not depend on the state.
 COLUMNS = ((1, 0), (0, 1), (0, 0))
+
+
+class NotLinear(ValueError):
+    """The step is not linear in the state, so it has no one-step matrix and no error matrix."""
 
 
 class LinearBound(NamedTuple):
@@ -85,26 +89,18 @@ class StepBound:
         return qq, qv, vq, vv
 
     @property
-    def matrix(self) -> DomainMatrix:
-        """M(h) over Q[h]. Raises TypeError where coefficients are irrational."""
-        qq, qv, vq, vv = (
-            one_step.RING({(k,): one_step.rational(_fraction(c)) for k, c in entry.items()}) for entry in self.entries
-        )
-        return DomainMatrix([[qq, qv], [vq, vv]], (2, 2), one_step.MATRICES)
-
-    @property
     def rounds_constants(self) -> bool:
         """True when the program holds a constant rounded, so that its own polynomial is not M(h) to the last digit."""
-        return any(x.held is not None and bool(x.error) for x in program(self.outputs))
+        return any(x.stored_value is not None and bool(x.error) for x in operations_of(self.outputs))
 
     @cached_property
-    def error(self) -> Table:
+    def error(self) -> ErrorMatrix:
         """E(h): entries in Q[d, eta, |h|] with non-negative coefficients, rounded up where they are irrational."""
         (qq, qv, _), (vq, vv, _) = self._error_rows
         return (qq, qv), (vq, vv)
 
     @cached_property
-    def underflow(self) -> tuple[Polynomial, Polynomial]:
+    def underflow(self) -> tuple[ErrorPolynomial, ErrorPolynomial]:
         """r(h): what is added whatever the state, in Q[d, eta, |h|]; every term has an eta unless the step adds
         constants of its own.
         """
@@ -112,13 +108,16 @@ class StepBound:
         return q, v
 
     @cached_property
-    def first_order(self) -> Table:
-        """The coefficient of u in E(h), in Q[h] for h >= 0: the bound up to terms in u**2 and eta."""
-        (qq, qv), (vq, vv) = ([_first_order(entry) for entry in row] for row in self.error)
+    def first_order(self) -> ErrorMatrix:
+        """The coefficient of u in E(h), a polynomial in h >= 0: the bound up to terms in u**2 and eta."""
+        (qq, qv), (vq, vv) = (
+            [from_terms(((0, 0, *p[2:]), c) for p, c in terms(entry) if p[:2] == (1, 0)) for entry in row]
+            for row in self.error
+        )
         return (qq, qv), (vq, vv)
 
     @cached_property
-    def coefficients(self) -> tuple[CoefficientTable, CoefficientTable, tuple[Coefficients, Coefficients]]:
+    def coefficients(self) -> tuple[AscendingMatrix, AscendingMatrix, tuple[AscendingInH, AscendingInH]]:
         """(M, E, r) as plain fractions in this format, ascending in h or |h|: what a check of many steps evaluates.
 
         Irrational coefficients of M are given as fractions near them, and E is larger by how near that is.
@@ -155,10 +154,14 @@ class StepBound:
         return [line for name, mine, theirs in pairs for line in _differences(name, mine, theirs)]
 
     @cached_property
-    def _error_rows(self) -> list[list[Polynomial]]:
+    def _error_rows(self) -> list[list[ErrorPolynomial]]:
+        """The coefficients of |q|, |v| and 1 in each bound."""
         for error in self._error_terms:
             demand_linear(error)
-        return [[_in_d_eta_h(x.error, column) for column in COLUMNS] for x in self.outputs]
+        return [
+            [from_terms(((*p[:3], 0, 0), c) for p, c in terms(x.error) if p[3:] == column) for column in COLUMNS]
+            for x in self.outputs
+        ]
 
     @cached_property
     def _error_terms(self) -> list[Terms]:
@@ -166,18 +169,91 @@ class StepBound:
 
     @cached_property
     def _magnitude_terms(self) -> list[Terms]:
-        distinct = {magnitude(x) for x in program(self.outputs)}
-        return [in_format(polynomial, self.format) for polynomial in distinct]
+        sizes = [magnitude(x) for x in operations_of(self.outputs)]
+        distinct = {tuple(terms(size)): size for size in sizes}
+        return [in_format(size, self.format) for size in distinct.values()]
 
 
-def step_bound(subject: Subject, fmt: FloatFormat = BINARY64, force: Force = oscillator) -> StepBound:
+def step_bound(subject: StepOrMethod, fmt: FloatFormat = BINARY64, force: Force = oscillator) -> StepBound:
     """The rounding bound of one step, found by running it.
 
     `subject` is a step function (force, q, v, h) -> (q1, v1), whose own order of operations counts, or a method, which
     stands for its generic step with every coefficient rounded to the format. Raises RefusedOperation.
     """
-    q1, v1 = trace(subject, fmt, force)
+    q1, v1 = trace_step(subject, fmt, force)
     return StepBound(fmt, (q1, v1))
+
+
+def trace_step(
+    subject: StepOrMethod, fmt: FloatFormat, force: Force = oscillator, h: Fraction | None = None
+) -> list[Rounded]:
+    """[q1, v1] of one step from symbolic (q, v), by running the step itself; `subject` is it, or a method.
+
+    With `h` given (a number of the format) the step size is that constant rather than a symbol. Raises
+    RefusedOperation where the step does what cannot be bounded.
+    """
+    size = Rounded(fmt, H) if h is None else constant(h, fmt)
+    step = subject if callable(subject) else stepper(subject, lift_to(fmt))
+    result = step(force, Rounded(fmt, Q), Rounded(fmt, V), size)
+    outputs = list(result) if isinstance(result, Iterable) else []
+    if len(outputs) != 2:
+        raise RefusedOperation(f"the step returned {result!r}; it must return the pair (q1, v1)")
+    return [x if isinstance(x, Rounded) else constant(_demand_number(x), fmt) for x in outputs]
+
+
+def lift_to(fmt: FloatFormat) -> Lift:
+    """The lift of exact coefficients to floats of the format: 1/6 becomes the nearest one, and owns up to it."""
+    return lambda exact: constant(exact, fmt)
+
+
+def step_with_stored_coefficients(method: Method, fmt: FloatFormat) -> Step:
+    """The generic step of a definition with the coefficients that its program holds: what it computes up to rounding.
+
+    To the definition itself this is another method, by the rounding of its coefficients.
+    """
+    return stepper(method, lambda exact: decide_by_enclosure(exact, fmt.nearest))
+
+
+def operations_of(outputs: Iterable[Rounded]) -> list[Rounded]:
+    """Every number the outputs depend on, operands before results, each once."""
+    order: dict[int, Rounded] = {}
+
+    def visit(x: Rounded) -> None:
+        if id(x) not in order:
+            for operand, _ in x.operands:
+                visit(operand)
+            order[id(x)] = x
+
+    for output in outputs:
+        visit(output)
+    return list(order.values())
+
+
+def magnitude(x: Rounded) -> ErrorPolynomial:
+    """|x| + error, a bound on |x^|, and on what was rounded to give it."""
+    return majorant(x.exact) + x.error
+
+
+def in_format(polynomial: ErrorPolynomial, fmt: FloatFormat) -> Terms:
+    """The polynomial in (h, q, v) that is left when the format's own d and eta are put in."""
+    left: Terms = {}
+    for (in_d, in_eta, *powers), c in terms(polynomial):
+        value = c * fmt.relative_error**in_d * fmt.eta**in_eta
+        left[tuple(powers)] = left.get(tuple(powers), Fraction(0)) + value
+    return left
+
+
+def at_step(by_powers: Terms, h: Fraction) -> Terms:
+    """The polynomial in (q, v) that is left at this h."""
+    left: Terms = {}
+    for (in_h, *powers), c in by_powers.items():
+        left[tuple(powers)] = left.get(tuple(powers), Fraction(0)) + c * h**in_h
+    return left
+
+
+def at_state(by_powers: Terms, q: Fraction, v: Fraction) -> Fraction:
+    """The value at this (q, v)."""
+    return sum((c * q**in_q * v**in_v for (in_q, in_v), c in by_powers.items()), Fraction(0))
 
 
 def linear_bound(dq: Terms, dv: Terms) -> LinearBound:
@@ -195,29 +271,24 @@ def demand_linear(powers: Iterable[tuple[int, ...]]) -> None:
             raise NotLinear(f"the step is not linear in the state: it holds q**{in_q} * v**{in_v}")
 
 
-def _in_h(polynomial: Polynomial, column: tuple[int, int]) -> ByPower:
+def _demand_number(x: object) -> Fraction:
+    exact = rational_value(x)
+    if exact is None:
+        raise RefusedOperation(f"the step returned {x!r}, which is {type(x).__name__} and not a number")
+    return exact
+
+
+def _in_h(polynomial: ErrorPolynomial, column: tuple[int, int]) -> ByPower:
     """The coefficient of q, v or 1 in an exact polynomial."""
     found = terms(polynomial)
     demand_linear(powers for powers, _ in found)
     return {in_h: c for (_, _, in_h, *state), c in found if tuple(state) == column}
 
 
-def _in_d_eta_h(polynomial: Polynomial, column: tuple[int, int]) -> Polynomial:
-    """The coefficient of q, v or 1 in a bound."""
-    return RING.from_dict({(*p[:3], 0, 0): c for p, c in polynomial.terms() if p[3:] == column})
-
-
-def _first_order(entry: Polynomial) -> Polynomial:
-    return one_step.RING({(in_h,): c for (in_d, in_eta, in_h, *_), c in entry.terms() if (in_d, in_eta) == (1, 0)})
-
-
-def _in_column(by_powers: Terms, column: tuple[int, int]) -> dict[int, Fraction]:
-    return {in_h: c for (in_h, *state), c in by_powers.items() if tuple(state) == column}
-
-
-def _row(entries: Iterable[ByPower], errors: Terms) -> tuple[list[Coefficients], list[Coefficients]]:
+def _row(entries: Iterable[ByPower], errors: Terms) -> tuple[list[AscendingInH], list[AscendingInH]]:
     """A row of M, and of (E, r) widened by how near to it the first is."""
-    middles, bounds = [], [_in_column(errors, column) for column in COLUMNS]
+    middles = []
+    bounds = [{in_h: c for (in_h, *state), c in errors.items() if tuple(state) == column} for column in COLUMNS]
     for entry, bound in zip(entries, bounds, strict=False):
         balls = {k: middle_and_radius(c) for k, c in entry.items()}
         middles.append({k: middle for k, (middle, _) in balls.items()})
@@ -226,14 +297,8 @@ def _row(entries: Iterable[ByPower], errors: Terms) -> tuple[list[Coefficients],
     return [_ascending(x) for x in middles], [_ascending(x) for x in bounds]
 
 
-def _ascending(by_power: dict[int, Fraction]) -> Coefficients:
+def _ascending(by_power: dict[int, Fraction]) -> AscendingInH:
     return tuple(by_power.get(k, Fraction(0)) for k in range(max(by_power, default=-1) + 1))
-
-
-def _fraction(x: Exact) -> Fraction:
-    if not isinstance(x, Fraction):
-        raise TypeError(f"{x} is irrational: this one-step matrix is not over Q[h]")
-    return x
 
 
 def _differences(name: str, mine: ByPower, theirs: RationalFunction) -> list[str]:

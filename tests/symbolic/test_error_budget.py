@@ -10,34 +10,28 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftproof.methods.problems import oscillator
+from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import stepper
-from driftproof.numeric.leapfrog import leapfrog
 from driftproof.numeric.steppers import HAND_WRITTEN, symplectic_euler
 from driftproof.symbolic.algebra.certified import decide_by_enclosure, enclose, fixed, is_less, significant
-from driftproof.symbolic.derivation.one_step import matrix_at, one_step_matrix
-from driftproof.symbolic.rounding.error_of_run import ErrorOfRun
+from driftproof.symbolic.error_budget import ErrorOfRun
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
-from driftproof.symbolic.rounding.n_steps import run_bound
+from driftproof.symbolic.rounding.n_steps_bound import run_bound
+from driftproof.symbolic.runs import exact_matrix_at
 from tests.nine import NINE
+from tests.symbolic.rounding.programs import float_run
+from tests.witnesses.leapfrog import leapfrog
 
-VERLET = one_step_matrix(NINE["velocity_verlet"])
+VERLET = METHODS["velocity_verlet"]
 # Proved in Coq by VerifiedLeapfrog for this run: 0.0308. Twenty times better is 0.00154.
 PROVED_ELSEWHERE = Q(308, 10**4)
 
 
-def float_run(step, h, steps: int, start, dtype):
-    """The final state of a float run, and the certified error of it."""
-    (q, v), size = (dtype(x) for x in start), dtype(h)
-    for _ in range(steps):
-        q, v = step(oscillator, q, v, size)
-    return Q(float(q)), Q(float(v))
-
-
-def error_of(step, matrix, h, steps, start, dtype) -> ErrorOfRun:
+def error_of(step, method, h, steps, start, dtype) -> ErrorOfRun:
     size = Q(float(dtype(h)))
     exact_start = tuple(Q(float(dtype(x))) for x in start)
-    return ErrorOfRun(matrix_at(matrix, size), size, steps, exact_start, float_run(step, h, steps, start, dtype))
+    final = float_run(step, h, steps, start, dtype)
+    return ErrorOfRun(exact_matrix_at(method, size), size, steps, exact_start, final)
 
 
 def anchor(step=leapfrog, start=(1.0, 0.0)) -> ErrorOfRun:
@@ -83,7 +77,7 @@ def test_other_starts_steps_and_h_up_to_2_are_bounded_too(start, h, steps):
 
 @pytest.mark.parametrize("key", HAND_WRITTEN)
 def test_the_error_of_a_run_splits_into_truncation_and_rounding(key):
-    found = error_of(HAND_WRITTEN[key], one_step_matrix(NINE[key]), 0.25, 40, (1.0, 0.0), np.float64)
+    found = error_of(HAND_WRITTEN[key], NINE[key], 0.25, 40, (1.0, 0.0), np.float64)
     total, truncation, rounding = (settle_to(x) for x in (found.total, found.truncation, found.rounding))
     assert abs(total - truncation) <= rounding
     assert 0 < rounding < 200 * BINARY64.u
@@ -105,7 +99,7 @@ def settle_to(value) -> Q:
 
 def test_ten_million_steps_are_certified_by_squaring():
     """Not by running them: of any state it can be said how far from M^N z0 it is, to any number of digits."""
-    matrix, steps = matrix_at(one_step_matrix(NINE["symplectic_euler"]), Q(1, 4)), 10**7
+    matrix, steps = exact_matrix_at(NINE["symplectic_euler"], Q(1, 4)), 10**7
     origin = ErrorOfRun(matrix, Q(1, 4), steps, (Q(1), Q(0)), (Q(0), Q(0)))
     with mpmath.workdps(60):
         angle = mpmath.acos(1 - mpmath.mpf(1) / 32)  # 2 cos = 2 - h²
@@ -120,22 +114,22 @@ def test_ten_million_steps_are_certified_by_squaring():
 
 def test_a_run_without_rounding_has_rounding_error_zero_and_not_undecided():
     """h = 1, symplectic Euler: M**6 = 1, integers throughout."""
-    found = error_of(symplectic_euler, one_step_matrix(NINE["symplectic_euler"]), 1.0, 600, (1.0, 0.0), np.float64)
+    found = error_of(symplectic_euler, NINE["symplectic_euler"], 1.0, 600, (1.0, 0.0), np.float64)
     assert found.rounding == Q(0)
     assert found.final == (1, 0)
     assert significant(found.total, 10) == significant(found.truncation, 10)
 
 
 def test_nothing_is_lost_in_no_steps():
-    none = error_of(symplectic_euler, one_step_matrix(NINE["symplectic_euler"]), 0.1, 0, (1.0, 0.0), np.float64)
+    none = error_of(symplectic_euler, NINE["symplectic_euler"], 0.1, 0, (1.0, 0.0), np.float64)
     assert [significant(x, 5) for x in (none.total, none.truncation, none.rounding)] == ["0", "0", "0"]
 
 
 def test_the_step_that_floats_use_is_the_float_and_not_the_decimal():
     """1/10 in the place of the float 0.1 would show as rounding: (0.1 - 1/10) t, and the phase that it moves."""
-    euler = one_step_matrix(NINE["symplectic_euler"])
+    euler = NINE["symplectic_euler"]
     honest = error_of(symplectic_euler, euler, 0.1, 1000, (1.0, 0.0), np.float32)
-    decimal = ErrorOfRun(matrix_at(euler, Q(1, 10)), Q(1, 10), 1000, honest.start, honest.final)
+    decimal = ErrorOfRun(exact_matrix_at(euler, Q(1, 10)), Q(1, 10), 1000, honest.start, honest.final)
     bound = run_bound(symplectic_euler, honest.h, 1000, (Q(1), Q(0)), BINARY32)
     assert is_less(honest.rounding, bound.euclidean)
     assert settle_to(decimal.rounding) != settle_to(honest.rounding)
@@ -150,6 +144,6 @@ def test_the_step_that_floats_use_is_the_float_and_not_the_decimal():
 )
 def test_the_theorem_bounds_the_certified_rounding_of_every_run(h, start, steps, key):
     method = NINE[key]
-    found = error_of(stepper(method, float), one_step_matrix(method), h, steps, start, np.float64)
+    found = error_of(stepper(method, float), method, h, steps, start, np.float64)
     bound = run_bound(method, Q(h), steps, tuple(Q(x) for x in start))
     assert found.rounding == 0 or is_less(found.rounding, bound.euclidean)

@@ -2,32 +2,39 @@
 
 from __future__ import annotations
 
+import random
 from fractions import Fraction as Q
+from functools import cache
 from itertools import product
 
 import numpy as np
 import pytest
+from flint import ctx
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.number_field import square_root
 from driftproof.methods.problems import oscillator
+from driftproof.methods.schemes import Splitting
 from driftproof.methods.stepping import stepper
-from driftproof.numeric.leapfrog import leapfrog
 from driftproof.numeric.steppers import HAND_WRITTEN, forward_euler, rk4
-from driftproof.numeric.worst_case import Envelope
-from driftproof.numeric.worst_case_search import search
-from driftproof.symbolic.derivation.one_step import matrix_at, one_step_matrix
+from driftproof.symbolic.algebra.certified import enclose
+from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound
 from driftproof.symbolic.rounding.formats import BFLOAT16, BINARY16, BINARY64, FloatFormat
-from driftproof.symbolic.rounding.sharp import sharp_bound
-from driftproof.symbolic.rounding.soft_float import soft_lift
-from driftproof.symbolic.rounding.step import step_bound
-from driftproof.symbolic.rounding.trace import NotLinear
-from driftproof.symbolic.runs import apply
-from tests.nine import NINE
+from driftproof.symbolic.rounding.polynomials import absolute_value
+from driftproof.symbolic.rounding.step_bound import NotLinear, step_bound, step_with_stored_coefficients
+from driftproof.symbolic.runs import apply, exact_matrix_at
+from tests.changes import first_weight, moved
+from tests.symbolic.rounding.programs import IRRATIONAL, PROGRAMS, all_within
+from tests.witnesses.leapfrog import leapfrog
+from tests.witnesses.soft_float import soft_lift
+from tests.witnesses.worst_case import Envelope, search
 
-WRITTEN_OUT = {**HAND_WRITTEN, "leapfrog": leapfrog}
-PROGRAMS = {f"generic {key}": method for key, method in NINE.items()} | WRITTEN_OUT
 COARSE = FloatFormat("coarse", 3, -1, 7)
+# No dyadic number, so that h times a coefficient really rounds.
+STEP = Q(0.7)
+sharp_of = cache(lambda key: fixed_step_bound(METHODS[key], STEP))
 
 
 def envelope_of(subject, h: Q) -> Envelope:
@@ -35,7 +42,7 @@ def envelope_of(subject, h: Q) -> Envelope:
 
     A step from (q, v) by -h is the mirror image of one from (q, -v) by h, float by float.
     """
-    bound = sharp_bound(subject, abs(h)).linear
+    bound = fixed_step_bound(subject, abs(h)).linear
     (qq, qv), (vq, vv) = bound.error
     rq, rv = bound.underflow
     exact, _, _ = step_bound(subject).coefficients
@@ -44,8 +51,9 @@ def envelope_of(subject, h: Q) -> Envelope:
 
 def test_rk4_at_five_halves_is_bounded_by_22_u_where_the_plain_form_says_80():
     h, one, u = Q(5, 2), Q(1), BINARY64.u
-    sharp, plain = sharp_bound(rk4, h).over_box(one, one), step_bound(rk4).error_of(h, one, one)
-    assert max(sharp) < 22 * u
+    sharp, plain = fixed_step_bound(rk4, h), step_bound(rk4).error_of(h, one, one)
+    # convex in the state, so that it is largest at corners of the square
+    assert max(e for corner in product((1, -1), repeat=2) for e in sharp.error_of(*map(Q, corner))) < 22 * u
     assert min(plain) > 80 * u
 
 
@@ -77,7 +85,7 @@ def test_the_sharper_bound_holds_for_the_very_state_and_is_hardly_ever_above_the
     subject = PROGRAMS[key]
     step = subject if callable(subject) else stepper(subject, float)
     floats = step(oscillator, float(q), float(v), float(h))
-    bound = sharp_bound(subject, h)
+    bound = fixed_step_bound(subject, h)
     exact = apply((*bound.matrix[0], *bound.matrix[1]), q, v)
     plain = step_bound(subject).error_of(h, q, v)
     for x, y, e, most, linear in zip(floats, exact, bound.error_of(q, v), plain, bound.linear.of(q, v), strict=True):
@@ -86,12 +94,15 @@ def test_the_sharper_bound_holds_for_the_very_state_and_is_hardly_ever_above_the
         assert e <= most * (1 + 64 * BINARY64.u) + 64 * BINARY64.eta
 
 
-@pytest.mark.parametrize("key", PROGRAMS)
+@pytest.mark.parametrize("key", [*PROGRAMS, *IRRATIONAL])
 def test_its_matrix_is_the_definition_s_at_that_h(key):
-    h = Q(3, 8)
-    definition = NINE[key.removeprefix("generic ").replace("leapfrog", "velocity_verlet")]
-    (qq, qv), (vq, vv) = sharp_bound(PROGRAMS[key], h).matrix
-    assert (qq, qv, vq, vv) == matrix_at(one_step_matrix(definition), h)
+    """Over a field the program with the coefficients that are stored has another one."""
+    definition = METHODS[key.removeprefix("generic ").replace("leapfrog", "velocity_verlet")]
+    (qq, qv), (vq, vv) = (sharp_of(key) if key in IRRATIONAL else fixed_step_bound(PROGRAMS[key], STEP)).matrix
+    assert (qq, qv, vq, vv) == exact_matrix_at(definition, STEP)
+    if key in IRRATIONAL:
+        stored = fixed_step_bound(step_with_stored_coefficients(definition, BINARY64), STEP)
+        assert stored.matrix != sharp_of(key).matrix
 
 
 @pytest.mark.parametrize("fusing", [False, True])
@@ -101,12 +112,11 @@ def test_it_holds_in_coarse_formats_where_second_order_counts_fused_or_not(step,
     numbers = [fmt.nearest(Q(n, 7)) for n in range(-9, 10, 2)]
     lift = soft_lift(fmt, fusing)
     for h in (fmt.nearest(Q(n, 8)) for n in (1, 3, 5, 7, 11)):
-        bound = sharp_bound(step, h, fmt)
+        bound = fixed_step_bound(step, h, fmt)
         for q, v in product(numbers, repeat=2):
             floats = step(oscillator, lift(q), lift(v), lift(h))
             exact = step(oscillator, q, v, h)
-            errors = [abs(x.value - y) for x, y in zip(floats, exact, strict=True)]
-            assert all(e <= most for e, most in zip(errors, bound.error_of(q, v), strict=True))
+            assert all_within([abs(x.value - y) for x, y in zip(floats, exact, strict=True)], bound.error_of(q, v))
 
 
 def test_a_product_used_twice_is_weighed_use_by_use_because_it_may_be_fused_into_one_of_them():
@@ -117,7 +127,7 @@ def test_a_product_used_twice_is_weighed_use_by_use_because_it_may_be_fused_into
         return (x + v) - x, v
 
     h, q, v = (BINARY16.nearest(Q(x)) for x in (0.7, 0.9, 1e-3))
-    bound = sharp_bound(cancelling, h, BINARY16)
+    bound = fixed_step_bound(cancelling, h, BINARY16)
     lift = soft_lift(BINARY16, fusing=True)
     fused = cancelling(oscillator, lift(q), lift(v), lift(h))[0].value
     assert abs(fused - v) <= bound.error_of(q, v)[0]
@@ -136,7 +146,7 @@ def test_the_remainder_makes_the_bound_of_products_exact():
             q = q * h
         return q, Q(1, 3) * (h * v)
 
-    (chain, _), (_, scaled) = sharp_bound(multiply, h, BFLOAT16).linear.error
+    (chain, _), (_, scaled) = fixed_step_bound(multiply, h, BFLOAT16).linear.error
     assert chain == ((1 + d) ** n - 1) * h**n
     held = BFLOAT16.nearest(Q(1, 3))
     both = (1 + d) * max(held, Q(2, 3) - held) * (1 + d) * h - h / 3
@@ -144,22 +154,51 @@ def test_the_remainder_makes_the_bound_of_products_exact():
 
 
 def test_a_power_of_two_step_is_known_to_multiply_exactly():
-    quarter, third = (sharp_bound(forward_euler, BINARY64.nearest(h)).linear.error[0][1] for h in (Q(1, 4), Q(1, 3)))
+    quarter, third = (
+        fixed_step_bound(forward_euler, BINARY64.nearest(h)).linear.error[0][1] for h in (Q(1, 4), Q(1, 3))
+    )
     assert quarter == BINARY64.relative_error / 4
     assert third > 2 * BINARY64.relative_error / 4
 
 
-def test_a_box_is_bounded_by_its_corners():
-    bound = sharp_bound(rk4, Q(5, 2))
-    box = bound.over_box(Q(1), Q(1, 2))
-    for q, v in product([Q(n, 5) for n in range(-5, 6)], [Q(n, 10) for n in range(-5, 6)]):
-        assert all(e <= most for e, most in zip(bound.error_of(q, v), box, strict=True))
-    corners = [bound.error_of(q, v) for q, v in product((Q(1), Q(-1)), (Q(1, 2), Q(-1, 2)))]
-    assert box == (max(dq for dq, _ in corners), max(dv for _, dv in corners))
+def error_in_balls(key: str, program, q: float, v: float):
+    """|fl(step(z)) - M(h) z| with M over the number field, in Arb balls of 300 bits."""
+    floats = program(oscillator, q, v, float(STEP))
+    with ctx.workprec(300):
+        exact = apply([enclose(x) for x in exact_matrix_at(METHODS[key], STEP)], enclose(Q(q)), enclose(Q(v)))
+        return [abs(enclose(Q(x)) - y) for x, y in zip(floats, exact, strict=True)]
+
+
+@pytest.mark.parametrize("key", IRRATIONAL)
+def test_it_holds_around_the_exact_map_over_a_field_and_a_planted_error_of_1e_13_leaves_it(key: str):
+    method, draw, left = METHODS[key], random.Random(3), 0
+    right, wrong = (stepper(m, float) for m in (method, moved(method, first_weight(method), Q(1, 10**13))))
+    for q, v in [(draw.uniform(-1, 1), draw.uniform(-1, 1)) for _ in range(8)]:
+        most = [enclose(x) for x in sharp_of(key).error_of(Q(q), Q(v))]
+        assert all_within(error_in_balls(key, right, q, v), most)
+        left += not all_within(error_in_balls(key, wrong, q, v), most)
+    assert left >= 7
+
+
+def test_a_bound_as_stored_does_not_speak_of_the_definition():
+    """c = 1.0004... is stored as 1: the program is q + h v, within 2d|h v| + d|q| of that, not of q + c h v."""
+    fmt, draw = BINARY16, random.Random(1)
+    c = 1 + (square_root(2) - 1) * 2 * fmt.u
+    method = Splitting("almost_one", "One drift", 0, "none", (("drift", c),))
+    h, left, lift = fmt.nearest(Q(61, 32)), 0, soft_lift(fmt)
+    stored, defined = (fixed_step_bound(s, h, fmt) for s in (step_with_stored_coefficients(method, fmt), method))
+    assert stored.matrix[0][1] == h != defined.matrix[0][1] == c * h
+    for _ in range(200):
+        q, v = (fmt.nearest(Q(x)) for x in (draw.uniform(-1 / 4, 1 / 4), draw.uniform(1, 2)))
+        reached = stepper(method, lift)(oscillator, lift(q), lift(v), lift(h))[0].value
+        assert abs(reached - (q + h * v)) <= stored.error_of(q, v)[0]
+        assert absolute_value(reached - (q + c * h * v)) <= defined.error_of(q, v)[0]
+        left += absolute_value(reached - (q + c * h * v)) > stored.error_of(q, v)[0]
+    assert left > 0
 
 
 def test_what_is_no_number_of_the_format_or_not_linear_is_refused():
     with pytest.raises(ValueError, match="h = 1/10 is not a binary64 number; the nearest is 36028797018963"):
-        sharp_bound(rk4, Q(1, 10))
+        fixed_step_bound(rk4, Q(1, 10))
     with pytest.raises(NotLinear, match=r"q\*\*3"):
-        sharp_bound(forward_euler, Q(1, 4), force=lambda q: q * q * q)
+        fixed_step_bound(forward_euler, Q(1, 4), force=lambda q: q * q * q)

@@ -17,7 +17,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import product
 from typing import TypeAlias
 
 from driftproof.methods.number_field import Exact
@@ -25,18 +24,36 @@ from driftproof.methods.problems import oscillator
 from driftproof.methods.stepping import Force
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 from driftproof.symbolic.rounding.number import Rounded
-from driftproof.symbolic.rounding.polynomials import ETA, RING, D, Polynomial, majorant, nearly, terms
-from driftproof.symbolic.rounding.step import COLUMNS, LinearBound, demand_linear, linear_bound
-from driftproof.symbolic.rounding.trace import Subject, Terms, at_step, in_format, program, trace
+from driftproof.symbolic.rounding.polynomials import (
+    ETA,
+    ONE,
+    ZERO,
+    D,
+    ErrorPolynomial,
+    majorant,
+    near_rational,
+    terms,
+)
+from driftproof.symbolic.rounding.step_bound import (
+    COLUMNS,
+    LinearBound,
+    StepOrMethod,
+    Terms,
+    at_step,
+    demand_linear,
+    in_format,
+    linear_bound,
+    operations_of,
+    trace_step,
+)
 
 # (a, b, c) of a form a q + b v + c.
 Form: TypeAlias = tuple[Fraction, Fraction, Fraction]
-Pair: TypeAlias = tuple[Fraction, Fraction]
-_Derivatives: TypeAlias = list[tuple[Rounded, list[Polynomial]]]
+_Derivatives: TypeAlias = list[tuple[Rounded, list[ErrorPolynomial]]]
 
 
 @dataclass(frozen=True)
-class SharpBound:
+class FixedStepBound:
     """|dq| <= sum of |a q + b v + c| over `leading[0]` + the q row of `remainder`, and |dv| likewise, at this one h.
 
     d is multiplied in. `matrix` is M(h), row by row, exact. Holds for every state for which nothing overflows.
@@ -48,19 +65,11 @@ class SharpBound:
     leading: tuple[tuple[Form, ...], tuple[Form, ...]]
     remainder: LinearBound
 
-    def error_of(self, q: Fraction, v: Fraction) -> Pair:
+    def error_of(self, q: Fraction, v: Fraction) -> tuple[Fraction, Fraction]:
         """The bounds on |dq| and |dv| of one step from this very (q, v)."""
         dq, dv = (sum((abs(a * q + b * v + c) for a, b, c in forms), Fraction(0)) for forms in self.leading)
         rest = self.remainder.of(q, v)
         return dq + rest[0], dv + rest[1]
-
-    def over_box(self, q: Fraction, v: Fraction) -> Pair:
-        """The bounds on |dq| and |dv| of one step from any state with |q|, |v| at most these.
-
-        `error_of` is convex in the state, so its largest values are at corners; it suffices to look at all four.
-        """
-        corners = [self.error_of(s * q, t * v) for s, t in product((1, -1), repeat=2)]
-        return max(dq for dq, _ in corners), max(dv for _, dv in corners)
 
     @property
     def linear(self) -> LinearBound:
@@ -73,7 +82,9 @@ class SharpBound:
         return LinearBound(((qq, qv), (vq, vv)), (rq, rv))
 
 
-def sharp_bound(subject: Subject, h: Fraction, fmt: FloatFormat = BINARY64, force: Force = oscillator) -> SharpBound:
+def fixed_step_bound(
+    subject: StepOrMethod, h: Fraction, fmt: FloatFormat = BINARY64, force: Force = oscillator
+) -> FixedStepBound:
     """The sharper bound of one step at h, found by running the step with that h as the constant it is.
 
     Products with a power of two are then known to be exact. Raises ValueError if h is not a number of the format,
@@ -81,60 +92,60 @@ def sharp_bound(subject: Subject, h: Fraction, fmt: FloatFormat = BINARY64, forc
     """
     if not fmt.holds(h):
         raise ValueError(f"h = {h} is not a {fmt.name} number; the nearest is {fmt.nearest(h)}")
-    outputs = trace(subject, fmt, force, h)
+    outputs = trace_step(subject, fmt, force, h)
     (leading_q, rest_q), (leading_v, rest_v) = (_parts(output, fmt) for output in outputs)
     row_q, row_v = (_row(output.exact) for output in outputs)
-    return SharpBound(fmt, h, (row_q, row_v), (leading_q, leading_v), linear_bound(rest_q, rest_v))
+    return FixedStepBound(fmt, h, (row_q, row_v), (leading_q, leading_v), linear_bound(rest_q, rest_v))
 
 
 def _parts(output: Rounded, fmt: FloatFormat) -> tuple[tuple[Form, ...], Terms]:
     """The leading forms and the rest of one output."""
     derivatives = _derivatives(output)
-    roundings = [nearly(rounding) for rounding in _roundings(derivatives)]
+    roundings = [near_rational(rounding) for rounding in _roundings(derivatives)]
     forms = (_form(_state_terms(middle, fmt)) for middle, _ in roundings)
-    rest = _remainder(derivatives) + sum((radius for _, radius in roundings), RING.zero)
+    rest = _remainder(derivatives) + sum((radius for _, radius in roundings), ZERO)
     return tuple(form for form in forms if any(form)), _state_terms(rest, fmt)
 
 
 def _derivatives(output: Rounded) -> _Derivatives:
     """Every number that the output depends on, with the derivative of the output by it, one part for each use of it."""
-    order = program([output])
-    by_use: dict[int, list[Polynomial]] = {id(x): [] for x in order}
-    by_use[id(output)].append(RING.one)
+    order = operations_of([output])
+    by_use: dict[int, list[ErrorPolynomial]] = {id(x): [] for x in order}
+    by_use[id(output)].append(ONE)
     for x in reversed(order):
         # A negation has no rounding of its own: its uses are uses of its operand.
-        parts = by_use[id(x)] if len(x.operands) == 1 else [sum(by_use[id(x)], RING.zero)]
+        parts = by_use[id(x)] if len(x.operands) == 1 else [sum(by_use[id(x)], ZERO)]
         for operand, partial in x.operands:
             by_use[id(operand)] += [partial * part for part in parts]
     return [(x, by_use[id(x)]) for x in order]
 
 
-def _roundings(derivatives: _Derivatives) -> list[Polynomial]:
+def _roundings(derivatives: _Derivatives) -> list[ErrorPolynomial]:
     """The leading part of each operation's own rounding, with the weight that it has in the output."""
-    roundings: list[Polynomial] = []
+    roundings: list[ErrorPolynomial] = []
     for x, uses in derivatives:
-        own = D * x.exact if x.rounds else x.error if x.held is not None else RING.zero
-        parts = uses if x.fusible else [sum(uses, RING.zero)]
+        own = D * x.exact if x.rounds else x.error if x.stored_value is not None else ZERO
+        parts = uses if x.may_fuse else [sum(uses, ZERO)]
         roundings += [own * part for part in parts]
     return roundings
 
 
-def _remainder(derivatives: _Derivatives) -> Polynomial:
-    rest = RING.zero
+def _remainder(derivatives: _Derivatives) -> ErrorPolynomial:
+    rest = ZERO
     for x, uses in derivatives:
-        second_order = x.crossed + (D * x.propagated if x.rounds else RING.zero)
-        own = second_order + (ETA / 2 if x.underflows else RING.zero)
-        rest += own * sum((majorant(part) for part in uses), RING.zero)
+        second_order = x.crossed + (D * x.propagated if x.rounds else ZERO)
+        own = second_order + (ETA / 2 if x.underflows else ZERO)
+        rest += own * sum((majorant(part) for part in uses), ZERO)
     return rest
 
 
-def _row(exact: Polynomial) -> tuple[Exact, Exact]:
+def _row(exact: ErrorPolynomial) -> tuple[Exact, Exact]:
     by_state = {(in_q, in_v): c for (_, _, _, in_q, in_v), c in terms(exact)}
     demand_linear(by_state)
     return by_state.get((1, 0), Fraction(0)), by_state.get((0, 1), Fraction(0))
 
 
-def _state_terms(polynomial: Polynomial, fmt: FloatFormat) -> Terms:
+def _state_terms(polynomial: ErrorPolynomial, fmt: FloatFormat) -> Terms:
     """The polynomial in (q, v) in this format; h does not occur, for it was a constant of the program."""
     return at_step(in_format(polynomial, fmt), Fraction(1))
 

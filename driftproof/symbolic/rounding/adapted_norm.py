@@ -6,24 +6,20 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import isqrt
 
-from sympy.polys.matrices import DomainMatrix
-
 from driftproof.methods.number_field import Exact
-from driftproof.symbolic.derivation.energy import QuadraticForm
-from driftproof.symbolic.derivation.one_step import entries
-from driftproof.symbolic.rounding.irrational import above, size
+from driftproof.symbolic.rounding.polynomials import absolute_value, rational_above
 from driftproof.symbolic.runs import Entries
 
 # Rational upper bounds of square roots are good to about this many bits.
 ROOT_BITS = 200
 
 
-class NoOwnNorm(ValueError):
+class NoAdaptedNorm(ValueError):
     """The step is not a rotation times a factor in any norm that comes from a quadratic."""
 
 
 @dataclass(frozen=True)
-class OwnNorm:
+class AdaptedNorm:
     """|z|² = qq·q² + qv·q·v + vv·v², positive definite, with |M z|² = rho_squared |z|² for every z, all exactly.
 
     What is derived from them is rational, and rounded up where they are not.
@@ -45,7 +41,7 @@ class OwnNorm:
 
     def largest_of_signs(self, q: Fraction, v: Fraction) -> Fraction:
         """An upper bound of |(±q, ±v)|, and of the norm of everything between, for q, v >= 0."""
-        return root_above(self.qq * q * q + size(self.qv) * q * v + self.vv * v * v)
+        return root_above(self.qq * q * q + absolute_value(self.qv) * q * v + self.vv * v * v)
 
     @property
     def euclidean_per_unit(self) -> Fraction:
@@ -65,7 +61,7 @@ class OwnNorm:
         (Eᵀ S+ E, S-): |z| is least, for given |q| and |v|, where the mixed term is negative.
         """
         (a, b), (c, d) = error
-        mixed = size(self.qv) / 2
+        mixed = absolute_value(self.qv) / 2
         first = self.qq * a * a + 2 * mixed * a * c + self.vv * c * c
         cross = self.qq * a * b + mixed * (a * d + b * c) + self.vv * c * d
         last = self.qq * b * b + 2 * mixed * b * d + self.vv * d * d
@@ -79,30 +75,22 @@ class OwnNorm:
         return self.qq * self.vv - self.qv**2 / 4
 
 
-def swept_area(m: DomainMatrix) -> QuadraticForm:
-    """z ∧ Mz = M_vq q² + (M_vv - M_qq) q v - M_qv v², the signed area of the parallelogram on z and M z.
-
-    M scales areas by det M, so Mz ∧ MMz = det M (z ∧ Mz): in this form M is a similarity, whatever M is, and where the
-    form is definite it gives a norm with rho² = det M. It is definite exactly where M has no real eigenvector.
-    """
-    qq, qv, vq, vv = entries(m)
-    return QuadraticForm(vq, vv - qq, -qv)
-
-
-def own_norm(matrix: Entries) -> OwnNorm:
+def adapted_norm(matrix: Entries) -> AdaptedNorm:
     """The norm in which the exact matrix (M_qq, M_qv, M_vq, M_vv) is rho times an isometry, rho² = det M.
 
-    From the area swept by a step, scaled so that the larger of its q² and v² coefficients is 1; the Euclidean norm for
-    a multiple of the identity, which sweeps none. Raises NoOwnNorm where M has a real eigenvector otherwise.
+    Its square is the signed area of the parallelogram on z and M z, z ∧ Mz = M_vq q² + (M_vv - M_qq) q v - M_qv v²: M
+    scales areas by det M, so Mz ∧ MMz = det M (z ∧ Mz), and the form is definite exactly where M has no real
+    eigenvector. It is scaled so that the larger of its q² and v² coefficients is 1; a multiple of the identity, which
+    sweeps no area, has the Euclidean norm. Raises NoAdaptedNorm where M has a real eigenvector otherwise.
     """
     qq, qv, vq, vv = matrix
     determinant = qq * vv - qv * vq
     if qv == 0 and vq == 0 and qq == vv:
-        return OwnNorm(Fraction(1), Fraction(0), Fraction(1), determinant)
+        return AdaptedNorm(Fraction(1), Fraction(0), Fraction(1), determinant)
     if (qq + vv) ** 2 - 4 * determinant >= 0:
-        raise NoOwnNorm("the step has real eigenvectors, so it is not a rotation times a factor in any norm")
-    scale = max(vq, -qv, key=size)
-    return OwnNorm(vq / scale, (vv - qq) / scale, -qv / scale, determinant)
+        raise NoAdaptedNorm("the step has real eigenvectors, so it is not a rotation times a factor in any norm")
+    scale = max(vq, -qv, key=absolute_value)
+    return AdaptedNorm(vq / scale, (vv - qq) / scale, -qv / scale, determinant)
 
 
 def root_above(exact: Exact) -> Fraction:
@@ -110,7 +98,7 @@ def root_above(exact: Exact) -> Fraction:
 
     For an irrational x within a relative 2**-GUARD_BITS.
     """
-    x = above(exact)
+    x = rational_above(exact)
     if x == 0:
         return Fraction(0)
     shift = max(0, ROOT_BITS - (x.numerator.bit_length() - x.denominator.bit_length()) // 2)

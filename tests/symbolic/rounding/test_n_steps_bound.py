@@ -3,124 +3,35 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
+from itertools import product
 
 import numpy as np
 import pytest
-import sympy
 from flint import ctx
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from driftproof.methods.catalogue import METHODS
 from driftproof.methods.problems import oscillator
 from driftproof.methods.stepping import stepper
-from driftproof.numeric.leapfrog import leapfrog
-from driftproof.numeric.steppers import HAND_WRITTEN, forward_euler, rk4, symplectic_euler
-from driftproof.symbolic.algebra.certified import enclose, endpoints
-from driftproof.symbolic.derivation.energy import StateDependentEnergy, energy_multiplier, invariant_quadratic
-from driftproof.symbolic.derivation.one_step import RING, determinant, entries, matrix, matrix_at, one_step_matrix
-from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
-from driftproof.symbolic.rounding.n_steps import HypothesisFails, RunBound, run_bound
-from driftproof.symbolic.rounding.overflow import largest_safe_state
-from driftproof.symbolic.rounding.own_norm import NoOwnNorm, OwnNorm, own_norm, root_above, swept_area
-from driftproof.symbolic.rounding.sharp import sharp_bound
-from driftproof.symbolic.rounding.step import LinearBound, step_bound
-from driftproof.symbolic.runs import apply, power
-from tests.nine import NINE
+from driftproof.numeric.steppers import forward_euler, rk4, symplectic_euler
+from driftproof.symbolic.algebra.certified import enclose, endpoints, is_less
+from driftproof.symbolic.error_budget import ErrorOfRun
+from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound
+from driftproof.symbolic.rounding.formats import BFLOAT16, BINARY16, BINARY32, BINARY64
+from driftproof.symbolic.rounding.n_steps_bound import HypothesisFails, RunBound, largest_safe_state, run_bound
+from driftproof.symbolic.rounding.step_bound import LinearBound, step_bound
+from driftproof.symbolic.runs import apply, exact_matrix_at, power
+from tests.changes import first_weight, moved
+from tests.symbolic.rounding.programs import IRRATIONAL, ONE_ZERO, PROGRAMS, float_run, matrix_at
+from tests.witnesses.leapfrog import leapfrog
+from tests.witnesses.soft_float import soft_lift
 
-ONE_ZERO = (Q(1), Q(0))
-PROGRAMS = {f"generic {key}": method for key, method in NINE.items()} | {**HAND_WRITTEN, "leapfrog": leapfrog}
 U = BINARY64.u
 
 
 def plain_bound(step, h: Q, steps: int, start=ONE_ZERO, fmt=BINARY64) -> RunBound:
     return run_bound(step, h, steps, start, fmt, local=step_bound(step, fmt).at(h))
-
-
-def float_run(subject, h: float, steps: int, start: tuple[float, float], dtype=np.float64):
-    step = subject if callable(subject) else stepper(subject, float)
-    (q, v), size = (dtype(x) for x in start), dtype(h)
-    for _ in range(steps):
-        q, v = step(oscillator, q, v, size)
-    return Q(float(q)), Q(float(v))
-
-
-def test_any_matrix_is_a_similarity_in_the_area_that_it_sweeps():
-    """MᵀSM = det(M) S for the form S of z ∧ Mz, as an identity in the four entries of M."""
-    a, b, c, d = sympy.symbols("a b c d")
-    m, s = sympy.Matrix([[a, b], [c, d]]), sympy.Matrix([[c, (d - a) / 2], [(d - a) / 2, -b]])
-    assert sympy.expand(m.T * s * m - m.det() * s) == sympy.zeros(2)
-    at = matrix([[RING.one, RING.gens[0]], [-RING.gens[0], RING.one]])
-    assert tuple(swept_area(at)) == (-RING.gens[0], 0, -RING.gens[0])
-
-
-@pytest.mark.parametrize("key", NINE)
-def test_the_norm_is_the_energy_or_the_invariant_that_the_exact_side_finds(key):
-    m = one_step_matrix(NINE[key])
-    area = swept_area(m)
-    try:
-        expected, rho_squared = (RING.one, RING.zero, RING.one), energy_multiplier(m)
-    except StateDependentEnergy:
-        expected, rho_squared = invariant_quadratic(m), RING.one
-    assert rho_squared == determinant(m)
-    for i, j in ((0, 1), (0, 2), (1, 2)):  # proportional
-        assert area[i] * expected[j] == area[j] * expected[i]
-
-
-@pytest.mark.parametrize("key", NINE)
-def test_a_step_is_rho_times_an_isometry_of_its_norm(key):
-    h = Q(3, 4)
-    m = matrix_at(one_step_matrix(NINE[key]), h)
-    norm = own_norm(m)
-    form = lambda q, v: norm.qq * q * q + norm.qv * q * v + norm.vv * v * v
-    for z in ((Q(1), Q(0)), (Q(0), Q(1)), (Q(2), Q(-3))):
-        assert form(*apply(m, *z)) == norm.rho_squared * form(*z) > 0
-    assert max(norm.qq, norm.vv) == 1
-
-
-def test_there_is_no_norm_where_the_step_has_a_real_direction_and_one_just_before():
-    step = one_step_matrix(NINE["symplectic_euler"])
-    for h in (Q(2), Q(5, 2)):
-        with pytest.raises(NoOwnNorm):
-            own_norm(matrix_at(step, h))
-    assert own_norm(matrix_at(step, Q(2) - Q(1, 2**50))).rho == 1
-    assert own_norm((Q(3), Q(0), Q(0), Q(3))) == OwnNorm(Q(1), Q(0), Q(1), Q(9))
-
-
-@settings(max_examples=200)
-@given(x=st.fractions(min_value=0, max_denominator=10**6), scale=st.integers(-400, 400))
-def test_a_root_is_rounded_up_by_less_than_its_last_bits(x, scale):
-    x *= Q(2) ** scale
-    root = root_above(x)
-    assert root**2 >= x
-    assert (root * (1 - Q(1, 2**190))) ** 2 <= x
-    assert root_above(x * x) >= x
-    assert root_above(Q(25, 4)) == Q(5, 2)
-
-
-@pytest.mark.parametrize("key", ["symplectic_euler", "velocity_verlet", "position_verlet"])
-@settings(max_examples=60)
-@given(
-    h=st.fractions(Q(-19, 10), Q(19, 10), max_denominator=64).filter(bool),
-    e=st.lists(st.fractions(0, 4, max_denominator=16), min_size=4, max_size=4),
-    z=st.tuples(st.integers(-9, 9), st.integers(-9, 9)),
-    signs=st.tuples(*[st.sampled_from([1, -1])] * 2),
-)
-def test_the_gain_bounds_every_error_and_the_other_constants_every_state(key, h, e, z, signs):
-    norm = own_norm(matrix_at(one_step_matrix(NINE[key]), h))
-    error = ((e[0], e[1]), (e[2], e[3]))
-    dq, dv = LinearBound(error, (Q(0), Q(0))).of(Q(z[0]), Q(z[1]))
-    length = norm.length(Q(z[0]), Q(z[1]))
-    assert norm.length(signs[0] * dq, signs[1] * dv) <= norm.gain(error) * length * (1 + Q(1, 2**100))
-    assert norm.length(signs[0] * dq, signs[1] * dv) <= norm.largest_of_signs(dq, dv)
-    assert Q(z[0] ** 2 + z[1] ** 2) <= (norm.euclidean_per_unit * length) ** 2
-    assert max(abs(z[0]), abs(z[1])) <= norm.component_per_unit * length
-
-
-def test_the_gain_is_attained():
-    """Not only an upper bound: for the Euclidean norm and E = ((1, 2h), (2h, 1)) it is 1 + 2h, at z = (1, 1)."""
-    norm = own_norm(matrix_at(one_step_matrix(NINE["forward_euler"]), Q(1, 4)))
-    gain = norm.gain(((Q(1), Q(1, 2)), (Q(1, 2), Q(1))))
-    assert Q(3, 2) <= gain <= Q(3, 2) * (1 + Q(1, 2**100))
 
 
 @pytest.mark.parametrize(
@@ -133,7 +44,7 @@ def test_forty_steps_of_a_quarter_are_bounded_as_promised(step, target, reached)
     assert sharp.euclidean <= reached * U
     assert sharp.euclidean < plain.euclidean <= target * U
     final = float_run(step, 0.25, 40, (1.0, 0.0))
-    exact = apply(power(matrix_at(step_bound(step).matrix, h), 40), *ONE_ZERO)
+    exact = apply(power(matrix_at(step_bound(step), h), 40), *ONE_ZERO)
     squared = sum((x - y) ** 2 for x, y in zip(final, exact, strict=True))
     assert 0 < squared <= sharp.euclidean**2
 
@@ -151,8 +62,9 @@ def test_no_run_leaves_its_bound(key, h, start, steps, dtype):
     size = Q(float(dtype(h)))
     z = tuple(Q(x) for x in start)
     bound = run_bound(PROGRAMS[key], size, steps, z, fmt)
-    final = float_run(PROGRAMS[key], float(size), steps, start, dtype)
-    exact = apply(power(matrix_at(step_bound(PROGRAMS[key], fmt).matrix, size), steps), *z)
+    step = PROGRAMS[key] if callable(PROGRAMS[key]) else stepper(PROGRAMS[key], float)
+    final = float_run(step, float(size), steps, start, dtype)
+    exact = apply(power(matrix_at(step_bound(PROGRAMS[key], fmt), size), steps), *z)
     errors = [x - y for x, y in zip(final, exact, strict=True)]
     assert sum(e * e for e in errors) <= bound.euclidean**2
     assert max(abs(e) for e in errors) <= bound.component
@@ -165,7 +77,7 @@ def test_underflow_is_inside_the_theorem_and_would_break_it_outside():
     start = (BINARY64.eta, Q(0))
     bound = run_bound(forward_euler, h, steps, start)
     final = float_run(forward_euler, 0.25, steps, (float(BINARY64.eta), 0.0))
-    exact = apply(power(matrix_at(one_step_matrix(NINE["forward_euler"]), h), steps), *start)
+    exact = apply(power(exact_matrix_at(METHODS["forward_euler"], h), steps), *start)
     squared = sum((x - y) ** 2 for x, y in zip(final, exact, strict=True))
     assert final == start
     error, _ = step_bound(forward_euler).at(h)
@@ -232,8 +144,59 @@ def test_the_closed_form_is_the_recursion_solved():
 def test_the_growth_of_a_step_is_its_bound_seen_in_the_norm():
     h = Q(1, 4)
     bound = run_bound(leapfrog, h, 1, ONE_ZERO)
-    error, underflow = sharp_bound(leapfrog, h).linear
+    error, underflow = fixed_step_bound(leapfrog, h).linear
     assert bound.growth == bound.norm.gain(error)
     assert bound.underflow == bound.norm.largest_of_signs(*underflow)
-    qq, qv, vq, vv = entries(step_bound(leapfrog).matrix)
-    assert qq == vv != qv != vq
+
+
+# --- over a number field --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("key", IRRATIONAL)
+def test_n_steps_over_a_field_stay_within_the_theorem_and_a_planted_error_of_1e_13_leaves_it(key: str):
+    h, start, steps, method = Q(1, 4), (Q(1), Q(3, 8)), 40, METHODS[key]
+    bound = run_bound(method, h, steps, start).euclidean
+    right, wrong = (
+        ErrorOfRun(exact_matrix_at(method, h), h, steps, start, float_run(stepper(m, float), 0.25, steps, (1.0, 0.375)))
+        for m in (method, moved(method, first_weight(method), Q(1, 10**13)))
+    )
+    assert is_less(right.rounding, bound)
+    assert is_less(bound, wrong.rounding)
+
+
+def test_a_splitting_over_a_field_has_rho_one_and_a_norm_up_to_its_limit_only():
+    bound = run_bound(METHODS["yoshida4"], Q(1, 4), 10**7, ONE_ZERO)
+    assert bound.norm.rho == 1
+    assert 0 < bound.euclidean < 7 * 10**7 * U
+    with pytest.raises(HypothesisFails, match="at h = 5/2: the step has real eigenvectors"):
+        run_bound(METHODS["yoshida4"], Q(5, 2), 10, ONE_ZERO)
+    assert run_bound(METHODS["yoshida4"], Q(1), 10, ONE_ZERO).own > 0
+
+
+# --- overflow -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("fmt", [BINARY64, BINARY16, BFLOAT16], ids=lambda fmt: fmt.name)
+@pytest.mark.parametrize("key", PROGRAMS)
+def test_nothing_overflows_at_the_guard_and_something_does_far_beyond_it(key, fmt):
+    h, subject, lift = Q(3, 2), PROGRAMS[key], soft_lift(fmt)
+    step = subject if callable(subject) else stepper(subject, lift)
+    guard = largest_safe_state(subject, h, fmt)
+    assert step_bound(subject, fmt).is_safe(h, Q(1), Q(1))
+    inside = fmt.nearest(guard * (1 - 2 * fmt.u))
+    for q, v in product((inside, -inside), repeat=2):
+        step(oscillator, lift(q), lift(v), lift(h))
+    largest = lift(fmt.largest)
+    with pytest.raises(OverflowError):
+        step(oscillator, largest, largest, lift(h)) and step(oscillator, largest, -largest, lift(h))
+    # The guard is not idle: it gives away less than a factor of 16.
+    assert guard > fmt.largest / 16
+
+
+def test_a_step_size_that_overflows_by_itself_leaves_no_safe_state():
+    huge = BINARY16.largest
+    with pytest.raises(OverflowError, match=r"leapfrog.py:\d+: `q1 = .*constant is out of range"):
+        largest_safe_state(leapfrog, huge, BINARY16)
+    bound = step_bound(leapfrog, BINARY16)
+    assert not bound.is_safe(huge, Q(0), Q(0))
+    assert bound.is_safe(Q(1), Q(0), Q(0))

@@ -1,0 +1,373 @@
+"""The bound of one step: equal to the first order derived by hand, held by floats of all formats, and sharp enough."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction as Q
+from functools import cache
+from itertools import product
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from flint import ctx
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from tqdm import tqdm
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.problems import oscillator
+from driftproof.methods.stepping import stepper
+from driftproof.numeric.steppers import HAND_WRITTEN, forward_euler, rk4, symplectic_euler
+from driftproof.symbolic.algebra.certified import decide_by_enclosure, enclose
+from driftproof.symbolic.algebra.polynomials import ONE as CONSTANT
+from driftproof.symbolic.algebra.polynomials import X
+from driftproof.symbolic.algebra.rational_functions import fraction
+from driftproof.symbolic.linear.oscillator import one_step_matrix
+from driftproof.symbolic.rounding.formats import BFLOAT16, BINARY16, BINARY32, BINARY64, FloatFormat, power_of_two
+from driftproof.symbolic.rounding.number import RefusedOperation
+from driftproof.symbolic.rounding.polynomials import ONE, H, from_terms, polynomial, terms
+from driftproof.symbolic.rounding.step_bound import NotLinear, StepBound, step_bound
+from driftproof.symbolic.runs import apply, exact_matrix_at
+from tests.changes import coefficients, first_weight, moved
+from tests.nine import NINE
+from tests.symbolic.rounding.programs import IRRATIONAL, PROGRAMS, all_within, matrix_at
+from tests.witnesses.leapfrog import leapfrog
+from tests.witnesses.soft_float import soft_lift
+from tests.witnesses.worst_case import (
+    Envelope,
+    error_ratios,
+    every_finite,
+    exhaust,
+    random_floats,
+    random_steps,
+    search,
+    worst_of,
+)
+
+# Derived by hand for the lesson's order of operations: the coefficient of u in |dq| and |dv|, of |q| and |v|.
+BY_HAND = {
+    "forward_euler": ((ONE, 2 * H), (2 * H, ONE)),
+    "symplectic_euler": ((1 + 4 * H**2, 3 * H), (2 * H, ONE)),
+    "rk4": (
+        (1 + 23 * H**2 / 6 + 5 * H**4 / 12, 37 * H / 6 + 3 * H**3 / 2),
+        (37 * H / 6 + 3 * H**3 / 2, 1 + 23 * H**2 / 6 + 5 * H**4 / 12),
+    ),
+}
+# So coarse that every power of d counts, and small enough to try every state.
+COARSE = FloatFormat("coarse", 3, -1, 1)
+NATIVE = {BINARY64: np.float64, BINARY32: np.float32, BINARY16: np.float16}
+FORMATS = pytest.mark.parametrize("fmt", [BINARY64, BINARY32, BINARY16, BFLOAT16], ids=lambda fmt: fmt.name)
+NATIVE_FORMATS = pytest.mark.parametrize("fmt", NATIVE, ids=lambda fmt: fmt.name)
+
+bound_of = cache(lambda key, fmt=BINARY64: step_bound(PROGRAMS.get(key) or METHODS[key], fmt))
+
+
+def envelope_of(key: str, fmt: FloatFormat = BINARY64) -> Envelope:
+    return Envelope(*bound_of(key, fmt).coefficients)
+
+
+def in_floats(key: str):
+    """The step as it runs on floats of any type."""
+    subject = PROGRAMS.get(key) or METHODS[key]
+    return subject if callable(subject) else stepper(subject, float)
+
+
+# --- what is derived ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("key", HAND_WRITTEN)
+def test_first_order_form_equals_the_one_derived_by_hand(key):
+    assert step_bound(HAND_WRITTEN[key]).first_order == BY_HAND[key]
+
+
+def test_first_order_form_notices_another_order_of_operations():
+    assert step_bound(lambda force, q, v, h: rk4(force, q, v, h / 6 * 6)).first_order != BY_HAND["rk4"]
+
+
+@pytest.mark.parametrize("key", [*PROGRAMS, *IRRATIONAL])
+def test_the_same_run_proves_the_formula_of_every_method_over_q_or_its_field(key):
+    method = METHODS[key.removeprefix("generic ").replace("leapfrog", "velocity_verlet")]
+    assert bound_of(key).differences(one_step_matrix(method)) == []
+    assert bound_of(key).differences(one_step_matrix(moved(method, first_weight(method), Q(1, 10**13)))) != []
+    assert bound_of(key).rounds_constants or key not in IRRATIONAL
+
+
+def test_a_step_with_another_polynomial_is_reported_with_the_coefficient():
+    def rk4_with_a_fifth(force, q, v, h):
+        q1, v1 = rk4(force, q, v, h)
+        return q1 + h * h * h * v / 30, v1
+
+    (line,) = step_bound(rk4_with_a_fifth).differences(one_step_matrix(NINE["rk4"]))
+    assert line == "M_qv, coefficient of h**3: the program has -2/15, the definition -1/6"
+    assert len(step_bound(forward_euler).differences(one_step_matrix(NINE["symplectic_euler"]))) == 1
+
+
+def test_a_decimal_constant_is_the_double_that_it_is_and_not_the_fraction_that_it_means():
+    def euler_times_a_tenth(force, q, v, h):
+        return q + 0.1 * h * v, v + 0.1 * h * force(q)
+
+    one, tenth = fraction(CONSTANT), fraction(X / 10)
+    meant = ((one, tenth), (-tenth, one))
+    assert f"the program has {Q(0.1)}, the definition 1/10" in step_bound(euler_times_a_tenth).differences(meant)[0]
+
+
+@FORMATS
+def test_a_lifted_coefficient_owns_up_to_its_distance_from_the_float(fmt):
+    """q + (c h) v: for c = 1/6 that is c's own error, and u/6 for c*h, (c h)*v and the sum each; 1/4 has only two."""
+
+    def drift_by(c: Q):
+        """The first-order bound on |dq| per |v| of the sub-step q + (c h) v."""
+        return step_bound(replace(NINE["symplectic_euler"], parts=(("drift", c),)), fmt).first_order[0][1]
+
+    own = abs(fmt.nearest(Q(1, 6)) - Q(1, 6)) / fmt.u
+    assert own > 0
+    assert drift_by(Q(1, 6)) == polynomial(own + Q(3, 6)) * H
+    assert drift_by(Q(1, 4)) == polynomial(Q(2, 4)) * H
+
+
+def test_bounds_of_all_formats_are_one_polynomial_where_every_constant_is_a_float():
+    assert all(step_bound(rk4, fmt).error == step_bound(rk4).error for fmt in (BINARY32, BINARY16, BFLOAT16))
+    at = Q(1, 4), Q(1), Q(1)
+    wide, narrow = (step_bound(rk4, fmt).error_of(*at)[0] / fmt.u for fmt in (BINARY64, BFLOAT16))
+    assert wide < narrow < wide * (1 + 16 * BFLOAT16.u)  # the powers of d beyond the first
+
+
+def test_constants_of_every_exact_kind_are_taken_and_plain_uses_of_zero_and_one_are_free():
+    def step(force, q, v, h):
+        half = np.float32(0.5)
+        return sum([q, Q(1, 2) * h * v, half * h * v]), np.int64(1) * v + 0 + 1.0 * h * force(q)
+
+    bound = step_bound(step)
+    assert bound.differences(one_step_matrix(NINE["forward_euler"])) == []
+    assert bound.first_order[1] == BY_HAND["forward_euler"][1]
+
+
+def test_a_step_that_returns_something_else_is_refused():
+    with pytest.raises(RefusedOperation, match="returned None, which is NoneType"):
+        step_bound(lambda force, q, v, h: (q, None))
+    for wrong in (None, (1, 2, 3)):
+        with pytest.raises(RefusedOperation, match=r"must return the pair \(q1, v1\)"):
+            step_bound(lambda force, q, v, h, wrong=wrong: wrong)
+
+
+def test_a_step_that_is_not_linear_in_the_state_has_a_bound_but_no_matrix():
+    def duffing(q):
+        return -q - q * q * q
+
+    bound = step_bound(symplectic_euler, force=duffing)
+    h, q, v = (Q(x) for x in (0.1, 0.7, -1.3))
+    exact = symplectic_euler(duffing, q, v, h)
+    floats = symplectic_euler(duffing, 0.7, -1.3, 0.1)
+    errors = [abs(Q(x) - y) for x, y in zip(floats, exact, strict=True)]
+    assert all(0 < e <= most < 10 * BINARY64.u for e, most in zip(errors, bound.error_of(h, q, v), strict=True))
+    for of_matrix in ("entries", "error", "underflow", "first_order", "coefficients"):
+        with pytest.raises(NotLinear, match=r"q\*\*3"):
+            getattr(bound, of_matrix)
+    with pytest.raises(NotLinear, match="adds a constant"):
+        _ = step_bound(lambda force, q, v, h: (q + 1, v)).entries
+
+
+def test_the_evaluated_bound_is_the_printed_one():
+    bound = step_bound(forward_euler)
+    u, eta = BINARY64.u, BINARY64.eta
+    d, h, q, v = u / (1 + u), Q(1, 3), Q(-2), Q(5, 7)
+    expected = d * (abs(q) + 2 * h * v) + d**2 * h * v + eta * (1 + d) / 2
+    assert bound.error_of(h, q, v)[0] == bound.at(h).of(q, v)[0] == expected
+    exact, error, underflow = bound.coefficients
+    assert exact == (((1,), (0, 1)), ((0, -1), (1,)))
+    assert error[0] == ((d,), (0, 2 * d + d**2))
+    assert underflow[0] == (eta * (1 + d) / 2,)
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "driftproof.cli.main(['roundoff', 'yoshida4', '--h', '1/10'])",
+        "driftproof.cli.main(['verify', 'examples.in_your_tests.springs:forward_euler', '--method', 'forward_euler'])",
+    ],
+)
+def test_no_bound_loads_sympy(code: str, modules_after):
+    loaded = modules_after(f"import driftproof.cli; {code}")
+    assert "driftproof.symbolic.rounding.step_bound" in loaded or "verify" in code
+    assert "sympy" not in loaded
+
+
+# --- no float step leaves it ----------------------------------------------------------------------------------------
+
+
+def _steps_of_every_state(step, fmt: FloatFormat, fusing: bool):
+    """(h, q, v, [|dq|, |dv|]) of the float step from every third state of a coarse format; None after an overflow."""
+    numbers = sorted({fmt.nearest(k * fmt.eta) for k in range(int(fmt.largest / fmt.eta) + 1)})
+    lift = soft_lift(fmt, fusing)
+    for h, q, v in product(numbers, [-x for x in numbers[:0:-1]] + numbers, numbers[::3]):
+        try:
+            floats = step(oscillator, lift(q), lift(v), lift(h))
+            exact = step(oscillator, q, v, h)
+            yield h, q, v, [abs(x.value - y) for x, y in zip(floats, exact, strict=True)]
+        except OverflowError:
+            yield h, q, v, None
+
+
+def _without_underflow(bound: StepBound) -> StepBound:
+    """The bound without the terms in eta."""
+    errors = [from_terms((p, c) for p, c in terms(x.error) if p[1] == 0) for x in bound.outputs]
+    outputs = [SimpleNamespace(exact=x.exact, error=e) for x, e in zip(bound.outputs, errors, strict=True)]
+    return replace(bound, outputs=tuple(outputs))
+
+
+@pytest.mark.parametrize("fusing", [False, True])
+@pytest.mark.parametrize("step", [forward_euler, symplectic_euler, leapfrog])
+def test_no_state_of_a_coarse_format_leaves_the_bound(step, fusing):
+    """3-bit floats, exhaustively: the bound holds, fused or not; not so without eta; and nothing safe overflows."""
+    bound = step_bound(step, COARSE)
+    without_eta = _without_underflow(bound)
+    checked = outside = 0
+    for h, q, v, errors in _steps_of_every_state(step, COARSE, fusing):
+        if errors is None:
+            assert not bound.is_safe(h, q, v)
+            continue
+        checked += 1
+        assert all_within(errors, bound.error_of(h, q, v))
+        outside += not all_within(errors, without_eta.error_of(h, q, v))
+    assert checked > 1000
+    assert outside > 0
+
+
+def numbers_of(fmt: FloatFormat) -> st.SearchStrategy[Q]:
+    """Finite numbers of the format, at every exponent, the subnormals included."""
+    significands = st.integers(-(2**fmt.precision) + 1, 2**fmt.precision - 1)
+    scale = fmt.precision - 1
+    exponents = st.integers(fmt.emin - scale, fmt.emax - scale) | st.integers(-scale - 4, -scale + 4)
+    return st.builds(lambda n, e: n * power_of_two(e), significands, exponents) | st.sampled_from(
+        [Q(0), fmt.eta, -fmt.eta, power_of_two(fmt.emin), fmt.largest, Q(1), 1 + 2 * fmt.u, 1 - fmt.u]
+    )
+
+
+def on_the_machine(key: str, fmt: FloatFormat, h: Q, q: Q, v: Q) -> list[Q]:
+    """The results of one float step, or none after an overflow."""
+    dtype = NATIVE[fmt]
+    with np.errstate(all="ignore"):
+        results = in_floats(key)(oscillator, dtype(float(q)), dtype(float(v)), dtype(float(h)))
+    assert all(type(x) is dtype for x in results)
+    return [Q(float(x)) for x in results] if all(np.isfinite(x) for x in results) else []
+
+
+def emulated(key: str, fmt: FloatFormat, h: Q, q: Q, v: Q) -> list[Q]:
+    """The same for a format that the machine does not have."""
+    subject, lift = PROGRAMS[key], soft_lift(fmt)
+    step = subject if callable(subject) else stepper(subject, lift)
+    try:
+        return [x.value for x in step(oscillator, lift(q), lift(v), lift(h))]
+    except OverflowError:
+        return []
+
+
+@FORMATS
+@pytest.mark.parametrize("key", PROGRAMS)
+@given(data=st.data())
+def test_a_float_step_is_within_its_bound_at_every_scale(key, fmt, data):
+    """Exactly, in fractions; on the machine's own floats where it has the format, else on emulated ones."""
+    h, q, v = (data.draw(numbers_of(fmt), label=name) for name in "hqv")
+    bound = bound_of(key, fmt)
+    floats = (on_the_machine if fmt in NATIVE else emulated)(key, fmt, h, q, v)
+    assert floats or not bound.is_safe(h, q, v)
+    assume(floats)
+    exact = apply(matrix_at(bound, h), q, v)
+    assert all_within([abs(x - y) for x, y in zip(floats, exact, strict=True)], bound.error_of(h, q, v))
+
+
+@NATIVE_FORMATS
+@pytest.mark.parametrize("key", [*NINE, *IRRATIONAL])
+def test_the_machine_lifts_each_coefficient_to_the_float_that_the_bound_assumes(key, fmt):
+    """Exact -> float -> float16 rounds twice, which might differ from once; for our coefficients it does not."""
+    seen = coefficients(METHODS[key]).values()
+    assert seen
+    assert all(Q(float(NATIVE[fmt](float(c)))) == decide_by_enclosure(c, fmt.nearest) for c in seen)
+
+
+@NATIVE_FORMATS
+@pytest.mark.parametrize("key", PROGRAMS)
+def test_no_step_of_a_search_that_climbs_exceeds_the_bound(key, fmt):
+    """About 8 million steps in all, over all exponents and the subnormals, |h| up to 4."""
+    found = search(in_floats(key), envelope_of(key, fmt), NATIVE[fmt], (0.0, 4.0), seed=3, generations=12)
+    assert found.violations == 0
+    assert found.checked - found.overflowed > 200_000
+    assert 1 / 2 < found.ratio <= 1
+
+
+@NATIVE_FORMATS
+@pytest.mark.parametrize("h_range", [(0.0, 1 / 4), (1 / 4, 1 / 4)], ids=["up to 1/4", "at 1/4"])
+@pytest.mark.parametrize("key", HAND_WRITTEN)
+def test_the_bound_is_within_a_factor_2_of_the_worst_error_found(key, h_range, fmt):
+    found = search(in_floats(key), envelope_of(key, fmt), NATIVE[fmt], h_range, seed=5, generations=8)
+    assert found.violations == 0
+    assert found.ratio >= 1 / 2
+
+
+@pytest.mark.parametrize("key", IRRATIONAL)
+def test_no_step_of_a_search_leaves_the_bound_around_the_exact_map_over_a_field(key: str):
+    """The search measures against rationals next to M; the worst that it finds is measured again, in balls."""
+    step, bound = in_floats(key), bound_of(key)
+    found = search(step, envelope_of(key), np.float64, (0.01, 1.0), seed=1, generations=10, population=1 << 10)
+    assert found.violations == 0
+    floats = step(oscillator, *found.state, found.h)
+    with ctx.workprec(300):
+        exact = apply(
+            [enclose(x) for x in exact_matrix_at(METHODS[key], Q(found.h))], *map(enclose, map(Q, found.state))
+        )
+        errors = [abs(enclose(Q(x)) - y) for x, y in zip(floats, exact, strict=True)]
+    most = bound.error_of(Q(found.h), *map(Q, found.state))
+    assert all_within(errors, map(enclose, most))
+    assert any(e > enclose(x / 2) for e, x in zip(errors, most, strict=True)), found.ratio
+
+
+SCALES = [(1.0, 0.0), (0.0, 1.0), (0.0, 0.0), (6e-8, 0.0), (0.0, 6e-8), (6e-5, -6e-5), (1.0009765625, 0.99951171875)]
+
+
+@pytest.mark.parametrize("key", PROGRAMS)
+def test_every_finite_binary16_step_size_is_within_the_bound(key):
+    """Exhaustive in h, 63488 of them, for states of all scales, the subnormals and zero included."""
+    rng = np.random.default_rng(7)
+    q, v = (random_floats(rng, np.dtype(np.float16), 9) for _ in range(2))
+    states = [(float(np.float16(a)), float(np.float16(b))) for a, b in [*SCALES, *zip(q, v, strict=True)]]
+    found = exhaust(in_floats(key), envelope_of(key, BINARY16), every_finite(np.float16), states)
+    assert found.checked == len(states) * 63488
+    assert found.violations == 0
+    assert found.ratio > 1 / 2
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("key", HAND_WRITTEN)
+def test_every_finite_binary32_step_size_is_within_the_bound(key):
+    """Exhaustive in h, 4278190080 of them, from a state with full significands: ten minutes each; -s shows how far."""
+    state = (0.7071067690849304, -0.9999999403953552)
+    chunks = tqdm(every_finite(np.float32), total=2**32 >> 14, desc=key, mininterval=10)
+    found = exhaust(in_floats(key), envelope_of(key, BINARY32), chunks, [state])
+    assert found.checked == 4278190080
+    assert found.violations == 0
+
+
+# --- a missing underflow term is noticed ----------------------------------------------------------------------------
+
+
+def test_a_missing_underflow_term_is_caught_by_one_subnormal():
+    """Forward Euler from (0, eta) at h = 1/4: h v rounds to 0, an error of eta/4 where u|z| is far below."""
+    at = tuple(np.array([x]) for x in (0.25, 0.0, float(BINARY64.eta)))
+    envelope = envelope_of("forward_euler")
+    found = [
+        worst_of(error_ratios(forward_euler, e, *at), *at).violations
+        for e in (envelope, envelope._replace(underflow=((), ())))
+    ]
+    assert found == [0, 1]
+
+
+@pytest.mark.parametrize("key", HAND_WRITTEN)
+def test_a_missing_underflow_term_is_caught_by_random_subnormals_and_only_by_tiny_states(key):
+    step, rng, envelope = HAND_WRITTEN[key], np.random.default_rng(8), envelope_of(key, BINARY32)
+    h = random_steps(rng, np.dtype(np.float32), (0.01, 0.5), 4000)
+    for scale, missed in ((2.0**-140, True), (2.0**-20, False)):
+        at = (h, *((scale * x).astype(np.float32) for x in rng.uniform(-1, 1, (2, h.size))))
+        assert worst_of(error_ratios(step, envelope, *at), *at).violations == 0
+        without = worst_of(error_ratios(step, envelope._replace(underflow=((), ())), *at), *at)
+        assert (without.violations > 0) == missed
