@@ -157,6 +157,6 @@ def test_the_type_that_checks_is_wide_enough_for_the_degree():
     assert list(low) == [np.inf, np.inf]  # the product is tiny, and not lost
 
 
-def test_nothing_to_exhaust_is_an_error():
+def test_nothing_to_exhaust_is_refused():
     with pytest.raises(ValueError, match="no step to check"):
         exhaust(forward_euler, envelope_of(forward_euler, np.float16), [], [(1.0, 0.0)])
