@@ -32,10 +32,6 @@ if TYPE_CHECKING:
     from driftproof.symbolic.algebra.certified import fixed as fixed
     from driftproof.symbolic.algebra.certified import significant as significant
     from driftproof.symbolic.derivation.derive import derive as derive
-    from driftproof.symbolic.derivation.energy import energy_multiplier as energy_multiplier
-    from driftproof.symbolic.derivation.energy import invariant_quadratic as invariant_quadratic
-    from driftproof.symbolic.derivation.one_step import one_step_matrix as one_step_matrix
-    from driftproof.symbolic.derivation.stability import stability_limit as stability_limit
     from driftproof.symbolic.facts import Facts as Facts
     from driftproof.symbolic.facts import order_within as order_within
     from driftproof.symbolic.linear.oscillator import stability_function_of as stability_function_of

@@ -1,8 +1,10 @@
 """The public names: each resolves, has a type that checkers see, and an example that runs."""
 
+import doctest
 import re
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -77,3 +79,37 @@ def test_names_resolve_and_others_do_not():
     assert all(getattr(driftproof, name) is not None for name in NAMES)
     with pytest.raises(AttributeError, match="module 'driftproof' has no attribute 'missing'"):
         _ = driftproof.missing
+
+
+def documentation(name):
+    """The docstring of a class or a function; of a constant, that of its module."""
+    found = getattr(driftproof, name)
+    return (found if callable(found) else import_module(driftproof._MODULES[name])).__doc__
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_name_has_an_example_that_runs_as_it_stands(name, capsys):
+    text = documentation(name)
+    assert re.search(rf"^ *>>> from driftproof import .*\b{name}\b", text, re.MULTILINE)
+    examples = doctest.DocTestParser().get_doctest(text, {}, name, None, None)
+    assert doctest.DocTestRunner(verbose=False).run(examples).failed == 0, capsys.readouterr().out
+
+
+EXPLAINED = [
+    ".".join(path.relative_to(ROOT).with_suffix("").parts)
+    for path in sorted((ROOT / "driftproof").rglob("*.py"))
+    if ">>> " in path.read_text(encoding="utf-8")
+]
+
+
+@pytest.mark.parametrize("module", EXPLAINED)
+def test_examples_of_other_names_run_too(module, capsys):
+    found = doctest.DocTestFinder().find(import_module(module))
+    for examples in (test for test in found if test.name.rpartition(".")[2] not in NAMES):
+        assert doctest.DocTestRunner(verbose=False).run(examples).failed == 0, capsys.readouterr().out
+
+
+def test_example_that_is_wrong_would_be_noticed():
+    wrong = documentation("fixed").replace("-0.479167", "-0.479166")
+    examples = doctest.DocTestParser().get_doctest(wrong, {}, "fixed", None, None)
+    assert doctest.DocTestRunner(verbose=False).run(examples, out=lambda _: None).failed == 1

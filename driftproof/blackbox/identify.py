@@ -44,6 +44,10 @@ def identify(
     force, its one-step matrix in any case; what is read is compared with the catalogue and with variants of it.
     `calls`, `array`, `time_limit` and `isolate` are as for `verify`. Raises ValueError where the stepper cannot be
     imported, or is called in no known way.
+
+    >>> from driftproof import identify
+    >>> print(identify(lambda q, v, h: (q + h * v, v - h * q), isolate=False).verdict)
+    it is, as far as linear steps tell, forward_euler
     """
     runner = IsolatedRunner(Target(step, calls, array), time_limit, isolate)
     outcomes = runner.run([*QUESTIONS, *CHECKS.values()], BRIEF)

@@ -56,6 +56,11 @@ def verify(
     With `isolate` false it runs in this process, without a time limit.
 
     Raises ValueError for a method, calls or an allowance that makes no sense, and for a domain that overflows.
+
+    >>> from driftproof import verify
+    >>> step = lambda q, v, h: (q + h * v, v - h * q)
+    >>> verify(step, "forward_euler", examples=50, isolate=False).passed
+    True
     """
     asked = method_of(method) if isinstance(method, str) else method
     Tolerance(asked, allowance=allowance)  # a question without sense is refused before anything runs
@@ -73,7 +78,12 @@ def verify(
 
 
 def assert_verified(step: Callable[..., Any] | str, method: Method | str, **conditions: Any) -> None:
-    """`verify`, for a test: raises AssertionError with the whole report unless the stepper passes."""
+    """`verify`, for a test: raises AssertionError with the whole report unless the stepper passes.
+
+    >>> from driftproof import assert_verified
+    >>> step = lambda q, v, h: (q + h * v, v - h * q)
+    >>> assert_verified(step, method="forward_euler", examples=50, isolate=False)
+    """
     __tracebackhide__ = True
     report = verify(step, method, **conditions)
     if not report.passed:

@@ -1,4 +1,9 @@
-"""The methods by key. To add one, add an entry to the table of its family in `methods/tables`, and nothing else."""
+"""The methods by key. To add one, add an entry to the table of its family in `methods/tables`, and nothing else.
+
+>>> from driftproof import METHODS
+>>> METHODS["rk4"].title
+'Classical RK4'
+"""
 
 from __future__ import annotations
 

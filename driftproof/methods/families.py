@@ -1,4 +1,10 @@
-"""Families of Runge-Kutta methods with one free parameter, as exact data. To add one, add an entry to FAMILIES."""
+"""Families of Runge-Kutta methods with one free parameter, as exact data. To add one, add an entry to FAMILIES.
+
+>>> from fractions import Fraction
+>>> from driftproof import FAMILIES, Facts
+>>> Facts(FAMILIES["explicit_order_2"].member(Fraction(2, 3))).order
+2
+"""
 
 from __future__ import annotations
 

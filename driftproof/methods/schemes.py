@@ -39,6 +39,13 @@ class RungeKutta:
     of `references.bib` and a place in it. `b_embedded`, of order `embedded_order`, is the second row of weights of a
     pair, `b` the one that is propagated. `decimal` says that the source prints rounded numbers, and that those are
     meant: the order conditions then hold up to residuals, which are facts about the table. Raises MethodError.
+
+    >>> from fractions import Fraction
+    >>> from driftproof import Facts, RungeKutta
+    >>> b = (Fraction(1, 4), Fraction(3, 4))
+    >>> mine = RungeKutta("mine", "Ralston", 2, "", a=((0, 0), (Fraction(2, 3), 0)), b=b, c=(0, Fraction(2, 3)))
+    >>> Facts(mine).order
+    2
     """
 
     key: str
@@ -106,6 +113,10 @@ class Splitting:
     `quadratic_kinetic` says that the source claims the order only for drifts that are linear in v, as they are here;
     without it, the order is claimed for every Hamiltonian T(p) + V(q). Other fields as in `RungeKutta`.
     Raises MethodError.
+
+    >>> from driftproof import Facts, Splitting
+    >>> Facts(Splitting("mine", "Kick, then drift", 1, "", (("kick", 1), ("drift", 1)))).symplectic
+    True
     """
 
     key: str

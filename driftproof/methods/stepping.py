@@ -25,6 +25,12 @@ def stepper(method: Method, lift: Lift) -> Step:
     `lift` carries each exact coefficient into the number type of q, v and h. It is the only way in: relying on
     coercion would turn `Fraction * ndarray` into an object array and `Fraction * float32` into a Python float.
     Raises MethodError for an implicit method, whose stages are equations rather than formulas.
+
+    >>> from fractions import Fraction
+    >>> from driftproof import METHODS, stepper
+    >>> step = stepper(METHODS["rk4"], Fraction)
+    >>> step(lambda q: -q, Fraction(1), Fraction(0), Fraction(1, 2))
+    (Fraction(337, 384), Fraction(-23, 48))
     """
     make, coefficients = _compiled(method)
     step: Step = make(*(lift(c) for c in coefficients))

@@ -61,6 +61,15 @@ def read_method(path: str | Path) -> Method | Family:
     """The method, or the family of methods, that the file defines.
 
     Raises MethodError with one line that names the file and the place in it.
+
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from driftproof import read_method
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "ralston.toml"
+    ...     _ = path.write_text('family = "runge_kutta"\\nA = [[0, 0], ["2/3", 0]]\\nb = ["1/4", "3/4"]')
+    ...     read_method(path).b
+    (Fraction(1, 4), Fraction(3, 4))
     """
     return read_toml(path, LARGEST_FILE, lambda table: _method(table, Path(path).stem), MethodError)
 

@@ -102,7 +102,12 @@ def run_method(scene: Scene, key: str, counter: Counter = range) -> Readouts:
 
 
 def run(scene: Scene, counter: Counter = range) -> dict[str, Readouts]:
-    """The scene's readouts for its selected method and for each method it compares. Raises as `run_method`."""
+    """The scene's readouts for its selected method and for each method it compares. Raises as `run_method`.
+
+    >>> from driftproof import PRESETS, run
+    >>> run(PRESETS["stability_boundary"])["symplectic_euler"]["final_state"]
+    (-11.0, -10.0)
+    """
     return {key: run_method(scene, key, counter) for key in dict.fromkeys((scene.selected, *scene.methods))}
 
 

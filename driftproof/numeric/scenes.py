@@ -1,4 +1,9 @@
-"""Scenes: what to run, from where, and which readouts and panels to pay for. The lesson's presets, and a user's own."""
+"""Scenes: what to run, from where, and which readouts and panels to pay for. The lesson's presets, and a user's own.
+
+>>> from driftproof import PRESETS
+>>> PRESETS["default"].h, PRESETS["default"].steps
+(Fraction(1, 4), 40)
+"""
 
 from __future__ import annotations
 
@@ -47,6 +52,11 @@ class Scene:
     `selected` is the method whose readouts and figures are shown; `methods` are those compared in the table panel.
     Everything is exact: h, t and start are Fractions. `readouts` are computed in floats, `certified` ones to any
     number of digits by the exact side; `panels` are drawn. What is not named is not computed. Raises SceneError.
+
+    >>> from fractions import Fraction
+    >>> from driftproof import Scene
+    >>> Scene("mine", "rk4", Fraction(1, 4), Fraction(10), readouts=("energy",)).steps
+    40
     """
 
     name: str
@@ -129,7 +139,17 @@ def scene_named(name: str) -> Scene:
 
 
 def read_scene(path: Path) -> Scene:
-    """The scene described by a TOML file, decimals read exactly. Raises SceneError with one line that says where."""
+    """The scene described by a TOML file, decimals read exactly. Raises SceneError with one line that says where.
+
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from driftproof import read_scene
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "mine.toml"
+    ...     _ = path.write_text('selected = "rk4"\\nh = 0.1\\nt = 10\\nreadouts = ["energy"]')
+    ...     read_scene(path).h
+    Fraction(1, 10)
+    """
     return read_toml(path, LONGEST_FILE, lambda table: _scene(table, path.stem), SceneError)
 
 

@@ -54,6 +54,12 @@ def sweep(scene: Scene, grid: Grid, executor: Executor | None = None, checkpoint
     machine. `checkpoint` names a file in which answers are kept as they come, and from which the same sweep goes on.
     Raises ValueError for a grid that is none, a scene without readouts, and a file that is not of this sweep; OSError
     where a process ends.
+
+    >>> from fractions import Fraction
+    >>> from driftproof import PRESETS, sweep
+    >>> grid = {"h": [Fraction(1), Fraction(2)]}
+    >>> [answer.found["final_state"] for answer in sweep(PRESETS["stability_boundary"], grid)]
+    [(0.0, 1.0), (-11.0, -10.0)]
     """
     points = points_of(scene, grid)
     found = {i: answer for batch in batches(scene, grid, executor, checkpoint) for i, answer in batch}

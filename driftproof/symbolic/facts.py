@@ -44,6 +44,11 @@ class Facts(LinearFacts):
     """The exact facts about `method`, each derived when it is first asked for: `Facts(METHODS["rk4"]).imaginary_limit`.
 
     A fact is None where the method has none. FACTS has the names of all.
+
+    >>> from driftproof import METHODS, Facts
+    >>> facts = Facts(METHODS["rk4"])
+    >>> facts.order, facts.a_stable, facts.error_constant.coefficient
+    (4, False, Fraction(-1, 120))
     """
 
     @cached_property
@@ -162,6 +167,11 @@ def order_within(method: Method, tolerance: Fraction) -> OrderWithin:
 
     Not the order: that is decided by equality alone. Looked for up to TOLERANCE_ORDER, or to the order where that is
     higher. Raises ValueError for a negative tolerance.
+
+    >>> from fractions import Fraction
+    >>> from driftproof import METHODS, order_within
+    >>> order_within(METHODS["tsitouras54"], Fraction(1, 10**12)).order
+    5
     """
     if tolerance < 0:
         raise ValueError(f"tolerance {tolerance} is below zero")

@@ -143,6 +143,12 @@ class OscillatorRun:
     from the origin, where the enclosures are exact: hence no question asked of these numbers is an undecidable tie
     (Lindemann: cos t and sin t are transcendental at rational t != 0).
     Raises ValueError if h does not divide t.
+
+    >>> from fractions import Fraction
+    >>> from driftproof import METHODS, OscillatorRun, significant
+    >>> run = OscillatorRun(METHODS["forward_euler"], Fraction(1, 4), Fraction(10))
+    >>> run.steps, significant(run.state_error, 10)
+    (40, '2.390297168')
     """
 
     method: Method

@@ -31,6 +31,11 @@ class Domain:
 
     The smallest ones keep what is tried away from underflow, where many a code that converts units loses digits that
     nobody misses; 0 tries all floats. In narrow formats they are raised to the root of the smallest normal number.
+
+    >>> from driftproof import Domain, verify
+    >>> step = lambda q, v, h: (q + h * v, v - h * q)
+    >>> verify(step, "forward_euler", domain=Domain(largest_step=0.5), examples=50, isolate=False).passed
+    True
     """
 
     largest_step: float = 2.0

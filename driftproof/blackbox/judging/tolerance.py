@@ -35,6 +35,12 @@ class Allowance:
     difference of positions over h, which adds u (|q| + |q₁|)/h to its error. `flush_to_zero`: subnormal arguments and
     results become 0. `solver_tolerance`: how far the solution of implicit stages may be off, relative to the sum of
     |monomials| and beside the smallest normal number; needed for implicit methods, refused for explicit ones.
+
+    >>> from driftproof import Allowance, verify
+    >>> step = lambda q, v, h: (q + h * v, ((q + h * v) - q) / h - h * q)
+    >>> allowance = Allowance(velocity_from_positions=True)
+    >>> verify(step, "forward_euler", allowance=allowance, examples=50, isolate=False).passed
+    True
     """
 
     step_in_binary32: bool = False

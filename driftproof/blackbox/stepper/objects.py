@@ -38,6 +38,16 @@ def stepper_of(
 
     One object makes all steps, so that it shows if it remembers more than its state; with `anew`, each step is made by
     a new one. Raises TypeError where `make` takes other arguments.
+
+    >>> from driftproof import stepper_of
+    >>> class Body:
+    ...     def __init__(self, force):
+    ...         self.x, self.v, self.force = 0.0, 0.0, force
+    ...     def update(self, h):
+    ...         self.v += h * self.force(self.x)
+    ...         self.x += h * self.v
+    >>> stepper_of(Body, position="x", velocity="v", advance="update")(lambda q: -q, 1.0, 0.0, 0.5)
+    (0.75, -0.5)
     """
     places = (_Accessor.of(position), _Accessor.of(velocity)) if state is None else (_Accessor.of(state, 2),)
     held = _Held(make, anew, advance, push)
@@ -56,6 +66,16 @@ def field_stepper_of(
 
     `make(f)` builds the object, which calls f as it is used to; `state` is where its y is, `time` its t. The rest is as
     for `stepper_of`.
+
+    >>> from driftproof import field_stepper_of
+    >>> class Solver:
+    ...     def __init__(self, f):
+    ...         self.f, self.t, self.y = f, 0.0, None
+    ...     def step(self, h):
+    ...         self.y, self.t = self.y + h * self.f(self.t, self.y), self.t + h
+    >>> step = field_stepper_of(Solver, state="y", time="t", advance="step")
+    >>> float(step(lambda t, y: -y, 0.0, [1.0], 0.5)[0])
+    0.5
     """
     held = _Held(make, anew, advance)
     return UntimedSolver(held, state) if time is None else TimedSolver(held, state, _Accessor.of(time))

@@ -1,4 +1,9 @@
-"""The problems by key, in the order in which they are listed."""
+"""The problems by key, in the order in which they are listed.
+
+>>> from driftproof import PROBLEMS
+>>> PROBLEMS["kepler_eccentric"].title
+"Kepler's problem, eccentricity 0.9, from the pericentre to t = 30"
+"""
 
 from __future__ import annotations
 

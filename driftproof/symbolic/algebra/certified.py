@@ -106,6 +106,11 @@ def fixed(value: CertifiableReal, places: int, rounding: str = HALF_EVEN) -> str
     """`value` correctly rounded to `places` digits after the point, e.g. "-0.479167". A zero has no sign.
 
     Raises ValueError if places < 0.
+
+    >>> from fractions import Fraction
+    >>> from driftproof import fixed
+    >>> fixed(Fraction(-23, 48), 6)
+    '-0.479167'
     """
     if places < 0:
         raise ValueError(f"places = {places}; ask for none at least")
@@ -116,6 +121,11 @@ def significant(value: CertifiableReal, digits: int, rounding: str = HALF_EVEN) 
     """`value` correctly rounded to `digits` significant digits: plain from 1e-5 up to 10**digits, else like "3.3e-4".
 
     Zero is "0". Raises ValueError if digits < 1.
+
+    >>> from fractions import Fraction
+    >>> from driftproof import significant
+    >>> significant(Fraction(1, 300000), 2)
+    '3.3e-6'
     """
     _demand_a_digit(digits)
 

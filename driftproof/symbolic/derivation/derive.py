@@ -235,6 +235,7 @@ def derive(method: Method | str) -> Derivation:
 
     Raises ValueError for an unknown key, and when something is asked of a method with irrational coefficients.
 
+    >>> from driftproof import derive
     >>> derive("forward_euler").energy_multiplier.value
     h**2 + 1
     """

@@ -33,7 +33,12 @@ from driftproof.symbolic.linear.tableaux import Tableau
 
 
 def stability_function_of(method: Method) -> RationalFunction | None:
-    """R(z) where the method has one: Runge-Kutta and collocation methods; None for splittings and Nyström methods."""
+    """R(z) where the method has one: Runge-Kutta and collocation methods; None for splittings and Nyström methods.
+
+    >>> from driftproof import METHODS, stability_function_of
+    >>> stability_function_of(METHODS["forward_euler"]).num
+    x + 1
+    """
     if isinstance(method, RungeKutta):
         return stability_function(method)
     return stability_function_of_collocation(method.node_polynomial) if isinstance(method, Collocation) else None

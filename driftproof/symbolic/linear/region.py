@@ -28,6 +28,10 @@ def boundary_points(r: RationalFunction, count: int, bits: int = 64) -> list[Bou
 
     R(z) = c ± i sqrt(1 - c²) are the roots of P² - 2cPQ + Q², a polynomial with real exact coefficients; multiple roots
     are separated exactly, so balls isolate what is left. c = (1 - t²)/(1 + t²) makes the angles of R(z) nearly even.
+
+    >>> from driftproof import METHODS, boundary_points, stability_function_of
+    >>> [float(point.z.real) for point in boundary_points(stability_function_of(METHODS["forward_euler"]), 1)]
+    [0.0, -1.0, -1.0, -2.0]
     """
     squares = [Fraction(k * k, count * count) for k in range(count + 1)]
     cosines = [(1 - t) / (1 + t) for t in squares]

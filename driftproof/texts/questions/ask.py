@@ -18,6 +18,10 @@ def value(question: str) -> Answer:
     """The answer to a question of the language that docs/language.md describes, or the published value of that id.
 
     Raises QuestionError, one line with the column, for a question that has no answer. Nothing is evaluated as code.
+
+    >>> from driftproof import value
+    >>> value("step rk4 h=1/2 : q").exact
+    Fraction(337, 384)
     """
     return replace(_answer(parse(question), question), question=question)
 

@@ -1,4 +1,9 @@
-"""Exact numbers as decimals: rounding policies by name, ties refused where none is named, the sign and the exponent."""
+"""Exact numbers as decimals: rounding policies by name, ties refused where none is named, the sign and the exponent.
+
+>>> from driftproof import PRINTED
+>>> PRINTED.written("-6.7e-5")
+'−6.7×10⁻⁵'
+"""
 
 from __future__ import annotations
 
@@ -27,6 +32,10 @@ class Style:
     half-even and half-away round to the nearest decimal and differ on ties, away rounds every number away from 0, and
     tofixed does what JavaScript's toFixed and toPrecision do: it rounds the binary64 number nearest to the exact
     value, a tie away from 0. With None the rounding is half-even, and a tie is refused. Raises ValueError for others.
+
+    >>> from driftproof import Style, value
+    >>> value("1/8").places(2, Style("half-away"))
+    '0.13'
     """
 
     rounding: str | None = None

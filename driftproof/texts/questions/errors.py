@@ -11,7 +11,15 @@ MOST_SAID = 500
 
 
 class QuestionError(ValueError):
-    """A question that is not answered: `question`, the 1-based `column` in it, and the `reason`, on one line."""
+    """A question that is not answered: `question`, the 1-based `column` in it, and the `reason`, on one line.
+
+    >>> from driftproof import QuestionError, value
+    >>> try:
+    ...     value("step rk4 h=1/2 : speed")
+    ... except QuestionError as error:
+    ...     error.column
+    18
+    """
 
     def __init__(self, question: str, column: int, reason: str) -> None:
         """The line is "QUESTION, column N: REASON"."""

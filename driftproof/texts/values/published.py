@@ -32,7 +32,12 @@ def _document() -> dict[str, Any]:
 
 
 def published_values(pattern: str = "*") -> PublishedValues:
-    """The published values whose id matches the shell pattern, e.g. "rk4.*". Raises ValueError if none does."""
+    """The published values whose id matches the shell pattern, e.g. "rk4.*". Raises ValueError if none does.
+
+    >>> from driftproof import published_values
+    >>> published_values("rk4.first_step.q")["rk4.first_step.q"]["exact"]
+    '337/384'
+    """
     values: PublishedValues = _document()["values"]
     chosen = {key: value for key, value in values.items() if fnmatchcase(key, pattern)}
     if not chosen:

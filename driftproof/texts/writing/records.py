@@ -71,6 +71,10 @@ def facts_of(method: Method, names: Sequence[str] = FACTS, terms: int = TERMS) -
 
     Only those asked for are computed. `terms` is the length of series. Beside FACTS, points of the boundary of the
     stability region may be named, "region_boundary". Raises ValueError for an unknown name.
+
+    >>> from driftproof import METHODS, facts_of
+    >>> facts_of(METHODS["rk4"], ["order", "stability_function"])
+    {'order': 4, 'stability_function': {'num': ['1', '1', '1/2', '1/6', '1/24'], 'den': ['1']}}
     """
     return record(facts_by_name(Facts(method, terms), names, (*FACTS, *ON_REQUEST)))  # type: ignore[no-any-return]
 
@@ -81,6 +85,11 @@ def system_facts(
     """The named facts of the method on z' = Az, A given by its rows: one-step matrix, eigenvalues, limits of h.
 
     Raises ValueError for an unknown name, a matrix that is not square, and a system that the method is not for.
+
+    >>> from fractions import Fraction
+    >>> from driftproof import METHODS, system_facts
+    >>> system_facts(METHODS["forward_euler"], [[Fraction(-3)]], ["step_limit"])["step_limit"]["exact"]
+    '2/3'
     """
     return record(facts_on_system(method, rows, names))  # type: ignore[no-any-return]
 
@@ -89,6 +98,10 @@ def family_facts(family: Family, names: Sequence[str] = FAMILY_FACTS) -> dict[st
     """The named facts of the family, for almost all or for which values of the parameter; those of a member differ.
 
     Sets are exact unions of intervals, functions in SymPy's syntax. Raises ValueError for an unknown name.
+
+    >>> from driftproof import FAMILIES, family_facts
+    >>> family_facts(FAMILIES["sdirk_order_2"], ["a_stable"])["a_stable"]["set"]
+    '[1/4, oo)'
     """
     return record(facts_by_name(FamilyFacts(family), names, FAMILY_FACTS))  # type: ignore[no-any-return]
 
