@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import sys
 from argparse import Namespace
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -24,7 +22,7 @@ from driftproof.commands.arguments import (
 )
 
 if TYPE_CHECKING:
-    from driftproof.reports.work_precision.study import Measured, Steps, Study
+    from driftproof.reports.work_precision.study import Measured, Study
 
 # One of each behaviour, and the lesson's three among them.
 STABILITY_METHODS = ("forward_euler", "rk4", "symplectic_euler", "backward_euler", "implicit_midpoint", "radau_iia2")
@@ -104,6 +102,8 @@ def work_precision_command(options: Namespace) -> str:
       points.json                what an interrupted study goes on from
     --peers runs scipy, diffrax, heyoka or torchdiffeq beside ours (extra `peers`), at tolerances from 1e-3 to 1e-13.
     """
+    from tqdm import tqdm
+
     from driftproof.methods.tableau_file import method_of
     from driftproof.numeric.problems.catalogue import problem_named
     from driftproof.reports.work_precision.peers import peers_named
@@ -115,8 +115,13 @@ def work_precision_command(options: Namespace) -> str:
     study = Study(problem_named(options.problem), methods, peers_named(options.peers), options.time_limit)
     if options.output:
         require_folder(options.output)
-    with _progress() as steps:
-        measured = measure(study, options.output, _say, steps)
+    with tqdm(total=0, unit="point", leave=False, disable=not sys.stderr.isatty()) as bar:
+
+        def progress(more: int, done: int) -> None:
+            bar.total += more
+            bar.update(done)
+
+        measured = measure(study, options.output, _say, progress)
     written = _write(study, measured, options.output) if options.output else []
     both = {"errors": errors_json(study, measured), "times": times_json(study, measured)}
     return as_asked(options, both, lambda _: "\n".join([study_text(study, measured), *written]))
@@ -138,22 +143,3 @@ def _write(study: Study, measured: Measured, folder: Path) -> list[str]:
 
 def _say(line: str) -> None:
     print(f"driftproof work-precision: {line}", file=sys.stderr)
-
-
-@contextmanager
-def _progress() -> Iterator[Steps | None]:
-    """A bar on a terminal, of which curves and samples are steps."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from tqdm import tqdm
-
-    from driftproof.reports.work_precision.study import Steps
-
-    with tqdm(total=0, unit="point", leave=False) as bar:
-
-        def expect(more: int) -> None:
-            bar.total += more
-            bar.refresh()
-
-        yield Steps(expect, lambda: bar.update(1))

@@ -90,11 +90,13 @@ def _line(entry: dict[str, Any]) -> bytes:
 
 
 def strings(value: Any) -> Any:
-    """The value with Fractions and floats as strings, floats to the last bit; the rest as it is."""
+    """The value with Fractions and floats as strings, floats to the last bit, arrays as lists; the rest as it is."""
     if isinstance(value, Mapping):
         return {name: strings(x) for name, x in value.items()}
     if isinstance(value, tuple | list):
         return [strings(x) for x in value]
+    if hasattr(value, "tolist"):
+        return strings(value.tolist())
     return str(value) if isinstance(value, float | Fraction) else value
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeAlias
 
 from driftproof.methods.catalogue import method_named
 from driftproof.methods.problems import oscillator
@@ -24,6 +24,7 @@ from driftproof.symbolic.rounding.text import first_order_text, format_text, ful
 from driftproof.symbolic.runs import exact_matrix_at
 from driftproof.texts.writing.answers import number
 
+_State: TypeAlias = tuple[Fraction, Fraction]
 # Bounds are quoted, not compared: few digits say enough.
 BOUND_DIGITS = 6
 # What the rows of a table are about: `as_held` is there only for a program that rounds coefficients.
@@ -88,13 +89,7 @@ def _per_step(subject: Any, h: Fraction, fmt: FloatFormat) -> Json:
 
 
 def budget_answer(
-    key: str,
-    h: Fraction,
-    t: Fraction,
-    start: tuple[Fraction, Fraction],
-    digits: int,
-    rounding: str,
-    counter: Counter,
+    key: str, h: Fraction, t: Fraction, start: _State, digits: int, rounding: str, counter: Counter
 ) -> Json:
     """The error of one binary64 run, truncation and rounding apart, each certified, beside the theorem's bound.
 
@@ -123,15 +118,12 @@ def _in_u(value: CertifiableReal) -> CertifiableReal:
     return value / BINARY64.u if isinstance(value, Fraction) else lambda: enclose(value) / enclose(BINARY64.u)
 
 
-def _theorem(key: str, h: Fraction, steps: int, start: tuple[Fraction, Fraction]) -> Json:
+def _theorem(key: str, h: Fraction, steps: int, start: _State) -> Json:
     try:
         bound = run_bound(_program(key), h, steps, start).euclidean
     except HypothesisFails as reason:
         return {"value": None, "reason": str(reason)}
-    return {
-        "value": number(bound, BOUND_DIGITS, AWAY),
-        "in_u": _in_units(bound, BINARY64),
-    }
+    return {"value": number(bound, BOUND_DIGITS, AWAY), "in_u": _in_units(bound, BINARY64)}
 
 
 def roundoff_text(answer: Json) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from driftproof.methods.catalogue import METHODS
+from driftproof.numeric.checkpoint import strings
 from driftproof.numeric.run import Counter, NonFiniteReadout, NonFiniteState, Readouts, run_method
 from driftproof.numeric.scenes import TABLE, Scene
 from driftproof.support.plain_text import LARGEST_PLAIN, short, table
@@ -35,14 +36,8 @@ def show_scene(scene: Scene, digits: int, counter: Counter = range) -> dict[str,
 
 def scene_json(scene: Scene, shown: dict[str, Any]) -> dict[str, Any]:
     """The shown scene with every number a string: repr for floats, so that they read back to the same bits."""
-    header = {
-        "scene": scene.name,
-        "selected": scene.selected,
-        "h": str(scene.h),
-        "t": str(scene.t),
-        "start": [str(x) for x in scene.start],
-    }
-    return header | {part: _strings(content) for part, content in shown.items()}
+    header = {name: getattr(scene, name) for name in ("selected", "h", "t", "start")}
+    return dict(strings({"scene": scene.name, **header, **shown}))
 
 
 def scene_text(scene: Scene, shown: dict[str, Any]) -> str:
@@ -107,11 +102,8 @@ _SHOWN: dict[str, tuple[str, Callable[[Any], str]]] = {
 
 def readout_rows(readouts: Readouts) -> list[list[str]]:
     """Label and value of each readout."""
-    rows = []
-    for name, value in readouts.items():
-        label, show = _SHOWN[name]
-        rows.append([label, UNDEFINED if value is None else show(value)])
-    return rows
+    shown = ((*_SHOWN[name], value) for name, value in readouts.items())
+    return [[label, UNDEFINED if value is None else show(value)] for label, show, value in shown]
 
 
 def certified_rows(certified: dict[str, Any]) -> list[list[str]]:
@@ -135,11 +127,3 @@ def comparison_rows(rows: dict[str, Readouts | str]) -> list[list[str]]:
             error, change, calls = (readouts[name] for name in COMPARED_READOUTS)
             lines.append([METHODS[key].title, short(error), short(change), str(calls)])
     return lines
-
-
-def _strings(content: Any) -> Any:
-    if isinstance(content, dict):
-        return {key: _strings(value) for key, value in content.items()}
-    if isinstance(content, tuple | list) or hasattr(content, "tolist"):
-        return [_strings(value) for value in (content.tolist() if hasattr(content, "tolist") else content)]
-    return repr(content) if isinstance(content, float) else content

@@ -160,13 +160,10 @@ def solution_size(problem: Problem) -> float:
 def stability_text(answer: Json) -> str:
     """The answer as tables: how far steps stay stable, then each run, then what is expected."""
     applying = [entry for entry in answer["methods"] if "refused" not in entry]
-    parts = [answer["title"]]
-    if applying:
-        parts += [_limits_text(answer, applying), _runs_text(answer, applying), _expected_text(applying)]
-    parts += [
-        f"{entry['method']} does not apply: {entry['refused']}" for entry in answer["methods"] if "refused" in entry
-    ]
-    return "\n\n".join(part for part in parts if part)
+    refused = [entry for entry in answer["methods"] if "refused" in entry]
+    tables = [part(answer, applying) for part in (_limits_text, _runs_text, _expected_text) if applying]
+    reasons = [f"{entry['method']} does not apply: {entry['refused']}" for entry in refused]
+    return "\n\n".join(filter(None, [answer["title"], *tables, *reasons]))
 
 
 def _limits_text(answer: Json, entries: Sequence[Json]) -> str:
@@ -192,27 +189,24 @@ def _limit_text(entry: Json) -> str:
     exact = limit["exact"] if limit["exact"] and len(limit["exact"]) <= 24 else None
     digits, _, power = limit["decimal"].partition("e")
     digits = digits.rstrip("0").rstrip(".") if "." in digits else digits
-    decimal, shown = (f"{x}e{power}" if power else x for x in (digits, _cut(digits)))
+    few = digits if len(digits) <= 12 else f"{digits[:12]}..."
+    decimal, shown = (f"{x}e{power}" if power else x for x in (digits, few))
     return f"h {'<=' if entry['attained'] else '<'} {shown if exact in (None, decimal) else f'{exact} = {shown}'}"
-
-
-def _cut(digits: str) -> str:
-    return digits if len(digits) <= 12 else f"{digits[:12]}..."
 
 
 def _seen_text(seen: Json) -> str:
     low, high = float(seen["bounded"]), float(seen["grows"])
-    if high == float("inf"):
+    if high == inf:
         return f"up to {with_digits(low, 4)}, the largest tried"
     return f"up to {with_digits(low, 10)}" if low else f"growth at {with_digits(high, 4)}, the smallest tried"
 
 
 def _runs_text(answer: Json, entries: Sequence[Json]) -> str:
-    head = ["method", "h", "steps", *(["bounded?", "factor"] if answer["linear"] else []), "the run to t"]
-    rows = [head]
+    verdicts = {True: "yes", False: "no"}
+    rows = [["method", "h", "steps", *(["bounded?", "factor"] if answer["linear"] else []), "the run to t"]]
     for entry in entries:
         for run in entry["runs"]:
-            proved = [_verdict(run["bounded"]), _factor_text(run)] if answer["linear"] else []
+            proved = [verdicts.get(run["bounded"], "not decided"), _factor_text(run)] if answer["linear"] else []
             rows.append([entry["method"], f"{float(run['h']):.6g}", str(run["steps"]), *proved, _outcome(run)])
     reached = f"which at the times of its reference reaches {with_digits(float(answer['size']), 3)}"
     notes = f"error: the Euclidean distance from the solution at t, {reached}"
@@ -229,10 +223,6 @@ def _factor_text(run: Json) -> str:
     return f"1 {'-' if rest.startswith('-') else '+'} {rest.lstrip('-')}"
 
 
-def _verdict(bounded: bool | str) -> str:
-    return {True: "yes", False: "no"}[bounded] if isinstance(bounded, bool) else "not decided"
-
-
 def _outcome(run: Json) -> str:
     if run["failed_after"] is not None:
         return f"ends at step {run['failed_after']}: {run['remark']}"
@@ -242,13 +232,16 @@ def _outcome(run: Json) -> str:
     return f"{error}, more than the solution: lost" if run["lost"] else error
 
 
-def _expected_text(entries: Sequence[Json]) -> str:
+def _expected_text(_: Json, entries: Sequence[Json]) -> str:
     told: dict[str, list[str]] = {}
     for entry in entries:
         if entry["expected"]:
             told.setdefault(entry["expected"], []).append(entry["method"])
     lines = [f"{', '.join(methods)}: {sentence}" for sentence, methods in told.items()]
     return "Expected\n\n" + "\n".join(lines) if lines else ""
+
+
+_KINDS = {"linear": "linear", "stiff": "stiff", "second_order": "q'' = F(q)"}
 
 
 def problems_json(problems: Iterable[Problem]) -> list[Json]:
@@ -267,9 +260,6 @@ def problems_json(problems: Iterable[Problem]) -> list[Json]:
 
 def problems_text(listed: Sequence[Json]) -> str:
     """What `problems_json` lists, as a table."""
-    names = {"linear": "linear", "stiff": "stiff", "second_order": "q'' = F(q)"}
-    rows = [["problem", "kind", "title"]]
-    for entry in listed:
-        kinds = ", ".join(words for name, words in names.items() if entry[name])
-        rows.append([entry["problem"], kinds, entry["title"]])
-    return table(rows)
+    kinds = [", ".join(words for name, words in _KINDS.items() if entry[name]) for entry in listed]
+    rows = [[entry["problem"], kind, entry["title"]] for entry, kind in zip(listed, kinds, strict=True)]
+    return table([["problem", "kind", "title"], *rows])

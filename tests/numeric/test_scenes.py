@@ -6,7 +6,6 @@ import dataclasses
 from collections.abc import Callable
 from fractions import Fraction as Q
 from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import given
@@ -15,13 +14,11 @@ from driftproof.numeric.scenes import (
     LARGEST_LESSON_H,
     LONGEST_FILE,
     PRESETS,
-    READOUTS,
     Scene,
     SceneError,
     read_scene,
     scene_named,
 )
-from driftproof.reports.scene_view import scene_json, scene_text, show_scene
 from driftproof.strategies import rationals
 
 ASKED = 'readouts = ["energy"]\n'
@@ -157,114 +154,6 @@ def test_scene_is_frozen_and_checked_when_replaced() -> None:
     assert dataclasses.replace(PRESETS["default"], h=Q(1, 8)).steps == 80
 
 
-def test_default_scene_shows_what_the_lesson_shows() -> None:
-    shown = scene_text(PRESETS["default"], show_scene(PRESETS["default"], 15))
-    lines = [" ".join(line.split()) for line in shown.splitlines()]
-    assert set(LESSON_DEFAULT) <= set(lines)
-
-
-LESSON_DEFAULT = [
-    "Numerical (q, v) (-3.129, 1.229)",
-    "Exact (q, v) (-0.839, 0.544)",
-    "State error 2.390297",
-    "Final energy 5.651029",
-    "Energy change 5.151029",
-    "Wrapped phase error (degrees) -11.508",
-    "Steps 40",
-    "Acceleration evaluations 40",
-    "Forward Euler 2.390 5.151 40",
-    "Symplectic Euler 0.090 -0.054 40",
-    "Classical RK4 3.3e-4 -6.7e-5 160",
-]
-
-
-def test_shown_parts_are_those_named() -> None:
-    every = {"readouts", "certified", "table"}
-    for part, changed in {
-        "readouts": {"readouts": ("energy",)},
-        "certified": {"certified": ("energy",)},
-        "table": {"panels": ("table",), "methods": ("rk4",)},
-    }.items():
-        scene = Scene("one", "rk4", Q(1, 4), Q(1), **changed)  # type: ignore[arg-type]
-        assert set(show_scene(scene, 5)) & every == {part}
-
-
-def test_overflowing_method_has_its_message_and_the_others_their_numbers() -> None:
-    scene = Scene(
-        "edge", "rk4", Q(2), Q(2000), methods=("forward_euler", "rk4"), readouts=("energy",), panels=("table",)
-    )
-    shown = show_scene(scene, 5)
-    assert shown["table"]["forward_euler"] == "overflow: the state is no longer finite after step 883"
-    assert isinstance(shown["table"]["rk4"], dict)
-    assert "overflow: the state is no longer finite after step 883" in scene_text(scene, shown)
-
-
-def test_no_zero_is_shown_with_a_sign() -> None:
-    """Also where rounding makes it one; what is not rounded to zero keeps its sign, and JSON keeps the bits."""
-    readouts = {"final_state": (-0.0004, -0.0), "energy_change": -4e-7, "phase_error": -0.0004}
-    scene = Scene("s", "rk4", Q(1, 4), Q(1), readouts=tuple(readouts))
-    shown = scene_text(scene, {"readouts": readouts})
-    assert "(0.000, 0.000)" in shown
-    assert "-0" not in shown
-    assert scene_json(scene, {"readouts": readouts})["readouts"]["final_state"] == ["-0.0004", "-0.0"]
-    negative = {"final_state": (-0.0006, -1.0), "energy_change": -6e-7, "phase_error": -0.0006}
-    shown = scene_text(scene, {"readouts": negative})
-    assert all(text in shown for text in ("(-0.001, -1.000)", "-0.000001", "-0.001"))
-
-
-def test_enormous_number_is_shown_with_an_exponent() -> None:
-    scene = Scene(
-        "edge", "forward_euler", Q(2), Q(800), methods=("forward_euler",), readouts=READOUTS, panels=("table",)
-    )
-    shown = scene_text(scene, show_scene(scene, 5))
-    assert max(map(len, shown.splitlines())) < 80
-    assert "e+139" in shown
-
-
-def test_scene_json_holds_strings_that_read_back_to_the_same_bits() -> None:
-    scene = Scene("s", "rk4", Q(1, 4), Q(1), readouts=READOUTS, certified=("final_state",))
-    shown = show_scene(scene, 20)
-    answer = scene_json(scene, shown)
-    assert [float(x) for x in answer["readouts"]["final_state"]] == list(shown["readouts"]["final_state"])
-    assert [[float(x) for x in row] for row in answer["readouts"]["trajectory"][1]] == shown["readouts"]["trajectory"][
-        1
-    ].tolist()
-    assert answer["certified"]["final_state"]["q"]["decimal"].startswith("0.54")
-    undefined = Scene("s", "rk4", Q(1, 4), Q(1), (Q(0), Q(0)), readouts=("phase_error",), certified=("phase_error",))
-    shown = show_scene(undefined, 5)
-    assert scene_json(undefined, shown)["readouts"] == {"phase_error": None}
-    assert scene_text(undefined, shown).count("undefined at the origin") == 2
-
-
-SceneFile = Callable[[str], str]
-
-
-@pytest.fixture
-def runs_scene(tmp_path: Path) -> SceneFile:
-    """runs_scene(text): code that shows the scene of this TOML on the command line, with --figures."""
-
-    def code(text: str) -> str:
-        path = written(tmp_path, 'selected = "rk4"\nh = "1/4"\nt = 10\n' + text)
-        return f"from driftproof.cli import main; main(['scene', {str(path)!r}, '--figures', {str(tmp_path)!r}])"
-
-    return code
-
-
-Modules = Callable[[str], set[str]]
-
-
-def test_scene_never_imports_a_plotting_library(runs_scene: SceneFile, modules_after: Modules) -> None:
-    text = 'readouts = ["energy", "trajectory"]\nmethods = ["rk4"]\npanels = ["table", "position", "phase_plane"]'
-    assert "matplotlib" not in modules_after(runs_scene(text))
-
-
-def test_scene_without_exact_readouts_never_imports_sympy(runs_scene: SceneFile, modules_after: Modules) -> None:
-    every = 'readouts = ["final_state", "state_error", "energy", "phase_error", "evaluations"]'
-    loaded = modules_after(runs_scene(every))
-    assert loaded & {"sympy", "flint"} == set()
-    assert {"sympy", "flint"} <= modules_after(runs_scene('certified = ["energy"]'))
-
-
 PEAK = """
 import tracemalloc
 from fractions import Fraction
@@ -281,16 +170,3 @@ def test_scene_without_a_trajectory_keeps_none(fresh_python: Callable[[str], str
     """100 000 states of two floats take megabytes; the run itself takes almost nothing."""
     peak = {asked: int(fresh_python(PEAK.format(asked=asked))) for asked in ("final_state", "trajectory")}
     assert peak["final_state"] < 10**5 < 10**6 < peak["trajectory"]
-
-
-def test_certified_scene_is_answered_without_any_float_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    from driftproof.reports import scene_view
-
-    def forbidden(*_: Any) -> Any:
-        raise AssertionError("a float run was made")
-
-    monkeypatch.setattr(scene_view, "run_method", forbidden)
-    scene = Scene("s", "rk4", Q(1, 4), Q(10), certified=("state_error",))
-    assert show_scene(scene, 5)["certified"]["state_error"]["decimal"] == "0.00032531"
-    with pytest.raises(AssertionError, match="float run"):
-        show_scene(dataclasses.replace(scene, readouts=("energy",)), 5)

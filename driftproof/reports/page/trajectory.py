@@ -131,6 +131,7 @@ def phase_plane(run: SampledRun) -> Figure:
     if not run.thin:
         plot.dots(map(tuple, run.states), "samples dots")
     computed, exact = run.states[-1], run.exact[-1]
+    sense = "clockwise" if run.scene.t >= 0 else "anticlockwise"
     plot.disc(tuple(exact), 6, "exact end", f"exact final state {_pair(exact)}")
     plot.disc(tuple(computed), 4, "samples end", f"computed final state {_pair(computed)}")
     return Figure(
@@ -138,7 +139,7 @@ def phase_plane(run: SampledRun) -> Figure:
         kind="square",
         title=f"Phase plane: {run.method}",
         description=f"Velocity v against position q, both axes from {label(-reach)} to {label(reach)} at one scale. "
-        f"Dashed: the exact path, a circle of radius {_number(run.radius)}, run {_sense(run)}. {drawn} "
+        f"Dashed: the exact path, a circle of radius {_number(run.radius)}, run {sense}. {drawn} "
         f"Open ring: the exact final state {_pair(exact)}. Solid disc: the computed final state {_pair(computed)}.",
         plot=plot,
         legend=[
@@ -218,10 +219,6 @@ def _draw_path(plot: Plot, run: SampledRun, pixel: float) -> tuple[str, str]:
 def _joined(run: SampledRun) -> str:
     marks = "Solid" if run.thin else "Dots on a solid line"
     return f"{marks}: {len(run.times)} computed samples, joined by straight segments."
-
-
-def _sense(run: SampledRun) -> str:
-    return "clockwise" if run.scene.t >= 0 else "anticlockwise"
 
 
 def _number(x: float) -> str:

@@ -30,6 +30,8 @@ from driftproof.support.files import atomic_write
 ONCE = 10
 EVALUATIONS = "evaluations"
 Say: TypeAlias = Callable[[str], object]
+# Told how many more points are expected, and how many are done, for a progress bar.
+Progress: TypeAlias = Callable[[int, int], object]
 
 
 @dataclass
@@ -141,14 +143,6 @@ def _from_json(held: dict[str, Any]) -> Measured:
     return Measured(curves, timings, held["warm_up"], held["absent"])
 
 
-@dataclass(frozen=True)
-class Steps:
-    """How far a study is, for a progress bar: `expect` more steps, and one is `done`."""
-
-    expect: Callable[[int], object] = lambda _: None
-    done: Callable[[], object] = lambda: None
-
-
 # What is called for a point of a curve, and that by kind.
 _CallAt: TypeAlias = Callable[[Point], Callable[[], State]]
 _Calls: TypeAlias = Mapping[str, _CallAt]
@@ -218,27 +212,26 @@ def peer_point(solver: Solver, tolerance: float, study: Study) -> Point:
     return Point(setting, evaluations, sizes, doubt(problem, 0, speed(problem)), scale(problem))
 
 
-def measure(study: Study, folder: Path | None, say: Say, steps: Steps | None = None) -> Measured:
+def measure(study: Study, folder: Path | None, say: Say, progress: Progress = lambda more, done: None) -> Measured:
     """All that the study asks for and `folder` does not hold already: first every error, then times in turns."""
-    steps, everybody = steps or Steps(), _contestants(study)
-    store = ResultStore(folder, study.question(), say)
+    everybody, store = _contestants(study), ResultStore(folder, study.question(), say)
     measured, calls = store.measured, dict[str, Callable[[], object]]()
-    steps.expect(len(everybody))
+    progress(len(everybody), 0)
     for one in everybody:
         if one.key not in measured.curves:
             measured.curves[one.key] = one.curve()
             store.save()
-        steps.done()
+        progress(0, 1)
     for one in everybody:
         made, absent = one.calls()
         measured.absent |= {timing_name(one.key, kind): why for kind, why in absent.items()}
         calls |= _begin_timings(study, measured, measured.curves[one.key], made)
     store.save()
     wanted = [name for name in calls if needs_more_samples(measured.timings[name], ROUNDS, study.limit)]
-    steps.expect(sum(ROUNDS - len(measured.timings[name].samples) for name in wanted))
+    progress(sum(ROUNDS - len(measured.timings[name].samples) for name in wanted), 0)
     for name in interleave(calls, measured.timings, limit=study.limit, rounds=ROUNDS, seed=SEED):
         if name:
-            steps.done()
+            progress(0, 1)
         else:
             store.save()
     measured.curves = {one.key: measured.curves[one.key] for one in everybody}
