@@ -6,8 +6,8 @@ from collections.abc import Callable
 from functools import partial
 
 from driftproof.texts.questions.answer import OutputOptions, format_answer
-from driftproof.texts.questions.ask import value
 from driftproof.texts.questions.decimals import PLAIN, ROUNDING_POLICIES, Style
+from driftproof.texts.questions.evaluate import value
 
 RUNS = (
     "rk4.first_step.q",

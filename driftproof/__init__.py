@@ -37,10 +37,10 @@ if TYPE_CHECKING:
     from driftproof.symbolic.linear.oscillator import stability_function_of as stability_function_of
     from driftproof.symbolic.linear.region import boundary_points as boundary_points
     from driftproof.symbolic.runs import OscillatorRun as OscillatorRun
-    from driftproof.texts.questions.ask import value as value
     from driftproof.texts.questions.decimals import PRINTED as PRINTED
     from driftproof.texts.questions.decimals import Style as Style
     from driftproof.texts.questions.errors import QuestionError as QuestionError
+    from driftproof.texts.questions.evaluate import value as value
     from driftproof.texts.values.published import published_values as published_values
     from driftproof.texts.writing.records import facts_of as facts_of
     from driftproof.texts.writing.records import family_facts as family_facts

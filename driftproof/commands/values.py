@@ -57,10 +57,10 @@ def value_command(options: Namespace) -> str:
     """
     from dataclasses import replace
 
-    from driftproof.texts.questions import ask, limits
     from driftproof.texts.questions.answer import OutputOptions, format_answer
     from driftproof.texts.questions.decimals import PLAIN, PRINTED
-    from driftproof.texts.questions.vocabulary import vocabulary
+    from driftproof.texts.questions.errors import QUESTION_SECONDS, time_limit
+    from driftproof.texts.questions.evaluate import value, vocabulary
 
     if options.list:
         return vocabulary()
@@ -68,8 +68,8 @@ def value_command(options: Namespace) -> str:
         raise ValueError("no question is asked; write one in quotes, or --list to see what can be asked")
     style = replace(PRINTED if options.style == "printed" else PLAIN, rounding=options.rounding)
     output = OutputOptions(options.digits, options.places, style)
-    with limits.time_limit(options.question, limits.SECONDS):
-        return format_answer(ask.value(options.question), output, options.format)
+    with time_limit(options.question, QUESTION_SECONDS):
+        return format_answer(value(options.question), output, options.format)
 
 
 @command(

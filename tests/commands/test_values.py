@@ -6,7 +6,7 @@ import shlex
 import pytest
 
 from driftproof.symbolic.facts import FACTS
-from driftproof.texts.questions import ask, limits
+from driftproof.texts.questions import errors, evaluate
 from driftproof.texts.questions.runs import READOUTS
 
 ANSWERS = {
@@ -67,8 +67,8 @@ def test_answer_that_takes_too_long_is_given_up(refusal, monkeypatch):
         while question:
             pass
 
-    monkeypatch.setattr(ask, "value", for_ever)
-    monkeypatch.setattr(limits, "SECONDS", 0.05)
+    monkeypatch.setattr(evaluate, "value", for_ever)
+    monkeypatch.setattr(errors, "QUESTION_SECONDS", 0.05)
     assert "no answer within 0.05 seconds" in refusal("value", "order rk4")
 
 

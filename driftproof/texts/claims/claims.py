@@ -47,7 +47,7 @@ class Expected:
 
     def spellings(self) -> list[str]:
         """Every way to write it, in canonical spelling. Raises ValueError where the question has no such answer."""
-        from driftproof.texts.questions.ask import value
+        from driftproof.texts.questions.evaluate import value
 
         if self.question is None:
             return [str(self.given)]

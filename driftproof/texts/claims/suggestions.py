@@ -123,8 +123,8 @@ def _given(pattern: re.Pattern[str], text: str, default: Iterable[str]) -> list[
 
 def _known(question: str, published: bool) -> _Known | None:
     """The value, None where it is no number, or the method has none."""
-    from driftproof.texts.questions.ask import value
     from driftproof.texts.questions.decimals import HALF_EVEN, Style
+    from driftproof.texts.questions.evaluate import value
 
     try:
         answer = value(question)
@@ -148,7 +148,7 @@ def _form_of(number: TextNumber) -> NumberForm:
 
 def _is_written(known: _Known, form: NumberForm, number: TextNumber) -> bool:
     """Whether the value, written in this form, is spelled like the number; a tie is not."""
-    from driftproof.texts.questions.ask import value
+    from driftproof.texts.questions.evaluate import value
 
     spelled = re.sub(r" ?[×·] ?10\^\{?(-?[0-9]+)\}?", r"e\1", number.text.replace(",", "").lstrip("+"))
     try:

@@ -142,6 +142,7 @@ def percent(a: Answer, b: Answer) -> Answer:
     return replace(multiply(Answer("", Fraction(100)), found), unit=PERCENT)
 
 
+OPERATIONS: dict[str, Callable[[Answer, Answer], Answer]] = {"+": add, "-": subtract, "*": multiply, "/": divide}
 # Name -> the function, and how many numbers it takes.
 FUNCTIONS: dict[str, tuple[Callable[..., Answer], int]] = {
     "abs": (absolute, 1),

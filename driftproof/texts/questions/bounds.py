@@ -11,8 +11,7 @@ from driftproof.symbolic.rounding.formats import BINARY64
 from driftproof.symbolic.rounding.n_steps_bound import run_bound
 from driftproof.symbolic.rounding.step_bound import LinearBound, StepOrMethod, step_bound
 from driftproof.texts.questions.answer import Answer
-from driftproof.texts.questions.asking import START, Asking
-from driftproof.texts.questions.errors import refused_at
+from driftproof.texts.questions.query_context import START_AT_REST, QueryContext
 
 State = tuple[Fraction, Fraction]
 
@@ -26,30 +25,30 @@ OF_STATE = {"q": 0, "v": 1}
 GROWTH = "c"
 
 
-def bound(asking: Asking) -> Answer:
+def bound(context: QueryContext) -> Answer:
     """Answers `roundoff METHOD h=1/4 [sharp] [from q,v] : READOUT` with a number that bounds a rounding error, over u.
 
     qq, qv, vq and vv are the entries of E(h) in |dz| <= E(h)|z| + r(h); q and v are |dq| and |dv| from the start, r
     included; c is the growth per step in the step's own norm. h and the start are rounded to the nearest doubles.
     """
-    asking.demand_only("h", start=True, words=("sharp",), readout=True)
-    h, method = asking.setting("h", "h=1/4"), asking.method()
-    asking.readout(dict.fromkeys((*ENTRIES, *OF_STATE, GROWTH)))
-    with refused_at(asking.text, asking.asked.column):
+    context.demand_only("h", start=True, words=("sharp",), readout=True)
+    h, method = context.setting("h", "h=1/4"), context.method()
+    context.readout(dict.fromkeys((*ENTRIES, *OF_STATE, GROWTH)))
+    with context.refused():
         h = BINARY64.nearest(h)
         if h == 0:
             raise ValueError("a step of size 0 goes nowhere; give a nonzero h")
         subject: StepOrMethod = HAND_WRITTEN.get(method.key) or method
-        return Answer("", _bound(asking, subject, h) / BINARY64.u, unit="u", is_bound=True)
+        return Answer("", _bound(context, subject, h) / BINARY64.u, unit="u", is_bound=True)
 
 
-def _bound(asking: Asking, subject: StepOrMethod, h: Fraction) -> Fraction:
-    readout = asking.asked.readout.text if asking.asked.readout else ""
+def _bound(context: QueryContext, subject: StepOrMethod, h: Fraction) -> Fraction:
+    readout = context.query.readout.text if context.query.readout else ""
     if readout == GROWTH:
-        return run_bound(subject, h, 1, START, BINARY64).growth
-    sharp = "sharp" in asking.asked.words
+        return run_bound(subject, h, 1, START_AT_REST, BINARY64).growth
+    sharp = "sharp" in context.query.words
     if readout in ENTRIES:
         return ENTRIES[readout](fixed_step_bound(subject, h).linear if sharp else step_bound(subject).at(h))
-    start = BINARY64.nearest(asking.start[0]), BINARY64.nearest(asking.start[1])
+    start = BINARY64.nearest(context.start[0]), BINARY64.nearest(context.start[1])
     of_state = fixed_step_bound(subject, h).error_of(*start) if sharp else step_bound(subject).error_of(h, *start)
     return of_state[OF_STATE[readout]]

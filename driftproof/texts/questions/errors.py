@@ -1,13 +1,19 @@
-"""What goes wrong with a question: one line, the column, and what is allowed."""
+"""What goes wrong with a question: one line, the column, and what is allowed; and a limit of time."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import signal
+import threading
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from difflib import get_close_matches
+from types import FrameType
 
 # A question is quoted in a complaint no further than this, and a reason, which may hold a formula, said no further.
-MOST_QUOTED = 60
-MOST_SAID = 500
+_MOST_QUOTED = 60
+_MOST_SAID = 500
+# What can be foreseen to be too long is refused before it begins; every question of the documentation takes below one.
+QUESTION_SECONDS = 60
 
 
 class QuestionError(ValueError):
@@ -24,8 +30,8 @@ class QuestionError(ValueError):
     def __init__(self, question: str, column: int, reason: str) -> None:
         """The line is "QUESTION, column N: REASON"."""
         self.question, self.column = question, column
-        self.reason = _cut(" ".join(reason.split()), MOST_SAID)
-        super().__init__(f"{_cut(' '.join(question.split()), MOST_QUOTED)!r}, column {column}: {self.reason}")
+        self.reason = _cut(" ".join(reason.split()), _MOST_SAID)
+        super().__init__(f"{_cut(' '.join(question.split()), _MOST_QUOTED)!r}, column {column}: {self.reason}")
 
 
 def _cut(text: str, longest: int) -> str:
@@ -34,6 +40,12 @@ def _cut(text: str, longest: int) -> str:
 
 class AmbiguousRounding(QuestionError):
     """A number half-way between two decimals, where half-even and half-away differ and no policy was named."""
+
+
+def names_near(name: str, known: Iterable[str], most: int = 2) -> str:
+    """ "did you mean a or b? ", or "" where no name is near."""
+    close = get_close_matches(name, list(known), n=most)
+    return f"did you mean {' or '.join(close)}? " if close else ""
 
 
 @contextmanager
@@ -45,3 +57,31 @@ def refused_at(question: str, column: int) -> Iterator[None]:
         raise
     except (ValueError, ArithmeticError) as error:
         raise QuestionError(question, column, str(error)) from None
+
+
+class _Alarm(BaseException):
+    """Time is up; no handler of errors on the way may take it for one."""
+
+
+@contextmanager
+def time_limit(question: str, seconds: float) -> Iterator[None]:
+    """What is done inside ends with a QuestionError after so many seconds.
+
+    By an interval timer: without effect outside the main thread, and on systems that have none.
+    """
+    if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def ring(_: int, __: FrameType | None) -> None:
+        raise _Alarm
+
+    before = signal.signal(signal.SIGALRM, ring)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    except _Alarm:
+        raise QuestionError(question, 1, f"no answer within {seconds:g} seconds") from None
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from difflib import get_close_matches
 from fractions import Fraction
 from typing import Any
 
@@ -23,8 +22,7 @@ from driftproof.symbolic.linear.phase import LeadingTerm
 from driftproof.symbolic.linear.sector import Angle
 from driftproof.symbolic.linear.sector_enclosure import EnclosedTangent
 from driftproof.texts.questions.answer import CERTIFIED, COUNTED, PROVED, STATED, Answer
-from driftproof.texts.questions.asking import HEADS, Asking
-from driftproof.texts.questions.errors import refused_at
+from driftproof.texts.questions.query_context import QueryContext
 from driftproof.texts.writing.records import Formula, parts
 from driftproof.texts.writing.tex import fact_tex
 from driftproof.texts.writing.text import fact_text
@@ -36,16 +34,10 @@ EVIDENCE = {"stages": COUNTED} | dict.fromkeys(("method", "title", "family", "so
 WITH_POWER = ("dispersion", "dissipation")
 
 
-def fact(asking: Asking) -> Answer:
+def fact(context: QueryContext) -> Answer:
     """Answers `FACT METHOD [at VALUE] [h=1/4] [: PART]`. Raises QuestionError, also where there is no such fact."""
-    name = asking.head
-    if name not in NAMES:
-        close = get_close_matches(name, [*HEADS, *NAMES], n=2)
-        hint = f"did you mean {' or '.join(close)}? " if close else ""
-        reason = f"{name[:40]!r} is nothing that can be asked; {hint}`driftproof value --list` shows what can"
-        raise asking.error(None, reason)
-    subject = asking.subject()
-    with refused_at(asking.text, asking.asked.column):
+    name, subject = context.head, context.subject()
+    with context.refused():
         if isinstance(subject, Family):
             found = facts_by_name(FamilyFacts(subject), (name,), FAMILY_FACTS)[name]
         else:
@@ -53,38 +45,38 @@ def fact(asking: Asking) -> Answer:
         if found is None:
             why = f": {WHY_NONE[name]}" if name in WHY_NONE else ""
             raise ValueError(f"{subject.key} has no {name}{why}")
-        if isinstance(found, Quadratic) and asking.asked.readout is None:
-            return _quadratic(asking, found)
-        return _answer(asking, *_part(asking, found, subject.key))
+        if isinstance(found, Quadratic) and context.query.readout is None:
+            return _quadratic(context, found)
+        return _answer(context, *_part(context, found, subject.key))
 
 
-def _part(asking: Asking, found: Any, key: str) -> tuple[str, Any]:
+def _part(context: QueryContext, found: Any, key: str) -> tuple[str, Any]:
     """The part that the readout names, with its own name."""
-    name, token = asking.head, asking.asked.readout
+    name, token = context.head, context.query.readout
     if name == "one_step_matrix":
         entries = (ExactFunction(entry, "h") for row in found for entry in row)
-        return name, asking.readout(dict(zip(("M_qq", "M_qv", "M_vq", "M_vv"), entries, strict=True)))
+        return name, context.readout(dict(zip(("M_qq", "M_qv", "M_vq", "M_vv"), entries, strict=True)))
     if isinstance(found, Sector):
-        return name, asking.readout(parts(found) or {})
+        return name, context.readout(parts(found) or {})
     for part in token.text.split(".") if token else ():
         known = parts(found)
         if known is None or part not in known:
             has = f"it has {', '.join(known)}" if known else "it has no parts"
-            raise asking.error(token, f"{part[:40]!r} is no part of {name} of {key}; {has}")
+            raise context.error(token, f"{part[:40]!r} is no part of {name} of {key}; {has}")
         found, name = known[part], part
     if isinstance(found, LeadingTerm) and name in WITH_POWER:
         return name, ExactFunction(fraction(polynomial([*found.power * [0], found.coefficient])), "h")
     return name, found.coefficient if isinstance(found, LeadingTerm) else found
 
 
-def _answer(asking: Asking, name: str, found: Any) -> Answer:
+def _answer(context: QueryContext, name: str, found: Any) -> Answer:
     """A number or a formula where it is one, else words; a function has a value where its variable is set."""
     function = found.function if isinstance(found, Formula) else found
     if isinstance(function, ExactFunction):
-        asking.demand_only(function.variable, readout=True)
-        found = _at_setting(asking, function)
+        context.demand_only(function.variable, readout=True)
+        found = _at_setting(context, function)
     else:
-        asking.demand_only(readout=True)
+        context.demand_only(readout=True)
     number = of_number(found)
     if number is not None:
         return replace(number, evidence=EVIDENCE[name]) if name in EVIDENCE else number
@@ -95,29 +87,29 @@ def _answer(asking: Asking, name: str, found: Any) -> Answer:
     return Answer("", None, EVIDENCE.get(name, PROVED), form=fact_text(found), words=fact_tex(found))
 
 
-def _at_setting(asking: Asking, f: ExactFunction) -> Any:
+def _at_setting(context: QueryContext, f: ExactFunction) -> Any:
     """The value of f where its variable is set or f is constant, else f as a formula."""
-    number = asking.asked.settings.get(f.variable)
+    number = context.query.settings.get(f.variable)
     if number is None and (f.f.num.degree() > 0 or f.f.den.degree() > 0):
         return Formula(str(f))
     try:
         return f(0 if number is None else number.value)
     except ZeroDivisionError:
-        raise ValueError(f"{asking.head} has a pole at {f.variable} = {number and number.value}") from None
+        raise ValueError(f"{context.head} has a pole at {f.variable} = {number and number.value}") from None
 
 
-def _quadratic(asking: Asking, form: Quadratic) -> Answer:
+def _quadratic(context: QueryContext, form: Quadratic) -> Answer:
     """The conserved quadratic: a formula in h, q and v, or its value at h and a state."""
-    asking.demand_only("h", start=True)
-    h, polynomials = asking.asked.settings.get("h"), form.coefficients
+    context.demand_only("h", start=True)
+    h, polynomials = context.query.settings.get("h"), form.coefficients
     if h is not None:
         polynomials = tuple(polynomial([exact(evaluate(p, scalar(h.value)))]) for p in polynomials)
-    if asking.asked.start is None:
+    if context.query.start is None:
         terms = zip(polynomials, ("q**2", "q*v", "v**2"), strict=True)
         return Answer("", None, form=sum_text(_times(p, monomial) for p, monomial in terms if p != 0))
     if h is None:
         raise ValueError("the value of the invariant at a state needs h, as in h=1/2 from 1,0")
-    q, v = asking.start
+    q, v = context.start
     monomials = (q * q, q * v, v * v)
     found = sum(exact(p[0]) * x for p, x in zip(polynomials, monomials, strict=True))
     return of_number(found) or Answer("", None)

@@ -20,7 +20,7 @@ from typing import Any
 
 from driftproof.methods.rationals import parse_rational
 from driftproof.texts.questions.errors import QuestionError
-from driftproof.texts.questions.syntax import Asked, Call, Chain, Negated, Node, Number, Power, Published
+from driftproof.texts.questions.syntax import Call, Chain, Negated, Node, Number, Power, Published, Query
 from driftproof.texts.questions.tokens import END, LONGEST_QUESTION, NAME, NUMBER, Token, tokens
 
 DEEPEST_NESTING = 40
@@ -163,7 +163,7 @@ class _Parser:
             parts["readout"] = self.name("the name of a readout, such as q, comes after the colon")
             if self.next.kind == NAME:
                 parts["unit"] = self.take()
-        return Asked(head, **parts)
+        return Query(head, **parts)
 
     def part(self, token: Token, parts: dict[str, Any]) -> None:
         """One part between head and readout."""

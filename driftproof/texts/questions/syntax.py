@@ -26,7 +26,7 @@ class Published:
 
 
 @dataclass(frozen=True)
-class Asked:
+class Query:
     """HEAD SUBJECT [at VALUE] [NAME=NUMBER ...] [from q,v] [: READOUT [UNIT]]; subject and parts None where absent.
 
     `at` is the text of the parameter's value, which `driftproof.methods.expressions` reads.
@@ -82,4 +82,4 @@ class Power:
     exponent: Fraction
 
 
-Node: TypeAlias = Number | Published | Asked | Call | Chain | Negated | Power
+Node: TypeAlias = Number | Published | Query | Call | Chain | Negated | Power

@@ -13,8 +13,8 @@ from jinja2 import TemplateNotFound, TemplateSyntaxError, Undefined, UndefinedEr
 from jinja2.runtime import Context
 from markupsafe import Markup
 
-from driftproof.texts.questions.ask import value
 from driftproof.texts.questions.errors import QuestionError
+from driftproof.texts.questions.evaluate import value
 from driftproof.texts.templates import template_values
 from driftproof.texts.templates.sandbox import PLACE, FolderLoader, Refusal, Sandbox, TemplatePlace, TemplateProblem
 from driftproof.texts.templates.template_values import NumberStyle, TemplateValue

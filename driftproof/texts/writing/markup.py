@@ -8,7 +8,7 @@ from fractions import Fraction
 from xml.sax.saxutils import escape
 
 from driftproof.texts.questions.parser import parse_form
-from driftproof.texts.questions.syntax import Asked, Call, Chain, Negated, Node, Number, Power, Published
+from driftproof.texts.questions.syntax import Call, Chain, Negated, Node, Number, Power, Published, Query
 
 # An exact form longer than this is left out of texts.
 LONGEST_IN_TEXT = 24
@@ -127,7 +127,7 @@ class _Formula:
                 return self.power(node.base, node.exponent)
             case Chain():
                 return self.sum(node) if _is_sum(node) else self.product(node)
-            case Asked():
+            case Query():
                 raise ValueError("a question is no formula")
 
     def factor(self, node: Node) -> str:

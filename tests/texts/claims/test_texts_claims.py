@@ -132,7 +132,7 @@ def test_value_that_cannot_be_written_so_is_refused_in_one_line(question: str, f
 def test_value_is_spelled_in_every_way_that_means_the_same(
     question: str, form: NumberForm, spellings: list[str]
 ) -> None:
-    from driftproof.texts.questions.ask import value
+    from driftproof.texts.questions.evaluate import value
 
     assert form.spellings(value(question)) == spellings
 

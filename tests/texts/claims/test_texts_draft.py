@@ -53,7 +53,7 @@ def test_suggestion_is_strong_only_where_the_digits_or_the_names_say_so() -> Non
 
 
 def test_suggested_value_is_spelled_as_the_number_is() -> None:
-    from driftproof.texts.questions.ask import value
+    from driftproof.texts.questions.evaluate import value
 
     text = "RK4 and forward Euler: 2.390, 3.3e-4, 337/384, 160, 0.8776"
     for number, candidates in zip([n for n in numbers_in(text) if n.label is None], suggested(text), strict=True):

@@ -13,9 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftproof.texts.questions.answer import Answer
-from driftproof.texts.questions.ask import value
 from driftproof.texts.questions.decimals import PLAIN, PRINTED, ROUNDING_POLICIES, Style, to_digits, to_places
 from driftproof.texts.questions.errors import AmbiguousRounding, QuestionError
+from driftproof.texts.questions.evaluate import value
 
 IN_DECIMAL = {"half-even": ROUND_HALF_EVEN, "half-away": ROUND_HALF_UP, "away": ROUND_UP}
 # Decimals with few digits, so that ties are as frequent as they are in texts.

@@ -11,10 +11,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from docs.language_tables import ARITHMETIC, BOUNDS, FACTS, REFUSED, RUNS
-from driftproof.texts.questions import ask
-from driftproof.texts.questions.ask import value
+from driftproof.texts.questions import evaluate
 from driftproof.texts.questions.decimals import ROUNDING_POLICIES, Style
 from driftproof.texts.questions.errors import AmbiguousRounding, QuestionError
+from driftproof.texts.questions.evaluate import value
 from driftproof.texts.questions.tokens import tokens
 
 QUESTIONS = (*RUNS, *FACTS, *ARITHMETIC, *REFUSED)
@@ -130,7 +130,7 @@ def test_fuzzing_would_notice_another_exception(monkeypatch: pytest.MonkeyPatch)
         raise KeyError(question)
 
     value.cache_clear()
-    monkeypatch.setattr(ask, "parse", broken)
+    monkeypatch.setattr(evaluate, "parse", broken)
     with pytest.raises(KeyError):
         answer_or_refuse("1 + 1 + 1")
 

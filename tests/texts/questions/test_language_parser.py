@@ -7,9 +7,8 @@ from fractions import Fraction as Q
 
 import pytest
 
-from driftproof.texts.questions.ask import value
-from driftproof.texts.questions.errors import QuestionError
-from driftproof.texts.questions.limits import time_limit
+from driftproof.texts.questions.errors import QuestionError, time_limit
+from driftproof.texts.questions.evaluate import value
 from driftproof.texts.questions.parser import DEEPEST_NESTING
 from driftproof.texts.questions.tokens import LONGEST_QUESTION, tokens
 

@@ -10,8 +10,8 @@ from flint import ctx
 
 from driftproof.symbolic.algebra.certified import enclose, endpoints
 from driftproof.texts.questions.answer import as_printed
-from driftproof.texts.questions.ask import value
 from driftproof.texts.questions.decimals import Style
+from driftproof.texts.questions.evaluate import value
 from driftproof.texts.values.published import published_values
 
 HALF_EVEN = Style(rounding="half-even")

@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.texts.questions.ask import value
 from driftproof.texts.questions.decimals import Style
 from driftproof.texts.questions.errors import QuestionError
+from driftproof.texts.questions.evaluate import value
 from driftproof.texts.writing.markup import MATHML, TEX, decimal, formula
 
 IN_TEX = {

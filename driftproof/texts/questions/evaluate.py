@@ -1,0 +1,180 @@
+"""A question answered: value("step rk4 h=1/2 from 1,0 : q"). What a kind of query needs is imported with it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from functools import lru_cache
+
+from driftproof.texts.questions.answer import Answer, as_printed
+from driftproof.texts.questions.errors import QuestionError, names_near, refused_at
+from driftproof.texts.questions.parser import parse
+from driftproof.texts.questions.query_context import QueryContext
+from driftproof.texts.questions.syntax import Call, Chain, Negated, Node, Number, Power, Published, Query
+
+
+@lru_cache(maxsize=1024)
+def value(question: str) -> Answer:
+    """The answer to a question of the language that docs/language.md describes, or the published value of that id.
+
+    Raises QuestionError, one line with the column, for a question that has no answer. Nothing is evaluated as code.
+
+    >>> from driftproof import value
+    >>> value("step rk4 h=1/2 : q").exact
+    Fraction(337, 384)
+    """
+    return replace(_answer(parse(question), question), question=question)
+
+
+def _answer(node: Node, question: str) -> Answer:
+    from driftproof.texts.questions import arithmetic
+
+    match node:
+        case Number():
+            return Answer("", node.value)
+        case Published():
+            return _published(node, question)
+        case Query():
+            context = QueryContext(node, question)
+            return _QUERY_KINDS.get(context.head, _fact)(context)
+        case Call():
+            return _call(node, question)
+        case Chain():
+            total = _answer(node.first, question)
+            for sign, part in node.rest:
+                other = _answer(part, question)
+                with refused_at(question, sign.column):
+                    total = arithmetic.OPERATIONS[sign.text](total, other)
+            return total
+        case Negated():
+            inner = _answer(node.node, question)
+            with refused_at(question, node.column):
+                return arithmetic.negate(inner)
+        case Power():
+            base = _answer(node.base, question)
+            with refused_at(question, node.column):
+                return arithmetic.power(base, node.exponent)
+
+
+def _published(node: Published, question: str) -> Answer:
+    """The exact form of a published value is itself a question, of which the answer is enclosed to any length."""
+    from driftproof.texts.values.published import published_values
+
+    entries = published_values()
+    if node.name not in entries:
+        hint = f"{names_near(node.name, entries)}`driftproof value --list` shows what can be asked"
+        raise QuestionError(question, node.column, f"{node.name[:60]!r} is no id of a published value; {hint}")
+    entry = entries[node.name]
+    if entry["exact"] is None:
+        return as_printed(entry)
+    return replace(value(entry["exact"]), form=entry["exact"], evidence=entry["evidence"])
+
+
+def _call(node: Call, question: str) -> Answer:
+    """A function of numbers."""
+    from driftproof.texts.questions.arithmetic import FUNCTIONS
+
+    name = node.function
+    if name not in FUNCTIONS:
+        raise QuestionError(question, node.column, f"{name[:40]!r} is no function; there are {', '.join(FUNCTIONS)}")
+    function, count = FUNCTIONS[name]
+    if len(node.arguments) != count:
+        raise QuestionError(question, node.column, f"{name} takes {count} number{'s' * (count > 1)}")
+    arguments = [_answer(argument, question) for argument in node.arguments]
+    with refused_at(question, node.column):
+        return function(*arguments)
+
+
+def _step(context: QueryContext) -> Answer:
+    """Answers `step METHOD h=1/2 [N=3] [from q,v] : READOUT [UNIT]`."""
+    context.demand_only("h", "N", start=True, readout=True, unit=True)
+    h = context.setting("h", "h=1/2")
+    return _of_run(context, h, h * (_whole_number(context) if "N" in context.query.settings else 1))
+
+
+def _run(context: QueryContext) -> Answer:
+    """Answers `run METHOD h=1/4 t=10 [from q,v] : READOUT [UNIT]`, with any two of h, t and N."""
+    context.demand_only("h", "t", "N", start=True, readout=True, unit=True)
+    given = {name: number.value for name, number in context.query.settings.items()}
+    if len(given) != 2:
+        raise context.error(None, "run needs two of h, t and N, as in h=1/4 t=10")
+    h = given["h"] if "h" in given else given["t"] / _whole_number(context)
+    return _of_run(context, h, given["t"] if "t" in given else h * _whole_number(context))
+
+
+def _whole_number(context: QueryContext) -> int:
+    n = context.query.settings["N"]
+    if n.value.denominator != 1 or n.value < 1:
+        raise QuestionError(context.text, n.column, "the number of steps is whole, and 1 at least")
+    return int(n.value)
+
+
+def _of_run(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
+    from driftproof.texts.questions.runs import ANGLES, READOUTS, UNITS, in_unit, run_of, slope
+
+    method, readout, unit = context.method(), context.query.readout, context.query.unit
+    if h == 0:
+        raise context.error(None, "a step of size 0 goes nowhere; give a nonzero h")
+    if unit is not None and (readout is None or readout.text not in ANGLES):
+        raise context.error(unit, f"{unit.shown} has no place; only angles have units to choose")
+    if unit is not None and unit.text not in UNITS:
+        raise context.error(unit, f"{unit.shown} is no unit of an angle; there are {', '.join(UNITS)}")
+    with context.refused():
+        run = run_of(method, h, t, context.start)
+    with context.refused(readout):
+        found = slope(run, readout.text) if readout else None
+        if found is None:
+            found = context.readout(READOUTS, more=", k1.q, k1.v, ...")(run)
+        return found if unit is None else in_unit(found, UNITS[unit.text])
+
+
+def _exact(context: QueryContext) -> Answer:
+    """Answers `exact t=10 [from q,v] : READOUT`."""
+    from driftproof.texts.questions.runs import EXACT_READOUTS, ExactFlow
+
+    context.demand_only("t", start=True, readout=True)
+    if other := context.query.subject or context.query.at:
+        raise context.error(other, "the exact flow belongs to no method, as in exact t=10 : q")
+    return context.readout(EXACT_READOUTS)(ExactFlow(context.setting("t", "t=10"), context.start))
+
+
+def _roundoff(context: QueryContext) -> Answer:
+    from driftproof.texts.questions.bounds import bound
+
+    return bound(context)
+
+
+def _fact(context: QueryContext) -> Answer:
+    from driftproof.texts.questions.facts import NAMES, fact
+
+    if context.head not in NAMES:
+        hint = f"{names_near(context.head, [*_QUERY_KINDS, *NAMES])}`driftproof value --list` shows what can"
+        raise context.error(None, f"{context.head[:40]!r} is nothing that can be asked; {hint}")
+    return fact(context)
+
+
+# What a question may begin with that is no fact.
+_QUERY_KINDS = {"step": _step, "run": _run, "exact": _exact, "roundoff": _roundoff}
+
+
+def vocabulary() -> str:
+    """Every name that a question may use: readouts, facts, functions, families and ids, a line or more for each."""
+    from driftproof.methods.families import FAMILIES
+    from driftproof.texts.questions.arithmetic import FUNCTIONS
+    from driftproof.texts.questions.bounds import ENTRIES, GROWTH, OF_STATE
+    from driftproof.texts.questions.facts import NAMES
+    from driftproof.texts.questions.runs import EXACT_READOUTS, READOUTS, UNITS
+    from driftproof.texts.values.published import published_values
+
+    parts = {
+        "readouts of step and run": [*READOUTS, "k1.q", "k1.v", "..."],
+        "readouts of exact": [*EXACT_READOUTS],
+        "readouts of roundoff": [*OF_STATE, *ENTRIES, GROWTH],
+        "units of phase_error": [*UNITS],
+        "facts": [*NAMES],
+        "functions": [*FUNCTIONS],
+        "families, with at": [f"{key} ({family.parameter})" for key, family in FAMILIES.items()],
+        "published values": [*published_values()],
+    }
+    lines = [f"{title}:\n  {', '.join(names)}" for title, names in parts.items()]
+    return "\n".join([*lines, "methods:\n  `driftproof methods` lists them"])
