@@ -6,13 +6,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction as Q
 
-import sympy
-
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.scenes import LARGEST_LESSON_H, PRESETS, Scene
 from driftproof.symbolic.algebra.certified import CertifiableReal
 from driftproof.symbolic.derivation.energy import invariant_quadratic
 from driftproof.symbolic.derivation.one_step import at_rational
+from driftproof.symbolic.runs import TrigonometricNumber
 from proofs.claims import CERTIFIED, COUNTED, PROVED
 from proofs.setting import (
     BOUNDARY_H,
@@ -81,11 +80,12 @@ def _first_step(key: str, title: str) -> Iterator[Quantity]:
 
 
 def _exact_states() -> Iterator[Quantity]:
-    half = sympy.Rational(1, 2)
-    yield _enclosed("exact.first_step.q", "exact position after the first step", lambda: sympy.cos(half))
-    yield _enclosed("exact.first_step.v", "exact velocity after the first step", lambda: -sympy.sin(half))
-    yield _enclosed("exact.default.q", "exact position at t = 10", lambda: sympy.cos(10))
-    yield _enclosed("exact.default.v", "exact velocity at t = 10", lambda: -sympy.sin(10))
+    cosine = lambda t: TrigonometricNumber(Q(1), Q(0), t)
+    minus_sine = lambda t: TrigonometricNumber(Q(0), Q(-1), t)
+    yield _enclosed("exact.first_step.q", "exact position after the first step", lambda: cosine(Q(1, 2)))
+    yield _enclosed("exact.first_step.v", "exact velocity after the first step", lambda: minus_sine(Q(1, 2)))
+    yield _enclosed("exact.default.q", "exact position at t = 10", lambda: cosine(Q(10)))
+    yield _enclosed("exact.default.v", "exact velocity at t = 10", lambda: minus_sine(Q(10)))
 
 
 def _rates() -> Iterator[Quantity]:

@@ -10,6 +10,7 @@ from sympy import QQ, Rational
 from driftproof.symbolic.algebra.certified import CertifiableReal, certified_sign, enclose, fixed, is_less
 from driftproof.symbolic.derivation.convergence import T, global_error_coefficient, local_error
 from driftproof.symbolic.derivation.energy import energy_multiplier
+from driftproof.symbolic.derivation.expression_balls import certifiable
 from driftproof.symbolic.derivation.one_step import H, expression
 from driftproof.symbolic.derivation.phase import STEPS, closed_form
 from proofs.claims import CERTIFIED, PROVED, RESTRICTED, claim
@@ -51,7 +52,7 @@ def test_smaller_step_smaller_energy_error_only_of_small_h() -> None:
     slope = sympy.together(growth.diff(h) * h**2)
     assert sympy.simplify(slope - (2 * h**2 / (1 + h**2) - sympy.log(1 + h**2))) == 0
     low, high = Rational(198029, 100000), Rational(198030, 100000)
-    assert certified_sign(slope.subs(h, low)) > 0 > certified_sign(slope.subs(h, high))
+    assert certified_sign(certifiable(slope.subs(h, low))) > 0 > certified_sign(certifiable(slope.subs(h, high)))
     # one turn only: with x = h² the slope rises while x < 1 and falls after, from 0 at x = 0
     x = sympy.Symbol("x", positive=True)
     assert sympy.simplify((2 * x / (1 + x) - sympy.log(1 + x)).diff(x) - (1 - x) / (x + 1) ** 2) == 0
@@ -93,7 +94,7 @@ def test_errors_fall_from_default_to_small_steps() -> None:
 def test_symplectic_compare_run_misses_the_endpoint() -> None:
     """At h = ½ the symplectic path misses the exact endpoint, by 0.250082..."""
     assert fixed(run(SYMPLECTIC, COMPARE_H).state_error, 6) == "0.250082"
-    assert is_less(Rational(1, 4), run(SYMPLECTIC, COMPARE_H).state_error)
+    assert is_less(Q(1, 4), run(SYMPLECTIC, COMPARE_H).state_error)
 
 
 @claim("L148", evidence=CERTIFIED, by="disjoint enclosures")
@@ -212,9 +213,9 @@ def test_step_size_sets_convergence_work_and_stability() -> None:
 @claim("L151", evidence=CERTIFIED, by="ball enclosure")
 def test_coarse_segments_skip_much_of_the_motion() -> None:
     """A segment can hide much motion: at h = 5/2 the exact state turns by over 143° between two samples."""
-    turn = Rational(5, 2) * 180 / sympy.pi
-    assert is_less(Rational(143), turn)
-    assert is_less(turn, Rational(144))
+    turn = certifiable(Rational(5, 2) * 180 / sympy.pi)
+    assert is_less(Q(143), turn)
+    assert is_less(turn, Q(144))
 
 
 def test_closed_form_of_symplectic_euler_from_the_start() -> None:

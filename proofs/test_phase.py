@@ -10,6 +10,7 @@ from sympy import QQ, Rational, atan2, cos, pi, ring, sin, sqrt
 
 from driftproof.numeric import readouts
 from driftproof.symbolic.algebra.certified import certified_sign, fixed, is_less
+from driftproof.symbolic.derivation.expression_balls import certifiable
 from driftproof.symbolic.derivation.one_step import H
 from driftproof.symbolic.derivation.phase import leading_term, phase_error_series, phase_per_step
 from driftproof.symbolic.runs import OscillatorRun
@@ -28,7 +29,7 @@ def test_state_error_is_euclidean_distance() -> None:
     assert exact.t == 10
     assert list(map(str, exact.exact_state)) == [str(exact_q), str(exact_v)]
     squared = (exact.final_state[0] - exact_q) ** 2 + (exact.final_state[1] - exact_v) ** 2
-    assert fixed(exact.state_error, 30) == fixed(sympy.sqrt(squared), 30)
+    assert fixed(exact.state_error, 30) == fixed(certifiable(sympy.sqrt(squared)), 30)
     assert readouts.state_error((3.0, 0.0), (0.0, 4.0)) == 5
     assert (q - x) ** 2 + (v - y) ** 2 != (q - x) ** 2 - (v - y) ** 2
 
@@ -93,8 +94,8 @@ def test_phase_angle_of_the_solution_is_time() -> None:
 def test_phase_error_compares_final_angles() -> None:
     """The readout compares the final angles: for the default run 40·atan(1/4) - 10 radians, from the two angles."""
     by_angles = (40 * sympy.atan(Rational(1, 4)) - 10) * 180 / pi
-    assert fixed(run(EULER, DEFAULT_H).phase_error, 25) == fixed(by_angles, 25)  # type: ignore[arg-type]
-    assert fixed(run(EULER, DEFAULT_H).phase_error, 25) != fixed(-by_angles, 25)  # type: ignore[arg-type]
+    assert fixed(run(EULER, DEFAULT_H).phase_error, 25) == fixed(certifiable(by_angles), 25)  # type: ignore[arg-type]
+    assert fixed(run(EULER, DEFAULT_H).phase_error, 25) != fixed(certifiable(-by_angles), 25)  # type: ignore[arg-type]
 
 
 @claim("L135", evidence=RESTRICTED, by="cases at the ends")
@@ -121,11 +122,12 @@ def test_phase_error_is_the_shortest_of_all_differences() -> None:
     """
     late = run(EULER, Q(5, 2))
     wrapped = late.phase_error
-    unwrapped = (4 * sympy.atan(Rational(5, 2)) - 10) * 180 / pi  # the angles without wrapping
-    assert fixed(unwrapped + 360, 20) == fixed(wrapped, 20)  # type: ignore[arg-type]
-    assert is_less(unwrapped, sympy.Integer(-180))
-    assert certified_sign(unwrapped + 360) > 0
-    assert is_less(unwrapped + 360, sympy.Integer(180))
+    angles = (4 * sympy.atan(Rational(5, 2)) - 10) * 180 / pi
+    unwrapped, turned = certifiable(angles), certifiable(angles + 360)
+    assert fixed(turned, 20) == fixed(wrapped, 20)  # type: ignore[arg-type]
+    assert is_less(unwrapped, Q(-180))
+    assert certified_sign(turned) > 0
+    assert is_less(turned, Q(180))
 
 
 @claim("L160", evidence=PROVED, by="angle grows with t")

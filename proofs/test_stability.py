@@ -10,6 +10,7 @@ from sympy import QQ, Rational, ring, sqrt, symbols
 from driftproof.numeric.scenes import LARGEST_LESSON_H
 from driftproof.symbolic.algebra.certified import certified_sign, is_less
 from driftproof.symbolic.derivation.energy import energy_multiplier
+from driftproof.symbolic.derivation.expression_balls import certifiable
 from driftproof.symbolic.derivation.one_step import RING, H, at_rational, expression, matrix
 from driftproof.symbolic.derivation.physical import one_step_with_frequency
 from driftproof.symbolic.derivation.signs import deflate, is_positive_between, roots_between
@@ -153,10 +154,10 @@ def test_rk4_phase_error_remains_at_two_sqrt_two() -> None:
     advance = sympy.pi + sympy.atan(limit)  # cos = -1/3 and sin = -2 sqrt 2 / 3, in the third quarter
     assert sympy.simplify(sympy.cos(advance) + Rational(1, 3)) == 0
     assert sympy.simplify(sympy.sin(advance) + limit / 3) == 0
-    lead = (advance - limit) * 180 / sympy.pi
+    lead = certifiable((advance - limit) * 180 / sympy.pi)
     assert certified_sign(lead) > 0
-    assert is_less(Rational(8847, 100), lead)
-    assert is_less(lead, Rational(8848, 100))
+    assert is_less(Q(8847, 100), lead)
+    assert is_less(lead, Q(8848, 100))
 
 
 @claim("L182", evidence=PROVED, by="squares compared")
@@ -194,7 +195,7 @@ def test_limits_belong_to_method_and_oscillator() -> None:
 def test_higher_order_is_neither_exact_nor_unrestricted() -> None:
     """Order four makes RK4 neither exact, its step misses cos h, nor unrestricted, its powers grow beyond 2 sqrt 2."""
     position = at_rational(M(RK4).to_list()[0][0], Q(1, 2))
-    assert certified_sign(sympy.cos(Rational(1, 2)) - Rational(position)) != 0
+    assert certified_sign(certifiable(sympy.cos(Rational(1, 2)) - Rational(position))) != 0
     assert not AtStep(M(RK4), sympy.Integer(3)).bounded
 
 

@@ -211,7 +211,7 @@ class OscillatorRun:
     def energy(self) -> CertifiableReal:
         """½(q_N² + v_N²)."""
         if self.has_short_fractions:
-            return _energy(*self.final_state)
+            return Fraction(_energy(*self.final_state))
         return lambda: _energy(*_numerical(self))
 
     @property
@@ -219,7 +219,7 @@ class OscillatorRun:
         """½(q_N² + v_N²) - ½(q₀² + v₀²)."""
         before = _energy(*self.start)
         if self.has_short_fractions:
-            return _energy(*self.final_state) - before
+            return Fraction(_energy(*self.final_state) - before)
         return lambda: _energy(*_numerical(self)) - enclose(before)
 
     @property

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from fractions import Fraction
 from math import ceil
-from typing import TYPE_CHECKING, TypeAlias, TypeGuard, TypeVar
+from typing import TypeAlias, TypeVar
 
-from flint import arb, ctx, fmpq, fmpz
+from flint import arb, ctx, fmpz
 
-from driftproof.methods.number_field import Algebraic, dyadic
+from driftproof.methods.number_field import Algebraic, as_fmpq, dyadic
 
-if TYPE_CHECKING:
-    import sympy
-
-# A real number, known exactly: a rational, an element of a number field, a SymPy expression, or a procedure that
-# returns an Arb ball around the number at Arb's current precision, the smaller the higher that is.
-CertifiableReal: TypeAlias = "Fraction | Algebraic | sympy.Expr | Callable[[], arb]"
+# A real number, known exactly: a rational, an element of a number field, or a procedure that returns an Arb ball around
+# the number at Arb's current precision, the smaller the higher that is.
+CertifiableReal: TypeAlias = Fraction | Algebraic | Callable[[], arb]
 T = TypeVar("T")
 
 HALF_EVEN = "half-even"
@@ -37,16 +33,10 @@ class Uncertified(ArithmeticError):
 
 
 def enclose(value: CertifiableReal) -> arb:
-    """An Arb ball that contains `value`, at Arb's current precision. Raises TypeError for an unknown function."""
-    if _is_expression(value):
-        from driftproof.symbolic.derivation.expression_balls import enclose_expression
-
-        return enclose_expression(value)
+    """An Arb ball that contains `value`, at Arb's current precision. Raises TypeError for what is not exact."""
     if callable(value):
         return value()
-    if isinstance(value, Algebraic):
-        return value.ball()
-    return arb(fmpq(value.numerator, value.denominator))
+    return value.ball() if isinstance(value, Algebraic) else arb(as_fmpq(value))
 
 
 def decide_by_enclosure(value: CertifiableReal, read: Callable[[Fraction], T]) -> T:
@@ -56,8 +46,6 @@ def decide_by_enclosure(value: CertifiableReal, read: Callable[[Fraction], T]) -
     rationals are exact. Raises Uncertified if precision LAST_BITS does not separate the number from a jump of
     `read`, which for an irrational number cannot happen for ever.
     """
-    if _is_expression(value) and value.is_Rational:
-        value = Fraction(int(value.p), int(value.q))
     if isinstance(value, int | Fraction):
         return read(Fraction(value))
     bits = FIRST_BITS
@@ -70,12 +58,6 @@ def decide_by_enclosure(value: CertifiableReal, read: Callable[[Fraction], T]) -
                 return at_low
         bits *= 2
     raise Uncertified(f"undecided at {LAST_BITS} bits: the number is too close to a rounding boundary, or on it")
-
-
-def _is_expression(value: object) -> TypeGuard[sympy.Basic]:
-    """True for what SymPy made; where SymPy has not been imported there is nothing of the kind."""
-    library = sys.modules.get("sympy")
-    return library is not None and isinstance(value, library.Basic)
 
 
 def _is_vague(ball: arb) -> bool:

@@ -3,10 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
+from functools import partial
 from typing import Any
 
 import sympy
 from flint import arb, ctx, fmpq
+
+from driftproof.symbolic.algebra.certified import CertifiableReal
+
+
+def certifiable(expr: sympy.Basic) -> CertifiableReal:
+    """The real number `expr` as `driftproof.symbolic.algebra.certified` takes it: a Fraction where it is rational."""
+    if isinstance(expr, sympy.Rational):
+        return Fraction(int(expr.p), int(expr.q))
+    return partial(enclose_expression, expr)
 
 
 def enclose_expression(expr: sympy.Basic) -> arb:

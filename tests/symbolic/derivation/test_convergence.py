@@ -21,6 +21,7 @@ from driftproof.symbolic.derivation.convergence import (
     local_error,
     rotation,
 )
+from driftproof.symbolic.derivation.expression_balls import enclose_expression
 from driftproof.symbolic.derivation.one_step import H, entries, matrix, matrix_at, one_step_matrix
 from driftproof.symbolic.runs import as_balls, power
 from tests.nine import NINE
@@ -39,7 +40,7 @@ def distance(a: Any, b: Any) -> arb:
 
 
 def numbers(m: sympy.Matrix) -> list[arb]:
-    return [enclose(entry) for entry in m]
+    return [enclose_expression(entry) for entry in m]
 
 
 @pytest.mark.parametrize("key", NINE)

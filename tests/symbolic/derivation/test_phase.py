@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftproof.symbolic.algebra.certified import enclose, is_less
+from driftproof.symbolic.derivation.expression_balls import enclose_expression
 from driftproof.symbolic.derivation.one_step import (
     RING,
     H,
@@ -47,7 +48,7 @@ def test_phase_series_is_the_closed_form_to_its_last_term(key: str) -> None:
     longer = phase_error_series(m, TERMS + 4)
     following = at_rational(longer - phase_error_series(m, TERMS), SMALL)
     assert following != 0
-    left = lambda: abs(enclose(theta) - enclose(SMALL) - enclose(series))
+    left = lambda: abs(enclose_expression(theta) - enclose(SMALL) - enclose(series))
     assert is_less(left, 2 * abs(following))
     assert not is_less(left, abs(following) / 2)
 
@@ -116,7 +117,7 @@ def _closed(key: str, n: int) -> list[sympy.Expr]:
 def _encloses(form: sympy.Expr, x: Q) -> bool:
     """The two agree to 10^-40, certified. A tie of both cannot be decided by balls, so a distance is."""
     with ctx.workprec(300):
-        return bool(abs(enclose(form) - enclose(Q(x))) < arb(10) ** -40)
+        return bool(abs(enclose_expression(form) - enclose(Q(x))) < arb(10) ** -40)
 
 
 @given(st.integers(1, 20))
