@@ -190,17 +190,6 @@ def test_file_that_makes_no_sense_is_named(name, refusal, tmp_path):
     assert name in refusal("facts", str(tmp_path / name))
 
 
-@pytest.mark.parametrize("kind", ["region", "order-star", "phase"])
-def test_picture_is_drawn_and_of_a_splitting_there_is_none(kind, run, tmp_path):
-    picture = tmp_path / "region.svg"
-    assert run("facts", "rk4", "--only", "order", "--plot", str(picture), "--picture", kind)[0] == 0
-    assert picture.read_text(encoding="utf-8").count("<svg") == 1
-    if kind == "region":
-        picture.unlink()
-        assert run("facts", "symplectic_euler", "--plot", str(picture))[0] == 2
-        assert not picture.exists()
-
-
 @pytest.mark.parametrize("name", ["region", "region.bogus"])
 def test_picture_of_no_kind_is_refused_and_leaves_nothing(name, refusal, tmp_path):
     words = refusal("facts", "rk4", "--only", "order", "--plot", str(tmp_path / name))

@@ -92,7 +92,12 @@ def test_a_method_that_does_not_apply_says_why(answer):
     assert "symplectic_euler does not apply: " in out
 
 
-@pytest.mark.parametrize("key", PROBLEMS)
+# HIRES takes as long as all the others together: eight implicit equations a step, in up to 512 steps. Its answer is of
+# the same kind as Robertson's, another nonlinear stiff problem; the long tier asks for it.
+EVERY = [pytest.param(key, marks=pytest.mark.long if key == "hires" else ()) for key in PROBLEMS]
+
+
+@pytest.mark.parametrize("key", EVERY)
 def test_every_problem_is_answered(answer, key):
     assert PROBLEMS[key].title in answer(
         "stability", key, "--methods", "backward_euler", "--h", str(PROBLEMS[key].t / 8)

@@ -162,10 +162,10 @@ def _table(shown: _Shown) -> str:
 
 
 def _work_precision(shown: _Shown) -> str:
-    from driftproof.reports.page.work import CALLS, cost_figure, measured_seconds, work_curves, work_table
+    from driftproof.reports.page.work import EVALUATIONS_COST, cost_figure, measured_seconds, work_curves, work_table
 
     found = work_curves(shown.scene)
-    figure, orders = cost_figure(shown.scene, found, CALLS, shown.identity).markup(), work_table(found)
+    figure, orders = cost_figure(shown.scene, found, EVALUATIONS_COST, shown.identity).markup(), work_table(found)
     if not shown.times:
         return element("div", figure, orders, class_="beside")
     timed = cost_figure(shown.scene, found, measured_seconds(shown.scene, found), shown.identity).markup()

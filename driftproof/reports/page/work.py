@@ -88,7 +88,7 @@ class Cost:
     shown: Callable[[float], str]
 
 
-CALLS = Cost(
+EVALUATIONS_COST = Cost(
     name="work",
     title="Error against work",
     axis="calls of the acceleration",

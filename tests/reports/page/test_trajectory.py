@@ -6,7 +6,6 @@ import re
 from fractions import Fraction as Q
 from itertools import pairwise
 from pathlib import Path
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -122,19 +121,6 @@ def test_figures_are_whole_files_and_the_same_bytes_each_time(tmp_path: Path) ->
     assert [path.name for path in one] == ["compare_position.svg", "compare_phase_plane.svg"]
     assert [path.read_bytes() for path in one] == [path.read_bytes() for path in two]
     assert sorted(path.name for path in (tmp_path / "one").iterdir()) == sorted(path.name for path in one)
-
-
-def test_file_holds_the_marks_of_the_page_with_its_own_colours_and_asks_for_nothing(tmp_path: Path) -> None:
-    scene = PRESETS["default"]
-    (path, _), run = write_figures(scene, tmp_path), run_of(scene.selected, scene.h, scene.t)
-    written = path.read_text(encoding="utf-8")
-    root = ElementTree.fromstring(written)
-    assert {mark for mark in position(run).plot.drawn if mark not in written} == set()
-    assert "start (1, 0), h = 1/4, t = 10, 40 steps" in [element.text for element in root]
-    assert "var(" not in written
-    assert not re.search(r"href|url\(|@import", written)
-    width, height, *box = (float(x) for x in (root.get("width"), root.get("height"), *str(root.get("viewBox")).split()))
-    assert (width, height) == (1.5 * box[2], 1.5 * box[3])
 
 
 def test_figure_in_the_readme_is_the_one_that_the_command_writes(tmp_path: Path) -> None:
