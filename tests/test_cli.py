@@ -187,7 +187,7 @@ def test_help_of_a_command_loads_that_command_alone(command, modules_after):
 # What an answer may need of the heavy libraries, and no more.
 NEEDED = {
     "methods": {"flint"},
-    "scenes": {"flint"},
+    "scenes": set(),
     "values --only rk4.first_step.q": set(),
     "step rk4 --h 1/2": {"flint"},
     "run rk4 --h 1/4 --t 10": {"flint"},
@@ -201,4 +201,5 @@ NEEDED = {
 def test_answer_loads_what_it_needs(line, modules_after):
     loaded = modules_after(f"from driftproof.cli import main; main({line.split()!r})")
     assert loaded & HEAVY <= NEEDED[line]
+    assert "http.client" not in loaded  # as xml.sax.saxutils and other small things would bring along
     assert "driftproof.cli" in loaded

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from xml.sax.saxutils import escape
+from html import escape
 
 from driftproof.texts.questions.parser import parse_form
 from driftproof.texts.questions.syntax import Call, Chain, Negated, Node, Number, Power, Published, Query
@@ -77,7 +77,7 @@ MATHML = Writer(
     root=lambda inner, degree: f"<msqrt>{inner}</msqrt>" if degree == 2 else f"<mroot>{inner}<mn>{degree}</mn></mroot>",
     function=lambda name, inner: _mathml_row([f"<mi>{name}</mi>", _APPLIED, _mathml_bracket(inner)]),
     bracket=_mathml_bracket,
-    words=lambda text: f"<mtext>{escape(text)}</mtext>",
+    words=lambda text: f"<mtext>{escape(text, quote=False)}</mtext>",
 )
 
 
