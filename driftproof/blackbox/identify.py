@@ -19,11 +19,12 @@ from driftproof.blackbox.matching.read_order import ReadOrder, read_order
 from driftproof.blackbox.probes.linear_steps import LINEAR
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.questions import Introduction, coefficients, introduction
-from driftproof.blackbox.report import Json, Report, Section, sections
+from driftproof.blackbox.report import Report, Section, sections
 from driftproof.blackbox.stepper.calling_conventions import CALLS
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Method
+from driftproof.support.plain_text import Json
 
 # Examples of the rounding errors of a method that was recognised: enough to see their size.
 EXAMPLES = 200

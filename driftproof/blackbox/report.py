@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
-from driftproof.support.plain_text import as_json
-
-Json = Any
+from driftproof.support.plain_text import Json, as_json
 
 
 @dataclass(frozen=True)

@@ -15,10 +15,11 @@ from driftproof.blackbox.judging.pendulum_order import MeasuredOrder, measured_o
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
 from driftproof.blackbox.matching.match import match_method
 from driftproof.blackbox.questions import coefficients
-from driftproof.blackbox.report import Json, Report, sections
+from driftproof.blackbox.report import Report, sections
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.schemes import Method
 from driftproof.methods.tableau_file import method_of
+from driftproof.support.plain_text import Json
 
 # Where a stepper's calls do not allow a question, nothing follows from it.
 NOT_ASKED = ("unsupported_call", "not_readable")

@@ -23,7 +23,8 @@ from time import monotonic
 from typing import Any
 
 from driftproof.support import supervisor
-from driftproof.support.supervisor import LAST_ROUND, Ends, Handler, Json, ready, supervise
+from driftproof.support.plain_text import Json
+from driftproof.support.supervisor import LAST_ROUND, Ends, Handler, ready, supervise
 
 # What a fresh interpreter may need to import this package on a busy machine: no part of the time of an answer.
 START_UP = 60.0

@@ -23,8 +23,8 @@ from pathlib import Path
 from time import monotonic, process_time, sleep
 from typing import Any, NamedTuple
 
-Json = Any
-Handler = Callable[[Json], Json]
+_Json = Any
+Handler = Callable[[_Json], _Json]
 # Seconds in which the supervisor kills what is left: one kill takes microseconds, a fork bomb some rounds of them.
 LAST_ROUND = 10.0
 _PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36  # linux/prctl.h
@@ -143,14 +143,14 @@ def _work(theirs: Ends, handler: Handler | None) -> None:
         _tell(answers, text)
 
 
-def _tell(answers: int, message: Json) -> None:
+def _tell(answers: int, message: _Json) -> None:
     text = message if isinstance(message, str) else json.dumps(message)
     rest = memoryview(f"{text}\n".encode())
     while rest:
         rest = rest[os.write(answers, rest) :]
 
 
-def _raised(error: Exception) -> dict[str, Json]:
+def _raised(error: Exception) -> dict[str, _Json]:
     return {
         "raised": f"{type(error).__name__}: {' '.join(str(error).split())}"[:2000],
         "memory": isinstance(error, MemoryError),
