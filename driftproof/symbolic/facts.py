@@ -10,27 +10,10 @@ from typing import Any, NamedTuple
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.linear.facts import LinearFacts, fact_names
-from driftproof.symbolic.trees.alternating import (
-    nystrom_conditions,
-    nystrom_order,
-    separable_conditions,
-    separable_order,
-)
-from driftproof.symbolic.trees.modified import modified_equation
-from driftproof.symbolic.trees.order import (
-    Conditions,
-    OrderFact,
-    PrincipalError,
-    embedded_conditions,
-    embedded_order,
-    order,
-    order_to_tolerance,
-    principal_error,
-    runge_kutta_conditions,
-)
-from driftproof.symbolic.trees.quadratic import algebraic_stability
+from driftproof.symbolic.trees import alternating, modified, quadratic, simplifying
+from driftproof.symbolic.trees import order as orders
+from driftproof.symbolic.trees.order import Conditions, OrderFact
 from driftproof.symbolic.trees.rooted import Tree
-from driftproof.symbolic.trees.simplifying import Simplifying, simplifying_assumptions
 from driftproof.symbolic.trees.table import TooManyTrees
 
 FAMILY_NAMES = {RungeKutta: "runge_kutta", Splitting: "splitting", Nystrom: "nystrom", Collocation: "collocation"}
@@ -81,12 +64,12 @@ class Facts(LinearFacts):
     @cached_property
     def order_second_order_problems(self) -> int | None:
         """The order on q'' = F(q), of splittings and Nyström methods."""
-        return nystrom_order(self.method).order if isinstance(self.method, Splitting | Nystrom) else None
+        return alternating.nystrom_order(self.method).order if isinstance(self.method, Splitting | Nystrom) else None
 
     @cached_property
     def embedded_order(self) -> int | None:
         """The order of the embedded method of a pair."""
-        found = embedded_order(self.method) if isinstance(self.method, RungeKutta) else None
+        found = orders.embedded_order(self.method) if isinstance(self.method, RungeKutta) else None
         return None if found is None else found.order
 
     @cached_property
@@ -95,31 +78,31 @@ class Facts(LinearFacts):
         return None if self.simplifying_assumptions is None else self.simplifying_assumptions.stage_order
 
     @cached_property
-    def simplifying_assumptions(self) -> Simplifying | None:
+    def simplifying_assumptions(self) -> simplifying.Simplifying | None:
         """How far B, C and D hold."""
-        return None if self._tableau is None else simplifying_assumptions(self._tableau)
+        return None if self._tableau is None else simplifying.simplifying_assumptions(self._tableau)
 
     @cached_property
-    def principal_error(self) -> PrincipalError[Tree] | TooManyTrees | None:
+    def principal_error(self) -> orders.PrincipalError[Tree] | TooManyTrees | None:
         """The coefficients of the leading error term, by trees, unless there are too many."""
         if self._tableau is None:
             return None
         try:
-            return principal_error(runge_kutta_conditions(self._tableau))
+            return orders.principal_error(orders.runge_kutta_conditions(self._tableau))
         except TooManyTrees as refusal:
             return refusal
 
     @cached_property
     def algebraically_stable(self) -> bool | None:
         """Whether two solutions of a contractive problem never come apart."""
-        return None if self._tableau is None else algebraic_stability(self._tableau).holds
+        return None if self._tableau is None else quadratic.algebraic_stability(self._tableau).holds
 
     @cached_property
     def modified_equation(self) -> Mapping[Tree, Exact] | None:
         """The coefficients that are not zero of the equation whose exact flow the step is, by trees."""
         if self._tableau is None:
             return None
-        return {tree: c for tree, c in modified_equation(self._tableau, MODIFIED_ORDER).items() if c != 0}
+        return {tree: c for tree, c in modified.modified_equation(self._tableau, MODIFIED_ORDER).items() if c != 0}
 
     @property
     def _tableau(self) -> RungeKutta | Collocation | None:
@@ -158,8 +141,8 @@ def general_order(method: Method) -> OrderFact[Any]:
     separable Hamiltonians for splittings, q'' = F(q) for Nyström methods. Never the order on linear problems alone.
     """
     if isinstance(method, Splitting):
-        return separable_order(method)
-    return nystrom_order(method) if isinstance(method, Nystrom) else order(method)
+        return alternating.separable_order(method)
+    return alternating.nystrom_order(method) if isinstance(method, Nystrom) else orders.order(method)
 
 
 def order_within(method: Method, tolerance: Fraction) -> OrderWithin:
@@ -177,17 +160,19 @@ def order_within(method: Method, tolerance: Fraction) -> OrderWithin:
         raise ValueError(f"tolerance {tolerance} is below zero")
 
     def within(conditions: Conditions[Any], order: int = 0) -> int:
-        return order if order >= TOLERANCE_ORDER else order_to_tolerance(conditions, tolerance, TOLERANCE_ORDER)
+        return order if order >= TOLERANCE_ORDER else orders.order_to_tolerance(conditions, tolerance, TOLERANCE_ORDER)
 
     conditions: Conditions[Any]
     if isinstance(method, Splitting):
-        conditions = separable_conditions(method)
+        conditions = alternating.separable_conditions(method)
+    elif isinstance(method, Nystrom):
+        conditions = alternating.nystrom_conditions(method)
     else:
-        conditions = nystrom_conditions(method) if isinstance(method, Nystrom) else runge_kutta_conditions(method)
-    second = embedded_conditions(method) if isinstance(method, RungeKutta) else None
+        conditions = orders.runge_kutta_conditions(method)
+    second = orders.embedded_conditions(method) if isinstance(method, RungeKutta) else None
     return OrderWithin(
         tolerance,
         within(conditions, general_order(method).order),
-        within(nystrom_conditions(method)) if isinstance(method, Splitting) else None,
+        within(alternating.nystrom_conditions(method)) if isinstance(method, Splitting) else None,
         None if second is None else within(second),
     )

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, RungeKutta
@@ -14,54 +14,16 @@ from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import coefficients, exact, scalar
 from driftproof.symbolic.algebra.radicals import is_readable
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction, rational_function_text
+from driftproof.symbolic.linear import implicit_stability, invariants, limits, oscillator, phase, structure
 from driftproof.symbolic.linear.bounded_powers import bounded_limit
-from driftproof.symbolic.linear.implicit_stability import a_stability, i_stability, l_stability
-from driftproof.symbolic.linear.invariants import (
-    ModifiedHamiltonian,
-    Quadratic,
-    conserved_quadratics,
-    definite_limit,
-    modified_hamiltonian,
-)
-from driftproof.symbolic.linear.limits import INFINITY, Limit, imaginary_limit, imaginary_margin, real_limit
+from driftproof.symbolic.linear.limits import INFINITY, Limit
 from driftproof.symbolic.linear.monotonicity import ssp_coefficient
 from driftproof.symbolic.linear.order_reduction import prothero_robinson
-from driftproof.symbolic.linear.oscillator import (
-    determinant,
-    energy_multiplier,
-    energy_multiplier_of,
-    is_matrix_symmetric,
-    one_step_matrix,
-    spread,
-    stability_function_of,
-)
-from driftproof.symbolic.linear.phase import (
-    LeadingTerm,
-    NoRotationError,
-    angle_error,
-    angle_series,
-    damping,
-    damping_series,
-    dispersion,
-    dispersion_series,
-    dissipation,
-    dissipation_series,
-    error_constant,
-    is_linearly_symmetric,
-    matrix_error,
-    modified_factor_series,
-    modified_rate,
-    turning_rate,
-)
 from driftproof.symbolic.linear.region import rounded_boundary
 from driftproof.symbolic.linear.sector import Angle, sector_tangent
 from driftproof.symbolic.linear.sector_enclosure import EnclosedTangent
-from driftproof.symbolic.linear.structure import (
-    is_first_same_as_last,
-    is_stiffly_accurate,
-    is_symmetric,
-    is_symplectic,
-)
+
+T = TypeVar("T")
 
 # Terms of a series: those of a method of order 8, and a few of its error.
 TERMS = 12
@@ -69,7 +31,7 @@ TERMS = 12
 
 @dataclass(frozen=True)
 class ExactFunction:
-    """The rational function x -> f(x**power), x being written `variable`."""
+    """The rational function x -> f(x**power) for a power of 1 or 2, x being written `variable`."""
 
     f: RationalFunction
     variable: str = "z"
@@ -81,8 +43,14 @@ class ExactFunction:
 
     def __str__(self) -> str:
         """The function in SymPy's syntax, e.g. "(1 - h**2/4)/(1 + h**2/4)"."""
-        f = self.f if self.power == 1 else RationalFunction(spread(self.f.num), spread(self.f.den))
-        return rational_function_text(f, self.variable)
+        return rational_function_text(self.inflated().f, self.variable)
+
+    def inflated(self) -> ExactFunction:
+        """The same function, with power 1."""
+        if self.power == 1:
+            return self
+        num, den = (oscillator.spread(p) for p in (self.f.num, self.f.den))
+        return ExactFunction(fraction(num, den), self.variable)
 
 
 class PowerSeries(NamedTuple):
@@ -111,14 +79,14 @@ class Sector(NamedTuple):
 class Conserved(NamedTuple):
     """A conserved quadratic, and the largest H such that it is positive definite for h in (0, H)."""
 
-    quadratic: Quadratic
+    quadratic: invariants.Quadratic
     definite_limit: Limit
 
 
 class ModifiedEnergy(NamedTuple):
     """The modified Hamiltonian, and its factor θ / sin θ as a series where its coefficients can be read."""
 
-    hamiltonian: ModifiedHamiltonian
+    hamiltonian: invariants.ModifiedHamiltonian
     factor_series: PowerSeries | None
 
 
@@ -130,10 +98,30 @@ class OrderReduction(NamedTuple):
     at_infinity: Exact | Limit
 
 
-class Boundary(NamedTuple):
+class RegionBoundary(NamedTuple):
     """Points (Re R, Re z, Im z) of the upper half-plane, as decimals within 10**-places of |R(z)| = 1."""
 
     points: list[tuple[str, str, str]]
+
+
+def _of_r(derive: Callable[[RationalFunction], T]) -> cached_property[T | None]:
+    """The fact that is derived from R(z); None for a method without R(z)."""
+    return _as_fact(lambda facts: None if facts._r is None else derive(facts._r), derive)
+
+
+def _of_step(of_r: Callable[[RationalFunction], T], of_matrix: Callable[[StepMatrix], T]) -> cached_property[T]:
+    """The fact that is derived from R(z), without R(z) from M(h)."""
+    return _as_fact(lambda facts: of_matrix(facts.one_step_matrix) if facts._r is None else of_r(facts._r), of_r)
+
+
+def _of_method(derive: Callable[[Method], T]) -> cached_property[T]:
+    """The fact that is derived from the coefficients."""
+    return _as_fact(lambda facts: derive(facts.method), derive)
+
+
+def _as_fact(fact: Callable[[LinearFacts], T], derive: Callable[..., Any]) -> cached_property[T]:
+    fact.__doc__ = derive.__doc__
+    return cached_property(fact)
 
 
 class LinearFacts:
@@ -152,53 +140,46 @@ class LinearFacts:
         """R(z), with y₁ = R(hλ) y₀ on y' = λy."""
         return None if self._r is None else ExactFunction(self._r)
 
-    @cached_property
-    def one_step_matrix(self) -> StepMatrix:
-        """M(h), with (q₁, v₁)ᵀ = M(h) (q₀, v₀)ᵀ."""
-        return one_step_matrix(self.method)
+    one_step_matrix = _of_method(oscillator.one_step_matrix)
 
     @cached_property
     def determinant(self) -> ExactFunction:
         """det M(h), the factor by which a step scales area."""
         if self._r is None:
-            return ExactFunction(determinant(self.one_step_matrix), "h")
-        area = energy_multiplier_of(self._r)  # det R(hJ) = |R(ih)|², in h instead of h²
-        return ExactFunction(fraction(spread(area.num), spread(area.den)), "h")
+            return ExactFunction(oscillator.determinant(self.one_step_matrix), "h")
+        return ExactFunction(oscillator.energy_multiplier_of(self._r), "h", 2).inflated()  # det R(hJ) = |R(ih)|²
 
     @cached_property
     def energy_multiplier(self) -> ExactFunction | None:
         """The factor by which a step multiplies q² + v², where it is the same for all states; given by h²."""
-        found = energy_multiplier(self.one_step_matrix) if self._r is None else energy_multiplier_of(self._r)
+        if self._r is not None:
+            return ExactFunction(oscillator.energy_multiplier_of(self._r), "h", 2)
+        found = oscillator.energy_multiplier(self.one_step_matrix)
         return None if found is None else ExactFunction(found, "h", 2)
 
     @cached_property
-    def invariant(self) -> Quadratic | None:
+    def invariant(self) -> invariants.Quadratic | None:
         """The quadratic form in q and v that a step conserves, where there is one up to a factor."""
         return self._conserved[0] if len(self._conserved) == 1 else None
 
     @cached_property
     def conserved_quadratics(self) -> list[Conserved]:
         """A basis of the quadratic forms that a step conserves, and how far each is definite."""
-        return [Conserved(form, definite_limit(form)) for form in self._conserved]
+        return [Conserved(form, invariants.definite_limit(form)) for form in self._conserved]
 
     @cached_property
     def modified_hamiltonian(self) -> ModifiedEnergy | None:
         """The Hamiltonian whose exact flow over time h the step is, for det M = 1."""
-        found = modified_hamiltonian(self.one_step_matrix)
+        m = self.one_step_matrix
+        found = invariants.modified_hamiltonian(m)
         if found is None:
             return None
-        series = modified_factor_series(self.one_step_matrix, self.terms) if self._turns_readably else None
-        return ModifiedEnergy(found, None if series is None else _series(series))
+        return ModifiedEnergy(
+            found, _series(phase.modified_factor_series(m, self.terms)) if self._turns_readably else None
+        )
 
-    @cached_property
-    def real_limit(self) -> Limit | None:
-        """The largest x with |R| <= 1 on [-x, 0]."""
-        return None if self._r is None else real_limit(self._r)
-
-    @cached_property
-    def imaginary_limit(self) -> Limit:
-        """The largest y with |R| <= 1 on [0, iy]; without R(z), the largest H with bounded powers of M(h) on (0, H)."""
-        return bounded_limit(self.one_step_matrix) if self._r is None else imaginary_limit(self._r)
+    real_limit = _of_r(limits.real_limit)
+    imaginary_limit = _of_step(limits.imaginary_limit, bounded_limit)
 
     @cached_property
     def a_stable(self) -> bool | None:
@@ -210,18 +191,19 @@ class LinearFacts:
         """A-stability with its reason, and a point where it fails."""
         if self._r is None:
             return None
-        found = a_stability(self._r)
-        return AStability(found.holds, found.reason, found.witness, coefficients(imaginary_margin(self._r)))
+        found = implicit_stability.a_stability(self._r)
+        margin = coefficients(limits.imaginary_margin(self._r))
+        return AStability(found.holds, found.reason, found.witness, margin)
 
     @cached_property
     def i_stable(self) -> bool | None:
         """Whether |R(iy)| <= 1 for every real y."""
-        return None if self._r is None else bool(i_stability(self._r))
+        return None if self._r is None else bool(implicit_stability.i_stability(self._r))
 
     @cached_property
     def l_stable(self) -> bool | None:
         """A-stable, and R vanishes at infinity."""
-        return None if self._r is None else bool(l_stability(self._r))
+        return None if self._r is None else bool(implicit_stability.l_stability(self._r))
 
     @cached_property
     def sector(self) -> Sector | None:
@@ -236,71 +218,48 @@ class LinearFacts:
         """The limit of R(z) as z grows."""
         return None if self._r is None else _at_infinity(self._r)
 
-    @cached_property
-    def stiffly_accurate(self) -> bool | None:
-        """Whether the last stage is the step itself."""
-        return is_stiffly_accurate(self.method)
-
-    @cached_property
-    def first_same_as_last(self) -> bool | None:
-        """Whether the last stage is the first of the next step."""
-        return is_first_same_as_last(self.method)
-
-    @cached_property
-    def symplectic(self) -> bool:
-        """Whether a step conserves the symplectic form on every Hamiltonian problem that the method is for."""
-        return is_symplectic(self.method)
-
-    @cached_property
-    def symmetric(self) -> bool:
-        """Whether a step of -h undoes a step of h, on every problem."""
-        return is_symmetric(self.method)
-
-    @cached_property
-    def linearly_symmetric(self) -> bool:
-        """Whether a step of -h undoes a step of h, on linear problems."""
-        return is_matrix_symmetric(self.one_step_matrix) if self._r is None else is_linearly_symmetric(self._r)
+    stiffly_accurate = _of_method(structure.is_stiffly_accurate)
+    first_same_as_last = _of_method(structure.is_first_same_as_last)
+    symplectic = _of_method(structure.is_symplectic)
+    symmetric = _of_method(structure.is_symmetric)
+    linearly_symmetric = _of_step(phase.is_linearly_symmetric, oscillator.is_matrix_symmetric)
 
     @cached_property
     def linear_order(self) -> int:
         """The order on linear problems: of R(z), or of M(h) on the oscillator."""
-        return (matrix_error(self.one_step_matrix)[0] if self._r is None else error_constant(self._r).power) - 1
+        if self._r is None:
+            return phase.matrix_error(self.one_step_matrix)[0] - 1
+        return phase.error_constant(self._r).power - 1
+
+    error_constant = _of_r(phase.error_constant)
 
     @cached_property
-    def error_constant(self) -> LeadingTerm | None:
-        """The leading term of R(z) - exp z."""
-        return None if self._r is None else error_constant(self._r)
-
-    @cached_property
-    def dispersion(self) -> LeadingTerm | None:
+    def dispersion(self) -> phase.LeadingTerm | None:
         """The leading term of arg R(ih) - h; without R(z), of the angle of the eigenvalues of M(h) minus h."""
         if self._r is not None:
-            return dispersion(self._r)
-        return None if self._turning_rate is None else angle_error(self.one_step_matrix)
+            return phase.dispersion(self._r)
+        return None if self._turning_rate is None else phase.angle_error(self.one_step_matrix)
 
-    @cached_property
-    def dissipation(self) -> LeadingTerm | None:
-        """The leading term of log |R(ih)|; without R(z), of half log det M."""
-        return damping(self.one_step_matrix) if self._r is None else dissipation(self._r)
+    dissipation = _of_step(phase.dissipation, phase.damping)
 
     @cached_property
     def dispersion_series(self) -> PowerSeries | None:
         """The series of which `dispersion` is the leading term."""
         if self._r is not None:
-            return _series(dispersion_series(self._r, self.terms))
-        return _series(angle_series(self.one_step_matrix, self.terms)) if self._turns_readably else None
+            return _series(phase.dispersion_series(self._r, self.terms))
+        return _series(phase.angle_series(self.one_step_matrix, self.terms)) if self._turns_readably else None
 
     @cached_property
     def dissipation_series(self) -> PowerSeries:
         """The series of which `dissipation` is the leading term."""
         if self._r is not None:
-            return _series(dissipation_series(self._r, self.terms))
-        return _series(damping_series(self.one_step_matrix, self.terms))
+            return _series(phase.dissipation_series(self._r, self.terms))
+        return _series(phase.damping_series(self.one_step_matrix, self.terms))
 
     @cached_property
     def modified_rate(self) -> PowerSeries | None:
         """log R(z): on y' = λy the step is the exact flow of y' = (log R(hλ)/h) y."""
-        return None if self._r is None else _series(modified_rate(self._r, self.terms), "z")
+        return None if self._r is None else _series(phase.modified_rate(self._r, self.terms), "z")
 
     @cached_property
     def order_reduction(self) -> list[OrderReduction] | None:
@@ -317,24 +276,24 @@ class LinearFacts:
         return ssp_coefficient(self.method) if isinstance(self.method, RungeKutta | Collocation) else None
 
     @cached_property
-    def region_boundary(self) -> Boundary | None:
+    def region_boundary(self) -> RegionBoundary | None:
         """Points of the boundary |R(z)| = 1 of the stability region."""
-        return None if self._r is None else Boundary(rounded_boundary(self._r))
+        return None if self._r is None else RegionBoundary(rounded_boundary(self._r))
 
     @cached_property
     def _r(self) -> RationalFunction | None:
-        return stability_function_of(self.method)
+        return oscillator.stability_function_of(self.method)
 
     @cached_property
-    def _conserved(self) -> list[Quadratic]:
-        return conserved_quadratics(self.one_step_matrix)
+    def _conserved(self) -> list[invariants.Quadratic]:
+        return invariants.conserved_quadratics(self.one_step_matrix)
 
     @cached_property
     def _turning_rate(self) -> Exact | None:
         """The σ of the eigenvalue angle σh + O(h²), 1 for a consistent method; None for a step that is no rotation."""
         try:
-            return turning_rate(self.one_step_matrix)
-        except NoRotationError:
+            return phase.turning_rate(self.one_step_matrix)
+        except phase.NoRotationError:
             return None
 
     @property

@@ -35,10 +35,10 @@ from driftproof.symbolic.family_facts import (
 from driftproof.symbolic.linear.eigenvalues import Complex, Imaginary
 from driftproof.symbolic.linear.facts import (
     TERMS,
-    Boundary,
     ExactFunction,
     ModifiedEnergy,
     PowerSeries,
+    RegionBoundary,
     facts_by_name,
 )
 from driftproof.symbolic.linear.families import Interval, ParameterSet
@@ -167,7 +167,7 @@ _PARTS: dict[type, Callable[[Any], dict[str, Any]]] = {
         "power": x.power,
         "coefficient": x.coefficient if is_readable(x.coefficient) else root_of(x.coefficient),
     },
-    Boundary: lambda x: {
+    RegionBoundary: lambda x: {
         "radius": f"1e-{PLACES}",
         "points": [dict(zip(("cosine", "re", "im"), point, strict=True)) for point in x.points],
     },

@@ -14,7 +14,7 @@ from driftproof.symbolic.algebra.rational_functions import RationalFunction, fra
 from driftproof.symbolic.algebra.real_roots import RealRoot
 from driftproof.symbolic.family_facts import FamilyFunction, FamilyTerm, OrderSet, Piece
 from driftproof.symbolic.linear.eigenvalues import Complex, Imaginary
-from driftproof.symbolic.linear.facts import Boundary, ExactFunction, PowerSeries
+from driftproof.symbolic.linear.facts import ExactFunction, PowerSeries, RegionBoundary
 from driftproof.symbolic.linear.families import DIGITS_SHOWN, Interval, ParameterSet
 from driftproof.symbolic.linear.limits import Infinity
 from driftproof.symbolic.linear.phase import LeadingTerm
@@ -43,7 +43,7 @@ def fact_tex(value: Any) -> str:
         return rf"$\begin{{pmatrix}}{rows}\end{{pmatrix}}$"
     if is_list(value) and value:
         return "; ".join(fact_tex(x) for x in value)
-    found = None if isinstance(value, Boundary) else parts(value)
+    found = None if isinstance(value, RegionBoundary) else parts(value)
     if not found:
         return fact_text(value).replace("**", "^").translate(_ESCAPED)
     shown = [f"{name.translate(_ESCAPED)}: {fact_tex(part)}" for name, part in list(found.items())[:MOST_SHOWN]]

@@ -13,7 +13,7 @@ from driftproof.symbolic.algebra.rational_functions import RationalFunction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
 from driftproof.symbolic.family_facts import FamilyFunction, FamilyTerm, OrderSet, Piece
 from driftproof.symbolic.linear.eigenvalues import Complex, Imaginary
-from driftproof.symbolic.linear.facts import Boundary, ExactFunction, PowerSeries
+from driftproof.symbolic.linear.facts import ExactFunction, PowerSeries, RegionBoundary
 from driftproof.symbolic.linear.families import ParameterSet
 from driftproof.symbolic.linear.limits import INFINITY
 from driftproof.symbolic.linear.phase import LeadingTerm
@@ -145,7 +145,7 @@ def _(value: EigenvalueLimit) -> str:
 
 
 @fact_text.register
-def _(value: Boundary) -> str:
+def _(value: RegionBoundary) -> str:
     points = [f"{re} + {im}*I" for _, re, im in value.points[:MOST_SHOWN]]
     return f"{', '.join(points)}{more(value.points)}; |error| < {record(value)['radius']}, and the conjugates"
 
