@@ -7,7 +7,7 @@ from typing import Any
 
 from driftproof.methods.rationals import parse_rational
 from driftproof.symbolic.algebra.certified import fixed, scientific
-from driftproof.texts.writing.answers import number
+from driftproof.texts.writing.answers import exact_and_decimal
 from proofs.claims import CERTIFIED, COUNTED, PROVED
 from proofs.quantities import QUANTITIES, Quantity
 
@@ -47,7 +47,7 @@ class Printed:
 
     def published(self) -> dict[str, Any]:
         """The value as values.json holds it, with the claim that prints it."""
-        answer = number(self.quantity.value(), DIGITS)
+        answer = exact_and_decimal(self.quantity.value(), DIGITS)
         assert answer is not None
         return {"id": self.id, "claim": self.claim, "text": self.text, "evidence": self.quantity.evidence, **answer}
 

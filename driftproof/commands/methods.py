@@ -94,9 +94,8 @@ def facts_command(options: Namespace) -> str:
     from driftproof.methods.families import Family
     from driftproof.methods.tableau_file import subject_of
     from driftproof.support.plain_text import as_json
+    from driftproof.texts.writing.facts import facts_tex, facts_text
     from driftproof.texts.writing.records import record
-    from driftproof.texts.writing.tex import facts_tex
-    from driftproof.texts.writing.text import facts_text
 
     subject = subject_of(options.method)
     if isinstance(subject, Family):

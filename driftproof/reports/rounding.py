@@ -22,7 +22,7 @@ from driftproof.symbolic.rounding.n_steps_bound import HypothesisFails, run_boun
 from driftproof.symbolic.rounding.step_bound import StepBound, StepOrMethod, step_bound, step_with_stored_coefficients
 from driftproof.symbolic.rounding.text import first_order_text, format_text, full_text
 from driftproof.symbolic.runs import exact_matrix_at
-from driftproof.texts.writing.answers import number
+from driftproof.texts.writing.answers import exact_and_decimal
 
 _State: TypeAlias = tuple[Fraction, Fraction]
 # Bounds are quoted, not compared: few digits say enough.
@@ -71,7 +71,7 @@ def _at(key: str, subject: Any, bound: StepBound, h: Fraction) -> Json:
 
 
 def _in_units(bound: Fraction, fmt: FloatFormat) -> Json | None:
-    return number(bound / fmt.u, BOUND_DIGITS, AWAY, unit="u")
+    return exact_and_decimal(bound / fmt.u, BOUND_DIGITS, AWAY, unit="u")
 
 
 def _per_step(subject: Any, h: Fraction, fmt: FloatFormat) -> Json:
@@ -106,10 +106,10 @@ def budget_answer(
     return {
         "h_run": str(exact_h) if exact_h == h else f"{size!r} (the double nearest to {h})",
         "final_state": [repr(x) for x in final],
-        "state_error": number(error.total, digits, rounding),
-        "truncation": number(error.truncation, digits, rounding),
-        "rounding": number(error.rounding, digits, rounding),
-        "rounding_in_u": number(_in_u(error.rounding), BOUND_DIGITS, unit="u"),
+        "state_error": exact_and_decimal(error.total, digits, rounding),
+        "truncation": exact_and_decimal(error.truncation, digits, rounding),
+        "rounding": exact_and_decimal(error.rounding, digits, rounding),
+        "rounding_in_u": exact_and_decimal(_in_u(error.rounding), BOUND_DIGITS, unit="u"),
         "bound": _theorem(key, exact_h, steps, exact_start),
     }
 
@@ -123,7 +123,7 @@ def _theorem(key: str, h: Fraction, steps: int, start: _State) -> Json:
         bound = run_bound(_program(key), h, steps, start).euclidean
     except HypothesisFails as reason:
         return {"value": None, "reason": str(reason)}
-    return {"value": number(bound, BOUND_DIGITS, AWAY), "in_u": _in_units(bound, BINARY64)}
+    return {"value": exact_and_decimal(bound, BOUND_DIGITS, AWAY), "in_u": _in_units(bound, BINARY64)}
 
 
 def roundoff_text(answer: Json) -> str:

@@ -24,7 +24,7 @@ from driftproof.symbolic.linear.conjugate_pairs import UndecidedLimitError
 from driftproof.symbolic.linear.oscillator import stability_function_of
 from driftproof.symbolic.linear.systems import SYSTEM_FACTS, SystemFacts
 from driftproof.symbolic.linear.verdicts import bounded_at, factor_at, largest_eigenvalue
-from driftproof.texts.writing.answers import number
+from driftproof.texts.writing.answers import exact_and_decimal
 from driftproof.texts.writing.records import record
 
 # Goes over the methods, with a progress bar perhaps.
@@ -135,7 +135,11 @@ def _proved_at(found: SystemFacts, h: Fraction) -> Json:
     except UndecidedLimitError as reason:
         bounded = str(reason)
     factor = factor_at(found, largest_eigenvalue(found.rows), h)
-    return {"bounded": bounded, "factor": number(factor, _DIGITS, HALF_EVEN), "factor_less_one": _less_one(factor)}
+    return {
+        "bounded": bounded,
+        "factor": exact_and_decimal(factor, _DIGITS, HALF_EVEN),
+        "factor_less_one": _less_one(factor),
+    }
 
 
 def _less_one(factor: CertifiableReal) -> str | None:

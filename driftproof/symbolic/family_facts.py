@@ -46,7 +46,7 @@ from driftproof.symbolic.linear.stability_function import stability_function
 from driftproof.symbolic.trees.rooted import Tree, shapes
 from driftproof.symbolic.trees.weights import ElementaryWeights, TableauStages
 
-T = TypeVar("T")
+_T = TypeVar("_T")
 
 
 class FailingTree(NamedTuple):
@@ -84,7 +84,7 @@ class Branch(NamedTuple):
     root: int
 
 
-class Piece(NamedTuple):
+class LimitPiece(NamedTuple):
     """A limit x on an interval of the parameter: a number, or a root of an irreducible curve F(x, parameter) = 0.
 
     `root` counts the positive roots of the curve, from 1, ascending; `formula` solves it where it is linear in x or in
@@ -150,12 +150,12 @@ class FamilyFacts:
         return FamilyTerm(power, ExactFunction(constant, self.method.parameter))
 
     @cached_property
-    def real_limit(self) -> list[Piece] | UndecidedError:
+    def real_limit(self) -> list[LimitPiece] | UndecidedError:
         """The largest x with |R| <= 1 on [-x, 0], by pieces."""
         return self._decided(parametric_real_limit)
 
     @cached_property
-    def imaginary_limit(self) -> list[Piece] | UndecidedError:
+    def imaginary_limit(self) -> list[LimitPiece] | UndecidedError:
         """The largest y with |R| <= 1 on [0, iy], by pieces."""
         return self._decided(parametric_imaginary_limit)
 
@@ -178,7 +178,7 @@ class FamilyFacts:
     def _order(self) -> tuple[int, FailingTree, list[OrderSet]]:
         return family_order(self.method)
 
-    def _decided(self, fact: Callable[[Family], T]) -> T | UndecidedError:
+    def _decided(self, fact: Callable[[Family], _T]) -> _T | UndecidedError:
         try:
             return fact(self.method)
         except UndecidedError as reason:
@@ -248,14 +248,14 @@ def _vanishing(family: Family, p: Polynomial) -> ParameterSet:
 _Value: TypeAlias = Limit | Branch
 
 
-def parametric_real_limit(family: Family) -> list[Piece]:
+def parametric_real_limit(family: Family) -> list[LimitPiece]:
     """The real limit: (Q - P)(Q + P) at -x vanishes there."""
     r = family_stability(family)
     margin = without_root_zero(signed(multiply_rows(subtract_rows(r.den, r.num), add_rows(r.den, r.num))))
     return _pieces(family, r, margin, margin, real_limit)
 
 
-def parametric_imaginary_limit(family: Family) -> list[Piece]:
+def parametric_imaginary_limit(family: Family) -> list[LimitPiece]:
     """The imaginary limit: |Q(ix)|² - |P(ix)|² vanishes there, a polynomial in x**2."""
     r = family_stability(family)
     margin = r.margin_on_axis()
@@ -268,7 +268,7 @@ def _pieces(
     margin: Bivariate,
     in_limit: Bivariate,
     limit_of: Callable[[RationalFunction], Limit],
-) -> list[Piece]:
+) -> list[LimitPiece]:
     """On an open cell between critical values the number of positive roots and the signs between them are constant.
 
     So is, there, the number of the root at which the limit lies: one rational value decides it. Critical are the roots
@@ -288,15 +288,15 @@ def _pieces(
     return [_piece(curves, family.parameter, x, where) for x, where in line.runs(labels) if x is not None]
 
 
-def _piece(curves: list[Bivariate], parameter: str, value: _Value, where: Interval) -> Piece:
+def _piece(curves: list[Bivariate], parameter: str, value: _Value, where: Interval) -> LimitPiece:
     if not isinstance(value, Branch):
-        return Piece(where, value)
+        return LimitPiece(where, value)
     curve, formula = curves[value.curve], None
     powers = [k for k, c in enumerate(curve) if c != 0]
     if powers in ([0, 1], [0, 2]):
         solved = rational_function_text(fraction(-curve[0], curve[-1]), parameter)
         formula = solved if powers == [0, 1] else f"sqrt({solved})"
-    return Piece(where, None, curve_text(curve, "x", parameter), value.root, formula)
+    return LimitPiece(where, None, curve_text(curve, "x", parameter), value.root, formula)
 
 
 def _value(curves: list[Bivariate], value: Exact | None, limit: Limit | None) -> _Value | None:

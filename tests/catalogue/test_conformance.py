@@ -35,9 +35,8 @@ from driftproof.symbolic.linear.structure import is_symmetric, is_symplectic
 from driftproof.symbolic.trees.order import embedded_conditions, embedded_order, order_to_tolerance
 from driftproof.symbolic.trees.quadratic import quadratic_matrix
 from driftproof.symbolic.trees.series import method_series, symmetric_to_order, symplectic_to_order
+from driftproof.texts.writing.facts import facts_tex, facts_text
 from driftproof.texts.writing.records import record
-from driftproof.texts.writing.tex import facts_tex
-from driftproof.texts.writing.text import facts_text
 from tests import changes
 from tests.catalogue.conformance import ARITHMETICS
 from tests.catalogue.measured_orders import differences, order_in_balls, order_on_series, program_is_its_definition

@@ -7,7 +7,7 @@ import pytest
 
 from driftproof.symbolic.facts import FACTS
 from driftproof.texts.questions import errors, evaluate
-from driftproof.texts.questions.runs import READOUTS
+from driftproof.texts.questions.runs import RUN_READOUTS
 
 ANSWERS = {
     "rk4.first_step.q": "0.877604166666667, exactly 337/384  (PROVED)",
@@ -58,7 +58,7 @@ def test_json_says_everything(answer):
 
 def test_list_names_everything_that_can_be_asked(answer):
     shown = answer("value", "--list")
-    for name in (*READOUTS, *FACTS, "ratio", "sdirk_order_2", "rk4.first_step.q", "turns", "qv"):
+    for name in (*RUN_READOUTS, *FACTS, "ratio", "sdirk_order_2", "rk4.first_step.q", "turns", "qv"):
         assert name in shown
 
 

@@ -10,9 +10,9 @@ import pytest
 from docs.language_tables import QUESTIONS_OF, TABLES
 from docs.pages import refreshed
 from driftproof.texts.questions import parser
-from driftproof.texts.questions.arithmetic import FUNCTIONS
+from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
 from driftproof.texts.questions.decimals import ROUNDING_POLICIES
-from driftproof.texts.questions.runs import READOUTS, UNITS
+from driftproof.texts.questions.runs import RUN_READOUTS, UNITS
 
 PAGE = (Path(__file__).parents[2] / "docs" / "language.md").read_text(encoding="utf-8")
 
@@ -32,7 +32,7 @@ def test_a_wrong_answer_is_noticed_and_put_right(shown: str, planted: str) -> No
 
 
 def test_page_names_every_function_readout_unit_and_policy() -> None:
-    for name in (*FUNCTIONS, *READOUTS, *ROUNDING_POLICIES, *UNITS):
+    for name in (*NUMBER_FUNCTIONS, *RUN_READOUTS, *ROUNDING_POLICIES, *UNITS):
         assert re.search(rf"\b{re.escape(name)}\b", PAGE), name
 
 

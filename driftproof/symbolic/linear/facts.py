@@ -23,7 +23,7 @@ from driftproof.symbolic.linear.region import rounded_boundary
 from driftproof.symbolic.linear.sector import Angle, sector_tangent
 from driftproof.symbolic.linear.sector_enclosure import EnclosedTangent
 
-T = TypeVar("T")
+_T = TypeVar("_T")
 
 # Terms of a series: those of a method of order 8, and a few of its error.
 TERMS = 12
@@ -104,22 +104,22 @@ class RegionBoundary(NamedTuple):
     points: list[tuple[str, str, str]]
 
 
-def _of_r(derive: Callable[[RationalFunction], T]) -> cached_property[T | None]:
+def _of_r(derive: Callable[[RationalFunction], _T]) -> cached_property[_T | None]:
     """The fact that is derived from R(z); None for a method without R(z)."""
     return _as_fact(lambda facts: None if facts._r is None else derive(facts._r), derive)
 
 
-def _of_step(of_r: Callable[[RationalFunction], T], of_matrix: Callable[[StepMatrix], T]) -> cached_property[T]:
+def _of_step(of_r: Callable[[RationalFunction], _T], of_matrix: Callable[[StepMatrix], _T]) -> cached_property[_T]:
     """The fact that is derived from R(z), without R(z) from M(h)."""
     return _as_fact(lambda facts: of_matrix(facts.one_step_matrix) if facts._r is None else of_r(facts._r), of_r)
 
 
-def _of_method(derive: Callable[[Method], T]) -> cached_property[T]:
+def _of_method(derive: Callable[[Method], _T]) -> cached_property[_T]:
     """The fact that is derived from the coefficients."""
     return _as_fact(lambda facts: derive(facts.method), derive)
 
 
-def _as_fact(fact: Callable[[LinearFacts], T], derive: Callable[..., Any]) -> cached_property[T]:
+def _as_fact(fact: Callable[[LinearFacts], _T], derive: Callable[..., Any]) -> cached_property[_T]:
     fact.__doc__ = derive.__doc__
     return cached_property(fact)
 

@@ -40,10 +40,10 @@ from driftproof.symbolic.algebra.real_roots import ZERO_ROOT as ORIGIN
 from driftproof.symbolic.algebra.real_roots import RealRoot, positive_roots, root_as_number, samples, vanishes_at
 from driftproof.symbolic.linear.stability_function import stability_function
 
-NIL = fraction(ZERO)
+_NIL = fraction(ZERO)
 # Digits of an end without a radical form, in text; the records have them all.
 DIGITS_SHOWN = 12
-Label = TypeVar("Label", bound=Hashable)
+_Label = TypeVar("_Label", bound=Hashable)
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class FamilyStability:
         num, den = self.coefficients()
         found: list[RationalFunction] = []
         for k in range(terms):
-            c = num[k] if k < len(num) else NIL
+            c = num[k] if k < len(num) else _NIL
             for j in range(1, min(k, len(den) - 1) + 1):
                 c = c - den[j] * found[k - j]
             found.append(c)
@@ -119,7 +119,7 @@ def family_error_constant(family: Family) -> tuple[int, RationalFunction]:
     differences = (
         f - fraction(ONE * wanted) for f, wanted in zip(r.taylor(terms), exponential_series(terms), strict=True)
     )
-    return next((power, f) for power, f in enumerate(differences) if f != NIL)
+    return next((power, f) for power, f in enumerate(differences) if f != _NIL)
 
 
 @dataclass(frozen=True)
@@ -177,7 +177,7 @@ class Line:
                 point = self.points[k]
                 yield None if vanishes_at(self.poles, point) else root_as_number(point)
 
-    def runs(self, labels: Sequence[Label]) -> list[tuple[Label, Interval]]:
+    def runs(self, labels: Sequence[_Label]) -> list[tuple[_Label, Interval]]:
         """Intervals of equal labels, ascending; label 2k is that of the open cell before point k, 2k + 1 its own."""
         found = []
         for label, run in groupby(enumerate(labels), key=lambda item: item[1]):

@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 
     from driftproof.symbolic.algebra.certified import CertifiableReal
 
-MOST_DIGITS = 10_000
+LONGEST_DECIMAL = 10_000
 # Significant digits of a decimal that nobody asked for.
 DIGITS_UNASKED = 15
 PROVED, COUNTED, CERTIFIED, STATED = "PROVED", "COUNTED", "CERTIFIED", "STATED"
 # From what is exact to what nobody checked: an answer made of several has the last of theirs.
-EVIDENCE = (PROVED, COUNTED, CERTIFIED, STATED)
+EVIDENCE_KINDS = (PROVED, COUNTED, CERTIFIED, STATED)
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class Answer:
         """The number correctly rounded to n significant digits, certified.
 
         Raises AmbiguousRounding on a tie for which the style names no policy, QuestionError for what is no number, for
-        n below 1 or above MOST_DIGITS, and where no enclosure decides.
+        n below 1 or above LONGEST_DECIMAL, and where no enclosure decides.
         """
         return self._decimal(to_digits, n, style)
 
@@ -89,7 +89,7 @@ class Answer:
     def _marked_up(self, write: markup.Writer, options: OutputOptions) -> str:
         if options.names_a_length:
             plain = replace(options, style=Style(rounding=options.style.rounding))
-            return markup.decimal(plain.decimal(self), write)
+            return markup.decimal_markup(plain.decimal(self), write)
         text = self.exact_text
         if text is None:
             raise QuestionError(self.question, 1, "the number has no exact form; ask for digits")
@@ -97,14 +97,14 @@ class Answer:
             return write.words(self.words if write is markup.TEX else text)
         if isinstance(self.exact, Fraction) and self.form is None:
             numerator, _, denominator = text.partition("/")
-            return markup.rational(numerator, denominator or "1", write)
+            return markup.rational_markup(numerator, denominator or "1", write)
         return markup.formula(text, write)
 
     def _decimal(self, write: Callable[[CertifiableReal, int, Style, str | None], str], n: int, style: Style) -> str:
         if self.exact is None:
             raise QuestionError(self.question, 1, f"{self.exact_text} is no number and has no decimals")
-        if n > MOST_DIGITS:
-            raise QuestionError(self.question, 1, f"{n} digits are asked for; at most {MOST_DIGITS}")
+        if n > LONGEST_DECIMAL:
+            raise QuestionError(self.question, 1, f"{n} digits are asked for; at most {LONGEST_DECIMAL}")
         try:
             return write(self.exact, n, style, AWAY if self.is_bound else None)
         except Tie as tie:

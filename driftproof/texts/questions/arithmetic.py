@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
@@ -12,63 +13,54 @@ from flint import arb
 from driftproof.methods.number_field import Algebraic, cube_root, square_root
 from driftproof.symbolic.algebra.certified import LARGEST_BINARY_EXPONENT, CertifiableReal, certified_sign, enclose
 from driftproof.symbolic.algebra.radicals import perfect_part
-from driftproof.texts.questions.answer import CERTIFIED, EVIDENCE, Answer
+from driftproof.texts.questions.answer import CERTIFIED, EVIDENCE_KINDS, Answer
 
 PERCENT = "%"
 # Roots that are kept exact: degree -> the root of an integer that is no power of this degree.
 FIELDS = {2: square_root, 3: cube_root}
 
 
-def add(a: Answer, b: Answer) -> Answer:
-    """a + b. Raises ValueError for two different units; a number without a unit takes the other's."""
-    return replace(_combined(a, b, lambda x, y: x + y), unit=_common_unit(a, b))
-
-
-def subtract(a: Answer, b: Answer) -> Answer:
-    """a - b, units as in a sum."""
-    return replace(_combined(a, b, lambda x, y: x - y), unit=_common_unit(a, b))
-
-
-def _common_unit(a: Answer, b: Answer) -> str | None:
+def _sum(a: Answer, b: Answer, operation: Callable[[Any, Any], Any]) -> Answer:
+    """a + b or a - b. Raises ValueError for two different units; a number without a unit takes the other's."""
     if a.unit and b.unit and a.unit != b.unit:
         raise ValueError(f"{a.unit} and {b.unit} do not add")
-    return a.unit or b.unit
+    return replace(_combined(a, b, operation), unit=a.unit or b.unit)
 
 
-def multiply(a: Answer, b: Answer) -> Answer:
+def _multiply(a: Answer, b: Answer) -> Answer:
     """a b. Raises ValueError where both have a unit."""
     if a.unit and b.unit:
         raise ValueError(f"{a.unit} times {b.unit} has no unit of its own")
-    return replace(_combined(a, b, lambda x, y: x * y), unit=a.unit or b.unit)
+    return replace(_combined(a, b, operator.mul), unit=a.unit or b.unit)
 
 
-def divide(a: Answer, b: Answer) -> Answer:
+def _divide(a: Answer, b: Answer) -> Answer:
     """a / b, without a unit where both have the same. Raises ValueError for b = 0 and for another unit below."""
     if b.unit and a.unit != b.unit:
         raise ValueError(f"{a.unit or 'a number without a unit'} over {b.unit} has no unit of its own")
-    if certified_sign(number(b)) == 0:
+    if certified_sign(_number(b)) == 0:
         raise ValueError("it divides by zero")
-    return replace(_combined(a, b, lambda x, y: x / y), unit=None if b.unit else a.unit)
+    return replace(_combined(a, b, operator.truediv), unit=None if b.unit else a.unit)
 
 
 def negate(a: Answer) -> Answer:
     """-a."""
-    x = number(a)
+    x = _number(a)
     return Answer("", (lambda: -enclose(x)) if callable(x) else -x, a.evidence, a.unit)
 
 
-def power(a: Answer, exponent: Fraction) -> Answer:
+def raised(a: Answer, exponent: Fraction) -> Answer:
     """a**exponent, exact for a whole exponent and where a root is rational.
 
     Raises ValueError for 0 to a power below 0, a root of a number below 0, a number with a unit, a power too long.
     """
-    x = number(a)
+    x = _number(a)
     if a.unit and exponent != 1:
         raise ValueError(f"powers of {a.unit} are no unit")
     if exponent < 0 and certified_sign(x) == 0:
         raise ValueError("it divides by zero")
     if exponent.denominator > 1:
-        return _root(power(a, Fraction(exponent.numerator)), exponent.denominator)
+        return _root(raised(a, Fraction(exponent.numerator)), exponent.denominator)
     n = int(exponent)
     if callable(x):
         return Answer("", lambda: enclose(x) ** n, a.evidence, a.unit)
@@ -77,16 +69,16 @@ def power(a: Answer, exponent: Fraction) -> Answer:
     return Answer("", _short(x**n), a.evidence, a.unit)
 
 
-def number(a: Answer) -> CertifiableReal:
+def _number(a: Answer) -> CertifiableReal:
     """The number that a is. Raises ValueError for a formula and for a word."""
     if a.exact is None:
         raise ValueError(f"{a.exact_text} is no number")
     return a.exact
 
 
-def absolute(a: Answer) -> Answer:
+def _absolute(a: Answer) -> Answer:
     """|a|."""
-    return negate(a) if certified_sign(number(a)) < 0 else a
+    return negate(a) if certified_sign(_number(a)) < 0 else a
 
 
 def _root(a: Answer, degree: int) -> Answer:
@@ -104,7 +96,7 @@ def _root(a: Answer, degree: int) -> Answer:
     return _enclosed(a, arb.sqrt if degree == 2 else lambda ball: ball ** (arb(1) / degree))
 
 
-def logarithm(a: Answer, base: int) -> Answer:
+def _logarithm(a: Answer, base: int) -> Answer:
     """The logarithm to the base 2 or 10, rational where a is a power of it. Raises ValueError unless a > 0."""
     x = _pure(a)
     if certified_sign(x) <= 0:
@@ -119,40 +111,40 @@ def logarithm(a: Answer, base: int) -> Answer:
     return _enclosed(a, lambda ball: ball.log() / arb(base).log())
 
 
-def cosine(a: Answer) -> Answer:
-    """cos a, a in radians."""
-    return Answer("", Fraction(1), a.evidence) if _pure(a) == 0 else _enclosed(a, arb.cos, "cos")
+def _trigonometric(a: Answer, name: str) -> Answer:
+    """cos a or sin a, a in radians."""
+    if _pure(a) == 0:
+        return Answer("", Fraction(1), a.evidence) if name == "cos" else a
+    return _enclosed(a, arb.cos if name == "cos" else arb.sin, name)
 
 
-def sine(a: Answer) -> Answer:
-    """sin a, a in radians."""
-    return a if _pure(a) == 0 else _enclosed(a, arb.sin, "sin")
-
-
-def ratio(a: Answer, b: Answer) -> Answer:
-    """|a| / |b|: how many times larger a is."""
-    return divide(absolute(a), absolute(b))
-
-
-def percent(a: Answer, b: Answer) -> Answer:
+def _percent(a: Answer, b: Answer) -> Answer:
     """100 a / b, in percent."""
-    found = divide(a, b)
+    found = _divide(a, b)
     if found.unit:
         raise ValueError(f"percent compares two numbers of one unit; {found.unit} is left")
-    return replace(multiply(Answer("", Fraction(100)), found), unit=PERCENT)
+    return replace(_multiply(Answer("", Fraction(100)), found), unit=PERCENT)
 
 
-OPERATIONS: dict[str, Callable[[Answer, Answer], Answer]] = {"+": add, "-": subtract, "*": multiply, "/": divide}
 # Name -> the function, and how many numbers it takes.
-FUNCTIONS: dict[str, tuple[Callable[..., Answer], int]] = {
-    "abs": (absolute, 1),
+NUMBER_FUNCTIONS: dict[str, tuple[Callable[..., Answer], int]] = {
+    "abs": (_absolute, 1),
     "sqrt": (lambda a: _root(a, 2), 1),
-    "log2": (lambda a: logarithm(a, 2), 1),
-    "log10": (lambda a: logarithm(a, 10), 1),
-    "cos": (cosine, 1),
-    "sin": (sine, 1),
-    "ratio": (ratio, 2),
-    "percent": (percent, 2),
+    "log2": (lambda a: _logarithm(a, 2), 1),
+    "log10": (lambda a: _logarithm(a, 10), 1),
+    "cos": (lambda a: _trigonometric(a, "cos"), 1),
+    "sin": (lambda a: _trigonometric(a, "sin"), 1),
+    "ratio": (lambda a, b: _divide(_absolute(a), _absolute(b)), 2),
+    "percent": (_percent, 2),
+}
+
+
+# Sign -> the operation.
+OPERATIONS: dict[str, Callable[[Answer, Answer], Answer]] = {
+    "+": lambda a, b: _sum(a, b, operator.add),
+    "-": lambda a, b: _sum(a, b, operator.sub),
+    "*": _multiply,
+    "/": _divide,
 }
 
 
@@ -160,19 +152,19 @@ def _pure(a: Answer) -> CertifiableReal:
     """The number. Raises ValueError where it has a unit."""
     if a.unit:
         raise ValueError(f"a function of {a.unit} is not defined; divide by a number with that unit first")
-    return number(a)
+    return _number(a)
 
 
 def _enclosed(a: Answer, function: Callable[[arb], arb], name: str | None = None) -> Answer:
-    x = number(a)
+    x = _number(a)
     form = f"{name}({a.exact_text})" if name and isinstance(x, Fraction) else None
     return Answer("", lambda: function(enclose(x)), CERTIFIED, form=form)
 
 
 def _combined(a: Answer, b: Answer, operation: Callable[[Any, Any], Any]) -> Answer:
     """The operation in exact arithmetic, in balls where one of the two is a procedure or the fields differ."""
-    x, y = number(a), number(b)
-    evidence = max(a.evidence, b.evidence, key=EVIDENCE.index)
+    x, y = _number(a), _number(b)
+    evidence = max(a.evidence, b.evidence, key=EVIDENCE_KINDS.index)
     if not (callable(x) or callable(y)):
         try:
             return Answer("", _short(operation(x, y)), evidence)

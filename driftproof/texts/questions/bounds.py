@@ -13,9 +13,9 @@ from driftproof.symbolic.rounding.step_bound import LinearBound, StepOrMethod, s
 from driftproof.texts.questions.answer import Answer
 from driftproof.texts.questions.query_context import START_AT_REST, QueryContext
 
-State = tuple[Fraction, Fraction]
+_State = tuple[Fraction, Fraction]
 
-ENTRIES: dict[str, Callable[[LinearBound], Fraction]] = {
+BOUND_ENTRIES: dict[str, Callable[[LinearBound], Fraction]] = {
     "qq": lambda bound: bound.error[0][0],
     "qv": lambda bound: bound.error[0][1],
     "vq": lambda bound: bound.error[1][0],
@@ -33,7 +33,7 @@ def bound(context: QueryContext) -> Answer:
     """
     context.demand_only("h", start=True, words=("sharp",), readout=True)
     h, method = context.setting("h", "h=1/4"), context.method()
-    context.readout(dict.fromkeys((*ENTRIES, *OF_STATE, GROWTH)))
+    context.readout(dict.fromkeys((*BOUND_ENTRIES, *OF_STATE, GROWTH)))
     with context.refused():
         h = BINARY64.nearest(h)
         if h == 0:
@@ -47,8 +47,8 @@ def _bound(context: QueryContext, subject: StepOrMethod, h: Fraction) -> Fractio
     if readout == GROWTH:
         return run_bound(subject, h, 1, START_AT_REST, BINARY64).growth
     sharp = "sharp" in context.query.words
-    if readout in ENTRIES:
-        return ENTRIES[readout](fixed_step_bound(subject, h).linear if sharp else step_bound(subject).at(h))
+    if readout in BOUND_ENTRIES:
+        return BOUND_ENTRIES[readout](fixed_step_bound(subject, h).linear if sharp else step_bound(subject).at(h))
     start = BINARY64.nearest(context.start[0]), BINARY64.nearest(context.start[1])
     of_state = fixed_step_bound(subject, h).error_of(*start) if sharp else step_bound(subject).error_of(h, *start)
     return of_state[OF_STATE[readout]]

@@ -53,7 +53,7 @@ def _answer(node: Node, question: str) -> Answer:
         case Power():
             base = _answer(node.base, question)
             with refused_at(question, node.column):
-                return arithmetic.power(base, node.exponent)
+                return arithmetic.raised(base, node.exponent)
 
 
 def _published(node: Published, question: str) -> Answer:
@@ -72,12 +72,13 @@ def _published(node: Published, question: str) -> Answer:
 
 def _call(node: Call, question: str) -> Answer:
     """A function of numbers."""
-    from driftproof.texts.questions.arithmetic import FUNCTIONS
+    from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
 
     name = node.function
-    if name not in FUNCTIONS:
-        raise QuestionError(question, node.column, f"{name[:40]!r} is no function; there are {', '.join(FUNCTIONS)}")
-    function, count = FUNCTIONS[name]
+    if name not in NUMBER_FUNCTIONS:
+        known = ", ".join(NUMBER_FUNCTIONS)
+        raise QuestionError(question, node.column, f"{name[:40]!r} is no function; there are {known}")
+    function, count = NUMBER_FUNCTIONS[name]
     if len(node.arguments) != count:
         raise QuestionError(question, node.column, f"{name} takes {count} number{'s' * (count > 1)}")
     arguments = [_answer(argument, question) for argument in node.arguments]
@@ -110,7 +111,7 @@ def _whole_number(context: QueryContext) -> int:
 
 
 def _of_run(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
-    from driftproof.texts.questions.runs import ANGLES, READOUTS, UNITS, in_unit, run_of, slope
+    from driftproof.texts.questions.runs import ANGLES, RUN_READOUTS, UNITS, in_unit, run_of, stage_slope
 
     method, readout, unit = context.method(), context.query.readout, context.query.unit
     if h == 0:
@@ -122,20 +123,20 @@ def _of_run(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
     with context.refused():
         run = run_of(method, h, t, context.start)
     with context.refused(readout):
-        found = slope(run, readout.text) if readout else None
+        found = stage_slope(run, readout.text) if readout else None
         if found is None:
-            found = context.readout(READOUTS, more=", k1.q, k1.v, ...")(run)
+            found = context.readout(RUN_READOUTS, more=", k1.q, k1.v, ...")(run)
         return found if unit is None else in_unit(found, UNITS[unit.text])
 
 
 def _exact(context: QueryContext) -> Answer:
     """Answers `exact t=10 [from q,v] : READOUT`."""
-    from driftproof.texts.questions.runs import EXACT_READOUTS, ExactFlow
+    from driftproof.texts.questions.runs import EXACT_READOUTS, ExactSolution
 
     context.demand_only("t", start=True, readout=True)
     if other := context.query.subject or context.query.at:
         raise context.error(other, "the exact flow belongs to no method, as in exact t=10 : q")
-    return context.readout(EXACT_READOUTS)(ExactFlow(context.setting("t", "t=10"), context.start))
+    return context.readout(EXACT_READOUTS)(ExactSolution(context.setting("t", "t=10"), context.start))
 
 
 def _roundoff(context: QueryContext) -> Answer:
@@ -145,10 +146,10 @@ def _roundoff(context: QueryContext) -> Answer:
 
 
 def _fact(context: QueryContext) -> Answer:
-    from driftproof.texts.questions.facts import NAMES, fact
+    from driftproof.texts.questions.facts import FACT_NAMES, fact
 
-    if context.head not in NAMES:
-        hint = f"{names_near(context.head, [*_QUERY_KINDS, *NAMES])}`driftproof value --list` shows what can"
+    if context.head not in FACT_NAMES:
+        hint = f"{names_near(context.head, [*_QUERY_KINDS, *FACT_NAMES])}`driftproof value --list` shows what can"
         raise context.error(None, f"{context.head[:40]!r} is nothing that can be asked; {hint}")
     return fact(context)
 
@@ -160,19 +161,19 @@ _QUERY_KINDS = {"step": _step, "run": _run, "exact": _exact, "roundoff": _roundo
 def vocabulary() -> str:
     """Every name that a question may use: readouts, facts, functions, families and ids, a line or more for each."""
     from driftproof.methods.families import FAMILIES
-    from driftproof.texts.questions.arithmetic import FUNCTIONS
-    from driftproof.texts.questions.bounds import ENTRIES, GROWTH, OF_STATE
-    from driftproof.texts.questions.facts import NAMES
-    from driftproof.texts.questions.runs import EXACT_READOUTS, READOUTS, UNITS
+    from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
+    from driftproof.texts.questions.bounds import BOUND_ENTRIES, GROWTH, OF_STATE
+    from driftproof.texts.questions.facts import FACT_NAMES
+    from driftproof.texts.questions.runs import EXACT_READOUTS, RUN_READOUTS, UNITS
     from driftproof.texts.values.published import published_values
 
     parts = {
-        "readouts of step and run": [*READOUTS, "k1.q", "k1.v", "..."],
+        "readouts of step and run": [*RUN_READOUTS, "k1.q", "k1.v", "..."],
         "readouts of exact": [*EXACT_READOUTS],
-        "readouts of roundoff": [*OF_STATE, *ENTRIES, GROWTH],
+        "readouts of roundoff": [*OF_STATE, *BOUND_ENTRIES, GROWTH],
         "units of phase_error": [*UNITS],
-        "facts": [*NAMES],
-        "functions": [*FUNCTIONS],
+        "facts": [*FACT_NAMES],
+        "functions": [*NUMBER_FUNCTIONS],
         "families, with at": [f"{key} ({family.parameter})" for key, family in FAMILIES.items()],
         "published values": [*published_values()],
     }

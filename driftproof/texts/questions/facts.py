@@ -23,13 +23,12 @@ from driftproof.symbolic.linear.sector import Angle
 from driftproof.symbolic.linear.sector_enclosure import EnclosedTangent
 from driftproof.texts.questions.answer import CERTIFIED, COUNTED, PROVED, STATED, Answer
 from driftproof.texts.questions.query_context import QueryContext
+from driftproof.texts.writing.facts import fact_tex, fact_text
 from driftproof.texts.writing.records import Formula, parts
-from driftproof.texts.writing.tex import fact_tex
-from driftproof.texts.writing.text import fact_text
 
-NAMES = (*FACTS, *ON_REQUEST, *(name for name in FAMILY_FACTS if name not in FACTS))
+FACT_NAMES = (*FACTS, *ON_REQUEST, *(name for name in FAMILY_FACTS if name not in FACTS))
 # Facts that were counted, and those that are only what the source says: the others are derived.
-EVIDENCE = {"stages": COUNTED} | dict.fromkeys(("method", "title", "family", "source", "claimed_order"), STATED)
+_EVIDENCE = {"stages": COUNTED} | dict.fromkeys(("method", "title", "family", "source", "claimed_order"), STATED)
 # Leading terms that are written with their power of h; of others the coefficient is asked for.
 WITH_POWER = ("dispersion", "dissipation")
 
@@ -79,12 +78,12 @@ def _answer(context: QueryContext, name: str, found: Any) -> Answer:
         context.demand_only(readout=True)
     number = of_number(found)
     if number is not None:
-        return replace(number, evidence=EVIDENCE[name]) if name in EVIDENCE else number
+        return replace(number, evidence=_EVIDENCE[name]) if name in _EVIDENCE else number
     if isinstance(found, Formula):
         return Answer("", None, form=found.text)
     if isinstance(found, PowerSeries):
         return Answer("", None, form=polynomial_text(polynomial(found.coefficients), found.variable))
-    return Answer("", None, EVIDENCE.get(name, PROVED), form=fact_text(found), words=fact_tex(found))
+    return Answer("", None, _EVIDENCE.get(name, PROVED), form=fact_text(found), words=fact_tex(found))
 
 
 def _at_setting(context: QueryContext, f: ExactFunction) -> Any:

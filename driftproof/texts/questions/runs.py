@@ -17,22 +17,22 @@ from driftproof.symbolic.algebra.rational_functions import polynomial_text, sum_
 from driftproof.symbolic.runs import OscillatorRun, exact_flow
 from driftproof.texts.questions.answer import CERTIFIED, COUNTED, PROVED, Answer
 
-State = tuple[Fraction, Fraction]
+_State = tuple[Fraction, Fraction]
 
 DEGREES, RADIANS, TURNS = "degrees", "radians", "turns"
 # A number of steps beyond this is no run that anybody means.
-MOST_STEPS = 10**18
+LARGEST_STEP_COUNT = 10**18
 
 
 @dataclass(frozen=True)
-class ExactFlow:
+class ExactSolution:
     """The solution at time t from a rational start: (q cos t + v sin t, v cos t - q sin t)."""
 
     t: Fraction
-    start: State
+    start: _State
 
 
-def _exact_component(flow: ExactFlow, index: int) -> Answer:
+def _exact_component(flow: ExactSolution, index: int) -> Answer:
     (q, v), t = flow.start, flow.t
     of_cosine, of_sine = ((q, v), (v, -q))[index]
     if t == 0 or not any(flow.start):
@@ -42,7 +42,7 @@ def _exact_component(flow: ExactFlow, index: int) -> Answer:
     return Answer("", lambda: exact_flow(flow.start, t)[index], CERTIFIED, form=form)
 
 
-EXACT_READOUTS: dict[str, Callable[[ExactFlow], Answer]] = {
+EXACT_READOUTS: dict[str, Callable[[ExactSolution], Answer]] = {
     "q": lambda flow: _exact_component(flow, 0),
     "v": lambda flow: _exact_component(flow, 1),
     "energy": lambda flow: Answer("", (flow.start[0] ** 2 + flow.start[1] ** 2) / 2),
@@ -76,15 +76,15 @@ def _evaluations(run: OscillatorRun) -> Answer:
     return Answer("", Fraction(run.steps * force.calls), COUNTED)
 
 
-READOUTS: dict[str, Callable[[OscillatorRun], Answer]] = {
+RUN_READOUTS: dict[str, Callable[[OscillatorRun], Answer]] = {
     "q": lambda run: _of(run.final_state[0]),
     "v": lambda run: _of(run.final_state[1]),
     "energy": lambda run: _of(run.energy),
     "energy_change": lambda run: _of(run.energy_change),
     "state_error": lambda run: _of(run.state_error),
     "phase_error": _phase_error,
-    "exact.q": lambda run: _exact_component(ExactFlow(run.t, run.start), 0),
-    "exact.v": lambda run: _exact_component(ExactFlow(run.t, run.start), 1),
+    "exact.q": lambda run: _exact_component(ExactSolution(run.t, run.start), 0),
+    "exact.v": lambda run: _exact_component(ExactSolution(run.t, run.start), 1),
     "steps": lambda run: Answer("", Fraction(run.steps), PROVED),
     "evaluations": _evaluations,
     "h": lambda run: Answer("", run.h),
@@ -94,7 +94,7 @@ ANGLES = ("phase_error",)
 _SLOPE = re.compile(r"k([1-9][0-9]{0,2})\.([qv])")
 
 
-def slope(run: OscillatorRun, readout: str) -> Answer | None:
+def stage_slope(run: OscillatorRun, readout: str) -> Answer | None:
     """kᵢ.q or kᵢ.v of the first step of an explicit Runge-Kutta method, as `k2.v`; None for another readout.
 
     kᵢ = F(z + h Σⱼ aᵢⱼ kⱼ) with F(q, v) = (v, -q). Raises ValueError for another method, and a stage it has not.
@@ -110,7 +110,7 @@ def slope(run: OscillatorRun, readout: str) -> Answer | None:
     return _of(_slopes(method, run.h, run.start, number)[number - 1]["qv".index(named[2])])
 
 
-def _slopes(method: RungeKutta, h: Fraction, start: State, number: int) -> list[tuple[Coefficient, Coefficient]]:
+def _slopes(method: RungeKutta, h: Fraction, start: _State, number: int) -> list[tuple[Coefficient, Coefficient]]:
     slopes: list[tuple[Coefficient, Coefficient]] = []
     for row in method.a[:number]:
         q, v = (start[i] + h * sum((a * k[i] for a, k in zip(row, slopes, strict=False)), Fraction(0)) for i in (0, 1))
@@ -131,10 +131,10 @@ def in_unit(angle: Answer, unit: str) -> Answer:
 UNITS = {"deg": DEGREES, DEGREES: DEGREES, "rad": RADIANS, RADIANS: RADIANS, TURNS: TURNS}
 
 
-def run_of(method: Method, h: Fraction, t: Fraction, start: State) -> OscillatorRun:
+def run_of(method: Method, h: Fraction, t: Fraction, start: _State) -> OscillatorRun:
     """The run. Raises ValueError where h does not divide t, where M has a pole at h, and for too many steps."""
     run = OscillatorRun(method, h, t, start)
-    if run.steps > MOST_STEPS:
+    if run.steps > LARGEST_STEP_COUNT:
         raise ValueError("more than 10**18 steps are asked for; at most that many are taken")
     _ = run.final_state  # a pole is refused here, and not where digits are asked for
     return run

@@ -9,10 +9,10 @@ from fractions import Fraction
 from typing import NoReturn
 
 from driftproof.methods.catalogue import method_named
-from driftproof.texts.questions.answer import CERTIFIED, COUNTED, MOST_DIGITS, PROVED, Answer
+from driftproof.texts.questions.answer import CERTIFIED, COUNTED, LONGEST_DECIMAL, PROVED, Answer
 from driftproof.texts.questions.decimals import PLAIN, PRINTED, Style
 from driftproof.texts.questions.errors import AmbiguousRounding, QuestionError
-from driftproof.texts.questions.runs import READOUTS
+from driftproof.texts.questions.runs import RUN_READOUTS
 from driftproof.texts.templates.sandbox import Refusal
 from driftproof.texts.templates.text_kinds import LATEX, MARKDOWN, TextKind
 from driftproof.texts.writing import markup
@@ -53,7 +53,7 @@ class NumberStyle:
 def _in_mathematics(decimal: str) -> str:
     """A decimal in TeX: digits as they are; with a sign or an exponent mathematics, in a text and in a formula."""
     plain = decimal.replace(".", "").isdigit()
-    return decimal if plain else rf"\ensuremath{{{markup.decimal(decimal, markup.TEX)}}}"
+    return decimal if plain else rf"\ensuremath{{{markup.decimal_markup(decimal, markup.TEX)}}}"
 
 
 class TemplateValue:
@@ -138,8 +138,8 @@ def _value_of(x: object) -> Answer:
 
 
 def _count(n: object, least: int) -> int:
-    if isinstance(n, bool) or not isinstance(n, int) or not least <= n <= MOST_DIGITS:
-        raise Refusal(f"{str(n)[:20]!r} is no number of digits; write a whole number from {least} to {MOST_DIGITS}")
+    if isinstance(n, bool) or not isinstance(n, int) or not least <= n <= LONGEST_DECIMAL:
+        raise Refusal(f"{str(n)[:20]!r} is no number of digits; write a whole number from {least} to {LONGEST_DECIMAL}")
     return n
 
 
@@ -195,9 +195,9 @@ def _in_words(asked: str) -> str:
 
 def _cell(style: NumberStyle, ask: Callable[[str], TemplateValue], key: str, column: re.Match[str], run: str) -> str:
     head, _, rest = column["asked"].partition(" ")
-    if head in READOUTS and not run:
+    if head in RUN_READOUTS and not run:
         raise Refusal(f"the column {head!r} is read out of a run; give h and t")
-    found = ask(f"run {key} {run} : {column['asked']}" if head in READOUTS else f"{head} {key} {rest}".rstrip())
+    found = ask(f"run {key} {run} : {column['asked']}" if head in RUN_READOUTS else f"{head} {key} {rest}".rstrip())
     return (
         VALUE_FILTERS[column["form"]](style, found, *map(int, column["count"].split()))
         if column["form"]

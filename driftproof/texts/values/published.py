@@ -87,7 +87,7 @@ def _as_tex(values: PublishedValues) -> str:
         # Printed is the longest decimal without an exponent that a claim prints; the certified one where none does.
         decimals = [text for text in value["printed"].values() if text.lstrip("-").replace(".", "").isdigit()]
         printed, *rounded = (
-            _mathematics(markup.decimal(decimal, markup.TEX))
+            _mathematics(markup.decimal_markup(decimal, markup.TEX))
             for decimal in (max(decimals, key=len, default=str(value["decimal"])), *_rounded(key, value))
         )
         digits = "".join(f"\\or {text}" for text in rounded)

@@ -19,7 +19,7 @@ from driftproof.texts.writing.markup import LONGEST_IN_TEXT
 _SHOWN = ["final_state", "exact_state", "state_error", "energy", "energy_change", "phase_error", "steps", "evaluations"]
 
 
-def number(
+def exact_and_decimal(
     value: CertifiableReal | None, digits: int, rounding: str = HALF_EVEN, unit: str | None = None
 ) -> Json | None:
     """{"exact": "337/384" or None, "decimal": correctly rounded digits, "unit": ...}; None for an undefined value."""
@@ -52,8 +52,8 @@ def run_answer(
         **_state_and_energy(run, digits, rounding),
         "t": str(t),
         "exact_state": _pair(run.exact_state, digits, rounding),
-        "state_error": number(run.state_error, digits, rounding),
-        "phase_error": number(run.phase_error, digits, rounding, unit="degrees"),
+        "state_error": exact_and_decimal(run.state_error, digits, rounding),
+        "phase_error": exact_and_decimal(run.phase_error, digits, rounding, unit="degrees"),
         "steps": run.steps,
         **_evaluations(run),
     }
@@ -78,13 +78,13 @@ def _header(method: Method, h: Fraction, start: tuple[Fraction, Fraction], digit
 def _state_and_energy(run: OscillatorRun, digits: int, rounding: str) -> Json:
     return {
         "final_state": _pair(run.final_state, digits, rounding),
-        "energy": number(run.energy, digits, rounding),
-        "energy_change": number(run.energy_change, digits, rounding),
+        "energy": exact_and_decimal(run.energy, digits, rounding),
+        "energy_change": exact_and_decimal(run.energy_change, digits, rounding),
     }
 
 
 def _pair(state: tuple[CertifiableReal, CertifiableReal], digits: int, rounding: str) -> Json:
-    return {name: number(x, digits, rounding) for name, x in zip("qv", state, strict=True)}
+    return {name: exact_and_decimal(x, digits, rounding) for name, x in zip("qv", state, strict=True)}
 
 
 def answer_text(answer: Json) -> str:

@@ -86,21 +86,21 @@ def formula(text: str, write: Writer) -> str:
     return _Formula(write).of(parse_form(text))
 
 
-def rational(numerator: str, denominator: str, write: Writer) -> str:
+def rational_markup(numerator: str, denominator: str, write: Writer) -> str:
     """A fraction from its integers as text, the sign in front."""
     size = numerator.removeprefix("-")
     body = write.number(size) if denominator == "1" else write.fraction(write.number(size), write.number(denominator))
     return body if size == numerator else write.row([write.operator("-"), body])
 
 
-def decimal(text: str, write: Writer) -> str:
+def decimal_markup(text: str, write: Writer) -> str:
     """A decimal such as "-6.7e-5"."""
     mantissa, _, exponent = text.partition("e")
     size = mantissa.removeprefix("-")
     parts = [write.operator("-")] if size != mantissa else []
     parts.append(write.number(size))
     if exponent:
-        parts += [write.operator("·"), write.power(write.number("10"), rational(exponent, "1", write))]
+        parts += [write.operator("·"), write.power(write.number("10"), rational_markup(exponent, "1", write))]
     return write.row(parts)
 
 
@@ -167,7 +167,9 @@ class _Formula:
             return self.write.root(self.of(base), exponent.denominator)
         plain = isinstance(base, Published) or (isinstance(base, Number) and base.value.denominator == 1)
         written = self.of(base) if plain else self.write.bracket(self.of(base))
-        return self.write.power(written, rational(str(exponent.numerator), str(exponent.denominator), self.write))
+        return self.write.power(
+            written, rational_markup(str(exponent.numerator), str(exponent.denominator), self.write)
+        )
 
 
 def _is_sum(node: Node) -> bool:

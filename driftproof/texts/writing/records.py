@@ -29,8 +29,8 @@ from driftproof.symbolic.family_facts import (
     FamilyFacts,
     FamilyFunction,
     FamilyTerm,
+    LimitPiece,
     OrderSet,
-    Piece,
 )
 from driftproof.symbolic.linear.eigenvalues import Complex, Imaginary
 from driftproof.symbolic.linear.facts import (
@@ -181,7 +181,7 @@ _PARTS: dict[type, Callable[[Any], dict[str, Any]]] = {
         "low_closed": x.low_closed,
         "high_closed": x.high_closed,
     },
-    Piece: lambda x: {**x._asdict(), "where": str(x.where), "interval": x.where},
+    LimitPiece: lambda x: {**x._asdict(), "where": str(x.where), "interval": x.where},
     EigenvalueLimit: _of_eigenvalue,
 }
 

@@ -221,7 +221,7 @@ def test_ball_of_a_rational_reads_as_the_rational_away_from_decisions(value: Q) 
 
 
 def test_numbers_are_certified_and_facts_found_without_sympy(modules_after: Callable[[str], set[str]]) -> None:
-    facts = "import driftproof.symbolic.facts, driftproof.texts.writing.tex"
+    facts = "import driftproof.symbolic.facts, driftproof.texts.writing.facts"
     numbers = (
         "import driftproof.symbolic.algebra.certified as c; from fractions import Fraction; "
         "from driftproof.methods.number_field import square_root"

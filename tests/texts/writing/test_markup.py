@@ -14,7 +14,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.texts.questions.decimals import Style
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
-from driftproof.texts.writing.markup import MATHML, TEX, decimal, formula
+from driftproof.texts.writing.markup import MATHML, TEX, decimal_markup, formula
 
 IN_TEX = {
     "337/384": r"\frac{337}{384}",
@@ -113,8 +113,8 @@ def test_mathml_is_well_formed_and_its_fractions_have_two_parts() -> None:
 
 
 def test_decimals_in_tex_and_mathml_have_powers_of_ten() -> None:
-    assert decimal("-6.7e-5", TEX) == r"-6.7 \cdot 10^{-5}"
-    assert decimal("1.2e30", MATHML) == "<mrow><mn>1.2</mn><mo>·</mo><msup><mn>10</mn><mn>30</mn></msup></mrow>"
+    assert decimal_markup("-6.7e-5", TEX) == r"-6.7 \cdot 10^{-5}"
+    assert decimal_markup("1.2e30", MATHML) == "<mrow><mn>1.2</mn><mo>·</mo><msup><mn>10</mn><mn>30</mn></msup></mrow>"
     assert value("rk4.first_step.v").tex(digits=3) == "-0.479"
     assert value("-1/8").tex(places=2, style=Style("tofixed")) == "-0.13"
     assert value("run rk4 h=1/1000 t=10 : state_error").tex(digits=2) == r"8.3 \cdot 10^{-14}"

@@ -1,0 +1,305 @@
+"""The facts of a method as text and as TeX: one writer over the types of facts, with two ways to write a formula."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence, Sized
+from fractions import Fraction
+from typing import Any
+
+from driftproof.methods.number_field import Algebraic, NumberField
+from driftproof.support.plain_text import table
+from driftproof.symbolic.algebra.polynomials import polynomial
+from driftproof.symbolic.algebra.radicals import radical_form, root_decimal
+from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction, sum_text
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
+from driftproof.symbolic.family_facts import FamilyFunction, FamilyTerm, LimitPiece, OrderSet
+from driftproof.symbolic.linear.eigenvalues import Complex, Imaginary
+from driftproof.symbolic.linear.facts import ExactFunction, PowerSeries, RegionBoundary
+from driftproof.symbolic.linear.families import DIGITS_SHOWN, Interval, ParameterSet
+from driftproof.symbolic.linear.limits import INFINITY, Infinity
+from driftproof.symbolic.linear.phase import LeadingTerm
+from driftproof.symbolic.linear.sector_enclosure import EnclosedTangent
+from driftproof.symbolic.linear.systems import EigenvalueLimit
+from driftproof.texts.writing.markup import TEX, formula
+from driftproof.texts.writing.records import Formula, parts, record
+
+# A list of trees or of points longer than this is left to --format json.
+MOST_ITEMS_SHOWN = 12
+# Characters of a decimal that stands in TeX beside an exact form.
+DECIMALS_IN_TEX = 10
+_ESCAPED = str.maketrans({"_": r"\_", "^": r"\^{}", "#": r"\#", "&": r"\&", "%": r"\%", "τ": r"$\tau$"})
+
+
+def facts_text(facts: Mapping[str, Any]) -> str:
+    """One line per fact: its name in words, its value; a list of records or a matrix takes a line for each row."""
+    rows = []
+    for name, value in facts.items():
+        lines = [fact_text(part) for part in value] if _is_list(value) and value else [fact_text(value)]
+        labels = [name.replace("_", " "), *[""] * (len(lines) - 1)]
+        rows += [[label, line] for label, line in zip(labels, lines, strict=True)]
+    return table(rows)
+
+
+def facts_tex(facts: Mapping[str, Any]) -> str:
+    """A tabular with one row per fact, formulas in mathematics."""
+    rows = [rf"  {name.replace('_', ' ')} & {fact_tex(value)} \\" for name, value in facts.items()]
+    return "\n".join([r"\begin{tabular}{ll}", *rows, r"\end{tabular}"])
+
+
+def fact_text(value: Any) -> str:
+    """One fact, or what facts consist of, in one line."""
+    return _Text().of(value)
+
+
+def fact_tex(value: Any) -> str:
+    """The same in TeX: formulas between dollar signs, words with TeX's own characters escaped."""
+    return _Tex().of(value)
+
+
+def _is_list(value: object) -> bool:
+    """True for a list, and for a tuple whose entries have no names."""
+    return isinstance(value, list | tuple) and not hasattr(value, "_fields")
+
+
+class _Text:
+    """Facts in plain text; `_Tex` writes forms, decimals, functions, intervals and matrices in another way."""
+
+    def of(self, value: Any) -> str:
+        """A fact, or what facts consist of."""
+        for kinds, method in _BY_TYPE:
+            if isinstance(value, kinds):
+                return str(getattr(self, method)(value))
+        if value is None or isinstance(value, bool):
+            return {None: "none", True: "yes", False: "no"}[value]
+        if _is_list(value):
+            return self.items(value)
+        found = parts(value)
+        if found is None:
+            return self.words(str(record(value)))
+        shown = [f"{self.words(name)}: {self.of(part)}" for name, part in list(found.items())[:MOST_ITEMS_SHOWN]]
+        return ", ".join(shown) + _more(found) or "none"
+
+    def words(self, text: str) -> str:
+        """What is no formula."""
+        return text
+
+    def form(self, value: object) -> str:
+        """What is a formula, its text being in SymPy's syntax."""
+        return str(value)
+
+    def infinity(self, value: Infinity) -> str:
+        """No bound."""
+        return self.form(value.value)
+
+    def math(self, text: str) -> str:
+        """What is mathematics and written already."""
+        return text
+
+    def items(self, values: Sequence[Any]) -> str:
+        """Numbers and functions in brackets, other things one after the other."""
+        entries = [self.of(x) for x in values]
+        if all(isinstance(x, Fraction | Algebraic | RationalFunction) for x in values):
+            return f"[{', '.join(entries)}]" if values else "none"
+        return "; ".join(entries)
+
+    def number(self, value: RealRoot | EnclosedTangent | NumberField) -> str:
+        """2*sqrt(2) = 2.828..., or the polynomial and the interval where there are no radicals."""
+        found = record(value)
+        if isinstance(found, str):
+            return self.form(found)
+        if found.get("exact"):
+            return self.radicals(found["exact"], found["decimal"])
+        root = f"the root of {self.form(found['minpoly'])}" if found["minpoly"] else "a number"
+        place = f"{root} in {self.math('(' + ', '.join(found['interval']) + ')')}"
+        place = f"{self.form(found['generator'])}, {place}" if "generator" in found else place
+        return self.about(place, found["decimal"])
+
+    def radicals(self, exact: str, digits: str) -> str:
+        """A number with its exact form."""
+        return exact if exact == digits else f"{exact} = {digits}"
+
+    def about(self, place: str, real: str, imaginary: str = "") -> str:
+        """A number without an exact form, where it lies, with its digits."""
+        return f"{place} = {real} + {imaginary}*I" if imaginary else f"{place} = {real}"
+
+    def complex_number(self, value: Imaginary | Complex) -> str:
+        """An eigenvalue off the real axis."""
+        found = record(value)
+        if found["exact"]:
+            return self.form(found["exact"])
+        return self.about(f"a root of {self.form(found['minpoly'])}", found["real"], found["imaginary"])
+
+    def function(self, value: RationalFunction | ExactFunction | FamilyFunction) -> str:
+        """(numerator)/(denominator), without the denominator where it is 1."""
+        found, variable, step = record(value), "z" if isinstance(value, FamilyFunction) else "h", 1
+        if isinstance(value, ExactFunction):
+            variable, step = value.variable, value.power
+        num, den = (_polynomial(found[part], variable, step) for part in ("num", "den"))
+        return num if den == "1" else f"({num})/({den})"
+
+    def series(self, value: PowerSeries) -> str:
+        """The terms that are known, and the order of the others."""
+        return f"{_polynomial(record(value), value.variable)} + O({_power(value.variable, len(value.coefficients))})"
+
+    def term(self, value: LeadingTerm | FamilyTerm) -> str:
+        """A leading term."""
+        coefficient, power = self.of((parts(value) or {})["coefficient"]), _power("h", value.power)
+        return f"({coefficient}) {power}" if " " in coefficient else f"{coefficient} {power}"
+
+    def interval(self, value: Interval | ParameterSet) -> str:
+        """An interval, or a union of some."""
+        return str(value)
+
+    def order_set(self, value: OrderSet) -> str:
+        """Where the order is at least so high."""
+        return f"{value.order} on {self.of(value.values)}" if value.values.intervals else f"{value.order} nowhere"
+
+    def piece(self, value: LimitPiece) -> str:
+        """A limit on an interval of the parameter."""
+        found = self.of(value.limit)
+        if value.curve is not None:
+            found = f"positive root {value.root} of {self.form(value.curve)}"
+            found = self.form(value.formula) if value.formula else found
+        return f"{found} on {self.of(value.where)}"
+
+    def eigenvalue(self, value: EigenvalueLimit) -> str:
+        """The eigenvalue, how often it occurs, and for which h the powers of its part of the step stay bounded."""
+        eigenvalue, bound = value
+        often = f", {eigenvalue.multiplicity} times" if eigenvalue.multiplicity > 1 else ""
+        block = f", Jordan block of size {eigenvalue.block}" if eigenvalue.block > 1 else ""
+        if isinstance(bound, Exception):
+            until = self.words(str(bound))
+        elif bound.limit in (ZERO_ROOT, INFINITY):
+            until = "no h, however small" if bound.limit == ZERO_ROOT else f"every {self.math('h > 0')}"
+        else:
+            until = f"{self.below(bound.attained)} {self.of(bound.limit)}"
+        return f"{self.of(eigenvalue.place)}{often}{block}: {until}"
+
+    def below(self, attained: bool | None) -> str:
+        """The beginning of h <= limit."""
+        return f"h {'<=' if attained else '<'}"
+
+    def boundary(self, value: RegionBoundary) -> str:
+        """The first points of the upper half-plane."""
+        points = [f"{re} + {im}*I" for _, re, im in value.points[:MOST_ITEMS_SHOWN]]
+        error = f"|error| < {record(value)['radius']}"
+        return f"{', '.join(points)}{_more(value.points)}; {error}, and the conjugates"
+
+    def undecided(self, value: Exception) -> str:
+        """Why there is no answer."""
+        return self.words(f"not decided: {value}")
+
+
+class _Tex(_Text):
+    """Facts in TeX."""
+
+    def words(self, text: str) -> str:
+        return text.replace("**", "^").translate(_ESCAPED)
+
+    def form(self, value: object) -> str:
+        return f"${formula(str(value), TEX)}$"
+
+    def math(self, text: str) -> str:
+        return f"${text}$"
+
+    def items(self, values: Sequence[Any]) -> str:
+        if not values or not _is_list(values[0]):
+            return super().items(values)
+        rows = r" \\ ".join(" & ".join(self.of(x).strip("$") for x in row) for row in values)
+        return rf"$\begin{{pmatrix}}{rows}\end{{pmatrix}}$"
+
+    def radicals(self, exact: str, digits: str) -> str:
+        short = exact in (digits, digits.rstrip("0").rstrip("."))
+        return self.form(exact) if short else rf"${formula(exact, TEX)} \approx {_cut(digits)}$"
+
+    def about(self, place: str, real: str, imaginary: str = "") -> str:
+        digits = f"{_cut(real)} + {_cut(imaginary)} I" if imaginary else _cut(real)
+        return rf"{place}, $\approx {digits}$"
+
+    def function(self, value: RationalFunction | ExactFunction | FamilyFunction) -> str:
+        if isinstance(value, FamilyFunction):
+            num, den = (_polynomial(row, "z", 1, ("*", "**")) for row in (record(value)["num"], record(value)["den"]))
+            return self.form(num if den == "1" else f"({num})/({den})")
+        return self.form(ExactFunction(value, "h") if isinstance(value, RationalFunction) else value)
+
+    def series(self, value: PowerSeries) -> str:
+        known = self.form(_polynomial(record(value), value.variable, 1, ("*", "**")))
+        return f"{known[:-1]}+O({value.variable}^{{{len(value.coefficients)}}})$"
+
+    def term(self, value: LeadingTerm | FamilyTerm) -> str:
+        coefficient, power = (parts(value) or {})["coefficient"], _power("h", value.power, "**")
+        if isinstance(coefficient, RealRoot):
+            return f"{self.of(coefficient)} {self.form(power)}"
+        if isinstance(value, FamilyTerm):
+            return self.form(f"({value.coefficient})*{power}")
+        return self.function(fraction(polynomial([*value.power * [0], value.coefficient])))
+
+    def interval(self, value: Interval | ParameterSet) -> str:
+        if isinstance(value, ParameterSet):
+            union = r" \cup ".join(self.interval(interval).strip("$") for interval in value.intervals)
+            return self.math(union or r"\emptyset")
+        if value.low is not None and value.low == value.high:
+            return self.math(rf"\{{{_end(value.low)}\}}")
+        low = r"-\infty" if value.low is None else _end(value.low)
+        high = r"\infty" if value.high is None else _end(value.high)
+        return self.math(f"{'[' if value.low_closed else '('}{low}, {high}{']' if value.high_closed else ')'}")
+
+    def below(self, attained: bool | None) -> str:
+        return r"$h \leq$" if attained else "$h <$"
+
+    def boundary(self, value: RegionBoundary) -> str:
+        return self.words(super().boundary(value))
+
+
+_BY_TYPE: tuple[tuple[Any, str], ...] = (
+    (Fraction | Algebraic | Formula, "form"),
+    (Infinity, "infinity"),
+    (RealRoot | EnclosedTangent | NumberField, "number"),
+    (Imaginary | Complex, "complex_number"),
+    (RationalFunction | ExactFunction | FamilyFunction, "function"),
+    (PowerSeries, "series"),
+    (LeadingTerm | FamilyTerm, "term"),
+    (Interval | ParameterSet, "interval"),
+    (OrderSet, "order_set"),
+    (LimitPiece, "piece"),
+    (EigenvalueLimit, "eigenvalue"),
+    (RegionBoundary, "boundary"),
+    (Exception, "undecided"),
+)
+
+
+def _more(found: Sized) -> str:
+    """What follows the first MOST_ITEMS_SHOWN of these."""
+    return f", and {len(found) - MOST_ITEMS_SHOWN} more" if len(found) > MOST_ITEMS_SHOWN else ""
+
+
+def _cut(digits: str) -> str:
+    """The first digits of a decimal, with its exponent if it has one."""
+    mantissa, _, exponent = digits.partition("e")
+    return mantissa[:DECIMALS_IN_TEX] + (rf" \cdot 10^{{{exponent}}}" if exponent else "")
+
+
+def _end(root: RealRoot) -> str:
+    """An end of an interval in TeX."""
+    radicals = radical_form(root)
+    return rf"\approx {root_decimal(root, DIGITS_SHOWN)}" if radicals is None else formula(radicals, TEX)
+
+
+def _polynomial(ascending: Sequence[str], variable: str, step: int = 1, signs: tuple[str, str] = (" ", "^")) -> str:
+    """1 - 1/2 h^2 + ..., from coefficients of powers of variable^step as text, constant first, zeros left out.
+
+    `signs` are written for a product and for a power; sums in a number field stand in brackets.
+    """
+    terms = []
+    for power, coefficient in enumerate(ascending):
+        size = f"({coefficient})" if " " in coefficient else coefficient
+        monomial = _power(variable, step * power, signs[1])
+        if power and coefficient in ("1", "-1"):
+            terms.append(coefficient[:-1] + monomial)
+        elif coefficient != "0":
+            terms.append(f"{size}{signs[0]}{monomial}" if power else size)
+    return sum_text(terms)
+
+
+def _power(variable: str, power: int, sign: str = "^") -> str:
+    return variable if power == 1 else f"{variable}{sign}{power}"
