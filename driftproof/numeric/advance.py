@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, TypeAlias
+from fractions import Fraction
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -42,9 +43,33 @@ def advance(method: Method, problem: Problem, rate: Rate | None = None) -> Advan
     return run
 
 
-def why(error: Exception) -> str:
+def error_summary(error: Exception) -> str:
     """Why a run could not go on, in one line: what the method says in a few words, else the error's own text."""
     return getattr(error, "reason", "") or " ".join(str(error).split())
+
+
+class StepTimes(NamedTuple):
+    """N steps from 0 towards t: `h` is the double that is run, `end` the time N h at which they end, exactly.
+
+    With |h - t/N| <= u|t/N|, unless h is subnormal, |end - t| <= u|t|: as if t itself were rounded. To separate the
+    error of a run from that of its times, compare with the solution at `end`. The time fl(i h) of step i is within
+    (2u + u²)|i t/N| of i t/N, while a sum of i times h may be off by i²u|h|/2 more.
+    """
+
+    h: float
+    end: Fraction
+
+    def at(self, i: int) -> float:
+        """The time fl(i h) at which step i starts, i below 2**53."""
+        return i * self.h
+
+
+def step_times(t: Fraction, steps: int) -> StepTimes:
+    """The times of `steps` steps to t. Raises ValueError for no step, and for an h that no double is near to."""
+    if steps < 1:
+        raise ValueError(f"steps is {steps}; at least one step leads to t")
+    h = nearest_double(t / steps, "h = t / steps")
+    return StepTimes(h, steps * Fraction(h))
 
 
 def float_start(problem: Problem) -> State:

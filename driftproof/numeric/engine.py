@@ -27,13 +27,13 @@ from driftproof.numeric.array_text import UFUNCS, array_run
 
 # The force -q, as text with the place to be filled in.
 OSCILLATOR = "(-{})"
-Floats: TypeAlias = NDArray[np.floating[Any]]
+FloatArray: TypeAlias = NDArray[np.floating[Any]]
 # np.float16, float32, float64 or longdouble; not typed so, because NumPy's types are no keys of a cache.
 Format: TypeAlias = Any
 # run(q, v, h, steps) -> (q, v)
 Run: TypeAlias = Callable[[Any, Any, Any, int], tuple[Any, Any]]
 # run(q, v, h, steps): the arrays q and v become those after so many steps.
-EnsembleRun: TypeAlias = Callable[[Floats, Floats, float, int], None]
+EnsembleRun: TypeAlias = Callable[[FloatArray, FloatArray, float, int], None]
 # run(y, h, first, last) -> y: steps first to last - 1.
 FieldRun: TypeAlias = Callable[[tuple[float, ...], float, int, int], tuple[float, ...]]
 
@@ -77,7 +77,7 @@ def ensemble_runner(method: Method, force: str = OSCILLATOR, *, compensated: boo
     """
     source = step_source(method, force, compensated=compensated)
 
-    def run_blocks(q: Floats, v: Floats, h: float, steps: int) -> None:
+    def run_blocks(q: FloatArray, v: FloatArray, h: float, steps: int) -> None:
         number = _format_of(q, v)
         (run, count), size = _array_run(source, number), number(h)
         buffers = np.empty((count, min(len(q), ARRAY_BLOCK)), number)
@@ -97,7 +97,7 @@ def compiled_ensemble_runner(method: Method, force: str = OSCILLATOR, *, compens
     """
     source = step_source(method, force, compensated=compensated)
 
-    def run_blocks(q: Floats, v: Floats, h: float, steps: int) -> None:
+    def run_blocks(q: FloatArray, v: FloatArray, h: float, steps: int) -> None:
         number = _format_of(q, v)
         if number not in COMPILED:
             raise ValueError(f"compiled runs are in float32 and float64, not in {q.dtype}; use ensemble_runner")
@@ -142,7 +142,7 @@ def _lifted(coefficients: Iterable[tuple[str, Exact]], number: Format) -> list[A
     return [lifted(c, number) for _, c in coefficients]
 
 
-def _format_of(q: Floats, v: Floats) -> Format:
+def _format_of(q: FloatArray, v: FloatArray) -> Format:
     """The common format. Raises ValueError for arrays that are not alike, one-dimensional and of floats."""
     if q.shape != v.shape or q.ndim != 1 or q.dtype != v.dtype or not issubclass(q.dtype.type, np.floating):
         shown = f"{q.dtype}{list(q.shape)} and {v.dtype}{list(v.shape)}"

@@ -17,7 +17,7 @@ it is one of them; as h tends to 0, the one near the start. Norms are of ĝ divi
 
 E: of g = Z - w - h Σ aᵢⱼ fⱼ, w known, the terms a f pass 1 rounding of a, s of the products and the sum, 1 of h, 2 of
 the differences, so s + 4, Z and w at most 2. The rate is taken to be computed as f(y(1 + α))(1 + β) with |α|, |β| at
-most m u, m = RATE_ROUNDINGS, and its argument y + Z is rounded once. J being the matrix in use for f',
+most m u, m = _RATE_ROUNDINGS, and its argument y + Z is rounded once. J being the matrix in use for f',
 E = u (2|Z| + 2|w| + (s + 4 + m) |h||A||f| + (m + 1)|h||A||J||y + Z|) + (s + 1)(1 + |h|) eta, the last for underflow;
 R = u (|Z| + |h||A||J||Z|) + eta (1 + |h||A||J|1), the last where Z is subnormal. Terms in
 u² are left out: they are 10⁻¹³ of these.
@@ -34,16 +34,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from driftproof.methods.schemes import Method
-from driftproof.numeric.tableaux import Tableau, tableau
+from driftproof.numeric.tableaux import FloatTableau, float_tableau
 
-Vector: TypeAlias = NDArray[np.float64]
-Rate: TypeAlias = Callable[[float, Vector], Any]
+_Vector: TypeAlias = NDArray[np.float64]
+_Rate: TypeAlias = Callable[[float, _Vector], Any]
 # (t, y) -> the n x n matrix of the derivatives of the rate.
-Jacobian: TypeAlias = Callable[[float, Vector], Any]
+Jacobian: TypeAlias = Callable[[float, _Vector], Any]
 
-UNIT = float(np.finfo(np.float64).epsneg)  # u = 2⁻⁵³
-ETA = float(np.finfo(np.float64).smallest_subnormal)
-RATE_ROUNDINGS = 16
+_UNIT = float(np.finfo(np.float64).epsneg)  # u = 2⁻⁵³
+_ETA = float(np.finfo(np.float64).smallest_subnormal)
+_RATE_ROUNDINGS = 16
 MOST_ITERATIONS = 128
 SHRINKS, HALVES = 0.125, 0.5
 
@@ -61,22 +61,22 @@ class StageEquationsUnsolved(ArithmeticError):
 
 
 class ImplicitStep(NamedTuple):
-    """What a step, or a run of many, found.
+    """What a step found.
 
     `residual` is the largest |g| left in a stage equation, in the units of y; `over_floor` the largest over what its
-    rounding explains, at most 1. Both are of the worst step of a run; `iterations` are of all.
+    rounding explains, at most 1.
     """
 
-    y: Vector
+    y: _Vector
     residual: float
     over_floor: float
     iterations: int
 
 
-Step: TypeAlias = Callable[[float, Any, float], ImplicitStep]
+ImplicitStepper: TypeAlias = Callable[[float, Any, float], ImplicitStep]
 
 
-def implicit_stepper(method: Method, rate: Rate, jacobian: Jacobian | None = None) -> Step:
+def implicit_stepper(method: Method, rate: _Rate, jacobian: Jacobian | None = None) -> ImplicitStepper:
     """step(t, y, h) of a Runge-Kutta or collocation method, y one-dimensional; h may be negative.
 
     Without a `jacobian` it is formed by differences, on which only the number of iterations depends. Collocation
@@ -84,43 +84,33 @@ def implicit_stepper(method: Method, rate: Rate, jacobian: Jacobian | None = Non
     what is not solved to rounding, and ValueError for a rate of another length. Raises MethodError for a splitting and
     for a Nyström method.
     """
-    return partial(_step, _Problem(method.key, tableau(method), rate, jacobian))
-
-
-def implicit_run(step: Step, y: Any, h: float, steps: int) -> ImplicitStep:
-    """So many steps from t = 0; the i-th from i h, never accumulated. Raises StageEquationsUnsolved."""
-    run = ImplicitStep(np.array(y, np.float64), 0.0, 0.0, 0)
-    for i in range(steps):
-        found = step(i * h, run.y, h)
-        worst = (max(run.residual, found.residual), max(run.over_floor, found.over_floor))
-        run = ImplicitStep(found.y, *worst, run.iterations + found.iterations)
-    return run
+    return partial(_step, _Problem(method.key, float_tableau(method), rate, jacobian))
 
 
 @dataclass(frozen=True)
 class _Problem:
     key: str
-    tableau: Tableau
-    rate: Rate
+    tableau: FloatTableau
+    rate: _Rate
     jacobian: Jacobian | None
 
-    def slope(self, t: float, y: Vector) -> Vector:
+    def slope(self, t: float, y: _Vector) -> _Vector:
         found = np.asarray(self.rate(t, y), np.float64)
         if found.shape != y.shape:
             raise ValueError(f"the rate returns shape {found.shape} at a state of {len(y)} components")
         return found
 
-    def derivative(self, t: float, y: Vector, h: float) -> Vector:
+    def derivative(self, t: float, y: _Vector, h: float) -> _Vector:
         if self.jacobian is not None:
             return np.asarray(self.jacobian(t, y), np.float64)
         base = self.slope(t, y)
         sizes = np.maximum(np.abs(y), np.abs(h * base))
-        shifts = np.sqrt(UNIT) * np.where(sizes > 0, sizes, 1.0)
+        shifts = np.sqrt(_UNIT) * np.where(sizes > 0, sizes, 1.0)
         columns = [(self.slope(t, y + shift * unit) - base) / shift for shift, unit in _units(shifts)]
         return np.array(columns).T
 
 
-def _units(shifts: Vector) -> Any:
+def _units(shifts: _Vector) -> Any:
     return zip(shifts, np.eye(len(shifts)), strict=True)
 
 
@@ -128,8 +118,8 @@ def _units(shifts: Vector) -> Any:
 class _Stages:
     """The stages of one step: moves Z and slopes h f of those that are solved."""
 
-    moves: Vector
-    slopes: Vector
+    moves: _Vector
+    slopes: _Vector
     residual: float = 0.0
     over_floor: float = 0.0
     iterations: int = 0
@@ -149,7 +139,7 @@ def _step(problem: _Problem, t: float, y: Any, h: float) -> ImplicitStep:
     return ImplicitStep(moved, stages.residual, stages.over_floor, stages.iterations)
 
 
-def _groups(table: Tableau) -> list[slice]:
+def _groups(table: FloatTableau) -> list[slice]:
     """The stages that are solved together: explicit ones at the head, and all of a lower triangular A, one by one.
 
     An explicit stage among others would be an equation without any rounding, which no elimination solves exactly.
@@ -161,7 +151,7 @@ def _groups(table: Tableau) -> list[slice]:
     return [*(slice(i, i + 1) for i in range(ahead)), *rest]
 
 
-def _moved(problem: _Problem, stages: _Stages, start: tuple[float, Vector, float]) -> Vector:
+def _moved(problem: _Problem, stages: _Stages, start: tuple[float, _Vector, float]) -> _Vector:
     """y₁: the last stage if that is the result, else from the moves; from slopes only where A is singular."""
     (t, y, h), table = start, problem.tableau
     if table.stiffly_accurate:
@@ -172,7 +162,7 @@ def _moved(problem: _Problem, stages: _Stages, start: tuple[float, Vector, float
     return np.asarray(y + h * (table.b @ np.array(slopes)))
 
 
-def _solve(problem: _Problem, stages: _Stages, group: slice, start: tuple[float, Vector, float]) -> None:
+def _solve(problem: _Problem, stages: _Stages, group: slice, start: tuple[float, _Vector, float]) -> None:
     """Newton's method for the stages of one group; those before it are solved."""
     (t, y, h), table = start, problem.tableau
     a, times = table.a[group, group], t + table.c[group] * h
@@ -190,12 +180,12 @@ def _solve(problem: _Problem, stages: _Stages, group: slice, start: tuple[float,
 class _Equations:
     """g(Z) = Z - known - h A f(t + c h, y + Z) = 0."""
 
-    def __init__(self, problem: _Problem, a: Vector, times: Vector, y: Vector, h: float, known: Vector) -> None:
+    def __init__(self, problem: _Problem, a: _Vector, times: _Vector, y: _Vector, h: float, known: _Vector) -> None:
         self.problem, self.a, self.times, self.y, self.h, self.known = problem, a, times, y, h, known
         self.residual = self.over_floor = 0.0
         self.iterations = 0
 
-    def solved(self) -> Vector:
+    def solved(self) -> _Vector:
         """Z. Raises StageEquationsUnsolved."""
         moves = self.known
         at_start = self.problem.derivative(self.times[0], self.y + moves[0], self.h)
@@ -218,7 +208,7 @@ class _Equations:
         self.residual, self.over_floor = float(np.abs(best[1]).max()), float(best[2])
         return best[0]
 
-    def at(self, moves: Vector, jacobians: Vector) -> tuple[Vector, float]:
+    def at(self, moves: _Vector, jacobians: _Vector) -> tuple[_Vector, float]:
         """The residual, and the largest part of it over its floor; infinite for what is not finite."""
         places = self.y + moves
         slopes = np.array([self.problem.slope(t, place) for t, place in zip(self.times, places, strict=True)])
@@ -226,20 +216,20 @@ class _Equations:
         ratio = float((np.abs(g) / self.floor(moves, places, slopes, jacobians)).max())
         return g, ratio if np.isfinite(ratio) and np.isfinite(g).all() else np.inf
 
-    def floor(self, moves: Vector, places: Vector, slopes: Vector, jacobians: Vector) -> Vector:
+    def floor(self, moves: _Vector, places: _Vector, slopes: _Vector, jacobians: _Vector) -> _Vector:
         """8E + 4R of the head of this file."""
-        stages, m, size = len(self.a), RATE_ROUNDINGS, np.abs(self.h)
+        stages, m, size = len(self.a), _RATE_ROUNDINGS, np.abs(self.h)
         weights, matrices = np.abs(self.a), np.abs(jacobians)
 
-        def mapped(x: Vector) -> Vector:
+        def mapped(x: _Vector) -> _Vector:
             return np.asarray(size * (weights @ np.einsum("jkl,jl->jk", matrices, np.abs(x))))
 
         flow = (stages + 4 + m) * size * (weights @ np.abs(slopes))
-        e = UNIT * (2 * np.abs(moves) + 2 * np.abs(self.known) + flow + (m + 1) * mapped(places))
-        r = UNIT * (np.abs(moves) + mapped(moves)) + ETA * (1 + mapped(np.ones_like(moves)))
-        return np.asarray(8 * (e + (stages + 1) * (1 + size) * ETA) + 4 * r)
+        e = _UNIT * (2 * np.abs(moves) + 2 * np.abs(self.known) + flow + (m + 1) * mapped(places))
+        r = _UNIT * (np.abs(moves) + mapped(moves)) + _ETA * (1 + mapped(np.ones_like(moves)))
+        return np.asarray(8 * (e + (stages + 1) * (1 + size) * _ETA) + 4 * r)
 
-    def correction(self, g: Vector, jacobians: Vector) -> Vector:
+    def correction(self, g: _Vector, jacobians: _Vector) -> _Vector:
         """M⁻¹ g with M = I - h (aᵢⱼ Jⱼ). Raises StageEquationsUnsolved for a singular M."""
         (stages, _), n = self.a.shape, len(self.y)
         blocks = self.h * np.einsum("ij,jkl->ikjl", self.a, jacobians)
@@ -249,12 +239,12 @@ class _Equations:
         except np.linalg.LinAlgError:
             raise self.unsolved(g, np.inf) from None
 
-    def jacobians(self, moves: Vector) -> Vector:
+    def jacobians(self, moves: _Vector) -> _Vector:
         """f' at each stage."""
         pairs = zip(self.times, self.y + moves, strict=True)
         return np.array([self.problem.derivative(t, place, self.h) for t, place in pairs])
 
-    def unsolved(self, g: Vector, ratio: float) -> StageEquationsUnsolved:
+    def unsolved(self, g: _Vector, ratio: float) -> StageEquationsUnsolved:
         """The error, in one line."""
         left = f"residual {float(np.abs(g).max()):.3g}, {ratio:.3g} times what rounding explains"
         where = f"{self.problem.key}: the step by h = {self.h:g} to t = {float(self.times[-1]):g}"

@@ -1,4 +1,4 @@
-"""What is read out of a final state: errors, energy, phase. Floats or arrays in, the same out."""
+"""What is read out of a final state: errors, energy, phase. FloatOrArray or arrays in, the same out."""
 
 from __future__ import annotations
 
@@ -7,34 +7,34 @@ from typing import Any, TypeAlias
 import numpy as np
 
 # A float or an array of them; pairs (q, v) broadcast against each other.
-Floats: TypeAlias = Any
-State: TypeAlias = tuple[Floats, Floats]
+FloatOrArray: TypeAlias = Any
+FloatState: TypeAlias = tuple[FloatOrArray, FloatOrArray]
 
 
-def exact_state(start: State, t: Floats) -> State:
+def exact_state(start: FloatState, t: FloatOrArray) -> FloatState:
     """(q₀ cos t + v₀ sin t, v₀ cos t - q₀ sin t), the solution of q' = v, v' = -q at time t, in floats."""
     q, v = start
     c, s = np.cos(t), np.sin(t)
     return q * c + v * s, v * c - q * s
 
 
-def state_error(state: State, exact: State) -> Floats:
+def state_error(state: FloatState, exact: FloatState) -> FloatOrArray:
     """The Euclidean distance between two states; does not overflow where it is representable (hypot)."""
     return np.hypot(state[0] - exact[0], state[1] - exact[1])
 
 
-def energy(state: State) -> Floats:
+def energy(state: FloatState) -> FloatOrArray:
     """½(q² + v²). Overflows to inf from |q| about 1.3e154, long before the state itself does."""
     q, v = state
     return (q * q + v * v) / 2
 
 
-def energy_change(state: State, start: State) -> Floats:
+def float_energy_change(state: FloatState, start: FloatState) -> FloatOrArray:
     """½(q² + v²) at `state` minus the same at `start`."""
     return energy(state) - energy(start)
 
 
-def phase_error(state: State, exact: State) -> Floats:
+def phase_error(state: FloatState, exact: FloatState) -> FloatOrArray:
     """The signed angle in degrees, in [-180, 180), by which `state` is ahead of (clockwise from) `exact`.
 
     atan2 of cross and dot product, so it is wrapped by construction: whole turns are not counted. At the origin the
@@ -48,7 +48,7 @@ def phase_error(state: State, exact: State) -> Floats:
     return None if np.isnan(ahead) else float(ahead)
 
 
-def _to_unit_box(q: Floats, v: Floats) -> State:
+def _to_unit_box(q: FloatOrArray, v: FloatOrArray) -> FloatState:
     """(q, v) divided by max(|q|, |v|), so that products neither overflow nor underflow; NaN at the origin."""
     size = np.maximum(np.abs(q), np.abs(v))
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -14,7 +14,7 @@ from driftproof.methods.problems import oscillator
 from driftproof.methods.rationals import brief
 from driftproof.methods.stepping import Force, Step
 from driftproof.numeric import readouts
-from driftproof.numeric.readouts import Floats, State
+from driftproof.numeric.readouts import FloatOrArray, FloatState
 from driftproof.numeric.scenes import Scene
 from driftproof.numeric.steppers import CountedForce, float_stepper
 
@@ -23,7 +23,7 @@ Readouts: TypeAlias = dict[str, Any]
 Counter: TypeAlias = Callable[[int], Iterable[int]]
 
 # About a minute of pure Python. The certified run answers any N at once, by squaring.
-MOST_STEPS = 10**8
+MOST_FLOAT_STEPS = 10**8
 # Rounding t moves the exact state by at most this much (its speed is 1 on the unit circle).
 COARSEST_TIME = Fraction(1, 2**30)
 
@@ -34,7 +34,7 @@ class NonFiniteState(ArithmeticError):
     Step 0 is the start, which was not finite before anything was computed.
     """
 
-    def __init__(self, step: int, state: State) -> None:
+    def __init__(self, step: int, state: FloatState) -> None:
         """Say at which step the first non-finite state appeared."""
         overflow = f"overflow: the state is no longer finite after step {step}"
         super().__init__(overflow if step else "the start itself is not finite")
@@ -49,12 +49,12 @@ class NonFiniteReadout(ArithmeticError):
 def integrate(
     step: Step,
     force: Force,
-    start: State,
-    h: Floats,
+    start: FloatState,
+    h: FloatOrArray,
     steps: int,
-    record: Callable[[Floats, Floats], None] | None = None,
+    record: Callable[[FloatOrArray, FloatOrArray], None] | None = None,
     counter: Counter = range,
-) -> State:
+) -> FloatState:
     """The state after `steps` steps of size h, each in the precision of its arguments.
 
     `record(q, v)` is called after each step; `counter` is `range` or a progress bar like it. Raises NonFiniteState
@@ -75,17 +75,18 @@ def integrate(
 
 
 def demand_few(steps: int) -> None:
-    """Refuse a float run of more than MOST_STEPS steps. Raises ValueError."""
-    if steps > MOST_STEPS:
+    """Refuse a float run of more than MOST_FLOAT_STEPS steps. Raises ValueError."""
+    if steps > MOST_FLOAT_STEPS:
         raise ValueError(
-            f"{brief(steps)} steps are more than {MOST_STEPS}; `driftproof run` answers any number of steps, certified"
+            f"{brief(steps)} steps are more than {MOST_FLOAT_STEPS}; "
+            "`driftproof run` answers any number of steps, certified"
         )
 
 
 def run_method(scene: Scene, key: str, counter: Counter = range) -> Readouts:
     """The scene's readouts for the method `key`, computed in binary64; nothing else is computed or kept.
 
-    Raises ValueError if the scene asks for no readout or for more than MOST_STEPS steps, NonFiniteState,
+    Raises ValueError if the scene asks for no readout or for more than MOST_FLOAT_STEPS steps, NonFiniteState,
     NonFiniteReadout.
     """
     if not scene.readouts:
@@ -93,7 +94,7 @@ def run_method(scene: Scene, key: str, counter: Counter = range) -> Readouts:
     demand_few(scene.steps)
     force = CountedForce(oscillator) if "evaluations" in scene.readouts else oscillator
     start = (nearest_double(scene.start[0], "start q"), nearest_double(scene.start[1], "start v"))
-    h, t = nearest_double(scene.h, "h"), _timenearest_double(scene.t)
+    h, t = nearest_double(scene.h, "h"), _nearest_time(scene.t)
     path = [start] if "trajectory" in scene.readouts else None
     record = (lambda q, v: path.append((q, v))) if path is not None else None
     state = integrate(float_stepper(key), force, start, h, scene.steps, record, counter)
@@ -111,7 +112,7 @@ def run(scene: Scene, counter: Counter = range) -> dict[str, Readouts]:
     return {key: run_method(scene, key, counter) for key in dict.fromkeys((scene.selected, *scene.methods))}
 
 
-def times(h: Fraction, steps: int) -> Any:
+def times_of_steps(h: Fraction, steps: int) -> Any:
     """The times i·h for i = 0..steps, each rounded once: an array of binary64. Never accumulated.
 
     Exact in the numerator as long as steps times h's numerator stays below 2**53; raises OverflowError beyond.
@@ -125,13 +126,13 @@ def times(h: Fraction, steps: int) -> Any:
 class _Finished:
     scene: Scene
     t: float
-    start: State
-    state: State
+    start: FloatState
+    state: FloatState
     evaluations: int | None
-    path: list[State] | None
+    path: list[FloatState] | None
 
     @property
-    def exact(self) -> State:
+    def exact(self) -> FloatState:
         q, v = readouts.exact_state(self.start, self.t)
         if not (isfinite(q) and isfinite(v)):
             raise NonFiniteReadout(f"the exact state at t = {self.t:g} overflows binary64")
@@ -143,11 +144,11 @@ _READ: dict[str, Callable[[_Finished], Any]] = {
     "exact_state": lambda run: tuple(float(x) for x in run.exact),
     "state_error": lambda run: float(readouts.state_error(run.state, run.exact)),
     "energy": lambda run: float(readouts.energy(run.state)),
-    "energy_change": lambda run: float(readouts.energy_change(run.state, run.start)),
+    "energy_change": lambda run: float(readouts.float_energy_change(run.state, run.start)),
     "phase_error": lambda run: readouts.phase_error(run.state, run.exact),
     "steps": lambda run: run.scene.steps,
     "evaluations": lambda run: run.evaluations,
-    "trajectory": lambda run: (times(run.scene.h, run.scene.steps), np.array(run.path)),
+    "trajectory": lambda run: (times_of_steps(run.scene.h, run.scene.steps), np.array(run.path)),
 }
 
 
@@ -171,7 +172,7 @@ def nearest_double(x: Fraction, what: str) -> float:
     return nearest
 
 
-def _timenearest_double(t: Fraction) -> float:
+def _nearest_time(t: Fraction) -> float:
     """The double nearest to t, if that is near enough for cos and sin to mean anything; else ValueError."""
     nearest = nearest_double(t, "t")
     if abs(Fraction(nearest) - t) > COARSEST_TIME:
@@ -179,5 +180,5 @@ def _timenearest_double(t: Fraction) -> float:
     return nearest
 
 
-def _all_finite(x: Floats) -> bool:
+def _all_finite(x: FloatOrArray) -> bool:
     return bool(np.isfinite(x).all())

@@ -4,17 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from decimal import Decimal, Overflow, localcontext
 from math import hypot, inf, isfinite, nextafter
+from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
-from driftproof.numeric.advance import Advance, State, why
-from driftproof.numeric.powers import powers_stay_bounded
+from driftproof.numeric.advance import Advance, State, error_summary
+
+_Matrix: TypeAlias = NDArray[np.float64]
+_Rows: TypeAlias = list[list[Decimal]]
 
 # Steps that a run takes between looks at its state, at most: a state that is not finite is found by going back.
 BETWEEN_LOOKS = 1 << 12
 # Steps looked at for a first growth, in powers of two times 1/|A|.
 SMALLEST, LARGEST = -20, 30
+
+# Powers 2**n, n up to SQUARINGS, are bounded if they stay below GROWTH. A radius ρ > 1 is seen from
+# ρ - 1 = log(GROWTH)/2**SQUARINGS = 7e-14 on: more squarings would show how the entries of a float step were rounded,
+# which moves ρ by some u. A Jordan block on the circle grows to 2**SQUARINGS.
+# Rounding: entries of size up to GROWTH lose GROWTH² 10^-DECIMALS = 1e-27 relatively in a squaring, and 2**48 of it at
+# the end, 3e-13. Powers near a limit where two eigenvalues meet stay below GROWTH down to a distance of 1e-18.
+SQUARINGS, GROWTH, DECIMALS = 48, 1e9, 45
+# Floats decide first, over 2**FEWER powers: what falls below 1/GROWTH stays there, what exceeds GROWTH has grown.
+FEWER = 36
 
 
 @dataclass(frozen=True)
@@ -35,40 +49,76 @@ class Observed:
 
 def observe(advance: Advance, start: State, h: float, steps: int, enough: float = inf) -> Observed:
     """Run, looking after 1, 2, 4, ... more steps; it stops at a state that is not finite, or larger than `enough`."""
-    y, done, stride, largest = start, 0, 1, size(start)
+    y, done, stride, largest = start, 0, 1, euclidean_norm(start)
     while done < steps and largest <= enough:
         last = min(steps, done + stride)
         try:
             reached = advance(y, h, done, last)
         except (ArithmeticError, ValueError) as error:  # math.log of a negative number is a ValueError
             if last == done + 1:
-                return Observed(h, steps, y, largest, last, why(error))
+                return Observed(h, steps, y, largest, last, error_summary(error))
             stride = 1
             continue
-        if not isfinite(size(reached)):
+        if not isfinite(euclidean_norm(reached)):
             if last == done + 1:
                 return Observed(h, steps, reached, inf, last, "not finite")
             stride = (last - done) // 2
             continue
-        y, done, largest = reached, last, max(largest, size(reached))
+        y, done, largest = reached, last, max(largest, euclidean_norm(reached))
         stride = min(2 * stride, BETWEEN_LOOKS)
     return Observed(h, steps, y, largest)
 
 
-def size(y: State) -> float:
+def euclidean_norm(y: State) -> float:
     """The Euclidean length; infinite or NaN where a component is, and also where only the length overflows: inf."""
     return hypot(*y)
 
 
-def step_matrix(advance: Advance, components: int, h: float) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+def step_matrix(advance: Advance, components: int, h: float) -> _Matrix:
     """The matrix of the float step of a linear problem: its columns are the steps of the unit vectors."""
     units = np.eye(components)
     return np.array([advance(tuple(map(float, unit)), h, 0, 1) for unit in units]).T
 
 
 def stays_bounded(advance: Advance, components: int, h: float) -> bool:
-    """The powers of the float step's matrix stay bounded, as far as `powers` tells."""
+    """The powers of the float step's matrix stay bounded, as far as `powers_stay_bounded` tells."""
     return powers_stay_bounded(step_matrix(advance, components, h))
+
+
+def powers_stay_bounded(matrix: _Matrix) -> bool:
+    """The powers 1, 2, 4, ..., 2**SQUARINGS of the matrix stay below GROWTH; False if an entry is not finite."""
+    verdict = _by_floats(matrix)
+    return _by_decimals(matrix) if verdict is None else verdict
+
+
+def _by_floats(matrix: _Matrix) -> bool | None:
+    """The verdict where floats suffice: the powers have vanished, or have grown before rounding could have."""
+    power = matrix
+    with np.errstate(over="ignore", invalid="ignore", under="ignore"):
+        for n in range(FEWER):
+            largest = float(np.abs(power).max())
+            if not largest < GROWTH:  # NaN is not
+                return False if n < FEWER // 2 or largest != largest else None
+            if largest < 1 / GROWTH:
+                return True
+            power = power @ power
+    return None
+
+
+def _by_decimals(matrix: _Matrix) -> bool:
+    with localcontext(prec=DECIMALS) as context:
+        context.traps[Overflow] = False
+        power: _Rows = [[Decimal(float(x)) for x in row] for row in matrix]
+        for _ in range(SQUARINGS):
+            if max(abs(x) for row in power for x in row) >= GROWTH:
+                return False
+            power = _square(power)
+        return max(abs(x) for row in power for x in row) < GROWTH
+
+
+def _square(a: _Rows) -> _Rows:
+    columns: Any = list(zip(*a, strict=True))
+    return [[sum((x * y for x, y in zip(row, column, strict=True)), Decimal(0)) for column in columns] for row in a]
 
 
 def largest_bounded(is_bounded: Callable[[float], bool], scale: float) -> tuple[float, float]:

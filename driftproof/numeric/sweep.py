@@ -2,13 +2,18 @@
 
 What a point answers depends on the point alone, so the executor, the number of its workers and an interruption change
 nothing in the result.
+
+Answers are kept in a file of JSON lines, which survives whatever ends the sweep and says what it is of. The first line
+says what is swept, each other one what a point of it found. Lines are written whole and synchronised, a batch at a
+time: only the last one can be cut off, and then it is dropped. Floats are strings, to the last bit.
 """
 
 from __future__ import annotations
 
+import json
 import os
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
 from dataclasses import replace
 from fractions import Fraction
@@ -19,7 +24,6 @@ from time import perf_counter
 from typing import Any, NamedTuple, TypeAlias
 
 from driftproof.methods.catalogue import method_named
-from driftproof.numeric.checkpoint import Checkpoint
 from driftproof.numeric.run import Readouts, run_method
 from driftproof.numeric.scenes import TRAJECTORY, Scene
 
@@ -38,14 +42,16 @@ SHORTEST, LONGEST = 0.05, 1.0
 WAITING = 64
 
 
-class Answer(NamedTuple):
+class SweepAnswer(NamedTuple):
     """A point of the grid, `values` by field of the scene; `found` is its readouts, or what stopped it, in a line."""
 
     values: Values
     found: Found
 
 
-def sweep(scene: Scene, grid: Grid, executor: Executor | None = None, checkpoint: Path | None = None) -> list[Answer]:
+def sweep(
+    scene: Scene, grid: Grid, executor: Executor | None = None, checkpoint: Path | None = None
+) -> list[SweepAnswer]:
     """The scene's readouts for its selected method at every point of `grid`, the last name varying fastest.
 
     `grid` maps names among selected, h, t and start to their values: keys, Fractions, and pairs of Fractions. A run
@@ -62,8 +68,8 @@ def sweep(scene: Scene, grid: Grid, executor: Executor | None = None, checkpoint
     [(0.0, 1.0), (-11.0, -10.0)]
     """
     points = points_of(scene, grid)
-    found = {i: answer for batch in batches(scene, grid, executor, checkpoint) for i, answer in batch}
-    return [Answer(values, found[i]) for i, values in enumerate(points)]
+    found = {i: answer for batch in sweep_batches(scene, grid, executor, checkpoint) for i, answer in batch}
+    return [SweepAnswer(values, found[i]) for i, values in enumerate(points)]
 
 
 def points_of(scene: Scene, grid: Grid) -> list[Values]:
@@ -80,7 +86,7 @@ def points_of(scene: Scene, grid: Grid) -> list[Values]:
     return [dict(zip(grid, values, strict=True)) for values in product(*grid.values())]
 
 
-def batches(
+def sweep_batches(
     scene: Scene, grid: Grid, executor: Executor | None = None, checkpoint: Path | None = None
 ) -> Iterator[Batch]:
     """(index of the point, what it found) for every point, in the order in which they come; as `sweep`."""
@@ -165,3 +171,93 @@ def _check_value(name: str, value: object) -> None:
             raise ValueError(f"the axis 'start' has {value!r}; write pairs of Fractions")
     elif not isinstance(value, Fraction):
         raise ValueError(f"the axis {name!r} has {value!r}; write Fractions, which are exact")
+
+
+class Checkpoint:
+    """The file, and in `found` what it holds by index of the point."""
+
+    def __init__(
+        self, path: Path, scene: Scene, grid: Mapping[str, Sequence[Any]], points: Sequence[Mapping[str, Any]]
+    ) -> None:
+        """Read the file, or start one. Raises ValueError where there is another, or one whose lines are no answers."""
+        self.path, self.points, self.readouts = path, points, scene.readouts
+        self.head = _line(
+            {
+                "sweep": scene.name,
+                **{name: strings(getattr(scene, name)) for name in ("selected", "h", "t", "start", "readouts")},
+                "grid": [[name, strings(values)] for name, values in grid.items()],
+            }
+        )
+        self.found: dict[int, Any] = {}
+        self._open()
+
+    def add(self, batch: Iterable[tuple[int, Any]]) -> None:
+        """Append what the points of a batch found."""
+        batch = list(batch)
+        self._append(b"".join(self._of_point(i, found) for i, found in batch))
+        self.found.update(batch)
+
+    def finish(self) -> None:
+        """Put the lines in the order of the grid, so that every run of the sweep leaves the same bytes."""
+        draft = self.path.with_name(f"{self.path.name}.draft")
+        draft.write_bytes(self.head + b"".join(self._of_point(i, self.found[i]) for i in sorted(self.found)))
+        os.replace(draft, self.path)
+
+    def _open(self) -> None:
+        text = self.path.read_bytes() if self.path.exists() else b""
+        lines = text.splitlines(keepends=True)
+        cut = lines.pop() if lines and not lines[-1].endswith(b"\n") else b""
+        if not (lines[0] == self.head if lines else self.head.startswith(cut)):
+            raise ValueError(f"{self.path} is no file of this sweep; name another, or delete it")
+        for number, line in enumerate(lines[1:], 2):
+            self._read(number, line)
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        with self.path.open("ab") as file:
+            file.truncate(len(text) - len(cut))
+        if not lines:
+            self._append(self.head)
+
+    def _append(self, lines: bytes) -> None:
+        with self.path.open("ab") as file:
+            file.write(lines)
+            file.flush()
+            os.fsync(file.fileno())
+
+    def _of_point(self, i: int, found: Any) -> bytes:
+        kind = "message" if isinstance(found, str) else "readouts"
+        return _line({"point": i, **{name: strings(x) for name, x in self.points[i].items()}, kind: strings(found)})
+
+    def _read(self, number: int, line: bytes) -> None:
+        """Keep what a line says. It has to be the very line that is written for it."""
+        try:
+            entry = json.loads(line)
+            i, found = entry["point"], entry.get("message")
+            if found is None:
+                found = {name: _read_out(entry["readouts"][name]) for name in self.readouts}
+            right = i not in self.found and self._of_point(i, found) == line
+        except (ValueError, LookupError, TypeError, AttributeError):
+            right = False
+        if not right:
+            raise ValueError(f"{self.path}, line {number}: not an answer of this sweep, or one for the second time")
+        self.found[i] = found
+
+
+def _line(entry: dict[str, Any]) -> bytes:
+    return f"{json.dumps(entry, ensure_ascii=False)}\n".encode()
+
+
+def strings(value: Any) -> Any:
+    """The value with Fractions and floats as strings, floats to the last bit, arrays as lists; the rest as it is."""
+    if isinstance(value, Mapping):
+        return {name: strings(x) for name, x in value.items()}
+    if isinstance(value, tuple | list):
+        return [strings(x) for x in value]
+    if hasattr(value, "tolist"):
+        return strings(value.tolist())
+    return str(value) if isinstance(value, float | Fraction) else value
+
+
+def _read_out(value: Any) -> Any:
+    if isinstance(value, list):
+        return tuple(_read_out(x) for x in value)
+    return float(value) if isinstance(value, str) else value

@@ -18,7 +18,7 @@ NODE_BITS = 220
 
 
 @dataclass(frozen=True)
-class Tableau:
+class FloatTableau:
     """A as s rows of s, b and c with s entries, in binary64; and d = A⁻ᵀ b, or None where A is singular.
 
     As z₁ = z + h Σ bᵢ fᵢ and Zᵢ = h Σ aᵢⱼ fⱼ, z₁ = z + Σ dᵢ Zᵢ, which evaluates no slope again (hairer-wanner-1996,
@@ -42,7 +42,7 @@ class Tableau:
 
 
 @cache
-def tableau(method: Method) -> Tableau:
+def float_tableau(method: Method) -> FloatTableau:
     """The tableau of a Runge-Kutta method, or of a collocation method from its node polynomial.
 
     Raises MethodError for splittings and Nyström methods.
@@ -54,9 +54,9 @@ def tableau(method: Method) -> Tableau:
     return _floats(*method.tableau(NODE_BITS))
 
 
-def _floats(a: Sequence[Sequence[Any]], b: Sequence[Any], c: Sequence[Any]) -> Tableau:
+def _floats(a: Sequence[Sequence[Any]], b: Sequence[Any], c: Sequence[Any]) -> FloatTableau:
     d = solved(list(zip(*a, strict=True)), b)
-    return Tableau(np.array([_row(row) for row in a]), _row(b), _row(c), None if d is None else _row(d))
+    return FloatTableau(np.array([_row(row) for row in a]), _row(b), _row(c), None if d is None else _row(d))
 
 
 def solved(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[Any] | None:

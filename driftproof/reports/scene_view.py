@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.numeric.checkpoint import strings
 from driftproof.numeric.run import Counter, NonFiniteReadout, NonFiniteState, Readouts, run_method
 from driftproof.numeric.scenes import TABLE, Scene
+from driftproof.numeric.sweep import strings
 from driftproof.support.plain_text import LARGEST_PLAIN, short, table
 
 COMPARED_READOUTS = ("state_error", "energy_change", "evaluations")

@@ -12,11 +12,10 @@ from flint import ctx
 from driftproof.methods.rationals import brief, step_count
 from driftproof.methods.schemes import Method, MethodError
 from driftproof.methods.tableau_file import method_of
-from driftproof.numeric.advance import Advance, advance, float_start
-from driftproof.numeric.clock import clock
+from driftproof.numeric.advance import Advance, advance, float_start, step_times
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.stability import Observed, fewest_steps, largest_bounded, observe, size, stays_bounded
-from driftproof.numeric.work_precision.exact import distance
+from driftproof.numeric.stability import Observed, euclidean_norm, fewest_steps, largest_bounded, observe, stays_bounded
+from driftproof.numeric.work_precision.exact import distance_from_digits
 from driftproof.support.plain_text import Json, table, with_digits
 from driftproof.symbolic.algebra.certified import HALF_EVEN, CertifiableReal, enclose, significant
 from driftproof.symbolic.facts import Facts
@@ -104,7 +103,7 @@ def _nonlinear_part(problem: Problem, method: Method, runs: Advance) -> Json:
     start, extent = float_start(problem), solution_size(problem)
 
     def follows(steps: int) -> bool:
-        seen = observe(runs, start, clock(problem.t, steps).h, steps, _LOST * extent)
+        seen = observe(runs, start, step_times(problem.t, steps).h, steps, _LOST * extent)
         ended = seen.failed_after is None and seen.largest <= _LOST * extent
         return ended and error_of(problem, seen) <= _FOLLOWS * extent
 
@@ -113,7 +112,7 @@ def _nonlinear_part(problem: Problem, method: Method, runs: Advance) -> Json:
 
 
 def _run_answer(problem: Problem, runs: Advance, found: SystemFacts | None, steps: int) -> Json:
-    h = clock(problem.t, steps).h
+    h = step_times(problem.t, steps).h
     seen = observe(runs, float_start(problem), h, steps)
     error = error_of(problem, seen) if seen.failed_after is None else inf
     return {
@@ -152,13 +151,14 @@ def _less_one(factor: CertifiableReal) -> str | None:
 
 def error_of(problem: Problem, seen: Observed) -> float:
     """The Euclidean distance of the last state from the reference at t."""
-    return distance(seen.state, problem.reference.states[-1])
+    return distance_from_digits(seen.state, problem.reference.states[-1])
 
 
 def solution_size(problem: Problem) -> float:
     """The largest size of the start and of the reference's states: an error as large says that nothing is right."""
     origin = (0.0,) * len(problem.start)
-    return max(size(float_start(problem)), *(distance(origin, state) for state in problem.reference.states))
+    states = problem.reference.states
+    return max(euclidean_norm(float_start(problem)), *(distance_from_digits(origin, state) for state in states))
 
 
 def stability_text(answer: Json) -> str:

@@ -10,10 +10,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from driftproof.numeric.checkpoint import strings
 from driftproof.numeric.run import Readouts
 from driftproof.numeric.scenes import Scene
-from driftproof.numeric.sweep import Answer, Found, Grid, batches, points_of
+from driftproof.numeric.sweep import Found, Grid, SweepAnswer, points_of, strings, sweep_batches
 from driftproof.reports.scene_view import scene_json
 from driftproof.support.environment import require_package
 from driftproof.support.files import require_file
@@ -30,7 +29,9 @@ _ADDRESS = re.compile(r"(\w+://)?[^/\s]+:\d+")
 _PATIENCE = 10
 
 
-def sweep_with_progress(scene: Scene, grid: Grid, executor: Executor | None, checkpoint: Path | None) -> list[Answer]:
+def sweep_with_progress(
+    scene: Scene, grid: Grid, executor: Executor | None, checkpoint: Path | None
+) -> list[SweepAnswer]:
     """As `driftproof.numeric.sweep.sweep`, with a progress bar on a terminal."""
     from tqdm import tqdm
 
@@ -38,13 +39,13 @@ def sweep_with_progress(scene: Scene, grid: Grid, executor: Executor | None, che
         require_file(checkpoint)
     points, found = points_of(scene, grid), dict[int, Found]()
     with tqdm(total=len(points), unit="point", leave=False, disable=not sys.stderr.isatty()) as bar:
-        for batch in batches(scene, grid, executor, checkpoint):
+        for batch in sweep_batches(scene, grid, executor, checkpoint):
             found.update(batch)
             bar.update(len(batch))
-    return [Answer(values, found[i]) for i, values in enumerate(points)]
+    return [SweepAnswer(values, found[i]) for i, values in enumerate(points)]
 
 
-def sweep_json(scene: Scene, found: list[Answer]) -> dict[str, Any]:
+def sweep_json(scene: Scene, found: list[SweepAnswer]) -> dict[str, Any]:
     """The scene and its points in the order of the grid; numbers are strings, floats to the last bit."""
     points = [
         strings(answer.values)
@@ -54,7 +55,7 @@ def sweep_json(scene: Scene, found: list[Answer]) -> dict[str, Any]:
     return scene_json(scene, {"points": points})
 
 
-def sweep_text(scene: Scene, found: list[Answer]) -> str:
+def sweep_text(scene: Scene, found: list[SweepAnswer]) -> str:
     """A table: what varies, then the readouts; where there are none, the message."""
     names = [name for name in scene.readouts if name not in _STATES]
     axes = [_AXES.get(name, name) for name in found[0].values]

@@ -11,7 +11,7 @@ from flint import arb
 from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
 from driftproof.symbolic.runs import Entries, apply, as_balls, distance, exact_flow, power, short_power
 
-State: TypeAlias = tuple[Fraction, Fraction]
+_State: TypeAlias = tuple[Fraction, Fraction]
 # Up to this many bits M**N is also formed exactly, to recognise a run without any rounding error.
 LONGEST_POWER = 20_000
 
@@ -28,8 +28,8 @@ class ErrorOfRun:
     matrix: Entries
     h: Fraction
     steps: int
-    start: State
-    final: State
+    start: _State
+    final: _State
 
     @property
     def rounding(self) -> CertifiableReal:

@@ -12,9 +12,8 @@ import pytest
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import MethodError
 from driftproof.numeric.advance import advance
-from driftproof.numeric.powers import GROWTH, SQUARINGS, powers_stay_bounded
 from driftproof.numeric.problems.catalogue import PROBLEMS
-from driftproof.numeric.stability import largest_bounded, step_matrix
+from driftproof.numeric.stability import GROWTH, SQUARINGS, largest_bounded, powers_stay_bounded, step_matrix
 from driftproof.symbolic.algebra.certified import endpoints
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
 from driftproof.symbolic.linear.limits import Infinity

@@ -10,7 +10,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from driftproof.numeric import readouts
-from driftproof.numeric.readouts import energy, energy_change, exact_state, phase_error, state_error
+from driftproof.numeric.readouts import energy, exact_state, float_energy_change, phase_error, state_error
 from driftproof.strategies import states
 
 ANGLES = st.floats(-pi, pi, allow_nan=False)
@@ -41,7 +41,7 @@ def test_state_error_is_the_distance_and_does_not_overflow_where_the_energy_does
 def test_equal_energy_is_not_equal_state() -> None:
     here, there = (1.0, 0.0), (0.0, -1.0)
     assert energy(here) == energy(there) == 0.5
-    assert energy_change(here, there) == 0
+    assert float_energy_change(here, there) == 0
     assert state_error(here, there) == sqrt(2)
     assert phase_error(there, here) == 90  # clockwise is ahead
 

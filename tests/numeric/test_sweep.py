@@ -15,7 +15,7 @@ from driftproof.numeric import sweep as sweeping
 from driftproof.numeric.engine import runner
 from driftproof.numeric.run import run_method
 from driftproof.numeric.scenes import PRESETS, Scene
-from driftproof.numeric.sweep import Answer, points_of, run_points, sweep
+from driftproof.numeric.sweep import SweepAnswer, points_of, run_points, sweep
 from driftproof.reports.sweeps import cluster_executor
 
 SCENE = Scene("short", "rk4", Q(1, 4), Q(2), readouts=("final_state", "state_error", "phase_error", "evaluations"))
@@ -27,17 +27,17 @@ class Inline(Executor):
     """Runs what it is given at once, and remembers it."""
 
     def __init__(self) -> None:
-        self.batches: list[list[dict]] = []
+        self.sweep_batches: list[list[dict]] = []
 
     def submit(self, task, scene, points):
-        self.batches.append(points)
+        self.sweep_batches.append(points)
         future: Future = Future()
         future.set_result(task(scene, points))
         return future
 
 
 @pytest.fixture
-def expected() -> list[Answer]:
+def expected() -> list[SweepAnswer]:
     return sweep(SCENE, GRID, Inline())
 
 
@@ -89,7 +89,7 @@ def sizes(monkeypatch, shortest, longest):
     monkeypatch.setattr(sweeping, "WAITING", 2)
     inline = Inline()
     assert [len(answer.values) for answer in sweep(SCENE, {"h": [Q(1, n) for n in range(1, 41)]}, inline)] == [1] * 40
-    return [len(batch) for batch in inline.batches]
+    return [len(batch) for batch in inline.sweep_batches]
 
 
 def test_batches_double_as_long_as_they_are_short(monkeypatch):
@@ -140,7 +140,7 @@ def test_a_sweep_cut_off_anywhere_goes_on_and_leaves_the_same_bytes(expected, tm
         inline = Inline()
         assert sweep(SCENE, GRID, inline, path) == expected
         assert path.read_bytes() == text
-        assert sum(map(len, inline.batches)) == len(expected) - max(0, text[:cut].count(b"\n") - 1)
+        assert sum(map(len, inline.sweep_batches)) == len(expected) - max(0, text[:cut].count(b"\n") - 1)
 
 
 def test_answers_are_kept_as_they_come(expected, tmp_path, monkeypatch):
@@ -148,7 +148,7 @@ def test_answers_are_kept_as_they_come(expected, tmp_path, monkeypatch):
 
     class Failing(Inline):
         def submit(self, task, scene, points):
-            if len(self.batches) == 5:
+            if len(self.sweep_batches) == 5:
                 raise MemoryError
             return super().submit(task, scene, points)
 
@@ -160,7 +160,7 @@ def test_answers_are_kept_as_they_come(expected, tmp_path, monkeypatch):
     assert path.read_bytes().count(b"\n") == 1 + 5
     inline = Inline()
     assert sweep(SCENE, GRID, inline, path) == expected
-    assert sum(map(len, inline.batches)) == len(expected) - 5
+    assert sum(map(len, inline.sweep_batches)) == len(expected) - 5
 
 
 def test_lines_in_any_order_are_read_and_put_in_the_order_of_the_grid(expected, tmp_path):

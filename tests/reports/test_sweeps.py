@@ -12,7 +12,7 @@ import pytest
 
 from driftproof.numeric import sweep as sweeping
 from driftproof.numeric.scenes import Scene
-from driftproof.numeric.sweep import Answer, batches, points_of, run_points
+from driftproof.numeric.sweep import SweepAnswer, points_of, run_points, sweep_batches
 from driftproof.reports.sweeps import cluster_executor
 
 ROOT = Path(__file__).parents[2]
@@ -56,7 +56,7 @@ def test_of_a_sweep_with_a_worker_killed_every_point_is_answered_once(cluster, t
         names = {worker["name"]: place for place, worker in client.scheduler_info()["workers"].items()}
         path, found, killed = tmp_path / "answers.jsonl", [], False
         with cluster_executor(client.scheduler.address) as executor:
-            for batch in batches(SCENE, GRID, executor, path):
+            for batch in sweep_batches(SCENE, GRID, executor, path):
                 found += batch
                 if not killed and client.processing()[names["first"]] and 3 <= len(found) < 20:
                     workers[0].kill()
@@ -69,4 +69,4 @@ def test_of_a_sweep_with_a_worker_killed_every_point_is_answered_once(cluster, t
     kept = dict(found)
     assert [kept[0], kept[29]] == alone
     assert path.read_bytes().count(b"\n") == 1 + 30
-    assert [Answer(p, kept[i]) for i, p in enumerate(points)] == sweeping.sweep(SCENE, GRID, None, path)
+    assert [SweepAnswer(p, kept[i]) for i, p in enumerate(points)] == sweeping.sweep(SCENE, GRID, None, path)

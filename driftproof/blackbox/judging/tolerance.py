@@ -17,6 +17,7 @@ from driftproof.symbolic.algebra.polynomials import coefficients
 from driftproof.symbolic.linear.oscillator import one_step_matrix
 from driftproof.symbolic.rounding.any_evaluation_order import AnyEvaluationOrderBound, any_evaluation_order_bound
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat, power_of_two
+from driftproof.symbolic.rounding.step_bound import COLUMNS
 from driftproof.symbolic.runs import apply, exact_matrix_at
 
 # A double times a double needs 106 bits, and a step of the longest program some 30 products: at this precision the
@@ -24,7 +25,6 @@ from driftproof.symbolic.runs import apply, exact_matrix_at
 BITS = 320
 # What is linear in the state: a polynomial in h, in balls, for |q|, one for |v|, one for 1.
 Columns: TypeAlias = Sequence[arb_poly]
-COLUMNS = ((1, 0), (0, 1), (0, 0))  # as powers of q and v
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,13 @@
 
 from __future__ import annotations
 
-from driftproof.numeric.problems import linear, mechanics, stiff
+from driftproof.numeric.problems.linear import LINEAR_PROBLEMS
+from driftproof.numeric.problems.mechanics import MECHANICS_PROBLEMS
 from driftproof.numeric.problems.problem import Problem
+from driftproof.numeric.problems.stiff import STIFF_PROBLEMS
 from driftproof.support.plain_text import did_you_mean
 
-PROBLEMS: dict[str, Problem] = {p.key: p for file in (linear, stiff, mechanics) for p in file.ENTRIES}
+PROBLEMS: dict[str, Problem] = {p.key: p for p in (*LINEAR_PROBLEMS, *STIFF_PROBLEMS, *MECHANICS_PROBLEMS)}
 
 
 def problem_named(key: str) -> Problem:

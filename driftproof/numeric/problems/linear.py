@@ -5,10 +5,9 @@ from __future__ import annotations
 from fractions import Fraction
 
 from driftproof.methods.fields import Field
-from driftproof.numeric.problems.digits import reference
-from driftproof.numeric.problems.problem import EXACT, Problem
+from driftproof.numeric.problems.problem import EXACT, Problem, reference
 
-Rows = tuple[tuple[Fraction, ...], ...]
+_Rows = tuple[tuple[Fraction, ...], ...]
 
 DECAY = {
     "explicit": "decays while h < real_limit / |lambda|, lambda the largest in size; just beyond, it grows to overflow",
@@ -23,7 +22,7 @@ OSCILLATION = {
 }
 
 
-def _matrix(rows: list[list[int | Fraction]]) -> Rows:
+def _matrix(rows: list[list[int | Fraction]]) -> _Rows:
     return tuple(tuple(Fraction(x) for x in row) for row in rows)
 
 
@@ -152,7 +151,7 @@ def _heat(points: int) -> Problem:
     )
 
 
-ENTRIES = (
+LINEAR_PROBLEMS = (
     HARMONIC,
     _dahlquist("1", -1, "-1", "10"),
     _dahlquist("1e3", -1000, "-10^3", "1"),

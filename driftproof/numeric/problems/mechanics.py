@@ -5,8 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from driftproof.methods.fields import Field
-from driftproof.numeric.problems.digits import reference
-from driftproof.numeric.problems.problem import CERTIFIED, EXACT, TWICE, Problem
+from driftproof.numeric.problems.problem import CERTIFIED, EXACT, TWICE, Problem, reference
 from driftproof.numeric.problems.stiff import TWO_METHODS
 
 CONSERVATIVE = {
@@ -99,7 +98,7 @@ def _fermi_pasta_ulam() -> Problem:
     )
 
 
-ENTRIES = (
+MECHANICS_PROBLEMS = (
     _kepler("kepler", Fraction(3, 5), "20", {}),
     _kepler("kepler_eccentric", Fraction(9, 10), "30", NEAR_THE_SUN),
     _kepler("kepler_extreme", Fraction(99, 100), "90", NEAR_THE_SUN),

@@ -5,8 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from driftproof.methods.fields import Field
-from driftproof.numeric.problems.digits import reference
-from driftproof.numeric.problems.problem import EXACT, TWICE, Problem
+from driftproof.numeric.problems.problem import EXACT, TWICE, Problem, reference
 
 STIFF = {
     "explicit": "unstable unless h times the largest rate is within the method's stability limit: overflows or fails",
@@ -139,7 +138,7 @@ OREGONATOR = Problem(
     },
 )
 
-ENTRIES = (
+STIFF_PROBLEMS = (
     PROTHERO_ROBINSON,
     KAPS,
     _van_der_pol("1e3", 10**3, "10^3", "; those in print at t = 2 are right to 13 digits"),

@@ -10,9 +10,9 @@ from time import perf_counter
 
 from driftproof.methods.catalogue import method_named
 from driftproof.methods.schemes import Method, MethodError
-from driftproof.numeric.advance import field_rate, why
+from driftproof.numeric.advance import error_summary, field_rate
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.work_precision.exact import STATE, Size, doubt, errors, scale
+from driftproof.numeric.work_precision.exact import STATE, Size, doubt, errors, largest_state_size
 from driftproof.numeric.work_precision.integrators import Integrator, integrator
 
 # Numbers of steps double; implicit methods, in Python, get less far.
@@ -175,9 +175,9 @@ def measured(problem: Problem, runs: Integrator, steps: int) -> Point:
         run = runs.run(steps)
         sizes = errors(problem, run.states)
     except (ArithmeticError, ValueError) as error:  # math.log of a negative number is a ValueError
-        return Point(str(steps), None, remark=why(error), steps=steps)
+        return Point(str(steps), None, remark=error_summary(error), steps=steps)
     unsure = doubt(problem, steps, speed(problem))
-    return Point(str(steps), run.evaluations, sizes, unsure, scale(problem), steps=steps)
+    return Point(str(steps), run.evaluations, sizes, unsure, largest_state_size(problem), steps=steps)
 
 
 def speed(problem: Problem) -> float:

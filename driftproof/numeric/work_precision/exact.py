@@ -1,7 +1,7 @@
 """How far the state of a float run is from a reference's digits, exactly; and how much of that rounding may explain.
 
 A float is a fraction and so is a decimal: their difference is formed without rounding, and its size is rounded once, in
-Decimal with DIGITS digits. An energy is computed in the same Decimals, functions included, which round each operation
+Decimal with _DIGITS digits. An energy is computed in the same Decimals, functions included, which round each operation
 by 10⁻⁶⁰ of it: forty digits below what binary64 can show.
 """
 
@@ -19,12 +19,12 @@ from driftproof.methods.number_field import Algebraic, Exact
 from driftproof.numeric.problems.problem import Digits, Problem
 from driftproof.numeric.readouts import phase_error
 
-DIGITS = 60
+_DIGITS = 60
 STEP = Fraction(1, 10**20)
 U = Fraction(1, 2**53)
 STATE, ENERGY, PHASE = "state", "energy", "phase"
 QUANTITIES = (STATE, ENERGY, PHASE)
-State: TypeAlias = Sequence[float]
+_Floats: TypeAlias = Sequence[float]
 _OSCILLATOR = ((Fraction(0), Fraction(1)), (Fraction(-1), Fraction(0)))
 
 
@@ -35,7 +35,7 @@ class Size(NamedTuple):
     largest: float
 
 
-def errors(problem: Problem, states: Mapping[Fraction, State]) -> dict[str, Size]:
+def errors(problem: Problem, states: Mapping[Fraction, _Floats]) -> dict[str, Size]:
     """The sizes of the errors of the states that a run has at some of the reference's times, the last among them.
 
     `state`: Euclidean distance. `energy`: |E(y) - E(y(0))|, where the problem has one. `phase`: degrees, of the
@@ -45,10 +45,10 @@ def errors(problem: Problem, states: Mapping[Fraction, State]) -> dict[str, Size
     if not all(isfinite(x) for state in states.values() for x in state):
         raise ArithmeticError("the state is no longer finite")
     digits = dict(zip(problem.reference.times, problem.reference.states, strict=True))
-    found = {STATE: [distance(states[t], digits[t]) for t in sorted(states)]}
+    found = {STATE: [distance_from_digits(states[t], digits[t]) for t in sorted(states)]}
     if problem.energy is not None:
-        before = energy(problem, problem.start)
-        found[ENERGY] = [float(abs(energy(problem, states[t]) - before)) for t in sorted(states)]
+        before = decimal_energy(problem, problem.start)
+        found[ENERGY] = [float(abs(decimal_energy(problem, states[t]) - before)) for t in sorted(states)]
     if has_phase(problem):
         found[PHASE] = [_phase(states[t], digits[t]) for t in sorted(states)]
     return {name: Size(sizes[-1], max(sizes)) for name, sizes in found.items()}
@@ -59,7 +59,7 @@ def has_phase(problem: Problem) -> bool:
     return problem.matrix == _OSCILLATOR
 
 
-def distance(state: State, digits: Digits) -> float:
+def distance_from_digits(state: _Floats, digits: Digits) -> float:
     """The Euclidean distance of the floats from the decimals, rounded once."""
     return _length(Fraction(x) - Fraction(text) for x, text in zip(state, digits, strict=True))
 
@@ -89,12 +89,12 @@ def _energy_moves(problem: Problem, y: Sequence[Fraction]) -> list[Decimal]:
     """yᵢ ∂E/∂yᵢ by central differences, whose error is of the order of STEP²."""
 
     def moved(i: int, factor: Fraction) -> Decimal:
-        return energy(problem, [x * factor if i == j else x for j, x in enumerate(y)])
+        return decimal_energy(problem, [x * factor if i == j else x for j, x in enumerate(y)])
 
     return [(moved(i, 1 + STEP) - moved(i, 1 - STEP)) / (2 * _decimal(STEP)) for i in range(len(y))]
 
 
-def scale(problem: Problem) -> float:
+def largest_state_size(problem: Problem) -> float:
     """Q, the largest size of the start and of the reference's states: larger errors say nothing of the solution."""
     return max(_length(problem.start), *(_length(map(Fraction, state)) for state in problem.reference.states))
 
@@ -102,26 +102,26 @@ def scale(problem: Problem) -> float:
 def doubt(problem: Problem, steps: int, speed: float) -> float:
     """(N + 1) u Q + u t ‖f‖ + half a unit: how much of an error need not be the method's own.
 
-    Q is the `scale`: the start is rounded once, and each of N additions
-    to the state by u Q. The steps, h = fl(t/N), end within u t of t (`numeric.clock`), where
-    the solution moves at `speed` = ‖f(t, y(t))‖. The last term is the reference's. To first order, and not magnified by
-    the flow: a threshold, which a stiff or a chaotic problem may exceed.
+    Q is the `largest_state_size`: the start is rounded once, and each of N additions to the state by u Q. The steps,
+    h = fl(t/N), end within u t of t (`advance.StepTimes`), where the solution moves at `speed` = ‖f(t, y(t))‖. The
+    last term is the reference's. To first order, and not magnified by the flow: a threshold, which a stiff or a chaotic
+    problem may exceed.
     """
     moved = float(U * problem.t) * speed
-    return (steps + 1) * float(U) * scale(problem) + moved + half_unit(problem.reference.states[-1])
+    return (steps + 1) * float(U) * largest_state_size(problem) + moved + half_unit(problem.reference.states[-1])
 
 
-def energy(problem: Problem, state: Iterable[float | Fraction]) -> Decimal:
+def decimal_energy(problem: Problem, state: Iterable[float | Fraction]) -> Decimal:
     """E of a state of floats or fractions. Raises ArithmeticError where a function of it is undefined."""
     text = problem.energy or "0"
     Field((text,) * len(problem.start), problem.field.parameters)  # refuses what an expression may not hold
-    with localcontext(prec=DIGITS):
+    with localcontext(prec=_DIGITS):
         names = {f"y{i}": _decimal(Fraction(x)) for i, x in enumerate(state)}
         names |= {name: _decimal(value) for name, value in problem.field.parameters}
         return _value(ast.parse(text, mode="eval").body, names)
 
 
-def _phase(state: State, digits: Digits) -> float:
+def _phase(state: _Floats, digits: Digits) -> float:
     """Dot and cross product are exact, and so is the angle between (dot, cross) and the axis, but for one rounding."""
     (q, v), (q_exact, v_exact) = map(Fraction, state), map(Fraction, digits)
     ahead = phase_error((float(q * q_exact + v * v_exact), -float(q * v_exact - v * q_exact)), (1.0, 0.0))
@@ -129,13 +129,13 @@ def _phase(state: State, digits: Digits) -> float:
 
 
 def _length(parts: Iterable[Fraction]) -> float:
-    with localcontext(prec=DIGITS):
+    with localcontext(prec=_DIGITS):
         return float(_decimal(sum((x * x for x in parts), Fraction(0))).sqrt())
 
 
 def _decimal(x: Exact) -> Decimal:
     if isinstance(x, Algebraic):
-        x, _ = x.enclosure(4 * DIGITS)  # 4 > log2(10) bits a digit
+        x, _ = x.enclosure(4 * _DIGITS)  # 4 > log2(10) bits a digit
     return Decimal(x.numerator) / Decimal(x.denominator)
 
 
@@ -166,7 +166,7 @@ def _sin(x: Decimal) -> Decimal:
         third = _sin(x / 3)
         return 3 * third - 4 * third * third * third
     term, total, n = x, Decimal(0), 1
-    while abs(term) > Decimal(10) ** -(DIGITS + 5):
+    while abs(term) > Decimal(10) ** -(_DIGITS + 5):
         total, n = total + term, n + 2
         term = -term * x * x / (n * (n - 1))
     return total

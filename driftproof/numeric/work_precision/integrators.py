@@ -15,8 +15,7 @@ import numpy as np
 from driftproof.methods.fields import Field, field_source
 from driftproof.methods.program_text import maker
 from driftproof.methods.schemes import Method
-from driftproof.numeric.advance import State, advance, field_rate, float_start
-from driftproof.numeric.clock import clock
+from driftproof.numeric.advance import State, advance, field_rate, float_start, step_times
 from driftproof.numeric.engine import (
     BLOCK,
     FieldRun,
@@ -34,11 +33,11 @@ KINDS = (COMPILED, PYTHON, ENSEMBLE)
 MEMBERS = BLOCK
 
 # call(steps) -> a function without arguments, one call of which is what is timed: it returns the final state.
-Call: TypeAlias = Callable[[int], Callable[[], State]]
+TimedCall: TypeAlias = Callable[[int], Callable[[], State]]
 
 
 @dataclass(frozen=True)
-class Run:
+class CountedRun:
     """What one run of N steps has: its states at the reference's times that N lands on, and how often it called f."""
 
     states: Mapping[Fraction, State]
@@ -54,8 +53,8 @@ class Integrator:
     `absent` says why a kind is not there.
     """
 
-    run: Callable[[int], Run]
-    calls: Mapping[str, Call]
+    run: Callable[[int], CountedRun]
+    calls: Mapping[str, TimedCall]
     absent: Mapping[str, str]
 
 
@@ -87,17 +86,17 @@ def _explicit(method: Method, problem: Problem, *, compiled: bool) -> Integrator
     runs = {PYTHON: plain, **({COMPILED: compiled_field_runner(method, problem.field)} if fast else {})}
     best, start = runs.get(COMPILED, plain), float_start(problem)
 
-    def run(steps: int) -> Run:
-        states, y, (h, _) = dict[Fraction, State](), start, clock(problem.t, steps)
+    def run(steps: int) -> CountedRun:
+        states, y, (h, _) = dict[Fraction, State](), start, step_times(problem.t, steps)
         stops = [(Fraction(0), 0), *landed(problem, steps)]
         for (_, first), (t, last) in pairwise(stops):
             y = states[t] = best(y, h, first, last)
-        return Run(states, counted_evaluations(method, problem, steps))
+        return CountedRun(states, counted_evaluations(method, problem, steps))
 
     def call(run: FieldRun, steps: int) -> Callable[[], State]:
-        return partial(run, start, clock(problem.t, steps).h, 0, steps)
+        return partial(run, start, step_times(problem.t, steps).h, 0, steps)
 
-    calls: dict[str, Call] = {kind: partial(call, run) for kind, run in runs.items()}
+    calls: dict[str, TimedCall] = {kind: partial(call, run) for kind, run in runs.items()}
     absent = {}
     if compiled and not fast:
         absent[COMPILED] = "numba is not installed; pip install 'driftproof[fast]'"
@@ -109,7 +108,7 @@ def _explicit(method: Method, problem: Problem, *, compiled: bool) -> Integrator
     return Integrator(run, calls, absent)
 
 
-def _ensemble(method: Method, problem: Problem, *, fast: bool) -> Call | str:
+def _ensemble(method: Method, problem: Problem, *, fast: bool) -> TimedCall | str:
     """The call for MEMBERS states, or why there is none."""
     force = _force_text(problem)
     if force is None:
@@ -119,7 +118,7 @@ def _ensemble(method: Method, problem: Problem, *, fast: bool) -> Call | str:
 
     def call(steps: int) -> Callable[[], State]:
         q, v = np.empty(MEMBERS), np.empty(MEMBERS)
-        h = clock(problem.t, steps).h
+        h = step_times(problem.t, steps).h
 
         def integrate() -> State:
             q[:], v[:] = start
@@ -142,17 +141,17 @@ def _force_text(problem: Problem) -> str | None:
 def _implicit(method: Method, problem: Problem) -> Integrator:
     start, plain = float_start(problem), advance(method, problem)
 
-    def run(steps: int) -> Run:
+    def run(steps: int) -> CountedRun:
         counted = Counted(field_rate(problem.field))
-        counting, (h, _) = advance(method, problem, counted), clock(problem.t, steps)
+        counting, (h, _) = advance(method, problem, counted), step_times(problem.t, steps)
         states, y = dict[Fraction, State](), start
         stops = [(Fraction(0), 0), *landed(problem, steps)]
         for (_, first), (t, last) in pairwise(stops):
             y = states[t] = counting(y, h, first, last)
-        return Run(states, counted.calls)
+        return CountedRun(states, counted.calls)
 
     def call(steps: int) -> Callable[[], State]:
-        return partial(plain, start, clock(problem.t, steps).h, 0, steps)
+        return partial(plain, start, step_times(problem.t, steps).h, 0, steps)
 
     return Integrator(run, {PYTHON: call}, dict.fromkeys((COMPILED, ENSEMBLE), "implicit: in Python only"))
 

@@ -51,10 +51,10 @@ def spread_of(samples: Sequence[float]) -> float | None:
     return (high - low) / median(samples)
 
 
-Clock = Callable[[], float]
+TimeSource = Callable[[], float]
 
 
-def started(call: Callable[[], object], clock: Clock = perf_counter) -> tuple[Timing, float]:
+def started(call: Callable[[], object], clock: TimeSource = perf_counter) -> tuple[Timing, float]:
     """A timing without samples yet, its batch chosen by a call that is not kept; and what that call took."""
     seconds = _seconds(call, 1, clock)
     batch = 1 if seconds >= SHORT else max(1, round(BATCH / max(seconds, SHORT / 100)))
@@ -68,7 +68,7 @@ def interleave(
     limit: float,
     rounds: int = ROUNDS,
     seed: int = SEED,
-    clock: Clock = perf_counter,
+    clock: TimeSource = perf_counter,
 ) -> Iterator[str]:
     """One sample more for each call that has fewer than `rounds`, in every round in another random order.
 
@@ -92,7 +92,7 @@ def needs_more_samples(timing: Timing, rounds: int, limit: float) -> bool:
     return not timing.remark and len(timing.samples) < rounds and spent < limit
 
 
-def _seconds(call: Callable[[], object], batch: int, clock: Clock) -> float:
+def _seconds(call: Callable[[], object], batch: int, clock: TimeSource) -> float:
     """The mean of a batch."""
     with collector_off():
         before = clock()

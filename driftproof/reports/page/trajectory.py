@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.numeric.readouts import State, exact_state
+from driftproof.numeric.readouts import FloatState, exact_state
 from driftproof.numeric.run import run_method
 from driftproof.numeric.scenes import TRAJECTORY, Scene
 from driftproof.reports.page.figure import Figure
@@ -56,7 +56,7 @@ class SampledRun:
     identity: str
 
     @property
-    def start(self) -> State:
+    def start(self) -> FloatState:
         """The start, in floats."""
         q, v = map(float, self.scene.start)
         return q, v

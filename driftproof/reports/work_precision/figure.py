@@ -10,7 +10,7 @@ import matplotlib
 from matplotlib.figure import Figure
 
 from driftproof.numeric.work_precision.curves import Curve
-from driftproof.numeric.work_precision.exact import ENERGY, PHASE, STATE, U, floors, half_unit, scale
+from driftproof.numeric.work_precision.exact import ENERGY, PHASE, STATE, U, floors, half_unit, largest_state_size
 from driftproof.numeric.work_precision.integrators import COMPILED, ENSEMBLE, PYTHON
 from driftproof.reports.method_figures import save_picture
 from driftproof.reports.work_precision.study import EVALUATIONS, Measured, Study
@@ -111,7 +111,7 @@ def _scale(study: Study, quantity: str) -> float:
     """The size of the solution, of an energy the sum of |yᵢ ∂E/∂yᵢ|, or half a turn."""
     if quantity == ENERGY:
         return floors(study.problem)[ENERGY] / float(U)
-    return 180.0 if quantity == PHASE else scale(study.problem)
+    return 180.0 if quantity == PHASE else largest_state_size(study.problem)
 
 
 def _places(measured: Measured, curve: Curve, quantity: str, cost: str) -> list[tuple[float, float, float]]:

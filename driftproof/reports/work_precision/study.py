@@ -19,7 +19,7 @@ from driftproof.methods.schemes import Method, MethodError
 from driftproof.numeric.advance import State
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.work_precision.curves import Curve, Point, curve_of, speed
-from driftproof.numeric.work_precision.exact import Size, distance, doubt, errors, scale
+from driftproof.numeric.work_precision.exact import Size, distance_from_digits, doubt, errors, largest_state_size
 from driftproof.numeric.work_precision.integrators import ENSEMBLE, KINDS, MEMBERS, integrator
 from driftproof.numeric.work_precision.timing import ROUNDS, SEED, Timing, interleave, needs_more_samples, started
 from driftproof.reports.work_precision.peers import TOLERANCES, Peer, Solver
@@ -209,7 +209,7 @@ def peer_point(solver: Solver, tolerance: float, study: Study) -> Point:
         sizes = errors(problem, states)
     except ArithmeticError as error:
         return Point(setting, None, remark=" ".join(str(error).split()))
-    return Point(setting, evaluations, sizes, doubt(problem, 0, speed(problem)), scale(problem))
+    return Point(setting, evaluations, sizes, doubt(problem, 0, speed(problem)), largest_state_size(problem))
 
 
 def measure(study: Study, folder: Path | None, say: Say, progress: Progress = lambda more, done: None) -> Measured:
@@ -270,7 +270,7 @@ def doubtful(problem: Problem, point: Point, call: Callable[[], State]) -> str:
     Of an ensemble that is not asked: functions of arrays round otherwise than functions of floats.
     """
     try:
-        same = distance(call(), problem.reference.states[-1]) == point.error
+        same = distance_from_digits(call(), problem.reference.states[-1]) == point.error
     except (ArithmeticError, ValueError) as error:  # Python raises where compiled code goes on
         return f"{type(error).__name__}: {error}"
     return "" if same else "it reaches another state than the run whose error was measured"

@@ -8,7 +8,6 @@ from math import isqrt
 
 from driftproof.methods.number_field import Exact
 from driftproof.symbolic.rounding.polynomials import absolute_value, rational_above
-from driftproof.symbolic.runs import Entries
 
 # Rational upper bounds of square roots are good to about this many bits.
 ROOT_BITS = 200
@@ -75,7 +74,7 @@ class AdaptedNorm:
         return self.qq * self.vv - self.qv**2 / 4
 
 
-def adapted_norm(matrix: Entries) -> AdaptedNorm:
+def adapted_norm(matrix: tuple[Exact, Exact, Exact, Exact]) -> AdaptedNorm:
     """The norm in which the exact matrix (M_qq, M_qv, M_vq, M_vv) is rho times an isometry, rho² = det M.
 
     Its square is the signed area of the parallelogram on z and M z, z ∧ Mz = M_vq q² + (M_vv - M_qq) q v - M_qv v²: M

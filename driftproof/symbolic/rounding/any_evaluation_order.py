@@ -29,7 +29,7 @@ from driftproof.symbolic.rounding.polynomials import (
     Q,
     V,
     absolute_value,
-    polynomial,
+    constant_polynomial,
     rational_above,
     terms,
 )
@@ -153,7 +153,7 @@ class _PolynomialTally(ErrorTally):
         size = rational_above(absolute_value(exact))
         if 0 < size < power_of_two(fmt.emin):
             raise ValueError(f"the coefficient {size} is in the underflow range of {fmt.name}")
-        counted = polynomial(max(size, least))
+        counted = constant_polynomial(max(size, least))
         return cls(counted if size == 1 else D * counted, factor=exact)
 
 

@@ -35,13 +35,13 @@ from driftproof.symbolic.rounding.step_bound import (
     trace_step,
 )
 
-State: TypeAlias = tuple[Fraction, Fraction]
+_State: TypeAlias = tuple[Fraction, Fraction]
 # Upper bounds are rounded up from enclosures of at least this relative accuracy.
-SETTLED_BITS = 40
-FIRST_BITS = 256
-LAST_BITS = 1 << 16
+_SETTLED_BITS = 40
+_FIRST_BITS = 256
+_LAST_BITS = 1 << 16
 # A magnitude beyond this power of two is shown as one.
-LARGEST_WRITTEN_OUT = 4096
+_LARGEST_WRITTEN_OUT = 4096
 
 
 class HypothesisFails(ValueError):
@@ -58,7 +58,7 @@ class RunBound:
     format: FloatFormat
     h: Fraction
     steps: int
-    start: State
+    start: _State
     norm: AdaptedNorm
     growth: Fraction
     underflow: Fraction
@@ -79,7 +79,7 @@ def run_bound(
     subject: StepOrMethod,
     h: Fraction,
     steps: int,
-    start: State,
+    start: _State,
     fmt: FloatFormat = BINARY64,
     local: LinearBound | None = None,
     force: Force = oscillator,
@@ -180,12 +180,12 @@ def _demand_number(what: str, x: Fraction, fmt: FloatFormat) -> None:
 
 
 def _demand_safe(run: _Run, safe: Fraction, fmt: FloatFormat) -> None:
-    with ctx.workprec(FIRST_BITS):
+    with ctx.workprec(_FIRST_BITS):
         reach = run.reach()
         if reach <= enclose(safe):
             return
         power = int((reach.log() / arb(2).log()).upper().floor().unique_fmpz())
-    size = scientific(run.reach, 4) if power < LARGEST_WRITTEN_OUT else f"2**{power}"
+    size = scientific(run.reach, 4) if power < _LARGEST_WRITTEN_OUT else f"2**{power}"
     raise HypothesisFails(
         f"overflow of {fmt.name} cannot be excluded within {run.steps} steps: "
         f"states might reach {size}, and a step is safe up to {scientific(safe, 4)}"
@@ -193,12 +193,12 @@ def _demand_safe(run: _Run, safe: Fraction, fmt: FloatFormat) -> None:
 
 
 def _above(ball: Callable[[], arb]) -> Fraction:
-    """An upper bound of a positive number, within a relative 2**-SETTLED_BITS of it."""
-    bits = FIRST_BITS
-    while bits <= LAST_BITS:
+    """An upper bound of a positive number, within a relative 2**-_SETTLED_BITS of it."""
+    bits = _FIRST_BITS
+    while bits <= _LAST_BITS:
         with ctx.workprec(bits):
             value = ball()
-            if value.is_exact() or value.rel_accuracy_bits() >= SETTLED_BITS:
+            if value.is_exact() or value.rel_accuracy_bits() >= _SETTLED_BITS:
                 return endpoints(value)[1]
         bits *= 2
-    raise Uncertified(f"no enclosure within {LAST_BITS} bits")
+    raise Uncertified(f"no enclosure within {_LAST_BITS} bits")

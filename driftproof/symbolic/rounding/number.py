@@ -28,15 +28,15 @@ from driftproof.symbolic.rounding.polynomials import (
     D,
     ErrorPolynomial,
     absolute_value,
+    constant_polynomial,
     constant_term,
     majorant,
-    polynomial,
     rational_above,
 )
 
 # A bound on u = d/(1 - d) in powers of d, for errors of constants, which are known as multiples of u: for d <= 1/2,
-# u = d + d**2 + d**3/(1 - d) <= UNIT.
-UNIT = D + D**2 + 2 * D**3
+# u = d + d**2 + d**3/(1 - d) <= _UNIT.
+_UNIT = D + D**2 + 2 * D**3
 # Higher powers of d and of eta than these are put into these: they only make the bounds of long programs longer.
 MOST_D, MOST_ETA = 16, 2
 
@@ -174,7 +174,7 @@ for _name, _what in {
 def constant(exact: Exact | int, fmt: FloatFormat) -> Rounded:
     """The number of the format nearest to `exact`, with its distance from it as the error."""
     exact = exact if isinstance(exact, Algebraic) else Fraction(exact)
-    return _known(fmt, polynomial(exact), _nearest(fmt, exact))
+    return _known(fmt, constant_polynomial(exact), _nearest(fmt, exact))
 
 
 def _shortened(bound: ErrorPolynomial, fmt: FloatFormat) -> ErrorPolynomial:
@@ -220,7 +220,7 @@ def _product(x: Rounded, y: Rounded) -> Rounded:
 def _reciprocal(divisor: Rounded) -> Rounded:
     """1/c as a factor: not a float, but multiplying by it rounds exactly as dividing by c does."""
     assert divisor.stored_value is not None
-    return _known(divisor.format, polynomial(1 / constant_term(divisor.exact)), 1 / divisor.stored_value)
+    return _known(divisor.format, constant_polynomial(1 / constant_term(divisor.exact)), 1 / divisor.stored_value)
 
 
 def _known(fmt: FloatFormat, exact: ErrorPolynomial, stored_value: Fraction) -> Rounded:
@@ -232,7 +232,7 @@ def _known(fmt: FloatFormat, exact: ErrorPolynomial, stored_value: Fraction) -> 
     x = Rounded(fmt, exact)
     x.stored_value = stored_value
     distance = rational_above(absolute_value(constant_term(exact) - stored_value))
-    x.error = x.propagated = UNIT * as_fmpq(distance / fmt.u)
+    x.error = x.propagated = _UNIT * as_fmpq(distance / fmt.u)
     return x
 
 

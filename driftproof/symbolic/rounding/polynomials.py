@@ -40,7 +40,7 @@ class OverField(ScalarExtension):
         return x if isinstance(x, fmpq_mpoly) else BOUNDS.constant(as_fmpq(x))
 
 
-def polynomial(x: Exact) -> ErrorPolynomial:
+def constant_polynomial(x: Exact) -> ErrorPolynomial:
     """`x` as a constant polynomial."""
     if isinstance(x, Algebraic):
         return OverField(x.field, [BOUNDS.constant(c) for c in x.parts])

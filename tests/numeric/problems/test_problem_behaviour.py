@@ -11,7 +11,7 @@ import pytest
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.numeric.engine import field_runner
-from driftproof.numeric.implicit import StageEquationsUnsolved, implicit_run, implicit_stepper
+from driftproof.numeric.implicit import StageEquationsUnsolved, implicit_stepper
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.work_precision.integrators import field_rate
@@ -21,6 +21,7 @@ from driftproof.symbolic.linear.order_reduction import prothero_robinson
 from driftproof.symbolic.linear.oscillator import stability_function_of
 from driftproof.symbolic.linear.stiff_error import stiff_error
 from driftproof.symbolic.linear.tableaux import tableau
+from tests.numeric.implicit_runs import implicit_run
 
 Tableau = RungeKutta | Collocation
 TABLEAUX = {key: m for key, m in METHODS.items() if isinstance(m, Tableau)}

@@ -11,11 +11,10 @@ from itertools import pairwise
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.numeric.advance import State, advance, float_start
-from driftproof.numeric.clock import clock
+from driftproof.numeric.advance import State, advance, float_start, step_times
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.stability import observe
-from driftproof.numeric.work_precision.exact import distance, energy, scale
+from driftproof.numeric.work_precision.exact import decimal_energy, distance_from_digits, largest_state_size
 from driftproof.texts.writing.records import facts_of
 
 RIGHT, WRONG, ENDED = "right", "wrong", "ended"
@@ -24,7 +23,7 @@ RIGHT, WRONG, ENDED = "right", "wrong", "ended"
 def states(key: str, name: str, steps: int, pieces: int = 8, t: Q | None = None) -> list[State]:
     """The start and the states after each piece of a run to t; those up to where it ended."""
     problem = PROBLEMS[name]
-    run, y, h = advance(METHODS[key], problem), float_start(problem), clock(t or problem.t, steps).h
+    run, y, h = advance(METHODS[key], problem), float_start(problem), step_times(t or problem.t, steps).h
     found = [y]
     for first, last in pairwise(i * steps // pieces for i in range(pieces + 1)):
         try:
@@ -44,20 +43,20 @@ def fate(key: str, name: str, steps: int, tolerance: float, t: Q | None = None) 
     if len(found) == 1:
         return ENDED
     digits = reference.states[reference.times.index(t or PROBLEMS[name].t)]
-    return RIGHT if distance(found[-1], digits) < tolerance else WRONG
+    return RIGHT if distance_from_digits(found[-1], digits) < tolerance else WRONG
 
 
 def energy_errors(key: str, name: str, steps: int, pieces: int = 8) -> list[float]:
     problem = PROBLEMS[name]
-    before = energy(problem, problem.start)
-    return [float(energy(problem, y) - before) for y in states(key, name, steps, pieces)[1:]]
+    before = decimal_energy(problem, problem.start)
+    return [float(decimal_energy(problem, y) - before) for y in states(key, name, steps, pieces)[1:]]
 
 
 def growth(key: str, name: str, steps: int, times: int = 1) -> float:
     """The largest size of a state over `times` times the interval, over the solution's; infinite where it ends."""
     problem = PROBLEMS[name]
-    seen = observe(advance(METHODS[key], problem), float_start(problem), clock(problem.t, steps).h, times * steps)
-    return math.inf if seen.failed_after is not None else seen.largest / scale(problem)
+    seen = observe(advance(METHODS[key], problem), float_start(problem), step_times(problem.t, steps).h, times * steps)
+    return math.inf if seen.failed_after is not None else seen.largest / largest_state_size(problem)
 
 
 # Linear problems: the numbers of steps on either side of the limit, real_limit or imaginary_limit over |lambda|.
@@ -275,7 +274,7 @@ def test_hires_is_right_up_to_the_limit_over_212_and_wrong_on_the_way_beyond() -
     steps = float(problem.t) * rate / 2.785
     errors = [
         [
-            distance(y, x)
+            distance_from_digits(y, x)
             for y, x in zip(states("rk4", "hires", 8 * round(n / 8))[1:], problem.reference.states, strict=True)
         ]
         for n in (1.02 * steps, 0.9 * steps)
@@ -289,7 +288,7 @@ def test_the_oregonator_is_right_between_pulses_and_a_step_over_one_is_refused()
     at = dict(zip(problem.reference.times, problem.reference.states, strict=True))
     for key, tolerance in (("radau_iia3", 1e-8), ("gauss2", 1e-6), ("sdirk2", 0.01)):
         y = advance(METHODS[key], problem)(tuple(map(float, at[Q(60)])), 0.5, 0, 60)
-        assert distance(y, at[Q(90)]) < tolerance
+        assert distance_from_digits(y, at[Q(90)]) < tolerance
         seen = observe(advance(METHODS[key], problem), float_start(problem), 0.5, 60)
         assert seen.failed_after in range(38, 43)
     assert fate("rk4", "oregonator", 60, 1, Q(30)) == ENDED

@@ -32,9 +32,9 @@ from driftproof.numeric.work_precision.exact import (
     STATE,
     Size,
     U,
-    distance,
+    decimal_energy,
+    distance_from_digits,
     doubt,
-    energy,
     errors,
     floors,
     half_unit,
@@ -42,8 +42,8 @@ from driftproof.numeric.work_precision.exact import (
 from driftproof.numeric.work_precision.integrators import (
     KINDS,
     PYTHON,
+    CountedRun,
     Integrator,
-    Run,
     counted_evaluations,
     integrator,
 )
@@ -56,8 +56,8 @@ RUNGS = (64, 128, 256, 512)
 
 def test_distance_of_floats_from_digits_is_exact_where_a_difference_of_floats_is_not() -> None:
     tenth = Q(0.1) - Q(1, 10)
-    assert distance((0.1, 0.0), ("0.1", "0")) == float(tenth) != 0.1 - float("0.1")
-    assert distance((3.0, 4.0), ("0", "0")) == 5
+    assert distance_from_digits((0.1, 0.0), ("0.1", "0")) == float(tenth) != 0.1 - float("0.1")
+    assert distance_from_digits((3.0, 4.0), ("0", "0")) == 5
 
 
 def test_half_unit_is_that_of_the_last_digit_printed() -> None:
@@ -95,14 +95,14 @@ def test_a_state_that_is_not_finite_has_no_error() -> None:
 @pytest.mark.parametrize("x", [0.0, 0.5, -3.0, 40.0])
 def test_energy_computes_functions_far_below_rounding(name: str, function: object, x: float) -> None:
     problem = _decay(energy=f"{name}(y0)")
-    assert float(energy(problem, [x])) == pytest.approx(function(x), abs=2**-52, rel=2**-52)  # type: ignore[operator]
-    square = energy(_decay(energy="sin(y0) * sin(y0) + cos(y0) * cos(y0)"), [x])
+    assert float(decimal_energy(problem, [x])) == pytest.approx(function(x), abs=2**-52, rel=2**-52)  # type: ignore[operator]
+    square = decimal_energy(_decay(energy="sin(y0) * sin(y0) + cos(y0) * cos(y0)"), [x])
     assert abs(square - 1) < Decimal("1e-50")
 
 
 def test_energy_reads_parameters_division_and_signs() -> None:
     problem = _decay(energy="-rate * y0 / 2 + exp(log(3)) - sqrt(4)")
-    assert abs(6 * Q(energy(problem, [Q(1, 3)])) - 7) < Q(1, 10**50)
+    assert abs(6 * Q(decimal_energy(problem, [Q(1, 3)])) - 7) < Q(1, 10**50)
 
 
 def _decay(energy: str | None = None) -> Problem:
@@ -202,10 +202,10 @@ def test_climb_ends_at_the_floor() -> None:
 def test_climb_marks_a_run_that_would_take_too_long_and_makes_none_after_it() -> None:
     made = []
 
-    def slow(steps: int) -> Run:
+    def slow(steps: int) -> CountedRun:
         made.append(steps)
         sum(range(40 * steps))
-        return Run({T: (1.0, 0.0)}, steps)
+        return CountedRun({T: (1.0, 0.0)}, steps)
 
     found = measure_curve(HARMONIC, Integrator(slow, {}, {}), (8, 10**9, 10**10), limit=1)
     assert [point.steps for point in found] == [8, 10**9]

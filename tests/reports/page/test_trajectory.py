@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof.numeric.run import run_method, times
+from driftproof.numeric.run import run_method, times_of_steps
 from driftproof.numeric.scenes import PRESETS, Scene
 from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.trajectory import (
@@ -111,7 +111,7 @@ def test_long_exact_curve_still_reaches_both_sides_everywhere() -> None:
 
 def test_run_without_any_step_is_drawn() -> None:
     scene = Scene("s", "rk4", Q(1), Q(0), (Q(0), Q(0)), readouts=("trajectory",))
-    run = SampledRun(scene, "rk4", times(Q(1), 0), np.zeros((1, 2)), "id")
+    run = SampledRun(scene, "rk4", times_of_steps(Q(1), 0), np.zeros((1, 2)), "id")
     assert "<svg" in position(run).markup()
     assert "<svg" in phase_plane(run).markup()
 

@@ -26,7 +26,7 @@ from driftproof.symbolic.algebra.rational_functions import fraction
 from driftproof.symbolic.linear.oscillator import one_step_matrix
 from driftproof.symbolic.rounding.formats import BFLOAT16, BINARY16, BINARY32, BINARY64, FloatFormat, power_of_two
 from driftproof.symbolic.rounding.number import RefusedOperation
-from driftproof.symbolic.rounding.polynomials import ONE, H, from_terms, polynomial, terms
+from driftproof.symbolic.rounding.polynomials import ONE, H, constant_polynomial, from_terms, terms
 from driftproof.symbolic.rounding.step_bound import NotLinear, StepBound, step_bound
 from driftproof.symbolic.runs import apply, exact_matrix_at
 from tests.changes import coefficients, first_weight, moved
@@ -122,8 +122,8 @@ def test_a_lifted_coefficient_owns_up_to_its_distance_from_the_float(fmt):
 
     own = abs(fmt.nearest(Q(1, 6)) - Q(1, 6)) / fmt.u
     assert own > 0
-    assert drift_by(Q(1, 6)) == polynomial(own + Q(3, 6)) * H
-    assert drift_by(Q(1, 4)) == polynomial(Q(2, 4)) * H
+    assert drift_by(Q(1, 6)) == constant_polynomial(own + Q(3, 6)) * H
+    assert drift_by(Q(1, 4)) == constant_polynomial(Q(2, 4)) * H
 
 
 def test_bounds_of_all_formats_are_one_polynomial_where_every_constant_is_a_float():

@@ -6,7 +6,7 @@ from fractions import Fraction as Q
 
 import pytest
 
-from driftproof.numeric.clock import clock
+from driftproof.numeric.advance import step_times
 
 U = Q(1, 2**53)
 
@@ -14,17 +14,17 @@ U = Q(1, 2**53)
 def test_a_step_that_is_no_float_ends_within_a_unit_of_t_and_says_where():
     for t in (Q(10), Q(1, 3), Q(-7, 5)):
         for steps in (1, 3, 10, 997, 2**20 + 1):
-            found = clock(t, steps)
+            found = step_times(t, steps)
             assert found.end == steps * Q(found.h)
             assert abs(found.end - t) <= U * abs(t)
             for i in (1, steps // 2, steps):
                 assert abs(Q(found.at(i)) - i * t / steps) <= (2 * U + U * U) * abs(i * t / steps)
-    assert clock(Q(10), 3).end != 10
-    assert clock(Q(10), 4).end == 10
+    assert step_times(Q(10), 3).end != 10
+    assert step_times(Q(10), 4).end == 10
 
 
 def test_a_sum_of_steps_misses_what_a_multiple_keeps():
-    found, summed = clock(Q(10), 1000), 0.0
+    found, summed = step_times(Q(10), 1000), 0.0
     for _ in range(1000):
         summed += found.h
     assert abs(Q(found.at(1000)) - 10) <= 3 * U * 10 < abs(Q(summed) - 10)
@@ -35,4 +35,4 @@ def test_a_sum_of_steps_misses_what_a_multiple_keeps():
 )
 def test_a_clock_without_a_step_is_refused(t, steps, what):
     with pytest.raises(ValueError, match=what):
-        clock(t, steps)
+        step_times(t, steps)
