@@ -22,8 +22,8 @@ from driftproof.texts.claims.checking import (
     coverage,
 )
 from driftproof.texts.claims.claims import Claims
+from driftproof.texts.claims.drafting import Suggestions
 from driftproof.texts.claims.listings import Ran
-from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.readers.document import Document
 from driftproof.texts.readers.numbers import TextNumber
 

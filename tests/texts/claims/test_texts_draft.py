@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 
 from driftproof.texts.claims.checking import GIVEN, UNCOVERED, WORKED_OUT, check_claims, coverage
 from driftproof.texts.claims.claims import parse_claims
-from driftproof.texts.claims.drafting import draft
-from driftproof.texts.claims.suggestions import LookAlike, Suggestions
+from driftproof.texts.claims.drafting import LookAlike, Suggestions, draft
 from driftproof.texts.readers.document import Document, document_of, read_document
 from driftproof.texts.readers.numbers import numbers_in
 
