@@ -1,0 +1,24 @@
+"""A claim in one line, and a text with claims about it, for several test files."""
+
+from __future__ import annotations
+
+import json
+
+from driftproof.texts.claims.claims import Claim, Claims, parse_claims
+
+
+def claim(phrase: str, more: str = "", value: str = "0.33") -> Claim:
+    """A claim whose one value, if its phrase has one, is a number spelled so."""
+    values = f"value = {{given = {json.dumps(value)}}}" if "{value}" in phrase else ""
+    text = f"[[claim]]\nid = 'a'\nphrase = {json.dumps(phrase, ensure_ascii=False)}\n{values}\n{more}"
+    return parse_claims(text.encode()).claims[0]
+
+
+TEXT = """\
+RK4, read in 5 min.
+1. In Section 2 the error is 0.33 after 40 steps, q₁ = 0.5.
+It prints 0.25, and nobody claims 7 or 8/9."""
+CLAIMS = Claims(
+    (claim("error is {value} after 40 steps", "given = true"),),
+    parse_claims(b"[[label]]\nphrase = '{n} min'\nwhy = 'time'").labels,
+)

@@ -1,0 +1,149 @@
+"""A claim holds of the text that says it and of no text that says another number; every number is accounted for."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from driftproof.texts.claims.checking import (
+    GIVEN,
+    LABEL,
+    RUN,
+    UNCOVERED,
+    WORKED_OUT,
+    check_claim,
+    check_claims,
+    coverage,
+)
+from driftproof.texts.claims.claims import Claim, parse_claims
+from driftproof.texts.readers.document import document_of
+from tests.texts.claims.sample import CLAIMS, TEXT, claim
+
+
+def found(text: str, one: Claim, form: str = "plain") -> int:
+    return len(check_claims(document_of(text, form), [one])[0].occurrences)
+
+
+@pytest.mark.parametrize(
+    ("form", "text"),
+    [
+        ("markdown", "| RK4 | **3.3×10⁻⁴** |"),
+        ("html", "<tr><td>RK4<td>3.3&times;10<sup>&minus;4</sup></tr>"),
+        ("tex", "RK4 & $3.3\\times 10^{-4}$ \\\\"),
+    ],
+)
+def test_one_phrase_serves_every_format(form: str, text: str) -> None:
+    one = claim("RK4 | {value}", value="3.3e-4")
+    assert found(text, one, form) == 1
+    assert found(text.replace("3.3", "3.4"), one, form) == 0
+
+
+def test_case_counts_unless_told() -> None:
+    assert (found("Is 0.33", claim("is {value}")), found("Is 0.33", claim("is {value}", "ignore_case = true"))) == (
+        0,
+        1,
+    )
+
+
+def findings(text: str, one: Claim) -> list[tuple[int, int, str, str]]:
+    (outcome,) = check_claims(document_of(text), [one])
+    return [(finding.line, finding.column, finding.expected, finding.found) for finding in outcome.findings]
+
+
+def test_finding_names_line_column_expected_and_found() -> None:
+    one = claim("at {value} after 5 steps", "given = true")
+    assert findings("x\n\nis at 0.33 after 5 steps", one) == []
+    assert findings("x\n\nis at 0.34 after 5 steps", one) == [(3, 7, "0.33", "0.34")]
+    assert findings("x\n\nis at 0.33 after 6 steps", one) == [(3, 18, "5", "6")]
+
+
+def test_finding_is_the_place_that_comes_closest() -> None:
+    one = claim("from {value} to 0.5", "given = true")
+    assert findings("from 0.1 to 0.2\nfrom 0.3 to 0.5\nfrom 0.2 to 0.4", one) == [(2, 6, "0.33", "0.3")]
+
+
+def test_finding_in_cells_that_run_together_shows_the_run() -> None:
+    assert findings("Euler2.3905.15240", claim("Euler2.390{value}", "given = true", "5.15140")) == [
+        (1, 6, "2.3905.15140", "2.3905.15240")
+    ]
+
+
+def test_phrase_that_stands_nowhere_is_looked_for_by_its_beginning() -> None:
+    one = claim("the error is {value} here")
+    (found_at,) = findings("a\nthe error was 0.33 here", one)
+    assert found_at[:2] == (2, 1)
+    (outcome,) = check_claims(document_of("The error is 0.4 here"), [one])
+    assert "ignore_case = true allows them" in outcome.findings[0].message
+    assert findings("nothing", one) == [(1, 1, "the error is 0.33 here", "")]
+
+
+def test_phrase_stands_exactly_as_often_as_the_claim_says() -> None:
+    text = "is 0.33 and is 0.33"
+    assert findings(text, claim("is {value}", "count = 2")) == []
+    assert [place[:2] for place in findings(text, claim("is {value}"))] == [(1, 13)]
+    assert len(findings(text, claim("is {value}", "count = 3"))) == 1
+    assert len(findings(text, claim("is {value}", "count = 0"))) == 2
+
+
+def test_number_right_but_part_of_more_is_said_to_be() -> None:
+    (outcome,) = check_claims(document_of("is 0.33 %"), [claim("is {value}")])
+    assert "stands nowhere" in outcome.findings[0].message
+
+
+@given(st.integers(0, 999), st.integers(0, 999), st.sampled_from(["", "-"]))
+def test_claim_holds_of_its_own_number_only(n: int, m: int, sign: str) -> None:
+    one = claim("at {value} now", value=f"{sign}{n / 100:.2f}")
+    assert found(f"it is at {sign.replace('-', chr(0x2212))}{m / 100:.2f} now", one) == (n == m)
+
+
+def test_every_number_is_accounted_for() -> None:
+    document = document_of(TEXT)
+    outcomes = check_claims(document, CLAIMS.claims)
+    at = document.text.text.index("0.25")
+    covered = coverage(document, outcomes, CLAIMS.labels, [(at, at + 4)])
+    assert [(one.number.text, one.kind) for one in covered.numbers] == [
+        ("4", LABEL),
+        ("5", LABEL),
+        ("1", LABEL),
+        ("2", LABEL),
+        ("0.33", GIVEN),
+        ("40", GIVEN),
+        ("1", LABEL),
+        ("0.5", UNCOVERED),
+        ("0.25", RUN),
+        ("7", UNCOVERED),
+        ("8/9", UNCOVERED),
+    ]
+    assert covered.share == Fraction(1, 2)
+    assert coverage(document, [], CLAIMS.labels).counts[UNCOVERED] == 6
+
+
+def test_numbers_that_run_together_are_counted_one_by_one() -> None:
+    text = '[[claim]]\nid="a"\nphrase="RK4{a}{b}{c}"\nvalues={a="1/4", b="-1/8", c="16"}'
+    document = document_of("RK40.25-0.12516")
+    counts = coverage(document, check_claims(document, parse_claims(text.encode()).claims)).counts
+    assert (counts[WORKED_OUT], counts[LABEL], counts[UNCOVERED]) == (3, 1, 0)
+
+
+def test_label_that_stands_nowhere_is_refused() -> None:
+    with pytest.raises(ValueError, match="label for 'time' stands nowhere"):
+        coverage(document_of("none"), [], CLAIMS.labels)
+
+
+@given(st.lists(st.sampled_from(["error is 0.33 after 40 steps", "0.5", "5 min", "RK4", " ", "1/2", "x"])))
+def test_coverage_counts_every_number_once(pieces: list[str]) -> None:
+    document = document_of(" ".join(["5 min", *pieces]))
+    covered = coverage(document, check_claims(document, CLAIMS.claims), CLAIMS.labels)
+    spans = [(one.number.start, one.number.end) for one in covered.numbers]
+    assert spans == sorted(set(spans))
+    digits = {i for i, character in enumerate(document.text.text) if character.isdigit()}
+    assert digits == {i for start, end in spans for i in range(start, end)} & digits
+
+
+def test_check_of_one_claim_looks_at_no_more_places_than_it_says() -> None:
+    one = claim("a {value} b")
+    outcome = check_claim(document_of("a 1 b " * 5000), one, one.spellings())
+    assert len(outcome.findings) == 1

@@ -1,0 +1,120 @@
+"""A phrase stands where the text says it with the right numbers, and a value is spelled in every way that it can be."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from driftproof.texts.claims.checking import (
+    check_claims,
+)
+from driftproof.texts.claims.claims import Claim, parse_claims
+from driftproof.texts.claims.phrases import NumberForm, Phrase
+from driftproof.texts.readers.document import document_of
+from tests.texts.claims.sample import claim
+
+
+def found(text: str, one: Claim, form: str = "plain") -> int:
+    return len(check_claims(document_of(text, form), [one])[0].occurrences)
+
+
+# phrase, value, a text that says it, texts that do not
+STANDS = [
+    ("is {value} off", "0.33", "it is\u00a00.33\n  off.", ["it is 0.34 off", "it is 0.331 off", "this is 10.33 off"]),
+    ("error {value}", "0.33", "error 0.33, and", ["error 0.331", "error 0.33e-4", "error 0.33×10⁻⁴", "error 0.33/2"]),
+    ("error {value}", "0.33", "an error 0.33", ["error 0.33%", "error 0.33 %", "terror 0.33", "error 0.33.1"]),
+    (
+        "{value} of it",
+        "0.33",
+        "(0.33 of it",
+        ["-0.33 of it", "1.0.33 of it", "10.33 of it", "√0.33 of it", "^0.33 of it"],
+    ),
+    ("v = {value}", "-0.5", "v = −0.5", ["v = 0.5", "v = - 0.5", "v = −0.55", "v = −0,5"]),
+    ("v = {value}", "-0.5", "v = -0.5", ["v = +0.5"]),
+    (
+        "about {value} steps",
+        "5651",
+        "about 5,651 steps",
+        ["about 56,51 steps", "about 5651.0 steps", "about 5 651 steps"],
+    ),
+    ("about {value} steps", "5651", "about 5\u202f651 steps", ["about 5\u202f652 steps"]),
+    ("is {value}", "3.3e-4", "is 3.3×10⁻⁴.", ["is 3.3×10⁻³.", "is 3.3×10⁴.", "is 3.3"]),
+    ("is {value}", "3.3e-4", "is 3.3e-04", ["is 3.3e-05", "is 3.3e-40", "is 3.3e4"]),
+    ("O(h^{value})", "4", "O(h⁴)", ["O(h⁵)", "O(h⁴⁴)", "O(h4)"]),
+    ("Euler{value}-0.054", "0.090", "Euler0.090-0.054", ["Euler0.090-0.055", "Euler0.091-0.054"]),
+    (
+        "ends after {value}",
+        "2",
+        "ends after 2.",
+        ["ends after 2.5", "ends after 2/3", "ends after 2h", "ends after 2√2", "ends after 2²"],
+    ),
+]
+
+
+@pytest.mark.parametrize(("phrase", "value", "text", "others"), STANDS)
+def test_phrase_stands_in_no_text_with_another_number(phrase: str, value: str, text: str, others: list[str]) -> None:
+    one = claim(phrase, "given = true", value)
+    assert found(text, one) == 1
+    assert [other for other in others if found(other, one)] == []
+
+
+CLAIM = '[[claim]]\nid = "a"\nphrase = "is {value}"\nvalue = "rk4.first_step.q"\n'
+
+
+@pytest.mark.parametrize(
+    ("question", "form", "message"),
+    [
+        ("rk4.first_step.z", "", "is no id of a published value"),
+        ("step rk4 h=1/0 : q", "", "divides by zero"),
+        ("imaginary_limit rk4", "", "no decimal that ends; say places, digits or exact"),
+        ("rk4.first_step.q", "", "no decimal that ends"),
+        ("run rk4 h=1/4 t=10 : state_error", "exact = true", "no exact form"),
+        ("run rk4 h=1/4 t=10 : energy", "exact = true", "the exact form has"),
+        ("1/2", "places = 0", "name a rounding"),
+        ("__import__('os')", "places = 1", "claim 'a'"),
+        ("2**2**2**2**9999999", "places = 1", "claim 'a'"),
+    ],
+)
+def test_value_that_cannot_be_written_so_is_refused_in_one_line(question: str, form: str, message: str) -> None:
+    (claim,) = parse_claims((CLAIM.replace("rk4.first_step.q", question) + form).encode()).claims
+    with pytest.raises(ValueError, match=r"\A[^\n]*\Z") as error:
+        claim.spellings()
+    assert message in str(error.value)
+    assert "claim 'a'" in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("question", "form", "spellings"),
+    [
+        ("1/2", NumberForm(), ["0.5"]),
+        ("40", NumberForm(), ["40"]),
+        ("337/384", NumberForm(exact=True), ["337/384"]),
+        ("337/384", NumberForm(places=3), ["0.878"]),
+        ("-1/3000", NumberForm(digits=2), ["-0.00033", "-3.3e-4"]),
+        ("5651", NumberForm(digits=2), ["5700", "5.7e3"]),
+        ("1/8", NumberForm(places=2, rounding="half-away"), ["0.13"]),
+        ("1/8", NumberForm(places=2, rounding="half-even"), ["0.12"]),
+        ("0", NumberForm(digits=3), ["0"]),
+        ("imaginary_limit rk4", NumberForm(exact=True), ["2√2", "2*sqrt(2)"]),
+        ("energy_multiplier rk4", NumberForm(places=3), ["1 - h^6/72 + h^8/576", "1 - h**6/72 + h**8/576"]),
+    ],
+)
+def test_value_is_spelled_in_every_way_that_means_the_same(
+    question: str, form: NumberForm, spellings: list[str]
+) -> None:
+    from driftproof.texts.questions.evaluate import value
+
+    assert form.spellings(value(question)) == spellings
+
+
+@given(st.text(max_size=60))
+def test_no_phrase_crashes_its_reader(text: str) -> None:
+    try:
+        phrase = Phrase.of(text)
+    except ValueError:
+        return
+    spellings = {name: ["0.5"] for name in phrase.names}
+    written = phrase.written(spellings)
+    assert len(phrase.numbers(spellings)) == phrase.shape(spellings).groups
+    assert phrase.exact(spellings).fullmatch(written)

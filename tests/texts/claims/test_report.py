@@ -1,0 +1,115 @@
+"""The report says what is wrong and what is covered, as text, JSON and annotations, and the command its status."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from driftproof.texts.claims.checking import (
+    UNCOVERED,
+)
+from driftproof.texts.claims.claims import Claims
+from driftproof.texts.claims.report import TextReport
+from driftproof.texts.readers.document import document_of
+from tests.texts.claims.sample import CLAIMS, TEXT, claim
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+def test_report_says_what_is_wrong_and_what_is_covered() -> None:
+    document = document_of(TEXT)
+    assert TextReport.of("a.txt", document, CLAIMS).written("text").splitlines() == [
+        "a.txt: 1 claim, all hold",
+        "33.3% of 6 numbers covered: 0 by values, 2 given; 4 not; and 5 labels",
+    ]
+    wrong = TextReport.of("a.txt", document_of(TEXT.replace("0.33", "0.34")), CLAIMS)
+    assert wrong.written("text").splitlines()[:2] == [
+        "a.txt:2:30: a: expected 0.33, found 0.34",
+        "a.txt: 1 claim, 1 refuted",
+    ]
+    assert TextReport.of("a.txt", document, Claims()).written("text").startswith("a.txt: 0 claims, so nothing is held")
+    listed = TextReport.of("a.txt", document, CLAIMS, suggest=True)
+    assert any(
+        line.startswith("a.txt:3:11: not covered: 'It prints 0.25, and") for line in listed.written("text").splitlines()
+    )
+    assert "looks like default.h" in listed.written("text")
+
+
+def test_report_in_json_has_every_number_and_every_finding() -> None:
+    answer = json.loads(
+        TextReport.of("a.txt", document_of(TEXT.replace("40", "41")), CLAIMS, suggest=True).written("json")
+    )
+    assert answer["passed"] is False
+    assert answer["claims"] == {"a": {"count": 1, "found": 0}}
+    assert answer["findings"][0] | {"message": ""} == {
+        "claim": "a", "line": 2, "column": 41, "expected": "40", "found": "41", "message": ""
+    }  # fmt: skip
+    assert answer["coverage"][UNCOVERED] == len([n for n in answer["numbers"] if n["kind"] == UNCOVERED]) == 6
+    assert {"text": "4", "line": 1, "column": 3, "kind": "label", "by": "part of a name"} in answer["numbers"]
+
+
+def test_report_for_github_escapes_what_it_must() -> None:
+    report = TextReport.of("a,b:c%.txt", document_of("is 0.34 %\nis 0.3"), Claims((claim("is {value}\n"),)))
+    (line,) = report.written("github").splitlines()
+    assert line.startswith("::error file=a%2Cb%3Ac%25.txt,line=2,col=4,title=a::expected 0.33")
+
+
+def test_least_coverage_fails_a_text_with_new_numbers() -> None:
+    claims = Claims(CLAIMS.claims, CLAIMS.labels, coverage=Fraction(1, 3))
+    assert not TextReport.of("a", document_of(TEXT), claims).findings
+    report = TextReport.of("a", document_of(TEXT + " And 9."), claims)
+    assert report.findings
+    assert report.findings[0].claim == "coverage"
+    assert not TextReport.of("a", document_of("5 min"), Claims((), CLAIMS.labels, coverage=Fraction(1))).findings
+
+
+@pytest.fixture
+def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.md").write_text("One step of RK4 leads to **337/384**, or 0.8776.\n", encoding="utf-8")
+    (tmp_path / "c.toml").write_text(
+        '[[claim]]\nid="q"\nphrase="leads to {q}, or {d}."\nvalues.q="rk4.first_step.q"\nexact=true\n'
+        'values.d={ask="step rk4 h=1/2 : q", places=4}\n',
+        encoding="utf-8",
+    )
+    return tmp_path
+
+
+def test_command_answers_with_its_exit_status(files: Path, run: Run) -> None:
+    assert run("check", "a.md", "--claims", "c.toml") == (
+        0,
+        "a.md: 1 claim, all hold\n100% of 2 numbers covered: 2 by values, 0 given; 0 not; and 1 label\n",
+        "",
+    )
+    text = (files / "a.md").read_text(encoding="utf-8")
+    (files / "a.md").write_text(text.replace("0.8776", "0.8777"), encoding="utf-8")
+    status, out, err = run("check", "a.md", "--claims", "c.toml")
+    assert (status, err) == (1, "")
+    assert out.startswith("a.md:1:42: q: expected 0.8776, found 0.8777\n")
+    assert run("check", "a.md", "--claims", "c.toml", "--format", "github")[1].startswith(
+        "::error file=a.md,line=1,col=42"
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("a.md",), "one of the arguments --claims --init is required"),
+        (("a.md", "--claims", "c.toml", "--init"), "not allowed with argument"),
+        (("none.md", "--claims", "c.toml"), "none.md"),
+        (("a.md", "--claims", "none.toml"), "none.toml"),
+        (("a.md", "--claims", "a.md"), "a.md: "),
+        (("..", "--claims", "c.toml"), "Is a directory"),
+        (("a.md", "--claims", "c.toml", "--time-limit", "0"), "is no time limit"),
+        (("a.md", "--claims", "c.toml", "--format", "xml"), "invalid choice"),
+    ],
+)
+def test_command_refuses_bad_input_in_one_line(files: Path, run: Run, arguments: tuple[str, ...], message: str) -> None:
+    status, out, err = run("check", *arguments)
+    assert (status, out) == (2, "")
+    assert message in err
+    assert err.count("\n") == 1
