@@ -1,0 +1,113 @@
+"""A file is read by its ending, every character knows its place, and no file makes a reader crash or crawl."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from driftproof.texts.readers.document import LARGEST_DOCUMENT, READERS, document_of, read_document
+from driftproof.texts.readers.numbers import numbers_in
+from tests.texts.readers.reading import standing
+
+
+def test_number_stands_where_the_file_has_it() -> None:
+    assert standing("plain", "one\r\ntwo  \u221242.5 and ½", "42.5").startswith("42.5")
+
+
+def test_reader_is_chosen_by_the_ending(tmp_path: Path) -> None:
+    for name, text in (("a.md", "*b*"), ("a.html", "<i>b</i>"), ("a.TEX", "\\emph{b}"), ("a.txt", "b"), ("a", "b")):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+        assert read_document(tmp_path / name).text.text == "b"
+    assert read_document(tmp_path / "a.md", "plain").text.text == "*b*"
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"\xff\xfe", "byte 0 is not UTF-8 text"),
+        (b" " * (LARGEST_DOCUMENT + 1), "at most 4194304 bytes"),
+        (b"{", "it is no notebook"),
+        (b'{"cells": 3}', 'a list "cells"'),
+        (b"[" * 100_000, "nested too deep"),
+    ],
+    ids=range(5),
+)
+def test_file_that_is_no_text_is_refused_in_one_line(content: bytes, message: str, tmp_path: Path) -> None:
+    path = tmp_path / "a.ipynb"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=message) as error:
+        read_document(path)
+    assert "\n" not in str(error.value)
+
+
+# Markup that never ends, which a reader must not look through again and again.
+ENDLESS = [
+    "<!--",
+    "<a ",
+    "</",
+    "<![",
+    "<a b='",
+    '<a b="',
+    "&",
+    "$",
+    "`",
+    "[",
+    "![",
+    "**",
+    "\\frac{",
+    "\\cite[",
+    "{",
+    "^{",
+]
+ENDLESS += [
+    "\\begin{verbatim}",
+    "```\n",
+    "~~~",
+    "<script>",
+    "<pre>",
+    "<sup>",
+    "<mfrac>",
+    "1/",
+    "1,",
+    "²",
+    "_{",
+    "\\(",
+    "- ",
+]
+
+
+@pytest.mark.parametrize("form", sorted({*READERS} - {"notebook"}))
+def test_markup_that_never_ends_is_read_to_the_end(form: str) -> None:
+    for piece in ENDLESS:
+        document = document_of(piece * (5_000 // len(piece)), form)
+        numbers_in(document.text.text)
+
+
+@given(
+    st.sampled_from(sorted(READERS)), st.lists(st.sampled_from([*ENDLESS, "0.5", " ", "\n", "x", "}", ">", "'", "|"]))
+)
+def test_no_text_crashes_a_reader(form: str, pieces: list[str]) -> None:
+    held(form, "".join(pieces))
+
+
+@given(st.sampled_from(sorted(READERS)), st.text())
+def test_no_characters_crash_a_reader(form: str, source: str) -> None:
+    held(form, source)
+
+
+def held(form: str, source: str) -> None:
+    """What is read has a place for every character and every number, in the order of the file."""
+    try:
+        document = document_of(source, form)
+    except ValueError:
+        assert form == "notebook"
+        return
+    origins = [document.text.origin(i) for i in range(len(document.text.text))]
+    assert origins == sorted(origins)
+    assert all(0 <= origin <= len(source) for origin in origins)
+    for number in numbers_in(document.text.text):
+        assert document.text.text[number.start : number.end] == number.text
+        assert document.position(number.start).line <= source.count("\n") + 1

@@ -1,0 +1,36 @@
+"""HTML is read as a browser shows it, cells apart and MathML in one line."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.texts.readers.reading import blocks, read, standing
+
+READ = [
+    ("<p>a<script>1</script>b<style>2</style><!-- 3 -->c</p><p title='4'>d", "abc\nd"),
+    ("<table><tr><td>0.090<td>&minus;0.054<td>40</table>", "0.090 | -0.054 | 40"),
+    ("h<sup>6</sup>, q<sub>1</sub>, &frac12; &lt;b&gt;", "h^6, q_1, 1/2 <b>"),
+    ("<math><mfrac><mn>337</mn><mn>384</mn></mfrac></math>", "337/384"),
+    ("<math><mfrac><mrow><mi>a</mi><mo>+</mo><mn>1</mn></mrow><mn>2</mn></mfrac></math>", "(a+1)/2"),
+    ("<math><msup><mi>h</mi><mn>6</mn></msup><msqrt><mn>2</mn></msqrt></math>", "h^6√(2)"),
+    ("<span class='katex-html'>9<span>8</span>7</span>6<template>5</template>", "6"),
+    ("<math><msubsup><mi>q</mi><mn>1</mn><mn>2</mn></msubsup></math>", "q_1^2"),
+]
+
+
+@pytest.mark.parametrize(("source", "text"), READ)
+def test_html_is_read_as_people_read_it(source: str, text: str) -> None:
+    assert read("html", source) == text
+
+
+def test_reading_cells_as_one_number_would_be_noticed() -> None:
+    assert read("html", "<td>0.090<td>40") != read("html", "<b>0.090</b>40") == "0.09040"
+
+
+def test_number_stands_where_the_file_has_it() -> None:
+    assert standing("html", "<p>one\n<b>two</b> &amp; &#8722;42.5</p>", "42.5").startswith("42.5")
+
+
+def test_preformatted_text_is_a_listing_in_the_language_of_its_class() -> None:
+    source = '<div class="highlight-python"><pre><span>x</span></pre></div><pre>y</pre>'
+    assert blocks("html", source) == [("listing", "python", "x"), ("listing", "", "y")]

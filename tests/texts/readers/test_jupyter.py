@@ -1,0 +1,52 @@
+"""Notebooks are read cell by cell, code with what it printed, every character at its place in the JSON."""
+
+from __future__ import annotations
+
+import json
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.texts.readers.reading import blocks, read, standing
+from tests.texts.readers.test_document import held
+
+NOTEBOOK = {
+    "cells": [
+        {"cell_type": "markdown", "source": ["The error is **0.33**\n", "after $h^{6}/72$ é\u2212"]},
+        {
+            "cell_type": "code",
+            "source": "print(1/4)",
+            "outputs": [
+                {"output_type": "stream", "name": "stdout", "text": ["0.25\n"]},
+                {"output_type": "execute_result", "data": {"text/plain": ["0.5"], "text/html": ["<b>9</b>"]}},
+                {"output_type": "display_data", "data": {"text/html": "<b>7.5</b>"}},
+            ],
+        },
+        {"cell_type": "raw", "source": "3.5"},
+    ],
+    "metadata": {"language_info": {"name": "python"}},
+}
+
+
+def test_notebook_is_read_as_people_read_it() -> None:
+    text = "The error is 0.33\nafter h^6/72 é-\nprint(1/4)\n0.25\n0.5\n7.5"
+    assert read("notebook", json.dumps(NOTEBOOK)) == text
+    assert [kind for kind, *_ in blocks("notebook", json.dumps(NOTEBOOK))].count("output") == 2
+
+
+def test_number_stands_where_the_file_has_it() -> None:
+    cells = {"cells": [{"cell_type": "markdown", "source": ["a\n", "b \\u2212 -42.5"]}]}
+    assert standing("notebook", json.dumps(cells, indent=1), "42.5").startswith("42.5")
+
+
+json_values = st.none() | st.integers() | st.text(max_size=5) | st.lists(st.text(max_size=5), max_size=3)
+outputs = st.lists(
+    st.dictionaries(st.sampled_from(["data", "text", "text/plain"]), json_values, max_size=2), max_size=2
+)
+
+
+@given(
+    st.lists(st.dictionaries(st.sampled_from(["cell_type", "source", "outputs"]), json_values | outputs), max_size=3)
+)
+def test_no_notebook_crashes_its_reader(cells: list[dict[str, object]]) -> None:
+    held("notebook", json.dumps({"cells": cells}))
