@@ -7,6 +7,7 @@ import re
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn, TypeAlias, TypeVar
@@ -61,19 +62,15 @@ def command(*options: CommandOption) -> Callable[[Callable[[argparse.Namespace],
     return lambda answer: Command(answer, options)
 
 
-def option(*names: str, **settings: Any) -> CommandOption:
+def option(names: str, words: str | None = None, **settings: Any) -> CommandOption:
     """An option, or a positional argument, as argparse describes it; `choices` may be a function that lists them."""
 
     def add(parser: argparse._ActionsContainer) -> None:
         choices = settings.get("choices")
-        parser.add_argument(*names, **{**settings, "choices": choices()} if callable(choices) else settings)
+        late = {"choices": choices()} if callable(choices) else {}
+        parser.add_argument(*names.split(), help=words, **{**settings, **late})
 
     return add
-
-
-def flag(name: str, words: str) -> CommandOption:
-    """An option without a value: false where it is not given."""
-    return option(name, action="store_true", help=words)
 
 
 def one_of(*options: CommandOption, required: bool = False) -> CommandOption:
@@ -158,54 +155,25 @@ def several(read: Callable[[str], Any]) -> Callable[[str], list[Any]]:
     return lambda text: [read(part.strip()) for part in text.split(",")]
 
 
-def list_option(name: str, read: Callable[[str], Any], metavar: str, words: str) -> CommandOption:
-    """An option whose values commas part, and which may be repeated; an empty list where it is not given."""
-    return option(name, type=several(read), action="extend", default=[], metavar=f"{metavar},{metavar}", help=words)
-
-
-def methods_option(words: str) -> CommandOption:
-    """--methods, several keys."""
-    return list_option("--methods", str, "M", words)
-
-
-def steps_option(words: str) -> CommandOption:
-    """--h, several step sizes."""
-    return list_option("--h", nonzero_step, "H", words)
-
-
-def digits_option(words: str, **settings: Any) -> CommandOption:
-    """--digits, a number of decimal digits."""
-    return option("--digits", type=integer_in(1, _MOST_DIGITS, "digits"), help=words, **settings)
-
-
-def places_option(words: str, **settings: Any) -> CommandOption:
-    """--places, a number of digits after the point."""
-    return option("--places", type=integer_in(0, _MOST_DIGITS, "places"), help=words, **settings)
-
-
-def rounding_option(words: str) -> CommandOption:
-    """--rounding, a policy; None where it is not given."""
-    policies = names_in("driftproof.texts.questions.decimals", "ROUNDING_POLICIES")
-    return option("--rounding", choices=policies, help=words)
-
-
-def output_option(words: str, **settings: Any) -> CommandOption:
-    """-o or --output, what is written."""
-    return option("-o", "--output", type=Path, help=words, **{"metavar": "FILE", **settings})
-
-
-def format_option(*choices: str, words: str | None = "json is canonical", **settings: Any) -> CommandOption:
+def format_option(choices: str, words: str | None = "json is canonical") -> CommandOption:
     """--format; the first choice is the default."""
-    return option("--format", **{"choices": choices, "default": choices and choices[0], "help": words, **settings})
+    return option("--format", words, choices=choices.split(), default=choices.split()[0])
 
 
-def time_limit_option(seconds: float, words: str, **settings: Any) -> CommandOption:
-    """--time-limit, in seconds."""
-    return option("--time-limit", type=positive_number("time limit"), default=seconds, help=words, **settings)
-
-
-METHOD = option("method", help="a key that `driftproof methods` lists, e.g. rk4")
-TEXT_OR_JSON = format_option("text", "json", words="json is canonical, text is for you")
+# What several commands take; each says in its own words what it is for.
+METHOD = option("method", "a key that `driftproof methods` lists, e.g. rk4")
+TEXT_OR_JSON = format_option("text json", "json is canonical, text is for you")
+flag = partial(option, action="store_true")
+list_option = partial(option, action="extend", default=[])
+methods_option = partial(list_option, "--methods", type=several(str), metavar="M,M")
+steps_option = partial(list_option, "--h", type=several(nonzero_step), metavar="H,H")
+digits_option = partial(option, "--digits", type=integer_in(1, _MOST_DIGITS, "digits"))
+places_option = partial(option, "--places", type=integer_in(0, _MOST_DIGITS, "places"))
+rounding_option = partial(
+    option, "--rounding", choices=names_in("driftproof.texts.questions.decimals", "ROUNDING_POLICIES")
+)
+output_option = partial(option, "-o --output", type=Path, metavar="FILE")
+time_limit_option = partial(option, "--time-limit", type=positive_number("time limit"))
 
 
 def as_asked(options: argparse.Namespace, answer: Any, text: Callable[[Any], str]) -> str:

@@ -6,7 +6,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from driftproof.commands.arguments import command, exactly, format_option, integer_in, option, read_by, several
+from driftproof.commands import arguments as cli
 
 if TYPE_CHECKING:
     from driftproof.methods.families import Family
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 MOST_TERMS = 1000
 
 
-@command()
+@cli.command()
 def methods_command(options: Namespace) -> str:
     """List the methods of the catalogue: key, family, claimed order, title and source.
 
@@ -37,36 +37,36 @@ def methods_command(options: Namespace) -> str:
     return table(rows, right=(2,))
 
 
-@read_by
+@cli.read_by
 def _number(text: str) -> Exact:
     from driftproof.methods.expressions import parse_number
 
     return parse_number(text, "value")
 
 
-@read_by
+@cli.read_by
 def _system(text: str) -> Any:
     from driftproof.methods.systems import parse_system
 
     return parse_system(text)
 
 
-@command(
-    option("method", help="a key that `driftproof methods` lists, or a file that ends in .toml"),
-    option("--only", type=several(str), metavar="FACT,FACT", help="compute only these facts"),
-    option("--at", type=_number, metavar="VALUE", help="the parameter of a family, e.g. 1/4: one method"),
-    option("--system", type=_system, metavar="ROWS", help="facts on z' = Az, A given as '0 1; -1 -1/10'"),
-    option(
-        "--order-tolerance", type=exactly("order tolerance"), metavar="SIZE", help="add the order to such residuals"
+@cli.command(
+    cli.option("method", "a key that `driftproof methods` lists, or a file that ends in .toml"),
+    cli.option("--only", "compute only these facts", type=cli.several(str), metavar="FACT,FACT"),
+    cli.option("--at", "the parameter of a family, e.g. 1/4: one method", type=_number, metavar="VALUE"),
+    cli.option("--system", "facts on z' = Az, A given as '0 1; -1 -1/10'", type=_system, metavar="ROWS"),
+    cli.option(
+        "--order-tolerance", "add the order to such residuals", type=cli.exactly("order tolerance"), metavar="SIZE"
     ),
-    option("--terms", type=integer_in(1, MOST_TERMS, "terms"), default=12, help="length of the series (default 12)"),
-    format_option("text", "json", "tex"),
-    option("--plot", type=Path, metavar="FILE", help="also draw a picture, e.g. region.svg"),
-    option(
+    cli.option("--terms", "length of the series (default 12)", type=cli.integer_in(1, MOST_TERMS, "terms"), default=12),
+    cli.format_option("text json tex"),
+    cli.option("--plot", "also draw a picture, e.g. region.svg", type=Path, metavar="FILE"),
+    cli.option(
         "--picture",
+        "what to draw: stability region, order star, or dispersion and dissipation",
         choices=("region", "order-star", "phase"),
         default="region",
-        help="what to draw: stability region, order star, or dispersion and dissipation",
     ),
 )
 def facts_command(options: Namespace) -> str:
@@ -109,10 +109,10 @@ def facts_command(options: Namespace) -> str:
     return facts_tex(result) if options.format == "tex" else facts_text(result)
 
 
-@command(
-    option("method", help="a key that `driftproof methods` lists, or a file that ends in .toml"),
-    option("--only", type=several(str), default=(), metavar="NAME,NAME", help="derive only these"),
-    format_option("text", "tex", "json", words="text, TeX to paste, or json"),
+@cli.command(
+    cli.option("method", "a key that `driftproof methods` lists, or a file that ends in .toml"),
+    cli.option("--only", "derive only these", type=cli.several(str), default=(), metavar="NAME,NAME"),
+    cli.format_option("text tex json", "text, TeX to paste, or json"),
 )
 def derive_command(options: Namespace) -> str:
     """Derive what a method with rational coefficients does to q' = v, v' = -q, line by line, in the symbol h:

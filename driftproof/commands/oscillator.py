@@ -4,34 +4,20 @@ from __future__ import annotations
 
 from argparse import Namespace
 
-from driftproof.commands.arguments import (
-    METHOD,
-    TEXT_OR_JSON,
-    as_asked,
-    command,
-    count_steps,
-    digits_option,
-    exactly,
-    flag,
-    initial_state,
-    names_in,
-    nonzero_step,
-    option,
-    steps_option,
-)
+from driftproof.commands import arguments as cli
 
 QUESTION = (
-    METHOD,
-    option("--h", type=nonzero_step, required=True, help="step size, e.g. 1/4 or 0.25"),
-    option("--state", type=initial_state, default="1,0", help="start as position,velocity (default 1,0)"),
-    digits_option("significant digits (default 15)", default=15),
-    option("--rounding", choices=("half-even", "half-away"), default="half-even", help="what a tie becomes"),
-    TEXT_OR_JSON,
+    cli.METHOD,
+    cli.option("--h", "step size, e.g. 1/4 or 0.25", type=cli.nonzero_step, required=True),
+    cli.option("--state", "start as position,velocity (default 1,0)", type=cli.initial_state, default="1,0"),
+    cli.digits_option("significant digits (default 15)", default=15),
+    cli.option("--rounding", "what a tie becomes", choices=("half-even", "half-away"), default="half-even"),
+    cli.TEXT_OR_JSON,
 )
-FLOAT_FORMATS = names_in("driftproof.symbolic.rounding.formats", "FORMATS")
+FLOAT_FORMATS = cli.names_in("driftproof.symbolic.rounding.formats", "FORMATS")
 
 
-@command(*QUESTION)
+@cli.command(*QUESTION)
 def step_command(options: Namespace) -> str:
     """Take one step of q' = v, v' = -q exactly, and print fractions with certified decimals.
 
@@ -42,13 +28,13 @@ def step_command(options: Namespace) -> str:
     from driftproof.texts.writing.answers import answer_text, step_answer
 
     result = step_answer(options.method, options.h, options.state, options.digits, options.rounding)
-    return as_asked(options, result, answer_text)
+    return cli.as_asked(options, result, answer_text)
 
 
-@command(
+@cli.command(
     *QUESTION,
-    option("--t", type=exactly("t"), required=True, help="final time, a multiple of h"),
-    flag("--budget", "also run in floats: its error, split in truncation and rounding"),
+    cli.option("--t", "final time, a multiple of h", type=cli.exactly("t"), required=True),
+    cli.flag("--budget", "also run in floats: its error, split in truncation and rounding"),
 )
 def run_command(options: Namespace) -> str:
     """Take t/h steps exactly and certify the final state, its errors, energy and phase.
@@ -64,19 +50,19 @@ def run_command(options: Namespace) -> str:
     question = (options.method, options.h, options.t, options.state, options.digits)
     result = run_answer(*question, options.rounding)
     if not options.budget:
-        return as_asked(options, result, answer_text)
+        return cli.as_asked(options, result, answer_text)
     from driftproof.reports.rounding import budget_answer, budget_text
 
-    budget = budget_answer(*question, options.rounding, count_steps)
+    budget = budget_answer(*question, options.rounding, cli.count_steps)
     both = {**result, "budget": budget}
-    return as_asked(options, both, lambda _: f"{answer_text(result)}\n\n{budget_text(budget)}")
+    return cli.as_asked(options, both, lambda _: f"{answer_text(result)}\n\n{budget_text(budget)}")
 
 
-@command(
-    METHOD,
-    steps_option("step sizes, such as 1/4,1/8"),
-    option("--float", choices=FLOAT_FORMATS, default="binary64", help="the number format"),
-    TEXT_OR_JSON,
+@cli.command(
+    cli.METHOD,
+    cli.steps_option("step sizes, such as 1/4,1/8"),
+    cli.option("--float", "the number format", choices=FLOAT_FORMATS, default="binary64"),
+    cli.TEXT_OR_JSON,
 )
 def roundoff_command(options: Namespace) -> str:
     """Derive the rounding bound of one step from its own program: as a formula, to first order and in full,
@@ -93,4 +79,4 @@ def roundoff_command(options: Namespace) -> str:
     from driftproof.symbolic.rounding.formats import FORMATS
 
     result = roundoff_answer(options.method, options.h, FORMATS[options.float])
-    return as_asked(options, result, roundoff_text)
+    return cli.as_asked(options, result, roundoff_text)

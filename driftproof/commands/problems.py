@@ -8,18 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from driftproof.commands.arguments import (
-    TEXT_OR_JSON,
-    as_asked,
-    command,
-    list_option,
-    methods_option,
-    option,
-    output_option,
-    steps_option,
-    time_limit_option,
-    with_progress,
-)
+from driftproof.commands import arguments as cli
 
 if TYPE_CHECKING:
     from driftproof.reports.work_precision.study import Measured, Study
@@ -28,21 +17,16 @@ if TYPE_CHECKING:
 STABILITY_METHODS = ("forward_euler", "rk4", "symplectic_euler", "backward_euler", "implicit_midpoint", "radau_iia2")
 # The lesson's three, and one of each kind beside them.
 WORK_PRECISION_METHODS = (
-    "forward_euler",
-    "symplectic_euler",
-    "rk4",
-    "velocity_verlet",
-    "dormand_prince54",
-    "blanes_moan6",
-    "gauss2",
+    *("forward_euler", "symplectic_euler", "rk4"),
+    *("velocity_verlet", "dormand_prince54", "blanes_moan6", "gauss2"),
 )
 
 
-@command(
-    option("problem", nargs="?", help="a problem; without one they are listed"),
-    methods_option(f"keys or .toml files (default {','.join(STABILITY_METHODS)})"),
-    steps_option("step sizes that divide t, such as 1/4,1/8 (default: 10, 100 and 1000 steps)"),
-    TEXT_OR_JSON,
+@cli.command(
+    cli.option("problem", "a problem; without one they are listed", nargs="?"),
+    cli.methods_option(f"keys or .toml files (default {','.join(STABILITY_METHODS)})"),
+    cli.steps_option("step sizes that divide t, such as 1/4,1/8 (default: 10, 100 and 1000 steps)"),
+    cli.TEXT_OR_JSON,
 )
 def stability_command(options: Namespace) -> str:
     """Which steps methods can take on a stiff or extreme problem, where runs end, and what is expected.
@@ -60,24 +44,25 @@ def stability_command(options: Namespace) -> str:
     from driftproof.reports.stability import problems_json, problems_text, stability_answer, stability_text
 
     if options.problem is None:
-        return as_asked(options, problems_json(PROBLEMS.values()), problems_text)
+        return cli.as_asked(options, problems_json(PROBLEMS.values()), problems_text)
     methods = options.methods or STABILITY_METHODS
-    walk = partial(with_progress, unit="method")
-    return as_asked(options, stability_answer(problem_named(options.problem), methods, options.h, walk), stability_text)
+    walk = partial(cli.with_progress, unit="method")
+    found = stability_answer(problem_named(options.problem), methods, options.h, walk)
+    return cli.as_asked(options, found, stability_text)
 
 
-@command(
-    option("problem", nargs="?", default="harmonic_oscillator", help="`driftproof stability` lists them"),
-    methods_option(f"keys or .toml files (default {','.join(WORK_PRECISION_METHODS)})"),
-    output_option("a folder for files and figures; an interrupted study goes on from it", metavar="FOLDER"),
-    list_option("--peers", str, "P", "scipy, diffrax, heyoka, ..."),
-    time_limit_option(
-        0.1,
+@cli.command(
+    cli.option("problem", "`driftproof stability` lists them", nargs="?", default="harmonic_oscillator"),
+    cli.methods_option(f"keys or .toml files (default {','.join(WORK_PRECISION_METHODS)})"),
+    cli.output_option("a folder for files and figures; an interrupted study goes on from it", metavar="FOLDER"),
+    cli.list_option("--peers", "scipy, diffrax, heyoka, ...", type=cli.several(str), metavar="P,P"),
+    cli.time_limit_option(
         "seconds that a point may be timed for; one that is run for its error alone may take ten times as long;"
         " what would take longer is marked as such (default 0.1)",
+        default=0.1,
         metavar="S",
     ),
-    TEXT_OR_JSON,
+    cli.TEXT_OR_JSON,
 )
 def work_precision_command(options: Namespace) -> str:
     """What error methods reach on a problem, at how many evaluations of f, in what time.
@@ -124,7 +109,7 @@ def work_precision_command(options: Namespace) -> str:
         measured = measure(study, options.output, _say, progress)
     written = _write(study, measured, options.output) if options.output else []
     both = {"errors": errors_json(study, measured), "times": times_json(study, measured)}
-    return as_asked(options, both, lambda _: "\n".join([study_text(study, measured), *written]))
+    return cli.as_asked(options, both, lambda _: "\n".join([study_text(study, measured), *written]))
 
 
 def _write(study: Study, measured: Measured, folder: Path) -> list[str]:

@@ -3,37 +3,20 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from driftproof.commands.arguments import (
-    TEXT_OR_JSON,
-    as_asked,
-    command,
-    count_steps,
-    digits_option,
-    exactly,
-    flag,
-    initial_state,
-    integer_in,
-    list_option,
-    methods_option,
-    one_of,
-    option,
-    output_option,
-    steps_option,
-)
+from driftproof.commands import arguments as cli
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
 MOST_WORKERS = 1024
-CERTIFIED_DIGITS = digits_option("digits of certified readouts (default 15)", default=15)
+CERTIFIED_DIGITS = cli.digits_option("digits of certified readouts (default 15)", default=15)
 
 
-@command()
+@cli.command()
 def scenes_command(options: Namespace) -> str:
     """List the lesson's presets: the method shown, h, t and the number of steps.
 
@@ -48,11 +31,11 @@ def scenes_command(options: Namespace) -> str:
     return table(rows, right=(2, 3, 4))
 
 
-@command(
-    option("name", help="a preset that `driftproof scenes` lists, or a file that ends in .toml"),
+@cli.command(
+    cli.option("name", "a preset that `driftproof scenes` lists, or a file that ends in .toml"),
     CERTIFIED_DIGITS,
-    option("--figures", type=Path, metavar="FOLDER", help="also draw the scene's figures, as SVG"),
-    TEXT_OR_JSON,
+    cli.option("--figures", "also draw the scene's figures, as SVG", type=Path, metavar="FOLDER"),
+    cli.TEXT_OR_JSON,
 )
 def scene_command(options: Namespace) -> str:
     """Run a preset, or a scene of your own from a TOML file, in floats.
@@ -81,30 +64,27 @@ def scene_command(options: Namespace) -> str:
     scene = scene_named(options.name)
     if options.figures:
         require_folder(options.figures)
-    shown = show_scene(scene, options.digits, count_steps)
+    shown = show_scene(scene, options.digits, cli.count_steps)
     drawn = write_figures(scene, options.figures) if options.figures else []
     wrote = "\n".join(f"wrote {path}" for path in drawn)
     text = "\n\n".join(filter(None, [scene_text(scene, shown), wrote]))
-    return as_asked(options, scene_json(scene, shown), lambda _: text)
+    return cli.as_asked(options, scene_json(scene, shown), lambda _: text)
 
 
-@command(
-    option("scene", help="a preset that `driftproof scenes` lists, or a file that ends in .toml"),
-    methods_option("keys that `driftproof methods` lists"),
-    option("--state", type=initial_state, action="append", help="start as position,velocity; repeatable"),
-    list_option("--t", exactly("t"), "T", "final times"),
-    steps_option("step sizes, such as 1/4,1/8"),
-    output_option("keep answers here, as JSON lines, as they come; an interrupted sweep goes on from them"),
-    one_of(
-        option(
-            "--workers",
-            type=integer_in(1, MOST_WORKERS, "processes"),
-            metavar="N",
-            help="processes (default: one for each processor)",
+@cli.command(
+    cli.option("scene", "a preset that `driftproof scenes` lists, or a file that ends in .toml"),
+    cli.methods_option("keys that `driftproof methods` lists"),
+    cli.option("--state", "start as position,velocity; repeatable", type=cli.initial_state, action="append"),
+    cli.list_option("--t", "final times", type=cli.several(cli.exactly("t")), metavar="T,T"),
+    cli.steps_option("step sizes, such as 1/4,1/8"),
+    cli.output_option("keep answers here, as JSON lines, as they come; an interrupted sweep goes on from them"),
+    cli.one_of(
+        cli.option(
+            "--workers", "processes (default: all)", type=cli.integer_in(1, MOST_WORKERS, "processes"), metavar="N"
         ),
-        option("--cluster", metavar="ADDRESS", help="the scheduler of a dask cluster"),
+        cli.option("--cluster", "the scheduler of a dask cluster", metavar="ADDRESS"),
     ),
-    TEXT_OR_JSON,
+    cli.TEXT_OR_JSON,
 )
 def sweep_command(options: Namespace) -> str:
     """Run a scene in floats at every point of a grid, in parallel, with answers that survive a crash.
@@ -126,30 +106,24 @@ def sweep_command(options: Namespace) -> str:
     grid = {name: values for name, values in axes.items() if values}
     with _executor(options) as executor:
         found = sweep_with_progress(scene, grid, executor, options.output)
-    return as_asked(options, sweep_json(scene, found), lambda _: sweep_text(scene, found))
+    return cli.as_asked(options, sweep_json(scene, found), lambda _: sweep_text(scene, found))
 
 
-@contextmanager
-def _executor(options: Namespace) -> Iterator[Executor | None]:
+def _executor(options: Namespace) -> AbstractContextManager[Executor | None]:
+    """What runs the points; None leaves that to the sweep."""
+    from driftproof.numeric.sweep import processes
+    from driftproof.reports.sweeps import cluster_executor
+
     if options.cluster:
-        from driftproof.reports.sweeps import cluster_executor
-
-        with cluster_executor(options.cluster) as executor:
-            yield executor
-    elif options.workers:
-        from driftproof.numeric.sweep import processes
-
-        with processes(options.workers) as executor:
-            yield executor
-    else:
-        yield None
+        return cluster_executor(options.cluster)
+    return processes(options.workers) if options.workers else nullcontext()
 
 
-@command(
-    option("scenes", nargs="*", metavar="SCENE", help="a preset, or a file that ends in .toml (default: all presets)"),
-    output_option("the page to write", required=True),
+@cli.command(
+    cli.option("scenes", "a preset, or a file that ends in .toml (default: all presets)", nargs="*", metavar="SCENE"),
+    cli.output_option("the page to write", required=True),
     CERTIFIED_DIGITS,
-    flag("--times", "also measure seconds where a scene names work_precision; never twice alike"),
+    cli.flag("--times", "also measure seconds where a scene names work_precision; never twice alike"),
 )
 def report_command(options: Namespace) -> str:
     """Write presets, or scenes of your own from TOML files, as one page of HTML.
@@ -169,7 +143,7 @@ def report_command(options: Namespace) -> str:
 
     require_file(options.output)
     scenes = [scene_named(name) for name in options.scenes or PRESETS]
-    page = document(scenes, options.digits, times=options.times, counter=count_steps)
+    page = document(scenes, options.digits, times=options.times, counter=cli.count_steps)
     with atomic_write(options.output) as draft:
         Path(draft).write_text(page, encoding="utf-8", newline="\n")
     return f"wrote {options.output}"

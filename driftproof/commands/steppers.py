@@ -4,29 +4,19 @@ from __future__ import annotations
 
 from argparse import Namespace
 
-from driftproof.commands.arguments import (
-    Refuted,
-    command,
-    exactly,
-    flag,
-    format_option,
-    integer_in,
-    option,
-    positive_number,
-    time_limit_option,
-)
+from driftproof.commands import arguments as cli
 
 MOST_EXAMPLES = 10**6
 TARGET = (
-    option("step", metavar="MODULE:STEP", help="where the stepper is imported from, e.g. mylib.ode:step"),
-    option("--calls", choices=("map", "force", "field"), help="if the names of its parameters do not tell"),
-    option("--array", metavar="MODULE:MAKER", help="what makes its numbers of floats, e.g. torch:tensor"),
-    time_limit_option(60.0, "seconds for each question (default 60)"),
-    format_option("text", "json", "markdown", words="markdown is ready for an issue"),
+    cli.option("step", "where the stepper is imported from, e.g. mylib.ode:step", metavar="MODULE:STEP"),
+    cli.option("--calls", "if the names of its parameters do not tell", choices=("map", "force", "field")),
+    cli.option("--array", "what makes its numbers of floats, e.g. torch:tensor", metavar="MODULE:MAKER"),
+    cli.time_limit_option("seconds for each question (default 60)", default=60.0),
+    cli.format_option("text json markdown", "markdown is ready for an issue"),
 )
 
 
-@command(*TARGET)
+@cli.command(*TARGET)
 def identify_command(options: Namespace) -> str:
     """Read a stepper from outside and say which method it is, of which order, and what it does besides.
 
@@ -52,19 +42,19 @@ def identify_command(options: Namespace) -> str:
     return report.written(options.format)
 
 
-@command(
+@cli.command(
     *TARGET,
-    option("--method", required=True, help="a key that `driftproof methods` lists, or a .toml file"),
-    option(
-        "--examples", type=integer_in(1, MOST_EXAMPLES, "examples"), default=1000, help="steps to try (default 1000)"
+    cli.option("--method", "a key that `driftproof methods` lists, or a .toml file", required=True),
+    cli.option(
+        "--examples", "steps to try (default 1000)", type=cli.integer_in(1, MOST_EXAMPLES, "examples"), default=1000
     ),
-    option("--largest-step", type=positive_number("h"), default=2.0, help="0 < h <= this (default 2)"),
-    option("--largest-state", type=positive_number("state"), default=1000.0, help="|q|, |v| <= this (default 1000)"),
-    flag("--extremes", "try the smallest floats, too, down to subnormal ones"),
-    flag("--step-in-binary32", "allow that h is rounded to binary32 first"),
-    flag("--velocity-from-positions", "allow for v formed as (q1 - q)/h: u (|q| + |q1|)/h"),
-    flag("--flush-to-zero", "allow that subnormal numbers become 0"),
-    option("--solver-tolerance", type=exactly("solver tolerance"), help="how well stages are solved, e.g. 1e-10"),
+    cli.option("--largest-step", "0 < h <= this (default 2)", type=cli.positive_number("h"), default=2.0),
+    cli.option("--largest-state", "|q|, |v| <= this (default 1000)", type=cli.positive_number("state"), default=1000.0),
+    cli.flag("--extremes", "try the smallest floats, too, down to subnormal ones"),
+    cli.flag("--step-in-binary32", "allow that h is rounded to binary32 first"),
+    cli.flag("--velocity-from-positions", "allow for v formed as (q1 - q)/h: u (|q| + |q1|)/h"),
+    cli.flag("--flush-to-zero", "allow that subnormal numbers become 0"),
+    cli.option("--solver-tolerance", "how well stages are solved, e.g. 1e-10", type=cli.exactly("solver tolerance")),
 )
 def verify_command(options: Namespace) -> str:
     """Hold a stepper to a method: its coefficients, its rounding errors against a derived bound, its order.
@@ -101,5 +91,5 @@ def verify_command(options: Namespace) -> str:
         time_limit=options.time_limit,
     )
     if not report.passed:
-        raise Refuted(report.written(options.format))
+        raise cli.Refuted(report.written(options.format))
     return report.written(options.format)

@@ -5,27 +5,17 @@ from __future__ import annotations
 from argparse import Namespace
 from pathlib import Path
 
-from driftproof.commands.arguments import (
-    Refuted,
-    command,
-    flag,
-    format_option,
-    one_of,
-    option,
-    output_option,
-    rounding_option,
-    time_limit_option,
-)
+from driftproof.commands import arguments as cli
 
 TEMPLATE_SUFFIX = ".j2"
 
 
-@command(
-    option("templates", nargs="+", type=Path, metavar="TEMPLATE", help="a text with {{ value(...) }} in it"),
-    output_option("default: the template's name without .j2"),
-    flag("--check", "write nothing; fail with a diff if the output is another"),
-    option("--style", choices=("plain", "printed"), help="-3.3e-4 or −3.3×10⁻⁴ (default plain, in TeX printed)"),
-    rounding_option("what a tie becomes (default: a tie is an error)"),
+@cli.command(
+    cli.option("templates", "a text with {{ value(...) }} in it", nargs="+", type=Path, metavar="TEMPLATE"),
+    cli.output_option("default: the template's name without .j2"),
+    cli.flag("--check", "write nothing; fail with a diff if the output is another"),
+    cli.option("--style", "-3.3e-4 or −3.3×10⁻⁴ (default plain, in TeX printed)", choices=("plain", "printed")),
+    cli.rounding_option("what a tie becomes (default: a tie is an error)"),
 )
 def render_command(options: Namespace) -> str:
     """Render a Jinja2 template, in a sandbox, with proved values and tables of methods in it.
@@ -52,7 +42,7 @@ def render_command(options: Namespace) -> str:
     if options.check:
         diffs = [output_difference(out, rendered[out].text, template) for out, template in outputs.items()]
         if any(diffs):
-            raise Refuted("\n".join(filter(None, diffs)))
+            raise cli.Refuted("\n".join(filter(None, diffs)))
         return "\n".join(f"{out} is what {template} renders" for out, template in outputs.items())
     for out, found in rendered.items():
         with atomic_write(out) as draft:
@@ -65,7 +55,7 @@ def _outputs(templates: list[Path], output: Path | None) -> dict[Path, Path]:
     from driftproof.texts.templates.text_kinds import kind_of
 
     if output is not None and len(templates) > 1:
-        raise ValueError("--output names one file, and there are several templates; render them one by one")
+        raise ValueError("--output names one file, and there are cli.several templates; render them one by one")
     found: dict[Path, Path] = {}
     for template in templates:
         if output is None and template.suffix != TEMPLATE_SUFFIX:
@@ -78,17 +68,17 @@ def _outputs(templates: list[Path], output: Path | None) -> dict[Path, Path]:
     return found
 
 
-@command(
-    option("text", help="a text: .txt, .md, .html, .tex, .ipynb; anything else is read as plain text"),
-    one_of(
-        option("--claims", metavar="FILE", help="the claims, in TOML"),
-        flag("--init", "draft the claims from the text instead"),
+@cli.command(
+    cli.option("text", "a text: .txt, .md, .html, .tex, .ipynb; anything else is read as plain text"),
+    cli.one_of(
+        cli.option("--claims", "the claims, in TOML", metavar="FILE"),
+        cli.flag("--init", "draft the claims from the text instead"),
         required=True,
     ),
-    flag("--coverage", "list the numbers no claim covers, with suggestions"),
-    flag("--run", "run the Python listings and compare what they print"),
-    time_limit_option(10.0, "seconds for --run (default 10)"),
-    format_option("text", "json", "github"),
+    cli.flag("--coverage", "list the numbers no claim covers, with suggestions"),
+    cli.flag("--run", "run the Python listings and compare what they print"),
+    cli.time_limit_option("seconds for --run (default 10)", default=10.0),
+    cli.format_option("text json github"),
 )
 def check_command(options: Namespace) -> str:
     """Hold a text to a file of claims: each phrase, with its values worked out and rounded here, has to stand
@@ -151,5 +141,5 @@ def check_command(options: Namespace) -> str:
     ran = run_listings(document, options.time_limit) if options.run else None
     report = TextReport.of(options.text, document, claims, ran, options.coverage)
     if report.findings:
-        raise Refuted(report.written(options.format))
+        raise cli.Refuted(report.written(options.format))
     return report.written(options.format)

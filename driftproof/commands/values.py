@@ -5,30 +5,20 @@ from __future__ import annotations
 from argparse import Namespace
 from pathlib import Path
 
-from driftproof.commands.arguments import (
-    Refuted,
-    command,
-    digits_option,
-    flag,
-    format_option,
-    names_in,
-    one_of,
-    option,
-    places_option,
-    rounding_option,
-)
+from driftproof.commands import arguments as cli
+
+FORMATS_OF_VALUES = cli.names_in("driftproof.texts.values.published", "VALUE_FORMATS")
 
 
-@command(
-    option("question", nargs="?", help="the question, in quotes"),
-    one_of(
-        digits_option("significant digits", metavar="N"),
-        places_option("digits after the point", metavar="N"),
+@cli.command(
+    cli.option("question", "the question, in quotes", nargs="?"),
+    cli.one_of(
+        cli.digits_option("significant digits", metavar="N"), cli.places_option("digits after the point", metavar="N")
     ),
-    rounding_option("the policy (default half-even, ties refused)"),
-    option("--style", choices=("plain", "printed"), default="plain", help="-6.7e-5 or −6.7×10⁻⁵"),
-    format_option("text", "json", "tex", "mathml", "md", words=None),
-    flag("--list", "list what can be asked"),
+    cli.rounding_option("the policy (default half-even, ties refused)"),
+    cli.option("--style", "-6.7e-5 or −6.7×10⁻⁵", choices=("plain", "printed"), default="plain"),
+    cli.format_option("text json tex mathml md", None),
+    cli.flag("--list", "list what can be asked"),
 )
 def value_command(options: Namespace) -> str:
     """Answer one question exactly, and print the number as a text wants it: digits, rounding, style.
@@ -72,9 +62,9 @@ def value_command(options: Namespace) -> str:
         return format_answer(value(options.question), output, options.format)
 
 
-@command(
-    option("--only", default="*", metavar="PATTERN", help="ids that match this shell pattern"),
-    format_option(choices=names_in("driftproof.texts.values.published", "VALUE_FORMATS"), default="json"),
+@cli.command(
+    cli.option("--only", "ids that match this shell pattern", default="*", metavar="PATTERN"),
+    cli.option("--format", "json is canonical", choices=FORMATS_OF_VALUES, default="json"),
 )
 def values_command(options: Namespace) -> str:
     r"""Print every number that the lesson prints, by id, as the last green run of the proofs wrote it.
@@ -91,10 +81,10 @@ def values_command(options: Namespace) -> str:
     return render_values(published_values(options.only), options.format)
 
 
-@command(
-    option("old", type=Path, help="what `driftproof values` printed before"),
-    option("new", type=Path, help="what it prints now"),
-    format_option("text", "json", "github", words="text, json, or annotations for github"),
+@cli.command(
+    cli.option("old", "what `driftproof values` printed before", type=Path),
+    cli.option("new", "what it prints now", type=Path),
+    cli.format_option("text json github", "text, json, or annotations for github"),
 )
 def diff_command(options: Namespace) -> str:
     """Compare two files of values: what changed in value, what only in digits or wording, what is new and what is gone.
@@ -113,5 +103,5 @@ def diff_command(options: Namespace) -> str:
     found = changes(read_values(options.old), read_values(options.new))
     report = changes_report(found, options.old, options.new, options.format)
     if any(change.kind == "value" for change in found):
-        raise Refuted(report)
+        raise cli.Refuted(report)
     return report

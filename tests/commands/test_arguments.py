@@ -87,9 +87,9 @@ PARSER = Command(
     command_of,
     (
         option("--format", choices=names_in("driftproof.commands.arguments", "__all__"), default="a"),
-        list_option("--h", nonzero_step, "H", "steps"),
+        list_option("--h", "steps", type=several(nonzero_step)),
         one_of(flag("--this", "this"), flag("--that", "that")),
-        option("state", type=initial_state, nargs="?"),
+        option("state", "a start", type=initial_state, nargs="?"),
     ),
 )
 
