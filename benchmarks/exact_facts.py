@@ -29,11 +29,11 @@ from benchmarks.peers import (
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.steppers import rk4
 from driftproof.symbolic.algebra.radicals import root_decimal
-from driftproof.symbolic.linear.implicit_stability import a_stability, l_stability
-from driftproof.symbolic.linear.limits import imaginary_limit, real_limit
+from driftproof.symbolic.linear.a_stability import a_stability, l_stability
 from driftproof.symbolic.linear.monotonicity import ssp_coefficient
 from driftproof.symbolic.linear.oscillator import stability_function_of
 from driftproof.symbolic.linear.stability_function import stability_function, stability_function_of_collocation
+from driftproof.symbolic.linear.stability_limits import imaginary_limit, real_limit
 from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound
 from driftproof.symbolic.rounding.n_steps_bound import run_bound
 from driftproof.symbolic.rounding.step_bound import step_bound

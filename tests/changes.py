@@ -11,8 +11,8 @@ from typing import Any
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.facts import general_order
-from driftproof.symbolic.linear.irreducible import reduced, stages_of
 from driftproof.symbolic.linear.oscillator import one_step_matrix, stability_function_of
+from driftproof.symbolic.linear.reduced_tableau import reduced, stages_of
 from driftproof.symbolic.linear.stability_function import stability_function
 
 # What holds the number, and where in it: ("a", i, j), ("b", i), ("kick", i).

@@ -19,10 +19,9 @@ from driftproof.numeric.work_precision.exact import distance_from_digits
 from driftproof.support.plain_text import Json, table, with_digits
 from driftproof.symbolic.algebra.certified import HALF_EVEN, CertifiableReal, enclose, significant
 from driftproof.symbolic.facts import Facts
-from driftproof.symbolic.linear.conjugate_pairs import UndecidedLimitError
 from driftproof.symbolic.linear.oscillator import stability_function_of
-from driftproof.symbolic.linear.systems import SYSTEM_FACTS, SystemFacts
-from driftproof.symbolic.linear.verdicts import bounded_at, factor_at, largest_eigenvalue
+from driftproof.symbolic.linear.ray_bounds import UndecidedLimitError
+from driftproof.symbolic.linear.systems import SYSTEM_FACTS, SystemFacts, bounded_at, factor_at, largest_eigenvalue
 from driftproof.texts.writing.answers import exact_and_decimal
 from driftproof.texts.writing.records import record
 

@@ -27,6 +27,7 @@ from driftproof.symbolic.algebra.polynomials import ZERO, Polynomial, greatest_c
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction, rational_function_text
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT as ORIGIN
 from driftproof.symbolic.algebra.real_roots import RealRoot, positive_roots, vanishes_at
+from driftproof.symbolic.linear.a_stability import a_stability, i_stability, l_stability
 from driftproof.symbolic.linear.facts import ExactFunction, fact_names
 from driftproof.symbolic.linear.families import (
     FamilyStability,
@@ -40,9 +41,8 @@ from driftproof.symbolic.linear.families import (
     parameter_set,
     poles,
 )
-from driftproof.symbolic.linear.implicit_stability import a_stability, i_stability, l_stability
-from driftproof.symbolic.linear.limits import INFINITY, Limit, imaginary_limit, real_limit
 from driftproof.symbolic.linear.stability_function import stability_function
+from driftproof.symbolic.linear.stability_limits import INFINITY, Limit, imaginary_limit, real_limit
 from driftproof.symbolic.trees.rooted import Tree, shapes
 from driftproof.symbolic.trees.weights import ElementaryWeights, TableauStages
 

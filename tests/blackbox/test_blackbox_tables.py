@@ -19,7 +19,7 @@ from driftproof.blackbox.probes.coefficients import exact_shown, half_spacing, i
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import square_root
-from driftproof.symbolic.linear.irreducible import Stages, reduced
+from driftproof.symbolic.linear.reduced_tableau import Stages, reduced
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
 
 

@@ -28,10 +28,9 @@ from driftproof.symbolic.algebra.rational_functions import taylor
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT
 from driftproof.symbolic.facts import FACTS, Facts, general_order
 from driftproof.symbolic.linear.facts import facts_by_name
-from driftproof.symbolic.linear.irreducible import reduced, stages_of
-from driftproof.symbolic.linear.limits import INFINITY
 from driftproof.symbolic.linear.oscillator import determinant, is_matrix_symmetric, one_step_matrix
-from driftproof.symbolic.linear.structure import is_symmetric, is_symplectic
+from driftproof.symbolic.linear.reduced_tableau import is_symmetric, is_symplectic, reduced, stages_of
+from driftproof.symbolic.linear.stability_limits import INFINITY
 from driftproof.symbolic.trees.order import embedded_conditions, embedded_order, order_to_tolerance
 from driftproof.symbolic.trees.quadratic import quadratic_matrix
 from driftproof.symbolic.trees.series import method_series, symmetric_to_order, symplectic_to_order

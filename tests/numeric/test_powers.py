@@ -16,9 +16,8 @@ from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.stability import GROWTH, SQUARINGS, largest_bounded, powers_stay_bounded, step_matrix
 from driftproof.symbolic.algebra.certified import endpoints
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
-from driftproof.symbolic.linear.limits import Infinity
-from driftproof.symbolic.linear.systems import SystemFacts
-from driftproof.symbolic.linear.verdicts import bounded_at
+from driftproof.symbolic.linear.stability_limits import Infinity
+from driftproof.symbolic.linear.systems import SystemFacts, bounded_at
 
 LINEAR = ("harmonic_oscillator", "stiff_oscillator", "dahlquist_1e3", "separated_oscillators")
 CHOSEN = ("rk4", "kutta3", "dormand_prince54", "symplectic_euler", "velocity_verlet", "yoshida4", "ruth3", "nystrom4")

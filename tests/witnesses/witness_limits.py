@@ -11,8 +11,8 @@ from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
 from driftproof.symbolic.linear.facts import LinearFacts
-from driftproof.symbolic.linear.limits import INFINITY, Limit
 from driftproof.symbolic.linear.oscillator import stability_function_of
+from driftproof.symbolic.linear.stability_limits import INFINITY, Limit
 from tests.symbolic.linear.linear_examples import at, modulus
 
 Growth: TypeAlias = Callable[[arb], arb]

@@ -30,7 +30,7 @@ from driftproof.blackbox.matching.tables import (
 )
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Method, MethodError, Nystrom, RungeKutta, Splitting
-from driftproof.symbolic.linear.irreducible import Stages, reduced
+from driftproof.symbolic.linear.reduced_tableau import Stages, reduced
 
 # A table, without a drift where a right-hand side shows it: over the numbers that it is asked for.
 Recipe: TypeAlias = Callable[[Lift], tuple[Stages, Any]]

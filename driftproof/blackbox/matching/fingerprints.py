@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from driftproof.blackbox.probes.scripted_answers import Rounding
-from driftproof.symbolic.linear.irreducible import Stages
+from driftproof.symbolic.linear.reduced_tableau import Stages
 
 Array: TypeAlias = "np.ndarray[Any, Any]"
 # The powers of nodes whose weighted sums are compared: methods of high order agree in the low ones.

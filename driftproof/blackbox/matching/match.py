@@ -26,7 +26,7 @@ from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.scripted_answers import Rounding, Row
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.methods.schemes import Method, RungeKutta
-from driftproof.symbolic.linear.irreducible import Stages, reduced
+from driftproof.symbolic.linear.reduced_tableau import Stages, reduced
 
 # A coefficient that is a quotient or a root, computed where it is used, is off by so many roundings at most.
 FEW_ROUNDINGS = 4

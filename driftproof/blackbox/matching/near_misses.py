@@ -16,8 +16,7 @@ from driftproof.blackbox.probes.force import ForceReading, Parts
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta, Splitting
-from driftproof.symbolic.linear.irreducible import Stages, reduced
-from driftproof.symbolic.linear.structure import reduced_word
+from driftproof.symbolic.linear.reduced_tableau import Stages, reduced, reduced_word
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Nystrom, RungeKutta
-from driftproof.symbolic.linear.irreducible import Stages
+from driftproof.symbolic.linear.reduced_tableau import Stages
 
 Number: TypeAlias = Any
 Row: TypeAlias = Sequence[Number]

@@ -29,7 +29,7 @@ from driftproof.blackbox.probes.scripted_answers import (
     varied,
 )
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.symbolic.linear.irreducible import Stages, reduced
+from driftproof.symbolic.linear.reduced_tableau import Stages, reduced
 from driftproof.symbolic.rounding.formats import FloatFormat
 
 # Kicks and drifts in the order in which they are made, as in `driftproof.methods.schemes.Splitting`.

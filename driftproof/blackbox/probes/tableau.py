@@ -30,7 +30,7 @@ from driftproof.blackbox.probes.scripted_answers import (
     varied,
 )
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.symbolic.linear.irreducible import Stages
+from driftproof.symbolic.linear.reduced_tableau import Stages
 from driftproof.symbolic.rounding.formats import FloatFormat
 
 

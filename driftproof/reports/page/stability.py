@@ -17,10 +17,15 @@ from driftproof.reports.page.plot import WIDE, Axis, Plot, Scale, ten_to, ticks
 from driftproof.symbolic.algebra.certified import FIRST_BITS, CertifiableReal, enclose, significant
 from driftproof.symbolic.algebra.polynomials import evaluate, scalar, sign
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, rational_root
-from driftproof.symbolic.linear.bounded_powers import boundary_of, is_bounded
 from driftproof.symbolic.linear.facts import LinearFacts
-from driftproof.symbolic.linear.limits import Infinity, Limit, smallest
-from driftproof.symbolic.linear.spectral_radius import spectral_radius
+from driftproof.symbolic.linear.stability_limits import (
+    Infinity,
+    Limit,
+    boundary_of,
+    is_bounded,
+    smallest,
+    spectral_radius,
+)
 from driftproof.symbolic.runs import as_balls, exact_matrix_at, power
 from driftproof.texts.writing.records import number_record
 

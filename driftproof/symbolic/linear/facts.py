@@ -14,14 +14,25 @@ from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import coefficients, exact, scalar
 from driftproof.symbolic.algebra.radicals import is_readable
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction, rational_function_text
-from driftproof.symbolic.linear import implicit_stability, invariants, limits, oscillator, phase, structure
-from driftproof.symbolic.linear.bounded_powers import bounded_limit
-from driftproof.symbolic.linear.limits import INFINITY, Limit
+from driftproof.symbolic.linear import (
+    a_stability as implicit_stability,
+)
+from driftproof.symbolic.linear import (
+    invariants,
+    oscillator,
+    phase,
+)
+from driftproof.symbolic.linear import (
+    reduced_tableau as structure,
+)
+from driftproof.symbolic.linear import (
+    stability_limits as limits,
+)
+from driftproof.symbolic.linear.a_stability import Angle, EnclosedTangent, sector_tangent
 from driftproof.symbolic.linear.monotonicity import ssp_coefficient
-from driftproof.symbolic.linear.order_reduction import prothero_robinson
 from driftproof.symbolic.linear.region import rounded_boundary
-from driftproof.symbolic.linear.sector import Angle, sector_tangent
-from driftproof.symbolic.linear.sector_enclosure import EnclosedTangent
+from driftproof.symbolic.linear.stability_function import prothero_robinson
+from driftproof.symbolic.linear.stability_limits import INFINITY, Limit, bounded_limit
 
 _T = TypeVar("_T")
 

@@ -19,9 +19,9 @@ from driftproof.symbolic.algebra.polynomials import (
 )
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, positive_roots, vanishes_at
-from driftproof.symbolic.linear.limits import INFINITY, Limit, smallest
 from driftproof.symbolic.linear.oscillator import determinant as area_factor
 from driftproof.symbolic.linear.oscillator import trace
+from driftproof.symbolic.linear.stability_limits import INFINITY, Limit, smallest
 
 NIL = fraction(ONE * 0)
 UNIT = fraction(ONE)

@@ -26,8 +26,8 @@ from driftproof.symbolic.algebra.polynomials import (
     sign,
 )
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT as ZERO_LIMIT
-from driftproof.symbolic.linear.irreducible import Stages, reduced, stages_of
-from driftproof.symbolic.linear.limits import Limit, first_failure, smallest
+from driftproof.symbolic.linear.reduced_tableau import Stages, reduced, stages_of
+from driftproof.symbolic.linear.stability_limits import Limit, first_failure, smallest
 
 
 def ssp_coefficient(method: RungeKutta | Collocation) -> Limit:

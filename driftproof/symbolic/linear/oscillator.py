@@ -25,11 +25,11 @@ from driftproof.symbolic.algebra.polynomials import (
 )
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction, reversed_sign
 from driftproof.symbolic.linear.stability_function import (
+    Tableau,
     resolvent,
     stability_function,
     stability_function_of_collocation,
 )
-from driftproof.symbolic.linear.tableaux import Tableau
 
 
 def stability_function_of(method: Method) -> RationalFunction | None:

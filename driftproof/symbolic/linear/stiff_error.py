@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.symbolic.algebra.polynomials import exact
-from driftproof.symbolic.linear.order_reduction import prothero_robinson
 from driftproof.symbolic.linear.oscillator import stability_function_of
+from driftproof.symbolic.linear.stability_function import prothero_robinson
 
 
 @dataclass(frozen=True)

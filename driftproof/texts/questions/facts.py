@@ -15,12 +15,11 @@ from driftproof.symbolic.algebra.rational_functions import fraction, polynomial_
 from driftproof.symbolic.algebra.real_roots import RealRoot
 from driftproof.symbolic.facts import FACTS, ON_REQUEST, WHY_NONE, Facts
 from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
+from driftproof.symbolic.linear.a_stability import Angle, EnclosedTangent
 from driftproof.symbolic.linear.facts import ExactFunction, PowerSeries, Sector, facts_by_name
 from driftproof.symbolic.linear.invariants import Quadratic
-from driftproof.symbolic.linear.limits import Infinity
 from driftproof.symbolic.linear.phase import LeadingTerm
-from driftproof.symbolic.linear.sector import Angle
-from driftproof.symbolic.linear.sector_enclosure import EnclosedTangent
+from driftproof.symbolic.linear.stability_limits import Infinity
 from driftproof.texts.questions.answer import CERTIFIED, COUNTED, PROVED, STATED, Answer
 from driftproof.texts.questions.query_context import QueryContext
 from driftproof.texts.writing.facts import fact_tex, fact_text

@@ -13,12 +13,12 @@ from driftproof.symbolic.algebra.radicals import radical_form, root_decimal
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction, sum_text
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
 from driftproof.symbolic.family_facts import FamilyFunction, FamilyTerm, LimitPiece, OrderSet
+from driftproof.symbolic.linear.a_stability import EnclosedTangent
 from driftproof.symbolic.linear.eigenvalues import Complex, Imaginary
 from driftproof.symbolic.linear.facts import ExactFunction, PowerSeries, RegionBoundary
 from driftproof.symbolic.linear.families import DIGITS_SHOWN, Interval, ParameterSet
-from driftproof.symbolic.linear.limits import INFINITY, Infinity
 from driftproof.symbolic.linear.phase import LeadingTerm
-from driftproof.symbolic.linear.sector_enclosure import EnclosedTangent
+from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity
 from driftproof.symbolic.linear.systems import EigenvalueLimit
 from driftproof.texts.writing.markup import TEX, formula
 from driftproof.texts.writing.records import Formula, parts, record

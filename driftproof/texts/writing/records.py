@@ -32,6 +32,7 @@ from driftproof.symbolic.family_facts import (
     LimitPiece,
     OrderSet,
 )
+from driftproof.symbolic.linear.a_stability import Angle, EnclosedTangent
 from driftproof.symbolic.linear.eigenvalues import Complex, Imaginary
 from driftproof.symbolic.linear.facts import (
     TERMS,
@@ -43,11 +44,9 @@ from driftproof.symbolic.linear.facts import (
 )
 from driftproof.symbolic.linear.families import Interval, ParameterSet
 from driftproof.symbolic.linear.invariants import Quadratic
-from driftproof.symbolic.linear.limits import INFINITY, Infinity
 from driftproof.symbolic.linear.phase import LeadingTerm
 from driftproof.symbolic.linear.region import PLACES
-from driftproof.symbolic.linear.sector import Angle
-from driftproof.symbolic.linear.sector_enclosure import EnclosedTangent
+from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity
 from driftproof.symbolic.linear.systems import SYSTEM_FACTS, EigenvalueLimit, facts_on_system
 from driftproof.symbolic.trees.order import OrderFact, PrincipalError
 from driftproof.symbolic.trees.rooted import written

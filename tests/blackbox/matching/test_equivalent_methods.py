@@ -20,7 +20,7 @@ from driftproof.blackbox.matching.equivalent_methods import (
 )
 from driftproof.blackbox.probes.linear_steps import LINEARITY_ROUNDINGS, LINEARITY_STEP
 from driftproof.methods.catalogue import METHODS
-from driftproof.symbolic.linear.structure import is_symmetric
+from driftproof.symbolic.linear.reduced_tableau import is_symmetric
 from driftproof.symbolic.rounding.any_evaluation_order import any_evaluation_order_bound
 from driftproof.symbolic.rounding.formats import BINARY64
 

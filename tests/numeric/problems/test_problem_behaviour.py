@@ -17,10 +17,9 @@ from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.work_precision.integrators import field_rate
 from driftproof.symbolic.algebra.certified import enclose, endpoints
 from driftproof.symbolic.algebra.polynomials import exact, scalar
-from driftproof.symbolic.linear.order_reduction import prothero_robinson
 from driftproof.symbolic.linear.oscillator import stability_function_of
+from driftproof.symbolic.linear.stability_function import prothero_robinson, tableau
 from driftproof.symbolic.linear.stiff_error import stiff_error
-from driftproof.symbolic.linear.tableaux import tableau
 from tests.numeric.implicit_runs import implicit_run
 
 Tableau = RungeKutta | Collocation

@@ -14,7 +14,7 @@ from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.derivation.one_step import one_step_matrix
 from driftproof.symbolic.derivation.stability import AtStep
 from driftproof.symbolic.linear.facts import LinearFacts
-from driftproof.symbolic.linear.spectral_radius import spectral_radius
+from driftproof.symbolic.linear.stability_limits import spectral_radius
 from driftproof.symbolic.runs import exact_matrix_at
 
 VERDICTS = [

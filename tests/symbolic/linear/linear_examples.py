@@ -12,7 +12,7 @@ from driftproof.methods.number_field import cube_root, square_root
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.algebra.polynomials import at_ball, polynomial
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
-from driftproof.symbolic.linear.limits import Limit
+from driftproof.symbolic.linear.stability_limits import Limit
 from driftproof.texts.writing.records import record
 from tests.nine import NINE
 

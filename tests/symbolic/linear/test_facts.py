@@ -15,18 +15,18 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import Algebraic
 from driftproof.methods.schemes import Collocation, RungeKutta, Splitting
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT
+from driftproof.symbolic.linear.a_stability import Angle
 from driftproof.symbolic.linear.facts import LinearFacts
-from driftproof.symbolic.linear.limits import INFINITY
 from driftproof.symbolic.linear.monotonicity import ssp_coefficient
 from driftproof.symbolic.linear.oscillator import one_step_matrix, stability_function_of
 from driftproof.symbolic.linear.phase import NoRotationError, angle_series, turning_rate
 from driftproof.symbolic.linear.region import rounded_boundary
-from driftproof.symbolic.linear.sector import Angle
 from driftproof.symbolic.linear.stability_function import (
     stability_function_by_determinants,
     stability_function_by_moments,
+    tableau,
 )
-from driftproof.symbolic.linear.tableaux import tableau
+from driftproof.symbolic.linear.stability_limits import INFINITY
 from driftproof.texts.writing.records import record
 from tests.symbolic.linear.linear_examples import limit_text, record_text, value
 

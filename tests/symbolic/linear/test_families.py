@@ -16,6 +16,7 @@ from driftproof.symbolic.algebra.bivariate import ParametricPair, at_parameter, 
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.algebra.rational_functions import fraction, rational_function_text
 from driftproof.symbolic.algebra.real_roots import RealRoot, rational_root, sign_at
+from driftproof.symbolic.linear.a_stability import a_stability, i_stability, l_stability
 from driftproof.symbolic.linear.families import (
     Interval,
     ParameterSet,
@@ -24,7 +25,6 @@ from driftproof.symbolic.linear.families import (
     family_stability,
     parameter_set,
 )
-from driftproof.symbolic.linear.implicit_stability import a_stability, i_stability, l_stability
 from driftproof.symbolic.linear.phase import error_constant
 from driftproof.symbolic.linear.stability_function import stability_function
 from tests.symbolic.linear.family_examples import THETA, family

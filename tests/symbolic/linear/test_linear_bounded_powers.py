@@ -17,9 +17,8 @@ from driftproof.symbolic.algebra.rational_functions import fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, sign_at
 from driftproof.symbolic.derivation.one_step import one_step_matrix as polynomial_matrix
 from driftproof.symbolic.derivation.stability import stability_limit
-from driftproof.symbolic.linear.bounded_powers import boundary_of, bounded_limit, is_bounded
-from driftproof.symbolic.linear.limits import INFINITY
 from driftproof.symbolic.linear.oscillator import one_step_matrix
+from driftproof.symbolic.linear.stability_limits import INFINITY, boundary_of, bounded_limit, is_bounded
 from driftproof.texts.writing.records import record
 from tests.nine import NINE
 from tests.symbolic.linear.linear_examples import NIL, ROOT_3, Z, limit_text, triple_jump

@@ -21,23 +21,26 @@ from driftproof.symbolic.algebra.polynomials import (
 )
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT
-from driftproof.symbolic.linear.implicit_stability import (
+from driftproof.symbolic.linear.a_stability import (
     a_stability,
     i_stability,
     is_hurwitz,
     l_stability,
     negative_point,
+    ray_margin,
+    sector_tangent,
+    sector_tangent_by_rays,
 )
-from driftproof.symbolic.linear.limits import INFINITY, imaginary_limit, imaginary_margin, real_limit
-from driftproof.symbolic.linear.sector import ray_margin, sector_tangent, sector_tangent_by_rays
 from driftproof.symbolic.linear.stability_function import (
+    NodeTableau,
     resolvent,
     stability_function,
     stability_function_by_determinants,
     stability_function_by_moments,
     stability_function_of_collocation,
+    tableau,
 )
-from driftproof.symbolic.linear.tableaux import NodeTableau, tableau
+from driftproof.symbolic.linear.stability_limits import INFINITY, imaginary_limit, imaginary_margin, real_limit
 from tests.symbolic.linear.linear_examples import ROOT_2, ROOT_3, Z, pade, sdirk
 
 PADE = [(j, k) for j in range(7) for k in range(7)]

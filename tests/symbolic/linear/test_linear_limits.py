@@ -15,7 +15,8 @@ from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.algebra.polynomials import polynomial
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root
-from driftproof.symbolic.linear.limits import (
+from driftproof.symbolic.linear.stability_function import stability_function
+from driftproof.symbolic.linear.stability_limits import (
     INFINITY,
     Limit,
     first_failure,
@@ -23,7 +24,6 @@ from driftproof.symbolic.linear.limits import (
     real_limit,
     smallest,
 )
-from driftproof.symbolic.linear.stability_function import stability_function
 from driftproof.texts.writing.records import number_record, record
 from tests.nine import NINE
 from tests.symbolic.linear.linear_examples import ROOT_3, Z, chebyshev, limit_text, modulus, sdirk

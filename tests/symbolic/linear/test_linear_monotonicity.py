@@ -9,8 +9,8 @@ from flint import fmpq, fmpq_mat
 
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.algebra.polynomials import scalar
-from driftproof.symbolic.linear.irreducible import stages_of
 from driftproof.symbolic.linear.monotonicity import monotonicity_conditions, ssp_coefficient
+from driftproof.symbolic.linear.reduced_tableau import stages_of
 from tests.nine import NINE
 from tests.symbolic.linear.linear_examples import (
     GAUSS_2,

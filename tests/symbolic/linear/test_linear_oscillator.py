@@ -18,7 +18,6 @@ from driftproof.symbolic.algebra.rational_functions import RationalFunction, fra
 from driftproof.symbolic.derivation.energy import energy_multiplier as polynomial_multiplier
 from driftproof.symbolic.derivation.one_step import one_step_matrix as polynomial_matrix
 from driftproof.symbolic.linear.invariants import conserved_quadratics, definite_limit
-from driftproof.symbolic.linear.limits import INFINITY
 from driftproof.symbolic.linear.oscillator import (
     determinant,
     energy_multiplier,
@@ -28,6 +27,7 @@ from driftproof.symbolic.linear.oscillator import (
     spread,
     stability_function_of,
 )
+from driftproof.symbolic.linear.stability_limits import INFINITY
 from tests.catalogue.conformance import ARITHMETICS
 from tests.nine import NINE
 from tests.symbolic.linear.linear_examples import (

@@ -11,10 +11,10 @@ from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.symbolic.algebra.polynomials import coefficients, exact, polynomial, scalar
 from driftproof.symbolic.algebra.rational_functions import fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
-from driftproof.symbolic.linear.limits import INFINITY
-from driftproof.symbolic.linear.order_reduction import prothero_robinson
 from driftproof.symbolic.linear.oscillator import stability_function_of
 from driftproof.symbolic.linear.region import boundary_points, points_at
+from driftproof.symbolic.linear.stability_function import prothero_robinson
+from driftproof.symbolic.linear.stability_limits import INFINITY
 from tests.nine import NINE
 from tests.symbolic.linear.linear_examples import (
     GAUSS_2,

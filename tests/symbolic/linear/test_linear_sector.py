@@ -11,17 +11,17 @@ from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.algebra.polynomials import from_scalars, polynomial, scalar
 from driftproof.symbolic.algebra.rational_functions import fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
-from driftproof.symbolic.linear.implicit_stability import negative_point
-from driftproof.symbolic.linear.limits import INFINITY, real_limit
-from driftproof.symbolic.linear.region import boundary_points
-from driftproof.symbolic.linear.sector import (
+from driftproof.symbolic.linear.a_stability import (
     Angle,
+    EnclosedTangent,
+    negative_point,
     ray_margin,
     sector_tangent,
     sector_tangent_by_rays,
 )
-from driftproof.symbolic.linear.sector_enclosure import EnclosedTangent
+from driftproof.symbolic.linear.region import boundary_points
 from driftproof.symbolic.linear.stability_function import stability_function
+from driftproof.symbolic.linear.stability_limits import INFINITY, real_limit
 from driftproof.texts.writing.records import number_record, record
 from tests.symbolic.linear.linear_examples import ROOT_3, Z, pade, sdirk
 

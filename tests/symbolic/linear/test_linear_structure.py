@@ -12,18 +12,21 @@ from hypothesis import strategies as st
 from driftproof import strategies
 from driftproof.methods.schemes import Collocation, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.algebra.rational_functions import fraction
-from driftproof.symbolic.linear.irreducible import Stages, matchings, reduced, stages_of
 from driftproof.symbolic.linear.oscillator import is_matrix_symmetric, one_step_matrix
-from driftproof.symbolic.linear.stability_function import stability_function
-from driftproof.symbolic.linear.structure import (
+from driftproof.symbolic.linear.reduced_tableau import (
+    Stages,
     adjoint,
     is_first_same_as_last,
     is_stiffly_accurate,
     is_symmetric,
     is_symplectic,
+    matchings,
+    reduced,
     reduced_word,
+    stages_of,
     symplectic_residuals,
 )
+from driftproof.symbolic.linear.stability_function import stability_function
 from driftproof.symbolic.trees.quadratic import quadratic_matrix
 from driftproof.symbolic.trees.series import method_series, symplectic_to_order
 from tests.changes import coefficients, moved

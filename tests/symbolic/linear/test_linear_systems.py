@@ -21,11 +21,10 @@ from driftproof.symbolic.algebra.certified import enclose, endpoints
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.algebra.radicals import radical_form
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, root_as_number, root_of, root_ratio
-from driftproof.symbolic.linear.conjugate_pairs import pair_polynomial
 from driftproof.symbolic.linear.eigenvalues import Imaginary, eigenvalues, places
-from driftproof.symbolic.linear.limits import Limit
 from driftproof.symbolic.linear.oscillator import linear_step_matrix, stability_function_of
-from driftproof.symbolic.linear.rays import ALWAYS, Bound
+from driftproof.symbolic.linear.ray_bounds import ALWAYS, Bound, pair_polynomial
+from driftproof.symbolic.linear.stability_limits import Limit
 from driftproof.symbolic.linear.systems import SystemFacts
 from driftproof.texts.writing.records import record, system_facts
 from tests.symbolic.linear.linear_examples import MIDPOINT, MIDPOINT_NYSTROM, NYSTROM_4, at, limit_text, record_text

@@ -10,9 +10,8 @@ from flint import acb_mat, arb, ctx, fmpq
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.systems import parse_system
 from driftproof.symbolic.algebra.certified import enclose, endpoints
-from driftproof.symbolic.linear.conjugate_pairs import UndecidedLimitError
-from driftproof.symbolic.linear.systems import SystemFacts
-from driftproof.symbolic.linear.verdicts import bounded_at, factor_at, largest_eigenvalue
+from driftproof.symbolic.linear.ray_bounds import UndecidedLimitError
+from driftproof.symbolic.linear.systems import SystemFacts, bounded_at, factor_at, largest_eigenvalue
 from driftproof.texts.writing.records import record
 from tests.symbolic.linear.linear_examples import at
 

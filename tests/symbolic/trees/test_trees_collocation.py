@@ -13,8 +13,8 @@ from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation
 from driftproof.symbolic.algebra.polynomials import exact
 from driftproof.symbolic.algebra.rational_functions import taylor
+from driftproof.symbolic.linear.reduced_tableau import is_symmetric, is_symplectic
 from driftproof.symbolic.linear.stability_function import stability_function_of_collocation
-from driftproof.symbolic.linear.structure import is_symmetric, is_symplectic
 from driftproof.symbolic.trees.collocation import collocation_order
 from driftproof.symbolic.trees.order import elementary_weight, order, order_of, residuals, runge_kutta_conditions
 from driftproof.symbolic.trees.quadratic import algebraic_stability, quadratic_matrix

@@ -1,0 +1,277 @@
+"""I-, A-, L- and A(α)-stability of a rational stability function, decided exactly, with reasons that can be checked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from flint import acb, arb, ctx, fmpq
+
+from driftproof.symbolic.algebra.bivariate import ParametricPair, critical_polynomial
+from driftproof.symbolic.algebra.polynomials import (
+    ONE,
+    ZERO,
+    FieldPolynomial,
+    Polynomial,
+    Scalar,
+    X,
+    evaluate,
+    from_scalars,
+    reflected,
+    scalar,
+    sign,
+)
+from driftproof.symbolic.algebra.rational_functions import RationalFunction
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT as NO_SECTOR
+from driftproof.symbolic.algebra.real_roots import RealRoot, positive_roots, samples
+from driftproof.symbolic.linear.region import complex_roots
+from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity, Limit, first_failure, imaginary_margin
+
+
+@dataclass(frozen=True)
+class Decision:
+    """A yes or no with its reason; `witness`, where a no has one, is a rational point that shows it."""
+
+    holds: bool
+    reason: str
+    witness: Fraction | None = None
+
+    def __bool__(self) -> bool:
+        """The answer."""
+        return self.holds
+
+
+def i_stability(r: RationalFunction) -> Decision:
+    """|R(iy)| <= 1 for every real y: |Q(iy)|² - |P(iy)|² >= 0; roots that touch are allowed, poles are not.
+
+    A witness is a y² where it is negative.
+    """
+    margin = imaginary_margin(r)
+    negative = negative_point(margin)
+    if negative is not None:
+        return Decision(False, "|Q(iy)|**2 - |P(iy)|**2 < 0 at the y**2 given", negative)
+    return Decision(True, "|R(iy)| = 1 for every y" if margin == 0 else "|Q(iy)|**2 - |P(iy)|**2 >= 0 for every y")
+
+
+def a_stability(r: RationalFunction) -> Decision:
+    """|R(z)| <= 1 for every z with Re z <= 0: I-stable, and no pole there (hairer-wanner-1996, IV.3).
+
+    By the maximum principle: R is bounded at infinity, as it is on the imaginary axis.
+    """
+    on_axis = i_stability(r)
+    if not on_axis:
+        return on_axis
+    if not is_hurwitz(reflected(r.den)):
+        return Decision(False, "a pole in the left half-plane: the Routh scheme of Q(-z) is not of one sign")
+    return Decision(True, f"{on_axis.reason}, and every pole has Re z > 0 (Routh)")
+
+
+def l_stability(r: RationalFunction) -> Decision:
+    """A-stable, and R(z) -> 0 as z -> oo: deg P < deg Q."""
+    half_plane = a_stability(r)
+    if not half_plane:
+        return half_plane
+    if r.num.degree() < r.den.degree():
+        return Decision(True, f"{half_plane.reason}; R(oo) = 0")
+    return Decision(False, f"A-stable, but R(oo) = {r.at_infinity()}")
+
+
+def negative_point(p: Polynomial) -> Fraction | None:
+    """A rational x > 0 with p(x) < 0; None where p >= 0 on all of [0, oo).
+
+    Between consecutive positive roots the sign is constant, so one rational point decides each interval.
+    """
+    if p == 0:
+        return None
+    for inner in samples(positive_roots([p])):
+        if sign(evaluate(p, inner)) < 0:
+            return _as_fraction(inner)
+    return None
+
+
+def is_hurwitz(p: Polynomial) -> bool:
+    """True when every root of p has a negative real part: the first column of the Routh scheme is of one sign.
+
+    A zero in that column, the degenerate case, is met only if some root has Re >= 0 (gantmacher-1959, XV.4).
+    Raises ValueError for the zero polynomial.
+    """
+    if p == 0:
+        raise ValueError("the zero polynomial has every number as a root")
+    descending = p.coeffs()[::-1]
+    upper, lower = descending[::2], descending[1::2]
+    expected = sign(upper[0])
+    for _ in range(p.degree()):
+        if sign(lower[0]) != expected:
+            return False
+        upper, lower = lower, _next_row(upper, lower)
+    return True
+
+
+def _next_row(upper: list[Scalar], lower: list[Scalar]) -> list[Scalar]:
+    factor = upper[0] / lower[0]
+    padded = [*lower[1:], *[fmpq(0)] * (len(upper) - len(lower))]
+    return [u - factor * v for u, v in zip(upper[1:], padded, strict=True)]
+
+
+def _as_fraction(x: fmpq) -> Fraction:
+    return Fraction(int(x.p), int(x.q))
+
+
+@dataclass(eq=False)
+class EnclosedTangent:
+    """The number tan α, known by enclosures as narrow as asked for; `margin` is that of `sector.ray_margin`.
+
+    |R| <= 1 in the closed sector up to T = tan² if it is so on its two rays and no pole lies inside: by Phragmén and
+    Lindelöf, as R is rational and bounded at infinity. Sectors are nested, so bisection in T finds the largest.
+    """
+
+    r: RationalFunction
+    margin: list[Polynomial]
+    low: Fraction = field(default=Fraction(0), init=False)
+    high: Fraction = field(default=Fraction(1), init=False)
+
+    def __post_init__(self) -> None:
+        """Enclose T between a sector that holds and one that does not. Raises ValueError if the axis itself fails."""
+        if not self.holds(self.low):
+            raise ValueError("|R| > 1 somewhere on the negative real axis: there is no sector")
+        while self.holds(self.high):
+            self.low, self.high = self.high, 4 * self.high
+        while self.low == 0:
+            middle = self.high / 4
+            self.low, self.high = (middle, self.high) if self.holds(middle) else (self.low, middle)
+
+    def ball(self) -> arb:
+        """A ball around tan α, at Arb's current precision."""
+        while (self.high - self.low) * 2**ctx.prec > self.low:
+            middle = (self.low + self.high) / 2
+            self.low, self.high = (middle, self.high) if self.holds(middle) else (self.low, middle)
+        low, high = (arb(fmpq(x.numerator, x.denominator)).sqrt() for x in (self.low, self.high))
+        return low.union(high)
+
+    def holds(self, square: Fraction) -> bool:
+        """|R| <= 1 in the closed sector with tan² = square."""
+        ray = from_scalars([c(scalar(square)) for c in self.margin])
+        return negative_point(ray) is None and not self._has_pole_inside(square)
+
+    def _has_pole_inside(self, square: Fraction) -> bool:
+        """Some pole has Re < 0 and Im² <= square Re²; no pole has equality, as the margin would be negative there."""
+        bits = 64
+        while True:
+            with ctx.workprec(bits):
+                verdicts = [_is_inside(z, square) for z in complex_roots(self.r.den, bits)]
+            if None not in verdicts:
+                return any(verdicts)
+            bits *= 2
+
+
+def _is_inside(z: acb, square: Fraction) -> bool | None:
+    """The pole z lies in the sector; None where the ball does not tell."""
+    reach = z.real**2 * arb(fmpq(square.numerator, square.denominator)) - z.imag**2
+    if z.real > 0 or reach < 0:
+        return False
+    return True if z.real < 0 and reach > 0 else None
+
+
+# Beyond, the critical polynomial has a degree of hundreds, and takes minutes.
+LARGEST_EXACT_DEGREE = 7
+
+
+@dataclass(frozen=True)
+class Angle:
+    """An angle of at most 90 degrees by its tangent."""
+
+    tangent: Limit | EnclosedTangent
+
+    def ball(self) -> arb:
+        """The angle in degrees, at Arb's current precision; not of 0 and 90 degrees."""
+        assert not isinstance(self.tangent, Infinity)
+        return self.tangent.ball().atan() * 180 / arb.pi()
+
+    @property
+    def exact(self) -> Fraction | Callable[[], arb]:
+        """The angle in degrees as a number for `certified`."""
+        if isinstance(self.tangent, Infinity) or self.tangent == NO_SECTOR:
+            return Fraction(90 if isinstance(self.tangent, Infinity) else 0)
+        return self.ball
+
+
+def sector_tangent(r: RationalFunction) -> Limit | EnclosedTangent:
+    """tan α for the largest α <= 90° with |R(z)| <= 1 wherever |arg(-z)| < α; `oo` if A-stable, 0 without a sector.
+
+    On the ray z = x(-1 + it) the margin |Q|² - |P|² is a polynomial in x and T = t². Its sign pattern in x > 0 can
+    only change at a T where its leading, trailing or first nonzero principal subresultant coefficient vanishes; one
+    rational T decides each interval between (basu-pollack-roy-2006, chapter 5). For degrees above
+    LARGEST_EXACT_DEGREE the number is enclosed by bisection instead, unless |R| comes to 1 on the negative axis.
+    """
+    if r.num.degree() > r.den.degree():
+        return NO_SECTOR
+    if a_stability(r):
+        return INFINITY
+    margin = ray_margin(r)
+    on_axis = _at(margin, fmpq(0))
+    if negative_point(on_axis) is not None:
+        return NO_SECTOR
+    touches = on_axis[0] == 0 or on_axis.degree() < len(margin) - 1 or positive_roots([on_axis])
+    if r.den.degree() > LARGEST_EXACT_DEGREE and not touches:
+        return EnclosedTangent(r, margin)
+    return sector_tangent_by_rays(margin)
+
+
+def sector_tangent_by_rays(margin: list[Polynomial]) -> Limit:
+    """tan α from the margin on the rays; also where R is A-stable."""
+    if not margin:
+        return INFINITY
+    limit = first_failure(_critical(margin), lambda square: negative_point(_at(margin, square)) is None)
+    return limit.square_root() if isinstance(limit, RealRoot) else limit
+
+
+def ray_margin(r: RationalFunction) -> list[Polynomial]:
+    """|Q(z)|² - |P(z)|² at z = x(-1 + it), without common powers of x: coefficients in T = t², by powers of x."""
+    size = 2 * max(r.num.degree(), r.den.degree()) + 1
+    den, num = (_size_on_ray(p, size) for p in (r.den, r.num))
+    margin = [a - b for a, b in zip(den, num, strict=True)]
+    while margin and margin[-1] == 0:
+        margin.pop()
+    while margin and margin[0] == 0:
+        margin.pop(0)
+    return margin
+
+
+def _size_on_ray(p: Polynomial, size: int) -> list[Polynomial]:
+    """|p(x(-1 + it))|² by powers of x: (-1 + it)ᵏ = uₖ(T) + it vₖ(T)."""
+    terms, u, v = [], ONE, ZERO
+    for c in p.coeffs():
+        terms.append((u * c, v * c))
+        u, v = -u - X * v, u - v
+    square: list[Polynomial] = [ZERO] * size
+    for k, (real, imaginary) in enumerate(terms):
+        for m, (other_real, other_imaginary) in enumerate(terms):
+            square[k + m] = square[k + m] + real * other_real + X * imaginary * other_imaginary
+    return square
+
+
+def _at(margin: list[Polynomial], square: fmpq) -> Polynomial:
+    return from_scalars([evaluate(c, square) for c in margin])
+
+
+def _critical(margin: list[Polynomial]) -> list[Polynomial]:
+    """Polynomials in T, one of which vanishes wherever the number of distinct positive roots in x can change."""
+    conjugates = max(c.field.degree if isinstance(c, FieldPolynomial) else 1 for c in margin)
+    degree = (len(margin) - 1) * conjugates
+    reach = max(c.degree() for c in margin) * conjugates
+
+    def with_slope(square: fmpq) -> tuple[Polynomial, Polynomial]:
+        value = _rational_at(margin, square, conjugates)
+        return value, value.derivative()
+
+    merging = (
+        critical_polynomial(ParametricPair(with_slope, (degree, degree - 1), (reach, reach))) if degree > 1 else None
+    )
+    return [margin[0], margin[-1], *([merging] if merging is not None else [])]
+
+
+def _rational_at(margin: list[Polynomial], square: fmpq, conjugates: int) -> Polynomial:
+    """The product of the conjugates of the margin at T = square: over Q, its coefficients polynomial in T."""
+    value = _at(margin, square)
+    return value.norm() if isinstance(value, FieldPolynomial) else value**conjugates

@@ -1,0 +1,193 @@
+"""Stability limits: how far |R| <= 1 on the axes, and how far powers of a 2x2 matrix M(h) stay bounded; all exact."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from enum import Enum
+from fractions import Fraction
+from functools import partial
+from math import isqrt
+from typing import NamedTuple, TypeAlias
+
+from flint import fmpq
+
+from driftproof.methods.number_field import Algebraic
+from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
+from driftproof.symbolic.algebra.matrices import StepMatrix
+from driftproof.symbolic.algebra.polynomials import (
+    ONE,
+    Polynomial,
+    Scalar,
+    descend,
+    evaluate,
+    exact,
+    greatest_common_divisor,
+    modulus_squared_on_imaginary_axis,
+    quotient,
+    reflected,
+    scalar,
+    sign,
+)
+from driftproof.symbolic.algebra.rational_functions import RationalFunction
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, positive_roots, samples, sign_at
+
+
+class Infinity(Enum):
+    """The limit that is never reached."""
+
+    INFINITY = "oo"
+
+
+INFINITY = Infinity.INFINITY
+# A number in [0, oo].
+Limit: TypeAlias = RealRoot | Infinity
+
+
+def real_limit(r: RationalFunction) -> Limit:
+    """The largest x₀ with |R(-x)| <= 1 for every x in [0, x₀]: Q² - P² = (Q - P)(Q + P) at -x has to stay >= 0."""
+    num, den = reflected(r.num), reflected(r.den)
+    factors = [f for f in (den - num, den + num) if f != 0]
+    if len(factors) < 2:
+        return INFINITY
+    return first_failure(factors, lambda x: _sign_of_product(factors, x) >= 0)
+
+
+def imaginary_limit(r: RationalFunction) -> Limit:
+    """The largest y₀ with |R(iy)| <= 1 for every y in [0, y₀]: |Q|² - |P|², a polynomial in y², has to stay >= 0."""
+    margin = imaginary_margin(r)
+    if margin == 0:
+        return INFINITY
+    limit = first_failure([margin], lambda square: sign(evaluate(margin, square)) >= 0)
+    return limit if isinstance(limit, Infinity) else limit.square_root()
+
+
+def imaginary_margin(r: RationalFunction) -> Polynomial:
+    """|Q(iy)|² - |P(iy)|² as a polynomial in y², negative at a pole (hairer-wanner-1996, IV.3)."""
+    return modulus_squared_on_imaginary_axis(r.den) - modulus_squared_on_imaginary_axis(r.num)
+
+
+def first_failure(polynomials: Sequence[Polynomial], holds: Callable[[fmpq], bool]) -> Limit:
+    """The left end of the first interval in which a closed condition fails; `oo` if there is none.
+
+    `holds` must be constant between consecutive positive roots of the polynomials, and must hold at a point where it
+    holds on both sides: then a root that touches is no limit, and one rational point decides each interval.
+    """
+    roots = positive_roots(polynomials)
+    for start, inner in zip([ZERO_ROOT, *roots], samples(roots), strict=True):
+        if not holds(inner):
+            return start
+    return INFINITY
+
+
+def smallest(limits: Sequence[Limit]) -> Limit:
+    """The least of some limits; `oo` of none."""
+    finite = {limit for limit in limits if isinstance(limit, RealRoot)}
+    if ZERO_ROOT in finite or not finite:
+        return ZERO_ROOT if finite else INFINITY
+    order = positive_roots([limit.polynomial for limit in finite])
+    return next(root for root in order if root in finite)
+
+
+def _sign_of_product(factors: Sequence[Polynomial], x: fmpq) -> int:
+    product = 1
+    for factor in factors:
+        product *= sign(evaluate(factor, x))
+    return product
+
+
+class Boundary(NamedTuple):
+    """Polynomials in h, multiples by squares of the common denominator `den`, whose signs decide boundedness.
+
+    area ~ 1 - det, plus ~ 1 + det + tr, minus ~ 1 + det - tr, merged ~ tr² - 4 det; off the three entries that vanish
+    together where M is a multiple of the identity.
+    """
+
+    den: Polynomial
+    area: Polynomial
+    plus: Polynomial
+    minus: Polynomial
+    merged: Polynomial
+    off: tuple[Polynomial, Polynomial, Polynomial]
+
+
+def bounded_limit(m: StepMatrix) -> Limit:
+    """The largest H with the powers of M(h) bounded for every h in (0, H); `oo` if always, 0 if there is none.
+
+    Between consecutive roots of the boundary polynomials no verdict changes, so one rational h decides each interval;
+    at a root itself the verdict comes from exact signs: there -1 or 1 may be an eigenvalue, twice without harm only
+    where M is ±I.
+    """
+    boundary = boundary_of(m)
+    polynomials = [boundary.den, boundary.area, boundary.plus, boundary.minus]
+    if boundary.merged == 0:
+        polynomials += boundary.off
+    roots = positive_roots([p for p in polynomials if p != 0])
+    for start, inner in zip([ZERO_ROOT, *roots], samples(roots), strict=True):
+        if start != ZERO_ROOT and not is_bounded(boundary, partial(sign_at, root=start)):
+            return start
+        if not is_bounded(boundary, partial(_sign_at_rational, x=inner)):
+            return start
+    return INFINITY
+
+
+def is_bounded(boundary: Boundary, sign_of: Callable[[Polynomial], int]) -> bool:
+    """The powers of M are bounded where the polynomials have the signs given (jury-1964, chapter 3).
+
+    That is: no pole, every eigenvalue in the closed unit disc, and none on the circle with a Jordan block.
+    """
+    if sign_of(boundary.den) == 0:
+        return False
+    area = sign_of(boundary.area)
+    if area < 0 or sign_of(boundary.plus) < 0 or sign_of(boundary.minus) < 0:
+        return False
+    # Now every |λ| <= 1; a double root on the circle needs |det| = 1 and a zero discriminant.
+    jordan = area == 0 and sign_of(boundary.merged) == 0 and any(sign_of(p) for p in boundary.off)
+    return not jordan
+
+
+def boundary_of(m: StepMatrix) -> Boundary:
+    """The boundary polynomials of M = N/d, d a common denominator: all are polynomial in the entries of N and d."""
+    den = common_denominator(m)
+    (qq, qv), (vq, vv) = ([descend(x.num * quotient(den, x.den)) for x in row] for row in m)
+    square, area, trace = den * den, qq * vv - qv * vq, (qq + vv) * den
+    merged = (qq - vv) * (qq - vv) + 4 * qv * vq
+    return Boundary(den, square - area, square + area + trace, square + area - trace, merged, (qv, vq, qq - vv))
+
+
+def _sign_at_rational(p: Polynomial, x: Scalar) -> int:
+    return sign(evaluate(p, x))
+
+
+def common_denominator(m: StepMatrix) -> Polynomial:
+    """The least common multiple of the entries' denominators."""
+    common: Polynomial = ONE
+    for row in m:
+        for entry in row:
+            common = common * quotient(entry.den, greatest_common_divisor(common, entry.den))
+    return descend(common)
+
+
+def spectral_radius(entries: Sequence[Fraction | Algebraic]) -> CertifiableReal:
+    """The largest |λ| of a 2x2 matrix, its entries in the order of reading; a Fraction if it is rational.
+
+    sqrt(det) for complex eigenvalues, else (|tr| + sqrt(tr² - 4 det))/2.
+    """
+    qq, qv, vq, vv = entries
+    trace, area = (exact(scalar(x)) for x in (qq + vv, qq * vv - qv * vq))
+    discriminant = exact(scalar(trace * trace - 4 * area))
+    if sign(scalar(discriminant)) < 0:
+        return _root(area)
+    trace = trace if sign(scalar(trace)) >= 0 else -trace
+    root = _root(discriminant)
+    if isinstance(trace, Fraction) and isinstance(root, Fraction):
+        return (trace + root) / 2
+    return lambda: (enclose(trace) + enclose(root)) / 2
+
+
+def _root(x: Fraction | Algebraic) -> CertifiableReal:
+    """The square root of x >= 0."""
+    if isinstance(x, Fraction):
+        root = Fraction(isqrt(x.numerator), isqrt(x.denominator))
+        if root * root == x:
+            return root
+    return lambda: enclose(x).sqrt()
