@@ -37,10 +37,10 @@ from driftproof.symbolic.linear.stability_limits import imaginary_limit, real_li
 from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound
 from driftproof.symbolic.rounding.n_steps_bound import run_bound
 from driftproof.symbolic.rounding.step_bound import step_bound
-from driftproof.symbolic.trees import rooted, table
-from driftproof.symbolic.trees.modified import modified_equation
-from driftproof.symbolic.trees.order import embedded_order, order, order_of, runge_kutta_conditions
-from driftproof.symbolic.trees.quadratic import algebraic_stability
+from driftproof.symbolic.trees import rooted_trees
+from driftproof.symbolic.trees.algebraic_stability import algebraic_stability
+from driftproof.symbolic.trees.modified_equation import modified_equation
+from driftproof.symbolic.trees.order_conditions import embedded_order, order, order_of, runge_kutta_conditions
 from driftproof.texts.writing.records import facts_of
 
 # Any: the catalogue holds methods of every family under its keys.
@@ -59,8 +59,8 @@ Tasks = dict[str, dict[str, Contestant]]
 
 def trees_of_order_12() -> Any:
     """Every tree with at most 12 vertices as an object, with γ and σ."""
-    trees = table.tree_table(12)
-    return rooted.shapes(12), trees.density, trees.symmetry, trees.ids(12)
+    trees = rooted_trees.tree_table(12)
+    return rooted_trees.shapes(12), trees.density, trees.symmetry, trees.ids(12)
 
 
 def zeros(coefficients: Any) -> str:

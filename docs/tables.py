@@ -15,10 +15,10 @@ from typing import Any
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.algebra.certified import scientific
-from driftproof.symbolic.trees.alternating import nystrom_conditions, separable_conditions
-from driftproof.symbolic.trees.order import OrderFact, RungeKuttaConditions, order, order_of
-from driftproof.symbolic.trees.rooted import written
-from driftproof.symbolic.trees.weights import TableauStages
+from driftproof.symbolic.trees.elementary_weights import TableauStages
+from driftproof.symbolic.trees.order_conditions import OrderFact, RungeKuttaConditions, order, order_of
+from driftproof.symbolic.trees.partitioned_trees import nystrom_conditions, separable_conditions
+from driftproof.symbolic.trees.rooted_trees import to_brackets
 from driftproof.texts.writing.records import facts_of
 
 HERE = Path(__file__).parent
@@ -74,7 +74,7 @@ def orders() -> Rows:
     rows = [["method", "claimed", "found", "first condition that fails", "largest up to the claim", "beyond it"]]
     for claim in all_claims():
         if claim.found.order != claim.order:
-            failing = f"{written(claim.found.failing_tree)}: {scientific(claim.found.residual, 2)}"
+            failing = f"{to_brackets(claim.found.failing_tree)}: {scientific(claim.found.residual, 2)}"
             made, beyond = claim.conditions(), claim.order + 1
             sizes = (largest(made, 1, claim.order), largest(made, beyond, beyond))
             rows.append([f"`{claim.name}`", str(claim.order), str(claim.found.order), failing, *sizes])

@@ -14,8 +14,8 @@ from driftproof.methods.catalogue import METHODS, method_named
 from driftproof.numeric import readouts
 from driftproof.numeric.steppers import HAND_WRITTEN
 from driftproof.symbolic.derivation.one_step import STATE_H, STATE_Q, STATE_V, H, matrix, matrix_of, symbolic_step
-from driftproof.symbolic.trees.order import elementary_weight, failing_condition, order
-from driftproof.symbolic.trees.rooted import density, rooted_trees, vertices
+from driftproof.symbolic.trees.order_conditions import elementary_weight, failing_condition, order
+from driftproof.symbolic.trees.rooted_trees import density, rooted_trees, vertices
 from proofs.claims import COUNTED, FUZZED, PROVED, claim
 from proofs.setting import EULER, FIRST_H, LESSON_METHODS, RK4, START, SYMPLECTIC, M, state_after, step_of
 

@@ -10,11 +10,21 @@ from typing import Any, NamedTuple
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.linear.facts import LinearFacts, fact_names
-from driftproof.symbolic.trees import alternating, modified, quadratic, simplifying
-from driftproof.symbolic.trees import order as orders
-from driftproof.symbolic.trees.order import Conditions, OrderFact
-from driftproof.symbolic.trees.rooted import Tree
-from driftproof.symbolic.trees.table import TooManyTrees
+from driftproof.symbolic.trees import (
+    algebraic_stability as quadratic,
+)
+from driftproof.symbolic.trees import (
+    modified_equation as modified,
+)
+from driftproof.symbolic.trees import order_conditions as orders
+from driftproof.symbolic.trees import (
+    order_conditions as simplifying,
+)
+from driftproof.symbolic.trees import (
+    partitioned_trees as alternating,
+)
+from driftproof.symbolic.trees.order_conditions import Conditions, OrderFact
+from driftproof.symbolic.trees.rooted_trees import TooManyTrees, Tree
 
 FAMILY_NAMES = {RungeKutta: "runge_kutta", Splitting: "splitting", Nystrom: "nystrom", Collocation: "collocation"}
 # Vertices of the trees in the modified equation: 17 trees; those with six vertices would be 20 more.

@@ -43,8 +43,8 @@ from driftproof.symbolic.linear.families import (
 )
 from driftproof.symbolic.linear.stability_function import stability_function
 from driftproof.symbolic.linear.stability_limits import INFINITY, Limit, imaginary_limit, real_limit
-from driftproof.symbolic.trees.rooted import Tree, shapes
-from driftproof.symbolic.trees.weights import ElementaryWeights, TableauStages
+from driftproof.symbolic.trees.elementary_weights import ElementaryWeights, TableauStages
+from driftproof.symbolic.trees.rooted_trees import Tree, shapes
 
 _T = TypeVar("_T")
 

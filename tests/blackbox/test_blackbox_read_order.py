@@ -13,9 +13,9 @@ from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta, Splitting
 from driftproof.methods.stepping import stepper
-from driftproof.symbolic.trees.alternating import nystrom_order
-from driftproof.symbolic.trees.order import order
-from driftproof.symbolic.trees.rooted import written
+from driftproof.symbolic.trees.order_conditions import order
+from driftproof.symbolic.trees.partitioned_trees import nystrom_order
+from driftproof.symbolic.trees.rooted_trees import to_brackets
 from tests.blackbox import blackbox_codes as codes
 
 EXPLICIT = [key for key, method in METHODS.items() if method.explicit]
@@ -37,7 +37,7 @@ def test_the_forces_of_a_method_give_its_order(key):
     assert found.linear_order >= found.order
     if not method.decimal and not isinstance(method, RungeKutta):
         exact = nystrom_order(method)
-        assert found.failing_tree == written(exact.failing_tree)
+        assert found.failing_tree == to_brackets(exact.failing_tree)
         assert found.residual[0] <= exact.residual <= found.residual[1]
 
 
@@ -50,7 +50,7 @@ def test_the_slopes_of_a_method_give_its_order_and_the_tree_that_fails(key):
     if not method.decimal:
         exact = order(method)
         for found in (unknown, known):
-            assert found.failing_tree == written(exact.failing_tree)
+            assert found.failing_tree == to_brackets(exact.failing_tree)
             assert found.residual[0] <= exact.residual <= found.residual[1]
 
 

@@ -31,9 +31,9 @@ from driftproof.symbolic.linear.facts import facts_by_name
 from driftproof.symbolic.linear.oscillator import determinant, is_matrix_symmetric, one_step_matrix
 from driftproof.symbolic.linear.reduced_tableau import is_symmetric, is_symplectic, reduced, stages_of
 from driftproof.symbolic.linear.stability_limits import INFINITY
-from driftproof.symbolic.trees.order import embedded_conditions, embedded_order, order_to_tolerance
-from driftproof.symbolic.trees.quadratic import quadratic_matrix
-from driftproof.symbolic.trees.series import method_series, symmetric_to_order, symplectic_to_order
+from driftproof.symbolic.trees.algebraic_stability import quadratic_matrix
+from driftproof.symbolic.trees.modified_equation import method_series, symmetric_to_order, symplectic_to_order
+from driftproof.symbolic.trees.order_conditions import embedded_conditions, embedded_order, order_to_tolerance
 from driftproof.texts.writing.facts import facts_tex, facts_text
 from driftproof.texts.writing.records import record
 from tests import changes

@@ -20,7 +20,7 @@ from driftproof.numeric.steppers import rk4
 from driftproof.numeric.work_precision.timing import Timing
 from driftproof.reports.work_precision.peers import Peer
 from driftproof.symbolic.facts import FACTS
-from driftproof.symbolic.trees import rooted
+from driftproof.symbolic.trees import rooted_trees as rooted
 
 DOCS = Path(__file__).parents[2] / "docs"
 SUBJECTS = [subject for subjects in exact_facts.TITLES.values() for subject in subjects()]

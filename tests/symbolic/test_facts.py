@@ -12,7 +12,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.facts import FACTS, ON_REQUEST, WHY_NONE, Facts, OrderWithin, general_order, order_within
 from driftproof.symbolic.linear.facts import facts_by_name
-from driftproof.symbolic.trees.rooted import written
+from driftproof.symbolic.trees.rooted_trees import to_brackets
 
 # The keys that the output format promises for every method.
 SCHEMA = {
@@ -80,7 +80,7 @@ def test_a_weight_off_in_a_far_digit_costs_the_order_and_not_the_order_to_a_tole
     off = replace(rk4, b=(rk4.b[0] + Q(1, 10**power), *rk4.b[1:]))
     facts = Facts(off)
     assert facts.order == 0
-    assert (written(facts.order_fails.failing_tree), facts.order_fails.residual) == ("τ", Q(1, 10**power))
+    assert (to_brackets(facts.order_fails.failing_tree), facts.order_fails.residual) == ("τ", Q(1, 10**power))
     assert facts.inconsistencies == {"sum(b) - 1": Q(1, 10**power)}
     assert order_within(off, Q(1, 10**12)).order == (4 if power >= 13 else 0)
 
@@ -102,7 +102,7 @@ def test_radau_is_algebraically_stable_and_trapezoid_is_not() -> None:
 def test_exact_order_failing_residual_and_order_to_a_tolerance_are_three_answers() -> None:
     tsitouras = METHODS["tsitouras54"]
     facts = Facts(tsitouras)
-    assert (facts.order, written(facts.order_fails.failing_tree)) == (0, "τ")
+    assert (facts.order, to_brackets(facts.order_fails.failing_tree)) == (0, "τ")
     assert facts.order_fails.residual == Q(-17, 10**17)
     tolerances = [(Q(1, 10**12), 5), (Q(17, 10**17), 1), (Q(16, 10**17), 0), (Q(0), 0)]
     assert [order_within(tsitouras, t).order for t, _ in tolerances] == [p for _, p in tolerances]

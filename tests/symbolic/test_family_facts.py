@@ -19,7 +19,7 @@ from driftproof.methods.schemes import MethodError
 from driftproof.symbolic.algebra.bivariate import bivariate_text, irreducible_factors
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.family_facts import FamilyFacts, family_residuals
-from driftproof.symbolic.trees.order import order, residuals, runge_kutta_conditions
+from driftproof.symbolic.trees.order_conditions import order, residuals, runge_kutta_conditions
 from driftproof.texts.writing.records import facts_of, family_facts, record
 from tests.symbolic.linear.family_examples import CUBIC, SDIRK_3, THETA, family
 

@@ -13,7 +13,7 @@ from driftproof.blackbox.probes.coefficients import simple_rational
 from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.scripted_answers import Rounding, Row
 from driftproof.blackbox.probes.tableau import TableauReading
-from driftproof.symbolic.trees.balls import (
+from driftproof.symbolic.trees.order_in_balls import (
     Ball,
     BallNystrom,
     BallTableau,
@@ -21,8 +21,8 @@ from driftproof.symbolic.trees.balls import (
     ball_order,
     linear_ball_order,
 )
-from driftproof.symbolic.trees.balls import Row as BallRow
-from driftproof.symbolic.trees.rooted import AnyTree, written
+from driftproof.symbolic.trees.order_in_balls import _Row as BallRow
+from driftproof.symbolic.trees.rooted_trees import AnyTree, to_brackets
 
 Reading: TypeAlias = TableauReading | ForceReading
 
@@ -89,7 +89,7 @@ def read_order(reading: Reading, match: Match | None = None) -> ReadOrder:
 
 
 def _found(failure: ProvableFailure[AnyTree], linear: int, untimed: int | None = None) -> ReadOrder:
-    tree = None if failure.failing_tree is None else written(failure.failing_tree)
+    tree = None if failure.failing_tree is None else to_brackets(failure.failing_tree)
     return ReadOrder(failure.order, tree, failure.residual, linear, failure.order if untimed is None else untimed)
 
 

@@ -48,9 +48,8 @@ from driftproof.symbolic.linear.phase import LeadingTerm
 from driftproof.symbolic.linear.region import PLACES
 from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity
 from driftproof.symbolic.linear.systems import SYSTEM_FACTS, EigenvalueLimit, facts_on_system
-from driftproof.symbolic.trees.order import OrderFact, PrincipalError
-from driftproof.symbolic.trees.rooted import written
-from driftproof.symbolic.trees.simplifying import Simplifying
+from driftproof.symbolic.trees.order_conditions import OrderFact, PrincipalError, Simplifying
+from driftproof.symbolic.trees.rooted_trees import to_brackets
 
 
 @dataclass(frozen=True)
@@ -113,13 +112,13 @@ def parts(value: Any) -> Mapping[str, Any] | None:
     if type(value) in _PARTS:
         return _PARTS[type(value)](value)
     if isinstance(value, Mapping):
-        return {key if isinstance(key, str) else written(key): part for key, part in value.items()}
+        return {key if isinstance(key, str) else to_brackets(key): part for key, part in value.items()}
     return value._asdict() if hasattr(value, "_asdict") else None
 
 
 def _of_tree(found: OrderFact[Any] | FailingTree) -> dict[str, Any]:
     tree = found.failing_tree if isinstance(found, OrderFact) else found.tree
-    return {"tree": written(tree), "residual": _in_parameter(found.residual)}
+    return {"tree": to_brackets(tree), "residual": _in_parameter(found.residual)}
 
 
 def _in_parameter(x: Any) -> Any:
@@ -155,7 +154,7 @@ _PARTS: dict[type, Callable[[Any], dict[str, Any]]] = {
     PrincipalError: lambda x: {
         "vertices": x.vertices,
         "squared_norm": x.squared_norm,
-        "coefficients": {written(tree): c for tree, c in x.coefficients},
+        "coefficients": {to_brackets(tree): c for tree, c in x.coefficients},
     },
     Simplifying: lambda x: {name: INFINITY if n is None else n for name, n in zip("BCD", (x.b, x.c, x.d), strict=True)},
     Quadratic: lambda x: {

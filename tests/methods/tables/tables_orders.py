@@ -15,7 +15,7 @@ from math import factorial, floor, prod
 from typing import Any
 
 from driftproof.methods.schemes import SUBSTEPS, Collocation, Method, Nystrom, RungeKutta, Splitting
-from driftproof.symbolic.trees.rooted import Tree, density, rooted_trees
+from driftproof.symbolic.trees.rooted_trees import Tree, density, rooted_trees
 from tests.methods.tables.entries import of_type
 
 # How far each non-zero coefficient may be from the one that was rounded.

@@ -8,7 +8,7 @@ from fractions import Fraction as Q
 import pytest
 
 from driftproof.methods.schemes import RungeKutta, Splitting
-from driftproof.symbolic.trees.rooted import rooted_trees
+from driftproof.symbolic.trees.rooted_trees import rooted_trees
 from tests.methods.tables.entries import by_key, entry, of_type
 from tests.methods.tables.tables_orders import (
     UNITS,

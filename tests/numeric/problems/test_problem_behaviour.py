@@ -7,6 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from driftproof.symbolic.linear.stiff_error import stiff_error
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation, RungeKutta
@@ -19,7 +20,6 @@ from driftproof.symbolic.algebra.certified import enclose, endpoints
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.linear.oscillator import stability_function_of
 from driftproof.symbolic.linear.stability_function import prothero_robinson, tableau
-from driftproof.symbolic.linear.stiff_error import stiff_error
 from tests.numeric.implicit_runs import implicit_run
 
 Tableau = RungeKutta | Collocation

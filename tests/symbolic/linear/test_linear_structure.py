@@ -27,8 +27,8 @@ from driftproof.symbolic.linear.reduced_tableau import (
     symplectic_residuals,
 )
 from driftproof.symbolic.linear.stability_function import stability_function
-from driftproof.symbolic.trees.quadratic import quadratic_matrix
-from driftproof.symbolic.trees.series import method_series, symplectic_to_order
+from driftproof.symbolic.trees.algebraic_stability import quadratic_matrix
+from driftproof.symbolic.trees.modified_equation import method_series, symplectic_to_order
 from tests.changes import coefficients, moved
 from tests.methods.tables.entries import entry
 from tests.nine import NINE

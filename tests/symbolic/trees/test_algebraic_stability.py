@@ -13,8 +13,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftproof.methods.number_field import Exact, square_root
-from driftproof.symbolic.trees.quadratic import algebraic_stability, quadratic_matrix
-from driftproof.symbolic.trees.semidefinite import Matrix, Semidefinite, semidefinite
+from driftproof.symbolic.trees.algebraic_stability import (
+    Semidefinite,
+    _Matrix,
+    algebraic_stability,
+    quadratic_matrix,
+    semidefinite,
+)
 from tests.methods.tables.entries import entry
 
 # hairer-wanner-1996, IV.12: of the classical families, all but Lobatto IIIA and IIIB.
@@ -49,7 +54,7 @@ def test_algebraic_stability_needs_both_conditions(a: Q, matrix_holds: bool) -> 
     assert (fact.matrix.holds, fact.weights.holds, fact.holds) == (matrix_holds, False, False)
 
 
-def value(matrix: Matrix, x: Sequence[Exact]) -> Exact:
+def value(matrix: _Matrix, x: Sequence[Exact]) -> Exact:
     total: Exact = Q(0)
     for row, left in zip(matrix, x, strict=True):
         for middle, right in zip(row, x, strict=True):
@@ -57,7 +62,7 @@ def value(matrix: Matrix, x: Sequence[Exact]) -> Exact:
     return total
 
 
-def check(matrix: Matrix, fact: Semidefinite) -> None:
+def check(matrix: _Matrix, fact: Semidefinite) -> None:
     """What the certificate claims, multiplied out: all of M as squares, or a direction in which it is negative."""
     assert all(d > 0 for d, _ in fact.squares)
     if fact.direction is not None:
@@ -71,7 +76,7 @@ def check(matrix: Matrix, fact: Semidefinite) -> None:
             assert total == wanted
 
 
-def has_no_negative_minor(matrix: Matrix) -> bool:
+def has_no_negative_minor(matrix: _Matrix) -> bool:
     """All principal minors, not only leading ones, are >= 0: Sylvester's criterion for semidefinite matrices."""
     size = len(matrix)
     return all(
@@ -95,14 +100,14 @@ gram = st.integers(1, 4).flatmap(
 
 
 @given(symmetric | gram)
-def test_semidefinite_agrees_with_all_principal_minors(matrix: Matrix) -> None:
+def test_semidefinite_agrees_with_all_principal_minors(matrix: _Matrix) -> None:
     fact = semidefinite(matrix)
     assert fact.holds == has_no_negative_minor(matrix)
     check(matrix, fact)
 
 
 @given(gram, st.integers(0, 3))
-def test_semidefinite_notices_a_diagonal_entry_that_is_less_than_nothing(matrix: Matrix, place: int) -> None:
+def test_semidefinite_notices_a_diagonal_entry_that_is_less_than_nothing(matrix: _Matrix, place: int) -> None:
     i = place % len(matrix)
     less = matrix[i][i] + Q(1, 10**30)
     broken = tuple(tuple(x - less * (k == j == i) for j, x in enumerate(row)) for k, row in enumerate(matrix))
@@ -122,7 +127,7 @@ def test_semidefinite_refutes_a_matrix_with_nothing_on_its_diagonal(entry: Q) ->
 def test_semidefinite_is_exact_for_irrational_entries(corner: Q, holds: bool) -> None:
     """Leading minors of ((3, √3), (√3, 1)) are 3 and 0."""
     root = square_root(3)
-    matrix: Matrix = ((Q(3), root), (root, 3 * corner))
+    matrix: _Matrix = ((Q(3), root), (root, 3 * corner))
     fact = semidefinite(matrix)
     assert fact.holds is holds
     check(matrix, fact)

@@ -9,10 +9,16 @@ import pytest
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Nystrom, RungeKutta
-from driftproof.symbolic.trees.alternating import nystrom_order
-from driftproof.symbolic.trees.balls import Ball, BallNystrom, Balls, BallTableau, ball_order, linear_ball_order
-from driftproof.symbolic.trees.bicoloured import order_with_nodes
-from driftproof.symbolic.trees.order import order
+from driftproof.symbolic.trees.order_conditions import order, order_of
+from driftproof.symbolic.trees.order_in_balls import (
+    Ball,
+    BallNystrom,
+    Balls,
+    BallTableau,
+    ball_order,
+    linear_ball_order,
+)
+from driftproof.symbolic.trees.partitioned_trees import conditions_with_nodes, nystrom_order
 
 U = Q(1, 2**53)
 RATIONAL = [k for k, m in METHODS.items() if isinstance(m, RungeKutta) and m.explicit and not m.field and not m.decimal]
@@ -66,7 +72,7 @@ def test_a_weight_off_by_less_than_its_radius_is_no_failure_and_one_off_by_more_
 def test_nodes_that_are_not_the_sums_of_their_rows_fail_where_the_exact_ones_do():
     method = METHODS["rk4"]
     stopped = replace(method, c=(Q(0),) * 4)
-    exact, found = order_with_nodes(stopped), ball_order(balls(stopped, U), 12, timed=True)
+    exact, found = order_of(conditions_with_nodes(stopped)), ball_order(balls(stopped, U), 12, timed=True)
     assert (found.order, found.failing_tree) == (exact.order, exact.failing_tree) == (1, ("y", (("t", ()),)))
     assert ball_order(balls(method, U), 12, timed=True).order == 4
     assert ball_order(balls(stopped, U), 12).order == 4

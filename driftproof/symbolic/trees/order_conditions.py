@@ -1,33 +1,66 @@
-"""The order of a method: decided exactly, with the first tree that fails and its residual; apart, to a tolerance."""
+"""The order of a method, exactly, and the first tree that fails; leading errors; collocation; B(p), C(q) and D(r)."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import count
 from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
-from flint import fmpq
+from flint import fmpq, fmpq_poly
 
 from driftproof.methods.number_field import Exact
-from driftproof.symbolic.trees.collocation import collocation_order
-from driftproof.symbolic.trees.rooted import AnyTree, Tree, bush, number_of, shapes, vertices
-from driftproof.symbolic.trees.scalars import Number, Scalars
-from driftproof.symbolic.trees.table import tree_table
-from driftproof.symbolic.trees.weights import (
+from driftproof.symbolic.trees.elementary_weights import (
     AnyMethod,
     ElementaryWeights,
+    HasTableau,
     NodePolynomial,
+    RingElement,
+    Scalars,
     StageAlgebra,
     TableauStages,
+    distinct_nodes,
+    scalars_for,
     stage_algebra,
 )
+from driftproof.symbolic.trees.rooted_trees import AnyTree, Tree, bush, shapes, tree_number, tree_table, vertices
+
+
+@dataclass(frozen=True)
+class QuadratureFact:
+    """Order s + k and not s + k + 1: ∫₀¹ M(x) xʲ dx = 0 for j < k, and `residual`, not zero, for j = k, M monic.
+
+    The residual is also what 1/(p + 1) has beyond the quadrature formula's value for the first power it misses, xᵖ.
+    """
+
+    order: int
+    residual: Fraction
+
+
+def collocation_order(nodes: Sequence[Exact]) -> QuadratureFact:
+    """The order of the collocation method at the roots of M, which is that of its quadrature formula, s + k.
+
+    M is orthogonal on [0, 1] to k powers (hairer-lubich-wanner-2006, II.1.2 Theorem 1.5); Gauss has k = s.
+    `nodes` is M's coefficients, constant term first. Raises ValueError if M is constant or has a multiple root.
+    """
+    polynomial = distinct_nodes(nodes)
+    power = fmpq_poly([0, 1])
+    for k in count():  # ends at k = s, since M is not orthogonal to itself
+        moment = (polynomial * power**k).integral()(1)
+        if moment != 0:
+            return QuadratureFact(int(polynomial.degree()) + k, _fraction(moment / polynomial.leading_coefficient()))
+    raise AssertionError("unreachable: count has no end")
+
+
+def _fraction(x: fmpq) -> Fraction:
+    return Fraction(int(x.numerator), int(x.denominator))
+
 
 TreeType = TypeVar("TreeType", bound=AnyTree)
 TreeTypeOut = TypeVar("TreeTypeOut", bound=AnyTree, covariant=True)
 # What a family of conditions calls a tree: a number, or a number and a colour.
-Label: TypeAlias = Any
+TreeLabel: TypeAlias = Any
 
 
 class Conditions(Protocol[TreeTypeOut]):
@@ -41,13 +74,13 @@ class Conditions(Protocol[TreeTypeOut]):
     def bound(self) -> int:
         """An order that no method with so many stages exceeds."""
 
-    def residuals(self, vertices: int) -> Sequence[tuple[Label, Number]]:
+    def residuals(self, vertices: int) -> Sequence[tuple[TreeLabel, RingElement]]:
         """The label of each tree with so many vertices, and its Φ - 1/γ."""
 
-    def tree(self, vertices: int, label: Label) -> TreeTypeOut:
+    def tree(self, vertices: int, label: TreeLabel) -> TreeTypeOut:
         """The tree with this label, among those with so many vertices."""
 
-    def symmetry(self, vertices: int, label: Label) -> int:
+    def symmetry(self, vertices: int, label: TreeLabel) -> int:
         """Its σ."""
 
 
@@ -86,11 +119,11 @@ class RungeKuttaConditions(ElementaryWeights):
         super().__init__(algebra)
         self.scalars, self.bound = algebra.scalars, algebra.bound
 
-    def tree(self, vertices: int, label: Label) -> Tree:
+    def tree(self, vertices: int, label: TreeLabel) -> Tree:
         """The tree with this number."""
         return shapes(vertices)[label]
 
-    def symmetry(self, vertices: int, label: Label) -> int:
+    def symmetry(self, vertices: int, label: TreeLabel) -> int:
         """σ of the tree with this number."""
         return tree_table(vertices).symmetry[label]
 
@@ -169,10 +202,84 @@ def principal_error(conditions: Conditions[TreeType]) -> PrincipalError[TreeType
 def elementary_weight(method: AnyMethod, tree: Tree) -> Exact:
     """Φ(t), the method's weight of the tree (butcher-2016, 312); the exact solution's is 1/γ(t)."""
     size, algebra = vertices(tree), stage_algebra(method)
-    position = number_of(tree) - tree_table(size).first[size]
+    position = tree_number(tree) - tree_table(size).first[size]
     return algebra.scalars.exact(ElementaryWeights(algebra).of_order(size)[position])
 
 
 def failing_condition(method: AnyMethod, vertices: int) -> tuple[Tree, Exact] | None:
     """The first tree with so many vertices whose Φ(t) - 1/γ(t) is not zero, with that residual; None if all hold."""
     return next(((tree, x) for tree, x in residuals(runge_kutta_conditions(method), vertices) if x), None)
+
+
+# The residuals of the k-th condition of a family, one number for each equation in it.
+Condition = Callable[[int], list[RingElement]]
+
+
+@dataclass(frozen=True)
+class Simplifying:
+    """The largest p, q, r with B(p), C(q), D(r); None where every one of the conditions holds.
+
+    B(p): Σ bᵢ cᵢᵏ⁻¹ = 1/k; C(q): Σⱼ aᵢⱼ cⱼᵏ⁻¹ = cᵢᵏ/k; D(r): Σᵢ bᵢ cᵢᵏ⁻¹ aᵢⱼ = bⱼ (1 - cⱼᵏ)/k, for k up to the
+    number (hairer-norsett-wanner-1993, II.7; butcher-2016, 321).
+    """
+
+    b: int
+    c: int | None
+    d: int | None
+
+    @property
+    def stage_order(self) -> int:
+        """The largest q with B(q) and C(q): the order to which stages and step both approximate the solution."""
+        return self.b if self.c is None else min(self.b, self.c)
+
+
+def simplifying_assumptions(method: AnyMethod) -> Simplifying:
+    """How far B, C and D hold, with the c that the method states.
+
+    For collocation at s nodes with a quadrature formula of order p they hold to p, s and p - s.
+    """
+    if isinstance(method, NodePolynomial):
+        order, stages = collocation_order(method.node_polynomial).order, len(method.node_polynomial) - 1
+        return Simplifying(order, stages, order - stages)
+    conditions = _Conditions(method)
+    # Polynomials of degree 2s tell all s nodes apart from integrals: whoever passes 2s + 1 conditions passes all.
+    last = 2 * len(method.b) + 1
+    b, c, d = (_degree(condition, last) for condition in (conditions.b, conditions.c, conditions.d))
+    if b is None:
+        raise AssertionError(f"a quadrature formula with {len(method.b)} nodes and order {last}")
+    return Simplifying(b, c, d)
+
+
+class _Conditions:
+    """The residuals of the conditions numbered k = 1, 2, ..., in the method's field."""
+
+    def __init__(self, method: HasTableau) -> None:
+        scalars = scalars_for([*method.b, *method.c, *(x for row in method.a for x in row)])
+        lift: Callable[[Exact | int], RingElement] = scalars.lift
+        self.weights, nodes = [lift(x) for x in method.b], [lift(x) for x in method.c]
+        self.rows = [[lift(x) for x in row] for row in method.a]
+        self.columns = list(zip(*self.rows, strict=True))
+        self.powers = [[lift(1)] * len(nodes)]
+        for _ in range(2 * len(nodes) + 1):
+            self.powers.append([x * y for x, y in zip(self.powers[-1], nodes, strict=True)])
+
+    def b(self, k: int) -> list[RingElement]:
+        return [_dot(self.weights, self.powers[k - 1]) - fmpq(1, k)]
+
+    def c(self, k: int) -> list[RingElement]:
+        inverse = fmpq(1, k)
+        return [_dot(row, self.powers[k - 1]) - x * inverse for row, x in zip(self.rows, self.powers[k], strict=True)]
+
+    def d(self, k: int) -> list[RingElement]:
+        weighted = [w * x for w, x in zip(self.weights, self.powers[k - 1], strict=True)]
+        expected = [w * (1 - x) * fmpq(1, k) for w, x in zip(self.weights, self.powers[k], strict=True)]
+        return [_dot(weighted, column) - x for column, x in zip(self.columns, expected, strict=True)]
+
+
+def _degree(condition: Condition, last: int) -> int | None:
+    """The largest k to which the conditions hold, or None if they hold to `last`."""
+    return next((k - 1 for k in range(1, last + 1) if any(condition(k))), None)
+
+
+def _dot(u: list[RingElement], v: list[RingElement] | tuple[RingElement, ...]) -> RingElement:
+    return sum((x * y for x, y in zip(u, v, strict=True)), 0 * u[0])

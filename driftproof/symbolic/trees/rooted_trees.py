@@ -1,11 +1,14 @@
-"""Tables of rooted trees: every tree once, as a smaller tree to whose root one more branch is joined."""
+"""Rooted trees: a table of all trees to an order with their γ and σ, trees as nested tuples, and trees in brackets."""
 
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import chain, repeat
+from math import prod
+from typing import TypeAlias
 
 Column = tuple[int, ...]
 
@@ -142,3 +145,92 @@ def _table(order: int, kinds: int, internal: int) -> TreeTable:
                 raise TooManyTrees(f"there are more than {MOST_TREES} trees of order {order}")
     first = (*smaller.first, len(smaller.rest) + len(rests))
     return TreeTable(kinds, internal, first, (*smaller.rest, *rests), (*smaller.branch, *branches))
+
+
+# A rooted tree is the tuple of the trees at its root, smallest first; () is the single vertex.
+Tree: TypeAlias = tuple["Tree", ...]
+# A tree whose vertices have colours: the colour of its root, and the coloured trees at its root.
+ColouredTree: TypeAlias = tuple[str, tuple["ColouredTree", ...]]
+AnyTree: TypeAlias = Tree | ColouredTree
+
+
+@cache
+def shapes(order: int) -> tuple[Tree, ...]:
+    """All rooted trees with at most `order` vertices, in the numbering of `tree_table(order)`."""
+    table = tree_table(order)
+    trees: list[Tree] = [()]
+    for rest, branch in zip(table.rest[1:], table.branch[1:], strict=True):
+        trees.append((*trees[rest], trees[branch]))
+    return tuple(trees)
+
+
+@cache
+def coloured_shapes(order: int, colours: tuple[str, ...], internal: int) -> tuple[ColouredTree, ...]:
+    """All trees with at most `order` vertices in the numbering of `tree_table(order, len(colours), internal)`."""
+    table, kinds = tree_table(order, len(colours), internal), len(colours)
+    trees: list[ColouredTree] = [(colour, ()) for colour in colours]
+    for rest, branch in zip(table.rest[kinds:], table.branch[kinds:], strict=True):
+        colour, branches = trees[rest]
+        trees.append((colour, (*branches, trees[branch])))
+    return tuple(trees)
+
+
+def rooted_trees(vertices: int) -> tuple[Tree, ...]:
+    """All rooted trees with so many vertices: 1, 1, 2, 4, 9, 20, ... of them; the bush first, the tall tree last."""
+    return shapes(vertices)[tree_table(vertices).first[vertices] :]
+
+
+def bush(vertices: int) -> Tree:
+    """The tree with all but one of its vertices joined to its root, [τ,...,τ]: the condition Σ bᵢ cᵢⁿ⁻¹ = 1/n."""
+    return ((),) * (vertices - 1)
+
+
+def tree_number(tree: Tree) -> int:
+    """The number of a tree in every table of its order or more; its branches may be given in any order."""
+    return _numbers(vertices(tree))[canonical_tree(tree)]
+
+
+def canonical_tree(tree: Tree) -> Tree:
+    """The same tree with its branches, and theirs, in the order of the tables: smallest first."""
+    return tuple(sorted(map(canonical_tree, tree), key=_key))
+
+
+def vertices(tree: Tree) -> int:
+    """The number of vertices, r(t)."""
+    return 1 + sum(map(vertices, tree))
+
+
+def density(tree: Tree) -> int:
+    """γ(t) = r(t) Π γ(branch): the exact solution's weight of the tree is 1/γ(t) (hairer-norsett-wanner-1993, II.2)."""
+    return vertices(tree) * prod(map(density, tree))
+
+
+def alternately_coloured(tree: Tree, root: str, other: str) -> ColouredTree:
+    """The tree with its root coloured `root`, the next vertices coloured `other`, and so on in turn."""
+    return root, tuple(alternately_coloured(branch, other, root) for branch in tree)
+
+
+def to_brackets(tree: AnyTree) -> str:
+    """The tree in brackets: τ is one vertex, [τ,[τ]] has two branches at its root; colours follow, as in [τ_v]_q.
+
+    The notation is that of hairer-lubich-wanner-2006, III.1.1 and III.2.1.
+    """
+    colour, branches = _parts(tree)
+    body = f"[{','.join(map(to_brackets, branches))}]" if branches else "τ"
+    return f"{body}_{colour}" if colour else body
+
+
+@cache
+def _numbers(order: int) -> dict[Tree, int]:
+    return {tree: number for number, tree in enumerate(shapes(order))}
+
+
+def _key(tree: Tree) -> tuple[object, ...]:
+    """Sorts as the tables do: by vertices, then by the largest branch, then by the next one."""
+    return vertices(tree), tuple(map(_key, reversed(tree)))
+
+
+def _parts(tree: AnyTree) -> tuple[str, Sequence[AnyTree]]:
+    if tree and isinstance(tree[0], str):
+        return tree[0], tree[1]
+    return "", tree

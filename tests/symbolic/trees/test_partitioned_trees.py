@@ -11,39 +11,40 @@ import pytest
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Nystrom, RungeKutta, Splitting
-from driftproof.symbolic.trees.alternating import (
+from driftproof.symbolic.trees.elementary_weights import TableauStages, scalars_for
+from driftproof.symbolic.trees.order_conditions import (
+    order,
+    order_of,
+    principal_error,
+    residuals,
+    runge_kutta_conditions,
+)
+from driftproof.symbolic.trees.partitioned_trees import (
+    ColouredConditions,
+    conditions_with_nodes,
     nystrom_conditions,
     nystrom_order,
     separable_conditions,
     separable_order,
 )
-from driftproof.symbolic.trees.bicoloured import (
-    conditions_with_nodes,
-    order_with_nodes,
-    partitioned_conditions,
-    partitioned_order,
-)
-from driftproof.symbolic.trees.order import order, principal_error, residuals, runge_kutta_conditions
-from driftproof.symbolic.trees.rooted import ColouredTree, Tree, canonical, vertices, written
+from driftproof.symbolic.trees.rooted_trees import ColouredTree, Tree, canonical_tree, to_brackets, vertices
 from tests.methods.tables.entries import entry
 
-Matrix = tuple[tuple[Exact, ...], ...]
 
-
-def as_pair(method: Splitting) -> tuple[Matrix, tuple[Exact, ...], Matrix, tuple[Exact, ...]]:
-    """A splitting as a partitioned Runge-Kutta method with a stage for every sub-step: (A, b) for q, (Â, b̂) for v."""
-    zero = Q(0)
-    parts = method.parts
-    drifts = tuple(c if kind == "drift" else zero for kind, c in parts)
-    kicks = tuple(c if kind == "kick" else zero for kind, c in parts)
-    # Where a drift is evaluated, earlier kicks have changed v; where a kick is, earlier drifts have changed q.
-    a = tuple(tuple(c if j < i else zero for j, c in enumerate(drifts)) for i in range(len(parts)))
-    a_hat = tuple(tuple(c if j < i else zero for j, c in enumerate(kicks)) for i in range(len(parts)))
-    return a, drifts, a_hat, kicks
+def conditions_of_the_pair(method: Splitting) -> ColouredConditions:
+    """A splitting as a partitioned Runge-Kutta method with a stage for every sub-step, (A, b) for q and (Â, b̂) for v:
+    one condition for every tree with vertices of two colours (hairer-lubich-wanner-2006, III.2.2).
+    """
+    tables = []
+    for own in ("drift", "kick"):  # where a drift is evaluated, earlier kicks have changed v, and the other way round
+        weights = tuple(c if kind == own else Q(0) for kind, c in method.parts)
+        rows = tuple(tuple(c if j < i else Q(0) for j, c in enumerate(weights)) for i in range(len(weights)))
+        tables.append(TableauStages(rows, weights))
+    return ColouredConditions(("q", "v"), *tables, internal=2, scalars=scalars_for(c for _, c in method.parts))
 
 
 def uncoloured(tree: ColouredTree) -> Tree:
-    return canonical(tuple(map(uncoloured, tree[1])))
+    return canonical_tree(tuple(map(uncoloured, tree[1])))
 
 
 def colours(tree: ColouredTree) -> Iterator[tuple[str, str]]:
@@ -66,7 +67,7 @@ def test_residuals_of_a_splitting_are_those_of_its_partitioned_tableau(key: str)
     """Among all trees of two colours, those whose colours alternate; and of them, those without a fork at q."""
     method = entry(key)
     pair, separable, linear = (
-        partitioned_conditions(*as_pair(method)),
+        conditions_of_the_pair(method),
         separable_conditions(method),
         nystrom_conditions(method),
     )
@@ -93,17 +94,17 @@ def test_order_of_a_splitting_notices_every_coefficient_changed(key: str, amount
 def test_failing_tree_of_a_splitting_says_what_fails() -> None:
     """The kick of symplectic Euler sees the old position: v has -h²/2 F'(q)v too little."""
     first = separable_order(entry("symplectic_euler"))
-    assert (first.order, written(first.failing_tree), first.residual) == (1, "[τ_q]_v", Q(-1, 2))
+    assert (first.order, to_brackets(first.failing_tree), first.residual) == (1, "[τ_q]_v", Q(-1, 2))
     second = separable_order(entry("symplectic_euler_position_first"))
-    assert (second.order, written(second.failing_tree), second.residual) == (1, "[τ_q]_v", Q(1, 2))
+    assert (second.order, to_brackets(second.failing_tree), second.residual) == (1, "[τ_q]_v", Q(1, 2))
     idle = Splitting("idle", "Idle", 0, "test", (("drift", Q(1)),))
-    assert (separable_order(idle).order, written(separable_order(idle).failing_tree)) == (0, "τ_v")
+    assert (separable_order(idle).order, to_brackets(separable_order(idle).failing_tree)) == (0, "τ_v")
 
 
 def test_principal_error_of_verlet_is_the_printed_one() -> None:
     """Kick-drift-kick on q'' = F(q): v lacks h³/12 F''(v, v) one way, and F'F/6 - F'F/4 the other."""
     error = principal_error(nystrom_conditions(entry("velocity_verlet")))
-    found = {written(tree): x for tree, x in error.coefficients}
+    found = {to_brackets(tree): x for tree, x in error.coefficients}
     assert found == {"[τ_q,τ_q]_v": Q(1, 12), "[[τ_v]_q]_v": Q(1, 12), "[[τ_q]_v]_q": Q(-1, 6)}
     assert error.squared_norm == Q(1, 144) + Q(1, 144) + Q(1, 36)
 
@@ -160,32 +161,11 @@ def test_order_of_verlet_is_that_of_its_nystrom_form() -> None:
     assert first == second
 
 
-@pytest.mark.parametrize("stages", [3, 4])
-def test_order_of_the_lobatto_pair_is_that_of_both_its_members(stages: int) -> None:
-    """Lobatto IIIA for q and IIIB for v (hairer-lubich-wanner-2006, IV.2.2)."""
-    first, second = entry(f"lobatto_iiia{stages}"), entry(f"lobatto_iiib{stages}")
-    fact = partitioned_order(first.a, first.b, second.a, second.b)
-    assert fact.order == 2 * stages - 2
-    assert fact.residual != 0
-
-
-def test_pair_of_two_methods_of_order_three_is_not_of_order_three() -> None:
-    first, second = entry("heun3"), entry("kutta3")
-    assert order(first).order == order(second).order == 3
-    fact = partitioned_order(first.a, first.b, second.a, second.b)
-    assert (fact.order, written(fact.failing_tree)) == (1, "[τ_q]_v")
-
-
-def test_two_euler_methods_as_a_pair_are_symplectic_euler_of_order_one() -> None:
-    explicit, implicit = entry("forward_euler"), entry("backward_euler")
-    assert partitioned_order(explicit.a, explicit.b, implicit.a, implicit.b).order == 1
-
-
 @pytest.mark.parametrize("key", ["rk4", "gill4", "radau_iia3", "dormand_prince54", "fehlberg78"])
 def test_order_with_nodes_is_the_order_where_nodes_are_row_sums(key: str) -> None:
     method = entry(key)
     assert method.inconsistencies() == {}
-    assert order_with_nodes(method).order == order(method).order
+    assert order_of(conditions_with_nodes(method)).order == order(method).order
 
 
 def test_order_with_nodes_notices_a_node_that_is_no_row_sum() -> None:
@@ -194,8 +174,8 @@ def test_order_with_nodes_notices_a_node_that_is_no_row_sum() -> None:
     for i in range(4):
         off = replace(method, c=tuple(x + Q(1, 10**30) * (i == j) for j, x in enumerate(method.c)))
         assert order(off).order == 4
-        fact = order_with_nodes(off)
-        assert (fact.order, written(fact.failing_tree)) == (1, "[τ_t]_y")
+        fact = order_of(conditions_with_nodes(off))
+        assert (fact.order, to_brackets(fact.failing_tree)) == (1, "[τ_t]_y")
         assert fact.residual == method.b[i] / 10**30
 
 

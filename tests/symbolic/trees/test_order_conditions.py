@@ -16,8 +16,12 @@ from hypothesis import given
 from driftproof import strategies
 from driftproof.methods.number_field import Algebraic, Exact, NumberField, square_root
 from driftproof.methods.schemes import RungeKutta
-from driftproof.symbolic.trees.order import (
+from driftproof.symbolic.derivation.convergence import local_error
+from driftproof.symbolic.derivation.one_step import one_step_matrix
+from driftproof.symbolic.trees.elementary_weights import TableauStages
+from driftproof.symbolic.trees.order_conditions import (
     RungeKuttaConditions,
+    Simplifying,
     elementary_weight,
     embedded_order,
     failing_condition,
@@ -27,11 +31,11 @@ from driftproof.symbolic.trees.order import (
     principal_error,
     residuals,
     runge_kutta_conditions,
+    simplifying_assumptions,
 )
-from driftproof.symbolic.trees.rooted import Tree, bush, density, rooted_trees, symmetry, tall, vertices
-from driftproof.symbolic.trees.simplifying import Simplifying, simplifying_assumptions
-from driftproof.symbolic.trees.weights import TableauStages
+from driftproof.symbolic.trees.rooted_trees import Tree, bush, density, rooted_trees, vertices
 from tests.methods.tables.entries import entry
+from tests.witnesses.trees import symmetry
 
 RK4 = entry("rk4")
 
@@ -142,14 +146,6 @@ def test_failing_condition_names_the_tree_and_the_residual() -> None:
     assert failing_condition(euler, 1) is None
     assert failing_condition(euler, 2) == (((),), Q(1, 2))
     assert {elementary_weight(euler, tree) for n in range(1, 7) for tree in rooted_trees(n)} == {1}
-
-
-def test_linear_order_is_not_the_order() -> None:
-    """R(z) = 1 + z + z²/2 + z³/6 and b·c² = 1/4, not 1/3: the tall trees alone hold to order 3."""
-    rows = ((Q(0), Q(0), Q(0)), (Q(1, 3), Q(0), Q(0)), (Q(0), Q(1, 2), Q(0)))
-    method = RungeKutta("x", "X", 2, "test", rows, (Q(0), Q(0), Q(1)), (Q(0), Q(1, 3), Q(1, 2)))
-    assert [elementary_weight(method, tall(n)) * density(tall(n)) for n in range(1, 4)] == [1, 1, 1]
-    assert (order(method).order, order(method).failing_tree, order(method).residual) == (2, bush(3), Q(-1, 12))
 
 
 @pytest.mark.parametrize(
@@ -314,3 +310,52 @@ def test_conditions_of_a_family_are_polynomials_in_its_parameter() -> None:
     decisive = fmpq_poly([fmpq(1, 6), -1, 1])
     assert all(x % decisive == 0 and x != 0 for x in found[2])
     assert (order_of(conditions).order, order(entry("crouzeix3")).order) == (2, 3)
+
+
+def printed_tableau(a: Any, b: Any, claimed: int) -> RungeKutta:
+    return RungeKutta("printed", "Printed", claimed, "test", a, b, tuple(sum(map(Q, row)) for row in a))
+
+
+PRINTED = {
+    "explicit midpoint": printed_tableau(((0, 0), (Q(1, 2), 0)), (0, 1), 2),
+    "implicit midpoint": printed_tableau(((Q(1, 2),),), (1,), 2),
+    "backward Euler": printed_tableau(((1,),), (1,), 1),
+    "trapezoidal rule": printed_tableau(((0, 0), (Q(1, 2), Q(1, 2))), (Q(1, 2), Q(1, 2)), 2),
+    "Kutta's third order": printed_tableau(((0, 0, 0), (Q(1, 2), 0, 0), (-1, 2, 0)), (Q(1, 6), Q(2, 3), Q(1, 6)), 3),
+    "Radau IIA": printed_tableau(((Q(5, 12), Q(-1, 12)), (Q(3, 4), Q(1, 4))), (Q(3, 4), Q(1, 4)), 3),
+    "Lobatto IIIA": printed_tableau(
+        ((0, 0, 0), (Q(5, 24), Q(1, 3), Q(-1, 24)), (Q(1, 6), Q(2, 3), Q(1, 6))), (Q(1, 6), Q(2, 3), Q(1, 6)), 4
+    ),
+    "Butcher's fifth order": printed_tableau(
+        (
+            (0, 0, 0, 0, 0, 0),
+            (Q(1, 4), 0, 0, 0, 0, 0),
+            (Q(1, 8), Q(1, 8), 0, 0, 0, 0),
+            (0, Q(-1, 2), 1, 0, 0, 0),
+            (Q(3, 16), 0, 0, Q(9, 16), 0, 0),
+            (Q(-3, 7), Q(2, 7), Q(12, 7), Q(-12, 7), Q(8, 7), 0),
+        ),
+        (Q(7, 90), 0, Q(32, 90), Q(12, 90), Q(32, 90), Q(7, 90)),
+        5,
+    ),
+    "nothing at all": printed_tableau(((0,),), (0,), 0),
+}
+
+
+@pytest.mark.parametrize("name", PRINTED)
+def test_order_of_a_printed_tableau_is_the_printed_one(name: str) -> None:
+    method = PRINTED[name]
+    assert order(method).order == method.claimed_order
+    assert failing_condition(method, method.claimed_order + 1) is not None
+
+
+def test_order_on_the_oscillator_can_exceed_the_order_and_is_not_mistaken_for_it() -> None:
+    """R(z) = 1 + z + z²/2 + z³/6, but b·c² = 1/4, not 1/3: third order on linear problems only."""
+    halves = printed_tableau(((0, 0, 0), (Q(1, 3), 0, 0), (0, Q(1, 2), 0)), (0, 0, 1), 2)
+    assert (order(halves).order, local_error(one_step_matrix(halves)).linear_order) == (2, 3)
+    assert failing_condition(halves, 3) == (((), ()), Q(1, 4) - Q(1, 3))
+
+
+@given(strategies.runge_kutta_methods())
+def test_order_never_exceeds_the_order_on_the_oscillator(method: RungeKutta) -> None:
+    assert 1 <= order(method).order <= local_error(one_step_matrix(method)).linear_order

@@ -11,17 +11,22 @@ from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
 from flint import arb, ctx, fmpq
 
 from driftproof.symbolic.algebra.certified import endpoints
-from driftproof.symbolic.trees.alternating import OTHER, AlternatingConditions, NystromStages, Q, V
-from driftproof.symbolic.trees.bicoloured import conditions_with_nodes
-from driftproof.symbolic.trees.order import Conditions, RungeKuttaConditions
-from driftproof.symbolic.trees.rooted import AnyTree
-from driftproof.symbolic.trees.scalars import Number
-from driftproof.symbolic.trees.weights import Stages, TableauStages
+from driftproof.symbolic.trees.elementary_weights import RingElement, StageValues, TableauStages
+from driftproof.symbolic.trees.order_conditions import Conditions, RungeKuttaConditions
+from driftproof.symbolic.trees.partitioned_trees import (
+    OTHER_COLOUR,
+    AlternatingConditions,
+    NystromStages,
+    Q,
+    V,
+    conditions_with_nodes,
+)
+from driftproof.symbolic.trees.rooted_trees import AnyTree
 
 TreeType = TypeVar("TreeType", bound=AnyTree)
 
 # Doubles and sums of a few products of them are far from using up so many bits.
-BITS = 256
+BALL_BITS = 256
 
 
 class Ball(NamedTuple):
@@ -33,20 +38,20 @@ class Ball(NamedTuple):
 
 # A `Ball`, or 0 for a coefficient that is known not to be there. The trees' tables are typed for exact numbers.
 Uncertain: TypeAlias = Any
-Row: TypeAlias = tuple[Uncertain, ...]
+_Row: TypeAlias = tuple[Uncertain, ...]
 
 
 @dataclass(frozen=True)
 class Balls:
     """The numbers of Arb: every one of them encloses what it stands for."""
 
-    def lift(self, x: Uncertain) -> Number:
+    def lift(self, x: Uncertain) -> RingElement:
         """A ball around every number that `x` may be."""
         if isinstance(x, Ball):
             return self.lift(x.center) + arb(0, 1) * self.lift(x.radius)
         return arb(fmpq(x.numerator, x.denominator))
 
-    def exact(self, x: Number) -> Fraction:
+    def exact(self, x: RingElement) -> Fraction:
         """Raises TypeError: a ball is no exact number."""
         raise TypeError(f"{x} is a ball, which stands for no exact number")
 
@@ -66,18 +71,18 @@ class ProvableFailure(Generic[TreeType]):
 class BallTableau(NamedTuple):
     """A, b and c of a Runge-Kutta method, as far as they are known."""
 
-    a: tuple[Row, ...]
-    b: Row
-    c: Row
+    a: tuple[_Row, ...]
+    b: _Row
+    c: _Row
 
 
 class BallNystrom(NamedTuple):
     """c, A and both rows of weights of a Nyström method, as far as they are known, and its drift, which should be 1."""
 
-    c: Row
-    a: tuple[Row, ...]
-    b_position: Row
-    b_velocity: Row
+    c: _Row
+    a: tuple[_Row, ...]
+    b_position: _Row
+    b_velocity: _Row
     drift: Uncertain
 
 
@@ -86,7 +91,7 @@ def ball_order(method: BallTableau | BallNystrom, limit: int, *, timed: bool = F
 
     On every y' = f(y), or on every y' = f(t, y) with the c given if `timed`; of a Nyström method, on every q'' = F(q).
     """
-    with ctx.workprec(BITS):
+    with ctx.workprec(BALL_BITS):
         if isinstance(method, BallNystrom):
             return _first_failure(AlternatingConditions(_Drifting(method), linear_drift=True), limit)
         if timed:
@@ -96,7 +101,7 @@ def ball_order(method: BallTableau | BallNystrom, limit: int, *, timed: bool = F
 
 def linear_ball_order(method: BallTableau | BallNystrom, limit: int) -> int:
     """The same on linear problems, y' = My or q'' = Mq: there, only the trees without a fork matter."""
-    with ctx.workprec(BITS):
+    with ctx.workprec(BALL_BITS):
         chains = _nystrom_chains(method) if isinstance(method, BallNystrom) else [_chain(method)]
         return min(_first_wrong(chain, limit) for chain in chains)
 
@@ -109,14 +114,14 @@ def _first_failure(conditions: Conditions[TreeType], limit: int) -> ProvableFail
     return ProvableFailure(limit, None, None)
 
 
-def _first_wrong(weights: Iterator[Number], limit: int) -> int:
+def _first_wrong(weights: Iterator[RingElement], limit: int) -> int:
     for n, weight in zip(range(1, limit + 1), weights, strict=False):
         if not (weight - fmpq(1, factorial(n))).contains(0):
             return n - 1
     return limit
 
 
-def _chain(method: BallTableau) -> Iterator[Number]:
+def _chain(method: BallTableau) -> Iterator[RingElement]:
     """b Aⁿ⁻¹ 1 for n = 1, 2, ..."""
     stages = TableauStages(method.a, method.b, Balls())
     values = stages.one
@@ -125,17 +130,17 @@ def _chain(method: BallTableau) -> Iterator[Number]:
         values = stages.inner(values)
 
 
-def _nystrom_chains(method: BallNystrom) -> list[Iterator[Number]]:
+def _nystrom_chains(method: BallNystrom) -> list[Iterator[RingElement]]:
     return [_nystrom_chain(_Drifting(method), leaf) for leaf in (V, Q)]
 
 
-def _nystrom_chain(stages: NystromStages, colour: str) -> Iterator[Number]:
+def _nystrom_chain(stages: NystromStages, colour: str) -> Iterator[RingElement]:
     """Φ of the trees without a fork, with a leaf of this colour."""
     values = stages.ones(colour)
     while True:
         values, weight = stages.integrals(colour, values)
         yield weight
-        colour = OTHER[colour]
+        colour = OTHER_COLOUR[colour]
 
 
 class _Drifting(NystromStages):
@@ -145,7 +150,7 @@ class _Drifting(NystromStages):
         super().__init__(method, Balls())
         self._drift = Balls().lift(method.drift)
 
-    def integrals(self, colour: str, u: Stages) -> tuple[Stages, Number]:
+    def integrals(self, colour: str, u: StageValues) -> tuple[StageValues, RingElement]:
         """As of any Nyström method, but for the integral of v itself."""
         values, weight = super().integrals(colour, u)
         return values, self._drift if colour == Q and u is None else weight

@@ -1,4 +1,4 @@
-"""Orders by trees whose two colours alternate: splittings on separable problems, and Nyström methods."""
+"""Orders by trees of two colours: separable problems, Nyström methods, and problems that depend on the time."""
 
 from __future__ import annotations
 
@@ -10,15 +10,28 @@ from flint import fmpq
 
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Splitting
-from driftproof.symbolic.trees.order import Label, OrderFact, order_of
-from driftproof.symbolic.trees.rooted import ColouredTree, alternating, shapes
-from driftproof.symbolic.trees.scalars import Number, Scalars, scalars_for
-from driftproof.symbolic.trees.table import tree_table
-from driftproof.symbolic.trees.weights import Stages, TableauStages
+from driftproof.symbolic.trees.elementary_weights import (
+    ElementaryWeights,
+    HasTableau,
+    RingElement,
+    Scalars,
+    StageAlgebra,
+    StageValues,
+    TableauStages,
+    scalars_for,
+)
+from driftproof.symbolic.trees.order_conditions import OrderFact, TreeLabel, order_of
+from driftproof.symbolic.trees.rooted_trees import (
+    ColouredTree,
+    alternately_coloured,
+    coloured_shapes,
+    shapes,
+    tree_table,
+)
 
 # A vertex of colour q stands for f in q' = f(v) or a derivative of f, one of colour v for g in v' = g(q).
 Q, V = "q", "v"
-OTHER = {Q: V, V: Q}
+OTHER_COLOUR = {Q: V, V: Q}
 
 
 class NystromTableau(Protocol):
@@ -47,10 +60,10 @@ class AlternatingStages(Protocol):
     scalars: Scalars
     bound: int  # an order that no method with so many stages exceeds
 
-    def ones(self, colour: str) -> Stages:
+    def ones(self, colour: str) -> StageValues:
         """The empty product at the stages at which vertices of this colour are evaluated."""
 
-    def integrals(self, colour: str, u: Stages) -> tuple[Stages, Number]:
+    def integrals(self, colour: str, u: StageValues) -> tuple[StageValues, RingElement]:
         """Of `u`, given at the stages of `colour`: the integrals up to the stages of the other, and over the step."""
 
 
@@ -67,11 +80,11 @@ class SplittingStages:
         self.bound = max(2 * sum(kind == "kick" for kind, _ in method.parts), 1)
         self._parts = [(V if kind == "kick" else Q, self.scalars.lift(c)) for kind, c in method.parts]
 
-    def ones(self, colour: str) -> Stages:
+    def ones(self, colour: str) -> StageValues:
         """One for every sub-step of the colour."""
         return [self.scalars.lift(1) for part, _ in self._parts if part == colour]
 
-    def integrals(self, colour: str, u: Stages) -> tuple[Stages, Number]:
+    def integrals(self, colour: str, u: StageValues) -> tuple[StageValues, RingElement]:
         """The running sum of c u over the sub-steps of the colour, as it stands at each of the others and last."""
         total, at_others, values = self.scalars.lift(0), [], iter(u)
         for part, c in self._parts:
@@ -98,11 +111,11 @@ class NystromStages:
         self._position = TableauStages(method.a, method.b_position, self.scalars)
         self._nodes = [self.scalars.lift(x) for x in method.c]
 
-    def ones(self, colour: str) -> Stages:
+    def ones(self, colour: str) -> StageValues:
         """One for every stage; None for a q-vertex."""
         return [self.scalars.lift(1)] * len(self._nodes) if colour == V else None
 
-    def integrals(self, colour: str, u: Stages) -> tuple[Stages, Number]:
+    def integrals(self, colour: str, u: StageValues) -> tuple[StageValues, RingElement]:
         """Of a v-vertex: u, for a q-vertex to integrate twice, and b_velocity · u. Of a q-vertex: the position."""
         if colour == V:
             return u, self._velocity.weigh(u)
@@ -123,27 +136,27 @@ class AlternatingConditions:
         self.scalars, self.bound = stages.scalars, stages.bound
         self._stages = stages
         self._numbers = _nystrom_numbers if linear_drift else _all_numbers
-        self._products: dict[tuple[int, str], Stages] = {}
-        self._integrals: dict[tuple[int, str], Stages] = {}
-        self._found: list[list[tuple[Label, Number]]] = []
+        self._products: dict[tuple[int, str], StageValues] = {}
+        self._integrals: dict[tuple[int, str], StageValues] = {}
+        self._found: list[list[tuple[TreeLabel, RingElement]]] = []
 
-    def residuals(self, vertices: int) -> Sequence[tuple[Label, Number]]:
+    def residuals(self, vertices: int) -> Sequence[tuple[TreeLabel, RingElement]]:
         """The label of each tree with so many vertices, and its Φ - 1/γ; roots of colour v first."""
         for n in range(len(self._found) + 1, vertices + 1):
             self._found.append(list(self._extended(n)))
         return self._found[vertices - 1]
 
-    def tree(self, vertices: int, label: Label) -> ColouredTree:
+    def tree(self, vertices: int, label: TreeLabel) -> ColouredTree:
         """The tree with its colours."""
         number, colour = label
-        return alternating(shapes(vertices)[number], colour, OTHER[colour])
+        return alternately_coloured(shapes(vertices)[number], colour, OTHER_COLOUR[colour])
 
-    def symmetry(self, vertices: int, label: Label) -> int:
+    def symmetry(self, vertices: int, label: TreeLabel) -> int:
         """σ, which is that of the uncoloured tree, as the root's colour settles all others."""
         number: int = label[0]
         return tree_table(vertices).symmetry[number]
 
-    def _extended(self, vertices: int) -> Iterator[tuple[Label, Number]]:
+    def _extended(self, vertices: int) -> Iterator[tuple[TreeLabel, RingElement]]:
         table = tree_table(vertices)
         for colour in (V, Q):
             for t in self._numbers(vertices, colour):
@@ -152,10 +165,10 @@ class AlternatingConditions:
                 self._integrals[t, colour], weight = self._stages.integrals(colour, product)
                 yield (t, colour), weight - fmpq(1, table.density[t])
 
-    def _product(self, colour: str, rest: int, branch: int) -> Stages:
+    def _product(self, colour: str, rest: int, branch: int) -> StageValues:
         if branch < 0:
             return self._stages.ones(colour)
-        integrals = self._integrals[branch, OTHER[colour]]
+        integrals = self._integrals[branch, OTHER_COLOUR[colour]]
         if rest == 0:
             return integrals
         return [x * y for x, y in zip(self._products[rest, colour], integrals, strict=True)]
@@ -209,3 +222,58 @@ def _nystrom_columns(order: int) -> dict[str, list[bool]]:
         permitted[Q].append(rest == 0 and from_v)
         permitted[V].append(permitted[V][rest] and from_q)
     return permitted
+
+
+class ColouredConditions(ElementaryWeights):
+    """The conditions for the trees with vertices of two colours, of which the first `internal` may carry branches."""
+
+    def __init__(self, names: tuple[str, str], *algebras: StageAlgebra, internal: int, scalars: Scalars) -> None:
+        """One stage algebra for each colour; `scalars` holds the coefficients of both."""
+        super().__init__(*algebras, internal=internal)
+        self.scalars, self.bound = scalars, max(algebra.bound for algebra in algebras)
+        self._names = names
+
+    def tree(self, vertices: int, label: TreeLabel) -> ColouredTree:
+        """The tree with this number."""
+        return coloured_shapes(vertices, self._names, self.internal)[label]
+
+    def symmetry(self, vertices: int, label: TreeLabel) -> int:
+        """σ of the tree with this number: only automorphisms that keep the colours count."""
+        return self.table(vertices).symmetry[label]
+
+
+def conditions_with_nodes(method: HasTableau, scalars: Scalars | None = None) -> ColouredConditions:
+    """The conditions on every y' = f(t, y), where f is called at the times t + cᵢh that the method states.
+
+    They are those of A and b if c is A's row sums (hairer-norsett-wanner-1993, II.1); a table that states
+    another c may fail earlier. Trees have a second kind of leaf, coloured t, for derivatives in t. With `scalars`, the
+    coefficients are whatever these lift.
+    """
+    scalars = scalars or scalars_for([*method.b, *method.c, *(x for row in method.a for x in row)])
+    stages = TableauStages(method.a, method.b, scalars)
+    return ColouredConditions(("y", "t"), stages, _Clock(method.c, scalars), internal=1, scalars=scalars)
+
+
+class _Clock:
+    """The stages of t' = 1: at stage i the time is t + cᵢh, and after the step t + h."""
+
+    def __init__(self, c: Sequence[Exact], scalars: Scalars) -> None:
+        """Only leaves have this colour, so that there is nothing else to integrate."""
+        self.scalars = scalars
+        self.bound = 2 * len(c)
+        self.one: StageValues = None
+        self._nodes = [scalars.lift(x) for x in c]
+
+    def times(self, u: StageValues, v: StageValues) -> StageValues:
+        """Never called: a leaf has no branches."""
+        raise NotImplementedError("a vertex that stands for the time has no branches")
+
+    def inner(self, u: StageValues) -> StageValues:
+        """c, the times of the stages."""
+        del u
+        return self._nodes
+
+    def weigh(self, u: StageValues) -> RingElement:
+        """The length of the step."""
+        del u
+        return self.scalars.lift(1)

@@ -1,23 +1,86 @@
-"""Elementary weights of a method, tree by tree: each tree's stages are made once, from those of two smaller trees."""
+"""Elementary weights of a method in exact numbers: the stages of each tree are made once, from two smaller trees."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
 from operator import mul
 from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 from flint import fmpq, fmpq_poly
 
-from driftproof.methods.number_field import Exact
-from driftproof.symbolic.trees.scalars import Number, Rationals, Scalars, scalars_for
-from driftproof.symbolic.trees.table import TreeTable, tree_table
+from driftproof.methods.number_field import Algebraic, Exact, NumberField
+from driftproof.symbolic.trees.rooted_trees import TreeTable, tree_table
+
+# A number of some `Scalars`: it has +, -, * among its kind and with fmpq. FLINT's numbers have no static types.
+RingElement: TypeAlias = Any
+
+
+class Scalars(Protocol):
+    """A ring that holds the rationals, with exact ways in and out."""
+
+    def lift(self, x: Exact | int) -> RingElement:
+        """The number `x` as an element of the ring. Raises TypeError for anything that is not exact."""
+
+    def exact(self, x: RingElement) -> Exact:
+        """The element `x` as a coefficient is written: a Fraction, or an Algebraic."""
+
+
+@dataclass(frozen=True)
+class Rationals:
+    """Q, its elements FLINT's fmpq."""
+
+    def lift(self, x: Exact | int) -> RingElement:
+        """The rational as an fmpq. Raises TypeError for a float, or for an irrational number."""
+        if isinstance(x, bool) or not isinstance(x, int | Fraction):
+            raise TypeError(f"{x!r} ({type(x).__name__}) is no rational; exact arithmetic takes int or Fraction")
+        return fmpq(x.numerator, x.denominator)
+
+    def exact(self, x: RingElement) -> Exact:
+        """The fmpq, or an integer, as a Fraction."""
+        return _fraction(x)
+
+
+@dataclass(frozen=True)
+class FieldScalars:
+    """A number field, its elements Algebraic."""
+
+    field: NumberField
+
+    def lift(self, x: Exact | int) -> RingElement:
+        """The number as an element of the field. Raises TypeError for a float, or an element of another field."""
+        if not isinstance(x, Algebraic):
+            return Algebraic(self.field, [Rationals().lift(x)])
+        if x.field != self.field:
+            raise TypeError(f"coefficients in {self.field.name} and in {x.field.name}: give all of them in one field")
+        return x
+
+    def exact(self, x: RingElement) -> Exact:
+        """The number as an Algebraic; as a Fraction where it is rational."""
+        if not isinstance(x, Algebraic):
+            return _fraction(x)
+        return x.as_fraction() if x.is_rational else x
+
+
+def scalars_for(coefficients: Iterable[Exact | int]) -> Scalars:
+    """Q if all coefficients are rational, else the one field in which the others lie. Raises TypeError for two."""
+    fields = {x.field: None for x in coefficients if isinstance(x, Algebraic)}
+    if len(fields) > 1:
+        raise TypeError(f"coefficients in {' and in '.join(field.name for field in fields)}: give all in one field")
+    return FieldScalars(next(iter(fields))) if fields else Rationals()
+
+
+def _fraction(x: RingElement) -> Fraction:
+    return Fraction(int(x.numerator), int(x.denominator))
+
 
 # The values of something at all stages of a method. Its type is the stage algebra's own.
-Stages: TypeAlias = Any
+StageValues: TypeAlias = Any
 
 
 @runtime_checkable
-class Tableau(Protocol):
+class HasTableau(Protocol):
     """Whatever holds a Runge-Kutta method's A, b and c, exact: `driftproof.methods.schemes.RungeKutta` does."""
 
     @property
@@ -42,7 +105,7 @@ class NodePolynomial(Protocol):
         """The coefficients, constant term first."""
 
 
-AnyMethod: TypeAlias = Tableau | NodePolynomial
+AnyMethod: TypeAlias = HasTableau | NodePolynomial
 
 
 class StageAlgebra(Protocol):
@@ -50,15 +113,15 @@ class StageAlgebra(Protocol):
 
     scalars: Scalars
     bound: int  # no method with so many stages has a higher order
-    one: Stages
+    one: StageValues
 
-    def times(self, u: Stages, v: Stages) -> Stages:
+    def times(self, u: StageValues, v: StageValues) -> StageValues:
         """The product of u and v, stage by stage."""
 
-    def inner(self, u: Stages) -> Stages:
+    def inner(self, u: StageValues) -> StageValues:
         """A u: the integral of u up to each stage, as the method approximates it."""
 
-    def weigh(self, u: Stages) -> Number:
+    def weigh(self, u: StageValues) -> RingElement:
         """b · u: the integral of u over the step, as the method approximates it."""
 
 
@@ -81,19 +144,19 @@ class TableauStages:
         # If explicit, Aˢ = 0 and the tall tree of order s + 1 fails; else, a quadrature formula has order 2s at most.
         self.bound = len(b) if explicit else 2 * len(b)
 
-    def times(self, u: Stages, v: Stages) -> Stages:
+    def times(self, u: StageValues, v: StageValues) -> StageValues:
         """The products uᵢ vᵢ."""
         return list(map(mul, u, v))
 
-    def inner(self, u: Stages) -> Stages:
+    def inner(self, u: StageValues) -> StageValues:
         """The sums Σⱼ aᵢⱼ uⱼ."""
         return [self._dot(row, u) for row in self._rows]
 
-    def weigh(self, u: Stages) -> Number:
+    def weigh(self, u: StageValues) -> RingElement:
         """The sum Σ bᵢ uᵢ."""
         return self._dot(self._weights, u)
 
-    def _dot(self, row: list[tuple[int, Number]], u: Stages) -> Number:
+    def _dot(self, row: list[tuple[int, RingElement]], u: StageValues) -> RingElement:
         total = self._zero
         for j, x in row:
             total += x * u[j]
@@ -117,15 +180,15 @@ class NodeStages:
         self.one = fmpq_poly([1]) % self.modulus
         self.bound = 2 * int(self.modulus.degree())
 
-    def times(self, u: Stages, v: Stages) -> Stages:
+    def times(self, u: StageValues, v: StageValues) -> StageValues:
         """The product modulo M."""
         return u * v % self.modulus
 
-    def inner(self, u: Stages) -> Stages:
+    def inner(self, u: StageValues) -> StageValues:
         """∫₀ˣ u modulo M."""
         return u.integral() % self.modulus
 
-    def weigh(self, u: Stages) -> Number:
+    def weigh(self, u: StageValues) -> RingElement:
         """∫₀¹ u."""
         return u.integral()(fmpq(1))
 
@@ -156,17 +219,17 @@ class ElementaryWeights:
         """Nothing is computed until an order is asked for."""
         self.colours = colours
         self.internal = internal
-        self._products: list[Stages] = [colour.one for colour in colours]  # of each tree, over its branches
-        self._inner: list[Stages] = []  # A times that
+        self._products: list[StageValues] = [colour.one for colour in colours]  # of each tree, over its branches
+        self._inner: list[StageValues] = []  # A times that
 
-    def of_order(self, vertices: int) -> list[Number]:
+    def of_order(self, vertices: int) -> list[RingElement]:
         """Φ of the trees with so many vertices, in the order of the table."""
         table = self.table(vertices)
         for n in range(1, vertices + 1):
             self._extend(table, n)
         return [self.colours[table.kind[t]].weigh(self._products[t]) for t in table.ids(vertices)]
 
-    def residuals(self, vertices: int) -> list[tuple[int, Number]]:
+    def residuals(self, vertices: int) -> list[tuple[int, RingElement]]:
         """The number of each tree with so many vertices, and its Φ - 1/γ."""
         table = self.table(vertices)
         weights = zip(table.ids(vertices), self.of_order(vertices), strict=True)

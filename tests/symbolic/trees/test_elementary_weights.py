@@ -1,4 +1,4 @@
-"""Collocation from its nodes' polynomial, against the same methods as tableaux, rooted trees, and Padé's table."""
+"""Elementary weights of collocation from its nodes, against the same methods as tableaux, trees, and Padé's table."""
 
 from __future__ import annotations
 
@@ -15,14 +15,20 @@ from driftproof.symbolic.algebra.polynomials import exact
 from driftproof.symbolic.algebra.rational_functions import taylor
 from driftproof.symbolic.linear.reduced_tableau import is_symmetric, is_symplectic
 from driftproof.symbolic.linear.stability_function import stability_function_of_collocation
-from driftproof.symbolic.trees.collocation import collocation_order
-from driftproof.symbolic.trees.order import elementary_weight, order, order_of, residuals, runge_kutta_conditions
-from driftproof.symbolic.trees.quadratic import algebraic_stability, quadratic_matrix
-from driftproof.symbolic.trees.rooted import bush, tall
-from driftproof.symbolic.trees.semidefinite import Matrix
-from driftproof.symbolic.trees.simplifying import simplifying_assumptions
+from driftproof.symbolic.trees.algebraic_stability import algebraic_stability, quadratic_matrix
+from driftproof.symbolic.trees.order_conditions import (
+    collocation_order,
+    elementary_weight,
+    order,
+    order_of,
+    residuals,
+    runge_kutta_conditions,
+    simplifying_assumptions,
+)
+from driftproof.symbolic.trees.rooted_trees import bush
 from tests.methods.tables.entries import entry
 from tests.symbolic.linear.linear_examples import pade
+from tests.witnesses.trees import tall
 
 
 @dataclass(frozen=True)
@@ -95,7 +101,7 @@ def test_nodes_polynomial_and_tableau_are_one_method(key: str, nodes: Nodes) -> 
     assert algebraic_stability(nodes).holds == algebraic_stability(tableau).holds
 
 
-def in_powers(matrix: Matrix, nodes: tuple[Exact, ...]) -> Matrix:
+def in_powers(matrix: tuple[tuple[Exact, ...], ...], nodes: tuple[Exact, ...]) -> tuple[tuple[Exact, ...], ...]:
     """Vᵀ M V for the Vandermonde matrix V of the nodes."""
     s = range(len(nodes))
     return tuple(

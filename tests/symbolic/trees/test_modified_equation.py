@@ -1,7 +1,8 @@
-"""The modified equation, against formal power series, the substitution law, logarithms, and coefficients in print."""
+"""The modified equation, against formal power series, logarithms, and coefficients in print."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction as Q
 from math import prod
 
@@ -9,22 +10,14 @@ import pytest
 
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import RungeKutta
-from driftproof.symbolic.trees.modified import flow, modified_equation
-from driftproof.symbolic.trees.order import order
-from driftproof.symbolic.trees.rooted import Tree, density, read, symmetry, tall, vertices
-from driftproof.symbolic.trees.series import (
-    BSeries,
-    compose,
-    exact_series,
-    hamiltonian_to_order,
-    method_series,
-    substitute,
-    symmetric_to_order,
-    symplectic_to_order,
-)
+from driftproof.symbolic.trees.modified_equation import BSeries, method_series, modified_equation
+from driftproof.symbolic.trees.order_conditions import order
+from driftproof.symbolic.trees.rooted_trees import Tree, density, tree_table, vertices
 from tests.methods.tables.entries import entry
-from tests.symbolic.trees.test_trees_collocation import gauss, lobatto_iiia, radau_iia
-from tests.symbolic.trees.test_trees_series import EULER, RK4, tableau
+from tests.symbolic.trees.test_elementary_weights import gauss, radau_iia
+from tests.witnesses.trees import symmetry, tall
+
+RK4 = entry("rk4")
 
 # --- the sum of a B-series on y' = y² from y(0) = 1, where F(t) is a number -------------------------------------------
 
@@ -78,7 +71,6 @@ def step_on_y_squared(method: RungeKutta, length: int) -> Power:
 def test_sum_of_the_series_is_the_step_taken_on_power_series(key: str) -> None:
     method = entry(key)
     assert [Q(0), Q(1), *on_y_squared(method_series(method, 8))] == step_on_y_squared(method, 10)
-    assert on_y_squared(exact_series(8)) == [1] * 8
 
 
 @pytest.mark.parametrize("key", ["forward_euler", "rk4", "kutta3", "implicit_midpoint", "radau_iia2", "lobatto_iiia3"])
@@ -107,26 +99,20 @@ def test_modified_equation_on_y_squared_is_the_printed_one(key: str) -> None:
     assert on_y_squared(modified_equation(entry(key), len(expected))) == expected
 
 
-# hairer-lubich-wanner-2006, IX.1 and IX.9: f₂, f₃, ... as elementary differentials, so b(t) = σ(t) times these.
+# hairer-lubich-wanner-2006, IX.1 and IX.9: f₂ and f₃ by elementary differentials of τ, [τ], [τ,τ] and [[τ]]; b(t) is
+# σ(t) times these.
 FIELDS = {
-    "forward_euler": {"τ": 1, "[τ]": Q(-1, 2), "[τ,τ]": Q(1, 12) * 2, "[[τ]]": Q(1, 3)},
-    "implicit_midpoint": {"τ": 1, "[τ]": 0, "[τ,τ]": Q(-1, 24) * 2, "[[τ]]": Q(1, 12)},
+    "forward_euler": {(): 1, ((),): Q(-1, 2), ((), ()): Q(1, 12) * 2, (((),),): Q(1, 3)},
+    "implicit_midpoint": {(): 1, ((),): 0, ((), ()): Q(-1, 24) * 2, (((),),): Q(1, 12)},
 }
 
 
 @pytest.mark.parametrize("key", FIELDS)
 def test_modified_equation_has_the_printed_differentials(key: str) -> None:
     field = modified_equation(entry(key), 3)
-    assert {text: field.coefficient(read(text)) for text in FIELDS[key]} == FIELDS[key]
-
-
-@pytest.mark.parametrize("key", ["rk4", "implicit_midpoint", "radau_iia3", "gauss2", "gill4"])
-def test_modified_equation_substituted_in_the_exact_flow_is_the_method(key: str) -> None:
-    """The substitution law shares no line with the logarithm, whose inverse here it is."""
-    series = method_series(entry(key), 7)
-    field = modified_equation(entry(key), 7)
-    assert substitute(field, exact_series(7)) == series
-    assert flow(field) == series
+    assert {tree: field.coefficient(tree) for tree in FIELDS[key]} == FIELDS[key]
+    with pytest.raises(KeyError, match="4 vertices in a B-series of order 3"):
+        field.coefficient(tall(4))
 
 
 @pytest.mark.parametrize("key", ["rk4", "heun3", "radau_iia3", "lobatto_iiic3"])
@@ -140,58 +126,38 @@ def test_tall_trees_of_the_modified_equation_are_the_logarithm_of_r(key: str) ->
     assert log_slope[: order(method).order] == [1] + [0] * (order(method).order - 1)
 
 
-def test_substitution_law_respects_composition_and_itself() -> None:
-    a, c = method_series(RK4, 6), method_series(entry("backward_euler"), 6)
-    field, other = modified_equation(EULER, 6), modified_equation(entry("radau_iia2"), 6)
-    assert substitute(field, compose(a, c)) == compose(substitute(field, a), substitute(field, c))
-    assert substitute(substitute(field, other), a) == substitute(field, substitute(other, a))
-    assert substitute(field, a) != substitute(other, a)
-
-
-def test_substitution_of_a_multiple_of_f_scales_by_vertices() -> None:
-    unit = modified_equation(EULER, 6)
-    thrice = BSeries(6, unit.empty, (3 * unit.coefficients[0], *[0 * x for x in unit.coefficients[1:]]), unit.scalars)
-    series = method_series(RK4, 6)
-    for (tree, x), (_, y) in zip(series.items(), substitute(thrice, series).items(), strict=True):
-        assert y == 3 ** vertices(tree) * x
-
-
-def test_half_the_modified_field_twice_is_the_method() -> None:
-    field = modified_equation(RK4, 8)
-    half = BSeries(8, field.empty, tuple(x / 2 for x in field.coefficients), field.scalars)
-    assert compose(flow(half), flow(half)) == method_series(RK4, 8)
-
-
-@pytest.mark.parametrize(
-    "key", ["implicit_midpoint", "trapezoid", "gauss2", "gauss3", "lobatto_iiia3", "lobatto_iiib3"]
-)
+@pytest.mark.parametrize("key", ["implicit_midpoint", "trapezoid", "gauss2", "lobatto_iiia3", "lobatto_iiib3"])
 def test_modified_equation_of_a_symmetric_method_has_only_trees_of_odd_order(key: str) -> None:
-    method = entry(key)
-    assert symmetric_to_order(method_series(method, 7)) == 7
-    assert {vertices(tree) % 2 for tree, x in modified_equation(method, 7).items() if x} == {1}
+    assert {vertices(tree) % 2 for tree, x in modified_equation(entry(key), 7).items() if x} == {1}
 
 
 @pytest.mark.parametrize("key", ["rk4", "radau_iia3", "lobatto_iiic3", "forward_euler"])
 def test_modified_equation_of_another_method_has_trees_of_even_order(key: str) -> None:
-    """Up to its order p a method is symmetric like the exact flow, and with even p to p + 1 (II.3 Theorem 3.2)."""
     method = entry(key)
-    p = order(method).order
-    assert symmetric_to_order(method_series(method, p + 2)) == p + (p % 2 == 0)
-    assert any(x for tree, x in modified_equation(method, p + 2).items() if vertices(tree) % 2 == 0)
+    field = modified_equation(method, order(method).order + 2)
+    assert any(x for tree, x in field.items() if vertices(tree) % 2 == 0)
 
 
-@pytest.mark.parametrize("key", ["implicit_midpoint", "gauss2", "gauss3", "qin_zhang2"])
-def test_series_of_a_symplectic_method_is_symplectic_and_its_modified_field_hamiltonian(key: str) -> None:
-    method = entry(key)
-    assert symplectic_to_order(method_series(method, 8)) == 8
-    assert hamiltonian_to_order(modified_equation(method, 8)) == 8
+def hamiltonian_to_order(field: BSeries) -> int:
+    """The largest n up to the order with b(u∘v) + b(v∘u) = 0 wherever u and v have at most n vertices together.
+
+    For all n: the vector field is Hamiltonian whenever f is (hairer-lubich-wanner-2006, IX.9.2).
+    """
+    table, b = tree_table(field.order), field.coefficients
+    pairs = [(u, v) for u in range(len(b)) for v in range(u + 1) if table.size[u] + table.size[v] <= field.order]
+    failing = [table.size[u] + table.size[v] for u, v in pairs if b[table.join(u, v)] + b[table.join(v, u)] != 0]
+    return min(failing, default=field.order + 1) - 1
+
+
+@pytest.mark.parametrize("key", ["implicit_midpoint", "gauss2", "qin_zhang2"])
+def test_modified_field_of_a_symplectic_method_is_hamiltonian(key: str) -> None:
+    assert hamiltonian_to_order(modified_equation(entry(key), 7)) == 7
 
 
 @pytest.mark.parametrize("key", ["rk4", "trapezoid", "radau_iia3", "lobatto_iiia3", "forward_euler"])
-def test_series_of_another_method_is_symplectic_to_its_order_only(key: str) -> None:
+def test_modified_field_of_another_method_is_hamiltonian_to_its_order_only(key: str) -> None:
     method = entry(key)
-    p = order(method).order
-    assert symplectic_to_order(method_series(method, 8)) == hamiltonian_to_order(modified_equation(method, 8)) == p
+    assert hamiltonian_to_order(modified_equation(method, 7)) == order(method).order
 
 
 @pytest.mark.parametrize("stages", [2, 3, 4, 5])
@@ -202,7 +168,6 @@ def test_modified_equation_of_collocation_needs_no_radicals(stages: int) -> None
     assert first == (2 * stages + 1 if stages < 4 else None)
     assert hamiltonian_to_order(field) == 7
     assert hamiltonian_to_order(modified_equation(radau_iia(2), 7)) == 3
-    assert symmetric_to_order(method_series(lobatto_iiia(stages), 7)) == 7
 
 
 def test_modified_equation_in_a_field_is_that_without_radicals() -> None:
@@ -211,7 +176,7 @@ def test_modified_equation_in_a_field_is_that_without_radicals() -> None:
 
 @pytest.mark.parametrize("changed", range(4))
 def test_modified_equation_notices_a_weight_changed(changed: int) -> None:
-    off = tableau([list(row) for row in RK4.a], [x + Q(1, 10**30) * (i == changed) for i, x in enumerate(RK4.b)])
+    off = replace(RK4, b=tuple(x + Q(1, 10**30) * (i == changed) for i, x in enumerate(RK4.b)))
     assert modified_equation(off, 1).coefficient(()) == 1 + Q(1, 10**30)
 
 

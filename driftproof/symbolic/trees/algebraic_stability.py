@@ -1,0 +1,156 @@
+"""Algebraic stability: the weights and the matrix bᵢaᵢⱼ + bⱼaⱼᵢ - bᵢbⱼ, semidefinite or not, with a certificate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TypeAlias
+
+from flint import fmpq_poly
+
+from driftproof.methods.number_field import Exact
+from driftproof.symbolic.trees.elementary_weights import (
+    AnyMethod,
+    NodePolynomial,
+    NodeStages,
+    RingElement,
+    Scalars,
+    scalars_for,
+)
+
+_Vector: TypeAlias = tuple[Exact, ...]
+_Matrix: TypeAlias = tuple[_Vector, ...]
+
+
+@dataclass(frozen=True)
+class Semidefinite:
+    """x·Mx = Σ d (l·x)² + (a remainder), over `squares` of (d, l) with d > 0; without remainder if M is semidefinite.
+
+    Else `direction` is an x with x·Mx < 0. Either way, what is claimed is seen by multiplying out.
+    """
+
+    squares: tuple[tuple[Exact, _Vector], ...]
+    direction: _Vector | None
+
+    @property
+    def holds(self) -> bool:
+        """x·Mx >= 0 for all real x."""
+        return self.direction is None
+
+
+def semidefinite(matrix: _Matrix) -> Semidefinite:
+    """The decision by M = L D Lᵀ with positive pivots, while there are any. Raises ValueError if M is not symmetric.
+
+    What is left then has no positive diagonal: it is zero, or x·Mx takes a negative value.
+    """
+    if matrix != tuple(zip(*matrix, strict=True)):
+        raise ValueError("only a symmetric matrix has a sign; this one is not symmetric")
+    rest = [list(row) for row in matrix]
+    squares: list[tuple[int, Exact, _Vector]] = []
+    while (pivot := next((i for i, row in enumerate(rest) if row[i] > 0), None)) is not None:
+        size, line = rest[pivot][pivot], tuple(x / rest[pivot][pivot] for x in rest[pivot])
+        squares.append((pivot, size, line))
+        for i, row in enumerate(rest):
+            if line[i] == 0:
+                continue
+            rest[i] = [x - size * line[i] * line[j] for j, x in enumerate(row)]
+    direction = _negative_direction(rest)
+    if direction is not None:
+        # Off the pivots it stays; on them it is chosen, last first, so that all squares vanish.
+        for pivot, _, line in reversed(squares):
+            direction[pivot] = -_dot(line, direction) + direction[pivot]
+    certificate = tuple((d, line) for _, d, line in squares)
+    return Semidefinite(certificate, None if direction is None else tuple(direction))
+
+
+def _negative_direction(rest: Sequence[Sequence[Exact]]) -> list[Exact] | None:
+    """An x with x·Mx < 0 and no component on an empty row, for an M without positive diagonal; None if M = 0."""
+    found: list[Exact] = [Fraction(0)] * len(rest)
+    for i, row in enumerate(rest):
+        if row[i] != 0:
+            found[i] = Fraction(1)
+            return found
+    for i, row in enumerate(rest):
+        for j, x in enumerate(row):
+            if x != 0:
+                found[i], found[j] = Fraction(1), Fraction(-1 if x > 0 else 1)
+                return found
+    return None
+
+
+def _dot(u: Sequence[Exact], v: Sequence[Exact]) -> Exact:
+    total: Exact = Fraction(0)
+    for x, y in zip(u, v, strict=True):
+        total = total + x * y
+    return total
+
+
+@dataclass(frozen=True)
+class AlgebraicStability:
+    """Algebraically stable: all weights bᵢ >= 0, and the matrix bᵢaᵢⱼ + bⱼaⱼᵢ - bᵢbⱼ positive semidefinite.
+
+    For an irreducible method that is B-stability: steps do not push two solutions of a contractive problem apart
+    (hairer-wanner-1996, IV.12 Definition 12.5).
+    """
+
+    weights: Semidefinite
+    matrix: Semidefinite
+
+    @property
+    def holds(self) -> bool:
+        """Both conditions hold."""
+        return self.weights.holds and self.matrix.holds
+
+
+def quadratic_matrix(method: AnyMethod) -> _Matrix:
+    """M with entries mᵢⱼ = bᵢaᵢⱼ + bⱼaⱼᵢ - bᵢbⱼ, exact, over the stages (hairer-wanner-1996, IV.12 Definition 12.5).
+
+    For collocation given by its nodes' polynomial: Vᵀ M V, V the Vandermonde matrix of the nodes, which is rational.
+    """
+    if isinstance(method, NodePolynomial):
+        return _collocation_matrix(NodeStages(method.node_polynomial))
+    scalars = scalars_for([*method.b, *(x for row in method.a for x in row)])
+    weights = [scalars.lift(x) for x in method.b]
+    rows = [[scalars.lift(x) for x in row] for row in method.a]
+    return _symmetric(
+        lambda i, j: weights[i] * rows[i][j] + weights[j] * rows[j][i] - weights[i] * weights[j], len(weights), scalars
+    )
+
+
+def algebraic_stability(method: AnyMethod) -> AlgebraicStability:
+    """The decision, for the coefficients as they are given, with a certificate for each of the two conditions.
+
+    The weights' one is the diagonal matrix of the bᵢ; for a nodes' polynomial with real roots, Vᵀ diag(b) V.
+    """
+    if isinstance(method, NodePolynomial):
+        weights = _weight_matrix(NodeStages(method.node_polynomial))
+    else:
+        zero = Fraction(0)
+        weights = tuple(tuple(x if i == j else zero for j in range(len(method.b))) for i, x in enumerate(method.b))
+    return AlgebraicStability(semidefinite(weights), semidefinite(quadratic_matrix(method)))
+
+
+def _collocation_matrix(stages: NodeStages) -> _Matrix:
+    powers = _powers(stages)
+    integrals = [stages.inner(x) for x in powers]
+    totals = [stages.weigh(x) for x in powers]
+
+    def entry(i: int, j: int) -> RingElement:
+        one, other = (stages.weigh(stages.times(powers[k], integrals[m])) for k, m in ((i, j), (j, i)))
+        return one + other - totals[i] * totals[j]
+
+    return _symmetric(entry, len(powers), stages.scalars)
+
+
+def _weight_matrix(stages: NodeStages) -> _Matrix:
+    powers = _powers(stages)
+    return _symmetric(lambda i, j: stages.weigh(stages.times(powers[i], powers[j])), len(powers), stages.scalars)
+
+
+def _powers(stages: NodeStages) -> list[fmpq_poly]:
+    return [fmpq_poly([0] * k + [1]) for k in range(stages.modulus.degree())]
+
+
+def _symmetric(entry: Callable[[int, int], RingElement], size: int, scalars: Scalars) -> _Matrix:
+    return tuple(tuple(scalars.exact(entry(i, j)) for j in range(size)) for i in range(size))
