@@ -32,7 +32,7 @@ from driftproof.symbolic.linear.oscillator import determinant, is_matrix_symmetr
 from driftproof.symbolic.linear.reduced_tableau import is_symmetric, is_symplectic, reduced, stages_of
 from driftproof.symbolic.linear.stability_limits import INFINITY
 from driftproof.symbolic.trees.algebraic_stability import quadratic_matrix
-from driftproof.symbolic.trees.modified_equation import method_series, symmetric_to_order, symplectic_to_order
+from driftproof.symbolic.trees.modified_equation import method_series, modified_equation
 from driftproof.symbolic.trees.order_conditions import embedded_conditions, embedded_order, order_to_tolerance
 from driftproof.texts.writing.facts import facts_tex, facts_text
 from driftproof.texts.writing.records import record
@@ -44,6 +44,7 @@ from tests.changes import NOTICES, coefficients, compensated, first_weight, move
 from tests.claims import KNOWN_INCONSISTENT, NEARLY, ROUNDED_SUMS, by_trees, claimed, conditions
 from tests.methods.tables.entries import DECIMAL, by_key, of_type
 from tests.methods.tables.tables_orders import UNITS, hold, meets_claim, residuals_of_claim, tree_residuals
+from tests.witnesses.b_series import symmetric_to_order, symplectic_to_order
 from tests.witnesses.witness_limits import EPSILON, is_where_growth_begins, limits_with_growth
 from tests.witnesses.witness_steps import as_function, witness_matrix
 
@@ -192,7 +193,7 @@ def test_structure_by_coefficients_is_structure_by_trees(key: str) -> None:
     if method.claimed_order <= 8 and method.stages <= 14 and not method.decimal:
         series = method_series(method, method.claimed_order + 2)
         assert is_symplectic(method) == (symplectic_to_order(series) == series.order)
-        assert is_symmetric(method) == (symmetric_to_order(series) == series.order)
+        assert is_symmetric(method) == (symmetric_to_order(modified_equation(method, series.order)) == series.order)
 
 
 # --- witnesses of the order -------------------------------------------------------------------------------------------

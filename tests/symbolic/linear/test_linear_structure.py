@@ -28,7 +28,7 @@ from driftproof.symbolic.linear.reduced_tableau import (
 )
 from driftproof.symbolic.linear.stability_function import stability_function
 from driftproof.symbolic.trees.algebraic_stability import quadratic_matrix
-from driftproof.symbolic.trees.modified_equation import method_series, symplectic_to_order
+from driftproof.symbolic.trees.modified_equation import method_series
 from tests.changes import coefficients, moved
 from tests.methods.tables.entries import entry
 from tests.nine import NINE
@@ -47,6 +47,7 @@ from tests.symbolic.linear.linear_examples import (
     TRAPEZOID,
     runge_kutta,
 )
+from tests.witnesses.b_series import symplectic_to_order
 
 EXAMPLES = {
     "gauss2": (GAUSS_2, True, True),

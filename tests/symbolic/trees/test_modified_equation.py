@@ -12,9 +12,10 @@ from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.trees.modified_equation import BSeries, method_series, modified_equation
 from driftproof.symbolic.trees.order_conditions import order
-from driftproof.symbolic.trees.rooted_trees import Tree, density, tree_table, vertices
+from driftproof.symbolic.trees.rooted_trees import Tree, density, vertices
 from tests.methods.tables.entries import entry
 from tests.symbolic.trees.test_elementary_weights import gauss, radau_iia
+from tests.witnesses.b_series import hamiltonian_to_order
 from tests.witnesses.trees import symmetry, tall
 
 RK4 = entry("rk4")
@@ -136,17 +137,6 @@ def test_modified_equation_of_another_method_has_trees_of_even_order(key: str) -
     method = entry(key)
     field = modified_equation(method, order(method).order + 2)
     assert any(x for tree, x in field.items() if vertices(tree) % 2 == 0)
-
-
-def hamiltonian_to_order(field: BSeries) -> int:
-    """The largest n up to the order with b(u∘v) + b(v∘u) = 0 wherever u and v have at most n vertices together.
-
-    For all n: the vector field is Hamiltonian whenever f is (hairer-lubich-wanner-2006, IX.9.2).
-    """
-    table, b = tree_table(field.order), field.coefficients
-    pairs = [(u, v) for u in range(len(b)) for v in range(u + 1) if table.size[u] + table.size[v] <= field.order]
-    failing = [table.size[u] + table.size[v] for u, v in pairs if b[table.join(u, v)] + b[table.join(v, u)] != 0]
-    return min(failing, default=field.order + 1) - 1
 
 
 @pytest.mark.parametrize("key", ["implicit_midpoint", "gauss2", "qin_zhang2"])
