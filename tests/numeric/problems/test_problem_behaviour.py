@@ -7,7 +7,6 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from driftproof.symbolic.linear.stiff_error import stiff_error
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation, RungeKutta
@@ -21,6 +20,7 @@ from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.linear.oscillator import stability_function_of
 from driftproof.symbolic.linear.stability_function import prothero_robinson, tableau
 from tests.numeric.implicit_runs import implicit_run
+from tests.witnesses.stiff_error import stiff_error
 
 Tableau = RungeKutta | Collocation
 TABLEAUX = {key: m for key, m in METHODS.items() if isinstance(m, Tableau)}
