@@ -46,7 +46,7 @@ def _number(text: str) -> Exact:
 
 @cli.read_by
 def _system(text: str) -> Any:
-    from driftproof.methods.systems import parse_system
+    from driftproof.methods.expressions import parse_system
 
     return parse_system(text)
 

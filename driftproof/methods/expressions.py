@@ -1,38 +1,38 @@
-"""Exact numbers from users' text such as "1/4 - s3/6": a small recursive-descent parser, in which nothing is evaluated.
-
-sum     = product (("+" | "-") product)*
-product = factor (("*" | "/") factor)*
-factor  = "-" factor | "+" factor | power
-power   = atom ["**" ["-"] integer]
-atom    = integer | decimal | name | ("sqrt" | "cbrt") "(" integer ")" | "(" sum ")"
-"""
+"""Exact numbers, functions of a parameter and linear systems from users' text, such as "1/4 - s3/6" or "0 1; -1 0"."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, TypeAlias
 
+from driftproof.methods.expression_tree import (
+    CallNode,
+    ChainNode,
+    ExpressionError,
+    ExpressionNode,
+    ExpressionParser,
+    NameNode,
+    NegatedNode,
+    NumberNode,
+    PowerNode,
+    Token,
+)
 from driftproof.methods.number_field import Exact, cube_root, square_root
-from driftproof.methods.parameters import Function, function
-from driftproof.methods.rationals import parse_rational
 
-# A Fraction, an element of a number field, or a function of a parameter: whatever the names stand for.
-Value: TypeAlias = Any
-
-LONGEST_EXPRESSION = 2000
-DEEPEST_NESTING = 40
-LARGEST_POWER = 64
 # A power of a power of a power would ask for gigabytes; no published coefficient comes near.
 LARGEST_BITS = 20_000
 # Of a function of a parameter: numerator and denominator together.
 MOST_COEFFICIENTS = 100
-# Digits under a root.
-LONGEST_RADICAND = 40
+LARGEST_RADICAND = 10**40
 RADICALS = {"sqrt": square_root, "cbrt": cube_root}
+LARGEST_SYSTEM = 12
 
-_TOKEN = re.compile(r"\s*(\d[\d_]*(?:\.\d*)?(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?|[A-Za-z_]\w*|\*\*|[-+*/()])")
+# The rows of A in z' = Az.
+System: TypeAlias = tuple[tuple[Fraction, ...], ...]
+# A Fraction, an element of a number field, or a function of a parameter: whatever the names stand for.
+_Value: TypeAlias = Any
 
 
 def parse_exact(text: str, roots: Mapping[str, Exact], what: str) -> Exact:
@@ -41,173 +41,125 @@ def parse_exact(text: str, roots: Mapping[str, Exact], what: str) -> Exact:
     The line begins with `what`. All operations are exact: "0.1" is 1/10, and "(1 + s3)/2" an element of s3's field.
     """
     known = f"declared in [roots]: {', '.join(roots)}" if roots else "nothing is declared in [roots]"
-    value: Exact = _parsed(text, roots, what, f"is an unknown root; {known}")
+    value: Exact = evaluate_expression(text, roots, what, f"is an unknown root; {known}")
     return value
 
 
 def parse_number(text: str, what: str) -> Exact:
     """The number that `text` spells without names, e.g. "1 - sqrt(2)/2". Raises ValueError, in one line."""
-    value: Exact = _parsed(text, {}, what, "is a name; write numbers, sqrt(n) and cbrt(n)")
+    value: Exact = evaluate_expression(text, {}, what, "is a name; write numbers, sqrt(n) and cbrt(n)")
     return value
 
 
-def parse_function(text: str, parameter: str, what: str) -> Function:
-    """The rational function of the parameter that `text` spells, e.g. "1 - 1/(2*alpha)", its other numbers rational.
+def parse_system(text: str) -> System:
+    """The square matrix A that `text` spells, e.g. "0 1; -1 -1/10": rows by ";", entries by blanks or by ",".
 
-    Raises ValueError, in one line.
+    An entry is an expression in rational numbers, such as -1/10, 0.1 or, between commas also with blanks, 2*(3 + 1).
+    Raises ValueError in one line that names the place.
     """
-    value = _parsed(text, {parameter: function((0, 1))}, what, f"is an unknown name; the parameter is {parameter}")
-    if not isinstance(value, Function | Fraction):
-        raise ValueError(f"{what}: {_shown(text)} is irrational; beside a parameter, numbers are rational")
-    return value if isinstance(value, Function) else function((value,))
+    rows = [line.split(",") if "," in line else line.split() for line in text.strip().removesuffix(";").split(";")]
+    if len(rows) > LARGEST_SYSTEM:
+        raise ValueError(f"the system has {len(rows)} rows; at most {LARGEST_SYSTEM} are read")
+    for i, row in enumerate(rows, 1):
+        if len(row) != len(rows):
+            raise ValueError(f"the system is not square: row {i} of {len(rows)} has {len(row)} entries")
+    return tuple(tuple(_entry(x, f"row {i}, entry {j}") for j, x in enumerate(row, 1)) for i, row in enumerate(rows, 1))
 
 
-def _parsed(text: str, names: Mapping[str, Value], what: str, unknown: str) -> Value:
-    if len(text) > LONGEST_EXPRESSION:
-        raise ValueError(f"{what}: the expression has {len(text)} characters; at most {LONGEST_EXPRESSION} are read")
-    return _Parser(_tokens(text.replace("\N{MINUS SIGN}", "-"), what), names, what, unknown).whole()
+def _entry(text: str, where: str) -> Fraction:
+    value = parse_number(text, where)
+    if not isinstance(value, Fraction):
+        raise ValueError(f"{where}: {value} is irrational; the entries of a system are rational")
+    return value
 
 
-def _tokens(text: str, what: str) -> list[str]:
-    tokens, at, text = [], 0, text.rstrip()
-    while at < len(text):
-        match = _TOKEN.match(text, at)
-        if match is None:
-            raise ValueError(f"{what}: {_shown(text)} is no expression: {_shown(text[at:].lstrip()[:1])} has no place")
-        tokens.append(match[1])
-        at = match.end()
-    if not tokens:
-        raise ValueError(f"{what}: the expression is empty; write a number such as 1/4")
-    return tokens
+def evaluate_expression(text: str, names: Mapping[str, _Value], what: str, unknown: str) -> _Value:
+    """The value of the expression, `names` standing for numbers or functions, by their own exact arithmetic.
+
+    Raises ValueError in one line that begins with `what` and names the column; of another name it says `unknown`.
+    """
+    try:
+        return _Evaluation(text, names, unknown).value(ExpressionParser(text).tree())
+    except ExpressionError as error:
+        raise ValueError(f"{what}: {error}") from None
 
 
-def _shown(text: str) -> str:
-    return repr(text if len(text) <= 40 else text[:37] + "...")
+@dataclass(frozen=True)
+class _Evaluation:
+    """The value of a tree whose numbers stay small."""
 
+    text: str
+    names: Mapping[str, _Value]
+    unknown: str
 
-class _Parser:
-    """One pass over the tokens; each method reads what its name says and returns its value."""
+    def value(self, node: ExpressionNode) -> _Value:
+        """The value of a node and all below it."""
+        match node:
+            case NumberNode():
+                return node.value
+            case NameNode():
+                if node.name not in self.names:
+                    raise self.error(node.column, f"{node.name[:40]!r} {self.unknown}")
+                return self.names[node.name]
+            case NegatedNode():
+                return -self.value(node.node)
+            case CallNode():
+                return self.radical(node)
+            case PowerNode():
+                return self.power(node)
+            case ChainNode():
+                total = self.value(node.first)
+                for sign, part in node.rest:
+                    total = self.combined(total, sign, self.value(part))
+                return total
 
-    def __init__(self, tokens: list[str], names: Mapping[str, Value], what: str, unknown: str) -> None:
-        self.tokens, self.names, self.what, self.unknown = tokens, names, what, unknown
-        self.at = self.depth = 0
-
-    def whole(self) -> Value:
-        """The value of all tokens."""
+    def combined(self, a: _Value, sign: Token, b: _Value) -> _Value:
+        """a sign b."""
+        if sign.text == "/" and not b:
+            raise self.error(sign.column, "it divides by zero")
         try:
-            value = self.sum()
+            value = a + b if sign.text == "+" else a - b if sign.text == "-" else a * b if sign.text == "*" else a / b
         except TypeError:
-            raise self.error("numbers of two fields, or irrational ones beside a parameter, do not mix") from None
-        if self.at < len(self.tokens):
-            raise self.error(f"{_shown(self.tokens[self.at])} has no place")
-        return value
+            reason = "numbers of two fields, or irrational ones beside a parameter, do not mix"
+            raise self.error(sign.column, reason) from None
+        return self.small(value, sign.column)
 
-    def sum(self) -> Value:
-        """Products added and subtracted, from the left."""
-        value = self.product()
-        while (sign := self.peek()) in ("+", "-"):
-            self.at += 1
-            term = self.product()
-            value = self.small(value + term if sign == "+" else value - term)
-        return value
+    def power(self, node: PowerNode) -> _Value:
+        """A base to a whole power."""
+        base, n = self.value(node.base), int(node.exponent)
+        if n != node.exponent:
+            raise self.error(node.column, "an exponent is a whole number here; roots are sqrt(n) and cbrt(n)")
+        if n < 0 and not base:
+            raise self.error(node.column, "it divides by zero")
+        value: _Value = Fraction(1)
+        for _ in range(abs(n)):
+            value = self.small(value * base, node.column)
+        return 1 / value if n < 0 else value
 
-    def product(self) -> Value:
-        """Factors multiplied and divided, from the left."""
-        value = self.factor()
-        while (sign := self.peek()) in ("*", "/"):
-            self.at += 1
-            factor = self.factor()
-            if sign == "/" and not factor:
-                raise self.error("it divides by zero")
-            value = self.small(value * factor if sign == "*" else value / factor)
-        return value
-
-    def factor(self) -> Value:
-        """A power with signs before it."""
-        sign = self.peek()
-        if sign not in ("+", "-"):
-            return self.power()
-        self.at += 1
-        value = self.nested(self.factor)
-        return -value if sign == "-" else value
-
-    def power(self) -> Value:
-        """An atom, raised to a small integer if one follows."""
-        base = self.atom()
-        if self.peek() != "**":
-            return base
-        self.at += 1
-        negative = self.peek() == "-"
-        self.at += negative
-        exponent = self.take()
-        if not exponent.isdecimal() or len(exponent) > 4 or int(exponent) > LARGEST_POWER:
-            raise self.error(f"the exponent {_shown(exponent)} is no integer from -{LARGEST_POWER} to {LARGEST_POWER}")
-        if negative and not base:
-            raise self.error("it divides by zero")
-        value: Value = Fraction(1)
-        for _ in range(int(exponent)):
-            value = self.small(value * base)
-        return 1 / value if negative else value
-
-    def atom(self) -> Value:
-        """A number, a name, a root or a sum in parentheses."""
-        token = self.take()
-        if token == "(":
-            value = self.nested(self.sum)
-            if self.take() != ")":
-                raise self.error("a parenthesis is not closed")
-            return value
-        if token[0].isdecimal() or token[0] == ".":
-            return parse_rational(token, self.what)
-        if token in self.names:
-            return self.names[token]
-        if token in RADICALS and self.peek() == "(":
-            return self.radical(token)
-        if token[0].isalpha() or token[0] == "_":
-            raise self.error(f"{_shown(token)} {self.unknown}")
-        raise self.error(f"{_shown(token)} has no place")
-
-    def radical(self, name: str) -> Value:
-        """A root of an integer, from its parenthesis on."""
-        inside, closing = (self.take(), self.take(), self.take())[1:]
-        if not inside.isdecimal() or len(inside) > LONGEST_RADICAND or closing != ")":
-            raise self.error(f"{name} takes one integer, as in {name}(2)")
+    def radical(self, node: CallNode) -> _Value:
+        """A root of a whole number."""
+        name = node.function
+        if name not in RADICALS:
+            raise self.error(node.column, f"{name[:40]!r} is no function; there are {' and '.join(RADICALS)}")
+        inside = node.arguments[0]
+        whole = isinstance(inside, NumberNode) and inside.value.denominator == 1 and inside.value < LARGEST_RADICAND
+        if len(node.arguments) != 1 or not whole:
+            raise self.error(node.column, f"{name} takes one integer, as in {name}(2)")
         try:
-            return RADICALS[name](int(inside))
+            return RADICALS[name](int(inside.value))
         except ValueError as error:
-            raise self.error(str(error)) from None
+            raise self.error(node.column, str(error)) from None
 
-    def nested(self, read: Callable[[], Value]) -> Value:
-        """One level deeper. Refuses depths at which Python's own stack would be at stake."""
-        self.depth += 1
-        if self.depth > DEEPEST_NESTING:
-            raise self.error(f"it is nested deeper than {DEEPEST_NESTING} levels")
-        value = read()
-        self.depth -= 1
-        return value
-
-    def small(self, value: Value) -> Value:
+    def small(self, value: _Value, column: int) -> _Value:
         """The value, unless its numbers have grown beyond all reason."""
         parts = (value,) if isinstance(value, Fraction) else value.coefficients
         if len(parts) > MOST_COEFFICIENTS:
-            raise self.error("its degree in the parameter is too large")
+            raise self.error(column, "its degree in the parameter is too large")
         for part in parts:
             if part.numerator.bit_length() + part.denominator.bit_length() > LARGEST_BITS:
-                raise self.error("its numbers are too large")
+                raise self.error(column, "its numbers are too large")
         return value
 
-    def peek(self) -> str:
-        """The next token, "" at the end."""
-        return self.tokens[self.at] if self.at < len(self.tokens) else ""
-
-    def take(self) -> str:
-        """The next token, which is used up."""
-        token = self.peek()
-        if not token:
-            raise self.error("it ends too early")
-        self.at += 1
-        return token
-
-    def error(self, reason: str) -> ValueError:
-        """The refusal, in one line."""
-        return ValueError(f"{self.what}: {_shown(' '.join(self.tokens))} is no expression: {reason}")
+    def error(self, column: int, reason: str) -> ExpressionError:
+        """The refusal at a column."""
+        return ExpressionError(self.text, column, reason)

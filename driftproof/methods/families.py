@@ -10,11 +10,126 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, TypeAlias
 
-from driftproof.methods.expressions import parse_function
-from driftproof.methods.number_field import Exact
-from driftproof.methods.parameters import Function
+from driftproof.methods.expressions import evaluate_expression
+from driftproof.methods.number_field import Algebraic, Exact, as_fmpq, as_fraction
 from driftproof.methods.schemes import MethodError, RungeKutta
+
+if TYPE_CHECKING:
+    from flint import fmpq, fmpq_poly
+
+    Coefficients: TypeAlias = fmpq_poly | Sequence[object]
+
+
+@dataclass(frozen=True, eq=False)
+class ParameterFunction:
+    """num/den over Q in lowest terms, with den monic. Made by `parameter_function`.
+
+    Arithmetic with int, Fraction and its own kind; anything else raises TypeError.
+    """
+
+    num: fmpq_poly
+    den: fmpq_poly
+
+    @property
+    def coefficients(self) -> list[fmpq]:
+        """All coefficients, those of the denominator last."""
+        return [*self.num.coeffs(), *self.den.coeffs()]
+
+    def __call__(self, value: Exact) -> Exact:
+        """The value at a value of the parameter. Raises ZeroDivisionError at a pole."""
+        x = value if isinstance(value, Algebraic) else as_fmpq(value)
+        num, den = 0 * x, 0 * x
+        for c in reversed(self.num.coeffs()):
+            num = num * x + c
+        for c in reversed(self.den.coeffs()):
+            den = den * x + c
+        found = num / den
+        return found if isinstance(found, Algebraic) else as_fraction(found)
+
+    def __eq__(self, other: object) -> bool:
+        """The same function of the parameter."""
+        return isinstance(other, ParameterFunction) and bool(self.num == other.num and self.den == other.den)
+
+    def __hash__(self) -> int:
+        """By the coefficients."""
+        return hash((*self.coefficients,))
+
+    def __bool__(self) -> bool:
+        """False for the function that is zero everywhere."""
+        return bool(self.num != 0)
+
+    def __add__(self, other: object) -> ParameterFunction:
+        """The sum."""
+        g = _coerced(other)
+        return parameter_function(self.num * g.den + g.num * self.den, self.den * g.den)
+
+    __radd__ = __add__
+
+    def __neg__(self) -> ParameterFunction:
+        """The negative."""
+        return ParameterFunction(-self.num, self.den)
+
+    def __sub__(self, other: object) -> ParameterFunction:
+        """The difference."""
+        return self + -_coerced(other)
+
+    def __rsub__(self, other: object) -> ParameterFunction:
+        """The difference."""
+        return -self + other
+
+    def __mul__(self, other: object) -> ParameterFunction:
+        """The product."""
+        g = _coerced(other)
+        return parameter_function(self.num * g.num, self.den * g.den)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: object) -> ParameterFunction:
+        """The quotient. Raises ZeroDivisionError for division by the zero function."""
+        g = _coerced(other)
+        return self * parameter_function(g.den, g.num)
+
+    def __rtruediv__(self, other: object) -> ParameterFunction:
+        """The quotient. Raises ZeroDivisionError for division by the zero function."""
+        return _coerced(other) / self
+
+
+def parameter_function(
+    num: fmpq_poly | Sequence[object], den: fmpq_poly | Sequence[object] = (1,)
+) -> ParameterFunction:
+    """num/den, polynomials or their coefficients, constant term first. Raises ZeroDivisionError if den is zero."""
+    from flint import fmpq_poly
+
+    top, bottom = (p if isinstance(p, fmpq_poly) else fmpq_poly([as_fmpq(x) for x in p]) for p in (num, den))
+    if bottom == 0:
+        raise ZeroDivisionError("the denominator is the zero polynomial")
+    common = top.gcd(bottom) * bottom.leading_coefficient()
+    return ParameterFunction(top // common, bottom // common)
+
+
+def _coerced(x: object) -> ParameterFunction:
+    if isinstance(x, ParameterFunction):
+        return x
+    try:
+        return parameter_function((x,))
+    except TypeError:
+        kind = type(x).__name__
+        raise TypeError(f"no exact arithmetic between a function of a parameter and {x!r} ({kind})") from None
+
+
+def parse_function(text: str, parameter: str, what: str) -> ParameterFunction:
+    """The rational function of the parameter that `text` spells, e.g. "1 - 1/(2*alpha)", its other numbers rational.
+
+    Raises ValueError, in one line that begins with `what`.
+    """
+    unknown = f"is an unknown name; the parameter is {parameter}"
+    value = evaluate_expression(text, {parameter: parameter_function((0, 1))}, what, unknown)
+    if not isinstance(value, ParameterFunction | Fraction):
+        raise ValueError(f"{what}: {text[:60]!r} is irrational; beside a parameter, numbers are rational")
+    return value if isinstance(value, ParameterFunction) else parameter_function((value,))
 
 
 @dataclass(frozen=True)
@@ -30,9 +145,9 @@ class Family:
     parameter: str
     claimed_order: int
     source: str
-    a: tuple[tuple[Function, ...], ...]
-    b: tuple[Function, ...]
-    c: tuple[Function, ...]
+    a: tuple[tuple[ParameterFunction, ...], ...]
+    b: tuple[ParameterFunction, ...]
+    c: tuple[ParameterFunction, ...]
 
     def __post_init__(self) -> None:
         """Refuse a tableau whose parts disagree in length."""
@@ -73,7 +188,7 @@ def _family(
     b: Sequence[str],
     c: Sequence[str],
 ) -> Family:
-    def read(entries: Sequence[str]) -> tuple[Function, ...]:
+    def read(entries: Sequence[str]) -> tuple[ParameterFunction, ...]:
         return tuple(parse_function(text, parameter, key) for text in entries)
 
     return Family(key, title, parameter, claimed_order, source, tuple(map(read, a)), read(b), read(c))

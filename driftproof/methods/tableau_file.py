@@ -24,10 +24,9 @@ from pathlib import Path
 from typing import Any
 
 from driftproof.methods.catalogue import method_named
-from driftproof.methods.expressions import RADICALS, parse_exact, parse_function, parse_number
-from driftproof.methods.families import FAMILIES, Family
+from driftproof.methods.expressions import RADICALS, parse_exact, parse_number
+from driftproof.methods.families import FAMILIES, Family, ParameterFunction, parameter_function, parse_function
 from driftproof.methods.number_field import Algebraic, Exact, NumberField
-from driftproof.methods.parameters import Function, function
 from driftproof.methods.schemes import SUBSTEPS, Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
 from driftproof.support.toml_tables import (
     TomlTable,
@@ -49,7 +48,7 @@ LONGEST_INTEGER = 20_000
 LONGEST_MINPOLY_INTEGER = 200
 LONGEST_NAME = 200
 _KEY = re.compile(r"[A-Za-z][A-Za-z0-9_.+-]{0,59}")
-_NAME = re.compile(r"[A-Za-z_]\w{0,30}")
+_NAME = re.compile(r"[A-Za-z_]\w{0,30}", re.ASCII)
 _RADICAL = re.compile(r"\s*(sqrt|cbrt)\s*\(\s*(\d{1,40})\s*\)\s*")
 _COMMON = ("family", "key", "title", "source", "claimed_order", "decimal", "roots")
 
@@ -210,8 +209,8 @@ def _family(table: TomlTable, common: dict[str, Any], read: Read) -> Family:
     b = _numbers(_entry(table, "b"), "b", read)
     a = _square(table, read, len(b))
 
-    def functions(row: Sequence[Any]) -> tuple[Function, ...]:
-        return tuple(x if isinstance(x, Function) else function((x,)) for x in row)
+    def functions(row: Sequence[Any]) -> tuple[ParameterFunction, ...]:
+        return tuple(x if isinstance(x, ParameterFunction) else parameter_function((x,)) for x in row)
 
     rows, nodes = tuple(map(functions, a)), functions(_nodes(table, a, read))
     return Family(**common, parameter=_parameter(table), a=rows, b=functions(b), c=nodes)

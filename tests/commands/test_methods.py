@@ -6,7 +6,7 @@ import sys
 import pytest
 
 import driftproof
-from driftproof.methods.systems import parse_system
+from driftproof.methods.expressions import parse_system
 from driftproof.methods.tableau_file import method_of
 from driftproof.symbolic.linear.systems import SYSTEM_FACTS
 
@@ -153,19 +153,19 @@ REFUSED = {
     ("rk4", "--terms", "0"): "'0' is not a number of terms from 1 to 1000",
     ("rk4", "--system", "0 1; 2"): "the system is not square: row 2 of 2 has 1 entries",
     ("rk4", "--system", ""): "the system is not square: row 1 of 1 has 0 entries",
-    ("rk4", "--system", "0 x; 1 0"): "row 1, entry 2: 'x' is no expression: 'x' is a name",
+    ("rk4", "--system", "0 x; 1 0"): "row 1, entry 2: 'x', column 1: 'x' is a name",
     ("rk4", "--system", "__import__('os').system('true')"): "row 1, entry 1: ",
     ("rk4", "--system", "sqrt(2)"): "row 1, entry 1: sqrt(2) is irrational; the entries of a system are rational",
     ("rk4", "--system", "1/0"): "it divides by zero",
     ("rk4", "--system", "1;" * 13): "the system has 13 rows; at most 12 are read",
-    ("rk4", "--system", "1e999999999"): "row 1, entry 1: '1e999999999' is too long",
+    ("rk4", "--system", "1e999999999"): "row 1, entry 1: '1e999999999', column 1: number: '1e999999999' is too long",
     ("velocity_verlet", "--system", DAMPED): "velocity_verlet needs a system q' = v, v' = Kq",
     ("rk4", "--system", "1", "--only", "order"): "unknown fact 'order'; choose from method, system",
     ("rk4", "--system", "1", "--order-tolerance", "1"): "--system is about one problem",
     ("rk4", "--system", "1", "--plot", "x.svg"): "--system is about one problem",
     ("rk4", "--at", "1"): "rk4 has no parameter; --at is for families",
     ("explicit_order_2", "--at", "0"): "explicit_order_2: no method at alpha = 0, a pole of its coefficients",
-    ("explicit_order_2", "--at", "alpha"): "value: 'alpha' is no expression: 'alpha' is a name",
+    ("explicit_order_2", "--at", "alpha"): "value: 'alpha', column 1: 'alpha' is a name",
     ("sdirk_order_2", "--at", "sqrt(2) + sqrt(3)"): "numbers of two fields",
     ("sdirk_order_2", "--system", "1"): "sdirk_order_2 is a family; choose one method with --at, a value of gamma",
     ("sdirk_order_2", "--order-tolerance", "1"): "sdirk_order_2 is a family; choose one method",

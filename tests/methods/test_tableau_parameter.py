@@ -11,9 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftproof.methods.expressions import parse_number
-from driftproof.methods.families import FAMILIES, Family
+from driftproof.methods.families import FAMILIES, Family, ParameterFunction, parameter_function
 from driftproof.methods.number_field import cube_root, square_root
-from driftproof.methods.parameters import Function, function
 from driftproof.methods.schemes import MethodError
 from driftproof.methods.tableau_file import read_method
 from driftproof.texts.writing.records import family_facts
@@ -55,15 +54,15 @@ def test_tableau_with_a_parameter_is_a_family(write: Write) -> None:
 def test_nodes_may_be_given_and_poles_are_kept(write: Write) -> None:
     found = read_method(write(TEXT.replace('"theta"],\n', '"theta"],\n') + 'c = ["1/theta", 0.5]\n'))
     assert isinstance(found, Family)
-    assert found.c == (function((1,), (0, 1)), function((Q(1, 2),)))
+    assert found.c == (parameter_function((1,), (0, 1)), parameter_function((Q(1, 2),)))
     with pytest.raises(MethodError, match="mine: no method at theta = 0, a pole"):
         found.member(Q(0))
 
 
 HEAD = 'family = "runge_kutta"\nparameter = "t"\n'
 WRONG = [
-    (HEAD + "A = [['x']]\nb = [1]", "A[0][0]: 'x' is no expression: 'x' is an unknown name; the parameter is t"),
-    (HEAD + "A = [['exit()']]\nb = [1]", "'exit' is an unknown name; the parameter is t"),
+    (HEAD + "A = [['x']]\nb = [1]", "A[0][0]: 'x', column 1: 'x' is an unknown name; the parameter is t"),
+    (HEAD + "A = [['t + exit(t)']]\nb = [1]", "column 5: 'exit' is no function; there are sqrt and cbrt"),
     (HEAD + "A = [['1/(t - t)']]\nb = [1]", "it divides by zero"),
     (HEAD + "A = [['sqrt(2)']]\nb = [1]", "'sqrt(2)' is irrational; beside a parameter, numbers are rational"),
     (HEAD + "A = [['t + sqrt(2)']]\nb = [1]", "irrational ones beside a parameter, do not mix"),
@@ -98,16 +97,16 @@ def test_wrong_family_is_refused_in_one_line(write: Write, text: str, reason: st
 # --- functions of a parameter, and numbers without names
 
 
-PARAMETER = function((0, 1))
+PARAMETER = parameter_function((0, 1))
 
 
-def functions() -> st.SearchStrategy[Function]:
+def functions() -> st.SearchStrategy[ParameterFunction]:
     coefficients = st.lists(st.fractions(-3, 3, max_denominator=5), min_size=1, max_size=3)
-    return st.builds(function, coefficients, coefficients.filter(any))
+    return st.builds(parameter_function, coefficients, coefficients.filter(any))
 
 
 @given(functions(), functions(), st.fractions(-5, 5, max_denominator=11))
-def test_arithmetic_of_functions_is_that_of_their_values(f: Function, g: Function, x: Q) -> None:
+def test_arithmetic_of_functions_is_that_of_their_values(f: ParameterFunction, g: ParameterFunction, x: Q) -> None:
     try:
         a, b = f(x), g(x)
     except ZeroDivisionError:
@@ -117,17 +116,17 @@ def test_arithmetic_of_functions_is_that_of_their_values(f: Function, g: Functio
     if b:
         assert (f / g)(x) == a / b
         assert (1 / g)(x) == 1 / b
-    assert (f + g == g + f, f - f == function((0,))) == (True, True)
+    assert (f + g == g + f, f - f == parameter_function((0,))) == (True, True)
     assert (f + 1 == f) is False
 
 
 def test_equal_functions_are_equal_objects_and_others_are_refused() -> None:
-    assert function((0, 2), (0, 4)) == function((Q(1, 2),))
-    assert function((1, 2, 1), (1, 1)) == PARAMETER + 1
+    assert parameter_function((0, 2), (0, 4)) == parameter_function((Q(1, 2),))
+    assert parameter_function((1, 2, 1), (1, 1)) == PARAMETER + 1
     assert (1 / PARAMETER)(square_root(2)) == square_root(2) / 2
-    assert not function(())
+    assert not parameter_function(())
     with pytest.raises(ZeroDivisionError):
-        function((1,), (0, 0))
+        parameter_function((1,), (0, 0))
     with pytest.raises(TypeError, match="no exact arithmetic between a function of a parameter"):
         _ = PARAMETER * 0.5
 
@@ -154,8 +153,9 @@ def test_numbers_may_hold_one_root(text: str, number: object) -> None:
         ("sqrt", "'sqrt' is a name"),
         ("sqrt(4)", "n must be above 1 and no square"),
         ("sqrt(x)", "sqrt takes one integer, as in sqrt(2)"),
-        ("sqrt(2", "it ends too early"),
-        ("sqrt(2 3)", "sqrt takes one integer"),
+        ("sqrt(2", "the bracket of sqrt is not closed; the end stands there"),
+        ("sqrt(2 3)", "the bracket of sqrt is not closed; '3' stands there"),
+        ("sqrt(2, 3)", "sqrt takes one integer"),
         ("sqrt(1/2)", "sqrt takes one integer"),
         (f"sqrt({'9' * 41})", "sqrt takes one integer"),
         ("sqrt(2) + sqrt(3)", "numbers of two fields"),

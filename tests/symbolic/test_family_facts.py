@@ -13,8 +13,7 @@ from flint import fmpq_poly
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftproof.methods.expressions import parse_function
-from driftproof.methods.families import FAMILIES, Family
+from driftproof.methods.families import FAMILIES, Family, parse_function
 from driftproof.methods.schemes import MethodError
 from driftproof.symbolic.algebra.bivariate import bivariate_text, irreducible_factors
 from driftproof.symbolic.algebra.polynomials import exact, scalar

@@ -9,9 +9,8 @@ from typing import NamedTuple, TypeVar
 
 from flint import fmpq
 
-from driftproof.methods.families import Family
+from driftproof.methods.families import Family, ParameterFunction
 from driftproof.methods.number_field import Exact
-from driftproof.methods.parameters import Function as ParameterFunction
 from driftproof.symbolic.algebra.bivariate import (
     Bivariate,
     common_divisor,

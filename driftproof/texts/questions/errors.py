@@ -9,15 +9,14 @@ from contextlib import contextmanager
 from difflib import get_close_matches
 from types import FrameType
 
-# A question is quoted in a complaint no further than this, and a reason, which may hold a formula, said no further.
-_MOST_QUOTED = 60
-_MOST_SAID = 500
+from driftproof.methods.expression_tree import ExpressionError
+
 # What can be foreseen to be too long is refused before it begins; every question of the documentation takes below one.
 QUESTION_SECONDS = 60
 
 
-class QuestionError(ValueError):
-    """A question that is not answered: `question`, the 1-based `column` in it, and the `reason`, on one line.
+class QuestionError(ExpressionError):
+    """A question that is not answered: its `text`, the 1-based `column` in it, and the `reason`, on one line.
 
     >>> from driftproof import QuestionError, value
     >>> try:
@@ -27,15 +26,10 @@ class QuestionError(ValueError):
     18
     """
 
-    def __init__(self, question: str, column: int, reason: str) -> None:
-        """The line is "QUESTION, column N: REASON"."""
-        self.question, self.column = question, column
-        self.reason = _cut(" ".join(reason.split()), _MOST_SAID)
-        super().__init__(f"{_cut(' '.join(question.split()), _MOST_QUOTED)!r}, column {column}: {self.reason}")
-
-
-def _cut(text: str, longest: int) -> str:
-    return text if len(text) <= longest else f"{text[: longest - 3]}..."
+    @property
+    def question(self) -> str:
+        """The text that was refused."""
+        return self.text
 
 
 class AmbiguousRounding(QuestionError):

@@ -6,11 +6,11 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
 
+from driftproof.methods.expression_tree import CallNode, ChainNode, NameNode, NegatedNode, NumberNode, PowerNode
 from driftproof.texts.questions.answer import Answer, as_printed
 from driftproof.texts.questions.errors import QuestionError, names_near, refused_at
-from driftproof.texts.questions.parser import parse
+from driftproof.texts.questions.parser import Node, Query, parse_question
 from driftproof.texts.questions.query_context import QueryContext
-from driftproof.texts.questions.syntax import Call, Chain, Negated, Node, Number, Power, Published, Query
 
 
 @lru_cache(maxsize=1024)
@@ -23,40 +23,40 @@ def value(question: str) -> Answer:
     >>> value("step rk4 h=1/2 : q").exact
     Fraction(337, 384)
     """
-    return replace(_answer(parse(question), question), question=question)
+    return replace(_answer(parse_question(question), question), question=question)
 
 
 def _answer(node: Node, question: str) -> Answer:
     from driftproof.texts.questions import arithmetic
 
     match node:
-        case Number():
+        case NumberNode():
             return Answer("", node.value)
-        case Published():
+        case NameNode():
             return _published(node, question)
         case Query():
             context = QueryContext(node, question)
             return _QUERY_KINDS.get(context.head, _fact)(context)
-        case Call():
+        case CallNode():
             return _call(node, question)
-        case Chain():
+        case ChainNode():
             total = _answer(node.first, question)
             for sign, part in node.rest:
                 other = _answer(part, question)
                 with refused_at(question, sign.column):
                     total = arithmetic.OPERATIONS[sign.text](total, other)
             return total
-        case Negated():
+        case NegatedNode():
             inner = _answer(node.node, question)
             with refused_at(question, node.column):
                 return arithmetic.negate(inner)
-        case Power():
+        case PowerNode():
             base = _answer(node.base, question)
             with refused_at(question, node.column):
                 return arithmetic.raised(base, node.exponent)
 
 
-def _published(node: Published, question: str) -> Answer:
+def _published(node: NameNode, question: str) -> Answer:
     """The exact form of a published value is itself a question, of which the answer is enclosed to any length."""
     from driftproof.texts.values.published import published_values
 
@@ -70,7 +70,7 @@ def _published(node: Published, question: str) -> Answer:
     return replace(value(entry["exact"]), form=entry["exact"], evidence=entry["evidence"])
 
 
-def _call(node: Call, question: str) -> Answer:
+def _call(node: CallNode, question: str) -> Answer:
     """A function of numbers."""
     from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
 

@@ -7,9 +7,9 @@ from contextlib import AbstractContextManager
 from fractions import Fraction
 from typing import TYPE_CHECKING, TypeVar
 
+from driftproof.methods.expression_tree import Token
 from driftproof.texts.questions.errors import QuestionError, names_near, refused_at
-from driftproof.texts.questions.syntax import Query
-from driftproof.texts.questions.tokens import Token
+from driftproof.texts.questions.parser import Query
 
 if TYPE_CHECKING:
     from driftproof.methods.families import Family

@@ -7,8 +7,16 @@ from dataclasses import dataclass
 from fractions import Fraction
 from html import escape
 
-from driftproof.texts.questions.parser import parse_form
-from driftproof.texts.questions.syntax import Call, Chain, Negated, Node, Number, Power, Published, Query
+from driftproof.methods.expression_tree import (
+    CallNode,
+    ChainNode,
+    ExpressionNode,
+    NameNode,
+    NegatedNode,
+    NumberNode,
+    PowerNode,
+    parse_form,
+)
 
 # An exact form longer than this is left out of texts.
 LONGEST_IN_TEXT = 24
@@ -82,7 +90,7 @@ MATHML = Writer(
 
 
 def formula(text: str, write: Writer) -> str:
-    """An exact form in SymPy's syntax, e.g. "2*sqrt(2)/3". Raises QuestionError for what is no formula."""
+    """An exact form in SymPy's syntax, e.g. "2*sqrt(2)/3". Raises ExpressionError for what is no formula."""
     return _Formula(write).of(parse_form(text))
 
 
@@ -110,40 +118,38 @@ class _Formula:
     def __init__(self, write: Writer) -> None:
         self.write = write
 
-    def of(self, node: Node) -> str:
+    def of(self, node: ExpressionNode) -> str:
         """A node as a sum that needs no brackets."""
         write = self.write
         match node:
-            case Number():
+            case NumberNode():
                 return write.number(str(node.value))
-            case Published():
+            case NameNode():
                 return write.symbol(node.name)
-            case Negated():
+            case NegatedNode():
                 return write.row([write.operator("-"), self.factor(node.node)])
-            case Call():
+            case CallNode():
                 inner = self.of(node.arguments[0])
                 return write.root(inner, 2) if node.function == "sqrt" else write.function(node.function, inner)
-            case Power():
+            case PowerNode():
                 return self.power(node.base, node.exponent)
-            case Chain():
+            case ChainNode():
                 return self.sum(node) if _is_sum(node) else self.product(node)
-            case Query():
-                raise ValueError("a question is no formula")
 
-    def factor(self, node: Node) -> str:
+    def factor(self, node: ExpressionNode) -> str:
         """A node as a factor, or as a term after the first: sums and what begins with a sign in brackets."""
         return self.write.bracket(self.of(node)) if _is_sum(node) or _is_negative(node) else self.of(node)
 
-    def sum(self, node: Chain) -> str:
+    def sum(self, node: ChainNode) -> str:
         """Terms with their signs."""
         parts = [self.of(node.first)]
         for sign, term in node.rest:
             parts += [self.write.operator(sign.text), self.factor(term)]
         return self.write.row(parts)
 
-    def product(self, node: Chain) -> str:
+    def product(self, node: ChainNode) -> str:
         """Factors side by side, divisors below a line, a sign in front of all."""
-        first = node.first.node if isinstance(node.first, Negated) else node.first
+        first = node.first.node if isinstance(node.first, NegatedNode) else node.first
         factors = [first, *(factor for sign, factor in node.rest if sign.text == "*")]
         above = [factor for factor in factors if not _is_one(factor)] or factors[:1]
         below = [factor for sign, factor in node.rest if sign.text == "/"]
@@ -152,7 +158,7 @@ class _Formula:
             body = self.write.fraction(body, self.side_by_side(below))
         return body if first is node.first else self.write.row([self.write.operator("-"), body])
 
-    def side_by_side(self, factors: Sequence[Node]) -> str:
+    def side_by_side(self, factors: Sequence[ExpressionNode]) -> str:
         """Factors with a sign between where two numbers would run together."""
         if len(factors) == 1:
             return self.of(factors[0])
@@ -161,34 +167,36 @@ class _Formula:
             parts += [self.write.operator("·" if _begins_with_digit(factor) else ""), self.factor(factor)]
         return self.write.row(parts)
 
-    def power(self, base: Node, exponent: Fraction) -> str:
+    def power(self, base: ExpressionNode, exponent: Fraction) -> str:
         """A power, or a root where the exponent is 1/n."""
         if exponent.denominator > 1 and exponent.numerator == 1:
             return self.write.root(self.of(base), exponent.denominator)
-        plain = isinstance(base, Published) or (isinstance(base, Number) and base.value.denominator == 1)
+        plain = isinstance(base, NameNode) or (isinstance(base, NumberNode) and base.value.denominator == 1)
         written = self.of(base) if plain else self.write.bracket(self.of(base))
         return self.write.power(
             written, rational_markup(str(exponent.numerator), str(exponent.denominator), self.write)
         )
 
 
-def _is_sum(node: Node) -> bool:
-    return isinstance(node, Chain) and node.rest[0][0].text in "+-"
+def _is_sum(node: ExpressionNode) -> bool:
+    return isinstance(node, ChainNode) and node.rest[0][0].text in "+-"
 
 
-def _is_negative(node: Node) -> bool:
+def _is_negative(node: ExpressionNode) -> bool:
     """True where the writing begins with a minus sign."""
-    return isinstance(node, Negated) or (isinstance(node, Chain) and not _is_sum(node) and _is_negative(node.first))
+    return isinstance(node, NegatedNode) or (
+        isinstance(node, ChainNode) and not _is_sum(node) and _is_negative(node.first)
+    )
 
 
-def _begins_with_digit(node: Node) -> bool:
+def _begins_with_digit(node: ExpressionNode) -> bool:
     """True where a factor before it would run into it."""
-    if isinstance(node, Power):
-        return node.exponent.denominator == 1 and isinstance(node.base, Number)
-    if isinstance(node, Chain) and not _is_sum(node):
+    if isinstance(node, PowerNode):
+        return node.exponent.denominator == 1 and isinstance(node.base, NumberNode)
+    if isinstance(node, ChainNode) and not _is_sum(node):
         return all(sign.text == "*" for sign, _ in node.rest) and _begins_with_digit(node.first)
-    return isinstance(node, Number)
+    return isinstance(node, NumberNode)
 
 
-def _is_one(node: Node) -> bool:
-    return isinstance(node, Number) and node.value == 1
+def _is_one(node: ExpressionNode) -> bool:
+    return isinstance(node, NumberNode) and node.value == 1

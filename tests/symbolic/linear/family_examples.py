@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from driftproof.methods.expressions import parse_function
-from driftproof.methods.families import Family
+from driftproof.methods.families import Family, parse_function
 
 
 def family(parameter: str, a: str, b: str, c: str, key: str = "given") -> Family:

@@ -13,10 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.expressions import System, parse_system
 from driftproof.methods.number_field import Algebraic, square_root
 from driftproof.methods.schemes import Method, Splitting
 from driftproof.methods.stepping import stepper
-from driftproof.methods.systems import System, parse_system
 from driftproof.symbolic.algebra.certified import enclose, endpoints
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.algebra.radicals import radical_form

@@ -8,7 +8,7 @@ import pytest
 from flint import acb_mat, arb, ctx, fmpq
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.systems import parse_system
+from driftproof.methods.expressions import parse_system
 from driftproof.symbolic.algebra.certified import enclose, endpoints
 from driftproof.symbolic.linear.ray_bounds import UndecidedLimitError
 from driftproof.symbolic.linear.systems import SystemFacts, bounded_at, factor_at, largest_eigenvalue

@@ -7,10 +7,9 @@ from fractions import Fraction as Q
 
 import pytest
 
+from driftproof.methods.expression_tree import DEEPEST_NESTING, LONGEST_EXPRESSION, ExpressionParser
 from driftproof.texts.questions.errors import QuestionError, time_limit
 from driftproof.texts.questions.evaluate import value
-from driftproof.texts.questions.parser import DEEPEST_NESTING
-from driftproof.texts.questions.tokens import LONGEST_QUESTION, tokens
 
 ARITHMETIC = {
     "1 + 2 * 3": Q(7),
@@ -161,14 +160,14 @@ def test_question_too_long_or_nested_too_deep_is_refused_before_anything_is_comp
     for deep in (f"({inside})", "-" * (DEEPEST_NESTING + 1) + "1", "abs(" * 41 + "1" + ")" * 41):
         with pytest.raises(QuestionError, match="nested deeper than 40 levels"):
             value(deep)
-    assert value("1" + " " * (LONGEST_QUESTION - 1)).exact == 1
+    assert value("1" + " " * (LONGEST_EXPRESSION - 1)).exact == 1
     with pytest.raises(QuestionError, match="at most 2000 characters, not 2001"):
-        value("1" + " " * LONGEST_QUESTION)
+        value("1" + " " * LONGEST_EXPRESSION)
     assert value("+".join(["1"] * 999)).exact == 999
 
 
 def test_tokens_know_their_columns() -> None:
-    assert [(t.text, t.column) for t in tokens("2**(−x.y) ", 20)] == [
+    assert [(t.text, t.column) for t in ExpressionParser("2**(−x.y) ").tokens] == [
         ("2", 1),
         ("**", 2),
         ("(", 4),

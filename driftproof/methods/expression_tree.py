@@ -1,0 +1,283 @@
+"""Expressions from users' text as trees: one tokenizer and one recursive-descent parser, in which nothing is evaluated.
+
+sum      = product (("+" | "-") product)*
+product  = factor (("*" | "/") factor)*
+factor   = ("-" | "+") factor | power
+power    = atom [("**" | "^") (exponent | "(" exponent ["/" exponent] ")")]
+exponent = ["-"] integer
+atom     = number | name | name "(" sum ("," sum)* ")" | "(" sum ")"
+
+The entries of a tableau, of a system and of a family are such expressions; questions extend the grammar.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, ClassVar, NamedTuple, TypeAlias
+
+from driftproof.methods.rationals import parse_rational
+
+LONGEST_EXPRESSION = 2000
+# An exact form of ours is never computed with, only written, and may be longer.
+LONGEST_FORM = 100_000
+DEEPEST_NESTING = 40
+LARGEST_POWER = 64
+LARGEST_POWER_OF_FORM = 9999
+# A text is quoted in a refusal no further than this, and a reason, which may hold a formula, said no further.
+_MOST_QUOTED = 60
+_MOST_SAID = 500
+NUMBER, NAME, SIGN, END = "number", "name", "sign", "end"
+
+_TOKEN = re.compile(
+    r"(?P<number>(?:\d[\d_]*(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)"
+    r"|(?P<name>[A-Za-z_][A-Za-z_0-9]*(?:\.[A-Za-z_0-9]+)*)"
+    r"|(?P<sign>\*\*|[-+*/^()=:,])",
+    re.ASCII,
+)
+
+
+class ExpressionError(ValueError):
+    """A text that is refused: the `text`, the 1-based `column` in it, and the `reason`, on one line."""
+
+    def __init__(self, text: str, column: int, reason: str) -> None:
+        """The line is "TEXT, column N: REASON"."""
+        self.text, self.column = text, column
+        self.reason = _cut(" ".join(reason.split()), _MOST_SAID)
+        super().__init__(f"{_cut(' '.join(text.split()), _MOST_QUOTED)!r}, column {column}: {self.reason}")
+
+
+class Token(NamedTuple):
+    """A piece of the text: its kind, its text, and the 1-based column at which it begins."""
+
+    kind: str
+    text: str
+    column: int
+
+    @property
+    def end(self) -> int:
+        """The column after the last character."""
+        return self.column + len(self.text)
+
+    @property
+    def shown(self) -> str:
+        """How a refusal names it."""
+        return "the end" if self.kind == END else repr(_cut(self.text, 40))
+
+
+@dataclass(frozen=True)
+class NumberNode:
+    """A rational number written out."""
+
+    column: int
+    value: Fraction
+
+
+@dataclass(frozen=True)
+class NameNode:
+    """A name: a root, a parameter, a published value, or in an exact form a variable."""
+
+    column: int
+    name: str
+
+
+@dataclass(frozen=True)
+class CallNode:
+    """A function of one or more numbers."""
+
+    column: int
+    function: str
+    arguments: tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class ChainNode:
+    """first (sign node)*, from the left, the signs being + and -, or * and /; each with its column."""
+
+    column: int
+    first: Any
+    rest: tuple[tuple[Token, Any], ...]
+
+
+@dataclass(frozen=True)
+class NegatedNode:
+    """-node."""
+
+    column: int
+    node: Any
+
+
+@dataclass(frozen=True)
+class PowerNode:
+    """base**exponent."""
+
+    column: int
+    base: Any
+    exponent: Fraction
+
+
+# The leaves of a chain, a call, ... are nodes too, or those of a grammar that extends this one.
+ExpressionNode: TypeAlias = NumberNode | NameNode | CallNode | ChainNode | NegatedNode | PowerNode
+
+
+class ExpressionParser:
+    """One pass over the tokens; each method reads what its name says, or refuses it in one line with a column."""
+
+    what: ClassVar[str] = "an expression"
+    example: ClassVar[str] = "write a number such as 1/4"
+    refusal: ClassVar[type[ExpressionError]] = ExpressionError
+
+    def __init__(self, text: str, longest: int = LONGEST_EXPRESSION, largest_power: int = LARGEST_POWER) -> None:
+        """Cut the text into tokens. Raises a `refusal` for a character that has no place, and for too long a text."""
+        self.text, self.largest_power = text, largest_power
+        if len(text) > longest:
+            reason = f"{self.what} has at most {longest} characters, not {len(text)}"
+            raise self.refusal(text, longest + 1, reason)
+        self.tokens = self._cut_into_tokens()
+        self.at = self.depth = 0
+
+    def _cut_into_tokens(self) -> list[Token]:
+        """The tokens, an empty one of kind END last."""
+        text, at = self.text.replace("\N{MINUS SIGN}", "-"), 0
+        found: list[Token] = []
+        while at < len(text):
+            if text[at].isspace():
+                at += 1
+                continue
+            match = _TOKEN.match(text, at)
+            if match is None:
+                raise self.refusal(self.text, at + 1, f"{text[at]!r} has no place in {self.what}")
+            found.append(Token(str(match.lastgroup), match[0], at + 1))
+            at = match.end()
+        return [*found, Token(END, "", len(text) + 1)]
+
+    def tree(self) -> Any:
+        """The tree of the whole text."""
+        if self.next.kind == END:
+            raise self.error(self.next, f"the {self.what.partition(' ')[2]} is empty; {self.example}")
+        node = self.sum()
+        if self.next.kind != END:
+            reason = f"{self.next.shown} has no place here; an operator + - * / or the end may follow"
+            raise self.error(self.next, reason)
+        return node
+
+    @property
+    def next(self) -> Token:
+        """The token to be read."""
+        return self.tokens[self.at]
+
+    def take(self) -> Token:
+        """The next token, used up; the end is never used up."""
+        token = self.next
+        self.at += token.kind != END
+        return token
+
+    def accept(self, *texts: str) -> Token | None:
+        """The next token if it is one of these signs or words, used up; else None."""
+        return self.take() if self.next.text in texts else None
+
+    def expect(self, text: str, what: str) -> Token:
+        """The sign `text`, used up."""
+        if self.next.text != text:
+            raise self.error(self.next, f"{what}; {self.next.shown} stands there")
+        return self.take()
+
+    def sum(self) -> Any:
+        """Products added and subtracted."""
+        return self._chain(self._product, "+", "-")
+
+    def _product(self) -> Any:
+        return self._chain(self._factor, "*", "/")
+
+    def _chain(self, read: Callable[[], Any], *signs: str) -> Any:
+        """What `read` reads, with the signs between."""
+        column, first = self.next.column, read()
+        rest = []
+        while sign := self.accept(*signs):
+            rest.append((sign, read()))
+        return ChainNode(column, first, tuple(rest)) if rest else first
+
+    def _factor(self) -> Any:
+        """A power with signs before it."""
+        sign = self.accept("+", "-")
+        if sign is None:
+            return self._power()
+        node = self.nested(self._factor)
+        return NegatedNode(sign.column, node) if sign.text == "-" else node
+
+    def _power(self) -> Any:
+        """An atom, raised to a small power if one follows."""
+        column, base = self.next.column, self._atom()
+        if not self.accept("**", "^"):
+            return base
+        if not self.accept("("):
+            return PowerNode(column, base, Fraction(self._exponent()))
+        numerator = self._exponent()
+        denominator = self._exponent() if self.accept("/") else 1
+        if denominator < 1:
+            raise self.error(self.next, "an exponent is an integer or a fraction of two")
+        self.expect(")", "the bracket of the exponent is not closed")
+        return PowerNode(column, base, Fraction(numerator, denominator))
+
+    def _exponent(self) -> int:
+        negative, token = self.accept("-"), self.take()
+        if not token.text.isdigit() or len(token.text) > 4 or int(token.text) > self.largest_power:
+            raise self.error(token, f"an exponent is an integer from -{self.largest_power} to {self.largest_power}")
+        return -int(token.text) if negative else int(token.text)
+
+    def _atom(self) -> Any:
+        """A number, what a name stands for, a function, or a sum in brackets."""
+        token = self.take()
+        if token.kind == NUMBER:
+            return NumberNode(token.column, self.rational(token.text, token))
+        if token.text == "(":
+            node = self.nested(self.sum)
+            self.expect(")", "a bracket is not closed")
+            return node
+        if token.kind != NAME:
+            raise self.error(token, f"{token.shown} stands where a number, a name or a bracket should")
+        return self._call(token) if self.accept("(") else self.named(token)
+
+    def named(self, name: Token) -> Any:
+        """What begins with a name that is no function."""
+        return NameNode(name.column, name.text)
+
+    def _call(self, name: Token) -> CallNode:
+        """A function from after its bracket on."""
+        arguments = [self.nested(self.sum)]
+        while self.accept(","):
+            arguments.append(self.nested(self.sum))
+        self.expect(")", f"the bracket of {name.text} is not closed")
+        return CallNode(name.column, name.text, tuple(arguments))
+
+    def rational(self, text: str, token: Token) -> Fraction:
+        """The number that the text spells."""
+        try:
+            return parse_rational(text)
+        except ValueError as error:
+            raise self.error(token, str(error)) from None
+
+    def nested(self, read: Callable[[], Any]) -> Any:
+        """One level deeper. Refuses depths at which Python's own stack would be at stake."""
+        self.depth += 1
+        if self.depth > DEEPEST_NESTING:
+            raise self.error(self.next, f"it is nested deeper than {DEEPEST_NESTING} levels")
+        node = read()
+        self.depth -= 1
+        return node
+
+    def error(self, token: Token, reason: str) -> ExpressionError:
+        """The refusal at a token."""
+        return self.refusal(self.text, token.column, reason)
+
+
+def parse_form(form: str) -> ExpressionNode:
+    """The tree of an exact form, whose names are variables. Raises ExpressionError where it is none, or too long."""
+    node: ExpressionNode = ExpressionParser(form, LONGEST_FORM, LARGEST_POWER_OF_FORM).tree()
+    return node
+
+
+def _cut(text: str, longest: int) -> str:
+    return text if len(text) <= longest else f"{text[: longest - 3]}..."
