@@ -55,7 +55,7 @@ def _outputs(templates: list[Path], output: Path | None) -> dict[Path, Path]:
     from driftproof.texts.templates.text_kinds import kind_of
 
     if output is not None and len(templates) > 1:
-        raise ValueError("--output names one file, and there are cli.several templates; render them one by one")
+        raise ValueError("--output names one file, and there are several templates; render them one by one")
     found: dict[Path, Path] = {}
     for template in templates:
         if output is None and template.suffix != TEMPLATE_SUFFIX:
