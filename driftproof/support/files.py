@@ -44,3 +44,15 @@ def require_file(path: Path) -> None:
         raise ValueError(f"{path} is a folder; name a file in it")
     if path.exists() and not path.is_file():
         raise ValueError(f"{path} is no file that can be replaced; name another")
+
+
+def read_utf8(path: Path, most: int) -> str:
+    """The text of a file of at most so many bytes. Raises OSError, and ValueError, in one line that names the file."""
+    with path.open("rb") as file:
+        content = file.read(most + 1)
+    if len(content) > most:
+        raise ValueError(f"{path}: longer than {most} bytes")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{path}: not UTF-8 at byte {error.start}") from None

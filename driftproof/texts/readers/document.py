@@ -9,6 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
+from driftproof.support.files import read_utf8
 from driftproof.texts.readers.canonical import canonical_spelling
 from driftproof.texts.readers.html import html_blocks
 from driftproof.texts.readers.jupyter import notebook_blocks
@@ -85,13 +86,8 @@ def read_document(path: str | Path, form: str | None = None) -> Document:
     the reader cannot take.
     """
     path = Path(path)
-    with path.open("rb") as file:
-        content = file.read(LARGEST_DOCUMENT + 1)
-    if len(content) > LARGEST_DOCUMENT:
-        raise ValueError(f"{path}: a text has at most {LARGEST_DOCUMENT} bytes")
+    source = read_utf8(path, LARGEST_DOCUMENT)
     try:
-        return document_of(content.decode(), form or _ENDINGS.get(path.suffix.lower(), "plain"))
-    except UnicodeDecodeError as error:
-        raise ValueError(f"{path}: byte {error.start} is not UTF-8 text") from None
+        return document_of(source, form or _ENDINGS.get(path.suffix.lower(), "plain"))
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None

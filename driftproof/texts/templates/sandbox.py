@@ -15,6 +15,7 @@ from jinja2.runtime import BlockReference, Context, LoopContext, Macro
 from jinja2.sandbox import SandboxedEnvironment, safe_range
 from jinja2.utils import Namespace
 
+from driftproof.support.files import read_utf8
 from driftproof.texts.templates.text_kinds import HTML, LATEX, TextKind
 
 # Larger than any text that people read.
@@ -69,14 +70,7 @@ class FolderLoader(BaseLoader):
             raise Refusal(f"{template[:60]!r} lies outside the folder of the template")
         if not path.is_file():
             raise TemplateNotFound(template)
-        with path.open("rb") as file:
-            data = file.read(_LARGEST_TEMPLATE + 1)
-        if len(data) > _LARGEST_TEMPLATE:
-            raise ValueError(f"{path}: longer than {_LARGEST_TEMPLATE} bytes")
-        try:
-            text = data.decode("utf-8").replace("\r\n", "\n").replace("\r", "\n")
-        except UnicodeDecodeError as error:
-            raise ValueError(f"{path}: not UTF-8 at byte {error.start}") from None
+        text = read_utf8(path, _LARGEST_TEMPLATE).replace("\r\n", "\n").replace("\r", "\n")
         self.sources[template] = text
         return text, template, None
 

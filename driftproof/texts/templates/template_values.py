@@ -90,16 +90,18 @@ class TemplateValue:
     __hash__ = None  # type: ignore[assignment]
 
 
-def digits_filter(style: NumberStyle, x: object, count: object) -> str:
-    """To `count` significant digits."""
-    n, value = _count(count, 1), _value_of(x)
-    return _written(lambda: style.decimal(lambda style: value.digits(n, style)), f"digits({n}")
+def _decimal_filter(name: str, least: int) -> Callable[..., str]:
+    """The filter that asks a value for `digits` or `places`, a number of them from `least` on."""
 
+    def apply(style: NumberStyle, x: object, count: object) -> str:
+        value = _value_of(x)
+        if isinstance(count, bool) or not isinstance(count, int) or not least <= count <= LONGEST_DECIMAL:
+            allowed = f"write a whole number from {least} to {LONGEST_DECIMAL}"
+            raise Refusal(f"{str(count)[:20]!r} is no number of digits; {allowed}")
+        ask = getattr(value, name)
+        return _written(lambda: style.decimal(lambda style: ask(count, style)), f"{name}({count}")
 
-def places_filter(style: NumberStyle, x: object, count: object) -> str:
-    """To `count` digits after the point."""
-    n, value = _count(count, 0), _value_of(x)
-    return _written(lambda: style.decimal(lambda style: value.places(n, style)), f"places({n}")
+    return apply
 
 
 def exact_filter(style: NumberStyle, x: object) -> str:
@@ -124,8 +126,8 @@ def mathml_filter(style: NumberStyle, x: object) -> str:
 
 
 VALUE_FILTERS: dict[str, Callable[..., str]] = {
-    "digits": digits_filter,
-    "places": places_filter,
+    "digits": _decimal_filter("digits", 1),
+    "places": _decimal_filter("places", 0),
     "exact": exact_filter,
     "tex": tex_filter,
 }
@@ -135,12 +137,6 @@ def _value_of(x: object) -> Answer:
     if not isinstance(x, TemplateValue):
         raise Refusal(f"a {type(x).__name__} is no value; apply filters to value(...)")
     return x._value
-
-
-def _count(n: object, least: int) -> int:
-    if isinstance(n, bool) or not isinstance(n, int) or not least <= n <= LONGEST_DECIMAL:
-        raise Refusal(f"{str(n)[:20]!r} is no number of digits; write a whole number from {least} to {LONGEST_DECIMAL}")
-    return n
 
 
 def _written(write: Callable[[], str], call: str = "") -> str:

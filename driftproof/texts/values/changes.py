@@ -13,6 +13,7 @@ from typing import Any, TypeAlias
 
 from flint import fmpz
 
+from driftproof.support.files import read_utf8
 from driftproof.support.plain_text import annotation, as_json, table
 
 # Kind of change -> the words for one and for several, and the level of its annotation; the gravest first.
@@ -59,33 +60,25 @@ class Change:
 def read_values(path: Path) -> dict[str, Any]:
     """The JSON object in the file; numbers stay text, so that none is rounded. Raises ValueError with one line."""
     try:
-        with path.open("rb") as file:
-            data = file.read(_LARGEST_FILE + 1)
-        if len(data) > _LARGEST_FILE:
-            raise ValueError(f"longer than {_LARGEST_FILE} bytes; give a file of values")
-        text, hook = data.decode("utf-8-sig"), _without_repetition
-        read = json.loads(text, parse_int=str, parse_float=str, parse_constant=str, object_pairs_hook=hook)
-        if not isinstance(read, dict):
-            raise ValueError("holds no JSON object; give what `driftproof values` prints")
-        return read
+        text, hook = read_utf8(path, _LARGEST_FILE), _without_repetition
     except OSError as error:
-        reason = str(error.strerror)
-    except UnicodeDecodeError as error:
-        reason = f"not UTF-8 at byte {error.start}"
+        raise ValueError(f"{path}: {error.strerror}") from None
+    try:
+        read = json.loads(text, parse_int=str, parse_float=str, parse_constant=str, object_pairs_hook=hook)
     except RecursionError:
-        reason = "nested too deeply for a file of values"
-    except json.JSONDecodeError as error:
-        reason = f"no JSON: {error}"
+        raise ValueError(f"{path}: nested too deeply for a file of values") from None
     except ValueError as error:
-        reason = str(error)
-    raise ValueError(f"{path}: {reason}")
+        raise ValueError(f"{path}: no JSON: {error}") from None
+    if not isinstance(read, dict):
+        raise ValueError(f"{path}: holds no JSON object; give what `driftproof values` prints")
+    return read
 
 
 def _without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) < len(pairs):
         twice = next(key for key, times in Counter(key for key, _ in pairs).items() if times > 1)
-        raise ValueError(f"no JSON: the key {twice[:60]!r} stands twice in one object")
+        raise ValueError(f"the key {twice[:60]!r} stands twice in one object")
     return found
 
 

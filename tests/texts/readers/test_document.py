@@ -27,8 +27,8 @@ def test_reader_is_chosen_by_the_ending(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"\xff\xfe", "byte 0 is not UTF-8 text"),
-        (b" " * (LARGEST_DOCUMENT + 1), "at most 4194304 bytes"),
+        (b"\xff\xfe", "not UTF-8 at byte 0"),
+        (b" " * (LARGEST_DOCUMENT + 1), "longer than 4194304 bytes"),
         (b"{", "it is no notebook"),
         (b'{"cells": 3}', 'a list "cells"'),
         (b"[" * 100_000, "nested too deep"),
