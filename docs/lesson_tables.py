@@ -40,11 +40,8 @@ Rows = list[list[str]]
 STATEMENT = re.compile(r"L\d{3}\b")
 
 # Each digit, and what a misprint may put in its place.
-_KINDS = (
-    "0123456789",
-    *("".join(c for c, d in table.items() if d.isdigit()) for table in (RAISED, LOWERED)),
-    FRACTIONS,
-)
+_SHIFTED = ("".join(c for c, d in table.items() if d.isdigit()) for table in (RAISED, LOWERED))
+_KINDS = ("0123456789", *_SHIFTED, FRACTIONS)
 MISPRINTS = {digit: kind.replace(digit, "") for kind in _KINDS for digit in kind}
 # More of a plain text than this on either side of a digit has no say in what a phrase around it is.
 ROUND_ABOUT = 200
@@ -98,9 +95,8 @@ def figures(lesson: Path = LESSON) -> dict[str, Any]:
 def _reason(claim: Claim) -> str:
     if claim.given is None:
         return "ticks of a diagram"
-    return (
-        "formulas and conventions, settled in the ledger" if STATEMENT.match(claim.given) else "choices of the lesson's"
-    )
+    settled = STATEMENT.match(claim.given)
+    return "formulas and conventions, settled in the ledger" if settled else "choices of the lesson's"
 
 
 def known() -> dict[str, Any]:
@@ -108,7 +104,7 @@ def known() -> dict[str, Any]:
     return dict(json.loads(FIGURES.read_text(encoding="utf-8")))
 
 
-def _coverage() -> Rows:
+def _coverage(_: object) -> Rows:
     found = known()
     numbers = found[WORKED_OUT] + found[GIVEN] + found[UNCOVERED]
     share = Fraction(found["share"]) * 100
@@ -122,12 +118,12 @@ def _coverage() -> Rows:
     ]
 
 
-def _labels() -> Rows:
+def _labels(_: object) -> Rows:
     found = sorted(known()["labels"].items(), key=lambda pair: (-pair[1], pair[0]))
     return [["labels", "how many"], *([why, str(count)] for why, count in found), ["all", str(known()[LABEL])]]
 
 
-def _misprints() -> Rows:
+def _misprints(_: object) -> Rows:
     found = known()
     return [
         ["digits of the lesson", "how many"],
@@ -139,7 +135,7 @@ def _misprints() -> Rows:
     ]
 
 
-TABLES: dict[str, Callable[[], Rows]] = {"coverage": _coverage, "labels": _labels, "misprints": _misprints}
+TABLES: dict[str, Callable[[object], Rows]] = {"coverage": _coverage, "labels": _labels, "misprints": _misprints}
 
 
 def main() -> None:

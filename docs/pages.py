@@ -2,7 +2,8 @@
 
 `python docs/pages.py` rewrites docs/differences.md, docs/language.md and docs/lesson.md in place. In a page, a block
 that opens with ```console and `$ driftproof ...` shows what the command prints; a block that opens with ```python holds
-a session with `>>>`; and a table follows the comment <!-- table: NAME -->, NAME in TABLES of the page's own module.
+a session with `>>>`; and a table follows the comment <!-- table: NAME -->, NAME in TABLES of the page's own
+module, which makes it from the rows that stand there.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import io
 import re
 import shlex
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -21,7 +22,9 @@ sys.path.insert(0, str(ROOT))  # the checkout's own packages, whatever else is i
 
 CONSOLE = re.compile(r"```console\n\$ driftproof (.*?)\n(.*?)```", re.DOTALL)
 SESSION = re.compile(r"```python\n(.*?)```", re.DOTALL)
-TABLE = re.compile(r"<!-- table: (\w+) -->\n+(?:\|.*\n)*\n*")
+TABLE = re.compile(r"<!-- table: (\w+) -->\n+((?:\|.*\n)*)\n*")
+# Makes a table anew, its header first, from the rows that stand there.
+Table = Callable[[Sequence[Sequence[str]]], list[list[str]]]
 
 
 def printed(command: str) -> str:
@@ -78,12 +81,21 @@ def markdown(rows: Sequence[Sequence[str]]) -> str:
     return "".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |\n" for line in lines)
 
 
-def refreshed(page: str, tables: dict[str, Callable[[], list[list[str]]]]) -> str:
+def rows_of(table: str) -> list[list[str]]:
+    """The rows of a table in Markdown, without its header."""
+    lines = [line[2:-2] for line in table.splitlines()[2:]]
+    return [[cell.replace(r"\|", "|") for cell in re.split(r"(?<!\\) \| ", line)] for line in lines]
+
+
+def refreshed(page: str, tables: Mapping[str, Table]) -> str:
     """The page with every block and every table as they are now; the sessions of a page share their variables."""
     names: dict[str, object] = {}
     page = CONSOLE.sub(lambda m: f"```console\n$ driftproof {m[1]}\n{printed(m[1])}```", page)
     page = SESSION.sub(lambda m: f"```python\n{session(m[1], names)}```", page)
-    return TABLE.sub(lambda m: f"<!-- table: {m[1]} -->\n\n{markdown(tables[m[1]]())}\n", page).rstrip() + "\n"
+    return (
+        TABLE.sub(lambda m: f"<!-- table: {m[1]} -->\n\n{markdown(tables[m[1]](rows_of(m[2])))}\n", page).rstrip()
+        + "\n"
+    )
 
 
 def main() -> None:

@@ -175,7 +175,7 @@ def peer_own() -> Rows:
     return rows
 
 
-TABLES: dict[str, Callable[[], Rows]] = {
-    table.__name__: table
+TABLES: dict[str, Callable[[Any], Rows]] = {
+    table.__name__: lambda _, table=table: table()  # type: ignore[misc]
     for table in (orders, order_count, quadratic, published, peer_counts, peer_differences, peer_own)
 }
