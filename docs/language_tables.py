@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
+from docs.pages import TABLE, rows_of
 from driftproof.texts.questions.answer import OutputOptions, format_answer
 from driftproof.texts.questions.decimals import PLAIN, ROUNDING_POLICIES, Style
 from driftproof.texts.questions.evaluate import value
@@ -47,9 +49,15 @@ def _refusal(question: str) -> str:
         return str(error).partition(", ")[2]
 
 
-QUESTIONS = ("runs", "facts", "arithmetic", "bounds")
+def questions_of(*names: str) -> list[str]:
+    """The questions of some tables, as they stand on the page."""
+    page = Path(__file__).with_name("language.md").read_text(encoding="utf-8")
+    found = {match[1]: [row[0].strip("`") for row in rows_of(match[2])] for match in TABLE.finditer(page)}
+    return [question for name in names for question in found[name]]
+
+
 TABLES: dict[str, Callable[[Sequence[Sequence[str]]], Rows]] = {
-    **dict.fromkeys(QUESTIONS, answers),
+    **dict.fromkeys(("runs", "facts", "arithmetic", "bounds"), answers),
     "roundings": roundings,
     "refusals": refusals,
 }

@@ -10,17 +10,19 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from docs.language_tables import ARITHMETIC, BOUNDS, FACTS, REFUSED, RUNS
+from docs.language_tables import questions_of
 from driftproof.methods.expression_tree import ExpressionParser
 from driftproof.texts.questions import evaluate
 from driftproof.texts.questions.decimals import ROUNDING_POLICIES, Style
 from driftproof.texts.questions.errors import AmbiguousRounding, QuestionError
 from driftproof.texts.questions.evaluate import value
 
-QUESTIONS = (*RUNS, *FACTS, *ARITHMETIC, *REFUSED)
+REFUSED = questions_of("refusals")
+QUESTIONS = (*questions_of("runs", "facts", "arithmetic"), *REFUSED)
+ASKED = (*QUESTIONS, *questions_of("bounds"))
 # What a question may be made of, and what an attacker would put into it.
 PIECES = sorted(
-    {token.text for question in (*QUESTIONS, *BOUNDS) for token in ExpressionParser(question.replace("'", "")).tokens}
+    {token.text for asked in ASKED for token in ExpressionParser(asked.replace("'", "")).tokens}
     | {"1e1200", "1e-1200", "9" * 60, "h=1e300", "N=1000000000000", "t=1e1000", "gauss10", "yoshida8", "ssprk40_2"}
     | {"**64", "((", "))", "at", "from", "sharp", ",", "=", "{{", "\x00", "é", "−", "\n", "__class__", ".", "..", "0"}
 )
