@@ -155,15 +155,6 @@ def test_unknown_style_is_refused(wrong: dict[str, str]) -> None:
         Style(**wrong)
 
 
-def test_bound_is_rounded_up_unless_another_policy_is_named() -> None:
-    bound = value("roundoff rk4 h=1/3 : qq")
-    assert isinstance(bound.exact, Q)
-    assert bound.is_bound
-    for n in range(1, 12):
-        assert Q(bound.digits(n)) >= bound.exact >= Q(bound.digits(n)) - Q(10) ** (1 - n)
-    assert any(bound.digits(n) != bound.digits(n, Style("half-even")) for n in range(1, 12))
-
-
 @pytest.mark.parametrize("rounding", ROUNDING_POLICIES)
 def test_irrational_numbers_are_never_refused_and_never_tied(rounding: str) -> None:
     with localcontext(Context(prec=70, rounding=ROUND_DOWN)):
@@ -172,22 +163,3 @@ def test_irrational_numbers_are_never_refused_and_never_tied(rounding: str) -> N
         for n in range(1, 50):
             expected = root.quantize(Decimal(1).scaleb(-n), rounding=IN_DECIMAL[rounding], context=Context(prec=70))
             assert Decimal(value("sqrt(2)").places(n, Style(rounding))) == expected
-
-
-@pytest.mark.parametrize(("n", "reason"), [(0, "ask for at least one"), (10_001, "at most 10000"), (10**9, "at most")])
-def test_number_of_digits_has_its_bounds(n: int, reason: str) -> None:
-    with pytest.raises(QuestionError, match=reason):
-        value("1/3").digits(n)
-
-
-def test_what_is_no_number_has_no_decimals() -> None:
-    for question in ("energy_multiplier rk4", "a_stable rk4", "real_limit backward_euler"):
-        assert not value(question).is_number
-        with pytest.raises(QuestionError, match="is no number and has no decimals"):
-            value(question).digits(6)
-
-
-def test_number_that_no_enclosure_decides_is_an_error_and_not_a_guess() -> None:
-    nothing = value("(run rk4 h=1/4 t=10 : state_error) - (run rk4 h=1/4 t=10 : state_error)")
-    with pytest.raises(QuestionError, match="undecided at 131072 bits"):
-        nothing.digits(3)

@@ -1,10 +1,8 @@
-"""Whatever is asked, the language answers or refuses in one line; arithmetic is what Python's Fractions make of it."""
+"""Whatever is asked, the language answers or refuses in one line."""
 
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import dataclass
-from fractions import Fraction as Q
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -77,54 +75,6 @@ def test_any_mutated_question_is_answered_or_refused(text: str) -> None:
 def test_any_two_questions_in_arithmetic_are_answered_or_refused(a: str, b: str, sign: str, power: int) -> None:
     answer_or_refuse(f"({a}) {sign} ({b})")
     answer_or_refuse(f"log2(({a}) ** {power})")
-
-
-@dataclass(frozen=True)
-class Sum:
-    """A text of the language's grammar, and the number that it should be: None where something divides by zero."""
-
-    text: str
-    number: Q | None
-
-
-def combined(a: Sum, b: Sum, sign: str) -> Sum:
-    text = f"({a.text} {sign} {b.text})"
-    if a.number is None or b.number is None or (sign == "/" and not b.number):
-        return Sum(text, None)
-    found = {"+": a.number + b.number, "-": a.number - b.number, "*": a.number * b.number}
-    return Sum(text, a.number / b.number if sign == "/" else found[sign])
-
-
-def powered(a: Sum, n: int) -> Sum:
-    return Sum(f"({a.text})**{n}", None if a.number is None or (n < 0 and not a.number) else a.number**n)
-
-
-NUMBERS = st.one_of(
-    st.integers(0, 99).map(lambda n: Sum(str(n), Q(n))),
-    st.decimals(0, 99, places=3).map(lambda x: Sum(f"{x:f}", Q(x))),
-    st.builds(lambda p, q: Sum(f"({p}/{q})", Q(p, q)), st.integers(0, 9), st.integers(1, 9)),
-    st.just(Sum("(step rk4 h=1/2 : q)", Q(337, 384))),
-    st.just(Sum("order rk4", Q(4))),
-)
-SUMS = st.recursive(
-    NUMBERS,
-    lambda inner: st.one_of(
-        st.builds(combined, inner, inner, st.sampled_from("+-*/")),
-        st.builds(powered, inner, st.integers(-3, 3)),
-        inner.map(lambda a: Sum(f"-{a.text}", None if a.number is None else -a.number)),
-        inner.map(lambda a: Sum(f"abs({a.text})", None if a.number is None else abs(a.number))),
-    ),
-    max_leaves=8,
-)
-
-
-@given(SUMS)
-def test_arithmetic_is_that_of_fractions(made: Sum) -> None:
-    if made.number is None:
-        with pytest.raises(QuestionError, match="divides by zero"):
-            value(made.text)
-    else:
-        assert value(made.text).exact == made.number
 
 
 def test_fuzzing_would_notice_another_exception(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,113 @@
+"""Answers that are facts, against Fractions by hand and against what is in print; why a method has none."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+
+import pytest
+
+from driftproof.texts.questions.errors import QuestionError
+from driftproof.texts.questions.evaluate import value
+from tests.texts.questions.steps_by_hand import BY_HAND, energy, reached
+
+
+def test_energy_multiplier_is_what_a_step_does_to_the_energy() -> None:
+    for h in (Q(1, 4), Q(-2), Q(17, 5)):
+        for key in ("forward_euler", "rk4"):
+            expected = energy(reached(key, h, 1)) / energy((Q(1), Q(0)))
+            assert value(f"energy_multiplier {key} h={h}").exact == expected
+    assert value("energy_multiplier rk4").exact_text == "1 - h**6/72 + h**8/576"
+    assert not value("energy_multiplier rk4").is_number
+
+
+def test_one_step_matrix_has_the_images_of_the_axes_for_columns() -> None:
+    h = Q(3, 7)
+    for key in BY_HAND:
+        columns = [reached(key, h, 1, axis) for axis in ((Q(1), Q(0)), (Q(0), Q(1)))]
+        found = [[value(f"one_step_matrix {key} h={h} : M_{row}{column}").exact for column in "qv"] for row in "qv"]
+        assert found == [[columns[j][i] for j in (0, 1)] for i in (0, 1)]
+        (a, b), (c, d) = found
+        assert value(f"determinant {key} h={h}").exact == a * d - b * c
+
+
+def test_invariant_keeps_its_value_over_a_step() -> None:
+    h, z = Q(2, 3), (Q(1, 5), Q(-4))
+    q, v = BY_HAND["symplectic_euler"](z, h)
+    before, after = (value(f"invariant symplectic_euler h={h} from {a},{b}").exact for a, b in (z, (q, v)))
+    assert before == after == (z[0] ** 2 - h * z[0] * z[1] + z[1] ** 2) / 2
+    assert value("invariant symplectic_euler").exact_text == "q**2/2 - h*q*v/2 + v**2/2"
+    assert value("invariant symplectic_euler h=1/2 : qv").exact == Q(-1, 4)
+
+
+def taylor(x: Q) -> Q:
+    return 1 - x + x**2 / 2 - x**3 / 6 + x**4 / 24
+
+
+def test_stability_limits_of_rk4_are_where_its_polynomial_leaves_the_disc() -> None:
+    limit = Q(value("real_limit rk4").digits(40))
+    unit = Q(1, 10**38)
+    assert taylor(limit - unit) < 1 < taylor(limit + unit)
+    assert value("stability_function rk4 z=-3/2").exact == taylor(Q(3, 2))
+    imaginary = value("imaginary_limit rk4")
+    assert (imaginary.exact_text, value("(imaginary_limit rk4)**2").exact) == ("2*sqrt(2)", 8)
+    assert value("real_limit backward_euler").exact_text == "oo"
+
+
+FACTS = {
+    "order rk4": ("4", "PROVED"),
+    "stages rk4": ("4", "COUNTED"),
+    "a_stable radau_iia2": ("yes", "PROVED"),
+    "a_stable rk4": ("no", "PROVED"),
+    "error_constant rk4": ("-1/120", "PROVED"),
+    "error_constant rk4 : power": ("5", "PROVED"),
+    "order_fails rk4 : residual": ("1/120", "PROVED"),
+    "dispersion rk4": ("-h**5/120", "PROVED"),
+    "dispersion rk4 h=1/10": ("-1/12000000", "PROVED"),
+    "dissipation rk4 : coefficient": ("-1/144", "PROVED"),
+    "dispersion_series rk4": ("-h**5/120 + h**7/336 - h**9/5184 - h**11/19008", "PROVED"),
+    "stability_function radau_iia2": ("(1 + z/3)/(1 - 2*z/3 + z**2/6)", "PROVED"),
+    "limit_at_infinity radau_iia2": ("0", "PROVED"),
+    "limit_at_infinity rk4": ("oo", "PROVED"),
+    "ssp_coefficient ssprk33": ("1", "PROVED"),
+    "sector radau_iia2 : degrees": ("90", "PROVED"),
+    "sector radau_iia2 : tan": ("oo", "PROVED"),
+    "sector rk4 : degrees": ("0", "PROVED"),
+    "simplifying_assumptions gauss2 : B": ("4", "PROVED"),
+    "principal_error rk4 : squared_norm": ("349/1658880", "PROVED"),
+    "modified_hamiltonian symplectic_euler : quadratic.qv": ("-h/2", "PROVED"),
+    "order sdirk_order_2": ("2", "PROVED"),
+    "order sdirk_order_2 at (1/2 + sqrt(3)/6)": ("3", "PROVED"),
+    "order sdirk_order_2 at = 1/4": ("2", "PROVED"),
+    "a_stable sdirk_order_2": ("[1/4, oo)", "PROVED"),
+    "a_stable sdirk_order_2 at 1/5": ("no", "PROVED"),
+    "title rk4": ("Classical RK4", "STATED"),
+}
+
+
+@pytest.mark.parametrize("question", FACTS)
+def test_facts_are_answered_by_name(question: str) -> None:
+    found = value(question)
+    assert (found.exact_text, found.evidence) == FACTS[question]
+
+
+WHY_NOT = {
+    "real_limit velocity_verlet": "velocity_verlet has no real_limit: only Runge-Kutta and collocation methods",
+    "energy_multiplier symplectic_euler": "symplectic_euler has no energy_multiplier: what a step does to the energy",
+    "dissipation implicit_midpoint": "implicit_midpoint has no dissipation: the whole series vanishes",
+    "invariant rk4": "rk4 has no invariant: the quadratics that it conserves form a space of another dimension than 1",
+    "embedded_order rk4": "rk4 has no embedded_order",
+    "order_fails rk4 : leaf": "'leaf' is no part of order_fails of rk4; it has tree, residual",
+    "order rk4 : leaf": "'leaf' is no part of order of rk4; it has no parts",
+    "order rk4 h=1": "order has no setting h here; it takes none",
+    "stability_function backward_euler z=1": "stability_function has a pole at z = 1",
+    "one_step_matrix rk4": "one_step_matrix needs a readout after a colon; there are M_qq, M_qv, M_vq, M_vv",
+    "sector rk4": "sector needs a readout after a colon; there are tan, degrees",
+    "invariant symplectic_euler from 1,0": "the value of the invariant at a state needs h",
+}
+
+
+@pytest.mark.parametrize("question", WHY_NOT)
+def test_a_fact_that_is_not_there_is_refused_with_its_reason(question: str) -> None:
+    with pytest.raises(QuestionError) as refusal:
+        value(question)
+    assert WHY_NOT[question] in str(refusal.value)

@@ -1,0 +1,42 @@
+"""Answers about steps and runs: exact forms beside certified decimals, null where there is none, and as a table."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+
+from driftproof.methods.number_field import square_root
+from driftproof.texts.writing.answers import answer_text, exact_and_decimal, run_answer, step_answer
+
+START = (Q(1), Q(0))
+
+
+def test_number_has_an_exact_form_a_decimal_and_perhaps_a_unit() -> None:
+    assert exact_and_decimal(Q(337, 384), 6) == {"exact": "337/384", "decimal": "0.877604"}
+    assert exact_and_decimal(square_root(2), 4, "away", "m") == {"exact": "sqrt(2)", "decimal": "1.415", "unit": "m"}
+    assert exact_and_decimal(None, 6) is None
+    long = Q(10**5000 + 1, 10**5000)
+    assert exact_and_decimal(long, 3)["exact"] == f"1{'0' * 4999}1/1{'0' * 5000}"
+
+
+def test_step_is_answered_exactly() -> None:
+    answer = step_answer("rk4", Q(1, 2), START, 6, "half-even")
+    assert answer["final_state"]["q"] == {"exact": "337/384", "decimal": "0.877604"}
+    assert (answer["h"], answer["start"], answer["digits"]) == ("1/2", ["1", "0"], 6)
+    assert "steps" not in answer
+
+
+def test_run_counts_its_evaluations_where_the_method_says_how_many() -> None:
+    answer = run_answer("rk4", Q(1, 4), Q(10), START, 6, "half-even")
+    assert (answer["steps"], answer["evaluations"]) == (40, 160)
+    assert answer["exact_state"]["q"]["exact"] == "cos(10)"
+    assert answer["phase_error"]["unit"] == "degrees"
+    assert "evaluations" not in run_answer("implicit_midpoint", Q(1, 4), Q(10), START, 6, "half-even")
+
+
+def test_text_has_short_exact_forms_and_says_what_is_undefined() -> None:
+    lines = answer_text(step_answer("rk4", Q(1, 2), START, 6, "half-even")).splitlines()
+    assert lines[0] == "Classical RK4 (rk4): one step of h = 1/2 from (1, 0)"
+    assert lines[2].split() == ["final", "state", "q", "0.877604", "exactly", "337/384"]
+    assert lines[-1] == "6 digits, rounded half-even, certified"
+    at_rest = answer_text(run_answer("rk4", Q(1, 4), Q(1), (Q(0), Q(0)), 6, "half-even"))
+    assert "phase error    undefined at the origin" in at_rest

@@ -1,0 +1,95 @@
+"""Facts as text and as TeX: the same words around forms that are written in two ways, for every type of fact."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+from typing import Any
+
+import pytest
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.families import FAMILIES
+from driftproof.methods.number_field import square_root
+from driftproof.symbolic.facts import Facts
+from driftproof.symbolic.family_facts import FamilyFacts, LimitPiece
+from driftproof.symbolic.linear.a_stability import sector_tangent
+from driftproof.symbolic.linear.facts import ExactFunction, PowerSeries
+from driftproof.symbolic.linear.families import Interval, ParameterSet
+from driftproof.symbolic.linear.stability_limits import INFINITY
+from driftproof.texts.writing.facts import fact_tex, fact_text, facts_tex, facts_text
+from tests.symbolic.linear.family_examples import SDIRK_3
+from tests.symbolic.linear.linear_examples import pade
+
+RK4, GAUSS, SDIRK = Facts(METHODS["rk4"]), Facts(METHODS["gauss2"]), FamilyFacts(FAMILIES["sdirk_order_2"])
+# A fact, as text, as TeX.
+WRITTEN: list[tuple[Any, str, str]] = [
+    (None, "none", "none"),
+    (True, "yes", "yes"),
+    ("runge_kutta", "runge_kutta", r"runge\_kutta"),
+    (Q(-1, 120), "-1/120", r"$-\frac{1}{120}$"),
+    (1 - square_root(2) / 2, "1 - 1/2*sqrt(2)", r"$1-\frac{\sqrt{2}}{2}$"),
+    (INFINITY, "oo", r"$\infty$"),
+    ([], "none", "none"),
+    ((Q(0), Q(1, 2)), "[0, 1/2]", r"[$0$, $\frac{1}{2}$]"),
+    (RK4.imaginary_limit, "2*sqrt(2) = 2.828427124746190097603377448419", r"$2 \sqrt{2} \approx 2.82842712$"),
+    (
+        GAUSS.stability_function,
+        "(1 + 1/2 z + 1/12 z^2)/(1 - 1/2 z + 1/12 z^2)",
+        r"$\frac{1+\frac{z}{2}+\frac{z^{2}}{12}}",
+    ),
+    (RK4.energy_multiplier, "1 - 1/72 h^6 + 1/576 h^8", r"$1-\frac{h^{6}}{72}+\frac{h^{8}}{576}$"),
+    (RK4.error_constant, "-1/120 h^5", r"$-\frac{h^{5}}{120}$"),
+    (PowerSeries((Q(0), Q(1), Q(1, 12)), "z"), "z + 1/12 z^2 + O(z^3)", r"$z+\frac{z^{2}}{12}+O(z^{3})$"),
+    (RK4.order_fails, "tree: [τ,τ,τ,τ], residual: 1/120", r"residual: $\frac{1}{120}$"),
+    (SDIRK.stability_function, "(1 + (1 - 2*gamma) z + ", r"$\frac{1+(1-2 \gamma) z+"),
+    (SDIRK.error_constant, "(-1/6 + gamma - gamma**2) h^3", r"$\left(-\frac{1}{6}+\gamma-\gamma^{2}\right) h^{3}$"),
+    (SDIRK.l_stable, "{1 - sqrt(2)/2} U {1 + sqrt(2)/2}", r"$\{1-\frac{\sqrt{2}}{2}\} \cup \{1+\frac{\sqrt{2}}{2}\}$"),
+    (ParameterSet(()), "empty", r"$\emptyset$"),
+    (SDIRK.order_sets[-1], "4 nowhere", "4 nowhere"),
+    (ArithmeticError("too_long"), "not decided: too_long", r"not decided: too\_long"),
+]
+
+
+@pytest.mark.parametrize(("fact", "text", "tex"), WRITTEN, ids=range(len(WRITTEN)))
+def test_fact_in_text_and_in_tex(fact: Any, text: str, tex: str) -> None:
+    assert fact_text(fact).startswith(text)
+    assert tex in fact_tex(fact)
+    assert fact_tex(fact).count("$") % 2 == 0
+
+
+def test_tangent_that_is_only_enclosed_has_an_interval_and_no_polynomial() -> None:
+    enclosed = sector_tangent(pade(2, 8))
+    ends = "(11167507641/1000000000, 5583753821/500000000)"
+    assert fact_text(enclosed).startswith(f"a number in {ends} = 11.16750764")
+    assert fact_tex(enclosed) == rf"a number in ${ends}$, $\approx 11.1675076$"
+
+
+def test_an_end_without_radicals_is_a_decimal_with_a_sign_that_it_is_one() -> None:
+    (*_, third) = FamilyFacts(SDIRK_3).order_sets[3].values.intervals
+    assert str(third).startswith("{~1.0685790213")
+    assert fact_tex(third).startswith(r"$\{\approx 1.0685790213")
+
+
+def test_a_piece_is_a_number_a_formula_or_a_root_of_its_curve() -> None:
+    everywhere = Interval(None, None, False, False)
+    assert fact_text(LimitPiece(everywhere, INFINITY)) == "oo on (-oo, oo)"
+    assert fact_tex(LimitPiece(everywhere, None, "a*x**3 - 2", 1)) == (
+        r"positive root 1 of $a x^{3}-2$ on $(-\infty, \infty)$"
+    )
+    assert fact_tex(LimitPiece(everywhere, None, "a*x - 2", 1, "2/a")) == r"$\frac{2}{a}$ on $(-\infty, \infty)$"
+
+
+def test_a_list_takes_a_line_for_each_row_in_text_and_a_matrix_is_one_in_tex() -> None:
+    h = ExactFunction(Facts(METHODS["forward_euler"]).one_step_matrix[0][1], "h")
+    facts = {"one_step_matrix": Facts(METHODS["forward_euler"]).one_step_matrix, "entry": h}
+    assert facts_text(facts).splitlines() == [
+        "one step matrix  [1, h]",
+        "                 [-h, 1]",
+        "entry            h",
+    ]
+    assert r"one step matrix & $\begin{pmatrix}1 & h \\ -h & 1\end{pmatrix}$ \\" in facts_tex(facts)
+
+
+def test_long_lists_are_cut_and_say_so() -> None:
+    assert fact_text({str(n): n for n in range(14)}).endswith("11: 11, and 2 more")
+    assert fact_tex({str(n): n for n in range(12)}).endswith("11: 11")
