@@ -11,24 +11,24 @@ from driftproof.blackbox.checks.suite import BRIEF, CHECKS, checks_of
 from driftproof.blackbox.checks.trials import CheckResult
 from driftproof.blackbox.findings import Outcome
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
-from driftproof.blackbox.judging.agreement import ORDINARY, explained
+from driftproof.blackbox.judging.agreement import ORDINARY_DOMAIN, explained
 from driftproof.blackbox.judging.pendulum_order import MeasuredOrder, measured_order
-from driftproof.blackbox.matching.linear_match import Candidate, LinearFit, linear_fit
-from driftproof.blackbox.matching.match import Identity, Reading, match_tableau, matched
+from driftproof.blackbox.matching.linear_match import LinearCandidate, LinearFit, linear_fit
+from driftproof.blackbox.matching.match import Identity, match_tableau, matched
 from driftproof.blackbox.matching.read_order import ReadOrder, read_order
 from driftproof.blackbox.probes.linear_steps import LINEAR
+from driftproof.blackbox.probes.questions import CoefficientReading, Introduction, introduction, read_coefficients
 from driftproof.blackbox.probes.tableau import TableauReading
-from driftproof.blackbox.questions import Introduction, coefficients, introduction
 from driftproof.blackbox.report import Report, Section, sections
-from driftproof.blackbox.stepper.calling_conventions import CALLS
+from driftproof.blackbox.stepper.calling_conventions import SIGNATURES
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Method
 from driftproof.support.plain_text import Json
 
 # Examples of the rounding errors of a method that was recognised: enough to see their size.
-EXAMPLES = 200
-QUESTIONS = (introduction, coefficients, linear_fit, measured_order)
+_EXAMPLES = 200
+QUESTIONS = (introduction, read_coefficients, linear_fit, measured_order)
 
 
 def identify(
@@ -63,7 +63,7 @@ def identify(
 class _Recognised(NamedTuple):
     """Coefficients, the methods that have them, and the order that they give; `untimed` are those but for the times."""
 
-    reading: Reading
+    reading: CoefficientReading
     identity: Identity
     order: ReadOrder
     untimed: Identity | None = None
@@ -82,7 +82,7 @@ class Seen:
     @cached_property
     def read(self) -> _Recognised | None:
         """The coefficients, where its calls let them be read and there are any, and what they are."""
-        reading: Reading | None = self.coefficients.result
+        reading: CoefficientReading | None = self.coefficients.result
         if reading is None:
             return None
         identity = matched(reading)
@@ -134,7 +134,7 @@ class Seen:
         return "it is no method that is known here"
 
 
-def _in_words(fit: LinearFit, best: Candidate) -> str:
+def _in_words(fit: LinearFit, best: LinearCandidate) -> str:
     """The candidate, with its keys where it is a method as it stands, and at which states if not at all of them."""
     others = [key for key in best.methods if key != best.words]
     keys = f" ({', '.join(others)})" if others and best.extras == 0 else ""
@@ -148,14 +148,14 @@ def _at(size: float) -> str:
     return "" if size == 1 else f", at states of size {size:.1e}, not of all sizes"
 
 
-def _on_the_oscillator(candidate: Candidate) -> bool:
+def _on_the_oscillator(candidate: LinearCandidate) -> bool:
     """True for a method as it stands, of q' = v, v' = -q."""
     return candidate.extras == 0 and candidate.position == candidate.stiffness == 1 and bool(candidate.methods)
 
 
 def _rounding(runner: IsolatedRunner, method: Method, size: float) -> Outcome:
-    domain = ORDINARY if size >= 1 else replace(ORDINARY, largest_state=size)
-    return runner.run([partial(explained, method=method, domain=domain, examples=EXAMPLES)])[0]
+    domain = ORDINARY_DOMAIN if size >= 1 else replace(ORDINARY_DOMAIN, largest_state=size)
+    return runner.run([partial(explained, method=method, domain=domain, examples=_EXAMPLES)])[0]
 
 
 def _sections(seen: Seen, rounding: Outcome | None) -> tuple[Section, ...]:
@@ -187,7 +187,7 @@ def _introduced(seen: Seen) -> list[str]:
     if seen.introduction.failed:
         return []
     opened: Introduction = seen.introduction.result
-    return [CALLS[opened.calls], f"takes {opened.numbers}, works in {opened.format}"]
+    return [SIGNATURES[opened.calls], f"takes {opened.numbers}, works in {opened.format}"]
 
 
 def _orders(seen: Seen) -> list[str]:

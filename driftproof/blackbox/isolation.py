@@ -98,7 +98,7 @@ class IsolatedRunner:
             return Session(Serving(self.target, probes, log), limits)
         # Hypothesis would leave a folder where one works.
         environment = {**os.environ, "HYPOTHESIS_STORAGE_DIRECTORY": str(log.parent)}
-        return Session(f"{__name__}:answer", limits, environment=environment)
+        return Session(f"{__name__}:answer_probe", limits, environment=environment)
 
 
 def _of_end(ended: ProcessEnded, limit: float, log: Path) -> Outcome:
@@ -157,7 +157,7 @@ class Serving:
 _serving: list[Serving] = []
 
 
-def answer(request: str | int) -> str | None:
+def answer_probe(request: str | int) -> str | None:
     """In a fresh interpreter: what is to be served, as `IsolatedRunner` pickled it, then the probes by their number."""
     if isinstance(request, str):
         _serving.append(Serving(*pickle.loads(base64.b64decode(request))))

@@ -10,11 +10,11 @@ from typing import Any
 from driftproof.blackbox.findings import Outcome
 from driftproof.blackbox.identify import identify
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
-from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY, Agreement, Domain, agreement
+from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY_DOMAIN, Agreement, Domain, agreement
 from driftproof.blackbox.judging.pendulum_order import MeasuredOrder, measured_order
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
 from driftproof.blackbox.matching.match import match_method
-from driftproof.blackbox.questions import coefficients
+from driftproof.blackbox.probes.questions import read_coefficients
 from driftproof.blackbox.report import Report, sections
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.schemes import Method
@@ -42,7 +42,7 @@ def verify(
     calls: str | None = None,
     array: Callable[[Any], Any] | str | None = None,
     examples: int = EXAMPLES,
-    domain: Domain = ORDINARY,
+    domain: Domain = ORDINARY_DOMAIN,
     allowance: Allowance = NO_ALLOWANCE,
     time_limit: float = TIME_LIMIT,
     isolate: bool = True,
@@ -67,7 +67,7 @@ def verify(
     Tolerance(asked, allowance=allowance)  # a question without sense is refused before anything runs
     runner = IsolatedRunner(Target(step, calls, array), time_limit, isolate)
     agreed = partial(agreement, method=asked, allowance=allowance, domain=domain, examples=examples)
-    outcomes = runner.run([agreed, coefficients, measured_order])
+    outcomes = runner.run([agreed, read_coefficients, measured_order])
     if outcomes[0].kind == "bad_input":
         raise ValueError(outcomes[0].seen)
     checks = [check(asked, outcome) for check, outcome in zip(CRITERIA, outcomes, strict=True)]

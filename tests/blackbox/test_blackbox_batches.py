@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from driftproof.blackbox.checks.determinism import batches
+from driftproof.blackbox.checks.determinism import several_states
 from driftproof.blackbox.stepper.opening import opened
 
 
 def check(step, **options):
-    found = batches(opened(step, **options))
+    found = several_states(opened(step, **options))
     return found[0] if found else None
 
 

@@ -6,10 +6,10 @@ import inspect
 import pytest
 
 from driftproof.blackbox.stepper.calling_conventions import (
-    CALLS,
     FIELD,
     FORCE,
     MAP,
+    SIGNATURES,
     STANDARD_ORDER,
     CallingConvention,
     convention_of,
@@ -73,7 +73,7 @@ def test_other_names_are_refused_in_one_line_that_shows_the_known_ones(parameter
         convention_of(step)
     message = str(caught.value)
     assert "\n" not in message
-    assert all(words in message for words in CALLS.values())
+    assert all(words in message for words in SIGNATURES.values())
     assert "<lambda>(" in message
 
 

@@ -7,7 +7,7 @@ import pytest
 from flint import arb, ctx
 
 from driftproof.blackbox.findings import UnsupportedCall
-from driftproof.blackbox.judging.pendulum_order import BITS, measured_order, pendulum
+from driftproof.blackbox.judging.pendulum_order import _BITS, measured_order, pendulum
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import stepper
@@ -69,7 +69,7 @@ def test_a_built_in_system_is_not_asked():
 
 
 def test_the_reference_keeps_the_energy_of_the_pendulum_and_a_finer_cut_agrees():
-    with ctx.workprec(BITS):
+    with ctx.workprec(_BITS):
         q, v = pendulum(1.0, 0.75, 2.0)
         energy = v * v / 2 - q.cos() - (arb(0.75) ** 2 / 2 - arb(1).cos())
         finer = pendulum(1.0, 0.75, 2.0, pieces=32, terms=60)

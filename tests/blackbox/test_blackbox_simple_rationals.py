@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof.blackbox.probes.coefficients import rational_text, simple_rational, simplest_in
+from driftproof.blackbox.probes.coefficients import short_rational, simple_rational, simplest_in
 
 FRACTIONS = st.fractions(min_value=-50, max_value=50, max_denominator=400)
 
@@ -38,5 +38,5 @@ def test_a_double_that_is_no_simple_fraction_is_read_as_none(x):
 
 
 def test_numbers_are_shown_as_people_write_them():
-    shown = [rational_text(x) for x in (Q(1, 25), Q(1, 3), Q(10**6), Q(-2), Q(2**0.5))]
+    shown = [short_rational(x) for x in (Q(1, 25), Q(1, 3), Q(10**6), Q(-2), Q(2**0.5))]
     assert shown == ["0.04", "1/3", "1000000", "-2", "1.4142135623730951"]

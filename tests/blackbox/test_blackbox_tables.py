@@ -15,7 +15,7 @@ from driftproof.blackbox.matching.tables import (
     tableau_of,
     tableau_repeated,
 )
-from driftproof.blackbox.probes.coefficients import exact_shown, half_spacing, is_nearest, shown
+from driftproof.blackbox.probes.coefficients import coefficient_text, exact_shown, half_spacing, is_nearest
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import square_root
@@ -87,7 +87,7 @@ SHOWN = [
 
 @pytest.mark.parametrize(("x", "fmt", "text"), SHOWN)
 def test_a_float_is_shown_as_the_fraction_that_it_rounds_if_that_is_no_coincidence(x, fmt, text):
-    assert shown(x, fmt) == text
+    assert coefficient_text(x, fmt) == text
 
 
 def test_half_the_spacing_is_u_at_one_and_the_next_float_is_twice_as_far():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
-from driftproof.blackbox.judging.tolerance import BITS, Allowance, Tolerance
+from driftproof.blackbox.judging.tolerance import _BITS, Allowance, Tolerance
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.problems import oscillator
 from driftproof.numeric.steppers import float_stepper
@@ -28,7 +28,7 @@ def ratios(method, answer, q, v, h, **allowance):
 def test_the_exact_step_is_the_matrix_times_the_state(key, q, v, h):
     qq, qv, vq, vv = exact_matrix_at(METHODS[key], Fraction(h))
     exact = qq * Fraction(q) + qv * Fraction(v), vq * Fraction(q) + vv * Fraction(v)
-    with ctx.workprec(BITS):
+    with ctx.workprec(_BITS):
         for ball, x in zip(Tolerance(METHODS[key]).exact(q, v, h), exact, strict=True):
             assert ball.contains(arb(x.numerator) / x.denominator)
 

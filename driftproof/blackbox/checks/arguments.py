@@ -10,7 +10,15 @@ import numpy as np
 
 from driftproof.blackbox.checks.trials import TYPICAL_STEP, CheckResult, Trial, TrialRunner, same, steady_runner
 from driftproof.blackbox.findings import Misbehaviour, NotANumber
-from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, SCALARS, ArrayAdapter, Foreign, Number, as_array
+from driftproof.blackbox.stepper.array_adapters import (
+    ARRAYS,
+    LISTS,
+    SCALARS,
+    AnyNumber,
+    ArrayAdapter,
+    Foreign,
+    as_array,
+)
 from driftproof.blackbox.stepper.foreign_stepper import CallLog, ForeignStepper
 
 _WHOLE = (3, 1)
@@ -112,7 +120,7 @@ def _integers(runner: TrialRunner) -> tuple[CheckResult, ...]:
     return (CheckResult("takes_integers", True, "integers give what the same floats give"),)
 
 
-def _whole(numbers: Sequence[Number]) -> list[Number]:
+def _whole(numbers: Sequence[AnyNumber]) -> list[AnyNumber]:
     return [int(x) for x in numbers] if all(x == int(x) for x in numbers) else list(numbers)
 
 

@@ -12,13 +12,17 @@ from math import copysign, inf, pi, sqrt
 
 import numpy as np
 
-from driftproof.blackbox.checks.trials import State, Trial, TrialRunner
+from driftproof.blackbox.checks.trials import PhasePoint, Trial, TrialRunner
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, power_of_two
 
-Pair = tuple[float, float]
-NAMES = ("q", "v")
+Neighbours = tuple[float, float]
+COMPONENT_NAMES = ("q", "v")
 # Few bits, so that a rule which rounds spares them; then states with all their bits.
-_STATES: tuple[State, ...] = ((0.3125, 0.375), (0.27182818284590454, 0.31415926535897931), (0.2236067977499790, 0.3))
+_STATES: tuple[PhasePoint, ...] = (
+    (0.3125, 0.375),
+    (0.27182818284590454, 0.31415926535897931),
+    (0.2236067977499790, 0.3),
+)
 # Sums of the stepper's own, as of an angle and pi before it is wrapped and after, round by a few u of numbers up to 4
 # times the state: by this many u at most.
 _SLACK = 16
@@ -30,7 +34,7 @@ class NegligibleStep:
 
     runner: TrialRunner
     h: float
-    state: State
+    state: PhasePoint
     slack: float
 
     def along(self, component: int, x: float) -> Trial:
@@ -92,7 +96,7 @@ def border(
     at: Callable[[float], Trial],
     start: float,
     points: Sequence[float],
-    hints: Sequence[Pair] = (),
+    hints: Sequence[Neighbours] = (),
 ) -> Border | None:
     """The first border on the way from `start`, which is left alone, along the points; None if there is none.
 
@@ -124,8 +128,8 @@ def _beyond_as(trial: Trial, short: NegligibleStep, at: Callable[[float], Trial]
 
 
 def edge(
-    changed: Callable[[float], bool], kept: float, gone: float, runner: TrialRunner, hints: Sequence[Pair] = ()
-) -> Pair:
+    changed: Callable[[float], bool], kept: float, gone: float, runner: TrialRunner, hints: Sequence[Neighbours] = ()
+) -> Neighbours:
     """The neighbours a, b of the format, a not changed and b changed, between `kept`, which is not, and `gone`.
 
     Both ends have one sign, or `kept` is 0. Numbers with few digits are tried first, since most thresholds are such,

@@ -12,9 +12,9 @@ import numpy as np
 from driftproof.blackbox.checks.trials import (
     ANOTHER,
     IRREGULAR_STEP,
-    ORDINARY,
+    ORDINARY_STATE,
     CheckResult,
-    State,
+    PhasePoint,
     TrialRunner,
     same,
     steady_runner,
@@ -27,7 +27,7 @@ from driftproof.symbolic.rounding.formats import FloatFormat
 _REPETITIONS = 8
 # So many and fewer are those of sums taken in another order.
 _FEW_ULPS = 16
-_THIRD: State = (-1.4142135623730951, -0.2360679774997898)
+_THIRD: PhasePoint = (-1.4142135623730951, -0.2360679774997898)
 SAME, _MEMORY = "same_answer_twice", "no_memory"
 
 
@@ -46,16 +46,16 @@ def repeats(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     return _varies(runner)
 
 
-def _asked(runner: TrialRunner, before: State | None = None) -> State:
+def _asked(runner: TrialRunner, before: PhasePoint | None = None) -> PhasePoint:
     """The answer to one and the same call, made after another one."""
     if before is not None:
         runner.step(*before, IRREGULAR_STEP)
-    return runner.step(*ORDINARY, IRREGULAR_STEP)
+    return runner.step(*ORDINARY_STATE, IRREGULAR_STEP)
 
 
 def _remembers(runner: TrialRunner) -> tuple[CheckResult, ...]:
     """The answer depends on the call before, and on nothing else that changes."""
-    example = tuple(runner.trial(*z, IRREGULAR_STEP) for before in (ANOTHER, _THIRD) for z in (before, ORDINARY))
+    example = tuple(runner.trial(*z, IRREGULAR_STEP) for before in (ANOTHER, _THIRD) for z in (before, ORDINARY_STATE))
     found = (
         CheckResult(SAME, True, "the same call gives the same bits after the same call before"),
         CheckResult(_MEMORY, False, "the answer depends on the call before", example),
@@ -88,7 +88,7 @@ def _copy(runner: TrialRunner) -> TrialRunner | None:
 
 def _varies(runner: TrialRunner) -> tuple[CheckResult, ...]:
     """Every call gives another answer: drawn at random, by a count of its own, or for no reason seen from outside."""
-    trials = tuple(runner.trial(*ORDINARY, IRREGULAR_STEP) for _ in range(_REPETITIONS))
+    trials = tuple(runner.trial(*ORDINARY_STATE, IRREGULAR_STEP) for _ in range(_REPETITIONS))
     answers = [trial.answer for trial in trials if trial.answer is not None]
     spread = max(max(part) - min(part) for part in zip(*answers, strict=True))
     apart = f"{_distance(spread, answers[0], runner.subject.format)} apart"
@@ -111,7 +111,7 @@ def _distance(spread: float, answer: tuple[float, ...], fmt: FloatFormat) -> str
     ulps = round(spread / (2 * float(half_spacing(max(map(abs, answer)), fmt))))
     if ulps <= _FEW_ULPS:
         return f"up to {max(1, ulps)} ulp"
-    return f"up to {spread / max(map(abs, ORDINARY)):.1e} of their size"
+    return f"up to {spread / max(map(abs, ORDINARY_STATE)):.1e} of their size"
 
 
 def _repeats_when(runner: TrialRunner, prepared: Callable[[TrialRunner], TrialRunner | None]) -> bool:
@@ -145,7 +145,7 @@ _KEY = "batches"
 _STATES = ((1.0, 0.75), (-0.625, 0.25), (0.1, -1.3))
 
 
-def batches(subject: ForeignStepper) -> tuple[CheckResult, ...]:
+def several_states(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     """Arrays of three states against the same three, one after the other: the same bits, or said not to be."""
     runner = steady_runner(subject)
     states = [(runner.size * q, runner.size * v) for q, v in _STATES]

@@ -7,8 +7,16 @@ from dataclasses import dataclass
 from functools import partial
 from math import ldexp
 
-from driftproof.blackbox.checks.borders import NAMES, Border, NegligibleStep, border, named, negligible_step, rounder
-from driftproof.blackbox.checks.trials import CheckResult, Trial, TrialRunner, shown, steady_runner
+from driftproof.blackbox.checks.borders import (
+    COMPONENT_NAMES,
+    Border,
+    NegligibleStep,
+    border,
+    named,
+    negligible_step,
+    rounder,
+)
+from driftproof.blackbox.checks.trials import CheckResult, Trial, TrialRunner, pair_text, steady_runner
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 CAPPED, RESET, REFUSED, OVERFLOWS, CHANGED = "capped", "reset", "refused", "overflows", "changed"
@@ -109,7 +117,7 @@ def _range_check(component: int, found: Sequence[Rule]) -> CheckResult:
         return CheckResult(_RANGES[component], True, f"{_PLURALS[component]} of any size are taken as they are")
     example = tuple(trial for rule in rules for trial in rule.example)
     holds = None if all(rule.kind == REFUSED for rule in rules) else False
-    return CheckResult(_RANGES[component], holds, _in_words(NAMES[component], rules), example)
+    return CheckResult(_RANGES[component], holds, _in_words(COMPONENT_NAMES[component], rules), example)
 
 
 def _in_words(name: str, rules: Sequence[Rule]) -> str:
@@ -141,7 +149,7 @@ def _large(runner: TrialRunner, rules: Sequence[Rule]) -> CheckResult:
     if not overflows:
         return CheckResult("large_states", True, "large states have finite answers")
     first = min(overflows, key=lambda rule: abs(rule.limit))
-    name = NAMES[first.component]
+    name = COMPONENT_NAMES[first.component]
     holds = abs(first.limit) >= _EARLY * float(runner.format.largest)
     words = f"overflows from {name} = {first.limit:.4g} on, where the answer is {'nearly' if holds else 'far'} "
     words += "too large" if holds else "from too large"
@@ -169,7 +177,7 @@ def _small_check(words: str, seen: Border) -> CheckResult:
 
 def _asleep(short: NegligibleStep, component: int, seen: Border) -> str:
     """|v| below 0.01 becomes 0."""
-    name, kept, first = NAMES[component], seen.kept.given[component], seen.beyond[0]
+    name, kept, first = COMPONENT_NAMES[component], seen.kept.given[component], seen.beyond[0]
     given = first.given[component]
     answers = (trial.answer or (None, None) for trial in (first, short.along(component, -given)))
     after, mirrored = (answer[component] for answer in answers)
@@ -179,4 +187,4 @@ def _asleep(short: NegligibleStep, component: int, seen: Border) -> str:
 
 
 def _becomes(trial: Trial) -> str:
-    return f"{shown(trial.given[:2])} becomes {trial.seen}"
+    return f"{pair_text(trial.given[:2])} becomes {trial.seen}"

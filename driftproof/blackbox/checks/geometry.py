@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import log2, sqrt
 
-from driftproof.blackbox.checks.trials import TYPICAL_STEP, CheckResult, State, Trial, TrialRunner, steady_runner
+from driftproof.blackbox.checks.trials import TYPICAL_STEP, CheckResult, PhasePoint, Trial, TrialRunner, steady_runner
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
@@ -16,7 +16,7 @@ _STEPS = (1.0, 0.5, 0.25, 0.125, 0.0625)
 # Measured powers of the methods of the catalogue are nearer than this to the true ones, or no leading term rules yet.
 _NEAR = 1 / 8
 # There and back from a state with one h.
-_Round = Callable[[TrialRunner, State, float], State]
+_Round = Callable[[TrialRunner, PhasePoint, float], PhasePoint]
 
 
 def reversal(subject: ForeignStepper) -> tuple[CheckResult, ...]:
@@ -28,11 +28,11 @@ def reversal(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     )
 
 
-def _back_in_time(runner: TrialRunner, z: State, h: float) -> State:
+def _back_in_time(runner: TrialRunner, z: PhasePoint, h: float) -> PhasePoint:
     return runner.step(*runner.step(*z, h), -h)
 
 
-def _turned_round(runner: TrialRunner, z: State, h: float) -> State:
+def _turned_round(runner: TrialRunner, z: PhasePoint, h: float) -> PhasePoint:
     q, v = runner.step(*z, h)
     q, v = runner.step(q, -v, h)
     return q, -v

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import inf, log10
 
-from driftproof.blackbox.checks.borders import NAMES, NegligibleStep, edge, negligible_step
+from driftproof.blackbox.checks.borders import COMPONENT_NAMES, NegligibleStep, edge, negligible_step
 from driftproof.blackbox.checks.trials import (
-    ORDINARY,
+    ORDINARY_STATE,
     TYPICAL_STEP,
     CheckResult,
-    State,
+    PhasePoint,
     Trial,
     TrialRunner,
     steady_runner,
@@ -34,7 +34,7 @@ _SOON, _SHARP, _PLAIN = 4.0, 2.0**16, 2.0**-4
 _NEXT = 1 + 2.0**-20
 
 
-def scale(subject: ForeignStepper) -> tuple[CheckResult, ...]:
+def homogeneity(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     """Whether (0, 0) stays at rest, whether S(sz) = s S(z), and whether the smallest numbers survive."""
     runner = steady_runner(subject)
     origin = runner.trial(0.0, 0.0, TYPICAL_STEP)
@@ -53,8 +53,8 @@ def scale(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     )
 
 
-def _directions() -> tuple[State, ...]:
-    q, v = ORDINARY
+def _directions() -> tuple[PhasePoint, ...]:
+    q, v = ORDINARY_STATE
     return (q, 0.0), (-q, 0.0), (0.0, v), (0.0, -v)
 
 
@@ -89,7 +89,7 @@ def _first_break(ray: Ray, exponents: Sequence[int]) -> tuple[float, float] | No
 
 def _odd_and_additive(runner: TrialRunner, rays: Sequence[Ray]) -> CheckResult:
     """Along the rays all is proportional: what is left is S(-z) = -S(z) and S(q, v) = S(q, 0) + S(0, v)."""
-    (q, minus_q, v, minus_v), both = (ray.trial(1.0) for ray in rays), runner.trial(*ORDINARY, TYPICAL_STEP)
+    (q, minus_q, v, minus_v), both = (ray.trial(1.0) for ray in rays), runner.trial(*ORDINARY_STATE, TYPICAL_STEP)
     for one, other in ((q, minus_q), (v, minus_v)):
         if one.answer and other.answer and apart([-x for x in other.answer], one.answer) > runner.rounding:
             return CheckResult(LINEAR, False, "not linear: S(-z) is not -S(z)", (one, other))
@@ -118,7 +118,7 @@ def _subnormals(runner: TrialRunner, rays: Sequence[Ray]) -> tuple[CheckResult, 
 
 def _lost(ray: Ray, ordinary: float, tiny: float) -> CheckResult:
     """The check where numbers below the normal ones, or long before, become 0 or something else."""
-    name, size = NAMES[ray.component], abs(ray.z[ray.component])
+    name, size = COMPONENT_NAMES[ray.component], abs(ray.z[ray.component])
 
     def vanishes(s: float) -> bool:
         answer = ray.trial(s).answer
@@ -138,7 +138,7 @@ class Ray:
     """The states s z, s > 0."""
 
     runner: TrialRunner
-    z: State
+    z: PhasePoint
 
     @property
     def component(self) -> int:
@@ -170,7 +170,7 @@ def _departing(broken: Sequence[tuple[Ray, float, float]]) -> CheckResult:
     for ray, low, high in broken:
         if short is not None and _leaves_domain(short, ray, low, high):
             continue  # that is told by another check
-        s, name = _beginning(ray, low, high), NAMES[ray.component]
+        s, name = _beginning(ray, low, high), COMPONENT_NAMES[ray.component]
         if s <= low * _NEXT or _departure(ray, low, _SOON * s) <= min(_SHARP * ray.runner.rounding, _PLAIN):
             at = max(1.0, low * _SOON)
             where = f"at {name} = {at * ray.z[ray.component]:.3g}"

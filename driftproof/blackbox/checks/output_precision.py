@@ -6,7 +6,14 @@ from collections.abc import Sequence
 from math import log2
 
 from driftproof.blackbox.checks.quantisation import narrow_format, quantisation_of
-from driftproof.blackbox.checks.trials import ANOTHER, IRREGULAR_STEP, ORDINARY, CheckResult, TrialRunner, steady_runner
+from driftproof.blackbox.checks.trials import (
+    ANOTHER,
+    IRREGULAR_STEP,
+    ORDINARY_STATE,
+    CheckResult,
+    TrialRunner,
+    steady_runner,
+)
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, SCALARS
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.rounding.formats import BINARY64
@@ -30,7 +37,7 @@ def digits(subject: ForeignStepper) -> tuple[CheckResult, ...]:
 
 def _states() -> list[tuple[float, float]]:
     """States of ordinary size, with all their bits, and of a thousand times and a thousandth of it."""
-    return [(a * q, b * v) for q, v in (ORDINARY, ANOTHER) for a, b in ((1, 1), (1000, 10), (0.01, 0.001))]
+    return [(a * q, b * v) for q, v in (ORDINARY_STATE, ANOTHER) for a, b in ((1, 1), (1000, 10), (0.01, 0.001))]
 
 
 def _rounded(numbers: Sequence[float], subject: ForeignStepper) -> str:

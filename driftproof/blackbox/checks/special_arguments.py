@@ -7,10 +7,10 @@ from math import inf, nan
 from typing import Any
 
 from driftproof.blackbox.checks.trials import (
-    ORDINARY,
+    ORDINARY_STATE,
     TYPICAL_STEP,
     CheckResult,
-    State,
+    PhasePoint,
     Trial,
     TrialRunner,
     same,
@@ -88,7 +88,9 @@ def not_a_number_step(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     return (_noticed(subject, "not_a_number_step", "h = NaN", ((1.0, 0.75),), nan),)
 
 
-def _noticed(subject: ForeignStepper, key: str, name: str, states: tuple[State, ...], h: float = 0.25) -> CheckResult:
+def _noticed(
+    subject: ForeignStepper, key: str, name: str, states: tuple[PhasePoint, ...], h: float = 0.25
+) -> CheckResult:
     runner = steady_runner(subject)
     trials = [runner.trial(*z, h) for z in states]
     for trial in trials:
@@ -105,7 +107,7 @@ _KEY = "time"
 _LATE = (1.0, 1000.0, -0.25)
 
 
-def clock(subject: ForeignStepper) -> tuple[CheckResult, ...]:
+def time_argument(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     """Whether the answer depends on t though the system does not, and whether the right-hand side is told t."""
     if TIME not in subject.convention.order:
         return ()
@@ -144,7 +146,7 @@ def _told(subject: ForeignStepper) -> CheckResult:
         asked.append(at)
         return [y[1], -y[0]]
 
-    subject.step_field(rate, t, list(ORDINARY), h)
+    subject.step_field(rate, t, list(ORDINARY_STATE), h)
     if any(t <= at <= t + h for at in asked):
         return CheckResult(_KEY, True, "the answer does not depend on t, which the right-hand side is told")
     words = f"the right-hand side is told another time: from t = {t} with h = {h} it is asked at {asked[0]}"

@@ -9,7 +9,15 @@ from itertools import pairwise
 from math import ulp
 
 from driftproof.blackbox.checks.borders import edge, named, rounder
-from driftproof.blackbox.checks.trials import TYPICAL_STEP, CheckResult, State, Trial, TrialRunner, same, steady_runner
+from driftproof.blackbox.checks.trials import (
+    TYPICAL_STEP,
+    CheckResult,
+    PhasePoint,
+    Trial,
+    TrialRunner,
+    same,
+    steady_runner,
+)
 from driftproof.blackbox.stepper.calling_conventions import MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
@@ -144,7 +152,7 @@ def _by_calls(runner: TrialRunner) -> CheckResult:
     return CheckResult(_SUB_STEPS, True, f"one step is {first} call{'s' * (first != 1)} of the force, whatever h is")
 
 
-def _places(runner: TrialRunner, h: float, state: State | None = None) -> list[float]:
+def _places(runner: TrialRunner, h: float, state: PhasePoint | None = None) -> list[float]:
     """Where a step calls the force, in order."""
     places: list[float] = []
 

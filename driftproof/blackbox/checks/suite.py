@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from driftproof.blackbox.checks.arguments import arguments, types
-from driftproof.blackbox.checks.determinism import SAME, batches, repeats
+from driftproof.blackbox.checks.determinism import SAME, repeats, several_states
 from driftproof.blackbox.checks.domain import domain
 from driftproof.blackbox.checks.geometry import area, reversal
-from driftproof.blackbox.checks.homogeneity import scale
+from driftproof.blackbox.checks.homogeneity import homogeneity
 from driftproof.blackbox.checks.output_precision import digits
 from driftproof.blackbox.checks.special_arguments import (
-    clock,
     infinity,
     negative_step,
     not_a_number,
     not_a_number_step,
+    time_argument,
     zero_step,
 )
 from driftproof.blackbox.checks.step_size import step_size, sub_steps
@@ -32,17 +32,17 @@ CHECKS: Mapping[str, Callable[[ForeignStepper], tuple[CheckResult, ...]]] = {
             repeats,
             arguments,
             types,
-            batches,
+            several_states,
             digits,
             zero_step,
             negative_step,
             step_size,
             sub_steps,
-            clock,
+            time_argument,
             reversal,
             area,
         ),
-        *(domain, scale, not_a_number, infinity, not_a_number_step),
+        *(domain, homogeneity, not_a_number, infinity, not_a_number_step),
     )
 }
 # Of a few steps each, where a loop may have no end.

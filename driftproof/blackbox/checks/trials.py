@@ -14,17 +14,17 @@ from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, St
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper, call_text
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 
-State = tuple[float, float]
+PhasePoint = tuple[float, float]
 
 # States with 53 bits each, of ordinary size: the fixed point of the cosine, the solution of x exp(x) = 1, and others.
-ORDINARY: State = (0.7390851332151607, 0.5671432904097838)
-ANOTHER: State = (0.5772156649015329, -0.9159655941772190)
+ORDINARY_STATE: PhasePoint = (0.7390851332151607, 0.5671432904097838)
+ANOTHER: PhasePoint = (0.5772156649015329, -0.9159655941772190)
 TYPICAL_STEP = 0.25
 # A step whose own bits are not few.
 IRREGULAR_STEP = 0.2
 # Defects up to this many u count as rounding: no step in the catalogue rounds as often, and a solver of implicit
 # stages that means to be exact stops below.
-ROUNDINGS = 1024
+_ROUNDINGS = 1024
 # A stepper may be made for a small domain: a car in a valley has speeds below 0.07.
 SIZES = (1.0, 2.0**-3, 2.0**-6, 2.0**-9)
 # Beside a state of ordinary size, one by which a fixed point is told from a floating one.
@@ -59,25 +59,25 @@ class TrialRunner:
     made: dict[tuple[float, float, float], Trial] | None = None
 
     @property
-    def ordinary(self) -> State:
+    def ordinary(self) -> PhasePoint:
         """A state of ordinary size with all the bits of the format."""
-        return self.scaled(ORDINARY)
+        return self.scaled(ORDINARY_STATE)
 
     @property
-    def another(self) -> State:
+    def another(self) -> PhasePoint:
         """Another such state."""
         return self.scaled(ANOTHER)
 
-    def scaled(self, state: State) -> State:
+    def scaled(self, state: PhasePoint) -> PhasePoint:
         """A state of ordinary size, in the domain and the format of the stepper."""
         return self.number(self.size * state[0]), self.number(self.size * state[1])
 
     @property
     def rounding(self) -> float:
         """The largest defect of a state of ordinary size that counts as rounding, relative to it."""
-        return min(ROUNDINGS * float(self.format.u), _MOST_ROUNDING) + _GRAINS * self.grain
+        return min(_ROUNDINGS * float(self.format.u), _MOST_ROUNDING) + _GRAINS * self.grain
 
-    def step(self, q: float, v: float, h: float) -> State:
+    def step(self, q: float, v: float, h: float) -> PhasePoint:
         """One step where nothing should go wrong. Raises the `Misbehaviour` if something does."""
         q1, v1 = self.subject.step(q, v, h)
         return q1, v1
@@ -121,8 +121,8 @@ class TrialRunner:
 def steady_runner(subject: ForeignStepper) -> TrialRunner:
     """The runner of a stepper whose call gives the same bits again, with another call in between. Raises Unsteady."""
     runner = TrialRunner(subject)
-    small: State = (ANOTHER[0] * _SMALLER, ANOTHER[1] * _SMALLER)
-    first, between, again = (runner.step(*z, IRREGULAR_STEP) for z in (ORDINARY, small, ORDINARY))
+    small: PhasePoint = (ANOTHER[0] * _SMALLER, ANOTHER[1] * _SMALLER)
+    first, between, again = (runner.step(*z, IRREGULAR_STEP) for z in (ORDINARY_STATE, small, ORDINARY_STATE))
     if not same(first, again):
         raise Unsteady("the same call does not give the same answer again")
     numbers = [*first, *between]
@@ -181,7 +181,7 @@ class Trial:
     @property
     def seen(self) -> str:
         """What came, as a reader writes it: (1.0, 0.75), or `raises ValueError: ...`."""
-        return self.failure if self.answer is None else shown(self.answer)
+        return self.failure if self.answer is None else pair_text(self.answer)
 
     @property
     def refusal(self) -> str:
@@ -223,6 +223,6 @@ class CheckResult:
         return {"key": self.key, "holds": self.holds, "words": self.words, "example": example}
 
 
-def shown(numbers: tuple[float, ...]) -> str:
+def pair_text(numbers: tuple[float, ...]) -> str:
     """(1.0, 0.75), to the last bit."""
     return f"({', '.join(map(repr, numbers))})"

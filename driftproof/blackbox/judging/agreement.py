@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 COMPONENTS = ("q", "v")
 WIDTHS: dict[str, Literal[16, 32, 64]] = {"binary16": 16, "binary32": 32, "binary64": 64}
 EXAMPLES = 1000
-DIGITS = 20
+_DIGITS = 20
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Domain:
         return f"{self.smallest_step:.3g} <= h <= {self.largest_step:g}, |q|, |v| <= {self.largest_state:g}"
 
 
-ORDINARY = Domain()
+ORDINARY_DOMAIN = Domain()
 NO_ALLOWANCE = Allowance()
 # What codes do besides rounding the method's sums and products.
 HABITS = {
@@ -170,7 +170,7 @@ def agreement(
     subject: ForeignStepper,
     method: Method,
     allowance: Allowance = NO_ALLOWANCE,
-    domain: Domain = ORDINARY,
+    domain: Domain = ORDINARY_DOMAIN,
     examples: int = EXAMPLES,
 ) -> Agreement:
     """The stepper against the method on the oscillator, at `examples` floats drawn alike on every run.
@@ -180,7 +180,7 @@ def agreement(
     from hypothesis import HealthCheck, Phase, given, settings
 
     tolerance = Tolerance(method, subject.format, allowance)
-    if domain != ORDINARY:
+    if domain != ORDINARY_DOMAIN:
         tolerance.demand_room(domain.largest_state, domain.largest_step)
     seen, subject = _Seen(), _Remembering(**vars(subject))
 
@@ -279,7 +279,7 @@ def _in_full(example: Example, tolerance: Tolerance, subject: ForeignStepper) ->
     if example.answer is None:
         return example
     exact = tolerance.in_full(example.q, example.v, example.h)[COMPONENTS.index(example.component)]
-    text = significant(exact, DIGITS)
+    text = significant(exact, _DIGITS)
     return replace(example, exact=text if exact != Fraction(text) else f"{Decimal(text).normalize():f}")
 
 

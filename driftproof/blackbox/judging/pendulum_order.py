@@ -13,12 +13,12 @@ import numpy as np
 from flint import arb, arb_poly, ctx
 
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, WrongShape
-from driftproof.blackbox.stepper.array_adapters import ArrayAdapter, Number
-from driftproof.blackbox.stepper.foreign_stepper import CallLog, Force, ForeignStepper
+from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter
+from driftproof.blackbox.stepper.foreign_stepper import CallLog, ForceFunction, ForeignStepper
 
 # q'' = -sin q, from a state at which no derivative of the solution vanishes.
-START = (1.0, 0.75)
-BITS = 256
+_START = (1.0, 0.75)
+_BITS = 256
 HALVINGS = range(-1, 9)  # h = 2**-k
 # An error counts where it is this many times u: the rounding of some dozens of operations of ordinary size is below.
 CLEARANCE = 128
@@ -50,7 +50,7 @@ def measured_order(subject: ForeignStepper) -> MeasuredOrder:
 
     In balls only the stepper's own constants are rounded. Raises UnsupportedCall where it takes no force.
     """
-    with ctx.workprec(BITS):
+    with ctx.workprec(_BITS):
         for adapter in (BALLS, ARRAYS_OF_BALLS):
             try:
                 errors = _errors(replace(subject, adapter=adapter, log=CallLog()), lambda q: -q.sin())
@@ -69,12 +69,12 @@ def _noise(subject: ForeignStepper, size: float) -> float:
     return CLEARANCE * float(subject.format.u) * size
 
 
-def _errors(subject: ForeignStepper, force: Force) -> list[float]:
+def _errors(subject: ForeignStepper, force: ForceFunction) -> list[float]:
     """The error of one step, in the larger component, for each h."""
     number = subject.adapter.number
     found = []
     for h in _steps():
-        answer = subject.step_with(force, number(START[0]), number(START[1]), number(h))
+        answer = subject.step_with(force, number(_START[0]), number(_START[1]), number(h))
         exact = _reference(h)
         found.append(max(float(abs(arb(x) - y).mid()) for x, y in zip(answer, exact, strict=True)))
     return found
@@ -91,7 +91,7 @@ def _fitted(errors: Sequence[float], noise: Sequence[float], arithmetic: str) ->
 
 @cache
 def _reference(h: float) -> tuple[arb, arb]:
-    return pendulum(*START, h)
+    return pendulum(*_START, h)
 
 
 def pendulum(q: float, v: float, t: float, pieces: int = 16, terms: int = 40) -> tuple[arb, arb]:
@@ -120,7 +120,7 @@ def _convolved(a: Sequence[arb], b: Sequence[arb], k: int) -> arb:
     return sum((a[j] * b[k - j] for j in range(k + 1)), arb(0))
 
 
-def _balls_in(value: Any, size: int) -> list[Number]:
+def _balls_in(value: Any, size: int) -> list[AnyNumber]:
     """The balls in a ball or in an array of them. Raises NotANumber where some of it is none, WrongShape."""
     balls = list(np.asarray(value, dtype=object).ravel())
     if len(balls) != size:

@@ -17,12 +17,11 @@ from driftproof.symbolic.algebra.polynomials import coefficients
 from driftproof.symbolic.linear.oscillator import one_step_matrix
 from driftproof.symbolic.rounding.any_evaluation_order import AnyEvaluationOrderBound, any_evaluation_order_bound
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat, power_of_two
-from driftproof.symbolic.rounding.step_bound import COLUMNS
 from driftproof.symbolic.runs import apply, exact_matrix_at
 
 # A double times a double needs 106 bits, and a step of the longest program some 30 products: at this precision the
 # radii of all balls here are below 2**-200 of what they enclose, and no comparison with a bound of size u is undecided.
-BITS = 320
+_BITS = 320
 # What is linear in the state: a polynomial in h, in balls, for |q|, one for |v|, one for 1.
 Columns: TypeAlias = Sequence[arb_poly]
 
@@ -84,7 +83,7 @@ class Tolerance:
 
     def exact(self, q: float, v: float, h: float) -> tuple[arb, arb]:
         """The exact step from the very numbers given, in balls of negligible radius."""
-        with ctx.workprec(BITS):
+        with ctx.workprec(_BITS):
             at = arb(self._step(h))
             (qq, qv), (vq, vv) = ([num(at) / den(at) for num, den in row] for row in self._matrix)
             return qq * q + qv * v, vq * q + vv * v
@@ -97,7 +96,7 @@ class Tolerance:
     def judge(self, q: float, v: float, h: float, answer: tuple[float, float]) -> tuple[Judgement, Judgement]:
         """The two components of a float step, against the bound."""
         expected = self.exact(q, v, h)
-        with ctx.workprec(BITS):
+        with ctx.workprec(_BITS):
             at, state = abs(arb(self._step(h))), (abs(arb(q)), abs(arb(v)))
             judged = []
             for i, (want, got) in enumerate(zip(expected, answer, strict=True)):
@@ -113,7 +112,7 @@ class Tolerance:
 
         Raises ValueError.
         """
-        with ctx.workprec(BITS):
+        with ctx.workprec(_BITS):
             sizes = arb(max(state, 1.0)), arb(max(state, 1.0))
             reached = max(float(_at(size, arb(max(h, 1.0)), sizes).log().mid()) for size in self._size)
             room = float(enclose(self.format.largest / 2).log().mid())
@@ -161,7 +160,7 @@ class Tolerance:
         def lost(k: int, _: int) -> arb:
             return _compounded(half_eta, k) * (1 + _compounded(d, k))
 
-        with ctx.workprec(BITS):
+        with ctx.workprec(_BITS):
             return [
                 [x + y for x, y in zip(_weighted(counted, rounded), _weighted(raised, lost), strict=True)]
                 for counted, raised in zip(self._any_order.counted, self._any_order.raised, strict=True)
@@ -203,16 +202,16 @@ def _ratio(error: arb, bound: arb) -> float:
 
 
 def _series(ascending: Iterable[Any]) -> arb_poly:
-    with ctx.workprec(BITS):
+    with ctx.workprec(_BITS):
         return arb_poly([enclose(c) for c in ascending])
 
 
 def _weighted(polynomial: Any, weight: Callable[[int, int], arb]) -> Columns:
     """The terms c Dᵏ m, m a product of n factors, as c weight(k, n), ascending in h for each of q, v and 1."""
-    by_column: list[dict[int, arb]] = [{} for _ in COLUMNS]
-    with ctx.workprec(BITS):
+    by_column: list[dict[int, arb]] = [{} for _ in _COLUMNS]
+    with ctx.workprec(_BITS):
         for (k, _, in_h, *in_state), c in polynomial.terms():
-            found = by_column[COLUMNS.index(tuple(in_state))]
+            found = by_column[_COLUMNS.index(tuple(in_state))]
             found[in_h] = found.get(in_h, arb(0)) + arb(c) * weight(k, in_h + sum(in_state))
     return [arb_poly([found.get(k, arb(0)) for k in range(max(found, default=0) + 1)]) for found in by_column]
 
@@ -220,7 +219,7 @@ def _weighted(polynomial: Any, weight: Callable[[int, int], arb]) -> Columns:
 @cache
 def _compounded(rate: Fraction, times: int) -> arb:
     """(1 + rate)**times - 1, without the cancellation."""
-    with ctx.workprec(BITS):
+    with ctx.workprec(_BITS):
         return (enclose(rate).log1p() * times).expm1()
 
 

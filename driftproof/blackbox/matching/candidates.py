@@ -13,9 +13,9 @@ import numpy as np
 from driftproof.blackbox.matching.fingerprints import Array, Fingerprint
 from driftproof.blackbox.matching.tables import (
     BoundedCoefficient,
-    Lift,
-    Row,
-    Tableau,
+    FromExact,
+    LiftedTableau,
+    TableRow,
     bounded,
     induced_by_nystrom,
     induced_by_parts,
@@ -33,7 +33,7 @@ from driftproof.methods.schemes import Method, MethodError, Nystrom, RungeKutta,
 from driftproof.symbolic.linear.reduced_tableau import Stages, reduced
 
 # A table, without a drift where a right-hand side shows it: over the numbers that it is asked for.
-Recipe: TypeAlias = Callable[[Lift], tuple[Stages, Any]]
+Recipe: TypeAlias = Callable[[FromExact], tuple[Stages, Any]]
 
 # More steps of a method in one are not looked for.
 MOST_REPEATED = 4
@@ -44,15 +44,15 @@ EXCHANGED = "kicks and drifts exchanged"
 
 
 @dataclass(frozen=True)
-class Table:
+class ExactTable:
     """One table, entries `BoundedCoefficient`: A above the rows of weights, the nodes if they count, the drift."""
 
-    entries: tuple[Row, ...]
-    nodes: Row | None
+    entries: tuple[TableRow, ...]
+    nodes: TableRow | None
     drift: BoundedCoefficient | None
 
     @classmethod
-    def of(cls, stages: Stages, drift: Any) -> Table:
+    def of(cls, stages: Stages, drift: Any) -> ExactTable:
         """From the stages as `symbolic.linear.irreducible` has them; `drift` is None of a right-hand side."""
         weights = stages.weights if drift is not None else stages.weights[:1]
         entries = tuple(tuple(map(bounded, row)) for row in (*stages.a, *weights))
@@ -103,15 +103,15 @@ class Candidate:
         return Fingerprint(*self.recipe(float))
 
     @cached_property
-    def raw(self) -> Table:
+    def raw(self) -> ExactTable:
         """Every stage."""
-        return Table.of(*self._exact)
+        return ExactTable.of(*self._exact)
 
     @cached_property
-    def small(self) -> Table:
+    def small(self) -> ExactTable:
         """Without stages that do not count, equal ones merged."""
         stages, drift = self._exact
-        return Table.of(reduced(stages), drift)
+        return ExactTable.of(reduced(stages), drift)
 
     @cached_property
     def _exact(self) -> tuple[Stages, Any]:
@@ -190,19 +190,21 @@ def _rearranged(method: Splitting, calls: int) -> Iterator[Candidate]:
             yield Candidate(method.key, relation, partial(induced_by_parts, parts))
 
 
-def _in_field(make: Callable[[Lift], Tableau], timed: bool) -> Recipe:
+def _in_field(make: Callable[[FromExact], LiftedTableau], timed: bool) -> Recipe:
     return lambda lift: (timed_stages(make(lift), timed), None)
 
 
-def _on_force(make: Callable[[Lift], Tableau]) -> Recipe:
+def _on_force(make: Callable[[FromExact], LiftedTableau]) -> Recipe:
     return lambda lift: induced_by_tableau(make(lift))
 
 
-def _then(make: Callable[[Lift], Any], change: Callable[[Any, Any], Any], by: Fraction | int) -> Callable[[Lift], Any]:
+def _then(
+    make: Callable[[FromExact], Any], change: Callable[[Any, Any], Any], by: Fraction | int
+) -> Callable[[FromExact], Any]:
     return lambda lift: change(make(lift), by)
 
 
-def _iterations(calls: int) -> Iterator[tuple[str, str, Callable[[Lift], Tableau]]]:
+def _iterations(calls: int) -> Iterator[tuple[str, str, Callable[[FromExact], LiftedTableau]]]:
     """Each implicit method with its stages iterated in so many calls, if none that counts at the start counts again."""
     for method in METHODS.values():
         if isinstance(method, RungeKutta) and not method.explicit and calls > 1:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from driftproof.blackbox.matching.candidates import Table
+from driftproof.blackbox.matching.candidates import ExactTable
 from driftproof.blackbox.matching.fingerprints import Array
 from driftproof.blackbox.matching.tables import BoundedCoefficient
 from driftproof.blackbox.probes.coefficients import is_nearest
@@ -18,7 +18,7 @@ from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.methods.number_field import Exact
 
 
-class Place(NamedTuple):
+class CoefficientPlace(NamedTuple):
     """One coefficient in both tables: its name, the float that was read, and the exact number with its terms' size.
 
     `scale` is the largest number that the answer of its stage is multiplied by.
@@ -46,8 +46,8 @@ class Comparison:
     makes its coefficients by sums, in low storage or as convex combinations, is recognised, too.
     """
 
-    read: Table
-    exact: Table
+    read: ExactTable
+    exact: ExactTable
     rounding: Rounding
 
     def arrangement(self) -> tuple[int, ...] | None:
@@ -59,7 +59,7 @@ class Comparison:
             return as_it_stands
         return next(self._extended(()), None)
 
-    def differences(self) -> list[Place]:
+    def differences(self) -> list[CoefficientPlace]:
         """The coefficients that are not the same, stages in the order in which they stand."""
         return list(self._differing(tuple(range(self.read.calls))))
 
@@ -76,7 +76,7 @@ class Comparison:
         nodes = calls if self.read.nodes is not None else 0
         return calls * (calls - 1) // 2 + calls * weights + nodes + (self.read.drift is not None)
 
-    def _differing(self, order: tuple[int, ...]) -> Iterator[Place]:
+    def _differing(self, order: tuple[int, ...]) -> Iterator[CoefficientPlace]:
         """Found in arrays: most candidates are far off, and there are many."""
         rows, columns = np.nonzero(self._apart(order))
         nodes = self._nodes_apart(order)
@@ -140,17 +140,17 @@ class Comparison:
             for j, m in enumerate(chosen)
         )
 
-    def _places(self, order: tuple[int, ...]) -> Iterator[Place]:
+    def _places(self, order: tuple[int, ...]) -> Iterator[CoefficientPlace]:
         calls, scales = self.read.calls, self.exact.scales.tolist()
         for i, node in enumerate(self.read.node_values.tolist() if self.exact.nodes is not None else []):
             assert self.exact.nodes is not None
-            yield Place(f"c[{i}]", node, self.exact.nodes[order[i]], self.exact.length)
+            yield CoefficientPlace(f"c[{i}]", node, self.exact.nodes[order[i]], self.exact.length)
         rows = [*order, *range(calls, len(self.exact.entries))]
         for i, row in enumerate(rows):
             for j, seen in enumerate(self.read.values[i].tolist()):
-                yield Place(self._name(i, j), seen, self.exact.entries[row][order[j]], scales[order[j]])
+                yield CoefficientPlace(self._name(i, j), seen, self.exact.entries[row][order[j]], scales[order[j]])
         if self.read.drift is not None and self.exact.drift is not None:
-            yield Place("drift", float(self.read.drift.value), self.exact.drift, self.exact.drift.size)
+            yield CoefficientPlace("drift", float(self.read.drift.value), self.exact.drift, self.exact.drift.size)
 
     def _name(self, row: int, column: int) -> str:
         calls = self.read.calls
@@ -159,7 +159,7 @@ class Comparison:
         names = ("b",) if self.read.drift is None else ("b_position", "b_velocity")
         return f"{names[row - calls]}[{column}]"
 
-    def _roundings(self, place: Place) -> tuple[int, int]:
+    def _roundings(self, place: CoefficientPlace) -> tuple[int, int]:
         """In units of u times the size of the terms, and of u times the largest number in the column."""
         if is_nearest(place.seen, place.exact.value, self.rounding.format):
             return 0, 0

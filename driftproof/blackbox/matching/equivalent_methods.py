@@ -43,7 +43,7 @@ from driftproof.symbolic.rounding.formats import FloatFormat
 # M_qq, M_qv, M_vq, M_vv.
 Four: TypeAlias = Sequence[float]
 # Balls of this precision are far narrower than any rounding error that is compared with them.
-BITS = 256
+CERTIFYING_BITS = 256
 # A program may work its coefficients out, as in 1/(2 - 2**(1/3)): four operations, each rounded.
 _COEFFICIENT_ROUNDINGS = 4
 # A program may turn its state into units of its own and back: two factors each way.
@@ -173,12 +173,12 @@ class LinearlyEquivalentMethods:
 
     @cached_property
     def _in_balls(self) -> list[arb_poly]:
-        with ctx.workprec(BITS):
+        with ctx.workprec(CERTIFYING_BITS):
             return [arb_poly([enclose(c) for c in part]) for part in self.parts]
 
     def matrix_at(self, h: Fraction, position: Fraction, stiffness: Fraction) -> list[arb]:
         """M(h) for q' = a v, v' = -k q, in balls. Infinite at a pole."""
-        with ctx.workprec(BITS):
+        with ctx.workprec(CERTIFYING_BITS):
             in_position, in_velocity = enclose(position * h), enclose(stiffness * h)
             s = in_position * in_velocity
             values = [p(s) for p in self._in_balls]
@@ -238,12 +238,12 @@ class LinearlyEquivalentMethods:
 
 
 @dataclass(frozen=True)
-class ExactFlow:
+class ExactSolution:
     """The exact solution of q' = a v, v' = -k q, with cosines and sines or their hyperbolic sisters."""
 
     def matrix_at(self, h: Fraction, position: Fraction, stiffness: Fraction) -> list[arb]:
         """exp(hL), in balls."""
-        with ctx.workprec(BITS):
+        with ctx.workprec(CERTIFYING_BITS):
             in_position, in_velocity = enclose(position * h), enclose(stiffness * h)
             turn = abs(in_position * in_velocity).sqrt()
             cosine, sine = (turn.cos(), turn.sin()) if position * stiffness > 0 else (turn.cosh(), turn.sinh())

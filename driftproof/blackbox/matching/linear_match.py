@@ -19,8 +19,8 @@ from flint import arb, ctx
 
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.matching.equivalent_methods import (
-    BITS,
-    ExactFlow,
+    CERTIFYING_BITS,
+    ExactSolution,
     LinearlyEquivalentMethods,
     LinearMap,
     Rates,
@@ -29,25 +29,25 @@ from driftproof.blackbox.matching.equivalent_methods import (
     equivalent_methods,
 )
 from driftproof.blackbox.matching.matrix_facts import (
-    ENTRIES,
+    ENTRY_NAMES,
     SERIES_LENGTH,
     MatrixFacts,
     damping_of,
     differences,
-    facts_of,
-    facts_of_methods,
+    facts_of_class,
+    matrix_facts,
 )
 from driftproof.blackbox.matching.matrix_recovery import Recovered, recovered
-from driftproof.blackbox.probes.coefficients import rational_text, simple_rational
+from driftproof.blackbox.probes.coefficients import short_rational, simple_rational
 from driftproof.blackbox.probes.linear_steps import (
     FAR_OUT,
     LINEAR,
     LINEARISED,
     NOT_LINEAR,
-    Floats,
-    Reading,
+    LinearReading,
+    MatrixEntries,
     growing,
-    read,
+    read_linear_steps,
 )
 from driftproof.blackbox.stepper.calling_conventions import MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
@@ -64,24 +64,24 @@ LONGEST_LINE = 160
 MOST_COMPARED, MOST_DIFFERENCES = 8, 4
 MOST_EXPLANATIONS = 4
 # The roundings, at most, in a rate read at a tiny step: there the slopes of all stages are equal, and only summed.
-RATE_ROUNDINGS = 1 << 8
+_RATE_ROUNDINGS = 1 << 8
 # Where candidates are tried in floats before they are certified, in units of the reading's own time.
 TRIED = (0.25, 0.5)
 # As many times as the roundings of one program may exceed those of another: between the shortest step in the catalogue
 # and the longest, counts of roundings and sizes of terms differ by less.
 MUCH_FARTHER = 1 << 10
 # A rate that is wrong in a program, and not a little by accident, is wrong by this much.
-LEAST_OFF = Fraction(1, 1024)
+_LEAST_OFF = Fraction(1, 1024)
 FORWARDS = "but only at h > 0"
 # What people call the methods whose keys leave open which of two things comes first.
-NAMES = {
+_NAMES = {
     "symplectic_euler": "velocity-first symplectic Euler",
     "symplectic_euler_position_first": "position-first symplectic Euler",
 }
 
 
 @dataclass(frozen=True)
-class Candidate:
+class LinearCandidate:
     """A map that the stepper cannot be told from by linear steps.
 
     `methods` are the catalogue's keys with the same matrix, of which it is made; `extras` counts what makes it differ
@@ -112,7 +112,7 @@ class Nearest:
 class LinearFit:
     """What linear steps say of a stepper; plain data.
 
-    `kind` is that of the `Reading`, and `amplitude` the size of the states at which the stepper was read; `format` is
+    `kind` is that of the reading, and `amplitude` the size of the states at which the stepper was read; `format` is
     the one in which it computes. `position`, `stiffness` and `damping` are a, k, g of the system q' = a v,
     v' = -k q - g v that small steps follow, None where there is none. `candidates` are what explains it, the simplest
     first; where there are none, `nearest` is what comes closest. `facts` are those of the exact matrix, where that is
@@ -125,13 +125,13 @@ class LinearFit:
     position: Fraction | None = None
     stiffness: Fraction | None = None
     damping: Fraction | None = None
-    candidates: tuple[Candidate, ...] = ()
+    candidates: tuple[LinearCandidate, ...] = ()
     nearest: Nearest | None = None
     facts: MatrixFacts | None = None
     remarks: tuple[str, ...] = ()
 
     @property
-    def best(self) -> Candidate | None:
+    def best(self) -> LinearCandidate | None:
         """The simplest explanation."""
         return self.candidates[0] if self.candidates else None
 
@@ -162,17 +162,17 @@ def linear_fit(subject: ForeignStepper) -> LinearFit:
     Some seventy calls, or twice or three times as many where a limit disturbs the first. Lets a Misbehaviour pass.
     """
     known = subject.convention.kind != MAP or bool(subject.convention.extra)
-    first = fitted(read(subject), known=known)
+    first = fitted(read_linear_steps(subject), known=known)
     if first.is_disturbed and subject.format.emin < -OWN_RANGE:
         for size in OTHER_SIZES:
             with suppress(Misbehaviour):
-                other = fitted(read(subject, size), known=known)
+                other = fitted(read_linear_steps(subject, size), known=known)
                 if other.kind == LINEAR and other.doubts < first.doubts:
                     return other
     return first
 
 
-def fitted(reading: Reading, *, known: bool) -> LinearFit:
+def fitted(reading: LinearReading, *, known: bool) -> LinearFit:
     """A reading explained; `known`: of the oscillator, q' = v, v' = -q."""
     start = LinearFit(reading.kind, reading.amplitude, reading.format.name, remarks=reading.remarks)
     if reading.at_zero is None or not reading.steps:
@@ -187,14 +187,14 @@ def fitted(reading: Reading, *, known: bool) -> LinearFit:
         start = replace(start, position=position, stiffness=stiffness)
     if known and reading.ordinary:
         start = replace(start, nearest=_nearest(*reading.ordinary, rates))
-    found = explanations(reading, known=known) if position and stiffness else []
+    found = linear_explanations(reading, known=known) if position and stiffness else []
     return _explained(start, found) if found else _unexplained(start, reading, known=known)
 
 
-def rates_of(reading: Reading) -> tuple[Fraction, Fraction]:
+def rates_of(reading: LinearReading) -> tuple[Fraction, Fraction]:
     """The a and k of q' = a v, v' = -k q read at the tiny step, as simple rationals where they are some."""
     assert reading.at_zero is not None
-    slack = max(RATE_ROUNDINGS * float(reading.format.u), 8 * (reading.tiny / reading.unit) ** 2)
+    slack = max(_RATE_ROUNDINGS * float(reading.format.u), 8 * (reading.tiny / reading.unit) ** 2)
     in_position, in_velocity = growing(reading.at_zero)
     rates = in_position / reading.tiny, -in_velocity / reading.tiny
     simple = [simple_rational(x, abs(x) * slack) for x in rates]
@@ -202,7 +202,7 @@ def rates_of(reading: Reading) -> tuple[Fraction, Fraction]:
     return a, k
 
 
-def _tried(reading: Reading) -> list[tuple[float, Floats]]:
+def _tried(reading: LinearReading) -> list[tuple[float, MatrixEntries]]:
     return [(h, m) for h, m in reading.steps if h / reading.unit in TRIED]
 
 
@@ -214,7 +214,7 @@ class Error(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Explanation:
+class LinearExplanation:
     """A map with its worst error over all steps or, where that is too much, over those that `restriction` names.
 
     With `known`, the system is q' = v, v' = -q; else its stiffness is the stepper's own.
@@ -248,7 +248,7 @@ class Explanation:
         """What the stepper is, if this is it."""
         name = "the exact solution"
         if isinstance(self.map, LinearlyEquivalentMethods):
-            name = f"{'the adjoint of ' * self.map.adjoint}{NAMES.get(self.methods[0], self.methods[0])}"
+            name = f"{'the adjoint of ' * self.map.adjoint}{_NAMES.get(self.methods[0], self.methods[0])}"
         return f"{name}{self._rates_in_words()}{f', {self.restriction}' if self.restriction else ''}"
 
     def _rates_in_words(self) -> str:
@@ -256,20 +256,20 @@ class Explanation:
         if a == k == -1 or (a == -1 and not self.known):
             return ", with -h for h: it steps back in time"
         if a == k != 1 and self.known:
-            return f", with {rational_text(a)} h for h"
-        wrong = [f"the position moves by {rational_text(a)} h v"] * (a != 1)
-        wrong += [f"the force enters {rational_text(k)} times"] * (self.known and k != 1)
+            return f", with {short_rational(a)} h for h"
+        wrong = [f"the position moves by {short_rational(a)} h v"] * (a != 1)
+        wrong += [f"the force enters {short_rational(k)} times"] * (self.known and k != 1)
         return f", but {' and '.join(wrong)}" if wrong else ""
 
 
-def explanations(reading: Reading, *, known: bool) -> list[Explanation]:
+def linear_explanations(reading: LinearReading, *, known: bool) -> list[LinearExplanation]:
     """What explains the reading, of the fewest extras first; adjoints only where no method does at all steps."""
     position, stiffness = rates_of(reading)
-    if any(rate != 1 and abs(rate - 1) < LEAST_OFF for rate in ((position, stiffness) if known else (position,))):
+    if any(rate != 1 and abs(rate - 1) < _LEAST_OFF for rate in ((position, stiffness) if known else (position,))):
         return []
-    found: list[Explanation] = []
+    found: list[LinearExplanation] = []
     for classes in (equivalent_methods(), adjoint_methods()):
-        maps: list[LinearMap] = [*([] if found else [ExactFlow()]), *_near(reading, classes, position, stiffness)]
+        maps: list[LinearMap] = [*([] if found else [ExactSolution()]), *_near(reading, classes, position, stiffness)]
         explained = (explained_by(each, reading, position, stiffness, known=known) for each in maps)
         found += [each for each in explained if each.error.in_bounds <= 1]
         if any(not each.restriction for each in found):
@@ -282,7 +282,7 @@ def explanations(reading: Reading, *, known: bool) -> list[Explanation]:
 
 
 def _near(
-    reading: Reading, classes: tuple[LinearlyEquivalentMethods, ...], position: Fraction, stiffness: Fraction
+    reading: LinearReading, classes: tuple[LinearlyEquivalentMethods, ...], position: Fraction, stiffness: Fraction
 ) -> list[LinearlyEquivalentMethods]:
     """Those that are near at the steps tried, to half the digits."""
     near, most = np.full(len(classes), True), sqrt(reading.format.u)
@@ -293,14 +293,14 @@ def _near(
 
 
 def explained_by(
-    each: LinearMap, reading: Reading, position: Fraction, stiffness: Fraction, *, known: bool
-) -> Explanation:
+    each: LinearMap, reading: LinearReading, position: Fraction, stiffness: Fraction, *, known: bool
+) -> LinearExplanation:
     """A map held to its bound; where that fails, with h rounded to binary32 first; where that fails, at fewer steps.
 
     A map that fails at a dyadic step within the system's own time is beyond all that, and is not looked at further.
     """
 
-    def at(h: float, m: Floats, step_format: FloatFormat = BINARY64) -> Error:
+    def at(h: float, m: MatrixEntries, step_format: FloatFormat = BINARY64) -> Error:
         used = step_format.nearest(Fraction(h))
         rates = Rates(float(used), float(position), float(stiffness))
         exact, allowed = each.matrix_at(used, position, stiffness), each.allowances(rates, reading.format)
@@ -312,8 +312,8 @@ def explained_by(
 
     within = {h for h, _ in reading.steps if 0 < h <= reading.unit and _is_coarse(h)}
     errors: dict[float, Error] = {}
-    found = Explanation(each, position, stiffness, known, Error(inf, inf))
-    with ctx.workprec(BITS):
+    found = LinearExplanation(each, position, stiffness, known, Error(inf, inf))
+    with ctx.workprec(CERTIFYING_BITS):
         for h, m in sorted(reading.steps, key=lambda step: (step[0] not in within, -step[0])):
             errors[h] = at(h, m)
             if h in within and errors[h].in_bounds > 1:
@@ -349,20 +349,20 @@ def _restrictions(unit: float) -> Sequence[tuple[str, Callable[[float], bool]]]:
     )
 
 
-def _explained(start: LinearFit, found: Sequence[Explanation]) -> LinearFit:
+def _explained(start: LinearFit, found: Sequence[LinearExplanation]) -> LinearFit:
     """The fit with what explains it, and the facts of the first."""
     candidates = tuple(
-        Candidate(e.methods, e.words, e.extras, e.error.in_bounds, e.position, e.stiffness, e.restriction)
+        LinearCandidate(e.methods, e.words, e.extras, e.error.in_bounds, e.position, e.stiffness, e.restriction)
         for e in found
     )
     first, system = found[0], Fraction(1) if found[0].known else found[0].stiffness
     facts = MatrixFacts(None, None, None, None)
     if isinstance(first.map, LinearlyEquivalentMethods):
-        facts = facts_of_methods(first.map, first.position, first.stiffness, system)
+        facts = facts_of_class(first.map, first.position, first.stiffness, system)
     return replace(start, candidates=candidates, facts=facts, damping=Fraction(0))
 
 
-def _unexplained(start: LinearFit, reading: Reading, *, known: bool) -> LinearFit:
+def _unexplained(start: LinearFit, reading: LinearReading, *, known: bool) -> LinearFit:
     """The fit with what comes closest, and with the facts of the matrix, if that is a simple function of h."""
     (h, m), (position, stiffness) = min(_tried(reading)), rates_of(reading)
     entries = recovered(reading)
@@ -374,17 +374,17 @@ def _unexplained(start: LinearFit, reading: Reading, *, known: bool) -> LinearFi
         return start
     qq, qv, vq, vv = (entry.function for entry in entries)
     damping = damping_of(vv)
-    return replace(start, damping=damping, facts=facts_of(((qq, qv), (vq, vv)), rates[1], damping))
+    return replace(start, damping=damping, facts=matrix_facts(((qq, qv), (vq, vv)), rates[1], damping))
 
 
-def _nearest(h: float, m: Floats, rates: tuple[float, float]) -> Nearest:
+def _nearest(h: float, m: MatrixEntries, rates: tuple[float, float]) -> Nearest:
     """The methods that are least far off at one step."""
     off, each = _by_distance(h, m, rates)[0]
     return Nearest(each.keys, h, off, ())
 
 
 def _least_different(
-    h: float, m: Floats, entries: Sequence[Recovered], position: Fraction, stiffness: Fraction
+    h: float, m: MatrixEntries, entries: Sequence[Recovered], position: Fraction, stiffness: Fraction
 ) -> Nearest:
     """The method that differs in one coefficient, if there is one; else the methods that are least far off."""
     closest = _by_distance(h, m, (float(position), float(stiffness)))[:MOST_COMPARED]
@@ -393,7 +393,9 @@ def _least_different(
     return Nearest(each.keys, h, off, tuple(found[:MOST_DIFFERENCES]))
 
 
-def _by_distance(h: float, m: Floats, rates: tuple[float, float]) -> list[tuple[float, LinearlyEquivalentMethods]]:
+def _by_distance(
+    h: float, m: MatrixEntries, rates: tuple[float, float]
+) -> list[tuple[float, LinearlyEquivalentMethods]]:
     """The catalogue for q' = a v, v' = -k q, nearest first, with the distance from a matrix read at h."""
     classes = equivalent_methods()
     off = np.nan_to_num(np.max(np.abs(all_matrices(classes, Rates(h, *rates)) - m), axis=1), nan=inf).tolist()
@@ -441,11 +443,11 @@ def _times(x: Fraction, of: str) -> str:
     """The product in words: 2 v, -v."""
     if abs(x) == 1:
         return of if x == 1 else f"-{of}"
-    return f"{rational_text(x)} {of}"
+    return f"{short_rational(x)} {of}"
 
 
 def _facts(facts: MatrixFacts) -> Iterator[str]:
-    named = dict(zip(ENTRIES, facts.entries or (), strict=False))
+    named = dict(zip(ENTRY_NAMES, facts.entries or (), strict=False))
     texts = {**named, "determinant": facts.determinant, "energy multiplier": facts.energy_multiplier}
     yield from (f"{name} = {text}" for name, text in texts.items() if text and len(text) <= LONGEST_LINE)
     if facts.linear_order is None:

@@ -6,11 +6,11 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from math import fsum
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 from driftproof.blackbox.matching.candidates import (
     Candidate,
-    Table,
+    ExactTable,
     field_methods,
     field_variants,
     force_methods,
@@ -20,17 +20,17 @@ from driftproof.blackbox.matching.candidates import (
 )
 from driftproof.blackbox.matching.comparing import Comparison
 from driftproof.blackbox.matching.fingerprints import Fingerprint
-from driftproof.blackbox.matching.near_misses import explanations, typed_in
-from driftproof.blackbox.probes.coefficients import difference, simple_rational
+from driftproof.blackbox.matching.near_misses import near_misses, typed_in
+from driftproof.blackbox.probes.coefficients import coefficient_difference, simple_rational
 from driftproof.blackbox.probes.force import ForceReading
-from driftproof.blackbox.probes.scripted_answers import Rounding, Row
+from driftproof.blackbox.probes.questions import CoefficientReading
+from driftproof.blackbox.probes.scripted_answers import CoefficientRow, Rounding
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.methods.schemes import Method, RungeKutta
 from driftproof.symbolic.linear.reduced_tableau import Stages, reduced
 
 # A coefficient that is a quotient or a root, computed where it is used, is off by so many roundings at most.
 FEW_ROUNDINGS = 4
-Reading: TypeAlias = TableauReading | ForceReading
 
 # A method that differs in more coefficients than so many, or in more than every third, is another method.
 FEW_DIFFERENCES = 3
@@ -128,16 +128,16 @@ def match_forces(reading: ForceReading) -> Identity:
     drift, rounding = Fraction(reading.drift), Rounding(reading.format, reading.calls)
     read = _Read.of(reading.stages, drift, rounding)
     variants = force_variants(read.small.calls, _factor((reading.drift,), rounding))
-    near = (Near(found.key, found.differences) for found in explanations(reading))
+    near = (Near(found.key, found.differences) for found in near_misses(reading))
     return _identity(read, force_methods(), variants, near)
 
 
-def matched(reading: Reading) -> Identity:
+def matched(reading: CoefficientReading) -> Identity:
     """`match_tableau` or `match_forces`."""
     return match_forces(reading) if isinstance(reading, ForceReading) else match_tableau(reading)
 
 
-def match_method(reading: Reading, method: Method) -> Identity:
+def match_method(reading: CoefficientReading, method: Method) -> Identity:
     """Whether the reading is this method, of the catalogue or not; if it is not, where it differs, if in few places.
 
     Through a right-hand side no splitting matches, and no method matches an implicit one.
@@ -155,15 +155,17 @@ def match_method(reading: Reading, method: Method) -> Identity:
 class _Read(NamedTuple):
     """A reading as a table, with all its stages and irreducible."""
 
-    raw: Table
-    small: Table
+    raw: ExactTable
+    small: ExactTable
     fingerprint: Fingerprint
     rounding: Rounding
 
     @classmethod
     def of(cls, stages: Stages, drift: Fraction | None, rounding: Rounding) -> _Read:
         """From the coefficients as exact numbers."""
-        return cls(Table.of(stages, drift), Table.of(reduced(stages), drift), Fingerprint(stages, drift), rounding)
+        return cls(
+            ExactTable.of(stages, drift), ExactTable.of(reduced(stages), drift), Fingerprint(stages, drift), rounding
+        )
 
 
 def _with_decimals(read: _Read, methods: Iterable[Candidate]) -> Iterator[Near]:
@@ -217,7 +219,7 @@ def _near(read: _Read, candidate: Candidate) -> Iterator[Near]:
             yield Near(candidate.key, differences)
 
 
-def _differences(read: _Read, mine: Table, its: Table) -> tuple[str, ...] | None:
+def _differences(read: _Read, mine: ExactTable, its: ExactTable) -> tuple[str, ...] | None:
     """The few coefficients in which the tables differ; None if they are more, or the tables have other sizes."""
     if mine.calls != its.calls:
         return None
@@ -225,7 +227,7 @@ def _differences(read: _Read, mine: Table, its: Table) -> tuple[str, ...] | None
     places = comparison.differences()
     if len(places) > min(FEW_DIFFERENCES, max(1, comparison.size // 3)):
         return None
-    return tuple(difference(p.name, p.seen, p.exact.value, read.rounding.format) for p in places)
+    return tuple(coefficient_difference(p.name, p.seen, p.exact.value, read.rounding.format) for p in places)
 
 
 def _nearest(found: list[Near]) -> tuple[Near, ...]:
@@ -238,7 +240,7 @@ def _nearest(found: list[Near]) -> tuple[Near, ...]:
     return tuple(kept.values())
 
 
-def _factor(weights: Row, rounding: Rounding) -> Fraction:
+def _factor(weights: CoefficientRow, rounding: Rounding) -> Fraction:
     """By how much the weights are too many, as the simplest fraction that rounding allows: the step in units of h."""
     found = simple_rational(fsum(weights), rounding.of(fsum(map(abs, weights))))
     return Fraction(1) if found is None else found

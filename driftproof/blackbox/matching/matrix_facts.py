@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from flint import arb, arb_series, ctx
 
-from driftproof.blackbox.matching.equivalent_methods import BITS, LinearlyEquivalentMethods, scaled_matrix
+from driftproof.blackbox.matching.equivalent_methods import CERTIFYING_BITS, LinearlyEquivalentMethods, scaled_matrix
 from driftproof.blackbox.matching.matrix_recovery import Recovered
 from driftproof.methods.number_field import Exact
 from driftproof.methods.stepping import stepper
@@ -22,7 +22,7 @@ from driftproof.symbolic.rounding.formats import BINARY64
 
 # Powers of h in a series: enough for an order below it.
 SERIES_LENGTH = 24
-ENTRIES = ("M_qq", "M_qv", "M_vq", "M_vv")
+ENTRY_NAMES = ("M_qq", "M_qv", "M_vq", "M_vv")
 # An exact text longer than this says less than decimals do.
 LONGEST_EXACT = 120
 POWERS_COMPARED = 12
@@ -43,23 +43,23 @@ class MatrixFacts:
     linear_order: int | None
 
 
-def facts_of_methods(
+def facts_of_class(
     each: LinearlyEquivalentMethods, position: Fraction, stiffness: Fraction, system: Fraction
 ) -> MatrixFacts:
     """The facts of a class for q' = a v, v' = -k q, as an answer to q' = v, v' = -`system` q.
 
     The order of decimals is that of what their source prints, each right to half of its last binary digit.
     """
-    found = facts_of(scaled_matrix(each.matrix, position, stiffness), system, Fraction(0))
+    found = matrix_facts(scaled_matrix(each.matrix, position, stiffness), system, Fraction(0))
     if not (each.programs and each.programs[0].decimal) or {position, stiffness, system} != {Fraction(1)}:
         return found
     terms, ctx.cap = ctx.cap, SERIES_LENGTH
     try:
-        with ctx.workprec(BITS):
+        with ctx.workprec(CERTIFYING_BITS):
             step, one, nil = stepper(each.programs[0], _printed), arb_series([1]), arb_series([0])
             columns = [step(lambda q: -q, q, v, arb_series([0, 1])) for q, v in ((one, nil), (nil, one))]
             series = [entry.coeffs() for row in zip(*columns, strict=True) for entry in row]
-            return replace(found, linear_order=linear_order(series, system, Fraction(0)))
+            return replace(found, linear_order=order_on_linear_system(series, system, Fraction(0)))
     finally:
         ctx.cap = terms
 
@@ -70,19 +70,19 @@ def _printed(x: Exact) -> arb_series:
     return arb_series([enclose(x) + arb(0, 1) * enclose(radius)])
 
 
-def facts_of(matrix: StepMatrix, stiffness: Fraction, damping: Fraction) -> MatrixFacts:
+def matrix_facts(matrix: StepMatrix, stiffness: Fraction, damping: Fraction) -> MatrixFacts:
     """The facts of an exact matrix, for the system that it should solve."""
     qq, qv, vq, vv = (text_of(entry) for row in matrix for entry in row)
     multiplier = _energy_multiplier(matrix, stiffness)
     series = [[exact(c) for c in taylor(entry, SERIES_LENGTH)] for row in matrix for entry in row]
-    with ctx.workprec(BITS):
-        order = linear_order([[enclose(c) for c in each] for each in series], stiffness, damping)
+    with ctx.workprec(CERTIFYING_BITS):
+        order = order_on_linear_system([[enclose(c) for c in each] for each in series], stiffness, damping)
     return MatrixFacts(
         (qq, qv, vq, vv), text_of(determinant(matrix)), text_of(multiplier) if multiplier else None, order
     )
 
 
-def linear_order(series: Sequence[Sequence[arb]], stiffness: Fraction, damping: Fraction) -> int | None:
+def order_on_linear_system(series: Sequence[Sequence[arb]], stiffness: Fraction, damping: Fraction) -> int | None:
     """The order on q' = v, v' = -k q - g v; None where the first SERIES_LENGTH powers of h may agree.
 
     `series` are balls around the coefficients of M_qq, M_qv, M_vq, M_vv.
@@ -148,7 +148,7 @@ def differences(
     theirs = [[exact(c) for c in taylor(entry, POWERS_COMPARED)] for row in matrix for entry in row]
     polynomial_ = all(entry.den == ONE for row in other.matrix for entry in row)
     found: list[tuple[int, str]] = []
-    for name, entry, series in zip(ENTRIES, read, theirs, strict=True):
+    for name, entry, series in zip(ENTRY_NAMES, read, theirs, strict=True):
         told = [
             (power, f"h^{power} coefficient of {name} is {ours}, {other.keys[0]} has {_shown(its)}")
             for power, ours, its in _differing(entry, series)

@@ -1,7 +1,7 @@
 """An unknown one-step matrix recovered from its values: each entry as a polynomial or a rational function of h.
 
 The values y at m steps determine m coefficients c = L y by a linear system; errors e of the values move them by at most
-|L| e. Of e it is assumed that the program rounds each monomial of the result at most ROUNDINGS times for each power of
+|L| e. Of e it is assumed that the program rounds each monomial of the result at most _ROUNDINGS times for each power of
 h: e = k u Σ |monomials|. Each coefficient is then read as the simplest rational within its error, and the function
 must meet every value at every other step, some of which are not dyadic, within the same k u Σ |monomials|.
 """
@@ -16,13 +16,13 @@ from typing import TypeVar
 from flint import fmpq, fmpq_mat
 
 from driftproof.blackbox.probes.coefficients import simple_rational
-from driftproof.blackbox.probes.linear_steps import Reading
+from driftproof.blackbox.probes.linear_steps import LinearReading
 from driftproof.symbolic.algebra.polynomials import polynomial
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 
-Number = TypeVar("Number", float, Fraction)
+_Number = TypeVar("_Number", float, Fraction)
 # About twice what a power of h costs: a coefficient worked out, a force, a product or two, a sum or two.
-ROUNDINGS = 18
+_ROUNDINGS = 18
 # Steps that determine coefficients, in units of the reading's own time; the others check them.
 NODES = tuple(Fraction(x) for x in ("1/8", "1/4", "1/2", "1", "2", "4", "16"))
 BOTH_WAYS = tuple(sign * x for x in NODES[:-1] for sign in (1, -1))
@@ -80,7 +80,7 @@ class _Shape:
         return len(self.num) + len(self.den)
 
 
-def recovered(reading: Reading) -> tuple[Recovered, Recovered, Recovered, Recovered] | None:
+def recovered(reading: LinearReading) -> tuple[Recovered, Recovered, Recovered, Recovered] | None:
     """The four entries of the matrix; None if one of them is no function of this kind."""
     found = []
     for i in range(4):
@@ -108,7 +108,7 @@ def _parity(values: dict[Fraction, Fraction], u: Fraction) -> int | None:
     """0 or 1 where the values are those of an even or an odd function; None where they are not."""
     pairs = [(x, y, values[-x]) for x, y in values.items() if x > 0 and -x in values]
     for parity, sign in ((0, 1), (1, -1)):
-        if pairs and all(abs(y - sign * z) <= ROUNDINGS * u * (abs(y) + abs(z)) for _, y, z in pairs):
+        if pairs and all(abs(y - sign * z) <= _ROUNDINGS * u * (abs(y) + abs(z)) for _, y, z in pairs):
             return parity
     return None
 
@@ -182,12 +182,12 @@ def _meets(entry: Recovered, values: dict[Fraction, Fraction], u: Fraction) -> b
 
 def _allowed(entry: Recovered, x: Fraction, y: Fraction, u: Fraction) -> Fraction:
     """k u (|num|~ + |y| |den|~), which bounds |num - y den| to first order, for y in error by k u of its monomials."""
-    k = ROUNDINGS * (len(entry.num) + len(entry.den))
+    k = _ROUNDINGS * (len(entry.num) + len(entry.den))
     above, below = (_horner([abs(c.value) for c in part], abs(x)) for part in (entry.num, entry.den))
     return k * u * (above + (abs(y) * below if len(entry.den) > 1 else 0))
 
 
-def _horner(coefficients: Sequence[Number], x: Number) -> Number:
+def _horner(coefficients: Sequence[_Number], x: _Number) -> _Number:
     """The polynomial with these coefficients, constant term first, at x."""
     total = coefficients[-1]
     for c in coefficients[-2::-1]:

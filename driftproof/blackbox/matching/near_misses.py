@@ -11,8 +11,8 @@ import numpy as np
 
 from driftproof.blackbox.matching.candidates import Candidate
 from driftproof.blackbox.matching.fingerprints import Array, Fingerprint
-from driftproof.blackbox.probes.coefficients import difference
-from driftproof.blackbox.probes.force import ForceReading, Parts
+from driftproof.blackbox.probes.coefficients import coefficient_difference
+from driftproof.blackbox.probes.force import ForceReading, SubSteps
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta, Splitting
@@ -20,14 +20,14 @@ from driftproof.symbolic.linear.reduced_tableau import Stages, reduced, reduced_
 
 
 @dataclass(frozen=True)
-class Explanation:
+class NearMiss:
     """The method `key` with other values in a few of its own coefficients, each as "b[2]: -1/3 instead of 1/3"."""
 
     key: str
     differences: tuple[str, ...]
 
 
-def explanations(reading: ForceReading) -> Iterator[Explanation]:
+def near_misses(reading: ForceReading) -> Iterator[NearMiss]:
     """The Runge-Kutta methods that the reading is but for weights and a row of A, the splittings but for sub-steps."""
     parts = reading.parts or ()
     for method in METHODS.values():
@@ -47,25 +47,25 @@ def _used(method: RungeKutta) -> Sequence[int]:
     return kept if len(kept) < method.stages else ()
 
 
-def _as_splitting(reading: ForceReading, seen: Parts, method: Splitting) -> Iterator[Explanation]:
+def _as_splitting(reading: ForceReading, seen: SubSteps, method: Splitting) -> Iterator[NearMiss]:
     word = reduced_word(method)
     if [kind for kind, _ in word] != [kind for kind, _ in seen]:
         return
     allowed = _rounding(reading).of(max(abs(float(x)) for _, x in word))
     pairs = enumerate(zip(seen, word, strict=True))
     wrong = [(f"{kind} {i}", x, exact) for i, ((kind, x), (_, exact)) in pairs if abs(x - float(exact)) > allowed]
-    yield Explanation(method.key, tuple(difference(*place, reading.format, allowed) for place in wrong))
+    yield NearMiss(method.key, tuple(coefficient_difference(*place, reading.format, allowed) for place in wrong))
 
 
-def _as_tableau(reading: ForceReading, method: RungeKutta, kept: Sequence[int]) -> Iterator[Explanation]:
+def _as_tableau(reading: ForceReading, method: RungeKutta, kept: Sequence[int]) -> Iterator[NearMiss]:
     """b is read as it is; with it, A is the method's, or the method's but for one row."""
     a = np.array([[float(method.a[i][j]) for j in kept] for i in kept])
     b, fmt = np.array(reading.b_velocity), reading.format
     allowed = _rounding(reading).of(2 * max(1.0, float(np.abs(a).max(initial=0.0)), float(np.abs(b).max())))
     weights = [(f"b[{j}]", x, method.b[j]) for j, x in zip(kept, b.tolist(), strict=True)]
-    wrong = [difference(*place, fmt) for place in weights if abs(place[1] - float(place[2])) > allowed]
+    wrong = [coefficient_difference(*place, fmt) for place in weights if abs(place[1] - float(place[2])) > allowed]
     if _induces(a, b, reading):
-        yield Explanation(method.key, tuple(wrong))
+        yield NearMiss(method.key, tuple(wrong))
         return
     for i, row in _other_rows(a, b, reading):
         changed = a.copy()
@@ -74,8 +74,12 @@ def _as_tableau(reading: ForceReading, method: RungeKutta, kept: Sequence[int]) 
             # A row is a quotient by its weight, and as much less certain.
             slack = allowed * max(1.0, 1 / abs(b[i]) if b[i] else 0.0)
             entries = [(f"a[{kept[i]}][{kept[j]}]", x, method.a[kept[i]][kept[j]]) for j, x in enumerate(row.tolist())]
-            rows = [difference(*place, fmt, slack) for place in entries if abs(place[1] - float(place[2])) > slack]
-            yield Explanation(method.key, (*wrong, *rows))
+            rows = [
+                coefficient_difference(*place, fmt, slack)
+                for place in entries
+                if abs(place[1] - float(place[2])) > slack
+            ]
+            yield NearMiss(method.key, (*wrong, *rows))
 
 
 def _other_rows(a: Array, b: Array, reading: ForceReading) -> Iterator[tuple[int, Array]]:
@@ -110,7 +114,7 @@ def _rounding(reading: ForceReading) -> Rounding:
 # From as many as a source may print, in double precision, down to where other methods are as near.
 DECIMALS = range(14, 3, -1)
 # Fewer are named one by one.
-LEAST_OFF = 4
+_LEAST_OFF = 4
 # How far numbers may be off, in units of their last decimal: rounded; or worked out by hand, as old tables are.
 BY_HAND = 2.0
 HOW_FAR = {0.5: "coefficients rounded to {} decimals", BY_HAND: "coefficients of {} decimals, the last up to 2 off"}
@@ -133,7 +137,7 @@ def _decimals(read: Fingerprint, exact: Fingerprint, rounding: Rounding, most: f
     seen, true = _numbers(read), _numbers(exact)
     noise = rounding.of(1.0) * np.maximum(1.0, np.abs(true))
     off = np.abs(seen - true)
-    if (off > noise).sum() < LEAST_OFF or not (off <= most * 10.0 ** -DECIMALS[-1]).all():
+    if (off > noise).sum() < _LEAST_OFF or not (off <= most * 10.0 ** -DECIMALS[-1]).all():
         return None
     for k in DECIMALS:
         near = (off <= most * 10.0**-k + noise) & (np.abs(seen - np.round(seen, k)) <= noise)

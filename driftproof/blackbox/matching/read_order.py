@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TypeAlias
 
-from driftproof.blackbox.matching.candidates import Table
+from driftproof.blackbox.matching.candidates import ExactTable
 from driftproof.blackbox.matching.match import Match
 from driftproof.blackbox.probes.coefficients import simple_rational
 from driftproof.blackbox.probes.force import ForceReading
-from driftproof.blackbox.probes.scripted_answers import Rounding, Row
+from driftproof.blackbox.probes.questions import CoefficientReading
+from driftproof.blackbox.probes.scripted_answers import CoefficientRow, Rounding
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.symbolic.trees.order_in_balls import (
     Ball,
@@ -23,8 +23,6 @@ from driftproof.symbolic.trees.order_in_balls import (
 )
 from driftproof.symbolic.trees.order_in_balls import _Row as BallRow
 from driftproof.symbolic.trees.rooted_trees import AnyTree, to_brackets
-
-Reading: TypeAlias = TableauReading | ForceReading
 
 # No explicit method in use has a higher one.
 HIGHEST_ORDER = 12
@@ -71,7 +69,7 @@ class ReadOrder:
         return text if self.order >= claimed else f"{text}: {self.reason}"
 
 
-def read_order(reading: Reading, match: Match | None = None) -> ReadOrder:
+def read_order(reading: CoefficientReading, match: Match | None = None) -> ReadOrder:
     """The largest p such that no condition of order at most p provably fails, the coefficients being balls.
 
     Of a tableau that was recognised each has a radius of as many roundings as it is off the method. Else the radius is
@@ -96,9 +94,9 @@ def _found(failure: ProvableFailure[AnyTree], linear: int, untimed: int | None =
 class _Balls:
     """The coefficients of a reading with their radii; those that are 0 are known to be."""
 
-    def __init__(self, reading: Reading, match: Match | None) -> None:
+    def __init__(self, reading: CoefficientReading, match: Match | None) -> None:
         drift = Fraction(reading.drift) if isinstance(reading, ForceReading) else None
-        table, rounding = Table.of(reading.stages, drift), Rounding(reading.format, reading.calls)
+        table, rounding = ExactTable.of(reading.stages, drift), Rounding(reading.format, reading.calls)
         self.own = isinstance(reading, TableauReading) and match is not None and not match.summed
         self.unit = reading.format.u * (max(1, match.roundings) if self.own and match else rounding.most)
         self.scales = table.scales.tolist()
@@ -128,10 +126,10 @@ class _Balls:
             for t, row, balls, node in zip(reading.c, reading.a, tableau.a, tableau.c, strict=True)
         )
 
-    def _nodes(self, row: Row) -> BallRow:
+    def _nodes(self, row: CoefficientRow) -> BallRow:
         return self._row(row, [self.length] * len(row))
 
-    def _row(self, row: Row, scales: Sequence[float]) -> BallRow:
+    def _row(self, row: CoefficientRow, scales: Sequence[float]) -> BallRow:
         sizes = map(abs, row) if self.own else scales
         pairs = zip(row, sizes, strict=True)
         return tuple(Ball(Fraction(x), self.unit * Fraction(size)) if x else 0 for x, size in pairs)

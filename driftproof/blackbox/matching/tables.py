@@ -14,14 +14,14 @@ from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Nystrom, RungeKutta
 from driftproof.symbolic.linear.reduced_tableau import Stages
 
-Number: TypeAlias = Any
-Row: TypeAlias = Sequence[Number]
+_Number: TypeAlias = Any
+TableRow: TypeAlias = Sequence[_Number]
 # From an exact coefficient; also from 0 and 1.
-Lift: TypeAlias = Callable[[Any], Number]
+FromExact: TypeAlias = Callable[[Any], _Number]
 # (A, b, c) of a Runge-Kutta method.
-Tableau: TypeAlias = tuple[Sequence[Row], Row, Row]
+LiftedTableau: TypeAlias = tuple[Sequence[TableRow], TableRow, TableRow]
 # A Nyström table, and how far the position drifts in a step without a force, in units of h v.
-Induced: TypeAlias = tuple[Stages, Number]
+Induced: TypeAlias = tuple[Stages, _Number]
 
 
 @dataclass(frozen=True)
@@ -69,32 +69,32 @@ def bounded(x: Any) -> BoundedCoefficient:
     return BoundedCoefficient(exact, abs(float(exact)))
 
 
-def stages(a: Sequence[Row], weights: Sequence[Row], c: Row) -> Stages:
+def stages(a: Sequence[TableRow], weights: Sequence[TableRow], c: TableRow) -> Stages:
     """The three as tuples."""
-    rows: Callable[[Sequence[Row]], Any] = lambda rows: tuple(map(tuple, rows))
+    rows: Callable[[Sequence[TableRow]], Any] = lambda rows: tuple(map(tuple, rows))
     return Stages(rows(a), rows(weights), tuple(c))
 
 
-def timed_stages(tableau: Tableau, timed: bool) -> Stages:
+def timed_stages(tableau: LiftedTableau, timed: bool) -> Stages:
     """A Runge-Kutta table as `symbolic.linear.irreducible` reads it: where b stands twice, c counts as of Nyström's."""
     a, b, c = tableau
     return stages(a, (b, b), c) if timed else stages(a, (b,), [x * 0 for x in b])
 
 
-def tableau_of(method: RungeKutta, lift: Lift, weights: Sequence[Exact] | None = None) -> Tableau:
+def tableau_of(method: RungeKutta, lift: FromExact, weights: Sequence[Exact] | None = None) -> LiftedTableau:
     """A, b and c, or other weights in place of b."""
     rows = [[lift(x) for x in row] for row in method.a]
     return rows, [lift(x) for x in weights or method.b], [lift(x) for x in method.c]
 
 
-def tableau_scaled(tableau: Tableau, factor: Fraction) -> Tableau:
+def tableau_scaled(tableau: LiftedTableau, factor: Fraction) -> LiftedTableau:
     """The same method with the step factor·h."""
     a, b, c = tableau
     rows = [[x * factor for x in row] for row in a]
     return rows, [x * factor for x in b], [x * factor for x in c]
 
 
-def tableau_repeated(tableau: Tableau, times: int) -> Tableau:
+def tableau_repeated(tableau: LiftedTableau, times: int) -> LiftedTableau:
     """The same method so many times with h/times."""
     a, b, c = tableau
     part, blank, size = Fraction(1, times), [b[0] * 0] * len(b), range(times)
@@ -103,17 +103,17 @@ def tableau_repeated(tableau: Tableau, times: int) -> Tableau:
     return rows, step * times, [(node + i) * part for i in size for node in c]
 
 
-def tableau_iterated(tableau: Tableau, times: int) -> Tableau:
+def tableau_iterated(tableau: LiftedTableau, times: int) -> LiftedTableau:
     """An implicit method with so many fixed-point iterations from k = f(y) in place of a solver: it is explicit."""
     a, b, c = tableau
     blank = [b[0] * 0] * len(b)
-    rows: list[list[Number]] = [blank * (times + 1) for _ in b]
+    rows: list[list[_Number]] = [blank * (times + 1) for _ in b]
     for i in range(times):
         rows += [[*blank * i, *row, *blank * (times - i)] for row in a]
     return rows, [*blank * times, *b], [*blank, *list(c) * times]
 
 
-def induced_by_tableau(tableau: Tableau) -> Induced:
+def induced_by_tableau(tableau: LiftedTableau) -> Induced:
     """What a Runge-Kutta method is on q'' = F(q): c = A1, and A², bA, b; it drifts by Σ b, which is 1."""
     a, b, _ = tableau
     terms = [[(k, y) for k, y in enumerate(row) if y] for row in a]
@@ -121,7 +121,7 @@ def induced_by_tableau(tableau: Tableau) -> Induced:
     return stages(squared, (_times(b, terms), b), [_sum(row) for row in a]), _sum(b)
 
 
-def induced_by_parts(parts: Sequence[tuple[str, Exact]], lift: Lift) -> Induced:
+def induced_by_parts(parts: Sequence[tuple[str, Exact]], lift: FromExact) -> Induced:
     """What a splitting is on q'' = F(q): a kick y at the time c moves each later place by y times the drift since."""
     at, kicks = lift(0), []
     for kind, x in parts:
@@ -140,7 +140,7 @@ def induced_by_parts(parts: Sequence[tuple[str, Exact]], lift: Lift) -> Induced:
     return stages(rows, (ends, [y for _, y in kicks]), [c for c, _ in kicks]), at
 
 
-def induced_by_nystrom(method: Nystrom, lift: Lift) -> Induced:
+def induced_by_nystrom(method: Nystrom, lift: FromExact) -> Induced:
     """A Nyström method as it is; it drifts by 1."""
     rows = [[lift(x) for x in row] for row in (*method.a, method.b_position, method.b_velocity)]
     return stages(rows[:-2], (rows[-2], rows[-1]), [lift(x) for x in method.c]), lift(1)
@@ -160,7 +160,7 @@ def induced_repeated(induced: Induced, times: int) -> Induced:
     b_position, b_velocity = table.weights
     part, size, zero = Fraction(1, times), range(times), drift * 0
 
-    def since(gap: int, node: Number) -> list[Number]:
+    def since(gap: int, node: _Number) -> list[_Number]:
         pairs = zip(b_position, b_velocity, strict=True)
         return [(end + (drift * gap + node) * kick) * (part * part) for end, kick in pairs]
 
@@ -178,14 +178,14 @@ def induced_repeated(induced: Induced, times: int) -> Induced:
     return stages(rows, (ends, [x * part for x in b_velocity] * times), nodes), drift
 
 
-def _sum(terms: Row) -> Number:
+def _sum(terms: TableRow) -> _Number:
     total = terms[0]
     for x in terms[1:]:
         total = total + x
     return total
 
 
-def _times(row: Row, matrix: Sequence[Sequence[tuple[int, Number]]]) -> list[Number]:
+def _times(row: TableRow, matrix: Sequence[Sequence[tuple[int, _Number]]]) -> list[_Number]:
     """The row times a square matrix, of which the terms are given that are not zero."""
     total = [row[0] * 0] * len(row)
     for x, terms in zip(row, matrix, strict=True):

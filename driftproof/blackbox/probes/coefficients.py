@@ -9,7 +9,7 @@ from driftproof.symbolic.algebra.certified import decide_by_enclosure
 from driftproof.symbolic.rounding.formats import FloatFormat, exponent, power_of_two
 
 # An exact number longer than this is shown as a decimal.
-LONGEST_SHOWN = 24
+_LONGEST_SHOWN = 24
 
 
 def is_nearest(x: float, exact: Exact, fmt: FloatFormat) -> bool:
@@ -22,7 +22,7 @@ def half_spacing(x: float, fmt: FloatFormat) -> Fraction:
     return power_of_two(max(exponent(Fraction(x)), fmt.emin) - fmt.precision) if x else Fraction(0)
 
 
-def shown(x: float, fmt: FloatFormat, slack: float = 0.0) -> str:
+def coefficient_text(x: float, fmt: FloatFormat, slack: float = 0.0) -> str:
     """The fraction that x is the rounding of, as "1/3", if that is no coincidence; else its shortest decimals.
 
     With `slack`, the fraction may be so much farther away: of a number that was not read but computed.
@@ -34,12 +34,12 @@ def shown(x: float, fmt: FloatFormat, slack: float = 0.0) -> str:
 def exact_shown(exact: Exact) -> str:
     """The exact number as it is written; a long one as a decimal."""
     text = str(exact)
-    return text if len(text) <= LONGEST_SHOWN else repr(float(exact))
+    return text if len(text) <= _LONGEST_SHOWN else repr(float(exact))
 
 
-def difference(name: str, seen: float, exact: Exact, fmt: FloatFormat, slack: float = 0.0) -> str:
+def coefficient_difference(name: str, seen: float, exact: Exact, fmt: FloatFormat, slack: float = 0.0) -> str:
     """One coefficient that is not what it should be, in words."""
-    return f"{name}: {shown(seen, fmt, slack)} instead of {exact_shown(exact)}"
+    return f"{name}: {coefficient_text(seen, fmt, slack)} instead of {exact_shown(exact)}"
 
 
 # An interval of width w holds a rational with a denominator up to d with a chance of about d² w: at most one in
@@ -67,7 +67,7 @@ def simple_rational(x: float | Fraction, error: float | Fraction) -> Fraction | 
     return found if found.denominator**2 * 2 * width * COINCIDENCE <= 1 else None
 
 
-def rational_text(x: Fraction) -> str:
+def short_rational(x: Fraction) -> str:
     """The number as a short decimal where that is exact, else as a fraction, else as a float: 0.04, 1/3, 0.7390851."""
     if x.denominator == 1:
         return str(x)

@@ -9,15 +9,15 @@ from itertools import groupby
 from math import fsum
 from typing import Any, NamedTuple, TypeAlias
 
-from driftproof.blackbox.probes.coefficients import shown
+from driftproof.blackbox.probes.coefficients import coefficient_text
 from driftproof.blackbox.probes.scripted_answers import (
     AT_REST,
     BACKWARD,
     CONTROLS,
+    CoefficientRow,
     Control,
     NotReadable,
     Rounding,
-    Row,
     Script,
     complaints,
     demand_as_said,
@@ -33,7 +33,7 @@ from driftproof.symbolic.linear.reduced_tableau import Stages, reduced
 from driftproof.symbolic.rounding.formats import FloatFormat
 
 # Kicks and drifts in the order in which they are made, as in `driftproof.methods.schemes.Splitting`.
-Parts: TypeAlias = tuple[tuple[str, float], ...]
+SubSteps: TypeAlias = tuple[tuple[str, float], ...]
 
 
 @dataclass(frozen=True)
@@ -44,10 +44,10 @@ class ForceReading:
     `amplitude` is the size of the numbers that went in.
     """
 
-    c: Row
-    a: tuple[Row, ...]
-    b_position: Row
-    b_velocity: Row
+    c: CoefficientRow
+    a: tuple[CoefficientRow, ...]
+    b_position: CoefficientRow
+    b_velocity: CoefficientRow
     drift: float
     format: FloatFormat
     remarks: tuple[str, ...] = ()
@@ -71,7 +71,7 @@ class ForceReading:
         return Stages(tuple(rows[:-2]), (rows[-2], rows[-1]), tuple(map(Fraction, self.c)))
 
     @property
-    def parts(self) -> Parts | None:
+    def parts(self) -> SubSteps | None:
         """The step as kicks v ← v + x·h·F(q) and drifts q ← q + x·h·v, if it is a composition of these; else None.
 
         Neighbours of one kind are one, and what is 0 is left out. The drift after a kick is a quotient of coefficients.
@@ -83,13 +83,15 @@ class ForceReading:
         """The coefficients, each as the fraction that it is the rounding of where there is a telling one."""
         rows = [("c", self.c), *((f"a[{i}]", row[:i]) for i, row in enumerate(self.a))]
         rows += [("b_position", self.b_position), ("b_velocity", self.b_velocity)]
-        lines = [f"{name} = {', '.join(shown(x, self.format) for x in row)}" for name, row in rows if row]
+        lines = [f"{name} = {', '.join(coefficient_text(x, self.format) for x in row)}" for name, row in rows if row]
         if self.parts is not None:
-            steps = ", ".join(f"{kind} {shown(x, self.format)}" for kind, x in self.parts)
+            steps = ", ".join(f"{kind} {coefficient_text(x, self.format)}" for kind, x in self.parts)
             lines = [f"sub-steps: {steps or 'none'}"]
         lines += [f"call {j} is made, and its answer is not used" for j in self.unused]
         if abs(self.drift - 1) > Rounding(self.format, self.calls).of(1.0):
-            lines.append(f"without a force the position moves by {shown(self.drift, self.format)} h v, not by h v")
+            lines.append(
+                f"without a force the position moves by {coefficient_text(self.drift, self.format)} h v, not by h v"
+            )
         return [*lines, *self.remarks]
 
 
@@ -221,7 +223,7 @@ def _dot(row: Sequence[float], forces: Sequence[float]) -> float:
     return fsum(x * f for x, f in zip(row, forces, strict=True))
 
 
-def _parts(reading: ForceReading) -> Parts | None:
+def _parts(reading: ForceReading) -> SubSteps | None:
     """A kick y at the time c moves every later place by y times the drift since: aᵢⱼ = yⱼ (cᵢ - cⱼ), and so the end."""
     stages: Any = reduced(reading.stages)  # of fractions, not of numbers in a field
     b_position, kicks = stages.weights

@@ -12,7 +12,7 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, FloatFormat
 
 # M_qq, M_qv, M_vq, M_vv as floats.
-Floats: TypeAlias = tuple[float, float, float, float]
+MatrixEntries: TypeAlias = tuple[float, float, float, float]
 
 # What a stepper turned out to be.
 LINEAR, LINEARISED, NOT_LINEAR = "linear", "linear at tiny states only", "not linear"
@@ -25,7 +25,7 @@ STATE, STEP = (1 / 3, 0.7), 0.3
 # Steps in units of the system's own time, as dyadic numbers: both ways in time, and far beyond its time scale.
 DYADIC = ("1/256", "1/16", "1/8", "1/4", "1/2", "1", "-1/16", "-1/8", "-1/4", "-1/2", "-1")
 NOT_DYADIC = ("1/10", "3/10", "7/10", "-3/10")
-FAR = ("2", "4", "16", "-2", "-4")
+_FAR = ("2", "4", "16", "-2", "-4")
 # No program of the catalogue errs by more than this many times u (1 + |M|) at the step LINEARITY_STEP, as a test says.
 LINEARITY_ROUNDINGS, LINEARITY_STEP = 1 << 12, Fraction(1, 8)
 # What differs by no more roundings is the same answer.
@@ -39,7 +39,7 @@ RATE_BITS = 10
 
 
 @dataclass(frozen=True)
-class Reading:
+class LinearReading:
     """What was read: `steps` are pairs (h, M(h)), M(h) being rounded as its stepper rounds in `format`.
 
     `kind` is LINEAR, LINEARISED (then read at states of size `amplitude`), or what stands in the way. `at_zero` is
@@ -53,9 +53,9 @@ class Reading:
     amplitude: float = 1.0
     unit: float = 1.0
     tiny: float = 0.0
-    at_zero: Floats | None = None
-    steps: tuple[tuple[float, Floats], ...] = ()
-    ordinary: tuple[float, Floats] | None = None
+    at_zero: MatrixEntries | None = None
+    steps: tuple[tuple[float, MatrixEntries], ...] = ()
+    ordinary: tuple[float, MatrixEntries] | None = None
     remarks: tuple[str, ...] = ()
 
     @property
@@ -71,19 +71,19 @@ class Reading:
         return self.kind in (LINEAR, LINEARISED)
 
 
-def read(subject: ForeignStepper, amplitude: float = 1.0) -> Reading:
+def read_linear_steps(subject: ForeignStepper, amplitude: float = 1.0) -> LinearReading:
     """The one-step matrix of a stepper at some twenty steps, by some seventy calls of it, at states of a size.
 
     Lets a Misbehaviour pass at steps well within the system's own time; beyond, and at negative steps, it is a remark.
     """
     fmt = _own_format(subject)
     if not _repeats(subject, fmt):
-        return Reading(fmt, NOT_REPEATABLE, remarks=("the same call gives different answers",))
+        return LinearReading(fmt, NOT_REPEATABLE, remarks=("the same call gives different answers",))
     rest = subject.step(0.0, 0.0, _in_format(fmt, STEP))
     if rest != (0.0, 0.0):
         moved = f"a step of {STEP} from (0, 0) ends in ({rest[0]!r}, {rest[1]!r})"
-        return Reading(fmt, NOT_AT_REST, remarks=(moved,))
-    reading = _at_amplitude(subject, Reading(fmt, LINEAR, amplitude))
+        return LinearReading(fmt, NOT_AT_REST, remarks=(moved,))
+    reading = _at_amplitude(subject, LinearReading(fmt, LINEAR, amplitude))
     seen = _nonlinearity(subject, reading, 1.0)
     if seen is None:
         return _with_steps(subject, replace(reading, remarks=_far_out(subject, reading)))
@@ -95,7 +95,7 @@ def read(subject: ForeignStepper, amplitude: float = 1.0) -> Reading:
     return _with_steps(subject, replace(reading, kind=NOT_LINEAR, remarks=(seen,)))
 
 
-def _linearised(subject: ForeignStepper, fmt: FloatFormat, at_identity: bool) -> Reading | None:
+def _linearised(subject: ForeignStepper, fmt: FloatFormat, at_identity: bool) -> LinearReading | None:
     """The reading at states so small that the step is linear there, but not so small that a rule puts them to rest.
 
     At the first size products of two states are below a rounding of one, and still ordinary numbers.
@@ -103,7 +103,7 @@ def _linearised(subject: ForeignStepper, fmt: FloatFormat, at_identity: bool) ->
     if fmt.emin >= -4 * fmt.precision:
         return None
     for bits in (fmt.precision + 7, fmt.precision // 2 + 4, 2 * fmt.precision // 5):
-        tiny = _at_amplitude(subject, Reading(fmt, LINEARISED, ldexp(1.0, -bits)))
+        tiny = _at_amplitude(subject, LinearReading(fmt, LINEARISED, ldexp(1.0, -bits)))
         asleep = at_identity and not tiny.starts_at_identity
         if not asleep and _is_linearisation(subject, tiny) and _nonlinearity(subject, tiny, 1.0) is None:
             return tiny
@@ -129,12 +129,12 @@ def _in_format(fmt: FloatFormat, x: float) -> float:
     return float(fmt.nearest(Fraction(x)))
 
 
-def _matrix(subject: ForeignStepper, h: float, amplitude: float) -> Floats:
+def _matrix(subject: ForeignStepper, h: float, amplitude: float) -> MatrixEntries:
     (qq, vq), (qv, vv) = subject.step(amplitude, 0.0, h), subject.step(0.0, amplitude, h)
     return qq / amplitude, qv / amplitude, vq / amplitude, vv / amplitude
 
 
-def _at_amplitude(subject: ForeignStepper, reading: Reading) -> Reading:
+def _at_amplitude(subject: ForeignStepper, reading: LinearReading) -> LinearReading:
     """The reading with its tiny step and its unit of time."""
     unit = 1.0
     for _ in range(2):  # the first step is tiny in seconds, the second in the system's own time
@@ -148,7 +148,7 @@ def _at_amplitude(subject: ForeignStepper, reading: Reading) -> Reading:
     return replace(reading, unit=unit)
 
 
-def _rates(subject: ForeignStepper, reading: Reading, unit: float) -> tuple[float, Floats] | None:
+def _rates(subject: ForeignStepper, reading: LinearReading, unit: float) -> tuple[float, MatrixEntries] | None:
     """The least of some tiny steps at which rates show rather than noise, with M there; None if there is none."""
     p = reading.format.precision
     for bits in sorted({p + 7, p // 2, *COARSE_BITS}, reverse=True):
@@ -166,7 +166,7 @@ def _rates(subject: ForeignStepper, reading: Reading, unit: float) -> tuple[floa
     return None
 
 
-def _asleep(subject: ForeignStepper, reading: Reading, unit: float, m: Floats) -> bool:
+def _asleep(subject: ForeignStepper, reading: LinearReading, unit: float, m: MatrixEntries) -> bool:
     """True when nothing grows in a tiny step though it does in a longer one: small numbers are put to rest, or lost."""
     if all(growing(m)):
         return False
@@ -175,7 +175,7 @@ def _asleep(subject: ForeignStepper, reading: Reading, unit: float, m: Floats) -
     return any(x == 0 and abs(y) > h / 2**RATE_BITS for x, y in zip(growing(m), longer, strict=True))
 
 
-def _same_rates(m: Floats, finer: Floats) -> bool:
+def _same_rates(m: MatrixEntries, finer: MatrixEntries) -> bool:
     """True when M - M(0) is four times smaller at a fourth of the step, in the entries where M(0) is zero; or smaller.
 
     Smaller it is without a rate, where the entries are O(h²); noise is as large at a fourth of the step.
@@ -184,7 +184,7 @@ def _same_rates(m: Floats, finer: Floats) -> bool:
     return all(abs(y) <= abs(x) / 2 or abs(x - y) * 2**RATE_BITS <= abs(x) + abs(y) for x, y in pairs)
 
 
-def _extrapolated(m: Floats, finer: Floats) -> Floats:
+def _extrapolated(m: MatrixEntries, finer: MatrixEntries) -> MatrixEntries:
     """M with entries c h for those that are zero in M(0), c to O(h²) from both steps; c = 0 where they are O(h²)."""
     found = list(m)
     for i in (0, 3) if swapped(m) else (1, 2):
@@ -194,24 +194,24 @@ def _extrapolated(m: Floats, finer: Floats) -> Floats:
     return qq, qv, vq, vv
 
 
-def swapped(m: Floats) -> bool:
+def swapped(m: MatrixEntries) -> bool:
     """True when M(0) exchanges position and velocity, for M read at a tiny step."""
     return abs(m[0]) + abs(m[3]) < abs(m[1]) + abs(m[2])
 
 
-def growing(m: Floats) -> tuple[float, float]:
+def growing(m: MatrixEntries) -> tuple[float, float]:
     """The two entries of M, read at a tiny step, that are zero in M(0)."""
     return (m[0], m[3]) if swapped(m) else (m[1], m[2])
 
 
-def _unit(m: Floats, tiny: float) -> float:
+def _unit(m: MatrixEntries, tiny: float) -> float:
     """The power of two nearest to 1/sqrt|ak|, for the rates a and k; 1 where there are none."""
     position, velocity = growing(m)
     frequency = sqrt(abs(position / tiny)) * sqrt(abs(velocity / tiny))
     return ldexp(1.0, -round(log2(frequency))) if isfinite(frequency) and frequency else 1.0
 
 
-def _nonlinearity(subject: ForeignStepper, reading: Reading, size: float) -> str | None:
+def _nonlinearity(subject: ForeignStepper, reading: LinearReading, size: float) -> str | None:
     """What was seen of M(z + w) ≠ M(z) + M(w) at states of a size, times the amplitude; None if nothing was."""
     h = _in_format(reading.format, reading.unit * float(LINEARITY_STEP))
     (qq, qv, vq, vv), scale = _matrix(subject, h, reading.amplitude), size * reading.amplitude
@@ -226,7 +226,7 @@ def _nonlinearity(subject: ForeignStepper, reading: Reading, size: float) -> str
     return None
 
 
-def _is_linearisation(subject: ForeignStepper, tiny: Reading) -> bool:
+def _is_linearisation(subject: ForeignStepper, tiny: LinearReading) -> bool:
     """True when states of a fourth of the size have the same rates: those of a cubic force are a sixteenth."""
     if tiny.at_zero is None:
         return False
@@ -234,7 +234,7 @@ def _is_linearisation(subject: ForeignStepper, tiny: Reading) -> bool:
     return all(abs(x - y) * 2**RATE_BITS <= abs(x) + abs(y) for x, y in zip(growing(tiny.at_zero), less, strict=True))
 
 
-def _far_out(subject: ForeignStepper, reading: Reading) -> tuple[str, ...]:
+def _far_out(subject: ForeignStepper, reading: LinearReading) -> tuple[str, ...]:
     """What is seen of a limit on the size of states, as a remark."""
     try:
         seen = _nonlinearity(subject, reading, 2.0 ** min(FAR_BITS, reading.format.emax // 2))
@@ -243,9 +243,9 @@ def _far_out(subject: ForeignStepper, reading: Reading) -> tuple[str, ...]:
     return (f"{FAR_OUT}: {seen}",) if seen else ()
 
 
-def _with_steps(subject: ForeignStepper, reading: Reading) -> Reading:
+def _with_steps(subject: ForeignStepper, reading: LinearReading) -> LinearReading:
     found, failures = [], []
-    for text in (*DYADIC, *NOT_DYADIC, *FAR):
+    for text in (*DYADIC, *NOT_DYADIC, *_FAR):
         h = _in_format(reading.format, reading.unit * float(Fraction(text)))
         try:
             found.append((h, _matrix(subject, h, reading.amplitude)))

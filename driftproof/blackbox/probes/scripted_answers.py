@@ -10,13 +10,13 @@ from typing import Any, NamedTuple, TypeAlias, TypeVar
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.symbolic.rounding.formats import FloatFormat
 
-Row: TypeAlias = tuple[float, ...]
+CoefficientRow: TypeAlias = tuple[float, ...]
 Result = TypeVar("Result")
 
 # Numbers of these sizes are below the limits on speeds and distances in use, and above what is put to rest.
 BELOW_LIMITS = (2.0**-5, 2.0**-10)
 # A limit takes away more than this part of a number; what bends takes away less.
-FAR = 2.0**-10
+_FAR = 2.0**-10
 # More calls in one step than any method in use makes: an iteration, or an adaptive solver.
 MOST_CALLS = 200
 
@@ -165,7 +165,7 @@ class Rounding:
 def demand_as_said(control: Control, name: str, seen: float, said: float, allowed: float) -> None:
     """Raises NotReadable if a number of a control differs from what the coefficients say by more than is allowed."""
     if not abs(seen - said) <= allowed:
-        found = Departs if abs(seen - said) > FAR * max(abs(seen), abs(said)) else NotReadable
+        found = Departs if abs(seen - said) > _FAR * max(abs(seen), abs(said)) else NotReadable
         raise found(
             f"with {control.name}, {name} is {seen:.6g} where the coefficients read say {said:.6g}: {control.broken}"
         )

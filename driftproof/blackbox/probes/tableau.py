@@ -10,15 +10,15 @@ from math import fsum
 from typing import NamedTuple
 
 from driftproof.blackbox.findings import Misbehaviour
-from driftproof.blackbox.probes.coefficients import shown
+from driftproof.blackbox.probes.coefficients import coefficient_text
 from driftproof.blackbox.probes.scripted_answers import (
     AT_REST,
     BACKWARD,
     CONTROLS,
+    CoefficientRow,
     Control,
     NotReadable,
     Rounding,
-    Row,
     Script,
     complaints,
     demand_as_said,
@@ -43,9 +43,9 @@ class TableauReading:
     `remarks` are lines on what else was seen, `amplitude` the size of the numbers that went in.
     """
 
-    a: tuple[Row, ...]
-    b: Row
-    c: Row | None
+    a: tuple[CoefficientRow, ...]
+    b: CoefficientRow
+    c: CoefficientRow | None
     format: FloatFormat
     remarks: tuple[str, ...] = ()
     amplitude: float = 1.0
@@ -225,5 +225,5 @@ def _start(control: Control, size: int) -> list[float]:
     return [control.start, 0.0 - control.start][:size]
 
 
-def _row(row: Row, fmt: FloatFormat) -> str:
-    return ", ".join(shown(x, fmt) for x in row)
+def _row(row: CoefficientRow, fmt: FloatFormat) -> str:
+    return ", ".join(coefficient_text(x, fmt) for x in row)

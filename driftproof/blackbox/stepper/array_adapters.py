@@ -11,7 +11,7 @@ import numpy as np
 from driftproof.blackbox.findings import NotANumber, WrongShape
 
 # A float, or a number of the arithmetic that a adapter is for.
-Number: TypeAlias = Any
+AnyNumber: TypeAlias = Any
 Foreign: TypeAlias = Any
 
 
@@ -24,9 +24,9 @@ class ArrayAdapter:
     """
 
     name: str
-    write: Callable[[Sequence[Number]], Foreign]
-    read: Callable[[Foreign, int], list[Number]]
-    number: Callable[[float], Number] = float
+    write: Callable[[Sequence[AnyNumber]], Foreign]
+    read: Callable[[Foreign, int], list[AnyNumber]]
+    number: Callable[[float], AnyNumber] = float
 
 
 def floats_in(value: Foreign, size: int) -> list[float]:
@@ -61,7 +61,7 @@ def type_of(value: Foreign) -> str:
     return str(getattr(value, "dtype", type(value).__name__))
 
 
-def _one(numbers: Sequence[Number]) -> Number:
+def _one(numbers: Sequence[AnyNumber]) -> AnyNumber:
     if len(numbers) != 1:
         raise WrongShape(f"a scalar holds one number, not {len(numbers)}")
     return numbers[0]

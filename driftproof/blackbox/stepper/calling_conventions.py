@@ -9,7 +9,7 @@ from typing import Any
 
 MAP, FORCE, FIELD = "map", "force", "field"
 # What a stepper of each is, as a reader writes it down.
-CALLS = {
+SIGNATURES = {
     MAP: "step(q, v, h) -> (q1, v1), or step(state, h) with state = [q, v]: the system is built in",
     FORCE: "step(force, q, v, h) -> (q1, v1): q' = v, v' = force(q)",
     FIELD: "step(f, t, y, h) -> y1: y' = f(t, y)",
@@ -71,8 +71,8 @@ def convention_of(step: Callable[..., Any], kind: str | None = None) -> CallingC
 
     Raises ValueError, saying what is allowed, if the names do not tell, or for an unknown kind.
     """
-    if kind is not None and kind not in CALLS:
-        raise ValueError(f"unknown calling convention {kind!r}; choose from {', '.join(CALLS)}")
+    if kind is not None and kind not in SIGNATURES:
+        raise ValueError(f"unknown calling convention {kind!r}; choose from {', '.join(SIGNATURES)}")
     names = _required_names(step)
     if names is not None:
         fitting = (_fitted(names, *variant) for variant in VARIANTS if kind in (None, variant[0]))
@@ -82,7 +82,7 @@ def convention_of(step: Callable[..., Any], kind: str | None = None) -> CallingC
     if kind is not None and (names is None or len(names) == len(STANDARD_ORDER[kind])):
         return CallingConvention(kind, STANDARD_ORDER[kind])
     shown = "(?)" if names is None else f"({', '.join(names)})"
-    choices = "; ".join(f"{kind}: {words}" for kind, words in CALLS.items())
+    choices = "; ".join(f"{kind}: {words}" for kind, words in SIGNATURES.items())
     raise ValueError(
         f"{_name(step)}{shown} is not one of these: {choices}. Bind other arguments, or name the calling convention"
     )

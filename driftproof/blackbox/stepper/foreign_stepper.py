@@ -14,9 +14,9 @@ from driftproof.blackbox.stepper.array_adapters import (
     ARRAYS,
     LISTS,
     SCALARS,
+    AnyNumber,
     ArrayAdapter,
     Foreign,
-    Number,
     as_array,
     type_of,
 )
@@ -36,10 +36,10 @@ from driftproof.methods.problems import oscillator
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 
 # A force, or a right-hand side of t and y, of ours: on numbers of the adapter.
-Force: TypeAlias = Callable[[Number], Number]
-Field: TypeAlias = Callable[[Number, list[Number]], Sequence[Number]]
+ForceFunction: TypeAlias = Callable[[AnyNumber], AnyNumber]
+FieldFunction: TypeAlias = Callable[[AnyNumber, list[AnyNumber]], Sequence[AnyNumber]]
 # Longer answers are cut where a message shows them.
-MOST_SHOWN = 60
+_MOST_SHOWN = 60
 # A sum of times in the narrowest format is nearer to the true one.
 _ABOUT = 2.0**-6
 
@@ -69,20 +69,20 @@ class ForeignStepper:
     log: CallLog = field(default_factory=CallLog)
     before: Callable[[str], None] = lambda call: None
 
-    def step(self, q: Number, v: Number, h: Number) -> tuple[Number, Number]:
+    def step(self, q: AnyNumber, v: AnyNumber, h: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
         """One step of its own system, or of the oscillator where it takes a force or a right-hand side."""
         if self.convention.kind == MAP:
             return self._map(q, v, h)
         return self.step_with(oscillator, q, v, h)
 
-    def step_with(self, force: Force, q: Number, v: Number, h: Number) -> tuple[Number, Number]:
+    def step_with(self, force: ForceFunction, q: AnyNumber, v: AnyNumber, h: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
         """One step of q' = v, v' = force(q). Raises UnsupportedCall where the system is built in."""
         if self.convention.kind == FORCE:
             return self._forced(force, q, v, h)
         q1, v1 = self.step_field(lambda t, y: [y[1], force(y[0])], self.adapter.number(0.0), [q, v], h)
         return q1, v1
 
-    def step_field(self, rate: Field, t: Number, y: Sequence[Number], h: Number) -> list[Number]:
+    def step_field(self, rate: FieldFunction, t: AnyNumber, y: Sequence[AnyNumber], h: AnyNumber) -> list[AnyNumber]:
         """One step of y' = rate(t, y). Raises UnsupportedCall where there is no right-hand side to give."""
         if self.convention.kind != FIELD:
             raise UnsupportedCall(f"the stepper is called by {self.convention.kind!r}, which takes no right-hand side")
@@ -118,7 +118,7 @@ class ForeignStepper:
         positions, velocities = self._two_parts(answer)
         return list(zip(*(self.adapter.read(part, len(qs)) for part in (positions, velocities)), strict=True))
 
-    def _map(self, q: Number, v: Number, h: Number) -> tuple[Number, Number]:
+    def _map(self, q: AnyNumber, v: AnyNumber, h: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
         write = self.adapter.write
         if STATE in self.convention.order:
             answer = self._call({STATE: write([q, v]), STEP: h, TIME: 0.0}, f"state=[{q!r}, {v!r}], h={h!r}")
@@ -126,7 +126,7 @@ class ForeignStepper:
             return q1, v1
         return self._pair({POSITION: write([q]), VELOCITY: write([v]), STEP: h, TIME: 0.0}, q, v, h)
 
-    def _forced(self, force: Force, q: Number, v: Number, h: Number) -> tuple[Number, Number]:
+    def _forced(self, force: ForceFunction, q: AnyNumber, v: AnyNumber, h: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
         write = self.adapter.write
 
         def callback(position: Foreign, *_: Foreign) -> Foreign:
@@ -135,7 +135,7 @@ class ForeignStepper:
         roles = {FUNCTION: callback, POSITION: write([q]), VELOCITY: write([v]), STEP: h, TIME: 0.0}
         return self._pair(roles, q, v, h)
 
-    def _pair(self, roles: dict[str, Foreign], q: Number, v: Number, h: Number) -> tuple[Number, Number]:
+    def _pair(self, roles: dict[str, Foreign], q: AnyNumber, v: AnyNumber, h: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
         answer = self._call(roles, f"q={q!r}, v={v!r}, h={h!r}")
         q1, v1 = self._finite([self._read(part, 1)[0] for part in self._two_parts(answer)], [q, v, h])
         return q1, v1
@@ -171,11 +171,11 @@ class ForeignStepper:
         self.log.works_in_place = True
         return roles[STATE] if STATE in self.convention.order else (roles[POSITION], roles[VELOCITY])
 
-    def _read(self, answer: Foreign, size: int) -> list[Number]:
+    def _read(self, answer: Foreign, size: int) -> list[AnyNumber]:
         self.log.types.add(type_of(answer))
         return self.adapter.read(answer, size)
 
-    def _read_state(self, answer: Foreign, size: int, end: Number) -> list[Number]:
+    def _read_state(self, answer: Foreign, size: int, end: AnyNumber) -> list[AnyNumber]:
         """The state that was returned, alone or as (t1, y1); (y1, error) is refused, its first being no time.
 
         Of one number, what may be a time is one only if it is about the end of the step.
@@ -186,7 +186,7 @@ class ForeignStepper:
                 answer = answer[1]
         return self._read(answer, size)
 
-    def _finite(self, answer: list[Number], given: Sequence[Number]) -> list[Number]:
+    def _finite(self, answer: list[AnyNumber], given: Sequence[AnyNumber]) -> list[AnyNumber]:
         if all(map(_is_finite, given)) and not all(map(_is_finite, answer)):
             seen = f"from {', '.join(map(repr, given))} it returns {', '.join(map(repr, answer))}"
             raise NotFinite(seen, tuple(answer))
@@ -226,7 +226,7 @@ def _as_written(stepper: ForeignStepper, text: str) -> str:
     return f"{maker}({text})" if maker else text
 
 
-def _is_finite(x: Number) -> bool:
+def _is_finite(x: AnyNumber) -> bool:
     return not isinstance(x, float) or isfinite(x)
 
 
@@ -251,4 +251,4 @@ def _differs(x: Foreign, before: Foreign) -> bool:
 
 def _shown(answer: Foreign) -> str:
     text = repr(answer)
-    return text if len(text) <= MOST_SHOWN else f"{text[:MOST_SHOWN]}..."
+    return text if len(text) <= _MOST_SHOWN else f"{text[:_MOST_SHOWN]}..."

@@ -14,7 +14,7 @@ from driftproof.blackbox.stepper.array_adapters import as_array, floats_in
 
 Object: TypeAlias = Any
 # Where an object keeps numbers: the name of an attribute, dotted where it lies deeper, or two functions, get and put.
-Place: TypeAlias = str | tuple[Callable[[Object], Any], Callable[[Object, Any], object]]
+Location: TypeAlias = str | tuple[Callable[[Object], Any], Callable[[Object, Any], object]]
 # What is done to an object with a number: the name of a method of one argument, or of an attribute; or a function.
 Act: TypeAlias = str | Callable[[Object, Any], object]
 
@@ -22,9 +22,9 @@ Act: TypeAlias = str | Callable[[Object, Any], object]
 def stepper_of(
     make: Callable[..., Object],
     *,
-    position: Place = "position",
-    velocity: Place = "velocity",
-    state: Place | None = None,
+    position: Location = "position",
+    velocity: Location = "velocity",
+    state: Location | None = None,
     advance: Act = "step",
     push: Act | None = None,
     anew: bool = False,
@@ -57,8 +57,8 @@ def stepper_of(
 def field_stepper_of(
     make: Callable[[Callable[..., Any]], Object],
     *,
-    state: Place = "y",
-    time: Place | None = None,
+    state: Location = "y",
+    time: Location | None = None,
     advance: Act = "step",
     anew: bool = False,
 ) -> Callable[..., np.ndarray[Any, Any]]:
@@ -110,7 +110,7 @@ class UntimedSolver:
     """The step (f, y, h) of an object; a copy of it has an object of its own."""
 
     held: _Held
-    state: Place
+    state: Location
 
     def __call__(self, f: Callable[..., Any], y: Sequence[float], h: float) -> np.ndarray[Any, Any]:
         """One step."""
@@ -122,7 +122,7 @@ class TimedSolver:
     """The step (f, t, y, h) of an object; a copy of it has an object of its own."""
 
     held: _Held
-    state: Place
+    state: Location
     time: _Accessor
 
     def __call__(self, f: Callable[..., Any], t: float, y: Sequence[float], h: float) -> np.ndarray[Any, Any]:
@@ -199,7 +199,7 @@ class _Accessor:
     size: int | None
 
     @classmethod
-    def of(cls, place: Place, size: int | None = None) -> _Accessor:
+    def of(cls, place: Location, size: int | None = None) -> _Accessor:
         """Of an attribute or of two functions."""
         if not isinstance(place, str):
             return cls(*place, size)

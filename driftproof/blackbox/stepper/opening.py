@@ -25,7 +25,7 @@ from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, F
 # Where a stepper is tried out: nothing cancels, and every term of a step is of ordinary size.
 TRIAL_STATE, TRIAL_STEP = (1.0, 0.75), 0.25
 # The type that an answer's name ends in, the narrowest first.
-FORMATS = {"float16": BINARY16, "float32": BINARY32, "float64": BINARY64}
+_FORMATS = {"float16": BINARY16, "float32": BINARY32, "float64": BINARY64}
 
 
 def opened(
@@ -78,7 +78,7 @@ def _tried(subject: ForeignStepper, trial: Callable[[ForeignStepper], None]) -> 
 
 
 def _format(types: set[str]) -> FloatFormat:
-    return next((fmt for name, fmt in FORMATS.items() if any(t.endswith(name) for t in types)), BINARY64)
+    return next((fmt for name, fmt in _FORMATS.items() if any(t.endswith(name) for t in types)), BINARY64)
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,9 @@ import pytest
 from flint import arb, ctx
 
 from driftproof.blackbox.matching.equivalent_methods import (
-    BITS,
+    CERTIFYING_BITS,
     ErrorTally,
-    ExactFlow,
+    ExactSolution,
     Rates,
     adjoint_methods,
     all_matrices,
@@ -25,7 +25,7 @@ from driftproof.symbolic.rounding.any_evaluation_order import any_evaluation_ord
 from driftproof.symbolic.rounding.formats import BINARY64
 
 EXPLICIT = [key for key, method in METHODS.items() if method.explicit]
-MAPS = (*equivalent_methods(), *adjoint_methods(), ExactFlow())
+MAPS = (*equivalent_methods(), *adjoint_methods(), ExactSolution())
 
 
 @pytest.mark.parametrize("key", ["symplectic_euler", "velocity_verlet", "midpoint2", "rk4", "heun3", "nystrom4"])
@@ -77,7 +77,7 @@ def test_the_exact_flow_is_that_of_a_long_series_for_both_signs_of_the_stiffness
         field = np.array([[Q(0), a], [-k, Q(0)]], dtype=object) * h
         for i in range(1, 40):
             total, term = total + term, term.dot(field) / i
-        seen = ExactFlow().matrix_at(h, a, k)
+        seen = ExactSolution().matrix_at(h, a, k)
         assert all(abs(float(x) - float(y)) < 1e-15 for x, y in zip(seen, total.ravel(), strict=True))
 
 
@@ -95,7 +95,7 @@ def test_an_adjoint_is_the_inverse_of_the_step_back_and_no_method_of_the_catalog
     for each in adjoint_methods():
         a, b, c, d = each.matrix_at(h, one, one)
         back = known[each.keys].matrix_at(-h, one, one)
-        with ctx.workprec(BITS):
+        with ctx.workprec(CERTIFYING_BITS):
             product = [a * back[0] + b * back[2], a * back[1] + b * back[3], c * back[0] + d * back[2]]
         assert all(x.overlaps(arb(y)) and x.rad() < 1e-60 for x, y in zip(product, (1, 0, 0), strict=True))
         values = all_matrices(equivalent_methods(), Rates(float(h), 1.0, 1.0))

@@ -17,7 +17,7 @@ from driftproof.blackbox.probes.linear_steps import (
     NOT_AT_REST,
     NOT_LINEAR,
     NOT_REPEATABLE,
-    read,
+    read_linear_steps,
 )
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
@@ -67,7 +67,7 @@ CHANGED = [
 
 @pytest.mark.parametrize(("key", "change"), CHANGED)
 def test_a_method_with_one_coefficient_wrong_is_not_named_that_method(key, change):
-    reading = read(float_subject(with_one_changed(METHODS[key], change)))
+    reading = read_linear_steps(float_subject(with_one_changed(METHODS[key], change)))
     each = next(each for each in equivalent_methods() if key in each.keys)
     explained = explained_by(each, reading, *rates_of(reading), known=True)
     assert explained.error.in_bounds > 1 or explained.restriction or not explained.rates_are_right

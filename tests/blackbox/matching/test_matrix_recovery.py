@@ -9,7 +9,7 @@ import pytest
 
 from driftproof.blackbox.matching.linear_match import LinearFit, linear_fit
 from driftproof.blackbox.matching.matrix_recovery import recovered
-from driftproof.blackbox.probes.linear_steps import read
+from driftproof.blackbox.probes.linear_steps import read_linear_steps
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.symbolic.algebra.polynomials import scalar
 
@@ -82,13 +82,13 @@ def test_the_unit_of_time_does_not_matter():
 
 
 def test_what_is_no_function_of_low_degree_is_not_recovered():
-    reading = read(opened(lambda q, v, h: (q + sin(h) * v, v - sin(3 * h) * q)))
+    reading = read_linear_steps(opened(lambda q, v, h: (q + sin(h) * v, v - sin(3 * h) * q)))
     assert recovered(reading) is None
 
 
 @pytest.mark.parametrize("step", [rational, like_rk4(1 / 23), odd_and_even])
 def test_what_is_recovered_is_the_matrix_at_steps_that_were_not_read(step):
-    entries = recovered(read(opened(step)))
+    entries = recovered(read_linear_steps(opened(step)))
     h = 0.37
     columns = step(1.0, 0.0, h), step(0.0, 1.0, h)
     for entry, x in zip(entries, (columns[0][0], columns[1][0], columns[0][1], columns[1][1]), strict=True):

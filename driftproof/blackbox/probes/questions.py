@@ -1,16 +1,18 @@
-"""What the child is asked of a stepper, one check each: functions of the opened stepper with picklable answers."""
+"""What a stepper is asked first: how it is called, and which coefficients it has."""
 
 from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import TypeAlias
 
-from driftproof.blackbox.matching.match import Reading
-from driftproof.blackbox.probes.force import read_forces
+from driftproof.blackbox.probes.force import ForceReading, read_forces
 from driftproof.blackbox.probes.scripted_answers import NotReadable
-from driftproof.blackbox.probes.tableau import read_tableau
+from driftproof.blackbox.probes.tableau import TableauReading, read_tableau
 from driftproof.blackbox.stepper.calling_conventions import FIELD
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+
+CoefficientReading: TypeAlias = TableauReading | ForceReading
 
 
 @dataclass(frozen=True)
@@ -27,7 +29,7 @@ def introduction(subject: ForeignStepper) -> Introduction:
     return Introduction(subject.convention.kind, subject.adapter.name, subject.format.name)
 
 
-def coefficients(subject: ForeignStepper) -> Reading:
+def read_coefficients(subject: ForeignStepper) -> CoefficientReading:
     """The stepper's own coefficients: of its tableau through a right-hand side, else as a force sees them.
 
     A symplectic step of y = [q, v] has no tableau, but has coefficients on q'' = F(q).
