@@ -1,16 +1,19 @@
 """Rogue steppers are findings within their time: in a fork of this process, and by name in a fresh interpreter."""
 
+from __future__ import annotations
+
 import threading
 from functools import partial
+from time import sleep
 
 import pytest
 
 from driftproof.blackbox.checks.special_arguments import negative_step, zero_step
-from driftproof.blackbox.checks.suite import CHECKS, all_checks
-from driftproof.blackbox.findings import StepRaised
-from driftproof.blackbox.isolation import IsolatedRunner
+from driftproof.blackbox.checks.suite import BRIEF, CHECKS, all_checks, checks_of
+from driftproof.blackbox.findings import Outcome, StepRaised
+from driftproof.blackbox.isolation import LEAST_LIMIT, IsolatedRunner
 from driftproof.blackbox.stepper.opening import Target
-from tests.blackbox import rogues
+from tests.blackbox import broken_steppers
 
 # A hang is waited for; everything else is over long before its limit.
 SHORT, LONG = 0.5, 60.0
@@ -20,7 +23,7 @@ WAYS = ["fork", "by name"]
 def runner(rogue, way="fork"):
     limit = SHORT if rogue.__name__.startswith("hangs") else LONG
     return IsolatedRunner(
-        Target(rogue if way == "fork" else f"tests.blackbox.rogues:{rogue.__name__}"), time_limit=limit
+        Target(rogue if way == "fork" else f"tests.blackbox.broken_steppers:{rogue.__name__}"), time_limit=limit
     )
 
 
@@ -40,9 +43,9 @@ def faults(checks):
 @pytest.mark.parametrize(
     ("rogue", "seen"),
     [
-        (rogues.crashes, "the process ended (signal 11, SIGSEGV) in step(q=1.0, v=0.75, h=0.25)"),
-        (rogues.returns_nan, "from 1.0, 0.75, 0.25 it returns nan, 0.75"),
-        (rogues.wrong_shape, "it returns (1.1875, 0.5, 0.25), not a pair (q1, v1)"),
+        (broken_steppers.crashes, "the process ended (signal 11, SIGSEGV) in step(q=1.0, v=0.75, h=0.25)"),
+        (broken_steppers.returns_nan, "from 1.0, 0.75, 0.25 it returns nan, 0.75"),
+        (broken_steppers.wrong_shape, "it returns (1.1875, 0.5, 0.25), not a pair (q1, v1)"),
     ],
     ids=lambda value: getattr(value, "__name__", ""),
 )
@@ -55,7 +58,7 @@ def test_a_rogue_without_an_answer_has_one_check(rogue, seen, way):
 
 @pytest.mark.parametrize("way", WAYS)
 def test_a_rogue_that_always_hangs_is_given_up_after_one_time_limit(way):
-    checks = all_checks(runner(rogues.hangs, way))
+    checks = all_checks(runner(broken_steppers.hangs, way))
     assert [check.words for check in checks] == [
         "no question could be put: no answer within 0.5 s in step(q=1.0, v=0.75, h=0.25)"
     ]
@@ -65,10 +68,10 @@ def test_a_rogue_that_always_hangs_is_given_up_after_one_time_limit(way):
 @pytest.mark.parametrize(
     ("rogue", "seen"),
     [
-        (rogues.works_in_place, "it writes its answer into its arguments and returns nothing"),
-        (rogues.returns_integers, "returns integers: at h = 0, (1.0, 0.75) becomes (1.0, 0.0)"),
-        (rogues.remembers, "the answer depends on the call before"),
-        (rogues.noisy, "it draws on the random numbers of Python or NumPy"),
+        (broken_steppers.works_in_place, "it writes its answer into its arguments and returns nothing"),
+        (broken_steppers.returns_integers, "returns integers: at h = 0, (1.0, 0.75) becomes (1.0, 0.0)"),
+        (broken_steppers.remembers, "the answer depends on the call before"),
+        (broken_steppers.noisy, "it draws on the random numbers of Python or NumPy"),
     ],
     ids=lambda value: getattr(value, "__name__", ""),
 )
@@ -77,7 +80,7 @@ def test_a_rogue_that_answers_is_described(rogue, seen, way):
 
 
 def test_a_hang_costs_its_own_question_only():
-    checks = {check.key: check for check in all_checks(runner(rogues.hangs_at_zero))}
+    checks = {check.key: check for check in all_checks(runner(broken_steppers.hangs_at_zero))}
     assert faults(checks.values()) == [
         "zero step: the stepper hangs, no answer within 0.5 s in step(q=1.0, v=0.75, h=0.0)"
     ]
@@ -85,32 +88,32 @@ def test_a_hang_costs_its_own_question_only():
 
 
 def test_a_crash_costs_its_own_question_only():
-    found = runner(rogues.crashes_backwards).run([answer, partial(answer, h=-0.25), answer, zero_step])
+    found = runner(broken_steppers.crashes_backwards).run([answer, partial(answer, h=-0.25), answer, zero_step])
     assert [outcome.kind for outcome in found] == [None, "crashes", None, None]
     assert found[1].seen == "the process ended (exit status 3) in step(q=1.0, v=0.75, h=-0.25)"
     assert found[0].result == found[2].result == (1.1875, 0.5)
 
 
 def test_a_stepper_that_exits_is_a_finding_and_ends_nothing():
-    found = outcome(rogues.exits)
+    found = outcome(broken_steppers.exits)
     assert (found.kind, found.seen) == ("raises", "step(q=1.0, v=0.75, h=0.25) raises SystemExit: no licence")
 
 
 def test_processes_of_a_hanging_stepper_are_ended_with_it():
-    assert outcome(rogues.hangs_with_a_child).kind == "hangs"
+    assert outcome(broken_steppers.hangs_with_a_child).kind == "hangs"
     assert threading.active_count() == 1
 
 
 @pytest.mark.parametrize("way", WAYS)
 def test_what_a_stepper_prints_and_warns_of_is_neither_shown_nor_read(way, capfd):
-    assert outcome(rogues.prints, way).result == (1.1875, 0.5)
+    assert outcome(broken_steppers.prints, way).result == (1.1875, 0.5)
     assert capfd.readouterr() == ("", "")
 
 
 def test_a_stepper_that_cannot_be_imported_is_refused_by_every_question():
-    found = IsolatedRunner(Target("tests.blackbox.rogues:nobody")).run([answer, answer])
+    found = IsolatedRunner(Target("tests.blackbox.broken_steppers:nobody")).run([answer, answer])
     assert [outcome.kind for outcome in found] == ["bad_input", "bad_input"]
-    assert found[0].seen.startswith("tests.blackbox.rogues:nobody cannot be imported: AttributeError")
+    assert found[0].seen.startswith("tests.blackbox.broken_steppers:nobody cannot be imported: AttributeError")
 
 
 def test_without_isolation_the_stepper_runs_here():
@@ -135,18 +138,48 @@ def has_a_mistake(subject):
 
 
 def test_outcomes_come_in_the_order_of_the_questions():
-    found = runner(rogues.noisy).run([raises_misbehaviour, answer, has_a_mistake, negative_step])
+    found = runner(broken_steppers.noisy).run([raises_misbehaviour, answer, has_a_mistake, negative_step])
     assert [outcome.kind for outcome in found] == ["raises", None, "instrument_failed", "unsteady"]
     assert found[0].seen == "as it were"
     assert "ZeroDivisionError" in found[2].seen
 
 
 def test_no_question_is_no_outcome():
-    assert runner(rogues.noisy).run([]) == []
+    assert runner(broken_steppers.noisy).run([]) == []
 
 
 def test_every_experiment_is_picklable_by_name():
-    found = runner(rogues.crashes_backwards, "by name").run(list(CHECKS.values()))
+    found = runner(broken_steppers.crashes_backwards, "by name").run(list(CHECKS.values()))
     kinds = dict(zip(CHECKS, (outcome.kind for outcome in found), strict=True))
     assert [key for key, kind in kinds.items() if kind] == ["negative_step", "reversal"]
     assert {kinds["negative_step"], kinds["reversal"]} == {"crashes"}
+
+
+def first(subject):
+    return subject.step(1.0, 0.75, 0.25)
+
+
+def many(subject):
+    for n in range(10**6):
+        subject.step(1.0, 0.75, n / 10**6)
+
+
+def test_a_slow_stepper_does_not_hang():
+    slow, after = IsolatedRunner(Target(broken_steppers.dawdles), 0.4).run([many, first])
+    assert (slow.kind, after.kind) == ("slow", None)
+    of_one = [slow, *[Outcome(result=()) for _ in range(len(CHECKS) - 1)]]
+    assert [check.holds for check in checks_of(of_one)] == [None]
+
+
+def second(subject):
+    sleep(0.4)
+
+
+def test_a_brief_check_that_hangs_is_given_up_before_the_time_limit(monkeypatch):
+    monkeypatch.setattr("driftproof.blackbox.isolation.LEAST_LIMIT", 0.2)
+    runner = IsolatedRunner(Target(broken_steppers.hangs_at_nan), 60.0)
+    outcomes = runner.run([first, CHECKS["not_a_number_step"], second], BRIEF)
+    assert [outcome.kind for outcome in outcomes] == [None, "hangs", None]
+    assert "60 s" not in outcomes[1].seen
+    assert LEAST_LIMIT < runner.time_limit
+    assert checks_of([outcomes[1]] * len(CHECKS))[0].is_fault

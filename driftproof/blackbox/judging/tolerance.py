@@ -17,6 +17,7 @@ from driftproof.symbolic.algebra.polynomials import coefficients
 from driftproof.symbolic.linear.oscillator import one_step_matrix
 from driftproof.symbolic.rounding.any_evaluation_order import AnyEvaluationOrderBound, any_evaluation_order_bound
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat, power_of_two
+from driftproof.symbolic.rounding.step_bound import COLUMNS
 from driftproof.symbolic.runs import apply, exact_matrix_at
 
 # A double times a double needs 106 bits, and a step of the longest program some 30 products: at this precision the
@@ -208,10 +209,10 @@ def _series(ascending: Iterable[Any]) -> arb_poly:
 
 def _weighted(polynomial: Any, weight: Callable[[int, int], arb]) -> Columns:
     """The terms c Dᵏ m, m a product of n factors, as c weight(k, n), ascending in h for each of q, v and 1."""
-    by_column: list[dict[int, arb]] = [{} for _ in _COLUMNS]
+    by_column: list[dict[int, arb]] = [{} for _ in COLUMNS]
     with ctx.workprec(_BITS):
         for (k, _, in_h, *in_state), c in polynomial.terms():
-            found = by_column[_COLUMNS.index(tuple(in_state))]
+            found = by_column[COLUMNS.index(tuple(in_state))]
             found[in_h] = found.get(in_h, arb(0)) + arb(c) * weight(k, in_h + sum(in_state))
     return [arb_poly([found.get(k, arb(0)) for k in range(max(found, default=0) + 1)]) for found in by_column]
 

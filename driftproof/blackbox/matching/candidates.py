@@ -10,9 +10,10 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from driftproof.blackbox.matching.fingerprints import Array, Fingerprint
 from driftproof.blackbox.matching.tables import (
+    Array,
     BoundedCoefficient,
+    Fingerprint,
     FromExact,
     LiftedTableau,
     TableRow,
@@ -53,7 +54,7 @@ class ExactTable:
 
     @classmethod
     def of(cls, stages: Stages, drift: Any) -> ExactTable:
-        """From the stages as `symbolic.linear.irreducible` has them; `drift` is None of a right-hand side."""
+        """From the stages as `symbolic.linear.reduced_tableau` has them; `drift` is None of a right-hand side."""
         weights = stages.weights if drift is not None else stages.weights[:1]
         entries = tuple(tuple(map(bounded, row)) for row in (*stages.a, *weights))
         nodes = tuple(map(bounded, stages.c)) if len(stages.weights) > 1 else None

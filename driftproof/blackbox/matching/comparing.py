@@ -11,8 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from driftproof.blackbox.matching.candidates import ExactTable
-from driftproof.blackbox.matching.fingerprints import Array
-from driftproof.blackbox.matching.tables import BoundedCoefficient
+from driftproof.blackbox.matching.tables import Array, BoundedCoefficient
 from driftproof.blackbox.probes.coefficients import is_nearest
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.methods.number_field import Exact

@@ -19,8 +19,8 @@ from driftproof.blackbox.matching.candidates import (
     on_force,
 )
 from driftproof.blackbox.matching.comparing import Comparison
-from driftproof.blackbox.matching.fingerprints import Fingerprint
 from driftproof.blackbox.matching.near_misses import near_misses, typed_in
+from driftproof.blackbox.matching.tables import Fingerprint
 from driftproof.blackbox.probes.coefficients import coefficient_difference, simple_rational
 from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.questions import CoefficientReading

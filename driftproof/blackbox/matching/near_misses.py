@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 
 from driftproof.blackbox.matching.candidates import Candidate
-from driftproof.blackbox.matching.fingerprints import Array, Fingerprint
+from driftproof.blackbox.matching.tables import Array, Fingerprint
 from driftproof.blackbox.probes.coefficients import coefficient_difference
 from driftproof.blackbox.probes.force import ForceReading, SubSteps
 from driftproof.blackbox.probes.scripted_answers import Rounding

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from fractions import Fraction as Q
 from functools import cache
-from math import sin
 
 import numpy as np
 import pytest
@@ -13,20 +12,16 @@ from driftproof.blackbox.matching.equivalent_methods import equivalent_methods
 from driftproof.blackbox.matching.linear_match import LinearFit, explained_by, linear_fit, rates_of
 from driftproof.blackbox.probes.linear_steps import (
     LINEAR,
-    LINEARISED,
-    NOT_AT_REST,
-    NOT_LINEAR,
-    NOT_REPEATABLE,
     read_linear_steps,
 )
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation
-from driftproof.numeric.steppers import rk4, symplectic_euler
+from driftproof.numeric.steppers import rk4
 from driftproof.support.messages import decode, encode
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.runs import exact_matrix_at
-from tests.blackbox.linear_steppers import float_subject, with_one_changed
+from tests.blackbox.catalogue_steppers import float_subject, with_one_changed
 
 
 def fit(step) -> LinearFit:
@@ -56,6 +51,8 @@ def test_each_method_is_named_up_to_those_with_the_same_matrix(key):
 
 
 CHANGES = {"off by 1e-10": lambda c: c + Q(1, 10**10), "sign flipped": lambda c: -c}
+
+
 # Nodes that change sign are no nodes of a collocation method.
 CHANGED = [
     pytest.param(key, change, id=f"{key} {name}")
@@ -89,17 +86,6 @@ def test_methods_in_binary32_are_named_whether_or_not_the_answers_say_so(key):
         assert (found.best.methods, found.best.extras) == (tuple(alike()[key]), 0)
 
 
-def test_half_precision_is_read_too():
-    def step(force, q, v, h):
-        q, v, h = np.float16(q), np.float16(v), np.float16(h)
-        v = v + h * np.float16(force(float(q)))
-        return q + h * v, v
-
-    with np.errstate(all="ignore"):
-        found = fit(step)
-    assert (found.format, found.best.methods) == ("binary16", ("symplectic_euler",))
-
-
 @pytest.mark.parametrize(
     ("omega2", "shown"),
     [(Q(4), "4"), (Q(1, 3), "1/3"), (Q(-2), "-2"), (10**6, "1000000"), (1.2345678901234567, None)],
@@ -111,24 +97,6 @@ def test_the_stiffness_that_a_stepper_has_built_in_is_recovered(omega2, shown):
     assert found.best.methods[0] == "rk4"
     assert found.best.extras == 0
     assert found.stiffness == (omega2 if shown else Q(k))
-
-
-def test_a_pendulum_is_read_at_tiny_states_where_it_is_linear():
-    def pendulum(q, v, h):
-        v = v - h * 9.81 * sin(q)
-        return q + h * v, v
-
-    found = fit(pendulum)
-    assert found.kind == LINEARISED
-    assert found.amplitude < 1e-17
-    assert (found.best.methods, found.stiffness) == (("symplectic_euler",), Q("9.81"))
-    assert any("not linear at ordinary size" in line for line in found.lines)
-
-
-def test_a_force_without_a_linear_part_is_not_linearised():
-    found = fit(lambda q, v, h: (q + h * v, v - h * q**3))
-    assert found.kind == NOT_LINEAR
-    assert found.best is None
 
 
 def test_a_stepper_that_raises_at_long_steps_is_named_by_the_short_ones():
@@ -145,29 +113,6 @@ def test_a_stepper_that_raises_at_long_steps_is_named_by_the_short_ones():
 def test_a_step_to_nowhere_is_no_method():
     assert fit(lambda q, v, h: (0.0, 0.0)).best is None
     assert fit(lambda q, v, h: (v, -q)).best is None
-
-
-def test_noise_is_reported_and_not_named():
-    noise = iter(np.random.default_rng(0).random(10**4))
-
-    def noisy(force, q, v, h):
-        q, v = rk4(force, q, v, h)
-        return q * (1 + 1e-9 * next(noise)), v
-
-    found = fit(noisy)
-    assert found.kind == NOT_REPEATABLE
-    assert found.best is None
-
-
-def test_noise_that_repeats_is_reported_and_not_named():
-    def noisy(force, q, v, h):
-        q1, v1 = rk4(force, q, v, h)
-        return q1 * (1 + 1e-9 * (hash((q, v, h)) % 1000) / 1000), v1
-
-    found = fit(noisy)
-    assert found.kind == NOT_LINEAR
-    assert found.best is None
-    assert found.nearest.methods == tuple(alike()["rk4"])
 
 
 def test_an_adaptive_stepper_is_not_named():
@@ -204,37 +149,10 @@ def test_an_implicit_stepper_that_stops_at_a_tolerance_is_its_method_at_large_st
     assert found.amplitude == 2.0**20
 
 
-def test_a_limit_on_the_velocity_is_a_remark_and_does_not_hide_the_method():
-    def limited(force, q, v, h):
-        q, v = symplectic_euler(force, q, v, h)
-        return q, max(-100.0, min(100.0, v))
-
-    found = fit(limited)
-    assert found.best.methods == ("symplectic_euler",)
-    assert any("not linear far out" in line for line in found.lines)
-
-
-def test_gravity_without_rest_at_zero_is_reported():
-    found = fit(lambda q, v, h: (q + h * (v - 9.81 * h), v - 9.81 * h))
-    assert found.kind == NOT_AT_REST
-    assert found.best is None
-
-
 def test_motion_without_a_force_fits_every_method_and_names_none():
     found = fit(lambda q, v, h: (q + h * v, v))
     assert found.best is None
     assert any("no force acts" in line for line in found.lines)
-
-
-def test_steps_backwards_may_raise():
-    def forward_only(force, q, v, h):
-        if h <= 0:
-            raise ValueError("h must be positive")
-        return rk4(force, q, v, h)
-
-    found = fit(forward_only)
-    assert (found.best.methods[0], found.best.extras) == ("rk4", 0)
-    assert any("h must be positive" in line for line in found.lines)
 
 
 def test_a_stepper_with_another_step_backwards_is_named_for_steps_forward_only():
@@ -275,12 +193,6 @@ def test_a_method_with_its_step_or_its_rates_wrong_is_named(step, words):
     assert found.best.score <= 1
 
 
-def test_order_0_is_said_of_a_position_that_moves_by_half():
-    lines = fit(VARIANTS[-1][0]).lines
-    assert "order 0: the position moves by 0.5 h v" in lines
-    assert "linear order 0" in lines
-
-
 def test_a_sloppy_solver_is_not_called_the_adjoint_of_a_method_that_is_its_own():
     def midpoint(q, v, h):
         d = 1 + h * h / 4
@@ -292,25 +204,6 @@ def test_a_sloppy_solver_is_not_called_the_adjoint_of_a_method_that_is_its_own()
     assert found.nearest.methods[0] == "implicit_midpoint"
 
 
-def test_what_no_method_explains_is_recovered_with_the_system_that_it_follows():
-    def drag_in_the_kick(q, v, h):
-        v = v + h * (-q - 0.25 * v)
-        return q + h * v, v
-
-    found = fit(drag_in_the_kick)
-    assert found.best is None
-    assert (found.damping, found.facts.determinant) == (Q(1, 4), "1 - h/4")
-    assert "small steps follow q' = v, v' = -q - 0.25 v" in found.lines
-    assert fit(lambda force, q, v, h: rk4(force, *symplectic_euler(force, q, v, h / 2), h / 2)).facts.linear_order == 1
-
-
-def test_facts_of_a_method_are_those_of_its_exact_matrix():
-    found = fit(lambda force, q, v, h: rk4(force, q, v, h))
-    assert found.facts.entries[:2] == ("1 - h**2/2 + h**4/24", "h - h**3/6")
-    assert found.facts.determinant == found.facts.energy_multiplier == "1 - h**6/72 + h**8/576"
-    assert found.facts.linear_order == 4
-
-
 def test_a_fit_is_plain_data_and_its_lines_name_what_cannot_be_told_apart():
     found = fit(lambda force, q, v, h: rk4(force, q, v, h))
     assert decode(encode(found), "driftproof") == found
@@ -318,3 +211,25 @@ def test_a_fit_is_plain_data_and_its_lines_name_what_cannot_be_told_apart():
         "rk4, to rounding in binary64",
         "no linear test tells rk4 from rk38, gill4, ralston4, zonneveld43, england45",
     )
+
+
+def forwards_only(force, q, v, h):
+    if h <= 0:
+        return q, v
+    v = v + h * force(q)
+    return q + h * v, v
+
+
+def test_a_step_that_does_nothing_backwards_is_its_method_forwards():
+    found = linear_fit(opened(forwards_only))
+    assert found.best.methods == ("symplectic_euler",)
+    assert found.best.restriction == "but only at h > 0"
+    assert found.amplitude == 1.0
+
+
+def test_no_limit_makes_a_method_of_what_is_none():
+    def other(q, v, h):
+        v = max(-8.0, min(8.0, v - 1.1 * h * q * (1 + h)))
+        return q + h * v, v
+
+    assert linear_fit(opened(other)).best is None

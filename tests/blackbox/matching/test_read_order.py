@@ -16,7 +16,7 @@ from driftproof.methods.stepping import stepper
 from driftproof.symbolic.trees.order_conditions import order
 from driftproof.symbolic.trees.partitioned_trees import nystrom_order
 from driftproof.symbolic.trees.rooted_trees import to_brackets
-from tests.blackbox import blackbox_codes as codes
+from tests.blackbox import handwritten_steppers as codes
 
 EXPLICIT = [key for key, method in METHODS.items() if method.explicit]
 TABLEAUX = [key for key in EXPLICIT if isinstance(METHODS[key], RungeKutta)]

@@ -1,12 +1,15 @@
 """identify, from end to end: what a stepper is comes out in words, called in each way, isolated or here."""
 
+from __future__ import annotations
+
 import json
+import random
 
 import pytest
 
 from driftproof.blackbox.identify import identify
 from driftproof.cli import main
-from tests.blackbox import rogues
+from tests.blackbox import broken_steppers
 
 
 def rk4(f, t, y, h):
@@ -88,7 +91,11 @@ def test_it_runs_here_where_that_is_asked_for():
 
 @pytest.mark.parametrize(
     ("step", "seen"),
-    [(rogues.hangs, "no answer within"), (rogues.crashes, "SIGSEGV"), (rogues.returns_nan, "nan")],
+    [
+        (broken_steppers.hangs, "no answer within"),
+        (broken_steppers.crashes, "SIGSEGV"),
+        (broken_steppers.returns_nan, "nan"),
+    ],
 )
 def test_a_rogue_is_a_finding(step, seen):
     assert seen in identify(step, time_limit=0.5).text()
@@ -103,7 +110,7 @@ def test_the_report_is_json_markdown_and_text():
 
 
 def test_on_the_command_line_a_stepper_is_given_by_its_name(capsys):
-    assert main(["identify", "tests.blackbox.test_blackbox_identify:rk38"]) == 0
+    assert main(["identify", "tests.blackbox.test_identify:rk38"]) == 0
     assert "it is rk38" in capsys.readouterr().out
 
 
@@ -112,8 +119,8 @@ def test_on_the_command_line_a_stepper_is_given_by_its_name(capsys):
     [
         ("rk38", "write package.module:function"),
         ("no.such.module:step", "cannot be imported"),
-        ("tests.blackbox.test_blackbox_identify:nothing", "cannot be imported"),
-        ("tests.blackbox.test_blackbox_identify:pytest", "cannot be called"),
+        ("tests.blackbox.test_identify:nothing", "cannot be imported"),
+        ("tests.blackbox.test_identify:pytest", "cannot be called"),
         ("json:dumps", "is not one of these"),
     ],
 )
@@ -143,3 +150,43 @@ def test_a_right_tableau_called_at_wrong_times_is_named_with_its_order():
     report = identify(late)
     assert report.verdict.startswith("it is rk4 called at wrong times: order 1 where")
     assert report.data["order"] == 1
+
+
+def speed_limited(force, q, v, h):
+    v = max(-8.0, min(8.0, v + h * force(q)))
+    return q + h * v, v
+
+
+def test_a_method_behind_a_limit_is_named_with_the_size_at_which_it_holds():
+    report = identify(speed_limited)
+    assert report.verdict == "it is symplectic_euler, at states of size 3.1e-02, not of all sizes"
+    assert "|v| is capped at 8" in report.section("Faults").lines
+    assert "every error within the derived bound" in report.section("Rounding").lines[0]
+
+
+def noisy(part):
+    draw = random.Random(1)
+
+    def heun(f, t, y, h):
+        k = f(t, y)
+        return (y + h / 2 * (k + f(t + h, y + h * k))) * (1 + part * draw.choice((0, 1)))
+
+    return heun
+
+
+def test_a_step_that_varies_in_its_last_bit_is_named_and_said_to_vary():
+    report = identify(noisy(2.0**-52))
+    assert report.verdict.startswith("it is heun2")
+    assert any("answers up to 1 ulp apart" in line or "answers up to 2 ulp apart" in line for line in _faults(report))
+    assert not any("depends on t" in line for line in _faults(report))
+    assert report.section("Not answered") is None
+
+
+def test_a_step_that_varies_by_more_is_not_named():
+    report = identify(noisy(2.0**-30))
+    assert "heun2" not in report.verdict
+    assert not any("ulp" in line for line in _faults(report))
+
+
+def _faults(report):
+    return report.section("Faults").lines

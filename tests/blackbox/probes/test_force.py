@@ -11,7 +11,7 @@ from driftproof.blackbox.findings import UnsupportedCall
 from driftproof.blackbox.probes.force import read_forces
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.stepper.opening import opened
-from tests.blackbox import blackbox_codes as codes
+from tests.blackbox import handwritten_steppers as codes
 
 
 def read(step):

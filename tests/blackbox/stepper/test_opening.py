@@ -13,7 +13,7 @@ def local_step(q, v, h):
 
 def test_a_target_is_imported_by_its_name():
     assert imported("driftproof.numeric.steppers:rk4").__name__ == "rk4"
-    assert imported("tests.blackbox.planted:Multistep.step").__qualname__ == "Multistep.step"
+    assert imported("tests.blackbox.checks.habits:Multistep.step").__qualname__ == "Multistep.step"
     assert Target("driftproof.numeric.steppers:rk4").open().step(1.0, 0.0, 0.0) == (1.0, 0.0)
     assert Target(local_step).name == f"{__name__}:local_step"
     assert Target("driftproof.numeric.steppers:rk4").by_name

@@ -2,64 +2,21 @@
 
 import math
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 import pytest
 
 from driftproof.blackbox.findings import NotANumber, NotFinite, StepRaised, UnsupportedCall, WrongShape
-from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, SCALARS
+from driftproof.blackbox.stepper.foreign_stepper import call_text
 from driftproof.blackbox.stepper.opening import opened
-from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
+from driftproof.symbolic.rounding.formats import BINARY64
+from tests.blackbox.checks.habits import plain
 
 STATE, H = (1.0, 0.75), 0.25
+
+
 EULER = (1.1875, 0.5)
-
-
-class Tensor:
-    """As much of somebody's array type as a stepper and a reader touch; it records a gradient, and says so."""
-
-    dtype = "torch.float32"
-
-    def __init__(self, data):
-        self.data = np.array(data, dtype=np.float32)
-
-    def __mul__(self, other):
-        return Tensor(self.data * getattr(other, "data", other))
-
-    def __add__(self, other):
-        return Tensor(self.data + getattr(other, "data", other))
-
-    __rmul__, __radd__ = __mul__, __add__
-
-    def __iadd__(self, other):
-        self.data += getattr(other, "data", other)
-        return self
-
-    def __neg__(self):
-        return Tensor(-self.data)
-
-    def __getitem__(self, place):
-        return Tensor(self.data[place])
-
-    def __bool__(self):
-        raise RuntimeError("the truth of a tensor is ambiguous")
-
-    def __eq__(self, other):
-        return Tensor(self.data == other.data)
-
-    __hash__ = None
-
-    def __array__(self, dtype=None, copy=None):
-        raise RuntimeError("can't call numpy() on a tensor that requires grad; use detach()")
-
-    def clone(self):
-        return Tensor(self.data)
-
-    def detach(self):
-        return self.data
-
-    def size(self):
-        return self.data.shape
 
 
 def map_of_numbers(q, v, h):
@@ -165,23 +122,15 @@ def test_h_of_0_and_rest_are_answered_however_the_step_is_written(step):
     assert subject.step(0.0, 0.0, H) == (0.0, 0.0)
 
 
-@pytest.mark.parametrize(
-    ("step", "adapter"),
-    [(map_of_numbers, SCALARS), (map_of_a_state, ARRAYS), (map_of_a_list, LISTS), (force_of_arrays, ARRAYS)],
-)
-def test_the_dialect_is_the_first_in_which_it_answers(step, adapter):
-    assert opened(step).adapter is adapter
-
-
 @pytest.mark.parametrize("step", [numbers_in_place, state_in_place, list_in_place])
-def test_a_step_in_place_is_seen_by_the_watch(step):
+def test_a_step_in_place_is_seen_by_the_log(step):
     subject = opened(step)
     subject.step(*STATE, H)
     assert subject.log.works_in_place
     assert subject.log.changes_its_arguments
 
 
-def test_the_watch_tells_changed_arguments_from_a_step_in_place():
+def test_the_log_tells_changed_arguments_from_a_step_in_place():
     subject = opened(both, array=np.array)
     subject.step(*STATE, H)
     assert (subject.log.changes_its_arguments, subject.log.works_in_place) == (True, False)
@@ -195,45 +144,6 @@ def test_nan_in_an_argument_is_no_change_of_it():
     subject = opened(map_of_a_state)
     assert str(subject.step(float("nan"), 0.75, H)) == "(nan, nan)"
     assert not subject.log.changes_its_arguments
-
-
-def map_of_a_tensor(y, dt):
-    return y + dt * Tensor([y.data[1], -y.data[0]])
-
-
-@pytest.mark.parametrize(
-    "step",
-    [lambda q, v, h: (q + h * v, v + h * -q), force_of_numbers, field, map_of_a_tensor],
-    ids=lambda f: f.__name__,
-)
-def test_other_peoples_arrays_are_written_and_read(step):
-    subject = opened(step, array=Tensor)
-    assert subject.step(*STATE, H) == EULER
-    assert subject.format is BINARY32
-    assert subject.log.types == {"torch.float32"}
-    assert not subject.log.changes_its_arguments
-
-
-def test_a_tensor_changed_in_place_is_seen():
-    def in_place(y, dt):
-        y += dt * Tensor([y.data[1], -y.data[0]])
-
-    subject = opened(in_place, array=Tensor)
-    assert subject.step(*STATE, H) == EULER
-    assert subject.log.works_in_place
-
-
-def test_a_tensor_beside_the_time_is_read():
-    subject = opened(lambda t, y, h: (t + h, map_of_a_tensor(y, h)), array=Tensor)
-    assert subject.step(*STATE, H) == EULER
-
-
-@pytest.mark.parametrize(
-    ("array", "fmt"), [(np.float64, BINARY64), (np.float32, BINARY32), (np.float16, BINARY16)], ids=str
-)
-def test_the_format_is_that_of_the_answer(array, fmt):
-    assert opened(map_of_numbers, array=array).format is fmt
-    assert opened(field, array=array).format is fmt
 
 
 @pytest.mark.parametrize(
@@ -329,3 +239,36 @@ def test_each_call_is_told_before_it_is_made():
         *("q=1.0, v=0.75, h=0.25", "q=2.0, v=0.0, h=0.5"),
         *("t=0.0, y=[1.0, 0.75], h=0.25", "state=[1.0, 0.75], h=0.25"),
     ]
+
+
+def of_lists(f, y, t, h):
+    return [y.index(y[0]), *f(y, t)[1:]]
+
+
+WRITTEN = {
+    "step(1.0, 0.75, 0.25)": plain,
+    "step(numpy.array([1.0, 0.75]), 0.25)": lambda state, dt: state,
+    "step([1.0, 0.75], 0.25)": lambda y, h: [y.index(y[0]), y[1]],
+    "step(0.0, 1.0, 0.75, 0.25)": lambda t, x, v, dt: (x, v),
+    "step(q=1.0, v=0.75, h=0.25, k=1.0)": lambda q, v, h, k: (q, k * v),
+    "step(lambda q: -q, 1.0, 0.75, 0.25)": lambda force, q, v, h: (q, force(v)),
+    "step(lambda t, y: numpy.array([y[1], -y[0]]), numpy.array([1.0, 0.75]), 0.25)": lambda f, y, h: f(0.0, y),
+    "step(lambda y, t: [y[1], -y[0]], [1.0, 0.75], 0.0, 0.25)": of_lists,
+}
+
+
+@pytest.mark.parametrize("call", WRITTEN)
+def test_a_call_is_written_as_it_is_made(call):
+    assert call_text(opened(WRITTEN[call]), 1.0, 0.75, 0.25) == call
+
+
+def test_a_call_is_written_with_the_maker_of_its_numbers():
+    subject = opened(plain, array=np.float32)
+    assert call_text(subject, 1.0, 0.75, 0.25) == "step(numpy.float32([1.0]), numpy.float32([0.75]), 0.25)"
+    of_scalars = opened(lambda q, v, h: (q, v - h * math.sin(q)), array=np.float32)
+    assert call_text(of_scalars, 1.0, 0.75, 0.25) == "step(numpy.float32(1.0), numpy.float32(0.75), 0.25)"
+
+
+def test_nan_and_infinity_are_written_as_python_reads_them():
+    subject = opened(plain)
+    assert call_text(subject, math.nan, -inf, 0.1) == 'step(float("nan"), float("-inf"), 0.1)'

@@ -12,7 +12,7 @@ from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.probes.tableau import read_tableau
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32
-from tests.blackbox import blackbox_codes as codes
+from tests.blackbox import handwritten_steppers as codes
 
 
 def read(step):
@@ -196,7 +196,7 @@ def test_a_step_that_refuses_to_go_back_is_read_with_a_remark():
     assert "h must be positive" in read(step).remarks[0]
 
 
-def test_other_doors_have_no_right_hand_side():
+def test_other_conventions_have_no_right_hand_side():
     for step in (codes.velocity_verlet, lambda q, v, h: (q + h * v, v - h * q)):
         with pytest.raises(UnsupportedCall):
             read_tableau(opened(step))

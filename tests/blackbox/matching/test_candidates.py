@@ -9,7 +9,7 @@ from driftproof.blackbox.probes.force import read_forces
 from driftproof.blackbox.probes.tableau import read_tableau
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
-from tests.blackbox import blackbox_codes as codes
+from tests.blackbox import handwritten_steppers as codes
 
 
 def in_field(step):
@@ -41,7 +41,7 @@ RELATIVES = [
 
 
 @pytest.mark.parametrize(("step", "name"), RELATIVES)
-def test_a_relative_is_named_through_both_conventions(step, name):
+def test_a_variant_is_named_through_both_conventions(step, name):
     for identity in (in_field(step), match_forces(read_forces(opened(step, "field")))):
         assert identity.keys == ()
         assert [match.name.startswith(name) for match in identity.matches] == [True]
@@ -68,13 +68,13 @@ RELATIVES_ON_FORCES = [
 
 
 @pytest.mark.parametrize(("step", "name"), RELATIVES_ON_FORCES)
-def test_a_relative_of_a_splitting_is_named(step, name):
+def test_a_variant_of_a_splitting_is_named(step, name):
     identity = on_force(step)
     assert identity.keys == ()
     assert identity.matches[0].name.startswith(name)
 
 
-def test_a_relative_with_a_wrong_coefficient_is_none():
+def test_a_variant_with_a_wrong_coefficient_is_none():
     rows, weights, nodes = codes.floats(METHODS["rk38"])
     weights[0] += 2.0**-30
     wrong = codes.tableau(rows, weights, nodes)

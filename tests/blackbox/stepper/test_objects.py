@@ -154,5 +154,5 @@ def test_an_attribute_that_is_not_there_is_a_finding_in_its_own_words():
 
 
 def test_the_help_shows_it(capsys):
-    text = (Path(__file__).parents[2] / "driftproof/commands/steppers.py").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[3] / "driftproof/commands/steppers.py").read_text(encoding="utf-8")
     assert "stepper_of(lambda force: Body(acceleration=force)" in text

@@ -1,9 +1,47 @@
-"""Several states at once: the same bits as one by one, or a check that says otherwise."""
+"""Memory, noise and random numbers are told apart; several states at once come out as one by one, or not."""
+
+import random
 
 import numpy as np
+import pytest
 
 from driftproof.blackbox.checks.determinism import several_states
 from driftproof.blackbox.stepper.opening import opened
+from tests.blackbox.checks.habits import (
+    UNREPEATABLE,
+    Counter,
+    Multistep,
+    SharedMultistep,
+    assert_fault,
+    identified,
+    results_of,
+)
+
+FAULTS = [
+    (Multistep().step, "no_memory", "the answer depends on the call before"),
+    (SharedMultistep().step, "own_memory", "a second object shares the memory"),
+    (Counter().step, "same_answer_twice", "every call changes something that it remembers"),
+    (UNREPEATABLE, "same_answer_twice", "noise, or something that it remembers outside"),
+]
+
+
+@pytest.mark.parametrize(("step", "key", "words"), FAULTS, ids=identified)
+def test_a_fault_is_told_in_words(step, key, words):
+    assert_fault(step, key, words)
+
+
+def test_of_an_unsteady_stepper_nothing_else_is_asked():
+    keys = [seen.key for seen in results_of(UNREPEATABLE)]
+    assert keys == ["same_answer_twice", "no_memory", "unsteady"]
+
+
+def test_random_numbers_of_everybody_are_put_back():
+    random.seed(7)
+    expected = [random.random(), random.random()]
+    random.seed(7)
+    random.random()
+    results_of(UNREPEATABLE)
+    assert random.random() == expected[1]
 
 
 def check(step, **options):

@@ -10,7 +10,7 @@ from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.verify import assert_verified, verify
 from driftproof.cli import main
 from driftproof.methods.catalogue import METHODS
-from tests.blackbox.test_blackbox_identify import rk4, rk38, velocity_verlet
+from tests.blackbox.test_identify import rk4, rk38, velocity_verlet
 
 FEW = 50
 
@@ -94,7 +94,7 @@ def test_a_domain_keeps_a_capped_stepper_to_what_is_asked():
 
 
 def test_on_the_command_line_the_status_tells(capsys):
-    here = "tests.blackbox.test_blackbox_verify:symplectic_euler"
+    here = "tests.blackbox.test_verify:symplectic_euler"
     assert main(["verify", here, "--method", "symplectic_euler", "--examples", "50"]) == 0
     assert main(["verify", here, "--method", "forward_euler", "--examples", "50", "--format", "json"]) == 1
     data = json.loads(capsys.readouterr().out.split("\n{", 1)[-1].join(["{", ""]) or "{}")
@@ -113,7 +113,7 @@ def test_on_the_command_line_the_status_tells(capsys):
 )
 def test_a_question_without_sense_is_refused_in_one_line(arguments, message, capsys):
     try:
-        status = main(["verify", "tests.blackbox.test_blackbox_verify:symplectic_euler", *arguments])
+        status = main(["verify", "tests.blackbox.test_verify:symplectic_euler", *arguments])
     except SystemExit as end:
         status = end.code
     assert status == 2

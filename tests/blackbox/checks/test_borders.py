@@ -1,0 +1,117 @@
+"""Borders are found between neighbours of the format, with their names, by steps that move nothing."""
+
+import math
+from math import inf, nextafter, pi
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from driftproof.blackbox.checks.borders import edge, named, negligible_step, rounder
+from driftproof.blackbox.checks.trials import TrialRunner, steady_runner
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.symbolic.rounding.formats import BINARY16, BINARY32
+from tests.blackbox.checks.habits import CAR_IN_A_VALLEY, DIVIDES_BY_H, FIXED_STEP, WRAPPED, plain
+
+RUNNER = TrialRunner(opened(plain))
+# Halving in magnitude takes 11 tries from one end of the exponents to the other, 52 more the digits; and a round number
+# is tried, with its neighbour, at up to 20 of them.
+MOST_TRIES = 110
+
+
+def tries_and_edge(limit, kept, gone, runner=RUNNER):
+    tried = []
+
+    def changed(x):
+        tried.append(x)
+        return (x > limit) == (gone > limit)
+
+    return len(tried), edge(changed, kept, gone, runner), tried
+
+
+@given(st.floats(1e-300, 1e300))
+@settings(max_examples=50)
+def test_a_border_anywhere_is_found_between_two_neighbours(limit):
+    _, (kept, gone), tried = tries_and_edge(limit, 1e-305, 1e305)
+    assert (kept, gone) == (limit, nextafter(limit, inf))
+    assert len(tried) < MOST_TRIES
+
+
+@given(st.floats(1e-300, 1e300))
+@settings(max_examples=50)
+def test_a_border_is_found_downwards_and_below_0(limit):
+    assert tries_and_edge(limit, 1e305, 1e-305)[1] == (nextafter(limit, inf), limit)
+    assert tries_and_edge(-limit, -1e-305, -1e305)[1] == (nextafter(-limit, 0.0), -limit)
+
+
+@pytest.mark.parametrize("limit", [0.01, 100.0, 1e-7, 2.4, 1e6, pi, 2 * pi])
+def test_a_border_with_a_short_name_is_found_soon(limit):
+    _, ends, tried = tries_and_edge(limit, 1e-9, 1e9)
+    assert ends[0] == limit
+    assert len(tried) < 30
+
+
+def test_a_border_at_0_is_found_next_to_it():
+    assert tries_and_edge(0.0, 0.0, 1.0)[1] == (0.0, 5e-324)
+
+
+@pytest.mark.parametrize(("fmt", "kind"), [(BINARY32, np.float32), (BINARY16, np.float16)])
+def test_neighbours_are_those_of_the_format(fmt, kind):
+    runner = TrialRunner(RUNNER.subject, fmt)
+    kept, gone = tries_and_edge(math.e, 1.0, 1000.0, runner)[1]
+    assert kept == float(kind(kept)) < math.e < gone
+    assert gone == float(np.nextafter(kind(kept), kind(10)))
+
+
+def test_hints_are_tried_first_and_left_if_they_are_wrong():
+    tried = []
+
+    def changed(x):
+        tried.append(x)
+        return x > 1 / 3
+
+    right = (1 / 3, nextafter(1 / 3, 1.0))
+    assert edge(changed, 0.1, 1.0, RUNNER, [right]) == right
+    assert len(tried) == 2
+    assert edge(changed, 0.1, 1.0, RUNNER, [(0.5, nextafter(0.5, 1.0)), (7.0, 8.0)]) == right
+
+
+@pytest.mark.parametrize(
+    ("x", "name"),
+    [
+        *((100.0, "100"), (0.01, "0.01"), (-2.4, "-2.4"), (1e300, "1e+300"), (0.0, "0"), (-0.0, "0")),
+        *((pi, "pi"), (-pi, "-pi"), (2 * pi, "2 pi"), (-pi / 2, "-pi/2")),
+        (nextafter(pi, 4.0), "3.1415926535897936"),
+        *((float(np.float32(0.1)), "0.1 in binary32"), (float(np.float16(-0.1)), "-0.1 in binary16"), (0.625, "0.625")),
+        *((2.0**-1074, "5e-324"), (65536.0, "65536"), (2.0**100, "1.2676506e+30 in binary32")),
+    ],
+)
+def test_numbers_go_by_their_shortest_name(x, name):
+    assert named(x) == name
+
+
+def test_of_two_neighbours_the_one_with_the_shorter_name_is_the_border():
+    assert rounder(nextafter(2.4, 3.0), 2.4) == 2.4
+    assert rounder(pi, nextafter(pi, 0.0)) == pi
+    assert rounder(1.0, 2.0) == 1.0
+
+
+@pytest.mark.parametrize(
+    ("step", "slack"),
+    [
+        (plain, 0.0),
+        (CAR_IN_A_VALLEY, 0.0),
+        (WRAPPED, 16 * 2.0**-53),
+        (DIVIDES_BY_H, 0.0),
+    ],
+)
+def test_a_negligible_step_is_found(step, slack):
+    found = negligible_step(steady_runner(opened(step)))
+    assert found.slack == slack
+    assert found.keeps(found.along(0, found.state[0]))
+    assert found.h < 1e-15
+
+
+def test_a_step_that_is_always_taken_has_none():
+    assert negligible_step(steady_runner(opened(FIXED_STEP))) is None

@@ -1,0 +1,35 @@
+"""The grain on which numbers lie, and the narrowest format that holds them."""
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.checks.quantisation import narrow_format, quantisation_of, significant_bits
+from driftproof.symbolic.rounding.formats import BINARY16, BINARY32
+
+STATES = [0.7390851332151607, -123.45678901234567, 0.0009876543210987654, 5.551234567890123]
+
+
+@pytest.mark.parametrize(
+    ("rule", "size", "words"),
+    [
+        (float, None, None),
+        (round, 1.0, "answers are whole numbers"),
+        (lambda x: round(x, 1), 0.1, "answers are rounded to 1 decimal"),
+        (lambda x: round(x, 9), 1e-9, "answers are rounded to 9 decimals"),
+        (lambda x: round(x * 2**20) / 2**20, 2.0**-20, "answers are multiples of 2**-20"),
+        (lambda x: float(np.float32(x)), None, None),
+        (lambda x: float(np.float16(x)), None, None),
+    ],
+    ids=["doubles", "whole", "1 decimal", "9 decimals", "fixed point", "binary32", "binary16"],
+)
+def test_a_rule_that_rounds_is_seen_in_the_numbers(rule, size, words):
+    grain = quantisation_of([float(rule(x)) for x in STATES])
+    assert (grain and grain.size, grain and grain.words) == (size, words)
+
+
+def test_a_narrower_format_is_seen_in_the_numbers():
+    assert narrow_format([float(np.float32(x)) for x in STATES]) is BINARY32
+    assert narrow_format([float(np.float16(x)) for x in STATES]) is BINARY16
+    assert narrow_format(STATES) is None
+    assert narrow_format([1.0, 2.0]) is None
+    assert [significant_bits(x) for x in (0.0, 1.0, -0.75, 0.1, 2.0**-1074, 3 * 2.0**1000)] == [0, 1, 2, 52, 1, 2]

@@ -1,0 +1,89 @@
+"""Another step than the h that is given, and long steps that are made of shorter ones, are told."""
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.checks.step_size import sub_steps
+from driftproof.blackbox.stepper.opening import opened
+from tests.blackbox.checks.habits import CAPPED_STEP, FIXED_STEP, SUB_STEPS, assert_fault, code, identified
+
+FAULTS = [
+    (FIXED_STEP, "step_size", "h is ignored: the step by which (0, 1) moves by 1/60 is always taken"),
+    (
+        code("v = v + force(q) / 240; return q + v / 240, v", "force, q, v, h"),
+        "step_size",
+        "h is ignored: a step of 1/240 is always taken",
+    ),
+    (CAPPED_STEP, "step_size", "h is capped at 0.1"),
+    (code("return plain(q, v, max(h, 1e-4) if h > 0 else h)"), "step_size", "h is raised to 0.0001"),
+    (
+        code("for _ in range(int(h / 0.01)): q, v = plain(q, v, 0.01)\nreturn q, v"),
+        "step_size",
+        "h below 0.01 does nothing; h is taken in whole steps: every h from 0.25 to 0.26",
+    ),
+    (SUB_STEPS, "sub_steps", "above h = 0.05 it takes sub-steps"),
+    (
+        code(
+            "n = max(1, math.ceil(abs(h) / 0.05))\n"
+            "for _ in range(n):\n    v = v + h / n * force(q)\n    q = q + h / n * v\nreturn q, v",
+            "force, q, v, h",
+        ),
+        "sub_steps",
+        "above h = 0.05 it takes sub-steps: 1 of its force calls become 2",
+    ),
+]
+
+
+@pytest.mark.parametrize(("step", "key", "words"), FAULTS, ids=identified)
+def test_another_step_than_h_is_told(step, key, words):
+    assert_fault(step, key, words)
+
+
+def gauss2(f, t, y, h):
+    """Its two stages by iteration, until they stand."""
+    d = 3**0.5 / 6
+    a, k = np.array([[0.25, 0.25 - d], [0.25 + d, 0.25]]), np.array([f(t, y)] * 2)
+    for _ in range(100):
+        before = k
+        k = np.array([f(t + (0.5 - d) * h, y + h * (a[0] @ k)), f(t + (0.5 + d) * h, y + h * (a[1] @ k))])
+        if abs(k - before).max() < 1e-14:
+            break
+    return y + h * (k[0] + k[1]) / 2
+
+
+def verlet_in_sub_steps(force, q, v, h):
+    """The last force of a sub-step is the first of the next."""
+    count = max(1, int(-(-abs(h) // 0.1)))
+    d, a = h / count, force(q)
+    for _ in range(count):
+        v = v + d / 2 * a
+        q, a = q + d * v, force(q + d * v)
+        v = v + d / 2 * a
+    return q, v
+
+
+def adaptive(force, q, v, h):
+    done, d = 0.0, h
+    while done < h:
+        d = min(d, h - done)
+        a = force(q)
+        if d * d * abs(a) > 1e-3:
+            d /= 3
+            continue
+        v = v + d * a
+        q, done = q + d * v, done + d
+    return q, v
+
+
+@pytest.mark.parametrize(
+    ("step", "holds", "words"),
+    [
+        (gauss2, None, "times from there on: it iterates"),
+        (verlet_in_sub_steps, False, "above h = 0.1 it takes sub-steps: 2 of its force calls become 3"),
+        (adaptive, None, "it iterates, or adapts a step of its own"),
+    ],
+)
+def test_an_iteration_is_told_from_sub_steps(step, holds, words):
+    (check,) = sub_steps(opened(step))
+    assert check.holds is holds
+    assert words in check.words

@@ -1,0 +1,152 @@
+"""All checks together: a planted habit is told and no other, clean steppers have no fault, examples can be run."""
+
+import json
+import warnings
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.checks.suite import CHECKS, checks_of
+from driftproof.blackbox.checks.trials import CheckResult
+from driftproof.blackbox.findings import Outcome
+from driftproof.blackbox.stepper.opening import Target
+from driftproof.methods.catalogue import METHODS
+from driftproof.numeric.steppers import float_stepper
+from tests.blackbox.checks.habits import (
+    ABSOLUTE_STEP,
+    ADDS_INTO_ITS_ARGUMENTS,
+    CAPPED_STEP,
+    CAR_IN_A_VALLEY,
+    DIVIDES_BY_H,
+    FALLS,
+    ITERATES,
+    PENDULUM,
+    POSITIVE_STEPS_ONLY,
+    REPAIRS_NAN,
+    SINGLE,
+    SIX_DECIMALS,
+    SLOW_SPEEDS_REST,
+    SPEED_CAPPED,
+    SUB_STEPS,
+    TOLD_THE_TIME,
+    WRAPPED,
+    identified,
+    own_buffer,
+    plain,
+    result,
+    results_of,
+    then,
+)
+
+ALL_FAULTS = [
+    (CAR_IN_A_VALLEY, {"position_range", "velocity_range", "not_a_number", "not_a_number_step", "infinity"}),
+    (SPEED_CAPPED, {"velocity_range"}),
+    (SLOW_SPEEDS_REST, {"small_states"}),
+    (CAPPED_STEP, {"step_size"}),
+    (SUB_STEPS, {"sub_steps"}),
+    (DIVIDES_BY_H, {"zero_step"}),
+    (ABSOLUTE_STEP, {"negative_step"}),
+    (SINGLE, {"full_precision"}),
+    (SIX_DECIMALS, {"full_precision", "small_digits"}),
+    (ADDS_INTO_ITS_ARGUMENTS, {"keeps_arguments"}),
+    (own_buffer, {"keeps_answers"}),
+    (then("q = max(q, 0.0)"), {"position_range"}),
+    (WRAPPED, {"position_range", "small_digits"}),
+    (PENDULUM, set()),
+    (FALLS, set()),
+    (ITERATES, set()),
+    (POSITIVE_STEPS_ONLY, set()),
+]
+
+
+@pytest.mark.parametrize(("step", "keys"), ALL_FAULTS, ids=identified)
+def test_a_planted_fault_is_told_and_no_other(step, keys):
+    assert {seen.key for seen in results_of(step) if seen.is_fault} == keys
+
+
+def test_an_iteration_leaves_open_whether_it_takes_sub_steps():
+    seen = result(ITERATES, "sub_steps")
+    assert seen.holds is None
+    assert "it iterates, or adapts a step of its own" in seen.words
+
+
+CLEAN = {key: float_stepper(key) for key in ("forward_euler", "symplectic_euler", "rk4", "velocity_verlet", "yoshida8")}
+CLEAN |= {"called as a map": plain, "called with a field": TOLD_THE_TIME}
+
+
+@pytest.mark.parametrize("step", CLEAN.values(), ids=CLEAN)
+def test_a_clean_stepper_has_no_fault_and_leaves_no_question_open(step):
+    traits = {"symmetric", "reversible", "area_preserving", "norm_preserving"}
+    found = results_of(step)
+    assert [seen.words for seen in found if not seen.holds and seen.key not in traits] == []
+    assert len({seen.key for seen in found}) == len(found) >= len(CHECKS)
+
+
+def test_no_explicit_method_of_the_catalogue_has_a_fault():
+    explicit = [key for key, method in METHODS.items() if method.explicit]
+    assert [key for key in explicit[::3] for seen in results_of(float_stepper(key)) if seen.is_fault] == []
+
+
+def test_the_same_clauses_hold_in_binary32_with_arrays_of_that_type():
+    found = results_of(plain, array=np.float32)
+    assert [seen.words for seen in found if seen.is_fault] == []
+    assert "returns float32" in [seen.words for seen in found]
+
+
+@pytest.mark.parametrize("step", [*CLEAN.values(), PENDULUM, SPEED_CAPPED], ids=[*CLEAN, "bent", "cap"])
+def test_all_checks_take_a_few_hundred_calls(step):
+    calls = []
+    with warnings.catch_warnings(action="ignore"):
+        subject = Target(step).open(calls.append)
+        for check in CHECKS.values():
+            check(subject)
+    assert 300 < len(calls) < 500
+
+
+REPEATED = [
+    (SPEED_CAPPED, "velocity_range"),
+    (WRAPPED, "position_range"),
+    (CAPPED_STEP, "step_size"),
+    (REPAIRS_NAN, "not_a_number"),
+    (CLEAN["rk4"], "symmetric"),
+    (CLEAN["rk4"], "large_states"),
+    (TOLD_THE_TIME, "area_preserving"),
+]
+
+
+@pytest.mark.parametrize(("step", "key"), REPEATED, ids=identified)
+def test_the_call_of_an_example_made_again_has_the_same_answer(step, key):
+    example = result(step, key).example
+    assert example
+    for trial in example:
+        again = eval(trial.call, {"step": step, "numpy": np})
+        assert list(map(repr, map(float, again))) == list(map(repr, trial.answer))
+
+
+def test_clauses_are_json_with_numbers_as_strings():
+    seen = result(SPEED_CAPPED, "velocity_range").as_dict()
+    assert json.loads(json.dumps(seen, allow_nan=False)) == seen
+    assert seen["example"][0] == {
+        "call": "step(0.3125, 100.0, 5e-324)",
+        "given": {"q": "0.3125", "v": "100.0", "h": "5e-324"},
+        "answer": ["0.3125", "100.0"],
+        "failure": None,
+    }
+    nan = result(REPAIRS_NAN, "not_a_number").as_dict()
+    assert nan["example"][0]["given"]["q"] == "nan"
+
+
+def test_outcomes_without_result_are_clauses_of_their_own():
+    good, hang = Outcome((CheckResult("zero_step", True, "yes"),)), Outcome(kind="hangs", seen="no answer within 1 s")
+    shape, unsteady = Outcome(kind="wrong_shape", seen="3 came out"), Outcome(kind="unsteady", seen="not twice")
+    outcomes = [good, hang, shape, unsteady] + [good] * (len(CHECKS) - 4)
+    first, second, third, *rest = checks_of(outcomes)
+    assert first.key == "zero_step"
+    assert (second.key, second.holds, second.words) == (
+        "arguments",
+        False,
+        "arguments: the stepper hangs, no answer within 1 s",
+    )
+    assert (third.key, third.holds, third.words) == ("types", None, "types: not asked: 3 came out")
+    assert rest[-1].words == "nothing else was asked: not twice"
+    assert [check.key for check in checks_of([hang] * len(CHECKS))] == ["answers"]

@@ -1,0 +1,70 @@
+"""Tables are compared stage by stage, in any order in which independent stages may be called."""
+
+from __future__ import annotations
+
+import pytest
+
+from driftproof.blackbox.matching.match import match_tableau
+from driftproof.blackbox.probes.tableau import read_tableau
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import RungeKutta
+from tests.blackbox import handwritten_steppers as codes
+
+EXPLICIT = [key for key, method in METHODS.items() if method.explicit]
+
+
+TABLEAUX = [key for key in EXPLICIT if isinstance(METHODS[key], RungeKutta)]
+
+
+# The same step under several names: a pair propagates it, or it was found twice.
+TIES = [{"heun2", "ssprk22", "heun_euler21"}, {"rk4", "zonneveld43"}, {"ralston3", "bogacki_shampine32"}]
+
+
+TIES += [{"dop853", "dop853_third"}]
+
+
+def ties_of(key):
+    return next((tie for tie in TIES if key in tie), {key})
+
+
+def in_field(step):
+    return match_tableau(read_tableau(opened(step, "field")))
+
+
+def counted(method):
+    """The stages that the step depends on."""
+    found = {j for j, x in enumerate(method.b) if x}
+    for i in reversed(range(method.stages)):
+        found |= {j for j, x in enumerate(method.a[i]) if x and i in found}
+    return found
+
+
+def in_another_order(method):
+    """The method with two neighbours exchanged of which the later does not use the earlier; None if there are none."""
+    rows, weights, nodes = codes.floats(method)
+    for i in range(1, method.stages - 1):
+        if not rows[i + 1][i] and i + 1 in counted(method):
+            order = [*range(i), i + 1, i, *range(i + 2, method.stages)]
+            return [[rows[k][m] for m in order] for k in order], [weights[k] for k in order], [nodes[k] for k in order]
+    return None
+
+
+REORDERED = [key for key in TABLEAUX if in_another_order(METHODS[key])]
+
+
+@pytest.mark.parametrize("key", REORDERED)
+def test_the_order_in_which_independent_stages_are_called_does_not_matter(key):
+    rows, weights, nodes = in_another_order(METHODS[key])
+    assert set(in_field(codes.tableau(rows, weights, nodes)).keys) == ties_of(key)
+
+
+@pytest.mark.parametrize("key", REORDERED)
+def test_stages_called_in_another_order_without_their_weights_are_another_method(key):
+    rows, weights, nodes = in_another_order(METHODS[key])
+    own = codes.floats(METHODS[key])[1]
+    assert (key in in_field(codes.tableau(rows, own, nodes)).keys) == (own == weights)
+
+
+def test_independent_stages_are_there_to_be_exchanged():
+    assert len(REORDERED) >= 3

@@ -1,0 +1,139 @@
+"""A reading is named as what it is: a method, one of several that no step tells apart, a variant, or nearly one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.matching.match import match_forces, match_tableau
+from driftproof.blackbox.probes.force import read_forces
+from driftproof.blackbox.probes.tableau import read_tableau
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import RungeKutta
+from driftproof.methods.stepping import stepper
+from tests.blackbox import handwritten_steppers as codes
+
+EXPLICIT = [key for key, method in METHODS.items() if method.explicit]
+
+
+TABLEAUX = [key for key in EXPLICIT if isinstance(METHODS[key], RungeKutta)]
+
+
+# The same step under several names: a pair propagates it, or it was found twice.
+TIES = [{"heun2", "ssprk22", "heun_euler21"}, {"rk4", "zonneveld43"}, {"ralston3", "bogacki_shampine32"}]
+
+
+TIES += [{"dop853", "dop853_third"}]
+
+
+def ties_of(key):
+    return next((tie for tie in TIES if key in tie), {key})
+
+
+def in_field(step):
+    return match_tableau(read_tableau(opened(step, "field")))
+
+
+def on_force(step):
+    return match_forces(read_forces(opened(step)))
+
+
+@pytest.mark.parametrize("key", EXPLICIT)
+def test_every_method_is_recognised_by_its_forces_and_none_is_taken_for_another(key):
+    assert set(on_force(stepper(METHODS[key], float)).keys) == ties_of(key)
+
+
+@pytest.mark.parametrize("key", TABLEAUX)
+def test_every_tableau_is_recognised_by_its_slopes_and_none_is_taken_for_another(key):
+    identity = in_field(codes.tableau(*codes.floats(METHODS[key])))
+    assert set(identity.keys) == ties_of(key)
+    assert identity.matches[0].closeness == "every coefficient correctly rounded"
+
+
+BY_HAND = [
+    (codes.euler, {"forward_euler"}),
+    (codes.rk4, ties_of("rk4")),
+    (codes.rk4_without_time, ties_of("rk4")),
+    (codes.rk4_in_lists, ties_of("rk4")),
+    (codes.rk4_of_one_number, ties_of("rk4")),
+    (codes.rk38, {"rk38"}),
+    (codes.heun, ties_of("heun2")),
+    (codes.midpoint, {"midpoint2"}),
+    (codes.ralston, {"ralston2"}),
+    (codes.dopri5, {"dormand_prince54"}),
+    (codes.ssprk33_in_convex_combinations, {"ssprk33"}),
+    (codes.ssprk104_in_two_registers, {"ssprk104"}),
+]
+
+
+@pytest.mark.parametrize(("step", "keys"), BY_HAND)
+def test_a_code_written_by_hand_is_recognised(step, keys):
+    identity = in_field(step)
+    assert set(identity.keys) == keys
+    assert identity.lines[0].startswith("called in this way" if len(keys) > 1 else min(keys))
+
+
+BY_HAND_ON_FORCES = [
+    (codes.symplectic_euler, "symplectic_euler"),
+    (codes.velocity_from_positions, "symplectic_euler"),
+    (codes.symplectic_euler_in_a_field, "symplectic_euler"),
+    (codes.velocity_verlet, "velocity_verlet"),
+    (codes.velocity_verlet_by_acceleration, "velocity_verlet"),
+    (codes.position_verlet_calling_twice, "position_verlet"),
+]
+
+
+@pytest.mark.parametrize(("step", "key"), BY_HAND_ON_FORCES)
+def test_a_splitting_written_by_hand_is_recognised(step, key):
+    assert on_force(step).keys == (key,)
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.float16])
+def test_narrow_floats_are_recognised_by_their_own_rounding(kind):
+    assert set(in_field(codes.in_precision(codes.rk4, kind)).keys) == ties_of("rk4")
+    assert in_field(codes.in_precision(codes.rk38, kind)).keys == ("rk38",)
+
+
+def test_among_equals_the_one_that_makes_as_many_calls_comes_first():
+    pair = codes.floats(METHODS["zonneveld43"])
+    assert in_field(codes.tableau(*pair)).keys == ("zonneveld43", "rk4")
+    assert in_field(codes.rk4).keys == ("rk4", "zonneveld43")
+
+
+@pytest.mark.parametrize(("error", "named"), [(2.0**-53, True), (1e-13, False)])
+def test_a_last_bit_is_said_and_a_wrong_digit_makes_another_method(error, named):
+    rows, weights, nodes = codes.floats(METHODS["rk38"])
+    weights[1] += error
+    identity = in_field(codes.tableau(rows, weights, nodes))
+    assert (identity.keys == ("rk38",)) == named
+    if named:
+        assert identity.lines == ["rk38: every coefficient within 3 roundings"]
+    else:
+        assert identity.near[0].key == "rk38"
+        assert identity.near[0].differences == (f"b[1]: {weights[1]!r} instead of 3/8",)
+
+
+def test_a_third_with_fifteen_digits_is_recognised_and_named():
+    rows, weights, nodes = codes.floats(METHODS["rk38"])
+    rows[1][0] = nodes[1] = 0.333333333333333
+    (line,) = in_field(codes.tableau(rows, weights, nodes)).lines
+    assert line.startswith("rk38: the coefficients as sums make them: c[1] is ")
+
+
+def test_a_stage_at_a_wrong_time_and_a_stopped_clock_are_named():
+    rows, weights, nodes = codes.floats(METHODS["rk38"])
+    nodes[1] = 0.5
+    assert in_field(codes.tableau(rows, weights, nodes)).lines[1] == "nearest: rk38 but for c[1]: 1/2 instead of 1/3"
+    stopped = "nearest: rk4 or zonneveld43 but for c[1]: 0 instead of 1/2; c[2]: 0 instead of 1/2; c[3]: 0 instead of 1"
+    assert in_field(codes.rk4_on_a_stopped_clock).lines == ["no method of the catalogue", stopped]
+
+
+def test_a_wrong_stage_of_an_error_estimate_is_said_beside_the_step():
+    rows, weights, nodes = codes.floats(METHODS["bogacki_shampine32"])
+    assert not in_field(codes.tableau(rows, weights, nodes)).matches[0].beside
+    rows[3][2] = -rows[3][2]
+    identity = in_field(codes.tableau(rows, weights, nodes))
+    assert set(identity.keys) == ties_of("ralston3")
+    beside = "bogacki_shampine32: in a call whose answer is not used, a[3][2]: -4/9 instead of 4/9"
+    assert beside in identity.lines

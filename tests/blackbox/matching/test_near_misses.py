@@ -1,0 +1,177 @@
+"""What is a method but for a few coefficients, or with few decimals, is told with the wrong ones."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction as Q
+from itertools import product
+from time import sleep
+
+import pytest
+
+from driftproof.blackbox.matching.match import match_forces, match_tableau, matched
+from driftproof.blackbox.probes.force import read_forces
+from driftproof.blackbox.probes.tableau import read_tableau
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import Nystrom, RungeKutta, Splitting
+from driftproof.methods.stepping import stepper
+from tests.blackbox import handwritten_steppers as codes
+
+RALSTON = (0.4, 0.45573725), (0.29697761, 0.15875964), (0.21810040, -3.05096516, 3.83286476)
+
+
+WEIGHTS = (0.17476028, -0.55148066, 1.20553560, 0.17118478)
+
+
+def ralston(nodes, second, third, weights):
+    def step(f, t, y, h):
+        k = [f(t, y)]
+        k.append(f(t + nodes[0] * h, y + h * nodes[0] * k[0]))
+        k.append(f(t + nodes[1] * h, y + h * (second[0] * k[0] + second[1] * k[1])))
+        k.append(f(t + h, y + h * (third[0] * k[0] + third[1] * k[1] + third[2] * k[2])))
+        return y + h * sum(b * slope for b, slope in zip(weights, k, strict=True))
+
+    return step
+
+
+def test_a_tableau_of_eight_decimals_is_named_with_them():
+    near = matched(read_tableau(opened(ralston(*RALSTON, WEIGHTS)))).near
+    assert [(n.key, n.differences) for n in near] == [
+        ("ralston4", ("coefficients of 8 decimals, the last up to 2 off",))
+    ]
+
+
+def test_a_tableau_of_many_wrong_digits_is_not_said_to_be_rounded():
+    changed = tuple(b + 3e-7 * (-1) ** i for i, b in enumerate(WEIGHTS))
+    assert matched(read_tableau(opened(ralston(*RALSTON, changed)))).near == ()
+
+
+def second(subject):
+    sleep(0.4)
+
+
+EXPLICIT = [key for key, method in METHODS.items() if method.explicit]
+
+
+TABLEAUX = [key for key in EXPLICIT if isinstance(METHODS[key], RungeKutta)]
+
+
+SHORT = [key for key in TABLEAUX if METHODS[key].stages < 20]
+
+
+SPLITTINGS = [key for key in EXPLICIT if isinstance(METHODS[key], Splitting)]
+
+
+def in_field(step):
+    return match_tableau(read_tableau(opened(step, "field")))
+
+
+def on_force(step):
+    return match_forces(read_forces(opened(step)))
+
+
+def changed_tableaux(method):
+    """(name of the coefficient, the method with it changed): its sign flipped, or an eighth more."""
+    for j, factor in product(range(method.stages), FACTORS):
+        if method.b[j]:
+            yield f"b[{j}]", replace(method, b=replaced(method.b, j, factor))
+    for i, j, factor in product(range(method.stages), range(method.stages), FACTORS):
+        if method.a[i][j] and i in counted(method):
+            row = replaced(method.a[i], j, factor)
+            yield f"a[{i}][{j}]", replace(method, a=(*method.a[:i], row, *method.a[i + 1 :]))
+
+
+FACTORS = (-1, Q(9, 8))
+
+
+def replaced(row, place, factor):
+    return tuple(x * (factor if i == place else 1) for i, x in enumerate(row))
+
+
+def counted(method):
+    """The stages that the step depends on."""
+    found = {j for j, x in enumerate(method.b) if x}
+    for i in reversed(range(method.stages)):
+        found |= {j for j, x in enumerate(method.a[i]) if x and i in found}
+    return found
+
+
+def demand_that_it_is_named(identity, key, name):
+    """Another method, or the same with another step where all that is left of a method is its one weight."""
+    assert key not in identity.keys
+    if key == "forward_euler":
+        assert "with the step" in identity.matches[0].relation
+        return
+    assert not identity.matches
+    assert any(near.key == key and [d.split(":")[0] for d in near.differences] == [name] for near in identity.near)
+
+
+def sample(changed, key):
+    """One of the changed methods, another one for each key."""
+    found = list(changed)
+    return found[sum(map(ord, key)) % len(found)]
+
+
+@pytest.mark.parametrize("key", SHORT[::3])
+def test_a_wrong_coefficient_is_named_through_both_conventions(key):
+    name, wrong = sample(changed_tableaux(METHODS[key]), key)
+    step = codes.tableau(*codes.floats(wrong))
+    demand_that_it_is_named(in_field(step), key, name)
+    demand_that_it_is_named(match_forces(read_forces(opened(step, "field"))), key, name)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("key", SHORT)
+def test_every_wrong_coefficient_is_named_through_both_conventions(key):
+    for name, wrong in changed_tableaux(METHODS[key]):
+        step = codes.tableau(*codes.floats(wrong))
+        demand_that_it_is_named(in_field(step), key, name)
+        demand_that_it_is_named(match_forces(read_forces(opened(step, "field"))), key, name)
+
+
+def changed_splittings(method):
+    for i, factor in product(range(len(method.parts)), FACTORS):
+        kind, x = method.parts[i]
+        if x:
+            yield f"{kind} {i}", replace(method, parts=(*method.parts[:i], (kind, x * factor), *method.parts[i + 1 :]))
+
+
+def demand_that_a_sub_step_is_named(key, name, wrong):
+    identity = on_force(codes.composed([(kind, float(x)) for kind, x in wrong.parts]))
+    assert key not in identity.keys
+    near = [near for near in identity.near if near.key == key]
+    assert near or not len(wrong.parts) > 2
+    assert all(n.differences[0].startswith(f"{name}:") for n in near)
+
+
+@pytest.mark.parametrize("key", SPLITTINGS[::3])
+def test_a_wrong_sub_step_is_named(key):
+    demand_that_a_sub_step_is_named(key, *sample(changed_splittings(METHODS[key]), key))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("key", SPLITTINGS)
+def test_every_wrong_sub_step_is_named(key):
+    for name, wrong in changed_splittings(METHODS[key]):
+        demand_that_a_sub_step_is_named(key, name, wrong)
+
+
+@pytest.mark.parametrize("key", [key for key in EXPLICIT if isinstance(METHODS[key], Nystrom)])
+def test_a_wrong_weight_of_a_nystrom_method_is_named(key):
+    wrong = replace(METHODS[key], b_velocity=replaced(METHODS[key].b_velocity, 1, -1))
+    identity = on_force(stepper(wrong, float))
+    assert [(n.key, n.differences[0].split(":")[0]) for n in identity.near] == [(key, "b_velocity[1]")]
+
+
+@pytest.mark.parametrize("key", [key for key in SHORT[1::4] if METHODS[key].stages > 2])
+def test_two_weights_exchanged_are_named_both(key):
+    rows, weights, nodes = codes.floats(METHODS[key])
+    *_, i, j = (k for k, x in enumerate(weights) if x)
+    weights[i], weights[j] = weights[j], weights[i]
+    identity = in_field(codes.tableau(rows, weights, nodes))
+    if weights[i] == weights[j]:
+        assert key in identity.keys
+    else:
+        assert not identity.matches
+        assert [d.split(":")[0] for n in identity.near if n.key == key for d in n.differences] == [f"b[{i}]", f"b[{j}]"]

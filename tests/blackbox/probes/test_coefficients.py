@@ -1,0 +1,98 @@
+"""Floats are read as fractions only where that is no coincidence, and always as the one of least denominator."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from driftproof.blackbox.probes.coefficients import (
+    coefficient_text,
+    exact_shown,
+    half_spacing,
+    is_nearest,
+    short_rational,
+    simple_rational,
+    simplest_in,
+)
+from driftproof.methods.number_field import square_root
+from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
+
+FRACTIONS = st.fractions(min_value=-50, max_value=50, max_denominator=400)
+
+
+@given(FRACTIONS, FRACTIONS)
+def test_the_simplest_rational_of_an_interval_is_the_first_that_a_search_by_denominators_meets(a, b):
+    low, high = sorted((a, b))
+    found = simplest_in(low, high)
+    assert low <= found <= high
+    for denominator in range(1, found.denominator):
+        assert -(-low.numerator * denominator // low.denominator) > high * denominator
+
+
+def test_an_empty_interval_is_refused():
+    with pytest.raises(ValueError, match="no number"):
+        simplest_in(Q(1), Q(0))
+
+
+@pytest.mark.parametrize("x", [Q(1, 24), Q(-13649, 6), Q(35, 384), Q(22, 7), Q(0), Q(10**6)])
+def test_a_double_is_read_as_the_fraction_that_it_was_rounded_from(x):
+    assert simple_rational(float(x), abs(float(x)) * 2.0**-53) == x
+
+
+@pytest.mark.parametrize("x", [2**0.5, 1 / 24 + 1e-10, 0.7390851332151607])
+def test_a_double_that_is_no_simple_fraction_is_read_as_none(x):
+    assert simple_rational(x, x * 2.0**-53) is None
+
+
+def test_numbers_are_shown_as_people_write_them():
+    shown = [short_rational(x) for x in (Q(1, 25), Q(1, 3), Q(10**6), Q(-2), Q(2**0.5))]
+    assert shown == ["0.04", "1/3", "1000000", "-2", "1.4142135623730951"]
+
+
+NEAREST = [
+    (1 / 3, Q(1, 3), BINARY64, True),
+    (np.nextafter(1 / 3, 1), Q(1, 3), BINARY64, False),
+    (float(np.float32(1 / 3)), Q(1, 3), BINARY32, True),
+    (float(np.float32(1 / 3)), Q(1, 3), BINARY64, False),
+    (2**0.5, square_root(2), BINARY64, True),
+    (1.4142, square_root(2), BINARY64, False),
+    (0.0, Q(0), BINARY16, True),
+]
+
+
+@pytest.mark.parametrize(("x", "exact", "fmt", "nearest"), NEAREST)
+def test_the_nearest_number_of_a_format_is_told_from_its_neighbours(x, exact, fmt, nearest):
+    assert is_nearest(x, exact, fmt) == nearest
+
+
+SHOWN = [
+    (19372 / 6561, BINARY64, "19372/6561"),
+    (-1 / 3, BINARY64, "-1/3"),
+    (0.0, BINARY64, "0"),
+    (1.0, BINARY64, "1"),
+    (1e-10, BINARY64, "1/10000000000"),
+    (0.1234567890123456, BINARY64, "0.1234567890123456"),
+    (0.3333, BINARY64, "3333/10000"),
+    (float(np.float32(1 / 6)), BINARY32, "1/6"),
+    (float(np.float32(1 / 6)), BINARY64, repr(float(np.float32(1 / 6)))),
+]
+
+
+@pytest.mark.parametrize(("x", "fmt", "text"), SHOWN)
+def test_a_float_is_shown_as_the_fraction_that_it_rounds_if_that_is_no_coincidence(x, fmt, text):
+    assert coefficient_text(x, fmt) == text
+
+
+def test_half_the_spacing_is_u_at_one_and_the_next_float_is_twice_as_far():
+    for x in (1.0, 1.5, 0.1, 1e300, 5e-324):
+        assert 2 * half_spacing(x, BINARY64) == Q(float(np.nextafter(x, np.inf))) - Q(x)
+    assert half_spacing(1.0, BINARY16) == BINARY16.u
+
+
+def test_a_long_exact_number_is_shown_as_a_decimal():
+    assert exact_shown(Q(1, 3)) == "1/3"
+    assert exact_shown(Q(10**30 + 1, 3 * 10**30)) == "0.3333333333333333"

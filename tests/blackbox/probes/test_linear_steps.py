@@ -1,0 +1,126 @@
+"""The one-step matrix is read from steps of a stepper that is linear, or nearly, or said not to be."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+from functools import cache
+from math import sin
+
+import numpy as np
+
+from driftproof.blackbox.matching.linear_match import LinearFit, linear_fit
+from driftproof.blackbox.probes.linear_steps import (
+    LINEARISED,
+    NOT_AT_REST,
+    NOT_LINEAR,
+    NOT_REPEATABLE,
+)
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.methods.catalogue import METHODS
+from driftproof.numeric.steppers import rk4, symplectic_euler
+from driftproof.symbolic.algebra.certified import significant
+from driftproof.symbolic.runs import exact_matrix_at
+
+
+def fit(step) -> LinearFit:
+    return linear_fit(opened(step))
+
+
+@cache
+def alike() -> dict[str, list[str]]:
+    """The methods with the same matrix, by its exact values at two steps to 60 digits."""
+    found: dict[tuple[str, ...], list[str]] = {}
+    for key, method in METHODS.items():
+        values = (significant(x, 60) for h in (Q(3, 7), Q(-5, 4)) for x in exact_matrix_at(method, h))
+        found.setdefault(tuple(values), []).append(key)
+    return {key: keys for keys in found.values() for key in keys}
+
+
+def test_half_precision_is_read_too():
+    def step(force, q, v, h):
+        q, v, h = np.float16(q), np.float16(v), np.float16(h)
+        v = v + h * np.float16(force(float(q)))
+        return q + h * v, v
+
+    with np.errstate(all="ignore"):
+        found = fit(step)
+    assert (found.format, found.best.methods) == ("binary16", ("symplectic_euler",))
+
+
+def test_a_pendulum_is_read_at_tiny_states_where_it_is_linear():
+    def pendulum(q, v, h):
+        v = v - h * 9.81 * sin(q)
+        return q + h * v, v
+
+    found = fit(pendulum)
+    assert found.kind == LINEARISED
+    assert found.amplitude < 1e-17
+    assert (found.best.methods, found.stiffness) == (("symplectic_euler",), Q("9.81"))
+    assert any("not linear at ordinary size" in line for line in found.lines)
+
+
+def test_a_force_without_a_linear_part_is_not_linearised():
+    found = fit(lambda q, v, h: (q + h * v, v - h * q**3))
+    assert found.kind == NOT_LINEAR
+    assert found.best is None
+
+
+def test_noise_is_reported_and_not_named():
+    noise = iter(np.random.default_rng(0).random(10**4))
+
+    def noisy(force, q, v, h):
+        q, v = rk4(force, q, v, h)
+        return q * (1 + 1e-9 * next(noise)), v
+
+    found = fit(noisy)
+    assert found.kind == NOT_REPEATABLE
+    assert found.best is None
+
+
+def test_noise_that_repeats_is_reported_and_not_named():
+    def noisy(force, q, v, h):
+        q1, v1 = rk4(force, q, v, h)
+        return q1 * (1 + 1e-9 * (hash((q, v, h)) % 1000) / 1000), v1
+
+    found = fit(noisy)
+    assert found.kind == NOT_LINEAR
+    assert found.best is None
+    assert found.nearest.methods == tuple(alike()["rk4"])
+
+
+def test_a_limit_on_the_velocity_is_a_remark_and_does_not_hide_the_method():
+    def limited(force, q, v, h):
+        q, v = symplectic_euler(force, q, v, h)
+        return q, max(-100.0, min(100.0, v))
+
+    found = fit(limited)
+    assert found.best.methods == ("symplectic_euler",)
+    assert any("not linear far out" in line for line in found.lines)
+
+
+def test_gravity_without_rest_at_zero_is_reported():
+    found = fit(lambda q, v, h: (q + h * (v - 9.81 * h), v - 9.81 * h))
+    assert found.kind == NOT_AT_REST
+    assert found.best is None
+
+
+def test_steps_backwards_may_raise():
+    def forward_only(force, q, v, h):
+        if h <= 0:
+            raise ValueError("h must be positive")
+        return rk4(force, q, v, h)
+
+    found = fit(forward_only)
+    assert (found.best.methods[0], found.best.extras) == ("rk4", 0)
+    assert any("h must be positive" in line for line in found.lines)
+
+
+def at_rest_below_a_speed(q, v, h):
+    v = v - h * q
+    v = v if abs(v) > 1e-3 else 0.0
+    return q + h * v, v
+
+
+def test_a_method_behind_a_rule_of_rest_is_read_at_large_states():
+    found = linear_fit(opened(at_rest_below_a_speed))
+    assert (found.best.methods, found.amplitude) == (("symplectic_euler",), 2.0**20)
