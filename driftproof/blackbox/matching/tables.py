@@ -80,7 +80,7 @@ def stages(a: Sequence[TableRow], weights: Sequence[TableRow], c: TableRow) -> S
 
 
 def timed_stages(tableau: LiftedTableau, timed: bool) -> Stages:
-    """A Runge-Kutta table as `symbolic.linear.reduced_tableau` reads it: where b stands twice, c counts as of Nyström's."""
+    """A Runge-Kutta table as `symbolic.linear.reduced_tableau` reads it: where b stands twice, c counts, too."""
     a, b, c = tableau
     return stages(a, (b, b), c) if timed else stages(a, (b,), [x * 0 for x in b])
 
