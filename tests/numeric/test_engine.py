@@ -1,4 +1,4 @@
-"""Runs of many steps: the bits of single steps, in Python, compiled and in ensembles, in every format."""
+"""Runs of many steps: the bits of single steps, in Python and compiled."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ from driftproof.methods.source import step_source
 from driftproof.methods.stepping import stepper
 from driftproof.numeric import engine
 from driftproof.numeric.engine import (
-    ARRAY_BLOCK,
     BLOCK,
     compiled_ensemble_runner,
     compiled_runner,
@@ -30,9 +29,7 @@ from tests.float_bits import bits
 EXPLICIT = [method for method in METHODS.values() if method.explicit]
 # One of each family, and one with irrational coefficients: each takes numba half a second.
 COMPILED = [METHODS[key] for key in ("rk4", "velocity_verlet", "yoshida4", "nystrom5")]
-SYMPLECTIC = METHODS["symplectic_euler"]
 STARTS = [(1.0, 0.0, 0.25), (0.3, -0.7, -0.1), (-2.5, 1e-3, 1.3), (0.0, -0.0, 0.5)]
-FORMATS = (np.float16, np.float32, np.float64, np.longdouble)
 
 
 def step_by_step(method, force, q, v, h, steps, lift=float):
@@ -97,22 +94,6 @@ def test_without_numba_a_compiled_run_says_what_to_install(monkeypatch):
         compiled_runner.__wrapped__(METHODS["forward_euler"])
 
 
-@pytest.mark.parametrize("method", EXPLICIT, ids=lambda m: m.key)
-def test_an_ensemble_has_the_bits_of_its_members(method):
-    q, v = ensemble(5)
-    alone = [runner(method)(float(x), float(y), 0.3, 6) for x, y in zip(q, v, strict=True)]
-    ensemble_runner(method)(q, v, 0.3, 6)
-    assert bits(q, v) == bits(*map(np.array, zip(*alone, strict=True)))
-
-
-@pytest.mark.parametrize("length", [0, 1, ARRAY_BLOCK - 1, ARRAY_BLOCK, ARRAY_BLOCK + 1, 2 * ARRAY_BLOCK + 17])
-def test_blocks_of_any_length_are_stepped(length):
-    q, v = ensemble(length)
-    whole = step_by_step(METHODS["rk4"], oscillator, q, v, 0.3, 5)
-    ensemble_runner(METHODS["rk4"])(q, v, 0.3, 5)
-    assert bits(q, v) == bits(*whole)
-
-
 def test_a_compiled_ensemble_has_the_same_bits_in_both_formats():
     pytest.importorskip("numba")
     for dtype in engine.COMPILED:
@@ -122,49 +103,6 @@ def test_a_compiled_ensemble_has_the_same_bits_in_both_formats():
             compiled_ensemble_runner(METHODS["yoshida4"])(p, w, 0.1, 20)
             assert q.dtype == p.dtype == dtype
             assert bits(q, v) == bits(p, w)
-
-
-def test_a_compensated_ensemble_has_the_bits_of_its_members():
-    for method in (METHODS[key] for key in ("rk4", "velocity_verlet", "yoshida4", "nystrom5")):
-        q, v = ensemble(ARRAY_BLOCK + 3)
-        chosen = [0, 1, ARRAY_BLOCK - 1, ARRAY_BLOCK + 2]
-        starts = [(float(q[i]), float(v[i])) for i in chosen]
-        alone = [runner(method, compensated=True)(*start, 0.01, 40) for start in starts]
-        ensemble_runner(method, compensated=True)(q, v, 0.01, 40)
-        assert bits(q[chosen], v[chosen]) == bits(*map(np.array, zip(*alone, strict=True)))
-        assert alone != [runner(method)(*start, 0.01, 40) for start in starts]
-
-
-@pytest.mark.parametrize("force", ["{}", "2", "(-{} / (1 + {} * {}))", "(-sqrt({} * {}))"])
-def test_an_ensemble_takes_any_force_that_is_a_formula(force):
-    for method in (METHODS[key] for key in ("rk4", "velocity_verlet", "nystrom5")):
-        q, v = ensemble(7)
-        spelled = force.replace("{}", "{0}")
-        alone = [runner(method, spelled)(float(x), float(y), 0.1, 9) for x, y in zip(q, v, strict=True)]
-        ensemble_runner(method, spelled)(q, v, 0.1, 9)
-        assert bits(q, v) == bits(*map(np.array, zip(*alone, strict=True)))
-
-
-@pytest.mark.parametrize("dtype", FORMATS)
-def test_an_ensemble_is_computed_in_the_format_of_its_arrays(dtype):
-    for key in ("rk4", "yoshida4", "nystrom5"):
-        q, v = ensemble(9, dtype)
-        lift = lambda c: lifted(c, dtype)
-        alone = [step_by_step(METHODS[key], oscillator, *z, dtype(0.3), 6, lift) for z in zip(q, v, strict=True)]
-        assert all(type(x) is dtype for z in alone for x in z)
-        ensemble_runner(METHODS[key])(q, v, 0.3, 6)
-        assert q.dtype == v.dtype == dtype
-        assert bits(q, v) == bits(*(np.array(x, dtype) for x in zip(*alone, strict=True)))
-
-
-def test_formats_are_really_four():
-    finals = []
-    for dtype in FORMATS:
-        q, v = ensemble(9, dtype)
-        ensemble_runner(METHODS["rk4"])(q, v, 0.3, 6)
-        finals.append(q.astype(np.longdouble))
-    differences = [float(np.abs(x - finals[-1]).max()) for x in finals[:-1]]
-    assert differences[0] > 2**9 * differences[1] > 2**9 * 2**25 * differences[2] > 0
 
 
 @pytest.mark.skipif(np.finfo(np.longdouble).nmant <= 52, reason="here a long double is a double")
@@ -177,37 +115,6 @@ def test_a_coefficient_reaches_a_wide_format_with_all_its_bits():
         most = unit / 2 * (1 + Q(1, 2**40))  # rounded twice, the first time by 2^-42 units
         assert -most <= exact - value <= most
     assert np.longdouble(1 / 6) != lifted(Q(1, 6), np.longdouble)
-
-
-def test_overflow_of_an_ensemble_is_infinite_and_silent():
-    q, v = np.array([1e308, 1.0]), np.array([1e308, 0.0])
-    ensemble_runner(METHODS["forward_euler"])(q, v, 1.0, 1)
-    assert bits(q) == bits(np.array([np.inf, 1.0]))
-
-
-def test_dividing_by_zero_raises_in_python_and_goes_on_in_arrays():
-    force = "(-1 / {})"
-    with pytest.raises(ZeroDivisionError):
-        runner(SYMPLECTIC, force)(0.0, 1.0, 0.5, 1)
-    q, v = np.array([0.0, 1.0]), np.array([1.0, 1.0])
-    ensemble_runner(SYMPLECTIC, force)(q, v, 0.5, 1)
-    assert (v[0], v[1]) == (-np.inf, 0.5)
-
-
-@pytest.mark.parametrize(
-    ("q", "v"),
-    [
-        (np.ones(3), np.ones(4)),
-        (np.ones((2, 2)), np.ones((2, 2))),
-        (np.ones(3), np.ones(3, np.float32)),
-        (np.ones(3, int), np.ones(3, int)),
-    ],
-)
-def test_arrays_that_are_no_ensemble_are_refused_in_one_line(q, v):
-    for build in (ensemble_runner, compiled_ensemble_runner):
-        with pytest.raises(ValueError, match="two one-dimensional arrays of floats") as caught:
-            build(METHODS["rk4"])(q, v, 0.1, 1)
-        assert "\n" not in str(caught.value)
 
 
 def test_a_compiled_ensemble_refuses_formats_that_the_compiler_lacks():

@@ -1,4 +1,4 @@
-"""Implicit methods in floats: stage equations solved to rounding or refused, against exact matrices and roots."""
+"""Implicit steps: solved to rounding or refused in one line, on the oscillator, stiff problems and invariants."""
 
 from __future__ import annotations
 
@@ -10,13 +10,11 @@ import numpy as np
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.schemes import MethodError, RungeKutta
-from driftproof.methods.tables.collocation import gauss, lobatto_iiia, radau_iia
+from driftproof.methods.schemes import RungeKutta
 from driftproof.numeric.implicit import StageEquationsUnsolved, implicit_stepper
-from driftproof.numeric.tableaux import float_tableau, solved
-from driftproof.symbolic.runs import exact_matrix_at
+from driftproof.numeric.tableaux import float_tableau
 from tests.numeric.implicit_runs import implicit_run
-from tests.witnesses.linear_runs import endpoint, exact_matrix, float_matrix
+from tests.witnesses.linear_runs import float_matrix
 
 IMPLICIT = [method for method in METHODS.values() if not method.explicit]
 U = Q(1, 2**53)
@@ -73,39 +71,6 @@ def test_an_entry_of_the_tableau_wrong_by_1e_11_leaves_that_bound():
     found = implicit_stepper(wrong, oscillator)(0.0, [0.6, -0.8], 0.25)
     (x, y), (z, w) = float_matrix(good, 0.25)
     assert np.abs(found.y - [x * 0.6 - y * 0.8, z * 0.6 - w * 0.8]).max() > rounding_of_a_step(wrong, 0.25)
-
-
-@pytest.mark.parametrize("method", IMPLICIT, ids=lambda m: m.key)
-def test_the_exact_matrix_is_the_one_that_the_exact_side_derives(method):
-    for h in (Q(1, 3), Q(-7, 2)):
-        (a, b), (c, d) = exact_matrix(method, h)
-        assert (a, b, c, d) == exact_matrix_at(method, h)
-
-
-def test_the_exact_matrix_of_an_explicit_method_is_its_step():
-    for key in ("rk4", "yoshida4", "nystrom5"):
-        (a, b), (c, d) = exact_matrix(METHODS[key], Q(1, 3))
-        assert (a, b, c, d) == exact_matrix_at(METHODS[key], Q(1, 3))
-
-
-def test_a_step_without_a_solution_is_refused_by_the_exact_matrix():
-    """Row sums 1 and -1: I + h²A² is singular at h = 1 for A = ((0, 1), (-1, 0)), whose square is -I."""
-    a = ((Q(0), Q(1)), (Q(-1), Q(0)))
-    turning = RungeKutta("turning", "turning", 0, "a test", a, (Q(1, 2), Q(1, 2)), (Q(1), Q(-1)))
-    with pytest.raises(ZeroDivisionError, match="singular"):
-        exact_matrix(turning, Q(1))
-    exact_matrix(turning, Q(1, 2))
-
-
-@pytest.mark.parametrize(("steps", "h"), [(0, 0.5), (1, 0.5), (1000, 0.125)])
-def test_an_endpoint_by_powers_is_that_of_the_run_and_says_that_it_is_none(steps, h):
-    """Rotation by Gauss's matrix: each product of two matrices rounds each entry by at most 3u, each step too."""
-    found = endpoint(METHODS["gauss3"], (0.6, -0.8), h, steps)
-    run = implicit_run(implicit_stepper(METHODS["gauss3"], oscillator), [0.6, -0.8], h, steps)
-    most = steps * (rounding_of_a_step(METHODS["gauss3"], h) + 12 * float(U))
-    assert np.hypot(*(np.array(run.y) - [found.q, found.v])) <= most
-    assert f"power {steps} of the one-step matrix" in found.how
-    assert "no step was taken" in found.how
 
 
 def root_near_start(a: Q, b: Q, c: Q) -> Q:
@@ -226,40 +191,3 @@ def test_time_is_a_multiple_of_h_and_not_a_sum():
     assert set(read) == {i * 0.1 + 0.1 for i in range(20)}
     summed = np.cumsum(np.full(20, 0.1))
     assert set(read) != set(summed.tolist())
-
-
-# Tableaux
-
-PAIRS = [(gauss(2), "gauss2"), (gauss(3), "gauss3"), (radau_iia(3), "radau_iia3"), (lobatto_iiia(4), "lobatto_iiia4")]
-
-
-@pytest.mark.parametrize(("collocation", "key"), PAIRS, ids=lambda x: x if isinstance(x, str) else x.key)
-def test_a_tableau_formed_of_nodes_is_the_published_one_bit_for_bit(collocation, key):
-    formed, published = float_tableau(collocation), float_tableau(METHODS[key])
-    for name in ("a", "b", "c"):
-        assert (getattr(formed, name) == getattr(published, name)).all()
-    assert formed.stiffly_accurate == published.stiffly_accurate
-    assert (formed.d is None) == (published.d is None)
-
-
-def test_nodes_zero_one_and_a_half_are_exact():
-    assert float_tableau(lobatto_iiia(5)).c.tolist()[::2] == [0.0, 0.5, 1.0]
-    assert float_tableau(gauss(5)).c.tolist()[2] == 0.5
-
-
-def test_weights_of_moves_undo_a():
-    """Radau IIA's last stage is the result: d = (0, ..., 0, 1). Gauss's d times A gives b back."""
-    assert float_tableau(METHODS["radau_iia3"]).d.tolist() == [0, 0, 1]
-    table = float_tableau(METHODS["gauss2"])
-    assert np.abs(table.d @ table.a - table.b).max() < 8 * float(U) * np.abs(table.d).sum()
-    assert float_tableau(METHODS["trapezoid"]).d is None
-
-
-def test_elimination_is_exact_and_tells_a_singular_matrix():
-    assert solved([[Q(0), Q(2)], [Q(3), Q(1)]], [Q(1), Q(1)]) == [Q(1, 6), Q(1, 2)]
-    assert solved([[Q(1), Q(2)], [Q(2), Q(4)]], [Q(1), Q(1)]) is None
-
-
-def test_a_splitting_has_no_tableau():
-    with pytest.raises(MethodError, match="no tableau"):
-        implicit_stepper(METHODS["velocity_verlet"], oscillator)

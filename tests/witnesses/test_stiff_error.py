@@ -1,26 +1,74 @@
-"""The witness for stiff errors: the reduced orders that are in print (hairer-wanner-1996, IV.15)."""
+"""The witness for stiff errors: the orders in print (hairer-wanner-1996, IV.15), and stages solved by elimination."""
 
 from __future__ import annotations
 
-from fractions import Fraction as Q
+import math
+from fractions import Fraction
 
 import pytest
 
-from driftproof.methods.schemes import RungeKutta
-from tests.methods.tables.entries import entry
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import Collocation, RungeKutta
+from driftproof.symbolic.algebra.polynomials import exact, scalar
+from driftproof.symbolic.linear.stability_function import prothero_robinson, tableau
 from tests.witnesses.stiff_error import stiff_error
 
+Tableau = RungeKutta | Collocation
+TABLEAUX = {key: m for key, m in METHODS.items() if isinstance(m, Tableau)}
+# Local error C h^k (h lambda)^-m, R(oo), order on stiff problems.
+REDUCED = {
+    "backward_euler": (2, 1, Fraction(1, 2), 0, 1),
+    "implicit_midpoint": (2, 0, Fraction(1, 4), -1, 2),
+    "trapezoid": (3, 1, Fraction(1, 6), -1, 2),
+    "gauss2": (3, 0, Fraction(1, 36), 1, 2),
+    "gauss3": (4, 0, Fraction(1, 480), -1, 4),
+    "radau_ia3": (3, 0, Fraction(1, 60), 0, 3),
+    "radau_iia2": (3, 1, Fraction(1, 9), 0, 2),
+    "radau_iia3": (4, 1, Fraction(1, 80), 0, 3),
+    "lobatto_iiic3": (3, 1, Fraction(1, 12), 0, 2),
+}
 
-@pytest.mark.parametrize(
-    ("key", "power", "decay", "order"),
-    [("backward_euler", 2, 1, 1), ("radau_iia2", 3, 1, 2), ("radau_iia3", 4, 1, 3), ("implicit_midpoint", 2, 0, 2)],
-)
-def test_reduced_order_is_the_printed_one(key: str, power: int, decay: int, order: int) -> None:
-    found = stiff_error(entry(key))
-    assert (found.power, found.decay, found.order) == (power, decay, order)
+
+@pytest.mark.parametrize("key", REDUCED)
+def test_order_on_stiff_problems_is_that_of_the_first_term_of_the_error(key: str) -> None:
+    error = stiff_error(TABLEAUX[key])
+    assert (error.power, error.decay, error.coefficient, error.at_infinity, error.order) == REDUCED[key]
 
 
-def test_explicit_method_is_refused_as_unstable() -> None:
-    euler = RungeKutta("euler", "Euler", 1, "test", ((0,),), (Q(1),), (0,))
-    with pytest.raises(ValueError, match="is unstable where"):
-        stiff_error(euler)
+def test_order_is_reduced_for_collocation_of_two_stages_and_more() -> None:
+    for key in ("gauss2", "gauss3", "radau_ia3", "radau_iia3", "lobatto_iiic3"):
+        assert stiff_error(TABLEAUX[key]).order < TABLEAUX[key].claimed_order
+
+
+def test_order_on_stiff_problems_is_refused_where_errors_grow() -> None:
+    with pytest.raises(ValueError, match="unstable"):
+        stiff_error(METHODS["rk4"])
+
+
+def defect(method: Tableau, power: int, z: Fraction) -> Fraction:
+    """phi(1) - y1 of one step h = 1 from 0 on y' = z (y - phi) + phi', phi = t^power: stages by elimination."""
+    data = tableau(method)
+    a, b, c = (
+        [[Fraction(str(x)) for x in row] for row in data.a],
+        *([Fraction(str(x)) for x in v] for v in (data.b, data.c)),
+    )
+    right = [power * x ** (power - 1) - z * x**power for x in c]
+    rows = [[(i == j) - z * x for j, x in enumerate(row)] + [right[i]] for i, row in enumerate(a)]
+    for i in range(len(rows)):
+        pivot = next(r for r in range(i, len(rows)) if rows[r][i])
+        rows[i], rows[pivot] = rows[pivot], rows[i]
+        rows[i] = [x / rows[i][i] for x in rows[i]]
+        for r in range(len(rows)):
+            if r != i:
+                rows[r] = [x - rows[r][i] * y for x, y in zip(rows[r], rows[i], strict=True)]
+    return 1 - sum((w * row[-1] for w, row in zip(b, rows, strict=True)), Fraction(0))
+
+
+# Both sides are quotients of polynomials of degree stages + 1 at most: equal at 2 stages + 4 points, they are equal.
+@pytest.mark.parametrize("key", ["backward_euler", "trapezoid", "radau_iia2", "lobatto_iiic3"])
+def test_error_of_a_step_is_exactly_the_function_of_prothero_and_robinson(key: str) -> None:
+    method = TABLEAUX[key]
+    for power in range(1, 6):
+        function = prothero_robinson(method, power)
+        for z in (Fraction(-i - 1, 3) for i in range(2 * method.stages + 4)):
+            assert Fraction(str(exact(function(scalar(z))))) * math.factorial(power) == defect(method, power, z)

@@ -14,6 +14,7 @@ from driftproof.numeric.problems.problem import CERTIFIED, EXACT, TWICE, Problem
 from driftproof.symbolic.algebra.certified import endpoints
 from tests.witnesses.references.closed_forms import CLOSED_FORMS, ball
 from tests.witnesses.references.collocation import Collocation
+from tests.witnesses.references.literature import DOCS, page, published, right_digits, rows
 from tests.witnesses.references.solutions import Disagreement, Row, common, computed
 from tests.witnesses.references.taylor import NoEnclosure, Taylor
 
@@ -111,7 +112,7 @@ def agree(found: Sequence[Fraction], stored: Sequence[str]) -> bool:
 # Not on the fast components, which forget.
 @pytest.mark.parametrize(
     ("name", "slow"),
-    [("van_der_pol_1e6", 0), ("hires", 4), ("oregonator", 2)],
+    [("van_der_pol_1e6", 0), pytest.param("hires", 4, marks=pytest.mark.long), ("oregonator", 2)],
 )
 def test_last_state_follows_from_the_one_before(name: str, slow: int) -> None:
     *_, before, last = PROBLEMS[name].reference.states
@@ -151,3 +152,23 @@ def test_taylor_refuses_a_step_that_no_box_holds() -> None:
     kepler = PROBLEMS["kepler_extreme"]
     with ctx.workprec(100), pytest.raises(NoEnclosure):
         Taylor(kepler.field, 10).step([ball(x) for x in kepler.start], Fraction(0), Fraction(1))
+
+
+def test_page_is_what_the_numbers_give() -> None:
+    assert (DOCS / "reference_digits.md").read_text(encoding="utf-8") == page()
+
+
+def test_published_numbers_are_right_to_thirteen_digits_and_not_all_to_sixteen() -> None:
+    right = [row[5] for row in rows()]
+    assert min(right) == 13
+    assert max(right) == 16
+
+
+def test_every_published_state_has_all_components() -> None:
+    assert all(len(entry["y"]) in (2, 3, 8) for entry in published())
+
+
+def test_right_digits_are_counted_to_half_a_unit() -> None:
+    assert right_digits("0.1234E+01", Fraction("1.2344")) == 4
+    assert right_digits("0.1234E+01", Fraction("1.2346")) == 3
+    assert right_digits("0.1234E+01", Fraction("9")) == 0

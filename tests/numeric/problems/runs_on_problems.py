@@ -1,0 +1,59 @@
+"""Runs of a method on a problem, and what they are said to be: right, wrong, ended, drifting."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction as Q
+from itertools import pairwise
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.numeric.advance import State, advance, float_start, step_times
+from driftproof.numeric.problems.catalogue import PROBLEMS
+from driftproof.numeric.stability import observe
+from driftproof.numeric.work_precision.exact import decimal_energy, distance_from_digits, largest_state_size
+
+RIGHT, WRONG, ENDED = "right", "wrong", "ended"
+
+
+def states(key: str, name: str, steps: int, pieces: int = 8, t: Q | None = None) -> list[State]:
+    """The start and the states after each piece of a run to t; those up to where it ended."""
+    problem = PROBLEMS[name]
+    run, y, h = advance(METHODS[key], problem), float_start(problem), step_times(t or problem.t, steps).h
+    found = [y]
+    for first, last in pairwise(i * steps // pieces for i in range(pieces + 1)):
+        try:
+            y = run(y, h, first, last)
+        except (ArithmeticError, ValueError):
+            break
+        if not all(map(math.isfinite, y)):
+            break
+        found.append(y)
+    return found
+
+
+def fate(key: str, name: str, steps: int, tolerance: float, t: Q | None = None) -> str:
+    """RIGHT within the tolerance at t, a time of the reference's."""
+    reference = PROBLEMS[name].reference
+    found = states(key, name, steps, 1, t)
+    if len(found) == 1:
+        return ENDED
+    digits = reference.states[reference.times.index(t or PROBLEMS[name].t)]
+    return RIGHT if distance_from_digits(found[-1], digits) < tolerance else WRONG
+
+
+def energy_errors(key: str, name: str, steps: int, pieces: int = 8) -> list[float]:
+    problem = PROBLEMS[name]
+    before = decimal_energy(problem, problem.start)
+    return [float(decimal_energy(problem, y) - before) for y in states(key, name, steps, pieces)[1:]]
+
+
+def growth(key: str, name: str, steps: int, times: int = 1) -> float:
+    """The largest size of a state over `times` times the interval, over the solution's; infinite where it ends."""
+    problem = PROBLEMS[name]
+    seen = observe(advance(METHODS[key], problem), float_start(problem), step_times(problem.t, steps).h, times * steps)
+    return math.inf if seen.failed_after is not None else seen.largest / largest_state_size(problem)
+
+
+def drifts(errors: list[float]) -> bool:
+    """The last quarter is far worse than the first."""
+    return max(map(abs, errors[-2:])) > 2 * max(map(abs, errors[:2]))

@@ -1,0 +1,125 @@
+"""Curves of error against steps: orders as claimed, a wrong coefficient flagged, ends that say why."""
+
+from __future__ import annotations
+
+import dataclasses
+from fractions import Fraction as Q
+from math import inf
+
+import pytest
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.fields import Field
+from driftproof.methods.schemes import RungeKutta
+from driftproof.numeric.problems.catalogue import problem_named
+from driftproof.numeric.problems.linear import HARMONIC
+from driftproof.numeric.problems.problem import EXACT, Problem, Reference
+from driftproof.numeric.work_precision.curves import (
+    FLOOR_POINTS,
+    Curve,
+    Point,
+    counts,
+    curve_of,
+    curves,
+    measure_curve,
+    step_counts,
+)
+from driftproof.numeric.work_precision.exact import (
+    STATE,
+    Size,
+)
+from driftproof.numeric.work_precision.integrators import (
+    CountedRun,
+    Integrator,
+    integrator,
+)
+
+T = Q(10)
+RUNGS = (64, 128, 256, 512)
+
+
+def _decay(energy: str | None = None) -> Problem:
+    reference = Reference((Q(1),), (("0.36787944117144232160",),), EXACT, "1/e")
+    rates = Field(("rate * y0",), (("rate", Q(-1)),))
+    return Problem("decay", "y' = -y", rates, (Q(1),), reference, "test", energy=energy)
+
+
+def test_ladder_lands_on_the_references_times_and_only_on_the_last_where_that_would_cost_too_much() -> None:
+    assert step_counts(HARMONIC, 100) == (8, 16, 32, 64)
+    times = (Q(1, 997), Q(1))
+    awkward = dataclasses.replace(_decay(), reference=Reference(times, (("1",), ("1",)), EXACT, ""))
+    assert step_counts(awkward, 64) == (8, 16, 32, 64)
+    thirds = dataclasses.replace(_decay(), reference=Reference((Q(1, 3), Q(1)), (("1",), ("1",)), EXACT, ""))
+    assert step_counts(thirds, 64) == (9, 18, 36)
+    assert set(integrator(METHODS["rk4"], HARMONIC).run(8).states) == set(HARMONIC.reference.times)
+    assert set(integrator(METHODS["rk4"], HARMONIC).run(9).states) == {T}
+
+
+@pytest.mark.parametrize("key", ["forward_euler", "symplectic_euler", "velocity_verlet", "rk4", "nystrom5", "gauss2"])
+def test_measured_order_is_the_claimed_one(key: str) -> None:
+    (curve,) = curves(HARMONIC, [key], RUNGS)
+    assert curve.order is not None
+    assert curve.order.least <= curve.order.median <= curve.order.largest
+    assert curve.verdict == ""
+
+
+def test_a_method_with_one_coefficient_wrong_is_flagged() -> None:
+    rk4 = METHODS["rk4"]
+    assert isinstance(rk4, RungeKutta)
+    wrong = dataclasses.replace(rk4, b=(rk4.b[0] + Q(1, 24), rk4.b[1] - Q(1, 24), *rk4.b[2:]))
+    assert curve_of(wrong, HARMONIC, RUNGS).verdict == "below the order 4 claimed"
+    modest = dataclasses.replace(rk4, claimed_order=3)
+    assert curve_of(modest, HARMONIC, RUNGS).verdict == "above the order 3 claimed"
+
+
+def test_slopes_a_whole_order_apart_are_not_settled() -> None:
+    curve = Curve("a", "A", 2, [_point(n, e) for n, e in ((8, 1.0), (16, 0.25), (32, 0.2), (64, 0.001))])
+    assert curve.verdict == "not settled"
+
+
+def test_points_as_large_as_the_solution_or_near_the_floor_tell_no_order() -> None:
+    assert counts(_point(8, 0.5))
+    assert not counts(dataclasses.replace(_point(8, 0.5), scale=0.4))
+    assert not counts(dataclasses.replace(_point(8, 0.5), doubt=0.1))
+    assert not counts(Point("8", None, remark="not finite", steps=8))
+    (curve,) = curves(problem_named("stiff_pair"), ["rk4"], [8, 16, 32, 64])
+    assert curve.order is None
+
+
+def _point(steps: int, error: float) -> Point:
+    return Point(str(steps), steps, {STATE: Size(error, error)}, steps=steps)
+
+
+def test_a_splitting_on_a_first_order_problem_is_refused_with_the_reason() -> None:
+    refused, runs = curves(problem_named("dahlquist_1"), ["velocity_verlet", "rk4"], [8])
+    assert "second-order" in refused.refused
+    assert not refused.points
+    assert runs.points
+    assert not runs.refused
+
+
+def test_a_run_that_overflows_is_a_point_that_says_so() -> None:
+    first, *_ = curves(problem_named("dahlquist_1e6"), ["rk4"], [64, 128])[0].points
+    assert first.error == inf
+    assert "finite" in first.remark or "range" in first.remark
+
+
+def test_climb_ends_at_the_floor() -> None:
+    (curve,) = curves(HARMONIC, ["dop853"])
+    at_floor = [point for point in curve.points if point.error <= point.doubt]
+    assert len(at_floor) == FLOOR_POINTS
+    assert curve.points[-1] is at_floor[-1]
+
+
+def test_climb_marks_a_run_that_would_take_too_long_and_makes_none_after_it() -> None:
+    made = []
+
+    def slow(steps: int) -> CountedRun:
+        made.append(steps)
+        sum(range(40 * steps))
+        return CountedRun({T: (1.0, 0.0)}, steps)
+
+    found = measure_curve(HARMONIC, Integrator(slow, {}, {}), (8, 10**9, 10**10), limit=1)
+    assert [point.steps for point in found] == [8, 10**9]
+    assert found[-1].remark.startswith("not run: would take about")
+    assert set(made) == {8}

@@ -1,0 +1,97 @@
+"""Errors of floats from digits, exactly: and what rounding may explain of them."""
+
+from __future__ import annotations
+
+from decimal import Decimal
+from fractions import Fraction as Q
+from math import cos, inf, sin
+
+import pytest
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.fields import Field
+from driftproof.numeric.problems.linear import HARMONIC
+from driftproof.numeric.problems.problem import EXACT, Problem, Reference
+from driftproof.numeric.work_precision.curves import (
+    measure_curve,
+)
+from driftproof.numeric.work_precision.exact import (
+    ENERGY,
+    PHASE,
+    STATE,
+    U,
+    decimal_energy,
+    distance_from_digits,
+    doubt,
+    errors,
+    floors,
+    half_unit,
+)
+from driftproof.numeric.work_precision.integrators import (
+    integrator,
+)
+
+T = Q(10)
+
+
+def test_distance_of_floats_from_digits_is_exact_where_a_difference_of_floats_is_not() -> None:
+    tenth = Q(0.1) - Q(1, 10)
+    assert distance_from_digits((0.1, 0.0), ("0.1", "0")) == float(tenth) != 0.1 - float("0.1")
+    assert distance_from_digits((3.0, 4.0), ("0", "0")) == 5
+
+
+def test_half_unit_is_that_of_the_last_digit_printed() -> None:
+    assert half_unit(("0.123",)) == 0.0005
+    assert half_unit(("1e-7", "-2e-7")) == float(Decimal("0.5e-7") * Decimal(2).sqrt())
+    assert half_unit(("0.1230",)) == 0.00005
+
+
+def test_errors_of_the_exact_state_are_below_the_floor_and_those_of_another_are_not() -> None:
+    exact = (cos(10), -sin(10))
+    found, floor = errors(HARMONIC, {T: exact}), floors(HARMONIC)
+    assert all(found[name].final <= floor[name] for name in (STATE, ENERGY, PHASE))
+    off = errors(HARMONIC, {T: (exact[0] + 1e-12, exact[1])})
+    assert all(off[name].final > 1000 * floor[name] for name in (STATE, ENERGY, PHASE))
+
+
+def test_largest_error_is_over_the_times_that_were_landed_on() -> None:
+    half = HARMONIC.reference.times[3]
+    found = errors(HARMONIC, {half: (2.0, 0.0), T: (cos(10), -sin(10))})
+    assert found[STATE].largest > 1 > found[STATE].final
+
+
+def test_phase_of_a_state_turned_by_a_degree_is_a_degree_and_undefined_at_the_origin() -> None:
+    degree = 3.141592653589793 / 180
+    assert abs(errors(HARMONIC, {T: (cos(10 + degree), -sin(10 + degree))})[PHASE].final - 1) < 1e-13
+    assert errors(HARMONIC, {T: (0.0, 0.0)})[PHASE].final == 180
+
+
+def test_a_state_that_is_not_finite_has_no_error() -> None:
+    with pytest.raises(ArithmeticError, match="no longer finite"):
+        errors(HARMONIC, {T: (inf, 0.0)})
+
+
+@pytest.mark.parametrize(("name", "function"), [("sin", sin), ("cos", cos)])
+@pytest.mark.parametrize("x", [0.0, 0.5, -3.0, 40.0])
+def test_energy_computes_functions_far_below_rounding(name: str, function: object, x: float) -> None:
+    problem = _decay(energy=f"{name}(y0)")
+    assert float(decimal_energy(problem, [x])) == pytest.approx(function(x), abs=2**-52, rel=2**-52)  # type: ignore[operator]
+    square = decimal_energy(_decay(energy="sin(y0) * sin(y0) + cos(y0) * cos(y0)"), [x])
+    assert abs(square - 1) < Decimal("1e-50")
+
+
+def test_energy_reads_parameters_division_and_signs() -> None:
+    problem = _decay(energy="-rate * y0 / 2 + exp(log(3)) - sqrt(4)")
+    assert abs(6 * Q(decimal_energy(problem, [Q(1, 3)])) - 7) < Q(1, 10**50)
+
+
+def _decay(energy: str | None = None) -> Problem:
+    reference = Reference((Q(1),), (("0.36787944117144232160",),), EXACT, "1/e")
+    rates = Field(("rate * y0",), (("rate", Q(-1)),))
+    return Problem("decay", "y' = -y", rates, (Q(1),), reference, "test", energy=energy)
+
+
+def test_doubt_grows_with_the_steps_and_covers_the_rounding_of_a_run_whose_method_is_exact_enough() -> None:
+    found = measure_curve(HARMONIC, integrator(METHODS["dop853"], HARMONIC), (256, 512, 1024))
+    assert all(0 < point.error < point.doubt for point in found)
+    assert doubt(HARMONIC, 1024, 1.0) > 1.9 * doubt(HARMONIC, 512, 1.0) > float(512 * U)

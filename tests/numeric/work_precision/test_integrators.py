@@ -1,0 +1,65 @@
+"""Work is counted on the program that runs, and what is timed reaches the state whose error is measured."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+from math import cos, hypot, sin
+
+import pytest
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.fields import Field
+from driftproof.numeric.advance import field_rate
+from driftproof.numeric.problems.catalogue import problem_named
+from driftproof.numeric.problems.linear import HARMONIC
+from driftproof.numeric.work_precision.curves import (
+    curves,
+)
+from driftproof.numeric.work_precision.integrators import (
+    KINDS,
+    PYTHON,
+    counted_evaluations,
+    integrator,
+)
+
+T = Q(10)
+
+
+@pytest.mark.parametrize(
+    ("key", "a_step"), [("forward_euler", 1), ("velocity_verlet", 2), ("rk4", 4), ("nystrom5", 4), ("dop853", 12)]
+)
+def test_evaluations_are_counted_on_the_program_that_runs(key: str, a_step: int) -> None:
+    assert counted_evaluations(METHODS[key], HARMONIC, 100) == 100 * a_step
+    assert curves(HARMONIC, [key], [16])[0].points[0].evaluations == 16 * a_step
+
+
+def test_evaluations_of_an_implicit_method_are_the_calls_that_it_makes() -> None:
+    few, more = curves(HARMONIC, ["implicit_midpoint"], [64, 128])[0].points
+    assert few.evaluations is not None
+    assert more.evaluations is not None
+    assert 64 < few.evaluations < more.evaluations
+
+
+def test_timed_calls_reach_the_state_whose_error_is_measured() -> None:
+    for key in ("rk4", "velocity_verlet", "gauss2"):
+        runs = integrator(METHODS[key], HARMONIC)
+        assert runs.calls[PYTHON](16)() == runs.run(16).states[T]
+        assert {*runs.calls, *runs.absent} <= set(KINDS)
+
+
+def test_an_ensemble_reaches_the_same_bits_and_is_refused_where_there_is_none() -> None:
+    runs = integrator(METHODS["rk4"], HARMONIC)
+    call = runs.calls["ensemble"](16)
+    assert call() == call() == runs.run(16).states[T]
+    assert "one position" in integrator(METHODS["rk4"], problem_named("stiff_pair")).absent["ensemble"]
+
+
+def test_rate_of_a_field_is_the_field_whatever_its_parameters_are_called() -> None:
+    rate = field_rate(Field(("rate * y1 + t", "sin(y0)"), (("rate", Q(1, 2)),)))
+    assert rate(3.0, [0.5, 4.0]) == [5.0, sin(0.5)]
+    doubling = field_rate(Field(("sin(y0)",)), {"sin": lambda x: 2 * x})
+    assert doubling(0.0, [4]) == [8]
+
+
+def test_speed_of_the_oscillator_is_its_size() -> None:
+    assert hypot(*field_rate(HARMONIC.field)(10.0, [cos(10), -sin(10)])) == pytest.approx(1, abs=1e-15)
