@@ -12,6 +12,7 @@ import pytest
 from driftproof.texts.values.published import VALUES_FILE
 from proofs.claims import RESTRICTED
 from proofs.ledger import Entry, Ledger
+from proofs.printed import published
 
 LEDGER_FILE = Path(__file__).with_name("ledger.md")
 PUBLISHED = "published"
@@ -61,8 +62,11 @@ def _statement(docstring: str | None, evidence: str, test: str) -> str:
 
 @pytest.fixture
 def publish(request: pytest.FixtureRequest) -> Any:
-    """publish(**value): hand a proved value to values.json; it is written only if the whole run is green."""
-    return lambda **value: request.node.user_properties.append((PUBLISHED, value))
+    """publish(id, claim, text, value, evidence): hand a proved value, as an exact number, to values.json.
+
+    Its digits are worked out from it; the file is written only if the whole run is green.
+    """
+    return lambda *value: request.node.user_properties.append((PUBLISHED, published(*value)))
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:

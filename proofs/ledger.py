@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from driftproof.support.plain_text import as_json, table
-from proofs.claims import EVIDENCE, REQUIRED
+from proofs.claims import EVIDENCE, REQUIRED, TOOLKIT
 
 NOT_RUN = "not run"
 ROUNDING = "half-even"
@@ -62,26 +62,29 @@ class Ledger:
 
         A test without a claim may be skipped: two compare with the lesson's own list, which a clone may lack.
         """
-        return all(self.standing(claim) in EVIDENCE for claim in REQUIRED) and all(
+        return all(self.standing(claim) in EVIDENCE for claim in (*REQUIRED, *TOOLKIT)) and all(
             self.outcomes.get(test) in ("passed", "skipped") for test in self.tests
         )
 
     def totals(self) -> str:
-        """One line: how many claims stand how."""
-        counts = Counter(self.standing(claim) for claim in REQUIRED)
+        """One line: how many claims of the lesson, and how many about the toolkit, stand how."""
+        lesson, toolkit = (f"{len(claims)} %s: {self._counts(claims)}" for claims in (REQUIRED, TOOLKIT))
+        return f"{lesson % 'claims'}; {toolkit % 'about the toolkit'}"
+
+    def _counts(self, claims: Iterable[str]) -> str:
+        counts = Counter(self.standing(claim) for claim in claims)
         order = [*EVIDENCE, "failed", "skipped", NOT_RUN]
-        parts = [f"{counts[standing]} {standing}" for standing in order if counts[standing]]
-        return f"{len(REQUIRED)} claims: {', '.join(parts)}"
+        return ", ".join(f"{counts[standing]} {standing}" for standing in order if counts[standing])
 
     def text(self, width: int) -> str:
         """The table for a terminal of `width` columns, then what was not run, and the totals."""
         rows = [["claim", "evidence", "technique", "statement"]]
         used = max(len(entry.technique) for entry in self.entries.values()) + 23  # the other columns and the gaps
-        for claim in REQUIRED:
+        for claim in (*REQUIRED, *TOOLKIT):
             if entry := self.entries.get(claim):
                 statement = textwrap.shorten(entry.statement, max(width - used, SHORTEST), placeholder=" …")
                 rows.append([claim, self.standing(claim), entry.technique, statement])
-        missing = [claim for claim in REQUIRED if claim not in self.entries]
+        missing = [claim for claim in (*REQUIRED, *TOOLKIT) if claim not in self.entries]
         lines = [table(rows)]
         if missing:
             lines.append(textwrap.fill(f"not run: {', '.join(missing)}", width))
@@ -96,14 +99,23 @@ class Ledger:
             "",
             self.totals() + ".",
             "",
-            "| claim | statement | evidence | technique |",
-            "|---|---|---|---|",
+            *self._rows(REQUIRED),
+            "",
+            "## The toolkit",
+            "",
+            "What it claims about itself.",
+            "",
+            *self._rows(TOOLKIT),
         ]
-        for claim in REQUIRED:
+        return "\n".join(lines) + "\n"
+
+    def _rows(self, claims: Iterable[str]) -> list[str]:
+        lines = ["| claim | statement | evidence | technique |", "|---|---|---|---|"]
+        for claim in claims:
             entry = self.entries[claim]
             statement = entry.statement.replace("|", "\\|")
             lines.append(f"| {claim} | {statement} | {entry.evidence} | {entry.technique} |")
-        return "\n".join(lines) + "\n"
+        return lines
 
     def values(self) -> str:
         """values.json: every published value by id, with what each claim prints. Byte-stable.

@@ -6,14 +6,19 @@ from dataclasses import dataclass
 from typing import Any
 
 from driftproof.methods.rationals import parse_rational
-from driftproof.symbolic.algebra.certified import fixed, scientific
+from driftproof.symbolic.algebra.certified import CertifiableReal, fixed, scientific
 from driftproof.texts.writing.answers import exact_and_decimal
-from proofs.claims import CERTIFIED, COUNTED, PROVED
+from proofs.claims import CERTIFIED, COUNTED, GIVEN, PROVED
 from proofs.quantities import QUANTITIES, Quantity
 
 DIGITS = 30
 EQUALS, ROUNDS = "=", "≈"
-TECHNIQUES = {PROVED: "exact rational arithmetic", CERTIFIED: "ball enclosure", COUNTED: "counted calls"}
+TECHNIQUES = {
+    PROVED: "exact rational arithmetic",
+    CERTIFIED: "ball enclosure",
+    COUNTED: "counted calls",
+    GIVEN: "chosen by the lesson",
+}
 
 
 @dataclass(frozen=True)
@@ -36,20 +41,21 @@ class Printed:
         words = self.quantity.words
         return f"{words[0].upper()}{words[1:]} {self.relation} {self.text}."
 
-    def is_spelled(self, text: str) -> bool:
-        """True if `text` spells the value: equal to it, or its correct rounding to as many digits as `text` shows."""
+    def spelling(self, text: str) -> str:
+        """How the value is spelled in the manner of `text`: itself where `text` equals it, else in as many digits."""
         value = self.quantity.value()
         if self.relation == EQUALS:
-            return parse_rational(text) == value
+            return text if parse_rational(text) == value else str(value)
         if "e" in text:
-            return text == scientific(value, sum(map(str.isdigit, text.split("e")[0])))
-        return text == fixed(value, len(text.partition(".")[2]))
+            return scientific(value, sum(map(str.isdigit, text.split("e")[0])))
+        return fixed(value, len(text.partition(".")[2]))
 
-    def published(self) -> dict[str, Any]:
-        """The value as values.json holds it, with the claim that prints it."""
-        answer = exact_and_decimal(self.quantity.value(), DIGITS)
-        assert answer is not None
-        return {"id": self.id, "claim": self.claim, "text": self.text, "evidence": self.quantity.evidence, **answer}
+
+def published(key: str, claim: str, text: str, value: CertifiableReal, evidence: str) -> dict[str, Any]:
+    """A value as values.json holds it, worked out here and now, with the claim that prints it as `text`."""
+    answer = exact_and_decimal(value, DIGITS)
+    assert answer is not None
+    return {"id": key, "claim": claim, "text": text, "evidence": evidence, **answer}
 
 
 ROWS: tuple[Printed, ...] = (
@@ -100,7 +106,6 @@ ROWS: tuple[Printed, ...] = (
     Printed("L131", "≈", "3.3e-4", "rk4.default.state_error"),
     Printed("L132", "≈", "-6.7e-5", "rk4.default.energy_change"),
     Printed("L133", "=", "160", "rk4.default.evaluations"),
-    Printed("L137", "=", "0.5", "exact.energy"),
     Printed("L140", "=", "40", "default.steps"),
     Printed("L141", "≈", "5.651029", "forward_euler.default.energy"),
     Printed("L142", "=", "0.1", "small_steps.h"),

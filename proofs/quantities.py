@@ -12,7 +12,7 @@ from driftproof.symbolic.algebra.certified import CertifiableReal
 from driftproof.symbolic.derivation.energy import invariant_quadratic
 from driftproof.symbolic.derivation.one_step import at_rational
 from driftproof.symbolic.runs import TrigonometricNumber
-from proofs.claims import CERTIFIED, COUNTED, PROVED
+from proofs.claims import CERTIFIED, COUNTED, GIVEN, PROVED
 from proofs.setting import (
     BOUNDARY_H,
     EULER,
@@ -56,6 +56,10 @@ def _counted(key: str, words: str, value: Callable[[], int]) -> Quantity:
     return Quantity(key, words, lambda: Q(value()), COUNTED)
 
 
+def _given(key: str, words: str, value: Callable[[], CertifiableReal]) -> Quantity:
+    return Quantity(key, words, value, GIVEN)
+
+
 def _defined(value: CertifiableReal | None) -> CertifiableReal:
     if value is None:
         raise ValueError("the quantity is undefined at the origin")
@@ -63,11 +67,11 @@ def _defined(value: CertifiableReal | None) -> CertifiableReal:
 
 
 def _setting() -> Iterator[Quantity]:
-    yield _proved("first_step.h", "step of the worked first step", lambda: FIRST_H)
-    yield _proved("largest_h", "largest step on offer", lambda: LARGEST_LESSON_H)
+    yield _given("first_step.h", "step of the worked first step", lambda: FIRST_H)
+    yield _given("largest_h", "largest step on offer", lambda: LARGEST_LESSON_H)
     yield _proved("exact.energy", "energy of the exact solution", lambda: energy(*START))
     for scene in PRESETS.values():
-        yield _proved(f"{scene.name}.h", f"step of the scene {scene.name}", lambda scene=scene: scene.h)
+        yield _given(f"{scene.name}.h", f"step of the scene {scene.name}", lambda scene=scene: scene.h)
         yield _proved(f"{scene.name}.steps", f"steps of the scene {scene.name}", lambda scene=scene: Q(scene.steps))
 
 

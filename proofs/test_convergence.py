@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
+from typing import Any
 
+import numpy as np
 import sympy
+from flint import acb, arb
 from sympy import QQ, Rational
 
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.problems import oscillator
+from driftproof.numeric.steppers import HAND_WRITTEN, evaluations_per_step
 from driftproof.symbolic.algebra.certified import CertifiableReal, certified_sign, enclose, fixed, is_less
 from driftproof.symbolic.derivation.convergence import T, global_error_coefficient, local_error
 from driftproof.symbolic.derivation.energy import energy_multiplier
 from driftproof.symbolic.derivation.expression_balls import certifiable
 from driftproof.symbolic.derivation.one_step import H, expression
 from driftproof.symbolic.derivation.phase import STEPS, closed_form
+from driftproof.symbolic.derivation.signs import is_positive_between
+from driftproof.symbolic.derivation.stability import AtStep
+from driftproof.symbolic.trees.order_conditions import elementary_weight, order
+from driftproof.symbolic.trees.rooted_trees import density, rooted_trees
 from proofs.claims import CERTIFIED, PROVED, RESTRICTED, claim
 from proofs.setting import (
     COMPARE_H,
@@ -25,6 +35,7 @@ from proofs.setting import (
     START,
     SYMPLECTIC,
     M,
+    counted_evaluations,
     energy,
     run,
     state_after,
@@ -72,13 +83,19 @@ def test_convergence_and_long_time_behaviour_are_different_limits() -> None:
     assert sympy.limit(multiplier.subs(h, Rational(1, 10)) ** n, n, sympy.oo) == sympy.oo
 
 
-@claim("L064", evidence=PROVED, by="leading terms compared")
+@claim("L064", evidence=RESTRICTED, by="order conditions, ratio")
 def test_higher_order_wins_for_small_steps() -> None:
-    """On this smooth problem the higher order wins once h is small: RK4's error is Ch⁴, the others' Ch."""
-    orders = {key: local_error(M(key)).linear_order for key in LESSON_METHODS}
-    assert orders == {EULER: 1, SYMPLECTIC: 1, RK4: 4}
+    """Higher order improves accuracy at small steps: RK4's error falls like h⁴, the Euler methods' like h.
+
+    On any smooth problem RK4 meets all conditions up to order 4, and forward Euler misses one of order 2; here the
+    quotient of their leading errors at t = 10 is h³/60, which vanishes with h. Needed: a smooth problem on which the
+    lower order errs at all; with y' = 1 no consistent method errs, and there is nothing to improve.
+    """
+    assert [order(METHODS[key]).order for key in (EULER, RK4)] == [1, 4]
     ratio = leading_state_error(RK4, sympy.Integer(10)) * h**4 / (leading_state_error(EULER, sympy.Integer(10)) * h)
-    assert sympy.limit(ratio, h, 0) == 0
+    assert ratio == h**3 / 60
+    for key in (EULER, RK4):  # y' = 1: the step adds h Σ bᵢ, which is h
+        assert sum(METHODS[key].b) == 1
 
 
 @claim("L143", evidence=CERTIFIED, by="disjoint enclosures")
@@ -105,16 +122,21 @@ def test_rk4_compare_run_follows_more_closely() -> None:
     assert certified_sign(lambda: enclose(symplectic) - 48 * enclose(rk4)) > 0
 
 
-@claim("L012", evidence=RESTRICTED, by="exact counterexample")
+@claim("L012", evidence=RESTRICTED, by="enclosures, counterexample")
 def test_rk4_follows_more_closely_on_the_steps_on_offer() -> None:
     """For four evaluations a step instead of one, RK4 follows the solution more closely.
 
-    True at t = 10 for every preset step and the largest on offer. Needed: a step not much larger; one step of h = 4
-    from (1, 0) is farther off with RK4 than with forward Euler.
+    One step from any state errs less than forward Euler's for every 0 < h <= 7/2: on (0, 1] because h²/2 - h⁴/24 is
+    above h⁵/120, and from there by enclosures; at t = 10 it is nearer than both at every step on offer. Needed: a step
+    not much larger; one step of h = 4 from (1, 0) is farther off with RK4 than with forward Euler.
     """
-    from driftproof.numeric.steppers import evaluations_per_step
-
     assert (evaluations_per_step(RK4), evaluations_per_step(EULER), evaluations_per_step(SYMPLECTIC)) == (4, 1, 1)
+    # 1 - cos h >= h²/2 - h⁴/24 is the real part that Euler misses, and |R(ih) - e^{ih}| <= h⁵/120 what RK4 misses
+    assert is_positive_between(H**2 / 2 - H**4 / 24 - H**5 / 120, Q(0), Q(1))
+    pieces = [(Q(i, 64), Q(i + 1, 64)) for i in range(64, 224)]
+    assert (pieces[0][0], pieces[-1][1]) == (1, Q(7, 2))
+    assert all(_gain_of_rk4(low, high) > 0 for low, high in pieces)
+    assert not _gain_of_rk4(Q(4), Q(4)) > 0
     for step in (SMALL_H, DEFAULT_H, COMPARE_H, Q(2), Q(5, 2)):
         rk4, euler, symplectic = (run(key, step).state_error for key in (RK4, EULER, SYMPLECTIC))
         assert is_less(rk4, euler)
@@ -122,31 +144,124 @@ def test_rk4_follows_more_closely_on_the_steps_on_offer() -> None:
     assert is_less(run(EULER, Q(4), Q(4)).state_error, run(RK4, Q(4), Q(4)).state_error)
 
 
-@claim("L188", evidence=PROVED, by="series, first term")
+def _gain_of_rk4(low: Q, high: Q) -> arb:
+    """A ball that holds |1 + ih - e^{ih}|² - |R(ih) - e^{ih}|² for all h from low to high, R being RK4's."""
+    at = arb(_ball(low)).union(arb(_ball(high)))
+    rotation = acb(at.cos(), at.sin())
+    euler = acb(1, at) - rotation
+    rk4 = acb(1 - at**2 / 2 + at**4 / 24, at - at**3 / 6) - rotation
+    return euler.real**2 + euler.imag**2 - rk4.real**2 - rk4.imag**2
+
+
+def _ball(x: Q) -> arb:
+    return arb(x.numerator) / x.denominator
+
+
+@claim("L188", evidence=PROVED, by="Taylor series, trees")
 def test_one_step_errors_are_h_squared_and_h_to_the_fifth() -> None:
-    """From the exact state one step errs by h²/2 for both Euler methods and by h⁵/120 for RK4, to leading order."""
-    euler, symplectic, rk4 = (local_error(M(key)) for key in LESSON_METHODS)
-    assert (euler.power, symplectic.power, rk4.power) == (2, 2, 5)
-    for error, size in ((euler, QQ(1, 2)), (symplectic, QQ(1, 2)), (rk4, QQ(1, 120))):
-        C = error.coefficient
-        assert C.T * C == size**2 * sympy.eye(2)  # the same size from every unit state
+    """One step from the exact state of a smooth problem errs by O(h²) for both Euler methods, by O(h⁵) for RK4.
 
-
-@claim("L186", "L185", evidence=PROVED, by="series, first term")
-def test_euler_methods_have_global_error_of_first_order() -> None:
-    """Over a fixed interval both Euler methods err by O(h): Th/2 and, from (1, 0), (h/2)|sin T|, to leading order.
-
-    The oscillator is smooth and the interval finite, as the sentence asks.
+    For the Euler methods by Taylor's formula, with the term in h² shown; for RK4 by the conditions of all trees up to
+    order 4, one of order 5 failing. On the oscillator the leading errors of a unit state are h²/2, h²/2 and h⁵/120.
     """
+    assert _forward_euler_local_error() == (_F1 * _F / 2, 2)
+    assert _symplectic_local_error() == ((_G1 * _F / 2, -_F1 * _G / 2), 2)
+    rk4 = METHODS[RK4]
+    trees = [tree for size in range(1, 5) for tree in rooted_trees(size)]
+    assert len(trees) == 8
+    assert all(elementary_weight(rk4, tree) * density(tree) == 1 for tree in trees)
+    assert any(elementary_weight(rk4, tree) * density(tree) != 1 for tree in rooted_trees(5))
+    for key, power, size in ((EULER, 2, QQ(1, 2)), (SYMPLECTIC, 2, QQ(1, 2)), (RK4, 5, QQ(1, 120))):
+        error = local_error(M(key))
+        assert error.power == power
+        assert error.coefficient.T * error.coefficient == size**2 * sympy.eye(2)
+
+
+# A smooth field at the start of the step, as symbols: q' = G(v), v' = F(q), or y' = F(y), with first derivatives.
+_F, _G, _F1, _G1 = sympy.symbols("F G F1 G1")
+
+
+def _forward_euler_local_error() -> tuple[sympy.Expr, int]:
+    """(coefficient, power) of the first term in which y + hF misses y(h) = y + hF + h²F'F/2 + O(h³), for y' = F(y)."""
+    flow = h * _F + h**2 * _F1 * _F / 2
+    return sympy.expand((flow - _on_taylor(EULER)) / h**2), 2
+
+
+def _symplectic_local_error() -> tuple[tuple[sympy.Expr, sympy.Expr], int]:
+    """The same for q' = G(v), v' = F(q), whose flow has the terms h²G'F/2 and h²F'G/2: both components."""
+    q1, v1 = _on_taylor(SYMPLECTIC)
+    # what is beyond h² is not looked at: the hand-written step adds h G(v₁), and G(v₁) = G + G'(v₁ - v) + O(h²)
+    missed = (q1 - h * _G - h**2 * _G1 * _F / 2, v1 - h * _F - h**2 * _F1 * _G / 2)
+    first, second = (sympy.expand(part / h**2) for part in missed)
+    return (first, second), 2
+
+
+def _on_taylor(key: str) -> Any:
+    """The change that a step of `key` makes, up to h², for a field known by its value and its first derivative."""
+    if key == EULER:
+        (row,), (weight,) = METHODS[key].a, METHODS[key].b
+        assert not any(row)  # its one stage is the start
+        return weight * h * _F
+    q = v = sympy.Integer(0)
+    for part, c in METHODS[key].parts:
+        if part == "kick":
+            v += c * h * (_F + _F1 * q)
+        else:
+            q += c * h * (_G + _G1 * v)
+    return q, v
+
+
+@claim("L185", evidence=RESTRICTED, by="exact counterexamples")
+def test_orders_are_for_smooth_problems_over_fixed_intervals() -> None:
+    """For smooth problems over a fixed interval a one-step error O(hᵖ⁺¹) becomes a global error O(hᵖ).
+
+    With eₙ₊₁ <= (1 + hL)eₙ + Chᵖ⁺¹ and e₀ = 0 induction gives eₙ <= Chᵖ((1 + hL)ⁿ - 1)/L <= Chᵖ(exp(LT) - 1)/L.
+    Needed: both hypotheses. With a rate that jumps at t = 1/3, RK4's error at t = 1 is h/6 for h = 1/2, 1/4, ...,
+    1/256; and over an interval that grows, forward Euler's energy exceeds every bound at any fixed h.
+    """
+    n, L, C, p = sympy.symbols("n L C p", positive=True)
+    bound = lambda k: C * h**p * ((1 + h * L) ** k - 1) / L
+    assert bound(0) == 0
+    assert sympy.simplify((1 + h * L) * bound(n) + C * h ** (p + 1) - bound(n + 1)) == 0
+    # (1 + hL)ⁿ <= exp(hLn), because exp(x) - 1 - x is 0 at 0 and its derivative exp(x) - 1 has the sign of x
+    x = sympy.Symbol("x", positive=True)
+    assert (sympy.exp(x) - 1 - x).subs(x, 0) == 0
+    assert (sympy.exp(x) - 1 - x).diff(x) == sympy.exp(x) - 1
+    assert [_error_of_a_jump(k) / Q(1, 2**k) for k in range(1, 9)] == [Q(1, 6)] * 8
+    assert energy(*state_after(EULER, 1000, DEFAULT_H)) > 10**25
+
+
+def _error_of_a_jump(k: int) -> Q:
+    """|RK4's y(1) - 2/3| for y' = 1 from t = 1/3 on and 0 before, y(0) = 0, with 2ᵏ steps."""
+    rk4, size = METHODS[RK4], Q(1, 2**k)
+    asked = [(b, (i + c) * size) for i in range(2**k) for b, c in zip(rk4.b, rk4.c, strict=True)]
+    return abs(sum(b * size for b, t in asked if t >= Q(1, 3)) - Q(2, 3))
+
+
+@claim("L186", evidence=PROVED, by="one condition fails")
+def test_euler_methods_have_global_error_of_first_order() -> None:
+    """Over a fixed interval both Euler methods err by O(h) on smooth problems, and not by O(h²) on this one.
+
+    Their one-step errors are O(h²) on any smooth problem (L188), and that makes O(h) over an interval (L185). On the
+    oscillator the errors are Th/2 and, from (1, 0), (h/2)|sin T|, to leading order.
+    """
+    for coefficient, power in (_forward_euler_local_error(), _symplectic_local_error()):
+        assert power == 2
+        assert coefficient not in (0, (0, 0))
     assert sympy.simplify(leading_state_error(EULER) ** 2 - (T / 2) ** 2) == 0
     assert sympy.simplify(leading_state_error(SYMPLECTIC) ** 2 - (sympy.sin(T) / 2) ** 2) == 0
     assert local_error(M(EULER)).linear_order == local_error(M(SYMPLECTIC)).linear_order == 1
     assert leading_state_error(EULER, sympy.Integer(10)) == 5  # not zero, so not of second order
 
 
-@claim("L187", evidence=PROVED, by="series, first term")
+@claim("L187", evidence=PROVED, by="all trees to order four")
 def test_rk4_has_global_error_of_fourth_order() -> None:
-    """Over a fixed interval RK4 errs by O(h⁴): Th⁴/120 to leading order, h⁴/12 at T = 10."""
+    """Over a fixed interval RK4 errs by O(h⁴) on smooth problems, and not by O(h⁵) on this one.
+
+    Its one-step error is O(h⁵) on any smooth problem (L188), and that makes O(h⁴) over an interval (L185). On the
+    oscillator the error is Th⁴/120 to leading order, h⁴/12 at T = 10.
+    """
+    assert order(METHODS[RK4]).order == 4
     assert local_error(M(RK4)).linear_order == 4
     assert sympy.simplify(leading_state_error(RK4) ** 2 - (T / 120) ** 2) == 0
     assert leading_state_error(RK4, sympy.Integer(10)) == Rational(1, 12)
@@ -172,7 +287,8 @@ def test_observed_ratio_can_be_changed_three_ways() -> None:
     """A vanishing leading term, a coarse step and roundoff each change the ratio of errors under halving.
 
     At T = 4 the error of symplectic Euler's velocity from (1, 0), whose O(h) term is 0, falls by 4 rather than 2.
-    Forward Euler's error *grows* from h = 5/2 to 2. In floats, halving a tiny h changes nothing at all.
+    Forward Euler's error *grows* from h = 5/2 to 2. Halved from 1/64, RK4's step divides its exact error by 16, and the
+    error of the same runs in binary32 by less than 2.
     """
     velocity_term = (global_error_coefficient(local_error(M(SYMPLECTIC))) * START_COLUMN)[1]
     assert velocity_term == 0
@@ -181,11 +297,25 @@ def test_observed_ratio_can_be_changed_three_ways() -> None:
         exact = run(SYMPLECTIC, step, Q(4))
         return lambda: abs(enclose(exact.final_state[1]) - enclose(exact.exact_state[1]))
 
-    coarse, fine = velocity_error(Q(1, 32)), velocity_error(Q(1, 64))
-    assert certified_sign(lambda: enclose(coarse) - enclose(Q(39, 10)) * enclose(fine)) > 0
+    def ratio_exceeds(coarse: CertifiableReal, fine: CertifiableReal, x: Q) -> bool:
+        return certified_sign(lambda: enclose(coarse) - enclose(x) * enclose(fine)) > 0
+
+    assert ratio_exceeds(velocity_error(Q(1, 32)), velocity_error(Q(1, 64)), Q(39, 10))
     assert is_less(run(EULER, Q(5, 2)).state_error, run(EULER, Q(2)).state_error)
-    tiny = 2.0**-30
-    assert 1.0 - tiny * tiny == 1.0 - (tiny / 2) * (tiny / 2)
+    steps = Q(1, 64), Q(1, 128)
+    assert ratio_exceeds(*(run(RK4, step).state_error for step in steps), Q(159, 10))
+    assert not ratio_exceeds(*(_binary32_error(step) for step in steps), Q(2))
+
+
+def _binary32_error(step: Q) -> CertifiableReal:
+    """How far the state of RK4's run in binary32 is from the exact one at t = 10: the sum of both components."""
+    state, size = (np.float32(1), np.float32(0)), np.float32(float(step))
+    assert Q(float(size)) == step
+    for _ in range(int(END / step)):
+        state = HAND_WRITTEN[RK4](oscillator, *state, size)
+    assert all(isinstance(x, np.float32) for x in state)
+    exact = run(RK4, step).exact_state
+    return lambda: sum(abs(enclose(Q(float(x))) - enclose(y)) for x, y in zip(state, exact, strict=True))
 
 
 @claim("L193", evidence=CERTIFIED, by="disjoint enclosures")
@@ -199,15 +329,24 @@ def test_one_coarse_comparison_shows_no_order() -> None:
     assert local_error(M(SYMPLECTIC)).linear_order == 1
 
 
-@claim("L008", evidence=PROVED, by="three facts of h")
+@claim("L008", evidence=RESTRICTED, by="three facts of h")
 def test_step_size_sets_convergence_work_and_stability() -> None:
-    """The step decides three things: the error Chᵖ, the T/h steps of work, and whether the run stays bounded."""
-    from driftproof.symbolic.derivation.stability import AtStep
+    """The step decides three things: the error Chᵖ, the T/h steps of work, and whether the run stays bounded.
 
-    assert leading_state_error(EULER, sympy.Integer(10)) == 5
-    assert [run(EULER, step).steps for step in (Q(1, 2), Q(1, 4))] == [20, 40]
-    assert AtStep(M(SYMPLECTIC), sympy.Rational(19, 10)).bounded
-    assert not AtStep(M(SYMPLECTIC), sympy.Rational(5, 2)).bounded
+    Shown for the three methods: C is not 0 and p >= 1; T/h steps make T/h times as many evaluations as one; and
+    symplectic Euler and RK4 are bounded below 2 and 2 sqrt 2 and not beyond. Needed: a method with a limit; forward
+    Euler is bounded for no positive h, so there the step does not decide.
+    """
+    for key, step_calls in ((EULER, 1), (SYMPLECTIC, 1), (RK4, 4)):
+        assert local_error(M(key)).linear_order >= 1
+        assert leading_state_error(key, sympy.Integer(10)) != 0
+        for step in (Q(1, 2), Q(1, 4)):
+            assert run(key, step).steps == END / step
+            assert counted_evaluations(key, step) == step_calls * END / step
+    for key, limit in ((SYMPLECTIC, Q(2)), (RK4, Q(2828, 1000))):
+        assert AtStep(M(key), sympy.Rational(limit - Q(1, 100))).bounded
+        assert not AtStep(M(key), sympy.Rational(limit + Q(1, 100))).bounded
+    assert not AtStep(M(EULER), sympy.Rational(Q(1, 10**6))).bounded
 
 
 @claim("L151", evidence=CERTIFIED, by="ball enclosure")

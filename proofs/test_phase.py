@@ -6,16 +6,19 @@ from fractions import Fraction as Q
 from typing import Any
 
 import sympy
-from sympy import QQ, Rational, atan2, cos, pi, ring, sin, sqrt
+from sympy import QQ, Rational, atan2, cos, pi, ring, sin
 
+from driftproof.methods.number_field import square_root
+from driftproof.methods.problems import oscillator
 from driftproof.numeric import readouts
+from driftproof.numeric.scenes import PRESETS
+from driftproof.numeric.steppers import HAND_WRITTEN, CountedForce
 from driftproof.symbolic.algebra.certified import certified_sign, fixed, is_less
 from driftproof.symbolic.derivation.expression_balls import certifiable
 from driftproof.symbolic.derivation.one_step import H
 from driftproof.symbolic.derivation.phase import leading_term, phase_error_series, phase_per_step
-from driftproof.symbolic.runs import OscillatorRun
-from proofs.claims import CERTIFIED, COUNTED, PROVED, RESTRICTED, claim
-from proofs.setting import DEFAULT_H, EULER, LESSON_METHODS, RK4, START, SYMPLECTIC, M, energy, run
+from proofs.claims import CERTIFIED, PROVED, RESTRICTED, claim
+from proofs.setting import DEFAULT_H, EULER, RK4, START, SYMPLECTIC, M, counted_evaluations, energy, run
 
 _, q, v, x, y = ring("q, v, x, y", QQ)
 QUARTER = ((Q(1), Q(0)), (Q(0), Q(-1)))
@@ -34,14 +37,40 @@ def test_state_error_is_euclidean_distance() -> None:
     assert (q - x) ** 2 + (v - y) ** 2 != (q - x) ** 2 - (v - y) ** 2
 
 
-@claim("L108", "L152", evidence=PROVED, by="E is half r²")
+@claim("L152", evidence=PROVED, by="E is half r²")
 def test_energy_is_half_the_squared_radius() -> None:
-    """Energy is distance from the origin, E = r²/2: equal radii are equal energies, whatever the angle."""
+    """Energy error is a wrong distance from the origin, E = r²/2, whatever the angle."""
     r, angle = sympy.symbols("r angle", positive=True)
     state = (r * cos(angle), -r * sin(angle))
     assert sympy.trigsimp(readouts.energy(state) - r**2 / 2) == 0
     assert sympy.simplify(sympy.trigsimp(readouts.energy(state)).diff(angle)) == 0
     assert sympy.trigsimp(readouts.energy(state)).diff(r) != 0
+
+
+@claim("L108", evidence=PROVED, by="polar form, eight octants")
+def test_radii_show_energy_and_angles_show_wrapped_phase_error() -> None:
+    """Marks of equal radius have equal energy, and the angle between two marks is the wrapped phase error.
+
+    In polar form cross and dot product are rρ sin(α - β) and rρ cos(α - β), of which the readout takes the angle; for
+    the 64 pairs of octants it gives that angle, wrapped, exactly.
+    """
+    r, rho, alpha, beta = sympy.symbols("r rho alpha beta", positive=True)
+    (q1, v1), (q2, v2) = (r * cos(alpha), -r * sin(alpha)), (rho * cos(beta), -rho * sin(beta))
+    assert sympy.trigsimp(readouts.energy((q1, v1)) - r**2 / 2) == 0
+    assert sympy.simplify(q1 * v2 - v1 * q2 - r * rho * sin(alpha - beta)) == 0
+    assert sympy.simplify(q1 * q2 + v1 * v2 - r * rho * cos(alpha - beta)) == 0
+    for ahead, state in enumerate(OCTANTS):
+        for behind, exact in enumerate(OCTANTS):
+            assert readouts.phase_error(state, exact) == _wrapped(45 * (ahead - behind))
+
+
+# States at the phase angles 0, 45, ..., 315 degrees: clockwise, as the motion runs.
+OCTANTS = ((1.0, 0.0), (1.0, -1.0), (0.0, -1.0), (-1.0, -1.0), (-1.0, 0.0), (-1.0, 1.0), (0.0, 1.0), (1.0, 1.0))
+
+
+def _wrapped(degrees: int) -> int:
+    """The one of degrees + 360k that is in [-180, 180)."""
+    return (degrees + 180) % 360 - 180
 
 
 @claim("L153", evidence=PROVED, by="rotated state")
@@ -79,15 +108,20 @@ def test_those_states_are_a_quarter_cycle_apart() -> None:
     assert angles[1] - angles[0] == 2 * pi / 4
 
 
-@claim("L157", evidence=PROVED, by="half-angle identity")
+@claim("L157", evidence=PROVED, by="derivative and start")
 def test_phase_angle_of_the_solution_is_time() -> None:
-    """The phase angle atan2(-v, q) of the exact solution is t, modulo 2π: -v = sin t and q = cos t."""
+    """The phase angle atan2(-v, q) of the exact solution is t, modulo 2π: it is 0 at the start and grows at rate 1.
+
+    A readout that took another angle would not: that of the state itself, atan2(v, q), falls.
+    """
     t = sympy.Symbol("t", real=True)
     q_exact, v_exact = cos(t), -sin(t)
-    tangent_half = sin(t) / (1 + cos(t))  # tan(t/2), which determines the angle
-    assert sympy.simplify(-v_exact / (1 + q_exact) - tangent_half) == 0
-    assert atan2(-v_exact.subs(t, pi / 3), q_exact.subs(t, pi / 3)) == pi / 3
-    assert atan2(v_exact.subs(t, pi / 3), q_exact.subs(t, pi / 3)) == -pi / 3  # the sign matters
+    angle = atan2(-v_exact, q_exact)
+    assert angle.subs(t, 0) == 0
+    assert sympy.simplify(angle.diff(t)) == 1
+    assert sympy.simplify(atan2(v_exact, q_exact).diff(t)) == -1
+    for eighths, state in enumerate(OCTANTS):  # the readout measures from (1, 0) by the same angle
+        assert readouts.phase_error(state, OCTANTS[0]) == _wrapped(45 * eighths)
 
 
 @claim("L158", evidence=CERTIFIED, by="ball enclosure")
@@ -98,20 +132,26 @@ def test_phase_error_compares_final_angles() -> None:
     assert fixed(run(EULER, DEFAULT_H).phase_error, 25) != fixed(certifiable(-by_angles), 25)  # type: ignore[arg-type]
 
 
-@claim("L135", evidence=RESTRICTED, by="cases at the ends")
+@claim("L135", evidence=RESTRICTED, by="polar form, cases at ends")
 def test_phase_error_is_wrapped_to_half_open_turn() -> None:
     """The phase error is the signed shortest angle, from -180° up to but not including 180°, positive ahead.
 
-    Needed: a state off the origin, where there is no angle, and a choice between -180° and 180°, which are one angle.
+    By the polar form it is an angle that differs from α - β by whole turns; its size is at most 180, so none of the
+    others is shorter; and a state ahead by 45° has +45°. Needed: states off the origin, where there is no angle, and a
+    choice between -180° and 180°, which are one angle.
     """
-    exact = (1, 0)  # cross = q v_exact - v q_exact = -v and dot = q, so the angle is atan2(-v, q)
-    assert [_ahead(state, exact) for state in ((0, -1), (1, 0), (0, 1), (1, -1))] == [pi / 2, 0, -pi / 2, pi / 4]
-    assert _ahead((-1, 0), exact) == pi  # the one angle with two names; the readout calls it -180°:
-    assert readouts.phase_error((-1.0, 0.0), (1.0, 0.0)) == -180
-    assert _ahead((0, 0), exact) is sympy.nan  # no angle at all
-    assert readouts.phase_error((-1.0, -0.0), (1.0, 0.0)) == -180
+    for ahead, state in enumerate(OCTANTS):
+        for behind, exact in enumerate(OCTANTS):
+            found = readouts.phase_error(state, exact)
+            turns = (45 * (ahead - behind) - Q(found)) / 360
+            assert turns.denominator == 1
+            assert -180 <= found < 180
+            assert all(abs(found) <= abs(found + 360 * k) for k in (-2, -1, 1, 2))
+    assert readouts.phase_error(OCTANTS[1], OCTANTS[0]) == 45
+    for opposite in ((-1.0, 0.0), (-1.0, -0.0)):
+        assert readouts.phase_error(opposite, (1.0, 0.0)) == -180
     assert readouts.phase_error((0.0, 0.0), (1.0, 0.0)) is None
-    assert OscillatorRun(_method(EULER), Q(1), Q(1), (Q(0), Q(0))).phase_error is None
+    assert run(EULER, Q(1), Q(1), (Q(0), Q(0))).phase_error is None
 
 
 @claim("L159", evidence=CERTIFIED, by="disjoint enclosures")
@@ -172,25 +212,43 @@ def test_quarter_cycle_error_keeps_the_energy() -> None:
 def test_quarter_cycle_error_is_root_two(publish: Any) -> None:
     """The numerical result (0, -1) for the exact (1, 0) has the state error sqrt 2."""
     squared = sum((a - b) ** 2 for a, b in zip(*QUARTER, strict=True))
-    assert sqrt(Rational(squared)) == sqrt(2)
-    value = {"exact": "sqrt(2)", "decimal": "1.41421356237309504880168872421", "evidence": PROVED}
-    publish(id="quarter_cycle.state_error", claim="L247", text="√2", **value)
+    assert squared == 2
+    publish("quarter_cycle.state_error", "L247", f"√{squared}", square_root(int(squared)), PROVED)
 
 
-@claim("L003", "L007", evidence=COUNTED, by="readouts counted")
+@claim("L003", "L007", evidence=PROVED, by="pairs alike in one")
 def test_four_quantities_are_read_apart() -> None:
     """State error, energy error, phase error and cost are four readouts: no one of them determines another.
 
-    Shown by runs of the default scene that agree in one and differ in the rest.
+    Of each error there are two states that agree in it and differ in the other two; two runs of equal cost differ in
+    all three; and a step that asks for a force in vain reaches the same state at twice the cost.
     """
-    runs = [run(key, DEFAULT_H) for key in LESSON_METHODS]
-    assert len({fixed(r.state_error, 9) for r in runs}) == 3
-    assert len({r.energy_change for r in runs}) == 3
-    assert len({fixed(r.phase_error, 9) for r in runs}) == 3  # type: ignore[arg-type]
-    names = ("state_error", "energy_change", "phase_error", "evaluations")
-    from driftproof.numeric.scenes import PRESETS
+    exact = (1.0, 0.0)
 
-    assert set(names) <= set(PRESETS["default"].readouts)
+    def read(state: tuple[float, float]) -> tuple[Any, ...]:
+        return (
+            readouts.state_error(state, exact),
+            readouts.float_energy_change(state, exact),
+            readouts.phase_error(state, exact),
+        )
+
+    same_distance = read((2.0, 0.0)), read((1.0, 1.0))
+    same_energy = read((0.0, -1.0)), read(exact)
+    same_phase = read((2.0, 0.0)), read((3.0, 0.0))
+    for alike, (one, other) in enumerate((same_distance, same_energy, same_phase)):
+        assert [i for i in range(3) if one[i] == other[i]] == [alike]
+    # 100 evaluations, twice, and three different errors; a step that asks in vain, and the same state for more.
+    runs = run(EULER, Q(1, 10)), run(RK4, Q(2, 5))
+    assert counted_evaluations(EULER, Q(1, 10)) == counted_evaluations(RK4, Q(2, 5))
+    assert is_less(runs[1].state_error, runs[0].state_error)
+    assert runs[0].energy_change != runs[1].energy_change
+    assert is_less(*(r.phase_error for r in runs))  # type: ignore[misc]
+    frugal, wasteful = CountedForce(oscillator), CountedForce(oscillator)
+    step = HAND_WRITTEN[EULER]
+    reached = step(frugal, *exact, 0.5), (wasteful(9.0), step(wasteful, *exact, 0.5))[1]
+    assert reached[0] == reached[1]
+    assert (frugal.calls, wasteful.calls) == (1, 2)
+    assert {"state_error", "energy_change", "phase_error", "evaluations"} <= set(PRESETS["default"].readouts)
 
 
 def test_leading_phase_errors_have_the_signs_of_a_lag_and_a_lead() -> None:
@@ -199,14 +257,3 @@ def test_leading_phase_errors_have_the_signs_of_a_lag_and_a_lead() -> None:
     assert leading_term(phase_error_series(M(SYMPLECTIC), 8)) == (3, QQ(1, 24))
     assert sympy.simplify(sympy.cos(phase_per_step(M(SYMPLECTIC))) - (1 - H.as_expr() ** 2 / 2)) == 0
     assert START == (1, 0)
-
-
-def _ahead(state: tuple[int, int], exact: tuple[int, int]) -> sympy.Expr:
-    (a, b), (c, d) = state, exact
-    return atan2(sympy.Integer(a * d - b * c), sympy.Integer(a * c + b * d))
-
-
-def _method(key: str) -> Any:
-    from driftproof.methods.catalogue import METHODS
-
-    return METHODS[key]

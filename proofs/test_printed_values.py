@@ -26,15 +26,16 @@ from proofs.printed import ROWS, TECHNIQUES, Printed
 )
 def test_printed_number_spells_the_value(row: Printed, publish: Any) -> None:
     """The printed digits are those of the exact value, equal or correctly rounded."""
-    assert row.is_spelled(row.text)
-    assert isinstance(row.quantity.value(), Fraction) == (row.quantity.evidence != CERTIFIED)
-    publish(**row.published())
+    value = row.quantity.value()
+    assert row.text == row.spelling(row.text)
+    assert isinstance(value, Fraction) == (row.quantity.evidence != CERTIFIED)
+    publish(row.id, row.claim, row.text, value, row.quantity.evidence)
 
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.claim)
 def test_every_other_digit_is_noticed(row: Printed) -> None:
     """No number that differs from a printed one in a single digit, or in its sign, passes for it."""
-    misprints = [text for text in _misprints(row.text) if row.is_spelled(text)]
+    misprints = [text for text in _misprints(row.text) if text == row.spelling(text)]
     assert misprints == []
 
 

@@ -64,6 +64,8 @@ def test_symplectic_roots_merge_in_a_jordan_block_at_two() -> None:
     assert sympy.zeros(2) != N
     assert sympy.zeros(2) == N**2
     assert at_two.jordan_block
+    assert not at_two.bounded
+    assert AtStep(M(SYMPLECTIC), Rational(199, 100)).bounded
     assert stability_limit(M(SYMPLECTIC)) == 2
 
 

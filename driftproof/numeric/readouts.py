@@ -1,4 +1,4 @@
-"""What is read out of a final state: errors, energy, phase. FloatOrArray or arrays in, the same out."""
+"""What is read out of a final state: errors, energy, phase. Floats or arrays in, the same out."""
 
 from __future__ import annotations
 

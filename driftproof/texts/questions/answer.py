@@ -21,19 +21,19 @@ if TYPE_CHECKING:
 LONGEST_DECIMAL = 10_000
 # Significant digits of a decimal that nobody asked for.
 DIGITS_UNASKED = 15
-PROVED, COUNTED, CERTIFIED, STATED = "PROVED", "COUNTED", "CERTIFIED", "STATED"
+GIVEN, PROVED, COUNTED, CERTIFIED, STATED = "GIVEN", "PROVED", "COUNTED", "CERTIFIED", "STATED"
 # From what is exact to what nobody checked: an answer made of several has the last of theirs.
-EVIDENCE_KINDS = (PROVED, COUNTED, CERTIFIED, STATED)
+EVIDENCE_KINDS = (GIVEN, PROVED, COUNTED, CERTIFIED, STATED)
 
 
 @dataclass(frozen=True)
 class Answer:
     """The answer to `question`. `exact` is the number, None where the answer is a formula or a word.
 
-    `evidence`: PROVED for what is exact, COUNTED for what was counted, CERTIFIED for what is enclosed, STATED for what
-    the catalogue says of a method and nobody proves, as its title. `form` is the exact form in SymPy's syntax where
-    `exact` does not say it, and `words` the TeX of a `form` that is no formula. `is_bound` marks a bound, which is
-    rounded away from zero where the style names no policy.
+    `evidence`: GIVEN for what a text chose, PROVED for what is exact, COUNTED for what was counted, CERTIFIED for what
+    is enclosed, STATED for what the catalogue says of a method and nobody proves, as its title. `form` is the exact
+    form in SymPy's syntax where `exact` does not say it, and `words` the TeX of a `form` that is no formula. `is_bound`
+    marks a bound, which is rounded away from zero where the style names no policy.
     """
 
     question: str

@@ -9,7 +9,7 @@ from fractions import Fraction
 from typing import NoReturn
 
 from driftproof.methods.catalogue import method_named
-from driftproof.texts.questions.answer import CERTIFIED, COUNTED, LONGEST_DECIMAL, PROVED, Answer
+from driftproof.texts.questions.answer import CERTIFIED, COUNTED, GIVEN, LONGEST_DECIMAL, PROVED, Answer
 from driftproof.texts.questions.decimals import PLAIN, PRINTED, Style
 from driftproof.texts.questions.errors import AmbiguousRounding, QuestionError
 from driftproof.texts.questions.runs import RUN_READOUTS
@@ -61,7 +61,7 @@ class TemplateValue:
 
     def __init__(self, value: Answer, kind: TextKind) -> None:
         """Raises Refusal for a value that is not proved."""
-        if value.evidence not in (PROVED, CERTIFIED, COUNTED):
+        if value.evidence not in (GIVEN, PROVED, COUNTED, CERTIFIED):
             raise Refusal(f"{value.question!r} is only {value.evidence}; a text prints what is proved")
         self._value, self._kind = value, kind
 

@@ -109,7 +109,7 @@ function pointed(integer, places) {
 
 // An exact form longer than this is left out of the remark, which then shows the certified decimal.
 const LONGEST_SHOWN = 60;
-const WORDS = { PROVED: "proved", CERTIFIED: "certified", COUNTED: "counted" };
+const WORDS = { GIVEN: "given", PROVED: "proved", CERTIFIED: "certified", COUNTED: "counted" };
 // System colours follow the page's own color-scheme, light or dark.
 const STYLE = `
 driftproof-value { position: relative; display: inline-block; }

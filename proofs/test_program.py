@@ -1,0 +1,105 @@
+"""The experiment as a program: what it needs, prints and refuses; ours, and the lesson's own where it is at hand."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from fractions import Fraction as Q
+from itertools import permutations
+from pathlib import Path
+
+import pytest
+
+from driftproof.methods.catalogue import METHODS, method_named
+from driftproof.methods.rationals import step_count
+from driftproof.numeric.run import run_method
+from driftproof.numeric.scenes import PRESETS
+from proofs import program
+from proofs.claims import COUNTED, PROVED, claim
+from proofs.printed import ROWS
+from proofs.setting import DEFAULT_H, END, LESSON_METHODS
+
+PROGRAM = Path(program.__file__)
+LESSON = Path(__file__).parents[2] / "shared" / "lesson" / "lesson.txt"
+# Runs a file as a program, and says after its output what it imported that does not come with Python.
+AUDIT = """\
+import runpy, sys
+before = set(sys.modules)
+runpy.run_path(sys.argv[1], run_name="__main__")
+tops = {name.partition(".")[0] for name in set(sys.modules) - before}
+print("foreign:", sorted(tops - set(sys.stdlib_module_names) - {"__main__"}))
+"""
+
+
+def output(file: Path) -> list[str]:
+    """What the file prints, run by an interpreter that sees neither this checkout nor any package, and the audit."""
+    command = [sys.executable, "-I", "-S", "-c", AUDIT, str(file)]
+    return subprocess.run(command, capture_output=True, text=True, check=True, timeout=60).stdout.splitlines()
+
+
+def numbers(line: str) -> list[str]:
+    """The decimals of a line."""
+    return re.findall(r"-?\d+\.\d+", line)
+
+
+def listing(folder: Path) -> Path:
+    """The lesson's own program, from its first import to the words before its output, as a file in `folder`."""
+    text = LESSON.read_text(encoding="utf-8")
+    start = text.index("from math import")
+    path = folder / "listing.py"
+    path.write_text(text[start : text.index("Expected output:")], encoding="utf-8")
+    return path
+
+
+@claim("L202", evidence=COUNTED, by="program run, imports counted")
+def test_program_needs_only_the_standard_library(tmp_path: Path) -> None:
+    """A program of the standard library alone implements all three updates: it runs without any other package."""
+    assert output(PROGRAM)[-1] == "foreign: []"
+    other = tmp_path / "other.py"  # the audit can tell
+    (tmp_path / "methods.py").write_text("", encoding="utf-8")
+    other.write_text(f"import sys; sys.path.insert(0, {str(tmp_path)!r}); import methods\n", encoding="utf-8")
+    assert output(other)[-1] == "foreign: ['methods']"
+
+
+@claim("L209", evidence=COUNTED, by="program run, lines compared")
+def test_program_prints_the_seven_lines() -> None:
+    """The program prints seven lines, with the digits that the exact values have."""
+    texts = {row.claim: row.text for row in ROWS}
+    lines = [numbers(line) for line in output(PROGRAM)[:-1]]
+    assert [x for line in lines for x in line] == [texts[f"L{i}"] for i in range(210, 227)]
+    assert len(lines) == 7
+
+
+@pytest.mark.skipif(not LESSON.exists(), reason="the lesson is not beside this checkout")
+def test_listing_of_the_lesson_prints_the_same_digits(tmp_path: Path) -> None:
+    """The lesson's own listing needs no other package either, and prints the same numbers as our program."""
+    own, theirs = output(PROGRAM), output(listing(tmp_path))
+    assert theirs[-1] == "foreign: []"
+    assert [numbers(line) for line in theirs[:-1]] == [numbers(line) for line in own[:-1]]
+
+
+@claim("L203", evidence=PROVED, by="dyadic step")
+def test_whole_number_of_quarters_is_ten() -> None:
+    """Each method starts afresh, and forty steps of 1/4 make exactly 10, in floats too, because 1/4 is dyadic."""
+    assert step_count(END, DEFAULT_H) * DEFAULT_H == END
+    assert Q(0.25) == DEFAULT_H
+    assert Q(40 * 0.25) == END
+    assert Q(float(Q(1, 10))) != PRESETS["small_steps"].h
+    orders = list(permutations(program.METHODS))
+    reached = [{name: program.final_state(name, 0.25, 40) for name in order} for order in orders]
+    assert all(states == reached[0] for states in reached)
+    for key, name in zip(LESSON_METHODS, program.METHODS, strict=True):
+        assert run_method(PRESETS["default"], key)["final_state"] == reached[0][name]  # bit for bit, h being dyadic
+
+
+@claim("L206", evidence=COUNTED, by="raises on purpose")
+def test_unknown_method_is_refused() -> None:
+    """A method that is none of those known is refused with a ValueError that says so, never silently replaced."""
+    for name in ("Leapfrog", "euler", "RK 4", "rk4", "", "Symplectic "):
+        with pytest.raises(ValueError, match=r"^Unknown method$"):
+            program.step(name, (1.0, 0.0), 0.5)
+        if name not in METHODS:
+            with pytest.raises(ValueError, match=f"unknown method {name!r}"):
+                method_named(name)
+    assert [program.step(name, (1.0, 0.0), 0.5)[1] < 0 for name in program.METHODS] == [True] * 3
