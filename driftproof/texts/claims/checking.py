@@ -208,12 +208,10 @@ def _of_value(text: str, span: Span, kind: str, by: str) -> Iterator[Accounted]:
 
 def _masked(text: str, spans: Iterable[Span]) -> str:
     """The text with signs of no number and no word, from Unicode's private use, where the values stand."""
-    pieces, done = [], 0
-    for start, end in sorted(spans):
-        if start >= done:
-            pieces += [text[done:start], "\uf8ff" * (end - start)]
-            done = end
-    return "".join([*pieces, text[done:]])
+    characters = list(text)
+    for start, end in spans:
+        characters[start:end] = "\uf8ff" * (end - start)
+    return "".join(characters)
 
 
 def _of_rest(text: str, holders: list[tuple[int, int, str, str]]) -> Iterator[Accounted]:

@@ -11,18 +11,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from driftproof.support.toml_tables import (
-    TomlTable,
-    as_choice,
-    as_flag,
-    as_line,
-    as_list,
-    as_table,
-    as_whole,
-    demand_keys,
-    parse_toml,
-    read_toml,
-)
+from driftproof.support import toml_tables as toml
+from driftproof.support.toml_tables import TomlTable
 from driftproof.texts.claims.phrases import MOST_DECIMALS, NumberForm, Phrase
 from driftproof.texts.questions.decimals import ROUNDING_POLICIES
 from driftproof.texts.readers.canonical import canonical_text
@@ -91,12 +81,12 @@ class Claims:
 
 def read_claims(path: str | Path) -> Claims:
     """The claims file at `path`. Raises ValueError, in one line, for anything else than a claims file."""
-    return read_toml(path, _LARGEST_FILE, _claims)
+    return toml.read_toml(path, _LARGEST_FILE, _claims)
 
 
 def parse_claims(content: bytes) -> Claims:
     """The claims that a TOML file with this content states. Raises ValueError, in one line."""
-    return _claims(parse_toml(content, _LARGEST_FILE))
+    return _claims(toml.parse_toml(content, _LARGEST_FILE))
 
 
 @contextmanager
@@ -109,19 +99,19 @@ def _refused_in(what: str) -> Iterator[None]:
 
 
 def _claims(table: TomlTable) -> Claims:
-    demand_keys(table, ("text", "claim", "label"), "the file")
-    text = as_table(table.get("text", {}), "text")
-    demand_keys(text, ("format", "coverage"), "text")
+    toml.demand_keys(table, ("text", "claim", "label"), "the file")
+    text = toml.as_table(table.get("text", {}), "text")
+    toml.demand_keys(text, ("format", "coverage"), "text")
     claims = tuple(_claim(entry, i) for i, entry in enumerate(_entries(table, "claim"), 1))
     if twice := next((key for key, times in Counter(claim.id for claim in claims).items() if times > 1), None):
         raise ValueError(f"claim {twice!r} stands in it twice")
     labels = tuple(_label(entry, i) for i, entry in enumerate(_entries(table, "label"), 1))
-    form = as_choice(text["format"], "format of text", READERS) if "format" in text else None
+    form = toml.as_choice(text["format"], "format of text", READERS) if "format" in text else None
     return Claims(claims, labels, form, _share(text.get("coverage", "0%")))
 
 
 def _entries(table: TomlTable, name: str) -> list[TomlTable]:
-    found = as_list(table.get(name, []), name, most=_MOST_CLAIMS)
+    found = toml.as_list(table.get(name, []), name, most=_MOST_CLAIMS)
     if not all(isinstance(entry, dict) for entry in found):
         raise ValueError(f"{name} is a list of tables; begin each with [[{name}]]")
     return found
@@ -135,9 +125,9 @@ def _share(found: object) -> Fraction:
 
 
 def _claim(entry: TomlTable, number: int) -> Claim:
-    key = as_line(entry.get("id"), f"id of claim {number}", _LONGEST_NAME)
+    key = toml.as_line(entry.get("id"), f"id of claim {number}", _LONGEST_NAME)
     with _refused_in(f"claim {key!r}"):
-        demand_keys(entry, ("id", "phrase", "value", "values", "count", "given", "ignore_case", *_FORM), "a claim")
+        toml.demand_keys(entry, ("id", "phrase", "value", "values", "count", "given", "ignore_case", *_FORM), "a claim")
         phrase, given = _phrase(entry), entry.get("given")
         if not (given is None or given is True or (isinstance(given, str) and 0 < len(given) <= _LONGEST_NAME)):
             raise ValueError("given is true, or says in a few words why the numbers of the phrase are")
@@ -148,14 +138,14 @@ def _claim(entry: TomlTable, number: int) -> Claim:
             raise ValueError(f"the number {free} of its phrase {reason}")
         if not values and free is None:
             raise ValueError("its phrase holds no number; write {value} where one stands, and say what it is")
-        count = as_whole(entry.get("count", 1), "count", 0, _MOST_OCCURRENCES)
-        ignore_case = as_flag(entry.get("ignore_case", False), "ignore_case")
+        count = toml.as_whole(entry.get("count", 1), "count", 0, _MOST_OCCURRENCES)
+        ignore_case = toml.as_flag(entry.get("ignore_case", False), "ignore_case")
         return Claim(key, phrase, values, count, "given" if given is True else given, ignore_case)
 
 
 def _label(entry: TomlTable, number: int) -> NumberLabel:
     with _refused_in(f"label {number}"):
-        demand_keys(entry, ("phrase", "why"), "a label")
+        toml.demand_keys(entry, ("phrase", "why"), "a label")
         why = entry.get("why")
         if not isinstance(why, str) or not 0 < len(why) <= _LONGEST_NAME:
             raise ValueError("why says in a few words what its numbers are")
@@ -172,7 +162,7 @@ def _phrase(entry: TomlTable) -> Phrase:
 def _values(entry: TomlTable, phrase: Phrase) -> dict[str, Expected]:
     if "value" in entry and "values" in entry:
         raise ValueError("it has both value and values; value is for a phrase with {value} alone")
-    values = {"value": entry["value"]} if "value" in entry else as_table(entry.get("values", {}), "values")
+    values = {"value": entry["value"]} if "value" in entry else toml.as_table(entry.get("values", {}), "values")
     for name in phrase.names:
         if name not in values:
             raise ValueError(f"its phrase holds {{{name}}}, and nothing says what that is")
@@ -188,7 +178,7 @@ def _expected(value: Any, default: TomlTable) -> Expected:
     entry = {"ask": value} if isinstance(value, str) else value
     if not isinstance(entry, dict) or ("ask" in entry) == ("given" in entry):
         raise ValueError('a value is a question, {ask = "...", places = 3}, or {given = "0.25"}')
-    demand_keys(entry, ("ask", "given", *_FORM), "a value")
+    toml.demand_keys(entry, ("ask", "given", *_FORM), "a value")
     question, given = entry.get("ask"), entry.get("given")
     if "given" in entry:
         spelled = canonical_text(given) if isinstance(given, str) and len(given) <= _LONGEST_NAME else ""
@@ -205,8 +195,8 @@ def _form(entry: TomlTable) -> NumberForm:
     if len(chosen) > 1:
         raise ValueError(f"it says {' and '.join(chosen)}; one of them is enough")
     return NumberForm(
-        as_whole(entry["places"], "places", 0, MOST_DECIMALS) if "places" in entry else None,
-        as_whole(entry["digits"], "digits", 1, MOST_DECIMALS) if "digits" in entry else None,
-        as_flag(entry.get("exact", False), "exact"),
-        as_choice(entry["rounding"], "rounding", ROUNDING_POLICIES) if "rounding" in entry else None,
+        toml.as_whole(entry["places"], "places", 0, MOST_DECIMALS) if "places" in entry else None,
+        toml.as_whole(entry["digits"], "digits", 1, MOST_DECIMALS) if "digits" in entry else None,
+        toml.as_flag(entry.get("exact", False), "exact"),
+        toml.as_choice(entry["rounding"], "rounding", ROUNDING_POLICIES) if "rounding" in entry else None,
     )

@@ -8,19 +8,7 @@ from fractions import Fraction
 from typing import Any
 
 from driftproof.support.plain_text import annotation, as_json
-from driftproof.texts.claims.checking import (
-    GIVEN,
-    LABEL,
-    RUN,
-    UNCOVERED,
-    WORKED_OUT,
-    Accounted,
-    CheckedClaim,
-    Coverage,
-    Finding,
-    check_claims,
-    coverage,
-)
+from driftproof.texts.claims.checking import Accounted, CheckedClaim, Coverage, Finding, check_claims, coverage
 from driftproof.texts.claims.claims import Claims
 from driftproof.texts.claims.drafting import Suggestions
 from driftproof.texts.claims.listings import Ran
@@ -93,7 +81,7 @@ class TextReport:
     def _number_as_dict(self, accounted: Accounted) -> dict[str, Any]:
         number, kind = accounted.number, accounted.kind
         entry = {"text": number.text, "kind": kind, **self.document.position(number.start)._asdict()}
-        if kind != UNCOVERED:
+        if accounted.by:
             return {**entry, "by": accounted.by}
         alike = {"looks_like": [one.question for one in self.suggestions.of(number)]} if self.suggestions else {}
         return {**entry, "context": self._context(number), **alike}
@@ -108,13 +96,10 @@ class TextReport:
         listings = f", {_counted(self.ran.count, 'listing')} run" if self.ran else ""
         verdict = f"{wrong} refuted" if wrong else "all hold" if self.checked or self.ran else "so nothing is held"
         yield f"{self.file}: {_counted(len(self.checked), 'claim')}{listings}, {verdict}"
-        counts = self.coverage.counts
-        ran = f", {counts[RUN]} by running" if counts[RUN] else ""
-        yield (
-            f"{_percent(self.coverage.share)} of {_counted(sum(counts.values()) - counts[LABEL], 'number')} covered: "
-            f"{counts[WORKED_OUT]} by values, {counts[GIVEN]} given{ran}; {counts[UNCOVERED]} not; "
-            f"and {_counted(counts[LABEL], 'label')}"
-        )
+        worked_out, given, run, labels, uncovered = self.coverage.counts.values()
+        numbers = _counted(worked_out + given + run + uncovered, "number")
+        kinds = f"{worked_out} by values, {given} given{f', {run} by running' if run else ''}; {uncovered} not"
+        yield f"{_percent(self.coverage.share)} of {numbers} covered: {kinds}; and {_counted(labels, 'label')}"
 
     def _annotations(self) -> Iterator[str]:
         for one in self.findings:
