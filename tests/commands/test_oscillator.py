@@ -121,15 +121,12 @@ def test_bound_is_of_the_number_format_asked_for(found):
 RK4 = ("rk4", "--h", "1/2")
 REFUSED = {
     ("step", "rk5", "--h", "1/2"): "unknown method 'rk5'; did you mean rk4 or rk38?",
-    ("step", "__import__('os')", "--h", "1"): 'unknown method "__import__',
     ("step", "rk4"): "required: --h",
     ("step", *RK4, "--stage", "2"): "unrecognized arguments: --stage 2 (`driftproof step --help`",
     ("step", *RK4, "--rounding", "up"): "invalid choice: 'up'",
-    ("step", *RK4, "--format", "xml"): "invalid choice: 'xml'",
     ("run", *RK4): "required: --t",
     ("run", "rk4", "--h", "1e-10", "--t", "1", "--budget"): "10000000000 steps are more than 100000000",
     ("run", "rk4", "--h", "0.3", "--t", "10"): "h = 3/10 does not divide t = 10",
-    ("run", "rk4", "--h", "-1/2", "--t", "10"): "h = -1/2 leads away from t = 10",
     ("run", "rk4", "--h", "1/2", "--t", "ten"): "t: 'ten' is not a rational number",
     ("roundoff", "rk4", "--float", "binary8"): "invalid choice: 'binary8' (choose from 'binary64', 'binary32'",
 }
