@@ -23,7 +23,7 @@ SEEN = {
     "stability_function_of": "-> driftproof.symbolic.algebra.rational_functions.RationalFunction | None",
     "published_values": "def (pattern: str =) -> dict[str, dict[str, Any]]",
     "verify": "-> driftproof.blackbox.report.Report",
-    "assert_verified": "method: driftproof.methods.schemes.RungeKutta | ",
+    "assert_verified": "examples: int =",
 }
 # Wrong uses, and the kind of error that each is.
 WRONG = {
@@ -34,6 +34,8 @@ WRONG = {
     "driftproof.Scene(name='mine')": "call-arg",
     "driftproof.published_values(3)": "arg-type",
     "driftproof.verify(str, 'rk4', exampels=3)": "call-arg",
+    "driftproof.assert_verified(str, 'rk4', exampels=3)": "call-arg",
+    "driftproof.value(3)": "arg-type",
 }
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
-from typing import Any
+from functools import partial, update_wrapper
+from typing import Any, ParamSpec
 
 from driftproof.blackbox.findings import Outcome
 from driftproof.blackbox.identify import identify
@@ -21,6 +21,7 @@ from driftproof.methods.schemes import Method
 from driftproof.methods.tableau_file import method_of
 from driftproof.support.plain_text import Json
 
+_P = ParamSpec("_P")
 # Where a stepper's calls do not allow a question, nothing follows from it.
 NOT_ASKED = ("unsupported_call", "not_readable")
 
@@ -78,7 +79,13 @@ def verify(
     return _report(runner.target, f"is not {asked.key}; {instead.verdict}", checks, instead)
 
 
-def assert_verified(step: Callable[..., Any] | str, method: Method | str, **conditions: Any) -> None:
+def _takes_what(check: Callable[_P, object]) -> Callable[[Callable[..., None]], Callable[_P, None]]:
+    """For type checkers and for help(): the function that follows has the parameters of `check`."""
+    return lambda function: update_wrapper(function, check, assigned=(), updated=())
+
+
+@_takes_what(verify)
+def assert_verified(*arguments: Any, **conditions: Any) -> None:
     """`verify`, for a test: raises AssertionError with the whole report unless the stepper passes.
 
     >>> from driftproof import assert_verified
@@ -86,7 +93,7 @@ def assert_verified(step: Callable[..., Any] | str, method: Method | str, **cond
     >>> assert_verified(step, method="forward_euler", examples=50, isolate=False)
     """
     __tracebackhide__ = True
-    report = verify(step, method, **conditions)
+    report = verify(*arguments, **conditions)
     if not report.passed:
         raise AssertionError(f"\n{report.text()}")
 

@@ -13,7 +13,6 @@ from driftproof.texts.questions.parser import Node, Query, parse_question
 from driftproof.texts.questions.query_context import QueryContext
 
 
-@lru_cache(maxsize=1024)
 def value(question: str) -> Answer:
     """The answer to a question of the language that docs/language.md describes, or the published value of that id.
 
@@ -23,6 +22,11 @@ def value(question: str) -> Answer:
     >>> value("step rk4 h=1/2 : q").exact
     Fraction(337, 384)
     """
+    return _asked(question)
+
+
+@lru_cache(maxsize=1024)  # around a function of its own, because it hides the parameters from type checkers
+def _asked(question: str) -> Answer:
     return replace(_answer(parse_question(question), question), question=question)
 
 

@@ -81,7 +81,7 @@ def test_fuzzing_would_notice_another_exception(monkeypatch: pytest.MonkeyPatch)
     def broken(question: str) -> None:
         raise KeyError(question)
 
-    value.cache_clear()
+    evaluate._asked.cache_clear()
     monkeypatch.setattr(evaluate, "parse_question", broken)
     with pytest.raises(KeyError):
         answer_or_refuse("1 + 1 + 1")
