@@ -9,7 +9,13 @@ from sympy.polys.matrices import DomainMatrix
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.run import run_method
 from driftproof.numeric.scenes import PRESETS, Scene
-from driftproof.symbolic.derivation.one_step import Polynomial, exact_stepper, matrix_at, one_step_matrix, symbolic_step
+from driftproof.symbolic.derivation.one_step import (
+    StepPolynomial,
+    exact_stepper,
+    matrix_at,
+    one_step_matrix,
+    symbolic_step,
+)
 from driftproof.symbolic.runs import OscillatorRun, apply, power
 
 EULER, SYMPLECTIC, RK4 = LESSON_METHODS = ("forward_euler", "symplectic_euler", "rk4")
@@ -26,7 +32,7 @@ def M(key: str) -> DomainMatrix:
     return one_step_matrix(METHODS[key])
 
 
-def step_of(key: str) -> tuple[Polynomial, Polynomial]:
+def step_of(key: str) -> tuple[StepPolynomial, StepPolynomial]:
     """(q₁, v₁) of one step of `key`, in Q[q, v, h]."""
     return symbolic_step(exact_stepper(METHODS[key]))
 

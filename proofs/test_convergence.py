@@ -14,7 +14,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.problems import oscillator
 from driftproof.numeric.steppers import HAND_WRITTEN, evaluations_per_step
 from driftproof.symbolic.algebra.certified import CertifiableReal, certified_sign, enclose, fixed, is_less
-from driftproof.symbolic.derivation.convergence import T, global_error_coefficient, local_error
+from driftproof.symbolic.derivation.convergence import FINAL_TIME, global_error_coefficient, local_error
 from driftproof.symbolic.derivation.energy import energy_multiplier
 from driftproof.symbolic.derivation.expression_balls import certifiable
 from driftproof.symbolic.derivation.one_step import H, expression
@@ -45,9 +45,9 @@ START_COLUMN = sympy.Matrix(START)
 h = sympy.Symbol("h", positive=True)
 
 
-def leading_state_error(key: str, at: sympy.Expr = T) -> sympy.Expr:
+def leading_state_error(key: str, at: sympy.Expr = FINAL_TIME) -> sympy.Expr:
     """The coefficient of hᵖ in the state error at time `at` from (1, 0), a Euclidean norm."""
-    error = global_error_coefficient(local_error(M(key))).subs(T, at) * START_COLUMN
+    error = global_error_coefficient(local_error(M(key))).subs(FINAL_TIME, at) * START_COLUMN
     return sympy.sqrt(sympy.trigsimp(error.dot(error)))
 
 
@@ -248,8 +248,8 @@ def test_euler_methods_have_global_error_of_first_order() -> None:
     for coefficient, power in (_forward_euler_local_error(), _symplectic_local_error()):
         assert power == 2
         assert coefficient not in (0, (0, 0))
-    assert sympy.simplify(leading_state_error(EULER) ** 2 - (T / 2) ** 2) == 0
-    assert sympy.simplify(leading_state_error(SYMPLECTIC) ** 2 - (sympy.sin(T) / 2) ** 2) == 0
+    assert sympy.simplify(leading_state_error(EULER) ** 2 - (FINAL_TIME / 2) ** 2) == 0
+    assert sympy.simplify(leading_state_error(SYMPLECTIC) ** 2 - (sympy.sin(FINAL_TIME) / 2) ** 2) == 0
     assert local_error(M(EULER)).linear_order == local_error(M(SYMPLECTIC)).linear_order == 1
     assert leading_state_error(EULER, sympy.Integer(10)) == 5  # not zero, so not of second order
 
@@ -263,7 +263,7 @@ def test_rk4_has_global_error_of_fourth_order() -> None:
     """
     assert order(METHODS[RK4]).order == 4
     assert local_error(M(RK4)).linear_order == 4
-    assert sympy.simplify(leading_state_error(RK4) ** 2 - (T / 120) ** 2) == 0
+    assert sympy.simplify(leading_state_error(RK4) ** 2 - (FINAL_TIME / 120) ** 2) == 0
     assert leading_state_error(RK4, sympy.Integer(10)) == Rational(1, 12)
 
 

@@ -13,7 +13,7 @@ from driftproof.symbolic.derivation.energy import energy_multiplier
 from driftproof.symbolic.derivation.expression_balls import certifiable
 from driftproof.symbolic.derivation.one_step import RING, H, at_rational, expression, matrix
 from driftproof.symbolic.derivation.physical import one_step_with_frequency
-from driftproof.symbolic.derivation.signs import deflate, is_positive_between, roots_between
+from driftproof.symbolic.derivation.signs import in_square_of_h, is_positive_between, roots_between
 from driftproof.symbolic.derivation.stability import (
     LAMBDA,
     AtStep,
@@ -122,8 +122,8 @@ def test_rk4_energy_multiplier_lt_one_of_h_lt_two_sqrt_two() -> None:
     m = energy_multiplier(M(RK4))
     assert 1 - m == H**6 * (8 - H**2) / 576
     assert m - RING.one / 4 == (H**2 - 6) ** 2 * (H**4 + 4 * H**2 + 12) / 576
-    assert is_positive_between(deflate(1 - m), Q(0), Q(8))  # in h², so that the end is rational
-    assert roots_between(deflate(1 - m), Q(0), Q(9)) == 1
+    assert is_positive_between(in_square_of_h(1 - m), Q(0), Q(8))  # in h², so that the end is rational
+    assert roots_between(in_square_of_h(1 - m), Q(0), Q(9)) == 1
 
 
 @claim("L178", evidence=PROVED, by="visible sign, Sturm")
@@ -131,8 +131,8 @@ def test_rk4_energy_multiplier_gt_one_of_h_gt_two_sqrt_two() -> None:
     """Beyond 2 sqrt 2 the multiplier exceeds 1: m - 1 = h⁶(h² - 8)/576."""
     excess = energy_multiplier(M(RK4)) - 1
     assert excess == H**6 * (H**2 - 8) / 576
-    assert is_positive_between(deflate(excess), Q(8), None)
-    assert not is_positive_between(deflate(excess), Q(7), None)
+    assert is_positive_between(in_square_of_h(excess), Q(8), None)
+    assert not is_positive_between(in_square_of_h(excess), Q(7), None)
 
 
 @claim("L179", evidence=PROVED, by="algebraic number field")

@@ -21,7 +21,7 @@ from driftproof.symbolic.algebra.certified import Uncertified, fixed, significan
 from driftproof.symbolic.derivation.one_step import entries, matrix_at, numerator_and_denominator
 from driftproof.symbolic.derivation.stability import AtStep
 from driftproof.symbolic.derivation.stages import derived_matrix
-from driftproof.symbolic.linear.oscillator import one_step_matrix as flint_matrix
+from driftproof.symbolic.linear.oscillator import oscillator_matrix as flint_matrix
 from driftproof.symbolic.rounding.n_steps_bound import HypothesisFails, RunBound, run_bound
 from driftproof.symbolic.rounding.step_bound import step_bound
 from driftproof.symbolic.runs import apply, power

@@ -11,7 +11,7 @@ from typing import Any
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.facts import general_order
-from driftproof.symbolic.linear.oscillator import one_step_matrix, stability_function_of
+from driftproof.symbolic.linear.oscillator import oscillator_matrix, stability_function_of
 from driftproof.symbolic.linear.reduced_tableau import reduced, stages_of
 from driftproof.symbolic.linear.stability_function import stability_function
 
@@ -108,7 +108,7 @@ def second_row(method: RungeKutta) -> RungeKutta:
 
 # What can notice a change. The order of a rounded table is low to begin with, and not asked for.
 NOTICES: dict[str, Callable[[Any], object]] = {
-    "one-step matrix": lambda method: stability_function_of(method) or one_step_matrix(method),
+    "one-step matrix": lambda method: stability_function_of(method) or oscillator_matrix(method),
     "order": lambda method: method.decimal or general_order(method).order,
     "second row": lambda method: getattr(method, "b_embedded", None) and stability_function(second_row(method)),
     "sums": lambda method: method.inconsistencies(),

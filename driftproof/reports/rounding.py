@@ -15,7 +15,7 @@ from driftproof.numeric.steppers import HAND_WRITTEN, float_stepper
 from driftproof.support.plain_text import Json, table
 from driftproof.symbolic.algebra.certified import AWAY, CertifiableReal, enclose
 from driftproof.symbolic.error_budget import ErrorOfRun
-from driftproof.symbolic.linear.oscillator import one_step_matrix
+from driftproof.symbolic.linear.oscillator import oscillator_matrix
 from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 from driftproof.symbolic.rounding.n_steps_bound import HypothesisFails, run_bound
@@ -50,7 +50,7 @@ def roundoff_answer(key: str, steps: Sequence[Fraction], fmt: FloatFormat = BINA
         "first_order": first_order_text(bound),
         "full": full_text(bound),
         "rounds_coefficients": bound.rounds_constants,
-        "differences_from_definition": bound.differences(one_step_matrix(method)),
+        "differences_from_definition": bound.differences(oscillator_matrix(method)),
         "at": [_at(key, subject, bound, fmt.nearest(h)) for h in steps],
     }
 

@@ -13,7 +13,7 @@ from driftproof.methods.rationals import step_count
 from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import CertifiableReal, certified_sign, enclose
 from driftproof.symbolic.algebra.polynomials import exact, scalar
-from driftproof.symbolic.linear.oscillator import one_step_matrix
+from driftproof.symbolic.linear.oscillator import oscillator_matrix
 
 # (M_qq, M_qv, M_vq, M_vv) over Fractions or over balls.
 Entries: TypeAlias = tuple[Any, Any, Any, Any]
@@ -27,7 +27,7 @@ def exact_matrix_at(method: Method, h: Fraction) -> Entries:
     Raises ValueError where M has a pole at h, so that the step has no solution.
     """
     try:
-        qq, qv, vq, vv = (exact(entry(scalar(h))) for row in one_step_matrix(method) for entry in row)
+        qq, qv, vq, vv = (exact(entry(scalar(h))) for row in oscillator_matrix(method) for entry in row)
     except ZeroDivisionError:
         raise ValueError(f"{method.key} has no step of h = {h}: its one-step matrix has a pole there") from None
     return qq, qv, vq, vv

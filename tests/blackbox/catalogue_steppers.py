@@ -13,7 +13,7 @@ from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.methods.stepping import stepper
 from driftproof.symbolic.algebra.polynomials import exact, scalar
-from driftproof.symbolic.linear.oscillator import one_step_matrix
+from driftproof.symbolic.linear.oscillator import oscillator_matrix
 from driftproof.symbolic.runs import Entries
 
 
@@ -27,7 +27,7 @@ def float_subject(method: Method) -> ForeignStepper:
 
 def rounded_step(method: Method) -> Callable[[float, float, float], tuple[float, float]]:
     """The exact step on the oscillator, each component rounded once."""
-    matrix = one_step_matrix(method)
+    matrix = oscillator_matrix(method)
 
     @cache
     def at(h: float) -> Entries:
@@ -47,7 +47,7 @@ def with_one_changed(method: Method, change: Callable[[Exact], Exact]) -> Method
     middle = len(places) // 2
     for place in (*places[middle:], *places[:middle]):
         other = _changed(method, place, change)
-        if one_step_matrix(other) != one_step_matrix(method):
+        if oscillator_matrix(other) != oscillator_matrix(method):
             return other
     raise AssertionError(f"{method.key} depends on none of its coefficients")
 

@@ -21,7 +21,7 @@ from driftproof.symbolic.algebra.polynomials import ONE, X, scalar
 from driftproof.symbolic.algebra.polynomials import coefficients as entry_coefficients
 from driftproof.symbolic.algebra.rational_functions import fraction
 from driftproof.symbolic.derivation.one_step import STATE_H, STATE_Q, STATE_RING, STATE_V, rational
-from driftproof.symbolic.linear.oscillator import one_step_matrix
+from driftproof.symbolic.linear.oscillator import oscillator_matrix
 from driftproof.symbolic.rounding import polynomials
 from driftproof.symbolic.rounding.fixed_step_bound import FixedStepBound, fixed_step_bound
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
@@ -85,7 +85,7 @@ APART = X**200
 
 
 def is_matrix_of_polynomials(found: Pair, method: Method) -> bool:
-    return [fraction(x) for x in found] == [qq + qv * fraction(APART) for qq, qv in one_step_matrix(method)]
+    return [fraction(x) for x in found] == [qq + qv * fraction(APART) for qq, qv in oscillator_matrix(method)]
 
 
 def sympy_lift(c: Any) -> Number:
@@ -94,7 +94,7 @@ def sympy_lift(c: Any) -> Number:
 
 def is_sympys_matrix(found: Pair, method: Method) -> bool:
     """The powers of (q, v, h) in the result, by SymPy, are those of the matrix, which is FLINT's."""
-    for x, row in zip(found, one_step_matrix(method), strict=True):
+    for x, row in zip(found, oscillator_matrix(method), strict=True):
         expected = {
             (*state, k): scalar(c)
             for state, entry in zip(((1, 0), (0, 1)), row, strict=True)
@@ -112,7 +112,7 @@ def function_start(_: Method) -> Start:
 
 def is_product_of_functions(found: Pair, method: Method) -> bool:
     q, v, _ = function_start(method)
-    return list(found) == [qq * q + qv * v for qq, qv in one_step_matrix(method)]
+    return list(found) == [qq * q + qv * v for qq, qv in oscillator_matrix(method)]
 
 
 def ball_start(_: Method) -> Start:

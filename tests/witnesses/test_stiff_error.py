@@ -10,7 +10,7 @@ import pytest
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.symbolic.algebra.polynomials import exact, scalar
-from driftproof.symbolic.linear.stability_function import prothero_robinson, tableau
+from driftproof.symbolic.linear.stability_function import prothero_robinson, scalar_tableau
 from tests.witnesses.stiff_error import stiff_error
 
 Tableau = RungeKutta | Collocation
@@ -47,7 +47,7 @@ def test_order_on_stiff_problems_is_refused_where_errors_grow() -> None:
 
 def defect(method: Tableau, power: int, z: Fraction) -> Fraction:
     """phi(1) - y1 of one step h = 1 from 0 on y' = z (y - phi) + phi', phi = t^power: stages by elimination."""
-    data = tableau(method)
+    data = scalar_tableau(method)
     a, b, c = (
         [[Fraction(str(x)) for x in row] for row in data.a],
         *([Fraction(str(x)) for x in v] for v in (data.b, data.c)),

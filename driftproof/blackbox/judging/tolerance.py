@@ -14,7 +14,7 @@ from flint import arb, arb_poly, ctx
 from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
 from driftproof.symbolic.algebra.polynomials import coefficients
-from driftproof.symbolic.linear.oscillator import one_step_matrix
+from driftproof.symbolic.linear.oscillator import oscillator_matrix
 from driftproof.symbolic.rounding.any_evaluation_order import AnyEvaluationOrderBound, any_evaluation_order_bound
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat, power_of_two
 from driftproof.symbolic.rounding.step_bound import COLUMNS
@@ -143,7 +143,7 @@ class Tolerance:
 
     @cached_property
     def _matrix(self) -> list[list[tuple[arb_poly, arb_poly]]]:
-        rows = one_step_matrix(self.method)
+        rows = oscillator_matrix(self.method)
         return [[(_series(coefficients(x.num)), _series(coefficients(x.den))) for x in row] for row in rows]
 
     @cached_property

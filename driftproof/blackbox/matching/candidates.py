@@ -31,10 +31,10 @@ from driftproof.blackbox.matching.tables import (
 )
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Method, MethodError, Nystrom, RungeKutta, Splitting
-from driftproof.symbolic.linear.reduced_tableau import Stages, reduced
+from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced
 
 # A table, without a drift where a right-hand side shows it: over the numbers that it is asked for.
-Recipe: TypeAlias = Callable[[FromExact], tuple[Stages, Any]]
+Recipe: TypeAlias = Callable[[FromExact], tuple[StageCoefficients, Any]]
 
 # More steps of a method in one are not looked for.
 MOST_REPEATED = 4
@@ -53,7 +53,7 @@ class ExactTable:
     drift: BoundedCoefficient | None
 
     @classmethod
-    def of(cls, stages: Stages, drift: Any) -> ExactTable:
+    def of(cls, stages: StageCoefficients, drift: Any) -> ExactTable:
         """From the stages as `symbolic.linear.reduced_tableau` has them; `drift` is None of a right-hand side."""
         weights = stages.weights if drift is not None else stages.weights[:1]
         entries = tuple(tuple(map(bounded, row)) for row in (*stages.a, *weights))
@@ -115,7 +115,7 @@ class Candidate:
         return ExactTable.of(reduced(stages), drift)
 
     @cached_property
-    def _exact(self) -> tuple[Stages, Any]:
+    def _exact(self) -> tuple[StageCoefficients, Any]:
         return self.recipe(bounded)
 
 

@@ -33,9 +33,9 @@ from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import coefficients, deflate, odd_part, polynomial, reflected
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 from driftproof.symbolic.linear.oscillator import (
-    determinant,
+    area_factor,
     is_matrix_symmetric,
-    one_step_matrix,
+    oscillator_matrix,
     stability_function_of,
 )
 from driftproof.symbolic.rounding.formats import FloatFormat
@@ -266,7 +266,7 @@ def equivalent_methods() -> tuple[LinearlyEquivalentMethods, ...]:
     """The catalogue by one-step matrix on the oscillator, in the order of its first methods."""
     found: dict[str, tuple[StepMatrix, list[Method]]] = {}
     for method in METHODS.values():
-        matrix = one_step_matrix(method)
+        matrix = oscillator_matrix(method)
         found.setdefault(_written(matrix), (matrix, []))[1].append(method)
     return tuple(LinearlyEquivalentMethods(tuple(methods), matrix) for matrix, methods in found.values())
 
@@ -292,7 +292,7 @@ def adjoint_methods() -> tuple[LinearlyEquivalentMethods, ...]:
 def _adjoint(matrix: StepMatrix) -> StepMatrix:
     """M(-h)⁻¹: M_qq and M_vv are even in h, as is det M, and M_qv and M_vq are odd."""
     (qq, qv), (vq, vv) = matrix
-    area = determinant(matrix)
+    area = area_factor(matrix)
     by_area = fraction(area.den, area.num)
     return (vv * by_area, qv * by_area), (vq * by_area, qq * by_area)
 

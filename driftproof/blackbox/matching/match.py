@@ -27,7 +27,7 @@ from driftproof.blackbox.probes.questions import CoefficientReading
 from driftproof.blackbox.probes.scripted_answers import CoefficientRow, Rounding
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.methods.schemes import Method, RungeKutta
-from driftproof.symbolic.linear.reduced_tableau import Stages, reduced
+from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced
 
 # A coefficient that is a quotient or a root, computed where it is used, is off by so many roundings at most.
 FEW_ROUNDINGS = 4
@@ -161,7 +161,7 @@ class _Read(NamedTuple):
     rounding: Rounding
 
     @classmethod
-    def of(cls, stages: Stages, drift: Fraction | None, rounding: Rounding) -> _Read:
+    def of(cls, stages: StageCoefficients, drift: Fraction | None, rounding: Rounding) -> _Read:
         """From the coefficients as exact numbers."""
         return cls(
             ExactTable.of(stages, drift), ExactTable.of(reduced(stages), drift), Fingerprint(stages, drift), rounding

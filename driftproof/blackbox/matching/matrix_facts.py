@@ -17,7 +17,7 @@ from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import ONE, Polynomial, coefficients, exact, polynomial
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction, taylor
 from driftproof.symbolic.algebra.rational_functions import rational_function_text as function_text
-from driftproof.symbolic.linear.oscillator import determinant
+from driftproof.symbolic.linear.oscillator import area_factor
 from driftproof.symbolic.rounding.formats import BINARY64
 
 # Powers of h in a series: enough for an order below it.
@@ -78,7 +78,7 @@ def matrix_facts(matrix: StepMatrix, stiffness: Fraction, damping: Fraction) -> 
     with ctx.workprec(CERTIFYING_BITS):
         order = order_on_linear_system([[enclose(c) for c in each] for each in series], stiffness, damping)
     return MatrixFacts(
-        (qq, qv, vq, vv), text_of(determinant(matrix)), text_of(multiplier) if multiplier else None, order
+        (qq, qv, vq, vv), text_of(area_factor(matrix)), text_of(multiplier) if multiplier else None, order
     )
 
 

@@ -16,7 +16,7 @@ from driftproof.blackbox.probes.force import ForceReading, SubSteps
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta, Splitting
-from driftproof.symbolic.linear.reduced_tableau import Stages, reduced, reduced_word
+from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced, reduced_word
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ def near_misses(reading: ForceReading) -> Iterator[NearMiss]:
 def _used(method: RungeKutta) -> Sequence[int]:
     """The stages that the step depends on, if those are not all; nodes that are all different keep others apart."""
     labels = tuple(map(Fraction, range(method.stages)))
-    kept = [int(float(label)) for label in reduced(Stages(method.a, (method.b, method.b), labels)).c]
+    kept = [int(float(label)) for label in reduced(StageCoefficients(method.a, (method.b, method.b), labels)).c]
     return kept if len(kept) < method.stages else ()
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Nystrom, RungeKutta
-from driftproof.symbolic.linear.reduced_tableau import Stages
+from driftproof.symbolic.linear.reduced_tableau import StageCoefficients
 
 _Number: TypeAlias = Any
 TableRow: TypeAlias = Sequence[_Number]
@@ -25,7 +25,7 @@ FromExact: TypeAlias = Callable[[Any], _Number]
 # (A, b, c) of a Runge-Kutta method.
 LiftedTableau: TypeAlias = tuple[Sequence[TableRow], TableRow, TableRow]
 # A Nyström table, and how far the position drifts in a step without a force, in units of h v.
-Induced: TypeAlias = tuple[Stages, _Number]
+Induced: TypeAlias = tuple[StageCoefficients, _Number]
 
 
 @dataclass(frozen=True)
@@ -73,13 +73,13 @@ def bounded(x: Any) -> BoundedCoefficient:
     return BoundedCoefficient(exact, abs(float(exact)))
 
 
-def stages(a: Sequence[TableRow], weights: Sequence[TableRow], c: TableRow) -> Stages:
+def stages(a: Sequence[TableRow], weights: Sequence[TableRow], c: TableRow) -> StageCoefficients:
     """The three as tuples."""
     rows: Callable[[Sequence[TableRow]], Any] = lambda rows: tuple(map(tuple, rows))
-    return Stages(rows(a), rows(weights), tuple(c))
+    return StageCoefficients(rows(a), rows(weights), tuple(c))
 
 
-def timed_stages(tableau: LiftedTableau, timed: bool) -> Stages:
+def timed_stages(tableau: LiftedTableau, timed: bool) -> StageCoefficients:
     """A Runge-Kutta table as `symbolic.linear.reduced_tableau` reads it: where b stands twice, c counts, too."""
     a, b, c = tableau
     return stages(a, (b, b), c) if timed else stages(a, (b,), [x * 0 for x in b])
@@ -206,7 +206,7 @@ POWERS = (0, 1, 2, 11)
 class Fingerprint:
     """A table with all its stages, in floats; of a right-hand side the sums of A's rows are nodes, too."""
 
-    def __init__(self, stages: Stages, drift: Any) -> None:
+    def __init__(self, stages: StageCoefficients, drift: Any) -> None:
         """`drift` is None of a right-hand side, where c counts if the weights stand twice."""
         self.a = np.array([[float(x) for x in row] for row in stages.a])
         self.weights = np.array([[float(x) for x in row] for row in stages.weights])

@@ -29,7 +29,7 @@ from driftproof.blackbox.probes.scripted_answers import (
     varied,
 )
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.symbolic.linear.reduced_tableau import Stages, reduced
+from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced
 from driftproof.symbolic.rounding.formats import FloatFormat
 
 # Kicks and drifts in the order in which they are made, as in `driftproof.methods.schemes.Splitting`.
@@ -65,10 +65,10 @@ class ForceReading:
         return tuple(j for j in range(self.calls) if not any(row[j] for row in rows))
 
     @property
-    def stages(self) -> Stages:
+    def stages(self) -> StageCoefficients:
         """The coefficients without the drift, as exact numbers."""
         rows = [tuple(map(Fraction, row)) for row in (*self.a, self.b_position, self.b_velocity)]
-        return Stages(tuple(rows[:-2]), (rows[-2], rows[-1]), tuple(map(Fraction, self.c)))
+        return StageCoefficients(tuple(rows[:-2]), (rows[-2], rows[-1]), tuple(map(Fraction, self.c)))
 
     @property
     def parts(self) -> SubSteps | None:

@@ -30,7 +30,7 @@ from driftproof.blackbox.probes.scripted_answers import (
     varied,
 )
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.symbolic.linear.reduced_tableau import Stages
+from driftproof.symbolic.linear.reduced_tableau import StageCoefficients
 from driftproof.symbolic.rounding.formats import FloatFormat
 
 
@@ -62,12 +62,12 @@ class TableauReading:
         return tuple(j for j in columns if not self.b[j] and not any(row[j] for row in self.a))
 
     @property
-    def stages(self) -> Stages:
+    def stages(self) -> StageCoefficients:
         """The coefficients as exact numbers; the weights stand twice where times are given, so that c counts, too."""
         *a, b = (tuple(map(Fraction, row)) for row in (*self.a, self.b))
         if self.c is None:
-            return Stages(tuple(a), (b,), tuple(Fraction(0) for _ in b))
-        return Stages(tuple(a), (b, b), tuple(map(Fraction, self.c)))
+            return StageCoefficients(tuple(a), (b,), tuple(Fraction(0) for _ in b))
+        return StageCoefficients(tuple(a), (b, b), tuple(map(Fraction, self.c)))
 
     @property
     def lines(self) -> list[str]:

@@ -8,11 +8,11 @@ from typing import Any
 import sympy
 from sympy.polys.matrices import DomainMatrix
 
-from driftproof.symbolic.derivation.one_step import RING, H, Polynomial, entries, matrix
+from driftproof.symbolic.derivation.one_step import RING, H, StepPolynomial, entries, matrix
 from driftproof.symbolic.derivation.phase import cosine_series, leading_term, sine_series
 
 J = sympy.ImmutableMatrix([[0, 1], [-1, 0]])
-T = sympy.Symbol("T", real=True)
+FINAL_TIME = sympy.Symbol("T", real=True)
 
 
 def exact_flow_series(terms: int) -> DomainMatrix:
@@ -64,8 +64,8 @@ def global_error_coefficient(local: LocalError) -> sympy.ImmutableMatrix:
     c = local.coefficient
     conjugated = J * c * J  # = -c on the commuting part, +c on the anticommuting part
     commuting, anticommuting = (c - conjugated) / 2, (c + conjugated) / 2
-    return sympy.ImmutableMatrix(T * rotation(T) * commuting + sympy.sin(T) * anticommuting)
+    return sympy.ImmutableMatrix(FINAL_TIME * rotation(FINAL_TIME) * commuting + sympy.sin(FINAL_TIME) * anticommuting)
 
 
-def _coefficient(polynomial: Polynomial, power: int) -> Any:
+def _coefficient(polynomial: StepPolynomial, power: int) -> Any:
     return RING.domain.to_sympy(polynomial.coeff(H**power))

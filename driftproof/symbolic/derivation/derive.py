@@ -36,7 +36,7 @@ from driftproof.symbolic.derivation.formulas import (
     TRACE,
     VELOCITY,
     Derived,
-    Step,
+    ProofStep,
     as_matrix,
 )
 from driftproof.symbolic.derivation.one_step import determinant, entries, expression, trace
@@ -65,7 +65,7 @@ class Derivation:
     method: Method
 
     @cached_property
-    def _matrix_and_steps(self) -> tuple[DomainMatrix, list[Step]]:
+    def _matrix_and_steps(self) -> tuple[DomainMatrix, list[ProofStep]]:
         return derived_matrix(self.method)
 
     @property
@@ -82,23 +82,23 @@ class Derivation:
         """det M, the factor by which a step scales area."""
         value = expression(determinant(self._m))
         qq, qv, vq, vv = sympy.symbols("M_qq M_qv M_vq M_vv")
-        step = Step("The factor by which a step scales area.", (DET, qq * vv - qv * vq, value))
+        step = ProofStep("The factor by which a step scales area.", (DET, qq * vv - qv * vq, value))
         return Derived("determinant", DET, value, (step,))
 
     @cached_property
     def energy_multiplier(self) -> Derived:
         """The μ(h) with E(Mz) = μ E(z) for every z, where there is one."""
         after, gram = energy_after(self._m), as_matrix(self._m.transpose() * self._m)
-        square = Step("A step multiplies by $M$, and $E = |z|^2/2$.", (GRAM, gram))
+        square = ProofStep("A step multiplies by $M$, and $E = |z|^2/2$.", (GRAM, gram))
         try:
             value = expression(energy_multiplier(self._m))
         except StateDependentEnergy:
             form = sum(expression(c) * x for c, x in zip(after, MONOMIALS, strict=True))
-            change = Step("So the energy after one step is:", (sympy.Symbol("E_1"), form))
+            change = ProofStep("So the energy after one step is:", (sympy.Symbol("E_1"), form))
             reason = "$M^T M$ is no multiple of $I$: what a step does to the energy depends on the state"
             return Derived("energy_multiplier", ENERGY_RATIO, None, (square, change), reason)
-        ratio = Step("It is a multiple of $I$, and the factor is that of the energy.", (ENERGY_RATIO, value))
-        gain = Step("A step adds this part of the energy.", (ENERGY_RATIO - 1, sympy.factor(value - 1)))
+        ratio = ProofStep("It is a multiple of $I$, and the factor is that of the energy.", (ENERGY_RATIO, value))
+        gain = ProofStep("A step adds this part of the energy.", (ENERGY_RATIO - 1, sympy.factor(value - 1)))
         return Derived("energy_multiplier", ENERGY_RATIO, value, (square, ratio, gain))
 
     @cached_property
@@ -107,8 +107,8 @@ class Derivation:
         qq, qv, vq, vv = (expression(x) for x in entries(self._m))
         area_form = vq * POSITION**2 + sympy.factor(vv - qq) * POSITION * VELOCITY - qv * VELOCITY**2
         steps = [
-            Step("The area between $z$ and its image is a quadratic form.", (AREA_FORM, area_form)),
-            Step(
+            ProofStep("The area between $z$ and its image is a quadratic form.", (AREA_FORM, area_form)),
+            ProofStep(
                 r"A step multiplies it by $\det M$, as it does every area.",
                 (DET, expression(determinant(self._m))),
             ),
@@ -118,7 +118,9 @@ class Derivation:
         except ValueError as error:
             return Derived("invariant", INVARIANT, None, tuple(steps), str(error))
         value = sympy.Add(*(expression(c) * x for c, x in zip(found, MONOMIALS, strict=True)))
-        steps.append(Step(r"$\det M = 1$, so it is conserved; scaled to the energy at $h = 0$:", (INVARIANT, value)))
+        steps.append(
+            ProofStep(r"$\det M = 1$, so it is conserved; scaled to the energy at $h = 0$:", (INVARIANT, value))
+        )
         return Derived("invariant", INVARIANT, value, tuple(steps))
 
     @cached_property
@@ -128,8 +130,8 @@ class Derivation:
         forms = ((TRACE, DET), (sum_of_roots, expression(determinant(self._m))))
         chain = (sympy.Add(LAMBDA**2, -LAMBDA * t, d, evaluate=False) for t, d in forms)
         steps = (
-            Step("The trace is the sum of the diagonal.", (TRACE, sum_of_roots)),
-            Step("With the trace and the determinant it is:", (CHARACTERISTIC, *chain)),
+            ProofStep("The trace is the sum of the diagonal.", (TRACE, sum_of_roots)),
+            ProofStep("With the trace and the determinant it is:", (CHARACTERISTIC, *chain)),
         )
         return Derived("characteristic_polynomial", CHARACTERISTIC, value, steps)
 
@@ -139,12 +141,12 @@ class Derivation:
         inside = expression(discriminant(self._m))
         value = sympy.Tuple(*multipliers(self._m))
         steps = [
-            Step(
+            ProofStep(
                 "The discriminant; where it is negative, the roots are complex conjugates.",
                 _chain(DISCRIMINANT, TRACE**2 - 4 * DET, inside, sympy.factor(inside)),
             ),
-            Step("Half the trace, plus half a square root of the discriminant:", (ROOTS[0], value[0])),
-            Step("And minus half of it:", (ROOTS[1], value[1])),
+            ProofStep("Half the trace, plus half a square root of the discriminant:", (ROOTS[0], value[0])),
+            ProofStep("And minus half of it:", (ROOTS[1], value[1])),
         ]
         return Derived("roots", sympy.Tuple(*ROOTS), value, tuple(steps))
 
@@ -152,12 +154,12 @@ class Derivation:
     def phase(self) -> Derived:
         """θ(h), the angle by which a step turns; the exact flow turns by h."""
         half_trace, area = expression(trace(self._m)) / 2, expression(determinant(self._m))
-        cosine = Step(
+        cosine = ProofStep(
             r"Complex roots have the modulus $(\det M)^{1/2}$, turn by $\pm\theta$, and add up to the trace.",
             _chain(COSINE, TRACE / (2 * sympy.sqrt(DET)), half_trace / sympy.sqrt(area)),
         )
         value = phase_per_step(self._m)
-        return Derived("phase", THETA, value, (cosine, Step("So the angle is:", (THETA, value))))
+        return Derived("phase", THETA, value, (cosine, ProofStep("So the angle is:", (THETA, value))))
 
     @cached_property
     def phase_error(self) -> Derived:
@@ -165,7 +167,7 @@ class Derivation:
         symbol, half_trace = THETA - STEP_SIZE, expression(trace(self._m)) / 2
         factor, rest = square_root_of_discriminant(self._m)
         because = "The tangent is a series in $h$, and so is the arc tangent of it."
-        tangent = Step(because, (TANGENT, factor * sympy.sqrt(-rest) / 2 / half_trace))
+        tangent = ProofStep(because, (TANGENT, factor * sympy.sqrt(-rest) / 2 / half_trace))
         leading, terms = None, FIRST_TERMS // 2
         try:
             while leading is None and terms < LAST_TERMS:
@@ -179,8 +181,8 @@ class Derivation:
                 "phase_error", symbol, None, (tangent,), f"no term below $h^{{{LAST_TERMS}}}$ differs from 0"
             )
         value = expression(series) + sympy.Order(STEP_SIZE**terms)
-        first = Step("The first one decides for small $h$.", (leading[1] * STEP_SIZE ** leading[0],))
-        return Derived("phase_error", symbol, value, (tangent, Step("The first terms:", (symbol, value)), first))
+        first = ProofStep("The first one decides for small $h$.", (leading[1] * STEP_SIZE ** leading[0],))
+        return Derived("phase_error", symbol, value, (tangent, ProofStep("The first terms:", (symbol, value)), first))
 
     @cached_property
     def stability_limit(self) -> Derived:
@@ -200,7 +202,7 @@ class Derivation:
             ),
         )
         square = expression(found.pole) ** 2
-        steps = [Step(why, _chain(symbol, sympy.factor(expression(p) / square))) for why, symbol, p in named]
+        steps = [ProofStep(why, _chain(symbol, sympy.factor(expression(p) / square))) for why, symbol, p in named]
         value = stability_limit(self._m)
         return Derived("stability_limit", LIMIT, value, (*steps, *_verdict(self._m, value)))
 
@@ -242,19 +244,22 @@ def derive(method: Method | str) -> Derivation:
     return Derivation(method_named(method) if isinstance(method, str) else method)
 
 
-def _verdict(m: DomainMatrix, limit: sympy.Expr) -> list[Step]:
+def _verdict(m: DomainMatrix, limit: sympy.Expr) -> list[ProofStep]:
     """The steps from the conditions to the limit, and whether the powers are bounded there."""
     if limit in (0, sympy.oo):
         because = "From $h = 0$ on one of them is negative, or the roots merge and the powers grow."
-        return [Step(because if limit == 0 else "None is negative for any $h > 0$.", (LIMIT, limit))]
-    steps = [Step("This is the largest $H$ with bounded powers for every $h < H$.", (LIMIT, limit))]
+        return [ProofStep(because if limit == 0 else "None is negative for any $h > 0$.", (LIMIT, limit))]
+    steps = [ProofStep("This is the largest $H$ with bounded powers for every $h < H$.", (LIMIT, limit))]
     factor, root = limit.as_coeff_Mul()
     if isinstance(root, sympy.CRootOf):
         polynomial = sympy.Poly(root.poly.as_expr(STEP_SIZE / factor), STEP_SIZE).primitive()[1]
-        return [*steps, Step("It is a root of this irreducible polynomial.", (polynomial.as_expr(), sympy.Integer(0)))]
+        return [
+            *steps,
+            ProofStep("It is a root of this irreducible polynomial.", (polynomial.as_expr(), sympy.Integer(0))),
+        ]
     at = AtStep(m, limit)
     grows = "At $H$ the roots merge and the powers grow." if at.jordan_block else "At $H$ the powers grow."
-    return [*steps, Step("At $H$ they are still bounded." if at.bounded else grows, (MATRIX, at.matrix))]
+    return [*steps, ProofStep("At $H$ they are still bounded." if at.bounded else grows, (MATRIX, at.matrix))]
 
 
 def _chain(*members: sympy.Basic) -> tuple[sympy.Basic, ...]:

@@ -6,35 +6,35 @@ from typing import NamedTuple
 
 from sympy.polys.matrices import DomainMatrix
 
-from driftproof.symbolic.derivation.one_step import RING, Entry, H, Polynomial, entries, matrix
+from driftproof.symbolic.derivation.one_step import RING, H, MatrixEntry, StepPolynomial, entries, matrix
 
 
-class QuadraticForm(NamedTuple):
+class EnergyForm(NamedTuple):
     """The quadratic form q2·q² + qv·qv + v2·v², coefficients in Q[h] or in Q(h)."""
 
-    q2: Entry
-    qv: Entry
-    v2: Entry
+    q2: MatrixEntry
+    qv: MatrixEntry
+    v2: MatrixEntry
 
 
 class StateDependentEnergy(ValueError):
     """The energy change of a step depends on the state, so no single multiplier exists."""
 
 
-def energy_after(m: DomainMatrix) -> QuadraticForm:
+def energy_after(m: DomainMatrix) -> EnergyForm:
     """E(Mz) = ½|Mz|², the energy after one step as a quadratic form in the state before it."""
     qq, qv, vq, vv = entries(m)
-    return QuadraticForm((qq**2 + vq**2) / 2, qq * qv + vq * vv, (qv**2 + vv**2) / 2)
+    return EnergyForm((qq**2 + vq**2) / 2, qq * qv + vq * vv, (qv**2 + vv**2) / 2)
 
 
-def energy_change(m: DomainMatrix) -> QuadraticForm:
+def energy_change(m: DomainMatrix) -> EnergyForm:
     """E(Mz) - E(z), the energy that one step adds, as a quadratic form in the state before it."""
     after = energy_after(m)
     half = RING.one / 2
-    return QuadraticForm(after.q2 - half, after.qv, after.v2 - half)
+    return EnergyForm(after.q2 - half, after.qv, after.v2 - half)
 
 
-def energy_multiplier(m: DomainMatrix) -> Entry:
+def energy_multiplier(m: DomainMatrix) -> MatrixEntry:
     """The μ(h) with E(Mz) = μ(h) E(z) for every state z.
 
     Raises StateDependentEnergy where there is none: that fact does not exist, so it is not returned.
@@ -45,7 +45,7 @@ def energy_multiplier(m: DomainMatrix) -> Entry:
     return 2 * after.q2
 
 
-def invariant_quadratic(m: DomainMatrix) -> QuadraticForm:
+def invariant_quadratic(m: DomainMatrix) -> EnergyForm:
     """The quadratic I with I(Mz) = I(z), found by solving MᵀSM = S over Q(h), equal to the energy at h = 0.
 
     Denominators are cleared, so the coefficients lie in Q[h]. Raises ValueError unless the solutions form one line
@@ -67,7 +67,7 @@ def invariant_quadratic(m: DomainMatrix) -> QuadraticForm:
     return _normalised(*solutions.to_list()[0])
 
 
-def _normalised(q2: Polynomial, qv: Polynomial, v2: Polynomial) -> QuadraticForm:
+def _normalised(q2: StepPolynomial, qv: StepPolynomial, v2: StepPolynomial) -> EnergyForm:
     common = RING.one
     for fraction in (q2, qv, v2):
         common = common.lcm(fraction.denom)
@@ -79,13 +79,13 @@ def _normalised(q2: Polynomial, qv: Polynomial, v2: Polynomial) -> QuadraticForm
     at_zero = cleared[0].evaluate(H, 0)
     if at_zero == 0 or cleared[2].evaluate(H, 0) != at_zero or cleared[1].evaluate(H, 0) != 0:
         raise ValueError("the conserved quadratic does not become the energy as h goes to 0")
-    return QuadraticForm(*(polynomial / (2 * at_zero) for polynomial in cleared))
+    return EnergyForm(*(polynomial / (2 * at_zero) for polynomial in cleared))
 
 
-def definiteness(invariant: QuadraticForm) -> Polynomial:
+def definiteness(invariant: EnergyForm) -> StepPolynomial:
     """4·q2·v2 - qv², in Q[h]: the invariant's level curves are ellipses exactly where this and q2 are positive."""
     return 4 * invariant.q2 * invariant.v2 - invariant.qv**2
 
 
-def _show(form: QuadraticForm) -> str:
+def _show(form: EnergyForm) -> str:
     return f"({form.q2})*q**2 + ({form.qv})*q*v + ({form.v2})*v**2"

@@ -15,7 +15,7 @@ from driftproof.symbolic.derivation.expression_balls import enclose_expression
 from driftproof.symbolic.derivation.one_step import expression
 
 # A number that has no radicals is shown with so many digits.
-DIGITS_SHOWN = 12
+_DIGITS_SHOWN = 12
 
 # The state, the size of the step, and the map J(q, v) = (v, -q), whose products with stages are kept in order.
 POSITION, VELOCITY, STEP_SIZE = sympy.symbols("q v h")
@@ -39,8 +39,8 @@ TEX_NAMES = {
 
 
 @dataclass(frozen=True)
-class Step:
-    """One line of a derivation: why it holds, formulas in it between dollars, and a chain of equal expressions."""
+class ProofStep:
+    """One step of a derivation: why it holds, formulas in it between dollars, and a chain of equal expressions."""
 
     because: str
     chain: tuple[sympy.Basic, ...]
@@ -53,20 +53,20 @@ class Derived:
     name: str
     symbol: sympy.Basic
     value: sympy.Basic | None
-    steps: tuple[Step, ...]
+    steps: tuple[ProofStep, ...]
     missing: str | None = None
 
     @property
     def tex(self) -> str:
         """symbol = value in TeX, or the reason why there is none."""
-        return tex_of((self.symbol, self.value)) if self.value is not None else rf"\text{{none: {self.missing}}}"
+        return chain_tex((self.symbol, self.value)) if self.value is not None else rf"\text{{none: {self.missing}}}"
 
     @property
     def derivation_tex(self) -> str:
         """The steps as a paragraph to paste: a sentence and a displayed formula for each."""
         lines = [rf"\paragraph{{{self.title}}}"]
         for step in self.steps:
-            lines += [step.because, rf"\[ {tex_of(step.chain)} \]"]
+            lines += [step.because, rf"\[ {chain_tex(step.chain)} \]"]
         return "\n".join([*lines, f"There is none: {self.missing}."] if self.missing else lines)
 
     @property
@@ -74,7 +74,7 @@ class Derived:
         """The steps in plain text, formulas in SymPy's syntax, and what they lead to."""
         lines = [self.title]
         for step in self.steps:
-            lines += [f"  {plain_words(step.because)}", f"      {text_of(step.chain)}"]
+            lines += [f"  {plain_words(step.because)}", f"      {chain_text(step.chain)}"]
         return "\n".join([*lines, f"  There is none: {plain_words(self.missing)}."] if self.missing else lines)
 
     @property
@@ -84,7 +84,9 @@ class Derived:
 
     def data(self) -> dict[str, Any]:
         """{"value", "tex", "missing", "steps"}, all strings; a value in SymPy's own syntax."""
-        steps = [{"because": s.because, "chain": [str(x) for x in s.chain], "tex": tex_of(s.chain)} for s in self.steps]
+        steps = [
+            {"because": s.because, "chain": [str(x) for x in s.chain], "tex": chain_tex(s.chain)} for s in self.steps
+        ]
         value = None if self.value is None else str(self.value)
         return {"value": value, "tex": self.tex, "missing": self.missing, "steps": steps}
 
@@ -97,7 +99,7 @@ def as_matrix(m: DomainMatrix) -> sympy.ImmutableMatrix:
     return sympy.ImmutableMatrix([[expression(x) for x in row] for row in m.to_list()])
 
 
-def tex_of(chain: Sequence[sympy.Basic]) -> str:
+def chain_tex(chain: Sequence[sympy.Basic]) -> str:
     """The expressions in TeX with signs of equality between them; polynomials ascend."""
     settings = {"symbol_names": TEX_NAMES, "mat_str": "pmatrix", "mat_delim": "", "inv_trig_style": "full"}
     return " = ".join(
@@ -105,7 +107,7 @@ def tex_of(chain: Sequence[sympy.Basic]) -> str:
     )
 
 
-def text_of(chain: Iterable[sympy.Basic]) -> str:
+def chain_text(chain: Iterable[sympy.Basic]) -> str:
     """The expressions in SymPy's syntax, a matrix as its rows: [1, h; -h, 1]."""
     return " = ".join(_text(x) for x in chain)
 
@@ -132,4 +134,4 @@ def _is_long(x: sympy.Basic) -> bool:
 
 
 def _digits(x: sympy.Basic) -> str:
-    return significant(partial(enclose_expression, x), DIGITS_SHOWN)
+    return significant(partial(enclose_expression, x), _DIGITS_SHOWN)

@@ -18,8 +18,8 @@ from driftproof.methods.schemes import Method
 from driftproof.methods.stepping import Force, Step, stepper
 
 # An element of Q[h], and one of Q[h] or of Q(h). SymPy's rings have no static types.
-Polynomial: TypeAlias = Any
-Entry: TypeAlias = Any
+StepPolynomial: TypeAlias = Any
+MatrixEntry: TypeAlias = Any
 
 RING, H = ring("h", QQ)
 MATRICES = RING.to_domain()
@@ -45,7 +45,7 @@ def exact_stepper(method: Method) -> Step:
     return stepper(method, lambda c: STATE_RING.ground_new(rational(c)))
 
 
-def symbolic_step(step: Step, force: Force = oscillator) -> tuple[Polynomial, Polynomial]:
+def symbolic_step(step: Step, force: Force = oscillator) -> tuple[StepPolynomial, StepPolynomial]:
     """(q₁, v₁) as polynomials in Q[q, v, h]: the step run on the generators q, v and h."""
     q1, v1 = step(force, STATE_Q, STATE_V, STATE_H)
     return q1, v1
@@ -60,7 +60,7 @@ def matrix_of(step: Step, force: Force = oscillator) -> DomainMatrix:
     return DomainMatrix([_linear_coefficients(q1, "q"), _linear_coefficients(v1, "v")], (2, 2), MATRICES)
 
 
-def matrix(rows: list[list[Entry]]) -> DomainMatrix:
+def matrix(rows: list[list[MatrixEntry]]) -> DomainMatrix:
     """The matrix with these entries over Q[h], or over Q(h) if one is a fraction; ints and Fractions are promoted."""
     entries = [[RING.ground_new(rational(x)) if isinstance(x, int | Fraction) else x for x in row] for row in rows]
     fractional = any(isinstance(x, FracElement) for row in entries for x in row)
@@ -68,12 +68,12 @@ def matrix(rows: list[list[Entry]]) -> DomainMatrix:
     return DomainMatrix(entries, (len(rows), len(rows[0])), FRACTION_FIELD if fractional else MATRICES)
 
 
-def numerator_and_denominator(x: Entry) -> tuple[Polynomial, Polynomial]:
+def numerator_and_denominator(x: MatrixEntry) -> tuple[StepPolynomial, StepPolynomial]:
     """Coprime polynomials whose quotient is `x`; the denominator of a polynomial is 1."""
     return (x.numer, x.denom) if isinstance(x, FracElement) else (x, RING.one)
 
 
-def over_common_denominator(m: DomainMatrix) -> tuple[DomainMatrix, Polynomial]:
+def over_common_denominator(m: DomainMatrix) -> tuple[DomainMatrix, StepPolynomial]:
     """(N, d) with M = N / d, N over Q[h] and d of the lowest degree."""
     parts = [numerator_and_denominator(x) for x in entries(m)]
     common = RING.one
@@ -83,25 +83,25 @@ def over_common_denominator(m: DomainMatrix) -> tuple[DomainMatrix, Polynomial]:
     return matrix([[qq, qv], [vq, vv]]), common
 
 
-def entries(m: DomainMatrix) -> tuple[Entry, Entry, Entry, Entry]:
+def entries(m: DomainMatrix) -> tuple[MatrixEntry, MatrixEntry, MatrixEntry, MatrixEntry]:
     """(M_qq, M_qv, M_vq, M_vv)."""
     (qq, qv), (vq, vv) = m.to_list()
     return qq, qv, vq, vv
 
 
-def trace(m: DomainMatrix) -> Entry:
+def trace(m: DomainMatrix) -> MatrixEntry:
     """M_qq + M_vv."""
     qq, _, _, vv = entries(m)
     return qq + vv
 
 
-def determinant(m: DomainMatrix) -> Entry:
+def determinant(m: DomainMatrix) -> MatrixEntry:
     """M_qq M_vv - M_qv M_vq: the factor by which one step scales area."""
     qq, qv, vq, vv = entries(m)
     return qq * vv - qv * vq
 
 
-def at_rational(entry: Entry, h: Fraction) -> Fraction:
+def at_rational(entry: MatrixEntry, h: Fraction) -> Fraction:
     """The value of an element of Q[h] or of Q(h) at a rational h, as a Fraction. Raises ZeroDivisionError at a pole."""
     top, bottom = (p.evaluate(H, rational(h)) for p in numerator_and_denominator(entry))
     value = top / bottom
@@ -114,12 +114,12 @@ def matrix_at(m: DomainMatrix, h: Fraction) -> tuple[Fraction, Fraction, Fractio
     return qq, qv, vq, vv
 
 
-def expression(polynomial: Entry) -> sympy.Expr:
+def expression(polynomial: MatrixEntry) -> sympy.Expr:
     """An element of Q[h] or of Q(h) as a SymPy expression in the symbol h, for printing and for algebraic numbers."""
     return polynomial.as_expr()
 
 
-def _linear_coefficients(polynomial: Polynomial, name: str) -> list[Polynomial]:
+def _linear_coefficients(polynomial: StepPolynomial, name: str) -> list[StepPolynomial]:
     row = {"q": RING.zero, "v": RING.zero}
     for (in_q, in_v, in_h), coefficient in polynomial.terms():
         if in_q + in_v != 1:

@@ -11,9 +11,9 @@ from sympy.polys.ring_series import rs_atan, rs_mul, rs_nth_root, rs_series_inve
 
 from driftproof.symbolic.derivation.one_step import (
     RING,
-    Entry,
     H,
-    Polynomial,
+    MatrixEntry,
+    StepPolynomial,
     determinant,
     entries,
     expression,
@@ -33,7 +33,7 @@ def phase_per_step(m: DomainMatrix) -> sympy.Expr:
     return sympy.acos(sympy.expand(expression(trace(m)) / 2) / root)
 
 
-def phase_error_series(m: DomainMatrix, terms: int) -> Polynomial:
+def phase_error_series(m: DomainMatrix, terms: int) -> StepPolynomial:
     """θ(h) - h modulo h**terms, exact in Q[h]: negative leading coefficient means that the method lags.
 
     From tan θ = sqrt(det M - (tr M / 2)²) / (tr M / 2). Raises ValueError unless M(h) = I + hJ + O(h²).
@@ -48,7 +48,7 @@ def phase_error_series(m: DomainMatrix, terms: int) -> Polynomial:
     return rs_atan(tangent, H, terms) - H
 
 
-def _series(f: Entry, terms: int) -> Polynomial:
+def _series(f: MatrixEntry, terms: int) -> StepPolynomial:
     """`f` itself if it is a polynomial, else its series modulo h**terms. Raises ValueError for a pole at h = 0."""
     top, bottom = numerator_and_denominator(f)
     if bottom.evaluate(H, 0) == 0:
@@ -56,7 +56,7 @@ def _series(f: Entry, terms: int) -> Polynomial:
     return top if bottom == 1 else rs_mul(top, rs_series_inversion(bottom, H, terms), H, terms)
 
 
-def leading_term(series: Polynomial) -> tuple[int, Any] | None:
+def leading_term(series: StepPolynomial) -> tuple[int, Any] | None:
     """(power, coefficient) of the lowest power of h in an element of Q[h]; None for zero."""
     if series == 0:
         return None
@@ -64,12 +64,12 @@ def leading_term(series: Polynomial) -> tuple[int, Any] | None:
     return power, series.coeff(H**power)
 
 
-def sine_series(terms: int) -> Polynomial:
+def sine_series(terms: int) -> StepPolynomial:
     """sin h modulo h**terms, in Q[h]."""
     return _exponential_part(terms, 1)
 
 
-def cosine_series(terms: int) -> Polynomial:
+def cosine_series(terms: int) -> StepPolynomial:
     """cos h modulo h**terms, in Q[h]."""
     return _exponential_part(terms, 0)
 
@@ -85,7 +85,7 @@ def closed_form(m: DomainMatrix) -> sympy.ImmutableMatrix:
     return sympy.ImmutableMatrix(rho ** (STEPS - 1) * turned / sympy.sin(theta))
 
 
-def _exponential_part(terms: int, start: int) -> Polynomial:
+def _exponential_part(terms: int, start: int) -> StepPolynomial:
     total = RING.zero
     for power in range(start, terms, 2):
         sign = -1 if power % 4 >= 2 else 1

@@ -9,7 +9,7 @@ from sympy import QQ, ring
 
 from driftproof.methods.schemes import Method
 from driftproof.methods.stepping import stepper
-from driftproof.symbolic.derivation.one_step import Polynomial, rational
+from driftproof.symbolic.derivation.one_step import StepPolynomial, rational
 
 
 class Spring(NamedTuple):
@@ -37,7 +37,9 @@ class Spring(NamedTuple):
         return h / self.omega
 
 
-def one_step_with_frequency(method: Method) -> tuple[tuple[Polynomial, Polynomial], tuple[Polynomial, Polynomial]]:
+def one_step_with_frequency(
+    method: Method,
+) -> tuple[tuple[StepPolynomial, StepPolynomial], tuple[StepPolynomial, StepPolynomial]]:
     """The rows of the one-step matrix for q' = v, v' = -ω² q, entries in Q[h, w] with w = ω."""
     frequency_ring, q, v, h, w = ring("q, v, h, w", QQ)
     step = stepper(method, lambda c: frequency_ring.ground_new(rational(c)))

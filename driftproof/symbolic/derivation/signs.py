@@ -7,10 +7,10 @@ from itertools import pairwise
 
 import sympy
 
-from driftproof.symbolic.derivation.one_step import H, Polynomial, at_rational, expression, rational
+from driftproof.symbolic.derivation.one_step import H, StepPolynomial, at_rational, expression, rational
 
 
-def roots_between(polynomial: Polynomial, low: Fraction | None, high: Fraction | None) -> int:
+def roots_between(polynomial: StepPolynomial, low: Fraction | None, high: Fraction | None) -> int:
     """The number of distinct real roots of a nonzero element of Q[h] in the open interval (low, high).
 
     None stands for an infinite end. Exact: a change of sign count along the Sturm chain
@@ -23,7 +23,7 @@ def roots_between(polynomial: Polynomial, low: Fraction | None, high: Fraction |
     return inside - (1 if high is not None and at_rational(polynomial, high) == 0 else 0)
 
 
-def is_positive_between(polynomial: Polynomial, low: Fraction, high: Fraction | None) -> bool:
+def is_positive_between(polynomial: StepPolynomial, low: Fraction, high: Fraction | None) -> bool:
     """polynomial(h) > 0 for every h in the open interval (low, high); `high` None stands for infinity.
 
     Decided: no root inside, and a positive value at one inner point.
@@ -32,7 +32,7 @@ def is_positive_between(polynomial: Polynomial, low: Fraction, high: Fraction | 
     return roots_between(polynomial, low, high) == 0 and at_rational(polynomial, inner) > 0
 
 
-def deflate(polynomial: Polynomial) -> Polynomial:
+def in_square_of_h(polynomial: StepPolynomial) -> StepPolynomial:
     """The p with p(h²) = polynomial(h), so that ends such as 2 sqrt 2 become rational (h² = 8).
 
     Raises ValueError if an odd power of h occurs.

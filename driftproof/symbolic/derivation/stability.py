@@ -15,9 +15,9 @@ from driftproof.symbolic.algebra.certified import certified_sign
 from driftproof.symbolic.derivation.expression_balls import enclose_expression
 from driftproof.symbolic.derivation.one_step import (
     RING,
-    Entry,
     H,
-    Polynomial,
+    MatrixEntry,
+    StepPolynomial,
     determinant,
     entries,
     expression,
@@ -34,7 +34,7 @@ def characteristic_polynomial(m: DomainMatrix) -> sympy.Poly:
     return sympy.Poly(LAMBDA**2 - expression(trace(m)) * LAMBDA + expression(determinant(m)), LAMBDA)
 
 
-def discriminant(m: DomainMatrix) -> Entry:
+def discriminant(m: DomainMatrix) -> MatrixEntry:
     """(tr M)² - 4 det M: the roots are complex conjugate where it is negative, and merge where it is zero."""
     return trace(m) ** 2 - 4 * determinant(m)
 
@@ -58,25 +58,25 @@ def multipliers(m: DomainMatrix) -> tuple[sympy.Expr, sympy.Expr]:
     return half_trace + half_root, half_trace - half_root
 
 
-class Conditions(NamedTuple):
+class BoundednessConditions(NamedTuple):
     """Polynomials in h whose signs decide boundedness: 1 - det, 1 + det + tr and 1 + det - tr, all times d².
 
     M = N / d; `merged` is d² times the discriminant, and `off` vanishes where M is a multiple of the identity.
     """
 
-    pole: Polynomial
-    area: Polynomial
-    plus: Polynomial
-    minus: Polynomial
-    merged: Polynomial
-    off: tuple[Polynomial, Polynomial, Polynomial]
+    pole: StepPolynomial
+    area: StepPolynomial
+    plus: StepPolynomial
+    minus: StepPolynomial
+    merged: StepPolynomial
+    off: tuple[StepPolynomial, StepPolynomial, StepPolynomial]
 
 
-def conditions(m: DomainMatrix) -> Conditions:
+def conditions(m: DomainMatrix) -> BoundednessConditions:
     """The conditions of jury-1964, chapter 3, on λ² - tr M λ + det M, without denominators."""
     n, d = over_common_denominator(m)
     (qq, qv, vq, vv), t, area = entries(n), trace(n) * d, determinant(n)
-    return Conditions(d, d**2 - area, d**2 + area + t, d**2 + area - t, discriminant(n), (qv, vq, qq - vv))
+    return BoundednessConditions(d, d**2 - area, d**2 + area + t, d**2 + area - t, discriminant(n), (qv, vq, qq - vv))
 
 
 @dataclass(frozen=True)
@@ -117,11 +117,11 @@ class AtStep:
         # Now every |λ| <= 1. A double root on the unit circle needs |det| = 1 and a zero discriminant.
         return not (area == 0 and self.jordan_block)
 
-    def _value(self, entry: Entry) -> sympy.Expr:
+    def _value(self, entry: MatrixEntry) -> sympy.Expr:
         top, bottom = (_in_field(p, self.h) for p in numerator_and_denominator(entry))
         return top[1] / bottom[1]
 
-    def _sign(self, polynomial: Polynomial) -> int:
+    def _sign(self, polynomial: StepPolynomial) -> int:
         is_zero, value = _in_field(polynomial, self.h)
         return 0 if is_zero else certified_sign(partial(enclose_expression, value))
 
@@ -177,7 +177,7 @@ def _root_in(boundary: Any, low: sympy.Rational, high: sympy.Rational) -> sympy.
     )
 
 
-def _in_field(polynomial: Polynomial, h: sympy.Expr) -> tuple[bool, sympy.Expr]:
+def _in_field(polynomial: StepPolynomial, h: sympy.Expr) -> tuple[bool, sympy.Expr]:
     """(is zero, value) of polynomial(h), by arithmetic in the number field Q(h), where equality is decidable."""
     field: Any = QQ if h.is_Rational else QQ.algebraic_field(h)
     at, total = field.from_sympy(h), field.zero

@@ -20,7 +20,7 @@ from driftproof.symbolic.derivation.formulas import (
     STEP_SIZE,
     TURN,
     VELOCITY,
-    Step,
+    ProofStep,
     as_matrix,
 )
 from driftproof.symbolic.derivation.one_step import (
@@ -33,7 +33,7 @@ from driftproof.symbolic.derivation.one_step import (
 )
 
 
-def derived_matrix(method: Method) -> tuple[DomainMatrix, list[Step]]:
+def derived_matrix(method: Method) -> tuple[DomainMatrix, list[ProofStep]]:
     """M(h) over Q[h] or Q(h), and the steps that lead to it from the definition of the method.
 
     Raises ValueError where a coefficient is irrational: SymPy's fractions of polynomials are over Q here.
@@ -46,10 +46,10 @@ def derived_matrix(method: Method) -> tuple[DomainMatrix, list[Step]]:
     derive = {RungeKutta: _runge_kutta, Splitting: _splitting, Nystrom: _nystrom, Collocation: _collocation}
     m, steps = derive[type(method)](method)  # type: ignore[operator]
     m = matrix([[_as_polynomial(x) for x in row] for row in m.to_list()])
-    return m, steps if isinstance(method, Splitting) else [*steps, Step("So $M$ is:", (MATRIX, as_matrix(m)))]
+    return m, steps if isinstance(method, Splitting) else [*steps, ProofStep("So $M$ is:", (MATRIX, as_matrix(m)))]
 
 
-def _runge_kutta(method: RungeKutta) -> tuple[DomainMatrix, list[Step]]:
+def _runge_kutta(method: RungeKutta) -> tuple[DomainMatrix, list[ProofStep]]:
     """The stages kᵢ = J(z + h Σ aᵢⱼ kⱼ) are Kᵢ z, where the blocks Kᵢ solve K = 1⊗J + (hA⊗J) K."""
     s = method.stages
     turn, one = [[0, 1], [-1, 0]], [[1, 0], [0, 1]]
@@ -60,16 +60,16 @@ def _runge_kutta(method: RungeKutta) -> tuple[DomainMatrix, list[Step]]:
     equations = [TURN * (STATE + STEP_SIZE * _combined(row, names)) for row in method.a]
     forms = _forms(stages)
     vectors = [sympy.ImmutableMatrix(forms[2 * i : 2 * i + 2]) for i in range(s)]
-    setting = Step(
+    setting = ProofStep(
         "On $q' = v$, $v' = -q$ the right-hand side is $J z$.",
         (TURN * STATE, sympy.ImmutableMatrix([VELOCITY, -POSITION])),
     )
     new = STATE + STEP_SIZE * _combined(method.b, names)
-    after = Step("The step adds the weighted stages.", (NEW_STATE, new, sympy.ImmutableMatrix(_forms(total))))
+    after = ProofStep("The step adds the weighted stages.", (NEW_STATE, new, sympy.ImmutableMatrix(_forms(total))))
     return total, [setting, *_stage_steps(names, equations, vectors, method.explicit), after]
 
 
-def _nystrom(method: Nystrom) -> tuple[DomainMatrix, list[Step]]:
+def _nystrom(method: Nystrom) -> tuple[DomainMatrix, list[ProofStep]]:
     """The forces kᵢ = -(q + cᵢhv + h² Σ aᵢⱼ kⱼ) solve k = -(1, hc) - h²A k."""
     h = _times_h(1)
     coupling = _matrix([[-h * _times_h(x) for x in row] for row in method.a])
@@ -85,13 +85,13 @@ def _nystrom(method: Nystrom) -> tuple[DomainMatrix, list[Step]]:
     kick = VELOCITY + STEP_SIZE * _combined(method.b_velocity, names)
     position, velocity = _forms(total)
     after = [
-        Step("The position takes the velocity and the weighted forces.", (sympy.Symbol("q_1"), drift, position)),
-        Step("The velocity takes the weighted forces.", (sympy.Symbol("v_1"), kick, velocity)),
+        ProofStep("The position takes the velocity and the weighted forces.", (sympy.Symbol("q_1"), drift, position)),
+        ProofStep("The velocity takes the weighted forces.", (sympy.Symbol("v_1"), kick, velocity)),
     ]
     return total, [*_stage_steps(names, equations, _forms(stages), method.explicit), *after]
 
 
-def _splitting(method: Splitting) -> tuple[DomainMatrix, list[Step]]:
+def _splitting(method: Splitting) -> tuple[DomainMatrix, list[ProofStep]]:
     """Each kick and each drift is a shear, and M is their product, the last one first."""
     total, steps = _matrix([[1, 0], [0, 1]]), []
     names: list[sympy.Symbol] = []
@@ -100,12 +100,15 @@ def _splitting(method: Splitting) -> tuple[DomainMatrix, list[Step]]:
         total = shear * total
         names.insert(0, sympy.Symbol(f"S_{i + 1}", commutative=False))
         moved = "$v$ becomes $v - c h q$" if kind == "kick" else "$q$ becomes $q + c h v$"
-        steps.append(Step(f"A {kind} with $c = {c}$: {moved}.", (names[0], as_matrix(shear))))
+        steps.append(ProofStep(f"A {kind} with $c = {c}$: {moved}.", (names[0], as_matrix(shear))))
     product = (sympy.Mul(*names),) if len(names) > 1 else ()
-    return total, [*steps, Step("$M$ is their product, the first one rightmost.", (MATRIX, *product, as_matrix(total)))]
+    return total, [
+        *steps,
+        ProofStep("$M$ is their product, the first one rightmost.", (MATRIX, *product, as_matrix(total))),
+    ]
 
 
-def _collocation(method: Collocation) -> tuple[DomainMatrix, list[Step]]:
+def _collocation(method: Collocation) -> tuple[DomainMatrix, list[ProofStep]]:
     """R(z) = Σ M⁽ˢ⁻ᵏ⁾(1) zᵏ / Σ M⁽ˢ⁻ᵏ⁾(0) zᵏ from the node polynomial M, and M(h) = R(hJ)."""
     nodes = sympy.Poly([_plain(c) for c in reversed(method.node_polynomial)], ARGUMENT)
     derivatives = [nodes]
@@ -115,25 +118,30 @@ def _collocation(method: Collocation) -> tuple[DomainMatrix, list[Step]]:
     top, bottom = (sympy.Poly(list(reversed(part)), ARGUMENT).as_expr() for part in parts)
     turned = [_polynomial_of(part, _matrix([[0, _times_h(1)], [-_times_h(1), 0]])) for part in parts]
     steps = [
-        Step("The nodes of the method are the roots of this polynomial.", (sympy.Symbol("N(z)"), nodes.as_expr())),
-        Step(
+        ProofStep("The nodes of the method are the roots of this polynomial.", (sympy.Symbol("N(z)"), nodes.as_expr())),
+        ProofStep(
             "Collocation multiplies by $R(z)$, the sum of $N^{(s-k)}(1) z^k$ over that of $N^{(s-k)}(0) z^k$.",
             (STABILITY, top / bottom),
         ),
-        Step("On the oscillator $z$ is $hJ$, and $J^2 = -I$.", (MATRIX, sympy.Function("R")(STEP_SIZE * TURN))),
+        ProofStep("On the oscillator $z$ is $hJ$, and $J^2 = -I$.", (MATRIX, sympy.Function("R")(STEP_SIZE * TURN))),
     ]
     return turned[1].inv() * turned[0], steps
 
 
 def _stage_steps(
     names: Sequence[sympy.Symbol], equations: Sequence[Any], solved: Sequence[Any], explicit: bool
-) -> list[Step]:
+) -> list[ProofStep]:
     numbered = list(enumerate(zip(names, equations, solved, strict=True), start=1))
     if explicit:
         known = "Stage {} is a formula in what was known before it."
-        return [Step(known.format(i), (k, *dict.fromkeys((equation, form)))) for i, (k, equation, form) in numbered]
-    equations_first = [Step(f"Stage {i} is an equation.", (k, equation)) for i, (k, equation, _) in numbered]
-    return [*equations_first, *(Step("The equations are linear; solved:", (k, form)) for _, (k, _, form) in numbered)]
+        return [
+            ProofStep(known.format(i), (k, *dict.fromkeys((equation, form)))) for i, (k, equation, form) in numbered
+        ]
+    equations_first = [ProofStep(f"Stage {i} is an equation.", (k, equation)) for i, (k, equation, _) in numbered]
+    return [
+        *equations_first,
+        *(ProofStep("The equations are linear; solved:", (k, form)) for _, (k, _, form) in numbered),
+    ]
 
 
 def _solved(coupling: DomainMatrix, right: DomainMatrix) -> DomainMatrix:

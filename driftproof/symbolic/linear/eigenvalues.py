@@ -12,7 +12,7 @@ from flint import acb, ctx, fmpq, fmpq_mat, fmpz_poly
 
 from driftproof.symbolic.algebra.real_roots import ISOLATING_BITS, Minimal, RealRoot
 
-Rows: TypeAlias = Sequence[Sequence[Fraction]]
+_Rows: TypeAlias = Sequence[Sequence[Fraction]]
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Complex:
         return fmpq(-b, a), fmpq(c, a)
 
 
-Place: TypeAlias = RealRoot | Imaginary | Complex
+RootPlace: TypeAlias = RealRoot | Imaginary | Complex
 
 
 @dataclass(frozen=True)
@@ -60,20 +60,20 @@ class Eigenvalue:
     `block` is the size of the largest Jordan block; 1 if the eigenvalue is semisimple.
     """
 
-    place: Place
+    place: RootPlace
     multiplicity: int
     block: int
 
 
-def eigenvalues(rows: Rows) -> list[Eigenvalue]:
+def eigenvalues(rows: _Rows) -> list[Eigenvalue]:
     """All eigenvalues of the matrix, pairs of conjugates once, by factors of the characteristic polynomial."""
     matrix = fmpq_mat([[fmpq(*x.as_integer_ratio()) for x in row] for row in rows])
     blocks = dict(_factors(matrix.minpoly()))
     found = sorted(_factors(matrix.charpoly()), key=lambda item: (len(item[0]), item[0]))
-    return [Eigenvalue(place, exponent, blocks[m]) for m, exponent in found for place in places(m)]
+    return [Eigenvalue(place, exponent, blocks[m]) for m, exponent in found for place in root_places(m)]
 
 
-def places(minimal: Minimal) -> list[Place]:
+def root_places(minimal: Minimal) -> list[RootPlace]:
     """Every root of an irreducible polynomial, pairs of conjugates once: real, imaginary, then the others."""
     if len(minimal) == 2:
         return [RealRoot(minimal, 0)]

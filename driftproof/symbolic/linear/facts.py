@@ -60,7 +60,7 @@ class ExactFunction:
         """The same function, with power 1."""
         if self.power == 1:
             return self
-        num, den = (oscillator.spread(p) for p in (self.f.num, self.f.den))
+        num, den = (oscillator.inflated(p) for p in (self.f.num, self.f.den))
         return ExactFunction(fraction(num, den), self.variable)
 
 
@@ -90,7 +90,7 @@ class Sector(NamedTuple):
 class Conserved(NamedTuple):
     """A conserved quadratic, and the largest H such that it is positive definite for h in (0, H)."""
 
-    quadratic: invariants.Quadratic
+    quadratic: invariants.QuadraticForm
     definite_limit: Limit
 
 
@@ -151,13 +151,13 @@ class LinearFacts:
         """R(z), with y₁ = R(hλ) y₀ on y' = λy."""
         return None if self._r is None else ExactFunction(self._r)
 
-    one_step_matrix = _of_method(oscillator.one_step_matrix)
+    one_step_matrix = _of_method(oscillator.oscillator_matrix)
 
     @cached_property
     def determinant(self) -> ExactFunction:
         """det M(h), the factor by which a step scales area."""
         if self._r is None:
-            return ExactFunction(oscillator.determinant(self.one_step_matrix), "h")
+            return ExactFunction(oscillator.area_factor(self.one_step_matrix), "h")
         return ExactFunction(oscillator.energy_multiplier_of(self._r), "h", 2).inflated()  # det R(hJ) = |R(ih)|²
 
     @cached_property
@@ -165,11 +165,11 @@ class LinearFacts:
         """The factor by which a step multiplies q² + v², where it is the same for all states; given by h²."""
         if self._r is not None:
             return ExactFunction(oscillator.energy_multiplier_of(self._r), "h", 2)
-        found = oscillator.energy_multiplier(self.one_step_matrix)
+        found = oscillator.energy_factor(self.one_step_matrix)
         return None if found is None else ExactFunction(found, "h", 2)
 
     @cached_property
-    def invariant(self) -> invariants.Quadratic | None:
+    def invariant(self) -> invariants.QuadraticForm | None:
         """The quadratic form in q and v that a step conserves, where there is one up to a factor."""
         return self._conserved[0] if len(self._conserved) == 1 else None
 
@@ -251,14 +251,14 @@ class LinearFacts:
             return phase.dispersion(self._r)
         return None if self._turning_rate is None else phase.angle_error(self.one_step_matrix)
 
-    dissipation = _of_step(phase.dissipation, phase.damping)
+    dissipation = _of_step(phase.dissipation, phase.leading_dissipation)
 
     @cached_property
     def dispersion_series(self) -> PowerSeries | None:
         """The series of which `dispersion` is the leading term."""
         if self._r is not None:
             return _series(phase.dispersion_series(self._r, self.terms))
-        return _series(phase.angle_series(self.one_step_matrix, self.terms)) if self._turns_readably else None
+        return _series(phase.angle_error_series(self.one_step_matrix, self.terms)) if self._turns_readably else None
 
     @cached_property
     def dissipation_series(self) -> PowerSeries:
@@ -296,14 +296,14 @@ class LinearFacts:
         return oscillator.stability_function_of(self.method)
 
     @cached_property
-    def _conserved(self) -> list[invariants.Quadratic]:
-        return invariants.conserved_quadratics(self.one_step_matrix)
+    def _conserved(self) -> list[invariants.QuadraticForm]:
+        return invariants.quadratic_invariants(self.one_step_matrix)
 
     @cached_property
     def _turning_rate(self) -> Exact | None:
         """The σ of the eigenvalue angle σh + O(h²), 1 for a consistent method; None for a step that is no rotation."""
         try:
-            return phase.turning_rate(self.one_step_matrix)
+            return phase.leading_frequency(self.one_step_matrix)
         except phase.NoRotationError:
             return None
 

@@ -19,16 +19,16 @@ from driftproof.symbolic.algebra.polynomials import (
 )
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, positive_roots, vanishes_at
-from driftproof.symbolic.linear.oscillator import determinant as area_factor
-from driftproof.symbolic.linear.oscillator import trace
+from driftproof.symbolic.linear.oscillator import area_factor as area_factor
+from driftproof.symbolic.linear.oscillator import matrix_trace
 from driftproof.symbolic.linear.stability_limits import INFINITY, Limit, smallest
 
-NIL = fraction(ONE * 0)
-UNIT = fraction(ONE)
+_NIL = fraction(ONE * 0)
+_UNIT = fraction(ONE)
 
 
 @dataclass(frozen=True)
-class Quadratic:
+class QuadraticForm:
     """Σ cᵢⱼ zᵢ zⱼ over i <= j, coefficients in Q[h] or K[h], without a common factor.
 
     `coefficients` in the order (0,0), (0,1), ..., (1,1), ...: for the oscillator those of q², qv, v².
@@ -46,7 +46,7 @@ class Quadratic:
         return rows
 
 
-def conserved_quadratics(m: StepMatrix) -> list[Quadratic]:
+def quadratic_invariants(m: StepMatrix) -> list[QuadraticForm]:
     """A basis over the field of rational functions of all quadratic forms I with I(M(h)z) = I(z): MᵀSM = S.
 
     For the oscillator: one for a step of determinant 1 that is not ±I, namely the area of z and Mz; a single one is
@@ -57,18 +57,18 @@ def conserved_quadratics(m: StepMatrix) -> list[Quadratic]:
     return quadratics_by_elimination(m)
 
 
-def quadratics_by_elimination(m: StepMatrix) -> list[Quadratic]:
+def quadratics_by_elimination(m: StepMatrix) -> list[QuadraticForm]:
     """The same basis by solving MᵀSM = S."""
     size = len(m)
     pairs = _pairs(size)
     equations = [[_pulled_back(m, i, j, k, n) for k, n in pairs] for i, j in pairs]
     for index in range(len(pairs)):
-        equations[index][index] = equations[index][index] - UNIT
-    found = [Quadratic(_cleared(vector), size) for vector in _nullspace(equations)]
+        equations[index][index] = equations[index][index] - _UNIT
+    found = [QuadraticForm(_cleared(vector), size) for vector in _nullspace(equations)]
     return [_scaled(form) for form in found]
 
 
-def definite_limit(form: Quadratic) -> Limit:
+def definite_limit(form: QuadraticForm) -> Limit:
     """The largest H such that the form is positive definite for every h in (0, H): Sylvester's minors are all > 0."""
     rows = form.symmetric()
     minors = [matrix_determinant([row[:k] for row in rows[:k]]) for k in range(1, form.size + 1)]
@@ -95,11 +95,11 @@ def modified_hamiltonian(m: StepMatrix) -> ModifiedHamiltonian | None:
     log M = (θ / sin θ)(M - cos θ I), and z' = J∇H̃ with J = [[0, 1], [-1, 0]] (hairer-lubich-wanner-2006, IX.3).
     None also where M is not elliptic for small h.
     """
-    if area_factor(m) != UNIT:
+    if area_factor(m) != _UNIT:
         return None
     (qq, qv), (vq, vv) = m
-    cosine = trace(m) * fraction(ONE / 2)
-    limit = _positive_limit((UNIT - cosine * cosine).num)
+    cosine = matrix_trace(m) * fraction(ONE / 2)
+    limit = _positive_limit((_UNIT - cosine * cosine).num)
     if limit == ZERO_ROOT:
         return None
     half_over_step = fraction(ONE / 2, X)
@@ -107,15 +107,15 @@ def modified_hamiltonian(m: StepMatrix) -> ModifiedHamiltonian | None:
     return ModifiedHamiltonian(cosine, q2, cross, v2, limit)
 
 
-def _of_planar(m: StepMatrix) -> list[Quadratic] | None:
+def _of_planar(m: StepMatrix) -> list[QuadraticForm] | None:
     """The basis where no eigenvalue is ±1 for all h: on quadratics M acts by λ₁², λ₁λ₂ and λ₂²."""
-    area, turn = area_factor(m), trace(m)
-    if NIL in (UNIT + area + turn, UNIT + area - turn):
+    area, turn = area_factor(m), matrix_trace(m)
+    if _NIL in (_UNIT + area + turn, _UNIT + area - turn):
         return None
-    if area != UNIT:
+    if area != _UNIT:
         return []
     (qq, qv), (vq, vv) = m
-    return [_scaled(Quadratic(_cleared((-vq, qq - vv, qv)), 2))]
+    return [_scaled(QuadraticForm(_cleared((-vq, qq - vv, qv)), 2))]
 
 
 def _pairs(size: int) -> list[tuple[int, int]]:
@@ -134,14 +134,14 @@ def _nullspace(rows: list[list[RationalFunction]]) -> list[list[RationalFunction
     pivots: list[int] = []
     for column in range(width):
         depth = len(pivots)
-        found = next((r for r in range(depth, len(rows)) if rows[r][column] != NIL), None)
+        found = next((r for r in range(depth, len(rows)) if rows[r][column] != _NIL), None)
         if found is None:
             continue
         rows[depth], rows[found] = rows[found], rows[depth]
         unit = fraction(rows[depth][column].den, rows[depth][column].num)
         rows[depth] = [x * unit for x in rows[depth]]
         for r in range(len(rows)):
-            if r != depth and rows[r][column] != NIL:
+            if r != depth and rows[r][column] != _NIL:
                 factor = rows[r][column]
                 rows[r] = [x - factor * y for x, y in zip(rows[r], rows[depth], strict=True)]
         pivots.append(column)
@@ -149,8 +149,8 @@ def _nullspace(rows: list[list[RationalFunction]]) -> list[list[RationalFunction
 
 
 def _solution(rows: list[list[RationalFunction]], pivots: list[int], free: int, width: int) -> list[RationalFunction]:
-    vector = [NIL] * width
-    vector[free] = UNIT
+    vector = [_NIL] * width
+    vector[free] = _UNIT
     for depth, column in enumerate(pivots):
         vector[column] = -rows[depth][free]
     return vector
@@ -168,11 +168,11 @@ def _cleared(vector: Sequence[RationalFunction]) -> tuple[Polynomial, ...]:
     return tuple(quotient(entry, content) for entry in entries)
 
 
-def _scaled(form: Quadratic) -> Quadratic:
+def _scaled(form: QuadraticForm) -> QuadraticForm:
     """Half the form whose first coefficient with a nonzero value at h = 0 has value 1 there."""
     at_zero = [c[0] for c in form.coefficients]
     unit: Scalar = next(x for x in at_zero if x != 0)
-    return Quadratic(tuple(descend(c / (2 * unit)) for c in form.coefficients), form.size)
+    return QuadraticForm(tuple(descend(c / (2 * unit)) for c in form.coefficients), form.size)
 
 
 def _positive_limit(p: Polynomial) -> Limit:

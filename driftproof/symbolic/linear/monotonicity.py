@@ -26,7 +26,7 @@ from driftproof.symbolic.algebra.polynomials import (
     sign,
 )
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT as ZERO_LIMIT
-from driftproof.symbolic.linear.reduced_tableau import Stages, reduced, stages_of
+from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced, stages_of
 from driftproof.symbolic.linear.stability_limits import Limit, first_failure, smallest
 
 
@@ -65,7 +65,7 @@ def _tableau(method: Collocation) -> RungeKutta | None:
     return RungeKutta(method.key, method.title, 0, method.source, a, tuple(weights), tuple(nodes))
 
 
-def monotonicity_conditions(stages: Stages) -> list[Polynomial]:
+def monotonicity_conditions(stages: StageCoefficients) -> list[Polynomial]:
     """What must be >= 0: det(I + rA), and times it the entries of K(I + rK)⁻¹ and of e - rK(I + rK)⁻¹e, in Q[r]."""
     a = [[scalar(x) for x in row] for row in stages.a]
     rows = [*a, [scalar(x) for x in stages.weights[0]]]

@@ -25,7 +25,7 @@ from driftproof.symbolic.algebra.polynomials import (
 )
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction, reversed_sign
 from driftproof.symbolic.linear.stability_function import (
-    Tableau,
+    ScalarTableau,
     resolvent,
     stability_function,
     stability_function_of_collocation,
@@ -44,7 +44,7 @@ def stability_function_of(method: Method) -> RationalFunction | None:
     return stability_function_of_collocation(method.node_polynomial) if isinstance(method, Collocation) else None
 
 
-def one_step_matrix(method: Method) -> StepMatrix:
+def oscillator_matrix(method: Method) -> StepMatrix:
     """M(h) with (q₁, v₁)ᵀ = M(h) (q₀, v₀)ᵀ for q' = v, v' = -q, also for implicit methods: entries in Q(h) or K(h)."""
     r = stability_function_of(method)
     if r is not None:
@@ -80,18 +80,18 @@ def linear_step_matrix(method: Method, rows: Sequence[Sequence[Exact | int]]) ->
     return of_matrix(r, exact_rows) if r is not None else _partitioned(method, exact_rows)
 
 
-def trace(m: StepMatrix) -> RationalFunction:
+def matrix_trace(m: StepMatrix) -> RationalFunction:
     """tr M."""
     return m[0][0] + m[1][1]
 
 
-def determinant(m: StepMatrix) -> RationalFunction:
+def area_factor(m: StepMatrix) -> RationalFunction:
     """det M, the factor by which one step scales area."""
     (qq, qv), (vq, vv) = m
     return qq * vv - qv * vq
 
 
-def energy_multiplier(m: StepMatrix) -> RationalFunction | None:
+def energy_factor(m: StepMatrix) -> RationalFunction | None:
     """The μ(h²) with E(Mz) = μ E(z) for every z, as a function of h²; None where the change depends on the state."""
     (qq, qv), (vq, vv) = m
     gained = qq * qq + vq * vq
@@ -120,10 +120,10 @@ def energy_multiplier_of(r: RationalFunction) -> RationalFunction:
 
 def _at_minus_square(p: Polynomial) -> Polynomial:
     """p(-z²)."""
-    return spread(reflected(p))
+    return inflated(reflected(p))
 
 
-def spread(p: Polynomial) -> Polynomial:
+def inflated(p: Polynomial) -> Polynomial:
     """p(z²)."""
     return from_scalars([x for c in p.coeffs() for x in (c, c * 0)])
 
@@ -132,7 +132,7 @@ def _implicit_nystrom_matrix(method: Nystrom) -> StepMatrix:
     """k = -(I + h²A)⁻¹ (1 q + hc v): every entry is a resolvent bᵀ(I - zA)⁻¹v at z = -h²."""
     values = [[scalar(x) for x in row] for row in method.a]
     nodes, weights, rates = (tuple(scalar(x) for x in row) for row in (method.c, method.b_position, method.b_velocity))
-    data = Tableau(tuple(map(tuple, values)), weights, nodes, method.field)
+    data = ScalarTableau(tuple(map(tuple, values)), weights, nodes, method.field)
 
     def response(b: tuple[Scalar, ...], v: tuple[Scalar, ...]) -> RationalFunction:
         found = resolvent(data.weighted(b), v)
@@ -155,7 +155,7 @@ def _partitioned(method: Method, rows: list[list[Scalar]]) -> StepMatrix:
     stiffness = stiffness_of(rows)
     if stiffness is None:
         raise ValueError(f"{method.key} needs a system q' = v, v' = Kq: the matrix must be [[0, I], [K, 0]]")
-    (qq, qv), (vq, vv) = one_step_matrix(method)
+    (qq, qv), (vq, vv) = oscillator_matrix(method)
     step, per_step = fraction(X), fraction(ONE, X)
     blocks = [
         [_of_square(qq, stiffness, fraction(ONE)), _of_square(qv * per_step, stiffness, step)],
@@ -177,4 +177,4 @@ def _of_square(f: RationalFunction, stiffness: list[list[Scalar]], factor: Ratio
     """factor(h) φ(h²K), where φ(-h²) = f(h), f even."""
     phi = fraction(*(reflected(deflate(p)) for p in (f.num, f.den)))
     found = of_matrix(phi, stiffness)
-    return tuple(tuple(fraction(spread(x.num), spread(x.den)) * factor for x in row) for row in found)
+    return tuple(tuple(fraction(inflated(x.num), inflated(x.den)) * factor for x in row) for row in found)

@@ -25,7 +25,7 @@ from driftproof.symbolic.algebra.rational_functions import (
     series_root,
     taylor,
 )
-from driftproof.symbolic.linear.oscillator import determinant, trace
+from driftproof.symbolic.linear.oscillator import area_factor, matrix_trace
 
 
 class NoRotationError(ValueError):
@@ -49,7 +49,7 @@ def error_constant(r: RationalFunction) -> LeadingTerm:
     return _leading([a - b for a, b in zip(taylor(r, terms), exponential_series(terms), strict=True)])
 
 
-def linear_order(r: RationalFunction) -> int:
+def order_on_linear_problems(r: RationalFunction) -> int:
     """The p with R(z) = eᶻ + O(zᵖ⁺¹): the order on y' = λy. On nonlinear problems the order may be lower."""
     return error_constant(r).power - 1
 
@@ -107,7 +107,7 @@ def is_linearly_symmetric(r: RationalFunction) -> bool:
     return bool(r.num * reflected(r.num) == r.den * reflected(r.den))
 
 
-def angle_series(m: StepMatrix, terms: int) -> PowerSeries:
+def angle_error_series(m: StepMatrix, terms: int) -> PowerSeries:
     """θ(h) - h modulo h**terms, θ the angle of the eigenvalues: cos θ = tr M / (2 sqrt(det M)).
 
     From θ' = -(cos θ)' / sin θ. An inconsistent splitting turns by θ = σh + O(h²) with σ = sqrt(Σ kicks Σ drifts); its
@@ -118,15 +118,15 @@ def angle_series(m: StepMatrix, terms: int) -> PowerSeries:
     return [c - 1 if k == 1 else c for k, c in enumerate(series_integral(slope)[:terms])]
 
 
-def turning_rate(m: StepMatrix) -> Exact:
+def leading_frequency(m: StepMatrix) -> Exact:
     """The σ with θ = σh + O(h²); 1 for a consistent method. Raises NoRotationError unless σ² is rational, positive."""
     return _square_root(exact(_square_of_sine(_cosine(m, 2))[0]))
 
 
 def _cosine(m: StepMatrix, terms: int) -> PowerSeries:
     """cos θ modulo h**(terms + 1)."""
-    root = series_root(taylor(determinant(m), terms + 1))
-    cosine = series_quotient([c / 2 for c in taylor(trace(m), terms + 1)], root)
+    root = series_root(taylor(area_factor(m), terms + 1))
+    cosine = series_quotient([c / 2 for c in taylor(matrix_trace(m), terms + 1)], root)
     if cosine[0] != 1 or cosine[1] != 0:
         raise NoRotationError("the step is no rotation by a small angle: its eigenvalues are not 1 at h = 0")
     return cosine
@@ -159,28 +159,28 @@ def _square_root(x: Exact) -> Exact:
 
 def damping_series(m: StepMatrix, terms: int) -> PowerSeries:
     """½ log det M modulo h**terms: the growth rate per step of the eigenvalues' radius."""
-    return [c / 2 for c in series_logarithm(taylor(determinant(m), terms))]
+    return [c / 2 for c in series_logarithm(taylor(area_factor(m), terms))]
 
 
 def angle_error(m: StepMatrix) -> LeadingTerm:
     """The leading term of θ(h) - h. There is one, as cos θ is algebraic in h and cos h is not.
 
-    Raises NoRotationError as `turning_rate` does.
+    Raises NoRotationError as `leading_frequency` does.
     """
-    excess = turning_rate(m) - 1
-    return LeadingTerm(1, excess) if excess else _leading_of(lambda terms: angle_series(m, terms))
+    excess = leading_frequency(m) - 1
+    return LeadingTerm(1, excess) if excess else _leading_of(lambda terms: angle_error_series(m, terms))
 
 
-def damping(m: StepMatrix) -> LeadingTerm | None:
+def leading_dissipation(m: StepMatrix) -> LeadingTerm | None:
     """The leading term of ½ log det M; None where det M = 1 for every h."""
-    if determinant(m) == fraction(ONE):
+    if area_factor(m) == fraction(ONE):
         return None
     return _leading_of(lambda terms: damping_series(m, terms))
 
 
 def modified_factor_series(m: StepMatrix, terms: int) -> PowerSeries:
     """θ / sin θ modulo h**terms, for det M = 1: the factor of the modified Hamiltonian."""
-    angle = angle_series(m, terms + 1)
+    angle = angle_error_series(m, terms + 1)
     over_step = [c + 1 if k == 0 else c for k, c in enumerate(angle[1:])]
     return series_quotient(over_step, _cosine_and_sine(m, terms + 1)[1])
 

@@ -72,9 +72,9 @@ def ray_conditions(
     r: RationalFunction, total: Scalar, product: Scalar, block: int
 ) -> tuple[Polynomial, list[Polynomial]]:
     """|Q|² - |P|² at xλ, whose sign decides where it is not 0; and what else has to vanish where it is, all in x."""
-    margin = size_along(r.den, total, product) - size_along(r.num, total, product)
+    margin = modulus_squared_along(r.den, total, product) - modulus_squared_along(r.num, total, product)
     slope = r.num.derivative() * r.den - r.num * r.den.derivative()
-    return margin, [size_along(p, total, product) for p in _derivatives(slope, block - 1)]
+    return margin, [modulus_squared_along(p, total, product) for p in _derivatives(slope, block - 1)]
 
 
 def at_rest(r: RationalFunction, block: int) -> Bound:
@@ -83,7 +83,7 @@ def at_rest(r: RationalFunction, block: int) -> Bound:
     return ALWAYS if all(p[0] == 0 for p in _derivatives(slope, block - 1)) else NEVER
 
 
-def size_along(p: Polynomial, total: Scalar, product: Scalar) -> Polynomial:
+def modulus_squared_along(p: Polynomial, total: Scalar, product: Scalar) -> Polynomial:
     """|p(xλ)|² as a polynomial in x, for λ + λ̄ = `total` and λλ̄ = `product`, p with real coefficients.
 
     Σ cⱼ cₖ xʲ⁺ᵏ λʲ λ̄ᵏ, where λⁿ + λ̄ⁿ follows the recurrence of x² - total x + product.
@@ -112,12 +112,12 @@ def _derivatives(p: Polynomial, count: int) -> list[Polynomial]:
 
 
 # Of the polynomial in h; beyond, its factors take minutes.
-LARGEST_DEGREE = 300
-LAST_BITS = 1 << 14
+LARGEST_PAIR_DEGREE = 300
+LAST_MARGIN_BITS = 1 << 14
 
 # A square matrix over Q. FLINT's have no static types.
-Matrix: TypeAlias = Any
-Coefficients: TypeAlias = tuple[Exact, ...]
+_Matrix: TypeAlias = Any
+_Coefficients: TypeAlias = tuple[Exact, ...]
 
 
 class UndecidedLimitError(ValueError):
@@ -139,7 +139,7 @@ def pair_bound(r: RationalFunction, place: Complex) -> Bound:
 
 
 @lru_cache(maxsize=16)
-def _critical_steps(num: Coefficients, den: Coefficients, minimal: Minimal) -> list[RealRoot]:
+def _critical_steps(num: _Coefficients, den: _Coefficients, minimal: Minimal) -> list[RealRoot]:
     """The positive roots of the polynomial of pairs; all conjugates share them."""
     critical = pair_polynomial(RationalFunction(polynomial(num), polynomial(den)), minimal)
     if critical == 0:
@@ -153,7 +153,7 @@ def margin_sign(r: RationalFunction, place: Complex, h: fmpq) -> int:
     Raises UndecidedLimitError where LAST_BITS do not.
     """
     bits = ISOLATING_BITS
-    while bits <= LAST_BITS:
+    while bits <= LAST_MARGIN_BITS:
         with ctx.workprec(bits):
             num, den = (
                 acb_poly([at_ball(ONE * c, arb(0)) for c in p.coeffs()])(place.ball() * h) for p in (r.num, r.den)
@@ -162,7 +162,7 @@ def margin_sign(r: RationalFunction, place: Complex, h: fmpq) -> int:
             if not margin.contains(0):
                 return 1 if margin > 0 else -1
         bits *= 2
-    raise UndecidedLimitError(f"whether |R(hλ)| is 1 at h = {h} is not decided with {LAST_BITS} bits")
+    raise UndecidedLimitError(f"whether |R(hλ)| is 1 at h = {h} is not decided with {LAST_MARGIN_BITS} bits")
 
 
 def pair_polynomial(r: RationalFunction, minimal: Minimal) -> Polynomial:
@@ -174,8 +174,10 @@ def pair_polynomial(r: RationalFunction, minimal: Minimal) -> Polynomial:
     """
     generator = _powers_of_generator(_field(r))
     degree = 2 * max(int(r.num.degree()), int(r.den.degree())) * comb(len(minimal) - 1, 2) * len(generator)
-    if degree > LARGEST_DEGREE:
-        raise UndecidedLimitError(f"a complex eigenvalue whose polynomial in h has degree {degree} > {LARGEST_DEGREE}")
+    if degree > LARGEST_PAIR_DEGREE:
+        raise UndecidedLimitError(
+            f"a complex eigenvalue whose polynomial in h has degree {degree} > {LARGEST_PAIR_DEGREE}"
+        )
     companion = _companion(minimal)
     one = _identity(companion.nrows())
     total, product = _on_pairs(companion, one) + _on_pairs(one, companion), _on_pairs(companion, companion)
@@ -192,7 +194,7 @@ def pair_polynomial(r: RationalFunction, minimal: Minimal) -> Polynomial:
     return interpolate(values)
 
 
-def _margin_terms(r: RationalFunction, total: Matrix, product: Matrix, width: int) -> list[list[Matrix]]:
+def _margin_terms(r: RationalFunction, total: _Matrix, product: _Matrix, width: int) -> list[list[_Matrix]]:
     """The coefficients of hⁿ in |Q(hλ)|² - |P(hλ)|² as polynomials in S and D, each by its parts over the field."""
     degree = 2 * max(int(r.num.degree()), int(r.den.degree()))
     terms = [[total * 0 for _ in range(width)] for _ in range(degree + 1)]
@@ -204,7 +206,7 @@ def _margin_terms(r: RationalFunction, total: Matrix, product: Matrix, width: in
     return terms
 
 
-def _symmetric_powers(total: Matrix, product: Matrix, count: int) -> Iterator[tuple[int, int, Matrix]]:
+def _symmetric_powers(total: _Matrix, product: _Matrix, count: int) -> Iterator[tuple[int, int, _Matrix]]:
     """(j, j, λʲμʲ) and (j, k, λʲμᵏ + λᵏμʲ) for j < k < count, as polynomials in λ + μ and λμ."""
     power = _identity(total.nrows())
     sums = [power * 2, total]
@@ -217,19 +219,19 @@ def _symmetric_powers(total: Matrix, product: Matrix, count: int) -> Iterator[tu
         power = power * product
 
 
-def _companion(minimal: Minimal) -> Matrix:
+def _companion(minimal: Minimal) -> _Matrix:
     size = len(minimal) - 1
     last = [fmpq(-c, minimal[-1]) for c in minimal[:-1]]
     return fmpq_mat([[last[i] if j == size - 1 else fmpq(int(i == j + 1)) for j in range(size)] for i in range(size)])
 
 
-def _on_pairs(a: Matrix, b: Matrix) -> Matrix:
+def _on_pairs(a: _Matrix, b: _Matrix) -> _Matrix:
     """eᵢ∧eⱼ ↦ Aeᵢ∧Beⱼ in the basis of the eᵢ∧eⱼ, i < j."""
     pairs = list(combinations(range(a.nrows()), 2))
     return fmpq_mat([[a[k, i] * b[m, j] - a[m, i] * b[k, j] for i, j in pairs] for k, m in pairs])
 
 
-def _projection_on_kernel(s: Matrix) -> Matrix:
+def _projection_on_kernel(s: _Matrix) -> _Matrix:
     """q(S)/q(0), where xᵏq(x) is the characteristic polynomial of S, which is semisimple; 0 for k = 0."""
     coefficients = s.charpoly().coeffs()
     lowest = next(c for c in coefficients if c != 0)
@@ -239,11 +241,11 @@ def _projection_on_kernel(s: Matrix) -> Matrix:
     return value
 
 
-def _identity(size: int) -> Matrix:
+def _identity(size: int) -> _Matrix:
     return fmpq_mat([[fmpq(int(i == j)) for j in range(size)] for i in range(size)])
 
 
-def _kronecker(a: Matrix, b: Matrix) -> Matrix:
+def _kronecker(a: _Matrix, b: _Matrix) -> _Matrix:
     rows = range(a.nrows()), range(b.nrows())
     return fmpq_mat([[a[i, j] * b[k, m] for j in rows[0] for m in rows[1]] for i in rows[0] for k in rows[1]])
 
@@ -252,7 +254,7 @@ def _field(r: RationalFunction) -> NumberField | None:
     return next((p.field for p in (r.num, r.den) if isinstance(p, FieldPolynomial)), None)
 
 
-def _powers_of_generator(field: NumberField | None) -> list[Matrix]:
+def _powers_of_generator(field: NumberField | None) -> list[_Matrix]:
     """1, α, α², ... below the degree, as matrices of multiplication; 1 over Q."""
     alpha = _companion(field.minimal) if field else _identity(1)
     powers = [_identity(alpha.nrows())]

@@ -10,30 +10,30 @@ from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.algebra.polynomials import ONE, X, polynomial
 
-Row: TypeAlias = tuple[Exact, ...]
+_Row: TypeAlias = tuple[Exact, ...]
 
 
-class Stages(NamedTuple):
+class StageCoefficients(NamedTuple):
     """A and c, and the rows of weights: (b,) of a Runge-Kutta method, (b_position, b_velocity) of a Nyström method."""
 
-    a: tuple[Row, ...]
-    weights: tuple[Row, ...]
-    c: Row
+    a: tuple[_Row, ...]
+    weights: tuple[_Row, ...]
+    c: _Row
 
     @property
-    def b(self) -> Row:
+    def b(self) -> _Row:
         """The weights of a Runge-Kutta method; of a Nyström method, those of the velocity."""
         return self.weights[-1]
 
 
-def stages_of(method: RungeKutta | Nystrom) -> Stages:
+def stages_of(method: RungeKutta | Nystrom) -> StageCoefficients:
     """The coefficients of `method`, b_embedded left out."""
     if isinstance(method, Nystrom):
-        return Stages(method.a, (method.b_position, method.b_velocity), method.c)
-    return Stages(method.a, (method.b,), method.c)
+        return StageCoefficients(method.a, (method.b_position, method.b_velocity), method.c)
+    return StageCoefficients(method.a, (method.b,), method.c)
 
 
-def reduced(stages: Stages) -> Stages:
+def reduced(stages: StageCoefficients) -> StageCoefficients:
     """The same method without stages that do not count, and with stages merged that are equal on every problem.
 
     The former make it DJ-reducible, the latter S-reducible (hairer-wanner-1996, IV.12). What holds for a method if and
@@ -47,7 +47,9 @@ def reduced(stages: Stages) -> Stages:
         stages = smaller
 
 
-def matchings(stages: Stages, other: Stages, chosen: tuple[int, ...] = ()) -> Iterator[tuple[int, ...]]:
+def matchings(
+    stages: StageCoefficients, other: StageCoefficients, chosen: tuple[int, ...] = ()
+) -> Iterator[tuple[int, ...]]:
     """The orders p of the stages such that stage pᵢ of `other` has the coefficients of stage i, found one by one."""
     i = len(chosen)
     if i == len(stages.a):
@@ -66,7 +68,7 @@ def total(values: Iterable[Exact]) -> Exact:
     return first
 
 
-def _fits(stages: Stages, other: Stages, chosen: tuple[int, ...]) -> bool:
+def _fits(stages: StageCoefficients, other: StageCoefficients, chosen: tuple[int, ...]) -> bool:
     """The newest of the chosen stages agrees in its weights, and in its entries of A with those chosen before."""
     i, k = len(chosen) - 1, chosen[-1]
     if any(row[i] != matched[k] for row, matched in zip(stages.weights, other.weights, strict=True)):
@@ -77,7 +79,7 @@ def _fits(stages: Stages, other: Stages, chosen: tuple[int, ...]) -> bool:
     return all(a[i][j] == b[k][m] and a[j][i] == b[m][k] for j, m in enumerate(chosen))
 
 
-def _restricted(stages: Stages) -> Stages:
+def _restricted(stages: StageCoefficients) -> StageCoefficients:
     """The stages from which a chain of nonzero aᵢⱼ leads to a nonzero weight; at least one."""
     counted = {i for row in stages.weights for i, x in enumerate(row) if x != 0}
     while True:
@@ -86,28 +88,28 @@ def _restricted(stages: Stages) -> Stages:
             break
         counted = reached
     kept = sorted(counted) or [0]
-    return Stages(
+    return StageCoefficients(
         tuple(tuple(stages.a[i][j] for j in kept) for i in kept),
         tuple(tuple(row[i] for i in kept) for row in stages.weights),
         tuple(stages.c[i] for i in kept),
     )
 
 
-def _merged(stages: Stages) -> Stages:
+def _merged(stages: StageCoefficients) -> StageCoefficients:
     """Stages are equal on every problem in one class of the coarsest partition in which Σ aᵢⱼ over each class depends
     on the class of i only (for Nyström methods, c too).
     """
     labels = _coarsest_partition(stages)
     firsts = [i for i, k in enumerate(labels) if k == i]
     members = [[j for j, k in enumerate(labels) if k == i] for i in firsts]
-    return Stages(
+    return StageCoefficients(
         tuple(tuple(total(stages.a[i][j] for j in group) for group in members) for i in firsts),
         tuple(tuple(total(row[j] for j in group) for group in members) for row in stages.weights),
         tuple(stages.c[i] for i in firsts),
     )
 
 
-def _coarsest_partition(stages: Stages) -> list[int]:
+def _coarsest_partition(stages: StageCoefficients) -> list[int]:
     """For each stage the first stage of its class: classes are split until the sums over them agree."""
     labels = _labels(stages.c if len(stages.weights) > 1 else (0,) * len(stages.a))
     while True:
@@ -138,7 +140,7 @@ def is_symplectic(method: Method) -> bool:
     return not symplectic_residuals(reduced(stages_of(method)))
 
 
-def symplectic_residuals(stages: Stages) -> dict[str, Exact]:
+def symplectic_residuals(stages: StageCoefficients) -> dict[str, Exact]:
     """The residuals, where not zero, of the conditions of `is_symplectic` for the coefficients as they stand."""
     a, b = stages.a, stages.b
     pairs = [(i, j) for i in range(len(b)) for j in range(i, len(b))]
@@ -168,16 +170,16 @@ def is_symmetric(method: Method) -> bool:
     return next(matchings(stages, adjoint(stages)), None) is not None
 
 
-def adjoint(stages: Stages) -> Stages:
+def adjoint(stages: StageCoefficients) -> StageCoefficients:
     """The coefficients of the adjoint method, stages in the same order: h for -h, start and end exchanged."""
     a, c = stages.a, tuple(1 - x for x in stages.c)
     *outer, b = stages.weights
     size = range(len(b))
     if not outer:
-        return Stages(tuple(tuple(b[j] - a[i][j] for j in size) for i in size), (b,), c)
+        return StageCoefficients(tuple(tuple(b[j] - a[i][j] for j in size) for i in size), (b,), c)
     (position,) = outer
     rows = tuple(tuple(b[j] * c[i] - position[j] + a[i][j] for j in size) for i in size)
-    return Stages(rows, (tuple(b[j] - position[j] for j in size), b), c)
+    return StageCoefficients(rows, (tuple(b[j] - position[j] for j in size), b), c)
 
 
 def is_stiffly_accurate(method: Method) -> bool:

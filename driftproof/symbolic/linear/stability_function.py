@@ -32,7 +32,7 @@ RationalMatrix: TypeAlias = Any
 
 
 @dataclass(frozen=True)
-class Tableau:
+class ScalarTableau:
     """(A, b, c) with exact scalars; `field` is the number field of the irrational ones, None over Q.
 
     An element x of a field of degree d is also the d x d matrix over Q of multiplication by x; written so in blocks, a
@@ -63,7 +63,7 @@ class Tableau:
             found.append(self._element(self._weights * vector))
         return found
 
-    def weighted(self, weights: Sequence[Scalar]) -> Tableau:
+    def weighted(self, weights: Sequence[Scalar]) -> ScalarTableau:
         """The same A and c with other weights."""
         return replace(self, b=tuple(weights))
 
@@ -111,7 +111,7 @@ class Tableau:
 
 
 @dataclass(frozen=True)
-class NodeTableau(Tableau):
+class NodeTableau(ScalarTableau):
     """Collocation at the roots of M, in the basis 1, x, ..., xˢ⁻¹ of Q[x]/M instead of by values at the nodes.
 
     A is integration from 0, b integration from 0 to 1, and cᵏ the class of xᵏ: all rational where the nodes are not.
@@ -137,13 +137,13 @@ class NodeTableau(Tableau):
         return tuple(rest[i] for i in range(self.stages))
 
 
-def tableau(method: RungeKutta | Collocation) -> Tableau:
+def scalar_tableau(method: RungeKutta | Collocation) -> ScalarTableau:
     """The tableau of `method` with exact scalars."""
     if isinstance(method, Collocation):
         return NodeTableau.of(polynomial(method.node_polynomial))
     a = tuple(tuple(scalar(x) for x in row) for row in method.a)
     b, c = (tuple(scalar(x) for x in row) for row in (method.b, method.c))
-    return Tableau(a, b, c, method.field)
+    return ScalarTableau(a, b, c, method.field)
 
 
 def _coordinates(x: Scalar, degree: int) -> list[fmpq]:
@@ -166,13 +166,13 @@ def stability_function(method: RungeKutta) -> RationalFunction:
 
     Over Q an implicit method goes through characteristic polynomials, every other through moments.
     """
-    data = tableau(method)
+    data = scalar_tableau(method)
     if data.explicit or data.field:
         return stability_function_by_moments(data)
     return stability_function_by_determinants(data)
 
 
-def stability_function_by_moments(data: Tableau) -> RationalFunction:
+def stability_function_by_moments(data: ScalarTableau) -> RationalFunction:
     """R(z) from 1 + Σ zᵏ⁺¹ bᵀAᵏ1: a polynomial of degree s for an explicit method, else P/Q with degrees at most s.
 
     2s + 1 coefficients of the series determine P/Q; Euclid's algorithm finds it (Padé).
@@ -183,7 +183,7 @@ def stability_function_by_moments(data: Tableau) -> RationalFunction:
     return rational_from_series([one, *data.moments(data.power(0), 2 * data.stages)], data.stages)
 
 
-def stability_function_by_determinants(data: Tableau) -> RationalFunction:
+def stability_function_by_determinants(data: ScalarTableau) -> RationalFunction:
     """R(z) = det(I - zA + z1bᵀ) / det(I - zA) (hairer-wanner-1996, IV.3)."""
     ones = data.power(0)
     shifted = [[x - one * y for x, y in zip(row, data.b, strict=True)] for row, one in zip(data.a, ones, strict=True)]
@@ -207,7 +207,7 @@ def stability_function_of_collocation(node_polynomial: Sequence[Exact | int]) ->
     return fraction(at_one, at_zero)
 
 
-def resolvent(data: Tableau, start: Sequence[Scalar]) -> RationalFunction:
+def resolvent(data: ScalarTableau, start: Sequence[Scalar]) -> RationalFunction:
     """bᵀ(I - zA)⁻¹v for v = start, in lowest terms."""
     if data.explicit:
         return RationalFunction(from_scalars(data.moments(start, data.stages)), ONE)
@@ -233,7 +233,7 @@ def _value(p: Polynomial, x: int) -> Scalar:
     return evaluate(p, p[0] * 0 + x) if p != 0 else ONE[0] * 0
 
 
-def _reversed_characteristic(data: Tableau, rows: Sequence[Sequence[Scalar]]) -> Polynomial:
+def _reversed_characteristic(data: ScalarTableau, rows: Sequence[Sequence[Scalar]]) -> Polynomial:
     """det(I - zA) for the matrix with these rows: its characteristic polynomial, coefficients reversed."""
     if data.field:
         return from_scalars([x + ONE[0] * 0 for x in characteristic_and_adjugate(rows)[0]])
@@ -248,7 +248,7 @@ def prothero_robinson(method: RungeKutta | Collocation, power: int) -> RationalF
     """
     if power < 1:
         raise ValueError(f"power = {power}; the functions are numbered from 1")
-    data = tableau(method)
+    data = scalar_tableau(method)
     nodes = data.power(power - 1)
     defects = [x / power - y for x, y in zip(data.power(power), data.applied(nodes), strict=True)]
     quadrature = fraction(ONE * (fmpq(1, power) - data.weighed(nodes)))

@@ -15,10 +15,10 @@ from driftproof.symbolic.algebra.matrices import StepMatrix, matrix_determinant
 from driftproof.symbolic.algebra.polynomials import ONE, Polynomial, Scalar, at_ball, descend, exact, quotient, scalar
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root, root_ratio, sign_at
-from driftproof.symbolic.linear.eigenvalues import Complex, Eigenvalue, Imaginary, Place, eigenvalues
+from driftproof.symbolic.linear.eigenvalues import Complex, Eigenvalue, Imaginary, RootPlace, eigenvalues
 from driftproof.symbolic.linear.facts import demand_known
-from driftproof.symbolic.linear.oscillator import determinant as area_factor
-from driftproof.symbolic.linear.oscillator import linear_step_matrix, one_step_matrix, stability_function_of
+from driftproof.symbolic.linear.oscillator import area_factor as area_factor
+from driftproof.symbolic.linear.oscillator import linear_step_matrix, oscillator_matrix, stability_function_of
 from driftproof.symbolic.linear.ray_bounds import (
     ALWAYS,
     NEVER,
@@ -106,7 +106,7 @@ class SystemFacts:
             return reason
 
 
-def runge_kutta_bound(r: RationalFunction, place: Place, block: int) -> Bound:
+def runge_kutta_bound(r: RationalFunction, place: RootPlace, block: int) -> Bound:
     """The bound for powers of R(hJ), J a Jordan block of the eigenvalue, or a pair. Raises UndecidedLimitError."""
     if isinstance(place, Imaginary):
         return _per(ray_bound(r, fmpq(0), fmpq(1), block), place.size)
@@ -122,13 +122,13 @@ def runge_kutta_bound(r: RationalFunction, place: Place, block: int) -> Bound:
     return _per(ray_bound(r, fmpq(2 if ahead else -2), fmpq(1), block), place if ahead else place.negated())
 
 
-def partitioned_bound(method: Method, place: Place, block: int) -> Bound:
+def partitioned_bound(method: Method, place: RootPlace, block: int) -> Bound:
     """The same for a method that is not Runge-Kutta, on q' = v, v' = Kq: λ² is an eigenvalue of K.
 
     For λ = iω it is the oscillator's bound over ω, for real λ that of q' = v, v' = q over |λ|. Raises
     UndecidedLimitError.
     """
-    m = one_step_matrix(method)
+    m = oscillator_matrix(method)
     into_position, into_velocity = m[0][1].num[1], m[1][0].num[1]
     if isinstance(place, Complex) and into_position != 0 and into_velocity != 0:
         # M = I + h[[0, β], [λ²γ, 0]] + O(h²): one of its eigenvalues 1 ± hλ sqrt(βγ) + O(h²) is above 1 in modulus,
@@ -232,7 +232,7 @@ def _partitioned(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> boo
     if eigenvalue.block > 1 or isinstance(place, Complex) or place == ZERO_ROOT:
         raise UndecidedLimitError("a method that is not Runge-Kutta: only simple real and imaginary eigenvalues")
     if isinstance(place, Imaginary):
-        matrix, size = one_step_matrix(found.method), place.size
+        matrix, size = oscillator_matrix(found.method), place.size
     else:
         matrix = linear_step_matrix(found.method, [[0, 1], [1, 0]])
         size = place if place.ball() > 0 else place.negated()
@@ -279,7 +279,7 @@ def _size_of_function(r: RationalFunction, eigenvalue: Eigenvalue, h: Fraction) 
 def _block(method: Method, eigenvalue: Eigenvalue) -> StepMatrix:
     """The step on q' = v, v' = -q, or v' = q where λ is real."""
     real = isinstance(eigenvalue.place, RealRoot)
-    return linear_step_matrix(method, [[0, 1], [1, 0]]) if real else one_step_matrix(method)
+    return linear_step_matrix(method, [[0, 1], [1, 0]]) if real else oscillator_matrix(method)
 
 
 def _radius(matrix: StepMatrix, eigenvalue: Eigenvalue, h: Fraction) -> CertifiableReal:

@@ -6,13 +6,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from math import factorial
-from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
+from typing import Any, Generic, NamedTuple, TypeAlias
 
 from flint import arb, ctx, fmpq
 
 from driftproof.symbolic.algebra.certified import endpoints
 from driftproof.symbolic.trees.elementary_weights import RingElement, StageValues, TableauStages
-from driftproof.symbolic.trees.order_conditions import Conditions, RungeKuttaConditions
+from driftproof.symbolic.trees.order_conditions import Conditions, RungeKuttaConditions, TreeType
 from driftproof.symbolic.trees.partitioned_trees import (
     OTHER_COLOUR,
     AlternatingConditions,
@@ -22,8 +22,6 @@ from driftproof.symbolic.trees.partitioned_trees import (
     conditions_with_nodes,
 )
 from driftproof.symbolic.trees.rooted_trees import AnyTree
-
-TreeType = TypeVar("TreeType", bound=AnyTree)
 
 # Doubles and sums of a few products of them are far from using up so many bits.
 BALL_BITS = 256

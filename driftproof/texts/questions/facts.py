@@ -17,7 +17,7 @@ from driftproof.symbolic.facts import FACTS, ON_REQUEST, WHY_NONE, Facts
 from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
 from driftproof.symbolic.linear.a_stability import Angle, EnclosedTangent
 from driftproof.symbolic.linear.facts import ExactFunction, PowerSeries, Sector, facts_by_name
-from driftproof.symbolic.linear.invariants import Quadratic
+from driftproof.symbolic.linear.invariants import QuadraticForm
 from driftproof.symbolic.linear.phase import LeadingTerm
 from driftproof.symbolic.linear.stability_limits import Infinity
 from driftproof.texts.questions.answer import CERTIFIED, COUNTED, PROVED, STATED, Answer
@@ -43,7 +43,7 @@ def fact(context: QueryContext) -> Answer:
         if found is None:
             why = f": {WHY_NONE[name]}" if name in WHY_NONE else ""
             raise ValueError(f"{subject.key} has no {name}{why}")
-        if isinstance(found, Quadratic) and context.query.readout is None:
+        if isinstance(found, QuadraticForm) and context.query.readout is None:
             return _quadratic(context, found)
         return _answer(context, *_part(context, found, subject.key))
 
@@ -96,7 +96,7 @@ def _at_setting(context: QueryContext, f: ExactFunction) -> Any:
         raise ValueError(f"{context.head} has a pole at {f.variable} = {number and number.value}") from None
 
 
-def _quadratic(context: QueryContext, form: Quadratic) -> Answer:
+def _quadratic(context: QueryContext, form: QuadraticForm) -> Answer:
     """The conserved quadratic: a formula in h, q and v, or its value at h and a state."""
     context.demand_only("h", start=True)
     h, polynomials = context.query.settings.get("h"), form.coefficients

@@ -43,7 +43,7 @@ from driftproof.symbolic.linear.facts import (
     facts_by_name,
 )
 from driftproof.symbolic.linear.families import Interval, ParameterSet
-from driftproof.symbolic.linear.invariants import Quadratic
+from driftproof.symbolic.linear.invariants import QuadraticForm
 from driftproof.symbolic.linear.phase import LeadingTerm
 from driftproof.symbolic.linear.region import PLACES
 from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity
@@ -157,7 +157,7 @@ _PARTS: dict[type, Callable[[Any], dict[str, Any]]] = {
         "coefficients": {to_brackets(tree): c for tree, c in x.coefficients},
     },
     Simplifying: lambda x: {name: INFINITY if n is None else n for name, n in zip("BCD", (x.b, x.c, x.d), strict=True)},
-    Quadratic: lambda x: {
+    QuadraticForm: lambda x: {
         name: _in_step(fraction(c)) for name, c in zip(("q2", "qv", "v2"), x.coefficients, strict=True)
     },
     ModifiedEnergy: _of_hamiltonian,

@@ -14,7 +14,7 @@ from driftproof.blackbox.matching.tables import (
 )
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.methods.catalogue import METHODS
-from driftproof.symbolic.linear.reduced_tableau import Stages, reduced
+from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced
 from driftproof.symbolic.rounding.formats import BINARY64
 
 
@@ -27,7 +27,9 @@ def test_sizes_add_up_where_values_cancel():
 
 def test_reduction_keeps_sizes():
     third, rest = bounded(Q(1, 3)), bounded(Q(-1, 3))
-    stages = Stages(((bounded(0), bounded(0)), (bounded(0), bounded(0))), ((third, rest),), (bounded(0), bounded(0)))
+    stages = StageCoefficients(
+        ((bounded(0), bounded(0)), (bounded(0), bounded(0))), ((third, rest),), (bounded(0), bounded(0))
+    )
     ((merged,),) = reduced(stages).weights
     assert (merged.value, merged.size) == (0, 2 * (1 / 3))
 

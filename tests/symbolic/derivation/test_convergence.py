@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.derivation.convergence import (
+    FINAL_TIME,
     J,
     LocalError,
-    T,
     exact_flow_series,
     global_error_coefficient,
     local_error,
@@ -72,7 +72,7 @@ def _left_over(m: Any, local: LocalError, end: Q, n: int) -> arb:
     h = end / n
     with ctx.workprec(PRECISION):
         error = [a - b for a, b in zip(power(as_balls(matrix_at(m, h)), n), flow(end), strict=True)]
-        coefficient = global_error_coefficient(local).subs(T, sympy.Rational(end.numerator, end.denominator))
+        coefficient = global_error_coefficient(local).subs(FINAL_TIME, sympy.Rational(end.numerator, end.denominator))
         return distance([e / enclose(h) ** local.linear_order for e in error], numbers(coefficient))
 
 
@@ -115,14 +115,16 @@ def test_exact_flow_series_is_a_rotation_to_its_last_power() -> None:
     assert (minus_s, c_again) == (-s, c)
     assert all(power_ >= 9 for (power_,) in (c**2 + s**2 - 1).monoms())
     assert rotation(sympy.Integer(0)) == sympy.eye(2)
-    assert rotation(T).diff(T) == J * rotation(T)  # J = [[0, 1], [-1, 0]]: q' = v, v' = -q
+    assert rotation(FINAL_TIME).diff(FINAL_TIME) == J * rotation(FINAL_TIME)  # J = [[0, 1], [-1, 0]]: q' = v, v' = -q
 
 
 def test_global_coefficient_satisfies_the_variational_equation() -> None:
     """G' = J G + C exp(TJ), G(0) = 0, for a C with all four kinds of entry."""
     c = sympy.ImmutableMatrix([[1, 2], [5, 11]])
     coefficient = global_error_coefficient(LocalError(3, c))
-    residual = coefficient.diff(T) - J * coefficient - c * rotation(T)
+    residual = coefficient.diff(FINAL_TIME) - J * coefficient - c * rotation(FINAL_TIME)
     assert residual.applyfunc(sympy.expand) == sympy.zeros(2, 2)
-    assert coefficient.subs(T, 0) == sympy.zeros(2, 2)
-    assert coefficient.diff(T) - J * coefficient - rotation(T) * c != sympy.zeros(2, 2)  # C does not commute with J
+    assert coefficient.subs(FINAL_TIME, 0) == sympy.zeros(2, 2)
+    assert coefficient.diff(FINAL_TIME) - J * coefficient - rotation(FINAL_TIME) * c != sympy.zeros(
+        2, 2
+    )  # C does not commute with J

@@ -11,7 +11,7 @@ from hypothesis import given
 from driftproof import strategies
 from driftproof.methods.schemes import RungeKutta, Splitting
 from driftproof.symbolic.derivation.energy import (
-    QuadraticForm,
+    EnergyForm,
     StateDependentEnergy,
     definiteness,
     energy_after,
@@ -33,7 +33,7 @@ from driftproof.symbolic.runs import apply
 from tests.nine import NINE
 
 
-def value(form: QuadraticForm, h: Q, q: Q, v: Q) -> Q:
+def value(form: EnergyForm, h: Q, q: Q, v: Q) -> Q:
     q2, qv, v2 = (at_rational(coefficient, h) for coefficient in form)
     return q2 * q * q + qv * q * v + v2 * v * v
 
@@ -72,11 +72,11 @@ def test_energy_multiplier_needs_both_the_squares_and_the_mixed_term() -> None:
     assert energy_multiplier(matrix([[0, H], [-H, 0]])) == H**2
 
 
-def pulled_back(form: QuadraticForm, m: Any) -> QuadraticForm:
+def pulled_back(form: EnergyForm, m: Any) -> EnergyForm:
     """I(Mz), multiplied out by hand: the check is not the derivation."""
     a, b, c, d = entries(m)
     q2, qv, v2 = form
-    return QuadraticForm(
+    return EnergyForm(
         q2 * a * a + qv * a * c + v2 * c * c,
         2 * q2 * a * b + qv * (a * d + b * c) + 2 * v2 * c * d,
         q2 * b * b + qv * b * d + v2 * d * d,
@@ -90,7 +90,7 @@ def test_every_consistent_splitting_conserves_a_quadratic_that_becomes_the_energ
     assert pulled_back(invariant, m) == invariant
     assert [at_rational(c, Q(0)) for c in invariant] == [Q(1, 2), 0, Q(1, 2)]
     # The check can fail: the energy itself is not conserved by any of them.
-    energy = QuadraticForm(RING.one / 2, RING.zero, RING.one / 2)
+    energy = EnergyForm(RING.one / 2, RING.zero, RING.one / 2)
     assert pulled_back(energy, m) != energy
 
 
@@ -112,4 +112,4 @@ def test_invariant_is_refused_unless_it_is_one_that_becomes_the_energy(rows: Any
 def test_definiteness_of_symplectic_euler_is_one_minus_a_quarter_h_squared() -> None:
     invariant = invariant_quadratic(one_step_matrix(NINE["symplectic_euler"]))
     assert definiteness(invariant) == 1 - H**2 / 4
-    assert definiteness(QuadraticForm(RING.one, 2 * RING.one, RING.one)) == 0
+    assert definiteness(EnergyForm(RING.one, 2 * RING.one, RING.one)) == 0

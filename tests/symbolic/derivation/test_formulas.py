@@ -6,7 +6,7 @@ import pytest
 import sympy
 
 from driftproof.symbolic.derivation.derive import derive
-from driftproof.symbolic.derivation.formulas import DET, Derived, Step, plain_words, tex_of, text_of
+from driftproof.symbolic.derivation.formulas import DET, Derived, ProofStep, chain_tex, chain_text, plain_words
 
 h = sympy.Symbol("h")
 K = sympy.symbols("k_1 k_2", commutative=False)
@@ -24,8 +24,8 @@ MATRIX = sympy.ImmutableMatrix([[1 - h**2, h], [-h, 1]])
     ],
 )
 def test_expression_is_written_as_an_author_would(expression: sympy.Basic, text: str, tex: str) -> None:
-    assert (text_of([expression]), tex_of([expression])) == (text, tex)
-    assert text_of([DET, expression]) == f"det M = {text}"
+    assert (chain_text([expression]), chain_tex([expression])) == (text, tex)
+    assert chain_text([DET, expression]) == f"det M = {text}"
 
 
 def test_words_lose_what_only_tex_needs() -> None:
@@ -36,7 +36,7 @@ def test_words_lose_what_only_tex_needs() -> None:
 
 
 def test_missing_value_says_why_in_every_form() -> None:
-    derived = Derived("invariant", DET, None, (Step("So $h$ is:", (h, h**2)),), "$h$ is odd")
+    derived = Derived("invariant", DET, None, (ProofStep("So $h$ is:", (h, h**2)),), "$h$ is odd")
     assert derived.text == "Invariant\n  So h is:\n      h = h**2\n  There is none: h is odd."
     assert derived.derivation_tex.splitlines() == [
         r"\paragraph{Invariant}", "So $h$ is:", r"\[ h = h^{2} \]", "There is none: $h$ is odd.",

@@ -18,13 +18,13 @@ from driftproof.symbolic.algebra.real_roots import ZERO_ROOT
 from driftproof.symbolic.linear.a_stability import Angle
 from driftproof.symbolic.linear.facts import LinearFacts
 from driftproof.symbolic.linear.monotonicity import ssp_coefficient
-from driftproof.symbolic.linear.oscillator import one_step_matrix, stability_function_of
-from driftproof.symbolic.linear.phase import NoRotationError, angle_series, turning_rate
+from driftproof.symbolic.linear.oscillator import oscillator_matrix, stability_function_of
+from driftproof.symbolic.linear.phase import NoRotationError, angle_error_series, leading_frequency
 from driftproof.symbolic.linear.region import rounded_boundary
 from driftproof.symbolic.linear.stability_function import (
+    scalar_tableau,
     stability_function_by_determinants,
     stability_function_by_moments,
-    tableau,
 )
 from driftproof.symbolic.linear.stability_limits import INFINITY
 from driftproof.texts.writing.records import record
@@ -35,7 +35,7 @@ WITH_R = [key for key, method in METHODS.items() if isinstance(method, RungeKutt
 
 @pytest.mark.parametrize("key", WITH_R)
 def test_two_formulas_for_r(key: str) -> None:
-    data = tableau(METHODS[key])
+    data = scalar_tableau(METHODS[key])
     found = stability_function_of(METHODS[key])
     assert stability_function_by_moments(data) == found
     if not isinstance(METHODS[key], RungeKutta) or METHODS[key].stages < 20:
@@ -178,7 +178,7 @@ def test_modified_hamiltonian_of_symplectic_euler_as_text() -> None:
 
 def test_splittings_without_r_have_the_same_keys() -> None:
     assert isinstance(METHODS["velocity_verlet"], Splitting)
-    assert len(one_step_matrix(METHODS["velocity_verlet"])) == 2
+    assert len(oscillator_matrix(METHODS["velocity_verlet"])) == 2
 
 
 # --- monotonicity of collocation
@@ -245,7 +245,7 @@ def test_a_rate_too_long_to_read_is_a_number_and_has_no_series() -> None:
     coefficient = found["dispersion"]["coefficient"]
     assert (found["dispersion"]["power"], coefficient["exact"], found["dispersion_series"]) == (1, None, None)
     assert found["modified_hamiltonian"]["factor_series"] is None
-    rate = turning_rate(one_step_matrix(METHODS["mclachlan_atela5"]))
+    rate = leading_frequency(oscillator_matrix(METHODS["mclachlan_atela5"]))
     assert isinstance(rate, Algebraic)
     low, high = (rate - 1).enclosure(200)
     assert low < high < 0
@@ -262,7 +262,7 @@ def test_a_step_that_is_no_rotation_has_no_phase(kick: Q, drift: Q) -> None:
     found = phase(method)
     assert found == {"dispersion": None, "dispersion_series": None, "modified_hamiltonian": None}
     with pytest.raises(NoRotationError, match="no positive rational"):
-        angle_series(one_step_matrix(method), 4)
+        angle_error_series(oscillator_matrix(method), 4)
 
 
 # --- the boundary of the stability region
@@ -290,7 +290,7 @@ def test_rounded_points_lie_on_the_boundary_and_moved_ones_do_not(key: str) -> N
 
 def test_root_of_ten_is_drawn_out_of_ninety() -> None:
     """σ² = 10/9: the reference is the integer square root."""
-    rate = turning_rate(one_step_matrix(splitting(Q(10, 9), Q(1))))
+    rate = leading_frequency(oscillator_matrix(splitting(Q(10, 9), Q(1))))
     low, high = rate.enclosure(200) if isinstance(rate, Algebraic) else (rate, rate)
     root = Q(isqrt(10 * 10**100 // 9), 10**50)
     assert low - Q(1, 10**49) < root < high + Q(1, 10**49)

@@ -17,7 +17,7 @@ from driftproof.symbolic.algebra.rational_functions import fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, sign_at
 from driftproof.symbolic.derivation.one_step import one_step_matrix as polynomial_matrix
 from driftproof.symbolic.derivation.stability import stability_limit
-from driftproof.symbolic.linear.oscillator import one_step_matrix
+from driftproof.symbolic.linear.oscillator import oscillator_matrix
 from driftproof.symbolic.linear.stability_limits import INFINITY, boundary_of, bounded_limit, is_bounded
 from driftproof.texts.writing.records import record
 from tests.nine import NINE
@@ -79,7 +79,7 @@ def test_touch_through_the_identity_over_a_number_field() -> None:
 @pytest.mark.parametrize("key", NINE)
 def test_bounded_limit_agrees_with_the_derivation_over_polynomials(key: str) -> None:
     """The second implementation works on SymPy's Q[h] and algebraic fields."""
-    ours, theirs = bounded_limit(one_step_matrix(NINE[key])), stability_limit(polynomial_matrix(NINE[key]))
+    ours, theirs = bounded_limit(oscillator_matrix(NINE[key])), stability_limit(polynomial_matrix(NINE[key]))
     if ours is INFINITY:
         assert str(theirs) == "oo"
     else:
@@ -90,8 +90,8 @@ def test_bounded_limit_agrees_with_the_derivation_over_polynomials(key: str) -> 
 
 @given(strategies.splittings(max_pairs=3))
 def test_powers_of_random_splittings_inside_and_beyond(method: Splitting) -> None:
-    boundary = boundary_of(one_step_matrix(method))
-    limit = bounded_limit(one_step_matrix(method))
+    boundary = boundary_of(oscillator_matrix(method))
+    limit = bounded_limit(oscillator_matrix(method))
 
     def bounded_at(x: Q) -> bool:
         return is_bounded(boundary, lambda p: sign(evaluate(p, scalar(x))))
@@ -111,7 +111,7 @@ def test_powers_of_random_splittings_inside_and_beyond(method: Splitting) -> Non
 
 
 def test_limit_of_a_splitting_over_a_cubic_field() -> None:
-    limit = bounded_limit(one_step_matrix(triple_jump()))
+    limit = bounded_limit(oscillator_matrix(triple_jump()))
     assert record(limit) == {
         "exact": None,
         "minpoly": "x**6 - 36*x**4 + 432*x**2 - 864",

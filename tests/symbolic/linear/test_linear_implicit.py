@@ -34,11 +34,11 @@ from driftproof.symbolic.linear.a_stability import (
 from driftproof.symbolic.linear.stability_function import (
     NodeTableau,
     resolvent,
+    scalar_tableau,
     stability_function,
     stability_function_by_determinants,
     stability_function_by_moments,
     stability_function_of_collocation,
-    tableau,
 )
 from driftproof.symbolic.linear.stability_limits import INFINITY, imaginary_limit, imaginary_margin, real_limit
 from tests.symbolic.linear.linear_examples import ROOT_2, ROOT_3, Z, pade, sdirk
@@ -154,7 +154,7 @@ def test_sdirk_family_at(name: str) -> None:
 
 @pytest.mark.parametrize("name", GAMMAS)
 def test_two_formulas_for_r_agree_over_q_and_over_number_fields(name: str) -> None:
-    data = tableau(sdirk(GAMMAS[name][0]))
+    data = scalar_tableau(sdirk(GAMMAS[name][0]))
     r = stability_function_by_moments(data)
     assert stability_function_by_determinants(data) == r
     one = fraction(fmpq_poly([1]))

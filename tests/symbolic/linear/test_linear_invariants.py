@@ -11,13 +11,13 @@ from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import exact, polynomial
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction, polynomial_text
 from driftproof.symbolic.linear.invariants import (
-    Quadratic,
-    conserved_quadratics,
+    QuadraticForm,
     definite_limit,
     modified_hamiltonian,
+    quadratic_invariants,
     quadratics_by_elimination,
 )
-from driftproof.symbolic.linear.oscillator import determinant, linear_step_matrix, one_step_matrix
+from driftproof.symbolic.linear.oscillator import area_factor, linear_step_matrix, oscillator_matrix
 from driftproof.symbolic.linear.phase import modified_factor_series
 from tests.nine import NINE
 from tests.symbolic.linear.linear_examples import BACKWARD, EVERY, MIDPOINT, NIL, ONE, ROOT_3, Z, at, limit_text
@@ -40,9 +40,9 @@ def _sum(values: Any) -> RationalFunction:
 
 @pytest.mark.parametrize("key", EVERY)
 def test_quadratics_are_conserved_and_all_of_them(key: str) -> None:
-    m = one_step_matrix(EVERY[key])
-    forms = conserved_quadratics(m)
-    assert len(forms) == (1 if determinant(m) == ONE else 0)
+    m = oscillator_matrix(EVERY[key])
+    forms = quadratic_invariants(m)
+    assert len(forms) == (1 if area_factor(m) == ONE else 0)
     assert forms == quadratics_by_elimination(m)
     for form in forms:
         s = form.symmetric()
@@ -63,14 +63,14 @@ INVARIANTS = {
 
 @pytest.mark.parametrize("key", INVARIANTS)
 def test_invariants_of_known_methods_and_where_they_are_definite(key: str) -> None:
-    (form,) = conserved_quadratics(one_step_matrix(EVERY[key]))
+    (form,) = quadratic_invariants(oscillator_matrix(EVERY[key]))
     texts = tuple(polynomial_text(c, "h") for c in form.coefficients)
     assert (texts, limit_text(definite_limit(form))) == INVARIANTS[key]
 
 
 def test_definite_limit_over_a_number_field_is_not_that_of_a_conjugate() -> None:
     """(3 + √3 - 2h) q² + v² is definite up to (3 + √3)/2; its conjugate would end at (3 - √3)/2."""
-    form = Quadratic((polynomial([3 + ROOT_3, -2]), fmpq_poly(), fmpq_poly([1])), 2)
+    form = QuadraticForm((polynomial([3 + ROOT_3, -2]), fmpq_poly(), fmpq_poly([1])), 2)
     assert limit_text(definite_limit(form)) == "3/2 + sqrt(3)/2"
 
 
@@ -78,39 +78,39 @@ def test_a_higher_dimensional_system_conserves_several_quadratics() -> None:
     """Two uncoupled oscillators of one frequency: for the midpoint rule 4, the energies and two mixed ones."""
     rows = [[0, 0, 1, 0], [0, 0, 0, 1], [-1, 0, 0, 0], [0, -1, 0, 0]]
     m = linear_step_matrix(MIDPOINT, rows)
-    forms = conserved_quadratics(m)
+    forms = quadratic_invariants(m)
     assert len(forms) == 4
     for form in forms:
         s = form.symmetric()
         assert pulled_back(m, s) == [[fraction(fmpq_poly() + x) for x in row] for row in s]
     assert (
         len(
-            conserved_quadratics(
+            quadratic_invariants(
                 linear_step_matrix(MIDPOINT, [[0, 0, 1, 0], [0, 0, 0, 1], [-2, 1, 0, 0], [1, -2, 0, 0]])
             )
         )
         == 2
     )
-    assert conserved_quadratics(linear_step_matrix(BACKWARD, rows)) == []
+    assert quadratic_invariants(linear_step_matrix(BACKWARD, rows)) == []
 
 
 def test_the_identity_conserves_every_quadratic() -> None:
-    assert len(conserved_quadratics(((ONE, NIL), (NIL, ONE)))) == 3
-    assert len(conserved_quadratics(((ONE, NIL), (NIL, -ONE)))) == 2
+    assert len(quadratic_invariants(((ONE, NIL), (NIL, ONE)))) == 3
+    assert len(quadratic_invariants(((ONE, NIL), (NIL, -ONE)))) == 2
     half = fraction(fmpq_poly([fmpq(1, 2)]))
-    assert len(conserved_quadratics(((ONE, NIL), (NIL, half)))) == 1
+    assert len(quadratic_invariants(((ONE, NIL), (NIL, half)))) == 1
 
 
 # ---- the modified Hamiltonian
 
 
-SYMPLECTIC = [key for key, method in EVERY.items() if determinant(one_step_matrix(method)) == ONE]
+SYMPLECTIC = [key for key, method in EVERY.items() if area_factor(oscillator_matrix(method)) == ONE]
 
 
 @pytest.mark.parametrize("key", SYMPLECTIC)
 def test_flow_of_the_modified_hamiltonian_is_the_step(key: str) -> None:
     """exp(h J S) in balls, at h = 3/4, against M(3/4)."""
-    m = one_step_matrix(EVERY[key])
+    m = oscillator_matrix(EVERY[key])
     found = modified_hamiltonian(m)
     assert found is not None
     with ctx.workprec(200):
@@ -127,18 +127,18 @@ def test_flow_of_the_modified_hamiltonian_is_the_step(key: str) -> None:
 
 
 def test_modified_hamiltonian_of_verlet() -> None:
-    found = modified_hamiltonian(one_step_matrix(NINE["velocity_verlet"]))
+    found = modified_hamiltonian(oscillator_matrix(NINE["velocity_verlet"]))
     assert found is not None
     assert found.cosine == fraction(1 - Z**2 / 2)
     assert (found.q2, found.qv, found.v2) == (fraction(fmpq(1, 2) - Z**2 / 8), NIL, fraction(fmpq_poly([fmpq(1, 2)])))
     assert limit_text(found.limit) == "2"
-    series = modified_factor_series(one_step_matrix(NINE["velocity_verlet"]), 7)
+    series = modified_factor_series(oscillator_matrix(NINE["velocity_verlet"]), 7)
     assert [str(exact(c)) for c in series] == ["1", "0", "1/6", "0", "1/30", "0", "1/140"]
 
 
 @pytest.mark.parametrize("key", ["rk4", "forward_euler", "backward"])
 def test_there_is_no_modified_hamiltonian_where_area_is_not_conserved(key: str) -> None:
-    assert modified_hamiltonian(one_step_matrix(EVERY[key])) is None
+    assert modified_hamiltonian(oscillator_matrix(EVERY[key])) is None
 
 
 def test_there_is_no_modified_hamiltonian_of_a_hyperbolic_step() -> None:

@@ -17,14 +17,14 @@ from driftproof.symbolic.algebra.polynomials import coefficients, evaluate, exac
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 from driftproof.symbolic.derivation.energy import energy_multiplier as polynomial_multiplier
 from driftproof.symbolic.derivation.one_step import one_step_matrix as polynomial_matrix
-from driftproof.symbolic.linear.invariants import conserved_quadratics, definite_limit
+from driftproof.symbolic.linear.invariants import definite_limit, quadratic_invariants
 from driftproof.symbolic.linear.oscillator import (
-    determinant,
-    energy_multiplier,
+    area_factor,
+    energy_factor,
     energy_multiplier_of,
+    inflated,
     linear_step_matrix,
-    one_step_matrix,
-    spread,
+    oscillator_matrix,
     stability_function_of,
 )
 from driftproof.symbolic.linear.stability_limits import INFINITY
@@ -45,16 +45,16 @@ from tests.witnesses.witness_steps import witness_matrix
 
 @given(strategies.splittings(max_pairs=3) | strategies.runge_kutta_methods(max_stages=4))
 def test_matrix_of_a_drawn_method_is_what_its_step_is_in_other_arithmetics_and_without_one(method: Any) -> None:
-    assert one_step_matrix(method) == witness_matrix(method)
+    assert oscillator_matrix(method) == witness_matrix(method)
     for name in ("Fraction", "number field", "polynomials in h", "SymPy's polynomials", "balls"):
         assert ARITHMETICS[name].meets(method, method)
-    assert not isinstance(method, Splitting) or determinant(one_step_matrix(method)) == ONE
+    assert not isinstance(method, Splitting) or area_factor(oscillator_matrix(method)) == ONE
 
 
 @pytest.mark.parametrize("key", ["gauss2", "midpoint", "backward", "gauss3"])
 def test_implicit_step_solves_its_equations(key: str) -> None:
     """Q(hJ) M = P(hJ), multiplied out."""
-    m, r = one_step_matrix(EVERY[key]), stability_function_of(EVERY[key])
+    m, r = oscillator_matrix(EVERY[key]), stability_function_of(EVERY[key])
     assert r is not None
     num, den = (_at_rotation(p) for p in (r.num, r.den))
     left = [[den[i][0] * m[0][j] + den[i][1] * m[1][j] for j in range(2)] for i in range(2)]
@@ -69,9 +69,9 @@ def _at_rotation(p: Any) -> list[list[RationalFunction]]:
 
 
 def test_implicit_nystrom_is_the_implicit_midpoint_rule() -> None:
-    assert one_step_matrix(MIDPOINT_NYSTROM) == one_step_matrix(MIDPOINT)
+    assert oscillator_matrix(MIDPOINT_NYSTROM) == oscillator_matrix(MIDPOINT)
     twin = Nystrom("nystrom", "Nyström", 2, "x", (Q(1, 2),), ((Q(1, 5),),), (Q(1, 2),), (Q(1),))
-    assert one_step_matrix(twin) != one_step_matrix(MIDPOINT)
+    assert oscillator_matrix(twin) != oscillator_matrix(MIDPOINT)
 
 
 SYSTEMS: dict[str, list[list[Q | int]]] = {
@@ -109,7 +109,7 @@ def test_splitting_on_coupled_springs() -> None:
     assert moved[0] == [qq, -qq, vq, -vq]
     assert moved[1] == [qv, -qv, vv, -vv]
     nystrom = linear_step_matrix(NYSTROM_4, [[0, 1], [-1, 0]])
-    assert nystrom == one_step_matrix(NYSTROM_4)
+    assert nystrom == oscillator_matrix(NYSTROM_4)
 
 
 @pytest.mark.parametrize("rows", [[[0, 1], [-1, 1]], [[0, 2], [-1, 0]], [[0, 1, 0], [0, 0, 1], [1, 0, 0]]])
@@ -127,7 +127,7 @@ def test_linear_system_must_be_square_and_exact() -> None:
 
 @pytest.mark.parametrize("key", NINE)
 def test_energy_multiplier_agrees_with_the_polynomial_one(key: str) -> None:
-    ours = energy_multiplier(one_step_matrix(NINE[key]))
+    ours = energy_factor(oscillator_matrix(NINE[key]))
     if isinstance(NINE[key], Splitting):
         assert ours is None
         return
@@ -139,15 +139,15 @@ def test_energy_multiplier_agrees_with_the_polynomial_one(key: str) -> None:
 
 @pytest.mark.parametrize("key", ["rk4", "backward", "midpoint", "gauss2", "gauss3"])
 def test_determinant_is_the_energy_multiplier_of_a_runge_kutta_method(key: str) -> None:
-    m, r = one_step_matrix(EVERY[key]), stability_function_of(EVERY[key])
+    m, r = oscillator_matrix(EVERY[key]), stability_function_of(EVERY[key])
     assert r is not None
-    assert energy_multiplier(m) == energy_multiplier_of(r)
-    assert determinant(m) == fraction(spread(energy_multiplier_of(r).num), spread(energy_multiplier_of(r).den))
+    assert energy_factor(m) == energy_multiplier_of(r)
+    assert area_factor(m) == fraction(inflated(energy_multiplier_of(r).num), inflated(energy_multiplier_of(r).den))
 
 
 def test_backward_euler_damps_and_the_midpoint_rule_does_not() -> None:
-    assert energy_multiplier(one_step_matrix(BACKWARD)) == fraction(fmpq_poly([1]), 1 + Z)
-    assert energy_multiplier(one_step_matrix(MIDPOINT)) == ONE
+    assert energy_factor(oscillator_matrix(BACKWARD)) == fraction(fmpq_poly([1]), 1 + Z)
+    assert energy_factor(oscillator_matrix(MIDPOINT)) == ONE
 
 
 @given(st.fractions(-2, 2, max_denominator=9), st.fractions(-2, 2, max_denominator=9))
@@ -158,4 +158,4 @@ def test_evaluation_of_a_rational_function(x: Q, y: Q) -> None:
     assert exact(total(scalar(y))) == (1 + 2 * y) / (3 + y * y) + y
     assert exact(evaluate(polynomial([1, 2]), scalar(ROOT_3))) == 1 + 2 * ROOT_3
     assert matrix_product([[fmpq(1), fmpq(2)]], [[fmpq(3)], [fmpq(4)]]) == [[11]]
-    assert definite_limit(conserved_quadratics(one_step_matrix(MIDPOINT))[0]) is INFINITY
+    assert definite_limit(quadratic_invariants(oscillator_matrix(MIDPOINT))[0]) is INFINITY

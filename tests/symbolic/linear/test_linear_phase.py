@@ -11,16 +11,15 @@ from driftproof.methods.schemes import Splitting
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import exact
 from driftproof.symbolic.linear.oscillator import (
-    determinant,
+    area_factor,
     is_matrix_symmetric,
-    one_step_matrix,
+    matrix_trace,
+    oscillator_matrix,
     stability_function_of,
-    trace,
 )
 from driftproof.symbolic.linear.phase import (
     angle_error,
-    angle_series,
-    damping,
+    angle_error_series,
     damping_series,
     dispersion,
     dispersion_series,
@@ -28,9 +27,10 @@ from driftproof.symbolic.linear.phase import (
     dissipation_series,
     error_constant,
     is_linearly_symmetric,
-    linear_order,
+    leading_dissipation,
     matrix_error,
     modified_rate,
+    order_on_linear_problems,
 )
 from tests.nine import NINE
 from tests.symbolic.linear.linear_examples import EVERY, at, ball
@@ -52,7 +52,7 @@ def test_error_dispersion_and_dissipation(key: str) -> None:
     assert r is not None
     power, constant, phase, size = PHASES[key]
     assert (error_constant(r).power, str(error_constant(r).coefficient)) == (power, constant)
-    assert linear_order(r) == power - 1
+    assert order_on_linear_problems(r) == power - 1
     assert (dispersion(r).power, str(dispersion(r).coefficient)) == phase
     found = dissipation(r)
     assert (found and (found.power, str(found.coefficient))) == size
@@ -61,11 +61,11 @@ def test_error_dispersion_and_dissipation(key: str) -> None:
 
 @pytest.mark.parametrize("key", PHASES)
 def test_phase_by_r_and_by_the_matrix(key: str) -> None:
-    r, m = stability_function_of(EVERY[key]), one_step_matrix(EVERY[key])
+    r, m = stability_function_of(EVERY[key]), oscillator_matrix(EVERY[key])
     assert r is not None
-    assert angle_series(m, 14) == dispersion_series(r, 14)
+    assert angle_error_series(m, 14) == dispersion_series(r, 14)
     assert damping_series(m, 14) == dissipation_series(r, 14)
-    assert (angle_error(m), damping(m)) == (dispersion(r), dissipation(r))
+    assert (angle_error(m), leading_dissipation(m)) == (dispersion(r), dissipation(r))
     assert matrix_error(m)[0] == error_constant(r).power
     assert is_matrix_symmetric(m) == is_linearly_symmetric(r)
 
@@ -79,23 +79,23 @@ ANGLES = {
 
 @pytest.mark.parametrize("key", ANGLES)
 def test_splittings_lead_by_h_cubed_over_24(key: str) -> None:
-    m = one_step_matrix(NINE[key])
+    m = oscillator_matrix(NINE[key])
     power, phase = ANGLES[key]
     assert matrix_error(m)[0] == power
     assert (angle_error(m).power, str(angle_error(m).coefficient)) == phase
-    assert damping(m) is None
+    assert leading_dissipation(m) is None
     assert is_matrix_symmetric(m) == key.endswith("verlet")
 
 
 @pytest.mark.parametrize("key", [*PHASES, *ANGLES, "triple_jump", "nystrom_explicit"])
 def test_series_of_the_angle_in_balls(key: str) -> None:
     """At h = 2**-12 the series to h**15 is the angle itself but for a relative 2**-100, say."""
-    m = one_step_matrix(EVERY[key])
+    m = oscillator_matrix(EVERY[key])
     with ctx.workprec(400):
         h = arb(2) ** -12
-        half, area = at(trace(m), h) / 2, at(determinant(m), h)
+        half, area = at(matrix_trace(m), h) / 2, at(area_factor(m), h)
         angle = acb(half, (area - half**2).sqrt()).arg() - h
-        series = sum((ball(c) * h**k for k, c in enumerate(angle_series(m, 16))), arb(0))
+        series = sum((ball(c) * h**k for k, c in enumerate(angle_error_series(m, 16))), arb(0))
         assert abs(angle - series) < h**15
         wrong = series + h**14
         assert not abs(angle - wrong) < h**15
@@ -119,7 +119,7 @@ def test_an_inconsistent_splitting_has_its_rate_in_a_quadratic_field() -> None:
 
     def split(kick: Q, drift: Q) -> StepMatrix:
         parts = (("kick", kick / 2), ("drift", drift), ("kick", kick / 2))
-        return one_step_matrix(Splitting("s", "S", 0, "x", parts))
+        return oscillator_matrix(Splitting("s", "S", 0, "x", parts))
 
     assert angle_error(split(Q(10, 9), Q(9, 10))).power == 3
     found = angle_error(split(Q(10, 9), Q(1)))

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from driftproof import strategies
 from driftproof.methods.schemes import Collocation, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.algebra.rational_functions import fraction
-from driftproof.symbolic.linear.oscillator import is_matrix_symmetric, one_step_matrix
+from driftproof.symbolic.linear.oscillator import is_matrix_symmetric, oscillator_matrix
 from driftproof.symbolic.linear.reduced_tableau import (
-    Stages,
+    StageCoefficients,
     adjoint,
     is_first_same_as_last,
     is_stiffly_accurate,
@@ -77,7 +77,7 @@ def test_symplectic_and_symmetric(name: str) -> None:
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_what_holds_for_every_problem_holds_for_the_oscillator(name: str) -> None:
     method, symplectic, symmetric = EXAMPLES[name]
-    m = one_step_matrix(method)
+    m = oscillator_matrix(method)
     (qq, qv), (vq, vv) = m
     area = qq * vv - qv * vq
     assert not symplectic or area == fraction(fmpq_poly([1]))
@@ -85,7 +85,7 @@ def test_what_holds_for_every_problem_holds_for_the_oscillator(name: str) -> Non
 
 
 def test_trapezoid_looks_symplectic_on_the_oscillator_and_is_not() -> None:
-    assert one_step_matrix(TRAPEZOID) == one_step_matrix(MIDPOINT)
+    assert oscillator_matrix(TRAPEZOID) == oscillator_matrix(MIDPOINT)
     assert symplectic_residuals(stages_of(TRAPEZOID)) == {"1,1": Q(-1, 4), "2,2": Q(1, 4)}
 
 
@@ -99,7 +99,7 @@ def test_a_coefficient_off_by_ten_to_the_minus_thirty_is_noticed() -> None:
 
 
 def test_irreducible_form_of_a_method_in_disguise() -> None:
-    assert reduced(stages_of(MIDPOINT_THRICE)) == Stages(((Q(1, 2),),), ((Q(1),),), (Q(1, 2),))
+    assert reduced(stages_of(MIDPOINT_THRICE)) == StageCoefficients(((Q(1, 2),),), ((Q(1),),), (Q(1, 2),))
     assert reduced(stages_of(LOBATTO_IIIB_2)).weights == ((Q(1),),)
     assert reduced(stages_of(GAUSS_2)) == stages_of(GAUSS_2)
     assert len(reduced(stages_of(runge_kutta(((0, 0), (1, 0)), (0, 0)))).a) == 1
@@ -167,7 +167,7 @@ def test_reducible_tableau_is_judged_by_what_it_does() -> None:
 @given(strategies.runge_kutta_methods(max_stages=3), st.permutations(range(3)))
 def test_a_permuted_method_is_recognised(method: RungeKutta, order: list[int]) -> None:
     order = [i for i in order if i < method.stages]
-    permuted = Stages(
+    permuted = StageCoefficients(
         tuple(tuple(method.a[i][j] for j in order) for i in order),
         (tuple(method.b[i] for i in order),),
         tuple(method.c[i] for i in order),
@@ -184,7 +184,7 @@ def test_adjoint_twice_is_the_method() -> None:
 def test_adjoint_of_a_nystrom_method_inverts_its_matrix() -> None:
     other = adjoint(stages_of(NYSTROM_4))
     back = Nystrom("adjoint", "Adjoint", 4, "x", other.c, other.a, *other.weights)
-    m, n = one_step_matrix(NYSTROM_4), one_step_matrix(back)
+    m, n = oscillator_matrix(NYSTROM_4), oscillator_matrix(back)
     h = fmpq(1, 3)
     forward, backward = (fmpq_mat([[f(s * h) for f in row] for row in x]) for x, s in ((m, -1), (n, 1)))
     assert forward * backward == fmpq_mat([[1, 0], [0, 1]])

@@ -21,7 +21,7 @@ from driftproof.symbolic.algebra.certified import enclose, endpoints
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.algebra.radicals import radical_form
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, root_as_number, root_of, root_ratio
-from driftproof.symbolic.linear.eigenvalues import Imaginary, eigenvalues, places
+from driftproof.symbolic.linear.eigenvalues import Imaginary, eigenvalues, root_places
 from driftproof.symbolic.linear.oscillator import linear_step_matrix, stability_function_of
 from driftproof.symbolic.linear.ray_bounds import ALWAYS, Bound, pair_polynomial
 from driftproof.symbolic.linear.stability_limits import Limit
@@ -168,7 +168,7 @@ def _jordan(text: str) -> list[tuple[int, int]]:
     [(5, 1, 2, 1), (1, 0, 0, 0, 1), (250, 35, 251, 15, 50), (2, 0, 2, 0, 1), (-2, 0, 0, 0, 1), (1, -3, 0, 0, 0, 1)],
 )
 def test_places_are_the_roots_and_keep_their_order_at_every_precision(minimal: tuple[int, ...]) -> None:
-    found = places(minimal)
+    found = root_places(minimal)
     wanted = sympy.Poly(list(reversed(minimal)), sympy.Symbol("x")).nroots(30)
     assert len(wanted) == sum(1 if isinstance(p, RealRoot) else 2 for p in found)
     for place in found:

@@ -12,7 +12,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.problems import oscillator
 from driftproof.methods.stepping import stepper
 from driftproof.numeric.steppers import HAND_WRITTEN, rk4
-from driftproof.symbolic.linear.oscillator import one_step_matrix
+from driftproof.symbolic.linear.oscillator import oscillator_matrix
 from driftproof.symbolic.rounding.any_evaluation_order import ErrorTally, any_evaluation_order_bound
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 from driftproof.symbolic.rounding.polynomials import terms
@@ -72,7 +72,7 @@ def test_a_reassociated_step_leaves_its_program_s_bound_but_not_the_definition_s
 )
 def test_a_program_that_multiplies_out_or_takes_a_detour_is_not_said_to_be_inside(step, key):
     """The same polynomial, but from other sums: here q passes one more addition than the definition has for it."""
-    assert step_bound(step).differences(one_step_matrix(NINE[key])) == []
+    assert step_bound(step).differences(oscillator_matrix(NINE[key])) == []
     assert not covers(any_evaluation_order_bound(NINE[key]), step_bound(step))
 
 

@@ -23,7 +23,7 @@ from driftproof.symbolic.algebra.certified import decide_by_enclosure, enclose
 from driftproof.symbolic.algebra.polynomials import ONE as CONSTANT
 from driftproof.symbolic.algebra.polynomials import X
 from driftproof.symbolic.algebra.rational_functions import fraction
-from driftproof.symbolic.linear.oscillator import one_step_matrix
+from driftproof.symbolic.linear.oscillator import oscillator_matrix
 from driftproof.symbolic.rounding.formats import BFLOAT16, BINARY16, BINARY32, BINARY64, FloatFormat, power_of_two
 from driftproof.symbolic.rounding.number import RefusedOperation
 from driftproof.symbolic.rounding.polynomials import ONE, H, constant_polynomial, from_terms, terms
@@ -88,8 +88,8 @@ def test_first_order_form_notices_another_order_of_operations():
 @pytest.mark.parametrize("key", [*PROGRAMS, *IRRATIONAL])
 def test_the_same_run_proves_the_formula_of_every_method_over_q_or_its_field(key):
     method = METHODS[key.removeprefix("generic ").replace("leapfrog", "velocity_verlet")]
-    assert bound_of(key).differences(one_step_matrix(method)) == []
-    assert bound_of(key).differences(one_step_matrix(moved(method, first_weight(method), Q(1, 10**13)))) != []
+    assert bound_of(key).differences(oscillator_matrix(method)) == []
+    assert bound_of(key).differences(oscillator_matrix(moved(method, first_weight(method), Q(1, 10**13)))) != []
     assert bound_of(key).rounds_constants or key not in IRRATIONAL
 
 
@@ -98,9 +98,9 @@ def test_a_step_with_another_polynomial_is_reported_with_the_coefficient():
         q1, v1 = rk4(force, q, v, h)
         return q1 + h * h * h * v / 30, v1
 
-    (line,) = step_bound(rk4_with_a_fifth).differences(one_step_matrix(NINE["rk4"]))
+    (line,) = step_bound(rk4_with_a_fifth).differences(oscillator_matrix(NINE["rk4"]))
     assert line == "M_qv, coefficient of h**3: the program has -2/15, the definition -1/6"
-    assert len(step_bound(forward_euler).differences(one_step_matrix(NINE["symplectic_euler"]))) == 1
+    assert len(step_bound(forward_euler).differences(oscillator_matrix(NINE["symplectic_euler"]))) == 1
 
 
 def test_a_decimal_constant_is_the_double_that_it_is_and_not_the_fraction_that_it_means():
@@ -139,7 +139,7 @@ def test_constants_of_every_exact_kind_are_taken_and_plain_uses_of_zero_and_one_
         return sum([q, Q(1, 2) * h * v, half * h * v]), np.int64(1) * v + 0 + 1.0 * h * force(q)
 
     bound = step_bound(step)
-    assert bound.differences(one_step_matrix(NINE["forward_euler"])) == []
+    assert bound.differences(oscillator_matrix(NINE["forward_euler"])) == []
     assert bound.first_order[1] == BY_HAND["forward_euler"][1]
 
 
