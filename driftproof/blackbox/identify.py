@@ -26,7 +26,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Method
 from driftproof.support.plain_text import Json
 
-# Examples of the rounding errors of a method that was recognised: enough to see their size.
+# Examples of the rounding errors of a method that was recognised: a fifth of what `verify` takes shows their size.
 _EXAMPLES = 200
 QUESTIONS = (introduction, read_coefficients, linear_fit, measured_order)
 

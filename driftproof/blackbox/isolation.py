@@ -22,6 +22,7 @@ from driftproof.support.processes import Limits, ProcessEnded, Session
 
 Probe = Callable[[ForeignStepper], Any]
 
+# Seconds for one probe: a step of a simulator takes milliseconds, and a probe some hundred steps.
 TIME_LIMIT = 60.0
 # In bytes, beyond what the process has at its start: no stepper of three numbers needs it, and most machines have it.
 MEMORY_LIMIT = 8 * 2**30

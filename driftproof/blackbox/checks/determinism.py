@@ -24,8 +24,9 @@ from driftproof.blackbox.probes.coefficients import half_spacing
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.rounding.formats import FloatFormat
 
+# Random last bits, which come out alike in half of all pairs, are alike in so many calls once in 128.
 _REPETITIONS = 8
-# So many and fewer are those of sums taken in another order.
+# So many and fewer are those of sums taken in another order: no sum in the catalogue has more than 18 terms.
 _FEW_ULPS = 16
 _THIRD: PhasePoint = (-1.4142135623730951, -0.2360679774997898)
 SAME, _MEMORY = "same_answer_twice", "no_memory"

@@ -22,7 +22,8 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 CAPPED, RESET, REFUSED, OVERFLOWS, CHANGED = "capped", "reset", "refused", "overflows", "changed"
 _RANGES = ("position_range", "velocity_range")
 _PLURALS = ("positions", "velocities")
-# Further out, a rule changes a state by a good part of its size; a strong force in a short step, by rounding.
+# Further out, a rule changes a state by a good part of its size, more than a thousandth; a strong force in a step as
+# short as the smallest number, by rounding.
 _PLAIN = 2.0**-10
 # Sums of stages overflow a few binades early. What overflows earlier by more than this multiplies states.
 _EARLY = 2.0**-24

@@ -19,7 +19,8 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.rounding.formats import BINARY64
 
 _KEY = "full_precision"
-# What is not even right to so much is no matter of rounding; what is alike at two sizes differs by this factor at most.
+# What is not even right to 18 bits is no matter of rounding: binary32, inside, leaves 24 less a few. Errors that are
+# alike at two sizes differ by this factor at most, having six bits of chance.
 _NO_DIGITS, _ALIKE = 2.0**-18, 2.0**6
 _DOUBLES = (SCALARS, ARRAYS, LISTS)
 

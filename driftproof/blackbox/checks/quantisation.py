@@ -12,7 +12,8 @@ from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, FloatFormat
 _DECIMALS = 12
 # With numbers down to 1/1000, a fixed point further down than this is none.
 _FIXED_POINT = 40
-# Numbers of a format have nearly all of its bits as a rule, and those of a fixed point as many as fit.
+# Numbers of a format have nearly all of its bits as a rule, and those of a fixed point as many as fit: the last five
+# bits of one number in 32 are 0 by chance.
 _BITS_TO_SPARE = 5
 
 

@@ -29,7 +29,7 @@ _SPEEDS = (0.5671432904097838, 0.5671432904097838 * 2.0**-20)
 _LONGEST, _SHORTEST = 16.0, 2.0**-40
 # Fixed steps with names: 1/60, 1/240, ...
 _DENOMINATORS = 1000
-# An answer may be the same for a few neighbouring h.
+# An answer may be the same for a few neighbouring h: it has as many bits as h, and is made by a few roundings.
 _ULPS = 16
 
 
@@ -126,7 +126,8 @@ def _in_whole_steps(taken: _Taken) -> _Found | None:
 
 
 _SUB_STEPS = "sub_steps"
-# Calls nearer to each other than this part of the way of all are of one group; an iteration makes at least so many.
+# Calls nearer to each other than this part of the way of all are of one group: different nodes of a method are farther
+# apart as a rule. An iteration makes three or more at one place: a guess, a correction, and one that changes nothing.
 _CLOSE, _CALLS_IN_GROUP = 2.0**-6, 3
 
 

@@ -20,13 +20,13 @@ from driftproof.symbolic.algebra.rational_functions import rational_function_tex
 from driftproof.symbolic.linear.oscillator import area_factor
 from driftproof.symbolic.rounding.formats import BINARY64
 
-# Powers of h in a series: enough for an order below it.
+# Powers of h in a series: enough for an order below it, the highest in the catalogue being 20 (gauss10).
 SERIES_LENGTH = 24
 ENTRY_NAMES = ("M_qq", "M_qv", "M_vq", "M_vv")
-# An exact text longer than this says less than decimals do.
+# An exact text longer than a line says less than decimals do.
 LONGEST_EXACT = 120
-POWERS_COMPARED = 12
-LONGEST_DENOMINATOR = 10**6
+# Powers of h in which two matrices are compared in words, and the longest denominator that a reader takes in.
+POWERS_COMPARED, LONGEST_DENOMINATOR = 12, 10**6
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ _ROUNDINGS = 18
 # Steps that determine coefficients, in units of the reading's own time; the others check them.
 NODES = tuple(Fraction(x) for x in ("1/8", "1/4", "1/2", "1", "2", "4", "16"))
 BOTH_WAYS = tuple(sign * x for x in NODES[:-1] for sign in (1, -1))
+# Of binary16, the narrowest format that is read, all digits; of others fewer than half: a first look only.
 HALF_THE_DIGITS = 2.0**-10
 # A denominator with more coefficients needs more steps than are read.
 MOST_IN_DENOMINATOR = 4

@@ -113,7 +113,7 @@ def _rounding(reading: ForceReading) -> Rounding:
 
 # From as many as a source may print, in double precision, down to where other methods are as near.
 DECIMALS = range(14, 3, -1)
-# Fewer are named one by one.
+# Fewer are named one by one, up to `match.FEW_DIFFERENCES`.
 _LEAST_OFF = 4
 # How far numbers may be off, in units of their last decimal: rounded; or worked out by hand, as old tables are.
 BY_HAND = 2.0

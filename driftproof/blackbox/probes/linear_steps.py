@@ -28,13 +28,13 @@ NOT_DYADIC = ("1/10", "3/10", "7/10", "-3/10")
 _FAR = ("2", "4", "16", "-2", "-4")
 # No program of the catalogue errs by more than this many times u (1 + |M|) at the step LINEARITY_STEP, as a test says.
 LINEARITY_ROUNDINGS, LINEARITY_STEP = 1 << 12, Fraction(1, 8)
-# What differs by no more roundings is the same answer.
+# What differs by no more roundings is the same answer: of sums with up to 18 terms, taken in another order.
 REPEATED = 16
-# Where a limit on the size of states would show.
+# Where a limit on the size of states would show: a million is beyond what people bound speeds and lengths by.
 FAR_BITS = 20
 # Steps that are tiny, in bits, for steppers that refuse smaller ones.
 COARSE_BITS = (20, 12)
-# Rates read at two steps of one size agree to this many bits unless noise is read.
+# Rates read at two steps of one size agree to this many bits unless noise is read: all that binary16 has.
 RATE_BITS = 10
 
 

@@ -38,9 +38,9 @@ from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 # A force, or a right-hand side of t and y, of ours: on numbers of the adapter.
 ForceFunction: TypeAlias = Callable[[AnyNumber], AnyNumber]
 FieldFunction: TypeAlias = Callable[[AnyNumber, list[AnyNumber]], Sequence[AnyNumber]]
-# Longer answers are cut where a message shows them.
+# Longer answers are cut where a message shows them: a line of 120 characters holds one and what is said of it.
 _MOST_SHOWN = 60
-# A sum of times in the narrowest format is nearer to the true one.
+# A sum of times in the narrowest format, with 8 bits after the first, is nearer than this to the true one.
 _ABOUT = 2.0**-6
 
 
