@@ -12,7 +12,7 @@ from itertools import zip_longest
 
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Method, Splitting
-from driftproof.methods.tables.notation import row
+from driftproof.methods.tables.notation import row, splitting
 from driftproof.methods.tables.splittings import Parts, alternating, palindrome, verlet_composition
 
 
@@ -40,12 +40,9 @@ _YOSHIDA8D = _verlet_weights(
 )
 
 _YOSHIDA: tuple[Splitting, ...] = (
-    Splitting(
-        key="yoshida6",
-        title="Yoshida's order 6, solution A",
-        claimed_order=6,
-        source="yoshida-1990, Table 1, solution A",
-        parts=verlet_composition("kick", _YOSHIDA6A),
+    splitting(
+        "yoshida6 | Yoshida's order 6, solution A | 6 | yoshida-1990, Table 1, solution A",
+        verlet_composition("kick", _YOSHIDA6A),
     ),
     Splitting(
         key="yoshida6_position_first",
@@ -54,30 +51,17 @@ _YOSHIDA: tuple[Splitting, ...] = (
         source="yoshida-1990, Table 1, solution A",
         parts=verlet_composition("drift", _YOSHIDA6A),
     ),
-    Splitting(
-        key="yoshida6_b",
-        title="Yoshida's order 6, solution B",
-        claimed_order=6,
-        source="yoshida-1990, Table 1, solution B",
-        parts=verlet_composition(
-            "kick", _verlet_weights("0.143984816797678E1 0.426068187079180E-2 -0.213228522200144E1")
-        ),
+    splitting(
+        "yoshida6_b | Yoshida's order 6, solution B | 6 | yoshida-1990, Table 1, solution B",
+        verlet_composition("kick", _verlet_weights("0.143984816797678E1 0.426068187079180E-2 -0.213228522200144E1")),
     ),
-    Splitting(
-        key="yoshida6_c",
-        title="Yoshida's order 6, solution C",
-        claimed_order=6,
-        source="yoshida-1990, Table 1, solution C",
-        parts=verlet_composition(
-            "kick", _verlet_weights("0.144778256239930E1 -0.214403531630539E1 0.152886228424922E-2")
-        ),
+    splitting(
+        "yoshida6_c | Yoshida's order 6, solution C | 6 | yoshida-1990, Table 1, solution C",
+        verlet_composition("kick", _verlet_weights("0.144778256239930E1 -0.214403531630539E1 0.152886228424922E-2")),
     ),
-    Splitting(
-        key="yoshida8",
-        title="Yoshida's order 8, solution D",
-        claimed_order=8,
-        source="yoshida-1990, Table 2, solution D",
-        parts=verlet_composition("kick", _YOSHIDA8D),
+    splitting(
+        "yoshida8 | Yoshida's order 8, solution D | 8 | yoshida-1990, Table 2, solution D",
+        verlet_composition("kick", _YOSHIDA8D),
     ),
     Splitting(
         key="yoshida8_position_first",
@@ -86,12 +70,9 @@ _YOSHIDA: tuple[Splitting, ...] = (
         source="yoshida-1990, Table 2, solution D",
         parts=verlet_composition("drift", _YOSHIDA8D),
     ),
-    Splitting(
-        key="yoshida8_a",
-        title="Yoshida's order 8, solution A",
-        claimed_order=8,
-        source="yoshida-1990, Table 2, solution A",
-        parts=verlet_composition(
+    splitting(
+        "yoshida8_a | Yoshida's order 8, solution A | 8 | yoshida-1990, Table 2, solution A",
+        verlet_composition(
             "kick",
             _verlet_weights(
                 """0.104242620869991E1 0.182020630970714E1 0.157739928123617 0.244002732616735E1
@@ -103,12 +84,9 @@ _YOSHIDA: tuple[Splitting, ...] = (
 
 # Here the middle weight is printed, too.
 _COMPOSITIONS: tuple[Splitting, ...] = (
-    Splitting(
-        key="kahan_li6",
-        title="Kahan-Li order 6, nine steps of velocity Verlet",
-        claimed_order=6,
-        source="hairer-lubich-wanner-2006, V.3.2",
-        parts=verlet_composition(
+    splitting(
+        "kahan_li6 | Kahan-Li order 6, nine steps of velocity Verlet | 6 | hairer-lubich-wanner-2006, V.3.2",
+        verlet_composition(
             "kick",
             palindrome(
                 row(
@@ -134,12 +112,9 @@ _COMPOSITIONS: tuple[Splitting, ...] = (
             ),
         ),
     ),
-    Splitting(
-        key="kahan_li8",
-        title="Kahan-Li order 8, seventeen steps of velocity Verlet",
-        claimed_order=8,
-        source="hairer-lubich-wanner-2006, V.3.2",
-        parts=verlet_composition(
+    splitting(
+        "kahan_li8 | Kahan-Li order 8, seventeen steps of velocity Verlet | 8 | hairer-lubich-wanner-2006, V.3.2",
+        verlet_composition(
             "kick",
             palindrome(
                 row(
@@ -154,12 +129,9 @@ _COMPOSITIONS: tuple[Splitting, ...] = (
 
 _KICK_DRIFT: tuple[Splitting, ...] = (
     # Table 2 of the source is reported to have the first two kicks of this one swapped (principia-2026).
-    Splitting(
-        key="mclachlan_atela3",
-        title="McLachlan-Atela optimal method of order 3",
-        claimed_order=3,
-        source="mclachlan-atela-1992, equation 3.3",
-        parts=alternating(
+    splitting(
+        "mclachlan_atela3 | McLachlan-Atela optimal method of order 3 | 3 | mclachlan-atela-1992, equation 3.3",
+        alternating(
             "kick",
             row(
                 """0.2683300957817599250 0.9196615230173998571 -0.1879916187991597820
@@ -167,12 +139,9 @@ _KICK_DRIFT: tuple[Splitting, ...] = (
             ),
         ),
     ),
-    Splitting(
-        key="mclachlan_atela4",
-        title="McLachlan-Atela optimal method of order 4",
-        claimed_order=4,
-        source="mclachlan-atela-1992, Table 2, order 4",
-        parts=alternating(
+    splitting(
+        "mclachlan_atela4 | McLachlan-Atela optimal method of order 4 | 4 | mclachlan-atela-1992, Table 2, order 4",
+        alternating(
             "kick",
             row(
                 """0.1344961992774310892 0.5153528374311229364 -0.2248198030794208058 -0.085782019412973646
@@ -181,12 +150,9 @@ _KICK_DRIFT: tuple[Splitting, ...] = (
         ),
         quadratic_kinetic=True,
     ),
-    Splitting(
-        key="mclachlan_atela5",
-        title="McLachlan-Atela optimal method of order 5",
-        claimed_order=5,
-        source="mclachlan-atela-1992, Table 2, order 5",
-        parts=alternating(
+    splitting(
+        "mclachlan_atela5 | McLachlan-Atela optimal method of order 5 | 5 | mclachlan-atela-1992, Table 2, order 5",
+        alternating(
             "kick",
             row(
                 """0.1193900292875672758 0.339839625839110000 0.6989273703824752308 -0.088601336903027329
@@ -219,23 +185,17 @@ _SYMMETRIC: tuple[Splitting, ...] = (
         source="omelyan-mryglod-folk-2002, the velocity-extended algorithm",
         parts=_omelyan("kick", "0.1644986515575760", "-0.2094333910398989E-1", "0.1235692651138917E1"),
     ),
-    Splitting(
-        key="blanes_moan4",
-        title="Blanes-Moan S6, order 4",
-        claimed_order=4,
-        source="blanes-moan-2002, the partitioned method S6 of order 4",
-        parts=_symmetric(
+    splitting(
+        "blanes_moan4 | Blanes-Moan S6, order 4 | 4 | blanes-moan-2002, the partitioned method S6 of order 4",
+        _symmetric(
             "drift",
             row("0.0792036964311957 0.353172906049774 -0.0420650803577195"),
             row("0.209515106613362 -0.143851773179818"),
         ),
     ),
-    Splitting(
-        key="blanes_moan6",
-        title="Blanes-Moan S10, order 6",
-        claimed_order=6,
-        source="blanes-moan-2002, the partitioned method S10 of order 6",
-        parts=_symmetric(
+    splitting(
+        "blanes_moan6 | Blanes-Moan S10, order 6 | 6 | blanes-moan-2002, the partitioned method S10 of order 6",
+        _symmetric(
             "drift",
             row("0.0502627644003922 0.413514300428344 0.0450798897943977 -0.188054853819569 0.541960678450780"),
             row("0.148816447901042 -0.132385865767784 0.067307604692185 0.432666402578175"),

@@ -6,9 +6,9 @@ from fractions import Fraction as Q
 
 from driftproof.methods.number_field import NumberField, square_root
 from driftproof.methods.schemes import Method, RungeKutta
-from driftproof.methods.tables.notation import numbers, padded, row, square
+from driftproof.methods.tables.notation import numbers, padded, row, square, tableaux
 
-S2, S3 = square_root(2), square_root(3)
+S2 = square_root(2)
 # The roots of γ³ - 3γ² + 3γ/2 - 1/6 and of γ³ - 3γ²/2 + γ/2 - 1/24: order 3 and 4 with one eigenvalue, three stages.
 ALEXANDER_GAMMA = NumberField("gamma3", (-1, 9, -18, 6), Q(2, 5), Q(1, 2)).generator
 CROUZEIX_GAMMA = NumberField("gamma4", (-1, 12, -36, 24), Q(1), Q(3, 2)).generator
@@ -59,52 +59,38 @@ def _tr_bdf2() -> RungeKutta:
 
 
 ENTRIES: tuple[Method, ...] = (
+    *tableaux(
+        """
     # γ = 1 - sqrt(2)/2 of the two for which the method is L-stable: with 1 + sqrt(2)/2 the error is far larger.
-    RungeKutta(
-        key="sdirk2",
-        title="L-stable SDIRK method of order 2",
-        claimed_order=2,
-        source="alexander-1977, the strongly S-stable method with two stages",
-        c=numbers(1 - S2 / 2, 1),
-        a=padded((1 - S2 / 2,), (S2 / 2, 1 - S2 / 2)),
-        b=(S2 / 2, 1 - S2 / 2),
-    ),
-    RungeKutta(
-        key="qin_zhang2",
-        title="Qin-Zhang symplectic SDIRK method",
-        claimed_order=2,
-        source="qin-zhang-1992, the symplectic method with two equal half steps",
-        c=row("1/4 3/4"),
-        a=square("1/4\n 1/2 1/4"),
-        b=row("1/2 1/2"),
-    ),
-    RungeKutta(
-        key="crouzeix3",
-        title="Crouzeix's A-stable SDIRK method of order 3 (Nørsett)",
-        claimed_order=3,
-        source="hairer-norsett-wanner-1993, II.7",
-        c=((3 + S3) / 6, (3 - S3) / 6),
-        a=padded(((3 + S3) / 6,), (-S3 / 3, (3 + S3) / 6)),
-        b=row("1/2 1/2"),
+    sdirk2 | L-stable SDIRK method of order 2 | 2 | alexander-1977, the strongly S-stable method with two stages
+    1-sqrt(2)/2 | 1-sqrt(2)/2
+              1 | sqrt(2)/2 1-sqrt(2)/2
+                | sqrt(2)/2 1-sqrt(2)/2
+
+    qin_zhang2 | Qin-Zhang symplectic SDIRK method | 2 | qin-zhang-1992, the symplectic method with two equal half steps
+    1/4 | 1/4
+    3/4 | 1/2 1/4
+        | 1/2 1/2
+
+    crouzeix3 | Crouzeix's A-stable SDIRK method of order 3 (Nørsett) | 3 | hairer-norsett-wanner-1993, II.7
+    (3+sqrt(3))/6 | (3+sqrt(3))/6
+    (3-sqrt(3))/6 | -sqrt(3)/3 (3+sqrt(3))/6
+                  | 1/2 1/2
+    """
     ),
     _alexander3(),
     _crouzeix4(),
-    RungeKutta(
-        key="sdirk4",
-        title="Hairer-Wanner SDIRK4",
-        claimed_order=4,
-        source="hairer-wanner-1996, IV.6, page 100",
-        c=row("1/4 3/4 11/20 1/2 1"),
-        a=square(
-            """1/4
-            1/2 1/4
-            17/50 -1/25 1/4
-            371/1360 -137/2720 15/544 1/4
-            25/24 -49/48 125/16 -85/12 1/4"""
-        ),
-        b=row("25/24 -49/48 125/16 -85/12 1/4"),
-        b_embedded=row("59/48 -17/96 225/32 -85/12 0"),
-        embedded_order=3,
+    *tableaux(
+        """
+    sdirk4 | Hairer-Wanner SDIRK4 | 4(3) | hairer-wanner-1996, IV.6, page 100
+      1/4 | 1/4
+      3/4 | 1/2 1/4
+    11/20 | 17/50 -1/25 1/4
+      1/2 | 371/1360 -137/2720 15/544 1/4
+        1 | 25/24 -49/48 125/16 -85/12 1/4
+          | 25/24 -49/48 125/16 -85/12 1/4
+          | 59/48 -17/96 225/32 -85/12 0
+    """
     ),
     _tr_bdf2(),
     RungeKutta(

@@ -6,66 +6,52 @@ from fractions import Fraction as Q
 
 from driftproof.methods.number_field import square_root
 from driftproof.methods.schemes import Method, RungeKutta
-from driftproof.methods.tables.notation import numbers, padded, row, square
+from driftproof.methods.tables.notation import numbers, padded, row, tableaux
 
-S2, S5, S21 = square_root(2), square_root(5), square_root(21)
+S5, S21 = square_root(5), square_root(21)
 
 _LOW_ORDER: tuple[RungeKutta, ...] = (
-    RungeKutta(
-        key="ralston2",
-        title="Ralston's second-order method",
-        claimed_order=2,
-        source="ralston-1962, equation 3.5",
-        c=row("0 2/3"),
-        a=square("0\n 2/3"),
-        b=row("1/4 3/4"),
-    ),
-    RungeKutta(
-        key="heun3",
-        title="Heun's third-order method",
-        claimed_order=3,
-        source="hairer-norsett-wanner-1993, II.1 Table 1.1",
-        c=row("0 1/3 2/3"),
-        a=square("0\n 1/3\n 0 2/3"),
-        b=row("1/4 0 3/4"),
-    ),
+    *tableaux(
+        """
+    ralston2 | Ralston's second-order method | 2 | ralston-1962, equation 3.5
+      0 |
+    2/3 | 2/3
+        | 1/4 3/4
+
+    heun3 | Heun's third-order method | 3 | hairer-norsett-wanner-1993, II.1 Table 1.1
+      0 |
+    1/3 | 1/3
+    2/3 | 0 2/3
+        | 1/4 0 3/4
+
     # One stage more than order 3 needs.
-    RungeKutta(
-        key="runge3",
-        title="Runge's third-order method, four stages",
-        claimed_order=3,
-        source="hairer-norsett-wanner-1993, II.1 Table 1.1",
-        c=row("0 1/2 1 1"),
-        a=square("0\n 1/2\n 0 1\n 0 0 1"),
-        b=row("1/6 2/3 0 1/6"),
-    ),
-    RungeKutta(
-        key="ralston3",
-        title="Ralston's third-order method",
-        claimed_order=3,
-        source="ralston-1962, equation 4.10",
-        c=row("0 1/2 3/4"),
-        a=square("0\n 1/2\n 0 3/4"),
-        b=row("2/9 1/3 4/9"),
-    ),
-    RungeKutta(
-        key="kutta3",
-        title="Kutta's third-order method",
-        claimed_order=3,
-        source="butcher-2016, 233",
-        c=row("0 1/2 1"),
-        a=square("0\n 1/2\n -1 2"),
-        b=row("1/6 2/3 1/6"),
-    ),
+    runge3 | Runge's third-order method, four stages | 3 | hairer-norsett-wanner-1993, II.1 Table 1.1
+      0 |
+    1/2 | 1/2
+      1 | 0 1
+      1 | 0 0 1
+        | 1/6 2/3 0 1/6
+
+    ralston3 | Ralston's third-order method | 3 | ralston-1962, equation 4.10
+      0 |
+    1/2 | 1/2
+    3/4 | 0 3/4
+        | 2/9 1/3 4/9
+
+    kutta3 | Kutta's third-order method | 3 | butcher-2016, 233
+      0 |
+    1/2 | 1/2
+      1 | -1 2
+        | 1/6 2/3 1/6
+
     # RK4 rearranged so that three numbers a component suffice as storage.
-    RungeKutta(
-        key="gill4",
-        title="Gill's fourth-order method",
-        claimed_order=4,
-        source="gill-1951, the process with three storage registers",
-        c=row("0 1/2 1/2 1"),
-        a=padded((0,), (Q(1, 2),), ((S2 - 1) / 2, 1 - S2 / 2), (0, -S2 / 2, 1 + S2 / 2)),
-        b=(Q(1, 6), (2 - S2) / 6, (2 + S2) / 6, Q(1, 6)),
+    gill4 | Gill's fourth-order method | 4 | gill-1951, the process with three storage registers
+      0 |
+    1/2 | 1/2
+    1/2 | (sqrt(2)-1)/2 1-sqrt(2)/2
+      1 | 0 -sqrt(2)/2 1+sqrt(2)/2
+        | 1/6 (2-sqrt(2))/6 (2+sqrt(2))/6 1/6
+    """
     ),
     RungeKutta(
         key="ralston4",
@@ -84,54 +70,36 @@ _LOW_ORDER: tuple[RungeKutta, ...] = (
 )
 
 _HIGHER_ORDER: tuple[RungeKutta, ...] = (
+    *tableaux(
+        """
     # Not one of the Nyström methods for q'' = F(q): this one is Nyström's repair of Kutta's fifth-order method.
-    RungeKutta(
-        key="kutta_nystrom5",
-        title="Kutta-Nyström fifth-order method",
-        claimed_order=5,
-        source="nystrom-1925, the corrected fifth-order method of Kutta",
-        c=row("0 1/3 2/5 1 2/3 4/5"),
-        a=square(
-            """0
-            1/3
-            4/25 6/25
-            1/4 -3 15/4
-            2/27 10/9 -50/81 8/81
-            2/25 12/25 2/15 8/75"""
-        ),
-        b=row("23/192 0 125/192 0 -27/64 125/192"),
-    ),
-    RungeKutta(
-        key="butcher5",
-        title="Butcher's fifth-order method",
-        claimed_order=5,
-        source="butcher-2016, 236",
-        c=row("0 1/4 1/4 1/2 3/4 1"),
-        a=square(
-            """0
-            1/4
-            1/8 1/8
-            0 0 1/2
-            3/16 -3/8 3/8 9/16
-            -3/7 8/7 6/7 -12/7 8/7"""
-        ),
-        b=row("7/90 0 16/45 2/15 16/45 7/90"),
-    ),
-    RungeKutta(
-        key="lawson5",
-        title="Lawson's fifth-order method",
-        claimed_order=5,
-        source="lawson-1966, the process with extended region of stability",
-        c=row("0 1/12 1/4 1/2 3/4 1"),
-        a=square(
-            """0
-            1/12
-            -1/8 3/8
-            3/5 -9/10 4/5
-            39/80 -9/20 3/20 9/16
-            -59/35 66/35 48/35 -12/7 8/7"""
-        ),
-        b=row("7/90 0 16/45 2/15 16/45 7/90"),
+    kutta_nystrom5 | Kutta-Nyström fifth-order method | 5 | nystrom-1925, the corrected fifth-order method of Kutta
+      0 |
+    1/3 | 1/3
+    2/5 | 4/25 6/25
+      1 | 1/4 -3 15/4
+    2/3 | 2/27 10/9 -50/81 8/81
+    4/5 | 2/25 12/25 2/15 8/75
+        | 23/192 0 125/192 0 -27/64 125/192
+
+    butcher5 | Butcher's fifth-order method | 5 | butcher-2016, 236
+      0 |
+    1/4 | 1/4
+    1/4 | 1/8 1/8
+    1/2 | 0 0 1/2
+    3/4 | 3/16 -3/8 3/8 9/16
+      1 | -3/7 8/7 6/7 -12/7 8/7
+        | 7/90 0 16/45 2/15 16/45 7/90
+
+    lawson5 | Lawson's fifth-order method | 5 | lawson-1966, the process with extended region of stability
+       0 |
+    1/12 | 1/12
+     1/4 | -1/8 3/8
+     1/2 | 3/5 -9/10 4/5
+     3/4 | 39/80 -9/20 3/20 9/16
+       1 | -59/35 66/35 48/35 -12/7 8/7
+         | 7/90 0 16/45 2/15 16/45 7/90
+    """
     ),
     RungeKutta(
         key="luther6",
@@ -163,41 +131,30 @@ _HIGHER_ORDER: tuple[RungeKutta, ...] = (
         ),
         b=row("1/20 0 16/45 0 49/180 49/180 1/20"),
     ),
-    RungeKutta(
-        key="butcher6",
-        title="Butcher's sixth-order method",
-        claimed_order=6,
-        source="butcher-high-order-1964, the sixth-order processes with seven stages",
-        c=row("0 1/3 2/3 1/3 1/2 1/2 1"),
-        a=square(
-            """0
-            1/3
-            0 2/3
-            1/12 1/3 -1/12
-            -1/16 9/8 -3/16 -3/8
-            0 9/8 -3/8 -3/4 1/2
-            9/44 -9/11 63/44 18/11 0 -16/11"""
-        ),
-        b=row("11/120 0 27/40 27/40 -4/15 -4/15 11/120"),
-    ),
-    RungeKutta(
-        key="butcher7",
-        title="Butcher's seventh-order method",
-        claimed_order=7,
-        source="butcher-2016, 327",
-        c=row("0 1/6 1/3 1/2 2/11 2/3 6/7 0 1"),
-        a=square(
-            """0
-            1/6
-            0 1/3
-            1/8 0 3/8
-            148/1331 0 150/1331 -56/1331
-            -404/243 0 -170/27 4024/1701 10648/1701
-            2466/2401 0 1242/343 -19176/16807 -51909/16807 1053/2401
-            5/154 0 0 96/539 -1815/20384 -405/2464 49/1144
-            -113/32 0 -195/22 32/7 29403/3584 -729/512 1029/1408 21/16"""
-        ),
-        b=row("0 0 0 32/105 1771561/6289920 243/2560 16807/74880 77/1440 11/270"),
+    *tableaux(
+        """
+    butcher6 | Butcher's sixth-order method | 6 | butcher-high-order-1964, the sixth-order processes with seven stages
+      0 |
+    1/3 | 1/3
+    2/3 | 0 2/3
+    1/3 | 1/12 1/3 -1/12
+    1/2 | -1/16 9/8 -3/16 -3/8
+    1/2 | 0 9/8 -3/8 -3/4 1/2
+      1 | 9/44 -9/11 63/44 18/11 0 -16/11
+        | 11/120 0 27/40 27/40 -4/15 -4/15 11/120
+
+    butcher7 | Butcher's seventh-order method | 7 | butcher-2016, 327
+       0 |
+     1/6 | 1/6
+     1/3 | 0 1/3
+     1/2 | 1/8 0 3/8
+    2/11 | 148/1331 0 150/1331 -56/1331
+     2/3 | -404/243 0 -170/27 4024/1701 10648/1701
+     6/7 | 2466/2401 0 1242/343 -19176/16807 -51909/16807 1053/2401
+       0 | 5/154 0 0 96/539 -1815/20384 -405/2464 49/1144
+       1 | -113/32 0 -195/22 32/7 29403/3584 -729/512 1029/1408 21/16
+         | 0 0 0 32/105 1771561/6289920 243/2560 16807/74880 77/1440 11/270
+    """
     ),
     RungeKutta(
         key="cooper_verner8",

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
+from driftproof.methods.expressions import parse_number
 from driftproof.methods.number_field import Exact
+from driftproof.methods.schemes import RungeKutta, Splitting
 
 
 def row(text: str) -> tuple[Fraction, ...]:
@@ -34,3 +36,49 @@ def places(stages: int, **entries: str) -> tuple[Fraction, ...]:
     for name, text in entries.items():
         filled[int(name.removeprefix("k")) - 1] = Fraction(text)
     return tuple(filled)
+
+
+def tableaux(text: str, *, decimal: bool = False) -> tuple[RungeKutta, ...]:
+    """The methods of a text that a blank line separates: a line of names, then the tableau as books print it.
+
+        heun_euler21 | Heun-Euler 2(1) | 2(1) | hairer-norsett-wanner-1993, chapter II
+        0 |
+        1 | 1
+          | 1/2 1/2
+          | 1 0
+
+    are key, title, order with that of the embedded row in brackets, and source; cᵢ | aᵢ₁ aᵢ₂ ..., zeros at the end left
+    out; then the weights, and those of the embedded row. A line that begins with # is a remark.
+    """
+    lines = [line.strip() for line in text.splitlines() if not line.lstrip().startswith("#")]
+    return tuple(_tableau(entry.splitlines(), decimal) for entry in "\n".join(lines).strip().split("\n\n"))
+
+
+def splitting(names: str, parts: tuple[tuple[str, Exact], ...], *, quadratic_kinetic: bool = False) -> Splitting:
+    """The splitting with these parts, its key, title, order and source in a line as in `tableaux`."""
+    key, title, order, source = names.split(" | ")
+    return Splitting(key, title, int(order), source, parts, quadratic_kinetic)
+
+
+def _tableau(lines: Sequence[str], decimal: bool) -> RungeKutta:
+    key, title, orders, source = lines[0].split(" | ")
+    order, _, embedded = orders.removesuffix(")").partition("(")
+    nodes, rows = zip(*(map(_exact_row, line.split("|")) for line in lines[1:]), strict=True)
+    stages = sum(map(len, nodes))
+    return RungeKutta(
+        key=key,
+        title=title,
+        claimed_order=int(order),
+        source=source,
+        c=tuple(c for node in nodes for c in node),
+        a=padded(*rows[:stages]),
+        b=rows[stages],
+        b_embedded=rows[stages + 1] if embedded else None,
+        embedded_order=int(embedded) if embedded else None,
+        decimal=decimal,
+    )
+
+
+def _exact_row(text: str) -> tuple[Exact, ...]:
+    """A row in which roots may occur, as in "1/2-sqrt(3)/6"."""
+    return tuple(parse_number(word, "table") if "(" in word else Fraction(word) for word in text.split())

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 from driftproof.methods.number_field import Exact, NumberField, cube_root, square_root
 from driftproof.methods.schemes import Method, Splitting
-from driftproof.methods.tables.notation import numbers
+from driftproof.methods.tables.notation import numbers, splitting
 
 Parts = tuple[tuple[str, Exact], ...]
 OTHER = {"kick": "drift", "drift": "kick"}
@@ -47,12 +47,9 @@ _S4_FIRST, _S4_SECOND = (642 + _S471) / 3924, 121 * (12 - _S471) / 3924
 _S5_FIRST, _S5_SECOND = (14 - _S19) / 108, (20 - 7 * _S19) / 108
 
 _MCLACHLAN: tuple[Splitting, ...] = (
-    Splitting(
-        key="mclachlan_atela2",
-        title="McLachlan-Atela optimal method of order 2",
-        claimed_order=2,
-        source="mclachlan-atela-1992, Table 2, order 2",
-        parts=alternating("kick", (1 - _S2 / 2, _S2 / 2, _S2 / 2, 1 - _S2 / 2)),
+    splitting(
+        "mclachlan_atela2 | McLachlan-Atela optimal method of order 2 | 2 | mclachlan-atela-1992, Table 2, order 2",
+        alternating("kick", (1 - _S2 / 2, _S2 / 2, _S2 / 2, 1 - _S2 / 2)),
     ),
     Splitting(
         key="mclachlan2",
@@ -85,34 +82,22 @@ _MCLACHLAN: tuple[Splitting, ...] = (
 )
 
 ENTRIES: tuple[Method, ...] = (
-    Splitting(
-        key="ruth3",
-        title="Ruth's method of order 3",
-        claimed_order=3,
-        source="ruth-1983, the third-order method",
-        parts=alternating("kick", (Q(7, 24), Q(2, 3), Q(3, 4), Q(-2, 3), Q(-1, 24), Q(1))),
+    splitting(
+        "ruth3 | Ruth's method of order 3 | 3 | ruth-1983, the third-order method",
+        alternating("kick", (Q(7, 24), Q(2, 3), Q(3, 4), Q(-2, 3), Q(-1, 24), Q(1))),
     ),
     # The same weights as `yoshida4`, around drifts: the coefficients of Forest and Ruth, and of Candy and Rozmus.
-    Splitting(
-        key="forest_ruth",
-        title="Forest-Ruth, which is Yoshida's order 4, position first",
-        claimed_order=4,
-        source="forest-ruth-1990, section 4",
-        parts=verlet_composition("drift", _TRIPLE_JUMP),
+    splitting(
+        "forest_ruth | Forest-Ruth, which is Yoshida's order 4, position first | 4 | forest-ruth-1990, section 4",
+        verlet_composition("drift", _TRIPLE_JUMP),
     ),
-    Splitting(
-        key="yoshida4",
-        title="Yoshida's order 4, the triple jump of velocity Verlet",
-        claimed_order=4,
-        source="hairer-lubich-wanner-2006, II.4",
-        parts=verlet_composition("kick", _TRIPLE_JUMP),
+    splitting(
+        "yoshida4 | Yoshida's order 4, the triple jump of velocity Verlet | 4 | hairer-lubich-wanner-2006, II.4",
+        verlet_composition("kick", _TRIPLE_JUMP),
     ),
-    Splitting(
-        key="suzuki4",
-        title="Suzuki's fractal of order 4, five steps of velocity Verlet",
-        claimed_order=4,
-        source="hairer-lubich-wanner-2006, II.4",
-        parts=verlet_composition("kick", _FRACTAL),
+    splitting(
+        "suzuki4 | Suzuki's fractal of order 4, five steps of velocity Verlet | 4 | hairer-lubich-wanner-2006, II.4",
+        verlet_composition("kick", _FRACTAL),
     ),
     Splitting(
         key="suzuki4_position_first",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction as Q
 
 from driftproof.methods.schemes import Method, RungeKutta
-from driftproof.methods.tables.notation import padded, row, square
+from driftproof.methods.tables.notation import padded, row, tableaux
 
 
 def ssprk_second_order(stages: int) -> RungeKutta:
@@ -58,23 +58,21 @@ _SSPRK104_ROWS = (
 ENTRIES: tuple[Method, ...] = (
     ssprk_second_order(2),
     ssprk_second_order(3),
-    RungeKutta(
-        key="ssprk33",
-        title="SSPRK(3,3), Shu-Osher",
-        claimed_order=3,
-        source="shu-osher-1988, equation 2.18",
-        c=row("0 1 1/2"),
-        a=square("0\n 1\n 1/4 1/4"),
-        b=row("1/6 1/6 2/3"),
-    ),
-    RungeKutta(
-        key="ssprk43",
-        title="SSPRK(4,3)",
-        claimed_order=3,
-        source="kraaijevanger-1991, the optimal third-order method with four stages",
-        c=row("0 1/2 1 1/2"),
-        a=square("0\n 1/2\n 1/2 1/2\n 1/6 1/6 1/6"),
-        b=row("1/6 1/6 1/6 1/2"),
+    *tableaux(
+        """
+    ssprk33 | SSPRK(3,3), Shu-Osher | 3 | shu-osher-1988, equation 2.18
+      0 |
+      1 | 1
+    1/2 | 1/4 1/4
+        | 1/6 1/6 2/3
+
+    ssprk43 | SSPRK(4,3) | 3 | kraaijevanger-1991, the optimal third-order method with four stages
+      0 |
+    1/2 | 1/2
+      1 | 1/2 1/2
+    1/2 | 1/6 1/6 1/6
+        | 1/6 1/6 1/6 1/2
+    """
     ),
     RungeKutta(
         key="ssprk104",
