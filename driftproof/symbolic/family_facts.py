@@ -28,7 +28,7 @@ from driftproof.symbolic.algebra.rational_functions import RationalFunction, fra
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT as ORIGIN
 from driftproof.symbolic.algebra.real_roots import RealRoot, positive_roots, vanishes_at
 from driftproof.symbolic.linear.a_stability import a_stability, i_stability, l_stability
-from driftproof.symbolic.linear.facts import ExactFunction, fact_names
+from driftproof.symbolic.linear.facts import ExactFunction, Formula, fact_names
 from driftproof.symbolic.linear.families import (
     FamilyStability,
     Interval,
@@ -53,21 +53,21 @@ class FailingTree(NamedTuple):
     """The first tree whose condition does not hold for all values, and its residual Φ - 1/γ."""
 
     tree: Tree
-    residual: ExactFunction
+    residual: Formula
 
 
 class FamilyFunction(NamedTuple):
     """A rational function of z by its coefficients, functions of the parameter, constant term first."""
 
-    num: list[ExactFunction]
-    den: list[ExactFunction]
+    num: list[Formula]
+    den: list[Formula]
 
 
 class FamilyTerm(NamedTuple):
     """coefficient * z**power, the coefficient a function of the parameter."""
 
     power: int
-    coefficient: ExactFunction
+    coefficient: Formula
 
 
 class OrderSet(NamedTuple):
@@ -138,16 +138,13 @@ class FamilyFacts:
     def stability_function(self) -> FamilyFunction:
         """R(z), with coefficients that are functions of the parameter."""
         num, den = family_stability(self.method).coefficients()
-        return FamilyFunction(
-            [ExactFunction(c, self.method.parameter) for c in num],
-            [ExactFunction(c, self.method.parameter) for c in den],
-        )
+        return FamilyFunction(*([self._formula(c) for c in row] for row in (num, den)))
 
     @cached_property
     def error_constant(self) -> FamilyTerm:
         """The leading term of R(z) - exp z, its coefficient a function of the parameter."""
         power, constant = family_error_constant(self.method)
-        return FamilyTerm(power, ExactFunction(constant, self.method.parameter))
+        return FamilyTerm(power, self._formula(constant))
 
     @cached_property
     def real_limit(self) -> list[LimitPiece] | UndecidedError:
@@ -177,6 +174,9 @@ class FamilyFacts:
     @cached_property
     def _order(self) -> tuple[int, FailingTree, list[OrderSet]]:
         return family_order(self.method)
+
+    def _formula(self, f: RationalFunction) -> Formula:
+        return ExactFunction(f, self.method.parameter).as_formula()
 
     def _decided(self, fact: Callable[[Family], _T]) -> _T | UndecidedError:
         try:
@@ -228,7 +228,7 @@ def family_order(family: Family) -> tuple[int, FailingTree, list[OrderSet]]:
     for n in count(1):
         for tree, residual in family_residuals(family, n):
             if residual.num != 0:
-                failing = failing or (n - 1, FailingTree(tree, ExactFunction(residual, family.parameter)))
+                failing = failing or (n - 1, FailingTree(tree, ExactFunction(residual, family.parameter).as_formula()))
                 shared = greatest_common_divisor(shared, residual.num)
         sets.append(OrderSet(n, _vanishing(family, shared)))
         if failing and not sets[-1].values.intervals:

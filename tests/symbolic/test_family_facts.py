@@ -136,7 +136,7 @@ def test_order_and_the_values_where_it_is_higher(key: str) -> None:
     found = FamilyFacts(EVERY[key])
     assert (found.order, [str(where.values) for where in found.order_sets]) == ORDERS[key]
     assert [where.order for where in found.order_sets] == list(range(1, len(found.order_sets) + 1))
-    assert found.order_fails.residual.f.num != 0
+    assert found.order_fails.residual.function.f.num != 0
 
 
 @pytest.mark.parametrize("key", FAMILIES)

@@ -85,7 +85,6 @@ def _limit(limit: Limit) -> tuple[str, str]:
     if isinstance(limit, Infinity) or limit == ZERO_ROOT:
         return ("all h" if isinstance(limit, Infinity) else "none"), "–"
     known = number_record(limit, LIMIT_DIGITS)
-    assert not isinstance(known, str)
     radicals, decimal = known["exact"], known["decimal"]
     words = radicals or f"a root of degree {len(limit.minimal) - 1}"
     return words, radicals if words.isdigit() else decimal

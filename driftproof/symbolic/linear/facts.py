@@ -63,8 +63,24 @@ class ExactFunction:
         num, den = (oscillator.inflated(p) for p in (self.f.num, self.f.den))
         return ExactFunction(fraction(num, den), self.variable)
 
+    def as_formula(self) -> Formula:
+        """The function as it is written."""
+        return Formula(str(self), self)
 
-class PowerSeries(NamedTuple):
+
+@dataclass(frozen=True)
+class Formula:
+    """A formula in SymPy's syntax, and the function that it is where it is one of one variable."""
+
+    text: str
+    function: ExactFunction | None = None
+
+    def __str__(self) -> str:
+        """The formula."""
+        return self.text
+
+
+class TruncatedSeries(NamedTuple):
     """Σ cₖ xᵏ + O(xⁿ), with the n coefficients c₀, c₁, ..., x being written `variable`."""
 
     coefficients: tuple[Exact, ...]
@@ -98,7 +114,7 @@ class ModifiedEnergy(NamedTuple):
     """The modified Hamiltonian, and its factor θ / sin θ as a series where its coefficients can be read."""
 
     hamiltonian: invariants.ModifiedHamiltonian
-    factor_series: PowerSeries | None
+    factor_series: TruncatedSeries | None
 
 
 class OrderReduction(NamedTuple):
@@ -115,23 +131,25 @@ class RegionBoundary(NamedTuple):
     points: list[tuple[str, str, str]]
 
 
-def _of_r(derive: Callable[[RationalFunction], _T]) -> cached_property[_T | None]:
+def _of_r(derive: Callable[[RationalFunction], _T], says: str | None = None) -> cached_property[_T | None]:
     """The fact that is derived from R(z); None for a method without R(z)."""
-    return _as_fact(lambda facts: None if facts._r is None else derive(facts._r), derive)
+    return _as_fact(lambda facts: None if facts._r is None else derive(facts._r), says or derive.__doc__)
 
 
 def _of_step(of_r: Callable[[RationalFunction], _T], of_matrix: Callable[[StepMatrix], _T]) -> cached_property[_T]:
     """The fact that is derived from R(z), without R(z) from M(h)."""
-    return _as_fact(lambda facts: of_matrix(facts.one_step_matrix) if facts._r is None else of_r(facts._r), of_r)
+    return _as_fact(
+        lambda facts: of_matrix(facts.one_step_matrix) if facts._r is None else of_r(facts._r), of_r.__doc__
+    )
 
 
 def _of_method(derive: Callable[[Method], _T]) -> cached_property[_T]:
     """The fact that is derived from the coefficients."""
-    return _as_fact(lambda facts: derive(facts.method), derive)
+    return _as_fact(lambda facts: derive(facts.method), derive.__doc__)
 
 
-def _as_fact(fact: Callable[[LinearFacts], _T], derive: Callable[..., Any]) -> cached_property[_T]:
-    fact.__doc__ = derive.__doc__
+def _as_fact(fact: Callable[[LinearFacts], _T], says: str | None) -> cached_property[_T]:
+    fact.__doc__ = says
     return cached_property(fact)
 
 
@@ -146,10 +164,7 @@ class LinearFacts:
         self.method = method
         self.terms = terms
 
-    @cached_property
-    def stability_function(self) -> ExactFunction | None:
-        """R(z), with y₁ = R(hλ) y₀ on y' = λy."""
-        return None if self._r is None else ExactFunction(self._r)
+    stability_function = _of_r(ExactFunction, "R(z), with y₁ = R(hλ) y₀ on y' = λy.")
 
     one_step_matrix = _of_method(oscillator.oscillator_matrix)
 
@@ -206,15 +221,9 @@ class LinearFacts:
         margin = coefficients(limits.imaginary_margin(self._r))
         return AStability(found.holds, found.reason, found.witness, margin)
 
-    @cached_property
-    def i_stable(self) -> bool | None:
-        """Whether |R(iy)| <= 1 for every real y."""
-        return None if self._r is None else bool(implicit_stability.i_stability(self._r))
+    i_stable = _of_r(lambda r: implicit_stability.i_stability(r).holds, "Whether |R(iy)| <= 1 for every real y.")
 
-    @cached_property
-    def l_stable(self) -> bool | None:
-        """A-stable, and R vanishes at infinity."""
-        return None if self._r is None else bool(implicit_stability.l_stability(self._r))
+    l_stable = _of_r(lambda r: implicit_stability.l_stability(r).holds, "A-stable, and R vanishes at infinity.")
 
     @cached_property
     def sector(self) -> Sector | None:
@@ -224,10 +233,7 @@ class LinearFacts:
         tangent = INFINITY if self.a_stable else sector_tangent(self._r)
         return Sector(tangent, Angle(tangent))
 
-    @cached_property
-    def limit_at_infinity(self) -> Exact | Limit | None:
-        """The limit of R(z) as z grows."""
-        return None if self._r is None else _at_infinity(self._r)
+    limit_at_infinity = _of_r(lambda r: _at_infinity(r), "The limit of R(z) as z grows.")
 
     stiffly_accurate = _of_method(structure.is_stiffly_accurate)
     first_same_as_last = _of_method(structure.is_first_same_as_last)
@@ -254,21 +260,21 @@ class LinearFacts:
     dissipation = _of_step(phase.dissipation, phase.leading_dissipation)
 
     @cached_property
-    def dispersion_series(self) -> PowerSeries | None:
+    def dispersion_series(self) -> TruncatedSeries | None:
         """The series of which `dispersion` is the leading term."""
         if self._r is not None:
             return _series(phase.dispersion_series(self._r, self.terms))
         return _series(phase.angle_error_series(self.one_step_matrix, self.terms)) if self._turns_readably else None
 
     @cached_property
-    def dissipation_series(self) -> PowerSeries:
+    def dissipation_series(self) -> TruncatedSeries:
         """The series of which `dissipation` is the leading term."""
         if self._r is not None:
             return _series(phase.dissipation_series(self._r, self.terms))
         return _series(phase.damping_series(self.one_step_matrix, self.terms))
 
     @cached_property
-    def modified_rate(self) -> PowerSeries | None:
+    def modified_rate(self) -> TruncatedSeries | None:
         """log R(z): on y' = λy the step is the exact flow of y' = (log R(hλ)/h) y."""
         return None if self._r is None else _series(phase.modified_rate(self._r, self.terms), "z")
 
@@ -286,10 +292,9 @@ class LinearFacts:
         """The largest c such that steps up to c times that of forward Euler preserve what forward Euler preserves."""
         return ssp_coefficient(self.method) if isinstance(self.method, RungeKutta | Collocation) else None
 
-    @cached_property
-    def region_boundary(self) -> RegionBoundary | None:
-        """Points of the boundary |R(z)| = 1 of the stability region."""
-        return None if self._r is None else RegionBoundary(rounded_boundary(self._r))
+    region_boundary = _of_r(
+        lambda r: RegionBoundary(rounded_boundary(r)), "Points of the boundary |R(z)| = 1 of the stability region."
+    )
 
     @cached_property
     def _r(self) -> RationalFunction | None:
@@ -335,8 +340,8 @@ def demand_known(names: Sequence[str], known: Iterable[str]) -> None:
             raise ValueError(f"unknown fact {name!r}; choose from {', '.join(known)}")
 
 
-def _series(coefficients: list[Any], variable: str = "h") -> PowerSeries:
-    return PowerSeries(tuple(exact(c) for c in coefficients), variable)
+def _series(coefficients: list[Any], variable: str = "h") -> TruncatedSeries:
+    return TruncatedSeries(tuple(exact(c) for c in coefficients), variable)
 
 
 def _at_infinity(f: RationalFunction) -> Exact | Limit:

@@ -41,7 +41,7 @@ from driftproof.symbolic.linear.stability_function import stability_function
 
 _NIL = fraction(ZERO)
 # Digits of an end without a radical form, in text; the records have them all.
-DIGITS_SHOWN = 12
+DIGITS_OF_ENDS = 12
 _Label = TypeVar("_Label", bound=Hashable)
 
 
@@ -241,4 +241,4 @@ def _samples(points: list[RealRoot]) -> list[fmpq]:
 
 def _text(root: RealRoot) -> str:
     """In radicals, or else with few digits and a sign that they are not all."""
-    return radical_form(root) or f"~{root_decimal(root, DIGITS_SHOWN)}"
+    return radical_form(root) or f"~{root_decimal(root, DIGITS_OF_ENDS)}"

@@ -16,14 +16,14 @@ from driftproof.symbolic.algebra.real_roots import RealRoot
 from driftproof.symbolic.facts import FACTS, ON_REQUEST, WHY_NONE, Facts
 from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
 from driftproof.symbolic.linear.a_stability import Angle, EnclosedTangent
-from driftproof.symbolic.linear.facts import ExactFunction, PowerSeries, Sector, facts_by_name
+from driftproof.symbolic.linear.facts import ExactFunction, Formula, Sector, TruncatedSeries, facts_by_name
 from driftproof.symbolic.linear.invariants import QuadraticForm
 from driftproof.symbolic.linear.phase import LeadingTerm
 from driftproof.symbolic.linear.stability_limits import Infinity
 from driftproof.texts.questions.answer import CERTIFIED, COUNTED, PROVED, STATED, Answer
 from driftproof.texts.questions.query_context import QueryContext
 from driftproof.texts.writing.facts import fact_tex, fact_text
-from driftproof.texts.writing.records import Formula, parts
+from driftproof.texts.writing.records import parts
 
 FACT_NAMES = (*FACTS, *ON_REQUEST, *(name for name in FAMILY_FACTS if name not in FACTS))
 # Facts that were counted, and those that are only what the source says: the others are derived.
@@ -80,7 +80,7 @@ def _answer(context: QueryContext, name: str, found: Any) -> Answer:
         return replace(number, evidence=_EVIDENCE[name]) if name in _EVIDENCE else number
     if isinstance(found, Formula):
         return Answer("", None, form=found.text)
-    if isinstance(found, PowerSeries):
+    if isinstance(found, TruncatedSeries):
         return Answer("", None, form=polynomial_text(polynomial(found.coefficients), found.variable))
     return Answer("", None, _EVIDENCE.get(name, PROVED), form=fact_text(found), words=fact_tex(found))
 

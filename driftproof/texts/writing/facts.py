@@ -15,13 +15,13 @@ from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
 from driftproof.symbolic.family_facts import FamilyFunction, FamilyTerm, LimitPiece, OrderSet
 from driftproof.symbolic.linear.a_stability import EnclosedTangent
 from driftproof.symbolic.linear.eigenvalues import Complex, Imaginary
-from driftproof.symbolic.linear.facts import ExactFunction, PowerSeries, RegionBoundary
-from driftproof.symbolic.linear.families import DIGITS_SHOWN, Interval, ParameterSet
+from driftproof.symbolic.linear.facts import ExactFunction, Formula, RegionBoundary, TruncatedSeries
+from driftproof.symbolic.linear.families import DIGITS_OF_ENDS, Interval, ParameterSet
 from driftproof.symbolic.linear.phase import LeadingTerm
 from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity
 from driftproof.symbolic.linear.systems import EigenvalueLimit
 from driftproof.texts.writing.markup import TEX, formula
-from driftproof.texts.writing.records import Formula, parts, record
+from driftproof.texts.writing.records import parts, record
 
 # A list of trees or of points longer than this is left to --format json.
 MOST_ITEMS_SHOWN = 12
@@ -137,7 +137,7 @@ class _Text:
         num, den = (_polynomial(found[part], variable, step) for part in ("num", "den"))
         return num if den == "1" else f"({num})/({den})"
 
-    def series(self, value: PowerSeries) -> str:
+    def series(self, value: TruncatedSeries) -> str:
         """The terms that are known, and the order of the others."""
         return f"{_polynomial(record(value), value.variable)} + O({_power(value.variable, len(value.coefficients))})"
 
@@ -222,7 +222,7 @@ class _Tex(_Text):
             return self.form(num if den == "1" else f"({num})/({den})")
         return self.form(ExactFunction(value, "h") if isinstance(value, RationalFunction) else value)
 
-    def series(self, value: PowerSeries) -> str:
+    def series(self, value: TruncatedSeries) -> str:
         known = self.form(_polynomial(record(value), value.variable, 1, ("*", "**")))
         return f"{known[:-1]}+O({value.variable}^{{{len(value.coefficients)}}})$"
 
@@ -257,7 +257,7 @@ _BY_TYPE: tuple[tuple[Any, str], ...] = (
     (RealRoot | EnclosedTangent | NumberField, "number"),
     (Imaginary | Complex, "complex_number"),
     (RationalFunction | ExactFunction | FamilyFunction, "function"),
-    (PowerSeries, "series"),
+    (TruncatedSeries, "series"),
     (LeadingTerm | FamilyTerm, "term"),
     (Interval | ParameterSet, "interval"),
     (OrderSet, "order_set"),
@@ -282,7 +282,7 @@ def _cut(digits: str) -> str:
 def _end(root: RealRoot) -> str:
     """An end of an interval in TeX."""
     radicals = radical_form(root)
-    return rf"\approx {root_decimal(root, DIGITS_SHOWN)}" if radicals is None else formula(radicals, TEX)
+    return rf"\approx {root_decimal(root, DIGITS_OF_ENDS)}" if radicals is None else formula(radicals, TEX)
 
 
 def _polynomial(ascending: Sequence[str], variable: str, step: int = 1, signs: tuple[str, str] = (" ", "^")) -> str:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
-from functools import singledispatch
 from typing import Any
 
 from driftproof.methods.families import Family
@@ -27,8 +25,6 @@ from driftproof.symbolic.family_facts import (
     FAMILY_FACTS,
     FailingTree,
     FamilyFacts,
-    FamilyFunction,
-    FamilyTerm,
     LimitPiece,
     OrderSet,
 )
@@ -37,9 +33,10 @@ from driftproof.symbolic.linear.eigenvalues import Complex, Imaginary
 from driftproof.symbolic.linear.facts import (
     TERMS,
     ExactFunction,
+    Formula,
     ModifiedEnergy,
-    PowerSeries,
     RegionBoundary,
+    TruncatedSeries,
     facts_by_name,
 )
 from driftproof.symbolic.linear.families import Interval, ParameterSet
@@ -50,18 +47,6 @@ from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity
 from driftproof.symbolic.linear.systems import SYSTEM_FACTS, EigenvalueLimit, facts_on_system
 from driftproof.symbolic.trees.order_conditions import OrderFact, PrincipalError, Simplifying
 from driftproof.symbolic.trees.rooted_trees import to_brackets
-
-
-@dataclass(frozen=True)
-class Formula:
-    """A formula in SymPy's syntax, and the function that it is where it is one of one variable."""
-
-    text: str
-    function: ExactFunction | None = None
-
-    def __str__(self) -> str:
-        """The formula."""
-        return self.text
 
 
 def facts_of(method: Method, names: Sequence[str] = FACTS, terms: int = TERMS) -> dict[str, Json]:
@@ -116,28 +101,21 @@ def parts(value: Any) -> Mapping[str, Any] | None:
     return value._asdict() if hasattr(value, "_asdict") else None
 
 
-def _of_tree(found: OrderFact[Any] | FailingTree) -> dict[str, Any]:
-    tree = found.failing_tree if isinstance(found, OrderFact) else found.tree
-    return {"tree": to_brackets(tree), "residual": _in_parameter(found.residual)}
-
-
-def _in_parameter(x: Any) -> Any:
-    return Formula(str(x), x) if isinstance(x, ExactFunction) else x
-
-
 def _of_hamiltonian(found: ModifiedEnergy) -> dict[str, Any]:
     """H̃ = factor*(q2 q² + qv qv + v2 v²), in the words of `ModifiedHamiltonian`; the factor also as a series."""
     cosine = ExactFunction(found.hamiltonian.cosine, "h")
+    forms = {name: ExactFunction(getattr(found.hamiltonian, name), "h") for name in ("q2", "qv", "v2")}
     return {
         "factor": Formula(f"acos({cosine})/sqrt(1 - ({cosine})**2)"),
-        "quadratic": {name: _in_step(getattr(found.hamiltonian, name)) for name in ("q2", "qv", "v2")},
+        "quadratic": {name: form.as_formula() for name, form in forms.items()},
         "valid_limit": found.hamiltonian.limit,
         "factor_series": found.factor_series,
     }
 
 
-def _in_step(f: RationalFunction) -> Formula:
-    return Formula(str(ExactFunction(f, "h")), ExactFunction(f, "h"))
+def _of_quadratic(form: QuadraticForm) -> dict[str, Any]:
+    names = zip(("q2", "qv", "v2"), form.coefficients, strict=True)
+    return {name: ExactFunction(fraction(c), "h").as_formula() for name, c in names}
 
 
 def _of_eigenvalue(found: EigenvalueLimit) -> dict[str, Any]:
@@ -148,18 +126,61 @@ def _of_eigenvalue(found: EigenvalueLimit) -> dict[str, Any]:
     return dict(zip(names, (eigenvalue.place, eigenvalue.multiplicity, eigenvalue.block, limit, attained), strict=True))
 
 
+def number_record(value: RealRoot, digits: int = PRINTED_DIGITS) -> dict[str, Any]:
+    """{"exact", "minpoly", "interval", "decimal"}: radicals in SymPy's syntax or None, polynomial in x.
+
+    The number is the one root of its polynomial in the closed interval; the decimal is rounded correctly.
+    """
+    exact, minimal = radical_form(value), integer_polynomial_text(value.minimal)
+    ends = [str(end) for end in value.interval()]
+    return {"exact": exact, "minpoly": minimal, "interval": ends, "decimal": root_decimal(value, digits)}
+
+
+def _of_enclosed(value: EnclosedTangent) -> dict[str, Any]:
+    billionths = decide_by_enclosure(value.ball, lambda x: int(x * 10**9))
+    ends = [str(Fraction(n, 10**9)) for n in (billionths, billionths + 1)]
+    return {"exact": None, "minpoly": None, "interval": ends, "decimal": significant(value.ball, PRINTED_DIGITS)}
+
+
+def _of_field(field: NumberField) -> dict[str, Any]:
+    ends, digits = [str(field.low), str(field.high)], significant(field.generator, PRINTED_DIGITS)
+    minimal = integer_polynomial_text(field.minimal)
+    return {"generator": field.name, "minpoly": minimal, "interval": ends, "decimal": digits}
+
+
+def _of_place(place: Imaginary | Complex) -> dict[str, Any]:
+    """An eigenvalue off the real axis, the one above it."""
+    exact = None
+    if isinstance(place, Imaginary):
+        size = radical_form(place.size)
+        exact, real, imaginary = size and _times_i(size), "0", root_decimal(place.size)
+    else:
+        real, imaginary = (
+            significant(x, PRINTED_DIGITS) for x in (lambda: place.ball().real, lambda: place.ball().imag)
+        )
+        if place.degree == 2:
+            total, product = place.sum_and_product()
+            square = product - total * total / 4
+            height = radical_form(rational_root(Fraction(int(square.p), int(square.q))).square_root())
+            exact = height and f"{total / 2} + {_times_i(height)}"
+    return {"exact": exact, "minpoly": integer_polynomial_text(place.minimal), "real": real, "imaginary": imaginary}
+
+
+def _times_i(size: str) -> str:
+    """The number times i, e.g. "sqrt(399)/20*I"."""
+    return "I" if size == "1" else f"({size})*I" if " " in size else f"{size}*I"
+
+
 _PARTS: dict[type, Callable[[Any], dict[str, Any]]] = {
-    OrderFact: _of_tree,
-    FailingTree: _of_tree,
+    OrderFact: lambda x: {"tree": to_brackets(x.failing_tree), "residual": x.residual},
+    FailingTree: lambda x: {"tree": to_brackets(x.tree), "residual": x.residual},
     PrincipalError: lambda x: {
         "vertices": x.vertices,
         "squared_norm": x.squared_norm,
         "coefficients": {to_brackets(tree): c for tree, c in x.coefficients},
     },
     Simplifying: lambda x: {name: INFINITY if n is None else n for name, n in zip("BCD", (x.b, x.c, x.d), strict=True)},
-    QuadraticForm: lambda x: {
-        name: _in_step(fraction(c)) for name, c in zip(("q2", "qv", "v2"), x.coefficients, strict=True)
-    },
+    QuadraticForm: _of_quadratic,
     ModifiedEnergy: _of_hamiltonian,
     LeadingTerm: lambda x: {
         "power": x.power,
@@ -169,8 +190,6 @@ _PARTS: dict[type, Callable[[Any], dict[str, Any]]] = {
         "radius": f"1e-{PLACES}",
         "points": [dict(zip(("cosine", "re", "im"), point, strict=True)) for point in x.points],
     },
-    FamilyFunction: lambda x: {"num": [str(c) for c in x.num], "den": [str(c) for c in x.den]},
-    FamilyTerm: lambda x: {"power": x.power, "coefficient": _in_parameter(x.coefficient)},
     ParameterSet: lambda x: {"set": str(x), "intervals": x.intervals},
     OrderSet: lambda x: {"order": x.order, "set": str(x.values), "intervals": x.values.intervals},
     Interval: lambda x: {
@@ -181,115 +200,34 @@ _PARTS: dict[type, Callable[[Any], dict[str, Any]]] = {
     },
     LimitPiece: lambda x: {**x._asdict(), "where": str(x.where), "interval": x.where},
     EigenvalueLimit: _of_eigenvalue,
+    RealRoot: number_record,
+    EnclosedTangent: _of_enclosed,
+    NumberField: _of_field,
+    Imaginary: _of_place,
+    Complex: _of_place,
 }
+# What has no parts and is not written as it prints itself.
+_SIMPLE: tuple[tuple[Any, Callable[[Any], Json]], ...] = (
+    (RungeKutta | Splitting | Nystrom | Collocation | Family, lambda x: x.key),
+    (RationalFunction, RationalFunction.data),
+    (ExactFunction, lambda x: x.f.data()),
+    (TruncatedSeries, lambda x: [str(c) for c in x.coefficients]),
+    (Angle, lambda x: significant(x.exact, PRINTED_DIGITS) if callable(x.exact) else str(x.exact)),
+    (Infinity, lambda x: x.value),
+    (Exception, lambda x: {"refused": str(x)}),
+)
 
 
-# --- the writer
-
-
-@singledispatch
 def record(value: Any) -> Json:
     """A fact, or what facts consist of, as JSON has it: null, true, counts, words, "1/2", [...], {...}."""
+    for kinds, write in _SIMPLE:
+        if isinstance(value, kinds):
+            return write(value)
+    if value == ZERO_ROOT:
+        return "0"
     found = parts(value)
     if found is not None:
         return {name: record(part) for name, part in found.items()}
     if isinstance(value, list | tuple):
         return [record(part) for part in value]
     return value if value is None or isinstance(value, bool | int) else str(value)
-
-
-@record.register
-def _(value: Angle) -> str:
-    return significant(value.exact, PRINTED_DIGITS) if callable(value.exact) else str(value.exact)
-
-
-@record.register(RungeKutta | Splitting | Nystrom | Collocation | Family)
-def _(value: Method | Family) -> str:
-    return value.key
-
-
-@record.register
-def _(value: Exception) -> dict[str, str]:
-    return {"refused": str(value)}
-
-
-@record.register
-def _(value: PowerSeries) -> list[str]:
-    return [str(c) for c in value.coefficients]
-
-
-@record.register(RationalFunction | ExactFunction)
-def _(value: RationalFunction | ExactFunction) -> dict[str, list[str]]:
-    return (value.f if isinstance(value, ExactFunction) else value).data()
-
-
-@record.register
-def _(value: Infinity) -> str:
-    return value.value
-
-
-@record.register
-def number_record(value: RealRoot, digits: int = PRINTED_DIGITS) -> str | dict[str, Any]:
-    """ "0" or {"exact", "minpoly", "interval", "decimal"}: radicals in SymPy's syntax or None, polynomial in x.
-
-    The number is the one root of its polynomial in the closed interval; `root_decimal` is rounded correctly.
-    """
-    if value == ZERO_ROOT:
-        return "0"
-    return {
-        "exact": radical_form(value),
-        "minpoly": integer_polynomial_text(value.minimal),
-        "interval": [str(end) for end in value.interval()],
-        "decimal": root_decimal(value, digits),
-    }
-
-
-@record.register
-def _(value: EnclosedTangent) -> dict[str, Any]:
-    billionths = decide_by_enclosure(value.ball, lambda x: int(x * 10**9))
-    interval = [str(Fraction(n, 10**9)) for n in (billionths, billionths + 1)]
-    return {"exact": None, "minpoly": None, "interval": interval, "decimal": significant(value.ball, PRINTED_DIGITS)}
-
-
-@record.register
-def _(value: NumberField) -> dict[str, Any]:
-    return {
-        "generator": value.name,
-        "minpoly": integer_polynomial_text(value.minimal),
-        "interval": [str(value.low), str(value.high)],
-        "decimal": significant(value.generator, PRINTED_DIGITS),
-    }
-
-
-@record.register
-def _(value: Imaginary) -> dict[str, Any]:
-    size = radical_form(value.size)
-    exact = size and _times_i(size)
-    return {
-        "exact": exact,
-        "minpoly": integer_polynomial_text(value.minimal),
-        "real": "0",
-        "imaginary": root_decimal(value.size),
-    }
-
-
-@record.register
-def _(value: Complex) -> dict[str, Any]:
-    exact = None
-    if value.degree == 2:
-        total, product = value.sum_and_product()
-        square = product - total * total / 4
-        height = radical_form(rational_root(Fraction(int(square.p), int(square.q))).square_root())
-        exact = height and f"{total / 2} + {_times_i(height)}"
-    real, imaginary = (significant(x, PRINTED_DIGITS) for x in (lambda: value.ball().real, lambda: value.ball().imag))
-    return {
-        "exact": exact,
-        "minpoly": integer_polynomial_text(value.minimal),
-        "real": real,
-        "imaginary": imaginary,
-    }
-
-
-def _times_i(size: str) -> str:
-    """The number times i, e.g. "sqrt(399)/20*I"."""
-    return "I" if size == "1" else f"({size})*I" if " " in size else f"{size}*I"

@@ -13,7 +13,7 @@ from driftproof.methods.number_field import square_root
 from driftproof.symbolic.facts import Facts
 from driftproof.symbolic.family_facts import FamilyFacts, LimitPiece
 from driftproof.symbolic.linear.a_stability import sector_tangent
-from driftproof.symbolic.linear.facts import ExactFunction, PowerSeries
+from driftproof.symbolic.linear.facts import ExactFunction, TruncatedSeries
 from driftproof.symbolic.linear.families import Interval, ParameterSet
 from driftproof.symbolic.linear.stability_limits import INFINITY
 from driftproof.texts.writing.facts import fact_tex, fact_text, facts_tex, facts_text
@@ -39,7 +39,7 @@ WRITTEN: list[tuple[Any, str, str]] = [
     ),
     (RK4.energy_multiplier, "1 - 1/72 h^6 + 1/576 h^8", r"$1-\frac{h^{6}}{72}+\frac{h^{8}}{576}$"),
     (RK4.error_constant, "-1/120 h^5", r"$-\frac{h^{5}}{120}$"),
-    (PowerSeries((Q(0), Q(1), Q(1, 12)), "z"), "z + 1/12 z^2 + O(z^3)", r"$z+\frac{z^{2}}{12}+O(z^{3})$"),
+    (TruncatedSeries((Q(0), Q(1), Q(1, 12)), "z"), "z + 1/12 z^2 + O(z^3)", r"$z+\frac{z^{2}}{12}+O(z^{3})$"),
     (RK4.order_fails, "tree: [τ,τ,τ,τ], residual: 1/120", r"residual: $\frac{1}{120}$"),
     (SDIRK.stability_function, "(1 + (1 - 2*gamma) z + ", r"$\frac{1+(1-2 \gamma) z+"),
     (SDIRK.error_constant, "(-1/6 + gamma - gamma**2) h^3", r"$\left(-\frac{1}{6}+\gamma-\gamma^{2}\right) h^{3}$"),
