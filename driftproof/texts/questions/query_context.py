@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from driftproof.methods.families import Family
     from driftproof.methods.schemes import Method
 
-Entry = TypeVar("Entry")
+_Entry = TypeVar("_Entry")
 
 START_AT_REST = (Fraction(1), Fraction(0))
 
@@ -96,7 +96,7 @@ class QueryContext:
             raise self.error(None, f"{self.head} needs {name}, as in {example}")
         return self.query.settings[name].value
 
-    def readout(self, table: Mapping[str, Entry], more: str = "") -> Entry:
+    def readout(self, table: Mapping[str, _Entry], more: str = "") -> _Entry:
         """The entry of the table that the readout names."""
         token = self.query.readout
         names = f"there are {', '.join(table)}{more}"

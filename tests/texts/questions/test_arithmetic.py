@@ -59,3 +59,20 @@ def test_arithmetic_is_that_of_fractions(made: Sum) -> None:
             value(made.text)
     else:
         assert value(made.text).exact == made.number
+
+
+def test_units_follow_the_arithmetic() -> None:
+    angle = "run rk4 h=1/4 t=10 : phase_error"
+    assert value(f"2 * ({angle})").unit == "degrees"
+    assert value(f"{angle} + 180").unit == "degrees"
+    assert value(f"({angle}) / ({angle} deg)").unit is None
+    assert value(f"percent({angle}, {angle})").unit == "%"
+    assert value(f"-({angle} rad)").unit == "radians"
+    assert value("roundoff rk4 h=1/4 : qq").unit == "u"
+
+
+def test_evidence_is_the_weakest_of_the_parts() -> None:
+    assert value("1 + order rk4").evidence == "PROVED"
+    assert value("stages rk4 * order rk4").evidence == "COUNTED"
+    assert value("stages rk4 * cos(1)").evidence == "CERTIFIED"
+    assert value("claimed_order rk4 + stages rk4").evidence == "STATED"

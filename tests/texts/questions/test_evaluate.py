@@ -93,3 +93,7 @@ def test_fuzzing_reaches_answers_and_not_only_refusals() -> None:
         with suppress(QuestionError):
             answered += value(question) is not None
     assert answered >= len(QUESTIONS) - len(REFUSED)
+
+
+def test_same_question_is_answered_once() -> None:
+    assert value("order rk4") is value("order rk4")

@@ -70,3 +70,12 @@ def test_evaluations_are_counted_and_everything_else_is_proved_or_certified() ->
     assert value("run explicit_order_2 at 2/3 h=1/4 t=10 : evaluations").exact == 80
     kinds = {name: value(f"run rk4 h=1/4 t=10 : {name}").evidence for name in ("q", "state_error", "evaluations")}
     assert kinds == {"q": "PROVED", "state_error": "CERTIFIED", "evaluations": "COUNTED"}
+
+
+def test_long_runs_are_answered_by_squaring_and_long_numbers_enclosed() -> None:
+    # In 10**12 steps of h = 1e-11, RK4 is off by h**4 t / 120 to leading order.
+    found = value("run rk4 h=1e-11 t=10 : state_error")
+    assert found.digits(5) == "8.3333e-46"
+    # And behind by h**4 t / 120 radians.
+    assert value("run rk4 N=1000000000000 t=10 : phase_error rad").digits(5) == "-8.3333e-46"
+    assert value(f"step gauss2 h={'9' * 1000} : energy").digits(3) == "0.500"

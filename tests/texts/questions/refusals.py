@@ -1,0 +1,18 @@
+"""How a question is refused, for several test files."""
+
+from __future__ import annotations
+
+import pytest
+
+from driftproof.texts.questions.errors import QuestionError
+from driftproof.texts.questions.evaluate import value
+
+
+def demand_refusal(question: str, column: int, reason: str) -> None:
+    """It is refused in one line that names the column and what is allowed."""
+    with pytest.raises(QuestionError) as caught:
+        value(question).digits(6)
+    assert reason in caught.value.reason
+    assert caught.value.column == column
+    assert "\n" not in str(caught.value)
+    assert f"column {column}: " in str(caught.value)

@@ -1,0 +1,33 @@
+"""Errors of questions are one line of bounded length; answers that do not end are ended."""
+
+from __future__ import annotations
+
+import signal
+
+import pytest
+
+from driftproof.texts.questions.errors import QuestionError, time_limit
+from driftproof.texts.questions.evaluate import value
+
+
+def test_time_limit_ends_what_does_not_end_and_leaves_the_rest_alone() -> None:
+    with time_limit("quick", 60):
+        assert value("1 + 1").exact == 2
+    assert signal.getitimer(signal.ITIMER_REAL) == (0, 0)
+    assert signal.getsignal(signal.SIGALRM) == signal.SIG_DFL
+
+    def for_ever() -> None:
+        with time_limit("for ever", 0.05):
+            while True:
+                pass
+
+    with pytest.raises(QuestionError, match=r"no answer within 0\.05 seconds"):
+        for_ever()
+    assert signal.getsignal(signal.SIGALRM) == signal.SIG_DFL
+
+
+def test_error_is_one_line_that_quotes_no_more_than_it_must() -> None:
+    error = QuestionError("a\nb" * 100, 3, "no\n" * 1000)
+    assert str(error).startswith("'a ba ba")
+    assert len(str(error)) < 600
+    assert "\n" not in str(error)

@@ -1,0 +1,116 @@
+"""Questions are parsed and never evaluated: what is read, what is refused, at which column, and how large it may be."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+
+import pytest
+
+from driftproof.methods.expression_tree import DEEPEST_NESTING, LONGEST_EXPRESSION, ExpressionParser
+from driftproof.texts.questions.errors import QuestionError
+from driftproof.texts.questions.evaluate import value
+from tests.texts.questions.refusals import demand_refusal
+
+ARITHMETIC = {
+    "1 + 2 * 3": Q(7),
+    "(1 + 2) * 3": Q(9),
+    "8 / 4 / 2": Q(1),
+    "1 - 2 - 3": Q(-4),
+    "-2 ** 2": Q(-4),
+    "(-2) ** 2": Q(4),
+    "2 ^ -3": Q(1, 8),
+    "2 ** (-3)": Q(1, 8),
+    "8 ** (2/3)": Q(4),
+    "(8/27) ** (1/3)": Q(2, 3),
+    "((1/2) ** (1/3)) ** 3": Q(1, 2),
+    "- - 3": Q(3),
+    "+0.25e1 − 1/2": Q(2),
+    ".5": Q(1, 2),
+    "sqrt(9/4)": Q(3, 2),
+    "sqrt(0)": Q(0),
+    "abs(-1/3) + abs(1/3)": Q(2, 3),
+    "log10(1/1000)": Q(-3),
+    "log2(1024) / log10(10)": Q(10),
+    "log2(1)": Q(0),
+    "cos(0) + sin(0)": Q(1),
+    "ratio(-3, 4)": Q(3, 4),
+    "percent(1, 8)": Q(25, 2),
+    "sqrt(2) * sqrt(2)": Q(2),
+    "(1 + sqrt(5)) * (1 - sqrt(5))": Q(-4),
+    "2 ** (1/3) * 2 ** (1/3) * 2 ** (1/3)": Q(2),
+    "order rk4 + stages rk4 * 2": Q(12),
+    "step rk4 h=1/2 : q - 1": Q(337, 384) - 1,
+    "energy_multiplier forward_euler h=1/4 / 2": Q(17, 32),
+    "2*step forward_euler h=1/2:q": Q(2),
+}
+
+
+@pytest.mark.parametrize("question", ARITHMETIC)
+def test_arithmetic_is_read_as_mathematics_writes_it(question: str) -> None:
+    assert value(question).exact == ARITHMETIC[question]
+
+
+REFUSED = [
+    ("", 1, "the question is empty"),
+    ("   ", 4, "the question is empty"),
+    ("1 +", 4, "the end stands where a number, a name or a bracket should"),
+    ("(1", 3, "a bracket is not closed"),
+    ("1 2", 3, "'2' has no place here; an operator"),
+    ("1)", 2, "')' has no place"),
+    ("1 $ 2", 3, "'$' has no place in a question"),
+    ("__import__('os').system('ls')", 12, "has no place in a question"),
+    ("2 ** 65", 6, "an exponent is an integer from -64 to 64"),
+    ("2 ** 9999999999", 6, "an exponent is an integer from -64 to 64"),
+    ("2 ** 1.5", 6, "an exponent is an integer"),
+    ("2 ** (1/0)", 10, "an exponent is an integer or a fraction of two"),
+    ("2 ** x", 6, "an exponent is an integer"),
+    ("1e999999999", 1, "is too long"),
+    ("order rk4 rk4", 11, "'rk4' has no place here; a colon and a readout may follow"),
+    ("order sdirk_order_2 at (1", 24, "a bracket is not closed"),
+    ("order sdirk_order_2 at sqrt(2)", 24, "a number like 1/4 or 0.25 stands here, not 'sqrt'"),
+    ("step :", 7, "the name of a readout, such as q, comes after the colon"),
+    ("step rk4 h=1/2 h=1/4 : q", 16, "'h' is given twice"),
+    ("step rk4 N=2 steps=2 h=1 : q", 14, "'steps' is given twice"),
+    ("step rk4 k=1/2 : q", 10, "'k' is no setting; there are h, t, N, steps, z"),
+    ("step rk4 h=1/2/3 : q", 15, "'/' has no place in a number"),
+    ("step rk4 h=1/2x : q", 15, "'x' has no place in a number"),
+    ("step rk4 h=-: q", 13, "h: a number like 1/4 or 0.25 stands here, not ':'"),
+    ("step rk4 h=1/2 from 1 : q", 23, "a start is a position, a comma and a velocity"),
+    ("step rk4 h=1/2 from 1,0 from 1,0 : q", 25, "'from' has no place"),
+]
+
+
+@pytest.mark.parametrize(("question", "column", "reason"), REFUSED)
+def test_what_is_no_question_is_refused_at_its_column(question: str, column: int, reason: str) -> None:
+    demand_refusal(question, column, reason)
+
+
+def test_question_too_long_or_nested_too_deep_is_refused_before_anything_is_computed() -> None:
+    inside = "(" * DEEPEST_NESTING + "1" + ")" * DEEPEST_NESTING
+    assert value(inside).exact == 1
+    for deep in (f"({inside})", "-" * (DEEPEST_NESTING + 1) + "1", "abs(" * 41 + "1" + ")" * 41):
+        with pytest.raises(QuestionError, match="nested deeper than 40 levels"):
+            value(deep)
+    assert value("1" + " " * (LONGEST_EXPRESSION - 1)).exact == 1
+    with pytest.raises(QuestionError, match="at most 2000 characters, not 2001"):
+        value("1" + " " * LONGEST_EXPRESSION)
+    assert value("+".join(["1"] * 999)).exact == 999
+
+
+def test_tokens_know_their_columns() -> None:
+    assert [(t.text, t.column) for t in ExpressionParser("2**(−x.y) ").tokens] == [
+        ("2", 1),
+        ("**", 2),
+        ("(", 4),
+        ("-", 5),
+        ("x.y", 6),
+        (")", 9),
+        ("", 11),
+    ]
+
+
+def test_numbers_are_ascii_and_exact() -> None:
+    assert value("0.1 * 10").exact == 1
+    for foreign in ("٣", "1²", "½", "１"):
+        with pytest.raises(QuestionError, match="has no place"):
+            value(foreign)
