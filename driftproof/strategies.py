@@ -2,6 +2,14 @@
 
 Impossible arguments raise ValueError when the strategy is asked for, rather than weaken a test unnoticed. No profile is
 registered here: how many examples to run is for the test suite that draws them.
+
+>>> from hypothesis import given
+>>> from driftproof import METHODS, stepper, strategies
+>>> step = stepper(METHODS["velocity_verlet"], float)
+>>> @given(strategies.states(-9, 9), strategies.steps())
+... def test_step_of_size_zero_goes_nowhere(state, h):
+...     assert h or step(lambda q: -q, *state, h) == state
+>>> test_step_of_size_zero_goes_nowhere()
 """
 
 from __future__ import annotations
@@ -9,7 +17,6 @@ from __future__ import annotations
 import sys
 from fractions import Fraction
 from math import inf, isfinite, ldexp, nextafter
-from typing import Any
 
 from hypothesis import strategies as st
 from hypothesis.strategies import SearchStrategy
@@ -51,7 +58,7 @@ def _sizes(min_exponent: int, max_exponent: int) -> SearchStrategy[float]:
     return st.builds(lambda m, e: ldexp(float(m), e), mantissas, exponents)
 
 
-def states(min_exponent: int = MIN_EXPONENT, max_exponent: int = MAX_EXPONENT) -> SearchStrategy[Any]:
+def states(min_exponent: int = MIN_EXPONENT, max_exponent: int = MAX_EXPONENT) -> SearchStrategy[tuple[float, float]]:
     """Pairs (q, v) of `finite_floats`, and pairs of similar size, in which sums cancel."""
     floats = finite_floats(min_exponent, max_exponent)
     alike = st.builds(_nearby, floats, st.integers(-4, 4), st.booleans())
