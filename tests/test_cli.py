@@ -193,6 +193,9 @@ NEEDED = {
     "run rk4 --h 1/4 --t 10": {"flint"},
     "facts rk4 --only order": {"flint"},
     "value rk4.first_step.q": {"flint"},
+    "roundoff rk4 --h 1/4": {"flint", "numpy"},
+    "stability": {"flint", "numpy"},
+    "derive rk4 --only determinant": {"flint", "sympy", "mpmath"},
     "sweep default --h 1/4": {"numpy", "tqdm"},
 }
 
@@ -201,5 +204,6 @@ NEEDED = {
 def test_answer_loads_what_it_needs(line, modules_after):
     loaded = modules_after(f"from driftproof.cli import main; main({line.split()!r})")
     assert loaded & HEAVY <= NEEDED[line]
+    assert ("sympy" in loaded) == line.startswith("derive")
     assert "http.client" not in loaded  # as xml.sax.saxutils and other small things would bring along
     assert "driftproof.cli" in loaded
