@@ -140,9 +140,9 @@ def rounding_bounds() -> list[Subject]:
     """What a bound costs."""
     h, start = Q(1, 4), (Q(1), Q(0))
     tasks: dict[str, Callable[[], Any]] = {
-        "bound of one step of rk4": lambda: step_bound(rk4).coefficients,
+        "bound of one step of rk4": lambda: step_bound(rk4).at(h),
         "sharper bound of one step of rk4, h = 1/4": lambda: fixed_step_bound(rk4, h),
-        "bound of one step of dop853": lambda: step_bound(METHODS["dop853"]).coefficients,
+        "bound of one step of dop853": lambda: step_bound(METHODS["dop853"]).at(h),
         "bound of 40 steps of rk4, h = 1/4": lambda: run_bound(rk4, h, 40, start),
     }
     return [Subject(name, cold_and_warm(task, lambda _: "")) for name, task in tasks.items()]

@@ -21,7 +21,7 @@ from driftproof.symbolic.rounding.n_steps_bound import run_bound
 from driftproof.symbolic.rounding.step_bound import step_bound
 from driftproof.symbolic.runs import apply
 from tests.witnesses.leapfrog import leapfrog
-from tests.witnesses.worst_case import Envelope, search
+from tests.witnesses.worst_case import envelope_of, search
 
 FORMATS = {BINARY64: np.float64, BINARY32: np.float32, BINARY16: np.float16}
 RANGES = {"|h| <= 1/4": (0.0, 0.25), "|h| = 1/4": (0.25, 0.25), "|h| = 1": (1.0, 1.0), "|h| = 5/2": (2.5, 2.5)}
@@ -42,7 +42,7 @@ def worst_over_bound(generations: int) -> Section:
     for key, subject in PROGRAMS.items():
         step = subject if callable(subject) else stepper(subject, float)
         for fmt, dtype in FORMATS.items():
-            envelope = Envelope(*step_bound(subject, fmt).coefficients)
+            envelope = envelope_of(step_bound(subject, fmt))
             found = [search(step, envelope, dtype, h_range, 1, generations) for h_range in RANGES.values()]
             checked, over = (sum(getattr(w, name) for w in found) for name in ("checked", "violations"))
             violations, least = violations + over, min(least, found[0].ratio)

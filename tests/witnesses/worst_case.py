@@ -23,6 +23,8 @@ import numpy as np
 
 from driftproof.methods.problems import oscillator
 from driftproof.methods.stepping import Step
+from driftproof.symbolic.rounding.polynomials import middle_and_radius
+from driftproof.symbolic.rounding.step_bound import COLUMNS, ByPower, StepBound, Terms, in_format
 
 Floats: TypeAlias = Any
 # Arrays h, q, v of one shape and type.
@@ -40,6 +42,31 @@ class Envelope(NamedTuple):
     exact: Table
     error: Table
     underflow: tuple[Coefficients, Coefficients]
+
+
+def envelope_of(bound: StepBound) -> Envelope:
+    """The bound in its format. Irrational coefficients of M are fractions near them, and E is larger by how near."""
+    rows = zip(
+        (bound.entries[:2], bound.entries[2:]), (in_format(x.error, bound.format) for x in bound.outputs), strict=True
+    )
+    ((mqq, mqv), (qq, qv, rq)), ((mvq, mvv), (vq, vv, rv)) = (_row(entries, errors) for entries, errors in rows)
+    return Envelope(((mqq, mqv), (mvq, mvv)), ((qq, qv), (vq, vv)), (rq, rv))
+
+
+def _row(entries: Iterable[ByPower], errors: Terms) -> tuple[list[Coefficients], list[Coefficients]]:
+    """A row of M, and of (E, r) widened by how near to it the first is."""
+    middles = []
+    bounds = [{in_h: c for (in_h, *state), c in errors.items() if tuple(state) == column} for column in COLUMNS]
+    for entry, bound in zip(entries, bounds, strict=False):
+        balls = {k: middle_and_radius(c) for k, c in entry.items()}
+        middles.append({k: middle for k, (middle, _) in balls.items()})
+        for k, (_, radius) in balls.items():
+            bound[k] = bound.get(k, Fraction(0)) + radius
+    return [_ascending(x) for x in middles], [_ascending(x) for x in bounds]
+
+
+def _ascending(by_power: dict[int, Fraction]) -> Coefficients:
+    return tuple(by_power.get(k, Fraction(0)) for k in range(max(by_power, default=-1) + 1))
 
 
 class Ratios(NamedTuple):

@@ -6,8 +6,8 @@ For q' = a v, v' = -k q every method of the catalogue has, with s = a k h²,
 
 its terms alternate between position and velocity. So the four functions of the oscillator, a = k = 1, are enough, and
 k may be negative. With each class stands what any float program of it may err by. As in
-`symbolic.rounding.any_order`, a monomial that passes k roundings in the worst order of evaluation errs by at most
-((1 + u)^k - 1) times its size; here k is the largest one of all monomials, and sizes are floats.
+`symbolic.rounding.any_evaluation_order`, a monomial that passes k roundings in the worst order of evaluation errs by at
+most ((1 + u)^k - 1) times its size; here k is the largest one of all monomials, and sizes are floats.
 """
 
 from __future__ import annotations
@@ -38,6 +38,7 @@ from driftproof.symbolic.linear.oscillator import (
     oscillator_matrix,
     stability_function_of,
 )
+from driftproof.symbolic.rounding.any_evaluation_order import ErrorTally
 from driftproof.symbolic.rounding.formats import FloatFormat
 
 # M_qq, M_qv, M_vq, M_vv.
@@ -79,67 +80,62 @@ class LinearMap(Protocol):
 
 
 @dataclass(frozen=True)
-class ErrorTally:
-    """A polynomial in |h| by its sums of |monomials|, constant first, and the most roundings that a monomial passes.
-
-    Still to be counted are the `additions` of the sum that ends here: any term may be the one that passes them all.
-    """
+class CountedSizes:
+    """A polynomial in |h| by its sums of |monomials|, constant first, and the most roundings that a monomial passes."""
 
     sizes: NDArray[np.float64]
     count: int = 0
-    additions: int = 0
 
-    @property
-    def roundings(self) -> int:
-        """The most roundings that a monomial passes, in any order of evaluation."""
-        return self.count + self.additions
+    def __bool__(self) -> bool:
+        """False for zero."""
+        return self.sizes.size > 0
 
     def __call__(self, x: float) -> float:
         """The sum of |monomials| at x >= 0."""
-        return float(np.polynomial.polynomial.polyval(x, self.sizes)) if self.sizes.size else 0.0
+        return float(np.polynomial.polynomial.polyval(x, self.sizes)) if self else 0.0
 
-    def __add__(self, other: ErrorTally) -> ErrorTally:
-        """x + y, or x - y; a zero is no term."""
-        if not self.sizes.size or not other.sizes.size:
-            return other if not self.sizes.size else self
+    def __add__(self, other: CountedSizes) -> CountedSizes:
+        """Sizes are added; of the counts the larger is kept."""
         longer, shorter = sorted((self.sizes, other.sizes), key=len, reverse=True)
         total = longer.copy()
         total[: len(shorter)] += shorter
-        return ErrorTally(total, max(self.count, other.count), self.additions + other.additions + 1)
+        return CountedSizes(total, max(self.count, other.count))
 
-    __sub__ = __add__
+    def __mul__(self, other: CountedSizes) -> CountedSizes:
+        """Sizes are multiplied and counts added; zero has no count."""
+        if not self or not other:
+            return CountedSizes(np.zeros(0))
+        return CountedSizes(np.convolve(self.sizes, other.sizes), self.count + other.count)
 
-    def __neg__(self) -> ErrorTally:
-        """-x, exact."""
-        return self
-
-    def __mul__(self, other: ErrorTally) -> ErrorTally:
-        """x y; a factor 0 or 1 is no product."""
-        if not self.sizes.size or not other.sizes.size:
-            return _NOTHING
-        for x, y in ((self, other), (other, self)):
-            if x.roundings == 0 and len(x.sizes) == 1 and x.sizes[0] == 1:
-                return y
-        return ErrorTally(np.convolve(self.sizes, other.sizes), self.roundings + other.roundings + 1)
+    def __pow__(self, n: int) -> CountedSizes:
+        """The product of n of them."""
+        return self * self ** (n - 1) if n else CountedSizes(np.ones(1))
 
 
-_NOTHING = ErrorTally(np.zeros(0))
+class FloatTally(ErrorTally):
+    """The any-order tally in floats: one count for all monomials."""
+
+    rounding = CountedSizes(np.ones(1), 1)
+    __slots__ = ()
 
 
-def tallies_of(method: Method) -> tuple[ErrorTally, ...]:
-    """The tallies of M_qq, M_qv, M_vq, M_vv of an explicit method on q' = v, v' = -q. Raises MethodError for others."""
-    one, step_size = ErrorTally(np.ones(1)), ErrorTally(np.array([0.0, 1.0]))
+def tallies_of(method: Method) -> tuple[CountedSizes, ...]:
+    """What is tallied of M_qq, M_qv, M_vq, M_vv of an explicit method on q' = v, v' = -q. Raises MethodError."""
+    one, step_size = FloatTally(CountedSizes(np.ones(1)), factor=1), FloatTally(CountedSizes(np.array([0.0, 1.0])))
+    nothing = FloatTally(CountedSizes(np.zeros(0)))
 
-    def number(c: object) -> ErrorTally:
+    def number(c: object) -> FloatTally:
         size = abs(float(c))  # type: ignore[arg-type]
-        return ErrorTally(np.array([size]), 0 if size == 1 else _COEFFICIENT_ROUNDINGS)
+        if size == 1:
+            return one
+        return FloatTally(CountedSizes(np.array([size]), _COEFFICIENT_ROUNDINGS))
 
-    def force(q: ErrorTally) -> ErrorTally:
-        return replace(q, count=q.count + _FORCE_ROUNDINGS if q.sizes.size else 0)
+    def force(q: FloatTally) -> FloatTally:
+        return FloatTally(CountedSizes(q.size.sizes, q.size.count + _FORCE_ROUNDINGS), q.additions) if q.size else q
 
     step = stepper(method, number)
-    columns = [step(force, q, v, step_size) for q, v in ((one, _NOTHING), (_NOTHING, one))]
-    return tuple(entry for row in zip(*columns, strict=True) for entry in row)
+    columns = [step(force, q, v, step_size) for q, v in ((one, nothing), (nothing, one))]
+    return tuple(entry.finished for row in zip(*columns, strict=True) for entry in row)
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,16 +190,16 @@ class LinearlyEquivalentMethods:
         (in_position, in_velocity), (qq, qv, vq, vv) = rates.moves, self._tallies
         sizes = (
             qq(x),
-            in_position * ErrorTally(qv.sizes[1:])(x),
-            in_velocity * ErrorTally(vq.sizes[1:])(x),
+            in_position * CountedSizes(qv.sizes[1:])(x),
+            in_velocity * CountedSizes(vq.sizes[1:])(x),
             vv(x),
         )
         parameter = 0 if abs(rates.position) == 1 else _COEFFICIENT_ROUNDINGS
-        counts = (tally.roundings + parameter * len(tally.sizes) for tally in self._tallies)
+        counts = (tally.count + parameter * len(tally.sizes) for tally in self._tallies)
         return [_allowance(*each, fmt) for each in zip(sizes, counts, strict=True)]
 
     @cached_property
-    def _tallies(self) -> tuple[ErrorTally, ...]:
+    def _tallies(self) -> tuple[CountedSizes, ...]:
         found = [tallies_of(method) for method in self.programs]
         return tuple(_largest(entries) for entries in zip(*found, strict=True))
 
@@ -332,12 +328,12 @@ def _allowance(size: float, count: int, fmt: FloatFormat) -> float:
     return expm1(k * log1p(float(fmt.u))) * size + k * float(fmt.eta) if size < inf else inf
 
 
-def _largest(entries: Iterable[ErrorTally]) -> ErrorTally:
+def _largest(entries: Iterable[CountedSizes]) -> CountedSizes:
     """The sizes and the roundings that are nowhere below those of any of the polynomials."""
     tallies = list(entries)
     longest = max(len(p.sizes) for p in tallies)
     padded = [np.pad(p.sizes, (0, longest - len(p.sizes))) for p in tallies]
-    return ErrorTally(np.max(padded, axis=0), max(p.roundings for p in tallies))
+    return CountedSizes(np.max(padded, axis=0), max(p.count for p in tallies))
 
 
 def scaled_matrix(matrix: StepMatrix, position: Fraction, stiffness: Fraction) -> StepMatrix:

@@ -106,7 +106,7 @@ class ErrorTally:
     rounding: ClassVar[Any]
     __slots__ = ("additions", "factor", "size")
 
-    def __init__(self, size: Any, additions: int = 0, factor: Exact | None = None) -> None:
+    def __init__(self, size: Any, additions: int = 0, factor: Exact | int | None = None) -> None:
         """Without `additions`, a number that is finished."""
         self.size, self.additions, self.factor = size, additions, factor
 

@@ -69,11 +69,6 @@ class RunBound:
         """The bound on sqrt(dq² + dv²)."""
         return self.norm.euclidean_per_unit * self.own
 
-    @property
-    def component(self) -> Fraction:
-        """The bound on |dq| and on |dv|."""
-        return self.norm.component_per_unit * self.own
-
 
 def run_bound(
     subject: StepOrMethod,

@@ -31,7 +31,6 @@ from driftproof.symbolic.rounding.polynomials import (
     V,
     from_terms,
     majorant,
-    middle_and_radius,
     terms,
 )
 
@@ -40,8 +39,6 @@ StepOrMethod: TypeAlias = Method | Step
 # Powers of (q, v), or of (h, q, v), with their coefficients.
 Terms: TypeAlias = dict[tuple[int, ...], Fraction]
 ErrorMatrix: TypeAlias = tuple[tuple[ErrorPolynomial, ErrorPolynomial], tuple[ErrorPolynomial, ErrorPolynomial]]
-AscendingInH: TypeAlias = tuple[Fraction, ...]
-AscendingMatrix: TypeAlias = tuple[tuple[AscendingInH, AscendingInH], tuple[AscendingInH, AscendingInH]]
 # An entry of M(h): its coefficients by power of h.
 ByPower: TypeAlias = dict[int, Exact]
 
@@ -115,16 +112,6 @@ class StepBound:
             for row in self.error
         )
         return (qq, qv), (vq, vv)
-
-    @cached_property
-    def coefficients(self) -> tuple[AscendingMatrix, AscendingMatrix, tuple[AscendingInH, AscendingInH]]:
-        """(M, E, r) as plain fractions in this format, ascending in h or |h|: what a check of many steps evaluates.
-
-        Irrational coefficients of M are given as fractions near them, and E is larger by how near that is.
-        """
-        rows = zip((self.entries[:2], self.entries[2:]), self._error_terms, strict=True)
-        ((mqq, mqv), (qq, qv, rq)), ((mvq, mvv), (vq, vv, rv)) = (_row(entries, errors) for entries, errors in rows)
-        return ((mqq, mqv), (mvq, mvv)), ((qq, qv), (vq, vv)), (rq, rv)
 
     def at(self, h: Fraction) -> LinearBound:
         """E(h) and r(h) at one h."""
@@ -283,22 +270,6 @@ def _in_h(polynomial: ErrorPolynomial, column: tuple[int, int]) -> ByPower:
     found = terms(polynomial)
     demand_linear(powers for powers, _ in found)
     return {in_h: c for (_, _, in_h, *state), c in found if tuple(state) == column}
-
-
-def _row(entries: Iterable[ByPower], errors: Terms) -> tuple[list[AscendingInH], list[AscendingInH]]:
-    """A row of M, and of (E, r) widened by how near to it the first is."""
-    middles = []
-    bounds = [{in_h: c for (in_h, *state), c in errors.items() if tuple(state) == column} for column in COLUMNS]
-    for entry, bound in zip(entries, bounds, strict=False):
-        balls = {k: middle_and_radius(c) for k, c in entry.items()}
-        middles.append({k: middle for k, (middle, _) in balls.items()})
-        for k, (_, radius) in balls.items():
-            bound[k] = bound.get(k, Fraction(0)) + radius
-    return [_ascending(x) for x in middles], [_ascending(x) for x in bounds]
-
-
-def _ascending(by_power: dict[int, Fraction]) -> AscendingInH:
-    return tuple(by_power.get(k, Fraction(0)) for k in range(max(by_power, default=-1) + 1))
 
 
 def _differences(name: str, mine: ByPower, theirs: RationalFunction) -> list[str]:

@@ -10,8 +10,9 @@ from flint import arb, ctx
 
 from driftproof.blackbox.matching.equivalent_methods import (
     CERTIFYING_BITS,
-    ErrorTally,
+    CountedSizes,
     ExactSolution,
+    FloatTally,
     Rates,
     adjoint_methods,
     all_matrices,
@@ -43,7 +44,9 @@ def test_a_bound_is_not_wide_for_nothing():
     assert tallies_of(METHODS["rk4"])[0](0.25) < 1.05
 
 
-X, Y = ErrorTally(np.array([0.75, 0.5]), count=3, additions=2), ErrorTally(np.array([4.0]), count=1)
+X = FloatTally(CountedSizes(np.array([0.75, 0.5]), 3), additions=2)
+Y = FloatTally(CountedSizes(np.array([4.0]), 1))
+NOTHING, ONE = FloatTally(CountedSizes(np.zeros(0))), FloatTally(CountedSizes(np.ones(1)), factor=1)
 
 
 @pytest.mark.parametrize(
@@ -51,13 +54,13 @@ X, Y = ErrorTally(np.array([0.75, 0.5]), count=3, additions=2), ErrorTally(np.ar
     [
         (X + Y, [4.75, 0.5], 3 + 2 + 0 + 1),
         (X * Y, [3.0, 2.0], 5 + 1 + 1),
-        (X + ErrorTally(np.zeros(0)), [0.75, 0.5], 5),
-        (X * ErrorTally(np.zeros(0)), [], 0),
-        (X * ErrorTally(np.ones(1)), [0.75, 0.5], 5),
+        (X + NOTHING, [0.75, 0.5], 5),
+        (X * NOTHING, [], 0),
+        (X * ONE, [0.75, 0.5], 5),
     ],
 )
 def test_each_operation_adds_up_sizes_and_roundings(made, sizes, roundings):
-    assert (made.sizes.tolist(), made.roundings) == (sizes, roundings)
+    assert (made.finished.sizes.tolist(), made.finished.count) == (sizes, roundings)
 
 
 def test_every_map_has_the_same_values_in_floats_and_balls_up_to_what_it_allows():

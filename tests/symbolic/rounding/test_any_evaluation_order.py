@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction as Q
 from itertools import product
 
@@ -13,9 +13,8 @@ from driftproof.methods.problems import oscillator
 from driftproof.methods.stepping import stepper
 from driftproof.numeric.steppers import HAND_WRITTEN, rk4
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
-from driftproof.symbolic.rounding.any_evaluation_order import ErrorTally, any_evaluation_order_bound
+from driftproof.symbolic.rounding.any_evaluation_order import any_evaluation_order_bound
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
-from driftproof.symbolic.rounding.polynomials import terms
 from driftproof.symbolic.rounding.step_bound import step_bound
 from driftproof.symbolic.runs import apply, exact_matrix_at
 from tests.nine import NINE
@@ -143,39 +142,3 @@ def test_a_program_that_multiplies_out_the_last_bracket_needs_the_wider_bound():
     assert errors[1] > narrow[1]
     assert all_within(errors, wide)
     assert all(x <= y <= 4 * x for x, y in zip(narrow, wide, strict=True))
-
-
-@dataclass(frozen=True)
-class Counted:
-    """Sizes in floats with the largest count of any monomial, as `ErrorTally` describes them."""
-
-    size: float
-    count: int = 0
-
-    def __bool__(self) -> bool:
-        return self.size != 0
-
-    def __add__(self, other):
-        return Counted(self.size + other.size, max(self.count, other.count))
-
-    def __mul__(self, other):
-        return Counted(self.size * other.size, self.count + other.count)
-
-    def __pow__(self, n):
-        return Counted(self.size**n, n * self.count)
-
-
-class FloatTally(ErrorTally):
-    rounding = Counted(1.0, 1)
-
-
-@pytest.mark.parametrize("key", NINE)
-def test_the_tally_over_floats_counts_as_the_one_over_polynomials(key):
-    """At h = 1/2, q = v = 1; where the tally keeps one count for all monomials, that is the largest of theirs."""
-    bound = any_evaluation_order_bound(NINE[key])
-    lift = lambda c: FloatTally(Counted(abs(float(c)), int(abs(c) != 1)), factor=c)
-    found = stepper(NINE[key], lift)(oscillator, *(FloatTally(Counted(x)) for x in (1.0, 1.0, 0.5)))
-    assert max(x.finished.count for x in found) == bound.roundings
-    for x, counted in zip(found, bound.counted, strict=True):
-        size = sum(c * Q(1, 2) ** in_h for (_, _, in_h, *_), c in terms(counted))
-        assert x.finished.size == pytest.approx(float(size), rel=2.0**-48)  # some 20 roundings of positive numbers

@@ -67,7 +67,7 @@ def test_no_run_leaves_its_bound(key, h, start, steps, dtype):
     exact = apply(power(matrix_at(step_bound(PROGRAMS[key], fmt), size), steps), *z)
     errors = [x - y for x, y in zip(final, exact, strict=True)]
     assert sum(e * e for e in errors) <= bound.euclidean**2
-    assert max(abs(e) for e in errors) <= bound.component
+    assert max(abs(e) for e in errors) <= bound.norm.component_per_unit * bound.own
     assert bound.norm.length(*errors) <= bound.own * (1 + Q(1, 2**100))
 
 
