@@ -125,3 +125,11 @@ EVERY: dict[str, Method] = {
     "nystrom_implicit": MIDPOINT_NYSTROM,
     "nystrom_explicit": NYSTROM_4,
 }
+
+# Systems z' = Az, by their rows.
+SPRINGS = "0 0 1 0; 0 0 0 1; -2 1 0 0; 1 -2 0 0"
+CHAIN = "0 0 1 0; 0 0 0 1; -3 1 0 0; 2 -5/2 0 0"
+STUCK = "0 0 1 0; 0 0 0 1; -1 1 0 0; 0 -1 0 0"  # a Jordan block for i
+TWISTED = "0 0 1 0; 0 0 0 1; -1 1 0 0; -1 -1 0 0"  # K has complex eigenvalues
+DAMPED = "0 1; -1 -1/10"
+COUPLED = "0 0 1 0; 0 0 0 1; -2 1 -1/10 0; 1 -3 0 -1/5"

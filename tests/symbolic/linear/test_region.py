@@ -75,9 +75,6 @@ def test_error_on_prothero_and_robinsons_problem(method: RungeKutta) -> None:
     assert error != 0
 
 
-# ---- the boundary of the stability region
-
-
 @pytest.mark.parametrize("name", ["rk4", "gauss2", "radau_iia2", "sdirk"])
 def test_boundary_points_have_modulus_one(name: str) -> None:
     method = {"rk4": NINE["rk4"], "gauss2": GAUSS_2, "radau_iia2": RADAU_IIA_2, "sdirk": SDIRK}[name]

@@ -101,9 +101,6 @@ def test_the_identity_conserves_every_quadratic() -> None:
     assert len(quadratic_invariants(((ONE, NIL), (NIL, half)))) == 1
 
 
-# ---- the modified Hamiltonian
-
-
 SYMPLECTIC = [key for key, method in EVERY.items() if area_factor(oscillator_matrix(method)) == ONE]
 
 

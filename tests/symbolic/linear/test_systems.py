@@ -1,4 +1,4 @@
-"""A method on z' = Az: R(hA) against the step itself, limits of h against spectral radii in balls and powers."""
+"""Methods on linear systems: the matrix by stepping, limits of h and verdicts by spectral radii in balls."""
 
 from __future__ import annotations
 
@@ -8,42 +8,44 @@ from typing import Any
 
 import pytest
 import sympy
-from flint import acb_mat, acb_poly, arb, ctx, fmpq, fmpq_mat, fmpq_poly
+from flint import acb_mat, arb, ctx, fmpq, fmpq_mat
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.expressions import System, parse_system
 from driftproof.methods.number_field import Algebraic, square_root
-from driftproof.methods.schemes import Method, Splitting
+from driftproof.methods.schemes import Method
 from driftproof.methods.stepping import stepper
 from driftproof.symbolic.algebra.certified import enclose, endpoints
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.algebra.radicals import radical_form
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, root_as_number, root_of, root_ratio
-from driftproof.symbolic.linear.eigenvalues import Imaginary, eigenvalues, root_places
-from driftproof.symbolic.linear.oscillator import linear_step_matrix, stability_function_of
-from driftproof.symbolic.linear.ray_bounds import ALWAYS, Bound, pair_polynomial
+from driftproof.symbolic.linear.oscillator import linear_step_matrix
+from driftproof.symbolic.linear.ray_bounds import ALWAYS, Bound, UndecidedLimitError
 from driftproof.symbolic.linear.stability_limits import Limit
-from driftproof.symbolic.linear.systems import SystemFacts
+from driftproof.symbolic.linear.systems import SystemFacts, bounded_at, factor_at, largest_eigenvalue
 from driftproof.texts.writing.records import record, system_facts
-from tests.symbolic.linear.linear_examples import MIDPOINT, MIDPOINT_NYSTROM, NYSTROM_4, at, limit_text, record_text
+from tests.symbolic.linear.linear_examples import (
+    CHAIN,
+    COUPLED,
+    DAMPED,
+    MIDPOINT,
+    MIDPOINT_NYSTROM,
+    NYSTROM_4,
+    SPRINGS,
+    STUCK,
+    TWISTED,
+    at,
+    limit_text,
+    record_text,
+)
 from tests.witnesses.witness_limits import is_where_growth_begins
-
-SPRINGS = "0 0 1 0; 0 0 0 1; -2 1 0 0; 1 -2 0 0"
-CHAIN = "0 0 1 0; 0 0 0 1; -3 1 0 0; 2 -5/2 0 0"
-STUCK = "0 0 1 0; 0 0 0 1; -1 1 0 0; 0 -1 0 0"  # a Jordan block for i
-TWISTED = "0 0 1 0; 0 0 0 1; -1 1 0 0; -1 -1 0 0"  # K has complex eigenvalues
-DAMPED = "0 1; -1 -1/10"
-COUPLED = "0 0 1 0; 0 0 0 1; -2 1 -1/10 0; 1 -3 0 -1/5"
 
 
 @cache
 def facts(key: str, text: str) -> SystemFacts:
     return SystemFacts(METHODS[key], parse_system(text))
-
-
-# --- the matrix
 
 
 class Column(tuple[Any, ...]):
@@ -118,70 +120,8 @@ def _cofactors(rows: list[list[Any]]) -> Any:
     )
 
 
-# --- eigenvalues
-
-
-BLOCKS = {
-    "-1 1; 0 -1": [("-1", 2, 2)],
-    "-1 0; 0 -1": [("-1", 2, 1)],
-    "0 1; 0 0": [("0", 2, 2)],
-    "0 1; -1 0": [("I", 1, 1)],
-    DAMPED: [("-1/20 + sqrt(399)/20*I", 1, 1)],
-    SPRINGS: [("I", 1, 1), ("sqrt(3)*I", 1, 1)],
-    STUCK: [("I", 2, 2)],
-    "2 0 0; 0 2 1; 0 0 2": [("2", 3, 2)],
-    "1 2; 3 4": [("5/2 - sqrt(33)/2", 1, 1), ("5/2 + sqrt(33)/2", 1, 1)],
-    "-4 4 0 0; -9 8 0 0; 0 0 2 0; 0 0 0 1/2": [("2", 3, 2), ("1/2", 1, 1)],
-}
-
-
-@pytest.mark.parametrize("text", BLOCKS)
-def test_eigenvalues_with_their_jordan_blocks(text: str) -> None:
-    shown = [(value_text(record(e.place)), e.multiplicity, e.block) for e in eigenvalues(parse_system(text))]
-    assert shown == BLOCKS[text]
-    assert _jordan(text) == sorted((m, block) for e in eigenvalues(parse_system(text)) for m, block in _counted(e))
-
-
 def value_text(value: Any) -> str:
     return value if isinstance(value, str) else value["exact"]
-
-
-def _counted(eigenvalue: Any) -> list[tuple[int, int]]:
-    return [(eigenvalue.multiplicity, eigenvalue.block)] * (1 if isinstance(eigenvalue.place, RealRoot) else 2)
-
-
-def _jordan(text: str) -> list[tuple[int, int]]:
-    """(multiplicity, largest block) of each eigenvalue, from SymPy's Jordan form."""
-    _, form = sympy.Matrix([[sympy.Rational(x) for x in row] for row in parse_system(text)]).jordan_form()
-    found: dict[Any, list[int]] = {}
-    for k in range(form.rows):
-        sizes = found.setdefault(form[k, k], [])
-        if k and form[k - 1, k] == 1:
-            sizes[-1] += 1
-        else:
-            sizes.append(1)
-    return sorted((sum(sizes), max(sizes)) for sizes in found.values())
-
-
-@pytest.mark.parametrize(
-    "minimal",
-    [(5, 1, 2, 1), (1, 0, 0, 0, 1), (250, 35, 251, 15, 50), (2, 0, 2, 0, 1), (-2, 0, 0, 0, 1), (1, -3, 0, 0, 0, 1)],
-)
-def test_places_are_the_roots_and_keep_their_order_at_every_precision(minimal: tuple[int, ...]) -> None:
-    found = root_places(minimal)
-    wanted = sympy.Poly(list(reversed(minimal)), sympy.Symbol("x")).nroots(30)
-    assert len(wanted) == sum(1 if isinstance(p, RealRoot) else 2 for p in found)
-    for place in found:
-        middles = []
-        for bits in (64, 100, 400):
-            with ctx.workprec(bits):
-                ball = place.ball() if not isinstance(place, Imaginary) else place.size.ball() * acb_poly([0, 1])(1j)
-                middles.append(complex(ball.mid()))
-        assert max(abs(m - middles[0]) for m in middles) < 1e-12
-        assert any(abs(complex(w) - middles[0]) < 1e-12 for w in wanted)
-
-
-# --- limits
 
 
 def radius(found: SystemFacts, h: arb) -> arb:
@@ -302,35 +242,6 @@ def grows(found: SystemFacts, h: Q) -> bool:
     return sizes[1] > 50 * max(sizes[0], 1e-6) and sizes[1] > 10
 
 
-def test_blocks_of_three_end_where_the_derivative_is_all_that_vanishes() -> None:
-    """T₁₀(1 - x/100) touches -1 at 100 (1 - cos π/10), where R' = 0, enough for a block of two, and R'' is not 0."""
-    bound = facts("chebyshev10_1", "-1 1 0; 0 -1 1; 0 0 -1").step_limit
-    assert isinstance(bound.limit, RealRoot)
-    with ctx.workprec(200):
-        first_touch = 100 * (1 - (arb.pi() / 10).cos())
-        assert (bound.limit.ball() - first_touch).contains(0)
-    assert bound.attained is False
-    found = facts("chebyshev10_1", "-1 1 0; 0 -1 1; 0 0 -1")
-    assert not grows(found, Q(48, 10))
-
-
-def test_what_is_not_decided_is_refused_with_a_reason() -> None:
-    stuck = system_facts(METHODS["nystrom4"], parse_system(STUCK), ("eigenvalues", "step_limit", "step_limit_attained"))
-    assert stuck["step_limit"]["refused"].startswith("not decided for this method: a Jordan block")
-    assert stuck["eigenvalues"][0]["limit"] == stuck["step_limit"]
-    assert stuck["step_limit_attained"] is None
-    pushed = Splitting("push", "Push", 0, "x", (("kick", Q(1)),))
-    assert "without a kick or a drift" in str(system_facts(pushed, parse_system("0 1; 0 0"), ("step_limit",)))
-    blocks = "0 1 0 1 0 0; 0 0 1 0 1 0; -1 -1 -1/2 0 0 1; 0 0 0 0 1 0; 0 0 0 0 0 1; 0 0 0 -1 -1 -1/2"
-    refused = system_facts(METHODS["rk4"], parse_system(blocks), ("eigenvalues",))["eigenvalues"]
-    assert any("Jordan block is not decided" in str(e["limit"]) for e in refused)
-    wide = "; ".join(
-        " ".join("1" if j == i + 1 else "-1" if i == 9 and j in (0, 1) else "0" for j in range(10)) for i in range(10)
-    )
-    answer = system_facts(METHODS["dormand_prince54"], parse_system(wide), ("eigenvalues",))["eigenvalues"]
-    assert any("has degree" in str(e["limit"]) for e in answer)
-
-
 @pytest.mark.parametrize("key", ["velocity_verlet", "nystrom4"])
 @pytest.mark.parametrize("text", [DAMPED, "-1", "0 2; -1 0", "0 1 0; 0 0 1; -1 -1 -1/2"])
 def test_a_partitioned_method_needs_positions_and_velocities(key: str, text: str) -> None:
@@ -344,55 +255,6 @@ def test_matrix_of_a_runge_kutta_step_is_computed_only_when_asked_for() -> None:
     assert found.step_limit == ALWAYS
     assert "matrix" not in vars(found)
     assert len(found.matrix) == 2
-
-
-# --- pairs of conjugates
-
-
-@pytest.mark.parametrize("minimal", [(250, 35, 251, 15, 50), (2, 2, 1, 2), (2, 0, 2, 0, 1)])
-@pytest.mark.parametrize("key", ["heun2", "sdirk2", "gauss2"])
-def test_polynomial_of_pairs_is_the_product_over_pairs(key: str, minimal: tuple[int, ...]) -> None:
-    """At a rational h, up to a constant, against the product of Q(hλ)Q(hμ) - P(hλ)P(hμ) over computed roots."""
-    r = stability_function_of(METHODS[key])
-    assert r is not None
-    found = pair_polynomial(r, minimal)
-    quotients = []
-    with ctx.workprec(300):
-        roots = [root for root, _ in fmpq_poly(list(minimal)).numer().complex_roots()]
-        for h in (fmpq(1, 3), fmpq(5, 7)):
-            value = arb(found(h))
-            for conjugate in conjugates(r):
-                for i, x in enumerate(roots):
-                    for y in roots[:i]:
-                        if not (x + y).contains(0):
-                            p, q = (acb_poly(c)(x * h) * acb_poly(c)(y * h) for c in conjugate)
-                            value = value / (q - p)
-            quotients.append(value)
-        assert (quotients[0] - quotients[1]).contains(0)
-        assert abs(quotients[0]) > 0
-
-
-def conjugates(r: Any) -> list[tuple[list[Any], list[Any]]]:
-    """(num, den) as balls, under each embedding of the field: Q, or Q(√n) with both roots."""
-
-    def embedded(p: Any, sign: int) -> list[Any]:
-        balls = []
-        for c in (exact(c) for c in p.coeffs()):
-            if isinstance(c, Algebraic):
-                a, b = (*c.coefficients, Q(0))[:2]
-                balls.append(
-                    arb(fmpq(*a.as_integer_ratio()))
-                    + sign * arb(fmpq(*b.as_integer_ratio())) * enclose(c.field.generator)
-                )
-            else:
-                balls.append(arb(fmpq(*c.as_integer_ratio())))
-        return balls
-
-    signs = (1, -1) if any(isinstance(exact(c), Algebraic) for p in (r.num, r.den) for c in p.coeffs()) else (1,)
-    return [(embedded(r.num, sign), embedded(r.den, sign)) for sign in signs]
-
-
-# --- algebraic numbers
 
 
 @pytest.mark.parametrize(
@@ -425,9 +287,6 @@ def test_a_number_is_the_root_of_its_polynomial_and_comes_back(a: Q, b: Q) -> No
     assert back == a if not b else isinstance(back, Algebraic)
 
 
-# --- the text of a system
-
-
 @given(st.text("0123456789./*+-();, x", max_size=30))
 def test_any_text_is_a_square_matrix_or_is_refused_in_one_line(text: str) -> None:
     try:
@@ -445,3 +304,128 @@ def test_rows_and_entries_are_read_exactly() -> None:
     assert parse_system("0 1; -1 -1/10") == parse_system("0, 1; -1, -0.1;") == ((0, 1), (-1, Q(-1, 10)))
     assert parse_system("2*(3 + 1), 0; 0, 1e-3") == ((8, 0), (0, Q(1, 1000)))
     assert fmpq_mat([[fmpq(*x.as_integer_ratio()) for x in row] for row in parse_system(DAMPED)]).det() == 1
+
+
+STIFF = "0 1; -1000000 0"
+STEPS = [Q(1, 1000), Q(1, 7), Q(1, 2), Q(3, 2), Q(9, 5), Q(5, 2), Q(3), Q(40)]
+
+
+def radius_ends(found: SystemFacts, h: Q) -> tuple[Q, Q]:
+    """Ends of an enclosure of the spectral radius of M(h), by the eigenvalues of the matrix in balls."""
+    with ctx.workprec(300):
+        matrix = acb_mat([[at(entry, arb(fmpq(*h.as_integer_ratio()))) for entry in row] for row in found.matrix])
+        sizes = [abs(x) for x in matrix.eig(nonstop=True)]
+        largest = sizes[0]
+        for size in sizes[1:]:
+            largest = largest.max(size)
+        return endpoints(largest)
+
+
+@pytest.mark.parametrize("key", ["forward_euler", "rk4", "sdirk2", "radau_iia2", "velocity_verlet", "ruth3"])
+@pytest.mark.parametrize("text", ["0 1; -1 0", SPRINGS, STIFF])
+def test_verdict_is_that_of_the_spectral_radius_where_that_is_not_one(key: str, text: str) -> None:
+    found = SystemFacts(METHODS[key], parse_system(text))
+    decided = 0
+    for h in STEPS:
+        low, high = radius_ends(found, h)
+        if high < 1 or low > 1:
+            decided += 1
+            assert bounded_at(found, h) is (high < 1)
+    assert decided
+
+
+@pytest.mark.parametrize("key", ["rk4", "backward_euler", "gauss2"])
+@pytest.mark.parametrize("text", [DAMPED, COUPLED])
+def test_verdict_on_damped_systems_is_that_of_the_spectral_radius(key: str, text: str) -> None:
+    found = SystemFacts(METHODS[key], parse_system(text))
+    for h in STEPS:
+        low, high = radius_ends(found, h)
+        assert high < 1 or low > 1
+        assert bounded_at(found, h) is (high < 1)
+
+
+# At the very step where the verdict turns: what holds just below it, at it, and just above.
+TURNS = [
+    ("forward_euler", "-1", Q(2), (True, True, False)),
+    ("forward_euler", "-1 1; 0 -1", Q(2), (True, False, False)),
+    ("symplectic_euler", "0 1; -1 0", Q(2), (True, False, False)),
+    ("symplectic_euler", STIFF, Q(1, 500), (True, False, False)),
+    ("velocity_verlet", "0 1; -4 0", Q(1), (True, False, False)),
+    ("rk4", "-1 -1; 1 -1", None, (True, False, False)),
+    ("implicit_midpoint", "0 1; -1 0", Q(2), (True, True, True)),
+    ("forward_euler", "0 1; -1 0", Q(1, 10**6), (False, False, False)),
+    ("forward_euler", "0 0; 0 -1", Q(2), (True, True, False)),
+    ("forward_euler", "0 1; 0 0", Q(2), (False, False, False)),
+]
+
+
+@pytest.mark.parametrize(("key", "text", "turn", "verdicts"), TURNS)
+def test_verdict_turns_at_the_limit(key: str, text: str, turn: Q | None, verdicts: tuple[bool, bool, bool]) -> None:
+    found = SystemFacts(METHODS[key], parse_system(text))
+    if turn is None:  # an irrational limit: doubles on either side
+        with ctx.workprec(200):
+            turn = Q(float(found.step_limit.limit.ball().mid()))  # type: ignore[union-attr]
+        near = [bounded_at(found, turn * (1 + Q(k, 2**50))) for k in (-1, 1)]
+        assert near == [True, False]
+        return
+    near_by = Q(1, 10**30)
+    assert tuple(bounded_at(found, turn * x) for x in (1 - near_by, Q(1), 1 + near_by)) == verdicts
+
+
+def test_verdict_agrees_with_the_limit_of_every_method_on_the_oscillator() -> None:
+    for method in METHODS.values():
+        found = SystemFacts(method, parse_system("0 1; -1 0"))
+        data = found.step_limit.limit
+        if not hasattr(data, "ball"):
+            assert bounded_at(found, Q(10**6))
+            continue
+        with ctx.workprec(200):
+            low, _ = endpoints(data.ball())
+        if low > 0:
+            assert bounded_at(found, low * Q(99, 100))
+
+
+def test_factor_is_the_size_of_the_stability_function() -> None:
+    euler = SystemFacts(METHODS["forward_euler"], parse_system("-1"))
+    assert factor_at(euler, largest_eigenvalue(euler.rows), Q(3, 2)) == Q(1, 2)
+    rk4 = SystemFacts(METHODS["rk4"], parse_system("-1000"))
+    z = Q(-1000, 300)
+    assert factor_at(rk4, largest_eigenvalue(rk4.rows), Q(1, 300)) == abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24)
+    assert factor_at(rk4, largest_eigenvalue(rk4.rows), Q(1, 301)) != abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24)
+
+
+@pytest.mark.parametrize("key", ["rk4", "symplectic_euler", "radau_iia2", "yoshida4"])
+@pytest.mark.parametrize("h", [Q(1, 3), Q(5, 2)])
+def test_factor_is_the_spectral_radius_of_one_oscillator(key: str, h: Q) -> None:
+    found = SystemFacts(METHODS[key], parse_system("0 1; -4 0"))
+    low, high = radius_ends(found, h)
+    with ctx.workprec(300):
+        assert enclose(factor_at(found, largest_eigenvalue(found.rows), h)).overlaps(
+            arb(
+                fmpq(*((low + high) / 2).as_integer_ratio()),
+                fmpq(*((high - low) / 2 + Q(1, 2**200)).as_integer_ratio()),
+            )
+        )
+
+
+def test_largest_eigenvalue_is_the_largest_in_size() -> None:
+    assert record(largest_eigenvalue(parse_system("998 1998; -999 -1999")).place)["exact"] == "-1000"
+    assert record(largest_eigenvalue(parse_system("0 1; -4 0")).place)["exact"] == "2*I"
+
+
+def test_what_is_not_decided_is_refused() -> None:
+    stuck = SystemFacts(METHODS["symplectic_euler"], parse_system("0 0 1 0; 0 0 0 1; -1 1 0 0; 0 -1 0 0"))
+    with pytest.raises(UndecidedLimitError, match="only simple"):
+        bounded_at(stuck, Q(1, 2))
+
+
+def test_blocks_of_three_end_where_the_derivative_is_all_that_vanishes() -> None:
+    """T₁₀(1 - x/100) touches -1 at 100 (1 - cos π/10), where R' = 0, enough for a block of two, and R'' is not 0."""
+    bound = facts("chebyshev10_1", "-1 1 0; 0 -1 1; 0 0 -1").step_limit
+    assert isinstance(bound.limit, RealRoot)
+    with ctx.workprec(200):
+        first_touch = 100 * (1 - (arb.pi() / 10).cos())
+        assert (bound.limit.ball() - first_touch).contains(0)
+    assert bound.attained is False
+    found = facts("chebyshev10_1", "-1 1 0; 0 -1 1; 0 0 -1")
+    assert not grows(found, Q(48, 10))

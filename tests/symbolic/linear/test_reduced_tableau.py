@@ -1,4 +1,4 @@
-"""Symplecticity, symmetry and stiff accuracy: of the irreducible method, and noticed at 1e-30."""
+"""What coefficients alone decide: published examples, disguises of one method, and every coefficient changed."""
 
 from __future__ import annotations
 

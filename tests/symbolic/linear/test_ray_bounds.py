@@ -1,0 +1,87 @@
+"""Bounds along rays: pairs of conjugates, Jordan blocks of three, and what is not decided."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+from functools import cache
+from typing import Any
+
+import pytest
+from flint import acb_poly, arb, ctx, fmpq, fmpq_poly
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.expressions import parse_system
+from driftproof.methods.number_field import Algebraic
+from driftproof.methods.schemes import Splitting
+from driftproof.symbolic.algebra.certified import enclose
+from driftproof.symbolic.algebra.polynomials import exact
+from driftproof.symbolic.linear.oscillator import stability_function_of
+from driftproof.symbolic.linear.ray_bounds import pair_polynomial
+from driftproof.symbolic.linear.systems import SystemFacts
+from driftproof.texts.writing.records import system_facts
+from tests.symbolic.linear.linear_examples import STUCK
+
+
+@cache
+def facts(key: str, text: str) -> SystemFacts:
+    return SystemFacts(METHODS[key], parse_system(text))
+
+
+def test_what_is_not_decided_is_refused_with_a_reason() -> None:
+    stuck = system_facts(METHODS["nystrom4"], parse_system(STUCK), ("eigenvalues", "step_limit", "step_limit_attained"))
+    assert stuck["step_limit"]["refused"].startswith("not decided for this method: a Jordan block")
+    assert stuck["eigenvalues"][0]["limit"] == stuck["step_limit"]
+    assert stuck["step_limit_attained"] is None
+    pushed = Splitting("push", "Push", 0, "x", (("kick", Q(1)),))
+    assert "without a kick or a drift" in str(system_facts(pushed, parse_system("0 1; 0 0"), ("step_limit",)))
+    blocks = "0 1 0 1 0 0; 0 0 1 0 1 0; -1 -1 -1/2 0 0 1; 0 0 0 0 1 0; 0 0 0 0 0 1; 0 0 0 -1 -1 -1/2"
+    refused = system_facts(METHODS["rk4"], parse_system(blocks), ("eigenvalues",))["eigenvalues"]
+    assert any("Jordan block is not decided" in str(e["limit"]) for e in refused)
+    wide = "; ".join(
+        " ".join("1" if j == i + 1 else "-1" if i == 9 and j in (0, 1) else "0" for j in range(10)) for i in range(10)
+    )
+    answer = system_facts(METHODS["dormand_prince54"], parse_system(wide), ("eigenvalues",))["eigenvalues"]
+    assert any("has degree" in str(e["limit"]) for e in answer)
+
+
+@pytest.mark.parametrize("minimal", [(250, 35, 251, 15, 50), (2, 2, 1, 2), (2, 0, 2, 0, 1)])
+@pytest.mark.parametrize("key", ["heun2", "sdirk2", "gauss2"])
+def test_polynomial_of_pairs_is_the_product_over_pairs(key: str, minimal: tuple[int, ...]) -> None:
+    """At a rational h, up to a constant, against the product of Q(hλ)Q(hμ) - P(hλ)P(hμ) over computed roots."""
+    r = stability_function_of(METHODS[key])
+    assert r is not None
+    found = pair_polynomial(r, minimal)
+    quotients = []
+    with ctx.workprec(300):
+        roots = [root for root, _ in fmpq_poly(list(minimal)).numer().complex_roots()]
+        for h in (fmpq(1, 3), fmpq(5, 7)):
+            value = arb(found(h))
+            for conjugate in conjugates(r):
+                for i, x in enumerate(roots):
+                    for y in roots[:i]:
+                        if not (x + y).contains(0):
+                            p, q = (acb_poly(c)(x * h) * acb_poly(c)(y * h) for c in conjugate)
+                            value = value / (q - p)
+            quotients.append(value)
+        assert (quotients[0] - quotients[1]).contains(0)
+        assert abs(quotients[0]) > 0
+
+
+def conjugates(r: Any) -> list[tuple[list[Any], list[Any]]]:
+    """(num, den) as balls, under each embedding of the field: Q, or Q(√n) with both roots."""
+
+    def embedded(p: Any, sign: int) -> list[Any]:
+        balls = []
+        for c in (exact(c) for c in p.coeffs()):
+            if isinstance(c, Algebraic):
+                a, b = (*c.coefficients, Q(0))[:2]
+                balls.append(
+                    arb(fmpq(*a.as_integer_ratio()))
+                    + sign * arb(fmpq(*b.as_integer_ratio())) * enclose(c.field.generator)
+                )
+            else:
+                balls.append(arb(fmpq(*c.as_integer_ratio())))
+        return balls
+
+    signs = (1, -1) if any(isinstance(exact(c), Algebraic) for p in (r.num, r.den) for c in p.coeffs()) else (1,)
+    return [(embedded(r.num, sign), embedded(r.den, sign)) for sign in signs]
