@@ -101,7 +101,7 @@ def euclidean_distance() -> bool:
 
 
 def single_rounding_of_times() -> bool:
-    return [float(t) for t in run.times(Q(1, 10), 1000)] == [float(Q(i, 10)) for i in range(1001)]
+    return [float(t) for t in run.times_of_steps(Q(1, 10), 1000)] == [float(Q(i, 10)) for i in range(1001)]
 
 
 def hundred_steps() -> bool:
@@ -253,13 +253,13 @@ TABLE = [
     Planted("evaluations are steps", run, "_READ", reading("evaluations", lambda run: run.scene.steps),
             counted_evaluations),
     Planted("energy lacks its half", readouts, "energy", lambda f: lambda z: 2 * f(z), energy_of_the_start),
-    Planted("energy change is measured from 1/2", readouts, "energy_change",
+    Planted("energy change is measured from 1/2", readouts, "float_energy_change",
             lambda f: lambda z, _: readouts.energy(z) - 0.5, energy_of_the_start),
     Planted("state error is the sum of distances", readouts, "state_error",
             lambda f: lambda a, b: abs(a[0] - b[0]) + abs(a[1] - b[1]), euclidean_distance),
     Planted("state error looks at the position only", readouts, "state_error", lambda f: lambda a, b: abs(a[0] - b[0]),
             euclidean_distance),
-    Planted("times are summed up", run, "times", lambda f: lambda h, n: np.cumsum([0.0, *n * [float(h)]]),
+    Planted("times are summed up", run, "times_of_steps", lambda f: lambda h, n: np.cumsum([0.0, *n * [float(h)]]),
             single_rounding_of_times),
     Planted("the trajectory misses the start", run, "_READ", reading("trajectory", lambda run: (
         run.path[1:], run.path[1:])), trajectory_length),

@@ -9,6 +9,7 @@ import pytest
 
 from docs.language_tables import TABLES, questions_of
 from docs.pages import refreshed
+from driftproof.methods import expression_tree
 from driftproof.texts.questions import parser
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
 from driftproof.texts.questions.decimals import ROUNDING_POLICIES
@@ -36,11 +37,16 @@ def test_page_names_every_function_readout_unit_and_policy() -> None:
         assert re.search(rf"\b{re.escape(name)}\b", PAGE), name
 
 
-def test_page_shows_the_grammar_that_the_parser_states() -> None:
-    on_page = dict(re.findall(r"^    (\w+) += (.*)$", PAGE, re.MULTILINE))
-    in_parser = dict(re.findall(r"^(\w+) += (.*)$", str(parser.__doc__), re.MULTILINE))
-    assert len(in_parser) > 8
-    assert {**on_page, "value": ""} == {**in_parser, "value": ""}
+RULE = re.compile(r"^ *(\w+) += (.*)$", re.MULTILINE)
+
+
+def test_page_shows_the_grammar_of_expressions_with_the_queries_that_extend_it() -> None:
+    on_page = dict(RULE.findall(PAGE.partition("## Grammar")[2]))
+    expressions, queries = (dict(RULE.findall(str(module.__doc__))) for module in (expression_tree, parser))
+    assert set(queries) == {"query", "part", "literal", "value"}
+    extended = expressions["atom"].replace(' | "(" sum', ' | query | "(" sum')
+    assert on_page == {**expressions, **queries, "atom": extended, "value": on_page["value"]}
+    assert len(on_page) == 10
 
 
 def test_every_kind_of_question_has_examples() -> None:

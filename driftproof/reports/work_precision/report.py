@@ -10,6 +10,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any, TypeAlias, TypeVar
 
+from driftproof.numeric.sweep import strings
 from driftproof.numeric.work_precision.curves import Curve, Point
 from driftproof.numeric.work_precision.exact import QUANTITIES, floors, half_unit
 from driftproof.numeric.work_precision.integrators import ENSEMBLE, MEMBERS
@@ -18,7 +19,7 @@ from driftproof.numeric.work_precision.verdicts import GOALS, Priced, cheapest, 
 from driftproof.reports.work_precision.peers import INSTALL
 from driftproof.reports.work_precision.study import EVALUATIONS, Measured, Study, per_state, timing_name
 from driftproof.support.files import atomic_write
-from driftproof.support.plain_text import as_json, table, with_digits
+from driftproof.support.plain_text import Json, as_json, table, with_digits
 
 _LABELS = {EVALUATIONS: EVALUATIONS, "compiled": "compiled", "python": "Python", ENSEMBLE: "ensemble, a state"}
 _Key = TypeVar("_Key")
@@ -41,67 +42,57 @@ def priced(measured: Measured, cost: str) -> dict[str, list[Priced]]:
     return found
 
 
-def errors_json(study: Study, measured: Measured) -> dict[str, Any]:
-    """What is the same in every run: errors, evaluations, orders. Numbers are strings, by repr."""
-    problem = study.problem
-    return {
-        "problem": problem.key,
-        "title": problem.title,
-        "reference": {
-            "evidence": problem.reference.evidence,
-            "source": problem.reference.source,
-            "times": [str(t) for t in problem.reference.times],
-            "half_unit": repr(half_unit(problem.reference.states[-1])),
-        },
-        "floors": {name: repr(value) for name, value in floors(problem).items()},
-        "curves": [_curve_json(curve) for curve in measured.curves.values()],
-        "dominated_by_evaluations": dominators(priced(measured, EVALUATIONS)),
-    }
+def errors_json(study: Study, measured: Measured) -> Json:
+    """What is the same in every run: errors, evaluations, orders. Numbers are strings, floats to the last bit."""
+    problem, reference = study.problem, study.problem.reference
+    return strings(
+        {
+            "problem": problem.key,
+            "title": problem.title,
+            "reference": {
+                "evidence": reference.evidence,
+                "source": reference.source,
+                "times": reference.times,
+                "half_unit": half_unit(reference.states[-1]),
+            },
+            "floors": floors(problem),
+            "curves": [_curve_json(curve) for curve in measured.curves.values()],
+            "dominated_by_evaluations": dominators(priced(measured, EVALUATIONS)),
+        }
+    )
 
 
-def _curve_json(curve: Curve) -> dict[str, Any]:
-    order = curve.order
-    measured = {name: repr(value) for name, value in vars(order).items()} if order else None
-    return {
-        "key": curve.key,
-        "title": curve.title,
-        "claimed_order": curve.claimed_order,
-        "measured_order": measured,
-        "verdict": curve.verdict,
-        "refused": curve.refused,
-        "points": [_point_json(point) for point in curve.points],
-    }
+def _curve_json(curve: Curve) -> Json:
+    points = [{name: getattr(point, name) for name in _OF_POINT} for point in curve.points]
+    for entry in points:
+        entry["errors"] = {name: size._asdict() for name, size in entry["errors"].items()}
+    order = {"measured_order": vars(curve.order) if curve.order else None}
+    return {**{name: getattr(curve, name) for name in _OF_CURVE}, **order, "points": points}
 
 
-def _point_json(point: Point) -> dict[str, Any]:
-    sizes = {name: {k: repr(v) for k, v in size._asdict().items()} for name, size in point.errors.items()}
-    return {
-        "setting": point.setting,
-        "evaluations": point.evaluations,
-        "errors": sizes,
-        "doubt": repr(point.doubt),
-        "remark": point.remark,
-    }
+_OF_CURVE = ("key", "title", "claimed_order", "verdict", "refused")
+_OF_POINT = ("setting", "evaluations", "errors", "doubt", "remark")
 
 
-def times_json(study: Study, measured: Measured) -> dict[str, Any]:
+def times_json(study: Study, measured: Measured) -> Json:
     """What was measured in seconds, and on what: of ensembles, the seconds of all MEMBERS states."""
-    timings = {name: _timing_json(timing) for name, timing in measured.timings.items()}
     absent = dict(measured.absent) | {peer.name: INSTALL for peer in study.peers if not peer.installed}
-    return {
-        "question": study.question(),
-        "members": str(MEMBERS),
-        "warm_up": {name: repr(seconds) for name, seconds in measured.warm_up.items()},
-        "timings": timings,
-        "absent": absent,
-    }
+    return strings(
+        {
+            "question": study.question(),
+            "members": str(MEMBERS),
+            "warm_up": measured.warm_up,
+            "timings": {name: _timing_json(timing) for name, timing in measured.timings.items()},
+            "absent": absent,
+        }
+    )
 
 
-def _timing_json(timing: Timing) -> dict[str, Any]:
+def _timing_json(timing: Timing) -> Json:
     if not timing.samples:
         return {"remark": timing.remark}
     read = {"minimum": timing.best, "median": timing.median, "spread": timing.spread}
-    return {"batch": timing.batch, "samples": [repr(x) for x in timing.samples]} | {k: repr(v) for k, v in read.items()}
+    return {"batch": timing.batch, "samples": timing.samples, **read}
 
 
 def csv_text(measured: Measured) -> str:
