@@ -10,19 +10,9 @@ from typing import Any, NamedTuple
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.linear.facts import LinearFacts, fact_names
-from driftproof.symbolic.trees import (
-    algebraic_stability as quadratic,
-)
-from driftproof.symbolic.trees import (
-    modified_equation as modified,
-)
-from driftproof.symbolic.trees import order_conditions as orders
-from driftproof.symbolic.trees import (
-    order_conditions as simplifying,
-)
-from driftproof.symbolic.trees import (
-    partitioned_trees as alternating,
-)
+from driftproof.symbolic.trees import order_conditions, partitioned_trees
+from driftproof.symbolic.trees.algebraic_stability import algebraic_stability
+from driftproof.symbolic.trees.modified_equation import modified_equation
 from driftproof.symbolic.trees.order_conditions import Conditions, OrderFact
 from driftproof.symbolic.trees.rooted_trees import TooManyTrees, Tree
 
@@ -74,12 +64,13 @@ class Facts(LinearFacts):
     @cached_property
     def order_second_order_problems(self) -> int | None:
         """The order on q'' = F(q), of splittings and Nyström methods."""
-        return alternating.nystrom_order(self.method).order if isinstance(self.method, Splitting | Nystrom) else None
+        method = self.method
+        return partitioned_trees.nystrom_order(method).order if isinstance(method, Splitting | Nystrom) else None
 
     @cached_property
     def embedded_order(self) -> int | None:
         """The order of the embedded method of a pair."""
-        found = orders.embedded_order(self.method) if isinstance(self.method, RungeKutta) else None
+        found = order_conditions.embedded_order(self.method) if isinstance(self.method, RungeKutta) else None
         return None if found is None else found.order
 
     @cached_property
@@ -88,31 +79,31 @@ class Facts(LinearFacts):
         return None if self.simplifying_assumptions is None else self.simplifying_assumptions.stage_order
 
     @cached_property
-    def simplifying_assumptions(self) -> simplifying.Simplifying | None:
+    def simplifying_assumptions(self) -> order_conditions.Simplifying | None:
         """How far B, C and D hold."""
-        return None if self._tableau is None else simplifying.simplifying_assumptions(self._tableau)
+        return None if self._tableau is None else order_conditions.simplifying_assumptions(self._tableau)
 
     @cached_property
-    def principal_error(self) -> orders.PrincipalError[Tree] | TooManyTrees | None:
+    def principal_error(self) -> order_conditions.PrincipalError[Tree] | TooManyTrees | None:
         """The coefficients of the leading error term, by trees, unless there are too many."""
         if self._tableau is None:
             return None
         try:
-            return orders.principal_error(orders.runge_kutta_conditions(self._tableau))
+            return order_conditions.principal_error(order_conditions.runge_kutta_conditions(self._tableau))
         except TooManyTrees as refusal:
             return refusal
 
     @cached_property
     def algebraically_stable(self) -> bool | None:
         """Whether two solutions of a contractive problem never come apart."""
-        return None if self._tableau is None else quadratic.algebraic_stability(self._tableau).holds
+        return None if self._tableau is None else algebraic_stability(self._tableau).holds
 
     @cached_property
     def modified_equation(self) -> Mapping[Tree, Exact] | None:
         """The coefficients that are not zero of the equation whose exact flow the step is, by trees."""
         if self._tableau is None:
             return None
-        return {tree: c for tree, c in modified.modified_equation(self._tableau, MODIFIED_ORDER).items() if c != 0}
+        return {tree: c for tree, c in modified_equation(self._tableau, MODIFIED_ORDER).items() if c != 0}
 
     @property
     def _tableau(self) -> RungeKutta | Collocation | None:
@@ -151,8 +142,8 @@ def general_order(method: Method) -> OrderFact[Any]:
     separable Hamiltonians for splittings, q'' = F(q) for Nyström methods. Never the order on linear problems alone.
     """
     if isinstance(method, Splitting):
-        return alternating.separable_order(method)
-    return alternating.nystrom_order(method) if isinstance(method, Nystrom) else orders.order(method)
+        return partitioned_trees.separable_order(method)
+    return partitioned_trees.nystrom_order(method) if isinstance(method, Nystrom) else order_conditions.order(method)
 
 
 def order_within(method: Method, tolerance: Fraction) -> OrderWithin:
@@ -170,19 +161,21 @@ def order_within(method: Method, tolerance: Fraction) -> OrderWithin:
         raise ValueError(f"tolerance {tolerance} is below zero")
 
     def within(conditions: Conditions[Any], order: int = 0) -> int:
-        return order if order >= TOLERANCE_ORDER else orders.order_to_tolerance(conditions, tolerance, TOLERANCE_ORDER)
+        if order >= TOLERANCE_ORDER:
+            return order
+        return order_conditions.order_to_tolerance(conditions, tolerance, TOLERANCE_ORDER)
 
     conditions: Conditions[Any]
     if isinstance(method, Splitting):
-        conditions = alternating.separable_conditions(method)
+        conditions = partitioned_trees.separable_conditions(method)
     elif isinstance(method, Nystrom):
-        conditions = alternating.nystrom_conditions(method)
+        conditions = partitioned_trees.nystrom_conditions(method)
     else:
-        conditions = orders.runge_kutta_conditions(method)
-    second = orders.embedded_conditions(method) if isinstance(method, RungeKutta) else None
+        conditions = order_conditions.runge_kutta_conditions(method)
+    second = order_conditions.embedded_conditions(method) if isinstance(method, RungeKutta) else None
     return OrderWithin(
         tolerance,
         within(conditions, general_order(method).order),
-        within(alternating.nystrom_conditions(method)) if isinstance(method, Splitting) else None,
+        within(partitioned_trees.nystrom_conditions(method)) if isinstance(method, Splitting) else None,
         None if second is None else within(second),
     )

@@ -135,12 +135,12 @@ def _of_run(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
 
 def _exact(context: QueryContext) -> Answer:
     """Answers `exact t=10 [from q,v] : READOUT`."""
-    from driftproof.texts.questions.runs import EXACT_READOUTS, ExactSolution
+    from driftproof.texts.questions.runs import EXACT_READOUTS
 
     context.demand_only("t", start=True, readout=True)
     if other := context.query.subject or context.query.at:
         raise context.error(other, "the exact flow belongs to no method, as in exact t=10 : q")
-    return context.readout(EXACT_READOUTS)(ExactSolution(context.setting("t", "t=10"), context.start))
+    return context.readout(EXACT_READOUTS)(context.start, context.setting("t", "t=10"))
 
 
 def _roundoff(context: QueryContext) -> Answer:

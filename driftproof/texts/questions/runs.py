@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import replace
 from fractions import Fraction
 
 from flint import arb
@@ -24,28 +24,22 @@ DEGREES, RADIANS, TURNS = "degrees", "radians", "turns"
 LARGEST_STEP_COUNT = 10**18
 
 
-@dataclass(frozen=True)
-class ExactSolution:
-    """The solution at time t from a rational start: (q cos t + v sin t, v cos t - q sin t)."""
-
-    t: Fraction
-    start: _State
-
-
-def _exact_component(flow: ExactSolution, index: int) -> Answer:
-    (q, v), t = flow.start, flow.t
+def _exact_component(start: _State, t: Fraction, index: int) -> Answer:
+    """q cos t + v sin t, or v cos t - q sin t."""
+    q, v = start
     of_cosine, of_sine = ((q, v), (v, -q))[index]
-    if t == 0 or not any(flow.start):
+    if t == 0 or not any(start):
         return Answer("", of_cosine)
     terms = ((of_cosine, f"cos({t})"), (of_sine, f"sin({t})"))
     form = sum_text(polynomial_text(polynomial([0, c]), name) for c, name in terms if c)
-    return Answer("", lambda: exact_flow(flow.start, t)[index], CERTIFIED, form=form)
+    return Answer("", lambda: exact_flow(start, t)[index], CERTIFIED, form=form)
 
 
-EXACT_READOUTS: dict[str, Callable[[ExactSolution], Answer]] = {
-    "q": lambda flow: _exact_component(flow, 0),
-    "v": lambda flow: _exact_component(flow, 1),
-    "energy": lambda flow: Answer("", (flow.start[0] ** 2 + flow.start[1] ** 2) / 2),
+# Of the exact flow: a readout of the start and of t.
+EXACT_READOUTS: dict[str, Callable[[_State, Fraction], Answer]] = {
+    "q": lambda start, t: _exact_component(start, t, 0),
+    "v": lambda start, t: _exact_component(start, t, 1),
+    "energy": lambda start, t: Answer("", (start[0] ** 2 + start[1] ** 2) / 2),
 }
 
 
@@ -57,7 +51,7 @@ def _phase_error(run: OscillatorRun) -> Answer:
     found = run.phase_error
     if found is None:
         raise ValueError("the phase error is undefined, as a state is the origin")
-    return Answer("", found, CERTIFIED if callable(found) else PROVED, DEGREES)
+    return replace(_of(found), unit=DEGREES)
 
 
 def _evaluations(run: OscillatorRun) -> Answer:
@@ -83,8 +77,8 @@ RUN_READOUTS: dict[str, Callable[[OscillatorRun], Answer]] = {
     "energy_change": lambda run: _of(run.energy_change),
     "state_error": lambda run: _of(run.state_error),
     "phase_error": _phase_error,
-    "exact.q": lambda run: _exact_component(ExactSolution(run.t, run.start), 0),
-    "exact.v": lambda run: _exact_component(ExactSolution(run.t, run.start), 1),
+    "exact.q": lambda run: _exact_component(run.start, run.t, 0),
+    "exact.v": lambda run: _exact_component(run.start, run.t, 1),
     "steps": lambda run: Answer("", Fraction(run.steps), PROVED),
     "evaluations": _evaluations,
     "h": lambda run: Answer("", run.h),
