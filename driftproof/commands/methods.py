@@ -57,7 +57,7 @@ def _system(text: str) -> Any:
     cli.option("--at", "the parameter of a family, e.g. 1/4: one method", type=_number, metavar="VALUE"),
     cli.option("--system", "facts on z' = Az, A given as '0 1; -1 -1/10'", type=_system, metavar="ROWS"),
     cli.option(
-        "--order-tolerance", "add the order to such residuals", type=cli.exactly("order tolerance"), metavar="SIZE"
+        "--order-tolerance", "add the order up to such residuals", type=cli.exactly("order tolerance"), metavar="SIZE"
     ),
     cli.option("--terms", "length of the series (default 12)", type=cli.integer_in(1, MOST_TERMS, "terms"), default=12),
     cli.format_option("text json tex"),

@@ -80,7 +80,10 @@ def scene_command(options: Namespace) -> str:
     cli.output_option("keep answers here, as JSON lines, as they come; an interrupted sweep goes on from them"),
     cli.one_of(
         cli.option(
-            "--workers", "processes (default: all)", type=cli.integer_in(1, MOST_WORKERS, "processes"), metavar="N"
+            "--workers",
+            "processes (default: one a processor)",
+            type=cli.integer_in(1, MOST_WORKERS, "processes"),
+            metavar="N",
         ),
         cli.option("--cluster", "the scheduler of a dask cluster", metavar="ADDRESS"),
     ),

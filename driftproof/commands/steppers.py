@@ -54,7 +54,9 @@ def identify_command(options: Namespace) -> str:
     cli.flag("--step-in-binary32", "allow that h is rounded to binary32 first"),
     cli.flag("--velocity-from-positions", "allow for v formed as (q1 - q)/h: u (|q| + |q1|)/h"),
     cli.flag("--flush-to-zero", "allow that subnormal numbers become 0"),
-    cli.option("--solver-tolerance", "how well stages are solved, e.g. 1e-10", type=cli.exactly("solver tolerance")),
+    cli.option(
+        "--solver-tolerance", "how well implicit stages are solved, e.g. 1e-10", type=cli.exactly("solver tolerance")
+    ),
 )
 def verify_command(options: Namespace) -> str:
     """Hold a stepper to a method: its coefficients, its rounding errors against a derived bound, its order.
