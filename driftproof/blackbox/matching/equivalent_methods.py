@@ -234,7 +234,7 @@ class LinearlyEquivalentMethods:
 
 
 @dataclass(frozen=True)
-class ExactSolution:
+class ExactFlowMap:
     """The exact solution of q' = a v, v' = -k q, with cosines and sines or their hyperbolic sisters."""
 
     def matrix_at(self, h: Fraction, position: Fraction, stiffness: Fraction) -> list[arb]:

@@ -1,32 +1,28 @@
-"""Which method a float stepper is, as far as steps of a linear system tell: one of the catalogue, or its own matrix.
-
-A candidate is a one-step map of q' = a v, v' = -k q, a and k read from a tiny step: a method of the catalogue, the
-exact solution, or the adjoint of a method that is not its own. It explains a reading if at every step each entry is off
-by no more than any float program of it may be; balls certify that.
-"""
+"""Which method a float stepper is, as far as steps of a linear system tell: one of the catalogue, or its own matrix."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import inf, sqrt
-from typing import NamedTuple
+from math import inf
 
 import numpy as np
-from flint import arb, ctx
 
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.matching.equivalent_methods import (
-    CERTIFYING_BITS,
-    ExactSolution,
     LinearlyEquivalentMethods,
-    LinearMap,
     Rates,
-    adjoint_methods,
     all_matrices,
     equivalent_methods,
+)
+from driftproof.blackbox.matching.linear_candidates import (
+    FORWARDS,
+    LinearExplanation,
+    linear_explanations,
+    rates_of,
+    tried_steps,
 )
 from driftproof.blackbox.matching.matrix_facts import (
     ENTRY_NAMES,
@@ -38,7 +34,7 @@ from driftproof.blackbox.matching.matrix_facts import (
     matrix_facts,
 )
 from driftproof.blackbox.matching.matrix_recovery import Recovered, recovered
-from driftproof.blackbox.probes.coefficients import short_rational, simple_rational
+from driftproof.blackbox.probes.coefficients import short_rational
 from driftproof.blackbox.probes.linear_steps import (
     FAR_OUT,
     LINEAR,
@@ -46,12 +42,10 @@ from driftproof.blackbox.probes.linear_steps import (
     NOT_LINEAR,
     LinearReading,
     MatrixEntries,
-    growing,
     read_linear_steps,
 )
 from driftproof.blackbox.stepper.calling_conventions import MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat
 
 # A linear stepper that any method may be.
 UNDETERMINED = "undetermined"
@@ -60,23 +54,7 @@ OTHER_SIZES = (2.0**-5, 2.0**-10, 2.0**20)
 # Steps from those sizes, and from 2**-60 of them, need so many powers of two below 1: binary16, with 14, has not.
 OWN_RANGE = 100
 # A longer text, or list, is left to programs: so much a reader takes in.
-LONGEST_LINE, MOST_COMPARED, MOST_DIFFERENCES, MOST_EXPLANATIONS = 160, 8, 4, 4
-# The roundings, at most, in a rate read at a tiny step: there the slopes of all stages are equal, and only summed. In
-# the catalogue 8 are seen (yoshida8_a); the rest is for units and parameters of a program's own.
-_RATE_ROUNDINGS = 1 << 8
-# Where candidates are tried in floats before they are certified, in units of the reading's own time.
-TRIED = (0.25, 0.5)
-# As many times as the roundings of one program may exceed those of another: a term of the longest step in the catalogue
-# passes some 1060 (ssprk40_2), one of the shortest a few. What is farther off passes by the width of its own bound.
-MUCH_FARTHER = 1 << 10
-# A rate that is wrong in a program, and not a little by accident, is wrong by this much.
-_LEAST_OFF = Fraction(1, 1024)
-FORWARDS = "but only at h > 0"
-# What people call the methods whose keys leave open which of two things comes first.
-_NAMES = {
-    "symplectic_euler": "velocity-first symplectic Euler",
-    "symplectic_euler_position_first": "position-first symplectic Euler",
-}
+LONGEST_LINE, MOST_COMPARED, MOST_DIFFERENCES = 160, 8, 4
 
 
 @dataclass(frozen=True)
@@ -177,7 +155,7 @@ def fitted(reading: LinearReading, *, known: bool) -> LinearFit:
     if reading.at_zero is None or not reading.steps:
         return start
     position, stiffness = rates_of(reading)
-    near, rates = min(_tried(reading)), (1.0, 1.0) if known else (float(position), float(stiffness))
+    near, rates = min(tried_steps(reading)), (1.0, 1.0) if known else (float(position), float(stiffness))
     if not reading.identifiable:
         return replace(start, nearest=_nearest(*near, rates))
     if all((m[0], *m[2:]) == (1, 0, 1) for _, m in reading.steps):
@@ -188,164 +166,6 @@ def fitted(reading: LinearReading, *, known: bool) -> LinearFit:
         start = replace(start, nearest=_nearest(*reading.ordinary, rates))
     found = linear_explanations(reading, known=known) if position and stiffness else []
     return _explained(start, found) if found else _unexplained(start, reading, known=known)
-
-
-def rates_of(reading: LinearReading) -> tuple[Fraction, Fraction]:
-    """The a and k of q' = a v, v' = -k q read at the tiny step, as simple rationals where they are some."""
-    assert reading.at_zero is not None
-    slack = max(_RATE_ROUNDINGS * float(reading.format.u), 8 * (reading.tiny / reading.unit) ** 2)
-    in_position, in_velocity = growing(reading.at_zero)
-    rates = in_position / reading.tiny, -in_velocity / reading.tiny
-    simple = [simple_rational(x, abs(x) * slack) for x in rates]
-    a, k = (Fraction(x) if found is None else found for x, found in zip(rates, simple, strict=True))
-    return a, k
-
-
-def _tried(reading: LinearReading) -> list[tuple[float, MatrixEntries]]:
-    return [(h, m) for h, m in reading.steps if h / reading.unit in TRIED]
-
-
-class Error(NamedTuple):
-    """The worst |read - exact| of some entries, in units of its bound, and relative to 1 + |read|."""
-
-    in_bounds: float
-    relative: float
-
-
-@dataclass(frozen=True)
-class LinearExplanation:
-    """A map with its worst error over all steps or, where that is too much, over those that `restriction` names.
-
-    With `known`, the system is q' = v, v' = -q; else its stiffness is the stepper's own.
-    """
-
-    map: LinearMap
-    position: Fraction
-    stiffness: Fraction
-    known: bool
-    error: Error
-    restriction: str = ""
-
-    @property
-    def methods(self) -> tuple[str, ...]:
-        """The keys of the methods that it is made from."""
-        return self.map.keys if isinstance(self.map, LinearlyEquivalentMethods) else ()
-
-    @property
-    def rates_are_right(self) -> bool:
-        """True for q' = v, v' = -q."""
-        return self.position == self.stiffness == 1
-
-    @property
-    def extras(self) -> int:
-        """How many things make it differ from a method of the catalogue on its system."""
-        off = self.position != 1 or (self.known and self.stiffness != 1)
-        return bool(self.restriction) + off + (isinstance(self.map, LinearlyEquivalentMethods) and self.map.adjoint)
-
-    @property
-    def words(self) -> str:
-        """What the stepper is, if this is it."""
-        name = "the exact solution"
-        if isinstance(self.map, LinearlyEquivalentMethods):
-            name = f"{'the adjoint of ' * self.map.adjoint}{_NAMES.get(self.methods[0], self.methods[0])}"
-        return f"{name}{self._rates_in_words()}{f', {self.restriction}' if self.restriction else ''}"
-
-    def _rates_in_words(self) -> str:
-        a, k = self.position, self.stiffness
-        if a == k == -1 or (a == -1 and not self.known):
-            return ", with -h for h: it steps back in time"
-        if a == k != 1 and self.known:
-            return f", with {short_rational(a)} h for h"
-        wrong = [f"the position moves by {short_rational(a)} h v"] * (a != 1)
-        wrong += [f"the force enters {short_rational(k)} times"] * (self.known and k != 1)
-        return f", but {' and '.join(wrong)}" if wrong else ""
-
-
-def linear_explanations(reading: LinearReading, *, known: bool) -> list[LinearExplanation]:
-    """What explains the reading, of the fewest extras first; adjoints only where no method does at all steps."""
-    position, stiffness = rates_of(reading)
-    if any(rate != 1 and abs(rate - 1) < _LEAST_OFF for rate in ((position, stiffness) if known else (position,))):
-        return []
-    found: list[LinearExplanation] = []
-    for classes in (equivalent_methods(), adjoint_methods()):
-        maps: list[LinearMap] = [*([] if found else [ExactSolution()]), *_near(reading, classes, position, stiffness)]
-        explained = (explained_by(each, reading, position, stiffness, known=known) for each in maps)
-        found += [each for each in explained if each.error.in_bounds <= 1]
-        if any(not each.restriction for each in found):
-            break
-    everywhere = [each for each in found if not each.restriction] or found
-    least = min((each.error.relative for each in everywhere), default=0.0)
-    most = MUCH_FARTHER * (least + float(reading.format.u))
-    near = sorted((each for each in everywhere if each.error.relative <= most), key=lambda each: each.extras)
-    return [each for each in near if each.extras == near[0].extras][:MOST_EXPLANATIONS]
-
-
-def _near(
-    reading: LinearReading, classes: tuple[LinearlyEquivalentMethods, ...], position: Fraction, stiffness: Fraction
-) -> list[LinearlyEquivalentMethods]:
-    """Those that are near at the steps tried, to half the digits."""
-    near, most = np.full(len(classes), True), sqrt(reading.format.u)
-    for h, m in _tried(reading):
-        apart = np.abs(all_matrices(classes, Rates(h, float(position), float(stiffness))) - m)
-        near &= (apart <= most * (1 + np.abs(m))).all(axis=1)
-    return [each for each, is_near in zip(classes, near.tolist(), strict=True) if is_near]
-
-
-def explained_by(
-    each: LinearMap, reading: LinearReading, position: Fraction, stiffness: Fraction, *, known: bool
-) -> LinearExplanation:
-    """A map held to its bound; where that fails, with h rounded to binary32 first; where that fails, at fewer steps.
-
-    A map that fails at a dyadic step within the system's own time is beyond all that, and is not looked at further.
-    """
-
-    def at(h: float, m: MatrixEntries, step_format: FloatFormat = BINARY64) -> Error:
-        used = step_format.nearest(Fraction(h))
-        rates = Rates(float(used), float(position), float(stiffness))
-        exact, allowed = each.matrix_at(used, position, stiffness), each.allowances(rates, reading.format)
-        off = [float(abs(arb(x) - ball).upper()) for x, ball in zip(m, exact, strict=True)]
-        if not all(x < inf for x in off):  # a pole
-            return Error(inf, inf)
-        in_bounds = max(x / most for x, most in zip(off, allowed, strict=True))
-        return Error(in_bounds, max(x / (1 + abs(y)) for x, y in zip(off, m, strict=True)))
-
-    within = {h for h, _ in reading.steps if 0 < h <= reading.unit and _is_coarse(h)}
-    errors: dict[float, Error] = {}
-    found = LinearExplanation(each, position, stiffness, known, Error(inf, inf))
-    with ctx.workprec(CERTIFYING_BITS):
-        for h, m in sorted(reading.steps, key=lambda step: (step[0] not in within, -step[0])):
-            errors[h] = at(h, m)
-            if h in within and errors[h].in_bounds > 1:
-                return replace(found, error=errors[h])
-        if _worst(errors, _is_coarse).in_bounds <= 1 < _worst(errors).in_bounds:
-            rounded = _worst({h: at(h, m, BINARY32) for h, m in reading.steps})
-            if rounded.in_bounds <= 1:
-                return replace(found, error=rounded, restriction="with h rounded to binary32")
-    for words, kept in _restrictions(reading.unit):
-        worst = _worst(errors, kept)
-        if worst.in_bounds <= 1:
-            return replace(found, error=worst, restriction=words)
-    return replace(found, error=_worst(errors))
-
-
-def _worst(errors: Mapping[float, Error], kept: Callable[[float], bool] = lambda h: True) -> Error:
-    found = [error for h, error in errors.items() if kept(h)]
-    return Error(max(error.in_bounds for error in found), max(error.relative for error in found))
-
-
-def _is_coarse(h: float) -> bool:
-    """True for a number of binary32."""
-    return float(np.float32(h)) == h
-
-
-def _restrictions(unit: float) -> Sequence[tuple[str, Callable[[float], bool]]]:
-    """Where a map may hold, from everywhere on down."""
-    return (
-        ("", lambda h: True),
-        (FORWARDS, lambda h: h > 0),
-        (f"but only at |h| <= {unit:g}", lambda h: abs(h) <= unit),
-        (f"but only at 0 < h <= {unit:g}", lambda h: 0 < h <= unit),
-    )
 
 
 def _explained(start: LinearFit, found: Sequence[LinearExplanation]) -> LinearFit:
@@ -363,7 +183,7 @@ def _explained(start: LinearFit, found: Sequence[LinearExplanation]) -> LinearFi
 
 def _unexplained(start: LinearFit, reading: LinearReading, *, known: bool) -> LinearFit:
     """The fit with what comes closest, and with the facts of the matrix, if that is a simple function of h."""
-    (h, m), (position, stiffness) = min(_tried(reading)), rates_of(reading)
+    (h, m), (position, stiffness) = min(tried_steps(reading)), rates_of(reading)
     entries = recovered(reading)
     if entries is None:
         return replace(start, nearest=_nearest(h, m, (float(position), float(stiffness))))
