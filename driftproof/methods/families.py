@@ -1,4 +1,4 @@
-"""Families of Runge-Kutta methods with one free parameter, as exact data. To add one, add an entry to FAMILIES.
+"""Families of Runge-Kutta methods with one free parameter, as exact data. To add one, add an entry to _TABLES.
 
 >>> from fractions import Fraction
 >>> from driftproof import FAMILIES, Facts
@@ -8,9 +8,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 from typing import TYPE_CHECKING, TypeAlias
 
 from driftproof.methods.expressions import evaluate_expression
@@ -177,56 +178,55 @@ class Family:
         return RungeKutta(key=name, title=name, claimed_order=0, source=self.source, a=a, b=b, c=c)
 
 
-def _family(
-    key: str,
-    title: str,
-    parameter: str,
-    *,
-    claimed_order: int,
-    source: str,
-    a: Sequence[Sequence[str]],
-    b: Sequence[str],
-    c: Sequence[str],
-) -> Family:
-    def read(entries: Sequence[str]) -> tuple[ParameterFunction, ...]:
-        return tuple(parse_function(text, parameter, key) for text in entries)
-
-    return Family(key, title, parameter, claimed_order, source, tuple(map(read, a)), read(b), read(c))
-
-
-_ENTRIES = (
+# Title, parameter, order, source; then the tableau as books print it, its columns parted by commas.
+_TABLES = {
     # Two equal diagonal entries; order 3 for gamma = 1/2 ± sqrt(3)/6.
-    _family(
-        "sdirk_order_2",
-        "Two-stage SDIRK methods of order 2",
-        "gamma",
-        claimed_order=2,
-        source="hairer-wanner-1996, IV.6",
-        a=(("gamma", "0"), ("1 - 2*gamma", "gamma")),
-        b=("1/2", "1/2"),
-        c=("gamma", "1 - gamma"),
-    ),
+    "sdirk_order_2": """Two-stage SDIRK methods of order 2 | gamma | 2 | hairer-wanner-1996, IV.6
+        gamma     | gamma, 0
+        1 - gamma | 1 - 2*gamma, gamma
+                  | 1/2, 1/2""",
     # The last stage is the result; order 2 for gamma = 1 ± sqrt(2)/2 only.
-    _family(
-        "sdirk_stiffly_accurate",
-        "Two-stage stiffly accurate SDIRK methods",
-        "gamma",
-        claimed_order=1,
-        source="hairer-wanner-1996, IV.6",
-        a=(("gamma", "0"), ("1 - gamma", "gamma")),
-        b=("1 - gamma", "gamma"),
-        c=("gamma", "1"),
-    ),
+    "sdirk_stiffly_accurate": """Two-stage stiffly accurate SDIRK methods | gamma | 1 | hairer-wanner-1996, IV.6
+        gamma | gamma, 0
+        1     | 1 - gamma, gamma
+              | 1 - gamma, gamma""",
     # Heun at 1, the midpoint rule at 1/2, Ralston at 2/3.
-    _family(
-        "explicit_order_2",
-        "Two-stage explicit methods of order 2",
-        "alpha",
-        claimed_order=2,
-        source="butcher-2016, 231",
-        a=(("0", "0"), ("alpha", "0")),
-        b=("1 - 1/(2*alpha)", "1/(2*alpha)"),
-        c=("0", "alpha"),
-    ),
-)
-FAMILIES: dict[str, Family] = {family.key: family for family in _ENTRIES}
+    "explicit_order_2": """Two-stage explicit methods of order 2 | alpha | 2 | butcher-2016, 231
+        0     | 0, 0
+        alpha | alpha, 0
+              | 1 - 1/(2*alpha), 1/(2*alpha)""",
+}
+
+
+class _Families(Mapping[str, Family]):
+    """The families by key, each read when it is first asked for."""
+
+    def __getitem__(self, key: str) -> Family:
+        """The family. Raises KeyError."""
+        return _read(key)
+
+    def __iter__(self) -> Iterator[str]:
+        """The keys."""
+        return iter(_TABLES)
+
+    def __len__(self) -> int:
+        """How many there are."""
+        return len(_TABLES)
+
+
+@cache
+def _read(key: str) -> Family:
+    names, *lines = _TABLES[key].splitlines()
+    title, parameter, order, source = names.split(" | ")
+
+    def functions(text: str) -> tuple[ParameterFunction, ...]:
+        return tuple(parse_function(entry, parameter, key) for entry in text.split(","))
+
+    *stages, (_, weights) = (line.split(" | ") for line in lines)
+    c = tuple(parse_function(node, parameter, key) for node, _ in stages)
+    return Family(
+        key, title, parameter, int(order), source, tuple(functions(a) for _, a in stages), functions(weights), c
+    )
+
+
+FAMILIES: Mapping[str, Family] = _Families()
