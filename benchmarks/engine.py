@@ -21,7 +21,7 @@ import numpy as np
 
 from benchmarks.harness import Contestant, Section, Subject, timed
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.fields import Field
+from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.engine import (
     ARRAY_BLOCK,
     BLOCK,
@@ -37,7 +37,7 @@ RK4, PAIR = METHODS["rk4"], METHODS["dormand_prince54"]
 H, START = 0.01, (0.6, -0.8)
 # Steps of one trajectory in Python and compiled; members and steps of an ensemble.
 FEW, MANY, MEMBERS, ENSEMBLE_STEPS = 2_000, 200_000, 8 * ARRAY_BLOCK, 20
-LORENZ = Field(("10 * (y1 - y0)", "y0 * (28 - y2) - y1", "y0 * y1 - 8 * y2 / 3"))
+LORENZ = VectorField(("10 * (y1 - y0)", "y0 * (28 - y2) - y1", "y0 * y1 - 8 * y2 / 3"))
 LORENZ_START = (1.0, 1.5, 20.0)
 
 C_SOURCE = """

@@ -9,8 +9,7 @@ import numpy as np
 
 from benchmarks.harness import Goal, Section
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.problems import oscillator
-from driftproof.methods.stepping import stepper
+from driftproof.methods.stepping import oscillator, stepper
 from driftproof.methods.tables import basic
 from driftproof.numeric.steppers import HAND_WRITTEN, rk4
 from driftproof.symbolic.algebra.certified import enclose, significant

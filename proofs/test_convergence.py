@@ -11,7 +11,7 @@ from flint import acb, arb
 from sympy import QQ, Rational
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.problems import oscillator
+from driftproof.methods.stepping import oscillator
 from driftproof.numeric.steppers import HAND_WRITTEN, evaluations_per_step
 from driftproof.symbolic.algebra.certified import CertifiableReal, certified_sign, enclose, fixed, is_less
 from driftproof.symbolic.derivation.convergence import FINAL_TIME, global_error_coefficient, local_error

@@ -7,7 +7,7 @@ from fractions import Fraction
 import sympy
 from sympy import QQ, Rational, cos, ring, sin, sqrt, symbols
 
-from driftproof.methods.problems import oscillator
+from driftproof.methods.stepping import oscillator
 from driftproof.numeric.readouts import exact_state
 from driftproof.numeric.scenes import PRESETS
 from driftproof.symbolic.algebra.certified import certified_sign, is_less

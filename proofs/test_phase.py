@@ -9,7 +9,7 @@ import sympy
 from sympy import QQ, Rational, atan2, cos, pi, ring, sin
 
 from driftproof.methods.number_field import square_root
-from driftproof.methods.problems import oscillator
+from driftproof.methods.stepping import oscillator
 from driftproof.numeric import readouts
 from driftproof.numeric.scenes import PRESETS
 from driftproof.numeric.steppers import HAND_WRITTEN, CountedForce

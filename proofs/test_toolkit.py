@@ -13,8 +13,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.problems import oscillator
 from driftproof.methods.schemes import Collocation
+from driftproof.methods.stepping import oscillator
 from driftproof.numeric import readouts
 from driftproof.numeric.steppers import HAND_WRITTEN
 from driftproof.symbolic.algebra.certified import Uncertified, fixed, significant

@@ -8,10 +8,9 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from driftproof.methods.fields import Field
-from driftproof.methods.jacobian import jacobian
 from driftproof.methods.program_text import indented, maker, maker_text
 from driftproof.methods.schemes import Method
+from driftproof.methods.vector_fields import VectorField, jacobian_matrix
 from driftproof.numeric.engine import OF_FLOATS, field_runner, lifted
 from driftproof.numeric.implicit import Jacobian, implicit_stepper
 from driftproof.numeric.problems.problem import Problem
@@ -77,7 +76,7 @@ def float_start(problem: Problem) -> State:
     return tuple(nearest_double(x, f"start y{i}") for i, x in enumerate(problem.start))
 
 
-def field_rate(field: Field, functions: Mapping[str, Any] | None = None) -> Rate:
+def field_rate(field: VectorField, functions: Mapping[str, Any] | None = None) -> Rate:
     """f(t, y) of the field as a function of a number and of a sequence of numbers; a list.
 
     `functions` are those of the numbers, by the names in `fields.FUNCTIONS`. Without them the numbers are taken as
@@ -87,13 +86,13 @@ def field_rate(field: Field, functions: Mapping[str, Any] | None = None) -> Rate
     return rate
 
 
-def field_jacobian(field: Field) -> Jacobian:
+def field_jacobian(field: VectorField) -> Jacobian:
     """(t, y) -> the n x n matrix with ∂fᵢ/∂yⱼ in row i and column j, by exact formulas, in Python floats."""
-    rows = ", ".join(f"[{', '.join(row)}]" for row in jacobian(field))
+    rows = ", ".join(f"[{', '.join(row)}]" for row in jacobian_matrix(field))
     return _function(field, f"[{rows}]", None)
 
 
-def _function(field: Field, value: str, functions: Mapping[str, Any] | None) -> Callable[[float, Any], Any]:
+def _function(field: VectorField, value: str, functions: Mapping[str, Any] | None) -> Callable[[float, Any], Any]:
     """(t, y) -> the value that the text spells. In its text it is called run, as no parameter may be."""
     names = [name for name, _ in field.parameters]
     numbers = "map(float, y)" if functions is None else "y"

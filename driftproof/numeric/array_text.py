@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from driftproof.methods.program_text import indented, maker_text
-from driftproof.methods.source import Source
+from driftproof.methods.stepping import Source
 
 UFUNCS = {ast.Add: "add", ast.Sub: "subtract", ast.Mult: "multiply", ast.Div: "divide"}
 STATE = {"q": "q1", "v": "v1"}

@@ -18,11 +18,11 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from driftproof.methods.fields import FUNCTIONS, Field, field_source
 from driftproof.methods.number_field import Exact
 from driftproof.methods.program_text import indented, maker, maker_text
 from driftproof.methods.schemes import Method
-from driftproof.methods.source import Source, step_source
+from driftproof.methods.stepping import Source, step_source
+from driftproof.methods.vector_fields import FUNCTIONS, VectorField, field_source
 from driftproof.numeric.array_text import UFUNCS, array_run
 
 # The force -q, as text with the place to be filled in.
@@ -107,7 +107,7 @@ def compiled_ensemble_runner(method: Method, force: str = OSCILLATOR, *, compens
 
 
 @cache
-def field_runner(method: Method, field: Field, *, compensated: bool = False) -> FieldRun:
+def field_runner(method: Method, field: VectorField, *, compensated: bool = False) -> FieldRun:
     """The loop run(y, h, first, last) of an explicit method for y' = f(t, y), in plain Python.
 
     y is a tuple of floats: any, for a Runge-Kutta method; positions and then velocities of a second-order system, for a
@@ -121,7 +121,7 @@ def field_runner(method: Method, field: Field, *, compensated: bool = False) -> 
 
 
 @cache
-def compiled_field_runner(method: Method, field: Field, *, compensated: bool = False) -> FieldRun:
+def compiled_field_runner(method: Method, field: VectorField, *, compensated: bool = False) -> FieldRun:
     """The same loop compiled by numba, the same bits. Needs the extra `fast`."""
     return _compiled(field_runner(method, field, compensated=compensated))
 

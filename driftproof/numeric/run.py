@@ -10,9 +10,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from driftproof.methods.problems import oscillator
 from driftproof.methods.rationals import brief
-from driftproof.methods.stepping import Force, Step
+from driftproof.methods.stepping import Force, Step, oscillator
 from driftproof.numeric import readouts
 from driftproof.numeric.readouts import FloatOrArray, FloatState
 from driftproof.numeric.scenes import Scene

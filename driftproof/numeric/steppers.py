@@ -9,8 +9,7 @@ infinities and NaN pass through by the rules of IEEE 754.
 from __future__ import annotations
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.problems import oscillator
-from driftproof.methods.stepping import Force, Number, Step, stepper
+from driftproof.methods.stepping import Force, Number, Step, oscillator, stepper
 
 
 def forward_euler(force: Force, q: Number, v: Number, h: Number) -> tuple[Number, Number]:

@@ -8,8 +8,8 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from driftproof.methods.catalogue import method_named
-from driftproof.methods.problems import oscillator
 from driftproof.methods.rationals import step_count
+from driftproof.methods.stepping import oscillator
 from driftproof.numeric.run import Counter, demand_few, integrate, nearest_double
 from driftproof.numeric.steppers import HAND_WRITTEN, float_stepper
 from driftproof.support.plain_text import Json, table

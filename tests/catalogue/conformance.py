@@ -13,9 +13,8 @@ import numpy as np
 from flint import arb, ctx, fmpq
 
 from driftproof.methods.number_field import square_root
-from driftproof.methods.problems import oscillator
 from driftproof.methods.schemes import Method
-from driftproof.methods.stepping import Lift, Number, stepper
+from driftproof.methods.stepping import Lift, Number, oscillator, stepper
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.algebra.polynomials import ONE, X, scalar
 from driftproof.symbolic.algebra.polynomials import coefficients as entry_coefficients

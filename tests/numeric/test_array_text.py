@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.problems import oscillator
-from driftproof.methods.stepping import stepper
+from driftproof.methods.stepping import oscillator, stepper
 from driftproof.numeric.engine import (
     ARRAY_BLOCK,
     compiled_ensemble_runner,

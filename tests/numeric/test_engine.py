@@ -11,10 +11,8 @@ import pytest
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import square_root
-from driftproof.methods.problems import oscillator
 from driftproof.methods.schemes import MethodError, RungeKutta
-from driftproof.methods.source import step_source
-from driftproof.methods.stepping import stepper
+from driftproof.methods.stepping import oscillator, step_source, stepper
 from driftproof.numeric import engine
 from driftproof.numeric.engine import (
     BLOCK,

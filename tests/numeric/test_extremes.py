@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.problems import oscillator
+from driftproof.methods.stepping import oscillator
 from driftproof.numeric.engine import compiled_runner, ensemble_runner, runner
 from driftproof.numeric.steppers import rk4
 from driftproof.symbolic.algebra.certified import significant

@@ -12,8 +12,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from driftproof.methods.problems import oscillator
-from driftproof.methods.stepping import Step, stepper
+from driftproof.methods.stepping import Step, oscillator, stepper
 from driftproof.numeric.steppers import (
     HAND_WRITTEN,
     CountedForce,

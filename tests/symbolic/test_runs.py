@@ -15,9 +15,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from driftproof import strategies
-from driftproof.methods.problems import oscillator
 from driftproof.methods.schemes import RungeKutta
-from driftproof.methods.stepping import stepper
+from driftproof.methods.stepping import oscillator, stepper
 from driftproof.symbolic import runs
 from driftproof.symbolic.algebra.certified import Uncertified, endpoints, fixed, is_less, significant
 from driftproof.symbolic.runs import OscillatorRun, apply, as_balls, exact_matrix_at, multiply, power, short_power

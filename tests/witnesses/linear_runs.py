@@ -9,9 +9,8 @@ from operator import mul
 from typing import Any, NamedTuple, TypeAlias
 
 from driftproof.methods.number_field import Exact
-from driftproof.methods.problems import oscillator
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta
-from driftproof.methods.stepping import stepper
+from driftproof.methods.stepping import oscillator, stepper
 from driftproof.numeric.tableaux import solved
 
 # The rows of M in z₁ = M z.

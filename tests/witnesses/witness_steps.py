@@ -7,9 +7,8 @@ from fractions import Fraction as Q
 from typing import Any, TypeAlias
 
 from driftproof.methods.number_field import Exact
-from driftproof.methods.problems import oscillator
 from driftproof.methods.schemes import Collocation, Method, Nystrom, Splitting
-from driftproof.methods.stepping import Force, Lift, Number, Step
+from driftproof.methods.stepping import Force, Lift, Number, Step, oscillator
 from driftproof.symbolic.algebra.polynomials import X, polynomial
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 

@@ -32,7 +32,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     VELOCITY,
     CallingConvention,
 )
-from driftproof.methods.problems import oscillator
+from driftproof.methods.stepping import oscillator
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 
 # A force, or a right-hand side of t and y, of ours: on numbers of the adapter.

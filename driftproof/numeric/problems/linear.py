@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from driftproof.methods.fields import Field
+from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.problem import EXACT, Problem, reference
 
 _Rows = tuple[tuple[Fraction, ...], ...]
@@ -31,7 +31,7 @@ def _dahlquist(name: str, rate: int, shown: str, t: str) -> Problem:
     return Problem(
         key=f"dahlquist_{name}",
         title=f"Dahlquist's equation, y' = lambda y, lambda = {shown}, to t = {t}",
-        field=Field(("rate * y0",), (("rate", Fraction(rate)),)),
+        field=VectorField(("rate * y0",), (("rate", Fraction(rate)),)),
         start=(Fraction(1),),
         reference=reference(f"dahlquist_{name}", EXACT, source),
         source="hairer-wanner-1996, IV.2",
@@ -44,7 +44,7 @@ def _dahlquist(name: str, rate: int, shown: str, t: str) -> Problem:
 HARMONIC = Problem(
     key="harmonic_oscillator",
     title="The harmonic oscillator, q'' = -q, to t = 10",
-    field=Field(("y1", "-y0")),
+    field=VectorField(("y1", "-y0")),
     start=(Fraction(1), Fraction(0)),
     reference=reference("harmonic_oscillator", EXACT, "(cos t, -sin t), certified in balls"),
     source="hairer-lubich-wanner-2006, I.1.3",
@@ -57,7 +57,7 @@ HARMONIC = Problem(
 STIFF_OSCILLATOR = Problem(
     key="stiff_oscillator",
     title="A stiff spring, q'' = -10^6 q: 1592 revolutions to t = 10",
-    field=Field(("y1", "-omega * omega * y0"), (("omega", Fraction(1000)),)),
+    field=VectorField(("y1", "-omega * omega * y0"), (("omega", Fraction(1000)),)),
     start=(Fraction(1), Fraction(0)),
     reference=reference("stiff_oscillator", EXACT, "(cos 1000t, -1000 sin 1000t), certified in balls"),
     source="hairer-lubich-wanner-2006, I.1.3",
@@ -72,7 +72,7 @@ SEPARATED = Problem(
     key="separated_oscillators",
     title="Two unit masses on soft springs, joined by a stiff one: frequencies 1 and 1000, to t = 10",
     # To the walls 1, between the masses 999999/2, a binary64: the squares of the frequencies are 1 and 10^6.
-    field=Field(("y2", "y3", "-y0 - k * (y0 - y1)", "-y1 + k * (y0 - y1)"), (("k", Fraction(999999, 2)),)),
+    field=VectorField(("y2", "y3", "-y0 - k * (y0 - y1)", "-y1 + k * (y0 - y1)"), (("k", Fraction(999999, 2)),)),
     start=(Fraction(1025, 1024), Fraction(1023, 1024), Fraction(0), Fraction(0)),
     reference=reference(
         "separated_oscillators", EXACT, "q = cos t ± cos(1000t)/1024 and its derivative, certified in balls"
@@ -95,7 +95,7 @@ SEPARATED = Problem(
 STIFF_PAIR = Problem(
     key="stiff_pair",
     title="A stiff pair, eigenvalues -1 and -1000, to t = 1",
-    field=Field(("998 * y0 + 1998 * y1", "-999 * y0 - 1999 * y1")),
+    field=VectorField(("998 * y0 + 1998 * y1", "-999 * y0 - 1999 * y1")),
     start=(Fraction(1), Fraction(0)),
     reference=reference("stiff_pair", EXACT, "(2 exp(-t) - exp(-1000t), exp(-1000t) - exp(-t)), certified in balls"),
     source="press-2007, 17.5",
@@ -107,7 +107,7 @@ STIFF_PAIR = Problem(
 OVERDAMPED = Problem(
     key="overdamped_oscillator",
     title="An overdamped oscillator, q'' = -100 q - 101 q': eigenvalues -1 and -100, to t = 5",
-    field=Field(("y1", "-100 * y0 - 101 * y1")),
+    field=VectorField(("y1", "-100 * y0 - 101 * y1")),
     start=(Fraction(1), Fraction(0)),
     reference=reference(
         "overdamped_oscillator", EXACT, "q = (100 exp(-t) - exp(-100t))/99 and its derivative, certified in balls"
@@ -121,7 +121,7 @@ OVERDAMPED = Problem(
 CRITICAL = Problem(
     key="critically_damped_oscillator",
     title="A critically damped oscillator, q'' = -q - 2q': one Jordan block, to t = 10",
-    field=Field(("y1", "-y0 - 2 * y1")),
+    field=VectorField(("y1", "-y0 - 2 * y1")),
     start=(Fraction(1), Fraction(0)),
     reference=reference("critically_damped_oscillator", EXACT, "((1 + t) exp(-t), -t exp(-t)), certified in balls"),
     source="hairer-norsett-wanner-1993, I.6",
@@ -139,7 +139,7 @@ def _heat(points: int) -> Problem:
     return Problem(
         key="heat_equation",
         title=f"Heat conduction by the method of lines, {points} points, to t = 1/2",
-        field=Field(rates),
+        field=VectorField(rates),
         start=tuple(4 * x * (1 - x) for x in nodes),
         reference=reference(
             "heat_equation", EXACT, "the sum over the discrete Laplacian's eigenvectors, certified in balls"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from driftproof.methods.fields import Field
+from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.problem import CERTIFIED, EXACT, TWICE, Problem, reference
 from driftproof.numeric.problems.stiff import TWO_METHODS
 
@@ -22,7 +22,9 @@ def _kepler(name: str, eccentricity: Fraction, t: str, expected: dict[str, str])
     return Problem(
         key=name,
         title=f"Kepler's problem, eccentricity {float(eccentricity):g}, from the pericentre to t = {t}",
-        field=Field(("y2", "y3", f"-mass * y0 / {cubed}", f"-mass * y1 / {cubed}"), (("mass", 1 - eccentricity**2),)),
+        field=VectorField(
+            ("y2", "y3", f"-mass * y0 / {cubed}", f"-mass * y1 / {cubed}"), (("mass", 1 - eccentricity**2),)
+        ),
         start=(1 - eccentricity, Fraction(0), Fraction(0), 1 + eccentricity),
         reference=reference(name, EXACT, "by the root of Kepler's equation, certified in balls"),
         source="hairer-lubich-wanner-2006, I.2.2",
@@ -42,7 +44,7 @@ def _pendulum(name: str, title: str, speed: Fraction, expected: dict[str, str]) 
     return Problem(
         key=name,
         title=title,
-        field=Field(("y1", "-sin(y0)")),
+        field=VectorField(("y1", "-sin(y0)")),
         start=(Fraction(0), speed),
         reference=reference(name, EXACT, "sin(q/2) = k sn(t, k), q' = 2k cn(t, k), k = q'(0)/2, certified in balls"),
         source="hairer-lubich-wanner-2006, I.1.3; dlmf-2025, 22.19(i)",
@@ -61,7 +63,7 @@ NEAR_THE_TOP = {
 HENON_HEILES = Problem(
     key="henon_heiles",
     title="Hénon and Heiles, two coupled oscillators at energy 1/8, to t = 100",
-    field=Field(("y2", "y3", "-y0 - 2 * y0 * y1", "-y1 - y0 * y0 + y1 * y1")),
+    field=VectorField(("y2", "y3", "-y0 - 2 * y0 * y1", "-y1 - y0 * y0 + y1 * y1")),
     start=(Fraction(0), Fraction(0), Fraction(3, 10), Fraction(2, 5)),
     reference=reference("henon_heiles", CERTIFIED, "Taylor series with Lagrange's remainder, in balls"),
     source="henon-heiles-1964; hairer-lubich-wanner-2006, I.3",
@@ -82,7 +84,7 @@ def _fermi_pasta_ulam() -> Problem:
     return Problem(
         key="fermi_pasta_ulam",
         title="Fermi, Pasta and Ulam's chain with three stiff springs, omega = 50, to t = 100",
-        field=Field((*speeds, *(f + g for f, g in zip(forces, stiff, strict=True))), (("omega", Fraction(50)),)),
+        field=VectorField((*speeds, *(f + g for f, g in zip(forces, stiff, strict=True))), (("omega", Fraction(50)),)),
         start=tuple(Fraction(x) for x in (1, 0, 0, "1/50", 0, 0, 1, 0, 0, 1, 0, 0)),
         reference=reference("fermi_pasta_ulam", TWICE, TWO_METHODS),
         source="fermi-pasta-ulam-1955; hairer-lubich-wanner-2006, I.5.1",

@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from driftproof.methods.fields import Field
+from driftproof.methods.vector_fields import VectorField
 
 # Where a reference comes from, best first.
 EXACT, CERTIFIED, TWICE = "exact", "certified", "computed twice"
@@ -71,7 +71,7 @@ class Problem:
 
     key: str
     title: str
-    field: Field
+    field: VectorField
     start: tuple[Fraction, ...]
     reference: Reference
     source: str

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from driftproof.methods.fields import Field
+from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.problem import EXACT, TWICE, Problem, reference
 
 STIFF = {
@@ -16,7 +16,7 @@ STIFF = {
 PROTHERO_ROBINSON = Problem(
     key="prothero_robinson",
     title="Prothero and Robinson's equation, y' = lambda (y - cos t) - sin t, lambda = -10^6, to t = 10",
-    field=Field(("rate * (y0 - cos(t)) - sin(t)",), (("rate", Fraction(-1000000)),)),
+    field=VectorField(("rate * (y0 - cos(t)) - sin(t)",), (("rate", Fraction(-1000000)),)),
     start=(Fraction(1),),
     reference=reference("prothero_robinson", EXACT, "y = cos t, certified in balls"),
     source="prothero-robinson-1974; hairer-wanner-1996, IV.15",
@@ -31,7 +31,7 @@ PROTHERO_ROBINSON = Problem(
 KAPS = Problem(
     key="kaps",
     title="Kaps' problem, 1/epsilon = 10^6, to t = 1",
-    field=Field(
+    field=VectorField(
         ("-(stiffness + 2) * y0 + stiffness * y1 * y1", "y0 - y1 - y1 * y1"), (("stiffness", Fraction(1000000)),)
     ),
     start=(Fraction(1), Fraction(1)),
@@ -63,7 +63,7 @@ def _van_der_pol(name: str, mu: int, shown: str, in_print: str = "") -> Problem:
     return Problem(
         key=f"van_der_pol_{name}",
         title=f"Van der Pol's oscillator, mu = {shown}, in the time t = physical time / mu, to t = 2",
-        field=Field(("y1", "mu * mu * ((1 - y0 * y0) * y1 - y0)"), (("mu", Fraction(mu)),)),
+        field=VectorField(("y1", "mu * mu * ((1 - y0 * y0) * y1 - y0)"), (("mu", Fraction(mu)),)),
         start=(Fraction(2), Fraction(0)),
         reference=reference(f"van_der_pol_{name}", TWICE, TWO_METHODS + in_print),
         source="hairer-wanner-1996, IV.1; mazzia-magherini-2008, vdpol",
@@ -75,7 +75,7 @@ def _van_der_pol(name: str, mu: int, shown: str, in_print: str = "") -> Problem:
 ROBERTSON = Problem(
     key="robertson",
     title="Robertson's reactions, rates from 0.04 to 3 10^7, to t = 10^11",
-    field=Field(
+    field=VectorField(
         ("-slow * y0 + fast * y1 * y2", "slow * y0 - fast * y1 * y2 - fastest * y1 * y1", "fastest * y1 * y1"),
         (("slow", Fraction(1, 25)), ("fast", Fraction(10**4)), ("fastest", Fraction(3 * 10**7))),
     ),
@@ -93,7 +93,7 @@ ROBERTSON = Problem(
 HIRES = Problem(
     key="hires",
     title="HIRES, light and the growth of plants in eight reactions, to t = 321.8122",
-    field=Field(
+    field=VectorField(
         (
             "-k1 * y0 + k2 * y1 + k6 * y2 + supply",
             "k1 * y0 - (k2 + k3) * y1",
@@ -123,7 +123,7 @@ HIRES = Problem(
 OREGONATOR = Problem(
     key="oregonator",
     title="The Oregonator, a limit cycle of three reactions, to t = 360",
-    field=Field(
+    field=VectorField(
         ("s * (y1 + y0 * (1 - q * y0 - y1))", "(y2 - (1 + y0) * y1) / s", "w * (y0 - y2)"),
         (("s", Fraction(7727, 100)), ("q", Fraction(8375, 10**9)), ("w", Fraction(161, 1000))),
     ),

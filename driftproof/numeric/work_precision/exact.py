@@ -14,8 +14,8 @@ from fractions import Fraction
 from math import degrees, isfinite
 from typing import NamedTuple, TypeAlias
 
-from driftproof.methods.fields import Field
 from driftproof.methods.number_field import Algebraic, Exact
+from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.problem import Digits, Problem
 from driftproof.numeric.readouts import phase_error
 
@@ -114,7 +114,7 @@ def doubt(problem: Problem, steps: int, speed: float) -> float:
 def decimal_energy(problem: Problem, state: Iterable[float | Fraction]) -> Decimal:
     """E of a state of floats or fractions. Raises ArithmeticError where a function of it is undefined."""
     text = problem.energy or "0"
-    Field((text,) * len(problem.start), problem.field.parameters)  # refuses what an expression may not hold
+    VectorField((text,) * len(problem.start), problem.field.parameters)  # refuses what an expression may not hold
     with localcontext(prec=_DIGITS):
         names = {f"y{i}": _decimal(Fraction(x)) for i, x in enumerate(state)}
         names |= {name: _decimal(value) for name, value in problem.field.parameters}
@@ -140,7 +140,7 @@ def _decimal(x: Exact) -> Decimal:
 
 
 def _value(node: ast.expr, names: Mapping[str, Decimal]) -> Decimal:
-    """An expression of `Field` in Decimals."""
+    """An expression of `VectorField` in Decimals."""
     match node:
         case ast.Constant(value=int(number)):
             return Decimal(number)

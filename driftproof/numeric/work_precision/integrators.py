@@ -12,9 +12,9 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from driftproof.methods.fields import Field, field_source
 from driftproof.methods.program_text import maker
 from driftproof.methods.schemes import Method
+from driftproof.methods.vector_fields import VectorField, field_source
 from driftproof.numeric.advance import State, advance, field_rate, float_start, step_times
 from driftproof.numeric.engine import (
     BLOCK,
@@ -186,7 +186,7 @@ def counted_evaluations(method: Method, problem: Problem, steps: int) -> int:
 def _counts(method: Method, components: int, second_order: bool) -> Sequence[int]:
     half = components // 2
     rates = [f"y{half + i}" if second_order and i < half else "-y0" for i in range(components)]
-    source = field_source(method, Field((*rates[:-1], "sin(y0)")))
+    source = field_source(method, VectorField((*rates[:-1], "sin(y0)")))
     calls = 0
 
     def counting(x: float) -> float:

@@ -15,7 +15,7 @@ from math import inf
 from time import perf_counter
 from typing import Any, Protocol
 
-from driftproof.methods.fields import FUNCTIONS
+from driftproof.methods.vector_fields import FUNCTIONS
 from driftproof.numeric.advance import Rate, State, field_rate, float_start
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.work_precision.integrators import COMPILED, PYTHON

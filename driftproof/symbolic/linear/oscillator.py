@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from driftproof.methods.number_field import Exact
-from driftproof.methods.problems import oscillator
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta
-from driftproof.methods.stepping import stepper
+from driftproof.methods.stepping import oscillator, stepper
 from driftproof.symbolic.algebra.matrices import StepMatrix, of_matrix
 from driftproof.symbolic.algebra.polynomials import (
     ONE,

@@ -18,9 +18,8 @@ from functools import cached_property
 from typing import Any, ClassVar, Self
 
 from driftproof.methods.number_field import Exact
-from driftproof.methods.problems import oscillator
 from driftproof.methods.schemes import Method
-from driftproof.methods.stepping import stepper
+from driftproof.methods.stepping import oscillator, stepper
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat, power_of_two
 from driftproof.symbolic.rounding.polynomials import (
     D,

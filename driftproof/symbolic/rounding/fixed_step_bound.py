@@ -20,8 +20,7 @@ from fractions import Fraction
 from typing import TypeAlias
 
 from driftproof.methods.number_field import Exact
-from driftproof.methods.problems import oscillator
-from driftproof.methods.stepping import Force
+from driftproof.methods.stepping import Force, oscillator
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 from driftproof.symbolic.rounding.number import Rounded
 from driftproof.symbolic.rounding.polynomials import (

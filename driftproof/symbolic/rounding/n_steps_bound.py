@@ -18,8 +18,7 @@ from typing import NamedTuple, TypeAlias
 
 from flint import arb, ctx
 
-from driftproof.methods.problems import oscillator
-from driftproof.methods.stepping import Force
+from driftproof.methods.stepping import Force, oscillator
 from driftproof.symbolic.algebra.certified import Uncertified, enclose, endpoints, scientific
 from driftproof.symbolic.rounding.adapted_norm import AdaptedNorm, NoAdaptedNorm, adapted_norm
 from driftproof.symbolic.rounding.fixed_step_bound import FixedStepBound, fixed_step_bound

@@ -15,9 +15,8 @@ from functools import cached_property
 from typing import NamedTuple, TypeAlias
 
 from driftproof.methods.number_field import Exact
-from driftproof.methods.problems import oscillator
 from driftproof.methods.schemes import Method
-from driftproof.methods.stepping import Force, Lift, Step, stepper
+from driftproof.methods.stepping import Force, Lift, Step, oscillator, stepper
 from driftproof.symbolic.algebra.certified import decide_by_enclosure
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import coefficients

@@ -57,8 +57,7 @@ def _phase_error(run: OscillatorRun) -> Answer:
 def _evaluations(run: OscillatorRun) -> Answer:
     """Calls of the acceleration, counted on a real step; only where the method says by itself how many it makes."""
     from driftproof.methods.catalogue import METHODS
-    from driftproof.methods.problems import oscillator
-    from driftproof.methods.stepping import stepper
+    from driftproof.methods.stepping import oscillator, stepper
     from driftproof.numeric.steppers import CountedForce, float_stepper
 
     method = run.method

@@ -9,7 +9,7 @@ from flint import arb, ctx
 
 from driftproof.blackbox.judging.tolerance import _BITS, Allowance, Tolerance
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.problems import oscillator
+from driftproof.methods.stepping import oscillator
 from driftproof.numeric.steppers import float_stepper
 from driftproof.symbolic.rounding.any_evaluation_order import any_evaluation_order_bound
 from driftproof.symbolic.rounding.formats import BINARY32

@@ -12,8 +12,7 @@ import pytest
 from flint import arb, arb_series, ctx
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.fields import Field
-from driftproof.methods.jacobian import derivative
+from driftproof.methods.vector_fields import VectorField, partial_derivative
 from driftproof.numeric.advance import field_jacobian
 from driftproof.numeric.implicit import implicit_stepper
 from driftproof.numeric.problems.catalogue import PROBLEMS, problem_named
@@ -50,19 +49,19 @@ def test_second_order_problems_move_by_their_velocities_and_forces_do_not_read_t
     half = len(problem.start) // 2
     names = problem.field.components
     assert problem.field.rates[:half] == names[half:]
-    assert all(derivative(force, v) == "0" for force in problem.field.rates[half:] for v in names[half:])
+    assert all(partial_derivative(force, v) == "0" for force in problem.field.rates[half:] for v in names[half:])
 
 
 def test_damped_oscillators_are_not_called_second_order() -> None:
     for name in ("overdamped_oscillator", "critically_damped_oscillator"):
         assert not PROBLEMS[name].second_order
-        assert derivative(PROBLEMS[name].field.rates[1], "y1") != "0"
+        assert partial_derivative(PROBLEMS[name].field.rates[1], "y1") != "0"
 
 
 def energy_change(problem: Problem, energy: str, y: tuple[Fraction, ...]) -> arb:
     """dE/dt = Σ ∂E/∂yᵢ fᵢ in a ball."""
     names = problem.field.components
-    gradient = Field(tuple(derivative(energy, name) for name in names), problem.field.parameters)
+    gradient = VectorField(tuple(partial_derivative(energy, name) for name in names), problem.field.parameters)
     at = [ball(x) for x in y]
     f, g = (rate(field, ball, OF_BALLS)(arb(0), at) for field in (problem.field, gradient))
     return sum((a * b for a, b in zip(f, g, strict=True)), arb(0))

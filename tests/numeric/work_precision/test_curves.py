@@ -9,8 +9,8 @@ from math import inf
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.fields import Field
 from driftproof.methods.schemes import RungeKutta
+from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.problems.problem import EXACT, Problem, Reference
@@ -40,7 +40,7 @@ RUNGS = (64, 128, 256, 512)
 
 def _decay(energy: str | None = None) -> Problem:
     reference = Reference((Q(1),), (("0.36787944117144232160",),), EXACT, "1/e")
-    rates = Field(("rate * y0",), (("rate", Q(-1)),))
+    rates = VectorField(("rate * y0",), (("rate", Q(-1)),))
     return Problem("decay", "y' = -y", rates, (Q(1),), reference, "test", energy=energy)
 
 

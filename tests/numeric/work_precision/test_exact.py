@@ -9,7 +9,7 @@ from math import cos, inf, sin
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.fields import Field
+from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.problems.problem import EXACT, Problem, Reference
 from driftproof.numeric.work_precision.curves import (
@@ -87,7 +87,7 @@ def test_energy_reads_parameters_division_and_signs() -> None:
 
 def _decay(energy: str | None = None) -> Problem:
     reference = Reference((Q(1),), (("0.36787944117144232160",),), EXACT, "1/e")
-    rates = Field(("rate * y0",), (("rate", Q(-1)),))
+    rates = VectorField(("rate * y0",), (("rate", Q(-1)),))
     return Problem("decay", "y' = -y", rates, (Q(1),), reference, "test", energy=energy)
 
 

@@ -8,7 +8,7 @@ from math import cos, hypot, sin
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.fields import Field
+from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.advance import field_rate
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.linear import HARMONIC
@@ -55,9 +55,9 @@ def test_an_ensemble_reaches_the_same_bits_and_is_refused_where_there_is_none() 
 
 
 def test_rate_of_a_field_is_the_field_whatever_its_parameters_are_called() -> None:
-    rate = field_rate(Field(("rate * y1 + t", "sin(y0)"), (("rate", Q(1, 2)),)))
+    rate = field_rate(VectorField(("rate * y1 + t", "sin(y0)"), (("rate", Q(1, 2)),)))
     assert rate(3.0, [0.5, 4.0]) == [5.0, sin(0.5)]
-    doubling = field_rate(Field(("sin(y0)",)), {"sin": lambda x: 2 * x})
+    doubling = field_rate(VectorField(("sin(y0)",)), {"sin": lambda x: 2 * x})
     assert doubling(0.0, [4]) == [8]
 
 

@@ -11,9 +11,8 @@ import sympy
 from hypothesis import given
 
 from driftproof import strategies
-from driftproof.methods.problems import oscillator
 from driftproof.methods.schemes import Splitting
-from driftproof.methods.stepping import stepper
+from driftproof.methods.stepping import oscillator, stepper
 from driftproof.symbolic.derivation.one_step import (
     RING,
     H,

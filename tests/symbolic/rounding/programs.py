@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction as Q
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.problems import oscillator
+from driftproof.methods.stepping import oscillator
 from driftproof.numeric.steppers import HAND_WRITTEN
 from driftproof.symbolic.rounding.any_evaluation_order import AnyEvaluationOrderBound
 from driftproof.symbolic.rounding.step_bound import StepBound, in_format

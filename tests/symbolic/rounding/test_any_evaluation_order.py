@@ -9,8 +9,7 @@ from itertools import product
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.problems import oscillator
-from driftproof.methods.stepping import stepper
+from driftproof.methods.stepping import oscillator, stepper
 from driftproof.numeric.steppers import HAND_WRITTEN, rk4
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
 from driftproof.symbolic.rounding.any_evaluation_order import any_evaluation_order_bound

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.problems import oscillator
+from driftproof.methods.stepping import oscillator
 from driftproof.numeric.steppers import HAND_WRITTEN, forward_euler, rk4, symplectic_euler
 from driftproof.symbolic.rounding.any_evaluation_order import any_evaluation_order_bound
 from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound

@@ -16,8 +16,7 @@ from hypothesis import strategies as st
 from tqdm import tqdm
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.problems import oscillator
-from driftproof.methods.stepping import stepper
+from driftproof.methods.stepping import oscillator, stepper
 from driftproof.numeric.steppers import HAND_WRITTEN, forward_euler, rk4, symplectic_euler
 from driftproof.symbolic.algebra.certified import decide_by_enclosure, enclose
 from driftproof.symbolic.algebra.polynomials import ONE as CONSTANT

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.methods.fields import Field
+from driftproof.methods.vector_fields import VectorField
 from tests.witnesses.references.functions import derivative, rate
 
 STAGES, DIGITS = 32, 52
@@ -34,7 +34,7 @@ class Unsolved(ArithmeticError):
 class Chebyshev:
     """Steps for one field; its rates may read t."""
 
-    def __init__(self, field: Field, stages: int = STAGES, digits: int = DIGITS) -> None:
+    def __init__(self, field: VectorField, stages: int = STAGES, digits: int = DIGITS) -> None:
         self.digits, self.stages = digits, stages
         with localcontext(prec=digits + 10):
             cosine = cosines(stages)

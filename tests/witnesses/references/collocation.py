@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat, arb_poly, ctx, fmpq, fmpq_poly
 
-from driftproof.methods.fields import Field
+from driftproof.methods.vector_fields import VectorField
 from tests.witnesses.references.closed_forms import ball
 from tests.witnesses.references.functions import derivative, rate
 
@@ -70,7 +70,7 @@ class Unsolved(ArithmeticError):
 class Collocation:
     """Steps of the method for one field, y as a list of exact balls (midpoints)."""
 
-    def __init__(self, field: Field, stages: int = STAGES, bits: int = BITS) -> None:
+    def __init__(self, field: VectorField, stages: int = STAGES, bits: int = BITS) -> None:
         self.bits, self.nodes = bits, radau(stages, bits)
         with ctx.workprec(bits):
             self.rate = rate(field, ball)

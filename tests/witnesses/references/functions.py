@@ -6,29 +6,28 @@ from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
-from driftproof.methods.fields import Field
-from driftproof.methods.jacobian import jacobian
 from driftproof.methods.program_text import indented, maker, maker_text
+from driftproof.methods.vector_fields import VectorField, jacobian_matrix
 
 Numbers = Sequence[Any]
 
 
 def rate(
-    field: Field, lift: Callable[[Fraction], Any], functions: Mapping[str, Callable[..., Any]] | None = None
+    field: VectorField, lift: Callable[[Fraction], Any], functions: Mapping[str, Callable[..., Any]] | None = None
 ) -> Callable[[Any, Numbers], list[Any]]:
     """f(t, y), the parameters made numbers by `lift`."""
     return _made(field, f"[{', '.join(field.rates)}]", lift, functions)
 
 
 def derivative(
-    field: Field, lift: Callable[[Fraction], Any], functions: Mapping[str, Callable[..., Any]] | None = None
+    field: VectorField, lift: Callable[[Fraction], Any], functions: Mapping[str, Callable[..., Any]] | None = None
 ) -> Callable[[Any, Numbers], list[list[Any]]]:
     """The matrix of derivatives at (t, y), row by row. An entry that is a whole number stays an int."""
-    rows = ", ".join(f"[{', '.join(row)}]" for row in jacobian(field))
+    rows = ", ".join(f"[{', '.join(row)}]" for row in jacobian_matrix(field))
     return _made(field, f"[{rows}]", lift, functions)
 
 
-def _made(field: Field, answer: str, lift: Callable[[Fraction], Any], functions: Any) -> Any:
+def _made(field: VectorField, answer: str, lift: Callable[[Fraction], Any], functions: Any) -> Any:
     names = [name for name, _ in field.parameters]
     body = [f"{''.join(f'{y}, ' for y in field.components)}= y", f"return {answer}"]
     make = maker(maker_text(names, "f", ["def f(t, y):", *indented(body)]), "field", functions)

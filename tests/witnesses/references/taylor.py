@@ -12,7 +12,7 @@ from fractions import Fraction
 
 from flint import arb
 
-from driftproof.methods.fields import Field
+from driftproof.methods.vector_fields import VectorField
 from tests.witnesses.references.closed_forms import ball
 
 Series = list[arb]
@@ -25,7 +25,7 @@ class NoEnclosure(ArithmeticError):
 class Taylor:
     """The flow of one field at Arb's current precision, by series of `order` terms."""
 
-    def __init__(self, field: Field, order: int) -> None:
+    def __init__(self, field: VectorField, order: int) -> None:
         self.field, self.order = field, order
         self.parsed = [ast.parse(rate, mode="eval").body for rate in field.rates]
 

@@ -9,16 +9,16 @@ from fractions import Fraction as Q
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.fields import Field
 from driftproof.methods.schemes import MethodError, RungeKutta
+from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.engine import compiled_field_runner, field_runner, runner
 from tests.float_bits import bits
 
 EXPLICIT = [method for method in METHODS.values() if method.explicit]
-VAN_DER_POL = Field(("y1", "mu * (1 - y0 * y0) * y1 - y0 + sin(t)"), (("mu", Q(5, 2)),))
-LOTKA_VOLTERRA = Field(("y0 * (2 - y1)", "y1 * (y0 - 1)"))
-LORENZ = Field(("10 * (y1 - y0)", "y0 * (rho - y2) - y1", "y0 * y1 - 8 * y2 / 3"), (("rho", Q(28)),))
-DECAY = Field(("-y0 * sqrt(t + 1)",))
+VAN_DER_POL = VectorField(("y1", "mu * (1 - y0 * y0) * y1 - y0 + sin(t)"), (("mu", Q(5, 2)),))
+LOTKA_VOLTERRA = VectorField(("y0 * (2 - y1)", "y1 * (y0 - 1)"))
+LORENZ = VectorField(("10 * (y1 - y0)", "y0 * (rho - y2) - y1", "y0 * y1 - 8 * y2 / 3"), (("rho", Q(28)),))
+DECAY = VectorField(("-y0 * sqrt(t + 1)",))
 FIELDS = {
     VAN_DER_POL: (lambda t, y: [y[1], 2.5 * (1 - y[0] * y[0]) * y[1] - y[0] + math.sin(t)], (1.0, 0.5)),
     LOTKA_VOLTERRA: (lambda t, y: [y[0] * (2 - y[1]), y[1] * (y[0] - 1)], (1.5, 1.25)),
@@ -63,7 +63,7 @@ def test_a_run_of_a_system_has_the_bits_of_loops_over_the_tableau(method):
 
 @pytest.mark.parametrize("method", TABLEAUX, ids=lambda m: m.key)
 def test_the_oscillator_as_a_system_has_the_bits_of_the_oscillator(method):
-    system = Field(("y1", "-y0"))
+    system = VectorField(("y1", "-y0"))
     assert bits(*field_runner(method, system)((0.3, -0.7), 0.1, 0, 9)) == bits(*runner(method)(0.3, -0.7, 0.1, 9))
 
 
@@ -112,13 +112,13 @@ def test_another_parameter_gives_another_run():
 )
 def test_a_rate_that_is_no_plain_formula_is_refused(rates, parameters, what):
     with pytest.raises(MethodError, match=what):
-        Field(rates, parameters)
+        VectorField(rates, parameters)
 
 
 @pytest.mark.parametrize("name", ["h", "t", "y0", "k1_y0", "b_1", "sin", "range"])
 def test_a_parameter_with_a_name_of_the_text_is_refused(name):
     with pytest.raises(MethodError, match=f"'{name}'"):
-        field_runner(METHODS["rk4"], Field((f"{name} * y0",), ((name, Q(2)),)))
+        field_runner(METHODS["rk4"], VectorField((f"{name} * y0",), ((name, Q(2)),)))
 
 
 def test_an_implicit_method_has_no_run_of_a_system():
@@ -129,6 +129,6 @@ def test_an_implicit_method_has_no_run_of_a_system():
 @pytest.mark.parametrize("method", [METHODS["rk4"], METHODS["dormand_prince54"]], ids=lambda m: m.key)
 def test_a_compensated_run_of_the_oscillator_as_a_system_has_the_bits_of_the_oscillator(method):
     start = (0.3, -0.7)
-    found = field_runner(method, Field(("y1", "-y0")), compensated=True)(start, 0.01, 0, 200)
+    found = field_runner(method, VectorField(("y1", "-y0")), compensated=True)(start, 0.01, 0, 200)
     assert bits(*found) == bits(*runner(method, compensated=True)(*start, 0.01, 200))
-    assert found != field_runner(method, Field(("y1", "-y0")))(start, 0.01, 0, 200)
+    assert found != field_runner(method, VectorField(("y1", "-y0")))(start, 0.01, 0, 200)

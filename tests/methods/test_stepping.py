@@ -10,8 +10,7 @@ import pytest
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import MethodError, Nystrom, RungeKutta, Splitting
-from driftproof.methods.source import step_source
-from driftproof.methods.stepping import stepper
+from driftproof.methods.stepping import step_source, stepper
 from driftproof.numeric.steppers import CountedForce
 
 EXPLICIT = [method for method in METHODS.values() if method.explicit]

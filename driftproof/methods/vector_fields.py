@@ -1,15 +1,21 @@
-"""Systems y' = f(t, y) given as text, and the step of an explicit method for one: straight-line Python."""
+"""Systems y' = f(t, y) given as text, their derivatives, and the step of an explicit method for one, as text, too."""
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 from driftproof.methods.number_field import Exact
-from driftproof.methods.program_text import ProgramText, indented, looping_maker_text, maker_text, used_stages
+from driftproof.methods.program_text import (
+    ProgramText,
+    SecondOrder,
+    indented,
+    looping_maker_text,
+    maker_text,
+    used_stages,
+)
 from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
-from driftproof.methods.second_order import SecondOrder
 
 # What a rate may call; numbers of every kind that a run is made of have these.
 FUNCTIONS = ("sin", "cos", "exp", "log", "sqrt")
@@ -17,7 +23,7 @@ _ALLOWED = (ast.Expression, ast.BinOp, ast.UnaryOp, ast.Name, ast.Load, ast.USub
 
 
 @dataclass(frozen=True)
-class Field:
+class VectorField:
     """y' = f(t, y): one expression a component in t, y0, y1, ..., named parameters, whole numbers and `FUNCTIONS`.
 
     E.g. Field(("y1", "mu * (1 - y0 * y0) * y1 - y0"), (("mu", Fraction(5)),)), van der Pol's oscillator. Of our own
@@ -112,11 +118,11 @@ class FieldSource:
         return f"({''.join(f'{name}{suffix}, ' for name in self.components).rstrip()})"
 
 
-def field_source(method: Method, field: Field, *, compensated: bool = False) -> FieldSource:
+def field_source(method: Method, field: VectorField, *, compensated: bool = False) -> FieldSource:
     """The step of an explicit method, by component: of a Runge-Kutta method, or of a second-order system by any other.
 
     Splittings and Nyström methods take the accelerations only, at positions, as `Field.second_order` demands; time
-    passes with the drifts. In the order of operations of `methods.source.step_source`: on q' = v, v' = F(q) the two
+    passes with the drifts. In the order of operations of `step_source`: on q' = v, v' = F(q) the two
     give the same bits. `compensated` as there. Raises MethodError for an implicit method, and as `second_order`.
     """
     if not method.explicit or isinstance(method, Collocation):
@@ -131,7 +137,7 @@ def field_source(method: Method, field: Field, *, compensated: bool = False) -> 
     return FieldSource(tuple(text.lines), coefficients, field.components, compensated)
 
 
-def _runge_kutta(method: RungeKutta, field: Field, text: ProgramText) -> None:
+def _runge_kutta(method: RungeKutta, field: VectorField, text: ProgramText) -> None:
     """kᵢ = f(t + cᵢ h, y + h Σ aᵢⱼ kⱼ), then y + h Σ bᵢ kᵢ."""
     components = field.components
     slopes: dict[str, dict[int, str]] = {name: {} for name in components}
@@ -148,7 +154,7 @@ def _runge_kutta(method: RungeKutta, field: Field, text: ProgramText) -> None:
         text.advance(name, f"{name}_new", name, text.sum(" + h *", "b", method.b, slopes[name]))
 
 
-def _second_order(method: Splitting | Nystrom, field: Field, text: ProgramText) -> None:
+def _second_order(method: Splitting | Nystrom, field: VectorField, text: ProgramText) -> None:
     """q'' = F(t, q), with F in parentheses, because it is multiplied by."""
     positions, velocities = field.second_order()
 
@@ -158,7 +164,7 @@ def _second_order(method: Splitting | Nystrom, field: Field, text: ProgramText) 
     SecondOrder(positions, velocities, accelerations, "_new", timed=not field.autonomous).write(method, text)
 
 
-def _demand_new_names(field: Field, text: ProgramText) -> None:
+def _demand_new_names(field: VectorField, text: ProgramText) -> None:
     """Refuse a parameter that is called like something in the text, such as h."""
     taken = {"t", "h", "i", "y", "first", "last", "range", "make", "run", "step", *FUNCTIONS, *field.components}
     taken |= {*text.coefficients, *(line.partition(" = ")[0] for line in text.lines)}
@@ -197,3 +203,79 @@ def _out_of_place(tree: ast.Expression, known: set[str]) -> Iterator[str]:
         allowed = FUNCTIONS if node in called else known
         if not isinstance(node, _ALLOWED) or (isinstance(node, ast.Name) and node.id not in allowed):
             yield repr(ast.unparse(node) or type(node).__name__)
+
+
+JacobianRows = tuple[tuple[str, ...], ...]
+
+
+def jacobian_matrix(field: VectorField) -> JacobianRows:
+    """df_i/dy_j of y' = f(t, y), row i and column j: texts in t, y0, y1, ... and the names of the parameters."""
+    return tuple(tuple(partial_derivative(rate, name) for name in field.components) for rate in field.rates)
+
+
+def partial_derivative(expression: str, name: str) -> str:
+    """The derivative of a rate of a `VectorField` with respect to one of its names, the others held fixed."""
+    return ast.unparse(_derivative(ast.parse(expression, mode="eval").body, name))
+
+
+ZERO, ONE = ast.Constant(0), ast.Constant(1)
+
+
+def _derivative(x: ast.expr, name: str) -> ast.expr:
+    if isinstance(x, ast.Name):
+        return ONE if x.id == name else ZERO
+    if isinstance(x, ast.UnaryOp):
+        return _negative(_derivative(x.operand, name))
+    if isinstance(x, ast.BinOp):
+        return _OF_OPERATION[type(x.op)](x.left, x.right, _derivative(x.left, name), _derivative(x.right, name))
+    if isinstance(x, ast.Call) and isinstance(x.func, ast.Name):
+        inner = _derivative(x.args[0], name)
+        return ZERO if _is(inner, 0) else _product(_OF_FUNCTION[x.func.id](x.args[0]), inner)
+    return ZERO
+
+
+def _is(x: ast.expr, value: int) -> bool:
+    return isinstance(x, ast.Constant) and x.value == value
+
+
+def _sum(a: ast.expr, b: ast.expr) -> ast.expr:
+    return b if _is(a, 0) else a if _is(b, 0) else ast.BinOp(a, ast.Add(), b)
+
+
+def _difference(a: ast.expr, b: ast.expr) -> ast.expr:
+    return _negative(b) if _is(a, 0) else a if _is(b, 0) else ast.BinOp(a, ast.Sub(), b)
+
+
+def _product(a: ast.expr, b: ast.expr) -> ast.expr:
+    if _is(a, 0) or _is(b, 0):
+        return ZERO
+    return b if _is(a, 1) else a if _is(b, 1) else ast.BinOp(a, ast.Mult(), b)
+
+
+def _quotient(a: ast.expr, b: ast.expr) -> ast.expr:
+    return ZERO if _is(a, 0) else ast.BinOp(a, ast.Div(), b)
+
+
+def _negative(a: ast.expr) -> ast.expr:
+    return ZERO if _is(a, 0) else ast.UnaryOp(ast.USub(), a)
+
+
+def _call(function: str, x: ast.expr) -> ast.expr:
+    return ast.Call(ast.Name(function, ast.Load()), [x], [])
+
+
+# (a, b, a', b') -> the derivative of a op b.
+_OF_OPERATION: dict[type[ast.operator], Callable[[ast.expr, ast.expr, ast.expr, ast.expr], ast.expr]] = {
+    ast.Add: lambda a, b, da, db: _sum(da, db),
+    ast.Sub: lambda a, b, da, db: _difference(da, db),
+    ast.Mult: lambda a, b, da, db: _sum(_product(da, b), _product(a, db)),
+    # a'/b - (a/b)(b'/b): no square, which would overflow where the quotient does not.
+    ast.Div: lambda a, b, da, db: _difference(_quotient(da, b), _product(_quotient(a, b), _quotient(db, b))),
+}
+_OF_FUNCTION: dict[str, Callable[[ast.expr], ast.expr]] = {
+    "sin": lambda x: _call("cos", x),
+    "cos": lambda x: _negative(_call("sin", x)),
+    "exp": lambda x: _call("exp", x),
+    "log": lambda x: _quotient(ONE, x),
+    "sqrt": lambda x: _quotient(ONE, _product(ast.Constant(2), _call("sqrt", x))),
+}

@@ -9,9 +9,9 @@ from fractions import Fraction as Q
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.fields import Field, field_source
 from driftproof.methods.program_text import maker
 from driftproof.methods.schemes import MethodError, Nystrom, Splitting
+from driftproof.methods.vector_fields import VectorField, field_source
 from driftproof.numeric.engine import compiled_field_runner, field_runner, runner
 from tests.float_bits import bits
 
@@ -22,11 +22,11 @@ SHORT = [
 ]
 VERLET, NYSTROM = METHODS["velocity_verlet"], METHODS["nystrom5"]
 R3 = "((y0 * y0 + y1 * y1) * sqrt(y0 * y0 + y1 * y1))"
-KEPLER = Field(("y2", "y3", f"-y0 / {R3}", f"-y1 / {R3}"))
+KEPLER = VectorField(("y2", "y3", f"-y0 / {R3}", f"-y1 / {R3}"))
 ECCENTRIC = (0.5, 0.0, 0.0, math.sqrt(3.0))  # e = 1/2 at the pericentre
 # Polynomial forces, one of which reads the time and one a parameter.
-PUSHED = Field(("y2", "y3", "t * y1 - a * y0 * y0", "t * t - y0 * y1"), (("a", Q(2, 3)),))
-OSCILLATOR = Field(("y1", "-y0"))
+PUSHED = VectorField(("y2", "y3", "t * y1 - a * y0 * y0", "t * t - y0 * y1"), (("a", Q(2, 3)),))
+OSCILLATOR = VectorField(("y1", "-y0"))
 
 
 def verlet_by_hand(x, y, u, v, h, steps):
@@ -93,7 +93,7 @@ def test_the_oscillator_as_a_system_has_the_bits_of_the_oscillator(method, compe
 
 def test_components_that_do_not_meet_are_stepped_each_alone():
     """Two oscillators and a pendulum, apart from each other: the bits of three runs of one component."""
-    field = Field(("y3", "y4", "y5", "-y0", "-sin(y1)", "-y2"))
+    field = VectorField(("y3", "y4", "y5", "-y0", "-sin(y1)", "-y2"))
     for method in (VERLET, NYSTROM):
         y = field_runner(method, field)((0.3, 1.0, -2.0, -0.7, 0.5, 0.25), 0.1, 0, 40)
         for i, (force, q, v) in enumerate([("(-{})", 0.3, -0.7), ("-sin({})", 1.0, 0.5), ("(-{})", -2.0, 0.25)]):
@@ -103,7 +103,9 @@ def test_components_that_do_not_meet_are_stepped_each_alone():
 @pytest.mark.parametrize("method", SECOND_ORDER, ids=lambda m: m.key)
 def test_each_kick_or_stage_evaluates_the_accelerations_once_and_no_other_rate(method):
     calls = [
-        node for node in ast.walk(ast.parse(field_source(method, Field(("y1", "sin(y0)"))).run())) if _is_sine(node)
+        node
+        for node in ast.walk(ast.parse(field_source(method, VectorField(("y1", "sin(y0)"))).run()))
+        if _is_sine(node)
     ]
     if isinstance(method, Splitting):
         assert len(calls) == sum(kind == "kick" and c != 0 for kind, c in method.parts)
@@ -130,7 +132,7 @@ def test_compensation_of_a_system_keeps_what_additions_lose():
     forces, which h makes small.
     """
     h, steps, start = 2.0**-12, 2**12, (1.0, 0.25)
-    field = Field(("y1", "1 / (y0 * y0 * y0) - 1 / (y0 * y0)"))  # the radius of an orbit
+    field = VectorField(("y1", "1 / (y0 * y0 * y0) - 1 / (y0 * y0)"))  # the radius of an orbit
     q, v, step = Q(1), Q(1, 4), Q(h)
     force = lambda q: _short(1 / (q * q * q) - 1 / (q * q))
     for _ in range(steps):
@@ -160,6 +162,6 @@ def _short(x):
 )
 def test_what_is_no_second_order_system_is_refused_in_one_line(method, rates, what):
     with pytest.raises(MethodError, match=what) as caught:
-        field_source(method, Field(rates))
+        field_source(method, VectorField(rates))
     assert "\n" not in str(caught.value)
-    assert field_source(METHODS["rk4"], Field(rates))
+    assert field_source(METHODS["rk4"], VectorField(rates))
