@@ -168,7 +168,7 @@ class Line:
     def values(self) -> Iterator[Exact | None]:
         """A rational number of each open cell, and each point itself, ascending; None at a pole.
 
-        Raises `methods.irreducibility.UndecidedError` at a point of degree above 12, which has no number field here.
+        Raises `methods.number_field.UndecidedError` at a point of degree above 12, which has no number field here.
         """
         for k, inner in enumerate(_samples(self.points)):
             yield exact(inner)
