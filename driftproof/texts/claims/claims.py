@@ -181,7 +181,7 @@ def _expected(value: Any, default: TomlTable) -> Expected:
     toml.demand_keys(entry, ("ask", "given", *_FORM), "a value")
     question, given = entry.get("ask"), entry.get("given")
     if "given" in entry:
-        spelled = canonical_text(given) if isinstance(given, str) and len(given) <= _LONGEST_NAME else ""
+        spelled = canonical_text(given.strip()) if isinstance(given, str) and len(given) <= _LONGEST_NAME else ""
         if len(entry) > 1 or [number.text for number in numbers_in(spelled)] != [spelled]:
             raise ValueError("given is one number as a text, as it stands in the phrase, and has no form")
         return Expected(None, spelled, NumberForm())

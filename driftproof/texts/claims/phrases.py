@@ -28,9 +28,6 @@ _LONGEST_EXACT = 400
 Spellings: TypeAlias = Mapping[str, list[str]]
 
 _PLACEHOLDER = re.compile(r"\{\{|\}\}|\{(?P<name>[a-z][a-z0-9_]*)\}|[{}]")
-# In a phrase a placeholder is one character of Unicode's private use, so that its spelling can be made canonical.
-_FIRST_SEAT = 0xF000
-_SEAT = re.compile(f"[{chr(_FIRST_SEAT)}-{chr(_FIRST_SEAT + MOST_VALUES)}]")
 _DECIMAL = re.compile(r"(?P<sign>-?)(?P<whole>[0-9]+)(?:\.(?P<rest>[0-9]+))?(?:e(?P<exponent>-?[0-9]+))?")
 # Any number, or several that run together; a power is no part of a fraction. It gives nothing back, so that no search
 # takes long.
@@ -133,13 +130,25 @@ class Phrase:
         """
         if len(text) > LONGEST_PHRASE:
             raise ValueError(f"it has {len(text)} characters; at most {LONGEST_PHRASE} are allowed")
-        if _SEAT.search(text):
-            raise ValueError("it holds a character of Unicode's private use")
-        names: list[str] = []
-        spelled = canonical_text(_seated(text.strip(), names))
-        if not spelled:
+        literals, names, done = [""], list[str](), 0
+        for match in _PLACEHOLDER.finditer(text := text.strip()):
+            literals[-1] += text[done : match.start()]
+            done = match.end()
+            if match["name"]:
+                names.append(match["name"])
+                literals.append("")
+            elif len(match[0]) == 1:
+                raise ValueError(f"{match[0]!r} stands alone; a value is {{name}}, a brace itself {{{{ or }}}}")
+            else:
+                literals[-1] += match[0][0]
+        literals[-1] += text[done:]
+        if twice := next((name for name in names if names.count(name) > 1), None):
+            raise ValueError(f"{{{twice}}} stands in it twice")
+        if len(names) > MOST_VALUES:
+            raise ValueError(f"it has more than {MOST_VALUES} values")
+        if not text:
             raise ValueError("it is empty")
-        return cls(tuple(_SEAT.split(spelled)), tuple(names))
+        return cls(tuple(map(canonical_text, literals)), tuple(names))
 
     def exact(self, spellings: Spellings, ignore_case: bool = False) -> re.Pattern[str]:
         """The pattern of the phrase as it must stand, each value in one of its spellings, as a group of its name."""
@@ -191,24 +200,6 @@ class Phrase:
         if not last or last[-1].isdigit():
             ends = _NUMBER_ENDS
         return re.compile(begins + "".join(parts) + ends, re.IGNORECASE if ignore_case else 0)
-
-
-def _seated(text: str, names: list[str]) -> str:
-    """The text with a seat for each placeholder, whose name is appended to `names`."""
-
-    def seat(match: re.Match[str]) -> str:
-        if match["name"] is None:
-            if len(match[0]) == 1:
-                raise ValueError(f"{match[0]!r} stands alone; a value is {{name}}, a brace itself {{{{ or }}}}")
-            return match[0][0]
-        if match["name"] in names:
-            raise ValueError(f"{{{match['name']}}} stands in it twice")
-        names.append(match["name"])
-        if len(names) > MOST_VALUES:
-            raise ValueError(f"it has more than {MOST_VALUES} values")
-        return chr(_FIRST_SEAT + len(names) - 1)
-
-    return _PLACEHOLDER.sub(seat, text)
 
 
 def _alternating(literals: Iterable[str], values: Iterable[str]) -> Iterator[str]:

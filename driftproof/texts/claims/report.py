@@ -67,7 +67,7 @@ class TextReport:
         return "\n".join(self._annotations() if form == "github" else self._lines())
 
     def as_dict(self) -> dict[str, Any]:
-        """JSON-ready."""
+        """What the JSON report says: claims, findings, coverage, and every number with how it is accounted for."""
         return {
             "file": self.file,
             "passed": not self.findings,
@@ -129,6 +129,6 @@ def _counted(count: int, noun: str) -> str:
 
 
 def _percent(share: Fraction) -> str:
-    """To a tenth, rounded down: 100% is said of nothing less."""
+    """A share to a tenth of a percent, rounded down: 100% is said of nothing less."""
     tenths = int(share * 1000)
     return f"{tenths // 10}%" if tenths % 10 == 0 else f"{tenths // 10}.{tenths % 10}%"

@@ -44,7 +44,7 @@ def names_near(name: str, known: Iterable[str], most: int = 2) -> str:
 
 @contextmanager
 def refused_at(question: str, column: int) -> Iterator[None]:
-    """Turns what is refused inside, by any part of the house, into a QuestionError at this column."""
+    """Whatever is refused inside is refused as a QuestionError at this column."""
     try:
         yield
     except QuestionError:

@@ -90,4 +90,4 @@ def _is_digit(character: str) -> bool:
 
 def canonical_text(text: str) -> str:
     """A text in this spelling, of whose places nothing is asked."""
-    return canonical_spelling(SourceText.of(text.strip())).text
+    return canonical_spelling(SourceText.of(text)).text

@@ -68,7 +68,7 @@ class _Page:
     first_cell: bool = True
 
     def blocks(self) -> list[Block]:
-        """All of it."""
+        """Its prose and its preformatted text, in order."""
         done = 0
         for match in _TOKEN.finditer(self.source.text):
             self.keep(done, match.start())
@@ -148,7 +148,7 @@ class _Page:
             self.write("\n", index)
 
     def bracket(self, sign: str, name: str, index: int) -> None:
-        """Keeps the terms of a numerator or a denominator together."""
+        """A bracket around the terms of a numerator or a denominator."""
         if name == "mrow" and self.schemes[-1].name == "mfrac" and self.schemes[-1].depth == 1:
             self.write(sign, index)
 

@@ -34,8 +34,6 @@ def render(
     template that cannot be read.
     """
     require_package("jinja2", "text", "templates need Jinja2")
-    if not template.is_file():
-        raise ValueError(f"{template}: {'no file' if template.exists() else 'No such file or directory'}")
     with template.open("rb") as file:
         line_end = "\r\n" if file.readline().endswith(b"\r\n") else "\n"
     order = {"template": str(template), "output": str(output), "style": style, "rounding": rounding}
@@ -52,10 +50,7 @@ def render(
 
 def output_difference(output: Path, rendered: str, template: Path) -> str:
     """A unified diff from what the file holds to what its template renders; empty if they are the same."""
-    try:
-        held = output.read_bytes().decode("utf-8", errors="replace") if output.exists() else ""
-    except OSError as error:
-        raise ValueError(f"{output}: {error.strerror}") from None
+    held = output.read_bytes().decode("utf-8", errors="replace") if output.exists() else ""
     if held == rendered and output.exists():
         return ""
     old, new = held.splitlines(keepends=True), rendered.splitlines(keepends=True)

@@ -212,7 +212,7 @@ def changes_report(changes: Sequence[Change], old: Path, new: Path, form: str) -
 
 
 def _annotations(changes: Sequence[Change], new: Path) -> Iterator[str]:
-    """On the first line that opens with the id, or with the first part of a path; on line 1 where there is none."""
+    """One for each change, on the first line that opens with its id or the first part of its path, else on line 1."""
     lines: dict[str, int] = {}
     for number, line in enumerate(new.read_text(encoding="utf-8-sig").splitlines(), start=1):
         if match := re.match(r'\s*"([^"]*)":', line):

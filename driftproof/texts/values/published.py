@@ -101,7 +101,7 @@ def _mathematics(formula: str) -> str:
 
 
 def _rounded(key: str, value: Mapping[str, Any]) -> list[str]:
-    """To 1, 2, ... MOST_MACRO_DIGITS digits. Raises ValueError where the certified decimal does not settle a digit."""
+    """The number to 1, 2, ... digits. Raises ValueError where the certified decimal does not settle all of them."""
     from driftproof.methods.rationals import parse_rational
     from driftproof.symbolic.algebra.certified import HALF_AWAY, significant
 

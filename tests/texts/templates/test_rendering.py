@@ -74,7 +74,7 @@ def test_ends_of_lines_are_those_of_the_template(lesson: Path, run: Run) -> None
         (("link.md", "-o", "lesson.md"), "already a template or an output here"),
         (("latin.md.j2",), "not UTF-8 at byte 1"),
         (("lesson.md.j2", "--style", "fancy"), "invalid choice: 'fancy'"),
-        (("folder.md.j2",), "folder.md.j2: no file"),
+        (("folder.md.j2",), "folder.md.j2: Is a directory"),
     ],
 )
 def test_bad_arguments_are_one_line(arguments: tuple[str, ...], message: str, lesson: Path, run: Run) -> None:
