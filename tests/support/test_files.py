@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from driftproof.support.files import atomic_write, require_file, require_folder
+from driftproof.support.files import atomic_write, read_utf8, require_file, require_folder
 
 
 def test_file_appears_when_the_block_ends(tmp_path):
@@ -55,3 +55,13 @@ def test_what_is_in_the_way_is_named(tmp_path):
     with pytest.raises(OSError, match="file") as refused, atomic_write(tmp_path / "file" / "below"):
         raise AssertionError
     assert str(refused.value.filename).startswith(str(tmp_path))
+
+
+def test_text_is_read_within_a_limit(tmp_path):
+    path = tmp_path / "x.txt"
+    path.write_bytes(b"\xef\xbb\xbf\xce\xb1")  # with a byte order mark
+    assert read_utf8(path, 6) == "α"
+    for content, reason in ((b"1234567", "longer than 6 bytes"), (b"ab\xff", "not UTF-8 at byte 2")):
+        path.write_bytes(content)
+        with pytest.raises(ValueError, match=f"x.txt: {reason}$"):
+            read_utf8(path, 6)
