@@ -20,7 +20,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.engine import compiled_runner
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.reports.work_precision.peers import PEERS, Peer, Solver
-from tests.witnesses.linear_runs import endpoint
+from tests.witnesses.matrix_powers import endpoint
 
 START = (1.0, 0.0)
 STEPPED, POWERED = METHODS["blanes_moan_rkn6b"], METHODS["gauss5"]

@@ -12,17 +12,11 @@ import pytest
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
 from driftproof.numeric.implicit import StageEquationsUnsolved, implicit_stepper
-from driftproof.numeric.tableaux import float_tableau
-from tests.numeric.implicit_runs import implicit_run
-from tests.witnesses.linear_runs import float_matrix
+from driftproof.symbolic.runs import exact_matrix_at
+from tests.numeric.implicit_runs import U, implicit_run, oscillator, rounding_of_a_step
 
 IMPLICIT = [method for method in METHODS.values() if not method.explicit]
-U = Q(1, 2**53)
 BACKWARD_EULER, MIDPOINT = METHODS["backward_euler"], METHODS["implicit_midpoint"]
-
-
-def oscillator(t, y):
-    return [y[1], -y[0]]
 
 
 def rigid_body(t, y):
@@ -34,31 +28,12 @@ def robertson(t, y):
     return [back - slow, slow - back - fast, fast]
 
 
-def rounding_of_a_step(method, h):
-    """A bound on the error of a step of the oscillator from the unit circle, to first order in u.
-
-    A component of a residual is at most 8E + 4R, where |Z|, |w| <= 2hw, w being the largest sum of |A| in a row and at
-    least 1, |f| and |y + Z| <= 2, |J| = 1: E <= u hw (8 + 2 (s + 20) + 34), R <= u (2hw + 2h²w²). Stage by stage, the
-    slope (Z - w)/aⱼⱼ takes a residual into those that follow. (I - hA⊗J)⁻¹ makes an error of Z of it, d or b one of y₁,
-    whose formula rounds s + 1 terms of at most 2hw and the sum, of at most 2.
-    """
-    table = float_tableau(method)
-    a, s = np.abs(table.a), table.stages
-    w = max(1.0, float(a.sum(axis=1).max()))
-    floor = 8 * h * w * (8 + 2 * (s + 20) + 34) + 4 * (2 * h * w + 2 * h * h * w * w)
-    if not np.triu(a, 1).any():
-        floor *= 1 + max(sum(a[i, j] / a[j, j] for j in range(i) if a[j, j] > 0) for i in range(s))
-    inverse = np.linalg.inv(np.eye(2 * s) - h * np.kron(table.a, [[0, 1], [-1, 0]]))
-    weights = 1.0 if table.stiffly_accurate else float(np.abs(table.b if table.d is None else table.d).sum())
-    return float(U) * (np.abs(inverse).sum(axis=1).max() * floor * weights + (s + 1) * 2 * h * w * weights + 4)
-
-
 @pytest.mark.parametrize("method", IMPLICIT, ids=lambda m: m.key)
 def test_a_step_of_the_oscillator_is_that_of_the_exact_matrix_up_to_rounding(method):
     for h in (0.25, -0.5):
         found = implicit_stepper(method, oscillator)(0.0, [0.6, -0.8], h)
         assert found.over_floor <= 1
-        (a, b), (c, d) = float_matrix(method, h)
+        a, b, c, d = map(float, exact_matrix_at(method, Q(h)))
         exact = np.array([a * 0.6 - b * 0.8, c * 0.6 - d * 0.8])
         assert np.abs(found.y - exact).max() <= rounding_of_a_step(method, abs(h))
 
@@ -69,7 +44,7 @@ def test_an_entry_of_the_tableau_wrong_by_1e_11_leaves_that_bound():
     a = ((good.a[0][0] + Q(1, 10**11), good.a[0][1]), good.a[1])
     wrong = RungeKutta("wrong", "wrong", 0, "a test", a, good.b, good.c)
     found = implicit_stepper(wrong, oscillator)(0.0, [0.6, -0.8], 0.25)
-    (x, y), (z, w) = float_matrix(good, 0.25)
+    x, y, z, w = map(float, exact_matrix_at(good, Q(1, 4)))
     assert np.abs(found.y - [x * 0.6 - y * 0.8, z * 0.6 - w * 0.8]).max() > rounding_of_a_step(wrong, 0.25)
 
 
