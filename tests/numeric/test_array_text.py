@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.stepping import oscillator, stepper
+from driftproof.methods.stepping import oscillator
 from driftproof.numeric.engine import (
     ARRAY_BLOCK,
     compiled_ensemble_runner,
@@ -15,22 +15,11 @@ from driftproof.numeric.engine import (
     runner,
 )
 from tests.float_bits import bits
+from tests.numeric.engine_runs import ensemble, step_by_step
 
 EXPLICIT = [method for method in METHODS.values() if method.explicit]
 SYMPLECTIC = METHODS["symplectic_euler"]
 FORMATS = (np.float16, np.float32, np.float64, np.longdouble)
-
-
-def step_by_step(method, force, q, v, h, steps, lift=float):
-    step = stepper(method, lift)
-    for _ in range(steps):
-        q, v = step(force, q, v, h)
-    return q, v
-
-
-def ensemble(length, dtype=np.float64):
-    angles = np.linspace(0, 6, length)
-    return np.cos(angles).astype(dtype), np.sin(3 * angles).astype(dtype)
 
 
 @pytest.mark.parametrize("method", EXPLICIT, ids=lambda m: m.key)

@@ -12,7 +12,7 @@ import pytest
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import square_root
 from driftproof.methods.schemes import MethodError, RungeKutta
-from driftproof.methods.stepping import oscillator, step_source, stepper
+from driftproof.methods.stepping import oscillator, step_source
 from driftproof.numeric import engine
 from driftproof.numeric.engine import (
     BLOCK,
@@ -23,23 +23,12 @@ from driftproof.numeric.engine import (
     runner,
 )
 from tests.float_bits import bits
+from tests.numeric.engine_runs import ensemble, step_by_step
 
 EXPLICIT = [method for method in METHODS.values() if method.explicit]
 # One of each family, and one with irrational coefficients: each takes numba half a second.
 COMPILED = [METHODS[key] for key in ("rk4", "velocity_verlet", "yoshida4", "nystrom5")]
 STARTS = [(1.0, 0.0, 0.25), (0.3, -0.7, -0.1), (-2.5, 1e-3, 1.3), (0.0, -0.0, 0.5)]
-
-
-def step_by_step(method, force, q, v, h, steps, lift=float):
-    step = stepper(method, lift)
-    for _ in range(steps):
-        q, v = step(force, q, v, h)
-    return q, v
-
-
-def ensemble(length, dtype=np.float64):
-    angles = np.linspace(0, 6, length)
-    return np.cos(angles).astype(dtype), np.sin(3 * angles).astype(dtype)
 
 
 @pytest.mark.parametrize("method", EXPLICIT, ids=lambda m: m.key)

@@ -7,11 +7,8 @@ from fractions import Fraction as Q
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.stepping import stepper
 from driftproof.numeric.steppers import HAND_WRITTEN, symplectic_euler
 from driftproof.symbolic.algebra.certified import decide_by_enclosure, enclose, fixed, is_less, significant
 from driftproof.symbolic.error_budget import ErrorOfRun
@@ -133,17 +130,3 @@ def test_the_step_that_floats_use_is_the_float_and_not_the_decimal():
     bound = run_bound(symplectic_euler, honest.h, 1000, (Q(1), Q(0)), BINARY32)
     assert is_less(honest.rounding, bound.euclidean)
     assert settle_to(decimal.rounding) != settle_to(honest.rounding)
-
-
-@settings(max_examples=25)
-@given(
-    h=st.floats(-1.5, 1.5).filter(lambda h: abs(h) > 1e-3),
-    start=st.tuples(*[st.floats(-2, 2)] * 2),
-    steps=st.integers(1, 40),
-    key=st.sampled_from(sorted(NINE)),
-)
-def test_the_theorem_bounds_the_certified_rounding_of_every_run(h, start, steps, key):
-    method = NINE[key]
-    found = error_of(stepper(method, float), method, h, steps, start, np.float64)
-    bound = run_bound(method, Q(h), steps, tuple(Q(x) for x in start))
-    assert found.rounding == 0 or is_less(found.rounding, bound.euclidean)
