@@ -13,8 +13,7 @@ from flint import fmpq_poly
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftproof.methods.families import FAMILIES, Family, parse_function
-from driftproof.methods.schemes import MethodError
+from driftproof.methods.families import FAMILIES
 from driftproof.symbolic.algebra.bivariate import bivariate_text, irreducible_factors
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.family_facts import FamilyFacts, family_residuals
@@ -165,40 +164,9 @@ def test_a_critical_value_of_high_degree_is_refused_and_said_so() -> None:
     assert found["order"] == 0
 
 
-def test_a_member_at_a_pole_is_refused() -> None:
-    with pytest.raises(MethodError, match="explicit_order_2: no method at alpha = 0, a pole of its coefficients"):
-        FAMILIES["explicit_order_2"].member(Q(0))
-    with pytest.raises(MethodError, match="as many rows and columns"):
-        Family("x", "X", "t", 0, "x", THETA.a, THETA.b[:1], THETA.c)
-
-
 def test_curves_are_printed_as_sympy_reads_them() -> None:
     t = fmpq_poly([0, 1])
     rows = [t * 0 - 2, t * 0, 1 - 2 * t, t * 0 - 1]
     assert bivariate_text(rows, "x", "t") == "-x**3 + (1 - 2*t)*x**2 - 2"
     factors = irreducible_factors([t * 0, 2 * t, t * 0, -2 * t**3])
     assert sorted(bivariate_text(f, "x", "t") for f in factors) == ["t*x + 1", "t*x - 1", "x"]
-
-
-def refusal(expression: str) -> str | None:
-    try:
-        parse_function(expression, "t", "here")
-    except ValueError as error:
-        return str(error)
-    return None
-
-
-@given(st.text("0123456789./*+-() tx_", max_size=25))
-def test_any_text_is_a_function_or_is_refused_in_one_line(expression: str) -> None:
-    line = refusal(expression)
-    assert line is None or (line.startswith("here: ") and "\n" not in line)
-
-
-@given(st.text("0123456789t", min_size=1, max_size=9), st.data())
-def test_a_function_has_the_values_that_arithmetic_gives_it(atoms: str, data: st.DataObject) -> None:
-    """Atoms joined by drawn signs, so that most texts are functions; poles are skipped by the choice of the value."""
-    signs = data.draw(st.lists(st.sampled_from(["+", "-", "*", "/"]), min_size=len(atoms), max_size=len(atoms)))
-    expression = "".join(f"{sign} ({atom} + 1)" for sign, atom in zip(["+", *signs[1:]], atoms, strict=True))
-    value = data.draw(st.fractions(0, 2, max_denominator=7))
-    assert parse_function(expression, "t", "here")(value) == value_of(expression, Q, t=value)
-    assert parse_function(f"({expression})*t", "t", "here")(value) == value * value_of(expression, Q, t=value)
