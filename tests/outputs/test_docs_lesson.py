@@ -20,7 +20,7 @@ from driftproof.texts.readers.numbers import numbers_in
 from proofs.claims import REQUIRED, STATEMENTS
 from proofs.printed import ROWS
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "lesson.md"
 SPRING = ROOT / "examples" / "text" / "spring.md"
 SPRING_CLAIMS = SPRING.with_name("claims.toml")

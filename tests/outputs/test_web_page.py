@@ -15,7 +15,7 @@ from playwright.sync_api import Browser, Page
 from driftproof.texts.values.published import published_values, render_values
 from tests.browser import started
 
-EXAMPLE = Path(__file__).parents[3] / "examples" / "web" / "index.html"
+EXAMPLE = Path(__file__).parents[2] / "examples" / "web" / "index.html"
 
 
 class Silent(SimpleHTTPRequestHandler):
