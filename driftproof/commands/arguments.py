@@ -10,6 +10,7 @@ from fractions import Fraction
 from functools import partial
 from importlib import import_module
 from pathlib import Path
+from textwrap import dedent
 from typing import Any, NamedTuple, NoReturn, TypeAlias, TypeVar
 
 from driftproof.methods.rationals import parse_rational
@@ -50,7 +51,8 @@ class Command(NamedTuple):
 
     def parser(self, prog: str) -> Parser:
         """The parser of this command: the first paragraph of the docstring above the options, the rest below them."""
-        about, _, examples = (self.answer.__doc__ or "").replace("\n    ", "\n").partition("\n\n")
+        first, _, rest = (self.answer.__doc__ or "").partition("\n")  # Python 3.13 has taken the indent away already
+        about, _, examples = f"{first}\n{dedent(rest)}".partition("\n\n")
         parser = Parser(prog, about, examples)
         for add in self.options:
             add(parser)

@@ -3,6 +3,7 @@
 import sys
 from argparse import ArgumentTypeError
 from fractions import Fraction as Q
+from inspect import cleandoc
 
 import pytest
 
@@ -78,7 +79,8 @@ def test_what_cannot_be_read_is_complained_about_in_one_line(reader, text, compl
 def command_of(options):
     """Says what it does.
 
-    Here and there.
+    Here and there:
+      indented
     """
     return str(options)
 
@@ -124,11 +126,13 @@ def test_parser_complains_in_one_line(words, complaint, parse, capsys):
     assert complaint in err
 
 
-def test_docstring_is_the_help(parse, capsys):
+@pytest.mark.parametrize("doc", [command_of.__doc__, cleandoc(command_of.__doc__)], ids=["indented", "as in 3.13"])
+def test_docstring_is_the_help(doc, parse, capsys, monkeypatch):
+    monkeypatch.setattr(command_of, "__doc__", doc)
     with pytest.raises(SystemExit):
         parse("--help")
     _, about, *_, examples = capsys.readouterr().out.split("\n\n")
-    assert (about, examples) == ("Says what it does.", "Here and there.\n")
+    assert (about, examples) == ("Says what it does.", "Here and there:\n  indented\n")
 
 
 def test_progress_bar_is_for_long_runs_on_a_terminal_only(monkeypatch):
