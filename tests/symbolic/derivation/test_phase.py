@@ -5,7 +5,6 @@ from __future__ import annotations
 from fractions import Fraction as Q
 from math import factorial
 
-import mpmath
 import pytest
 import sympy
 from flint import arb, ctx
@@ -72,18 +71,6 @@ def test_leading_terms_are_the_published_ones(key: str) -> None:
 def test_forward_euler_turns_by_the_arctangent() -> None:
     series = phase_error_series(one_step_matrix(NINE["forward_euler"]), 8) + H
     assert series == H - H**3 / 3 + H**5 / 5 - H**7 / 7
-
-
-@given(st.fractions(Q(1, 100), Q(5, 2), max_denominator=100))
-def test_closed_form_angle_is_the_argument_of_the_eigenvalue(h: Q) -> None:
-    m = one_step_matrix(NINE["rk4"])
-    theta = phase_per_step(m).subs(sympy.Symbol("h"), sympy.Rational(h.numerator, h.denominator))
-    with mpmath.workdps(50):
-        values = [mpmath.mpf(x.numerator) / x.denominator for x in matrix_at(m, h)]
-        eigenvalues, _ = mpmath.eig(mpmath.matrix([values[:2], values[2:]]))
-        angle = max(mpmath.arg(z) for z in eigenvalues)
-        # mpmath works in 50 digits and says nothing of its error; half of them are ample for eigenvalues 0.02 apart.
-        assert abs(angle - mpmath.mpf(str(sympy.N(theta, 50)))) < mpmath.mpf(10) ** -25
 
 
 @pytest.mark.parametrize(

@@ -13,8 +13,6 @@ from hypothesis import strategies as st
 from sympy.polys.matrices import DomainMatrix
 
 from driftproof import strategies
-from driftproof.symbolic.algebra.certified import is_less
-from driftproof.symbolic.derivation.expression_balls import certifiable
 from driftproof.symbolic.derivation.one_step import (
     H,
     determinant,
@@ -28,8 +26,6 @@ from driftproof.symbolic.derivation.one_step import (
 from driftproof.symbolic.derivation.stability import (
     LAMBDA,
     AtStep,
-    characteristic_polynomial,
-    discriminant,
     multipliers,
     stability_limit,
 )
@@ -55,15 +51,6 @@ def test_symplectic_euler_has_a_jordan_block_at_two_and_grows() -> None:
         state = apply(matrix_at(SYMPLECTIC, Q(2)), *state)
         visited.append(state)
     assert visited == [(-3, -2), (5, 4), (-7, -6), (9, 8), (-11, -10)]
-
-
-def test_rk4_is_bounded_at_two_root_two_and_still_out_of_phase() -> None:
-    at = AtStep(RK4, ENDPOINT)
-    assert (at.determinant, at.trace, at.jordan_block, at.bounded) == (1, sympy.Rational(-2, 3), False, True)
-    angle = sympy.acos(at.trace / 2)
-    assert is_less(
-        certifiable(angle + sympy.Rational(9, 10)), certifiable(ENDPOINT)
-    )  # it lags by more than nine tenths of a radian
 
 
 def test_rk4_is_bounded_below_the_double_next_to_two_root_two_and_not_above() -> None:
@@ -118,13 +105,6 @@ ARTIFICIAL = {
 def test_limit_of_a_matrix_built_on_purpose(name: str) -> None:
     m, limit = ARTIFICIAL[name]
     assert stability_limit(m) == limit
-
-
-def test_touch_through_the_identity_is_no_limit_and_is_bounded_there() -> None:
-    m = sheared(H * (1 - H))
-    assert AtStep(m, sympy.Integer(1)).matrix == sympy.eye(2)
-    assert AtStep(m, sympy.Integer(1)).bounded
-    assert discriminant(m).evaluate(H, 1) == 0
 
 
 def test_determinant_that_touches_one_is_no_limit() -> None:
@@ -192,24 +172,6 @@ JORDAN = [
 def test_jordan_blocks_matter_on_the_unit_circle_only(m: DomainMatrix, jordan: bool, bounded: bool) -> None:
     at = AtStep(m, sympy.Integer(1))
     assert (at.jordan_block, at.bounded) == (jordan, bounded)
-
-
-def test_jordan_block_at_an_irrational_step() -> None:
-    """diag(h², 2) merges at h = sqrt 2, where it is a multiple of the identity; with a 1 beside them it is not."""
-    assert not AtStep(matrix([[H**2, 0], [0, 2]]), sympy.sqrt(2)).jordan_block
-    assert AtStep(matrix([[H**2, 1], [0, 2]]), sympy.sqrt(2)).jordan_block
-    assert not AtStep(matrix([[H**2, 1], [0, 2]]), sympy.sqrt(3)).jordan_block
-
-
-@pytest.mark.parametrize("key", NINE)
-def test_characteristic_polynomial_annihilates_the_matrix(key: str) -> None:
-    m = one_step_matrix(NINE[key])
-    one, t, d = characteristic_polynomial(m).all_coeffs()
-    assert (one, -t, d) == (1, expression(trace(m)), expression(determinant(m)))
-    identity = matrix([[1, 0], [0, 1]])
-    cayley = m * m - matrix([[trace(m), 0], [0, trace(m)]]) * m + matrix([[determinant(m), 0], [0, determinant(m)]])
-    assert cayley == identity - identity
-    assert m * m != m
 
 
 @pytest.mark.parametrize("key", NINE)

@@ -6,12 +6,15 @@ from fractions import Fraction as Q
 from typing import Any
 
 import pytest
-from flint import fmpq_poly
+from flint import fmpq_mat, fmpq_poly
 
 from driftproof.methods.number_field import Exact
+from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.symbolic.algebra.polynomials import (
     coefficients,
+    exact,
     polynomial,
+    scalar,
 )
 from driftproof.symbolic.algebra.rational_functions import fraction
 from driftproof.symbolic.linear.a_stability import (
@@ -20,13 +23,28 @@ from driftproof.symbolic.linear.a_stability import (
 )
 from driftproof.symbolic.linear.stability_function import (
     NodeTableau,
+    prothero_robinson,
     resolvent,
     scalar_tableau,
     stability_function_by_determinants,
     stability_function_by_moments,
     stability_function_of_collocation,
 )
-from tests.symbolic.linear.linear_examples import ROOT_2, ROOT_3, Z, pade, sdirk
+from tests.nine import NINE
+from tests.symbolic.linear.linear_examples import (
+    GAUSS_2,
+    GAUSS_3,
+    LOBATTO_3,
+    MIDPOINT,
+    QIN_ZHANG,
+    RADAU_3,
+    RADAU_IIA_2,
+    ROOT_2,
+    ROOT_3,
+    Z,
+    pade,
+    sdirk,
+)
 
 
 def shifted_legendre(degree: int) -> Any:
@@ -72,3 +90,46 @@ def test_two_formulas_for_r_agree_over_q_and_over_number_fields(gamma: Exact) ->
     assert stability_function_by_determinants(data) == r
     one = fraction(fmpq_poly([1]))
     assert one + fraction(Z) * resolvent(data, data.power(0)) == r
+
+
+def test_order_reduction_functions_of_sdirk_and_radau() -> None:
+    """ψₖ vanishes up to the stage order; Radau IIA is stiffly accurate: ψ tends to 0 as z grows."""
+    zero = fraction(fmpq_poly())
+    for power in (1, 2):
+        assert prothero_robinson(RADAU_IIA_2, power) == zero
+    third = prothero_robinson(RADAU_IIA_2, 3)
+    assert third != zero
+    assert third.at_infinity() == 0
+    assert prothero_robinson(MIDPOINT, 1) == zero
+    assert prothero_robinson(MIDPOINT, 2).at_infinity() == Q(1, 4)
+    with pytest.raises(ValueError, match="numbered from 1"):
+        prothero_robinson(MIDPOINT, 0)
+
+
+@pytest.mark.parametrize("stages", [GAUSS_3, RADAU_3, LOBATTO_3])
+def test_collocation_has_stage_order_s(stages: Collocation) -> None:
+    zero = fraction(fmpq_poly())
+    assert [prothero_robinson(stages, k) == zero for k in range(1, 5)] == [True, True, True, False]
+
+
+def test_order_reduction_by_nodes_and_by_the_monomial_basis() -> None:
+    by_nodes = Collocation("gauss2", "Gauss", 4, "x", (Q(1, 6), Q(-1), Q(1)))
+    for power in range(1, 7):
+        assert prothero_robinson(GAUSS_2, power) == prothero_robinson(by_nodes, power)
+
+
+@pytest.mark.parametrize("method", [NINE["rk4"], RADAU_IIA_2, MIDPOINT, QIN_ZHANG])
+def test_error_on_prothero_and_robinsons_problem(method: RungeKutta) -> None:
+    """φ = t³ and a step from t = 1 by the stage equations, solved over Q: the error is Σ ψₖ(z) hᵏ φ⁽ᵏ⁾(1), exactly."""
+    h, z, start = Q(1, 5), Q(-7, 3), Q(1)
+    size, lam = method.stages, z / h
+    times = [start + c * h for c in method.c]
+    forcing = [3 * t**2 - lam * t**3 for t in times]
+    # kᵢ = λ(y₀ + h Σ aᵢⱼ kⱼ) + forcingᵢ
+    matrix = fmpq_mat([[scalar(Q(int(i == j)) - z * x) for j, x in enumerate(row)] for i, row in enumerate(method.a)])
+    slopes = matrix.inv() * fmpq_mat(size, 1, [scalar(lam * start**3 + f) for f in forcing])
+    end = start**3 + h * sum(b * exact(slopes[i, 0]) for i, b in enumerate(method.b))
+    derivatives = {1: 3 * start**2, 2: 6 * start, 3: Q(6)}
+    error = sum(exact(prothero_robinson(method, k)(scalar(z))) * h**k * d for k, d in derivatives.items())
+    assert (start + h) ** 3 - end == error
+    assert error != 0

@@ -7,20 +7,17 @@ from functools import cache
 from typing import Any
 
 import pytest
-import sympy
 from flint import acb_mat, arb, ctx, fmpq, fmpq_mat
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.expressions import System, parse_system
-from driftproof.methods.number_field import Algebraic, square_root
 from driftproof.methods.schemes import Method
 from driftproof.methods.stepping import stepper
 from driftproof.symbolic.algebra.certified import enclose, endpoints
 from driftproof.symbolic.algebra.polynomials import exact, scalar
-from driftproof.symbolic.algebra.radicals import radical_form
-from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, root_as_number, root_of, root_ratio
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
 from driftproof.symbolic.linear.oscillator import linear_step_matrix
 from driftproof.symbolic.linear.ray_bounds import ALWAYS, Bound, UndecidedLimitError
 from driftproof.symbolic.linear.stability_limits import Limit
@@ -257,36 +254,6 @@ def test_matrix_of_a_runge_kutta_step_is_computed_only_when_asked_for() -> None:
     assert len(found.matrix) == 2
 
 
-@pytest.mark.parametrize(
-    ("x", "y", "text"),
-    [
-        ((-8, 0, 1), (-3, 0, 1), "2*sqrt(6)/3"),
-        ((-8, 0, 1), (-8, 0, 1), "1"),
-        ((-3, 0, 1), (-3, 2), "2*sqrt(3)/3"),
-        ((-2, 0, 0, 1), (-2, 0, 0, 1), "1"),
-        ((-2, 0, 0, 1), (-5, 3), "3*2**(1/3)/5"),
-    ],
-)
-def test_ratio_of_roots(x: tuple[int, ...], y: tuple[int, ...], text: str) -> None:
-    largest = [RealRoot(m, RealRoot(m, 0).count - 1) for m in (x, y)]
-    assert radical_form(root_ratio(*largest)) == text
-
-
-@settings(max_examples=25)
-@given(st.fractions(-3, 3, max_denominator=9), st.fractions(-3, 3, max_denominator=9))
-def test_a_number_is_the_root_of_its_polynomial_and_comes_back(a: Q, b: Q) -> None:
-    x = a + b * square_root(5)
-    root = root_of(x if b else a)
-    assert root.degree == (2 if b else 1)
-    wanted = sympy.minimal_polynomial(sympy.Rational(a) + sympy.Rational(b) * sympy.sqrt(5), polys=True)
-    assert root.minimal == tuple(int(c) for c in reversed(wanted.all_coeffs()))
-    with ctx.workprec(200):
-        assert root.ball().overlaps(enclose(x if b else a))
-        assert not root.ball().overlaps(enclose(x + 1))
-    back = root_as_number(root)
-    assert back == a if not b else isinstance(back, Algebraic)
-
-
 @given(st.text("0123456789./*+-();, x", max_size=30))
 def test_any_text_is_a_square_matrix_or_is_refused_in_one_line(text: str) -> None:
     try:
@@ -321,8 +288,13 @@ def radius_ends(found: SystemFacts, h: Q) -> tuple[Q, Q]:
         return endpoints(largest)
 
 
-@pytest.mark.parametrize("key", ["forward_euler", "rk4", "sdirk2", "radau_iia2", "velocity_verlet", "ruth3"])
-@pytest.mark.parametrize("text", ["0 1; -1 0", SPRINGS, STIFF])
+UNDAMPED, WITH_DAMPING = ("0 1; -1 0", SPRINGS, STIFF), (DAMPED, COUPLED)
+SYSTEMS = [(key, text) for key in ("forward_euler", "rk4", "sdirk2") for text in (*UNDAMPED, *WITH_DAMPING)]
+SYSTEMS += [(key, text) for key in ("velocity_verlet", "ruth3") for text in UNDAMPED]
+SYSTEMS += [("gauss2", text) for text in WITH_DAMPING]
+
+
+@pytest.mark.parametrize(("key", "text"), SYSTEMS)
 def test_verdict_is_that_of_the_spectral_radius_where_that_is_not_one(key: str, text: str) -> None:
     found = SystemFacts(METHODS[key], parse_system(text))
     decided = 0
@@ -332,16 +304,6 @@ def test_verdict_is_that_of_the_spectral_radius_where_that_is_not_one(key: str, 
             decided += 1
             assert bounded_at(found, h) is (high < 1)
     assert decided
-
-
-@pytest.mark.parametrize("key", ["rk4", "backward_euler", "gauss2"])
-@pytest.mark.parametrize("text", [DAMPED, COUPLED])
-def test_verdict_on_damped_systems_is_that_of_the_spectral_radius(key: str, text: str) -> None:
-    found = SystemFacts(METHODS[key], parse_system(text))
-    for h in STEPS:
-        low, high = radius_ends(found, h)
-        assert high < 1 or low > 1
-        assert bounded_at(found, h) is (high < 1)
 
 
 # At the very step where the verdict turns: what holds just below it, at it, and just above.

@@ -6,15 +6,15 @@ from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction as Q
 from itertools import product
-from math import isqrt, lcm
+from math import isqrt
 from typing import Any
 
 import pytest
-from flint import fmpq, fmpq_mat, fmpq_poly
+from flint import fmpq, fmpq_poly
 from hypothesis import given
 
 from driftproof import strategies
-from driftproof.methods.number_field import Algebraic, Exact, NumberField, square_root
+from driftproof.methods.number_field import Exact, square_root
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.derivation.convergence import local_error
 from driftproof.symbolic.derivation.one_step import one_step_matrix
@@ -33,7 +33,7 @@ from driftproof.symbolic.trees.order_conditions import (
     runge_kutta_conditions,
     simplifying_assumptions,
 )
-from driftproof.symbolic.trees.rooted_trees import Tree, bush, density, rooted_trees, vertices
+from driftproof.symbolic.trees.rooted_trees import Tree, density, rooted_trees, vertices
 from tests.methods.tables.entries import entry
 from tests.witnesses.trees import symmetry
 
@@ -171,72 +171,6 @@ def test_principal_error_is_residual_over_symmetry(key: str) -> None:
     assert (total, total != 0) == (error.squared_norm, True)
 
 
-def gauss4_in_its_field() -> RungeKutta:
-    """Gauss with four stages, its nodes 1/2 ± x, 1/2 ± y written in the field of degree 8 that x + 2y generates.
-
-    x⁴ - 3/14 x² + 3/560 = 0 and y² = 3/14 - x². All is linear algebra on the basis xⁱyʲ, i < 4, j < 2.
-    """
-
-    def times_x(u: list[fmpq]) -> list[fmpq]:
-        return [x for p in (u[:4], u[4:]) for x in (-fmpq(3, 560) * p[3], p[0], p[1] + fmpq(3, 14) * p[3], p[2])]
-
-    def times_y(u: list[fmpq]) -> list[fmpq]:
-        y_squared = [fmpq(3, 14) * a - b for a, b in zip(u, times_x(times_x(u)), strict=True)]
-        return y_squared[4:] + u[:4]
-
-    one = [fmpq(int(k == 0)) for k in range(8)]
-    powers = [one]
-    for _ in range(8):
-        powers.append([a + 2 * b for a, b in zip(times_x(powers[-1]), times_y(powers[-1]), strict=True)])
-    basis = fmpq_mat(8, 8, [x for row in powers[:8] for x in row]).transpose()
-
-    def in_powers(u: list[fmpq]) -> list[Q]:
-        solved = basis.solve(fmpq_mat(8, 1, u)).entries()
-        return [Q(int(x.p), int(x.q)) for x in solved]
-
-    minimal = [-x for x in in_powers(powers[8])] + [Q(1)]
-    scale = lcm(*(x.denominator for x in minimal))
-    # x = 0.430568... , y = 0.169990... are the positive roots; x + 2y = 0.77054...
-    field = NumberField("alpha", tuple(int(x * scale) for x in minimal), Q(77, 100), Q(771, 1000))
-    x = Algebraic(field, tuple(in_powers(times_x(one))))
-    y = Algebraic(field, tuple(in_powers(times_y(one))))
-    return collocation_at((Q(1, 2) - x, Q(1, 2) - y, Q(1, 2) + y, Q(1, 2) + x))
-
-
-def collocation_at(nodes: tuple[Exact, ...]) -> RungeKutta:
-    """The collocation method with these nodes, by integrals of Lagrange's polynomials."""
-
-    def integrated(basis: list[Exact], end: Exact) -> Exact:
-        total: Exact = Q(0)
-        for k in reversed(range(len(basis))):
-            total = (total + basis[k] / (k + 1)) * end
-        return total
-
-    def lagrange(i: int) -> list[Exact]:
-        result: list[Exact] = [Q(1)]
-        for j, c in enumerate(nodes):
-            if j != i:
-                scaled = [x / (nodes[i] - c) for x in result]
-                shifted: list[Exact] = [Q(0), *scaled]
-                result = [x - c * y for x, y in zip(shifted, [*scaled, Q(0)], strict=True)]
-        return result
-
-    bases = [lagrange(i) for i in range(len(nodes))]
-    a = tuple(tuple(integrated(basis, c) for basis in bases) for c in nodes)
-    return RungeKutta("x", "X", 8, "test", a, tuple(integrated(basis, Q(1)) for basis in bases), nodes)
-
-
-def test_order_of_gauss_four_in_its_field_of_degree_eight() -> None:
-    method = gauss4_in_its_field()
-    assert method.field is not None
-    assert method.field.degree == 8
-    fact = order(method)
-    assert (fact.order, fact.failing_tree, fact.residual) == (8, bush(9), Q(-1, 44100))
-    assert simplifying_assumptions(method) == Simplifying(8, 4, 4)
-    off = replace(method, b=(method.b[0] + Q(1, 10**30), method.b[1] - Q(1, 10**30), *method.b[2:]))
-    assert order(off).order == 1
-
-
 # hairer-norsett-wanner-1993, II.7 and hairer-wanner-1996, IV.5: B, C and D of the classical families.
 ASSUMPTIONS = {
     "gauss2": Simplifying(4, 2, 2),
@@ -310,50 +244,6 @@ def test_conditions_of_a_family_are_polynomials_in_its_parameter() -> None:
     decisive = fmpq_poly([fmpq(1, 6), -1, 1])
     assert all(x % decisive == 0 and x != 0 for x in found[2])
     assert (order_of(conditions).order, order(entry("crouzeix3")).order) == (2, 3)
-
-
-def printed_tableau(a: Any, b: Any, claimed: int) -> RungeKutta:
-    return RungeKutta("printed", "Printed", claimed, "test", a, b, tuple(sum(map(Q, row)) for row in a))
-
-
-PRINTED = {
-    "explicit midpoint": printed_tableau(((0, 0), (Q(1, 2), 0)), (0, 1), 2),
-    "implicit midpoint": printed_tableau(((Q(1, 2),),), (1,), 2),
-    "backward Euler": printed_tableau(((1,),), (1,), 1),
-    "trapezoidal rule": printed_tableau(((0, 0), (Q(1, 2), Q(1, 2))), (Q(1, 2), Q(1, 2)), 2),
-    "Kutta's third order": printed_tableau(((0, 0, 0), (Q(1, 2), 0, 0), (-1, 2, 0)), (Q(1, 6), Q(2, 3), Q(1, 6)), 3),
-    "Radau IIA": printed_tableau(((Q(5, 12), Q(-1, 12)), (Q(3, 4), Q(1, 4))), (Q(3, 4), Q(1, 4)), 3),
-    "Lobatto IIIA": printed_tableau(
-        ((0, 0, 0), (Q(5, 24), Q(1, 3), Q(-1, 24)), (Q(1, 6), Q(2, 3), Q(1, 6))), (Q(1, 6), Q(2, 3), Q(1, 6)), 4
-    ),
-    "Butcher's fifth order": printed_tableau(
-        (
-            (0, 0, 0, 0, 0, 0),
-            (Q(1, 4), 0, 0, 0, 0, 0),
-            (Q(1, 8), Q(1, 8), 0, 0, 0, 0),
-            (0, Q(-1, 2), 1, 0, 0, 0),
-            (Q(3, 16), 0, 0, Q(9, 16), 0, 0),
-            (Q(-3, 7), Q(2, 7), Q(12, 7), Q(-12, 7), Q(8, 7), 0),
-        ),
-        (Q(7, 90), 0, Q(32, 90), Q(12, 90), Q(32, 90), Q(7, 90)),
-        5,
-    ),
-    "nothing at all": printed_tableau(((0,),), (0,), 0),
-}
-
-
-@pytest.mark.parametrize("name", PRINTED)
-def test_order_of_a_printed_tableau_is_the_printed_one(name: str) -> None:
-    method = PRINTED[name]
-    assert order(method).order == method.claimed_order
-    assert failing_condition(method, method.claimed_order + 1) is not None
-
-
-def test_order_on_the_oscillator_can_exceed_the_order_and_is_not_mistaken_for_it() -> None:
-    """R(z) = 1 + z + z²/2 + z³/6, but b·c² = 1/4, not 1/3: third order on linear problems only."""
-    halves = printed_tableau(((0, 0, 0), (Q(1, 3), 0, 0), (0, Q(1, 2), 0)), (0, 0, 1), 2)
-    assert (order(halves).order, local_error(one_step_matrix(halves)).linear_order) == (2, 3)
-    assert failing_condition(halves, 3) == (((), ()), Q(1, 4) - Q(1, 3))
 
 
 @given(strategies.runge_kutta_methods())
