@@ -13,7 +13,7 @@ from __future__ import annotations
 import json
 import os
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
 from dataclasses import replace
 from fractions import Fraction
@@ -50,7 +50,11 @@ class SweepAnswer(NamedTuple):
 
 
 def sweep(
-    scene: Scene, grid: Grid, executor: Executor | None = None, checkpoint: Path | None = None
+    scene: Scene,
+    grid: Grid,
+    executor: Executor | None = None,
+    checkpoint: Path | None = None,
+    answered: Callable[[int], object] = lambda _: None,
 ) -> list[SweepAnswer]:
     """The scene's readouts for its selected method at every point of `grid`, the last name varying fastest.
 
@@ -58,8 +62,8 @@ def sweep(
     that overflows, or that there is none of, as where h does not divide t, is answered by its message. `executor` is
     any of `concurrent.futures`, and left open; without one, what is not done within a second goes to processes on this
     machine. `checkpoint` names a file in which answers are kept as they come, and from which the same sweep goes on.
-    Raises ValueError for a grid that is none, a scene without readouts, and a file that is not of this sweep; OSError
-    where a process ends.
+    `answered` is told how many points are, each time that some come. Raises ValueError for a grid that is none, a scene
+    without readouts, and a file that is not of this sweep; OSError where a process ends.
 
     >>> from fractions import Fraction
     >>> from driftproof import PRESETS, sweep
@@ -67,8 +71,10 @@ def sweep(
     >>> [answer.found["final_state"] for answer in sweep(PRESETS["stability_boundary"], grid)]
     [(0.0, 1.0), (-11.0, -10.0)]
     """
-    points = points_of(scene, grid)
-    found = {i: answer for batch in sweep_batches(scene, grid, executor, checkpoint) for i, answer in batch}
+    points, found = points_of(scene, grid), dict[int, Found]()
+    for batch in sweep_batches(scene, grid, executor, checkpoint):
+        found.update(batch)
+        answered(len(batch))
     return [SweepAnswer(values, found[i]) for i, values in enumerate(points)]
 
 

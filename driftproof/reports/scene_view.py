@@ -22,16 +22,25 @@ def show_scene(scene: Scene, digits: int, counter: Counter = range) -> dict[str,
     """
     shown: dict[str, Any] = {}
     if scene.readouts:
-        shown["readouts"] = or_message(lambda: run_method(scene, scene.selected, counter))
+        shown["readouts"] = runs_of(scene, scene.readouts, [scene.selected], counter)[scene.selected]
     if scene.certified:
         shown["certified"] = certified(scene, digits)
     if TABLE in scene.panels:
-        compared = asking_for(scene, COMPARED_READOUTS)
-        shown["table"] = {
-            key: or_message(lambda key=key: run_method(compared, key, counter))  # type: ignore[misc]
-            for key in scene.methods
-        }
+        shown["table"] = runs_of(scene, COMPARED_READOUTS, scene.methods, counter)
     return shown
+
+
+def runs_of(
+    scene: Scene, readouts: Iterable[str], keys: Iterable[str], counter: Counter = range
+) -> dict[str, Readouts | str]:
+    """These readouts of the scene's run by each of these methods; where it overflows, the message."""
+    asked, found = asking_for(scene, readouts), dict[str, Readouts | str]()
+    for key in keys:
+        try:
+            found[key] = run_method(asked, key, counter)
+        except (NonFiniteState, NonFiniteReadout) as stopped:
+            found[key] = str(stopped)
+    return found
 
 
 def scene_json(scene: Scene, shown: dict[str, Any]) -> dict[str, Any]:
@@ -58,14 +67,6 @@ def scene_text(scene: Scene, shown: dict[str, Any]) -> str:
 def asking_for(scene: Scene, readouts: Iterable[str]) -> Scene:
     """The same run with other readouts, and no panels."""
     return Scene(scene.name, scene.selected, scene.h, scene.t, scene.start, readouts=tuple(readouts))
-
-
-def or_message(run: Callable[[], Readouts]) -> Readouts | str:
-    """What the run returns; where it overflows, the message."""
-    try:
-        return run()
-    except (NonFiniteState, NonFiniteReadout) as stopped:
-        return str(stopped)
 
 
 def certified(scene: Scene, digits: int) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from typing import Any
 
 from driftproof.numeric.run import Readouts
 from driftproof.numeric.scenes import Scene
-from driftproof.numeric.sweep import Found, Grid, SweepAnswer, points_of, strings, sweep_batches
+from driftproof.numeric.sweep import Grid, SweepAnswer, points_of, strings, sweep
 from driftproof.reports.scene_view import scene_json
 from driftproof.support.environment import require_package
 from driftproof.support.files import require_file
@@ -37,12 +37,9 @@ def sweep_with_progress(
 
     if checkpoint is not None:
         require_file(checkpoint)
-    points, found = points_of(scene, grid), dict[int, Found]()
-    with tqdm(total=len(points), unit="point", leave=False, disable=not sys.stderr.isatty()) as bar:
-        for batch in sweep_batches(scene, grid, executor, checkpoint):
-            found.update(batch)
-            bar.update(len(batch))
-    return [SweepAnswer(values, found[i]) for i, values in enumerate(points)]
+    total = len(points_of(scene, grid))
+    with tqdm(total=total, unit="point", leave=False, disable=not sys.stderr.isatty()) as bar:
+        return sweep(scene, grid, executor, checkpoint, bar.update)
 
 
 def sweep_json(scene: Scene, found: list[SweepAnswer]) -> dict[str, Any]:

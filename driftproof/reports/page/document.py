@@ -6,19 +6,18 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.numeric.run import Counter, Readouts, run_method
+from driftproof.numeric.run import Counter, Readouts
 from driftproof.numeric.scenes import FIGURES, STABILITY, TABLE, TRAJECTORY, WORK_PRECISION, Scene
 from driftproof.reports.page.figure import style_sheet
 from driftproof.reports.page.markup import element, escaped, html_table
 from driftproof.reports.page.trajectory import DRAWN, SampledRun, demand_drawable, setting
 from driftproof.reports.scene_view import (
     COMPARED_READOUTS,
-    asking_for,
     certified,
     certified_rows,
     comparison_rows,
-    or_message,
     readout_rows,
+    runs_of,
 )
 
 # The browser is told to load nothing at all: the style sheet is in the page, the icon is empty, there is no script.
@@ -127,10 +126,7 @@ def _runs(scene: Scene, counter: Counter) -> dict[str, Readouts | str]:
         keys |= dict.fromkeys(scene.methods)
     if TRAJECTORY in wanted:
         demand_drawable(scene)
-    if not keys:
-        return {}
-    asked = asking_for(scene, wanted)
-    return {key: or_message(lambda key=key: run_method(asked, key, counter)) for key in keys}  # type: ignore[misc]
+    return runs_of(scene, wanted, keys, counter) if keys else {}
 
 
 def _method(shown: _Shown, key: str) -> str:

@@ -63,16 +63,8 @@ def _less_one(x: CertifiableReal) -> CertifiableReal:
 
 def verdicts_table(scene: Scene, verdicts: Sequence[Verdict]) -> str:
     """A row for each method: its limit, exact and in decimals, where h is beside it, the verdict, and max |λ| - 1."""
-    rows = [
-        [
-            "Method",
-            "Bounded for h below",
-            "that is",
-            f"h = {scene.h} is",
-            "powers at this h",
-            "max\u00a0|λ|\u00a0−\u00a01",
-        ]
-    ]
+    about_h = (f"h = {scene.h} is", "powers at this h", "max\u00a0|λ|\u00a0−\u00a01")
+    rows = [["Method", "Bounded for h below", "that is", *about_h]]
     for found in verdicts:
         limit, decimal = _limit(found.limit)
         growth = significant(found.growth, GROWTH_DIGITS)

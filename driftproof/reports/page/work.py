@@ -162,13 +162,10 @@ def work_table(found: Sequence[Curve]) -> str:
             continue
         order = curve.order
         measured = f"{order.median:.3f} ({order.least:.3f} to {order.largest:.3f})" if order else "–"
-        rows.append([curve.title, str(curve.claimed_order), measured, *(_fewest(curve, 10.0**goal) for goal in _GOALS)])
+        enough = [[p.evaluations for p in curve.points if 0 <= p.error <= 10.0**g and p.evaluations] for g in _GOALS]
+        fewest = [str(min(calls)) if calls else "not reached" for calls in enough]
+        rows.append([curve.title, str(curve.claimed_order), measured, *fewest])
     return html_table([header, *rows], "Orders, and the least work seen", "orders")
-
-
-def _fewest(curve: Curve, goal: float) -> str:
-    enough = [point.evaluations for point in curve.points if 0 <= point.error <= goal and point.evaluations]
-    return str(min(enough)) if enough else "not reached"
 
 
 def _data(found: Sequence[Curve], cost: Cost) -> list[list[str]]:
@@ -190,14 +187,14 @@ def measured_seconds(scene: Scene, found: Sequence[Curve]) -> Cost:
         call = integrator(METHODS[curve.key], problem).calls[PYTHON]
         for point in curve.points:
             if point.steps and isfinite(point.error):
-                name = _point_name(curve, point.steps)
+                name = f"{curve.key} {point.steps}"
                 calls[name] = call(point.steps)
                 timings[name], _ = started(calls[name])
     for _ in interleave(calls, timings, limit=_LONGEST_TIMED):
         pass
 
-    def least(curve: Curve, steps: int | None) -> float | None:
-        timing = timings.get(_point_name(curve, steps))
+    def least(curve: Curve, point: Point) -> float | None:
+        timing = timings.get(f"{curve.key} {point.steps}")
         return timing.best if timing and timing.samples else None
 
     return Cost(
@@ -205,10 +202,6 @@ def measured_seconds(scene: Scene, found: Sequence[Curve]) -> Cost:
         title="Error against time",
         axis="seconds in plain Python",
         note=f"The least of several rounds, on {machine_description()}.",
-        of=lambda curve, point: least(curve, point.steps),
+        of=least,
         shown=lambda spent: f"{spent:.2e} s",
     )
-
-
-def _point_name(curve: Curve, steps: int | None) -> str:
-    return f"{curve.key} {steps}"
