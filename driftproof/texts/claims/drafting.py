@@ -16,7 +16,6 @@ from typing import TypeAlias
 from driftproof.methods.catalogue import METHODS
 from driftproof.texts.claims.phrases import NumberForm, Phrase
 from driftproof.texts.questions.answer import Answer
-from driftproof.texts.questions.decimals import HALF_EVEN, Style
 from driftproof.texts.questions.evaluate import value
 from driftproof.texts.readers.document import Document
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
@@ -31,8 +30,6 @@ _USUAL_FACTS = ("imaginary_limit", "real_limit", "order", "error_constant")
 # A few hundred questions, which take a second or two; runs of more steps are not cheap.
 _MOST_METHODS, _MOST_SIZES, _MOST_TIMES = 6, 4, 2
 _LONGEST_RUN = 10_000
-# Digits to which values are compared first.
-_COMPARED = 40
 # A number of so many digits, or of so many after the point, looks like few values.
 _ENOUGH_DIGITS = 3
 # Characters on each side of a number in which the names of a value are looked for: about a line.
@@ -55,12 +52,11 @@ class LookAlike:
 
 @dataclass(frozen=True)
 class _Known:
-    """A value that a number might be: its question, the answer, and the number to so many digits."""
+    """A value that a number might be: its question, or its id where it is published, and the answer."""
 
     question: str
     published: bool
     answer: Answer
-    near: Fraction
 
     @cached_property
     def names(self) -> list[str]:
@@ -69,11 +65,13 @@ class _Known:
         return [word for word in dict.fromkeys(words) if len(word) > 1 and not word.isdigit()]
 
 
-@dataclass(frozen=True)
 class Suggestions:
-    """What the numbers of `text`, in canonical spelling, might be."""
+    """What the numbers of a text might be."""
 
-    text: str
+    def __init__(self, text: str) -> None:
+        """The text is in canonical spelling."""
+        self.text = text
+        self._spelled: dict[NumberForm, dict[str, list[_Known]]] = {}
 
     def of(self, number: TextNumber) -> list[LookAlike]:
         """Every value that is written like the number, the best first: its names stand nearby, or it is equal."""
@@ -82,30 +80,33 @@ class Suggestions:
         except (ValueError, ZeroDivisionError):
             return []
         near = self.text[max(0, number.start - _NEIGHBOURHOOD) : number.end + _NEIGHBOURHOOD].lower()
-        decimals, form = number.places or 0, _form_of(number)
-        long = _digits(number.text) >= _ENOUGH_DIGITS or bool(x and decimals >= _ENOUGH_DIGITS)
-        # A value is at most a unit of the last place away from a decimal, and is a whole number or a fraction itself.
-        unit = abs(x) if form.digits else Fraction(bool(decimals), 10**decimals)
-        found = []
-        for known in self._known:
-            if abs(known.near - x) <= unit and _is_written(number, form, known.answer):
-                fit = sum(bool(re.search(rf"(?<![a-z]){name}", near)) for name in known.names)
-                strong = long or (known.answer.exact == x and fit == len(known.names) > 1)
-                order = (-fit, known.answer.exact != x, not known.published, len(known.question), known.question)
-                found.append((order, LookAlike(known.question, form, strong)))
+        long = _digits(number.text) >= _ENOUGH_DIGITS or bool(x and (number.places or 0) >= _ENOUGH_DIGITS)
+        spelled = re.sub(r" ?[×·] ?10\^\{?(-?[0-9]+)\}?", r"e\1", number.text.replace(",", "").lstrip("+"))
+        form, found = _form_of(number), []
+        for known in self._written(form).get(spelled, ()):
+            fit = sum(bool(re.search(rf"(?<![a-z]){name}", near)) for name in known.names)
+            strong = long or (known.answer.exact == x and fit == len(known.names) > 1)
+            order = (-fit, known.answer.exact != x, not known.published, len(known.question), known.question)
+            found.append((order, LookAlike(known.question, form, strong)))
         return [alike for _, alike in sorted(found, key=lambda pair: pair[0])]
+
+    def _written(self, form: NumberForm) -> dict[str, list[_Known]]:
+        """The values by their spellings in this form; one that cannot be written so, as a tie, is left out."""
+        if form not in self._spelled:
+            table = self._spelled[form] = {}
+            for known in self._known:
+                with suppress(ValueError):
+                    for spelling in form.spellings(known.answer):
+                        table.setdefault(spelling, []).append(known)
+        return self._spelled[form]
 
     @cached_property
     def _known(self) -> list[_Known]:
         """The published values, and those of the usual questions about the methods, steps and times of the text."""
-        asked = [*((key, True) for key in published_values()), *((question, False) for question in self._questions())]
         found = []
-        for question, published in asked:
-            with suppress(ValueError):  # of what is no number, and of a question that a method has no answer to
-                answer = value(question)
-                x = answer.exact
-                near = x if isinstance(x, Fraction) else Fraction(answer.digits(_COMPARED, Style(rounding=HALF_EVEN)))
-                found.append(_Known(question, published, answer, near))
+        for question in (ids := published_values()) | dict.fromkeys(self._questions()):
+            with suppress(ValueError):  # of a question that a method has no answer to
+                found.append(_Known(question, question in ids, value(question)))
         return found
 
     def _questions(self) -> Iterator[str]:
@@ -142,14 +143,6 @@ def _form_of(number: TextNumber) -> NumberForm:
     if number.places is None:
         return NumberForm(digits=max(1, _digits(re.split(r"[eE]| ?[×·]", number.text)[0])))
     return NumberForm(places=number.places or None)
-
-
-def _is_written(number: TextNumber, form: NumberForm, answer: Answer) -> bool:
-    """Whether the value, written in this form, is spelled like the number; a tie is not."""
-    spelled = re.sub(r" ?[×·] ?10\^\{?(-?[0-9]+)\}?", r"e\1", number.text.replace(",", "").lstrip("+"))
-    with suppress(ValueError):
-        return spelled in form.spellings(answer)
-    return False
 
 
 def _digits(text: str) -> int:

@@ -31,7 +31,7 @@ def suggested(text: str) -> list[list[LookAlike]]:
     [
         ("one step of RK4 leads to the position 337/384", "rk4.first_step.q"),
         ("one step of RK4 leads to 0.877604", "rk4.first_step.q"),
-        ("forward Euler's state error is 2.390 at the end", "run forward_euler h=1/4 t=10 : state_error"),
+        ("forward Euler's state error is 2.390 at the end", "forward_euler.default.state_error"),
         ("with RK4, h = 1/8 and t = 2: energy change -1.26e-7", None),
         ("RK4, h = 1/5, t = 2: the state error is 2.7e-5", "run rk4 h=1/5 t=2 : state_error"),
         ("RK4 is stable up to 2.828", "imaginary_limit rk4"),
