@@ -123,7 +123,7 @@ WHY_NONE = {
     **dict.fromkeys(("sector", "limit_at_infinity", "error_constant", "modified_rate", "region_boundary"), _NO_R),
     "ssp_coefficient": "only Runge-Kutta and collocation methods have one",
     "energy_multiplier": "what a step does to the energy depends on the state",
-    "invariant": "the quadratics that it conserves form a space of another dimension than 1",
+    "invariant": "it conserves no quadratic, or several that are not multiples of one",
     "dissipation": "the whole series vanishes",
 }
 

@@ -126,7 +126,7 @@ class OrderReduction(NamedTuple):
 
 
 class RegionBoundary(NamedTuple):
-    """Points (Re R, Re z, Im z) of the upper half-plane, as decimals within 10**-places of |R(z)| = 1."""
+    """(Re R, Re z, Im z) for points z of the upper half-plane with |R(z)| = 1, z in decimals, off by 1e-15 at most."""
 
     points: list[tuple[str, str, str]]
 

@@ -83,13 +83,9 @@ class _Text:
         """What is no formula."""
         return text
 
-    def form(self, value: object) -> str:
-        """What is a formula, its text being in SymPy's syntax."""
-        return str(value)
-
-    def infinity(self, value: Infinity) -> str:
-        """No bound."""
-        return self.form(value.value)
+    def form(self, value: Any) -> str:
+        """A number or a formula whose record is a text in SymPy's syntax, or such a text."""
+        return str(record(value))
 
     def math(self, text: str) -> str:
         """What is mathematics and written already."""
@@ -196,8 +192,8 @@ class _Tex(_Text):
     def words(self, text: str) -> str:
         return text.replace("**", "^").translate(_ESCAPED)
 
-    def form(self, value: object) -> str:
-        return f"${formula(str(value), TEX)}$"
+    def form(self, value: Any) -> str:
+        return f"${formula(record(value), TEX)}$"
 
     def math(self, text: str) -> str:
         return f"${text}$"
@@ -220,7 +216,7 @@ class _Tex(_Text):
         if isinstance(value, FamilyFunction):
             num, den = (_polynomial(row, "z", 1, ("*", "**")) for row in (record(value)["num"], record(value)["den"]))
             return self.form(num if den == "1" else f"({num})/({den})")
-        return self.form(ExactFunction(value, "h") if isinstance(value, RationalFunction) else value)
+        return self.form(str(ExactFunction(value, "h") if isinstance(value, RationalFunction) else value))
 
     def series(self, value: TruncatedSeries) -> str:
         known = self.form(_polynomial(record(value), value.variable, 1, ("*", "**")))
@@ -252,8 +248,7 @@ class _Tex(_Text):
 
 
 _BY_TYPE: tuple[tuple[Any, str], ...] = (
-    (Fraction | Algebraic | Formula, "form"),
-    (Infinity, "infinity"),
+    (Fraction | Algebraic | Infinity | Formula, "form"),
     (RealRoot | EnclosedTangent | NumberField, "number"),
     (Imaginary | Complex, "complex_number"),
     (RationalFunction | ExactFunction | FamilyFunction, "function"),

@@ -94,7 +94,7 @@ WHY_NOT = {
     "real_limit velocity_verlet": "velocity_verlet has no real_limit: only Runge-Kutta and collocation methods",
     "energy_multiplier symplectic_euler": "symplectic_euler has no energy_multiplier: what a step does to the energy",
     "dissipation implicit_midpoint": "implicit_midpoint has no dissipation: the whole series vanishes",
-    "invariant rk4": "rk4 has no invariant: the quadratics that it conserves form a space of another dimension than 1",
+    "invariant rk4": "rk4 has no invariant: it conserves no quadratic, or several that are not multiples of one",
     "embedded_order rk4": "rk4 has no embedded_order",
     "order_fails rk4 : leaf": "'leaf' is no part of order_fails of rk4; it has tree, residual",
     "order rk4 : leaf": "'leaf' is no part of order of rk4; it has no parts",
