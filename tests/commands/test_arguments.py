@@ -6,6 +6,7 @@ from fractions import Fraction as Q
 from inspect import cleandoc
 
 import pytest
+from tqdm import tqdm
 
 from driftproof.commands import arguments
 from driftproof.commands.arguments import (
@@ -137,6 +138,7 @@ def test_docstring_is_the_help(doc, parse, capsys, monkeypatch):
 
 def test_progress_bar_is_for_long_runs_on_a_terminal_only(monkeypatch):
     assert count_steps(LONG_RUN * 10) == range(LONG_RUN * 10)  # standard error is no terminal here
+    monkeypatch.setattr(tqdm, "monitor_interval", 0)  # no thread that outlives the test
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
     assert count_steps(10) == range(10)
     bar = count_steps(LONG_RUN)
