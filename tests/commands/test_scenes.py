@@ -1,8 +1,13 @@
 """`driftproof scenes`, `scene`, `sweep` and `report`: the list, a scene's numbers and figures, refusals in one line."""
 
 import json
+import sys
+from fractions import Fraction as Q
 
 import pytest
+
+from driftproof.numeric.scenes import PRESETS
+from driftproof.numeric.sweep import sweep
 
 
 def test_list_names_every_scene(answer):
@@ -32,25 +37,38 @@ def test_scene_that_outlasts_the_float_range_says_so_where_its_numbers_would_be(
 
 
 def test_sweep_has_a_point_for_each_combination_whoever_works(answer):
-    words = (
-        "sweep",
-        "default",
-        "--methods",
-        "rk4,heun2",
-        "--h",
-        "1/4",
-        "--h",
-        "1/8",
-        "--state",
-        "0,1",
-        "--format",
-        "json",
-    )
+    rest = ("--state", "0,1", "--format", "json")
+    words = ("sweep", "default", "--methods", "rk4,heun2", "--h", "1/4", "--h", "1/8", *rest)
     found = answer(*words)
+    assert answer("sweep", "default", "--methods", "rk4", "--methods", "heun2", "--h", "1/4,1/8", *rest) == found
     assert [(p["selected"], p["h"]) for p in json.loads(found)["points"]] == [
         (method, h) for method in ("rk4", "heun2") for h in ("1/4", "1/8")
     ]
     assert answer(*words, "--workers", "2") == found
+
+
+def test_a_sweep_shows_what_the_function_finds_and_keeps_it_in_a_file(answer, refusal, tmp_path):
+    found = sweep(PRESETS["default"], {"selected": ["rk4", "forward_euler"], "h": [Q(1, 4), Q(3, 10)]})
+    words = ("sweep", "default", "--h", "1/4,0.3", "--methods", "rk4, forward_euler")
+    lines = answer(*words).splitlines()
+    assert lines[0] == "default: 4 points"
+    assert lines[2].split("  ")[0] == "method"
+    assert lines[3].split() == ["rk4", "1/4", "0.0003253", "0.4999", "-6.728e-5", "-0.01824", "40", "160"]
+    assert lines[4].endswith(found[1].found)
+    path = tmp_path / "new" / "answers.jsonl"
+    shown = answer(*words, "--format", "json", "-o", str(path))
+    assert f'"state_error": "{found[2].found["state_error"]!r}"' in shown
+    assert answer(*words, "--format", "json", "--output", str(path)) == shown
+    assert "no file of this sweep" in refusal(*words, "--t", "20", "-o", str(path))
+    assert answer("sweep", "default", "--h", "1/8").startswith("default: 1 point\n")
+
+
+def test_a_sweep_needs_distributed_for_a_cluster_only(refusal, modules_after, monkeypatch):
+    loaded = modules_after("from driftproof.cli import main; main(['sweep', 'default', '--h', '1/4'])")
+    assert "driftproof.numeric.sweep" in loaded
+    assert loaded & {"distributed", "dask", "numba", "sympy", "matplotlib"} == set()
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    assert "pip install 'driftproof[cluster]'" in refusal("sweep", "default", "--cluster", "tcp://localhost:1")
 
 
 def test_report_says_where_it_is(answer, tmp_path):
@@ -66,6 +84,12 @@ REFUSED = {
     ("scene", "default", "--figures", "pyproject.toml"): "pyproject.toml is a file; name a folder",
     ("sweep", "default", "--workers", "0"): "'0' is not a number of processes from 1 to 1024",
     ("sweep", "default", "--workers", "1", "--cluster", "tcp://x:1"): "not allowed with argument --workers",
+    ("sweep", "defualt"): "did you mean default?",
+    ("sweep", "default", "--h", "1/4,x"): "h: 'x' is not a rational number",
+    ("sweep", "default", "--h", "0"): "a step of size 0",
+    ("sweep", "default", "--methods", "rk5"): "unknown method 'rk5'",
+    ("sweep", "default", "--cluster", "somewhere"): "'somewhere' is no address of a scheduler; write it like tcp://",
+    ("sweep", "default", "-o", "."): "is a folder",
     ("report", "default", "-o", "/proc/page.html"): "/proc/page.html: No such file or directory",
     ("report", "default", "-o", "tests"): "tests is a folder; name a file in it",
     ("report", "default"): "required: -o/--output",

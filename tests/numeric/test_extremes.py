@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
-from math import cos, inf, isfinite, nextafter, sqrt
+from math import cos, inf, isfinite, nextafter
 
 import numpy as np
 import pytest
@@ -12,8 +12,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import oscillator
 from driftproof.numeric.engine import compiled_runner, ensemble_runner, runner
 from driftproof.numeric.steppers import rk4
-from driftproof.symbolic.algebra.certified import significant
-from driftproof.symbolic.runs import as_balls, exact_matrix_at, power
+from driftproof.symbolic.runs import exact_matrix_at
 
 EXPLICIT = [method for method in METHODS.values() if method.explicit]
 RK4, VERLET, SYMPLECTIC = METHODS["rk4"], METHODS["velocity_verlet"], METHODS["symplectic_euler"]
@@ -75,67 +74,6 @@ def test_a_compiled_run_does_not_flush_subnormals():
     pytest.importorskip("numba")
     for start in ((1e-308, -1e-310), (TINIEST, 40 * TINIEST), (1e308, 1e308)):
         assert compiled_runner(SYMPLECTIC)(*start, 0.75, 100) == runner(SYMPLECTIC)(*start, 0.75, 100)
-
-
-# Steps at the ends of stability: the verdict is that of the fraction that the float is.
-
-AT_TWO = {"below": nextafter(2, 0), "at": 2.0, "above": nextafter(2, 3)}
-ROOT = 2 * sqrt(2)
-AT_ROOT = {"below": nextafter(ROOT, 0), "nearest": ROOT, "above": nextafter(ROOT, 3)}
-
-
-def test_symplectic_euler_one_ulp_below_2_is_stable_at_2_grows_linearly_and_one_ulp_above_grows_exponentially():
-    """Eigenvalues of determinant 1: on the circle for |trace| < 2, a Jordan block at -2, real and apart beyond."""
-    traces = {name: _trace(SYMPLECTIC, h) for name, h in AT_TWO.items()}
-    assert -2 < traces["below"]
-    assert traces["at"] == -2
-    assert exact_matrix_at(SYMPLECTIC, Q(2)) != (-1, 0, 0, -1)
-    assert traces["above"] < -2
-    sizes = {name: _size_of_power(SYMPLECTIC, h, 2**30) for name, h in AT_TWO.items()}
-    # q² + v² - hqv is kept: at 2 - 2^-52 no state exceeds 2^27 times its start; N steps of 2 give about 2N.
-    assert sizes["below"] < 2**28 < 2**30 < sizes["at"] < 2**33 < 2**40 < sizes["above"]
-
-
-def test_a_thousand_float_steps_cannot_tell_2_from_its_neighbours():
-    """The exponential needs 2^24 steps to show; until then all three grow linearly, and only the fraction knows."""
-    sizes = [np.hypot(*runner(SYMPLECTIC)(1.0, 0.25, h, 1000)) for h in AT_TWO.values()]
-    assert max(sizes) - min(sizes) < sizes[0] / 2**20
-    assert sizes[0] > 1000
-
-
-def test_rk4_one_ulp_below_2_root_2_is_stable_and_one_ulp_above_is_not():
-    """Energy is multiplied by 1 - h⁶(8 - h²)/576 exactly; the double nearest to the root lies above it."""
-    multipliers = {name: _multiplier(RK4, h) for name, h in AT_ROOT.items()}
-    assert multipliers["below"] < 1 < multipliers["above"]
-    assert (multipliers["nearest"] < 1) == (Q(ROOT) ** 2 < 8)
-    for name, h in AT_ROOT.items():
-        assert multipliers[name] == 1 - Q(h) ** 6 * (8 - Q(h) ** 2) / 576
-
-
-def test_ten_thousand_float_steps_of_rk4_cannot_tell_2_root_2_from_its_neighbours():
-    """|m - 1| is near 8·2^-50: it changes the energy by less than rounding does, which is all that one sees."""
-    for h in AT_ROOT.values():
-        q, v = runner(RK4)(1.0, 0.0, h, 10_000)
-        assert abs(q * q + v * v - 1) < 10_000 * 30 * float(U)
-        assert abs(_multiplier(RK4, h) - 1) < 64 * U
-
-
-def _trace(method, h):
-    qq, _, _, vv = exact_matrix_at(method, Q(h))
-    return qq + vv
-
-
-def _multiplier(method, h):
-    qq, qv, vq, vv = exact_matrix_at(method, Q(h))
-    assert (qq, qv) == (vv, -vq)
-    return qq * qq + qv * qv
-
-
-def _size_of_power(method, h, steps):
-    """The largest entry of M^N, from exact entries, in balls."""
-    matrix = exact_matrix_at(method, Q(h))
-    entries = [significant(lambda i=i: power(as_balls(matrix), steps)[i], 6) for i in range(4)]
-    return max(abs(float(entry)) for entry in entries)
 
 
 # Formats

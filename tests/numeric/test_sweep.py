@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from fractions import Fraction as Q
@@ -14,9 +13,8 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.numeric import sweep as sweeping
 from driftproof.numeric.engine import runner
 from driftproof.numeric.run import run_method
-from driftproof.numeric.scenes import PRESETS, Scene
+from driftproof.numeric.scenes import Scene
 from driftproof.numeric.sweep import SweepAnswer, points_of, run_points, sweep
-from driftproof.reports.sweeps import cluster_executor
 
 SCENE = Scene("short", "rk4", Q(1, 4), Q(2), readouts=("final_state", "state_error", "phase_error", "evaluations"))
 METHOD_KEYS = ("yoshida4", "forward_euler")
@@ -221,66 +219,3 @@ def test_a_scene_without_readouts_or_with_a_trajectory_is_not_swept():
         scene = Scene("none", "rk4", Q(1), Q(2), readouts=readouts, certified=("energy",))
         with pytest.raises(ValueError, match="a sweep needs readouts, and keeps no trajectory"):
             points_of(scene, GRID)
-
-
-# The command
-
-
-def test_the_command_shows_what_the_function_finds(answer, run, tmp_path):
-    found = sweep(PRESETS["default"], {"selected": ["rk4", "forward_euler"], "h": [Q(1, 4), Q(3, 10)]}, Inline())
-    words = ("sweep", "default", "--h", "1/4,0.3", "--methods", "rk4, forward_euler")
-    lines = answer(*words).splitlines()
-    assert lines[0] == "default: 4 points"
-    assert lines[2].split("  ")[0] == "method"
-    assert lines[3].split() == ["rk4", "1/4", "0.0003253", "0.4999", "-6.728e-5", "-0.01824", "40", "160"]
-    assert lines[4].endswith(found[1].found)
-    path = tmp_path / "new" / "answers.jsonl"
-    shown = answer(*words, "--format", "json", "-o", str(path))
-    assert f'"state_error": "{found[2].found["state_error"]!r}"' in shown
-    assert answer(*words, "--format", "json", "--output", str(path)) == shown
-    status, out, err = run(*words, "--t", "20", "-o", str(path))
-    assert (status, out, err.count("\n")) == (2, "", 1)
-    assert "no file of this sweep" in err
-
-
-def test_steps_of_a_sweep_may_be_listed_or_the_option_repeated(answer):
-    listed = answer("sweep", "default", "--h", "1/4,1/8", "--methods", "rk4,forward_euler")
-    repeated = answer("sweep", "default", "--h", "1/4", "--h", "1/8", "--methods", "rk4", "--methods", "forward_euler")
-    assert listed == repeated
-    assert listed != answer("sweep", "default", "--h", "1/8", "--methods", "rk4,forward_euler")
-
-
-def test_sweep_of_one_point_says_so(answer):
-    assert answer("sweep", "default", "--h", "1/8").startswith("default: 1 point\n")
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (("defualt",), "did you mean default?"),
-        (("default", "--h", "1/4,x"), "h: 'x' is not a rational number"),
-        (("default", "--h", "0"), "a step of size 0"),
-        (("default", "--methods", "rk5"), "unknown method 'rk5'"),
-        (("default", "--workers", "0"), "'0' is not a number of processes"),
-        (("default", "--workers", "2", "--cluster", "tcp://localhost:1"), "not allowed with argument"),
-        (("default", "--cluster", "somewhere"), "'somewhere' is no address of a scheduler; write it like tcp://"),
-        (("default", "-o", "."), "is a folder"),
-    ],
-)
-def test_bad_input_of_a_sweep_is_told_in_one_line(words, message, run):
-    status, out, err = run("sweep", *words)
-    assert (status, out, err.count("\n")) == (2, "", 1)
-    assert message in err
-
-
-def test_without_distributed_a_cluster_says_what_to_install(monkeypatch, run):
-    monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(ValueError, match=r"driftproof\[cluster\]"), cluster_executor("tcp://localhost:1"):
-        pass
-    assert "pip install 'driftproof[cluster]'" in run("sweep", "default", "--cluster", "tcp://localhost:1")[2]
-
-
-def test_a_sweep_loads_no_library_of_clusters(modules_after):
-    loaded = modules_after("from driftproof.cli import main; main(['sweep', 'default', '--h', '1/4'])")
-    assert "driftproof.numeric.sweep" in loaded
-    assert loaded & {"distributed", "dask", "numba", "sympy", "matplotlib"} == set()
