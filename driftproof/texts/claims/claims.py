@@ -132,11 +132,10 @@ def _claim(entry: TomlTable, number: int) -> Claim:
         if not (given is None or given is True or (isinstance(given, str) and 0 < len(given) <= _LONGEST_NAME)):
             raise ValueError("given is true, or says in a few words why the numbers of the phrase are")
         values = _values(entry, phrase)
-        free = next((n.text for literal in phrase.literals for n in numbers_in(literal) if n.label is None), None)
-        if free is not None and given is None:
+        if phrase.free_numbers and given is None:
             reason = "is no value; make it one, or say given = true if it is data"
-            raise ValueError(f"the number {free} of its phrase {reason}")
-        if not values and free is None:
+            raise ValueError(f"the number {phrase.free_numbers[0]} of its phrase {reason}")
+        if not values and not phrase.free_numbers:
             raise ValueError("its phrase holds no number; write {value} where one stands, and say what it is")
         count = toml.as_whole(entry.get("count", 1), "count", 0, _MOST_OCCURRENCES)
         ignore_case = toml.as_flag(entry.get("ignore_case", False), "ignore_case")

@@ -246,8 +246,11 @@ def _best_phrase(text: str, room: list[int], group: _Group) -> tuple[str, list[i
         phrase, first = _phrase(text, room, group, before, after)
         spellings = {name: [member.number.text] for name, member in zip(_names(group), group, strict=True)}
         try:
-            found = [match.start() for match in Phrase.of(phrase).exact(spellings).finditer(text)]
+            parsed = Phrase.of(phrase)
         except ValueError:  # too long
+            continue
+        found = [match.start() for match in parsed.exact(spellings).finditer(text)]
+        if not (parsed.names or parsed.free_numbers):  # its numbers run together to what is no number, as 0.50.5
             continue
         if first in found and (not best[1] or len(found) < len(best[1])):
             best = (phrase, [at - first + group[0].number.start for at in found])

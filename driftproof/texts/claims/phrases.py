@@ -150,6 +150,11 @@ class Phrase:
             raise ValueError("it is empty")
         return cls(tuple(map(canonical_text, literals)), tuple(names))
 
+    @property
+    def free_numbers(self) -> list[str]:
+        """The numbers of the literal texts, labels apart, for which no value answers."""
+        return [number.text for text in self.literals for number in numbers_in(text) if number.label is None]
+
     def exact(self, spellings: Spellings, ignore_case: bool = False) -> re.Pattern[str]:
         """The pattern of the phrase as it must stand, each value in one of its spellings, as a group of its name."""
         values = (f"(?P<{name}>{'|'.join(map(_spelling_pattern, spellings[name]))})" for name in self.names)

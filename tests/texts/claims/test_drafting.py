@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from driftproof.texts.claims.checking import GIVEN, UNCOVERED, WORKED_OUT, check_claims, coverage
@@ -118,6 +118,7 @@ def test_name_of_the_text_cannot_break_the_draft() -> None:
         max_size=15,
     )
 )
+@example(pieces=["0.5", "0.5", ". "])
 def test_draft_of_any_text_holds_of_it(pieces: list[str]) -> None:
     document = document_of("".join(pieces))
     text = draft(document, "a.txt")
