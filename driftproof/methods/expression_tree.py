@@ -273,9 +273,17 @@ class ExpressionParser:
         return self.refusal(self.text, token.column, reason)
 
 
+class _FormParser(ExpressionParser):
+    """Reads what we have written: a number of a form may be longer than one that somebody types."""
+
+    def rational(self, text: str, token: Token) -> Fraction:
+        """The number, as long as it is."""
+        return Fraction(text)
+
+
 def parse_form(form: str) -> ExpressionNode:
     """The tree of an exact form, whose names are variables. Raises ExpressionError where it is none, or too long."""
-    node: ExpressionNode = ExpressionParser(form, LONGEST_FORM, LARGEST_POWER_OF_FORM).tree()
+    node: ExpressionNode = _FormParser(form, LONGEST_FORM, LARGEST_POWER_OF_FORM).tree()
     return node
 
 

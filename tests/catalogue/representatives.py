@@ -10,6 +10,8 @@ from __future__ import annotations
 import os
 from collections import defaultdict
 from collections.abc import Iterable
+from fractions import Fraction
+from math import lcm
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation, Method, RungeKutta, Splitting
@@ -47,10 +49,15 @@ def by_path(methods: Iterable[Method]) -> dict[tuple[str, ...], list[Method]]:
     return {path: sorted(methods, key=length) for path, methods in found.items()}
 
 
+def common_denominator(method: Method) -> int:
+    """Of the rational coefficients: the longer it is, the longer are the numbers that facts are written in."""
+    return lcm(*(x.denominator for x in coefficients(method).values() if isinstance(x, Fraction)))
+
+
 def representatives() -> list[str]:
-    """The keys of the shortest and of the middle method of each path; of all methods in a thorough run."""
+    """The shortest and the middle method of each path, and the one with the longest numbers; all in a thorough run."""
     if THOROUGH:
         return list(METHODS)
-    return [
-        key for of in by_path(METHODS.values()).values() for key in dict.fromkeys((of[0].key, of[len(of) // 2].key))
-    ]
+    pairs = ((methods[0], methods[len(methods) // 2]) for methods in by_path(METHODS.values()).values())
+    longest = max(METHODS.values(), key=common_denominator)
+    return list(dict.fromkeys([*(method.key for pair in pairs for method in pair), longest.key]))
