@@ -61,6 +61,13 @@ SMALL: dict[str, str] = {
 
 # A module without a test file of its own needs a reason.
 UNMIRRORED: dict[str, str] = {
+    **{
+        f"methods/tables/{name}.py": "data: tests/methods/tables and tests/catalogue run over every entry"
+        for name in (
+            *("basic", "explicit", "embedded", "high_order_pairs", "decimal_pairs", "implicit", "nystrom"),
+            *("diagonally_implicit", "splittings", "decimal_splittings", "stabilised"),
+        )
+    },
     "__main__.py": "tests/commands runs python -m driftproof",
 }
 

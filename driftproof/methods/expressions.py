@@ -25,7 +25,7 @@ from driftproof.methods.number_field import Exact, cube_root, square_root
 LARGEST_BITS = 20_000
 # Of a function of a parameter: numerator and denominator together.
 MOST_COEFFICIENTS = 100
-LARGEST_RADICAND = 10**40
+_LARGEST_RADICAND = 10**40
 RADICALS = {"sqrt": square_root, "cbrt": cube_root}
 LARGEST_SYSTEM = 12
 
@@ -142,7 +142,7 @@ class _Evaluation:
         if name not in RADICALS:
             raise self.error(node.column, f"{name[:40]!r} is no function; there are {' and '.join(RADICALS)}")
         inside = node.arguments[0]
-        whole = isinstance(inside, NumberNode) and inside.value.denominator == 1 and inside.value < LARGEST_RADICAND
+        whole = isinstance(inside, NumberNode) and inside.value.denominator == 1 and inside.value < _LARGEST_RADICAND
         if len(node.arguments) != 1 or not whole:
             raise self.error(node.column, f"{name} takes one integer, as in {name}(2)")
         try:

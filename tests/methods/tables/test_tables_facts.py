@@ -275,14 +275,3 @@ def test_last_digits_of_yoshidas_tables_are_wrong(key: str) -> None:
 @pytest.mark.parametrize("method", [entry("ssprk33"), entry("ssprk43"), entry("ssprk104")], ids=by_key)
 def test_entries_of_ssp_methods_are_not_negative(method: RungeKutta) -> None:
     assert all(x >= 0 for x in [*method.b, *(x for given in method.a for x in given)])
-
-
-def test_gauss_polynomials_are_orthogonal_to_each_other() -> None:
-    polynomials = [gauss_nodes(s) for s in range(1, 11)]
-    for p, q in pairs(polynomials, polynomials):
-        integral = sum((x * Q(1, k + 1) for k, x in enumerate(product(p, q))), Q(0))
-        assert (integral == 0) is (p != q)
-    assert gauss_nodes(2) == (Q(1, 6), Q(-1), Q(1))
-    assert radau_right_nodes(2) == (Q(1, 3), Q(-4, 3), Q(1))
-    assert radau_left_nodes(2) == (Q(0), Q(-2, 3), Q(1))
-    assert lobatto_nodes(3) == (Q(0), Q(1, 2), Q(-3, 2), Q(1))

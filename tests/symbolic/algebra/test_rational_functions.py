@@ -1,4 +1,4 @@
-"""Rational functions in lowest terms, and power series that satisfy their equations."""
+"""Rational functions in lowest terms and in print, and power series that satisfy their equations."""
 
 from __future__ import annotations
 
@@ -8,10 +8,16 @@ import pytest
 from flint import fmpq, fmpq_poly
 
 from driftproof.methods.number_field import square_root
-from driftproof.symbolic.algebra.polynomials import coefficients, dot, exact, polynomial
+from driftproof.symbolic.algebra.polynomials import (
+    coefficients,
+    exact,
+    polynomial,
+)
 from driftproof.symbolic.algebra.rational_functions import (
     exponential_series,
     fraction,
+    polynomial_text,
+    rational_function_text,
     series_logarithm,
     series_product,
     series_quotient,
@@ -20,6 +26,8 @@ from driftproof.symbolic.algebra.rational_functions import (
 )
 
 ROOT_2, ROOT_3 = square_root(2), square_root(3)
+
+
 X = fmpq_poly([0, 1])
 
 
@@ -55,6 +63,8 @@ def test_series_satisfy_their_equations() -> None:
         series_logarithm([fmpq(2)])
 
 
-def test_dot_demands_equal_lengths() -> None:
-    with pytest.raises(ValueError, match="longer"):
-        dot([fmpq(1)], [fmpq(1), fmpq(2)])
+def test_functions_print_in_sympys_syntax() -> None:
+    assert polynomial_text(polynomial([Q(1, 2), 0, Q(-1, 8)]), "h") == "1/2 - h**2/8"
+    assert polynomial_text(polynomial([0, Q(-1, 2)]), "h") == "-h/2"
+    assert polynomial_text(polynomial([0, 2 - ROOT_2]), "h") == "(2 - sqrt(2))*h"
+    assert rational_function_text(fraction(1 - X**2 / 4, 1 + X**2 / 4), "h") == "(1 - h**2/4)/(1 + h**2/4)"
