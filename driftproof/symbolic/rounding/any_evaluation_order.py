@@ -11,7 +11,6 @@ Fusing a product into a sum only drops factors.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -62,13 +61,13 @@ class AnyEvaluationOrderBound:
     def error_terms(self) -> tuple[Terms, Terms]:
         """The bounds on |dq| and |dv| as polynomials in |h|, |q|, |v| in this format."""
         growth, loss = 1 + self.format.relative_error, 1 + self.format.eta / 2
-        dq, dv = (
-            _summed(
-                [*_weighted(counted, lambda k: growth**k - 1), *_weighted(raised, lambda k: (loss**k - 1) * growth**k)]
-            )
-            for counted, raised in zip(self.counted, self.raised, strict=True)
-        )
-        return dq, dv
+        found: tuple[Terms, Terms] = ({}, {})
+        for total, counted, raised in zip(found, self.counted, self.raised, strict=True):
+            weighted = [(powers, c * (growth**k - 1)) for (k, _, *powers), c in terms(counted)]
+            weighted += [(powers, c * (loss**k - 1) * growth**k) for (k, _, *powers), c in terms(raised)]
+            for powers, c in weighted:
+                total[tuple(powers)] = total.get(tuple(powers), Fraction(0)) + c
+        return found
 
 
 def any_evaluation_order_bound(
@@ -169,15 +168,3 @@ class _MultipliedOutTally(_PolynomialTally):
         if 0 not in (self.additions, other.additions):
             return super()._times(other)
         return type(self)(D * self.size * other.size, self.additions + other.additions)
-
-
-def _weighted(p: ErrorPolynomial, weight: Callable[[int], Fraction]) -> list[tuple[tuple[int, ...], Fraction]]:
-    """The terms (powers of h, q, v; coefficient) with each power k of D replaced by weight(k)."""
-    return [(tuple(powers), c * weight(k)) for (k, _, *powers), c in terms(p)]
-
-
-def _summed(found: list[tuple[tuple[int, ...], Fraction]]) -> Terms:
-    total: Terms = {}
-    for powers, c in found:
-        total[powers] = total.get(powers, Fraction(0)) + c
-    return total
