@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from difflib import get_close_matches
 from types import FrameType
 
 from driftproof.methods.expression_tree import ExpressionError
@@ -34,12 +33,6 @@ class QuestionError(ExpressionError):
 
 class AmbiguousRounding(QuestionError):
     """A number half-way between two decimals, where half-even and half-away differ and no policy was named."""
-
-
-def names_near(name: str, known: Iterable[str], most: int = 2) -> str:
-    """ "did you mean a or b? ", or "" where no name is near."""
-    close = get_close_matches(name, list(known), n=most)
-    return f"did you mean {' or '.join(close)}? " if close else ""
 
 
 @contextmanager

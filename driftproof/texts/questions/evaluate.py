@@ -7,8 +7,9 @@ from fractions import Fraction
 from functools import lru_cache
 
 from driftproof.methods.expression_tree import CallNode, ChainNode, NameNode, NegatedNode, NumberNode, PowerNode
+from driftproof.support.plain_text import did_you_mean
 from driftproof.texts.questions.answer import Answer, as_printed
-from driftproof.texts.questions.errors import QuestionError, names_near, refused_at
+from driftproof.texts.questions.errors import QuestionError, refused_at
 from driftproof.texts.questions.parser import Node, Query, parse_question
 from driftproof.texts.questions.query_context import QueryContext
 
@@ -66,8 +67,8 @@ def _published(node: NameNode, question: str) -> Answer:
 
     entries = published_values()
     if node.name not in entries:
-        hint = f"{names_near(node.name, entries)}`driftproof value --list` shows what can be asked"
-        raise QuestionError(question, node.column, f"{node.name[:60]!r} is no id of a published value; {hint}")
+        hint = f"{did_you_mean(node.name, entries)} (`driftproof value --list` shows what can be asked)"
+        raise QuestionError(question, node.column, f"{node.name[:60]!r} is no id of a published value{hint}")
     entry = entries[node.name]
     if entry["exact"] is None:
         return as_printed(entry)
@@ -153,8 +154,8 @@ def _fact(context: QueryContext) -> Answer:
     from driftproof.texts.questions.facts import FACT_NAMES, fact
 
     if context.head not in FACT_NAMES:
-        hint = f"{names_near(context.head, [*_QUERY_KINDS, *FACT_NAMES])}`driftproof value --list` shows what can"
-        raise context.error(None, f"{context.head[:40]!r} is nothing that can be asked; {hint}")
+        hint = f"{did_you_mean(context.head, [*_QUERY_KINDS, *FACT_NAMES])} (`driftproof value --list` shows what can)"
+        raise context.error(None, f"{context.head[:40]!r} is nothing that can be asked{hint}")
     return fact(context)
 
 

@@ -8,7 +8,8 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, TypeVar
 
 from driftproof.methods.expression_tree import Token
-from driftproof.texts.questions.errors import QuestionError, names_near, refused_at
+from driftproof.support.plain_text import did_you_mean
+from driftproof.texts.questions.errors import QuestionError, refused_at
 from driftproof.texts.questions.parser import Query
 
 if TYPE_CHECKING:
@@ -103,6 +104,6 @@ class QueryContext:
         if token is None:
             raise self.error(None, f"{self.head} needs a readout after a colon; {names}")
         if token.text not in table:
-            hint = names_near(token.text, table, 1)
-            raise self.error(token, f"{token.text[:40]!r} is no readout of {self.head}; {hint}{names}")
+            hint = did_you_mean(token.text, table)
+            raise self.error(token, f"{token.text[:40]!r} is no readout of {self.head}; {names}{hint}")
         return table[token.text]
