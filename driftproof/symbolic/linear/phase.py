@@ -49,11 +49,6 @@ def error_constant(r: RationalFunction) -> LeadingTerm:
     return _leading([a - b for a, b in zip(taylor(r, terms), exponential_series(terms), strict=True)])
 
 
-def order_on_linear_problems(r: RationalFunction) -> int:
-    """The p with R(z) = eᶻ + O(zᵖ⁺¹): the order on y' = λy. On nonlinear problems the order may be lower."""
-    return error_constant(r).power - 1
-
-
 def matrix_error(m: StepMatrix) -> tuple[int, tuple[tuple[Exact, Exact], tuple[Exact, Exact]]]:
     """(power, C) with M(h) - exp(hJ) = C h**power + ..., C not zero; the order on the oscillator is power - 1."""
     terms = 2

@@ -13,10 +13,8 @@ from hypothesis import strategies as st
 from driftproof import strategies
 from driftproof.methods.schemes import Nystrom, Splitting
 from driftproof.symbolic.algebra.matrices import matrix_product
-from driftproof.symbolic.algebra.polynomials import coefficients, evaluate, exact, from_scalars, polynomial, scalar
+from driftproof.symbolic.algebra.polynomials import evaluate, exact, from_scalars, polynomial, scalar
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
-from driftproof.symbolic.derivation.energy import energy_multiplier as polynomial_multiplier
-from driftproof.symbolic.derivation.one_step import one_step_matrix as polynomial_matrix
 from driftproof.symbolic.linear.invariants import definite_limit, quadratic_invariants
 from driftproof.symbolic.linear.oscillator import (
     area_factor,
@@ -123,18 +121,6 @@ def test_linear_system_must_be_square_and_exact() -> None:
         linear_step_matrix(NINE["rk4"], [[0, 1]])
     with pytest.raises(TypeError, match="exact"):
         linear_step_matrix(NINE["rk4"], [[0.5]])
-
-
-@pytest.mark.parametrize("key", NINE)
-def test_energy_multiplier_agrees_with_the_polynomial_one(key: str) -> None:
-    ours = energy_factor(oscillator_matrix(NINE[key]))
-    if isinstance(NINE[key], Splitting):
-        assert ours is None
-        return
-    theirs = polynomial_multiplier(polynomial_matrix(NINE[key]))
-    assert ours is not None
-    wanted = {power // 2: Q(int(c.numerator), int(c.denominator)) for (power,), c in theirs.terms()}
-    assert {k: c for k, c in enumerate(coefficients(ours.num)) if c} == wanted
 
 
 @pytest.mark.parametrize("key", ["rk4", "backward", "midpoint", "gauss2", "gauss3"])

@@ -30,7 +30,6 @@ from driftproof.symbolic.linear.phase import (
     leading_dissipation,
     matrix_error,
     modified_rate,
-    order_on_linear_problems,
 )
 from tests.nine import NINE
 from tests.symbolic.linear.linear_examples import EVERY, at, ball
@@ -52,7 +51,6 @@ def test_error_dispersion_and_dissipation(key: str) -> None:
     assert r is not None
     power, constant, phase, size = PHASES[key]
     assert (error_constant(r).power, str(error_constant(r).coefficient)) == (power, constant)
-    assert order_on_linear_problems(r) == power - 1
     assert (dispersion(r).power, str(dispersion(r).coefficient)) == phase
     found = dissipation(r)
     assert (found and (found.power, str(found.coefficient))) == size
