@@ -21,7 +21,6 @@ from driftproof.support.messages import MessageError, decode, encode
 from driftproof.support.processes import Limits, ProcessEnded, Session
 
 Probe = Callable[[ForeignStepper], Any]
-
 # Seconds for one probe: a step of a simulator takes milliseconds, and a probe some hundred steps.
 TIME_LIMIT = 60.0
 # In bytes, beyond what the process has at its start: no stepper of three numbers needs it, and most machines have it.

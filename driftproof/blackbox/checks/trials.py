@@ -15,7 +15,6 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper, call_tex
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 
 PhasePoint = tuple[float, float]
-
 # States with 53 bits each, of ordinary size: the fixed point of the cosine, the solution of x exp(x) = 1, and others.
 ORDINARY_STATE: PhasePoint = (0.7390851332151607, 0.5671432904097838)
 ANOTHER: PhasePoint = (0.5772156649015329, -0.9159655941772190)
@@ -34,7 +33,6 @@ _SMALLER = 2.0**-7
 _MOST_ROUNDING = 2.0**-5
 # Rounded answers of up to eight calls, each off by half a grain.
 _GRAINS = 4
-
 _TYPES: dict[FloatFormat, type[np.floating]] = {BINARY64: np.float64, BINARY32: np.float32, BINARY16: np.float16}
 
 

@@ -35,7 +35,6 @@ from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduce
 
 # A table, without a drift where a right-hand side shows it: over the numbers that it is asked for.
 Recipe: TypeAlias = Callable[[FromExact], tuple[StageCoefficients, Any]]
-
 # More steps of a method in one are not looked for: codes take two halves, as extrapolation does, or three or four
 # sub-steps; each more costs a table for every method.
 MOST_REPEATED = 4

@@ -32,7 +32,6 @@ from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduce
 # A coefficient that is a quotient or a root, computed where it is used, takes four operations at most, as does
 # 1/(2 - 2**(1/3)).
 FEW_ROUNDINGS = 4
-
 # A method that differs in more coefficients than so many, or in more than every third, is another method: two
 # exchanged weights are two differences, and with a node of theirs three.
 FEW_DIFFERENCES = 3

@@ -13,13 +13,10 @@ from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, FloatFormat
 
 # M_qq, M_qv, M_vq, M_vv as floats.
 MatrixEntries: TypeAlias = tuple[float, float, float, float]
-
 # What a stepper turned out to be.
 LINEAR, LINEARISED, NOT_LINEAR = "linear", "linear at tiny states only", "not linear"
 NOT_REPEATABLE, NOT_AT_REST = "not repeatable", "not at rest in (0, 0)"
-
 FAR_OUT = "not linear far out"
-
 # A generic state and step: their products and sums fill the significands of any format.
 STATE, STEP = (1 / 3, 0.7), 0.3
 # Steps in units of the system's own time, as dyadic numbers: both ways in time, and far beyond its time scale.

@@ -12,7 +12,6 @@ from driftproof.symbolic.rounding.formats import FloatFormat
 
 CoefficientRow: TypeAlias = tuple[float, ...]
 Result = TypeVar("Result")
-
 # Numbers of these sizes are below the limits on speeds and distances in use, and above what is put to rest.
 BELOW_LIMITS = (2.0**-5, 2.0**-10)
 # A limit takes away more than this part of a number; what bends takes away less.

@@ -4,20 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from driftproof.blackbox.matching.match import match_forces, match_tableau
+from driftproof.blackbox.matching.match import match_forces
 from driftproof.blackbox.probes.force import read_forces
-from driftproof.blackbox.probes.tableau import read_tableau
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from tests.blackbox import handwritten_steppers as codes
-
-
-def in_field(step):
-    return match_tableau(read_tableau(opened(step, "field")))
-
-
-def on_force(step):
-    return match_forces(read_forces(opened(step)))
+from tests.blackbox.matching.readings import in_field, on_force
 
 
 def with_step(step, factor):

@@ -4,40 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from driftproof.blackbox.matching.match import match_tableau
-from driftproof.blackbox.probes.tableau import read_tableau
-from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.schemes import RungeKutta
 from tests.blackbox import handwritten_steppers as codes
-
-EXPLICIT = [key for key, method in METHODS.items() if method.explicit]
-
-
-TABLEAUX = [key for key in EXPLICIT if isinstance(METHODS[key], RungeKutta)]
-
-
-# The same step under several names: a pair propagates it, or it was found twice.
-TIES = [{"heun2", "ssprk22", "heun_euler21"}, {"rk4", "zonneveld43"}, {"ralston3", "bogacki_shampine32"}]
-
+from tests.blackbox.matching.readings import TABLEAUX, TIES, counted, in_field, ties_of
 
 TIES += [{"dop853", "dop853_third"}]
-
-
-def ties_of(key):
-    return next((tie for tie in TIES if key in tie), {key})
-
-
-def in_field(step):
-    return match_tableau(read_tableau(opened(step, "field")))
-
-
-def counted(method):
-    """The stages that the step depends on."""
-    found = {j for j, x in enumerate(method.b) if x}
-    for i in reversed(range(method.stages)):
-        found |= {j for j, x in enumerate(method.a[i]) if x and i in found}
-    return found
 
 
 def in_another_order(method):

@@ -24,8 +24,8 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.symbolic.linear.reduced_tableau import is_symmetric
 from driftproof.symbolic.rounding.any_evaluation_order import any_evaluation_order_bound
 from driftproof.symbolic.rounding.formats import BINARY64
+from tests.blackbox.matching.readings import EXPLICIT
 
-EXPLICIT = [key for key, method in METHODS.items() if method.explicit]
 MAPS = (*equivalent_methods(), *adjoint_methods(), ExactFlowMap())
 
 

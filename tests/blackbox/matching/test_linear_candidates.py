@@ -4,29 +4,20 @@ from __future__ import annotations
 
 from fractions import Fraction as Q
 
-import numpy as np
 import pytest
 
 from driftproof.blackbox.matching.equivalent_methods import equivalent_methods
 from driftproof.blackbox.matching.linear_candidates import explained_by, rates_of
-from driftproof.blackbox.matching.linear_match import LinearFit, linear_fit
 from driftproof.blackbox.probes.linear_steps import (
     read_linear_steps,
 )
-from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation
 from driftproof.numeric.steppers import rk4
 from tests.blackbox.catalogue_steppers import float_subject, with_one_changed
-
-
-def fit(step) -> LinearFit:
-    return linear_fit(opened(step))
-
+from tests.blackbox.matching.linear_fits import VARIANTS, fit
 
 CHANGES = {"off by 1e-10": lambda c: c + Q(1, 10**10), "sign flipped": lambda c: -c}
-
-
 # Nodes that change sign are no nodes of a collocation method.
 CHANGED = [
     pytest.param(key, change, id=f"{key} {name}")
@@ -48,25 +39,6 @@ def test_a_stepper_with_another_step_backwards_is_named_for_steps_forward_only()
     found = fit(lambda force, q, v, h: rk4(force, q, v, abs(h)))
     assert found.best.words == "rk4, but only at h > 0"
     assert found.best.extras == 1
-
-
-def adjoint_of_rk4(q, v, h):
-    c, s = 1 - h**2 / 2 + h**4 / 24, h - h**3 / 6
-    det = c * c + s * s
-    return (c * q + s * v) / det, (c * v - s * q) / det
-
-
-VARIANTS = [
-    (lambda force, q, v, h: rk4(force, q, v, -h), "rk4, with -h for h: it steps back in time"),
-    (adjoint_of_rk4, "the adjoint of rk4"),
-    (lambda force, q, v, h: rk4(force, q, v, float(np.float32(h))), "rk4, with h rounded to binary32"),
-    (lambda force, q, v, h: rk4(lambda x: force(x) / 2, q, v, h), "rk4, but the force enters 0.5 times"),
-    (lambda force, q, v, h: rk4(force, q, v, 0.75 * h), "rk4, with 0.75 h for h"),
-    (
-        lambda q, v, h: (q + h / 2 * (v - h * q), v - h * q),
-        "velocity-first symplectic Euler, but the position moves by 0.5 h v",
-    ),
-]
 
 
 @pytest.mark.parametrize(("step", "words"), VARIANTS, ids=[words for _, words in VARIANTS])

@@ -5,38 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from driftproof.blackbox.matching.match import match_forces, match_tableau
-from driftproof.blackbox.probes.force import read_forces
-from driftproof.blackbox.probes.tableau import read_tableau
-from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.schemes import RungeKutta
 from driftproof.methods.stepping import stepper
 from tests.blackbox import handwritten_steppers as codes
-
-EXPLICIT = [key for key, method in METHODS.items() if method.explicit]
-
-
-TABLEAUX = [key for key in EXPLICIT if isinstance(METHODS[key], RungeKutta)]
-
-
-# The same step under several names: a pair propagates it, or it was found twice.
-TIES = [{"heun2", "ssprk22", "heun_euler21"}, {"rk4", "zonneveld43"}, {"ralston3", "bogacki_shampine32"}]
-
+from tests.blackbox.matching.readings import EXPLICIT, TABLEAUX, TIES, in_field, on_force, ties_of
 
 TIES += [{"dop853", "dop853_third"}]
-
-
-def ties_of(key):
-    return next((tie for tie in TIES if key in tie), {key})
-
-
-def in_field(step):
-    return match_tableau(read_tableau(opened(step, "field")))
-
-
-def on_force(step):
-    return match_forces(read_forces(opened(step)))
 
 
 @pytest.mark.parametrize("key", EXPLICIT)

@@ -4,34 +4,8 @@ from __future__ import annotations
 
 from fractions import Fraction as Q
 
-import numpy as np
-
-from driftproof.blackbox.matching.linear_match import LinearFit, linear_fit
-from driftproof.blackbox.stepper.opening import opened
 from driftproof.numeric.steppers import rk4, symplectic_euler
-
-
-def fit(step) -> LinearFit:
-    return linear_fit(opened(step))
-
-
-def adjoint_of_rk4(q, v, h):
-    c, s = 1 - h**2 / 2 + h**4 / 24, h - h**3 / 6
-    det = c * c + s * s
-    return (c * q + s * v) / det, (c * v - s * q) / det
-
-
-VARIANTS = [
-    (lambda force, q, v, h: rk4(force, q, v, -h), "rk4, with -h for h: it steps back in time"),
-    (adjoint_of_rk4, "the adjoint of rk4"),
-    (lambda force, q, v, h: rk4(force, q, v, float(np.float32(h))), "rk4, with h rounded to binary32"),
-    (lambda force, q, v, h: rk4(lambda x: force(x) / 2, q, v, h), "rk4, but the force enters 0.5 times"),
-    (lambda force, q, v, h: rk4(force, q, v, 0.75 * h), "rk4, with 0.75 h for h"),
-    (
-        lambda q, v, h: (q + h / 2 * (v - h * q), v - h * q),
-        "velocity-first symplectic Euler, but the position moves by 0.5 h v",
-    ),
-]
+from tests.blackbox.matching.linear_fits import VARIANTS, fit, like_rk4
 
 
 def test_order_0_is_said_of_a_position_that_moves_by_half():
@@ -57,17 +31,6 @@ def test_facts_of_a_method_are_those_of_its_exact_matrix():
     assert found.facts.entries[:2] == ("1 - h**2/2 + h**4/24", "h - h**3/6")
     assert found.facts.determinant == found.facts.energy_multiplier == "1 - h**6/72 + h**8/576"
     assert found.facts.linear_order == 4
-
-
-def like_rk4(fourth: float):
-    """RK4's matrix with another coefficient of h^4 in M_qq."""
-
-    def step(q, v, h):
-        s = h * h
-        sine = h * (1 - s / 6)
-        return (1 - s / 2 + s * s * fourth) * q + sine * v, (1 - s / 2 + s * s / 24) * v - sine * q
-
-    return step
 
 
 def test_a_wrong_weight_is_read_as_the_fraction_that_it_is():

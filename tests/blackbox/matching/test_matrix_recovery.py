@@ -7,26 +7,11 @@ from math import sin
 
 import pytest
 
-from driftproof.blackbox.matching.linear_match import LinearFit, linear_fit
 from driftproof.blackbox.matching.matrix_recovery import recovered
 from driftproof.blackbox.probes.linear_steps import read_linear_steps
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.symbolic.algebra.polynomials import scalar
-
-
-def fit(step) -> LinearFit:
-    return linear_fit(opened(step))
-
-
-def like_rk4(fourth: float):
-    """RK4's matrix with another coefficient of h^4 in M_qq."""
-
-    def step(q, v, h):
-        s = h * h
-        sine = h * (1 - s / 6)
-        return (1 - s / 2 + s * s * fourth) * q + sine * v, (1 - s / 2 + s * s / 24) * v - sine * q
-
-    return step
+from tests.blackbox.matching.linear_fits import fit, like_rk4
 
 
 def test_the_right_weight_is_rk4():

@@ -9,18 +9,17 @@ from time import sleep
 
 import pytest
 
-from driftproof.blackbox.matching.match import match_forces, match_tableau, matched
+from driftproof.blackbox.matching.match import match_forces, matched
 from driftproof.blackbox.probes.force import read_forces
 from driftproof.blackbox.probes.tableau import read_tableau
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.schemes import Nystrom, RungeKutta, Splitting
+from driftproof.methods.schemes import Nystrom
 from driftproof.methods.stepping import stepper
 from tests.blackbox import handwritten_steppers as codes
+from tests.blackbox.matching.readings import EXPLICIT, SHORT, SPLITTINGS, counted, in_field, on_force
 
 RALSTON = (0.4, 0.45573725), (0.29697761, 0.15875964), (0.21810040, -3.05096516, 3.83286476)
-
-
 WEIGHTS = (0.17476028, -0.55148066, 1.20553560, 0.17118478)
 
 
@@ -51,26 +50,6 @@ def second(subject):
     sleep(0.4)
 
 
-EXPLICIT = [key for key, method in METHODS.items() if method.explicit]
-
-
-TABLEAUX = [key for key in EXPLICIT if isinstance(METHODS[key], RungeKutta)]
-
-
-SHORT = [key for key in TABLEAUX if METHODS[key].stages < 20]
-
-
-SPLITTINGS = [key for key in EXPLICIT if isinstance(METHODS[key], Splitting)]
-
-
-def in_field(step):
-    return match_tableau(read_tableau(opened(step, "field")))
-
-
-def on_force(step):
-    return match_forces(read_forces(opened(step)))
-
-
 def changed_tableaux(method):
     """(name of the coefficient, the method with it changed): its sign flipped, or an eighth more."""
     for j, factor in product(range(method.stages), FACTORS):
@@ -87,14 +66,6 @@ FACTORS = (-1, Q(9, 8))
 
 def replaced(row, place, factor):
     return tuple(x * (factor if i == place else 1) for i, x in enumerate(row))
-
-
-def counted(method):
-    """The stages that the step depends on."""
-    found = {j for j, x in enumerate(method.b) if x}
-    for i in reversed(range(method.stages)):
-        found |= {j for j, x in enumerate(method.a[i]) if x and i in found}
-    return found
 
 
 def demand_that_it_is_named(identity, key, name):

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
-from functools import cache
 from math import sin
 
 import numpy as np
 
-from driftproof.blackbox.matching.linear_match import LinearFit, linear_fit
+from driftproof.blackbox.matching.linear_match import linear_fit
 from driftproof.blackbox.probes.linear_steps import (
     LINEARISED,
     NOT_AT_REST,
@@ -16,24 +15,8 @@ from driftproof.blackbox.probes.linear_steps import (
     NOT_REPEATABLE,
 )
 from driftproof.blackbox.stepper.opening import opened
-from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.steppers import rk4, symplectic_euler
-from driftproof.symbolic.algebra.certified import significant
-from driftproof.symbolic.runs import exact_matrix_at
-
-
-def fit(step) -> LinearFit:
-    return linear_fit(opened(step))
-
-
-@cache
-def alike() -> dict[str, list[str]]:
-    """The methods with the same matrix, by its exact values at two steps to 60 digits."""
-    found: dict[tuple[str, ...], list[str]] = {}
-    for key, method in METHODS.items():
-        values = (significant(x, 60) for h in (Q(3, 7), Q(-5, 4)) for x in exact_matrix_at(method, h))
-        found.setdefault(tuple(values), []).append(key)
-    return {key: keys for keys in found.values() for key in keys}
+from tests.blackbox.matching.linear_fits import alike, fit
 
 
 def test_half_precision_is_read_too():

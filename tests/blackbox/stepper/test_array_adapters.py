@@ -6,86 +6,18 @@ import pytest
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, SCALARS
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
+from tests.blackbox.stepper.euler_steps import (
+    EULER,
+    Tensor,
+    field,
+    force_of_arrays,
+    force_of_numbers,
+    map_of_a_list,
+    map_of_a_state,
+    map_of_numbers,
+)
 
 STATE, H = (1.0, 0.75), 0.25
-
-
-EULER = (1.1875, 0.5)
-
-
-class Tensor:
-    """As much of somebody's array type as a stepper and a reader touch; it records a gradient, and says so."""
-
-    dtype = "torch.float32"
-
-    def __init__(self, data):
-        self.data = np.array(data, dtype=np.float32)
-
-    def __mul__(self, other):
-        return Tensor(self.data * getattr(other, "data", other))
-
-    def __add__(self, other):
-        return Tensor(self.data + getattr(other, "data", other))
-
-    __rmul__, __radd__ = __mul__, __add__
-
-    def __iadd__(self, other):
-        self.data += getattr(other, "data", other)
-        return self
-
-    def __neg__(self):
-        return Tensor(-self.data)
-
-    def __getitem__(self, place):
-        return Tensor(self.data[place])
-
-    def __bool__(self):
-        raise RuntimeError("the truth of a tensor is ambiguous")
-
-    def __eq__(self, other):
-        return Tensor(self.data == other.data)
-
-    __hash__ = None
-
-    def __array__(self, dtype=None, copy=None):
-        raise RuntimeError("can't call numpy() on a tensor that requires grad; use detach()")
-
-    def clone(self):
-        return Tensor(self.data)
-
-    def detach(self):
-        return self.data
-
-    def size(self):
-        return self.data.shape
-
-
-def map_of_numbers(q, v, h):
-    return q + h * v, v - h * q
-
-
-def map_of_a_state(state, dt):
-    q, v = state
-    return np.array([q + dt * v, v - dt * q])
-
-
-def map_of_a_list(state, dt):
-    assert state.index(state[0]) >= 0  # as lists alone can
-    return [state[0] + dt * state[1], state[1] - dt * state[0]]
-
-
-def force_of_numbers(force, q, v, h):
-    return q + h * v, v + h * force(q)
-
-
-def force_of_arrays(x, v, acceleration, dt):
-    a = acceleration(x)
-    assert a.shape == (1,)
-    return np.stack([x + dt * v, v + dt * a])
-
-
-def field(f, t, y, h):
-    return y + h * f(t, y)
 
 
 @pytest.mark.parametrize(

@@ -12,99 +12,23 @@ from driftproof.blackbox.stepper.foreign_stepper import call_text
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.symbolic.rounding.formats import BINARY64
 from tests.blackbox.checks.habits import plain
+from tests.blackbox.stepper.euler_steps import (
+    ALL,
+    EULER,
+    both,
+    field,
+    field_of_lists,
+    field_state_first,
+    field_with_the_time_back,
+    force_of_numbers,
+    list_in_place,
+    map_of_a_state,
+    map_of_numbers,
+    numbers_in_place,
+    state_in_place,
+)
 
 STATE, H = (1.0, 0.75), 0.25
-
-
-EULER = (1.1875, 0.5)
-
-
-def map_of_numbers(q, v, h):
-    return q + h * v, v - h * q
-
-
-def map_of_a_state(state, dt):
-    q, v = state
-    return np.array([q + dt * v, v - dt * q])
-
-
-def map_of_a_list(state, dt):
-    assert state.index(state[0]) >= 0  # as lists alone can
-    return [state[0] + dt * state[1], state[1] - dt * state[0]]
-
-
-def map_with_the_time(t, y, h):
-    return t + h, np.array([y[0] + h * y[1], y[1] - h * y[0]])
-
-
-def force_of_numbers(force, q, v, h):
-    return q + h * v, v + h * force(q)
-
-
-def force_of_arrays(x, v, acceleration, dt):
-    a = acceleration(x)
-    assert a.shape == (1,)
-    return np.stack([x + dt * v, v + dt * a])
-
-
-def force_and_time(force, t, q, v, h):
-    return q + h * v, v + h * force(q, v, t)
-
-
-def field(f, t, y, h):
-    return y + h * f(t, y)
-
-
-def field_of_lists(f, t, y, h):
-    return [a + h * b for a, b in zip(y, f(t, y), strict=True)] if y != 0 else []
-
-
-def field_with_the_time_back(f, t, y, h):
-    return t + h, y + h * f(t, y)
-
-
-def field_state_first(f, y, t, h):
-    return y + h * f(y, t)
-
-
-def field_that_calls_the_other_way(f, t, y, h):
-    return y + h * f(y, t)
-
-
-def field_without_time(f, y, dt):
-    return y + dt * f(y)
-
-
-def numbers_in_place(x, v, dt):
-    x[:], v[:] = x + dt * v, v - dt * x
-
-
-def state_in_place(y, dt):
-    y[:] = [y[0] + dt * y[1], y[1] - dt * y[0]]
-
-
-def list_in_place(y, dt):
-    y.append(y[0] + dt * y[1])
-    y.append(y[1] - dt * y[0])
-    del y[:2]
-
-
-def both(q, v, h):
-    v0 = +v
-    v -= h * q
-    q += h * v0
-    return q, v
-
-
-def generator(q, v, h):
-    return (x for x in map_of_numbers(q, v, h))
-
-
-ALL = [
-    *(map_of_numbers, map_of_a_state, map_of_a_list, map_with_the_time, force_of_numbers, force_of_arrays),
-    *(force_and_time, field, field_of_lists, field_with_the_time_back, field_state_first, field_without_time),
-    *(field_that_calls_the_other_way, numbers_in_place, state_in_place, list_in_place, both, generator),
-]
 
 
 @pytest.mark.parametrize("step", ALL)

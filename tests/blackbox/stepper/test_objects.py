@@ -92,8 +92,6 @@ by_functions = stepper_of(
 )
 solver = field_stepper_of(Solver, time="t")
 solver_without_time = field_stepper_of(lambda f: Solver(lambda t, y: f(y)))
-
-
 NAMED = {
     "body": (body, "it is symplectic_euler"),
     "renewed": (renewed, "it is velocity_verlet"),

@@ -1,0 +1,37 @@
+"""How steppers are read and matched in these tests, and which methods of the catalogue are read."""
+
+from __future__ import annotations
+
+from driftproof.blackbox.matching.match import match_forces, match_tableau
+from driftproof.blackbox.probes.force import read_forces
+from driftproof.blackbox.probes.tableau import read_tableau
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import RungeKutta, Splitting
+
+EXPLICIT = [key for key, method in METHODS.items() if method.explicit]
+TABLEAUX = [key for key in EXPLICIT if isinstance(METHODS[key], RungeKutta)]
+SHORT = [key for key in TABLEAUX if METHODS[key].stages < 20]
+SPLITTINGS = [key for key in EXPLICIT if isinstance(METHODS[key], Splitting)]
+# The same step under several names: a pair propagates it, or it was found twice.
+TIES = [{"heun2", "ssprk22", "heun_euler21"}, {"rk4", "zonneveld43"}, {"ralston3", "bogacki_shampine32"}]
+
+
+def ties_of(key):
+    return next((tie for tie in TIES if key in tie), {key})
+
+
+def in_field(step):
+    return match_tableau(read_tableau(opened(step, "field")))
+
+
+def on_force(step):
+    return match_forces(read_forces(opened(step)))
+
+
+def counted(method):
+    """The stages that the step depends on."""
+    found = {j for j, x in enumerate(method.b) if x}
+    for i in reversed(range(method.stages)):
+        found |= {j for j, x in enumerate(method.a[i]) if x and i in found}
+    return found
