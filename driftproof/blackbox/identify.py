@@ -13,7 +13,8 @@ from driftproof.blackbox.findings import Outcome
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import ORDINARY_DOMAIN, explained
 from driftproof.blackbox.judging.pendulum_order import MeasuredOrder, measured_order
-from driftproof.blackbox.matching.linear_match import LinearCandidate, LinearFit, linear_fit
+from driftproof.blackbox.matching.linear_candidates import LinearCandidate
+from driftproof.blackbox.matching.linear_match import LinearFit, linear_fit
 from driftproof.blackbox.matching.match import Identity, match_tableau, matched
 from driftproof.blackbox.matching.read_order import ReadOrder, read_order
 from driftproof.blackbox.probes.linear_steps import LINEAR

@@ -10,28 +10,7 @@ import pytest
 from driftproof.blackbox.identify import identify
 from driftproof.cli import main
 from tests.blackbox import broken_steppers
-
-
-def rk4(f, t, y, h):
-    k1 = f(t, y)
-    k2 = f(t + h / 2, y + h * k1 / 2)
-    k3 = f(t + h / 2, y + h * k2 / 2)
-    k4 = f(t + h, y + h * k3)
-    return y + h * (k1 + 2 * k2 + 2 * k3 + k4) / 6
-
-
-def rk38(f, t, y, h):
-    k1 = f(t, y)
-    k2 = f(t + h / 3, y + h * k1 / 3)
-    k3 = f(t + 2 * h / 3, y + h * (k2 - k1 / 3))
-    k4 = f(t + h, y + h * (k1 - k2 + k3))
-    return y + h * (k1 + 3 * k2 + 3 * k3 + k4) / 8
-
-
-def velocity_verlet(force, q, v, h):
-    v = v + h / 2 * force(q)
-    q = q + h * v
-    return q, v + h / 2 * force(q)
+from tests.blackbox.handwritten_steppers import rk4, rk38, velocity_verlet
 
 
 def with_drag(q, v, h):
@@ -110,7 +89,7 @@ def test_the_report_is_json_markdown_and_text():
 
 
 def test_on_the_command_line_a_stepper_is_given_by_its_name(capsys):
-    assert main(["identify", "tests.blackbox.test_identify:rk38"]) == 0
+    assert main(["identify", "tests.blackbox.handwritten_steppers:rk38"]) == 0
     assert "it is rk38" in capsys.readouterr().out
 
 

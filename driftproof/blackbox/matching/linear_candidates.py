@@ -77,23 +77,20 @@ class Error(NamedTuple):
 
 
 @dataclass(frozen=True)
-class LinearExplanation:
+class LinearCandidate:
     """A map with its worst error over all steps or, where that is too much, over those that `restriction` names.
 
-    With `known`, the system is q' = v, v' = -q; else its stiffness is the stepper's own.
+    `methods` are the catalogue's keys with the same matrix, of which it is made, none for the exact solution. With
+    `known`, the system is q' = v, v' = -q; else its stiffness is the stepper's own.
     """
 
-    map: LinearMap
+    methods: tuple[str, ...]
+    adjoint: bool
     position: Fraction
     stiffness: Fraction
     known: bool
     error: Error
     restriction: str = ""
-
-    @property
-    def methods(self) -> tuple[str, ...]:
-        """The keys of the methods that it is made from."""
-        return self.map.keys if isinstance(self.map, LinearlyEquivalentMethods) else ()
 
     @property
     def rates_are_right(self) -> bool:
@@ -104,14 +101,13 @@ class LinearExplanation:
     def extras(self) -> int:
         """How many things make it differ from a method of the catalogue on its system."""
         off = self.position != 1 or (self.known and self.stiffness != 1)
-        return bool(self.restriction) + off + (isinstance(self.map, LinearlyEquivalentMethods) and self.map.adjoint)
+        return bool(self.restriction) + off + self.adjoint
 
     @property
     def words(self) -> str:
         """What the stepper is, if this is it."""
-        name = "the exact solution"
-        if isinstance(self.map, LinearlyEquivalentMethods):
-            name = f"{'the adjoint of ' * self.map.adjoint}{_NAMES.get(self.methods[0], self.methods[0])}"
+        name = _NAMES.get(self.methods[0], self.methods[0]) if self.methods else "the exact solution"
+        name = f"{'the adjoint of ' * self.adjoint}{name}"
         return f"{name}{self._rates_in_words()}{f', {self.restriction}' if self.restriction else ''}"
 
     def _rates_in_words(self) -> str:
@@ -125,12 +121,12 @@ class LinearExplanation:
         return f", but {' and '.join(wrong)}" if wrong else ""
 
 
-def linear_explanations(reading: LinearReading, *, known: bool) -> list[LinearExplanation]:
+def linear_candidates(reading: LinearReading, *, known: bool) -> list[LinearCandidate]:
     """What explains the reading, of the fewest extras first; adjoints only where no method does at all steps."""
     position, stiffness = rates_of(reading)
     if any(rate != 1 and abs(rate - 1) < _LEAST_OFF for rate in ((position, stiffness) if known else (position,))):
         return []
-    found: list[LinearExplanation] = []
+    found: list[LinearCandidate] = []
     for classes in (equivalent_methods(), adjoint_methods()):
         maps: list[LinearMap] = [*([] if found else [ExactFlowMap()]), *_near(reading, classes, position, stiffness)]
         explained = (explained_by(each, reading, position, stiffness, known=known) for each in maps)
@@ -157,7 +153,7 @@ def _near(
 
 def explained_by(
     each: LinearMap, reading: LinearReading, position: Fraction, stiffness: Fraction, *, known: bool
-) -> LinearExplanation:
+) -> LinearCandidate:
     """A map held to its bound; where that fails, with h rounded to binary32 first; where that fails, at fewer steps.
 
     A map that fails at a dyadic step within the system's own time is beyond all that, and is not looked at further.
@@ -175,7 +171,8 @@ def explained_by(
 
     within = {h for h, _ in reading.steps if 0 < h <= reading.unit and _is_coarse(h)}
     errors: dict[float, Error] = {}
-    found = LinearExplanation(each, position, stiffness, known, Error(inf, inf))
+    keys, adjoint = (each.keys, each.adjoint) if isinstance(each, LinearlyEquivalentMethods) else ((), False)
+    found = LinearCandidate(keys, adjoint, position, stiffness, known, Error(inf, inf))
     with ctx.workprec(CERTIFYING_BITS):
         for h, m in sorted(reading.steps, key=lambda step: (step[0] not in within, -step[0])):
             errors[h] = at(h, m)

@@ -14,13 +14,14 @@ from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.matching.equivalent_methods import (
     LinearlyEquivalentMethods,
     Rates,
+    adjoint_methods,
     all_matrices,
     equivalent_methods,
 )
 from driftproof.blackbox.matching.linear_candidates import (
     FORWARDS,
-    LinearExplanation,
-    linear_explanations,
+    LinearCandidate,
+    linear_candidates,
     rates_of,
     tried_steps,
 )
@@ -55,24 +56,6 @@ OTHER_SIZES = (2.0**-5, 2.0**-10, 2.0**20)
 OWN_RANGE = 100
 # A longer text, or list, is left to programs: so much a reader takes in.
 LONGEST_LINE, MOST_COMPARED, MOST_DIFFERENCES = 160, 8, 4
-
-
-@dataclass(frozen=True)
-class LinearCandidate:
-    """A map that the stepper cannot be told from by linear steps.
-
-    `methods` are the catalogue's keys with the same matrix, of which it is made; `extras` counts what makes it differ
-    from them. `score` is its worst error in units of the bound, at most 1. q' = a v, v' = -k q with a = `position` and
-    k = `stiffness`. `restriction` says at which steps only, if so.
-    """
-
-    methods: tuple[str, ...]
-    words: str
-    extras: int
-    score: float
-    position: Fraction
-    stiffness: Fraction
-    restriction: str = ""
 
 
 @dataclass(frozen=True)
@@ -164,21 +147,17 @@ def fitted(reading: LinearReading, *, known: bool) -> LinearFit:
         start = replace(start, position=position, stiffness=stiffness)
     if known and reading.ordinary:
         start = replace(start, nearest=_nearest(*reading.ordinary, rates))
-    found = linear_explanations(reading, known=known) if position and stiffness else []
+    found = linear_candidates(reading, known=known) if position and stiffness else []
     return _explained(start, found) if found else _unexplained(start, reading, known=known)
 
 
-def _explained(start: LinearFit, found: Sequence[LinearExplanation]) -> LinearFit:
+def _explained(start: LinearFit, found: Sequence[LinearCandidate]) -> LinearFit:
     """The fit with what explains it, and the facts of the first."""
-    candidates = tuple(
-        LinearCandidate(e.methods, e.words, e.extras, e.error.in_bounds, e.position, e.stiffness, e.restriction)
-        for e in found
-    )
-    first, system = found[0], Fraction(1) if found[0].known else found[0].stiffness
-    facts = MatrixFacts(None, None, None, None)
-    if isinstance(first.map, LinearlyEquivalentMethods):
-        facts = facts_of_class(first.map, first.position, first.stiffness, system)
-    return replace(start, candidates=candidates, facts=facts, damping=Fraction(0))
+    first, system, facts = found[0], Fraction(1) if found[0].known else found[0].stiffness, MatrixFacts(*[None] * 4)
+    for each in adjoint_methods() if first.adjoint else equivalent_methods():
+        if each.keys == first.methods:
+            facts = facts_of_class(each, first.position, first.stiffness, system)
+    return replace(start, candidates=tuple(found), facts=facts, damping=Fraction(0))
 
 
 def _unexplained(start: LinearFit, reading: LinearReading, *, known: bool) -> LinearFit:

@@ -45,7 +45,7 @@ def test_a_stepper_with_another_step_backwards_is_named_for_steps_forward_only()
 def test_a_method_with_its_step_or_its_rates_wrong_is_named(step, words):
     found = fit(step)
     assert (found.best.words, found.best.extras) == (words, 1)
-    assert found.best.score <= 1
+    assert found.best.error.in_bounds <= 1
 
 
 def test_a_sloppy_solver_is_not_called_the_adjoint_of_a_method_that_is_its_own():

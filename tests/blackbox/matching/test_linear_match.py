@@ -26,7 +26,7 @@ def test_each_method_is_named_up_to_those_with_the_same_matrix(key):
     assert found.best is not None
     assert found.best.methods == tuple(alike()[key])
     assert found.best.extras == 0
-    assert found.best.score <= 1
+    assert found.best.error.in_bounds <= 1
     assert (found.best.position, found.best.stiffness, found.damping) == (1, 1, 0)
     assert found.facts.linear_order == METHODS[key].claimed_order
 
