@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import gc
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from random import Random
@@ -39,16 +39,11 @@ class Timing:
 
     @property
     def spread(self) -> float | None:
-        """As `spread_of`."""
-        return spread_of(self.samples)
-
-
-def spread_of(samples: Sequence[float]) -> float | None:
-    """The middle half of the samples, from end to end, over their median; None for a single sample."""
-    if len(samples) < 2:
-        return None
-    low, _, high = quantiles(samples, n=4, method="inclusive")
-    return (high - low) / median(samples)
+        """The middle half of the samples, from end to end, over their median; None for a single sample."""
+        if len(self.samples) < 2:
+            return None
+        low, _, high = quantiles(self.samples, n=4, method="inclusive")
+        return (high - low) / median(self.samples)
 
 
 TimeSource = Callable[[], float]
