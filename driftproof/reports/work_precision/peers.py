@@ -13,7 +13,7 @@ from importlib.metadata import version
 from importlib.util import find_spec
 from math import inf
 from time import perf_counter
-from typing import Any, Protocol
+from typing import Any
 
 from driftproof.methods.vector_fields import FUNCTIONS
 from driftproof.numeric.advance import Rate, State, field_rate, float_start
@@ -28,17 +28,26 @@ _MOST_STEPS = 10**5
 INSTALL = f"not installed; {how_to_install('peers')}"
 
 
-class Solver(Protocol):
+class Solver:
     """A solver of a peer on a problem. Both methods raise ArithmeticError with its words where it does not arrive."""
+
+    rate: Rate
 
     def solve(self, tolerance: float, t: float) -> State:
         """The state at t, from the start."""
+        return self._solved(self.rate, tolerance, t)
 
     def counted(self, tolerance: float, t: float, limit: float = inf) -> int | None:
         """The evaluations of f that a solve really makes, counted; it is given up after `limit` seconds.
 
-        None where f is not called, but expanded in Taylor series.
+        Those for differences in Jacobian matrices are among them. None where f is not called, but expanded in series.
         """
+        rate = _Watched(self.rate, limit)
+        self._solved(rate, tolerance, t)
+        return rate.calls
+
+    def _solved(self, rate: Rate, tolerance: float, t: float) -> State:
+        raise NotImplementedError
 
 
 @dataclass(frozen=True)
@@ -72,26 +81,7 @@ def peers_named(names: Iterable[str]) -> list[Peer]:
     return found
 
 
-class _CallsARate:
-    """A solver that calls the rate as a Python function, whose calls can be counted."""
-
-    rate: Rate
-
-    def solve(self, tolerance: float, t: float) -> State:
-        """The state at t."""
-        return self._solved(self.rate, tolerance, t)
-
-    def counted(self, tolerance: float, t: float, limit: float = inf) -> int | None:
-        """The calls of the rate, those for differences in Jacobian matrices among them."""
-        rate = _Watched(self.rate, limit)
-        self._solved(rate, tolerance, t)
-        return rate.calls
-
-    def _solved(self, rate: Rate, tolerance: float, t: float) -> State:
-        raise NotImplementedError
-
-
-class Scipy(_CallsARate):
+class Scipy(Solver):
     """scipy.integrate.solve_ivp, the rate in plain Python."""
 
     def __init__(self, problem: Problem, solver: str) -> None:
@@ -106,7 +96,7 @@ class Scipy(_CallsARate):
         return tuple(map(float, found.y[:, -1]))
 
 
-class TorchDiffEq(_CallsARate):
+class TorchDiffEq(Solver):
     """torchdiffeq.odeint on tensors of binary64; a result at t is interpolated in the step that passes it."""
 
     def __init__(self, problem: Problem, solver: str) -> None:
@@ -127,7 +117,7 @@ class TorchDiffEq(_CallsARate):
         return tuple(found[-1].tolist())
 
 
-class Heyoka:
+class Heyoka(Solver):
     """heyoka's Taylor integrator, compiled once for each tolerance, which sets its order."""
 
     def __init__(self, problem: Problem, solver: str) -> None:
@@ -155,7 +145,7 @@ class Heyoka:
         return None
 
 
-class Diffrax:
+class Diffrax(Solver):
     """diffrax.diffeqsolve compiled by jax, once for all tolerances, in binary64."""
 
     def __init__(self, problem: Problem, solver: str) -> None:
