@@ -6,7 +6,7 @@ from fractions import Fraction as Q
 
 from driftproof.methods.number_field import NumberField, square_root
 from driftproof.methods.schemes import Method, RungeKutta
-from driftproof.methods.tables.notation import numbers, padded, row, square, tableaux
+from driftproof.methods.tables.notation import numbers, padded, tableaux
 
 S2 = square_root(2)
 # The roots of γ³ - 3γ² + 3γ/2 - 1/6 and of γ³ - 3γ²/2 + γ/2 - 1/24: order 3 and 4 with one eigenvalue, three stages.
@@ -93,24 +93,18 @@ ENTRIES: tuple[Method, ...] = (
     """
     ),
     _tr_bdf2(),
-    RungeKutta(
-        key="esdirk43",
-        title="Kennedy-Carpenter ESDIRK 4(3), the implicit half of ARK4(3)6L[2]SA",
-        claimed_order=4,
-        source="kennedy-carpenter-2003, ARK4(3)6L[2]SA-ESDIRK",
-        c=row("0 1/2 83/250 31/50 17/20 1"),
-        a=square(
-            """0
-            1/4 1/4
-            8611/62500 -1743/31250 1/4
-            5012029/34652500 -654441/2922500 174375/388108 1/4
-            15267082809/155376265600 -71443401/120774400 730878875/902184768 2285395/8070912 1/4
-            82889/524892 0 15625/83664 69875/102672 -2260/8211 1/4"""
-        ),
-        b=row("82889/524892 0 15625/83664 69875/102672 -2260/8211 1/4"),
-        b_embedded=row(
-            "4586570599/29645900160 0 178811875/945068544 814220225/1159782912 -3700637/11593932 61727/225920"
-        ),
-        embedded_order=3,
+    *tableaux(
+        """
+    esdirk43 | Kennedy-Carpenter ESDIRK 4(3), the implicit half of ARK4(3)6L[2]SA | 4(3) | \
+        kennedy-carpenter-2003, ARK4(3)6L[2]SA-ESDIRK
+         0 |
+       1/2 | 1/4 1/4
+    83/250 | 8611/62500 -1743/31250 1/4
+     31/50 | 5012029/34652500 -654441/2922500 174375/388108 1/4
+     17/20 | 15267082809/155376265600 -71443401/120774400 730878875/902184768 2285395/8070912 1/4
+         1 | 82889/524892 0 15625/83664 69875/102672 -2260/8211 1/4
+           | 82889/524892 0 15625/83664 69875/102672 -2260/8211 1/4
+           | 4586570599/29645900160 0 178811875/945068544 814220225/1159782912 -3700637/11593932 61727/225920
+    """
     ),
 )

@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-from fractions import Fraction as Q
-
-from driftproof.methods.number_field import square_root
 from driftproof.methods.schemes import Method, RungeKutta
-from driftproof.methods.tables.notation import numbers, padded, row, tableaux
+from driftproof.methods.tables.notation import tableaux
 
-S5, S21 = square_root(5), square_root(21)
-
-_LOW_ORDER: tuple[RungeKutta, ...] = (
-    *tableaux(
-        """
+_LOW_ORDER: tuple[RungeKutta, ...] = tableaux(
+    """
     ralston2 | Ralston's second-order method | 2 | ralston-1962, equation 3.5
       0 |
     2/3 | 2/3
@@ -51,27 +45,19 @@ _LOW_ORDER: tuple[RungeKutta, ...] = (
     1/2 | (sqrt(2)-1)/2 1-sqrt(2)/2
       1 | 0 -sqrt(2)/2 1+sqrt(2)/2
         | 1/6 (2-sqrt(2))/6 (2+sqrt(2))/6 1/6
+
+    ralston4 | Ralston's fourth-order method | 4 | ralston-1962, the fourth-order method of least error bound
+                   0 |
+                 2/5 | 2/5
+    7/8-3*sqrt(5)/16 | (-2889+1428*sqrt(5))/1024 (3785-1620*sqrt(5))/1024
+                   1 | (-3365+2094*sqrt(5))/6040 (-975-3046*sqrt(5))/2552 (467040+203968*sqrt(5))/240845
+                      | (263+24*sqrt(5))/1812 (125-1000*sqrt(5))/3828 (3426304+1661952*sqrt(5))/5924787 \
+        (30-4*sqrt(5))/123
     """
-    ),
-    RungeKutta(
-        key="ralston4",
-        title="Ralston's fourth-order method",
-        claimed_order=4,
-        source="ralston-1962, the fourth-order method of least error bound",
-        c=numbers(0, Q(2, 5), Q(7, 8) - 3 * S5 / 16, 1),
-        a=padded(
-            (0,),
-            (Q(2, 5),),
-            ((-2889 + 1428 * S5) / 1024, (3785 - 1620 * S5) / 1024),
-            ((-3365 + 2094 * S5) / 6040, (-975 - 3046 * S5) / 2552, (467040 + 203968 * S5) / 240845),
-        ),
-        b=((263 + 24 * S5) / 1812, (125 - 1000 * S5) / 3828, (3426304 + 1661952 * S5) / 5924787, (30 - 4 * S5) / 123),
-    ),
 )
 
-_HIGHER_ORDER: tuple[RungeKutta, ...] = (
-    *tableaux(
-        """
+_HIGHER_ORDER: tuple[RungeKutta, ...] = tableaux(
+    """
     # Not one of the Nyström methods for q'' = F(q): this one is Nyström's repair of Kutta's fifth-order method.
     kutta_nystrom5 | Kutta-Nyström fifth-order method | 5 | nystrom-1925, the corrected fifth-order method of Kutta
       0 |
@@ -99,40 +85,19 @@ _HIGHER_ORDER: tuple[RungeKutta, ...] = (
      3/4 | 39/80 -9/20 3/20 9/16
        1 | -59/35 66/35 48/35 -12/7 8/7
          | 7/90 0 16/45 2/15 16/45 7/90
-    """
-    ),
-    RungeKutta(
-        key="luther6",
-        title="Luther's sixth-order method",
-        claimed_order=6,
-        source="luther-1968, the explicit sixth-order formula",
-        c=numbers(0, 1, Q(1, 2), Q(2, 3), (7 - S21) / 14, (7 + S21) / 14, 1),
-        a=padded(
-            (0,),
-            (1,),
-            (Q(3, 8), Q(1, 8)),
-            (Q(8, 27), Q(2, 27), Q(8, 27)),
-            ((9 * S21 - 21) / 392, (8 * S21 - 56) / 392, (336 - 48 * S21) / 392, (3 * S21 - 63) / 392),
-            (
-                (-1155 - 255 * S21) / 1960,
-                (-280 - 40 * S21) / 1960,
-                -320 * S21 / 1960,
-                (63 + 363 * S21) / 1960,
-                (2352 + 392 * S21) / 1960,
-            ),
-            (
-                (330 + 105 * S21) / 180,
-                Q(2, 3),
-                (280 * S21 - 200) / 180,
-                (126 - 189 * S21) / 180,
-                (-686 - 126 * S21) / 180,
-                (490 - 70 * S21) / 180,
-            ),
-        ),
-        b=row("1/20 0 16/45 0 49/180 49/180 1/20"),
-    ),
-    *tableaux(
-        """
+
+    luther6 | Luther's sixth-order method | 6 | luther-1968, the explicit sixth-order formula
+                  0 |
+                  1 | 1
+                1/2 | 3/8 1/8
+                2/3 | 8/27 2/27 8/27
+    (7-sqrt(21))/14 | (9*sqrt(21)-21)/392 (8*sqrt(21)-56)/392 (336-48*sqrt(21))/392 (3*sqrt(21)-63)/392
+    (7+sqrt(21))/14 | (-1155-255*sqrt(21))/1960 (-280-40*sqrt(21))/1960 -320*sqrt(21)/1960 \
+        (63+363*sqrt(21))/1960 (2352+392*sqrt(21))/1960
+                   1 | (330+105*sqrt(21))/180 2/3 (280*sqrt(21)-200)/180 (126-189*sqrt(21))/180 \
+        (-686-126*sqrt(21))/180 (490-70*sqrt(21))/180
+                    | 1/20 0 16/45 0 49/180 49/180 1/20
+
     butcher6 | Butcher's sixth-order method | 6 | butcher-high-order-1964, the sixth-order processes with seven stages
       0 |
     1/3 | 1/3
@@ -154,47 +119,25 @@ _HIGHER_ORDER: tuple[RungeKutta, ...] = (
        0 | 5/154 0 0 96/539 -1815/20384 -405/2464 49/1144
        1 | -113/32 0 -195/22 32/7 29403/3584 -729/512 1029/1408 21/16
          | 0 0 0 32/105 1771561/6289920 243/2560 16807/74880 77/1440 11/270
+
+    cooper_verner8 | Cooper-Verner eighth-order method | 8 | cooper-verner-1972, the eighth-order method with \
+        eleven stages
+                  0 |
+                1/2 | 1/2
+                1/2 | 1/4 1/4
+    (7+sqrt(21))/14 | 1/7 (-7-3*sqrt(21))/98 (21+5*sqrt(21))/49
+    (7+sqrt(21))/14 | (11+sqrt(21))/84 0 (18+4*sqrt(21))/63 (21-sqrt(21))/252
+                1/2 | (5+sqrt(21))/48 0 (9+sqrt(21))/36 (-231+14*sqrt(21))/360 (63-7*sqrt(21))/80
+    (7-sqrt(21))/14 | (10-sqrt(21))/42 0 (-432+92*sqrt(21))/315 (633-145*sqrt(21))/90 (-504+115*sqrt(21))/70 \
+        (63-13*sqrt(21))/35
+    (7-sqrt(21))/14 | 1/14 0 0 0 (14-3*sqrt(21))/126 (13-3*sqrt(21))/63 1/9
+                1/2 | 1/32 0 0 0 (91-21*sqrt(21))/576 11/72 (-385-75*sqrt(21))/1152 (63+13*sqrt(21))/128
+    (7+sqrt(21))/14 | 1/14 0 0 0 1/9 (-733-147*sqrt(21))/2205 (515+111*sqrt(21))/504 (-51-11*sqrt(21))/56 \
+        (132+28*sqrt(21))/245
+                   1 | 0 0 0 0 (-42+7*sqrt(21))/18 (-18+28*sqrt(21))/45 (-273-53*sqrt(21))/72 \
+        (301+53*sqrt(21))/72 (28-28*sqrt(21))/45 (49-7*sqrt(21))/18
+                    | 1/20 0 0 0 0 0 0 49/180 16/45 49/180 1/20
     """
-    ),
-    RungeKutta(
-        key="cooper_verner8",
-        title="Cooper-Verner eighth-order method",
-        claimed_order=8,
-        source="cooper-verner-1972, the eighth-order method with eleven stages",
-        c=numbers(
-            0, Q(1, 2), Q(1, 2), *2 * [(7 + S21) / 14], Q(1, 2), *2 * [(7 - S21) / 14], Q(1, 2), (7 + S21) / 14, 1
-        ),
-        a=padded(
-            (0,),
-            (Q(1, 2),),
-            (Q(1, 4), Q(1, 4)),
-            (Q(1, 7), (-7 - 3 * S21) / 98, (21 + 5 * S21) / 49),
-            ((11 + S21) / 84, 0, (18 + 4 * S21) / 63, (21 - S21) / 252),
-            ((5 + S21) / 48, 0, (9 + S21) / 36, (-231 + 14 * S21) / 360, (63 - 7 * S21) / 80),
-            (
-                (10 - S21) / 42,
-                0,
-                (-432 + 92 * S21) / 315,
-                (633 - 145 * S21) / 90,
-                (-504 + 115 * S21) / 70,
-                (63 - 13 * S21) / 35,
-            ),
-            (Q(1, 14), 0, 0, 0, (14 - 3 * S21) / 126, (13 - 3 * S21) / 63, Q(1, 9)),
-            (
-                *(Q(1, 32), 0, 0, 0, (91 - 21 * S21) / 576, Q(11, 72)),
-                *((-385 - 75 * S21) / 1152, (63 + 13 * S21) / 128),
-            ),
-            (
-                *(Q(1, 14), 0, 0, 0, Q(1, 9), (-733 - 147 * S21) / 2205),
-                *((515 + 111 * S21) / 504, (-51 - 11 * S21) / 56, (132 + 28 * S21) / 245),
-            ),
-            (
-                *(0, 0, 0, 0, (-42 + 7 * S21) / 18, (-18 + 28 * S21) / 45, (-273 - 53 * S21) / 72),
-                *((301 + 53 * S21) / 72, (28 - 28 * S21) / 45, (49 - 7 * S21) / 18),
-            ),
-        ),
-        b=row("1/20 0 0 0 0 0 0 49/180 16/45 49/180 1/20"),
-    ),
 )
 
 ENTRIES: tuple[Method, ...] = (*_LOW_ORDER, *_HIGHER_ORDER)

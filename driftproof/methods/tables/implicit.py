@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-from fractions import Fraction as Q
-
-from driftproof.methods.number_field import square_root
 from driftproof.methods.schemes import Method, RungeKutta
-from driftproof.methods.tables.notation import numbers, padded, row, tableaux
-
-S5 = square_root(5)
+from driftproof.methods.tables.notation import tableaux
 
 _ONE_STEP: tuple[RungeKutta, ...] = tableaux(
     """
@@ -71,34 +66,21 @@ _RADAU: tuple[RungeKutta, ...] = tableaux(
     """
 )
 
-_LOBATTO_NODES4 = numbers(0, (5 - S5) / 10, (5 + S5) / 10, 1)
-
-_LOBATTO: tuple[RungeKutta, ...] = (
-    *tableaux(
-        """
+_LOBATTO: tuple[RungeKutta, ...] = tableaux(
+    """
     lobatto_iiia3 | Lobatto IIIA, three stages | 4 | hairer-wanner-1996, IV.5
       0 |
     1/2 | 5/24 1/3 -1/24
       1 | 1/6 2/3 1/6
         | 1/6 2/3 1/6
-    """
-    ),
-    RungeKutta(
-        key="lobatto_iiia4",
-        title="Lobatto IIIA, four stages",
-        claimed_order=6,
-        source="hairer-wanner-1996, IV.5",
-        c=_LOBATTO_NODES4,
-        a=padded(
-            (0,),
-            ((11 + S5) / 120, (25 - S5) / 120, (25 - 13 * S5) / 120, (-1 + S5) / 120),
-            ((11 - S5) / 120, (25 + 13 * S5) / 120, (25 + S5) / 120, (-1 - S5) / 120),
-            row("1/12 5/12 5/12 1/12"),
-        ),
-        b=row("1/12 5/12 5/12 1/12"),
-    ),
-    *tableaux(
-        """
+
+    lobatto_iiia4 | Lobatto IIIA, four stages | 6 | hairer-wanner-1996, IV.5
+                 0 |
+    (5-sqrt(5))/10 | (11+sqrt(5))/120 (25-sqrt(5))/120 (25-13*sqrt(5))/120 (-1+sqrt(5))/120
+    (5+sqrt(5))/10 | (11-sqrt(5))/120 (25+13*sqrt(5))/120 (25+sqrt(5))/120 (-1-sqrt(5))/120
+                 1 | 1/12 5/12 5/12 1/12
+                   | 1/12 5/12 5/12 1/12
+
     # The nodes are not the row sums, which are both 1/2: the stages of this one do not approximate z at the nodes.
     lobatto_iiib2 | Lobatto IIIB, two stages | 2 | hairer-wanner-1996, IV.5
     0 | 1/2 0
@@ -110,24 +92,14 @@ _LOBATTO: tuple[RungeKutta, ...] = (
     1/2 | 1/6 1/3 0
       1 | 1/6 5/6 0
         | 1/6 2/3 1/6
-    """
-    ),
-    RungeKutta(
-        key="lobatto_iiib4",
-        title="Lobatto IIIB, four stages",
-        claimed_order=6,
-        source="hairer-wanner-1996, IV.5",
-        c=_LOBATTO_NODES4,
-        a=padded(
-            (Q(1, 12), (-1 - S5) / 24, (-1 + S5) / 24, 0),
-            (Q(1, 12), (25 + S5) / 120, (25 - 13 * S5) / 120, 0),
-            (Q(1, 12), (25 + 13 * S5) / 120, (25 - S5) / 120, 0),
-            (Q(1, 12), (11 - S5) / 24, (11 + S5) / 24, 0),
-        ),
-        b=row("1/12 5/12 5/12 1/12"),
-    ),
-    *tableaux(
-        """
+
+    lobatto_iiib4 | Lobatto IIIB, four stages | 6 | hairer-wanner-1996, IV.5
+                 0 | 1/12 (-1-sqrt(5))/24 (-1+sqrt(5))/24
+    (5-sqrt(5))/10 | 1/12 (25+sqrt(5))/120 (25-13*sqrt(5))/120
+    (5+sqrt(5))/10 | 1/12 (25+13*sqrt(5))/120 (25-sqrt(5))/120
+                 1 | 1/12 (11-sqrt(5))/24 (11+sqrt(5))/24
+                   | 1/12 5/12 5/12 1/12
+
     lobatto_iiic2 | Lobatto IIIC, two stages | 2 | hairer-wanner-1996, IV.5
     0 | 1/2 -1/2
     1 | 1/2 1/2
@@ -138,22 +110,14 @@ _LOBATTO: tuple[RungeKutta, ...] = (
     1/2 | 1/6 5/12 -1/12
       1 | 1/6 2/3 1/6
         | 1/6 2/3 1/6
+
+    lobatto_iiic4 | Lobatto IIIC, four stages | 6 | hairer-wanner-1996, IV.5
+                 0 | 1/12 -sqrt(5)/12 sqrt(5)/12 -1/12
+    (5-sqrt(5))/10 | 1/12 1/4 (10-7*sqrt(5))/60 sqrt(5)/60
+    (5+sqrt(5))/10 | 1/12 (10+7*sqrt(5))/60 1/4 -sqrt(5)/60
+                 1 | 1/12 5/12 5/12 1/12
+                   | 1/12 5/12 5/12 1/12
     """
-    ),
-    RungeKutta(
-        key="lobatto_iiic4",
-        title="Lobatto IIIC, four stages",
-        claimed_order=6,
-        source="hairer-wanner-1996, IV.5",
-        c=_LOBATTO_NODES4,
-        a=padded(
-            (Q(1, 12), -S5 / 12, S5 / 12, Q(-1, 12)),
-            (Q(1, 12), Q(1, 4), (10 - 7 * S5) / 60, S5 / 60),
-            (Q(1, 12), (10 + 7 * S5) / 60, Q(1, 4), -S5 / 60),
-            row("1/12 5/12 5/12 1/12"),
-        ),
-        b=row("1/12 5/12 5/12 1/12"),
-    ),
 )
 
 ENTRIES: tuple[Method, ...] = (*_ONE_STEP, *_GAUSS, *_RADAU, *_LOBATTO)

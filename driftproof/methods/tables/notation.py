@@ -61,7 +61,7 @@ def splitting(names: str, parts: tuple[tuple[str, Exact], ...], *, quadratic_kin
 
 
 def _tableau(lines: Sequence[str], decimal: bool) -> RungeKutta:
-    key, title, orders, source = lines[0].split(" | ")
+    key, title, orders, source = (" ".join(part.split()) for part in lines[0].split(" | "))
     order, _, embedded = orders.removesuffix(")").partition("(")
     nodes, rows = zip(*(map(_exact_row, line.split("|")) for line in lines[1:]), strict=True)
     stages = sum(map(len, nodes))
