@@ -31,10 +31,12 @@ _OF_OUTPUT = {"", "text", "txt", "output", "console", "stdout", "none", "plainte
 # A block with more prose before it belongs to something else.
 _MOST_PROSE = 300
 _MOST_LISTINGS = 200
-# Of plain text: how far up from the words "Expected output:" a listing may begin.
-_MOST_LINES, _MOST_TRIES = 400, 60
+# Lines of plain text above the words "Expected output:" that are tried for a listing's first: a parse takes a ms.
+_MOST_TRIES = 60
 _HEADING = re.compile(r"^[ \t]*(?:\w+ )?output:?[ \t]*$\n?", re.IGNORECASE | re.MULTILINE)
-_FIRST_LINE = re.compile(r"(?:(?:from|import|def|class|for|while|with|if|try)\b|@|print\(|[A-Za-z_]\w*(?:, ?\w+)* =)")
+_FIRST_LINE = re.compile(
+    r"^(?:(?:from|import|def|class|for|while|with|if|try)\b|@|print\(|[A-Za-z_]\w*(?:, ?\w+)* =)", re.MULTILINE
+)
 
 # Enough for NumPy and an animation of the lesson's; the output is read by people.
 _MEMORY, _LARGEST_FILE, _MOST_PRINTED = 2 * 2**30, 2**26, 2**20
@@ -106,15 +108,8 @@ def _under_headings(text: SourceText) -> Iterator[Listing]:
 
 def _listing_start(text: str, first: int, end: int) -> int | None:
     """The start of the longest Python program between `first` and `end` that ends there, None if there is none."""
-    found, tries, at = None, 0, end
-    for _ in range(_MOST_LINES):
-        if at <= first or tries >= _MOST_TRIES:
-            break
-        at = max(text.rfind("\n", first, at - 1) + 1, first)
-        if _FIRST_LINE.match(text, at):
-            tries += 1
-            found = at if _is_python(text[at:end]) else found
-    return found
+    starts = [match.start() for match in _FIRST_LINE.finditer(text, first, end)][-_MOST_TRIES:]
+    return next((at for at in starts if _is_python(text[at:end])), None)
 
 
 def _is_python(text: str) -> bool:

@@ -6,6 +6,7 @@ import re
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -29,9 +30,13 @@ class Template:
         self.asked = 0
         self.style = NumberStyle(kind, style or kind.style, rounding)
         self.loader = FolderLoader(template)
-        functions = {"value": self._placed(self._value), "methods_table": self._placed(self._methods_table)}
-        filters = {name: self._placed(write) for name, write in template_values.VALUE_FILTERS.items()}
-        filters["mathml"] = self._placed(self._mathml)
+        functions = {
+            "value": self._placed(self._value),
+            "methods_table": self._placed(self._methods_table, markup=True),
+        }
+        filters = {
+            name: self._placed(write, markup=name == "mathml") for name, write in template_values.VALUE_FILTERS.items()
+        }
         self.sandbox = Sandbox(self.loader, kind, functions, filters, self._finalized)
 
     def text(self) -> str:
@@ -62,14 +67,18 @@ class Template:
         known = [TemplatePlace(name, line - 1) for name, line in places if name in self.loader.sources and line]
         return known[-1] if known else None
 
-    def _placed(self, function: Callable[..., Any]) -> Callable[..., Any]:
-        """The function, which takes the style in force first, as a template calls it: what it refuses has a place."""
+    def _placed(self, function: Callable[..., Any], markup: bool = False) -> Callable[..., Any]:
+        """The function, which takes the style in force first, as a template calls it: what it refuses has a place.
+
+        What is `markup` HTML takes as it is.
+        """
 
         @pass_context
         def call(context: Context, *arguments: Any, style: Any = None, rounding: Any = None, **named: Any) -> Any:
             place = named.pop(PLACE, None)
             with self._at(place):
-                return function(self._style(context, style, rounding, place), *arguments, **named)
+                found = function(self._style(context, style, rounding, place), *arguments, **named)
+                return Markup(found) if markup and self.style.kind is HTML else found
 
         return call
 
@@ -105,12 +114,7 @@ class Template:
         return TemplateValue(value(question), style.kind)
 
     def _methods_table(self, style: NumberStyle, *arguments: Any, **named: Any) -> str:
-        return _markup(
-            style, template_values.methods_table(style, lambda q: self._value(style, q), *arguments, **named)
-        )
-
-    def _mathml(self, style: NumberStyle, x: object) -> str:
-        return _markup(style, template_values.mathml_filter(style, x))
+        return template_values.methods_table(style, partial(self._value, style), *arguments, **named)
 
     def _finalized(self, printed: object) -> object:
         """What an expression prints: text, a whole number, or a value that prints itself."""
@@ -120,11 +124,6 @@ class Template:
             return printed
         _demand(printed)
         raise Refusal(f"a {type(printed).__name__} is nothing to print; a text takes words, whole numbers and values")
-
-
-def _markup(style: NumberStyle, text: str) -> str:
-    """Text that HTML takes as it is."""
-    return Markup(text) if style.kind is HTML else text
 
 
 def _demand(x: object) -> None:

@@ -130,6 +130,7 @@ VALUE_FILTERS: dict[str, Callable[..., str]] = {
     "places": _decimal_filter("places", 0),
     "exact": exact_filter,
     "tex": tex_filter,
+    "mathml": mathml_filter,
 }
 
 
