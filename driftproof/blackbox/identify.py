@@ -108,7 +108,7 @@ class Seen:
             keys: Sequence[str] = self.read.identity.keys
         else:
             best = None if self.fit is None else self.fit.best
-            keys = best.methods if best is not None and _on_the_oscillator(best) else ()
+            keys = best.methods if best is not None and best.extras == 0 and best.rates_are_right else ()
         return next((key for key in keys if METHODS[key].explicit), None)
 
     @property
@@ -147,11 +147,6 @@ def _in_words(fit: LinearFit, best: LinearCandidate) -> str:
 
 def _at(size: float) -> str:
     return "" if size == 1 else f", at states of size {size:.1e}, not of all sizes"
-
-
-def _on_the_oscillator(candidate: LinearCandidate) -> bool:
-    """True for a method as it stands, of q' = v, v' = -q."""
-    return candidate.extras == 0 and candidate.position == candidate.stiffness == 1 and bool(candidate.methods)
 
 
 def _rounding(runner: IsolatedRunner, method: Method, size: float) -> Outcome:

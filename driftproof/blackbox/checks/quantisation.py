@@ -32,7 +32,7 @@ def quantisation_of(numbers: Sequence[float]) -> Quantisation | None:
     decimals = next((k for k in range(1, _DECIMALS) if all(round(x, k) == x for x in numbers)), None)
     if decimals is not None:
         return Quantisation(10.0**-decimals, f"answers are rounded to {decimals} decimal{'s' * (decimals > 1)}")
-    last = max(-_last_bit(x) for x in numbers)
+    last = max(Fraction(x).denominator.bit_length() - 1 for x in numbers)  # bits behind the point
     if last <= _FIXED_POINT and not _fills_a_format(numbers):
         return Quantisation(2.0**-last, f"answers are multiples of 2**-{last}")
     return None
@@ -56,8 +56,3 @@ def significant_bits(x: float) -> int:
     """The number of bits from the first to the last that is 1; 0 for 0."""
     n = abs(Fraction(x).numerator)
     return (n // (n & -n)).bit_length() if n else 0
-
-
-def _last_bit(x: float) -> int:
-    """The exponent of the last bit that is 1, at most 0."""
-    return 1 - Fraction(x).denominator.bit_length()

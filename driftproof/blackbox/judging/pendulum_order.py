@@ -77,7 +77,7 @@ def _errors(subject: ForeignStepper, force: ForceFunction) -> list[float]:
     found = []
     for h in _steps():
         answer = subject.step_with(force, number(_START[0]), number(_START[1]), number(h))
-        exact = _reference(h)
+        exact = pendulum(*_START, h)
         found.append(max(float(abs(arb(x) - y).mid()) for x, y in zip(answer, exact, strict=True)))
     return found
 
@@ -92,10 +92,6 @@ def _fitted(errors: Sequence[float], noise: Sequence[float], arithmetic: str) ->
 
 
 @cache
-def _reference(h: float) -> tuple[arb, arb]:
-    return pendulum(*_START, h)
-
-
 def pendulum(q: float, v: float, t: float, pieces: int = 16, terms: int = 40) -> tuple[arb, arb]:
     """(q(t), v(t)) for q'' = -sin q, by its Taylor series, piece by piece.
 

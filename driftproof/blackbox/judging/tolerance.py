@@ -134,12 +134,9 @@ class Tolerance:
     def _bound(self, component: int, h: arb, state: tuple[arb, arb]) -> arb:
         if self.allowance.solver_tolerance is not None:
             relative = enclose(self.allowance.solver_tolerance) * _at(self._size[component], h, state)
-            return relative / self._denominator(h) + enclose(power_of_two(self.format.emin))
+            return relative / abs(self._matrix[0][0][1](h)) + enclose(power_of_two(self.format.emin))
         bound = _at(self._derived[component], h, state)
         return bound + _at(self._flushed[component], h, state) if self.allowance.flush_to_zero else bound
-
-    def _denominator(self, h: arb) -> arb:
-        return abs(self._matrix[0][0][1](h))
 
     @cached_property
     def _matrix(self) -> list[list[tuple[arb_poly, arb_poly]]]:

@@ -96,10 +96,6 @@ def order_on_linear_system(series: Sequence[Sequence[arb]], stiffness: Fraction,
     return None
 
 
-def _differ(x: Exact, y: Exact, by_more_than: Fraction) -> bool:
-    return bool(x - y > by_more_than or y - x > by_more_than)
-
-
 def damping_of(velocities: RationalFunction) -> Fraction:
     """g, for M_vv = 1 - g h + O(h²) over Q."""
     return -Fraction(str(taylor(velocities, 2)[1]))
@@ -164,7 +160,8 @@ def _differing(entry: Recovered, theirs: Sequence[Exact]) -> Iterator[tuple[int,
     known = dict(enumerate(entry.num)) if len(entry.den) == 1 else {}
     ours = (exact(c) for c in taylor(entry.function, len(theirs)))
     for power, (x, y) in enumerate(zip(ours, theirs, strict=True)):
-        if _differ(x, y, known[power].error if power in known else Fraction(0)):
+        error = known[power].error if power in known else Fraction(0)
+        if x - y > error or y - x > error:
             yield power, str(known[power]) if power in known else _shown(x), y
 
 

@@ -81,15 +81,12 @@ def convention_of(step: Callable[..., Any], kind: str | None = None) -> CallingC
             return _by_name(found, step, names)
     if kind is not None and (names is None or len(names) == len(STANDARD_ORDER[kind])):
         return CallingConvention(kind, STANDARD_ORDER[kind])
+    name = getattr(step, "__qualname__", type(step).__name__)
     shown = "(?)" if names is None else f"({', '.join(names)})"
     choices = "; ".join(f"{kind}: {words}" for kind, words in SIGNATURES.items())
     raise ValueError(
-        f"{_name(step)}{shown} is not one of these: {choices}. Bind other arguments, or name the calling convention"
+        f"{name}{shown} is not one of these: {choices}. Bind other arguments, or name the calling convention"
     )
-
-
-def _name(step: Callable[..., Any]) -> str:
-    return getattr(step, "__qualname__", type(step).__name__)
 
 
 def _required_names(step: Callable[..., Any]) -> list[str] | None:

@@ -20,7 +20,7 @@ from driftproof.blackbox.stepper.array_adapters import (
 )
 from driftproof.blackbox.stepper.calling_conventions import FIELD, MAP, STATE, CallingConvention, convention_of
 from driftproof.blackbox.stepper.foreign_stepper import CallLog, ForeignStepper
-from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
+from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
 
 # Where a stepper is tried out: nothing cancels, and every term of a step is of ordinary size.
 TRIAL_STATE, TRIAL_STEP = (1.0, 0.75), 0.25
@@ -71,14 +71,11 @@ def _one_number(subject: ForeignStepper) -> None:
 def _tried(subject: ForeignStepper, trial: Callable[[ForeignStepper], None]) -> ForeignStepper:
     """The subject after one call, with the format of its answer, and on its log only whether it works in place."""
     trial(subject)
-    subject.format = _format(subject.log.types)
+    types = subject.log.types
+    subject.format = next((fmt for name, fmt in _FORMATS.items() if any(t.endswith(name) for t in types)), BINARY64)
     # At rest a step written into its arguments changes nothing: that it works in place must be known by then.
     subject.log = CallLog(works_in_place=subject.log.works_in_place)
     return subject
-
-
-def _format(types: set[str]) -> FloatFormat:
-    return next((fmt for name, fmt in _FORMATS.items() if any(t.endswith(name) for t in types)), BINARY64)
 
 
 @dataclass(frozen=True)
