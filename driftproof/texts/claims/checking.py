@@ -20,6 +20,7 @@ WORKED_OUT, GIVEN, RUN, LABEL, UNCOVERED = ACCOUNTS = ("value", "given", "run", 
 _SHOWN = 60
 # Places of a text that have the shape of one phrase: of more, the first are compared.
 _MOST_COMPARED = 2000
+# What is wrong more often than that is wrong in the same way.
 _MOST_FINDINGS = 3
 
 Span = tuple[int, int]

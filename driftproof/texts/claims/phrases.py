@@ -19,6 +19,7 @@ from driftproof.texts.readers.numbers import numbers_in
 if TYPE_CHECKING:
     from driftproof.texts.questions.answer import Answer
 
+# A phrase is a few words around its numbers, or a row of a table; of decimals nobody prints so many.
 LONGEST_PHRASE = 400
 MOST_VALUES = 20
 MOST_DECIMALS = 1000

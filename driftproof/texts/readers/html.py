@@ -36,6 +36,7 @@ _SCHEMES = {
     "msubsup": ("", "_{", "}^{", "}"), "sup": ("^{", "", "", "}"),
     "sub": ("_{", "", "", "}"),
 }  # fmt: skip
+# Formulas nest a few levels deep; markup that never ends is not followed further.
 _DEEPEST = 100
 
 

@@ -26,6 +26,7 @@ CHANGES = {
 }
 # Documents beyond these are refused: a file of 64 MB holds some hundred thousand values.
 _LARGEST_FILE = 64 * 10**6
+# Beyond this a power of ten fills the memory before it is compared.
 _LARGEST_EXPONENT = 10**5
 # A text longer than this is cut in the middle of a report, not in JSON.
 _LONGEST_TEXT = 40
