@@ -84,7 +84,7 @@ class Near:
 
 @dataclass(frozen=True)
 class Identity:
-    """What a reading is: every method or relative that it cannot be told from; where there is none, what is nearest."""
+    """What a reading is: every method or variant that it cannot be told from; where there is none, what is nearest."""
 
     matches: tuple[Match, ...] = ()
     near: tuple[Near, ...] = ()
