@@ -58,10 +58,6 @@ class StepTimes(NamedTuple):
     h: float
     end: Fraction
 
-    def at(self, i: int) -> float:
-        """The time fl(i h) at which step i starts, i below 2**53."""
-        return i * self.h
-
 
 def step_times(t: Fraction, steps: int) -> StepTimes:
     """The times of `steps` steps to t. Raises ValueError for no step, and for an h that no double is near to."""
