@@ -47,6 +47,7 @@ from driftproof.symbolic.derivation.stability import (
     characteristic_polynomial,
     conditions,
     discriminant,
+    minimal_polynomial_of,
     multipliers,
     square_root_of_discriminant,
     stability_limit,
@@ -250,13 +251,9 @@ def _verdict(m: DomainMatrix, limit: sympy.Expr) -> list[ProofStep]:
         because = "From $h = 0$ on one of them is negative, or the roots merge and the powers grow."
         return [ProofStep(because if limit == 0 else "None is negative for any $h > 0$.", (LIMIT, limit))]
     steps = [ProofStep("This is the largest $H$ with bounded powers for every $h < H$.", (LIMIT, limit))]
-    factor, root = limit.as_coeff_Mul()
-    if isinstance(root, sympy.CRootOf):
-        polynomial = sympy.Poly(root.poly.as_expr(STEP_SIZE / factor), STEP_SIZE).primitive()[1]
-        return [
-            *steps,
-            ProofStep("It is a root of this irreducible polynomial.", (polynomial.as_expr(), sympy.Integer(0))),
-        ]
+    if limit.atoms(sympy.CRootOf):
+        polynomial = minimal_polynomial_of(m, limit).as_expr()
+        return [*steps, ProofStep("It is a root of this irreducible polynomial.", (polynomial, sympy.Integer(0)))]
     at = AtStep(m, limit)
     grows = "At $H$ the roots merge and the powers grow." if at.jordan_block else "At $H$ the powers grow."
     return [*steps, ProofStep("At $H$ they are still bounded." if at.bounded else grows, (MATRIX, at.matrix))]

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
 
 import sympy
+from flint import ctx
 from sympy import QQ
 from sympy.polys.matrices import DomainMatrix
 
-from driftproof.symbolic.algebra.certified import certified_sign
+from driftproof.symbolic.algebra.certified import certified_sign, endpoints
 from driftproof.symbolic.derivation.expression_balls import enclose_expression
 from driftproof.symbolic.derivation.one_step import (
     RING,
@@ -110,12 +111,7 @@ class AtStep:
     @property
     def bounded(self) -> bool:
         """True when sup over n of |M(h)ⁿ| is finite: every |λ| <= 1, and |λ| = 1 only without a Jordan block."""
-        found = conditions(self.m)
-        area, plus, minus = (self._sign(p) for p in (found.area, found.plus, found.minus))
-        if area < 0 or plus < 0 or minus < 0 or self._sign(found.pole) == 0:
-            return False
-        # Now every |λ| <= 1. A double root on the unit circle needs |det| = 1 and a zero discriminant.
-        return not (area == 0 and self.jordan_block)
+        return _is_bounded(conditions(self.m), self._sign)
 
     def _value(self, entry: MatrixEntry) -> sympy.Expr:
         top, bottom = (_in_field(p, self.h) for p in numerator_and_denominator(entry))
@@ -133,25 +129,48 @@ def stability_limit(m: DomainMatrix) -> sympy.Expr:
     consecutive roots of the boundary polynomials no verdict can change, so one rational h decides each interval
     and a root where the verdict holds (a touch) is passed over.
     """
-    boundary = _boundary(m)
+    found = conditions(m)
+    boundary = _boundary(found)
     reached: sympy.Expr = sympy.Integer(0)
     for inner, end in _cells(boundary):
-        if not AtStep(m, inner).bounded:
+        if not _is_bounded(found, lambda p, at=inner: sympy.sign(_poly(p).eval(at))):  # type: ignore[misc]
             return reached
         if end is None:
             return sympy.oo
         reached = _root_in(boundary, *end)
-        if not AtStep(m, reached).bounded:
+        if not _is_bounded(found, partial(_sign_at_root, boundary, end)):
             return reached
     raise AssertionError("the cells end with an unbounded one")
 
 
-def _boundary(m: DomainMatrix) -> sympy.Poly:
+def _is_bounded(found: BoundednessConditions, sign_of: Callable[[StepPolynomial], int]) -> bool:
+    area = sign_of(found.area)
+    if area < 0 or sign_of(found.plus) < 0 or sign_of(found.minus) < 0 or sign_of(found.pole) == 0:
+        return False
+    # Now every |λ| <= 1. A double root on the unit circle needs |det| = 1 and a zero discriminant.
+    return not (area == 0 and sign_of(found.merged) == 0 and any(sign_of(entry) != 0 for entry in found.off))
+
+
+def _boundary(found: BoundednessConditions) -> sympy.Poly:
     """The product of the nonzero ones of the first four conditions, squarefree: a verdict can change at its roots."""
     product = RING.one
-    for factor in conditions(m)[:4]:
+    for factor in found[:4]:
         product = product if factor == 0 else product.lcm(factor)
-    return sympy.Poly(expression(product), expression(H)).sqf_part()
+    return _poly(product).sqf_part()
+
+
+def _poly(polynomial: StepPolynomial) -> Any:
+    return sympy.Poly(expression(polynomial), expression(H), domain=QQ)
+
+
+def _sign_at_root(boundary: Any, ends: tuple[sympy.Rational, sympy.Rational], polynomial: StepPolynomial) -> int:
+    """The sign at the only root of `boundary` between the ends: zero if a common factor has a root there, too."""
+    p, (low, high) = _poly(polynomial), ends
+    if p.is_zero or (low == high and p.eval(low) == 0) or boundary.gcd(p).count_roots(low, high):
+        return 0
+    while low != high and p.count_roots(low, high):
+        low, high = boundary.refine_root(low, high, steps=1)
+    return int(sympy.sign(p.eval(low)))
 
 
 def _cells(boundary: Any) -> Iterator[tuple[sympy.Rational, tuple[sympy.Rational, sympy.Rational] | None]]:
@@ -168,13 +187,31 @@ def _cells(boundary: Any) -> Iterator[tuple[sympy.Rational, tuple[sympy.Rational
 
 
 def _root_in(boundary: Any, low: sympy.Rational, high: sympy.Rational) -> sympy.Expr:
-    """The root in the isolating interval as an exact number: in radicals where SymPy has them, else a CRootOf."""
-    factor = next(f for f, _ in boundary.factor_list()[1] if f.count_roots(low, high))
-    return next(
-        root
-        for root in factor.real_roots()
-        if all(certified_sign(partial(enclose_expression, x)) >= 0 for x in (root - low, high - root))
-    )
+    """The root in the isolating interval as an exact number: in radicals where SymPy has them, else with a CRootOf.
+
+    In an even polynomial h² is the unknown: SymPy parts h from -h by bisection, for long coefficients in minutes.
+    """
+    factor = _factor_between(boundary, low, high)
+    ascending = factor.all_coeffs()[::-1]
+    if any(ascending[1::2]):
+        candidates = factor.real_roots()
+    else:
+        squares = sympy.Poly(ascending[::2][::-1], factor.gen).real_roots()
+        candidates = [sympy.sqrt(x) for x in squares if certified_sign(partial(enclose_expression, x)) > 0]
+    inside = lambda x: min(certified_sign(partial(enclose_expression, side)) for side in (x - low, high - x)) >= 0
+    return next(filter(inside, candidates))
+
+
+def _factor_between(boundary: Any, low: sympy.Rational, high: sympy.Rational) -> Any:
+    return next(f for f, _ in boundary.factor_list()[1] if f.count_roots(low, high))
+
+
+def minimal_polynomial_of(m: DomainMatrix, limit: sympy.Expr) -> sympy.Poly:
+    """The irreducible polynomial in h of which a stability limit without radicals is a root."""
+    with ctx.workprec(256):
+        ends = [sympy.Rational(x.numerator, x.denominator) for x in endpoints(enclose_expression(limit))]
+    polynomial: sympy.Poly = _factor_between(_boundary(conditions(m)), *ends)
+    return polynomial
 
 
 def _in_field(polynomial: StepPolynomial, h: sympy.Expr) -> tuple[bool, sympy.Expr]:
