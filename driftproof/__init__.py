@@ -5,7 +5,7 @@ Everything heavy is imported when it is first asked for, so `import driftproof` 
 
 from __future__ import annotations
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 TYPE_CHECKING = False  # known to type checkers by its name; the module typing is slower to import than all of this
 if TYPE_CHECKING:
