@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import pairwise
 
-from flint import acb, arb, ctx, fmpq
+from flint import acb, acb_poly, arb, arb_poly, ctx, fmpq
 
+from driftproof.methods.number_field import dyadic
 from driftproof.symbolic.algebra.bivariate import ParametricPair, critical_polynomial
 from driftproof.symbolic.algebra.polynomials import (
     ONE,
@@ -16,6 +18,7 @@ from driftproof.symbolic.algebra.polynomials import (
     Polynomial,
     Scalar,
     X,
+    at_ball,
     evaluate,
     from_scalars,
     reflected,
@@ -118,6 +121,10 @@ def _as_fraction(x: fmpq) -> Fraction:
     return Fraction(int(x.p), int(x.q))
 
 
+# Balls of a double's precision to begin with; where 4096 bits do not tell, the ray may touch: that is decided exactly.
+FIRST_SECTOR_BITS, LAST_SECTOR_BITS = 64, 4096
+
+
 @dataclass(eq=False)
 class EnclosedTangent:
     """The number tan α, known by enclosures as narrow as asked for; `margin` is that of `sector.ray_margin`.
@@ -130,13 +137,15 @@ class EnclosedTangent:
     margin: list[Polynomial]
     low: Fraction = field(default=Fraction(0), init=False)
     high: Fraction = field(default=Fraction(1), init=False)
+    _bits: int = field(default=FIRST_SECTOR_BITS, init=False)
+    _poles: dict[int, list[acb]] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
         """Enclose T between a sector that holds and one that does not. Raises ValueError if the axis itself fails."""
         if not self.holds(self.low):
             raise ValueError("|R| > 1 somewhere on the negative real axis: there is no sector")
         while self.holds(self.high):
-            self.low, self.high = self.high, 4 * self.high
+            self.low, self.high = self.high, 4 * self.high * self.high
         while self.low == 0:
             middle = self.high / 4
             self.low, self.high = (middle, self.high) if self.holds(middle) else (self.low, middle)
@@ -144,25 +153,58 @@ class EnclosedTangent:
     def ball(self) -> arb:
         """A ball around tan α, at Arb's current precision."""
         while (self.high - self.low) * 2**ctx.prec > self.low:
-            middle = (self.low + self.high) / 2
+            # Halving the exponent first, as T may be 1e-40 or 1e40.
+            gap = (self.high // self.low).bit_length() // 2
+            middle = self.low * 2**gap if gap > 1 else (self.low + self.high) / 2
             self.low, self.high = (middle, self.high) if self.holds(middle) else (self.low, middle)
         low, high = (arb(fmpq(x.numerator, x.denominator)).sqrt() for x in (self.low, self.high))
         return low.union(high)
 
     def holds(self, square: Fraction) -> bool:
-        """|R| <= 1 in the closed sector with tan² = square."""
-        ray = from_scalars([c(scalar(square)) for c in self.margin])
+        """|R| <= 1 in the closed sector with tan² = square: by balls if they tell, else exactly."""
+        while self._bits <= LAST_SECTOR_BITS:
+            with ctx.workprec(self._bits):
+                x = arb(scalar(square))
+                verdict = positive_in_balls([at_ball(c, x) for c in self.margin])
+            if verdict is not None:
+                return verdict and not self._has_pole_inside(square)
+            self._bits *= 2
+        self._bits = FIRST_SECTOR_BITS
+        ray = _at(self.margin, scalar(square))
         return negative_point(ray) is None and not self._has_pole_inside(square)
 
     def _has_pole_inside(self, square: Fraction) -> bool:
         """Some pole has Re < 0 and Im² <= square Re²; no pole has equality, as the margin would be negative there."""
-        bits = 64
+        bits = FIRST_SECTOR_BITS
         while True:
+            if bits not in self._poles:
+                self._poles[bits] = complex_roots(self.r.den, bits)
             with ctx.workprec(bits):
-                verdicts = [_is_inside(z, square) for z in complex_roots(self.r.den, bits)]
+                verdicts = [_is_inside(z, square) for z in self._poles[bits]]
             if None not in verdicts:
                 return any(verdicts)
             bits *= 2
+
+
+def positive_in_balls(balls: list[arb]) -> bool | None:
+    """p > 0 on all of (0, oo), for every p with coefficients in these balls, constant term first; None: not decided.
+
+    Yes if the leading coefficient is positive and no ball around a root meets the positive axis; no if p is negative
+    at a point, looked for near the roots that may lie there and between them.
+    """
+    if balls[-1].contains(0):
+        return None
+    try:
+        roots = acb_poly(balls).roots(tol=arb(2) ** (-ctx.prec // 4))
+    except ValueError:  # the balls of the coefficients are too wide
+        return None
+    near = sorted((z.real.mid() for z in roots if z.imag.contains(0) and not z.real < 0), key=dyadic)
+    near = [x for x in near if x > 0]
+    if not near and not any(z.imag.contains(0) and not z.real < 0 for z in roots):
+        return bool(balls[-1] > 0)
+    p = arb_poly(balls)
+    points = [*((a + b) / 2 for a, b in pairwise(near)), *(x / 2 for x in near[:1]), *(2 * x for x in near[-1:])]
+    return False if any(p(x) < 0 for x in points) else None
 
 
 def _is_inside(z: acb, square: Fraction) -> bool | None:
@@ -173,8 +215,8 @@ def _is_inside(z: acb, square: Fraction) -> bool | None:
     return True if z.real < 0 and reach > 0 else None
 
 
-# Beyond, the critical polynomial has a degree of hundreds, and takes minutes.
-LARGEST_EXACT_DEGREE = 7
+# Bits of the critical polynomial, about: beyond, it would be longer than anybody reads, and soon take minutes.
+LARGEST_EXACT_BITS = 2**17
 
 
 @dataclass(frozen=True)
@@ -201,8 +243,8 @@ def sector_tangent(r: RationalFunction) -> Limit | EnclosedTangent:
 
     On the ray z = x(-1 + it) the margin |Q|² - |P|² is a polynomial in x and T = t². Its sign pattern in x > 0 can
     only change at a T where its leading, trailing or first nonzero principal subresultant coefficient vanishes; one
-    rational T decides each interval between (basu-pollack-roy-2006, chapter 5). For degrees above
-    LARGEST_EXACT_DEGREE the number is enclosed by bisection instead, unless |R| comes to 1 on the negative axis.
+    rational T decides each interval between (basu-pollack-roy-2006, chapter 5). Where that is a
+    polynomial of more than LARGEST_EXACT_BITS, bisection encloses the number, unless |R| = 1 on the negative axis.
     """
     if r.num.degree() > r.den.degree():
         return NO_SECTOR
@@ -213,7 +255,7 @@ def sector_tangent(r: RationalFunction) -> Limit | EnclosedTangent:
     if negative_point(on_axis) is not None:
         return NO_SECTOR
     touches = on_axis[0] == 0 or on_axis.degree() < len(margin) - 1 or positive_roots([on_axis])
-    if r.den.degree() > LARGEST_EXACT_DEGREE and not touches:
+    if critical_bits(margin) > LARGEST_EXACT_BITS and not touches:
         return EnclosedTangent(r, margin)
     return sector_tangent_by_rays(margin)
 
@@ -236,6 +278,14 @@ def ray_margin(r: RationalFunction) -> list[Polynomial]:
     while margin and margin[0] == 0:
         margin.pop(0)
     return margin
+
+
+def critical_bits(margin: list[Polynomial]) -> int:
+    """About the bits of a discriminant of the margin: its degree in T times the length of a coefficient."""
+    factors = 2 * len(margin) - 3
+    parts = [p for c in margin for p in (c.parts if isinstance(c, FieldPolynomial) else (c,))]
+    height = max(int(n).bit_length() for p in parts for x in p.coeffs() for n in (x.p, x.q))
+    return int(factors * factors * height * max(c.degree() for c in margin))
 
 
 def _size_on_ray(p: Polynomial, size: int) -> list[Polynomial]:

@@ -197,7 +197,7 @@ class LinearFacts:
     def modified_hamiltonian(self) -> ModifiedEnergy | None:
         """The Hamiltonian whose exact flow over time h the step is, for det M = 1."""
         m = self.one_step_matrix
-        found = invariants.modified_hamiltonian(m)
+        found = invariants.modified_hamiltonian(m) if self._keeps_area else None
         if found is None:
             return None
         return ModifiedEnergy(
@@ -302,7 +302,12 @@ class LinearFacts:
 
     @cached_property
     def _conserved(self) -> list[invariants.QuadraticForm]:
-        return invariants.quadratic_invariants(self.one_step_matrix)
+        return invariants.quadratic_invariants(self.one_step_matrix) if self._keeps_area else []
+
+    @property
+    def _keeps_area(self) -> bool:
+        """False where det M = |R(ih)|² is not 1: nothing is conserved, as R(ih) = ±1 for all h has |R(ih)|² = 1."""
+        return self._r is None or phase.is_linearly_symmetric(self._r)
 
     @cached_property
     def _turning_rate(self) -> Exact | None:

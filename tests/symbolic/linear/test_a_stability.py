@@ -21,14 +21,18 @@ from driftproof.symbolic.algebra.polynomials import (
 )
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
+from driftproof.symbolic.linear import a_stability as a_stability_module
 from driftproof.symbolic.linear.a_stability import (
+    LARGEST_EXACT_BITS,
     Angle,
     EnclosedTangent,
     a_stability,
+    critical_bits,
     i_stability,
     is_hurwitz,
     l_stability,
     negative_point,
+    positive_in_balls,
     ray_margin,
     sector_tangent,
     sector_tangent_by_rays,
@@ -268,6 +272,31 @@ def test_sector_of_high_degree_is_enclosed() -> None:
     assert record(found) == first
 
 
+@pytest.mark.parametrize("degree", [5, 12])
+def test_sector_of_rounded_coefficients_is_found_in_balls_and_short(
+    degree: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A diagonal Padé approximant with coefficients off by 1e-16 or so: exactly, its tangent takes kilobytes."""
+    exact_one = pade(degree, degree)
+    off = fmpq_poly([0, 0, *[fmpq((-1) ** k, 3 * 10**16 + k) for k in range(degree - 2)]])
+    r = fraction(exact_one.num + off, exact_one.den)
+    assert critical_bits(ray_margin(r)) > LARGEST_EXACT_BITS
+    asked = []
+    monkeypatch.setattr(a_stability_module, "negative_point", lambda p: asked.append(p) or negative_point(p))
+    found = sector_tangent(r)
+    assert isinstance(found, EnclosedTangent)
+    assert len(str(record(found))) < 300
+    assert len(asked) == 2, "exact root finding: once on the imaginary axis, once on the real one"
+
+
+def test_balls_decide_positivity_only_where_they_can() -> None:
+    """x² - 2x + c is positive for c > 1, negative somewhere for c < 1, and not decided for a c in a ball around 1."""
+    for constant, verdict in [(arb(1.5), True), (arb(0.5), False), (arb(1, 1e-3), None)]:
+        assert positive_in_balls([constant, arb(-2), arb(1)]) is verdict
+    assert positive_in_balls([arb(1), arb(0, 1)]) is None, "the degree is not known"
+    assert positive_in_balls([arb(-1), arb(0), arb(-1)]) is False
+
+
 def test_pole_inside_the_sector_ends_it() -> None:
     """R = 1/(100 (1 + z)) is small on the rays of slope 1 and of slope 1000; the pole -1 lies between them."""
     found = EnclosedTangent(pade(0, 3), ray_margin(pade(0, 3)))
@@ -275,6 +304,7 @@ def test_pole_inside_the_sector_ends_it() -> None:
     assert not found.holds(Q(10**9))
     found.r = fraction(fmpq_poly([1]), 100 * (1 + Z))
     found.margin = ray_margin(found.r)
+    found._poles.clear()
     for square in (Q(1), Q(10**6)):
         assert negative_point(from_scalars([c(scalar(square)) for c in found.margin])) is None
         assert not found.holds(square)
