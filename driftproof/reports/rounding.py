@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 from driftproof.methods.catalogue import method_named
 from driftproof.methods.rationals import step_count
 from driftproof.methods.stepping import oscillator
-from driftproof.numeric.run import Counter, demand_few, integrate, nearest_double
+from driftproof.numeric.run import Counter, NonFiniteState, demand_few, integrate, nearest_double
 from driftproof.numeric.steppers import HAND_WRITTEN, float_stepper
 from driftproof.support.plain_text import Json, table
 from driftproof.symbolic.algebra.certified import AWAY, CertifiableReal, enclose
@@ -27,6 +27,8 @@ from driftproof.texts.writing.answers import exact_and_decimal
 _State: TypeAlias = tuple[Fraction, Fraction]
 # Bounds are quoted, not compared: few digits say enough.
 BOUND_DIGITS = 6
+# What is measured of a float run, or null where it overflows.
+MEASURED = ("final_state", "state_error", "truncation", "rounding", "rounding_in_u", "bound")
 # What the rows of a table are about: `as_held` is there only for a program that rounds coefficients.
 ROWS = {"plain": "plain", "sharp": "sharp", "as_held": "as held"}
 
@@ -94,17 +96,21 @@ def budget_answer(
     """The error of one binary64 run, truncation and rounding apart, each certified, beside the theorem's bound.
 
     The run uses the double nearest to h, and the state is compared at N times that double: what is reported is
-    the error of the numbers that the program really has.
+    the error of the numbers that the program really has. A run that overflows has no such error: then only "reason".
     """
     method, steps = method_named(key), step_count(t, h)
     demand_few(steps)
     size, *state = (nearest_double(x, name) for x, name in ((h, "h"), (start[0], "q"), (start[1], "v")))
     exact_h, exact_start = Fraction(size), (Fraction(state[0]), Fraction(state[1]))
-    final = integrate(float_stepper(key), oscillator, (state[0], state[1]), size, steps, counter=counter)
+    h_run = str(exact_h) if exact_h == h else f"{size!r} (the double nearest to {h})"
+    try:
+        final = integrate(float_stepper(key), oscillator, (state[0], state[1]), size, steps, counter=counter)
+    except NonFiniteState as overflow:
+        return {"h_run": h_run, **dict.fromkeys(MEASURED), "reason": str(overflow)}
     reached = (Fraction(final[0]), Fraction(final[1]))
     error = ErrorOfRun(exact_matrix_at(method, exact_h), exact_h, steps, exact_start, reached)
     return {
-        "h_run": str(exact_h) if exact_h == h else f"{size!r} (the double nearest to {h})",
+        "h_run": h_run,
         "final_state": [repr(x) for x in final],
         "state_error": exact_and_decimal(error.total, digits, rounding),
         "truncation": exact_and_decimal(error.truncation, digits, rounding),
@@ -165,6 +171,9 @@ def _at_text(at: Json) -> str:
 
 def budget_text(budget: Json) -> str:
     """The error budget of `driftproof run --budget`, under the certified answers."""
+    title = f"Budget of the binary64 run with h = {budget['h_run']}"
+    if "reason" in budget:
+        return f"{title}: none, {budget['reason']}"
     bound = budget["bound"]
     proved = _with_unit(bound["in_u"]) if bound["value"] else f"none: {bound['reason']}"
     rows = [
@@ -174,7 +183,7 @@ def budget_text(budget: Json) -> str:
         ["+ rounding", budget["rounding"]["decimal"], f"= {_with_unit(budget['rounding_in_u'])}"],
         ["proved bound", bound["value"]["decimal"] if bound["value"] else "", f"on the rounding: {proved}"],
     ]
-    return f"Budget of the binary64 run with h = {budget['h_run']}\n\n{table(rows)}"
+    return f"{title}\n\n{table(rows)}"
 
 
 def _with_unit(x: Json) -> str:

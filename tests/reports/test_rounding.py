@@ -128,6 +128,20 @@ def test_commands_print_text_and_json(capsys):
     assert "proved bound" in capsys.readouterr().out
 
 
+def test_run_whose_floats_overflow_is_answered_and_says_so(capsys):
+    """|1 + 4i|**1000 is about 1e615: no double, and no obstacle to the exact run."""
+    arguments = ["run", "forward_euler", "--h", "4", "--t", "4000", "--budget"]
+    assert main(arguments) == 0
+    text = capsys.readouterr().out
+    assert "e615" in text
+    assert "overflow: the state is no longer finite after step 5" in text
+    assert main([*arguments, "--format", "json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["state_error"]["decimal"].endswith("e615")
+    assert set(answer["budget"]) == set(budget("rk4")) | {"reason"}
+    assert answer["budget"]["rounding"] is None
+
+
 def test_bad_questions_get_one_line(capsys):
     for arguments in (
         ["roundoff", "rk9"],

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
+from functools import cache
 from itertools import pairwise
 from typing import Any, TypeAlias
 
-from flint import arb, arb_poly, fmpq, fmpq_mat, fmpq_poly
+from flint import arb, arb_poly, fmpq, fmpq_mat, fmpq_poly, fmpz, nmod_poly
 
 from driftproof.methods.number_field import Algebraic, Exact, ScalarExtension
 
@@ -271,7 +272,43 @@ def greatest_common_divisor(p: Polynomial, q: Polynomial) -> Polynomial:
     """The monic greatest common divisor; over the number field if either has coefficients there."""
     if isinstance(q, FieldPolynomial) and not isinstance(p, FieldPolynomial):
         p, q = q, p
+    if isinstance(p, FieldPolynomial) and p != 0 and q != 0 and coprime_modulo_a_prime(p, q):
+        return ONE
     return descend(p.gcd(q))
+
+
+def coprime_modulo_a_prime(p: FieldPolynomial, q: Polynomial) -> bool:
+    """True only if p and q, not zero, have no common factor: their images over a finite field have none.
+
+    The images under α -> a simple root of the minimal polynomial modulo a prime that divides no denominator, and not
+    the leading coefficient of p: then a common factor, made monic, has an image of its own degree that divides both.
+    Euclid's algorithm over the field would take coefficients of thousands of digits to the same end.
+    """
+    prime, root = _image_of_generator(p.field.minimal)
+    images = []
+    for polynomial_ in (p, q):
+        image, power = nmod_poly([0], prime), 1
+        for part in polynomial_.parts if isinstance(polynomial_, FieldPolynomial) else (polynomial_,):
+            if int(part.denom()) % prime == 0:
+                return False
+            image += nmod_poly(part.numer(), prime) * (power * pow(int(part.denom()), -1, prime))
+            power = power * root % prime
+        images.append(image)
+    return bool(images[0].degree() == p.degree() and images[0].gcd(images[1]).degree() == 0)
+
+
+@cache
+def _image_of_generator(minimal: tuple[int, ...]) -> tuple[int, int]:
+    """A prime of 61 bits or so, and a simple root modulo it; there are such primes (Chebotarev), the first is taken."""
+    prime = fmpz(2**61 - 1)
+    while True:
+        roots = nmod_poly(list(minimal), prime).roots() if minimal[-1] % prime else []
+        simple = [int(root) for root, multiplicity in roots if multiplicity == 1]
+        if simple:
+            return int(prime), simple[0]
+        prime += 2
+        while not prime.is_prime():
+            prime += 2
 
 
 def quotient(p: Polynomial, q: Polynomial) -> Polynomial:

@@ -80,6 +80,26 @@ class ScalarTableau:
         return dot(self.b, vector)
 
     @cached_property
+    def denominator(self) -> Polynomial:
+        """det(I - zA); over a number field by Newton's identities from the traces of A's powers."""
+        if not self.field:
+            return fmpq_poly(self._matrix.charpoly().coeffs()[::-1])
+        power, traces, found = self._matrix, [], [ONE[0]]
+        for k in range(1, self.stages + 1):
+            columns = power.tolist()
+            firsts = range(0, len(columns), self._degree)
+            diagonal = [[sum(columns[j + i][j] for j in firsts)] for i in range(self._degree)]
+            traces.append(self._element(fmpq_mat(diagonal)))
+            found.append(-dot(found, traces[::-1]) / k)
+            power = power * self._matrix
+        return from_scalars(found)
+
+    def times_denominator(self, series: Sequence[Scalar]) -> RationalFunction:
+        """The rational function that begins with this series; its numerator by det(I - zA) has no further terms."""
+        product = self.denominator * from_scalars(series)
+        return fraction(descend(from_scalars([product[k] for k in range(len(series))])), self.denominator)
+
+    @cached_property
     def _matrix(self) -> RationalMatrix:
         return self._blocks(self.a)
 
@@ -175,12 +195,10 @@ def stability_function(method: RungeKutta) -> RationalFunction:
 def stability_function_by_moments(data: ScalarTableau) -> RationalFunction:
     """R(z) from 1 + Σ zᵏ⁺¹ bᵀAᵏ1: a polynomial of degree s for an explicit method, else P/Q with degrees at most s.
 
-    2s + 1 coefficients of the series determine P/Q; Euclid's algorithm finds it (Padé).
+    Times det(I - zA) the series ends at zˢ.
     """
-    one = ONE[0]
-    if data.explicit:
-        return RationalFunction(from_scalars([one, *data.moments(data.power(0), data.stages)]), ONE)
-    return rational_from_series([one, *data.moments(data.power(0), 2 * data.stages)], data.stages)
+    moments = [ONE[0], *data.moments(data.power(0), data.stages)]
+    return RationalFunction(from_scalars(moments), ONE) if data.explicit else data.times_denominator(moments)
 
 
 def stability_function_by_determinants(data: ScalarTableau) -> RationalFunction:
@@ -209,24 +227,8 @@ def stability_function_of_collocation(node_polynomial: Sequence[Exact | int]) ->
 
 def resolvent(data: ScalarTableau, start: Sequence[Scalar]) -> RationalFunction:
     """bᵀ(I - zA)⁻¹v for v = start, in lowest terms."""
-    if data.explicit:
-        return RationalFunction(from_scalars(data.moments(start, data.stages)), ONE)
-    return rational_from_series(data.moments(start, 2 * data.stages + 1), data.stages)
-
-
-def rational_from_series(series: Sequence[Scalar], degree: int) -> RationalFunction:
-    """The P/Q with deg P, deg Q <= degree whose Taylor series begins with these 2 degree + 1 coefficients.
-
-    Remainders of Euclid's algorithm for (z**(2 degree + 1), series), stopped at that degree; P/Q is unique.
-    """
-    before, now = fmpq_poly([0] * len(series) + [1]), from_scalars(series)
-    cofactor_before, cofactor = now * 0, now * 0 + 1
-    before = now * 0 + before
-    while now.degree() > degree:
-        quotient, rest = divmod(before, now)
-        before, now = now, rest
-        cofactor_before, cofactor = cofactor, cofactor_before - quotient * cofactor
-    return fraction(descend(now), descend(cofactor))
+    moments = data.moments(start, data.stages)
+    return RationalFunction(from_scalars(moments), ONE) if data.explicit else data.times_denominator(moments)
 
 
 def _value(p: Polynomial, x: int) -> Scalar:

@@ -14,6 +14,7 @@ from driftproof.methods.number_field import Algebraic, NumberField, cube_root, s
 from driftproof.symbolic.algebra.polynomials import (
     FieldPolynomial,
     at_ball,
+    coprime_modulo_a_prime,
     deflate,
     dot,
     exact,
@@ -155,3 +156,20 @@ def test_in_square_refuses_odd_powers() -> None:
 def test_dot_demands_equal_lengths() -> None:
     with pytest.raises(ValueError, match="longer"):
         dot([fmpq(1)], [fmpq(1), fmpq(2)])
+
+
+def test_coprime_polynomials_over_a_number_field_are_seen_to_be_so_modulo_a_prime(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Euclid's algorithm is left to what may have a common factor: its remainders double in length at every step."""
+    asked = []
+    divide = FieldPolynomial.__mod__
+    monkeypatch.setattr(FieldPolynomial, "__mod__", lambda p, q: asked.append(q) or divide(p, q))
+    p, q = (polynomial([k, CUBE_2 * Q(k, 7) + 1, *[CUBE_2 - n for n in range(k)], 1]) for k in (9, 10))
+    assert greatest_common_divisor(p, q) == 1
+    assert not asked
+    common = polynomial([CUBE_2, 1])
+    assert greatest_common_divisor(p * common, q * common) == common
+    assert asked
+    half = Q(1, 2**61 - 1)
+    assert not coprime_modulo_a_prime(polynomial([CUBE_2 * half, 1]), polynomial([1, CUBE_2]))

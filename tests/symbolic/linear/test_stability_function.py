@@ -6,11 +6,13 @@ from fractions import Fraction as Q
 from typing import Any
 
 import pytest
-from flint import fmpq_mat, fmpq_poly
+from flint import fmpq, fmpq_mat, fmpq_poly
 
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, RungeKutta
+from driftproof.symbolic.algebra.matrices import matrix_determinant
 from driftproof.symbolic.algebra.polynomials import (
+    FieldPolynomial,
     coefficients,
     exact,
     polynomial,
@@ -23,6 +25,7 @@ from driftproof.symbolic.linear.a_stability import (
 )
 from driftproof.symbolic.linear.stability_function import (
     NodeTableau,
+    ScalarTableau,
     prothero_robinson,
     resolvent,
     scalar_tableau,
@@ -90,6 +93,24 @@ def test_two_formulas_for_r_agree_over_q_and_over_number_fields(gamma: Exact) ->
     assert stability_function_by_determinants(data) == r
     one = fraction(fmpq_poly([1]))
     assert one + fraction(Z) * resolvent(data, data.power(0)) == r
+
+
+def test_twelve_implicit_stages_over_a_number_field_take_no_division_with_remainder(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A Padé approximant by Euclid's algorithm took minutes here; the determinant by traces takes no remainder."""
+    rows = [[ROOT_2 * Q(i - j, 1 + i * j) + Q(1 + i, 2 + j) for j in range(12)] for i in range(12)]
+    weights = [ROOT_2 / (k + 1) - Q(k, 3) for k in range(12)]
+    a, (b,) = (tuple(tuple(map(scalar, row)) for row in part) for part in (rows, [weights]))
+    data = ScalarTableau(a, b, b, ROOT_2.field)
+    with monkeypatch.context() as patch:
+        patch.setattr(FieldPolynomial, "gcd", None)
+        r = stability_function_by_moments(data)
+    assert (r.num.degree(), r.den.degree()) == (12, 12)
+    x = fmpq(1, 3)
+    inner = [[int(i == j) - x * a for j, a in enumerate(row)] for i, row in enumerate(data.a)]
+    shifted = [[a + x * w for a, w in zip(row, data.b, strict=True)] for row in inner]
+    assert r(x) == matrix_determinant(shifted) / matrix_determinant(inner)
 
 
 def test_order_reduction_functions_of_sdirk_and_radau() -> None:
