@@ -121,6 +121,7 @@ _NO_R = "only Runge-Kutta and collocation methods have R(z)"
 WHY_NONE = {
     **dict.fromkeys(("stability_function", "real_limit", "a_stable", "a_stability", "i_stable", "l_stable"), _NO_R),
     **dict.fromkeys(("sector", "limit_at_infinity", "error_constant", "modified_rate", "region_boundary"), _NO_R),
+    "stability_within_digits": "its coefficients are no rounded decimals (decimal = true), or R has no limit for them",
     "ssp_coefficient": "only Runge-Kutta and collocation methods have one",
     "energy_multiplier": "what a step does to the energy depends on the state",
     "invariant": "it conserves no quadratic, or several that are not multiples of one",

@@ -30,6 +30,7 @@ from driftproof.symbolic.linear import (
 )
 from driftproof.symbolic.linear.a_stability import Angle, EnclosedTangent, sector_tangent
 from driftproof.symbolic.linear.monotonicity import ssp_coefficient
+from driftproof.symbolic.linear.printed_digits import StabilityWithinDigits, stability_within_digits
 from driftproof.symbolic.linear.region import rounded_boundary
 from driftproof.symbolic.linear.stability_function import prothero_robinson
 from driftproof.symbolic.linear.stability_limits import INFINITY, Limit, bounded_limit
@@ -224,6 +225,11 @@ class LinearFacts:
     i_stable = _of_r(lambda r: implicit_stability.i_stability(r).holds, "Whether |R(iy)| <= 1 for every real y.")
 
     l_stable = _of_r(lambda r: implicit_stability.l_stability(r).holds, "A-stable, and R vanishes at infinity.")
+
+    @cached_property
+    def stability_within_digits(self) -> StabilityWithinDigits | None:
+        """I-, A- and L-stability as far as rounded coefficients tell, and the R(oo) that their digits allow."""
+        return stability_within_digits(self.method) if isinstance(self.method, RungeKutta) else None
 
     @cached_property
     def sector(self) -> Sector | None:

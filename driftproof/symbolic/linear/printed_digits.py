@@ -1,0 +1,107 @@
+"""I-, A- and L-stability as far as the digits tell in which a table of rounded decimals is printed."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import NamedTuple
+
+from flint import arb, arb_mat, arb_poly, ctx, fmpq_poly
+
+from driftproof.methods.number_field import Exact, as_fmpq
+from driftproof.methods.schemes import RungeKutta
+from driftproof.symbolic.algebra.certified import AWAY, HALF_EVEN, endpoints, scientific
+from driftproof.symbolic.algebra.polynomials import reflected
+from driftproof.symbolic.linear.a_stability import is_hurwitz, negative_point
+from driftproof.symbolic.linear.stability_function import stability_function
+
+# Digits of R(oo) and of what the digits allow: they are sizes.
+SHOWN_DIGITS = 3
+# Bits beside those of the digits: the radii, not the arithmetic, make the balls wide.
+SPARE_BITS = 64
+
+
+class StabilityWithinDigits(NamedTuple):
+    """What the printed digits do not exclude, and the largest |R(oo)| of any table that prints the same digits."""
+
+    i_stable: bool
+    a_stable: bool
+    l_stable: bool
+    limit_at_infinity: str
+    digits_allow: str
+
+
+def stability_within_digits(method: RungeKutta) -> StabilityWithinDigits | None:
+    """I-, A- and L-stability of the tables whose coefficients differ by half a unit of the last printed digit at most.
+
+    Balls around A and b, entries that are printed the same being the same number, give balls around the coefficients
+    of R = P/Q. I-stability is excluded where even the upper ends of |Q(iy)|² - |P(iy)|² are negative at some y; for
+    A-stability the written table has, besides, no pole with Re z <= 0; for L-stability R(oo) may be 0. None for
+    coefficients that are not rounded, and where R has no limit.
+    """
+    if not method.decimal or method.field or method.explicit:
+        return None
+    exact = stability_function(method)
+    places = max(_digits(x) for row in (*method.a, method.b) for x in row)
+    with ctx.workprec(4 * places + SPARE_BITS):
+        size = range(method.stages)
+        a, b = [[_ball(x, places) for x in row] for row in method.a], [_ball(x, places) for x in method.b]
+        shifted = [[arb(0) if method.a[i][j] == method.b[j] else a[i][j] - b[j] for j in size] for i in size]
+        num, den = _determinant(shifted), _determinant(a)
+        if num.degree() > den.degree() or den[den.degree()].contains(0):
+            return None
+        at_infinity = num[den.degree()] / den[den.degree()]
+        margin = _square_on_axis(den) - _square_on_axis(num)
+        upper = fmpq_poly([as_fmpq(endpoints(c)[1]) for c in margin.coeffs()])
+        on_axis = negative_point(upper) is None
+        half_plane = on_axis and is_hurwitz(reflected(exact.den))
+        written = exact.at_infinity() or Fraction(0)
+        return StabilityWithinDigits(
+            on_axis,
+            half_plane,
+            half_plane and bool(at_infinity.contains(0)),
+            scientific(written, SHOWN_DIGITS, HALF_EVEN),
+            scientific(max(abs(end) for end in endpoints(at_infinity)), SHOWN_DIGITS, AWAY),
+        )
+
+
+def _digits(x: Exact) -> int:
+    """The significant digits of a finite decimal; 0 of another number."""
+    places = _places(x)
+    return 0 if places is None else len(str(x * 10**places).lstrip("-0"))
+
+
+def _places(x: Exact) -> int | None:
+    """The digits after the point of a finite decimal."""
+    assert isinstance(x, Fraction)
+    rest, places = x.denominator, 0
+    for prime in (2, 5):
+        power = 0
+        while rest % prime == 0:
+            rest, power = rest // prime, power + 1
+        places = max(places, power)
+    return places if rest == 1 else None
+
+
+def _ball(x: Exact, longest: int) -> arb:
+    """x, up to half a unit of its last digit: exact if it has less than half the digits of the longest, as 0.25."""
+    places, middle = _places(x), arb(as_fmpq(x))
+    if places is None or 2 * _digits(x) < longest:
+        return middle
+    return middle + arb(0, 1) * arb(as_fmpq(Fraction(1, 2 * 10**places)))
+
+
+def _determinant(rows: list[list[arb]]) -> arb_poly:
+    """det(I - zM) in balls, without the i in whose row or column all is 0: they only add powers of z times 0."""
+    kept = list(range(len(rows)))
+    while (fewer := [i for i in kept if not all(rows[i][j] == 0 for j in kept)]) != kept or (
+        fewer := [j for j in kept if not all(rows[i][j] == 0 for i in kept)]
+    ) != kept:
+        kept = fewer
+    inner = arb_mat([[rows[i][j] for j in kept] for i in kept])
+    return arb_poly(inner.charpoly().coeffs()[::-1]) if kept else arb_poly([1])
+
+
+def _square_on_axis(p: arb_poly) -> arb_poly:
+    """|p(iy)|² by powers of y²."""
+    even, odd = (arb_poly([-c if k % 2 else c for k, c in enumerate(p.coeffs()[start::2])]) for start in (0, 1))
+    return even * even + arb_poly([0, 1]) * odd * odd

@@ -1,0 +1,93 @@
+"""Stability within printed digits: of tables by Kvaerno's kind, whose R(oo) is 1e-10 and was meant to be 0."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction as Q
+
+import pytest
+
+from driftproof.methods.schemes import RungeKutta
+from driftproof.symbolic.facts import Facts
+from driftproof.symbolic.linear.printed_digits import stability_within_digits
+from driftproof.texts.writing.facts import fact_tex, fact_text
+from driftproof.texts.writing.records import facts_of
+
+
+def esdirk(gamma: str, *rows: str) -> RungeKutta:
+    """A stiffly accurate table with an explicit first stage, its rows left of the diagonal as they are printed."""
+    left = [[], *(row.split() for row in rows)]
+    size = len(left)
+    full = [[*row, *([gamma] if row else ["0"])] for row in left]
+    a = tuple(tuple(Q(x) for x in [*row, *["0"] * size][:size]) for row in full)
+    return RungeKutta("mine", "mine", 3, "", a, a[-1], tuple(sum(row) for row in a), decimal=True)
+
+
+# Kvaerno's ESDIRK 3/2 with four stages: gamma is a root of 6x³ - 18x² + 9x - 1.
+LAST_ROWS = ("0.490563388419108 0.073570090080892", "0.308809969973036 1.490563388254106 -1.235239879727145")
+SHORT, LONG = (esdirk(g, g, *LAST_ROWS) for g in ("0.4358665215", "0.435866521508459"))
+
+
+def test_table_that_is_l_stable_but_for_its_rounding_is_so_within_its_digits() -> None:
+    assert (Facts(SHORT).a_stable, Facts(SHORT).l_stable) == (False, False), "as written, exactly"
+    found = Facts(SHORT).stability_within_digits
+    assert found is not None
+    assert (found.i_stable, found.a_stable, found.l_stable) == (True, True, True)
+    assert found.limit_at_infinity == "5.57e-11"
+    assert abs(Q(found.limit_at_infinity)) < Q(found.digits_allow) < Q(1, 10**7)
+    text = fact_text(found)
+    assert "l_stable: yes" in text
+    assert f"limit_at_infinity: 5.57e-11, digits_allow: {found.digits_allow}" in text
+    assert "5.57" in fact_tex(found)
+    assert facts_of(SHORT, ["stability_within_digits"])["stability_within_digits"] == found._asdict()
+
+
+def test_digits_that_exclude_r_of_zero_at_infinity_say_so() -> None:
+    """With a longer gamma, the other entries are not those that belong to it: R(oo) is out of reach of the digits."""
+    found = Facts(LONG).stability_within_digits
+    assert found is not None
+    assert (found.a_stable, found.l_stable) == (True, False)
+    assert Q(found.limit_at_infinity) <= Q(found.digits_allow)
+
+
+@pytest.mark.parametrize("entry", ["0.2", "0.43586652"])
+def test_half_units_bound_what_any_table_with_the_same_digits_does(entry: str) -> None:
+    """Ends of the half units, tried one entry at a time and all together, keep |R(oo)| within what is allowed."""
+    table = esdirk(entry, entry, "0.49056339 0.07357009", "0.30880997 1.49056339 -1.23523988")
+    found = stability_within_digits(table)
+    assert found is not None
+    half = Q(1, 2 * 10**8)
+    seen = []
+    for signs in [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, 0, -1), (1, 1, 1), (1, -1, 1), (-1, -1, -1)]:
+        rows = [list(row) for row in table.a]
+        for (i, j), sign in zip([(2, 0), (3, 1), (3, 2)], signs, strict=True):
+            rows[i][j] += sign * half
+        a = tuple(map(tuple, rows))
+        moved = replace(table, a=a, b=a[-1])
+        limit = Facts(moved).limit_at_infinity
+        assert isinstance(limit, Q)
+        seen.append(abs(limit))
+        assert seen[-1] <= Q(found.digits_allow)
+    assert len(seen) == 7
+    assert found.l_stable is (entry != "0.2")
+
+
+def test_provable_growth_is_excluded_by_the_digits_and_exact_tables_have_no_digits() -> None:
+    unstable = esdirk("0.10000001", "0.10000001", "0.49056339 0.07357009", "0.30880997 1.49056339 -1.23523988")
+    found = stability_within_digits(unstable)
+    assert found is not None
+    assert (found.i_stable, found.a_stable, found.l_stable) == (False, False, False)
+    assert stability_within_digits(replace(LONG, decimal=False)) is None
+    explicit = RungeKutta("e", "e", 1, "", ((Q(0),),), (Q(1),), (Q(0),), decimal=True)
+    assert stability_within_digits(explicit) is None
+
+
+def test_unused_stages_and_exact_short_decimals_do_not_widen_the_balls() -> None:
+    """0.25 beside entries of 15 digits is a quarter; a stage that nothing uses changes nothing."""
+    backward = RungeKutta(
+        "b", "b", 1, "", ((Q(1), Q(0)), (Q("0.123456789012345"), Q("0.25"))), (Q(1), Q(0)), (Q(1),) * 2
+    )
+    found = stability_within_digits(replace(backward, decimal=True))
+    assert found is not None
+    assert found.l_stable
+    assert found.limit_at_infinity == found.digits_allow == "0"
