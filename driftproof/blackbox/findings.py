@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -41,21 +42,40 @@ class NotFinite(Misbehaviour):
         self.answer = answer
 
 
+class NoAnswer(Misbehaviour):
+    """A call that had not come back when its time was over, and is not made again: evidence of nothing."""
+
+    kind = "time_limit"
+
+
 class UnsupportedCall(ValueError):
     """The stepper takes no force, or no right-hand side, so that this question cannot be put to it."""
 
     kind = "unsupported_call"
 
 
+# What says nothing of a stepper: a time limit that was reached, an instrument of ours that failed.
+NO_EVIDENCE = ("time_limit", "instrument_failed")
+
+
 @dataclass(frozen=True)
 class Outcome:
-    """What came of one check: its result; or one word for why there is none, and what was seen."""
+    """What came of one check: its result; or one word for why there is none, and what was seen.
+
+    `arithmetic` says who changed the rounding mode, or what becomes of subnormal numbers, where somebody did.
+    """
 
     result: Any = None
     kind: str | None = None
     seen: str = ""
+    arithmetic: str = ""
 
     @property
     def failed(self) -> bool:
         """True when there is no result."""
         return self.kind is not None
+
+
+def arithmetic_of(outcomes: Iterable[Outcome]) -> str:
+    """Who changed the arithmetic, of the first outcome that says so; "" for nobody."""
+    return next((outcome.arithmetic for outcome in outcomes if outcome.arithmetic), "")

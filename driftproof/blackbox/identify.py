@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any, NamedTuple
 
-from driftproof.blackbox.checks.suite import BRIEF, CHECKS, checks_of
+from driftproof.blackbox.checks.suite import CHECKS, checks_of
 from driftproof.blackbox.checks.trials import CheckResult
-from driftproof.blackbox.findings import Outcome
+from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import ORDINARY_DOMAIN, explained
 from driftproof.blackbox.judging.pendulum_order import MeasuredOrder, measured_order
@@ -51,14 +51,20 @@ def identify(
     >>> print(identify(lambda q, v, h: (q + h * v, v - h * q), isolate=False).verdict)
     it is, as far as linear steps tell, forward_euler
     """
-    runner = IsolatedRunner(Target(step, calls, array), time_limit, isolate)
-    outcomes = runner.run([*QUESTIONS, *CHECKS.values()], BRIEF)
+    return identified(IsolatedRunner(Target(step, calls, array), time_limit, isolate))
+
+
+def identified(runner: IsolatedRunner) -> Report:
+    """The report on the runner's stepper, in the time that it has left."""
+    outcomes = runner.run([*QUESTIONS, *CHECKS.values()])
     if outcomes[0].kind == "bad_input":
         raise ValueError(outcomes[0].seen)
     introduced, read, fit, order = outcomes[: len(QUESTIONS)]
-    seen = Seen(introduced, read, fit, order, tuple(checks_of(outcomes[len(QUESTIONS) :])))
+    checks, arithmetic = checks_of(outcomes[len(QUESTIONS) :]), arithmetic_of(outcomes)
+    seen = Seen(introduced, read, fit, order, tuple(checks), arithmetic)
     rounding = None if seen.key is None else _rounding(runner, METHODS[seen.key], seen.size)
-    return Report(runner.target.name, seen.verdict, None, _sections(seen, rounding), _data(seen, rounding))
+    verdict = "; ".join(filter(None, [seen.verdict, arithmetic]))
+    return Report(runner.target.name, verdict, None, _sections(seen, rounding), _data(seen, rounding))
 
 
 class _Recognised(NamedTuple):
@@ -79,6 +85,7 @@ class Seen:
     linear: Outcome
     order: Outcome
     checks: tuple[CheckResult, ...]
+    arithmetic: str = ""  # who changed the rounding mode, or what becomes of subnormal numbers
 
     @cached_property
     def read(self) -> _Recognised | None:
@@ -120,6 +127,8 @@ class Seen:
     @property
     def verdict(self) -> str:
         """Which method it is, in one line."""
+        if self.introduction.kind in NO_EVIDENCE:
+            return f"undecided: {self.introduction.seen}"
         if self.introduction.failed:
             return f"gives no answer: {self.introduction.seen}"
         if self.read is not None and self.read.identity.matches:
@@ -132,7 +141,8 @@ class Seen:
             return f"it is, as far as linear steps tell, {_in_words(self.fit, self.fit.best)}"
         if self.read is not None and self.read.identity.near:
             return f"it is {self.read.identity.near[0].name}"
-        return "it is no method that is known here"
+        open_questions = [o for o in (self.coefficients, self.linear) if o.kind in NO_EVIDENCE]
+        return f"undecided: {open_questions[0].seen}" if open_questions else "it is no method that is known here"
 
 
 def _in_words(fit: LinearFit, best: LinearCandidate) -> str:
@@ -158,7 +168,7 @@ def _sections(seen: Seen, rounding: Outcome | None) -> tuple[Section, ...]:
     faults = [check.words for check in seen.checks if check.is_fault]
     rest = [check.words for check in seen.checks if not check.is_fault]
     return sections(
-        ("Stepper", _introduced(seen)),
+        ("Stepper", [*_introduced(seen), *filter(None, [seen.arithmetic])]),
         ("Coefficients", [] if seen.read is None else [*seen.read.identity.lines, *seen.read.reading.lines]),
         ("One-step matrix", [] if seen.fit is None else seen.fit.lines),
         ("Order", _orders(seen)),
@@ -198,6 +208,7 @@ def _data(seen: Seen, rounding: Outcome | None) -> dict[str, Json]:
     measured: MeasuredOrder | None = seen.order.result
     return {
         "calls": None if seen.introduction.failed else seen.introduction.result.calls,
+        "arithmetic": seen.arithmetic or None,
         "format": None if seen.introduction.failed else seen.introduction.result.format,
         "method": seen.key,
         "coefficients": None if read is None else [*read.identity.lines, *read.reading.lines],

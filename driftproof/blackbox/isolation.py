@@ -8,150 +8,229 @@ import pickle
 import tempfile
 import traceback
 import warnings
-from collections.abc import Callable, Container, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
-from time import monotonic, sleep
+from time import monotonic
 from typing import Any
 
-from driftproof.blackbox.findings import Misbehaviour, Outcome
+from driftproof.blackbox.findings import Misbehaviour, NoAnswer, Outcome
+from driftproof.blackbox.stepper.float_environment import FloatEnvironment
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.support.messages import MessageError, decode, encode
-from driftproof.support.processes import Limits, ProcessEnded, Session
+from driftproof.support.processes import START_UP, Limits, ProcessEnded, Session
 
 Probe = Callable[[ForeignStepper], Any]
-# Seconds for one probe: a step of a simulator takes milliseconds, and a probe some hundred steps.
-TIME_LIMIT = 60.0
+# Seconds for all probes together: a step of a simulator takes milliseconds, and a report some thousand steps.
+TIME_LIMIT = 120.0
 # In bytes, beyond what the process has at its start: no stepper of three numbers needs it, and most machines have it.
 MEMORY_LIMIT = 8 * 2**30
-# A brief probe may take as many times as long as the longest one before it, and at least so many seconds: with the
-# time in which other work holds the processors.
+# One call may take as many times as long as the longest probe before it, and at least so many seconds: with the time in
+# which other work holds the processors, or in which a step is compiled anew for numbers of another type.
 PATIENCE, LEAST_LIMIT = 4, 5.0
-# Seconds in which a stepper that does not hang answers one call.
-A_CALL = 1.0
+# One probe has this part of the time that is left, a call this part of the whole, so that the others are asked, too;
+# and the first call, in which a step may be compiled, most of its probe's.
+_SHARE_OF_PROBE, _SHARE_OF_CALL, _SHARE_OF_FIRST_CALL = 1 / 2, 1 / 6, 3 / 4
+# A probe is begun anew without the call that hung, so often: each costs the time of a call.
+_MOST_HANGS = 3
+# Seconds between two looks at the call that is being made.
+_LOOK = 0.05
+# Steps of other sizes are asked for at the ends of what floats are: what hangs there does so from every state.
+_ORDINARY_STEPS = (2.0**-40, 2.0**8)
 
 
 def opens(subject: ForeignStepper) -> None:
     """The probe that asks for nothing: it succeeds if the stepper can be imported and answers a first call."""
 
 
-@dataclass(frozen=True)
+@dataclass
 class IsolatedRunner:
-    """Runs probes on one stepper, each within `time_limit` seconds.
+    """Runs probes on one stepper, all of them within `time_limit` seconds, however often it is asked.
 
     A stepper given by name runs in a fresh interpreter, its probes being picklable; one given as a callable in a fork
-    of this process. With `isolate` false, or where a system cannot fork, it runs here and nothing stops it.
+    of this process. With `isolate` false, or where a system cannot fork, it runs here and nothing stops it. The start
+    of processes is not counted. `hung` are the calls that did not come back: none of them is made again.
     """
 
     target: Target
     time_limit: float = TIME_LIMIT
     isolate: bool = True
+    hung: list[str] = field(default_factory=list)
+    spent: float = 0.0
+    _longest: float = 0.0
 
-    def run(self, probes: Sequence[Probe], brief: Container[Probe] = ()) -> list[Outcome]:
+    def run(self, probes: Sequence[Probe]) -> list[Outcome]:
         """The outcome of each; after a hang or a crash the rest go on in a new process.
 
-        A stepper that cannot even be opened is tried once: that outcome is the outcome of all. The `brief` probes are
-        those of a few steps: what they may take is known from the others, to import and open the stepper included.
+        A stepper that cannot even be opened is tried once: that outcome is the outcome of all. A probe whose call hangs
+        is begun anew, and answers without it.
         """
-        asked, outcomes, longest = [opens, *probes], list[Outcome](), 0.0
+        asked, outcomes, hangs = [opens, *probes], list[Outcome](), 0
         while len(outcomes) < len(asked):
-            for outcome, seconds in self._some(asked[len(outcomes) :], brief, longest):
-                longest = max(longest, seconds)
+            known = len(self.hung)
+            for outcome in self._some(asked[len(outcomes) :]):
+                if len(self.hung) > known and outcomes and hangs < _MOST_HANGS:
+                    hangs += 1
+                    break
+                hangs = 0
                 outcomes.append(outcome)
-            if outcomes[0].failed:
+            if outcomes and outcomes[0].failed:
                 return outcomes[:1] * len(probes)
         return outcomes[1:]
 
-    def _some(
-        self, probes: Sequence[Probe], brief: Container[Probe], longest: float
-    ) -> Iterator[tuple[Outcome, float]]:
-        """The outcomes of the first few, at least of one, and their seconds: of all, or up to a hang or a crash."""
+    def _some(self, probes: Sequence[Probe]) -> Iterator[Outcome]:
+        """The outcomes of the first few, at least of one: of all, or up to a hang or a crash."""
         if not self.isolate or not hasattr(os, "fork"):
             serving = Serving(self.target, probes)
-            yield from ((serving.outcome(i), 0.0) for i in range(len(probes)))
+            yield from map(serving.outcome, range(len(probes)))
             return
         with tempfile.TemporaryDirectory() as folder:
-            log = Path(folder) / "last_call"
-            log.touch()
-            limit = self.time_limit
+            log = _CallLog(Path(folder) / "last_call")
             with self._session(probes, log) as session:
                 try:
-                    if self.target.by_name:
-                        session.ask(base64.b64encode(pickle.dumps((self.target, list(probes), log))).decode())
+                    served = self.target, list(probes), log.path, self.hung
+                    session.ask(_packed(served) if self.target.by_name else None, START_UP)
                     for i, probe in enumerate(probes):
-                        brief_limit = max(LEAST_LIMIT, PATIENCE * longest)
-                        limit = min(self.time_limit, brief_limit) if probe in brief else self.time_limit
-                        start = monotonic()
-                        outcome = decode(session.ask(i, limit), "driftproof")
-                        seconds = monotonic() - start
-                        longest = max(longest, seconds)
-                        yield outcome, seconds
+                        yield self._answer(session, i, log, opening=probe is opens)
                 except ProcessEnded as ended:
-                    yield _of_end(ended, limit, log), 0.0
+                    yield _of_end(ended, log)
                 except MessageError as error:
-                    yield Outcome(kind="crashes", seen=f"{error}: something else wrote into our pipe"), 0.0
+                    yield Outcome(kind="crashes", seen=f"{error}: something else wrote into our pipe")
 
-    def _session(self, probes: Sequence[Probe], log: Path) -> Session:
+    def _answer(self, session: Session, index: int, log: _CallLog, *, opening: bool) -> Outcome:
+        """The outcome of one probe. Raises ProcessEnded, with the cause "time" when its time is over."""
+        start, call, since = monotonic(), "", monotonic()
+        limit = (self.time_limit - self.spent) * _SHARE_OF_PROBE
+        patience = max(LEAST_LIMIT, PATIENCE * self._longest)
+        a_call = limit * _SHARE_OF_FIRST_CALL if opening else min(patience, self.time_limit * _SHARE_OF_CALL)
+        ask: Callable[[float], str] = partial(session.ask, index)
+        try:
+            while True:
+                try:
+                    outcome: Outcome = decode(ask(_LOOK), "driftproof")
+                    return outcome
+                except ProcessEnded as ended:
+                    now, ask = monotonic(), session.wait
+                    if ended.cause != "time":
+                        raise
+                if (at := log.now()) != call:
+                    call, since = at, now
+                if call.startswith(_CALLING) and now - since >= a_call:
+                    self.hung.append(_not_again(log.call))
+                    raise ProcessEnded("time", f"no answer within {a_call:.3g} s")
+                if now - start >= limit:
+                    whole = f"the {self.time_limit:.3g} s of the whole run do not suffice"
+                    raise ProcessEnded("time", f"{whole}: stopped after {limit:.3g} s")
+        finally:
+            self._longest = max(self._longest, monotonic() - start)
+            self.spent += monotonic() - start
+
+    def _session(self, probes: Sequence[Probe], log: _CallLog) -> Session:
         limits = Limits(self.time_limit, memory=MEMORY_LIMIT)
         if not self.target.by_name:
-            return Session(Serving(self.target, probes, log), limits)
+            return Session(Serving(self.target, probes, log.path, self.hung), limits)
         # Hypothesis would leave a folder where one works.
-        environment = {**os.environ, "HYPOTHESIS_STORAGE_DIRECTORY": str(log.parent)}
+        environment = {**os.environ, "HYPOTHESIS_STORAGE_DIRECTORY": str(log.path.parent)}
         return Session(f"{__name__}:answer_probe", limits, environment=environment)
 
 
-def _of_end(ended: ProcessEnded, limit: float, log: Path) -> Outcome:
-    """What came of a probe whose process gave no answer.
-
-    Where one call follows another the stepper does not hang: the probe has too many for its pace.
-    """
-    call = _last_call(log)
-    if ended.cause != "time":
-        return Outcome(kind="crashes", seen=f"{ended}{call}")
-    sleep(min(limit, A_CALL))
-    if _last_call(log) != call:
-        return Outcome(kind="slow", seen=f"too many steps for {limit:.3g} s, at the pace of the stepper")
-    return Outcome(kind="hangs", seen=f"{ended}{call}")
+def _packed(serving: tuple[Any, ...]) -> str:
+    return base64.b64encode(pickle.dumps(serving)).decode()
 
 
-def _last_call(log: Path) -> str:
-    text = log.read_bytes().decode(errors="replace").partition("\n")[0]
-    return f" in step({text})" if text else " while the stepper was imported"
+def _of_end(ended: ProcessEnded, log: _CallLog) -> Outcome:
+    """What came of a probe whose process gave no answer."""
+    text = log.call
+    call = f" in step({text})" if text else " while the stepper was imported"
+    return Outcome(kind="time_limit" if ended.cause == "time" else "crashes", seen=f"{ended}{call}")
+
+
+def _not_again(call: str) -> str:
+    """What must not stand in a call that is made: the call that hung, or its h where that is no ordinary one."""
+    h = call.rpartition("h=")[2]
+    try:
+        ordinary = _ORDINARY_STEPS[0] <= abs(float(h)) <= _ORDINARY_STEPS[1]
+    except ValueError:  # of another arithmetic
+        ordinary = True
+    return call if ordinary else f"h={h}"
+
+
+_CALLING, _BACK = "calling", "back"
+
+
+@dataclass(frozen=True)
+class _CallLog:
+    """A file in which the far side writes the call that it is about to make, with a number, and that it is back."""
+
+    path: Path
+
+    def __post_init__(self) -> None:
+        """Make the file."""
+        self.path.touch()
+
+    def now(self) -> str:
+        """The last entry."""
+        return self.path.read_bytes().decode(errors="replace").partition("\n")[0]
+
+    @property
+    def call(self) -> str:
+        """The last call, whether it is back or not."""
+        return self.now().partition(": ")[2]
 
 
 @dataclass
 class Serving:
     """The far side: opens the stepper at the first request and answers each by the outcome of one probe, as text.
 
-    The call about to be made stands in the file `log`, if there is one.
+    The call about to be made stands in the file `log`, if there is one. Those that `hung` are refused.
     """
 
     target: Target
     probes: Sequence[Probe]
     log: Path | None = None
+    hung: Sequence[str] = ()
     _opened: ForeignStepper | Outcome | None = field(default=None, init=False)
+    _calls: int = field(default=0, init=False)
+    _call: str = field(default="", init=False)
 
-    def __call__(self, index: int) -> str:
-        """The outcome of one probe, encoded."""
-        return encode(self.outcome(index))
+    def __call__(self, index: int | None) -> str:
+        """The outcome of one probe, encoded; nothing for no probe."""
+        return "" if index is None else encode(self.outcome(index))
 
     def outcome(self, index: int) -> Outcome:
         """The outcome of one probe; warnings of the stepper's, as of overflow, are not shown."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             if self._opened is None:
+                self._environment = FloatEnvironment()
+                self._file = None if self.log is None else os.open(self.log, os.O_WRONLY)
                 try:
-                    self._opened = self.target.open(self._noter())
+                    self._environment.enter()
+                    self._opened = self.target.open(self._before, self._after)
                 except (Misbehaviour, ValueError) as error:
                     self._opened = _failure(error)
-            return self._opened if isinstance(self._opened, Outcome) else _outcome(self.probes[index], self._opened)
+            found = self._opened if isinstance(self._opened, Outcome) else _outcome(self.probes[index], self._opened)
+            return replace(found, arithmetic=self._environment.change)
 
-    def _noter(self) -> Callable[[str], None]:
-        if self.log is None:
-            return lambda call: None
-        file = os.open(self.log, os.O_WRONLY)
-        return lambda call: (os.pwrite(file, f"{call}\n".encode(), 0), None)[1]
+    def _before(self, call: str) -> None:
+        if not self._calls:
+            self._environment.leave("since the stepper is imported")
+        self._calls, self._call = self._calls + 1, call
+        for one in self.hung:
+            if call == one or call.endswith(f", {one}"):
+                raise NoAnswer(f"step({call}) is not made: it did not come back before")
+        self._note(_CALLING)
+        self._environment.enter()
+
+    def _after(self) -> None:
+        self._environment.leave(f"since step({self._call})")
+        self._note(_BACK)
+
+    def _note(self, word: str) -> None:
+        if self._file is not None:
+            os.pwrite(self._file, f"{word} {self._calls}: {self._call}\n".encode(), 0)
 
 
 _serving: list[Serving] = []

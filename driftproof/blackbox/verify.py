@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import partial, update_wrapper
 from typing import Any, ParamSpec
 
-from driftproof.blackbox.findings import Outcome
-from driftproof.blackbox.identify import identify
+from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, arithmetic_of
+from driftproof.blackbox.identify import identified
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY_DOMAIN, Agreement, Domain, agreement
 from driftproof.blackbox.judging.pendulum_order import MeasuredOrder, measured_order
@@ -22,8 +22,8 @@ from driftproof.methods.tableau_file import method_of
 from driftproof.support.plain_text import Json
 
 _P = ParamSpec("_P")
-# Where a stepper's calls do not allow a question, nothing follows from it.
-NOT_ASKED = ("unsupported_call", "not_readable")
+# Where a stepper's calls do not allow a question, nothing follows from it; nor from a lapse of time.
+NOT_ASKED = ("unsupported_call", "not_readable", *NO_EVIDENCE)
 
 
 @dataclass(frozen=True)
@@ -54,8 +54,8 @@ def verify(
     `examples` floats of the `domain`, with what `allowance` adds to the bound. Where it takes a force or a right-hand
     side, its coefficients are read, too, and its order on the pendulum is measured. If it does not pass, the report
     says what it is instead. `calls` ("map", "force" or "field") and `array` are for steppers whose
-    parameters do not tell how they are called.
-    With `isolate` false it runs in this process, without a time limit.
+    parameters do not tell how they are called. The whole of it takes `time_limit` seconds at most; what they do not
+    suffice for is undecided, and `passed` then None. With `isolate` false it runs in this process, without a limit.
 
     Raises ValueError for a method, calls or an allowance that makes no sense, and for a domain that overflows.
 
@@ -73,10 +73,12 @@ def verify(
         raise ValueError(outcomes[0].seen)
     checks = [check(asked, outcome) for check, outcome in zip(CRITERIA, outcomes, strict=True)]
     failed = [check for check in checks if check.passed is False]
-    if not failed:
-        return _report(runner.target, _agreed(asked, outcomes[0].result), checks)
-    instead = identify(step, calls=calls, array=array, time_limit=time_limit, isolate=isolate)
-    return _report(runner.target, f"is not {asked.key}; {instead.verdict}", checks, instead)
+    arithmetic, unseen = arithmetic_of(outcomes), [o.seen for o in outcomes if o.kind in NO_EVIDENCE]
+    if failed:
+        instead = identified(runner)
+        return _report(runner.target, f"is not {asked.key}; {instead.verdict}", checks, instead)
+    verdict = f"undecided whether it is {asked.key}: {unseen[0]}" if unseen else _agreed(asked, outcomes[0].result)
+    return _report(runner.target, "; ".join(filter(None, [verdict, arithmetic])), checks, decided=not unseen)
 
 
 def _takes_what(check: Callable[_P, object]) -> Callable[[Callable[..., None]], Callable[_P, None]]:
@@ -100,7 +102,9 @@ def assert_verified(*arguments: Any, **conditions: Any) -> None:
 
 def _check_rounding(method: Method, outcome: Outcome) -> Criterion:
     if outcome.failed:
-        return Criterion("Rounding", False, (f"{outcome.kind}: {outcome.seen}",), {})
+        return Criterion(
+            "Rounding", None if outcome.kind in NO_EVIDENCE else False, (f"{outcome.kind}: {outcome.seen}",), {}
+        )
     found: Agreement = outcome.result
     return Criterion("Rounding", found.holds, tuple(found.lines), found.data)
 
@@ -142,7 +146,9 @@ def _agreed(method: Method, found: Agreement) -> str:
     )
 
 
-def _report(target: Target, verdict: str, checks: Sequence[Criterion], instead: Report | None = None) -> Report:
+def _report(
+    target: Target, verdict: str, checks: Sequence[Criterion], instead: Report | None = None, *, decided: bool = True
+) -> Report:
     marks = {True: "passed", False: "FAILED", None: "not asked"}
     parts = [(f"{check.title}: {marks[check.passed]}", check.lines) for check in checks]
     data = {check.title.lower(): {"passed": check.passed, "seen": list(check.lines), **check.data} for check in checks}
@@ -151,4 +157,5 @@ def _report(target: Target, verdict: str, checks: Sequence[Criterion], instead: 
         shown = [section for section in (read, instead.section("Faults"), instead.section("Not answered")) if section]
         parts += [(f"What it is: {section.title.lower()}", section.lines) for section in shown]
         data["instead"] = instead.data
-    return Report(target.name, verdict, all(check.passed is not False for check in checks), sections(*parts), data)
+    passed = all(check.passed is not False for check in checks) if decided else None
+    return Report(target.name, verdict, passed, sections(*parts), data)

@@ -118,15 +118,16 @@ class Session:
     def ask(self, request: Json, seconds: float | None = None) -> Json:
         """The answer, within `seconds` if they are given. Raises ProcessEnded; then nothing more can be asked.
 
-        After a lapse of time the worker still runs, until `end`.
+        After a lapse of time the worker still runs, until `end`, and `wait` goes on.
         """
         if not self._started:
-            self._answered(START_UP)
+            self.wait(START_UP)
             self._started = True
         self._send(request)
-        return self._answered(self.limits.seconds if seconds is None else seconds)
+        return self.wait(self.limits.seconds if seconds is None else seconds)
 
-    def _answered(self, seconds: float) -> Json:
+    def wait(self, seconds: float) -> Json:
+        """The answer to what was asked before, within so many more seconds. Raises ProcessEnded."""
         message = self._received(seconds)
         if "answer" in message:
             return message["answer"]
@@ -191,6 +192,7 @@ class Session:
                 self._wait_for_status()
                 raise self._cause()
             else:
+                self._buffer = b"".join(blocks)
                 raise ProcessEnded("time", f"no answer within {seconds:.3g} s")
         with suppress(ValueError, RecursionError):
             message = json.loads(b"".join(blocks))

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import threading
 from functools import partial
-from time import sleep
+from time import monotonic, sleep
 
 import pytest
 
 from driftproof.blackbox.checks.special_arguments import negative_step, zero_step
-from driftproof.blackbox.checks.suite import BRIEF, CHECKS, all_checks, checks_of
+from driftproof.blackbox.checks.suite import CHECKS, all_checks, checks_of
+from driftproof.blackbox.checks.trials import TrialRunner
 from driftproof.blackbox.findings import Outcome, StepRaised
-from driftproof.blackbox.isolation import LEAST_LIMIT, IsolatedRunner
+from driftproof.blackbox.isolation import IsolatedRunner
 from driftproof.blackbox.stepper.opening import Target
 from tests.blackbox import broken_steppers
 
 # A hang is waited for; everything else is over long before its limit.
-SHORT, LONG = 0.5, 60.0
+SHORT, LONG = 1.0, 60.0
 WAYS = ["fork", "by name"]
 
 
@@ -60,7 +61,7 @@ def test_a_rogue_without_an_answer_has_one_check(rogue, seen, way):
 def test_a_rogue_that_always_hangs_is_given_up_after_one_time_limit(way):
     checks = all_checks(runner(broken_steppers.hangs, way))
     assert [check.words for check in checks] == [
-        "no question could be put: no answer within 0.5 s in step(q=1.0, v=0.75, h=0.25)"
+        "no question could be put: no answer within 0.375 s in step(q=1.0, v=0.75, h=0.25)"
     ]
 
 
@@ -79,12 +80,60 @@ def test_a_rogue_that_answers_is_described(rogue, seen, way):
     assert any(seen in words for words in faults(all_checks(runner(rogue, way))))
 
 
-def test_a_hang_costs_its_own_question_only():
-    checks = {check.key: check for check in all_checks(runner(broken_steppers.hangs_at_zero))}
-    assert faults(checks.values()) == [
-        "zero step: the stepper hangs, no answer within 0.5 s in step(q=1.0, v=0.75, h=0.0)"
-    ]
+def hanging(monkeypatch, rogue, limit=30.0):
+    """The runner of a stepper whose calls are given up soon."""
+    monkeypatch.setattr("driftproof.blackbox.isolation.LEAST_LIMIT", 0.4)
+    return IsolatedRunner(Target(rogue), limit)
+
+
+def test_a_hang_is_no_fault_and_its_question_is_answered_without_the_call(monkeypatch):
+    rogue = hanging(monkeypatch, broken_steppers.hangs_at_zero)
+    checks = {check.key: check for check in all_checks(rogue)}
+    assert faults(checks.values()) == []
+    assert checks["zero_step"].holds is None
+    assert checks["zero_step"].words == "h = 0 is refused: no answer in its time"
     assert all(checks[key].holds for key in ("no_memory", "negative_step", "position_range", "linear"))
+    assert rogue.hung == ["h=0.0"]
+
+
+def hangs_in_short_steps(q, v, h):
+    t = 1.0
+    while t < 1.0 + 2.0**-30 and h > 0:
+        t += h
+    return q + h * v, v - h * q
+
+
+def tiny(subject, q=1.0):
+    for h in (5e-324, 2.0**-20, 5e-324):
+        subject.step(q, 0.75, h)
+
+
+def rests(subject):
+    return [TrialRunner(subject).trial(q, 0.75, h).failure for q in (1.0, 2.0) for h in (5e-324, 0.25)]
+
+
+def test_a_call_that_hung_is_not_made_again_whatever_the_state(monkeypatch):
+    rogue = hanging(monkeypatch, hangs_in_short_steps)
+    start = monotonic()
+    found = rogue.run([tiny, partial(tiny, q=0.5), rests, answer])
+    assert [outcome.kind for outcome in found] == ["time_limit", "time_limit", None, None]
+    assert found[0].seen == "step(q=1.0, v=0.75, h=5e-324) is not made: it did not come back before"
+    assert found[2].result == ["no answer in its time", "", "no answer in its time", ""]
+    assert rogue.hung == ["h=5e-324"]
+    assert rogue.spent <= monotonic() - start
+
+
+def dawdle(subject):
+    for n in range(10**6):
+        subject.step(1.0, 0.75, n / 10**6)
+
+
+def test_the_limit_is_that_of_all_questions_together():
+    rogue = IsolatedRunner(Target(broken_steppers.dawdles), 2.0)
+    first_run, second_run = rogue.run([dawdle] * 8), rogue.run([dawdle] * 8)
+    assert {outcome.kind for outcome in (*first_run, *second_run)} == {"time_limit"}
+    assert "the 2 s of the whole run do not suffice: stopped after " in first_run[0].seen
+    assert rogue.spent < 2.0 + 16 * 0.1
 
 
 def test_a_crash_costs_its_own_question_only():
@@ -100,7 +149,7 @@ def test_a_stepper_that_exits_is_a_finding_and_ends_nothing():
 
 
 def test_processes_of_a_hanging_stepper_are_ended_with_it():
-    assert outcome(broken_steppers.hangs_with_a_child).kind == "hangs"
+    assert outcome(broken_steppers.hangs_with_a_child).kind == "time_limit"
     assert threading.active_count() == 1
 
 
@@ -155,31 +204,16 @@ def test_every_experiment_is_picklable_by_name():
     assert {kinds["negative_step"], kinds["reversal"]} == {"crashes"}
 
 
-def first(subject):
-    return subject.step(1.0, 0.75, 0.25)
-
-
-def many(subject):
-    for n in range(10**6):
-        subject.step(1.0, 0.75, n / 10**6)
-
-
-def test_a_slow_stepper_does_not_hang():
-    slow, after = IsolatedRunner(Target(broken_steppers.dawdles), 0.4).run([many, first])
-    assert (slow.kind, after.kind) == ("slow", None)
+def test_a_slow_stepper_is_no_faulty_one():
+    slow, after = IsolatedRunner(Target(broken_steppers.dawdles), 2.0).run([dawdle, answer])
+    assert (slow.kind, after.kind) == ("time_limit", None)
     of_one = [slow, *[Outcome(result=()) for _ in range(len(CHECKS) - 1)]]
     assert [check.holds for check in checks_of(of_one)] == [None]
+    assert [check.holds for check in checks_of([slow] * len(CHECKS))] == [None]
 
 
-def second(subject):
-    sleep(0.4)
-
-
-def test_a_brief_check_that_hangs_is_given_up_before_the_time_limit(monkeypatch):
-    monkeypatch.setattr("driftproof.blackbox.isolation.LEAST_LIMIT", 0.2)
-    runner = IsolatedRunner(Target(broken_steppers.hangs_at_nan), 60.0)
-    outcomes = runner.run([first, CHECKS["not_a_number_step"], second], BRIEF)
-    assert [outcome.kind for outcome in outcomes] == [None, "hangs", None]
-    assert "60 s" not in outcomes[1].seen
-    assert LEAST_LIMIT < runner.time_limit
-    assert checks_of([outcomes[1]] * len(CHECKS))[0].is_fault
+def test_our_own_slowness_is_not_said_to_be_a_hang_of_the_stepper(monkeypatch):
+    rogue = hanging(monkeypatch, broken_steppers.returns_integers, limit=4.0)
+    (found,) = rogue.run([lambda subject: (subject.step(1.0, 0.75, 0.25), sleep(1.0))[0]])
+    assert found.result == (1, 0)
+    assert rogue.hung == []

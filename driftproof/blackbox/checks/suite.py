@@ -20,7 +20,7 @@ from driftproof.blackbox.checks.special_arguments import (
 )
 from driftproof.blackbox.checks.step_size import step_size, sub_steps
 from driftproof.blackbox.checks.trials import CheckResult, Unsteady
-from driftproof.blackbox.findings import Outcome
+from driftproof.blackbox.findings import NO_EVIDENCE, Outcome
 from driftproof.blackbox.isolation import IsolatedRunner
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
@@ -45,21 +45,20 @@ CHECKS: Mapping[str, Callable[[ForeignStepper], tuple[CheckResult, ...]]] = {
         *(domain, homogeneity, not_a_number, infinity, not_a_number_step),
     )
 }
-# Of a few steps each, where a loop may have no end.
-BRIEF = frozenset((not_a_number, infinity, not_a_number_step))
 # These compare answers bit by bit: where the same call gives other bits again, they tell nothing.
 _BITWISE = frozenset(("time", "batches", "takes_integers"))
 
 
 def all_checks(runner: IsolatedRunner) -> tuple[CheckResult, ...]:
     """What all checks find, manners first and what it does to areas and sizes last."""
-    return checks_of(runner.run(list(CHECKS.values()), BRIEF))
+    return checks_of(runner.run(list(CHECKS.values())))
 
 
 def checks_of(outcomes: Sequence[Outcome]) -> tuple[CheckResult, ...]:
     """The checks found by the checks, in their order; one check `answers` where none of them got an answer."""
     if all(outcome == outcomes[0] for outcome in outcomes) and outcomes[0].failed:
-        return (CheckResult("answers", False, f"no question could be put: {outcomes[0].seen}"),)
+        holds = None if outcomes[0].kind in NO_EVIDENCE else False
+        return (CheckResult("answers", holds, f"no question could be put: {outcomes[0].seen}"),)
     found: list[CheckResult] = []
     for key, outcome in zip(CHECKS, outcomes, strict=True):
         if outcome.kind != Unsteady.kind:
@@ -75,8 +74,8 @@ def checks_of(outcomes: Sequence[Outcome]) -> tuple[CheckResult, ...]:
 
 
 def _unanswered(key: str, outcome: Outcome) -> CheckResult:
-    """A hang or a crash is a fault, whatever was asked; any other failure leaves the question open."""
+    """A crash is a fault, whatever was asked; any other failure, and a lapse of time, leaves the question open."""
     title = key.replace("_", " ")
-    if outcome.kind in ("hangs", "crashes"):
-        return CheckResult(key, False, f"{title}: the stepper {outcome.kind}, {outcome.seen}")
+    if outcome.kind == "crashes":
+        return CheckResult(key, False, f"{title}: the stepper crashes, {outcome.seen}")
     return CheckResult(key, None, f"{title}: not asked: {outcome.seen}")

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from driftproof.blackbox.checks.quantisation import narrow_format, quantisation_of
-from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, StepRaised, WrongShape
+from driftproof.blackbox.findings import Misbehaviour, NoAnswer, NotANumber, NotFinite, StepRaised, WrongShape
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper, call_text
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 
@@ -99,6 +99,8 @@ class TrialRunner:
         except StepRaised as seen:
             cause = seen.__cause__
             return Trial(call, given, failure=f"raises {type(cause).__name__}: {' '.join(str(cause).split())}")
+        except NoAnswer:
+            return Trial(call, given, failure="no answer in its time")
         except (WrongShape, NotANumber) as seen:
             return Trial(call, given, failure=str(seen).removeprefix("it "))
 

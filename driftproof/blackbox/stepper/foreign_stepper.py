@@ -59,7 +59,8 @@ class ForeignStepper:
     """Somebody's stepper, called in its own way.
 
     `step_with` and `step` take and give numbers of the adapter, floats as a rule. Whatever the stepper does instead of
-    answering comes as a `Misbehaviour`. `before` is told each call before it is made.
+    answering comes as a `Misbehaviour`. `before` is told each call before it is made, and may refuse it by raising;
+    `after` hears when it is over.
     """
 
     function: Callable[..., Any]
@@ -68,6 +69,7 @@ class ForeignStepper:
     format: FloatFormat = BINARY64
     log: CallLog = field(default_factory=CallLog)
     before: Callable[[str], None] = lambda call: None
+    after: Callable[[], None] = lambda: None
 
     def step(self, q: AnyNumber, v: AnyNumber, h: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
         """One step of its own system, or of the oscillator where it takes a force or a right-hand side."""
@@ -160,6 +162,8 @@ class ForeignStepper:
             raise
         except (Exception, SystemExit) as error:
             raise StepRaised(f"step({words}) raises {type(error).__name__}: {' '.join(str(error).split())}") from error
+        finally:
+            self.after()
         return self._answer(answer, roles, kept)
 
     def _answer(self, answer: Foreign, roles: dict[str, Foreign], kept: dict[str, Foreign]) -> Foreign:

@@ -33,11 +33,12 @@ def opened(
     calls: str | None = None,
     array: Callable[[Any], Any] | None = None,
     before: Callable[[str], None] = lambda call: None,
+    after: Callable[[], None] = lambda: None,
 ) -> ForeignStepper:
     """The stepper as a `ForeignStepper`: in the first adapter in which it answers.
 
     `array` makes the stepper's own numbers of a list of floats (torch.tensor, ...) or of one float (numpy.float32).
-    `before` is told of each call before it is made.
+    `before` is told of each call before it is made, `after` hears when it is over.
     Raises ValueError if no calling convention fits, and the `Misbehaviour` of the most natural adapter if none
     gets an answer.
     """
@@ -46,7 +47,7 @@ def opened(
     for trial in (_one_step, _one_number) if found.kind == FIELD else (_one_step,):
         for adapter in _adapters(found, array):
             try:
-                return _tried(ForeignStepper(step, found, adapter, before=before), trial)
+                return _tried(ForeignStepper(step, found, adapter, before=before, after=after), trial)
             except Misbehaviour as failure:
                 failures.append(failure)
     raise failures[0]
@@ -100,13 +101,15 @@ class Target:
         """True when another interpreter can import all of it."""
         return isinstance(self.step, str) and not callable(self.array)
 
-    def open(self, before: Callable[[str], None] = lambda call: None) -> ForeignStepper:
-        """The stepper, imported if need be; `before` is told of each call.
+    def open(
+        self, before: Callable[[str], None] = lambda call: None, after: Callable[[], None] = lambda: None
+    ) -> ForeignStepper:
+        """The stepper, imported if need be; `before` and `after` are told of each call.
 
         Raises ValueError or a `Misbehaviour`.
         """
         array = None if self.array is None else imported(self.array)
-        return opened(imported(self.step), self.calls, array, before)
+        return opened(imported(self.step), self.calls, array, before, after)
 
 
 def imported(named: Callable[..., Any] | str) -> Callable[..., Any]:
