@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from fractions import Fraction as Q
+from functools import total_ordering
 
 from sympy.polys.matrices import DomainMatrix
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.run import run_method
 from driftproof.numeric.scenes import PRESETS, Scene
+from driftproof.symbolic.algebra.certified import CertifiableReal, is_less, significant
 from driftproof.symbolic.derivation.one_step import (
     StepPolynomial,
     exact_stepper,
@@ -25,6 +28,22 @@ FIRST_H = Q(1, 2)
 DEFAULT_H, SMALL_H, COMPARE_H, BOUNDARY_H = (
     PRESETS[name].h for name in ("default", "small_steps", "compare", "stability_boundary")
 )
+
+
+@total_ordering
+@dataclass(frozen=True)
+class Real:
+    """A number that a ball encloses: where two of them are not in the order that a proof says, it shows both."""
+
+    value: CertifiableReal
+
+    def __lt__(self, other: Real) -> bool:
+        """Decided by balls that do not meet."""
+        return is_less(self.value, other.value)
+
+    def __repr__(self) -> str:
+        """Twenty digits."""
+        return significant(self.value, 20)
 
 
 def M(key: str) -> DomainMatrix:

@@ -36,7 +36,8 @@ def test_printed_texts_and_decimals_are_those_of_the_lesson() -> None:
     inventory = {entry["id"]: entry for entry in json.loads(LESSON.read_text(encoding="utf-8"))["claims"]}
     for row in ROWS:
         assert inventory[row.claim]["printed"] == row.text
-        assert _agree(inventory[row.claim]["decimal"], row.quantity.value())
+        theirs = inventory[row.claim]["decimal"]
+        assert Fraction(theirs) == _rounded_as(theirs, row.quantity.value())
     printed = {key for key, entry in inventory.items() if entry["printed"] is not None}
     others = {
         "L005",
@@ -57,10 +58,10 @@ def test_printed_texts_and_decimals_are_those_of_the_lesson() -> None:
     assert printed - {row.claim for row in ROWS} == others
 
 
-def _agree(theirs: str, value: CertifiableReal) -> bool:
-    """Their decimal is the value, correctly rounded to as many digits as it shows."""
+def _rounded_as(theirs: str, value: CertifiableReal) -> Fraction:
+    """The value, correctly rounded to as many digits as their decimal shows."""
     digits = len(theirs.lstrip("-0.").replace(".", ""))
-    return Fraction(theirs) == Fraction(significant(value, digits)) if digits else value == 0
+    return Fraction(significant(value, max(1, digits)))
 
 
 def test_claim_refuses_an_unknown_id_and_unknown_evidence() -> None:

@@ -13,12 +13,12 @@ from driftproof.methods.stepping import oscillator
 from driftproof.numeric import readouts
 from driftproof.numeric.scenes import PRESETS
 from driftproof.numeric.steppers import HAND_WRITTEN, CountedForce
-from driftproof.symbolic.algebra.certified import certified_sign, fixed, is_less
+from driftproof.symbolic.algebra.certified import certified_sign, fixed
 from driftproof.symbolic.derivation.expression_balls import certifiable
 from driftproof.symbolic.derivation.one_step import H
 from driftproof.symbolic.derivation.phase import leading_term, phase_error_series, phase_per_step
 from proofs.claims import CERTIFIED, PROVED, RESTRICTED, claim
-from proofs.setting import DEFAULT_H, EULER, RK4, START, SYMPLECTIC, M, counted_evaluations, energy, run
+from proofs.setting import DEFAULT_H, EULER, RK4, START, SYMPLECTIC, M, Real, counted_evaluations, energy, run
 
 _, q, v, x, y = ring("q, v, x, y", QQ)
 QUARTER = ((Q(1), Q(0)), (Q(0), Q(-1)))
@@ -165,9 +165,9 @@ def test_phase_error_is_the_shortest_of_all_differences() -> None:
     angles = (4 * sympy.atan(Rational(5, 2)) - 10) * 180 / pi
     unwrapped, turned = certifiable(angles), certifiable(angles + 360)
     assert fixed(turned, 20) == fixed(wrapped, 20)  # type: ignore[arg-type]
-    assert is_less(unwrapped, Q(-180))
+    assert Real(unwrapped) < Real(Q(-180))
     assert certified_sign(turned) > 0
-    assert is_less(turned, Q(180))
+    assert Real(turned) < Real(Q(180))
 
 
 @claim("L160", evidence=PROVED, by="angle grows with t")
@@ -240,9 +240,9 @@ def test_four_quantities_are_read_apart() -> None:
     # 100 evaluations, twice, and three different errors; a step that asks in vain, and the same state for more.
     runs = run(EULER, Q(1, 10)), run(RK4, Q(2, 5))
     assert counted_evaluations(EULER, Q(1, 10)) == counted_evaluations(RK4, Q(2, 5))
-    assert is_less(runs[1].state_error, runs[0].state_error)
+    assert Real(runs[1].state_error) < Real(runs[0].state_error)
     assert runs[0].energy_change != runs[1].energy_change
-    assert is_less(*(r.phase_error for r in runs))  # type: ignore[misc]
+    assert Real(runs[0].phase_error) < Real(runs[1].phase_error)
     frugal, wasteful = CountedForce(oscillator), CountedForce(oscillator)
     step = HAND_WRITTEN[EULER]
     reached = step(frugal, *exact, 0.5), (wasteful(9.0), step(wasteful, *exact, 0.5))[1]

@@ -8,7 +8,7 @@ import sympy
 from sympy import QQ, Rational, ring, sqrt, symbols
 
 from driftproof.numeric.scenes import LARGEST_LESSON_H
-from driftproof.symbolic.algebra.certified import certified_sign, is_less
+from driftproof.symbolic.algebra.certified import certified_sign
 from driftproof.symbolic.derivation.energy import energy_multiplier
 from driftproof.symbolic.derivation.expression_balls import certifiable
 from driftproof.symbolic.derivation.one_step import RING, H, at_rational, expression, matrix
@@ -23,7 +23,7 @@ from driftproof.symbolic.derivation.stability import (
     stability_limit,
 )
 from proofs.claims import CERTIFIED, PROVED, claim
-from proofs.setting import BOUNDARY_H, EULER, RK4, START, SYMPLECTIC, M, energy, state_after
+from proofs.setting import BOUNDARY_H, EULER, RK4, START, SYMPLECTIC, M, Real, energy, state_after
 
 h = expression(H)
 
@@ -158,8 +158,8 @@ def test_rk4_phase_error_remains_at_two_sqrt_two() -> None:
     assert sympy.simplify(sympy.sin(advance) + limit / 3) == 0
     lead = certifiable((advance - limit) * 180 / sympy.pi)
     assert certified_sign(lead) > 0
-    assert is_less(Q(8847, 100), lead)
-    assert is_less(lead, Q(8848, 100))
+    assert Real(Q(8847, 100)) < Real(lead)
+    assert Real(lead) < Real(Q(8848, 100))
 
 
 @claim("L182", evidence=PROVED, by="squares compared")
