@@ -13,7 +13,7 @@ import sympy
 from hypothesis import given
 
 from driftproof import strategies
-from driftproof.methods.schemes import MethodError, RungeKutta, Splitting
+from driftproof.methods.schemes import Collocation, MethodError, RungeKutta, Splitting
 from driftproof.methods.stepping import stepper
 
 HEUN = {"a": ((0, 0), (1, 0)), "b": (Q(1, 2), Q(1, 2)), "c": (0, 1)}
@@ -116,6 +116,10 @@ def test_inconsistency_is_reported_with_its_residual_and_not_refused() -> None:
     assert runge_kutta(c=(0, 1 - tiny)).inconsistencies() == {"c[1] - sum(a[1])": -tiny}
     assert splitting((("kick", Q(1, 2)), ("drift", 1))).inconsistencies() == {"sum(kicks) - 1": Q(-1, 2)}
     assert splitting((("kick", 1),)).inconsistencies() == {"sum(drifts) - 1": Q(-1)}
+    # Collocation integrates constants exactly whatever its nodes: as its own tableau, it has rows that sum to c and 1.
+    at = Collocation(**NAMED, node_polynomial=(Q(1, 8), Q(-3, 4), 1))
+    a, b, c = at.tableau(64)
+    assert (at.inconsistencies(), RungeKutta(**NAMED, a=a, b=b, c=c).inconsistencies()) == ({}, {})
 
 
 @given(strategies.runge_kutta_methods())

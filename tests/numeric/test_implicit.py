@@ -67,6 +67,24 @@ def test_backward_euler_for_the_logistic_equation_finds_the_root_of_its_quadrati
     assert found.over_floor == 0 or found.residual / found.over_floor <= float(floor)
 
 
+def test_residual_is_what_is_left_in_the_equation_and_is_measured_by_its_floor():
+    """From y = 0 the step is the stage itself: g = y₁ - h(1 - 3y₁) in the same roundings, 8E + 4R by its formula."""
+    step = implicit_stepper(BACKWARD_EULER, lambda t, y: 1 - 3 * y, lambda t, y: [[-3.0]])
+    left = 0
+    for h in (0.1, 0.3, 0.7, 0.9, 1.1, 1.3):
+        found = step(0.0, [0.0], h)
+        y, u = float(found.y[0]), float(U)
+        assert found.residual == abs(y - h * (1.0 - 3.0 * y))
+        e = u * (2 * y + 21 * h * abs(1 - 3 * y) + 17 * 3 * h * y)
+        floor = 8 * e + 4 * u * (y + 3 * h * y)
+        assert abs(found.over_floor * floor - found.residual) < 1e-12 * floor
+        left += found.residual > 0
+    assert left
+    two = implicit_stepper(METHODS["sdirk2"], lambda t, y: 1 - 3 * y)(0.0, [0.0], 0.7)
+    assert 0 < two.residual < 1e-15
+    assert 0 < two.over_floor <= 1
+
+
 def test_stages_that_do_not_exist_are_an_error_in_one_line():
     """y₁ = y + h y₁² has a real root for 4hy <= 1 only."""
     step = implicit_stepper(BACKWARD_EULER, lambda t, y: y * y)

@@ -31,7 +31,7 @@ def notebook_blocks(source: SourceText) -> list[Block]:
 
 
 def _checked(text: str) -> str:
-    """The language of the notebook's code."""
+    """The language of the notebook's code, which its kernel names where the notebook itself does not; or Python."""
     try:
         content = json.loads(text)
     except RecursionError:
@@ -41,9 +41,11 @@ def _checked(text: str) -> str:
     if not isinstance(content, dict) or not isinstance(content.get("cells"), list):
         raise ValueError('it is no notebook: a notebook is a JSON object with a list "cells" (nbformat 4)')
     metadata = content.get("metadata")
-    info = metadata.get("language_info") if isinstance(metadata, dict) else None
-    name = info.get("name") if isinstance(info, dict) else None
-    return name.lower() if isinstance(name, str) else "python"
+    for place, key in (("language_info", "name"), ("kernelspec", "language")):
+        info = metadata.get(place) if isinstance(metadata, dict) else None
+        if isinstance(info, dict) and isinstance(info.get(key), str):
+            return str(info[key]).lower()
+    return "python"
 
 
 def _strings(source: SourceText) -> Iterator[tuple[tuple[Key, ...], SourceText]]:

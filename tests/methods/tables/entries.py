@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from hashlib import sha256
 from importlib import import_module
 from pkgutil import iter_modules
 from typing import Any
@@ -31,3 +32,10 @@ def of_type(family: type) -> list[Any]:
 
 def by_key(method: Method) -> str:
     return method.key
+
+
+def fingerprint(method: Method) -> str:
+    """The first digits of a checksum over all that the method computes with: any digit of any coefficient counts."""
+    names = ("c", "a", "b", "b_embedded", "embedded_order", "b_position", "b_velocity", "parts", "node_polynomial")
+    meant = {name: getattr(method, name) for name in (*names, "claimed_order") if hasattr(method, name)}
+    return sha256(str(meant).encode()).hexdigest()[:12]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 
@@ -120,6 +121,18 @@ def test_last_state_follows_from_the_one_before(name: str, slow: int) -> None:
     planted = list(before)
     planted[slow] = with_another_digit(before[slow], -7)
     assert not agree(over_last_interval(PROBLEMS[name], planted), last)
+
+
+def test_a_start_and_states_of_another_length_than_the_field_are_refused() -> None:
+    kaps = PROBLEMS["kaps"]
+    short = replace(kaps.reference, states=tuple(state[:1] for state in kaps.reference.states))
+    for wrong in ({"start": kaps.start[:1]}, {"start": (*kaps.start, Fraction(0))}, {"reference": short}):
+        with pytest.raises(ValueError, match="kaps: 2 rates need a start and a reference of 2 components"):
+            replace(kaps, **wrong)
+    bad = {"times": kaps.reference.times[::-1]}, {"times": kaps.reference.times[1:]}, {"times": (), "states": ()}
+    for changed in (*bad, {"evidence": "rumour"}, {"states": (*kaps.reference.states[:-1], ("1",))}):
+        with pytest.raises(ValueError, match=r"rising times|one length|'rumour' is none of exact, certified"):
+            replace(kaps.reference, **changed)
 
 
 def test_robertson_and_hires_keep_their_sums_in_the_digits_stored() -> None:

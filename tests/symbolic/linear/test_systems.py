@@ -213,6 +213,9 @@ def test_jordan_blocks_count(key: str, text: str) -> None:
         ("velocity_verlet", "0 1; -1 0", Q(2), False),
         ("symplectic_euler", "0 1; -9/4 0", Q(4, 3), False),
         ("chebyshev10_1", "-1 1; 0 -1", Q(200), False),
+        # Two eigenvalues with one limit, which one of them attains; and one that does not, with a limit farther out.
+        ("forward_euler", "-1 -1 1 0 0; 1 -1 0 1 0; 0 0 -1 -1 0; 0 0 1 -1 0; 0 0 0 0 -2", Q(1), False),
+        ("forward_euler", "-1 1 0; 0 -1 0; 0 0 -2", Q(1), True),
     ],
 )
 def test_powers_at_a_rational_limit_are_bounded_where_it_is_attained(
@@ -358,16 +361,16 @@ def test_factor_is_the_size_of_the_stability_function() -> None:
 
 @pytest.mark.parametrize("key", ["rk4", "symplectic_euler", "radau_iia2", "yoshida4"])
 @pytest.mark.parametrize("h", [Q(1, 3), Q(5, 2)])
-def test_factor_is_the_spectral_radius_of_one_oscillator(key: str, h: Q) -> None:
-    found = SystemFacts(METHODS[key], parse_system("0 1; -4 0"))
+@pytest.mark.parametrize("text", ["0 1; -4 0", "0 1; -2 0", "0 1; 3 0"])
+def test_factor_is_the_spectral_radius_of_two_components(key: str, h: Q, text: str) -> None:
+    """At rational and at irrational frequencies, and where the solution grows."""
+    found = SystemFacts(METHODS[key], parse_system(text))
     low, high = radius_ends(found, h)
     with ctx.workprec(300):
-        assert enclose(factor_at(found, largest_eigenvalue(found.rows), h)).overlaps(
-            arb(
-                fmpq(*((low + high) / 2).as_integer_ratio()),
-                fmpq(*((high - low) / 2 + Q(1, 2**200)).as_integer_ratio()),
-            )
-        )
+        factors = [enclose(factor_at(found, limit.eigenvalue, h)) for limit in found.bounds]
+        assert all(factor.rad() < arb(2) ** -200 for factor in factors)
+        assert any(abs(factor - fmpq(*low.as_integer_ratio())) < arb(2) ** -190 for factor in factors)
+        assert not any(factor > fmpq(*high.as_integer_ratio()) for factor in factors)
 
 
 def test_largest_eigenvalue_is_the_largest_in_size() -> None:

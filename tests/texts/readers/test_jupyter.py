@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import json
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from driftproof.texts.claims.listings import listings_in
+from driftproof.texts.readers.document import document_of
+from driftproof.texts.readers.source_text import LISTING
 from tests.texts.readers.reading import blocks, read, standing
 from tests.texts.readers.test_document import held
 
@@ -32,6 +36,25 @@ def test_notebook_is_read_as_people_read_it() -> None:
     text = "The error is 0.33\nafter h^6/72 é-\nprint(1/4)\n0.25\n0.5\n7.5"
     assert read("notebook", json.dumps(NOTEBOOK)) == text
     assert [kind for kind, *_ in blocks("notebook", json.dumps(NOTEBOOK))].count("output") == 2
+
+
+LANGUAGES = [
+    ({"language_info": {"name": "Julia"}}, "julia"),
+    ({"language_info": {"name": "R"}, "kernelspec": {"language": "python"}}, "r"),
+    ({"kernelspec": {"name": "ir", "language": "R"}}, "r"),
+    ({"language_info": {"name": None}, "kernelspec": {"language": "Octave"}}, "octave"),
+    ({"language_info": {"name": "python"}}, "python"),
+    *(({"language_info": info, "kernelspec": info}, "python") for info in (None, [], {}, {"name": 3, "language": 3})),
+    *((metadata, "python") for metadata in (None, [], {})),
+]
+
+
+@pytest.mark.parametrize(("metadata", "language"), LANGUAGES)
+def test_code_is_in_the_language_that_the_notebook_names(metadata: object, language: str) -> None:
+    """What is not Python is no listing that could be run."""
+    text = json.dumps({**NOTEBOOK, "metadata": metadata})
+    assert [(kind, spoken) for kind, spoken, _ in blocks("notebook", text) if kind == LISTING] == [(LISTING, language)]
+    assert len(listings_in(document_of(text, "notebook"))) == (language == "python")
 
 
 def test_number_stands_where_the_file_has_it() -> None:
