@@ -55,3 +55,4 @@ def _differs(digit: str, i: int, text: str) -> bool:
 def test_no_claim_prints_two_numbers() -> None:
     """Each row has a claim of its own."""
     assert [claim for claim, times in Counter(row.claim for row in ROWS).items() if times > 1] == []
+    assert len(ROWS) >= 90

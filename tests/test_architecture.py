@@ -14,6 +14,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.looping import idle_tests
+
 ROOT = Path(__file__).parents[1]
 PACKAGE = "driftproof"
 
@@ -377,6 +379,11 @@ def words_of_our_own(root: Path) -> list[str]:
     ]
 
 
+def idle_loops(root: Path) -> list[str]:
+    """Tests, and helpers of tests, that would pass if what they loop over were empty."""
+    return [found for path in (*files(root, "tests"), *files(root, "proofs")) for found in idle_tests(root, path)]
+
+
 GUARDS: list[Guard] = [
     imports_up,
     imports_through_the_links,
@@ -394,6 +401,7 @@ GUARDS: list[Guard] = [
     dangling_citations,
     talking_inits,
     words_of_our_own,
+    idle_loops,
 ]
 
 
@@ -457,6 +465,8 @@ PLANTED: list[tuple[Guard, str, str]] = [
     (talking_inits, "driftproof/symbolic/deeper/__init__.py", ""),
     (words_of_our_own, "driftproof/blackbox/a.py", '"""The door of a stepper."""'),
     (words_of_our_own, "docs/a.md", "Doors are many."),
+    (idle_loops, "tests/a/test_b.py", "def test_c():\n    for x in found():\n        assert x"),
+    (idle_loops, "proofs/test_a.py", "def test_b():\n    assert all(x for x in found())"),
 ]
 
 
@@ -471,7 +481,7 @@ def test_guard_passes_a_clean_tree(guard: Guard, tmp_path: Path) -> None:
     _plant(
         tmp_path, "driftproof/symbolic/derivation/a.py", f'"""True (hairer-1999, 3.1)."""\nimport sympy\nx = 1\n{LONG}'
     )
-    _plant(tmp_path, "tests/symbolic/derivation/test_a.py", "")
+    _plant(tmp_path, "tests/symbolic/derivation/test_a.py", "def test_x():\n    assert all(x for x in (1,))")
     _plant(tmp_path, "proofs/a.py", '"""Proof."""\nx = 0.25\np.eval(x)\n')
     assert guard(tmp_path) == []
 

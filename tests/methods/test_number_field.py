@@ -26,6 +26,7 @@ from driftproof.methods.number_field import (
     real_root_balls,
     square_root,
 )
+from tests.looping import exactly
 
 DISTINCT = list(dict.fromkeys(method.field for method in METHODS.values() if method.field))
 QUARTIC = NumberField("theta", (1, 0, -10, 0, 1), Q(3), Q(4))  # sqrt 2 + sqrt 3
@@ -106,7 +107,7 @@ _DECIMALS: dict[NumberField, str] = {}
 @given(fields_with_two())
 def test_float_is_the_nearest_double(two: tuple[Algebraic, Algebraic]) -> None:
     """Proved by balls: the number lies between the midpoints to the two neighbouring doubles."""
-    for x in two:
+    for x in exactly(2, two):
         nearest = float(x)
         with ctx.workprec(250):
             for other in (math.nextafter(nearest, -math.inf), math.nextafter(nearest, math.inf)):

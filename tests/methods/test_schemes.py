@@ -15,6 +15,7 @@ from hypothesis import given
 from driftproof import strategies
 from driftproof.methods.schemes import Collocation, MethodError, RungeKutta, Splitting
 from driftproof.methods.stepping import stepper
+from tests.looping import some
 
 HEUN = {"a": ((0, 0), (1, 0)), "b": (Q(1, 2), Q(1, 2)), "c": (0, 1)}
 NAMED = {"key": "mine", "title": "Mine", "claimed_order": 2, "source": "me-2024, 1"}
@@ -93,7 +94,7 @@ def refusal(build: Callable[[], Any]) -> str:
 
 @pytest.mark.parametrize("method", [runge_kutta(), splitting((("kick", 1),))])
 def test_definitions_are_frozen(method: RungeKutta | Splitting) -> None:
-    for field in dataclasses.fields(method):
+    for field in some(dataclasses.fields(method), 4):
         with pytest.raises(dataclasses.FrozenInstanceError):
             setattr(method, field.name, None)
 

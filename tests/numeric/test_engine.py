@@ -23,6 +23,7 @@ from driftproof.numeric.engine import (
     runner,
 )
 from tests.float_bits import bits
+from tests.looping import exactly, some
 from tests.numeric.engine_runs import ensemble, step_by_step
 
 EXPLICIT = [method for method in METHODS.values() if method.explicit]
@@ -83,7 +84,7 @@ def test_without_numba_a_compiled_run_says_what_to_install(monkeypatch):
 
 def test_a_compiled_ensemble_has_the_same_bits_in_both_formats():
     pytest.importorskip("numba")
-    for dtype in engine.COMPILED:
+    for dtype in exactly(2, engine.COMPILED):
         for length in (0, 1, 2 * BLOCK + 17):
             (q, v), (p, w) = ensemble(length, dtype), ensemble(length, dtype)
             ensemble_runner(METHODS["yoshida4"])(q, v, 0.1, 20)
@@ -117,7 +118,7 @@ def test_an_implicit_method_has_no_run():
 
 def test_the_loop_that_is_compiled_is_the_text_of_the_step():
     """Nothing stands in the loop but the lines of the step, and reading and writing of one state."""
-    for method in EXPLICIT:
+    for method in some(EXPLICIT, 80):
         source = step_source(method, engine.OSCILLATOR)
         text = [line.strip() for line in engine._blocks_text(source).splitlines()]
         at = text.index("v = v_block[i]") + 1

@@ -15,6 +15,7 @@ from driftproof.numeric.engine import runner
 from driftproof.numeric.run import run_method
 from driftproof.numeric.scenes import Scene
 from driftproof.numeric.sweep import SweepAnswer, points_of, run_points, sweep
+from tests.looping import some
 
 SCENE = Scene("short", "rk4", Q(1, 4), Q(2), readouts=("final_state", "state_error", "phase_error", "evaluations"))
 METHOD_KEYS = ("yoshida4", "forward_euler")
@@ -188,7 +189,7 @@ def damaged(text: bytes) -> Iterator[tuple[bytes, str]]:
 def test_a_file_that_is_not_of_this_sweep_is_refused_and_left_as_it_is(tmp_path):
     path = tmp_path / "answers.jsonl"
     sweep(SCENE, GRID, Inline(), path)
-    for text, message in damaged(path.read_bytes()):
+    for text, message in some(damaged(path.read_bytes())):
         path.write_bytes(text)
         with pytest.raises(ValueError, match=message) as caught:
             sweep(SCENE, GRID, Inline(), path)

@@ -16,6 +16,7 @@ from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS
 from driftproof.symbolic.runs import exact_matrix_at
 from examples.gallery import run, trial
+from tests.looping import some
 from tests.outputs.gallery_expected import EXPECTED, FIELDS, FORCES, MAPS, Expected
 
 TARGETS = run.targets()
@@ -34,7 +35,7 @@ def test_every_target_has_an_expected_answer_of_its_calling_convention() -> None
 
 
 def test_names_are_the_packages_and_the_steps_are_there() -> None:
-    for name, entry in TARGETS.items():
+    for name, entry in some(TARGETS.items(), 200):
         assert name == f"{entry.package} {entry.step.partition(':')[2]}"
         assert entry.key is None or entry.key in METHODS
 
@@ -64,7 +65,9 @@ def test_table_is_markdown_with_a_row_for_each_target() -> None:
     assert text.endswith("Not asked: other.\n")
 
 
-@pytest.mark.parametrize("name", PRESENT)
+@pytest.mark.parametrize(
+    "name", PRESENT or [pytest.param("", marks=pytest.mark.skip("no package of the gallery is here"))]
+)
 def test_one_step_is_as_expected(name: str) -> None:
     entry, expected = TARGETS[name], EXPECTED[name]
     runner = IsolatedRunner(Target(entry.step, entry.calls, entry.array), run.TIME_LIMIT)

@@ -20,6 +20,7 @@ from driftproof.methods.stepping import oscillator, stepper
 from driftproof.symbolic import runs
 from driftproof.symbolic.algebra.certified import Uncertified, endpoints, fixed, is_less, significant
 from driftproof.symbolic.runs import OscillatorRun, apply, as_balls, exact_matrix_at, multiply, power, short_power
+from tests.looping import exactly
 from tests.nine import NINE
 
 EULER, SYMPLECTIC, RK4 = NINE["forward_euler"], NINE["symplectic_euler"], NINE["rk4"]
@@ -61,7 +62,7 @@ def test_matrix_of_finite_order_has_short_powers_for_ever() -> None:
 
 @given(MATRICES, st.integers(0, 50))
 def test_balls_enclose_the_exact_power(matrix: tuple[Q, Q, Q, Q], n: int) -> None:
-    for ball, exact in zip(power(as_balls(matrix), n), power(matrix, n), strict=True):
+    for ball, exact in exactly(4, zip(power(as_balls(matrix), n), power(matrix, n), strict=True)):
         low, high = endpoints(arb(ball))
         assert low <= exact <= high
 

@@ -8,6 +8,7 @@ from fractions import Fraction as Q
 import pytest
 
 from driftproof.symbolic.trees.modified_equation import method_series, modified_equation
+from tests.looping import some
 from tests.methods.tables.entries import entry
 from tests.witnesses.b_series import hamiltonian_to_order, symmetric_to_order, symplectic_to_order
 
@@ -24,7 +25,7 @@ def test_structure_of_a_method_is_the_known_one(key: str, symplectic: int, symme
 
 def test_one_coefficient_changed_is_noticed() -> None:
     series = method_series(entry("implicit_midpoint"), 6)
-    for t in range(1, len(series.coefficients)):
+    for t in some(range(1, len(series.coefficients)), 36):
         coefficients = list(series.coefficients)
         coefficients[t] += series.scalars.lift(Q(1, 10**30))
         assert symplectic_to_order(replace(series, coefficients=tuple(coefficients))) < 6

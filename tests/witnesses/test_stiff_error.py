@@ -11,6 +11,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.linear.stability_function import prothero_robinson, scalar_tableau
+from tests.looping import some
 from tests.witnesses.stiff_error import stiff_error
 
 Tableau = RungeKutta | Collocation
@@ -70,5 +71,5 @@ def test_error_of_a_step_is_exactly_the_function_of_prothero_and_robinson(key: s
     method = TABLEAUX[key]
     for power in range(1, 6):
         function = prothero_robinson(method, power)
-        for z in (Fraction(-i - 1, 3) for i in range(2 * method.stages + 4)):
+        for z in some((Fraction(-i - 1, 3) for i in range(2 * method.stages + 4)), 6):
             assert Fraction(str(exact(function(scalar(z))))) * math.factorial(power) == defect(method, power, z)

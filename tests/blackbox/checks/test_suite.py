@@ -37,6 +37,7 @@ from tests.blackbox.checks.habits import (
     results_of,
     then,
 )
+from tests.looping import some
 
 ALL_FAULTS = [
     (CAR_IN_A_VALLEY, {"position_range", "velocity_range", "not_a_number", "not_a_number_step", "infinity"}),
@@ -83,8 +84,8 @@ def test_a_clean_stepper_has_no_fault_and_leaves_no_question_open(step):
 
 
 def test_no_explicit_method_of_the_catalogue_has_a_fault():
-    explicit = [key for key, method in METHODS.items() if method.explicit]
-    assert [key for key in explicit[::3] for seen in results_of(float_stepper(key)) if seen.is_fault] == []
+    explicit = some([key for key, method in METHODS.items() if method.explicit][::3], 27)
+    assert [key for key in explicit for seen in some(results_of(float_stepper(key))) if seen.is_fault] == []
 
 
 def test_the_same_clauses_hold_in_binary32_with_arrays_of_that_type():

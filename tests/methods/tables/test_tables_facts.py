@@ -15,6 +15,7 @@ from driftproof.methods.tables.diagonally_implicit import ALEXANDER_GAMMA, CROUZ
 from driftproof.methods.tables.notation import row
 from driftproof.methods.tables.splittings import palindrome, verlet_composition
 from driftproof.methods.tables.stabilised import chebyshev_first_order, ssprk_second_order
+from tests.looping import some
 from tests.methods.tables.entries import by_key, entry
 from tests.methods.tables.tables_orders import stability_series, tree_residuals, word_residuals
 
@@ -88,7 +89,7 @@ def symplectic_defects(method: Any, other: Any) -> list[Any]:
 
 @pytest.mark.parametrize("key", ["implicit_midpoint", "gauss2", "gauss3", "qin_zhang2"])
 def test_method_is_symplectic(key: str) -> None:
-    assert not any(symplectic_defects(entry(key), entry(key)))
+    assert not any(some(symplectic_defects(entry(key), entry(key))))
 
 
 @pytest.mark.parametrize("key", ["trapezoid", "radau_iia2", "lobatto_iiia3", "sdirk2", "crouzeix3"])
@@ -274,4 +275,4 @@ def test_last_digits_of_yoshidas_tables_are_wrong(key: str) -> None:
 
 @pytest.mark.parametrize("method", [entry("ssprk33"), entry("ssprk43"), entry("ssprk104")], ids=by_key)
 def test_entries_of_ssp_methods_are_not_negative(method: RungeKutta) -> None:
-    assert all(x >= 0 for x in [*method.b, *(x for given in method.a for x in given)])
+    assert all(x >= 0 for x in some([*method.b, *(x for given in method.a for x in given)], 6))

@@ -13,6 +13,7 @@ from flint import arb, ctx
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import CERTIFIED, EXACT, TWICE, Problem
 from driftproof.symbolic.algebra.certified import endpoints
+from tests.looping import exactly, some
 from tests.witnesses.references.closed_forms import CLOSED_FORMS, ball
 from tests.witnesses.references.collocation import Collocation
 from tests.witnesses.references.literature import DOCS, page, published, right_digits, rows
@@ -70,8 +71,8 @@ def test_all_states_computed_again_have_the_digits_stored(problem: Problem) -> N
 def test_another_digit_is_noticed_wherever_it_is_planted(problem: Problem) -> None:
     count = SAMPLED.get(problem.key, len(problem.reference.times))
     right = recomputed(problem.key, count)
-    for i, row in enumerate(right):
-        for j, text in enumerate(row):
+    for i, row in exactly(count, enumerate(right)):
+        for j, text in some(enumerate(row)):
             for place in (0, -1):
                 planted = [list(stored) for stored in problem.reference.states[:count]]
                 planted[i][j] = with_another_digit(text, place)
@@ -137,7 +138,7 @@ def test_a_start_and_states_of_another_length_than_the_field_are_refused() -> No
 
 def test_robertson_and_hires_keep_their_sums_in_the_digits_stored() -> None:
     for name, parts, total in (("robertson", (0, 1, 2), Fraction(1)), ("hires", (6, 7), Fraction(57, 10000))):
-        for state in PROBLEMS[name].reference.states:
+        for state in some(PROBLEMS[name].reference.states, 8):
             left = lambda texts, parts=parts, total=total: abs(sum(Fraction(texts[i]) for i in parts) / total - 1)
             assert left(state) < Fraction(1, 10**19)
             largest = max(parts, key=lambda i, state=state: Fraction(state[i]))
@@ -154,9 +155,9 @@ def test_only_as_many_digits_are_kept_as_two_programs_share() -> None:
 
 
 def test_digits_are_at_least_twelve_and_twenty_where_all_agree() -> None:
-    for problem in PROBLEMS.values():
-        for state in problem.reference.states:
-            for text in state:
+    for problem in some(PROBLEMS.values(), 26):
+        for state in some(problem.reference.states, 8):
+            for text in some(state):
                 digits = text.partition("e")[0].lstrip("-0.").replace(".", "")
                 assert len(digits) == 20 or text == "0e-400"
 
@@ -178,7 +179,7 @@ def test_published_numbers_are_right_to_thirteen_digits_and_not_all_to_sixteen()
 
 
 def test_every_published_state_has_all_components() -> None:
-    assert all(len(entry["y"]) in (2, 3, 8) for entry in published())
+    assert all(len(entry["y"]) in (2, 3, 8) for entry in exactly(13, published()))
 
 
 def test_right_digits_are_counted_to_half_a_unit() -> None:

@@ -22,6 +22,7 @@ from driftproof.reports.page.plot import (
     ten_to,
     ticks,
 )
+from tests.looping import some
 
 fractions = st.fractions(min_value=-(10**9), max_value=10**9, max_denominator=10**9)
 positive = st.fractions(min_value=Q(1, 10**12), max_value=10**12, max_denominator=10**12)
@@ -119,7 +120,7 @@ def test_label_says_the_number(x: Q, shown: str) -> None:
 def test_labels_of_ticks_read_back_to_the_ticks(low: Q, high: Q) -> None:
     assume(low < high)
     back = str.maketrans("−⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "--0123456789")
-    for tick in ticks(low, high):
+    for tick in some(ticks(low, high)):
         mantissa, _, power = (
             label(tick).rpartition("10") if set(label(tick)) & set("⁻⁰¹²³⁴⁵⁶⁷⁸⁹") else (label(tick), "", "")
         )

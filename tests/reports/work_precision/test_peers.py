@@ -8,6 +8,7 @@ from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.reports.work_precision.peers import PEERS, Peer, peers_named
 from driftproof.reports.work_precision.report import study_text, times_json
 from driftproof.reports.work_precision.study import measure, peer_point
+from tests.looping import some
 from tests.reports.studies import study, unheard
 
 
@@ -51,7 +52,7 @@ def test_peers_that_are_absent_are_named(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_peers_that_are_installed_solve_the_oscillator_and_refuse_what_they_cannot(name: str) -> None:
     pytest.importorskip(name)
     peer = PEERS[name]
-    for key in peer.solvers:
+    for key in some(peer.solvers):
         solver = peer.on(HARMONIC, key)
         point = peer_point(solver, 1e-6, study(limit=1))
         assert point.error < 1e-2

@@ -25,6 +25,7 @@ from driftproof.symbolic.rounding.polynomials import absolute_value
 from driftproof.symbolic.rounding.step_bound import NotLinear, step_bound, step_with_stored_coefficients
 from driftproof.symbolic.runs import apply, exact_matrix_at
 from tests.changes import first_weight, moved
+from tests.looping import exactly
 from tests.symbolic.rounding.programs import IRRATIONAL, PROGRAMS, all_within
 from tests.witnesses.leapfrog import leapfrog
 from tests.witnesses.soft_float import soft_lift
@@ -87,7 +88,8 @@ def test_the_sharper_bound_holds_for_the_very_state_and_is_hardly_ever_above_the
     bound = fixed_step_bound(subject, h)
     exact = apply((*bound.matrix[0], *bound.matrix[1]), q, v)
     plain = step_bound(subject).error_of(h, q, v)
-    for x, y, e, most, linear in zip(floats, exact, bound.error_of(q, v), plain, bound.linear.of(q, v), strict=True):
+    of_each = zip(floats, exact, bound.error_of(q, v), plain, bound.linear.of(q, v), strict=True)
+    for x, y, e, most, linear in exactly(2, of_each):
         assert abs(Q(x) - y) <= e <= linear
         # Only the terms of second order and of underflow may be larger, by a fixed factor at most.
         assert e <= most * (1 + 64 * BINARY64.u) + 64 * BINARY64.eta

@@ -34,6 +34,7 @@ from driftproof.symbolic.trees.order_conditions import (
     simplifying_assumptions,
 )
 from driftproof.symbolic.trees.rooted_trees import Tree, density, rooted_trees, vertices
+from tests.looping import exactly, some
 from tests.methods.tables.entries import entry
 from tests.witnesses.trees import symmetry
 
@@ -63,7 +64,7 @@ def weight_written_out(method: RungeKutta, tree: Tree) -> Exact:
 @pytest.mark.parametrize("key", ["rk38", "gill4", "radau_iia3", "crouzeix3"])
 def test_elementary_weights_are_the_sums_of_their_definition(key: str) -> None:
     method = entry(key)
-    for tree in (tree for n in range(1, 6) for tree in rooted_trees(n)):
+    for tree in exactly(17, (tree for n in range(1, 6) for tree in rooted_trees(n))):
         assert elementary_weight(method, tree) == weight_written_out(method, tree)
 
 
@@ -80,7 +81,7 @@ def changed_in_one_place(method: RungeKutta, amount: Q) -> Iterator[RungeKutta]:
 @pytest.mark.parametrize("key", ["rk4", "gill4", "gauss2", "cash_karp54"])
 def test_order_notices_every_coefficient_changed(key: str, amount: Q) -> None:
     method = entry(key)
-    for changed in changed_in_one_place(method, amount):
+    for changed in some(changed_in_one_place(method, amount), 6):
         assert order(changed).order < method.claimed_order
 
 

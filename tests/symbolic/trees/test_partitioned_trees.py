@@ -28,6 +28,7 @@ from driftproof.symbolic.trees.partitioned_trees import (
     separable_order,
 )
 from driftproof.symbolic.trees.rooted_trees import ColouredTree, Tree, canonical_tree, to_brackets, vertices
+from tests.looping import some
 from tests.methods.tables.entries import entry
 
 
@@ -87,7 +88,7 @@ def changed_in_one_place(method: Splitting, amount: Q) -> Iterator[Splitting]:
 @pytest.mark.parametrize("key", SPLITTINGS[:-1])
 def test_order_of_a_splitting_notices_every_coefficient_changed(key: str, amount: Q) -> None:
     method = entry(key)
-    for changed in changed_in_one_place(method, amount):
+    for changed in some(changed_in_one_place(method, amount)):
         assert separable_order(changed).order == nystrom_order(changed).order == 0
 
 

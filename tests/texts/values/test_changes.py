@@ -92,7 +92,7 @@ def test_numbers_of_json_are_read_to_the_last_digit(tmp_path: Path) -> None:
 @given(st.fractions(-10, 10), st.integers(0, 12), st.integers(0, 12))
 def test_roundings_of_one_number_never_count_as_a_change_of_value(x: Fraction, few: int, many: int) -> None:
     old, new = ({"values": {"x": {"exact": None, "decimal": fixed(x, places)}}} for places in (few, many))
-    assert {found.kind for found in changes(old, new)} <= {"digits"}
+    assert [found.kind for found in changes(old, new)] in ([], ["digits"])
 
 
 @given(st.fractions(-10, 10), st.integers(0, 12), st.integers(0, 12))
