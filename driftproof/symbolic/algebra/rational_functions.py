@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
 
-from flint import fmpq
+from flint import fmpq, fmpz
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.number_field import Exact, as_fmpq
 from driftproof.symbolic.algebra.polynomials import (
     ONE,
     Polynomial,
@@ -34,7 +34,7 @@ class RationalFunction:
 
     def data(self) -> dict[str, list[str]]:
         """{"num": [...], "den": [...]}: the coefficients as strings, constant term first."""
-        num, den = ([str(c) for c in coefficients(p)] or ["0"] for p in (self.num, self.den))
+        num, den = ([exact_text(c) for c in coefficients(p)] or ["0"] for p in (self.num, self.den))
         return {"num": num, "den": den}
 
     def at_infinity(self) -> Exact | None:
@@ -149,6 +149,11 @@ def _demand_one(a: PowerSeries) -> None:
         raise ValueError("the constant term must be 1")
 
 
+def exact_text(x: Exact) -> str:
+    """The number, also where Python's own conversion refuses so many digits."""
+    return str(as_fmpq(x) if isinstance(x, Fraction) else x)
+
+
 def polynomial_text(p: Polynomial, name: str) -> str:
     """The polynomial, constant term first, e.g. "1/2 - h**2/8" or "(2 - sqrt(2))*h"."""
     return sum_text(_term(c, power, name) for power, c in enumerate(coefficients(p)) if c != 0)
@@ -178,8 +183,8 @@ def _term(c: Exact, power: int, name: str) -> str:
     if not isinstance(c, Fraction):
         return f"({c})*{monomial}" if monomial else f"({c})"
     if not monomial:
-        return str(c)
+        return exact_text(c)
     sign, size = "-" if c < 0 else "", abs(c)
-    factor = "" if size.numerator == 1 else f"{size.numerator}*"
-    over = "" if size.denominator == 1 else f"/{size.denominator}"
+    factor = "" if size.numerator == 1 else f"{fmpz(size.numerator)}*"
+    over = "" if size.denominator == 1 else f"/{fmpz(size.denominator)}"
     return f"{sign}{factor}{monomial}{over}"

@@ -15,7 +15,7 @@ from driftproof.symbolic.linear.a_stability import is_hurwitz, negative_point
 from driftproof.symbolic.linear.stability_function import stability_function
 
 # Digits of R(oo) and of what the digits allow: they are sizes.
-SHOWN_DIGITS = 3
+SIZE_DIGITS = 3
 # Bits beside those of the digits: the radii, not the arithmetic, make the balls wide.
 SPARE_BITS = 64
 
@@ -59,8 +59,8 @@ def stability_within_digits(method: RungeKutta) -> StabilityWithinDigits | None:
             on_axis,
             half_plane,
             half_plane and bool(at_infinity.contains(0)),
-            scientific(written, SHOWN_DIGITS, HALF_EVEN),
-            scientific(max(abs(end) for end in endpoints(at_infinity)), SHOWN_DIGITS, AWAY),
+            scientific(written, SIZE_DIGITS, HALF_EVEN),
+            scientific(max(abs(end) for end in endpoints(at_infinity)), SIZE_DIGITS, AWAY),
         )
 
 

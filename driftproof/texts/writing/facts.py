@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence, Sized
 from fractions import Fraction
 from typing import Any
 
 from driftproof.methods.number_field import Algebraic, NumberField
 from driftproof.support.plain_text import table
-from driftproof.symbolic.algebra.polynomials import polynomial
+from driftproof.symbolic.algebra.certified import significant
+from driftproof.symbolic.algebra.polynomials import coefficients, polynomial
 from driftproof.symbolic.algebra.radicals import radical_form, root_decimal
-from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction, sum_text
+from driftproof.symbolic.algebra.rational_functions import RationalFunction, exact_text, fraction, sum_text
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
 from driftproof.symbolic.family_facts import FamilyFunction, FamilyTerm, LimitPiece, OrderSet
 from driftproof.symbolic.linear.a_stability import EnclosedTangent
@@ -21,10 +23,14 @@ from driftproof.symbolic.linear.phase import LeadingTerm
 from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity
 from driftproof.symbolic.linear.systems import EigenvalueLimit
 from driftproof.texts.writing.markup import TEX, formula
-from driftproof.texts.writing.records import parts, record
+from driftproof.texts.writing.records import is_long, parts, record
 
 # A list of trees or of points longer than this is left to --format json.
 MOST_ITEMS_SHOWN = 12
+# Characters of a formula, and digits of a coefficient in one that would be longer: JSON has it exactly.
+LONGEST_FORMULA, COEFFICIENT_DIGITS = 400, 17
+# TeX is pasted: it is exact much longer.
+LONGEST_TEX = 20_000
 # Characters of a decimal that stands in TeX beside an exact form.
 DECIMALS_IN_TEX = 10
 _ESCAPED = str.maketrans({"_": r"\_", "^": r"\^{}", "#": r"\#", "&": r"\&", "%": r"\%", "τ": r"$\tau$"})
@@ -34,7 +40,9 @@ def facts_text(facts: Mapping[str, Any]) -> str:
     """One line per fact: its name in words, its value; a list of records or a matrix takes a line for each row."""
     rows = []
     for name, value in facts.items():
-        lines = [fact_text(part) for part in value] if _is_list(value) and value else [fact_text(value)]
+        listed = value if _is_list(value) and value else [value]
+        lines = [fact_text(part) for part in listed[:MOST_ITEMS_SHOWN]]
+        lines += [_more(listed).removeprefix(", ")] if len(listed) > MOST_ITEMS_SHOWN else []
         labels = [name.replace("_", " "), *[""] * (len(lines) - 1)]
         rows += [[label, line] for label, line in zip(labels, lines, strict=True)]
     return table(rows)
@@ -87,12 +95,25 @@ class _Text:
         """A number or a formula whose record is a text in SymPy's syntax, or such a text."""
         return str(record(value))
 
+    def scalar(self, value: Fraction | Algebraic | Infinity | Formula) -> str:
+        """A number or a formula; a long number with its decimal, and a still longer one by it alone."""
+        if isinstance(value, Formula) and len(value.text) > LONGEST_FORMULA:
+            return self.function(value.function) if value.function else f"a formula of {len(value.text)} characters"
+        if not is_long(value):
+            return self.form(value)
+        exact, digits = record(value).values()
+        if len(exact) > LONGEST_FORMULA:
+            return self.about(f"a number of {len(exact)} characters", digits)
+        return self.radicals(exact, digits)
+
     def math(self, text: str) -> str:
         """What is mathematics and written already."""
         return text
 
     def items(self, values: Sequence[Any]) -> str:
         """Numbers and functions in brackets, other things one after the other."""
+        if any(map(is_long, values)):
+            return self.math(f"[{', '.join(_coefficients(values))}]")
         entries = [self.of(x) for x in values]
         if all(isinstance(x, Fraction | Algebraic | RationalFunction) for x in values):
             return f"[{', '.join(entries)}]" if values else "none"
@@ -105,7 +126,8 @@ class _Text:
             return self.form(found)
         if found.get("exact"):
             return self.radicals(found["exact"], found["decimal"])
-        root = f"the root of {self.form(found['minpoly'])}" if found["minpoly"] else "a number"
+        minimal = found["minpoly"] or ""
+        root = f"the root of {self.form(minimal)}" if 0 < len(minimal) <= LONGEST_FORMULA else "a number"
         place = f"{root} in {self.math('(' + ', '.join(found['interval']) + ')')}"
         place = f"{self.form(found['generator'])}, {place}" if "generator" in found else place
         return self.about(place, found["decimal"])
@@ -127,15 +149,18 @@ class _Text:
 
     def function(self, value: RationalFunction | ExactFunction | FamilyFunction) -> str:
         """(numerator)/(denominator), without the denominator where it is 1."""
-        found, variable, step = record(value), "z" if isinstance(value, FamilyFunction) else "h", 1
-        if isinstance(value, ExactFunction):
-            variable, step = value.variable, value.power
-        num, den = (_polynomial(found[part], variable, step) for part in ("num", "den"))
+        if isinstance(value, FamilyFunction):
+            num, den = (_polynomial(_coefficients(row), "z") for row in value)
+        else:
+            known = value if isinstance(value, ExactFunction) else ExactFunction(value, "h")
+            rows = (_coefficients(coefficients(p)) for p in (known.f.num, known.f.den))
+            num, den = (_polynomial(row, known.variable, known.power) for row in rows)
         return num if den == "1" else f"({num})/({den})"
 
     def series(self, value: TruncatedSeries) -> str:
         """The terms that are known, and the order of the others."""
-        return f"{_polynomial(record(value), value.variable)} + O({_power(value.variable, len(value.coefficients))})"
+        known = _polynomial(_coefficients(value.coefficients), value.variable)
+        return f"{known} + O({_power(value.variable, len(value.coefficients))})"
 
     def term(self, value: LeadingTerm | FamilyTerm) -> str:
         """A leading term."""
@@ -198,6 +223,9 @@ class _Tex(_Text):
     def math(self, text: str) -> str:
         return f"${text}$"
 
+    def scalar(self, value: Fraction | Algebraic | Infinity | Formula) -> str:
+        return super().scalar(value) if is_long(value) else self.form(value)
+
     def items(self, values: Sequence[Any]) -> str:
         if not values or not _is_list(values[0]):
             return super().items(values)
@@ -216,9 +244,12 @@ class _Tex(_Text):
         if isinstance(value, FamilyFunction):
             num, den = (_polynomial(row, "z", 1, ("*", "**")) for row in (record(value)["num"], record(value)["den"]))
             return self.form(num if den == "1" else f"({num})/({den})")
-        return self.form(str(ExactFunction(value, "h") if isinstance(value, RationalFunction) else value))
+        exact = str(ExactFunction(value, "h") if isinstance(value, RationalFunction) else value)
+        return self.form(exact) if len(exact) <= LONGEST_TEX else self.math(_in_tex(super().function(value)))
 
     def series(self, value: TruncatedSeries) -> str:
+        if len(str(record(value))) > LONGEST_TEX:
+            return self.math(_in_tex(super().series(value)))
         known = self.form(_polynomial(record(value), value.variable, 1, ("*", "**")))
         return f"{known[:-1]}+O({value.variable}^{{{len(value.coefficients)}}})$"
 
@@ -248,7 +279,7 @@ class _Tex(_Text):
 
 
 _BY_TYPE: tuple[tuple[Any, str], ...] = (
-    (Fraction | Algebraic | Infinity | Formula, "form"),
+    (Fraction | Algebraic | Infinity | Formula, "scalar"),
     (RealRoot | EnclosedTangent | NumberField, "number"),
     (Imaginary | Complex, "complex_number"),
     (RationalFunction | ExactFunction | FamilyFunction, "function"),
@@ -265,7 +296,22 @@ _BY_TYPE: tuple[tuple[Any, str], ...] = (
 
 def _more(found: Sized) -> str:
     """What follows the first MOST_ITEMS_SHOWN of these."""
-    return f", and {len(found) - MOST_ITEMS_SHOWN} more" if len(found) > MOST_ITEMS_SHOWN else ""
+    more = len(found) - MOST_ITEMS_SHOWN
+    return f", and {more} more (--format json has all)" if more > 0 else ""
+
+
+def _coefficients(values: Sequence[Any]) -> list[str]:
+    """The coefficients as text; if all together are too long, the long ones as decimals that end in "..."."""
+    exact = [exact_text(x) if isinstance(x, Fraction) else str(x) for x in values]
+    if sum(map(len, exact)) <= LONGEST_FORMULA:
+        return exact
+    pairs = zip(exact, values, strict=True)
+    return [f"{significant(x, COEFFICIENT_DIGITS)}..." if is_long(x) else text for text, x in pairs]
+
+
+def _in_tex(text: str) -> str:
+    """Powers and exponents of a polynomial with decimal coefficients as TeX has them."""
+    return re.sub(r"e(-?\d+)", r" \\cdot 10^{\1}", re.sub(r"\^(\d+)", r"^{\1}", text)).replace("...", r"\ldots ")
 
 
 def _cut(digits: str) -> str:

@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import Any
 
 from driftproof.methods.families import Family
-from driftproof.methods.number_field import NumberField
+from driftproof.methods.number_field import Algebraic, NumberField
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.support.plain_text import Json
 from driftproof.symbolic.algebra.certified import decide_by_enclosure, significant
@@ -18,7 +18,7 @@ from driftproof.symbolic.algebra.radicals import (
     radical_form,
     root_decimal,
 )
-from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
+from driftproof.symbolic.algebra.rational_functions import RationalFunction, exact_text, fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root, root_of
 from driftproof.symbolic.facts import FACTS, ON_REQUEST, Facts
 from driftproof.symbolic.family_facts import (
@@ -47,6 +47,9 @@ from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity
 from driftproof.symbolic.linear.systems import SYSTEM_FACTS, EigenvalueLimit, facts_on_system
 from driftproof.symbolic.trees.order_conditions import OrderFact, PrincipalError, Simplifying
 from driftproof.symbolic.trees.rooted_trees import to_brackets
+
+# Characters of a number that somebody may read: two integers of thirty digits, or a few terms with a root.
+LONGEST_EXACT = 60
 
 
 def facts_of(method: Method, names: Sequence[str] = FACTS, terms: int = TERMS) -> dict[str, Json]:
@@ -211,15 +214,25 @@ _SIMPLE: tuple[tuple[Any, Callable[[Any], Json]], ...] = (
     (RungeKutta | Splitting | Nystrom | Collocation | Family, lambda x: x.key),
     (RationalFunction, RationalFunction.data),
     (ExactFunction, lambda x: x.f.data()),
-    (TruncatedSeries, lambda x: [str(c) for c in x.coefficients]),
+    (TruncatedSeries, lambda x: [exact_text(c) for c in x.coefficients]),
     (Angle, lambda x: significant(x.exact, PRINTED_DIGITS) if callable(x.exact) else str(x.exact)),
     (Infinity, lambda x: x.value),
     (Exception, lambda x: {"refused": str(x)}),
 )
 
 
+def is_long(value: Any) -> bool:
+    """True for a number whose exact form nobody reads: it never stands without its decimal."""
+    return isinstance(value, Fraction | Algebraic) and len(exact_text(value)) > LONGEST_EXACT
+
+
 def record(value: Any) -> Json:
-    """A fact, or what facts consist of, as JSON has it: null, true, counts, words, "1/2", [...], {...}."""
+    """A fact, or what facts consist of, as JSON has it: null, true, counts, words, "1/2", [...], {...}.
+
+    A number of more than LONGEST_EXACT characters is {"exact", "decimal"}, but in a list of coefficients.
+    """
+    if is_long(value):
+        return {"exact": exact_text(value), "decimal": significant(value, PRINTED_DIGITS)}
     for kinds, write in _SIMPLE:
         if isinstance(value, kinds):
             return write(value)
@@ -229,5 +242,5 @@ def record(value: Any) -> Json:
     if found is not None:
         return {name: record(part) for name, part in found.items()}
     if isinstance(value, list | tuple):
-        return [record(part) for part in value]
+        return [exact_text(part) if is_long(part) else record(part) for part in value]
     return value if value is None or isinstance(value, bool | int) else str(value)

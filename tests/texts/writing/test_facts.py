@@ -10,13 +10,15 @@ import pytest
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.families import FAMILIES
 from driftproof.methods.number_field import square_root
+from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.facts import Facts
 from driftproof.symbolic.family_facts import FamilyFacts, LimitPiece
 from driftproof.symbolic.linear.a_stability import sector_tangent
-from driftproof.symbolic.linear.facts import ExactFunction, TruncatedSeries
+from driftproof.symbolic.linear.facts import ExactFunction, Formula, TruncatedSeries
 from driftproof.symbolic.linear.families import Interval, ParameterSet
 from driftproof.symbolic.linear.stability_limits import INFINITY
 from driftproof.texts.writing.facts import fact_tex, fact_text, facts_tex, facts_text
+from driftproof.texts.writing.records import record
 from tests.symbolic.linear.family_examples import SDIRK_3
 from tests.symbolic.linear.linear_examples import pade
 
@@ -91,5 +93,40 @@ def test_a_list_takes_a_line_for_each_row_in_text_and_a_matrix_is_one_in_tex() -
 
 
 def test_long_lists_are_cut_and_say_so() -> None:
-    assert fact_text({str(n): n for n in range(14)}).endswith("11: 11, and 2 more")
+    assert fact_text({str(n): n for n in range(14)}).endswith("11: 11, and 2 more (--format json has all)")
     assert fact_tex({str(n): n for n in range(12)}).endswith("11: 11")
+
+
+def hostile(stages: int) -> RungeKutta:
+    """An implicit table whose numbers have forty digits each, as different as can be."""
+    a = tuple(
+        tuple(Q(10**20 * (i**j % 11 + 1) + i, 10**20 + 7 ** (i * j % 13)) for j in range(stages)) for i in range(stages)
+    )
+    b = tuple(Q(10**20, 10**21 + 3**j) for j in range(stages))
+    return RungeKutta("hostile", "hostile", 0, "", a, b, tuple(sum(row) for row in a))
+
+
+def test_text_and_tex_of_long_numbers_are_bounded_and_json_is_exact_with_decimals() -> None:
+    """Exact also beyond the 4300 digits after which Python refuses to write an integer."""
+    facts = Facts(hostile(12))
+    names = ("stability_function", "modified_rate", "order_fails", "order_reduction")
+    shown = {name: getattr(facts, name) for name in names}
+    for value in (facts_text(shown), facts_tex(shown)):
+        assert 1000 < len(value) < 20_000
+    known = record(shown)
+    residual = known["order_fails"]["residual"]
+    assert set(residual) == {"exact", "decimal"}
+    assert abs(Q(residual["exact"]) - Q(residual["decimal"])) < Q(1, 10**20)
+    assert f"a number of {len(residual['exact'])} characters = {residual['decimal']}" in facts_text(shown)
+    numbers = known["stability_function"]["num"]
+    assert max(map(len, numbers)) > 100
+    assert all(isinstance(n, str) for n in numbers), "a list of coefficients stays one"
+    assert len(record(TruncatedSeries((Q(10**5000, 3),)))[0]) == 5003
+
+
+def test_number_of_thousands_of_characters_is_its_decimal_alone() -> None:
+    number = Q(10**900 + 1, 3**1500)
+    assert fact_text(number).startswith("a number of 1618 characters = 2.0802")
+    assert fact_text(Q(1, 3)) == "1/3"
+    assert fact_text((Q(1, 3), number)).startswith("[1/3, 2.0802")
+    assert fact_text(Formula("x" * 500)) == "a formula of 500 characters"
