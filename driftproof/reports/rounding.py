@@ -18,7 +18,7 @@ from driftproof.symbolic.error_budget import ErrorOfRun
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
 from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
-from driftproof.symbolic.rounding.n_steps_bound import HypothesisFails, run_bound
+from driftproof.symbolic.rounding.n_steps_bound import HypothesisFails, largest_safe_state, run_bound, safe_state_text
 from driftproof.symbolic.rounding.step_bound import StepBound, StepOrMethod, step_bound, step_with_stored_coefficients
 from driftproof.symbolic.rounding.text import first_order_text, format_text, full_text
 from driftproof.symbolic.runs import exact_matrix_at
@@ -69,7 +69,8 @@ def _at(key: str, subject: Any, bound: StepBound, h: Fraction) -> Json:
             step_with_stored_coefficients(method_named(key), bound.format), h, bound.format
         ).linear
     rows = {name: [_in_units(x, bound.format) for row in linear.error for x in row] for name, linear in bounds.items()}
-    return {"h": str(h), **rows, "per_step": _per_step(subject, h, bound.format)}
+    safe = safe_state_text(largest_safe_state(subject, h, bound.format))
+    return {"h": str(h), **rows, "per_step": _per_step(subject, h, bound.format), "safe_state": safe}
 
 
 def _in_units(bound: Fraction, fmt: FloatFormat) -> Json | None:
@@ -166,7 +167,8 @@ def _at_text(at: Json) -> str:
     rows += [[label, *(_with_unit(x) for x in at[name])] for name, label in ROWS.items() if name in at]
     step = at["per_step"]
     growth = f"c(h) = {_with_unit(step['c'])}" if step["c"] else f"no c(h): {step['reason']}"
-    return f"At h = {at['h']}, {growth}\n{table(rows, right=(1, 2, 3, 4))}"
+    safe = f"for |q|, |v| <= {at['safe_state']}: nothing in the step overflows there"
+    return f"At h = {at['h']}, {growth}\n{safe}\n{table(rows, right=(1, 2, 3, 4))}"
 
 
 def budget_text(budget: Json) -> str:

@@ -30,8 +30,8 @@ units of the unit roundoff u; beyond the bound means that the code does more tha
 products, and the row says what: by its source, or as found from outside. The checks say what else nobody
 expects. What each target is by its source, and which claims are not so, stands in
 `tests/outputs/gallery_expected.py`."""
-# Seconds for each question to a stepper; compiled code takes most of them to compile.
-TIME_LIMIT = 60.0
+# Seconds for all questions to a stepper; compiled code takes most of them to compile.
+TIME_LIMIT = 600.0
 # The checks that, failed, take a step beyond the bound, the plainest first.
 REASONS = ("full_precision", "small_digits", "position_range", "velocity_range", "linear")
 HEAD = ("target", "version", "claimed", "identified", "order claimed", "true order", "worst error", "checks")

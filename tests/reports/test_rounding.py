@@ -7,6 +7,8 @@ import pytest
 
 from driftproof.cli import main
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.stepping import oscillator
+from driftproof.numeric.steppers import float_stepper
 from driftproof.reports.rounding import budget_answer, roundoff_answer, roundoff_text
 from driftproof.symbolic.rounding.formats import BINARY32
 from tests.looping import exactly
@@ -72,7 +74,7 @@ def test_irrational_coefficients_have_bounds_about_the_definition_and_about_the_
     assert answer["differences_from_definition"] == []
     assert answer["rounds_coefficients"]
     (at,) = answer["at"]
-    assert set(at) == {"h", "plain", "sharp", "as_held", "per_step"}
+    assert set(at) == {"h", "plain", "sharp", "as_held", "per_step", "safe_state"}
     assert at["as_held"] != at["sharp"]
     assert at["per_step"]["norm"]["q2"] == "1"
     assert at["per_step"]["rho_squared"] == "1"
@@ -92,6 +94,15 @@ def test_a_program_that_holds_its_coefficients_exactly_has_no_bound_of_another_k
     generic = roundoff_answer("rk4", [Q(1, 4)], BINARY32)
     assert generic["rounds_coefficients"]
     assert "as_held" in generic["at"][0]
+
+
+def test_the_states_for_which_the_bounds_hold_are_said():
+    (at,) = roundoff_answer("rk4", [Q(1, 2)])["at"]
+    safe = float(at["safe_state"])
+    assert all(abs(x) < float("inf") for x in float_stepper("rk4")(oscillator, safe, safe, 0.5))
+    assert float_stepper("rk4")(oscillator, 1e308, 1e308, 0.5)[0] == float("inf")
+    assert safe == 1e307
+    assert "for |q|, |v| <= 1e307: nothing in the step overflows" in roundoff_text(roundoff_answer("rk4", [Q(1, 2)]))
 
 
 def test_printed_bounds_are_rounded_up():

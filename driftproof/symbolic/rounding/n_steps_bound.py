@@ -123,6 +123,14 @@ def largest_safe_state(
     return safe
 
 
+def safe_state_text(safe: Fraction) -> str:
+    """The largest power of ten that is not above a safe state, e.g. "1e307"; "0" where only the origin is safe."""
+    if safe == 0:
+        return "0"
+    k = int(scientific(safe, 1).partition("e")[2])  # a rounding up may have led into the next decade
+    return f"1e{k if Fraction(10) ** k <= safe else k - 1}"
+
+
 class _Run(NamedTuple):
     """The quantities of the theorem; the methods give balls at the current precision."""
 

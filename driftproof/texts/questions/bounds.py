@@ -8,7 +8,7 @@ from fractions import Fraction
 from driftproof.numeric.steppers import HAND_WRITTEN
 from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound
 from driftproof.symbolic.rounding.formats import BINARY64
-from driftproof.symbolic.rounding.n_steps_bound import run_bound
+from driftproof.symbolic.rounding.n_steps_bound import largest_safe_state, run_bound, safe_state_text
 from driftproof.symbolic.rounding.step_bound import LinearBound, StepOrMethod, step_bound
 from driftproof.texts.questions.answer import Answer
 from driftproof.texts.questions.query_context import START_AT_REST, QueryContext
@@ -29,7 +29,8 @@ def bound(context: QueryContext) -> Answer:
     """Answers `roundoff METHOD h=1/4 [sharp] [from q,v] : READOUT` with a number that bounds a rounding error, over u.
 
     qq, qv, vq and vv are the entries of E(h) in |dz| <= E(h)|z| + r(h); q and v are |dq| and |dv| from the start, r
-    included; c is the growth per step in the step's own norm. h and the start are rounded to the nearest doubles.
+    included; c is the growth per step in the step's own norm. h and the start are rounded to the nearest doubles. All
+    of it holds for states from which nothing in the step overflows; a start that may overflow is refused.
     """
     context.demand_only("h", start=True, words=("sharp",), readout=True)
     h, method = context.setting("h", "h=1/4"), context.method()
@@ -39,16 +40,21 @@ def bound(context: QueryContext) -> Answer:
         if h == 0:
             raise ValueError("a step of size 0 goes nowhere; give a nonzero h")
         subject: StepOrMethod = HAND_WRITTEN.get(method.key) or method
-        return Answer("", _bound(context, subject, h) / BINARY64.u, unit="u", is_bound=True)
+        start = BINARY64.nearest(context.start[0]), BINARY64.nearest(context.start[1])
+        if max(map(abs, start)) > (safe := largest_safe_state(subject, h)):
+            raise ValueError(
+                f"the step may overflow from q = {float(start[0])!r}, v = {float(start[1])!r}, where no bound holds; "
+                f"nothing overflows for |q|, |v| <= {safe_state_text(safe)}"
+            )
+        return Answer("", _bound(context, subject, h, start) / BINARY64.u, unit="u", is_bound=True)
 
 
-def _bound(context: QueryContext, subject: StepOrMethod, h: Fraction) -> Fraction:
+def _bound(context: QueryContext, subject: StepOrMethod, h: Fraction, start: _State) -> Fraction:
     readout = context.query.readout.text if context.query.readout else ""
     if readout == GROWTH:
         return run_bound(subject, h, 1, START_AT_REST, BINARY64).growth
     sharp = "sharp" in context.query.words
     if readout in BOUND_ENTRIES:
         return BOUND_ENTRIES[readout](fixed_step_bound(subject, h).linear if sharp else step_bound(subject).at(h))
-    start = BINARY64.nearest(context.start[0]), BINARY64.nearest(context.start[1])
     of_state = fixed_step_bound(subject, h).error_of(*start) if sharp else step_bound(subject).error_of(h, *start)
     return of_state[OF_STATE[readout]]

@@ -138,16 +138,16 @@ def test_clauses_are_json_with_numbers_as_strings():
 
 
 def test_outcomes_without_result_are_clauses_of_their_own():
-    good, hang = Outcome((CheckResult("zero_step", True, "yes"),)), Outcome(kind="hangs", seen="no answer within 1 s")
+    good, crash = Outcome((CheckResult("zero_step", True, "yes"),)), Outcome(kind="crashes", seen="exit status 3")
     shape, unsteady = Outcome(kind="wrong_shape", seen="3 came out"), Outcome(kind="unsteady", seen="not twice")
-    outcomes = [good, hang, shape, unsteady] + [good] * (len(CHECKS) - 4)
+    outcomes = [good, crash, shape, unsteady] + [good] * (len(CHECKS) - 4)
     first, second, third, *rest = checks_of(outcomes)
     assert first.key == "zero_step"
     assert (second.key, second.holds, second.words) == (
         "arguments",
         False,
-        "arguments: the stepper hangs, no answer within 1 s",
+        "arguments: the stepper crashes, exit status 3",
     )
     assert (third.key, third.holds, third.words) == ("types", None, "types: not asked: 3 came out")
     assert rest[-1].words == "nothing else was asked: not twice"
-    assert [check.key for check in checks_of([hang] * len(CHECKS))] == ["answers"]
+    assert [check.key for check in checks_of([crash] * len(CHECKS))] == ["answers"]

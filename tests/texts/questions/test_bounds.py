@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from fractions import Fraction as Q
 
+import pytest
+
 from driftproof.texts.questions.decimals import Style
+from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
 from tests.texts.questions.steps_by_hand import BY_HAND
 
@@ -46,3 +49,11 @@ def test_bound_is_rounded_up_unless_another_policy_is_named() -> None:
     for n in range(1, 12):
         assert Q(bound.digits(n)) >= bound.exact >= Q(bound.digits(n)) - Q(10) ** (1 - n)
     assert any(bound.digits(n) != bound.digits(n, Style("half-even")) for n in range(1, 12))
+
+
+def test_a_step_that_overflows_has_no_bound() -> None:
+    for start in ("1.7e308,1.7e308", "0,1.7e308"):
+        for readout in ("q", "v", "qq", "c"):
+            with pytest.raises(QuestionError, match=r"the step may overflow .* nothing overflows for .* <= 1e307"):
+                value(f"roundoff rk4 h=1/2 from {start} : {readout}")
+    assert value("roundoff rk4 h=1/2 from 1e307,1e307 : v").exact is not None
