@@ -148,7 +148,14 @@ def _of_family(family: Family, options: Namespace) -> dict[str, Any]:
 
 def _of_method(method: Method, options: Namespace) -> dict[str, Any]:
     """The facts of the method, or of the method on a system; also its picture, if one is asked for."""
-    from driftproof.symbolic.facts import FACTS, ON_REQUEST, Facts, order_within
+    from driftproof.symbolic.facts import (
+        FACTS,
+        OF_THE_IRREDUCIBLE_METHOD,
+        OF_THE_TABLE,
+        ON_REQUEST,
+        Facts,
+        order_within,
+    )
     from driftproof.symbolic.linear.facts import facts_by_name
     from driftproof.symbolic.linear.systems import facts_on_system
 
@@ -156,7 +163,10 @@ def _of_method(method: Method, options: Namespace) -> dict[str, Any]:
         raise ValueError("--system is about one problem, --order-tolerance and --plot about the method; ask separately")
     if options.system:
         return facts_on_system(method, options.system, options.only)
-    found = facts_by_name(Facts(method, options.terms), options.only or FACTS, (*FACTS, *ON_REQUEST))
+    facts = Facts(method, options.terms)
+    found = facts_by_name(facts, options.only or FACTS, (*FACTS, *ON_REQUEST))
+    if facts.reduction is not None and not {*found}.isdisjoint((*OF_THE_TABLE, *OF_THE_IRREDUCIBLE_METHOD)):
+        found["reduction"] = facts.reduction
     if options.order_tolerance is not None:
         found["order_to_tolerance"] = order_within(method, options.order_tolerance)
     if options.plot:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.linear.facts import LinearFacts, fact_names
+from driftproof.symbolic.linear.reduced_tableau import reduced, stages_of
 from driftproof.symbolic.trees import order_conditions, partitioned_trees
 from driftproof.symbolic.trees.algebraic_stability import algebraic_stability
 from driftproof.symbolic.trees.modified_equation import modified_equation
@@ -21,6 +22,22 @@ FAMILY_NAMES = {RungeKutta: "runge_kutta", Splitting: "splitting", Nystrom: "nys
 MODIFIED_ORDER = 5
 # Vertices to which an order to a tolerance goes: beyond the exact order, no further.
 TOLERANCE_ORDER = 12
+
+
+# The other facts are the same of both.
+OF_THE_TABLE = (
+    *("stages", "explicit", "field", "inconsistencies", "embedded_order", "stage_order", "simplifying_assumptions"),
+    *("algebraically_stable", "order_reduction", "stiffly_accurate", "first_same_as_last", "stability_within_digits"),
+)
+OF_THE_IRREDUCIBLE_METHOD = ("symplectic", "symmetric", "ssp_coefficient")
+
+
+class Reduction(NamedTuple):
+    """The stages of the irreducible method, and of which facts it matters whether they are of it or of the table."""
+
+    irreducible_stages: int
+    of_the_table: tuple[str, ...]
+    of_the_irreducible_method: tuple[str, ...]
 
 
 class Facts(LinearFacts):
@@ -45,6 +62,14 @@ class Facts(LinearFacts):
         if isinstance(self.method, Splitting):
             return sum(kind == "kick" for kind, _ in self.method.parts)
         return self.method.stages
+
+    @cached_property
+    def reduction(self) -> Reduction | None:
+        """Which facts are of the table as written, and which of the irreducible method, where that has fewer stages."""
+        if not isinstance(self.method, RungeKutta | Nystrom):
+            return None
+        stages = len(reduced(stages_of(self.method)).b)
+        return None if stages == self.stages else Reduction(stages, OF_THE_TABLE, OF_THE_IRREDUCIBLE_METHOD)
 
     @cached_property
     def inconsistencies(self) -> Mapping[str, Exact]:
@@ -121,6 +146,7 @@ _NO_R = "only Runge-Kutta and collocation methods have R(z)"
 WHY_NONE = {
     **dict.fromkeys(("stability_function", "real_limit", "a_stable", "a_stability", "i_stable", "l_stable"), _NO_R),
     **dict.fromkeys(("sector", "limit_at_infinity", "error_constant", "modified_rate", "region_boundary"), _NO_R),
+    "reduction": "no stage is superfluous: every fact is of the table and of the method",
     "stability_within_digits": "its coefficients are no rounded decimals (decimal = true), or R has no limit for them",
     "ssp_coefficient": "only Runge-Kutta and collocation methods have one",
     "energy_multiplier": "what a step does to the energy depends on the state",

@@ -199,3 +199,19 @@ def test_picture_without_matplotlib_says_what_to_install(refusal, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     words = refusal("facts", "rk4", "--plot", "x.svg")
     assert words == "driftproof facts: pictures need matplotlib; install it with pip install 'driftproof[report]'\n"
+
+
+def test_of_a_reducible_table_it_is_said_which_facts_are_of_the_table_and_which_of_the_method(facts, answer, tmp_path):
+    """Backward Euler with a second stage that nothing uses: not stiffly accurate as written, and of one stage."""
+    mine = tmp_path / "mine.toml"
+    mine.write_text('family = "runge_kutta"\nA = [[1, 0], ["1/2", 0]]\nb = [1, 0]\n', encoding="utf-8")
+    found = facts(str(mine), "--only", "stages,stiffly_accurate,symplectic")
+    assert (found["stages"], found["stiffly_accurate"]) == (2, False)
+    assert found["reduction"]["irreducible_stages"] == 1
+    assert {"stages", "stiffly_accurate"} <= {*found["reduction"]["of_the_table"]}
+    assert "symplectic" in found["reduction"]["of_the_irreducible_method"]
+    text = answer("facts", str(mine), "--only", "stages")
+    assert "irreducible_stages: 1, of_the_table: stages; explicit; " in text
+    assert set(facts(str(mine), "--only", "order")) == {"order"}, "the same of both"
+    assert facts("rk4", "--only", "reduction") == {"reduction": None}
+    assert set(facts("rk4", "--only", "stages")) == {"stages"}

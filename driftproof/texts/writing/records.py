@@ -49,7 +49,7 @@ from driftproof.symbolic.trees.order_conditions import OrderFact, PrincipalError
 from driftproof.symbolic.trees.rooted_trees import to_brackets
 
 # Characters of a number that somebody may read: two integers of thirty digits, or a few terms with a root.
-LONGEST_EXACT = 60
+LONGEST_BARE = 60
 
 
 def facts_of(method: Method, names: Sequence[str] = FACTS, terms: int = TERMS) -> dict[str, Json]:
@@ -223,13 +223,13 @@ _SIMPLE: tuple[tuple[Any, Callable[[Any], Json]], ...] = (
 
 def is_long(value: Any) -> bool:
     """True for a number whose exact form nobody reads: it never stands without its decimal."""
-    return isinstance(value, Fraction | Algebraic) and len(exact_text(value)) > LONGEST_EXACT
+    return isinstance(value, Fraction | Algebraic) and len(exact_text(value)) > LONGEST_BARE
 
 
 def record(value: Any) -> Json:
     """A fact, or what facts consist of, as JSON has it: null, true, counts, words, "1/2", [...], {...}.
 
-    A number of more than LONGEST_EXACT characters is {"exact", "decimal"}, but in a list of coefficients.
+    A number of more than LONGEST_BARE characters is {"exact", "decimal"}, but in a list of coefficients.
     """
     if is_long(value):
         return {"exact": exact_text(value), "decimal": significant(value, PRINTED_DIGITS)}
