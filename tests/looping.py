@@ -28,16 +28,16 @@ def exactly(count: int, items: Iterable[T]) -> list[T]:
 
 
 @cache
-def _parsed(path: Path) -> ast.Module:
+def parsed(path: Path) -> ast.Module:
     return ast.parse(path.read_text(encoding="utf-8"))
 
 
 def idle_tests(root: Path, path: Path) -> list[str]:
     """The functions of a test file whose every assert stands in a loop, or in `all`, over what might be empty."""
     found = []
-    for node in ast.walk(_parsed(path)):
+    for node in ast.walk(parsed(path)):
         if isinstance(node, ast.FunctionDef):
-            reading = _Reading(root, _parsed(path), node)
+            reading = _Reading(root, parsed(path), node)
             made = list(reading.surely_made(node.body, True))
             if made and not any(made):
                 found.append(f"{path.name}:{node.lineno} {node.name}")
@@ -137,7 +137,7 @@ class _Reading:
             for alias in node.names if isinstance(node, ast.ImportFrom) else ():
                 home = self.root.joinpath(*(getattr(node, "module", None) or "").split(".")).with_suffix(".py")
                 if (alias.asname or alias.name) == name and home.exists():
-                    return _Reading(self.root, _parsed(home), None).holds_something(ast.Name(alias.name))
+                    return _Reading(self.root, parsed(home), None).holds_something(ast.Name(alias.name))
         return False
 
 

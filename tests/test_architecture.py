@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.looping import idle_tests
+from tests.looping import idle_tests, parsed
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = "driftproof"
@@ -86,11 +86,6 @@ def text_of(path: Path) -> str:
 
 
 @cache
-def parsed(path: Path) -> ast.Module:
-    return ast.parse(text_of(path))
-
-
-@cache
 def files(root: Path, folder: str) -> tuple[Path, ...]:
     """Every Python file below the folder, links not followed; each is read once, whatever asks."""
     return tuple(sorted(path for path in (root / folder).rglob("*.py") if not path.is_symlink()))
@@ -108,9 +103,14 @@ def room_of(root: Path, path: Path) -> str:
     return path.relative_to(root / PACKAGE).with_suffix("").parts[0]
 
 
-def imported(path: Path) -> Iterator[str]:
+@cache
+def imported(path: Path) -> tuple[str, ...]:
     """Every name that the file imports, anywhere in it, in full."""
-    for node in ast.walk(parsed(path)):
+    return tuple(_imported(parsed(path)))
+
+
+def _imported(tree: ast.Module) -> Iterator[str]:
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):

@@ -21,7 +21,7 @@ THREE_LINES = """\
 from driftproof import assert_verified
 from springs import step
 
-assert_verified(step, method="forward_euler", examples=50)
+assert_verified(step, method="forward_euler", examples=5)
 print("verified")
 """
 
@@ -61,7 +61,7 @@ DECOYS = [
 RUNS = {
     "assert_verified": (["-c", THREE_LINES], "verified"),
     "verify": (
-        ["-m", "driftproof", "verify", "springs:step", "--method", "forward_euler", "--examples", "50"],
+        ["-m", "driftproof", "verify", "springs:step", "--method", "forward_euler", "--examples", "5"],
         "is forward_euler",
     ),
     "identify": (["-m", "driftproof", "identify", "springs:step"], "forward_euler"),
