@@ -5,11 +5,7 @@ import json
 from driftproof.blackbox.report import Report, sections
 
 REPORT = Report(
-    "mylib:step",
-    "is not rk4; it is rk38",
-    False,
-    sections(("Rounding", ["q is a_b*c"]), ("Faults", [])),
-    {"order": 4},
+    "mylib:step", "is not rk4; it is rk38", False, sections(("Rounding", ["q is a_b*c"]), ("Faults", [])), {"order": 4}
 )
 
 

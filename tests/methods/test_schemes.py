@@ -71,10 +71,7 @@ WRONG: list[tuple[Callable[[], Any], str]] = [
     (lambda: splitting(()), "mine: parts is empty; a splitting has at least one kick or drift"),
     (lambda: splitting(p for p in ()), "mine: parts is empty; a splitting has at least one kick or drift"),
     (lambda: splitting(5), "mine: parts is 5; write a tuple of exact coefficients"),
-    (
-        lambda: splitting((("kick", 1), ("push", 1))),
-        "mine: parts[1] is ('push', 1); write ('kick', c) or ('drift', c)",
-    ),
+    (lambda: splitting((("kick", 1), ("push", 1))), "mine: parts[1] is ('push', 1); write ('kick', c) or ('drift', c)"),
     (lambda: splitting((("kick", 1, 1),)), "mine: parts[0] is ('kick', 1, 1); write ('kick', c) or ('drift', c)"),
     (lambda: splitting(("kick",)), "mine: parts[0] is 'kick'; write ('kick', c) or ('drift', c)"),
 ]

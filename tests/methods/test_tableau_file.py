@@ -135,10 +135,7 @@ WRONG: list[tuple[str | bytes, str]] = [
     (MINPOLY.format(f"[-{10**70}, 0, 1]", "[0, '1e40']"), "roots.r: minpoly: the coefficients are integers of at most"),
     (MINPOLY.format("[-2, 0, 1]", "[1]"), "roots.r: interval has 1 entries, 2 are needed"),
     (HEAD + "A = [['s3']]\nb = [1]", "A[0][0]: 's3', column 1: 's3' is an unknown root; nothing is declared"),
-    (
-        GAUSS.replace("s3/6)", "s2/6)").replace("1/4 - s3", "1/4 - s2"),
-        "A[0][1]: '1/4 - s2/6', column 7: 's2' is an",
-    ),
+    (GAUSS.replace("s3/6)", "s2/6)").replace("1/4 - s3", "1/4 - s2"), "A[0][1]: '1/4 - s2/6', column 7: 's2' is an"),
     (HEAD + "A = [[\"__import__('os').system('true')\"]]\nb = [1]", "A[0][0]: "),
     (HEAD + "A = [['exit(1)']]\nb = [1]", "A[0][0]: 'exit(1)', column 1: 'exit' is no function; there are sqrt and"),
     (HEAD + "A = [['exit()']]\nb = [1]", "A[0][0]: 'exit()', column 6: ')' stands where a number"),
@@ -150,10 +147,7 @@ WRONG: list[tuple[str | bytes, str]] = [
     (HEAD + "A = [['*2']]\nb = [1]", "A[0][0]: '*2', column 1: '*' stands where a number, a name or a bracket should"),
     (HEAD + "A = [['2**99']]\nb = [1]", "column 4: an exponent is an integer from -64 to 64"),
     (HEAD + "A = [['2**0.5']]\nb = [1]", "column 4: an exponent is an integer from -64 to 64"),
-    (
-        HEAD + "A = [['2**(1/2)']]\nb = [1]",
-        "column 1: an exponent is a whole number here; roots are sqrt(n)",
-    ),
+    (HEAD + "A = [['2**(1/2)']]\nb = [1]", "column 1: an exponent is a whole number here; roots are sqrt(n)"),
     (HEAD + "A = [['0**-1']]\nb = [1]", "A[0][0]: '0**-1', column 1: it divides by zero"),
     (HEAD + f"A = [['{DEEP}']]\nb = [1]", "it is nested deeper than 40 levels"),
     (HEAD + f"A = [['{'-' * 41}1']]\nb = [1]", "it is nested deeper than 40 levels"),

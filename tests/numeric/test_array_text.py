@@ -7,13 +7,7 @@ import pytest
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import oscillator
-from driftproof.numeric.engine import (
-    ARRAY_BLOCK,
-    compiled_ensemble_runner,
-    ensemble_runner,
-    lifted,
-    runner,
-)
+from driftproof.numeric.engine import ARRAY_BLOCK, compiled_ensemble_runner, ensemble_runner, lifted, runner
 from tests.float_bits import bits
 from tests.numeric.engine_runs import ensemble, step_by_step
 

@@ -14,14 +14,7 @@ from driftproof.methods.number_field import square_root
 from driftproof.methods.schemes import MethodError, RungeKutta
 from driftproof.methods.stepping import oscillator, step_source
 from driftproof.numeric import engine
-from driftproof.numeric.engine import (
-    BLOCK,
-    compiled_ensemble_runner,
-    compiled_runner,
-    ensemble_runner,
-    lifted,
-    runner,
-)
+from driftproof.numeric.engine import BLOCK, compiled_ensemble_runner, compiled_runner, ensemble_runner, lifted, runner
 from tests.float_bits import bits
 from tests.looping import exactly, some
 from tests.numeric.engine_runs import ensemble, step_by_step

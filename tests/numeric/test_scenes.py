@@ -57,11 +57,7 @@ def test_full_file_is_read_as_written(tmp_path: Path) -> None:
     )
     scene = scene_named(str(written(tmp_path, text)))
     assert (scene.name, scene.start) == ("all of it", (Q(1, 10), Q(-1, 3)))
-    assert (scene.methods, scene.certified, scene.panels) == (
-        ("rk4", "heun2"),
-        ("phase_error",),
-        ("table", "position"),
-    )
+    assert (scene.methods, scene.certified, scene.panels) == (("rk4", "heun2"), ("phase_error",), ("table", "position"))
 
 
 @given(h=rationals(max_denominator=10**6).filter(bool))

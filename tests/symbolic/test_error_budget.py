@@ -81,11 +81,7 @@ def test_the_error_of_a_run_splits_into_truncation_and_rounding(key):
     # The lesson's state errors, as the truncation of the real run.
     assert (
         fixed(found.truncation, 6)
-        == {
-            "forward_euler": "2.390297",
-            "symplectic_euler": "0.089779",
-            "rk4": "0.000325",
-        }[key]
+        == {"forward_euler": "2.390297", "symplectic_euler": "0.089779", "rk4": "0.000325"}[key]
     )
 
 

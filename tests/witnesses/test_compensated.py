@@ -53,10 +53,7 @@ def _rounding(method, force, h, counts, members, dtype, wide):
 # Growth of rounding with the number of steps
 
 LONG_DOUBLES = pytest.mark.skipif(np.finfo(np.longdouble).nmant <= 52, reason="here a long double is a double")
-SIZES = [
-    pytest.param(512, 2**10, id="short"),
-    pytest.param(4096, 2**12, id="long", marks=pytest.mark.long),
-]
+SIZES = [pytest.param(512, 2**10, id="short"), pytest.param(4096, 2**12, id="long", marks=pytest.mark.long)]
 
 
 def _exponents(method, force, members, first):

@@ -83,9 +83,7 @@ FIXED_STEP = code("return plain(q, v, 1 / 60)")
 ABSOLUTE_STEP = code("return plain(q, v, abs(h))")
 DIVIDES_BY_H = code("return q + h * v, v - h * h * q / h")
 ADDS_INTO_ITS_ARGUMENTS = code("v -= h * q; q += h * v; return q, v")
-SUB_STEPS = code(
-    "n = max(1, math.ceil(abs(h) / 0.05))\nfor _ in range(n): q, v = plain(q, v, h / n)\nreturn q, v",
-)
+SUB_STEPS = code("n = max(1, math.ceil(abs(h) / 0.05))\nfor _ in range(n): q, v = plain(q, v, h / n)\nreturn q, v")
 ITERATES = code(
     "q1, v1 = q, v\n"
     "for _ in range(200):\n"

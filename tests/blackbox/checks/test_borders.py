@@ -98,13 +98,7 @@ def test_of_two_neighbours_the_one_with_the_shorter_name_is_the_border():
 
 
 @pytest.mark.parametrize(
-    ("step", "slack"),
-    [
-        (plain, 0.0),
-        (CAR_IN_A_VALLEY, 0.0),
-        (WRAPPED, 16 * 2.0**-53),
-        (DIVIDES_BY_H, 0.0),
-    ],
+    ("step", "slack"), [(plain, 0.0), (CAR_IN_A_VALLEY, 0.0), (WRAPPED, 16 * 2.0**-53), (DIVIDES_BY_H, 0.0)]
 )
 def test_a_negligible_step_is_found(step, slack):
     found = negligible_step(steady_runner(opened(step)))

@@ -8,9 +8,7 @@ import pytest
 
 from driftproof.blackbox.matching.equivalent_methods import equivalent_methods
 from driftproof.blackbox.matching.linear_candidates import explained_by, rates_of
-from driftproof.blackbox.probes.linear_steps import (
-    read_linear_steps,
-)
+from driftproof.blackbox.probes.linear_steps import read_linear_steps
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation
 from driftproof.numeric.steppers import rk4

@@ -8,12 +8,7 @@ from math import sin
 import numpy as np
 
 from driftproof.blackbox.matching.linear_match import linear_fit
-from driftproof.blackbox.probes.linear_steps import (
-    LINEARISED,
-    NOT_AT_REST,
-    NOT_LINEAR,
-    NOT_REPEATABLE,
-)
+from driftproof.blackbox.probes.linear_steps import LINEARISED, NOT_AT_REST, NOT_LINEAR, NOT_REPEATABLE
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.numeric.steppers import rk4, symplectic_euler
 from tests.blackbox.matching.linear_fits import alike, fit

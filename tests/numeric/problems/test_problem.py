@@ -113,8 +113,7 @@ def agree(found: Sequence[Fraction], stored: Sequence[str]) -> bool:
 
 # Not on the fast components, which forget.
 @pytest.mark.parametrize(
-    ("name", "slow"),
-    [("van_der_pol_1e6", 0), pytest.param("hires", 4, marks=pytest.mark.long), ("oregonator", 2)],
+    ("name", "slow"), [("van_der_pol_1e6", 0), pytest.param("hires", 4, marks=pytest.mark.long), ("oregonator", 2)]
 )
 def test_last_state_follows_from_the_one_before(name: str, slow: int) -> None:
     *_, before, last = PROBLEMS[name].reference.states

@@ -24,15 +24,8 @@ from driftproof.numeric.work_precision.curves import (
     measure_curve,
     step_counts,
 )
-from driftproof.numeric.work_precision.exact import (
-    STATE,
-    Size,
-)
-from driftproof.numeric.work_precision.integrators import (
-    CountedRun,
-    Integrator,
-    integrator,
-)
+from driftproof.numeric.work_precision.exact import STATE, Size
+from driftproof.numeric.work_precision.integrators import CountedRun, Integrator, integrator
 
 T = Q(10)
 RUNGS = (64, 128, 256, 512)

@@ -12,9 +12,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.problems.problem import EXACT, Problem, Reference
-from driftproof.numeric.work_precision.curves import (
-    measure_curve,
-)
+from driftproof.numeric.work_precision.curves import measure_curve
 from driftproof.numeric.work_precision.exact import (
     ENERGY,
     PHASE,
@@ -27,9 +25,7 @@ from driftproof.numeric.work_precision.exact import (
     floors,
     half_unit,
 )
-from driftproof.numeric.work_precision.integrators import (
-    integrator,
-)
+from driftproof.numeric.work_precision.integrators import integrator
 
 T = Q(10)
 

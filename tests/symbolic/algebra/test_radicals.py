@@ -8,11 +8,7 @@ import pytest
 import sympy
 
 from driftproof.symbolic.algebra.radicals import integer_polynomial_text, radical_form, root_decimal
-from driftproof.symbolic.algebra.real_roots import (
-    ZERO_ROOT,
-    RealRoot,
-    rational_root,
-)
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root
 
 RADICALS = {
     (0, 1): "0",

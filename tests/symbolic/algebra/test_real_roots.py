@@ -11,12 +11,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from driftproof.methods.number_field import square_root
-from driftproof.symbolic.algebra.polynomials import (
-    polynomial,
-    reflected,
-    scalar,
-    sign_changes,
-)
+from driftproof.symbolic.algebra.polynomials import polynomial, reflected, scalar, sign_changes
 from driftproof.symbolic.algebra.real_roots import (
     ZERO_ROOT,
     RealRoot,

@@ -13,15 +13,7 @@ from hypothesis import strategies as st
 
 from driftproof.symbolic.algebra.certified import enclose, is_less
 from driftproof.symbolic.derivation.expression_balls import enclose_expression
-from driftproof.symbolic.derivation.one_step import (
-    RING,
-    H,
-    at_rational,
-    matrix,
-    matrix_at,
-    one_step_matrix,
-    rational,
-)
+from driftproof.symbolic.derivation.one_step import RING, H, at_rational, matrix, matrix_at, one_step_matrix, rational
 from driftproof.symbolic.derivation.phase import (
     STEPS,
     closed_form,

@@ -23,12 +23,7 @@ from driftproof.symbolic.derivation.one_step import (
     rational,
     trace,
 )
-from driftproof.symbolic.derivation.stability import (
-    LAMBDA,
-    AtStep,
-    multipliers,
-    stability_limit,
-)
+from driftproof.symbolic.derivation.stability import LAMBDA, AtStep, multipliers, stability_limit
 from driftproof.symbolic.runs import apply
 from tests.nine import NINE
 
@@ -91,10 +86,7 @@ ARTIFICIAL = {
     "trace touches 2 and returns, through the identity": (sheared(H * (1 - H)), sympy.Integer(2)),
     "trace touches -2 and returns, through minus the identity": (-sheared(H * (1 - H)), sympy.Integer(2)),
     "trace touches 2, returns, and touches again": (sheared(H * (1 - H) * (2 - H) / 4), None),
-    "determinant touches 1 and returns": (
-        matrix([[0, 1 - H * (H - 1) ** 2 / 4], [-1, 0]]),
-        None,
-    ),
+    "determinant touches 1 and returns": (matrix([[0, 1 - H * (H - 1) ** 2 / 4], [-1, 0]]), None),
     "an irrational boundary": (matrix([[1, 0], [0, H**2 - 2]]), sympy.Integer(0)),
     "the first of two irrational boundaries": (matrix([[0, 0], [0, (H**2 - 2) * THIRD]]), sympy.sqrt(5)),
     "a boundary without radicals": (matrix([[0, 0], [0, (H**5 - H) * THIRD]]), None),

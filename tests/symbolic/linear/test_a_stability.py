@@ -38,9 +38,7 @@ from driftproof.symbolic.linear.a_stability import (
     sector_tangent_by_rays,
 )
 from driftproof.symbolic.linear.region import boundary_points
-from driftproof.symbolic.linear.stability_function import (
-    stability_function,
-)
+from driftproof.symbolic.linear.stability_function import stability_function
 from driftproof.symbolic.linear.stability_limits import INFINITY, imaginary_limit, imaginary_margin, real_limit
 from driftproof.texts.writing.records import number_record, record
 from tests.symbolic.linear.linear_examples import ROOT_2, ROOT_3, Z, pade, sdirk

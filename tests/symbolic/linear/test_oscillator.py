@@ -28,16 +28,7 @@ from driftproof.symbolic.linear.oscillator import (
 from driftproof.symbolic.linear.stability_limits import INFINITY
 from tests.catalogue.conformance import ARITHMETICS
 from tests.nine import NINE
-from tests.symbolic.linear.linear_examples import (
-    BACKWARD,
-    EVERY,
-    MIDPOINT,
-    MIDPOINT_NYSTROM,
-    NYSTROM_4,
-    ONE,
-    ROOT_3,
-    Z,
-)
+from tests.symbolic.linear.linear_examples import BACKWARD, EVERY, MIDPOINT, MIDPOINT_NYSTROM, NYSTROM_4, ONE, ROOT_3, Z
 from tests.witnesses.witness_steps import witness_matrix
 
 

@@ -14,15 +14,7 @@ from driftproof.symbolic.linear.oscillator import stability_function_of
 from driftproof.symbolic.linear.region import boundary_points, points_at
 from driftproof.symbolic.linear.stability_limits import INFINITY
 from tests.nine import NINE
-from tests.symbolic.linear.linear_examples import (
-    GAUSS_2,
-    RADAU_IIA_2,
-    ROOT_3,
-    SDIRK,
-    Z,
-    chebyshev,
-    value,
-)
+from tests.symbolic.linear.linear_examples import GAUSS_2, RADAU_IIA_2, ROOT_3, SDIRK, Z, chebyshev, value
 
 
 @pytest.mark.parametrize("name", ["rk4", "gauss2", "radau_iia2", "sdirk"])

@@ -11,18 +11,9 @@ from flint import fmpq, fmpq_mat, fmpq_poly
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.symbolic.algebra.matrices import matrix_determinant
-from driftproof.symbolic.algebra.polynomials import (
-    FieldPolynomial,
-    coefficients,
-    exact,
-    polynomial,
-    scalar,
-)
+from driftproof.symbolic.algebra.polynomials import FieldPolynomial, coefficients, exact, polynomial, scalar
 from driftproof.symbolic.algebra.rational_functions import fraction
-from driftproof.symbolic.linear.a_stability import (
-    a_stability,
-    l_stability,
-)
+from driftproof.symbolic.linear.a_stability import a_stability, l_stability
 from driftproof.symbolic.linear.stability_function import (
     NodeTableau,
     ScalarTableau,

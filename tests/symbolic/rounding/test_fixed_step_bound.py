@@ -76,11 +76,7 @@ def test_no_step_of_a_search_exceeds_the_sharper_bound(key, h):
 
 @pytest.mark.parametrize("key", PROGRAMS)
 @settings(max_examples=40)
-@given(
-    h=st.floats(-2.5, 2.5).map(Q),
-    q=st.floats(-1, 1).map(Q),
-    v=st.floats(-1, 1).map(Q),
-)
+@given(h=st.floats(-2.5, 2.5).map(Q), q=st.floats(-1, 1).map(Q), v=st.floats(-1, 1).map(Q))
 def test_the_sharper_bound_holds_for_the_very_state_and_is_hardly_ever_above_the_plain_one(key, h, q, v):
     subject = PROGRAMS[key]
     step = subject if callable(subject) else stepper(subject, float)

@@ -67,11 +67,7 @@ SPLITTINGS = ["symplectic_euler", "position_verlet", "ruth3", "forest_ruth", "su
 def test_residuals_of_a_splitting_are_those_of_its_partitioned_tableau(key: str) -> None:
     """Among all trees of two colours, those whose colours alternate; and of them, those without a fork at q."""
     method = entry(key)
-    pair, separable, linear = (
-        conditions_of_the_pair(method),
-        separable_conditions(method),
-        nystrom_conditions(method),
-    )
+    pair, separable, linear = (conditions_of_the_pair(method), separable_conditions(method), nystrom_conditions(method))
     for n in range(1, 6):
         every = dict(residuals(pair, n))
         alternating = {tree: x for tree, x in every.items() if all(u != v for u, v in colours(tree))}

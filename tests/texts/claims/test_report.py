@@ -9,9 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from driftproof.texts.claims.checking import (
-    UNCOVERED,
-)
+from driftproof.texts.claims.checking import UNCOVERED
 from driftproof.texts.claims.claims import Claims
 from driftproof.texts.claims.report import TextReport
 from driftproof.texts.readers.document import document_of

@@ -18,11 +18,7 @@ HOSTILE = [
     ("{{ value.__globals__ }}", 4, "access to attribute '__globals__'"),
     ("{{ value('1/2')._value }}", 4, "access to attribute '_value' of 'TemplateValue' object is unsafe."),
     ("{{ value('1/2')['_value'] }}", 4, "access to attribute '_value'"),
-    (
-        "{{ '{0.__class__}'.format(value) }}",
-        4,
-        "a template calls value, methods_table, range, namespace and its own",
-    ),
+    ("{{ '{0.__class__}'.format(value) }}", 4, "a template calls value, methods_table, range, namespace and its own"),
     ("{{ 'a'.center(1000000000) }}", 4, "a template calls value"),
     ("{{ lipsum(1000) }}", 4, "'lipsum' is undefined"),
     ("{{ 'a' * 9 }}", 4, "* is not for a template"),
