@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from importlib import import_module
 
-from driftproof.methods.schemes import Method
+from driftproof.methods.schemes import Method, RungeKutta
 from driftproof.support.plain_text import did_you_mean
 
 # The tables of `driftproof.methods.tables`, in the order in which the methods are listed.
@@ -21,19 +21,32 @@ TABLES = (
 )
 
 
+# What is written behind the key of a pair for the method that propagates its other row of weights.
+EMBEDDED = "_embedded"
+
+
 class Catalogue(Mapping[str, Method]):
-    """The methods of the tables by key. Tables are read one after the other, no further than to the key asked for."""
+    """The methods of the tables by key. Tables are read one after the other, no further than to the key asked for.
+
+    The other row of a pair has a key, too, fehlberg45_embedded; listed is the method of the row that `b` is.
+    """
 
     def __init__(self, tables: Iterable[str] = TABLES) -> None:
         """Nothing is read yet."""
         self._unread = deque(tables)
         self._methods: dict[str, Method] = {}
+        self._embedded: dict[str, Method] = {}
 
     def __getitem__(self, key: str) -> Method:
         """The method. Raises KeyError."""
         while key not in self._methods and self._unread:
             self._read_next()
-        return self._methods[key]
+        if key not in self._methods and key not in self._embedded:
+            pair = self._methods[key.removesuffix(EMBEDDED)]
+            if not isinstance(pair, RungeKutta) or pair.b_embedded is None:
+                raise KeyError(key)
+            self._embedded[key] = pair.embedded(EMBEDDED)
+        return self._methods.get(key) or self._embedded[key]
 
     def __iter__(self) -> Iterator[str]:
         """The keys, in the order of the tables."""

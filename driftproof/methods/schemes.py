@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from math import lcm, prod
@@ -91,6 +91,21 @@ class RungeKutta:
     def field(self) -> NumberField | None:
         """The number field of the coefficients; None if all are rational."""
         return _field_of(self._coefficients())
+
+    def embedded(self, suffix: str) -> RungeKutta:
+        """The method of a pair that propagates the other row of weights; `suffix` is added to the key."""
+        assert self.b_embedded is not None
+        assert self.embedded_order is not None
+        method: RungeKutta = replace(
+            self,
+            key=f"{self.key}{suffix}",
+            title=f"{self.title}, the embedded weights propagated",
+            claimed_order=self.embedded_order,
+            b=self.b_embedded,
+            b_embedded=self.b,
+            embedded_order=self.claimed_order,
+        )
+        return method
 
     def inconsistencies(self) -> dict[str, Exact]:
         """The residuals, where not zero, of Σb = 1 and of cᵢ = Σⱼ aᵢⱼ: facts about the data, not errors."""

@@ -10,6 +10,7 @@ from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.verify import assert_verified, verify
 from driftproof.cli import main
 from driftproof.methods.catalogue import METHODS
+from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.test_identify import rk4, rk38, velocity_verlet
 
 FEW = 50
@@ -64,6 +65,16 @@ def test_what_has_the_same_matrix_but_other_coefficients_fails():
     assert report.verdict == "is not rk4; it is rk38"
     assert report.section("Rounding: passed")
     assert report.section("Coefficients: FAILED")
+
+
+def test_the_fifth_order_row_of_fehlberg_has_a_key_of_its_own():
+    pair = METHODS["fehlberg45"]
+    rows, nodes = codes.floats(pair)[0], codes.floats(pair)[2]
+    step = codes.tableau(rows, [float(x) for x in pair.b_embedded], nodes)
+    assert verify(step, "fehlberg45_embedded", examples=FEW).passed
+    refuted = verify(step, "fehlberg45", examples=FEW)
+    assert refuted.verdict == "is not fehlberg45; it is fehlberg45, with the embedded weights propagated"
+    assert "fehlberg45_embedded" in refuted.text()
 
 
 def test_the_assertion_names_the_right_method_and_shows_an_example():

@@ -11,10 +11,10 @@ from hypothesis import given
 from sympy import QQ, ring
 from sympy.polys.matrices import DomainMatrix
 
-from driftproof import strategies
+from driftproof import Facts, strategies
 from driftproof.methods import catalogue
 from driftproof.methods.catalogue import METHODS, method_named
-from driftproof.methods.schemes import Splitting
+from driftproof.methods.schemes import RungeKutta, Splitting
 from driftproof.methods.stepping import stepper
 from driftproof.numeric.steppers import HAND_WRITTEN
 from driftproof.symbolic.derivation.convergence import local_error
@@ -44,6 +44,20 @@ def test_no_more_tables_are_read_than_it_takes_to_find_a_method() -> None:
 def test_two_entries_with_one_key_are_refused() -> None:
     with pytest.raises(ValueError, match="share the key forward_euler"):
         len(catalogue.Catalogue(("basic", "basic")))
+
+
+def test_the_other_row_of_a_pair_is_a_method_of_its_own() -> None:
+    pairs = [method for method in METHODS.values() if isinstance(method, RungeKutta) and method.b_embedded is not None]
+    assert len(pairs) >= 15
+    for pair in pairs:
+        other = method_named(f"{pair.key}_embedded")
+        assert isinstance(other, RungeKutta)
+        assert (other.b, other.b_embedded) == (pair.b_embedded, pair.b)
+        assert (other.claimed_order, other.embedded_order) == (pair.embedded_order, pair.claimed_order)
+        assert other.key not in list(METHODS)
+        assert f"{other.key}_embedded" not in METHODS
+    assert Facts(method_named("fehlberg45_embedded")).order == 5
+    assert "rk4_embedded" not in METHODS
 
 
 def test_unknown_key_names_the_closest() -> None:

@@ -9,6 +9,7 @@ from math import fsum
 from typing import NamedTuple
 
 from driftproof.blackbox.matching.candidates import (
+    EMBEDDED,
     Candidate,
     ExactTable,
     field_methods,
@@ -26,6 +27,7 @@ from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.questions import CoefficientReading
 from driftproof.blackbox.probes.scripted_answers import CoefficientRow, Rounding
 from driftproof.blackbox.probes.tableau import TableauReading
+from driftproof.methods import catalogue
 from driftproof.methods.schemes import Method, RungeKutta
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced
 
@@ -91,8 +93,9 @@ class Identity:
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """The methods that it is as they stand; variants are not among them."""
-        return tuple(match.key for match in self.matches if not match.relation)
+        """The methods that it is as they stand, the other rows of pairs included; variants are not among them."""
+        suffixes = {"": "", EMBEDDED: catalogue.EMBEDDED}
+        return tuple(m.key + suffixes[m.relation] for m in self.matches if m.relation in suffixes)
 
     @property
     def lines(self) -> list[str]:
@@ -100,7 +103,8 @@ class Identity:
         if self.matches:
             names = "; ".join(match.name for match in self.matches)
             tie = [f"called in this way these cannot be told apart: {names}", self.matches[0].closeness]
-            only = [f"{self.matches[0].name}: {self.matches[0].closeness}"]
+            key = f" ({self.keys[0]})" if self.keys and self.matches[0].relation else ""
+            only = [f"{self.matches[0].name}{key}: {self.matches[0].closeness}"]
             beside = [f"{m.key}: in a call whose answer is not used, {line}" for m in self.matches for line in m.beside]
             return (only if len(self.matches) == 1 else tie) + beside
         names_by_difference: dict[tuple[str, ...], list[str]] = {}
