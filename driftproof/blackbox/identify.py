@@ -11,7 +11,8 @@ from driftproof.blackbox.checks.suite import CHECKS, checks_of
 from driftproof.blackbox.checks.trials import CheckResult
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
-from driftproof.blackbox.judging.agreement import ORDINARY_DOMAIN, explained
+from driftproof.blackbox.judging.agreement import ORDINARY_DOMAIN
+from driftproof.blackbox.judging.habits import explained
 from driftproof.blackbox.judging.pendulum_order import MeasuredOrder, measured_order
 from driftproof.blackbox.matching.linear_candidates import LinearCandidate
 from driftproof.blackbox.matching.linear_match import LinearFit, linear_fit

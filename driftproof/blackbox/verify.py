@@ -10,7 +10,8 @@ from typing import Any, ParamSpec
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, arithmetic_of
 from driftproof.blackbox.identify import identified
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
-from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY_DOMAIN, Agreement, Domain, agreement
+from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY_DOMAIN, Agreement, Domain
+from driftproof.blackbox.judging.habits import ROUNDED, explained
 from driftproof.blackbox.judging.pendulum_order import MeasuredOrder, measured_order
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
 from driftproof.blackbox.matching.match import match_method
@@ -67,7 +68,7 @@ def verify(
     asked = method_of(method) if isinstance(method, str) else method
     Tolerance(asked, allowance=allowance)  # a question without sense is refused before anything runs
     runner = IsolatedRunner(Target(step, calls, array), time_limit, isolate)
-    agreed = partial(agreement, method=asked, allowance=allowance, domain=domain, examples=examples)
+    agreed = partial(explained, method=asked, allowance=allowance, domain=domain, examples=examples)
     outcomes = runner.run([agreed, read_coefficients, measured_order])
     if outcomes[0].kind == "bad_input":
         raise ValueError(outcomes[0].seen)
@@ -76,7 +77,9 @@ def verify(
     arithmetic, unseen = arithmetic_of(outcomes), [o.seen for o in outcomes if o.kind in NO_EVIDENCE]
     if failed:
         instead = identified(runner)
-        return _report(runner.target, f"is not {asked.key}; {instead.verdict}", checks, instead)
+        refuted = _refuted(asked, checks, outcomes[0].result, instead)
+        named = refuted if arithmetic in refuted else f"{refuted}; {arithmetic}"
+        return _report(runner.target, named, checks, instead)
     verdict = f"undecided whether it is {asked.key}: {unseen[0]}" if unseen else _agreed(asked, outcomes[0].result)
     return _report(runner.target, "; ".join(filter(None, [verdict, arithmetic])), checks, decided=not unseen)
 
@@ -144,6 +147,18 @@ def _agreed(method: Method, found: Agreement) -> str:
         f"is {method.key} to roundoff: {found.examples} steps within the derived bound, "
         f"the largest error {found.worst.error_over_bound:.2f} of it"
     )
+
+
+def _refuted(method: Method, checks: Sequence[Criterion], found: Agreement | None, instead: Report) -> str:
+    """What it is not, and why; where nothing but the rounding errors is wrong, how they come, as far as is known."""
+    coefficients, order = checks[1:]
+    if found is not None and found.failing is not None and order.passed is not False:
+        if found.but_for and (coefficients.passed is not False or found.but_for.startswith(ROUNDED)):
+            return f"is not {method.key} to roundoff; it is, {found.but_for}"
+        if coefficients.passed and found.failing.answer is not None:
+            off = f"a step is off by {found.failing.error_over_bound:.3g} times the bound"
+            return f"is not {method.key} to roundoff: its coefficients are, but {off}"
+    return f"is not {method.key}; {instead.verdict}"
 
 
 def _report(

@@ -64,11 +64,6 @@ class Domain:
 
 ORDINARY_DOMAIN = Domain()
 NO_ALLOWANCE = Allowance()
-# What codes do besides rounding the method's sums and products.
-HABITS = {
-    "if h is rounded to binary32 first": Allowance(step_in_binary32=True),
-    "if the velocity is a difference of positions over h": Allowance(velocity_from_positions=True),
-}
 
 
 @dataclass(frozen=True)
@@ -205,17 +200,6 @@ def agreement(
     with suppress(_Beyond):
         check()
     return seen.summary(tolerance, domain, subject)
-
-
-def explained(subject: ForeignStepper, method: Method, domain: Domain, examples: int) -> Agreement:
-    """The agreement; where it does not hold, with the first allowance of `HABITS` with which it does, if any."""
-    found = agreement(subject, method, NO_ALLOWANCE, domain, examples)
-    if found.holds or found.failing is None or found.failing.answer is None:
-        return found
-    for words, allowance in HABITS.items():
-        if agreement(subject, method, allowance, domain, examples).holds:
-            return replace(found, but_for=words)
-    return found
 
 
 @dataclass
