@@ -14,11 +14,13 @@ from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINA
 from driftproof.blackbox.judging.habits import ROUNDED, explained
 from driftproof.blackbox.judging.pendulum_order import MeasuredOrder, measured_order
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
+from driftproof.blackbox.matching.entries import mended, rational_method, side_by_side
 from driftproof.blackbox.matching.match import match_method
 from driftproof.blackbox.probes.questions import read_coefficients
+from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.report import Report, sections
 from driftproof.blackbox.stepper.opening import Target
-from driftproof.methods.schemes import Method
+from driftproof.methods.schemes import Method, RungeKutta
 from driftproof.methods.tableau_file import method_of
 from driftproof.support.plain_text import Json
 
@@ -119,7 +121,13 @@ def _check_coefficients(method: Method, outcome: Outcome) -> Criterion:
     if identity.matches:
         return Criterion("Coefficients", True, tuple(identity.lines), {})
     differences = [f"those of {near.key} but for {'; '.join(near.differences)}" for near in identity.near]
-    return Criterion("Coefficients", False, tuple(differences) or (f"not those of {method.key}",), {})
+    lines = differences or [f"not those of {method.key}"]
+    if isinstance(outcome.result, TableauReading) and isinstance(method, RungeKutta) and method.explicit:
+        read = rational_method(outcome.result, "read")
+        lines += side_by_side(outcome.result, method)
+        lines += mended(read, method.claimed_order) if read is not None else []
+    found = [difference for near in identity.near for difference in near.differences]
+    return Criterion("Coefficients", False, tuple(lines), {"differences": list(dict.fromkeys(found))})
 
 
 def _check_order(method: Method, outcome: Outcome) -> Criterion:
@@ -158,7 +166,9 @@ def _refuted(method: Method, checks: Sequence[Criterion], found: Agreement | Non
         if coefficients.passed and found.failing.answer is not None:
             off = f"a step is off by {found.failing.error_over_bound:.3g} times the bound"
             return f"is not {method.key} to roundoff: its coefficients are, but {off}"
-    return f"is not {method.key}; {instead.verdict}"
+    wrong = ", ".join(coefficients.data.get("differences", ()))
+    what = f": {wrong}" if wrong and wrong not in instead.verdict else ""
+    return f"is not {method.key}{what}; {instead.verdict}"
 
 
 def _report(

@@ -45,7 +45,7 @@ def explained(
         if allowed(allowance) != allowance and agreement(subject, method, allowed(allowance), domain, examples).holds:
             return replace(found, but_for=words)
     q, v, h, answer = found.failing.q, found.failing.v, found.failing.h, found.failing.answer
-    near = []
+    near: list[tuple[float, str, Method]] = []
     for words, rounded in _of_few_digits(method, found.largest_scaled_error * float(subject.format.u)):
         judged = Tolerance(rounded, subject.format, allowance).judge(q, v, h, answer)
         if all(component.allowed for component in judged):

@@ -1,0 +1,126 @@
+"""A tableau that was read beside the one that is claimed: entry by entry, its row sums, and the entry that mends it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from math import factorial
+from typing import Any
+
+from driftproof.blackbox.probes.coefficients import coefficient_text, exact_shown, simple_rational
+from driftproof.blackbox.probes.scripted_answers import Rounding
+from driftproof.blackbox.probes.tableau import TableauReading
+from driftproof.methods.number_field import Exact
+from driftproof.methods.schemes import RungeKutta
+from driftproof.support.plain_text import table
+from driftproof.symbolic.trees.order_conditions import order
+
+# Lines of a table that a reader takes in.
+_MOST_SHOWN = 12
+# An entry of a larger tableau is one of too many, and each costs the conditions of its order.
+_MOST_STAGES = 7
+
+
+def side_by_side(reading: TableauReading, method: RungeKutta) -> list[str]:
+    """The entries that differ, claimed and read; the rows of A that were read whose sum is not their time."""
+    if reading.calls != method.stages:
+        return [f"{method.key} has {method.stages} stages, {reading.calls} are read"]
+    rounding, fmt = Rounding(reading.format, reading.calls), reading.format
+    claimed, read = _entries(method.a, method.b, method.c), _entries(reading.a, reading.b, reading.c or ())
+    rows = [["entry", "claimed", "read", "difference"]]
+    for (name, exact), (_, seen) in zip(claimed, read, strict=False):
+        off = float(seen) - float(exact)
+        if abs(off) > rounding.of(max(1.0, abs(float(exact)))):
+            rows.append([name, exact_shown(exact), coefficient_text(float(seen), fmt), f"{off:.3g}"])
+    shown = table(rows[: _MOST_SHOWN + 1], right=(3,)).splitlines() if len(rows) > 1 else []
+    more = [f"and {len(rows) - 1 - _MOST_SHOWN} more"] if len(rows) > _MOST_SHOWN + 1 else []
+    return [*shown, *more, *_row_sums(reading, rounding)]
+
+
+def _entries(a: Sequence[Sequence[Any]], b: Sequence[Any], c: Sequence[Any]) -> list[tuple[str, Any]]:
+    """All of A below its diagonal, b and c, by name."""
+    below = [(f"a[{i}][{j}]", x) for i, row in enumerate(a) for j, x in enumerate(row[:i])]
+    return [*below, *((f"b[{i}]", x) for i, x in enumerate(b)), *((f"c[{i}]", x) for i, x in enumerate(c))]
+
+
+def _row_sums(reading: TableauReading, rounding: Rounding) -> list[str]:
+    lines = []
+    for i, (row, time) in enumerate(zip(reading.a, reading.c or (), strict=False)):
+        total = sum(map(Fraction, row), Fraction(0))
+        if abs(total - Fraction(time)) > Fraction(rounding.of(sum(map(abs, row)) + abs(time))):
+            texts = (coefficient_text(float(x), reading.format) for x in (total, time))
+            lines.append("row {} of A sums to {}, its time c is {}".format(i, *texts))
+    return lines
+
+
+def rational_method(reading: TableauReading, key: str) -> RungeKutta | None:
+    """The method that was read, where each entry is the rounding of a simple rational; None where one is not."""
+    rounding = Rounding(reading.format, reading.calls)
+
+    def exact(row: Sequence[float]) -> list[Fraction | None]:
+        return [Fraction(x) if x == int(x) else simple_rational(x, rounding.of(abs(x))) for x in row]
+
+    rows, weights = [exact(row) for row in reading.a], exact(reading.b)
+    if any(x is None for row in (*rows, weights) for x in row):
+        return None
+    a = tuple(tuple(x for x in row if x is not None) for row in rows)
+    b = tuple(x for x in weights if x is not None)
+    return RungeKutta(key, key, 0, "", a, b, tuple(sum(row, Fraction(0)) for row in a))
+
+
+def mended(method: RungeKutta, claimed: int) -> list[str]:
+    """Each entry that alone, with another value, gives the order claimed, the times being the row sums then.
+
+    Every condition is of degree one in a weight, and those of the tall trees b Aᵏ 1 = 1/(k + 1)! in an entry of an
+    explicit A, too: the first that depends on the entry leaves one value, for which all conditions are then tried.
+    """
+    if method.stages > _MOST_STAGES or not method.explicit or method.field or order(method).order >= claimed:
+        return []
+    found = []
+    for name, was, value, changed in _candidates(method, claimed):
+        if value != was and order(changed).order >= claimed:
+            found.append(
+                f"with this one entry changed, order {claimed} is restored: {name} = {value} in place of {was}"
+            )
+    return found
+
+
+def _candidates(method: RungeKutta, claimed: int) -> Iterator[tuple[str, Exact, Exact, RungeKutta]]:
+    places = [(i, j) for i in range(method.stages + 1) for j in range(min(i, method.stages))]
+    for i, j in places:
+        if i == method.stages:
+            was = method.b[j]
+            yield from _solved(method, claimed, f"b[{j}]", was, (None, j))
+        else:
+            yield from _solved(method, claimed, f"a[{i}][{j}]", method.a[i][j], (i, j))
+
+
+def _solved(
+    method: RungeKutta, claimed: int, name: str, was: Exact, place: tuple[int | None, int]
+) -> Iterator[tuple[str, Exact, Exact, RungeKutta]]:
+    at_zero, at_one = (_tall(_with(method, place, Fraction(x))) for x in (0, 1))
+    for k, (start, end) in enumerate(zip(at_zero, at_one, strict=True)):
+        if k < claimed and start != end:
+            value = (Fraction(1, factorial(k + 1)) - start) / (end - start)
+            yield name, was, value, _with(method, place, value)
+            return
+
+
+def _with(method: RungeKutta, place: tuple[int | None, int], value: Exact) -> RungeKutta:
+    i, j = place
+    if i is None:
+        return replace(method, b=(*method.b[:j], value, *method.b[j + 1 :]), b_embedded=None, embedded_order=None)
+    row = (*method.a[i][:j], value, *method.a[i][j + 1 :])
+    a = (*method.a[:i], row, *method.a[i + 1 :])
+    return replace(method, a=a, c=tuple(sum(r, Fraction(0)) for r in a), b_embedded=None, embedded_order=None)
+
+
+def _tall(method: RungeKutta) -> list[Exact]:
+    """b 1, b A 1, b A² 1, ..."""
+    stages: list[Exact] = [Fraction(1)] * method.stages
+    found: list[Exact] = []
+    for _ in range(method.stages):
+        found.append(sum((x * y for x, y in zip(method.b, stages, strict=True)), Fraction(0)))
+        stages = [sum((x * y for x, y in zip(row, stages, strict=True)), Fraction(0)) for row in method.a]
+    return found

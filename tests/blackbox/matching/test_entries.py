@@ -1,0 +1,60 @@
+"""Claimed and read entries stand side by side, and the one entry that restores the order is found, exactly."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction as Q
+
+import pytest
+
+from driftproof.blackbox.matching.entries import mended, rational_method, side_by_side
+from driftproof.blackbox.probes.tableau import read_tableau
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.blackbox.verify import verify
+from driftproof.methods.catalogue import METHODS
+from driftproof.symbolic.trees.order_conditions import order
+from tests.blackbox import handwritten_steppers as codes
+
+RK4 = METHODS["rk4"]
+
+
+def with_entry(i, j, value):
+    row = (*RK4.a[i][:j], value, *RK4.a[i][j + 1 :])
+    a = (*RK4.a[:i], row, *RK4.a[i + 1 :])
+    return replace(RK4, key="mine", a=a, c=tuple(sum(r, Q(0)) for r in a))
+
+
+@pytest.mark.parametrize(("i", "j"), [(1, 0), (2, 1), (3, 2), (3, 0)])
+def test_the_entry_that_restores_the_order_is_the_one_that_was_changed(i, j):
+    wrong = with_entry(i, j, Q(1, 3))
+    assert order(wrong).order < 4
+    assert mended(wrong, 4) == [
+        f"with this one entry changed, order 4 is restored: a[{i}][{j}] = {RK4.a[i][j]} in place of 1/3"
+    ]
+
+
+def test_a_weight_is_restored_two_are_not_and_a_right_table_needs_nothing():
+    wrong = replace(RK4, b=(Q(1, 6), Q(1, 3), Q(1, 4), Q(1, 6)))
+    assert mended(wrong, 4) == ["with this one entry changed, order 4 is restored: b[2] = 1/3 in place of 1/4"]
+    assert mended(replace(RK4, b=(Q(1, 6), Q(1, 4), Q(1, 4), Q(1, 3))), 4) == []
+    assert mended(RK4, 4) == []
+
+
+def test_the_report_shows_claimed_and_read_and_the_headline_what_is_wrong():
+    rows, weights, nodes = codes.floats(RK4)
+    weights = [weights[0], 0.25, weights[2], weights[3]]
+    report = verify(codes.tableau(rows, weights, nodes), "rk4", examples=50)
+    assert "b[1]: 1/4 instead of 1/3" in report.verdict
+    lines = report.section("Coefficients: FAILED").lines
+    assert [line.split() for line in lines[1:3]] == [
+        ["entry", "claimed", "read", "difference"],
+        ["b[1]", "1/3", "1/4", "-0.0833"],
+    ]
+    assert "with this one entry changed, order 4 is restored: b[1] = 1/3 in place of 1/4" in lines
+
+
+def test_a_row_whose_sum_is_not_its_time_is_told():
+    rows, weights, _ = codes.floats(RK4)
+    reading = read_tableau(opened(codes.tableau(rows, weights, [0.0, 0.25, 0.5, 1.0])))
+    assert side_by_side(reading, RK4)[-1] == "row 1 of A sums to 1/2, its time c is 1/4"
+    assert rational_method(reading, "read").b == RK4.b
