@@ -22,7 +22,7 @@ TABLES = (
 
 
 # What is written behind the key of a pair for the method that propagates its other row of weights.
-EMBEDDED = "_embedded"
+EMBEDDED_SUFFIX = "_embedded"
 
 
 class Catalogue(Mapping[str, Method]):
@@ -42,10 +42,10 @@ class Catalogue(Mapping[str, Method]):
         while key not in self._methods and self._unread:
             self._read_next()
         if key not in self._methods and key not in self._embedded:
-            pair = self._methods[key.removesuffix(EMBEDDED)]
+            pair = self._methods[key.removesuffix(EMBEDDED_SUFFIX)]
             if not isinstance(pair, RungeKutta) or pair.b_embedded is None:
                 raise KeyError(key)
-            self._embedded[key] = pair.embedded(EMBEDDED)
+            self._embedded[key] = pair.embedded(EMBEDDED_SUFFIX)
         return self._methods.get(key) or self._embedded[key]
 
     def __iter__(self) -> Iterator[str]:

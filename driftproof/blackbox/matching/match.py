@@ -94,7 +94,7 @@ class Identity:
     @property
     def keys(self) -> tuple[str, ...]:
         """The methods that it is as they stand, the other rows of pairs included; variants are not among them."""
-        suffixes = {"": "", EMBEDDED: catalogue.EMBEDDED}
+        suffixes = {"": "", EMBEDDED: catalogue.EMBEDDED_SUFFIX}
         return tuple(m.key + suffixes[m.relation] for m in self.matches if m.relation in suffixes)
 
     @property
