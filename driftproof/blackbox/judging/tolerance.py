@@ -33,8 +33,8 @@ class Allowance:
 
     `step_in_binary32`: h is rounded to binary32 before it is used. `velocity_from_positions`: v is formed as a
     difference of positions over h, which adds u (|q| + |q₁|)/h to its error. `flush_to_zero`: subnormal arguments and
-    results become 0. `solver_tolerance`: how far the solution of implicit stages may be off, relative to the sum of
-    |monomials| and beside the smallest normal number; needed for implicit methods, refused for explicit ones.
+    results become 0. `solver_tolerance`: how far the solution of implicit stages may be off, absolutely, as solvers
+    stop, and relative to the sum of |monomials|; needed for implicit methods, refused for explicit ones.
 
     >>> from driftproof import Allowance, verify
     >>> step = lambda q, v, h: (q + h * v, ((q + h * v) - q) / h - h * q)
@@ -46,7 +46,14 @@ class Allowance:
     step_in_binary32: bool = False
     velocity_from_positions: bool = False
     flush_to_zero: bool = False
-    solver_tolerance: Fraction | None = None
+    solver_tolerance: Fraction | float | None = None
+
+    def __post_init__(self) -> None:
+        """Take a float for the number that it is. Raises ValueError for one that is none, or below zero."""
+        given = self.solver_tolerance
+        if given is not None and not 0 <= given < inf:
+            raise ValueError(f"solver_tolerance={given}: it is a number from 0 on, e.g. 1e-10")
+        object.__setattr__(self, "solver_tolerance", None if given is None else Fraction(given))
 
 
 class Judgement(NamedTuple):
@@ -133,8 +140,11 @@ class Tolerance:
 
     def _bound(self, component: int, h: arb, state: tuple[arb, arb]) -> arb:
         if self.allowance.solver_tolerance is not None:
-            relative = enclose(self.allowance.solver_tolerance) * _at(self._size[component], h, state)
-            return relative / abs(self._matrix[0][0][1](h)) + enclose(power_of_two(self.format.emin))
+            # A stage, or a slope times h, that is off by the tolerance moves the step by as much.
+            size = _at(self._size[component], h, state) + 1 + h
+            return enclose(Fraction(self.allowance.solver_tolerance)) * size / abs(self._matrix[0][0][1](h)) + enclose(
+                power_of_two(self.format.emin)
+            )
         bound = _at(self._derived[component], h, state)
         return bound + _at(self._flushed[component], h, state) if self.allowance.flush_to_zero else bound
 

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
+from driftproof.blackbox.judging.agreement import Domain, agreement
 from driftproof.blackbox.judging.tolerance import _BITS, Allowance, Tolerance
+from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import oscillator
 from driftproof.numeric.steppers import float_stepper
@@ -106,6 +108,24 @@ def test_an_implicit_step_passes_within_the_tolerance_of_its_solver_and_not_beyo
     tolerance = Tolerance(method, allowance=allowance)
     assert all(x.allowed for x in tolerance.judge(q, v, h, (q1, v1)))
     assert not all(x.allowed for x in tolerance.judge(q, v, h, (q1, v1 + 1e-9)))
+
+
+def test_a_solver_that_stops_at_an_absolute_tolerance_passes_with_that_tolerance_as_a_float():
+    def midpoint(q, v, h):
+        q1, v1 = q, v
+        while True:
+            before, (q1, v1) = (q1, v1), (q + h * (v + v1) / 2, v - h * (q + q1) / 2)
+            if max(abs(q1 - before[0]), abs(v1 - before[1])) <= 1e-9:
+                return q1, v1
+
+    subject, half = opened(midpoint), Domain(largest_step=0.5)
+    method = METHODS["implicit_midpoint"]
+    assert agreement(subject, method, Allowance(solver_tolerance=1e-9), half, 200).holds
+    assert not agreement(subject, method, Allowance(solver_tolerance=1e-13), half, 200).holds
+    assert not agreement(subject, METHODS["backward_euler"], Allowance(solver_tolerance=1e-9), half, 200).holds
+    for refused in (-1e-9, inf, float("nan")):
+        with pytest.raises(ValueError, match="a number from 0 on"):
+            Allowance(solver_tolerance=refused)
 
 
 def test_binary32_steps_are_held_to_the_unit_of_binary32():
