@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, TypeAlias
 
+from driftproof.methods.common_field import in_one_field, rational_power
 from driftproof.methods.expression_tree import (
     CallNode,
     ChainNode,
@@ -19,7 +20,7 @@ from driftproof.methods.expression_tree import (
     PowerNode,
     Token,
 )
-from driftproof.methods.number_field import Exact, cube_root, square_root
+from driftproof.methods.number_field import Algebraic, Exact, UndecidedError, cube_root, square_root
 
 # A power of a power of a power would ask for gigabytes; no published coefficient comes near.
 LARGEST_BITS = 20_000
@@ -118,17 +119,25 @@ class _Evaluation:
         if sign.text == "/" and not b:
             raise self.error(sign.column, "it divides by zero")
         try:
+            if isinstance(a, Algebraic) and isinstance(b, Algebraic) and a.field != b.field:
+                a, b = in_one_field([a, b])
             value = a + b if sign.text == "+" else a - b if sign.text == "-" else a * b if sign.text == "*" else a / b
         except TypeError:
-            reason = "numbers of two fields, or irrational ones beside a parameter, do not mix"
-            raise self.error(sign.column, reason) from None
+            raise self.error(sign.column, "irrational numbers beside a parameter do not mix") from None
+        except UndecidedError as error:
+            raise self.error(sign.column, str(error)) from None
         return self.small(value, sign.column)
 
     def power(self, node: PowerNode) -> _Value:
-        """A base to a whole power."""
+        """A base to a whole power, or a positive rational one to a fractional power."""
         base, n = self.value(node.base), int(node.exponent)
         if n != node.exponent:
-            raise self.error(node.column, "an exponent is a whole number here; roots are sqrt(n) and cbrt(n)")
+            if not isinstance(base, Fraction):
+                raise self.error(node.column, "a fractional power is taken of a positive rational number")
+            try:
+                return self.small(rational_power(base, node.exponent), node.column)
+            except ValueError as error:
+                raise self.error(node.column, str(error)) from None
         if n < 0 and not base:
             raise self.error(node.column, "it divides by zero")
         value: _Value = Fraction(1)

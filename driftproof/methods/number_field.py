@@ -278,7 +278,8 @@ class Algebraic(ScalarExtension):
         text = ""
         for power, c in enumerate(self.coefficients):
             if c:
-                root = self.field.name if power == 1 else f"({self.field.name})**{power}"
+                name = self.field.name
+                root = name if power == 1 else f"{name if name[0] == '(' else f'({name})'}**{power}"
                 body = str(abs(c)) if power == 0 else root if abs(c) == 1 else f"{abs(c)}*{root}"
                 text += f" {'-' if c < 0 else '+'} {body}" if text else f"{'-' if c < 0 else ''}{body}"
         return text or "0"

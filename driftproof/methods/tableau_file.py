@@ -5,7 +5,7 @@
     b = ["1/2", "1/2"]
     c = ["1/2 - s3/6", "1/2 + s3/6"]          # may be left out: then the row sums of A
 
-    [roots]                                   # at most one root; all irrational coefficients lie in its field
+    [roots]                                   # roots of several fields lie in one of degree 12 at most, which is found
     s3 = "sqrt(3)"                            # or "cbrt(2)", or { minpoly = [-3, 0, 1], interval = ["1", "2"] }
 
 A number is an integer, a decimal, which is exact, or an expression in a string. Of all families: `key`, `title`,
@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from driftproof.methods.catalogue import method_named
+from driftproof.methods.common_field import common_field, lifted
 from driftproof.methods.expressions import RADICALS, parse_exact, parse_number
 from driftproof.methods.families import FAMILIES, Family, ParameterFunction, parameter_function, parse_function
 from driftproof.methods.number_field import Algebraic, Exact, NumberField
@@ -79,7 +80,20 @@ def _method(table: TomlTable, name: str) -> Method | Family:
     parametric = "parameter" in table and family == "runge_kutta"
     entries, build = _PARAMETRIC if parametric else _FAMILIES[family]
     demand_keys(table, (*_COMMON, *entries), f"a {family}")
-    return build(table, _common(table, name), _reader(table))
+    common, read = _common(table, name), _reader(table)
+    seen: list[Exact] = []
+
+    def remembered(text: str, where: str) -> Any:
+        seen.append(read(text, where))
+        return seen[-1]
+
+    try:
+        return build(table, dict(common), remembered)
+    except (MethodError, TypeError):
+        if parametric or len({x.field for x in seen if isinstance(x, Algebraic)}) < 2:
+            raise
+    field = common_field(seen)
+    return build(table, common, lambda text, where: lifted(read(text, where), field))
 
 
 def _reader(table: TomlTable) -> Read:
@@ -116,8 +130,6 @@ def _common(table: TomlTable, name: str) -> dict[str, Any]:
 
 def _roots(declared: object) -> dict[str, Exact]:
     declared = as_table(declared, "roots")
-    if len(declared) > 1:
-        raise MethodError(f"[roots] declares {', '.join(declared)}; at most one: all numbers lie in one field")
     roots: dict[str, Exact] = {}
     for name, definition in declared.items():
         if not _NAME.fullmatch(name):

@@ -1,0 +1,161 @@
+"""Several roots in one field: a primitive element of Q(α, β), and fractional powers of rational numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from fractions import Fraction
+from functools import cache, reduce
+from math import isqrt
+from typing import Any
+
+from driftproof.methods.number_field import (
+    LARGEST_FIELD_DEGREE,
+    Algebraic,
+    Exact,
+    NumberField,
+    UndecidedError,
+    cube_root,
+    dyadic,
+    real_root_balls,
+    square_root,
+)
+
+# Products of degrees beyond this are refused before anything is worked out: the field would rarely be a small one.
+LARGEST_PRODUCT = 4 * LARGEST_FIELD_DEGREE
+
+
+def in_one_field(values: Sequence[Exact]) -> list[Exact]:
+    """The same numbers, all irrational ones in one field. Raises UndecidedError where its degree would be too large."""
+    return [lifted(x, common_field(values)) for x in values]
+
+
+def common_field(values: Iterable[Exact]) -> NumberField | None:
+    """A field in which all of the numbers lie; None if all are rational."""
+    fields = list(dict.fromkeys(x.field for x in values if isinstance(x, Algebraic)))
+    return reduce(lambda one, other: compositum(one, other)[0], fields) if fields else None
+
+
+def lifted(x: Exact, field: NumberField | None) -> Exact:
+    """x as an element of a field that `common_field` made of its own and others."""
+    if not isinstance(x, Algebraic) or field is None or x.field == field:
+        return x
+    total: Exact = Fraction(0)
+    for c in reversed(x.coefficients):
+        total = total * _generators(field)[x.field] + c
+    return total
+
+
+@cache
+def compositum(one: NumberField, other: NumberField) -> tuple[NumberField, Algebraic, Algebraic]:
+    """Q(α, β) and in it α and β: by γ = α + kβ, whose powers span Q[x, y]/(p(x), q(y)) for almost every k.
+
+    There x and y are polynomials in γ modulo γ's characteristic polynomial, and so they are modulo its factor that has
+    the real number γ as a root. Raises UndecidedError for a degree above LARGEST_FIELD_DEGREE.
+    """
+    from flint import ctx, fmpq, fmpq_mat, fmpq_poly
+
+    d, e = one.degree, other.degree
+    size = d * e
+    if size > LARGEST_PRODUCT:
+        raise UndecidedError(f"{one.name} and {other.name} together may have degree {size}; write one field")
+    k = 0
+    while True:
+        k += 1
+        rows: list[list[Any]] = [[fmpq(0)] * size for _ in range(size + 1)]
+        power = {(0, 0): fmpq(1)}
+        for n in range(size + 1):
+            for (i, j), c in power.items():
+                rows[n][i * e + j] = c
+            power = _times_sum(power, one, other, k)
+        spanned = fmpq_mat(rows[:size]).transpose()
+        if spanned.det() != 0:
+            break
+    unit = [[fmpq(int(m == e)), fmpq(int(m == 1)), rows[size][m]] for m in range(size)]
+    found = spanned.solve(fmpq_mat(unit))
+    alpha, beta, top = ([found[m, column] for m in range(size)] for column in range(3))
+    characteristic = fmpq_poly([*(-c for c in top), 1]).numer()
+    factors = [tuple(int(c) for c in factor.coeffs()) for factor, _ in characteristic.factor()[1]]
+    bits = 64
+    while True:
+        with ctx.workprec(bits):
+            gamma = one.ball() + k * other.ball()
+            near = [(p, ball) for p in factors for ball in real_root_balls(p, bits) if ball.overlaps(gamma)]
+            if len(near) == 1:
+                break
+        bits *= 2
+    minimal, ball = near[0]
+    with ctx.workprec(bits):
+        unit = 2 ** (bits // 2)
+        low = Fraction(dyadic(ball.lower()) * unit // 1 - 1, unit)
+        high = Fraction(dyadic(ball.upper()) * unit // 1 + 2, unit)
+        name = f"({one.name} + {other.name if k == 1 else f'{k}*{other.name}'})"
+        field = NumberField(name, minimal, low, high)
+    modulus = fmpq_poly(list(minimal))
+    first, second = (Algebraic(field, (fmpq_poly(parts) % modulus).coeffs()) for parts in (alpha, beta))
+    _generators(field).update({one: first, other: second})
+    for known, element in (*_generators(one).items(), *_generators(other).items()):
+        base = first if known in _generators(one) else second
+        total: Exact = Fraction(0)
+        for c in reversed(element.coefficients):
+            total = total * base + c
+        assert isinstance(total, Algebraic)
+        _generators(field).setdefault(known, total)
+    return field, first, second
+
+
+@cache
+def _generators(field: NumberField) -> dict[NumberField, Algebraic]:
+    """The generators of the fields of which this one was made."""
+    return {}
+
+
+def _times_sum(power: dict[tuple[int, int], Any], one: NumberField, other: NumberField, k: int) -> dict[Any, Any]:
+    """Times x + ky, reduced by both minimal polynomials."""
+    found: dict[tuple[int, int], Any] = {}
+
+    def add(i: int, j: int, c: Any) -> None:
+        if i == one.degree:
+            for m in range(i):
+                add(m, j, -c * one.minimal[m] / one.minimal[-1])
+        elif j == other.degree:
+            for m in range(j):
+                add(i, m, -c * other.minimal[m] / other.minimal[-1])
+        else:
+            found[i, j] = found.get((i, j), c * 0) + c
+
+    for (i, j), c in power.items():
+        add(i + 1, j, c)
+        add(i, j + 1, k * c)
+    return found
+
+
+def rational_power(base: Fraction, exponent: Fraction) -> Exact:
+    """base**exponent for a rational base > 0, exact. Raises ValueError for another base and a root above the 12th."""
+    degree = exponent.denominator
+    if base <= 0:
+        raise ValueError("a fractional power is taken of a positive rational number")
+    if degree > LARGEST_FIELD_DEGREE:
+        raise UndecidedError(f"a root of degree {degree}; at most {LARGEST_FIELD_DEGREE}")
+    power = base**exponent.numerator
+    radicand, below = power.numerator * power.denominator ** (degree - 1), power.denominator
+    for prime in (2, 3, 5, 7, 11):
+        while degree % prime == 0 and (root := _whole_root(radicand, prime)) ** prime == radicand:
+            radicand, degree = root, degree // prime
+    if degree == 1:
+        return Fraction(radicand, below)
+    if degree <= 3:
+        return (square_root if degree == 2 else cube_root)(radicand) / Fraction(below)
+    floor, minimal = _whole_root(radicand, degree), (-radicand, *[0] * (degree - 1), 1)
+    field = NumberField(f"{radicand}**(1/{degree})", minimal, Fraction(floor), Fraction(floor + 1))
+    return field.generator / Fraction(below)
+
+
+def _whole_root(n: int, degree: int) -> int:
+    """The largest integer whose power is at most n."""
+    if degree == 2:
+        return isqrt(n)
+    low, high = 0, 1 << (n.bit_length() // degree + 1)
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if middle**degree <= n else (low, middle)
+    return low
