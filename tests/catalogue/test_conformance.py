@@ -287,7 +287,10 @@ def test_two_coefficients_changed_so_that_no_sum_shows_it_are_noticed(key: str) 
     method = METHODS[key]
     notices = [NOTICES[name] for name in ("order", "one-step matrix", "second row")]
     before = [notice(method) for notice in notices]
-    for pair, off in some(sample(method, list(compensated(method, TINY)))):
+    pairs = sample(method, list(compensated(method, TINY)))
+    if not pairs:
+        pytest.skip("no sum of its coefficients has two members")
+    for pair, off in some(pairs):
         noticed = any(notice(off) != fact for notice, fact in zip(notices, before, strict=True))
         assert noticed or changes.is_the_same_in_disguise(off, method), pair
 
