@@ -76,7 +76,7 @@ def main(arguments: list[str] | tuple[str, ...] | None = None) -> int:
 
 def _answer(name: str, words: list[str]) -> int:
     """Parse the words of one command, print its answer or one line of complaint."""
-    from driftproof.commands.arguments import BAD_INPUT, INTERRUPTED, NO_ANSWER, REFUTED, Refuted
+    from driftproof.commands.arguments import BAD_INPUT, INTERRUPTED, NO_ANSWER, Refuted
 
     prog = f"driftproof {name}" if name in COMMANDS else "driftproof"
     try:
@@ -86,7 +86,7 @@ def _answer(name: str, words: list[str]) -> int:
             return _print(command.answer(options))
         except Refuted as answer:
             _print(str(answer))
-            return REFUTED
+            return answer.status
     except OSError as error:
         return _complain(prog, _in_words(error), BAD_INPUT)
     except ValueError as error:

@@ -13,11 +13,12 @@ from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import ORDINARY_DOMAIN
 from driftproof.blackbox.judging.habits import explained
-from driftproof.blackbox.judging.pendulum_order import MeasuredOrder, measured_order
+from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.matching.linear_candidates import LinearCandidate
 from driftproof.blackbox.matching.linear_match import LinearFit, linear_fit
 from driftproof.blackbox.matching.match import Identity, match_tableau, matched
 from driftproof.blackbox.matching.read_order import ReadOrder, read_order
+from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.linear_steps import LINEAR
 from driftproof.blackbox.probes.questions import CoefficientReading, Introduction, introduction, read_coefficients
 from driftproof.blackbox.probes.tableau import TableauReading
@@ -25,12 +26,12 @@ from driftproof.blackbox.report import Report, Section, sections
 from driftproof.blackbox.stepper.calling_conventions import SIGNATURES
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.schemes import Method
+from driftproof.methods.schemes import Method, RungeKutta
 from driftproof.support.plain_text import Json
 
 # Examples of the rounding errors of a method that was recognised: a fifth of what `verify` takes shows their size.
 _EXAMPLES = 200
-QUESTIONS = (introduction, read_coefficients, linear_fit, measured_order)
+QUESTIONS = (introduction, read_coefficients, linear_fit, measured_orders)
 
 
 def identify(
@@ -134,7 +135,8 @@ class Seen:
             return f"gives no answer: {self.introduction.seen}"
         if self.read is not None and self.read.identity.matches:
             first, *others = [match.name for match in self.read.identity.matches]
-            return f"it is {first}" + (f", the same step as {', '.join(others)}" if others else "") + _at(self.size)
+            name = f"it is {first}" + (f", the same step as {', '.join(others)}" if others else "") + _at(self.size)
+            return name + self._refused
         if self.read is not None and self.read.untimed is not None and self.read.untimed.matches:
             name, order = self.read.untimed.matches[0].name, self.read.order.order
             return f"it is {name} called at wrong times: order {order} where the right-hand side depends on t"
@@ -144,6 +146,21 @@ class Seen:
             return f"it is {self.read.identity.near[0].name}"
         open_questions = [o for o in (self.coefficients, self.linear) if o.kind in NO_EVIDENCE]
         return f"undecided: {open_questions[0].seen}" if open_questions else "it is no method that is known here"
+
+    @property
+    def _refused(self) -> str:
+        """What keeps a method of y' = f(t, y) from being that beyond q'' = F(q), where something does."""
+        if self.read is None or not isinstance(self.read.reading, ForceReading) or not self.read.reading.refused:
+            return ""
+        general = isinstance(METHODS[self.read.identity.matches[0].key], RungeKutta)
+        return f" on q'' = F(q), but not on y' = f(t, y): {self.read.reading.refused}" if general else ""
+
+    @property
+    def measured(self) -> tuple[MeasuredOrder, ...]:
+        """The orders measured, if there are any, first the one on problems of the kind that it is read on."""
+        orders: tuple[MeasuredOrder, ...] = self.order.result or ()
+        partitioned = self.read is not None and isinstance(self.read.reading, ForceReading)
+        return orders[::-1] if partitioned else orders
 
 
 def _in_words(fit: LinearFit, best: LinearCandidate) -> str:
@@ -199,14 +216,14 @@ def _introduced(seen: Seen) -> list[str]:
 
 def _orders(seen: Seen) -> list[str]:
     by_trees = [] if seen.read is None else seen.read.order.lines
-    measured = [] if seen.order.failed else [seen.order.result.words]
+    measured = [found.words for found in seen.measured]
     linear_only = seen.order.kind == "unsupported_call"
     return [*by_trees, *measured, *(["on other than linear problems the order is not known"] if linear_only else [])]
 
 
 def _data(seen: Seen, rounding: Outcome | None) -> dict[str, Json]:
     read, fit = seen.read, seen.fit
-    measured: MeasuredOrder | None = seen.order.result
+    measured = seen.measured[0] if seen.measured else None
     return {
         "calls": None if seen.introduction.failed else seen.introduction.result.calls,
         "arithmetic": seen.arithmetic or None,

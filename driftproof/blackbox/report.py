@@ -20,7 +20,8 @@ class Section:
 class Report:
     """The verdict on a stepper in one line, whether it passed what was asked, and the sections that say why.
 
-    `passed` is None where nothing was asked but what it is. `data` is the same for programs: numbers are strings.
+    `passed` is None where that is undecided, or nothing was asked but what it is. `data` is the same for programs:
+    numbers are strings.
     """
 
     target: str

@@ -4,39 +4,54 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial, update_wrapper
-from typing import Any, ParamSpec
+from functools import partial
+from re import findall
+from typing import Any
 
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, arithmetic_of
 from driftproof.blackbox.identify import identified
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY_DOMAIN, Agreement, Domain
 from driftproof.blackbox.judging.habits import ROUNDED, explained
-from driftproof.blackbox.judging.pendulum_order import MeasuredOrder, measured_order
+from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
+from driftproof.blackbox.judging.nonlinear_step import NonlinearAgreement, nonlinear_agreement
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
 from driftproof.blackbox.matching.entries import mended, rational_method, side_by_side
-from driftproof.blackbox.matching.match import match_method
-from driftproof.blackbox.probes.questions import read_coefficients
+from driftproof.blackbox.matching.match import Identity, match_method
+from driftproof.blackbox.probes.force import NO_TABLEAU, ForceReading
+from driftproof.blackbox.probes.questions import CoefficientReading, read_coefficients
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.report import Report, sections
 from driftproof.blackbox.stepper.opening import Target
-from driftproof.methods.schemes import Method, RungeKutta
+from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
 from driftproof.methods.tableau_file import method_of
 from driftproof.support.plain_text import Json
 
-_P = ParamSpec("_P")
-# Where a stepper's calls do not allow a question, nothing follows from it; nor from a lapse of time.
-NOT_ASKED = ("unsupported_call", "not_readable", *NO_EVIDENCE)
+# Questions without an answer that say nothing against a stepper, and what would answer them.
+UNDECIDING = {
+    "unsupported_call": "a stepper that takes a force, step(force, q, v, h), or a right-hand side, step(f, t, y, h)",
+    "not_readable": "a step without what refused the reading",
+    **{kind: "a longer time limit" if kind == "time_limit" else "a report to us" for kind in NO_EVIDENCE},
+}
 
 
 @dataclass(frozen=True)
 class Criterion:
-    """One way to hold a stepper to a method: whether it passed (None: it could not be asked), and what was seen."""
+    """One way to hold a stepper to a method: whether it passed, None where that was not seen, and what was seen.
+
+    `missing` is what would decide it, and empty where the calls of the stepper do not allow the question.
+    """
 
     title: str
     passed: bool | None
     lines: tuple[str, ...]
     data: dict[str, Json]
+    missing: str = ""
+
+    @property
+    def mark(self) -> str:
+        """The outcome in two words at most."""
+        return {True: "passed", False: "FAILED", None: "undecided" if self.missing else "not asked"}[self.passed]
 
 
 def verify(
@@ -51,14 +66,18 @@ def verify(
     time_limit: float = TIME_LIMIT,
     isolate: bool = True,
 ) -> Report:
-    """Whether a float stepper is `method` on q'' = -q to the definition's any-order rounding bound, and no other one.
+    """Whether a float stepper is `method`: on q'' = -q to the definition's any-order rounding bound, and elsewhere.
 
     `step` is a callable or "package.module:name", `method` a catalogue key, a .toml file or a method. It is tried at
     `examples` floats of the `domain`, with what `allowance` adds to the bound. Where it takes a force or a right-hand
-    side, its coefficients are read, too, and its order on the pendulum is measured. If it does not pass, the report
-    says what it is instead. `calls` ("map", "force" or "field") and `array` are for steppers whose
-    parameters do not tell how they are called. The whole of it takes `time_limit` seconds at most; what they do not
-    suffice for is undecided, and `passed` then None. With `isolate` false it runs in this process, without a limit.
+    side, its coefficients are read, it is held to the method's own step on a nonlinear problem with t, and its order is
+    measured there; where its system is built in, its step of q'' = -q is all that is seen, and all that is said.
+
+    The report's `passed` is True, False, or None: undecided, because neither the coefficients nor the nonlinear steps
+    were seen. If it is False, the report says what the stepper is instead; if it is None, what would decide it. `calls`
+    ("map", "force" or "field") and `array` are for steppers whose parameters do not tell how they are called.
+    The whole of it takes `time_limit` seconds at most; what they do not suffice for was not seen. With `isolate` false
+    it runs in this process, without a limit.
 
     Raises ValueError for a method, calls or an allowance that makes no sense, and for a domain that overflows.
 
@@ -71,73 +90,130 @@ def verify(
     Tolerance(asked, allowance=allowance)  # a question without sense is refused before anything runs
     runner = IsolatedRunner(Target(step, calls, array), time_limit, isolate)
     agreed = partial(explained, method=asked, allowance=allowance, domain=domain, examples=examples)
-    outcomes = runner.run([agreed, read_coefficients, measured_order])
+    beside = partial(nonlinear_agreement, method=asked, allowance=allowance)
+    outcomes = runner.run([agreed, read_coefficients, beside, measured_orders])
     if outcomes[0].kind == "bad_input":
         raise ValueError(outcomes[0].seen)
-    checks = [check(asked, outcome) for check, outcome in zip(CRITERIA, outcomes, strict=True)]
-    failed = [check for check in checks if check.passed is False]
-    arithmetic, unseen = arithmetic_of(outcomes), [o.seen for o in outcomes if o.kind in NO_EVIDENCE]
-    if failed:
+    checks = [criterion(asked, outcome) for criterion, outcome in zip(CRITERIA, outcomes, strict=True)]
+    passed, arithmetic = _decided(checks), arithmetic_of(outcomes)
+    if passed is False:
         instead = identified(runner)
         refuted = _refuted(asked, checks, outcomes[0].result, instead)
         named = refuted if arithmetic in refuted else f"{refuted}; {arithmetic}"
-        return _report(runner.target, named, checks, instead)
-    verdict = f"undecided whether it is {asked.key}: {unseen[0]}" if unseen else _agreed(asked, outcomes[0].result)
-    return _report(runner.target, "; ".join(filter(None, [verdict, arithmetic])), checks, decided=not unseen)
+        return _report(runner.target, named, passed, checks, instead)
+    verdict = _agreed(asked, outcomes[0].result, checks) if passed else _not_decided(asked, checks)
+    return _report(runner.target, "; ".join(filter(None, [verdict, arithmetic])), passed, checks)
 
 
-def _takes_what(check: Callable[_P, object]) -> Callable[[Callable[..., None]], Callable[_P, None]]:
-    """For type checkers and for help(): the function that follows has the parameters of `check`."""
-    return lambda function: update_wrapper(function, check, assigned=(), updated=())
-
-
-@_takes_what(verify)
-def assert_verified(*arguments: Any, **conditions: Any) -> None:
+def assert_verified(
+    step: Callable[..., Any] | str,
+    method: Method | str,
+    *,
+    allow_undecided: bool = False,
+    calls: str | None = None,
+    array: Callable[[Any], Any] | str | None = None,
+    examples: int = EXAMPLES,
+    domain: Domain = ORDINARY_DOMAIN,
+    allowance: Allowance = NO_ALLOWANCE,
+    time_limit: float = TIME_LIMIT,
+    isolate: bool = True,
+) -> None:
     """`verify`, for a test: raises AssertionError with the whole report unless the stepper passes.
+
+    What is undecided fails, too, and the report says what would decide it; not so with `allow_undecided`.
 
     >>> from driftproof import assert_verified
     >>> step = lambda q, v, h: (q + h * v, v - h * q)
     >>> assert_verified(step, method="forward_euler", examples=50, isolate=False)
     """
     __tracebackhide__ = True
-    report = verify(*arguments, **conditions)
-    if not report.passed:
+    report = verify(
+        step,
+        method,
+        calls=calls,
+        array=array,
+        examples=examples,
+        domain=domain,
+        allowance=allowance,
+        time_limit=time_limit,
+        isolate=isolate,
+    )
+    if report.passed is False or (report.passed is None and not allow_undecided):
         raise AssertionError(f"\n{report.text()}")
+
+
+def _decided(checks: Sequence[Criterion]) -> bool | None:
+    """False where one failed. True where all that could be asked for was seen; coefficients or nonlinear steps will do.
+
+    A stepper with its system built in shows its steps of that system alone, and no more is said of it.
+    """
+    rounding, coefficients, nonlinear, _ = checks
+    if any(check.passed is False for check in checks):
+        return False
+    built_in = not (coefficients.missing or nonlinear.missing)
+    seen = rounding.passed and (built_in or coefficients.passed or nonlinear.passed)
+    return True if seen else None
+
+
+def _unanswered(title: str, outcome: Outcome) -> Criterion:
+    missing = UNDECIDING.get(outcome.kind or "")
+    if missing is None:
+        return Criterion(title, False, (f"{outcome.kind}: {outcome.seen}",), {})
+    return Criterion(title, None, (outcome.seen,), {}, "" if outcome.kind == "unsupported_call" else missing)
 
 
 def _check_rounding(method: Method, outcome: Outcome) -> Criterion:
     if outcome.failed:
-        return Criterion(
-            "Rounding", None if outcome.kind in NO_EVIDENCE else False, (f"{outcome.kind}: {outcome.seen}",), {}
-        )
+        return _unanswered("Rounding", outcome)
     found: Agreement = outcome.result
     return Criterion("Rounding", found.holds, tuple(found.lines), found.data)
 
 
 def _check_coefficients(method: Method, outcome: Outcome) -> Criterion:
+    """No refusal is dropped: what a force shows of a step that a right-hand side refutes is no tableau."""
     if outcome.failed:
-        return Criterion("Coefficients", None if outcome.kind in NOT_ASKED else False, (outcome.seen,), {})
-    identity = match_method(outcome.result, method)
-    if identity.matches:
-        return Criterion("Coefficients", True, tuple(identity.lines), {})
+        return _unanswered("Coefficients", outcome)
+    reading: CoefficientReading = outcome.result
+    if not method.explicit:
+        line = f"read as {reading.calls} explicit stages: iterations that are not counted by what they have come to"
+        return Criterion("Coefficients", None, (line,), {}, "an iteration that ends where it has converged")
+    identity = match_method(reading, method)
+    if not identity.matches:
+        return _other_coefficients(method, reading, identity)
+    if isinstance(reading, ForceReading) and reading.refused and isinstance(method, RungeKutta):
+        lines = (*identity.lines, f"{NO_TABLEAU}: {reading.refused}")
+        return Criterion("Coefficients", None, lines, {}, UNDECIDING["not_readable"])
+    return Criterion("Coefficients", True, tuple(identity.lines), {})
+
+
+def _other_coefficients(method: Method, reading: CoefficientReading, identity: Identity) -> Criterion:
     differences = [f"those of {near.key} but for {'; '.join(near.differences)}" for near in identity.near]
     lines = differences or [f"not those of {method.key}"]
-    if isinstance(outcome.result, TableauReading) and isinstance(method, RungeKutta) and method.explicit:
-        read = rational_method(outcome.result, "read")
-        lines += side_by_side(outcome.result, method)
+    if isinstance(reading, TableauReading) and isinstance(method, RungeKutta):
+        read = rational_method(reading, "read")
+        lines += side_by_side(reading, method)
         lines += mended(read, method.claimed_order) if read is not None else []
     found = [difference for near in identity.near for difference in near.differences]
     return Criterion("Coefficients", False, tuple(lines), {"differences": list(dict.fromkeys(found))})
 
 
-def _check_order(method: Method, outcome: Outcome) -> Criterion:
+def _check_nonlinear_step(method: Method, outcome: Outcome) -> Criterion:
     if outcome.failed:
-        return Criterion("Order", None if outcome.kind in NOT_ASKED else False, (outcome.seen,), {})
-    found: MeasuredOrder = outcome.result
+        return _unanswered("Nonlinear step", outcome)
+    found: NonlinearAgreement = outcome.result
+    return Criterion("Nonlinear step", found.holds, (found.words,), {"largest": f"{found.largest:.6g}"})
+
+
+def _check_order(method: Method, outcome: Outcome) -> Criterion:
+    """A splitting claims its order on q'' = F(q), a Runge-Kutta method on every problem."""
+    if outcome.failed:
+        return _unanswered("Order", outcome)
+    measured: tuple[MeasuredOrder, ...] = outcome.result
+    found = measured[-1 if isinstance(method, Splitting | Nystrom) else 0]
     order = method.claimed_order or _derived_order(method)
     passed = None if found.order is None else found.order >= order
-    claim = f"{method.key} has order {order}"
-    return Criterion("Order", passed, (claim, found.words), {"measured": found.order})
+    lines = (f"{method.key} has order {order}", found.words)
+    return Criterion("Order", passed, lines, {"measured": found.order}, "" if passed is False else "smaller rounding")
 
 
 def _derived_order(method: Method) -> int:
@@ -147,40 +223,57 @@ def _derived_order(method: Method) -> int:
     return general_order(method).order
 
 
-CRITERIA: Sequence[Callable[[Method, Outcome], Criterion]] = (_check_rounding, _check_coefficients, _check_order)
+CRITERIA: Sequence[Callable[[Method, Outcome], Criterion]] = (
+    _check_rounding,
+    _check_coefficients,
+    _check_nonlinear_step,
+    _check_order,
+)
 
 
-def _agreed(method: Method, found: Agreement) -> str:
+def _agreed(method: Method, found: Agreement, checks: Sequence[Criterion]) -> str:
+    where = " on q'' = -q" if checks[1].mark == checks[2].mark == "not asked" else ""
     return (
-        f"is {method.key} to roundoff: {found.examples} steps within the derived bound, "
+        f"is {method.key}{where} to roundoff: {found.examples} steps within the derived bound, "
         f"the largest error {found.worst.error_over_bound:.2f} of it"
     )
 
 
+def _not_decided(method: Method, checks: Sequence[Criterion]) -> str:
+    unseen = next(check for check in checks if check.mark == "undecided")
+    return f"undecided whether it is {method.key}: {unseen.lines[-1]}"
+
+
 def _refuted(method: Method, checks: Sequence[Criterion], found: Agreement | None, instead: Report) -> str:
     """What it is not, and why; where nothing but the rounding errors is wrong, how they come, as far as is known."""
-    coefficients, order = checks[1:]
+    _, coefficients, _, order = checks
     if found is not None and found.failing is not None and order.passed is not False:
         if found.but_for and (coefficients.passed is not False or found.but_for.startswith(ROUNDED)):
             return f"is not {method.key} to roundoff; it is, {found.but_for}"
         if coefficients.passed and found.failing.answer is not None:
             off = f"a step is off by {found.failing.error_over_bound:.3g} times the bound"
             return f"is not {method.key} to roundoff: its coefficients are, but {off}"
+    if instead.section("Coefficients") is None and method.key in findall(r"\w+", instead.verdict):
+        return f"is not {method.key}: {next(check.lines[-1] for check in checks if check.passed is False)}"
     wrong = ", ".join(coefficients.data.get("differences", ()))
     what = f": {wrong}" if wrong and wrong not in instead.verdict else ""
     return f"is not {method.key}{what}; {instead.verdict}"
 
 
 def _report(
-    target: Target, verdict: str, checks: Sequence[Criterion], instead: Report | None = None, *, decided: bool = True
+    target: Target, verdict: str, passed: bool | None, checks: Sequence[Criterion], instead: Report | None = None
 ) -> Report:
-    marks = {True: "passed", False: "FAILED", None: "not asked"}
-    parts = [(f"{check.title}: {marks[check.passed]}", check.lines) for check in checks]
-    data = {check.title.lower(): {"passed": check.passed, "seen": list(check.lines), **check.data} for check in checks}
+    parts = [(f"{check.title}: {check.mark}", check.lines) for check in checks]
+    if passed is None:
+        missing = [f"{check.title.lower()}: {check.missing}" for check in checks if check.mark == "undecided"]
+        parts.append(("What would decide it", tuple(missing)))
+    data: dict[str, Json] = {
+        check.title.lower().replace(" ", "_"): {"passed": check.passed, "seen": list(check.lines), **check.data}
+        for check in checks
+    }
     if instead is not None:
         read = instead.section("Coefficients") or instead.section("One-step matrix")
         shown = [section for section in (read, instead.section("Faults"), instead.section("Not answered")) if section]
         parts += [(f"What it is: {section.title.lower()}", section.lines) for section in shown]
         data["instead"] = instead.data
-    passed = all(check.passed is not False for check in checks) if decided else None
     return Report(target.name, verdict, passed, sections(*parts), data)

@@ -26,7 +26,15 @@ LONG_RUN = 10**6
 
 
 class Refuted(Exception):
-    """The answer is no: the text is the whole answer, as it is printed, and the exit status is REFUTED."""
+    """The answer is no: the text is the whole answer, as it is printed, and `status` the exit status."""
+
+    status = REFUTED
+
+
+class Undecided(Refuted):
+    """The answer is neither yes nor no, and the text says what was not seen."""
+
+    status = NO_ANSWER
 
 
 class Parser(argparse.ArgumentParser):

@@ -60,14 +60,16 @@ def identify_command(options: Namespace) -> str:
 )
 def verify_command(options: Namespace) -> str:
     """Hold a stepper to a method: its coefficients, its rounding errors against a derived bound, its order.
-    The bound holds for the definition's sums and products in any order, fused or not.
+    The bound holds for the definition's sums and products in any order, fused or not. Of a step(q, v, h) that has its
+    system built in, the step of q'' = -q is all that is seen, and all that is said.
 
     examples:
       driftproof verify mylib.integrators:step --method velocity_verlet
       driftproof verify mylib.integrators:rk_step --method tableau.toml --examples 5000
       driftproof verify mylib.implicit:step --method backward_euler --solver-tolerance 1e-10
 
-    exit status: 0 if it agrees, 1 if it does not, 2 if the question makes no sense.
+    exit status: 0 if it agrees, 1 if it does not, 2 if the question makes no sense, 3 if it is undecided: what was not
+    seen, and what would decide it, stands in the report.
     `driftproof identify --help` says what a stepper may look like.
     """
     from driftproof.blackbox.judging.agreement import Domain
@@ -92,6 +94,8 @@ def verify_command(options: Namespace) -> str:
         ),
         time_limit=options.time_limit,
     )
+    if report.passed is None:
+        raise cli.Undecided(report.written(options.format))
     if not report.passed:
         raise cli.Refuted(report.written(options.format))
     return report.written(options.format)

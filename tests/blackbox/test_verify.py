@@ -1,16 +1,24 @@
 """verify, from end to end: right steppers pass, wrong ones fail with the name of what they are and an example."""
 
+import ast
 import json
+import re
+import subprocess
+import sys
 from fractions import Fraction
+from pathlib import Path
 
+import numpy as np
 import pytest
 
+import driftproof
 from driftproof.blackbox.judging.agreement import Domain
 from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.verify import assert_verified, verify
 from driftproof.cli import main
 from driftproof.methods.catalogue import METHODS
 from tests.blackbox import handwritten_steppers as codes
+from tests.blackbox.handwritten_steppers import rk4 as rk4_in_a_field
 from tests.blackbox.test_identify import rk4, rk38, velocity_verlet
 
 FEW = 50
@@ -102,6 +110,169 @@ def test_a_domain_keeps_a_capped_stepper_to_what_is_asked():
     failed = verify(capped, "symplectic_euler", examples=FEW)
     assert not failed.passed
     assert any("100" in line for line in failed.section("What it is: faults").lines)
+
+
+def wrongly_timed(times):
+    """RK4 whose two middle stages ask at times(t, h)."""
+
+    def step(f, t, y, h):
+        k1 = f(*times(t, h, 0), y)
+        k2 = f(*times(t, h, h / 2), y + h / 2 * k1)
+        k3 = f(*times(t, h, h / 2), y + h / 2 * k2)
+        return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + f(*times(t, h, h), y + h * k3))
+
+    return step
+
+
+def unlike(part):
+    """RK4 that leaves a number of y, from the place `part` on."""
+
+    def step(f, t, y, h):
+        y1 = rk4_in_a_field(f, t, y, h)
+        y1[part:] = y[part:]
+        return y1
+
+    return step
+
+
+def rk4_in_lists_of_three(f, t, y, h):
+    """Right, but for the third number, which is put back."""
+    stepped = rk4_in_a_field(f, t, np.array(y), h)
+    return [*stepped[:2], *y[2:3], *stepped[3:]]
+
+
+FALSE_PASSES = {
+    "half a unit late": wrongly_timed(lambda t, h, part: (t + (0.5 if part == h / 2 else part),)),
+    "h squared late": wrongly_timed(lambda t, h, part: (t + (h * h / 2 if part == h / 2 else part),)),
+    "at time 0": wrongly_timed(lambda t, h, part: (0.0 * t,)),
+    "a clock restarted": wrongly_timed(lambda t, h, part: (part,)),
+    "a clock stopped": wrongly_timed(lambda t, h, part: (t,)),
+    "the third number left": rk4_in_lists_of_three,
+    "all but two left": unlike(2),
+}
+
+
+@pytest.mark.parametrize("step", FALSE_PASSES.values(), ids=FALSE_PASSES)
+def test_wrong_times_and_numbers_left_out_fail_and_the_report_says_what_was_refused(step):
+    report = verify(step, "rk4", examples=FEW, isolate=False)
+    assert report.passed is False
+    assert "to roundoff" not in report.verdict
+    assert report.section("Nonlinear step: FAILED")
+    assert report.section("Coefficients: passed") is None
+
+
+def test_a_refusal_that_only_a_force_gets_round_is_in_the_verdict():
+    report = verify(FALSE_PASSES["half a unit late"], "rk4", examples=FEW, isolate=False)
+    assert "but not on y' = f(t, y): with h = 2, the time of call 1 is 0.5" in report.verdict
+    assert any("there is no tableau: with h = 2" in line for line in report.section("Coefficients: undecided").lines)
+
+
+def newton(a, b, c):
+    """Any table, its stages solved by Newton's method with a Jacobian by differences."""
+
+    def step(f, t, y, h):
+        stages, n = len(b), len(y)
+
+        def residual(k):
+            k = k.reshape(stages, n)
+            places = [f(t + c[i] * h, y + h * sum(a[i][j] * k[j] for j in range(stages))) for i in range(stages)]
+            return (k - np.array(places)).ravel()
+
+        k = np.zeros(stages * n)
+        for _ in range(8):
+            r = residual(k)
+            columns = [(residual(k + 2.0**-20 * e) - r) * 2.0**20 for e in np.eye(stages * n)]
+            k = k - np.linalg.solve(np.array(columns).T, r)
+        return y + h * sum(b[i] * k.reshape(stages, n)[i] for i in range(stages))
+
+    return step
+
+
+IMPLICIT = {
+    "backward_euler": newton([[1]], [1], [1]),
+    "implicit_midpoint": newton([[0.5]], [1], [0.5]),
+    "trapezoid": newton([[0, 0], [0.5, 0.5]], [0.5, 0.5], [0, 1]),
+}
+G = 1 - 2**-0.5
+TWINS = {
+    "the midpoint rule": ("trapezoid", IMPLICIT["implicit_midpoint"]),
+    "the trapezoidal rule": ("implicit_midpoint", IMPLICIT["trapezoid"]),
+    "f(t, y1)": ("backward_euler", newton([[1]], [1], [0])),
+    "f(t + h/2, y1)": ("backward_euler", newton([[1]], [1], [0.5])),
+    "another table": ("sdirk2", newton([[G, 0], [1 - 2 * G, G]], [0.5, 0.5], [G, 1 - G])),
+}
+SOLVED = Allowance(solver_tolerance=Fraction(1, 10**9))
+SHORT = Domain(largest_state=10.0)
+
+
+@pytest.mark.parametrize("key", IMPLICIT)
+def test_an_implicit_step_of_a_right_hand_side_passes_by_its_nonlinear_steps(key):
+    report = verify(IMPLICIT[key], key, allowance=SOLVED, domain=SHORT, examples=FEW, isolate=False)
+    assert report.passed, report
+    assert report.section("Nonlinear step: passed")
+
+
+@pytest.mark.parametrize(("key", "step"), TWINS.values(), ids=TWINS)
+def test_what_only_a_nonlinear_problem_or_the_time_tells_apart_fails(key, step):
+    report = verify(step, key, allowance=SOLVED, domain=SHORT, examples=FEW, isolate=False)
+    assert report.passed is False, report
+    assert report.section("Rounding: passed")
+    assert report.section("Nonlinear step: FAILED")
+    assert f"is not {key}; it is {key}" not in report.verdict
+
+
+def gives_up_on_what_bends(f, t, y, h):
+    """RK4 where f is linear in y and does not depend on t; else it takes more time than it has."""
+    if np.max(np.abs(f(t, y) + f(t, -y))) > 1e-6 * np.max(np.abs(f(t, y))):
+        while True:
+            pass
+    return rk4_in_a_field(f, t, y, h)
+
+
+def test_what_was_not_seen_is_undecided_and_says_what_would_decide_it(monkeypatch, capsys):
+    report = verify(gives_up_on_what_bends, "rk4", examples=FEW, time_limit=0.5)
+    assert report.passed is None, report
+    assert report.verdict.startswith("undecided whether it is rk4: ")
+    assert "nonlinear step: a longer time limit" in report.section("What would decide it").lines
+    assert json.loads(report.json())["passed"] is None
+    monkeypatch.setattr(sys.modules["driftproof.blackbox.verify"], "verify", lambda *_, **__: report)
+    with pytest.raises(AssertionError, match="What would decide it"):
+        assert_verified(gives_up_on_what_bends, "rk4")
+    assert_verified(gives_up_on_what_bends, "rk4", allow_undecided=True)
+    assert main(["verify", "tests.blackbox.test_verify:gives_up_on_what_bends", "--method", "rk4"]) == 3
+    assert "undecided whether it is rk4" in capsys.readouterr().out
+
+
+def test_a_built_in_system_is_all_that_is_said_of_its_step():
+    report = verify(velocity_verlet_of_the_oscillator, "velocity_verlet", examples=FEW)
+    assert report.passed
+    assert report.verdict.startswith("is velocity_verlet on q'' = -q to roundoff")
+    assert verify(velocity_verlet, "velocity_verlet", examples=FEW).verdict.startswith("is velocity_verlet to roundoff")
+
+
+def velocity_verlet_of_the_oscillator(q, v, h):
+    v = v - h / 2 * q
+    q = q + h * v
+    return q, v - h / 2 * q
+
+
+def test_no_verdict_hangs_on_assert_statements():
+    here = "tests.blackbox.test_verify:symplectic_euler"
+    words = ["-O", "-m", "driftproof", "verify", here, "--method", "forward_euler", "--examples", "50"]
+    found = subprocess.run([sys.executable, *words], capture_output=True, text=True, check=False)
+    assert (found.returncode, "is not forward_euler" in found.stdout) == (1, True)
+
+
+def test_assert_statements_of_the_package_only_narrow_types():
+    statements = [
+        (path, node)
+        for path in Path(driftproof.__file__).parent.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Assert)
+    ]
+    assert len(statements) > 5
+    for path, node in statements:
+        assert re.fullmatch(r".* is not None|not isinstance\(.*\)", ast.unparse(node.test)), (path, node.lineno)
 
 
 def test_on_the_command_line_the_status_tells(capsys):

@@ -36,12 +36,15 @@ from driftproof.symbolic.rounding.formats import FloatFormat
 SubSteps: TypeAlias = tuple[tuple[str, float], ...]
 
 
+NO_TABLEAU = "as a right-hand side sees it, there is no tableau"
+
+
 @dataclass(frozen=True)
 class ForceReading:
     """Fᵢ is taken at q + cᵢhv + h² Σ aᵢⱼ Fⱼ; q₁ = q + drift·hv + h² Σ b_positionⱼ Fⱼ, v₁ = v + h Σ b_velocityⱼ Fⱼ.
 
     The step's own float coefficients, calls being stages, in the order in which they are made; drift is 1 in a method.
-    `amplitude` is the size of the numbers that went in.
+    `amplitude` is the size of the numbers that went in. `refused` is why there is no tableau, where one was asked for.
     """
 
     c: CoefficientRow
@@ -52,6 +55,7 @@ class ForceReading:
     format: FloatFormat
     remarks: tuple[str, ...] = ()
     amplitude: float = 1.0
+    refused: str = ""
 
     @property
     def calls(self) -> int:
@@ -92,7 +96,7 @@ class ForceReading:
             lines.append(
                 f"without a force the position moves by {coefficient_text(self.drift, self.format)} h v, not by h v"
             )
-        return [*lines, *self.remarks]
+        return [*lines, *self.remarks, *([f"{NO_TABLEAU}: {self.refused}"] if self.refused else [])]
 
 
 def read_forces(subject: ForeignStepper) -> ForceReading:

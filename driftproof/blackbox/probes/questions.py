@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 from driftproof.blackbox.probes.force import ForceReading, read_forces
@@ -32,7 +32,8 @@ def introduction(subject: ForeignStepper) -> Introduction:
 def read_coefficients(subject: ForeignStepper) -> CoefficientReading:
     """The stepper's own coefficients: of its tableau through a right-hand side, else as a force sees them.
 
-    A symplectic step of y = [q, v] has no tableau, but has coefficients on q'' = F(q).
+    A symplectic step of y = [q, v] has no tableau, but has coefficients on q'' = F(q): these come with the refusal of
+    the tableau, since a force sees neither times nor other numbers.
 
     Raises UnsupportedCall, NotReadable.
     """
@@ -41,6 +42,6 @@ def read_coefficients(subject: ForeignStepper) -> CoefficientReading:
             return read_tableau(subject)
         except NotReadable as refusal:
             with suppress(NotReadable):
-                return read_forces(subject)
+                return replace(read_forces(subject), refused=str(refusal))
             raise refusal
     return read_forces(subject)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import fsum
@@ -108,7 +107,7 @@ class _Run(NamedTuple):
 
 
 class _Probe:
-    """Steps of one subject with scripted answers, on two numbers where it takes vectors, on one where it does not."""
+    """Steps of one subject with scripted answers, on four numbers where it takes vectors, on two or one where not."""
 
     def __init__(self, subject: ForeignStepper, amplitude: float) -> None:
         self.subject, self.amplitude = subject, amplitude
@@ -134,12 +133,13 @@ class _Probe:
         return replace(reading, remarks=complaints(lambda: self._check(reading, BACKWARD)))
 
     def _opened(self) -> tuple[int, _Run]:
-        try:
-            return 2, self._run(2, [], AT_REST)
-        except Misbehaviour as failure:
-            with suppress(Misbehaviour):
-                return 1, self._run(1, [], AT_REST)
-            raise failure
+        first: Misbehaviour | None = None
+        for size in range(len(_PARTS), 0, -1):
+            try:
+                return size, self._run(size, [], AT_REST)
+            except Misbehaviour as failure:
+                first = first or failure
+        raise first or NotReadable("no right-hand side is tried")
 
     def _run(self, size: int, answers: Sequence[Sequence[float]], control: Control) -> _Run:
         script = Script([self._sized(k) for k in answers], [0.0] * size)
@@ -183,7 +183,7 @@ class _Probe:
 
     def _slopes(self, control: Control) -> list[list[float]]:
         first = varied(self.calls, control.salt)
-        return [first, [-k for k in first]][: self.size]
+        return [[part * k for k in first] for part in _PARTS[: self.size]]
 
     def _check(self, reading: TableauReading, control: Control) -> None:
         """One more step, which must go as the coefficients say."""
@@ -219,10 +219,12 @@ class _Probe:
 
 
 _UNLIKE = "the numbers of y are not stepped alike"
+# What each number of y is of the first, and so are its slopes: powers of two, so that all products stay exact.
+_PARTS = (1.0, -1.0, 2.0, -0.5)
 
 
 def _start(control: Control, size: int) -> list[float]:
-    return [control.start, 0.0 - control.start][:size]
+    return [part * control.start + 0.0 for part in _PARTS[:size]]  # 0.0, not -0.0
 
 
 def _row(row: CoefficientRow, fmt: FloatFormat) -> str:

@@ -1,23 +1,23 @@
-"""The order that a stepper shows on the pendulum: how fast the error of one step falls with h. Evidence, no proof."""
+"""The order that a stepper shows on nonlinear problems: how fast a step's error falls with h. Evidence, no proof."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cache
 from itertools import pairwise
-from math import log2, sin
+from math import log2
 from typing import Any
 
 import numpy as np
-from flint import arb, arb_poly, ctx
+from flint import arb, ctx
 
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, WrongShape
+from driftproof.blackbox.judging.nonlinear_problems import START, NonlinearProblem, field_problem, force_problem
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter
-from driftproof.blackbox.stepper.foreign_stepper import CallLog, ForceFunction, ForeignStepper
+from driftproof.blackbox.stepper.calling_conventions import FIELD
+from driftproof.blackbox.stepper.foreign_stepper import CallLog, ForeignStepper
 
-# q'' = -sin q, from a state at which no derivative of the solution vanishes.
-_START = (1.0, 0.75)
 # At h = 2**-8 a method of order 12 errs by some 2**-110: balls of this precision are far narrower.
 _BITS = 256
 HALVINGS = range(-1, 9)  # h = 2**-k
@@ -38,84 +38,70 @@ class MeasuredOrder:
     order: int | None
     slopes: tuple[float, ...]
     arithmetic: str
+    problem: str
 
     @property
     def words(self) -> str:
         """The finding in one line."""
         slopes = ", ".join(f"{slope:.2f}" for slope in self.slopes) or "none above the noise"
         shown = "no order is seen" if self.order is None else f"order {self.order} is seen"
-        return f"{shown} on the pendulum (slopes of the local error: {slopes}; in {self.arithmetic})"
+        return f"{shown} on {self.problem} (slopes of the local error: {slopes}; in {self.arithmetic})"
 
 
-def measured_order(subject: ForeignStepper) -> MeasuredOrder:
-    """The order on q'' = -sin q, in balls where the stepper runs on them, else in its own floats.
+def measured_orders(subject: ForeignStepper) -> tuple[MeasuredOrder, ...]:
+    """The order on y' = f(t, y), where the stepper takes a right-hand side; and the order on q'' = F(q).
 
-    In balls only the stepper's own constants are rounded. Raises UnsupportedCall where it takes no force.
+    In balls where it runs on them, then only its own constants are rounded; else in its own floats. A splitting that is
+    written for a right-hand side has the second order, and seldom the first. Raises UnsupportedCall where the system is
+    built in.
     """
+    if subject.convention.kind != FIELD:
+        return (_measured(subject, force_problem(subject)),)
+    found = [_measured(subject, field_problem(subject))]
+    with suppress(Misbehaviour):  # of a code that takes one number only
+        found.append(_measured(subject, force_problem(subject)))
+    return tuple(found)
+
+
+def _measured(subject: ForeignStepper, problem: NonlinearProblem) -> MeasuredOrder:
+    steps = [2.0**-k for k in HALVINGS]
     with ctx.workprec(_BITS):
         for adapter in (BALLS, ARRAYS_OF_BALLS):
             try:
-                errors = _errors(replace(subject, adapter=adapter, log=CallLog()), lambda q: -q.sin())
+                errors = _errors(replace(subject, adapter=adapter, log=CallLog()), problem, steps)
             except Misbehaviour:
                 continue
-            return _fitted(errors, [_noise(subject, h) for h in _steps()], "Arb balls")
-        in_floats = _errors(subject, lambda q: -sin(q))
-        return _fitted(in_floats, [_noise(subject, 1.0) for _ in _steps()], subject.format.name)
-
-
-def _steps() -> list[float]:
-    return [2.0**-k for k in HALVINGS]
+            return _fitted(errors, [_noise(subject, h) for h in steps], "Arb balls", problem)
+        in_floats = _errors(subject, problem, steps)
+        return _fitted(in_floats, [_noise(subject, 1.0) for _ in steps], subject.format.name, problem)
 
 
 def _noise(subject: ForeignStepper, size: float) -> float:
     return CLEARANCE * float(subject.format.u) * size
 
 
-def _errors(subject: ForeignStepper, force: ForceFunction) -> list[float]:
-    """The error of one step, in the larger component, for each h."""
-    number = subject.adapter.number
+def _errors(subject: ForeignStepper, problem: NonlinearProblem, steps: Sequence[float]) -> list[float]:
+    """The error of one step, in the worst number, for each h; in floats the start is rounded, too."""
+    start: list[AnyNumber] = problem.solution(arb(START))
+    if subject.adapter not in (BALLS, ARRAYS_OF_BALLS):
+        start = [float(x.mid()) for x in start]
     found = []
-    for h in _steps():
-        answer = subject.step_with(force, number(_START[0]), number(_START[1]), number(h))
-        exact = pendulum(*_START, h)
+    for h in steps:
+        answer = problem.stepped(subject, START, start, h)
+        exact = problem.solution(arb(START) + h)
         found.append(max(float(abs(arb(x) - y).mid()) for x, y in zip(answer, exact, strict=True)))
     return found
 
 
-def _fitted(errors: Sequence[float], noise: Sequence[float], arithmetic: str) -> MeasuredOrder:
+def _fitted(
+    errors: Sequence[float], noise: Sequence[float], arithmetic: str, problem: NonlinearProblem
+) -> MeasuredOrder:
     """The slopes down to the first error that is in the noise, and the order that the last of them show."""
     clear = next((i for i, (e, n) in enumerate(zip(errors, noise, strict=True)) if e <= n), len(errors))
     slopes = tuple(log2(a / b) for a, b in pairwise(errors[:clear]))
     powers = {round(slope) if abs(slope - round(slope)) <= SLACK else None for slope in slopes[-2:]}
     power = powers.pop() if len(powers) == 1 else None
-    return MeasuredOrder(None if power is None else power - 1, slopes, arithmetic)
-
-
-@cache
-def pendulum(q: float, v: float, t: float, pieces: int = 16, terms: int = 40) -> tuple[arb, arb]:
-    """(q(t), v(t)) for q'' = -sin q, by its Taylor series, piece by piece.
-
-    The error of cutting the series off is not in the balls; a second cut shows it (`tests`), far below what is read.
-    """
-    state, h = (arb(q), arb(v)), arb(t) / pieces
-    for _ in range(pieces):
-        state = _taylor(*state, h, terms)
-    return state
-
-
-def _taylor(q: arb, v: arb, h: arb, terms: int) -> tuple[arb, arb]:
-    """With s = sin q and c = cos q, the series of q' = v, v' = -s, s' = c v, c' = -s v, term by term."""
-    qs, vs, sines, cosines = [q], [v], [q.sin()], [q.cos()]
-    for k in range(terms):
-        qs.append(vs[k] / (k + 1))
-        vs.append(-sines[k] / (k + 1))
-        sines.append(_convolved(cosines, vs, k) / (k + 1))
-        cosines.append(-_convolved(sines, vs, k) / (k + 1))
-    return arb_poly(qs)(h), arb_poly(vs)(h)
-
-
-def _convolved(a: Sequence[arb], b: Sequence[arb], k: int) -> arb:
-    return sum((a[j] * b[k - j] for j in range(k + 1)), arb(0))
+    return MeasuredOrder(None if power is None else power - 1, slopes, arithmetic, problem.words)
 
 
 def _balls_in(value: Any, size: int) -> list[AnyNumber]:

@@ -1,0 +1,119 @@
+"""A stepper beside the method's own step on nonlinear problems with the time in them, its stages solved in balls."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import chain, product
+from typing import Any
+
+from flint import arb, ctx
+
+from driftproof.blackbox.judging.nonlinear_problems import START, NonlinearProblem, field_problem, force_problem
+from driftproof.blackbox.judging.tolerance import Allowance
+from driftproof.blackbox.probes.scripted_answers import Rounding
+from driftproof.blackbox.stepper.calling_conventions import FIELD
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
+from driftproof.methods.stepping import stepper
+from driftproof.symbolic.algebra.certified import enclose
+
+_BITS = 192
+# Steps ahead, so small that the iteration for the stages converges for every method of the catalogue, and so large that
+# two tables of one order differ by far more than a solver's tolerance; and times at which they start.
+STEPS, TIMES = (2.0**-4, 2.0**-5, 2.0**-7), (START, 1.5)
+# An iteration that converges gains a bit a round at least at those steps.
+_ROUNDS = 2 * _BITS
+# A change of the slopes below this is that of the balls' own rounding.
+_SETTLED = 2.0**-160
+# How much more than its tolerance a solver's stages may be off: it stops by a change or a residual, and an error is
+# larger than these by 1/(1 - h L) at most, h L being up to 3/4 here.
+_BEYOND_TOLERANCE = 4
+
+
+@dataclass(frozen=True)
+class NonlinearAgreement:
+    """The largest difference from the method's step that was seen, and where the allowed one was exceeded, if it was.
+
+    `beyond` holds the worst place in words.
+    """
+
+    problem: str
+    steps: int
+    largest: float
+    beyond: str = ""
+
+    @property
+    def holds(self) -> bool:
+        """True when every step is the method's, to its rounding or the tolerance of its solver."""
+        return not self.beyond
+
+    @property
+    def words(self) -> str:
+        """The finding in one line."""
+        if self.beyond:
+            return f"on {self.problem}, {self.beyond}"
+        return f"the method's own step on {self.problem}, to {self.largest:.1e} in {self.steps} steps"
+
+
+def nonlinear_agreement(subject: ForeignStepper, method: Method, allowance: Allowance) -> NonlinearAgreement:
+    """The stepper beside the method, from states near the solution of a problem whose every derivative counts.
+
+    A splitting or a Nyström method is compared on q'' = F(q), without t: where in time its parts stand is not its
+    definition's. Raises UnsupportedCall where the system is built in.
+    """
+    partitioned = isinstance(method, Splitting | Nystrom)
+    general = subject.convention.kind == FIELD and not partitioned
+    problem = field_problem(subject) if general else force_problem(subject, timed=not partitioned)
+    largest, beyond, places = 0.0, "", list(product(TIMES, STEPS))
+    with ctx.workprec(_BITS):
+        for t, h in places:
+            start = [float(x.mid()) for x in problem.solution(arb(t))]
+            said = _own_step(method, problem, t, start, h)
+            allowed = _allowed(subject, method, allowance, 1 + max(map(abs, start)), h)
+            for i, (seen, exact) in enumerate(zip(problem.stepped(subject, t, start, h), said, strict=True)):
+                off = float(abs(arb(seen) - exact).upper())
+                if not off <= allowed and not off <= largest:
+                    numbers = f"number {i} is {seen!r}, of {method.key} {float(exact.mid())!r}"
+                    beyond = f"in a step of {h:g} from t = {t:g}, {numbers}: off by {off:.1e}, allowed {allowed:.1e}"
+                largest = max(largest, off)
+    return NonlinearAgreement(problem.words, len(places), largest, beyond)
+
+
+def _allowed(subject: ForeignStepper, method: Method, allowance: Allowance, size: float, h: float) -> float:
+    calls = len(method.parts) if isinstance(method, Splitting) else method.stages
+    rounding = Rounding(subject.format, calls).of(2 * size)
+    by_quotient = 2 * size * float(subject.format.u) / h if allowance.velocity_from_positions else 0.0
+    return rounding + by_quotient + _BEYOND_TOLERANCE * size * float(allowance.solver_tolerance or 0)
+
+
+def _own_step(method: Method, problem: NonlinearProblem, t: float, y: Sequence[float], h: float) -> list[arb]:
+    if isinstance(method, RungeKutta | Collocation):
+        return _runge_kutta_step(method, problem, arb(t), [arb(x) for x in y], arb(h))
+    if problem.force is None:
+        raise ValueError(f"{problem.words} depends on t, and {method.key} does not")
+    return [*stepper(method, enclose)(problem.force, arb(y[0]), arb(y[1]), arb(h))]
+
+
+def _runge_kutta_step(
+    method: RungeKutta | Collocation, problem: NonlinearProblem, t: arb, y: Sequence[arb], h: arb
+) -> list[arb]:
+    """y + h Σ bᵢ kᵢ with the kᵢ = f(t + cᵢh, y + h Σ aᵢⱼ kⱼ) that the iteration from k = 0 comes to.
+
+    Explicit stages are there after as many rounds as there are stages. Raises ArithmeticError where it does not
+    converge.
+    """
+    tableau: Any = method.tableau(2 * _BITS) if isinstance(method, Collocation) else (method.a, method.b, method.c)
+    a = [[enclose(x) for x in row] for row in tableau[0]]
+    b, c = ([enclose(x) for x in row] for row in tableau[1:])
+    slopes = [[arb(0) for _ in y] for _ in b]
+    for _ in range(_ROUNDS):
+        places = [(t + node * h, _moved(y, h, row, slopes)) for node, row in zip(c, a, strict=True)]
+        before, slopes = slopes, [[x.mid() for x in problem.rate(*place)] for place in places]
+        if all(abs(x - old) <= _SETTLED for x, old in zip(chain(*slopes), chain(*before), strict=True)):
+            return _moved(y, h, b, slopes)
+    raise ArithmeticError(f"the stages of {method.key} do not converge")
+
+
+def _moved(y: Sequence[arb], h: arb, weights: Sequence[arb], slopes: Sequence[Sequence[arb]]) -> list[arb]:
+    return [x + h * sum((w * k[i] for w, k in zip(weights, slopes, strict=True)), arb(0)) for i, x in enumerate(y)]

@@ -1,0 +1,120 @@
+"""The order seen on nonlinear problems: right for right methods, lower for wrong ones, in balls and in floats."""
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.judging.measured_order import measured_orders
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import RungeKutta
+from driftproof.methods.stepping import stepper
+from tests.blackbox import handwritten_steppers as codes
+
+ORDERS = {"forward_euler": 1, "symplectic_euler": 1, "velocity_verlet": 2, "heun3": 3, "rk4": 4, "yoshida4": 4}
+ORDERS |= {"dormand_prince54": 5, "yoshida6": 6}
+
+
+def in_floats(step):
+    """The same step, but deaf to any other arithmetic."""
+    return lambda force, q, v, h: tuple(map(float, step(force, float(q), float(v), float(h))))
+
+
+@pytest.mark.parametrize(("key", "order"), ORDERS.items())
+def test_the_order_of_a_method_is_seen_in_balls_and_in_floats(key, order):
+    step = stepper(METHODS[key], float)
+    balls = measured_orders(opened(step, "force"))[0]
+    floats = measured_orders(opened(in_floats(step), "force"))[0]
+    assert (balls.order, balls.arithmetic) == (order, "Arb balls")
+    assert (floats.order, floats.arithmetic) == (order, "binary64")
+
+
+def test_a_position_that_moves_by_half_is_of_order_0():
+    assert measured_orders(opened(lambda force, q, v, h: (q + h * v / 2, v + h * force(q))))[0].order == 0
+
+
+def test_an_order_that_holds_on_the_oscillator_only_is_not_believed():
+    def step(force, q, v, h):  # the solution's series to h^4, were force(force(q)) its derivative times force
+        a, b = force(q), force(v)
+        q1 = q + h * v + h**2 * a / 2 + h**3 * b / 6 + h**4 * force(a) / 24
+        return q1, v + h * a + h**2 * b / 2 + h**3 * force(a) / 6 + h**4 * force(b) / 24
+
+    assert measured_orders(opened(step))[0].order < 4
+
+
+def test_noise_hides_the_order():
+    generator = np.random.default_rng(1)
+    step = stepper(METHODS["rk4"], float)
+
+    def noisy(force, q, v, h):
+        q1, v1 = step(force, float(q), float(v), float(h))
+        return q1 + 1e-3 * generator.standard_normal(), v1
+
+    assert measured_orders(opened(noisy))[0].order is None
+
+
+def test_a_field_is_stepped_in_arrays_of_balls():
+    def midpoint(f, t, y, h):
+        return y + h * f(t + h / 2, y + h * f(t, y) / 2)
+
+    for found in measured_orders(opened(midpoint)):
+        assert (found.order, found.arithmetic) == (2, "Arb balls")
+    assert "order 2 is seen on a nonlinear q'' = F(t, q)" in found.words
+
+
+def at_half_a_unit_later(f, t, y, h):
+    return codes.rk4(lambda s, z: f(t + 0.5 if s == t + h / 2 else s, z), t, y, h)
+
+
+def at_h_squared_later(f, t, y, h):
+    return codes.rk4(lambda s, z: f(t + h * h / 2 if s == t + h / 2 else s, z), t, y, h)
+
+
+def at_time_zero(f, t, y, h):
+    return codes.rk4(lambda s, z: f(0.0 * s, z), t, y, h)
+
+
+def with_a_clock_restarted(f, t, y, h):
+    return codes.rk4(lambda s, z: f(s - t, z), t, y, h)
+
+
+def with_its_third_number_left(f, t, y, h):
+    return np.array([x if i == 2 else x1 for i, (x, x1) in enumerate(zip(y, codes.rk4(f, t, y, h), strict=True))])
+
+
+@pytest.mark.parametrize(
+    ("step", "most"),
+    [
+        (at_half_a_unit_later, 0),
+        (at_h_squared_later, 1),
+        (at_time_zero, 0),
+        (with_a_clock_restarted, 0),
+        (with_its_third_number_left, 0),
+    ],
+)
+def test_wrong_times_and_a_number_left_out_cost_the_order(step, most):
+    general = measured_orders(opened(step))[0]
+    assert general.order is not None
+    assert general.order <= most
+    assert "a nonlinear problem of 4 numbers, with t" in general.words
+
+
+def test_a_code_of_one_number_is_measured_on_one():
+    (found,) = measured_orders(opened(codes.rk4_of_one_number))
+    assert (found.order, found.problem) == (4, "a nonlinear problem of 1 number, with t")
+
+
+EXPLICIT = [key for key, method in METHODS.items() if isinstance(method, RungeKutta) and method.explicit]
+
+
+@pytest.mark.parametrize("method", EXPLICIT)
+def test_no_method_is_seen_with_a_lower_order_than_its_own(method):
+    field = opened(codes.tableau(*codes.floats(METHODS[method])), "field")
+    force = opened(stepper(METHODS[method], float), "force")
+    for found in (*measured_orders(field), *measured_orders(force)):
+        assert found.order is None or found.order >= METHODS[method].claimed_order
+
+
+def test_a_built_in_system_is_not_asked():
+    with pytest.raises(UnsupportedCall):
+        measured_orders(opened(lambda q, v, h: (q + h * v, v - h * q)))

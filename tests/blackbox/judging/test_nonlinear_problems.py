@@ -1,0 +1,73 @@
+"""The nonlinear problems are solved by what they say, and ask a stepper with as many numbers as it takes, in time."""
+
+from itertools import product
+
+import pytest
+from flint import arb, ctx
+
+from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
+from driftproof.blackbox.judging.nonlinear_problems import WALL, field_problem, force_problem
+from driftproof.blackbox.stepper.opening import opened
+from tests.blackbox import handwritten_steppers as codes
+
+
+def rk4_of_two(f, t, y, h):
+    q, v = y
+    return codes.rk4(f, t, y + 0 * (q + v), h)
+
+
+def rk4_of_one_without_time(f, y, h):
+    return codes.rk4_of_one_number(lambda t, y: f(y), 0.0, y, h)
+
+
+CODES = {
+    "a nonlinear problem of 4 numbers, with t": codes.rk4,
+    "a nonlinear problem of 4 numbers, without t: the code hands on no time": codes.rk4_without_time,
+    "a nonlinear problem of 2 numbers, with t": rk4_of_two,
+    "a nonlinear problem of 1 number, with t": codes.rk4_of_one_number,
+    "y' = exp(-y), without t: the code hands on no time": rk4_of_one_without_time,
+}
+PROBLEMS = [*((words, field_problem(opened(step))) for words, step in CODES.items())]
+PROBLEMS += [(words, force_problem(opened(codes.rk4), timed=words != WALL.words)) for words in (WALL.words,)]
+PROBLEMS += [("a nonlinear q'' = F(t, q)", force_problem(opened(codes.rk4)))]
+
+
+@pytest.mark.parametrize(("words", "problem"), PROBLEMS, ids=[words for words, _ in PROBLEMS])
+def test_the_solution_solves_the_problem_and_the_code_is_asked_as_it_asks(words, problem):
+    assert problem.words == words
+    with ctx.workprec(400):
+        width = arb(2) ** -100
+        for t in (0.25, 1.5):
+            here, before, after = (problem.solution(arb(t) + k * width) for k in (0, -1, 1))
+            slopes = problem.rate(arb(t), here)
+            differences = [(y - x) / (2 * width) for x, y in zip(before, after, strict=True)]
+            assert all(abs(x - y) < 2.0**-180 for x, y in zip(slopes, differences, strict=True))
+
+
+def test_every_slope_depends_on_the_time_and_on_other_numbers():
+    problem = field_problem(opened(codes.rk4))
+    y = [0.5, 0.75, -0.25, 1.0]
+    assert all(a != b for a, b in zip(problem.rate(0.25, y), problem.rate(0.5, y), strict=True))
+    for i, j in product(range(4), range(4)):
+        moved = [x + 0.125 * (k == j) for k, x in enumerate(y)]
+        assert (problem.rate(0.25, moved)[i] != problem.rate(0.25, y)[i]) == ((j - i) % 4 < 3)
+
+
+def test_a_stopped_clock_is_a_clock():
+    assert "with t" in field_problem(opened(codes.rk4_on_a_stopped_clock)).words
+
+
+def test_a_code_that_takes_none_of_the_sizes_is_not_asked():
+    subject = opened(codes.euler)
+    subject.function = lambda f, t, y, h: None
+    with pytest.raises(Misbehaviour):
+        field_problem(subject)
+    with pytest.raises(UnsupportedCall):
+        field_problem(opened(codes.velocity_verlet))
+
+
+def test_a_force_has_no_time():
+    timed = force_problem(opened(codes.rk4))
+    with pytest.raises(ValueError, match="depends on t, and a force does not"):
+        timed.stepped(opened(codes.velocity_verlet), 0.25, [1.0, 0.0], 0.5)
+    assert len(WALL.stepped(opened(codes.velocity_verlet), 0.25, [1.0, 0.0], 0.5)) == 2
