@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import inf, sqrt
+from math import ceil, inf, log10, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -46,6 +46,9 @@ _MOST = 4
 # A rate that is wrong in a program, and not a little by accident, is wrong by this much.
 _LEAST_OFF = Fraction(1, 1024)
 FORWARDS = "but only at h > 0"
+# A step this near to the exact solution wherever it was read is far nearer than methods are there, unless they are as
+# good as exact, too: then no one of them can be named.
+NEARLY = 2.0**-30
 # What people call the methods whose keys leave open which of two things comes first.
 _NAMES = {
     "symplectic_euler": "velocity-first symplectic Euler",
@@ -140,6 +143,33 @@ def linear_candidates(reading: LinearReading, *, known: bool) -> list[LinearCand
     return [each for each in near if each.extras == near[0].extras][:_MOST]
 
 
+def nearly_exact(reading: LinearReading, *, known: bool) -> LinearCandidate | None:
+    """The exact solution, where every step read is near to it, and "to 1e-13" or the like; None where one is not."""
+    simple = ((simple_rational(x, abs(x) * Fraction(NEARLY)), x) for x in rates_of(reading))
+    position, stiffness = (x if near is None else near for near, x in simple)
+    found = LinearCandidate((), False, position, stiffness, known, Error(inf, 0.0))
+    with ctx.workprec(CERTIFYING_BITS):
+        errors = [_error(ExactFlowMap(), Fraction(h), m, reading.format, position, stiffness) for h, m in reading.steps]
+    worst = max((error.relative for error in errors), default=inf)
+    if not worst <= NEARLY:
+        return None
+    digits = ceil(log10(worst)) if worst > 0 else 0
+    return replace(found, error=Error(inf, worst), restriction=f"to 1e{digits}")
+
+
+def _error(
+    each: LinearMap, h: Fraction, m: MatrixEntries, fmt: FloatFormat, position: Fraction, stiffness: Fraction
+) -> Error:
+    """How far one matrix read is from the map's at h."""
+    rates = Rates(float(h), float(position), float(stiffness))
+    exact, allowed = each.matrix_at(h, position, stiffness), each.allowances(rates, fmt)
+    off = [float(abs(arb(x) - ball).upper()) for x, ball in zip(m, exact, strict=True)]
+    if not all(x < inf for x in off):  # a pole
+        return Error(inf, inf)
+    in_bounds = max(x / most for x, most in zip(off, allowed, strict=True))
+    return Error(in_bounds, max(x / (1 + abs(y)) for x, y in zip(off, m, strict=True)))
+
+
 def _near(
     reading: LinearReading, classes: tuple[LinearlyEquivalentMethods, ...], position: Fraction, stiffness: Fraction
 ) -> list[LinearlyEquivalentMethods]:
@@ -160,14 +190,7 @@ def explained_by(
     """
 
     def at(h: float, m: MatrixEntries, step_format: FloatFormat = BINARY64) -> Error:
-        used = step_format.nearest(Fraction(h))
-        rates = Rates(float(used), float(position), float(stiffness))
-        exact, allowed = each.matrix_at(used, position, stiffness), each.allowances(rates, reading.format)
-        off = [float(abs(arb(x) - ball).upper()) for x, ball in zip(m, exact, strict=True)]
-        if not all(x < inf for x in off):  # a pole
-            return Error(inf, inf)
-        in_bounds = max(x / most for x, most in zip(off, allowed, strict=True))
-        return Error(in_bounds, max(x / (1 + abs(y)) for x, y in zip(off, m, strict=True)))
+        return _error(each, step_format.nearest(Fraction(h)), m, reading.format, position, stiffness)
 
     within = {h for h, _ in reading.steps if 0 < h <= reading.unit and _is_coarse(h)}
     errors: dict[float, Error] = {}

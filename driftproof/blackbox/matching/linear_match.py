@@ -22,6 +22,7 @@ from driftproof.blackbox.matching.linear_candidates import (
     FORWARDS,
     LinearCandidate,
     linear_candidates,
+    nearly_exact,
     rates_of,
     tried_steps,
 )
@@ -148,6 +149,9 @@ def fitted(reading: LinearReading, *, known: bool) -> LinearFit:
     if known and reading.ordinary:
         start = replace(start, nearest=_nearest(*reading.ordinary, rates))
     found = linear_candidates(reading, known=known) if position and stiffness else []
+    several = len(found) > 1 and all(each.restriction for each in found)
+    if (several or not found) and (nearly := nearly_exact(reading, known=known)):
+        return replace(start, candidates=(nearly,), position=nearly.position, stiffness=nearly.stiffness)
     return _explained(start, found) if found else _unexplained(start, reading, known=known)
 
 
@@ -216,7 +220,7 @@ def _lines(fit: LinearFit) -> Iterator[str]:
 
 def _identity(fit: LinearFit) -> Iterator[str]:
     if fit.best:
-        yield f"{fit.best.words}, to rounding in {fit.format}"
+        yield f"{fit.best.words}{'' if fit.best.error.in_bounds > 1 else f', to rounding in {fit.format}'}"
         if fit.best.methods[1:]:
             yield f"no linear test tells {fit.best.methods[0]} from {', '.join(fit.best.methods[1:])}"
         yield from (f"or, as the same map: {other.words}" for other in fit.candidates[1:])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
+from math import cos, sin
 
 import numpy as np
 import pytest
@@ -151,3 +152,19 @@ def test_no_limit_makes_a_method_of_what_is_none():
         return q + h * v, v
 
     assert linear_fit(opened(other)).best is None
+
+
+@pytest.mark.parametrize(("off", "shown"), [(3e-15, "1e-14"), (1e-13, "1e-13"), (1e-12, "1e-12")])
+def test_a_step_that_is_all_but_exact_is_no_method_of_high_order(off, shown):
+    def step(q, v, h):
+        c, s = (1 + off) * cos(h), (1 + off) * sin(h)
+        return c * q + s * v, c * v - s * q
+
+    found = fit(step)
+    assert (found.best.methods, found.best.words) == ((), f"the exact solution, to {shown}")
+    assert found.lines == (f"the exact solution, to {shown}",)
+
+
+def test_a_step_that_is_off_by_more_is_not_called_exact():
+    found = fit(lambda q, v, h: (cos(h) * q + sin(h) * v, cos(h) * v - (1 + 1e-6) * sin(h) * q))
+    assert found.best is None or "the exact solution, to" not in found.best.words
