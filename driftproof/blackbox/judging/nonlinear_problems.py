@@ -18,9 +18,9 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 State: TypeAlias = list[AnyNumber]
 # Not 0, so that a clock that stands at 0 or is started again shows. Of the starts, spacings of the bells and strengths
 # of the coupling that were tried, these let most orders of the catalogue be seen: all but those of two pairs.
-START, SPACING, STRENGTH = 0.25, 0.5, 4
+START, _SPACING, _STRENGTH = 0.25, 0.5, 4
 # How many numbers a right-hand side has, the most first; some codes take two, or one.
-SIZES = (4, 2, 1)
+_SIZES = (4, 2, 1)
 # Beyond its logarithm a double overflows; a step that goes there is wrong whatever follows.
 _LARGEST_EXPONENT = 700.0
 
@@ -54,7 +54,7 @@ def field_problem(subject: ForeignStepper) -> NonlinearProblem:
     Raises the Misbehaviour of the first size if it takes none, UnsupportedCall where there is no right-hand side.
     """
     failure: Misbehaviour | None = None
-    for size in SIZES:
+    for size in _SIZES:
         try:
             timed = _hands_on_time(subject, size)
         except Misbehaviour as found:
@@ -92,14 +92,14 @@ def _hands_on_time(subject: ForeignStepper, size: int) -> bool:
 
 def _bell(i: int, t: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
     """x = t + i/2 and 1/(1 + x²), no derivative of which is 0 for long."""
-    x = t + SPACING * i
+    x = t + _SPACING * i
     return x, 1 / (1 + x * x)
 
 
 def _coupled(t: AnyNumber, y: Sequence[AnyNumber]) -> State:
     """4 (1 + t) y_(i+1) y_(i+2)/(1 + y_i²): mixed derivatives of all orders, in t, too."""
     n = len(y)
-    return [STRENGTH * (1 + t) * y[(i + 1) % n] * y[(i + 2) % n] / (1 + y[i] * y[i]) for i in range(n)]
+    return [_STRENGTH * (1 + t) * y[(i + 1) % n] * y[(i + 2) % n] / (1 + y[i] * y[i]) for i in range(n)]
 
 
 def _driven(timed: bool) -> Callable[[AnyNumber, Sequence[AnyNumber]], State]:

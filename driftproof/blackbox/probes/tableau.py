@@ -220,7 +220,7 @@ class _Probe:
 
 _UNLIKE = "the numbers of y are not stepped alike"
 # What each number of y is of the first, and so are its slopes: powers of two, so that all products stay exact.
-_PARTS = (1.0, -1.0, 2.0, -0.5)
+_PARTS = (1.0, -1.0, 0.5, -0.25)
 
 
 def _start(control: Control, size: int) -> list[float]:
