@@ -15,7 +15,7 @@ from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import FIELD
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
-State: TypeAlias = list[AnyNumber]
+_State: TypeAlias = list[AnyNumber]
 # Not 0, so that a clock that stands at 0 or is started again shows. Of the starts, spacings of the bells and strengths
 # of the coupling that were tried, these let most orders of the catalogue be seen: all but those of two pairs.
 START, _SPACING, _STRENGTH = 0.25, 0.5, 4
@@ -33,11 +33,11 @@ class NonlinearProblem:
     """
 
     words: str
-    rate: Callable[[AnyNumber, Sequence[AnyNumber]], State]
+    rate: Callable[[AnyNumber, Sequence[AnyNumber]], _State]
     solution: Callable[[arb], list[arb]]
     force: Callable[[AnyNumber], AnyNumber] | None = None
 
-    def stepped(self, subject: ForeignStepper, t: float, y: Sequence[AnyNumber], h: float) -> State:
+    def stepped(self, subject: ForeignStepper, t: float, y: Sequence[AnyNumber], h: float) -> _State:
         """One step of the stepper, from numbers of its adapter."""
         at, size = subject.adapter.number(t), subject.adapter.number(h)
         if subject.convention.kind == FIELD:
@@ -82,7 +82,7 @@ def _hands_on_time(subject: ForeignStepper, size: int) -> bool:
     """True where the right-hand side is given a time; without one, it gets the very object that we made."""
     clock, given = float(START), []
 
-    def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> State:
+    def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
         given.append(t is not clock)
         return [0.0 * x for x in y]
 
@@ -96,16 +96,16 @@ def _bell(i: int, t: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
     return x, 1 / (1 + x * x)
 
 
-def _coupled(t: AnyNumber, y: Sequence[AnyNumber]) -> State:
+def _coupled(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
     """4 (1 + t) y_(i+1) y_(i+2)/(1 + y_i²): mixed derivatives of all orders, in t, too."""
     n = len(y)
     return [_STRENGTH * (1 + t) * y[(i + 1) % n] * y[(i + 2) % n] / (1 + y[i] * y[i]) for i in range(n)]
 
 
-def _driven(timed: bool) -> Callable[[AnyNumber, Sequence[AnyNumber]], State]:
+def _driven(timed: bool) -> Callable[[AnyNumber, Sequence[AnyNumber]], _State]:
     """y' = φ'(t) + G(t, y) - G(t, φ(t)), solved by φ, the bells; without time the last number is the clock."""
 
-    def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> State:
+    def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
         at, state = (t, y) if timed else (y[-1], y[:-1])
         bells = [_bell(i, at) for i in range(len(state))]
         pairs = zip(bells, _coupled(at, state), _coupled(at, [bell for _, bell in bells]), strict=True)
@@ -122,7 +122,7 @@ def _solution(size: int, timed: bool) -> Callable[[arb], list[arb]]:
     return solution
 
 
-def _pushed(t: AnyNumber, y: Sequence[AnyNumber]) -> State:
+def _pushed(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
     """q'' = φ''(t) + S(q) - S(φ(t)) with S(q) = 1/(1 + q²), solved by the first bell."""
     q, v = y
     x, bell = _bell(0, t)

@@ -218,7 +218,7 @@ class _Probe:
         return Rounding(self.subject.format, self.calls)
 
 
-_UNLIKE = "the numbers of y are not stepped alike"
+_UNLIKE = "the numbers of y are not stepped alike, or not linearly in their slopes"
 # What each number of y is of the first, and so are its slopes: powers of two, so that all products stay exact.
 _PARTS = (1.0, -1.0, 0.5, -0.25)
 

@@ -152,7 +152,7 @@ NOT_READABLE = [
     (adaptive, r"the number of calls depends on the answers: 3, then 7"),
     (Remembering(), "the same step of 2 calls taken twice is not the same"),
     (without_h, "with h = 2, .* does not scale with h"),
-    (slightly_nonlinear, "the step is not linear in them|does not scale"),
+    (slightly_nonlinear, "the step is not linear in them|does not scale|not linearly in their slopes"),
     (crossed, "the slope of one number of y moves another one"),
     (falling, "with all slopes 0, y = 0 does not stay"),
     (endless, "more than 200 calls"),
