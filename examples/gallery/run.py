@@ -25,7 +25,7 @@ KEPT = HERE.parents[1] / "build" / "gallery.json"
 INTRODUCTION = """\
 Made by `make gallery`: what each stepper says that it is, and what driftproof finds from outside, without being
 told. The true order is that of the coefficients where they can be read (any problem that the stepper is for), else
-measured on the pendulum, else on linear problems. The worst error of 200 steps is over the sum of |monomials|, in
+measured on nonlinear problems, else on linear problems. The worst error of 200 steps is over the sum of |monomials|, in
 units of the unit roundoff u; beyond the bound means that the code does more than round the method's sums and
 products, and the row says what: by its source, or as found from outside. The checks say what else nobody
 expects. What each target is by its source, and which claims are not so, stands in
