@@ -51,9 +51,9 @@ WORLD: dict[str, tuple[str, ...]] = {
 NOT_ELSEWHERE = "sympy"
 
 # Room -> the most lines it may have, blank ones and docstrings too. Raised on purpose only, in a commit that says why.
-# blackbox was raised from 7500 for verdicts that say what was seen: the environment and time limits of foreign code,
+# blackbox was raised from 7500 for verdicts that say what was seen: the environment, time limits, entries side by side,
 # and nonlinear problems with t, on which steps are compared and orders measured.
-BUDGETS = {"support": 400, "methods": 3500, "symbolic": 7300, "numeric": 3000, "blackbox": 8100, "texts": 4600}
+BUDGETS = {"support": 400, "methods": 3500, "symbolic": 7300, "numeric": 3000, "blackbox": 8350, "texts": 4600}
 BUDGET_OF_REPORTS_AND_FRONT = 4200
 TESTS_PER_LINE_OF_SOURCE = Fraction(65, 100)
 
