@@ -148,14 +148,7 @@ def _of_family(family: Family, options: Namespace) -> dict[str, Any]:
 
 def _of_method(method: Method, options: Namespace) -> dict[str, Any]:
     """The facts of the method, or of the method on a system; also its picture, if one is asked for."""
-    from driftproof.symbolic.facts import (
-        FACTS,
-        OF_THE_IRREDUCIBLE_METHOD,
-        OF_THE_TABLE,
-        ON_REQUEST,
-        Facts,
-        order_within,
-    )
+    from driftproof.symbolic.facts import FACTS, ON_REQUEST, Facts, Reduction, order_within
     from driftproof.symbolic.linear.facts import facts_by_name
     from driftproof.symbolic.linear.systems import facts_on_system
 
@@ -165,8 +158,11 @@ def _of_method(method: Method, options: Namespace) -> dict[str, Any]:
         return facts_on_system(method, options.system, options.only)
     facts = Facts(method, options.terms)
     found = facts_by_name(facts, options.only or FACTS, (*FACTS, *ON_REQUEST))
-    if facts.reduction is not None and not {*found}.isdisjoint((*OF_THE_TABLE, *OF_THE_IRREDUCIBLE_METHOD)):
-        found["reduction"] = facts.reduction
+    if facts.reduction is not None and options.only and "reduction" not in options.only:
+        stages, *named = facts.reduction
+        table, irreducible = (tuple(name for name in names if name in found) for names in named)
+        if table or irreducible:
+            found["reduction"] = Reduction(stages, table, irreducible)
     if options.order_tolerance is not None:
         found["order_to_tolerance"] = order_within(method, options.order_tolerance)
     if options.plot:

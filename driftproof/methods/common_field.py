@@ -26,7 +26,7 @@ LARGEST_PRODUCT = 4 * LARGEST_FIELD_DEGREE
 
 def in_one_field(values: Sequence[Exact]) -> list[Exact]:
     """The same numbers, all irrational ones in one field. Raises UndecidedError where its degree would be too large."""
-    return [lifted(x, common_field(values)) for x in values]
+    return [element_of(x, common_field(values)) for x in values]
 
 
 def common_field(values: Iterable[Exact]) -> NumberField | None:
@@ -35,7 +35,7 @@ def common_field(values: Iterable[Exact]) -> NumberField | None:
     return reduce(lambda one, other: compositum(one, other)[0], fields) if fields else None
 
 
-def lifted(x: Exact, field: NumberField | None) -> Exact:
+def element_of(x: Exact, field: NumberField | None) -> Exact:
     """x as an element of a field that `common_field` made of its own and others."""
     if not isinstance(x, Algebraic) or field is None or x.field == field:
         return x

@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from driftproof.methods.catalogue import method_named
-from driftproof.methods.common_field import common_field, lifted
+from driftproof.methods.common_field import common_field, element_of
 from driftproof.methods.expressions import RADICALS, parse_exact, parse_number
 from driftproof.methods.families import FAMILIES, Family, ParameterFunction, parameter_function, parse_function
 from driftproof.methods.number_field import Algebraic, Exact, NumberField
@@ -93,7 +93,7 @@ def _method(table: TomlTable, name: str) -> Method | Family:
         if parametric or len({x.field for x in seen if isinstance(x, Algebraic)}) < 2:
             raise
     field = common_field(seen)
-    return build(table, common, lambda text, where: lifted(read(text, where), field))
+    return build(table, common, lambda text, where: element_of(read(text, where), field))
 
 
 def _reader(table: TomlTable) -> Read:
