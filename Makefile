@@ -4,7 +4,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 PEERS := build/peers
 
-.PHONY: proofs test lint thorough long docs bench clean
+.PHONY: proofs test lint thorough long mutants docs bench clean
 
 proofs: .venv
 	$(BIN)/python -m pytest proofs
@@ -22,6 +22,10 @@ thorough: .venv
 
 long: .venv
 	$(BIN)/python -m pytest -n 2 -m long
+
+# Small errors planted in copies of the package, and whether the tests notice: an hour, and docs/mutants.md.
+mutants: .venv
+	$(BIN)/python -m tests.campaigns.mutants
 
 # The numbers, sessions and tables of docs/, written anew; those of the lesson where its text is at hand.
 docs: .venv

@@ -5,7 +5,7 @@ import random
 import numpy as np
 import pytest
 
-from driftproof.blackbox.checks.determinism import several_states
+from driftproof.blackbox.checks.determinism import repeats, several_states
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox.checks.habits import (
     UNREPEATABLE,
@@ -28,6 +28,27 @@ FAULTS = [
 @pytest.mark.parametrize(("step", "key", "words"), FAULTS, ids=identified)
 def test_a_fault_is_told_in_words(step, key, words):
     assert_fault(step, key, words)
+
+
+class Slip:
+    """Another answer at one of its calls."""
+
+    def __init__(self, slips_at):
+        self.calls, self.slips_at = 0, slips_at
+
+    def step(self, q, v, h):
+        self.calls += 1
+        return q + h * v + 1e-9 * (self.calls == self.slips_at), v - h * q
+
+
+# Of eleven calls, those that ask the same: three at once, and four after another one.
+@pytest.mark.parametrize("call", [2, 3, 5, 7, 9, 11])
+def test_one_slip_is_seen_at_whichever_call_and_is_not_taken_for_memory(call):
+    slip = Slip(None)
+    subject = opened(slip.step)
+    slip.calls, slip.slips_at = 0, call
+    same, *_ = repeats(subject)
+    assert (same.key, same.holds) == ("same_answer_twice", False)
 
 
 def test_of_an_unsteady_stepper_nothing_else_is_asked():

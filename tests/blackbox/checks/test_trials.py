@@ -37,6 +37,15 @@ def test_the_arithmetic_of_a_stepper_is_seen(step, fmt, grain):
     assert (runner.format, runner.grain) == (fmt, grain)
 
 
+def test_states_are_small_enough_for_a_limit_that_only_a_step_of_zero_shows():
+    def limited(q, v, h):
+        if 0 < abs(h) < 1e-200:
+            raise ValueError("the step is too short")
+        return max(-0.3, min(0.3, q + h * v)), v - h * q
+
+    assert (steady_runner(opened(limited)).size, steady_runner(opened(plain)).size) == (2.0**-3, 1.0)
+
+
 def test_no_trials_are_made_of_answers_that_vary():
     with pytest.raises(Unsteady, match="the same call does not give the same answer again"):
         steady_runner(opened(UNREPEATABLE))

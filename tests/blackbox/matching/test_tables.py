@@ -7,6 +7,7 @@ from fractions import Fraction as Q
 from driftproof.blackbox.matching.candidates import field_methods, force_methods
 from driftproof.blackbox.matching.tables import (
     bounded,
+    induced_by_nystrom,
     induced_by_tableau,
     induced_repeated,
     tableau_of,
@@ -38,6 +39,13 @@ def test_reduction_keeps_sizes():
 def test_a_table_repeated_and_then_squared_is_one_squared_and_then_repeated():
     tableau = tableau_of(METHODS["kutta3"], Q)
     assert induced_by_tableau(tableau_repeated(tableau, 3)) == induced_repeated(induced_by_tableau(tableau), 3)
+
+
+def test_a_nystrom_method_keeps_its_weights_apart():
+    nystrom = METHODS["nystrom4"]
+    table, drift = induced_by_nystrom(nystrom, Q)
+    assert (table.weights, drift) == ((nystrom.b_position, nystrom.b_velocity), 1)
+    assert (table.a, table.c) == (nystrom.a, nystrom.c)
 
 
 def test_the_quick_test_lets_a_method_pass_for_itself_and_for_hardly_any_other():

@@ -12,10 +12,12 @@ from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.advance import field_rate
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.linear import HARMONIC
+from driftproof.numeric.work_precision import integrators
 from driftproof.numeric.work_precision.curves import (
     curves,
 )
 from driftproof.numeric.work_precision.integrators import (
+    COMPILED,
     KINDS,
     PYTHON,
     counted_evaluations,
@@ -45,6 +47,20 @@ def test_timed_calls_reach_the_state_whose_error_is_measured() -> None:
         runs = integrator(METHODS[key], HARMONIC)
         assert runs.calls[PYTHON](16)() == runs.run(16).states[T]
         assert {*runs.calls, *runs.absent} <= set(KINDS)
+
+
+def test_what_numba_would_compile_is_absent_without_it_and_only_where_it_is_asked_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def absent(compiled: bool) -> str | None:
+        runs = integrator(METHODS["rk4"], HARMONIC, compiled=compiled)
+        assert (COMPILED in runs.calls) is (compiled and integrators.has_numba())
+        return runs.absent.get(COMPILED)
+
+    assert (absent(False), absent(True)) == (None, None)
+    monkeypatch.setattr(integrators, "has_numba", lambda: False)
+    assert absent(False) is None
+    assert "pip install 'driftproof[fast]'" in str(absent(True))
 
 
 def test_an_ensemble_reaches_the_same_bits_and_is_refused_where_there_is_none() -> None:

@@ -9,13 +9,14 @@ from math import comb
 
 import pytest
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.number_field import Exact, square_root
 from driftproof.methods.schemes import Collocation
 from driftproof.symbolic.algebra.polynomials import exact
 from driftproof.symbolic.algebra.rational_functions import taylor
 from driftproof.symbolic.linear.reduced_tableau import is_symmetric, is_symplectic
 from driftproof.symbolic.linear.stability_function import stability_function_of_collocation
 from driftproof.symbolic.trees.algebraic_stability import algebraic_stability, quadratic_matrix
+from driftproof.symbolic.trees.elementary_weights import FieldScalars
 from driftproof.symbolic.trees.order_conditions import (
     collocation_order,
     elementary_weight,
@@ -153,3 +154,10 @@ def test_conditions_of_nodes_far_apart_fail_where_their_weights_are_negative() -
     polynomial = (Q(0), Q(1, 50), Q(-3, 10), Q(1))
     assert not algebraic_stability(Nodes(polynomial)).weights.holds
     assert elementary_weight(Nodes(polynomial), bush(3)) == Q(1, 3)
+
+
+def test_numbers_of_two_fields_are_not_mixed() -> None:
+    scalars = FieldScalars(square_root(2).field)
+    assert scalars.lift(Q(1, 2)) * 2 == 1
+    with pytest.raises(TypeError, match=r"in sqrt\(2\) and in sqrt\(3\): give all of them in one field"):
+        scalars.lift(square_root(3))

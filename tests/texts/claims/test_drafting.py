@@ -90,6 +90,14 @@ def test_drafted_claims_notice_a_changed_digit() -> None:
     assert [(finding.expected, finding.found) for finding in findings] == [("5.151", "5.152")]
 
 
+def test_phrase_is_as_short_as_tells_the_number_from_others() -> None:
+    """Three words before it, and none after, unless more of them are needed for it to stand once."""
+    text = "RK4 ends at 0.877604 here. One step of RK4 ends at 0.499895, and a step of RK4 ends at 0.877604 again."
+    phrases = re.findall(r'phrase = "(.*)"', draft(document_of(text), "a"))
+    assert phrases == ["RK4 ends at {value} here", "RK4 ends at {value}", "of RK4 ends at {value}"]
+    assert held(document_of(text), draft(document_of(text), "a"))[UNCOVERED] == 0
+
+
 def test_name_of_the_text_cannot_break_the_draft() -> None:
     assert tomllib.loads(draft(document_of("7"), 'a\nb = 1\n"')) == {}
 

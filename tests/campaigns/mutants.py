@@ -1,0 +1,290 @@
+"""Small errors planted in a copy of the package, one at a time: do the tests notice? Writes docs/mutants.md.
+
+Which errors are planted is drawn by a seed, as many in each room. An error is tried on the test file that mirrors the
+module, on those that import the module, and on the catalogue's; the checkout itself is never touched.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import os
+import random
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import tomllib
+from collections import Counter
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from pathlib import Path
+from queue import SimpleQueue
+from typing import NamedTuple
+
+from tqdm import tqdm
+
+ROOT = Path(__file__).parents[2]
+ROOMS = ("methods", "symbolic", "numeric", "blackbox", "texts")
+KILLED, SURVIVED, EQUIVALENT, UNDECIDED = OUTCOMES = ("killed", "survived", "equivalent", "undecided")
+PAGE, JUDGED = ROOT / "docs" / "mutants.md", Path(__file__).with_name("equivalent.toml")
+# Of one mutant's tests: longer than any of them takes on two busy cores. A mutant that runs on is noticed by it.
+LIMIT = 300.0
+
+SWAPS: dict[type[ast.AST], type[ast.AST]] = {
+    **{ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Add, ast.Div: ast.Mult, ast.FloorDiv: ast.Mult},
+    **{ast.Mod: ast.Mult, ast.Pow: ast.Mult, ast.LShift: ast.RShift, ast.RShift: ast.LShift, ast.And: ast.Or},
+    **{ast.Or: ast.And, ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq},
+    **{ast.NotEq: ast.Eq, ast.Is: ast.IsNot, ast.IsNot: ast.Is, ast.In: ast.NotIn, ast.NotIn: ast.In},
+}
+
+
+HEAD = """\
+# Planted errors, and whether the tests notice
+
+Written by `{command}`; from another tree the same seed draws others.
+
+Each mutant is one small error in a copy of the package: an operator, a comparison, a constant or a digit is changed,
+a sign or a statement dropped, two arguments are swapped. It is killed where a test that passes without it fails with
+it, among the test file that mirrors the module, those that import the module, and the catalogue's. The score leaves
+out what no test could notice, each with its reason: `tests/campaigns/equivalent.toml`. What the time limit ended is
+undecided, and counts as not killed.
+
+| room | mutants | killed | survived | equivalent | undecided | score |
+|---|---|---|---|---|---|---|"""
+
+
+class Mutant(NamedTuple):
+    """`old` at bytes `start` to `end` of the file becomes `new`; `line` is the line as it was, for the reader."""
+
+    place: str
+    start: int
+    end: int
+    old: str
+    new: str
+    line: str
+    nth: int
+
+    @property
+    def name(self) -> str:
+        """What it is called in the page and in equivalent.toml, lines that move or not; `nth` counts its namesakes."""
+        again = f" ({self.nth})" if self.nth > 1 else ""
+        return f"{self.place} | {self.line} | {self.old} -> {self.new}{again}"
+
+
+def variants(node: ast.AST, digits: bool) -> Iterator[str]:
+    """What may stand instead of the node."""
+    if isinstance(node, ast.BinOp) and type(node.op) in SWAPS:
+        yield ast.unparse(ast.BinOp(node.left, SWAPS[type(node.op)](), node.right))
+    elif isinstance(node, ast.BoolOp):
+        yield ast.unparse(ast.BoolOp(SWAPS[type(node.op)](), node.values))
+    elif isinstance(node, ast.Compare):
+        for i, operator in enumerate(node.ops):
+            changed = [*node.ops[:i], SWAPS[type(operator)](), *node.ops[i + 1 :]]
+            yield ast.unparse(ast.Compare(node.left, changed, node.comparators))
+    elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.Not):
+        yield ast.unparse(node.operand)
+    elif isinstance(node, ast.Constant) and type(node.value) in (int, float):
+        yield from (repr(node.value + 1), repr(node.value - 1))
+    elif isinstance(node, ast.Constant) and type(node.value) is bool:
+        yield repr(not node.value)
+    elif isinstance(node, ast.Constant) and digits and re.search(r"\d\.\d+", str(node.value)):
+        for match in list(re.finditer(r"\.\d*(\d)", str(node.value)))[-1:]:  # its last digit after the point
+            at, text = match.start(1), str(node.value)
+            yield repr(f"{text[:at]}{(int(text[at]) + 1) % 10}{text[at + 1 :]}")
+    elif isinstance(node, ast.Call) and len(node.args) > 1 and ast.unparse(node.func) not in ("max", "min"):
+        if not any(isinstance(x, ast.Starred) for x in node.args):
+            yield ast.unparse(ast.Call(node.func, [node.args[1], node.args[0], *node.args[2:]], node.keywords))
+    elif isinstance(node, ast.AugAssign | ast.Raise | ast.Break | ast.Continue | ast.Expr | ast.Assign):
+        kept = ast.Constant | ast.Yield | ast.YieldFrom  # docstrings, and what makes a generator of a function
+        names = isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name | ast.Tuple)
+        if not names and not (isinstance(node, ast.Expr) and isinstance(node.value, kept)):
+            yield "pass"
+
+
+def nodes(tree: ast.AST) -> Iterator[ast.AST]:
+    """Every node that says what is computed: no annotation, no imported name, no part of a formatted string."""
+    for field, value in ast.iter_fields(tree):
+        if field in ("annotation", "returns", "type_params") or (field == "value" and _is_alias(tree)):
+            continue
+        for child in value if isinstance(value, list) else [value]:
+            if isinstance(child, ast.AST) and not isinstance(child, ast.JoinedStr | ast.Import | ast.ImportFrom):
+                yield child
+                yield from nodes(child)
+
+
+def _is_alias(node: ast.AST) -> bool:
+    return isinstance(node, ast.AnnAssign) and "TypeAlias" in ast.unparse(node.annotation)
+
+
+def mutants_of(root: Path, place: str) -> list[Mutant]:
+    """Every mutant of the file that still compiles."""
+    source = (root / place).read_bytes()
+    begins = [0]
+    for line in source.splitlines(keepends=True):
+        begins.append(begins[-1] + len(line))
+    found, named = [], Counter[tuple[str, ...]]()
+    for node in nodes(ast.parse(source)):
+        for new in variants(node, "/tables/" in place):
+            first, last = begins[node.lineno - 1], begins[node.end_lineno - 1]  # type: ignore[attr-defined]
+            start, end = first + node.col_offset, last + node.end_col_offset  # type: ignore[attr-defined]
+            new = f"({new})" if isinstance(node, ast.BinOp | ast.BoolOp | ast.Compare | ast.UnaryOp) else new
+            with suppress(SyntaxError, ValueError):
+                compile(source[:start] + new.encode() + source[end:], place, "exec")
+                line = source[first:].decode().partition("\n")[0].strip()
+                words = (place, line, " ".join(source[start:end].decode().split()), new)
+                named[words] += 1
+                found.append(Mutant(place, start, end, words[2], new, line, named[words]))
+    return found
+
+
+def sample(root: Path, seed: int, number: int) -> list[Mutant]:
+    """As many of each room, room after room, so that whoever stops early has a fair sample, too."""
+    draw, rooms = random.Random(seed), []
+    for room in ROOMS:
+        files = sorted(path.relative_to(root).as_posix() for path in (root / "driftproof" / room).rglob("*.py"))
+        rooms.append([m for place in files for m in mutants_of(root, place)])
+        draw.shuffle(rooms[-1])
+    return [mutant for turn in zip(*rooms, strict=False) for mutant in turn][:number]
+
+
+def checks_of(root: Path, place: str) -> list[str]:
+    """The mirrored file first, then those that import the module, then the catalogue's for what it goes through."""
+    path = Path(place)
+    mirrored = root / "tests" / path.relative_to("driftproof").with_name(f"test_{path.name}")
+    module = ".".join(path.with_suffix("").parts)
+    importing = re.compile(rf"from {module.rpartition('.')[0]} import .*\b{path.stem}\b|\b{re.escape(module)}\b")
+    found = [mirrored] if mirrored.exists() else []
+    found += [p for p in sorted((root / "tests").rglob("test_*.py")) if importing.search(p.read_text(encoding="utf-8"))]
+    if "/tables/" in place:
+        found += sorted((root / "tests" / "methods" / "tables").glob("test_*.py"))
+    if path.parts[1] in ("methods", "symbolic", "numeric"):
+        found.append(root / "tests" / "catalogue" / "test_conformance.py")
+    return [p.relative_to(root).as_posix() for p in dict.fromkeys(found)]
+
+
+class Workshop:
+    """A copy of the tree in which mutants are planted, and its tests run."""
+
+    def __init__(self, folder: Path) -> None:
+        """Copy what git knows of, and what it does not ignore."""
+        listed = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
+        names = subprocess.run(listed, cwd=ROOT, capture_output=True, text=True, check=True).stdout.split("\0")
+        self.root, self.stamp = folder, int(time.time())
+        for name in filter(None, names):
+            if (ROOT / name).exists():
+                (folder / name).parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy2(ROOT / name, folder / name, follow_symlinks=False)
+
+    def write(self, place: str, content: bytes) -> None:
+        """With a time of its own, whole seconds later than the last: bytecode is told apart by that."""
+        self.stamp += 2
+        (self.root / place).write_bytes(content)
+        os.utime(self.root / place, (self.stamp, self.stamp))
+
+    def run(self, tests: list[str], limit: float) -> tuple[int | None, str]:
+        """pytest's exit status, None past the limit, and the first test that failed, "" for none."""
+        command = [sys.executable, "-m", "pytest", "-x", "-q", "-rfE", "--no-header", *tests]
+        environment = {**os.environ, "PYTHONPATH": str(self.root), "HYPOTHESIS_PROFILE": "ci"}
+        running = subprocess.Popen(
+            command, cwd=self.root, env=environment, start_new_session=True,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
+        )  # fmt: skip
+        try:
+            out, _ = running.communicate(timeout=limit)
+        except subprocess.TimeoutExpired:
+            os.killpg(running.pid, signal.SIGKILL)
+            running.communicate()
+            return None, ""
+        failed = re.search(r"(?m)^(?:FAILED|ERROR) (\S+?\.py(?:::\S+)?)", out)
+        return running.returncode, failed[1] if failed else ""
+
+    def outcome(self, mutant: Mutant) -> str:
+        """Killed by a test that passes without the mutant; undecided where the time limit ended it, or no test ran."""
+        right = (self.root / mutant.place).read_bytes()
+        self.write(mutant.place, right[: mutant.start] + mutant.new.encode() + right[mutant.end :])
+        try:
+            tests = checks_of(self.root, mutant.place)
+            status, failed = self.run(tests, LIMIT)
+        finally:
+            self.write(mutant.place, right)
+        if status == 0:
+            return SURVIVED
+        again, _ = self.run([failed.partition("[")[0]] if failed else tests, LIMIT / 2)
+        return KILLED if again == 0 else UNDECIDED
+
+
+def judged() -> dict[str, str]:
+    """The mutants that no test could notice, by name, each with the reason."""
+    return {entry["mutant"]: entry["because"] for entry in tomllib.loads(JUDGED.read_text(encoding="utf-8"))["judged"]}
+
+
+def campaign(mutants: list[Mutant], minutes: float, workers: int) -> dict[Mutant, str]:
+    """Every mutant's outcome, as far as the time allows."""
+    found: dict[Mutant, str] = {m: EQUIVALENT for m in mutants if m.name in judged()}
+    until, lock = time.monotonic() + 60 * minutes, threading.Lock()
+    with tempfile.TemporaryDirectory() as folder, tqdm(total=len(mutants), initial=len(found), unit="mutant") as bar:
+        shops: SimpleQueue[Workshop] = SimpleQueue()
+        for i in range(workers):
+            shops.put(Workshop(Path(folder, str(i))))
+
+        def look(mutant: Mutant) -> None:
+            if time.monotonic() > until:
+                return
+            shop = shops.get()
+            try:
+                outcome = shop.outcome(mutant)
+            finally:
+                shops.put(shop)
+            with lock:
+                found[mutant] = outcome
+                bar.update()
+                if outcome != KILLED:
+                    bar.write(f"{outcome}: {mutant.name}", file=sys.stderr)
+
+        with ThreadPoolExecutor(workers) as pool:
+            list(pool.map(look, [m for m in mutants if m not in found]))
+    return {m: found[m] for m in mutants if m in found}
+
+
+def page(found: dict[Mutant, str], command: str) -> str:
+    """docs/mutants.md."""
+    lines = [HEAD.format(command=command)]
+    for room in (*ROOMS, "all"):
+        count = Counter(x for mutant, x in found.items() if room in ("all", mutant.place.split("/")[1]))
+        against = count.total() - count[EQUIVALENT]
+        score = f"{100 * count[KILLED] / against:.0f} %" if against else "-"
+        lines.append(f"| {room} | {count.total()} | {' | '.join(str(count[x]) for x in OUTCOMES)} | {score} |")
+    reasons = judged()
+    for title, wanted in (("Survivors", SURVIVED), ("Undecided", UNDECIDED), ("Equivalent", EQUIVALENT)):
+        listed = [m for m, outcome in found.items() if outcome == wanted]
+        lines += ["", f"## {title}", ""] if listed else []
+        for m in listed:
+            because = f": {reasons[m.name]}" if m.name in reasons else ""
+            lines.append(f"- `{m.place}`, `{m.line}`: `{m.old}` becomes `{m.new}`{because}")
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """Draw, try, and write the page."""
+    arguments = argparse.ArgumentParser(description=__doc__)
+    arguments.add_argument("--seed", type=int, default=1)
+    arguments.add_argument("--number", type=int, default=300)
+    arguments.add_argument("--minutes", type=float, default=60, help="after which no further mutant is begun")
+    arguments.add_argument("--workers", type=int, default=2)
+    given = arguments.parse_args()
+    _, most = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (8 << 30, most))  # of each process: a mutant may run wild
+    found = campaign(sample(ROOT, given.seed, given.number), given.minutes, given.workers)
+    command = f"python -m tests.campaigns.mutants --seed {given.seed} --number {len(found)}"
+    PAGE.write_text(page(found, command), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
