@@ -1,7 +1,7 @@
 """Small errors planted in a copy of the package, one at a time: do the tests notice? Writes docs/mutants.md.
 
 Which errors are planted is drawn by a seed, as many in each room. An error is tried on the test file that mirrors the
-module, on those that import the module, and on the catalogue's; the checkout itself is never touched.
+module, on those that import it or stand beside it, and on the catalogue's; the checkout itself is never touched.
 """
 
 from __future__ import annotations
@@ -52,9 +52,9 @@ Written by `{command}`; from another tree the same seed draws others.
 
 Each mutant is one small error in a copy of the package: an operator, a comparison, a constant or a digit is changed,
 a sign or a statement dropped, two arguments are swapped. It is killed where a test that passes without it fails with
-it, among the test file that mirrors the module, those that import the module, and the catalogue's. The score leaves
-out what no test could notice, each with its reason: `tests/campaigns/equivalent.toml`. What the time limit ended is
-undecided, and counts as not killed.
+it, among the test file that mirrors the module, those that import the module, those beside it, and the catalogue's.
+The score leaves out what no test could notice, each with its reason: `tests/campaigns/equivalent.toml`. What the time
+limit ended is undecided, and counts as not killed.
 
 | room | mutants | killed | survived | equivalent | undecided | score |
 |---|---|---|---|---|---|---|"""
@@ -155,15 +155,14 @@ def sample(root: Path, seed: int, number: int) -> list[Mutant]:
 
 
 def checks_of(root: Path, place: str) -> list[str]:
-    """The mirrored file first, then those that import the module, then the catalogue's for what it goes through."""
+    """The mirrored file first, then those that import the module, those beside it, and the catalogue's."""
     path = Path(place)
     mirrored = root / "tests" / path.relative_to("driftproof").with_name(f"test_{path.name}")
     module = ".".join(path.with_suffix("").parts)
     importing = re.compile(rf"from {module.rpartition('.')[0]} import .*\b{path.stem}\b|\b{re.escape(module)}\b")
     found = [mirrored] if mirrored.exists() else []
     found += [p for p in sorted((root / "tests").rglob("test_*.py")) if importing.search(p.read_text(encoding="utf-8"))]
-    if "/tables/" in place:
-        found += sorted((root / "tests" / "methods" / "tables").glob("test_*.py"))
+    found += sorted(mirrored.parent.glob("test_*.py"))
     if path.parts[1] in ("methods", "symbolic", "numeric"):
         found.append(root / "tests" / "catalogue" / "test_conformance.py")
     return [p.relative_to(root).as_posix() for p in dict.fromkeys(found)]

@@ -35,7 +35,7 @@ def by_key(method: Method) -> str:
 
 
 def fingerprint(method: Method) -> str:
-    """The first digits of a checksum over all that the method computes with: any digit of any coefficient counts."""
+    """The first digits of a checksum: any digit of any coefficient counts, and of the source."""
     names = ("c", "a", "b", "b_embedded", "embedded_order", "b_position", "b_velocity", "parts", "node_polynomial")
-    meant = {name: getattr(method, name) for name in (*names, "claimed_order") if hasattr(method, name)}
+    meant = {name: getattr(method, name) for name in (*names, "claimed_order", "source") if hasattr(method, name)}
     return sha256(str(meant).encode()).hexdigest()[:12]
