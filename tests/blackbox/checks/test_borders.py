@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftproof.blackbox.checks.borders import edge, named, negligible_step, rounder
-from driftproof.blackbox.checks.trials import TrialRunner, steady_runner
+from driftproof.blackbox.checks.trials import Trial, TrialRunner, steady_runner
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32
 from tests.blackbox.checks.habits import CAR_IN_A_VALLEY, DIVIDES_BY_H, FIXED_STEP, WRAPPED, plain
@@ -54,6 +54,13 @@ def test_a_border_with_a_short_name_is_found_soon(limit):
 
 def test_a_border_at_0_is_found_next_to_it():
     assert tries_and_edge(0.0, 0.0, 1.0)[1] == (0.0, 5e-324)
+
+
+def test_the_other_component_came_back_only_if_it_did():
+    short = negligible_step(RUNNER)
+    for component, q, v in ((0, 0.5, 2.0), (1, 2.0, 0.5)):
+        for answer, kept in (((q, v), True), ((q + 0.1, v), component == 0), ((q, v + 0.1), component == 1)):
+            assert short.keeps_other(component, Trial("", (q, v, short.h), answer)) is kept
 
 
 @pytest.mark.parametrize(("fmt", "kind"), [(BINARY32, np.float32), (BINARY16, np.float16)])

@@ -12,8 +12,9 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import oscillator, stepper
 from driftproof.numeric.steppers import HAND_WRITTEN, rk4
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
-from driftproof.symbolic.rounding.any_evaluation_order import any_evaluation_order_bound
+from driftproof.symbolic.rounding.any_evaluation_order import _PolynomialTally, any_evaluation_order_bound
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
+from driftproof.symbolic.rounding.polynomials import D, constant_polynomial
 from driftproof.symbolic.rounding.step_bound import step_bound
 from driftproof.symbolic.runs import apply, exact_matrix_at
 from tests.nine import NINE
@@ -117,6 +118,11 @@ def test_a_wrong_coefficient_is_not_hidden_by_any_order():
     exact = rk4(oscillator, Q(1), Q(1), Q(1, 4))
     allowed = any_evaluation_order_bound(NINE["rk4"]).error_of(Q(1, 4), Q(1), Q(1))
     assert any(abs(Q(x) - y) > most for x, y, most in zip(floats, exact, allowed, strict=True))
+
+
+def test_a_coefficient_is_rounded_once_unless_it_is_one():
+    sizes = [_PolynomialTally.of_coefficient(c, BINARY64, Q(0)).size for c in (Q(1), Q(-1), Q(2), Q(1, 2))]
+    assert sizes == [constant_polynomial(Q(1))] * 2 + [D * constant_polynomial(c) for c in (Q(2), Q(1, 2))]
 
 
 def test_a_coefficient_in_the_underflow_range_is_refused():

@@ -40,3 +40,10 @@ def test_text_has_short_exact_forms_and_says_what_is_undefined() -> None:
     assert lines[-1] == "6 digits, rounded half-even, certified"
     at_rest = answer_text(run_answer("rk4", Q(1, 4), Q(1), (Q(0), Q(0)), 6, "half-even"))
     assert "phase error    undefined at the origin" in at_rest
+
+
+def test_exact_forms_of_up_to_24_characters_are_shown() -> None:
+    for q, shown in ((Q(10**11 + 3, 10**10), True), (Q(10**11 + 3, 10**11), False)):
+        text = answer_text(step_answer("forward_euler", Q(1, 2), (q, Q(0)), 6, "half-even"))
+        assert len(str(q)) == (24 if shown else 25)
+        assert (f"exactly {q}" in text) is shown
