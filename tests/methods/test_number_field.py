@@ -277,3 +277,11 @@ def test_methods_of_rational_coefficients_are_read_without_flint(modules_after: 
     assert "flint" not in modules_after(read.format("rk4"))
     assert "flint" in modules_after(read.format("gauss2"))
     assert "flint" not in modules_after("import driftproof.numeric.run, driftproof.numeric.engine")
+
+
+def test_an_end_may_be_as_near_to_the_root_as_it_likes() -> None:
+    near = Q(math.isqrt(2 * 10**200), 10**100)
+    root = NumberField("root", (-2, 0, 1), near, Q(3, 2)).generator
+    assert (root * root, root > near) == (2, True)
+    with pytest.raises(ValueError, match="root"):
+        NumberField("root", (-2, 0, 1), near + Q(1, 10**100), Q(3, 2))
