@@ -11,7 +11,7 @@ from typing import Any
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, arithmetic_of
 from driftproof.blackbox.identify import identified
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
-from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY_DOMAIN, Agreement, Domain
+from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY_DOMAIN, Agreement, Domain, steps_back
 from driftproof.blackbox.judging.habits import ROUNDED, explained
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.judging.nonlinear_step import NonlinearAgreement, nonlinear_agreement
@@ -91,10 +91,13 @@ def verify(
     runner = IsolatedRunner(Target(step, calls, array), time_limit, isolate)
     agreed = partial(explained, method=asked, allowance=allowance, domain=domain, examples=examples)
     beside = partial(nonlinear_agreement, method=asked, allowance=allowance)
-    outcomes = runner.run([agreed, read_coefficients, beside, measured_orders])
+    back = partial(steps_back, method=asked, allowance=allowance, domain=domain)
+    outcomes = runner.run([agreed, read_coefficients, beside, measured_orders, back])
     if outcomes[0].kind == "bad_input":
         raise ValueError(outcomes[0].seen)
     checks = [criterion(asked, outcome) for criterion, outcome in zip(CRITERIA, outcomes, strict=True)]
+    if not checks[0].passed:  # of another map, or where nothing is known, steps back say no more
+        del checks[4:]
     passed, arithmetic = _decided(checks), arithmetic_of(outcomes)
     if passed is False:
         instead = identified(runner)
@@ -147,7 +150,7 @@ def _decided(checks: Sequence[Criterion]) -> bool | None:
 
     A stepper with its system built in shows its steps of that system alone, and no more is said of it.
     """
-    rounding, coefficients, nonlinear, _ = checks
+    rounding, coefficients, nonlinear, *_ = checks
     if any(check.passed is False for check in checks):
         return False
     built_in = not (coefficients.missing or nonlinear.missing)
@@ -216,6 +219,14 @@ def _check_order(method: Method, outcome: Outcome) -> Criterion:
     return Criterion("Order", passed, lines, {"measured": found.order}, "" if passed is False else "smaller rounding")
 
 
+def _check_backward(method: Method, outcome: Outcome) -> Criterion:
+    if outcome.failed:
+        return Criterion("Steps back", None, (outcome.seen,), {})
+    passed, words, reproduction = outcome.result
+    again = [f"to see it again: {reproduction}"] if reproduction else []
+    return Criterion("Steps back", passed, (words, *again), {})
+
+
 def _derived_order(method: Method) -> int:
     """Of a method for which nobody claims one."""
     from driftproof.symbolic.facts import general_order
@@ -228,6 +239,7 @@ CRITERIA: Sequence[Callable[[Method, Outcome], Criterion]] = (
     _check_coefficients,
     _check_nonlinear_step,
     _check_order,
+    _check_backward,
 )
 
 
@@ -246,7 +258,10 @@ def _not_decided(method: Method, checks: Sequence[Criterion]) -> str:
 
 def _refuted(method: Method, checks: Sequence[Criterion], found: Agreement | None, instead: Report) -> str:
     """What it is not, and why; where nothing but the rounding errors is wrong, how they come, as far as is known."""
-    _, coefficients, _, order = checks
+    _, coefficients, nonlinear, order, *back = checks
+    others = all(check.passed is not False for check in (coefficients, nonlinear, order))
+    if others and back and back[0].passed is False:
+        return f"is {method.key} for h > 0 only: {back[0].lines[0]}"
     if found is not None and found.failing is not None and order.passed is not False:
         if found.but_for and (coefficients.passed is not False or found.but_for.startswith(ROUNDED)):
             return f"is not {method.key} to roundoff; it is, {found.but_for}"

@@ -75,6 +75,27 @@ def test_what_has_the_same_matrix_but_other_coefficients_fails():
     assert report.section("Coefficients: FAILED")
 
 
+def test_steps_back_are_tried_and_a_refusal_of_them_is_told():
+    def of_any_sign(q, v, h):
+        return symplectic_euler(q, v, abs(h))
+
+    def refusing(q, v, h):
+        if h < 0:
+            raise ValueError("h has to be positive")
+        return symplectic_euler(q, v, h)
+
+    back = verify(symplectic_euler, "symplectic_euler", examples=FEW).section("Steps back: passed")
+    assert back.lines == ("6 steps with h < 0 within the bound",)
+    wrong = verify(of_any_sign, "symplectic_euler", examples=FEW)
+    assert wrong.verdict.startswith(
+        "is symplectic_euler for h > 0 only: h < 0 is no step back: step(q=1.0, v=0.0, h=-0.25)"
+    )
+    assert not wrong.passed
+    refused = verify(refusing, "symplectic_euler", examples=FEW)
+    assert refused.passed
+    assert "raises ValueError: h has to be positive" in refused.section("Steps back: not asked").lines[0]
+
+
 def test_the_fifth_order_row_of_fehlberg_has_a_key_of_its_own():
     pair = METHODS["fehlberg45"]
     rows, nodes = codes.floats(pair)[0], codes.floats(pair)[2]

@@ -202,6 +202,38 @@ def agreement(
     return seen.summary(tolerance, domain, subject)
 
 
+# Of ordinary size and of both signs, so that each entry of M(h) shows; steps with few bits and with many.
+_STATES_BACK, _STEPS_BACK = ((1.0, 0.0), (0.0, 1.0), (-0.75, 1.25)), (0.25, 0.1)
+
+
+def steps_back(
+    subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
+) -> tuple[bool | None, str, str]:
+    """Whether a few steps with h < 0 are those of M(h), in words and as a call; None where h < 0 is refused.
+
+    Sizes of states and of steps are those of the domain, where it is a small one. Nothing is asked of
+    implicit methods: at h < 0 their stages need not have a solution.
+    """
+    if not method.explicit:
+        return None, f"{method.key} is implicit: steps back are not tried", ""
+    tolerance, steps = Tolerance(method, subject.format, allowance), 0
+    size, longest = min(1.0, domain.largest_state / 2), min(1.0, domain.largest_step)
+
+    def number(x: float) -> float:
+        return float(subject.format.nearest(Fraction(x)))
+
+    for h in _STEPS_BACK:
+        for q, v in _STATES_BACK:
+            example = _example(subject, tolerance, number(size * q), number(size * v), -number(longest * h))
+            steps += 1
+            if example.answer is None:
+                return None, f"h < 0 is refused: {example.misbehaved}", ""
+            if _fails(example):
+                example = _in_full(example, tolerance, subject)
+                return False, f"h < 0 is no step back: {example.words}", example.reproduction
+    return True, f"{steps} steps with h < 0 within the bound", ""
+
+
 @dataclass
 class _Remembering(ForeignStepper):
     """A stepper whose answers are kept: Hypothesis asks for some again, and refuses those that vary."""
