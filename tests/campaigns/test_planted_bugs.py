@@ -1,0 +1,104 @@
+"""Planted bugs are caught and right twins pass: the first of each kind always, two hundred in the long tier."""
+
+from collections import Counter
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from driftproof.blackbox.report import Report, sections
+from driftproof.methods.catalogue import METHODS
+from tests.campaigns.planted_bugs import (
+    COLUMNS,
+    KEYS,
+    KINDS,
+    PER_KIND,
+    Tally,
+    campaign,
+    is_equivalent,
+    judged,
+    names_the_cause,
+    page,
+    planted,
+)
+from tests.campaigns.planted_steppers import Bug
+
+PAGE = Path(__file__).parents[2] / "docs" / "planted_bugs.md"
+# A splitting of y = [q1, q2, v1, v2] that never moves q2: where a step has no tableau, only one position is looked at.
+STILL_PASS = {"component left out": 1}
+OTHER_SYSTEM = "small steps follow q' = v, v' = -0.5 q"
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_first_bug_of_each_kind_is_caught_and_its_right_twin_passes(kind):
+    bug = next(bug for bug, equivalent in planted(kind) if not equivalent)
+    assert judged(bug).passed is False
+    assert judged(bug.mended).passed is True
+
+
+@pytest.mark.long
+def test_every_planted_bug_but_the_known_ones_is_caught_no_right_twin_fails_and_the_page_says_so():
+    twins: dict[Bug, Report] = {}
+    tallies = {kind: campaign(kind, twins) for kind in KINDS}
+    counts = sum((tally.counts for tally in tallies.values()), Counter())
+    assert counts["planted"] == PER_KIND * len(KINDS) == 200
+    assert page(tallies) == PAGE.read_text(encoding="utf-8")
+    assert {kind: n for kind, tally in tallies.items() if (n := tally.counts["false pass"])} == STILL_PASS
+    assert counts["false alarm"] == 0
+
+
+def test_the_page_shows_a_row_for_each_kind_no_false_alarm_and_the_known_false_passes_only():
+    rows = [line.split(" | ") for line in PAGE.read_text(encoding="utf-8").splitlines() if line.startswith("| **")]
+    assert len(rows) == len(KINDS) == 10
+    for row in rows:
+        assert row[1 + COLUMNS.index("planted")] == str(PER_KIND)
+        kind = row[0].removeprefix("| **").partition("**")[0]
+        assert row[1 + COLUMNS.index("false pass")] == str(STILL_PASS.get(kind, 0))
+        assert row[1 + COLUMNS.index("false alarm")].rstrip(" |") == "0"
+
+
+def test_a_kind_has_twenty_different_bugs_of_several_methods_and_conventions():
+    bugs = [bug for bug, equivalent in planted("component left out") if not equivalent]
+    assert len(set(bugs)) == PER_KIND
+    assert {bug.calls for bug in bugs} == {"map", "force", "field"}
+    assert len({bug.key for bug in bugs}) > len(KEYS) // 2
+
+
+@pytest.mark.parametrize(
+    ("bug", "equivalent"),
+    [
+        (Bug("none", "rk4", "field", METHODS["rk4"]), True),
+        (Bug("time", "rk4", "field", METHODS["rk4"], at=0, variant="t"), True),
+        (Bug("time", "rk4", "field", METHODS["rk4"], at=1, variant="t"), False),
+        (Bug("stale force", "rk4", "map", METHODS["rk4"], at=0), False),
+        (Bug("order of updates", "heun2", "map", METHODS["heun2"], at=0), False),
+        # One coefficient of Euler's method as a float, and the next float.
+        (Bug("sign", "forward_euler", "map", replace(METHODS["forward_euler"], b=(1 + Fraction(1, 2**52),))), False),
+        (Bug("sign", "forward_euler", "map", replace(METHODS["forward_euler"], b=(1 + Fraction(1, 2**60),))), True),
+    ],
+)
+def test_equivalence_is_decided_in_exact_arithmetic(bug, equivalent):
+    assert is_equivalent(bug) is equivalent
+
+
+def test_a_cause_is_named_by_the_changed_entry_and_by_no_other_words():
+    bug = Bug("sign", "heun2", "force", METHODS["heun2"], places=(("b", (1,)),))
+    said = lambda verdict: names_the_cause(bug, Report("step", verdict, False, ()))
+    assert said("is not heun2; it is heun2 but for b[1]: -1/2 instead of 1/2")
+    assert said("is not heun2; it is ralston2")
+    assert said("is not heun2; it is, as far as linear steps tell, heun2_of_another_name")
+    assert not said("is not heun2; it is heun2 but for b[0]: -1/2 instead of 1/2")
+    assert not names_the_cause(
+        bug, Report("step", "is not heun2; it is rk4", False, sections(("Matrix", [OTHER_SYSTEM])))
+    )
+    assert not said("is not heun2; it is, as far as linear steps tell, heun2")
+    assert not said("is not heun2; it is no method that is known here")
+
+
+def test_what_passes_is_counted_and_told_below_the_table():
+    tally = Tally(Counter({"false pass": 1, "planted": 1}), ["false pass: rk4 as field"])
+    text = page({"time": tally})
+    assert "| all | 1 | 0 | 0 | 0 | 0 | 1 | 0 | 0 |" in text
+    assert text.endswith("\n- time: false pass: rk4 as field\n")
+    assert page({"time": Tally(Counter(), [])}).endswith("Each bug was caught, and each twin passed.\n")
