@@ -2,6 +2,10 @@
 
 import sys
 
-from driftproof.cli import main
+try:
+    from driftproof.cli import main
+except KeyboardInterrupt:
+    print("driftproof: interrupted", file=sys.stderr)
+    sys.exit(130)
 
 sys.exit(main())

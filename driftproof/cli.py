@@ -5,7 +5,9 @@ What is not asked for is not imported: neither other commands nor, for --help an
 
 from __future__ import annotations
 
+import os
 import sys
+from contextlib import suppress
 
 from driftproof import TYPE_CHECKING, __version__
 
@@ -34,6 +36,9 @@ COMMANDS = {
     "check": ("texts", "whether the numbers of a text are right, and which nobody claims"),
     "diff": ("values", "what changed between two files of values: value, digits or wording"),
 }
+
+# Exit statuses, beside those in `commands.arguments`: no answer, as an answer that did not arrive is none; Ctrl-C.
+LOST, INTERRUPTED = 3, 130
 
 HELP = """\
 usage: driftproof [-h] [--version] COMMAND ...
@@ -64,37 +69,41 @@ Numbers are read exactly: 0.1 is 1/10, and 1/4 is a quarter. `driftproof COMMAND
 
 
 def main(arguments: list[str] | tuple[str, ...] | None = None) -> int:
-    """Run the command line; the status is 0 if answered, 1 if the answer is no, 2 for bad input, 3 for no answer."""
+    """Run the command line; the status is 0 if answered, 1 if the answer is no, 2 for bad input, 3 for no answer.
+
+    An answer that could not be written is none.
+    """
     name, *words = (sys.argv[1:] if arguments is None else arguments) or ("",)
-    if name in ("-h", "--help"):
-        listed = "\n".join(f"  {command:14}  {what}" for command, (_, what) in COMMANDS.items())
-        return _print(HELP.format(commands=listed).removesuffix("\n"))
-    if name == "--version":
-        return _print(f"driftproof {__version__}")
-    return _answer(name, words)
-
-
-def _answer(name: str, words: list[str]) -> int:
-    """Parse the words of one command, print its answer or one line of complaint."""
-    from driftproof.commands.arguments import BAD_INPUT, INTERRUPTED, NO_ANSWER, Refuted
-
     prog = f"driftproof {name}" if name in COMMANDS else "driftproof"
+    try:
+        if name in ("-h", "--help"):
+            listed = "\n".join(f"  {command:14}  {what}" for command, (_, what) in COMMANDS.items())
+            return _print(HELP.format(commands=listed).removesuffix("\n"), prog)
+        if name == "--version":
+            return _print(f"driftproof {__version__}", prog)
+        return _answer(prog, name, words)
+    except KeyboardInterrupt:  # also while something is imported
+        return _complain(prog, "interrupted", INTERRUPTED)
+
+
+def _answer(prog: str, name: str, words: list[str]) -> int:
+    """Parse the words of one command, print its answer or one line of complaint."""
+    from driftproof.commands.arguments import BAD_INPUT, NO_ANSWER, Help, Refuted
+    from driftproof.support.plain_text import printable
+
     try:
         command = command_named(name)
         options = command.parser(prog).parse_args(words)
-        try:
-            return _print(command.answer(options))
-        except Refuted as answer:
-            _print(str(answer))
-            return answer.status
+        answer, status = command.answer(options), 0
+    except (Help, Refuted) as shown:
+        answer, status = str(shown), shown.status if isinstance(shown, Refuted) else 0
     except OSError as error:
         return _complain(prog, _in_words(error), BAD_INPUT)
     except ValueError as error:
         return _complain(prog, str(error), BAD_INPUT)
     except ArithmeticError as error:
         return _complain(prog, str(error), NO_ANSWER)
-    except KeyboardInterrupt:
-        return _complain(prog, "interrupted", INTERRUPTED)
+    return _print(printable(answer), prog) or status
 
 
 def command_named(name: str) -> Command:
@@ -113,19 +122,30 @@ def command_named(name: str) -> Command:
     return command
 
 
-def _print(text: str) -> int:
+def _print(text: str, prog: str) -> int:
+    """0 where the text has arrived; else one line about it."""
+    if sys.stdout is None:
+        return _complain(prog, "the answer is lost: standard output is closed", LOST)
     try:
         print(text, flush=True)
-    except BrokenPipeError:
-        sys.stderr.close()  # the reader has gone; a second complaint at exit would be noise
+    except (OSError, ValueError) as error:
+        with suppress(OSError, ValueError):  # what is left in the buffer must not fail a second time, at exit
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return _complain(prog, f"the answer is lost: standard output: {_in_words(error)}", LOST)
     return 0
 
 
-def _in_words(error: OSError) -> str:
+def _in_words(error: Exception) -> str:
     """As elsewhere: the file, then what is wrong with it, without the number of the error."""
-    return f"{error.filename}: {error.strerror}" if error.filename and error.strerror else str(error)
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
+    return str(error)
 
 
 def _complain(name: str, message: str, status: int) -> int:
-    print(f"{name}: {' '.join(message.split())}", file=sys.stderr)
+    from driftproof.support.plain_text import printable
+
+    if sys.stderr is not None:
+        with suppress(OSError, ValueError):
+            print(printable(f"{name}: {' '.join(message.split())}"), file=sys.stderr, flush=True)
     return status

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from driftproof.support.files import atomic_write
 from driftproof.texts.values.published import VALUES_FILE
 from proofs.claims import RESTRICTED
 from proofs.ledger import Entry, Ledger
@@ -126,7 +127,6 @@ def _files(ledger: Ledger) -> list[tuple[Path, str]]:
 def _write_if_changed(path: Path, text: str) -> bool:
     if path.exists() and path.read_text(encoding="utf-8") == text:
         return False
-    draft = path.with_suffix(".draft")
-    draft.write_text(text, encoding="utf-8")
-    draft.replace(path)
+    with atomic_write(path) as draft:
+        Path(draft).write_text(text, encoding="utf-8")
     return True

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from driftproof import __version__
-from driftproof.cli import COMMANDS, command_named
-from driftproof.commands.arguments import BAD_INPUT, INTERRUPTED, NO_ANSWER, REFUTED
+from driftproof.cli import COMMANDS, INTERRUPTED, LOST, command_named
+from driftproof.commands.arguments import BAD_INPUT, NO_ANSWER
 from driftproof.support import plain_text
 from driftproof.texts.values.published import VALUES_FILE
 from tests.looping import some
@@ -20,6 +20,7 @@ ROOT = Path(__file__).parents[1]
 DRIFTPROOF = (sys.executable, "-m", "driftproof")
 
 
+GONE = "the answer is lost: standard output"
 REFUSED = {
     (): "driftproof: the following arguments are required: COMMAND (`driftproof --help` shows how)\n",
     ("-x", "step"): "driftproof: unrecognized arguments: -x (`driftproof --help` shows how)\n",
@@ -73,7 +74,81 @@ def test_real_process_has_the_same_manners_and_nobody_has_to_read_its_answer(tmp
     os.close(read)
     done = process("diff", str(tmp_path / "old.json"), str(tmp_path / "new.json"), stdout=write)
     os.close(write)
-    assert (done.returncode, done.stderr) == (REFUTED, "")
+    assert (done.returncode, done.stderr) == (LOST, f"driftproof diff: {GONE}: Broken pipe\n")
+
+
+@pytest.mark.parametrize("words", [["--version"], ["--help"], ["run", "--help"], ["step", "rk4", "--h", "1/2"]])
+@pytest.mark.parametrize(("to", "why"), [(">/dev/full", "No space left on device"), (">&-", "is closed")])
+def test_answer_that_is_lost_is_no_success(words, to, why):
+    command = f"{shlex.join([*DRIFTPROOF, *words])} {to}"
+    done = subprocess.run(["/bin/sh", "-c", command], cwd=ROOT, capture_output=True, text=True, timeout=60)
+    assert done.returncode == LOST
+    assert done.stderr.count("\n") == 1
+    assert GONE in done.stderr
+    assert why in done.stderr
+
+
+@pytest.mark.parametrize("module", ["driftproof.commands.arguments", "driftproof.texts.writing.answers"])
+def test_interrupt_while_something_is_imported_gets_one_line(module, run, monkeypatch):
+    real = __import__
+
+    def interrupted(name, *more, **named):
+        if name == module:
+            raise KeyboardInterrupt
+        return real(name, *more, **named)
+
+    monkeypatch.setattr("builtins.__import__", interrupted)
+    found = run("run", "rk4", "--h", "1/4", "--t", "1")
+    monkeypatch.undo()
+    assert found == (INTERRUPTED, "", "driftproof run: interrupted\n")
+
+
+def test_links_in_a_circle_are_refused_by_name(refusal, tmp_path):
+    (tmp_path / "t.md.j2").write_text("x", encoding="utf-8")
+    for name in ("a.toml", "a.md"):
+        (tmp_path / name).symlink_to(tmp_path / name)
+    loop = str(tmp_path / "a.toml")
+    for words in (
+        ("scene", loop),
+        ("facts", loop),
+        ("diff", loop, loop),
+        ("check", loop, "--init"),
+        ("report", "default", "-o", loop),
+        ("sweep", "default", "--h", "1/4", "-o", loop),
+        ("render", str(tmp_path / "t.md.j2"), "-o", str(tmp_path / "a.md")),
+        ("scene", "default", "--figures", loop),
+        ("work-precision", "--methods", "rk4", "-o", loop),
+    ):
+        line = refusal(*words)
+        assert "Too many levels of symbolic links" in line
+        assert str(tmp_path) in line
+
+
+FOREIGN = "\x1b[2J\x9b31m\u202e\x07"
+
+
+def test_foreign_text_has_no_say_over_the_terminal(run, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    title = "".join(f"\\u{ord(c):04x}" for c in FOREIGN)
+    Path("m.toml").write_text(
+        f'family = "runge_kutta"\ntitle = "{title}"\nA = [[0, 0], ["1/2", 0]]\nb = [0, 1]\n', encoding="utf-8"
+    )
+    Path("mine_is_odd.py").write_text(
+        f"def step(q, v, h):\n    {FOREIGN!r}\n    print({FOREIGN!r})\n    raise ValueError({FOREIGN!r})\n",
+        encoding="utf-8",
+    )
+    for words in (
+        ("facts", "m.toml", "--only", "order"),
+        ("scene", f"{FOREIGN}.toml"),
+        ("scene", "default", FOREIGN),
+        (FOREIGN,),
+        ("diff", f"{FOREIGN}.json", "x"),
+        *(("identify", "mine_is_odd:step", "--format", form) for form in ("text", "json", "markdown")),
+    ):
+        _, out, err = run(*words)
+        assert out + err
+        assert not set(out + err) & set("\x1b\x9b\u202e\x07"), words
 
 
 JSON_COMMANDS = [
@@ -197,7 +272,7 @@ NEEDED = {
     "roundoff rk4 --h 1/4": {"flint", "numpy"},
     "stability": {"flint", "numpy"},
     "derive rk4 --only determinant": {"flint", "sympy", "mpmath"},
-    "sweep default --h 1/4": {"numpy", "tqdm"},
+    "sweep default --h 1/4": {"numpy"},
 }
 
 

@@ -14,12 +14,13 @@ from textwrap import dedent
 from typing import Any, NamedTuple, NoReturn, TypeAlias, TypeVar
 
 from driftproof.methods.rationals import parse_rational
+from driftproof.support.plain_text import printable
 
 _T = TypeVar("_T")
 # What adds one option, or several that exclude each other, to a parser.
 CommandOption: TypeAlias = "Callable[[argparse._ActionsContainer], object]"
 
-REFUTED, BAD_INPUT, NO_ANSWER, INTERRUPTED = 1, 2, 3, 130
+REFUTED, BAD_INPUT, NO_ANSWER = 1, 2, 3
 _MOST_DIGITS = 10_000
 # A float run longer than this shows a progress bar.
 LONG_RUN = 10**6
@@ -37,6 +38,10 @@ class Undecided(Refuted):
     status = NO_ANSWER
 
 
+class Help(Exception):
+    """Help is asked for: the text is the whole answer."""
+
+
 class Parser(argparse.ArgumentParser):
     """An argument parser that complains in one line, and takes -1/2 and -1,0 for values rather than options."""
 
@@ -48,7 +53,12 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Print one line that names the problem and where to read more, and exit with status 2."""
-        self.exit(BAD_INPUT, f"{self.prog}: {' '.join(message.split())} (`{self.prog} --help` shows how)\n")
+        line = printable(" ".join(message.split()))
+        self.exit(BAD_INPUT, f"{self.prog}: {line} (`{self.prog} --help` shows how)\n")
+
+    def print_help(self, file: object = None) -> None:
+        """Raise Help: what is printed, and whether it arrives, is for the command line to see to."""
+        raise Help(self.format_help().removesuffix("\n"))
 
 
 class Command(NamedTuple):
@@ -195,7 +205,7 @@ def as_asked(options: argparse.Namespace, answer: Any, text: Callable[[Any], str
 
 def with_progress(items: Sequence[_T], unit: str) -> Iterable[_T]:
     """The items, with a progress bar on a terminal."""
-    if not sys.stderr.isatty():
+    if sys.stderr is None or not sys.stderr.isatty():
         return items
     from tqdm import tqdm
 

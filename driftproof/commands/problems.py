@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import sys
 from argparse import Namespace
+from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from driftproof.commands import arguments as cli
+from driftproof.support.plain_text import printable
 
 if TYPE_CHECKING:
     from driftproof.reports.work_precision.study import Measured, Study
@@ -87,27 +89,29 @@ def work_precision_command(options: Namespace) -> str:
       points.json                what an interrupted study goes on from
     --peers runs scipy, diffrax, heyoka or torchdiffeq beside ours (extra `peers`), at tolerances from 1e-3 to 1e-13.
     """
-    from tqdm import tqdm
-
     from driftproof.methods.tableau_file import method_of
     from driftproof.numeric.problems.catalogue import problem_named
+    from driftproof.reports.sweeps import progress_bar
     from driftproof.reports.work_precision.peers import peers_named
     from driftproof.reports.work_precision.report import errors_json, study_text, times_json
     from driftproof.reports.work_precision.study import Study, measure
-    from driftproof.support.files import require_folder
+    from driftproof.support.files import require_folder, sole_writer
 
     methods = [method_of(name) for name in options.methods or WORK_PRECISION_METHODS]
     study = Study(problem_named(options.problem), methods, peers_named(options.peers), options.time_limit)
-    if options.output:
-        require_folder(options.output)
-    with tqdm(total=0, unit="point", leave=False, disable=not sys.stderr.isatty()) as bar:
+    with ExitStack() as stack:
+        if options.output:
+            require_folder(options.output)
+            options.output.mkdir(parents=True, exist_ok=True)
+            stack.enter_context(sole_writer(options.output))
+        bar = stack.enter_context(progress_bar(0, "point"))
 
         def progress(more: int, done: int) -> None:
             bar.total += more
             bar.update(done)
 
         measured = measure(study, options.output, _say, progress)
-    written = _write(study, measured, options.output) if options.output else []
+        written = _write(study, measured, options.output) if options.output else []
     both = {"errors": errors_json(study, measured), "times": times_json(study, measured)}
     return cli.as_asked(options, both, lambda _: "\n".join([study_text(study, measured), *written]))
 
@@ -127,4 +131,4 @@ def _write(study: Study, measured: Measured, folder: Path) -> list[str]:
 
 
 def _say(line: str) -> None:
-    print(f"driftproof work-precision: {line}", file=sys.stderr)
+    print(printable(f"driftproof work-precision: {line}"), file=sys.stderr)

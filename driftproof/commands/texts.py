@@ -52,6 +52,7 @@ def render_command(options: Namespace) -> str:
 
 def _outputs(templates: list[Path], output: Path | None) -> dict[Path, Path]:
     """Output -> template. Raises ValueError where two have one output, or a template would be overwritten."""
+    from driftproof.support.files import require_file
     from driftproof.texts.templates.text_kinds import kind_of
 
     if output is not None and len(templates) > 1:
@@ -62,6 +63,7 @@ def _outputs(templates: list[Path], output: Path | None) -> dict[Path, Path]:
             raise ValueError(f"{template}: the name does not end in {TEMPLATE_SUFFIX}; name the output with -o")
         out = output or template.with_suffix("")
         kind_of(out)
+        require_file(out)  # whose links, if they lead in a circle, cannot be resolved
         if out in found or out.resolve() in {path.resolve() for path in templates}:
             raise ValueError(f"{out} is already a template or an output here; name another with -o")
         found[out] = template

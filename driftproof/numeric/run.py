@@ -42,7 +42,7 @@ class NonFiniteState(ArithmeticError):
 
 
 class NonFiniteReadout(ArithmeticError):
-    """The state is finite, but a readout of it overflows the number format."""
+    """The state is finite, but a readout of it overflows the number format, or underflows to 0 that is not 0."""
 
 
 def integrate(
@@ -154,8 +154,11 @@ _READ: dict[str, Callable[[_Finished], Any]] = {
 def _finite_readout(name: str, finished: _Finished) -> Any:
     with np.errstate(over="ignore", invalid="ignore"):
         value = _READ[name](finished)
+    (q, v), start = finished.state, finished.start
+    unlike_0 = (name == "energy" and (q or v)) or (name == "energy_change" and (q, v) != start)
+    if value == 0 and unlike_0 and readouts.energy((q, v)) == 0:
+        raise NonFiniteReadout(f"{name} underflows binary64 at the final state ({q:g}, {v:g})")
     if isinstance(value, float) and not isfinite(value):
-        q, v = finished.state
         raise NonFiniteReadout(f"{name} overflows binary64 at the final state ({q:g}, {v:g})")
     return value
 

@@ -4,8 +4,9 @@ What a point answers depends on the point alone, so the executor, the number of 
 nothing in the result.
 
 Answers are kept in a file of JSON lines, which survives whatever ends the sweep and says what it is of. The first line
-says what is swept, each other one what a point of it found. Lines are written whole and synchronised, a batch at a
-time: only the last one can be cut off, and then it is dropped. Floats are strings, to the last bit.
+says what is swept, by which version, each other one what a point of it found, with a checksum of the first line and of
+itself. Lines are written whole and synchronised, a batch at a time: only the last one can be cut off, and then it is
+dropped. Floats are strings, to the last bit. While a sweep writes the file no other one may.
 """
 
 from __future__ import annotations
@@ -17,15 +18,18 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
 from dataclasses import replace
 from fractions import Fraction
+from hashlib import sha256
 from itertools import product
 from multiprocessing import get_context
 from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple, TypeAlias
 
+from driftproof import __version__
 from driftproof.methods.catalogue import method_named
 from driftproof.numeric.run import Readouts, run_method
 from driftproof.numeric.scenes import TRAJECTORY, Scene
+from driftproof.support.files import atomic_write, naming, require_file, sole_writer
 
 # Names of fields of a scene, and the values of one point.
 Values: TypeAlias = dict[str, Any]
@@ -96,16 +100,20 @@ def sweep_batches(
     scene: Scene, grid: Grid, executor: Executor | None = None, checkpoint: Path | None = None
 ) -> Iterator[Batch]:
     """(index of the point, what it found) for every point, in the order in which they come; as `sweep`."""
-    points, kept = points_of(scene, grid), None
-    if checkpoint is not None:
+    points = points_of(scene, grid)
+    if checkpoint is None:
+        yield from _spread(scene, points, deque(range(len(points))), executor)
+        return
+    require_file(checkpoint)
+    checkpoint.parent.mkdir(parents=True, exist_ok=True)
+    checkpoint.open("ab").close()  # so that there is something to lock
+    with sole_writer(checkpoint):
         kept = Checkpoint(checkpoint, scene, grid, points)
         yield list(kept.found.items())
-    done = kept.found if kept is not None else {}
-    for batch in _spread(scene, points, deque(i for i in range(len(points)) if i not in done), executor):
-        if kept is not None:
+        left = deque(i for i in range(len(points)) if i not in kept.found)
+        for batch in _spread(scene, points, left, executor):
             kept.add(batch)
-        yield batch
-    if kept is not None:
+            yield batch
         kept.finish()
 
 
@@ -190,6 +198,7 @@ class Checkpoint:
         self.head = _line(
             {
                 "sweep": scene.name,
+                "driftproof": __version__,
                 **{name: strings(getattr(scene, name)) for name in ("selected", "h", "t", "start", "readouts")},
                 "grid": [[name, strings(values)] for name, values in grid.items()],
             }
@@ -205,33 +214,34 @@ class Checkpoint:
 
     def finish(self) -> None:
         """Put the lines in the order of the grid, so that every run of the sweep leaves the same bytes."""
-        draft = self.path.with_name(f"{self.path.name}.draft")
-        draft.write_bytes(self.head + b"".join(self._of_point(i, self.found[i]) for i in sorted(self.found)))
-        os.replace(draft, self.path)
+        with atomic_write(self.path) as draft:
+            text = self.head + b"".join(self._of_point(i, self.found[i]) for i in sorted(self.found))
+            Path(draft).write_bytes(text)
 
     def _open(self) -> None:
-        text = self.path.read_bytes() if self.path.exists() else b""
+        with naming(self.path):
+            text = self.path.read_bytes()
         lines = text.splitlines(keepends=True)
         cut = lines.pop() if lines and not lines[-1].endswith(b"\n") else b""
         if not (lines[0] == self.head if lines else self.head.startswith(cut)):
             raise ValueError(f"{self.path} is no file of this sweep; name another, or delete it")
         for number, line in enumerate(lines[1:], 2):
             self._read(number, line)
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        with self.path.open("ab") as file:
+        with naming(self.path), self.path.open("ab") as file:
             file.truncate(len(text) - len(cut))
         if not lines:
             self._append(self.head)
 
     def _append(self, lines: bytes) -> None:
-        with self.path.open("ab") as file:
+        with naming(self.path), self.path.open("ab") as file:
             file.write(lines)
             file.flush()
             os.fsync(file.fileno())
 
     def _of_point(self, i: int, found: Any) -> bytes:
         kind = "message" if isinstance(found, str) else "readouts"
-        return _line({"point": i, **{name: strings(x) for name, x in self.points[i].items()}, kind: strings(found)})
+        entry = {"point": i, **{name: strings(x) for name, x in self.points[i].items()}, kind: strings(found)}
+        return _line({**entry, "checksum": sha256(self.head + _line(entry)).hexdigest()[:16]})
 
     def _read(self, number: int, line: bytes) -> None:
         """Keep what a line says. It has to be the very line that is written for it."""

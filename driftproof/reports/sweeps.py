@@ -6,7 +6,7 @@ import re
 import sys
 from collections.abc import Iterator
 from concurrent.futures import CancelledError, Executor
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,6 @@ from driftproof.numeric.scenes import Scene
 from driftproof.numeric.sweep import Grid, SweepAnswer, points_of, strings, sweep
 from driftproof.reports.scene_view import scene_json
 from driftproof.support.environment import require_package
-from driftproof.support.files import require_file
 from driftproof.support.plain_text import table, with_digits
 
 # Pairs would widen the table; they are in the JSON.
@@ -33,13 +32,27 @@ def sweep_with_progress(
     scene: Scene, grid: Grid, executor: Executor | None, checkpoint: Path | None
 ) -> list[SweepAnswer]:
     """As `driftproof.numeric.sweep.sweep`, with a progress bar on a terminal."""
+    with progress_bar(len(points_of(scene, grid)), "point") as bar:
+        return sweep(scene, grid, executor, checkpoint, bar.update)
+
+
+class _Unseen:
+    """A progress bar that nobody would see."""
+
+    total = 0
+
+    def update(self, done: int) -> None:
+        """Nothing."""
+
+
+def progress_bar(total: int, unit: str) -> AbstractContextManager[Any]:
+    """A bar on a terminal; elsewhere what has its methods, and tqdm is not imported."""
+    if sys.stderr is None or not sys.stderr.isatty():
+        return nullcontext(_Unseen())
     from tqdm import tqdm
 
-    if checkpoint is not None:
-        require_file(checkpoint)
-    total = len(points_of(scene, grid))
-    with tqdm(total=total, unit="point", leave=False, disable=not sys.stderr.isatty()) as bar:
-        return sweep(scene, grid, executor, checkpoint, bar.update)
+    bar: AbstractContextManager[Any] = tqdm(total=total, unit=unit, leave=False)
+    return bar
 
 
 def sweep_json(scene: Scene, found: list[SweepAnswer]) -> dict[str, Any]:

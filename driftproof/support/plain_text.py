@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from typing import Any, TypeAlias
 
@@ -9,6 +10,20 @@ from typing import Any, TypeAlias
 Json: TypeAlias = Any
 # A float of this size or more is shown with an exponent.
 LARGEST_PLAIN = 1e9
+
+
+# What a terminal obeys instead of showing it: controls but for tab and end of line, directions of writing, separators
+# of lines. Halves of pairs, too, as in names of files that are no UTF-8: no output takes them.
+_UNPRINTABLE = re.compile("[\0-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
+
+
+def printable(text: str) -> str:
+    """The text with such characters spelled as in JSON: whoever wrote it has no say over the terminal that shows it.
+
+    >>> print(printable("RK4\\x1b[2J"))
+    RK4\\u001b[2J
+    """
+    return _UNPRINTABLE.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
 
 
 def as_json(answer: Any) -> str:

@@ -87,3 +87,7 @@ def prints(q, v, h):
     os.write(1, b"\x80\x05")
     np.array([1e300]) * 1e300  # a warning
     return q + h * v, v - h * q
+
+
+def hoards(q, v, h):
+    return bytearray(2**40)

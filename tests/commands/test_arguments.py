@@ -13,6 +13,7 @@ from driftproof.commands.arguments import (
     BAD_INPUT,
     LONG_RUN,
     Command,
+    Help,
     count_steps,
     exactly,
     flag,
@@ -128,12 +129,12 @@ def test_parser_complains_in_one_line(words, complaint, parse, capsys):
 
 
 @pytest.mark.parametrize("doc", [command_of.__doc__, cleandoc(command_of.__doc__)], ids=["indented", "as in 3.13"])
-def test_docstring_is_the_help(doc, parse, capsys, monkeypatch):
+def test_docstring_is_the_help(doc, parse, monkeypatch):
     monkeypatch.setattr(command_of, "__doc__", doc)
-    with pytest.raises(SystemExit):
+    with pytest.raises(Help) as shown:
         parse("--help")
-    _, about, *_, examples = capsys.readouterr().out.split("\n\n")
-    assert (about, examples) == ("Says what it does.", "Here and there:\n  indented\n")
+    _, about, *_, examples = str(shown.value).split("\n\n")
+    assert (about, examples) == ("Says what it does.", "Here and there:\n  indented")
 
 
 def test_progress_bar_is_for_long_runs_on_a_terminal_only(monkeypatch):

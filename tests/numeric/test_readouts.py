@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from math import cos, hypot, inf, isinf, isnan, nan, nextafter, pi, sin, sqrt
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from driftproof.numeric.readouts import energy, exact_state, float_energy_change, phase_error, state_error
 from driftproof.strategies import states
 
+MAX_FLOAT = float(np.finfo(float).max)
 ANGLES = st.floats(-pi, pi, allow_nan=False)
 SCALES = st.sampled_from((1e-300, 1e-160, 1.0, 1e160, 1e300))
 
@@ -34,7 +36,26 @@ def test_state_error_is_the_distance_and_does_not_overflow_where_the_energy_does
     with np.errstate(over="ignore"):
         assert isinf(energy((np.float64(3e200), np.float64(4e200))))
     assert state_error((3e-320, 4e-320), origin) == hypot(3e-320, 4e-320)
-    assert energy((3e-320, 4e-320)) == 0  # it underflows, where the distance does not
+    assert energy((3e-320, 4e-320)) == 0  # it underflows, where the distance does not: a run says so
+
+
+@given(st.tuples(*[st.floats(-1e155, 1e155) | st.floats(-1e-150, 1e-150)] * 2))
+@example((1.5e154, 0.0))
+@example((1e-161, 1e-161))
+def test_energy_is_the_exact_one_rounded_and_overflows_or_vanishes_only_with_it(state: tuple[float, float]) -> None:
+    exact = (Fraction(state[0]) ** 2 + Fraction(state[1]) ** 2) / 2
+    with np.errstate(over="ignore"):
+        found = float(energy(state))
+    if exact > Fraction(MAX_FLOAT):
+        assert found >= MAX_FLOAT
+    else:  # three roundings of an ordinary number, and one to a subnormal one
+        assert abs(Fraction(found) - exact) <= 3 * exact / 2**53 + Fraction(1, 2**1075)
+
+
+@given(st.floats(-1e60, 1e60), st.floats(-1e60, 1e60))
+def test_energy_has_the_bits_of_its_formula_for_ordinary_states(q: float, v: float) -> None:
+    q, v = (x if abs(x) > 1e-60 else 0.0 for x in (q, v))
+    assert energy((q, v)) == (q * q + v * v) / 2
 
 
 def test_equal_energy_is_not_equal_state() -> None:

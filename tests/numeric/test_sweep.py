@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
+from dataclasses import replace
 from fractions import Fraction as Q
 from math import inf
+from random import Random
 
 import pytest
 
@@ -184,6 +186,64 @@ def damaged(text: bytes) -> Iterator[tuple[bytes, str]]:
     yield head + first.replace(b'"point": 0', b'"point": 1'), "line 2: not an answer"
     yield head + first.replace(b"evaluations", b"calls"), "line 2: not an answer"
     yield head + b'{"point": 0, "message": 3}\n', "line 2: not an answer"
+
+
+def corruptions(text: bytes, other: bytes) -> Iterator[bytes]:
+    """Bits flipped, digits changed, cuts, bytes and lines doubled and exchanged, and lines of another sweep."""
+    random, lines = Random(13), text.splitlines(keepends=True)
+    for _ in range(300):
+        at = random.randrange(len(text))
+        yield text[:at] + bytes([text[at] ^ 1 << random.randrange(8)]) + text[at + 1 :]
+        yield text[:at] + bytes([random.choice(b"0123456789")]) + text[at + 1 :]
+        yield text[:at] + text[at + 1 + random.randrange(9) :]
+        yield text[:at] + text[at : at + 1] + text[at:]
+        yield text[:at] + text[at + 1 : at + 2] + text[at : at + 1] + text[at + 2 :]
+        i, k = random.randrange(1, len(lines)), random.randrange(1, len(lines))
+        yield b"".join([*lines[:i], lines[k], *lines[i + 1 :]])
+    yield from (b"".join([*lines[:i], line, *lines[i + 1 :]]) for i, line in enumerate(other.splitlines(keepends=True)))
+
+
+def test_no_corruption_of_a_file_is_taken_for_a_result(expected, tmp_path):
+    """A damaged or foreign line is refused in one line, or its point is computed anew."""
+    path, lines, taken = tmp_path / "answers.jsonl", list[str](), 0
+    sweep(SCENE, GRID, Inline(), path)
+    whole = path.read_bytes()
+    path.unlink()
+    sweep(replace(SCENE, start=(Q(1), Q(1, 3))), {**GRID, "start": [(Q(1), Q(0)), (Q(0), Q(1))]}, Inline(), path)
+    for text in corruptions(whole, path.read_bytes()):
+        path.write_bytes(text)
+        try:
+            kept = sweep(SCENE, GRID, Inline(), path)
+        except ValueError as refused:
+            lines.append(str(refused))
+        else:
+            assert kept == expected
+            taken += 1
+    assert all(str(path) in line and "\n" not in line for line in lines)
+    assert len(lines) > 1500
+    assert len(lines) + taken == 1813
+
+
+def test_two_sweeps_do_not_write_one_file(tmp_path):
+    path = tmp_path / "answers.jsonl"
+    batches = sweeping.sweep_batches(SCENE, GRID, Inline(), path)
+    next(batches)
+    with pytest.raises(BlockingIOError, match="another process is writing it"):
+        sweep(SCENE, GRID, Inline(), path)
+    list(batches)
+    sweep(SCENE, GRID, Inline(), path)
+
+
+def test_a_link_is_written_through_and_the_mode_and_a_draft_of_the_users_are_kept(tmp_path):
+    path, link, draft = tmp_path / "answers.jsonl", tmp_path / "link", tmp_path / "link.draft"
+    draft.write_bytes(b"mine")
+    path.touch(0o600)
+    link.symlink_to(path)
+    sweep(SCENE, GRID, Inline(), link)
+    assert link.is_symlink()
+    assert path.read_bytes().count(b"\n") == 13
+    assert path.stat().st_mode & 0o777 == 0o600
+    assert draft.read_bytes() == b"mine"
 
 
 def test_a_file_that_is_not_of_this_sweep_is_refused_and_left_as_it_is(tmp_path):

@@ -1,10 +1,12 @@
 """Files appear whole or not at all, where they are asked for, and no draft is left behind."""
 
+import os
+from errno import ELOOP, EMFILE, ENOSPC
 from pathlib import Path
 
 import pytest
 
-from driftproof.support.files import atomic_write, read_utf8, require_file, require_folder
+from driftproof.support.files import atomic_write, read_utf8, require_file, require_folder, sole_writer
 
 
 def test_file_appears_when_the_block_ends(tmp_path):
@@ -14,7 +16,6 @@ def test_file_appears_when_the_block_ends(tmp_path):
         Path(draft).write_text("all of it", encoding="utf-8")
         assert not path.exists()
     assert path.read_text(encoding="utf-8") == "all of it"
-    assert path.stat().st_mode & 0o777 == 0o644
     assert list(path.parent.iterdir()) == [path]
 
 
@@ -31,6 +32,67 @@ def test_file_stays_as_it_was_when_the_block_fails(tmp_path):
         interrupted()
     assert path.read_text(encoding="utf-8") == "old"
     assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("umask", [0o000, 0o022, 0o077])
+def test_new_file_obeys_the_umask_and_a_replaced_one_keeps_its_mode(tmp_path, umask):
+    kept, new = tmp_path / "kept", tmp_path / "new"
+    kept.touch()
+    kept.chmod(0o640)
+    before = os.umask(umask)
+    try:
+        for path in (kept, new):
+            with atomic_write(path) as draft:
+                Path(draft).write_text("x", encoding="utf-8")
+    finally:
+        os.umask(before)
+    assert kept.stat().st_mode & 0o7777 == 0o640
+    assert new.stat().st_mode & 0o7777 == 0o666 & ~umask
+
+
+def test_file_of_the_users_that_is_called_a_draft_is_not_touched(tmp_path):
+    (tmp_path / "a.draft").write_text("mine", encoding="utf-8")
+    with atomic_write(tmp_path / "a") as draft:
+        Path(draft).write_text("x", encoding="utf-8")
+    assert (tmp_path / "a.draft").read_text(encoding="utf-8") == "mine"
+
+
+def test_last_of_two_writers_wins_with_the_whole_of_its_file(tmp_path):
+    path = tmp_path / "a"
+    with atomic_write(path) as first:
+        Path(first).write_text("1" * 9, encoding="utf-8")
+        with atomic_write(path) as second:
+            Path(second).write_text("2" * 5, encoding="utf-8")
+        assert path.read_text(encoding="utf-8") == "2" * 5
+    assert path.read_text(encoding="utf-8") == "1" * 9
+
+
+def test_one_writer_at_a_time_may_go_on_from_a_file(tmp_path):
+    path = tmp_path / "a"
+    path.touch()
+    for one in (path, tmp_path):
+        with sole_writer(one):
+            with pytest.raises(BlockingIOError, match="another process is writing it") as refused, sole_writer(one):
+                raise AssertionError
+            assert refused.value.filename == str(one)
+        with sole_writer(one):
+            pass
+
+
+@pytest.mark.parametrize("number", [ENOSPC, EMFILE])
+def test_error_of_a_draft_names_the_file(tmp_path, number):
+    path = tmp_path / "a.svg"
+    for named in (False, True):
+        with pytest.raises(OSError, match=r"a\.svg") as refused, atomic_write(path) as draft:
+            raise OSError(number, os.strerror(number), *([draft] if named else []))
+        assert (refused.value.errno, refused.value.filename) == (number, str(path))
+        assert list(tmp_path.iterdir()) == []
+    loop = tmp_path / "loop"
+    loop.symlink_to(loop)
+    with pytest.raises(OSError, match="loop") as refused, atomic_write(loop):
+        raise AssertionError
+    assert refused.value.errno == ELOOP
+    assert loop.is_symlink()
 
 
 def test_link_keeps_pointing_where_it_does(tmp_path):

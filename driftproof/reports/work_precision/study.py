@@ -117,6 +117,7 @@ class ResultStore:
         """Write down everything that is known by now."""
         if self.path is not None:
             content = {"question": self.question, **asdict(self.measured)}
+            content["checksum"] = _checksum(content)
             with atomic_write(self.path) as draft:
                 Path(draft).write_text(json.dumps(content, indent=1, sort_keys=True), encoding="utf-8")
 
@@ -125,12 +126,18 @@ class ResultStore:
             held = json.loads(path.read_text(encoding="utf-8"))
             different = [key for key in self.question if held["question"].get(key) != self.question[key]]
             if not different:
+                if held.pop("checksum") != _checksum(held):
+                    raise ValueError("it was damaged")
                 self.measured = _from_json(held)
-        except (ValueError, KeyError, TypeError, AttributeError):
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
             say(f"{path} holds no points that can be read; everything is measured anew")
         else:
             if different:
                 say(f"{path} answers another question ({', '.join(different)} differ); everything is measured anew")
+
+
+def _checksum(content: dict[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
 def _from_json(held: dict[str, Any]) -> Measured:

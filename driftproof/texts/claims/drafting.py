@@ -155,6 +155,8 @@ _BEFORE, _AFTER = range(3, 12), range(4)
 # Numbers on one line that are no further apart stand in one phrase, if it has room for them.
 _WIDEST_GAP, _MOST_IN_PHRASE = 25, 8
 _MOST_DRAFTED = 5000
+# So many characters before a number tell most of its places apart from those of the same number elsewhere.
+_CONTEXT = 12
 
 _HEADER = """\
 # Claims drafted by `driftproof check --init {name}`. Every phrase stands in the text as often as it says.
@@ -184,6 +186,8 @@ class _Member:
 
 # Neighbours on one line, all of which look like values, or none of which do.
 _Group: TypeAlias = list[_Member]
+# Where digits begin, in order, by what stands before them ("" for anything) and the digits themselves.
+_Places: TypeAlias = dict[tuple[str, str], list[int]]
 
 
 def draft(document: Document, name: str) -> str:
@@ -200,12 +204,13 @@ def draft(document: Document, name: str) -> str:
     ends = [0, *(group[-1].number.end for group in groups)]
     starts = [*(group[0].number.start for group in groups[1:]), len(text)]
     drafted, covered, named = [_HEADER.format(name=" ".join(name.split()))], set[int](), Counter[str]()
+    places = _digits_by_context(text)
     for *room, group in zip(ends, starts, groups, strict=False):
         first = group[0].number
         if first.start in covered:
             continue
         place = "line {}, column {}".format(*document.position(first.start))
-        phrase, stands = _best_phrase(text, room, group)
+        phrase, stands = _best_phrase(text, places, room, group)
         covered.update(stands)
         if not stands:
             drafted.append(f"# {place}: no phrase can be drafted for {first.text}\n")
@@ -239,7 +244,39 @@ def _groups(text: str, members: list[_Member]) -> Iterator[_Group]:
         yield group
 
 
-def _best_phrase(text: str, room: list[int], group: _Group) -> tuple[str, list[int]]:
+def _digits_by_context(text: str) -> _Places:
+    """Where runs of digits begin, by the run and by what stands before it, too; groups of three are one run as well."""
+    places: _Places = {}
+    for match in re.finditer(r"(?<![0-9])([0-9]++)(?=((?:[,'][0-9]{3})*+))", text):
+        for digits in {match[1], re.sub("[,']", "", match[1] + match[2])}:
+            for before in ("", _before(text, match.start())):
+                places.setdefault((before, digits), []).append(match.start())
+    return places
+
+
+def _before(text: str, at: int) -> str:
+    return text[max(0, at - _CONTEXT) : at].replace("\n", " ")
+
+
+def _stands(text: str, places: _Places, pattern: re.Pattern[str], first: int, number: TextNumber) -> list[int]:
+    """Where the pattern stands that begins at `first` with this number in it: only where such digits stand is looked.
+
+    To search the whole text for each phrase would take the square of its length.
+    """
+    digits = re.search("[0-9][0-9,']*", number.text)
+    if digits is None:
+        return []
+    at = number.start + digits.start()
+    before = _before(text, at) if at - first >= _CONTEXT else ""
+    found, end = list[int](), 0
+    for place in places.get((before, re.sub("[,']", "", digits[0])), ()):
+        if place - at + first >= end and (match := pattern.match(text, place - at + first)):
+            found.append(match.start())
+            end = match.end()
+    return found
+
+
+def _best_phrase(text: str, places: _Places, room: list[int], group: _Group) -> tuple[str, list[int]]:
     """The phrase that stands once, or else least often, and where its first number does; ("", []) if none stands."""
     best: tuple[str, list[int]] = ("", [])
     for after, before in product(_AFTER, _BEFORE):
@@ -249,7 +286,7 @@ def _best_phrase(text: str, room: list[int], group: _Group) -> tuple[str, list[i
             parsed = Phrase.of(phrase)
         except ValueError:  # too long
             continue
-        found = [match.start() for match in parsed.exact(spellings).finditer(text)]
+        found = _stands(text, places, parsed.exact(spellings), first, group[0].number)
         if not (parsed.names or parsed.free_numbers):  # its numbers run together to what is no number, as 0.50.5
             continue
         if first in found and (not best[1] or len(found) < len(best[1])):

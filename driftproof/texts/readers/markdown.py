@@ -29,7 +29,8 @@ _PUNCTUATION = re.compile(r"[!-/:-@\[-`{-~]")
 _FIRST_SHIELD = 0xE100
 _SHIELDED = re.compile(f"[{chr(_FIRST_SHIELD)}-{chr(_FIRST_SHIELD + 127)}]")
 
-_DELIMITER_ROW = re.compile(r"^[ \t>]*\|?(?=[^\n]*\|)[ \t]*:?-{2,}[-:| \t]*$\n?", re.MULTILINE)
+# Its first run gives nothing back: tried at each of n marks, the look ahead to the end of the line would be n² steps.
+_DELIMITER_ROW = re.compile(r"^[ \t>]*+\|?(?=[^\n]*\|)[ \t]*:?-{2,}[-:| \t]*$\n?", re.MULTILINE)
 _DEFINITION = re.compile(r"^ {0,3}\[[^\]\n]{1,200}\]:[ \t]+\S+[^\n]*$", re.MULTILINE)
 _LINE_MARK = re.compile(r"^[ \t]*(?:>[ \t]?)*(?:#{1,6}[ \t]+|[-*+][ \t]+)?", re.MULTILINE)
 _ESCAPED = re.compile(r"\\([!-/:-@\[-`{-~])")

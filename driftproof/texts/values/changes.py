@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import re
 from collections import Counter
@@ -35,6 +36,12 @@ _WORDS = {"evidence", "statement", "title", "source", "technique", "rounding", "
 _LENGTHS = {"digits"}
 _DECIMAL = re.compile(r"(-?)([0-9]+)(?:\.([0-9]+))?(?:[eE]([+-]?[0-9]{1,6}))?")
 _FRACTION = re.compile(r"(-?[0-9]+)/([0-9]+)")
+# What the exact form of an irrational number may be made of.
+_NAMES = frozenset(("sqrt", "cbrt", "exp", "log", "log2", "log10", "sin", "cos", "atan", "atan2", "abs", "Abs", "pi"))
+_NODES = (
+    *(ast.Expression, ast.BinOp, ast.UnaryOp, ast.Call, ast.Name, ast.Load, ast.Constant, ast.USub, ast.UAdd),
+    *(ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow),
+)
 
 # "values" -> id, or the keys and list positions that lead to a leaf; what stands there.
 Leaf: TypeAlias = tuple[tuple[str, ...], Any]
@@ -72,7 +79,40 @@ def read_values(path: Path) -> dict[str, Any]:
         raise ValueError(f"{path}: no JSON: {error}") from None
     if not isinstance(read, dict):
         raise ValueError(f"{path}: holds no JSON object; give what `driftproof values` prints")
+    for place, leaf in _leaves(read):
+        if isinstance(leaf, dict) and leaf and (wrong := _no_number(leaf)):
+            raise ValueError(f"{path}: {_name(place)}: {wrong} is {str(leaf[wrong])[:60]!r}, which is no number")
     return read
+
+
+def _no_number(number: dict[str, Any]) -> str | None:
+    """The part of a number that is none, as garbage equals nothing. An exact form may be a formula, or null."""
+    if _rounded(number["decimal"]) is None:
+        return "decimal"
+    exact = number.get("exact")
+    return None if exact is None or _number(exact) is not None or _is_formula(exact) else "exact"
+
+
+def _is_formula(text: Any) -> bool:
+    """True for sums, products, powers and functions of integers that divide by no 0 written as such."""
+    if not isinstance(text, str) or len(text) > _LARGEST_EXPONENT:
+        return False
+    try:  # a run of digits may be longer than Python's own int() reads; only whether it is 0 matters
+        short = re.sub("(?<![a-z0-9])[0-9]+", lambda run: "1" if run[0].strip("0") else "0", text)
+        nodes = list(ast.walk(ast.parse(short, mode="eval")))
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return False
+    names = {node.id for node in nodes if isinstance(node, ast.Name)}
+    zero = any(
+        isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div) and getattr(node.right, "value", 1) == 0
+        for node in nodes
+    )
+    return names <= _NAMES and not zero and all(isinstance(node, _NODES) for node in nodes)
+
+
+def _name(place: tuple[str, ...]) -> str:
+    """The id of a value, or the path to it."""
+    return ".".join(place[1:] if place[0] == "values" and len(place) > 1 else place).replace(".[", "[")
 
 
 def _without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -93,8 +133,7 @@ def changes(old: dict[str, Any], new: dict[str, Any]) -> list[Change]:
     before, after = dict(_leaves(old)), dict(_leaves(new))
     found: list[Change] = []
     for place in sorted(before.keys() | after.keys()):
-        parts = place[1:] if place[0] == "values" and len(place) > 1 else place
-        name = ".".join(parts).replace(".[", "[")
+        name = _name(place)
         if place not in after:
             found.append(Change("removed", name, "", _shown(before[place]), None))
         elif place not in before:

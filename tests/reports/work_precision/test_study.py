@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from random import Random
 
 import pytest
 
@@ -67,8 +68,8 @@ def test_a_save_that_fails_leaves_the_file_as_it_was(tmp_path: Path, monkeypatch
     asked = study("rk4")
     measure(asked, tmp_path, unheard)
     before = contents(tmp_path)
-    monkeypatch.setattr(work_precision.json, "dumps", lambda *_, **__: (_ for _ in ()).throw(OSError("disk full")))
     store = work_precision.ResultStore(tmp_path, asked.question(), unheard)
+    monkeypatch.setattr(work_precision.json, "dumps", lambda *_, **__: (_ for _ in ()).throw(OSError("disk full")))
     with pytest.raises(OSError, match="disk full"):
         store.save()
     assert contents(tmp_path) == before
@@ -101,6 +102,29 @@ def test_a_file_that_cannot_be_read_starts_anew_with_one_line(tmp_path: Path, he
     heard: list[str] = []
     assert measure(study("rk4"), tmp_path, heard.append).curves
     assert len(heard) == 1
+
+
+def test_no_corruption_of_the_points_is_taken_for_a_measurement(tmp_path: Path) -> None:
+    """Every damaged file is said to be none, in one line; then everything is measured anew."""
+    measure(asked := study("rk4"), tmp_path, unheard)
+    path, random, tried = tmp_path / "points.json", Random(13), 0
+    whole, question = path.read_bytes(), asked.question()
+    held = work_precision.ResultStore(tmp_path, question, unheard).measured
+    for _ in range(300):
+        at = random.randrange(len(whole))
+        for text in (
+            whole[:at] + bytes([whole[at] ^ 1 << random.randrange(8)]) + whole[at + 1 :],
+            whole[:at] + bytes([random.choice(b"0123456789")]) + whole[at + 1 :],
+            whole[:at] + whole[at + 1 :],
+            whole[:at] + whole[at : at + 1] + whole[at:],
+            whole[:at],
+        ):
+            path.write_bytes(text)
+            heard: list[str] = []
+            found = work_precision.ResultStore(tmp_path, question, heard.append).measured
+            assert found == held if not heard else (found == work_precision.Measured() and len(heard) == 1)
+            tried += text != whole
+    assert tried > 1300
 
 
 def test_a_timed_call_that_reaches_another_state_is_not_timed() -> None:

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from driftproof.texts.claims.checking import GIVEN, UNCOVERED, WORKED_OUT, check_claims, coverage
 from driftproof.texts.claims.claims import parse_claims
 from driftproof.texts.claims.drafting import LookAlike, Suggestions, draft
+from driftproof.texts.claims.phrases import Phrase
 from driftproof.texts.readers.document import Document, document_of, read_document
 from driftproof.texts.readers.numbers import numbers_in
 from tests.looping import exactly
@@ -135,6 +136,33 @@ def test_draft_of_any_text_holds_of_it(pieces: list[str]) -> None:
     text = draft(document, "a.txt")
     held(document, text)
     held(document, TODO.sub("", text))
+
+
+def test_draft_of_twice_the_text_looks_at_twice_the_places(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Characters at which the phrase of a number is tried, counted, where words differ and where only numbers do."""
+
+    class Counting:
+        def __init__(self, pattern: re.Pattern[str]) -> None:
+            self.pattern = pattern
+
+        def finditer(self, text: str) -> object:
+            looked.append(len(text))
+            return self.pattern.finditer(text)
+
+        def match(self, text: str, at: int) -> object:
+            looked.append(1)
+            return self.pattern.match(text, at)
+
+    exact = Phrase.exact
+    monkeypatch.setattr(Phrase, "exact", lambda phrase, spellings: Counting(exact(phrase, spellings)))
+    for line in ("the error of the run is {} here.\n", "w{} v{} u{} 0.7 is t{} s{}\n"):
+        counted = []
+        for numbers in (100, 200):
+            looked: list[int] = []
+            drafted = draft(document_of("".join(line.replace("{}", str(1000 + i)) for i in range(numbers))), "a")
+            assert drafted.count("[[claim]]") == numbers
+            counted.append(sum(looked))
+        assert 100 <= counted[1] <= 2.2 * counted[0]
 
 
 def test_command_drafts_in_the_format_of_the_text(

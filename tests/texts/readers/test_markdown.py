@@ -29,3 +29,9 @@ def test_fences_are_listings_and_mathematics() -> None:
     source = "a\n```python\nb\n```\n~~~\nc\n~~~\n```{math}\nh^{2}\n```\n"
     expected = [("prose", "", "a"), ("listing", "python", "b"), ("listing", "", "c"), ("prose", "", "h^{2}")]
     assert blocks("markdown", source) == expected
+
+
+@pytest.mark.parametrize("mark", [">", "> ", " "])
+def test_million_marks_alone_are_read(mark: str) -> None:
+    """A pattern that looked to the end of the line at each of them would take 10^12 steps: this would not end."""
+    assert "7" in read("markdown", mark * (10**6 // len(mark)) + " 7")

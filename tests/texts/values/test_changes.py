@@ -144,13 +144,13 @@ def test_json_says_every_change_in_full_and_counts_kinds(files: Callable[..., No
 
 
 def test_annotations_stand_at_the_line_of_the_id_and_are_escaped(files: Callable[..., None], run: Run) -> None:
-    files(exact="1/7\n%", printed={})
+    files(statement="so\n%")
     _, out, _ = run("diff", "old.json", "new.json", "--format", "github")
     lines = Path("new.json").read_text(encoding="utf-8").splitlines()
     at = next(i for i, line in enumerate(lines, start=1) if '"rk4.first_step.q"' in line)
     notices = [line for line in out.splitlines() if line.startswith("::")]
     assert f"::notice file=new.json,line={at},title=only in wording::rk4.first_step.q: " in notices[0]
-    assert "1/7 %25 = " in notices[0]
+    assert "so %25" in notices[0]
     files(exact="1/7")
     _, out, _ = run("diff", "old.json", "new.json", "--format", "github")
     assert out.startswith(f"::error file=new.json,line={at},title=value changed::rk4.first_step.q: 337/384 = ")
@@ -194,3 +194,28 @@ def test_missing_file_and_a_file_that_is_too_long_are_refused(run: Run, monkeypa
 def test_numbers_of_any_length_are_compared_or_bounded(old: str, new: str, kinds: list[str]) -> None:
     documents = ({"values": {"x": {"exact": None, "decimal": text}}} for text in (old, new))
     assert [found.kind for found in changes(*documents)] == kinds
+
+
+@pytest.mark.parametrize(
+    "exact", ["1/0", "NaN", "nan", "oo", "1/2 or so", "sqrt(2)/0", "half", "", "1/2/", ["1/2"], True]
+)
+def test_exact_form_that_is_no_number_is_refused_by_file_and_id(exact: object, tmp_path: Path) -> None:
+    path = tmp_path / "new.json"
+    path.write_text(json.dumps({"values": {"a.b": {"exact": exact, "decimal": "0.5"}}}), encoding="utf-8")
+    with pytest.raises(ValueError, match=r"new\.json: a\.b: exact is .*, which is no number$"):
+        read_values(path)
+
+
+@pytest.mark.parametrize("decimal", ["1/0", "NaN", "inf", "", "0.5.", "1e9999999"])
+def test_decimal_that_is_no_number_is_refused_by_file_and_id(decimal: str, tmp_path: Path) -> None:
+    path = tmp_path / "new.json"
+    path.write_text(json.dumps({"a": [{"exact": "1/2", "decimal": decimal}]}), encoding="utf-8")
+    with pytest.raises(ValueError, match=r"new\.json: a\[0\]: decimal is .*, which is no number$"):
+        read_values(path)
+
+
+@pytest.mark.parametrize("exact", [None, "-1/2", "2*sqrt(2)", "-sin(1/2)", "2**(1/3)", "7" * 9000, "atan2(-1, 3) + pi"])
+def test_exact_forms_of_irrational_and_of_long_numbers_are_read(exact: str | None, tmp_path: Path) -> None:
+    path = tmp_path / "new.json"
+    path.write_text(json.dumps({"values": {"a": {"exact": exact, "decimal": "0.5"}}}), encoding="utf-8")
+    assert read_values(path)["values"]["a"]["exact"] == exact
