@@ -1,0 +1,156 @@
+"""A user's right-hand side, run unchanged on enclosed numbers: where its text says math or numpy.zeros, it finds ours."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from types import BuiltinFunctionType, CellType, FunctionType, MethodType, ModuleType
+from typing import Any
+
+import numpy as np
+
+from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
+
+# f(t, y) -> y', y being an array; what a user writes.
+RightHandSide = Callable[[Any, Any], Any]
+
+# math's functions by the names that NumPy has for them.
+_MATH = {
+    **{name: name for name in "sin cos tan exp log sqrt sinh cosh tanh expm1 log1p log2 log10 cbrt hypot degrees".split()},
+    **{"radians": "radians", "atan": "arctan", "asin": "arcsin", "acos": "arccos", "atan2": "arctan2", "fabs": "absolute"},
+}
+_FILLED_WITH_FLOATS = ("zeros", "ones", "empty", "full", "zeros_like", "ones_like", "empty_like", "full_like")
+# Functions that call each other are followed to this depth, which no right-hand side needs.
+_DEEPEST_CALLS = 50
+
+
+def evaluate(f: RightHandSide, t: Enclosed, y: Sequence[Enclosed]) -> list[Enclosed]:
+    """f(t, y) in the arithmetic of its arguments, one number a component. Raises Refused where f cannot be run so."""
+    state = np.empty(len(y), dtype=object)
+    state[:] = y
+    try:
+        rates = np.asarray(f(t, state), dtype=object).ravel()
+    except (TypeError, AttributeError) as error:
+        raise Refused(f"f does something that has no enclosure: {error}") from None
+    except (ZeroDivisionError, IndexError, ValueError) as error:
+        raise Refused(f"f fails on enclosed numbers: {type(error).__name__}: {error}") from None
+    if len(rates) != len(y):
+        raise Refused(f"f returns {len(rates)} rates for {len(y)} components")
+    return [_lifted(rate, t.evaluation) for rate in rates]
+
+
+def _lifted(rate: object, evaluation: Evaluation) -> Enclosed:
+    return rate if isinstance(rate, Enclosed) else Enclosed(evaluation, evaluation.constant(rate))
+
+
+def rebound(f: RightHandSide) -> RightHandSide:
+    """f with the same text, whose names for math's functions and for arrays of floats mean ours.
+
+    A plain function, a method, or an object that is called; whatever it calls of its own module is treated alike.
+    What is of another kind (compiled code, say) is returned as it is, and is refused where it does not run.
+    """
+    result: RightHandSide = _rebound(f, {}, 0)
+    return result
+
+
+def _rebound(value: Any, known: dict[int, Any], depth: int) -> Any:
+    if id(value) in known:
+        return known[id(value)]
+    if value is math:
+        return _MODULE_MATH
+    if value is np:
+        return _MODULE_NUMPY
+    if isinstance(value, BuiltinFunctionType) and getattr(math, value.__name__, None) is value:
+        return getattr(_MODULE_MATH, value.__name__)
+    if callable(value) and getattr(value, "__module__", None) == "numpy" and hasattr(_Numpy, getattr(value, "__name__", "")):
+        return getattr(_MODULE_NUMPY, value.__name__)
+    if isinstance(value, MethodType):
+        return MethodType(_rebound(value.__func__, known, depth), value.__self__)
+    if isinstance(value, FunctionType) and depth < _DEEPEST_CALLS and not value.__module__.startswith(("numpy", "driftproof")):
+        return _rebound_function(value, known, depth)
+    call = getattr(type(value), "__call__", None)
+    if isinstance(call, FunctionType) and not isinstance(value, type):
+        return MethodType(_rebound(call, known, depth), value)
+    return value
+
+
+def _rebound_function(f: FunctionType, known: dict[int, Any], depth: int) -> FunctionType:
+    names = dict(f.__globals__)
+    cells = tuple(CellType(_rebound(cell.cell_contents, known, depth + 1)) for cell in f.__closure__ or ())
+    copy = FunctionType(f.__code__, names, f.__name__, f.__defaults__, cells or None)
+    copy.__kwdefaults__ = f.__kwdefaults__
+    known[id(f)] = copy
+    for name in _names_of(f.__code__):
+        if name in names:
+            names[name] = _rebound(names[name], known, depth + 1)
+    return copy
+
+
+def _names_of(code: Any) -> set[str]:
+    """The global names that the code and the functions defined in it may read."""
+    inner = [constant for constant in code.co_consts if hasattr(constant, "co_names")]
+    return set(code.co_names).union(*(_names_of(each) for each in inner))
+
+
+class _Math(ModuleType):
+    """math, whose functions take enclosed numbers, too."""
+
+    def __getattr__(self, name: str) -> Any:
+        plain = getattr(math, name)
+        if not callable(plain):
+            return plain
+        if name == "pow":
+            return lambda x, y: x**y
+
+        def function(*arguments: Any) -> Any:
+            if not any(isinstance(x, Enclosed) for x in arguments):
+                return plain(*arguments)
+            if name not in _MATH:
+                raise Refused(f"f uses math.{name}, which has no enclosure")
+            if name == "log" and len(arguments) == 2:
+                return np.log(arguments[0]) / plain(arguments[1])
+            return getattr(np, _MATH[name])(*arguments)
+
+        return function
+
+
+class _Numpy(ModuleType):
+    """numpy, whose new arrays can hold enclosed numbers."""
+
+    def __getattr__(self, name: str) -> Any:
+        value = getattr(np, name)
+        if name not in _FILLED_WITH_FLOATS:
+            return value
+
+        def filled(*arguments: Any, dtype: Any = None, **options: Any) -> Any:
+            floats = dtype in (None, float, np.float64, "float", "float64")
+            return value(*arguments, dtype=object if floats else dtype, **options)
+
+        return filled
+
+    @staticmethod
+    def array(values: Any, dtype: Any = None, **options: Any) -> Any:
+        """numpy.array, of objects where there are enclosed numbers among them."""
+        made = np.array(values, dtype=object)
+        enclosed = any(isinstance(x, Enclosed) for x in made.ravel())
+        return made if enclosed else np.array(values, dtype=dtype, **options)
+
+    asarray = array
+
+    @staticmethod
+    def zeros(shape: Any, dtype: Any = None, **options: Any) -> Any:
+        """numpy.zeros, of objects unless another type than float is asked for."""
+        return np.zeros(shape, dtype=object if dtype in (None, float, np.float64) else dtype, **options)
+
+    class linalg:  # noqa: N801 -- the name that users write
+        """The part of numpy.linalg that a right-hand side uses."""
+
+        @staticmethod
+        def norm(x: Any, *arguments: Any, **options: Any) -> Any:
+            """The Euclidean length of a vector."""
+            if arguments or options or not any(isinstance(each, Enclosed) for each in np.ravel(x)):
+                return np.linalg.norm(x, *arguments, **options)
+            return np.sqrt(sum(each * each for each in np.ravel(x)))
+
+
+_MODULE_MATH, _MODULE_NUMPY = _Math("math"), _Numpy("numpy")

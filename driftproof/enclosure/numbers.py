@@ -1,0 +1,368 @@
+"""Numbers that a user's right-hand side can be run on: Taylor series, real balls and complex balls, with derivatives.
+
+One class carries a FLINT value and, where asked for, its partial derivatives with respect to the state. NumPy's functions
+find its methods, whether a number stands alone or in an array. What has no enclosure is refused: a comparison that a ball
+cannot decide, a conversion to a float, a function that is not analytic where it is asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from numbers import Rational
+from typing import Any, TypeAlias
+
+import numpy as np
+from flint import acb, arb, arb_series, fmpq
+
+# A value of one of the three kinds; those of one evaluation are all of one kind.
+Value: TypeAlias = Any
+
+
+class Refused(ArithmeticError):
+    """Nothing rigorous can be said; the message says what stood in the way and, where there is one, the remedy."""
+
+
+@dataclass
+class Evaluation:
+    """One run of a right-hand side: which way its comparisons went, and which doubles it read.
+
+    The first run, on a box that contains the true solution, decides the comparisons; the others, on series and on complex
+    balls, follow the same branches, so that all of them speak of one analytic function. `decided` is None in the first.
+    """
+
+    decided: Sequence[bool] | None = None
+    taken: list[bool] = field(default_factory=list)
+    doubles: set[float] = field(default_factory=set)
+
+    def decide(self, difference: Value) -> bool:
+        """Whether the difference is positive. Raises Refused where the ball holds zero."""
+        if self.decided is not None:
+            if len(self.taken) == len(self.decided):
+                raise Refused("f takes other branches on a series than on a box")
+            answer = self.decided[len(self.taken)]
+        elif difference > 0:
+            answer = True
+        elif difference < 0:
+            answer = False
+        else:
+            raise Refused("f compares numbers that the enclosure cannot tell apart")
+        self.taken.append(answer)
+        return answer
+
+    def constant(self, x: object) -> Value:
+        """An exact constant of the text of f. Raises Refused for what is no real number."""
+        if isinstance(x, np.generic):
+            x = x.item()
+        if isinstance(x, bool | int):
+            return arb(int(x))
+        if isinstance(x, float):
+            if not np.isfinite(x):
+                raise Refused(f"f uses the constant {x}")
+            if not x.is_integer():
+                self.doubles.add(x)
+            return arb(x)
+        if isinstance(x, Rational):
+            return arb(fmpq(x.numerator, x.denominator))
+        raise Refused(f"f uses {type(x).__name__} as a number")
+
+
+class Enclosed:
+    """A number of an `Evaluation`: a value, and its partial derivatives where they are carried."""
+
+    __slots__ = ("evaluation", "partials", "value")
+    __hash__ = None  # type: ignore[assignment]
+
+    def __init__(self, evaluation: Evaluation, value: Value, partials: tuple[Value, ...] | None = None) -> None:
+        """Take value and derivatives as they are."""
+        self.evaluation, self.value, self.partials = evaluation, value, partials
+
+    def _lifted(self, other: object) -> Enclosed | None:
+        if isinstance(other, Enclosed):
+            return other
+        if isinstance(other, np.ndarray):
+            return None
+        return Enclosed(self.evaluation, self.evaluation.constant(other))
+
+    def _made(self, value: Value, *rules: tuple[Enclosed, Callable[[], Value]]) -> Enclosed:
+        """The value with derivatives by the chain rule: for each argument, the derivative with respect to it."""
+        partials: tuple[Value, ...] | None = None
+        for argument, rule in rules:
+            if argument.partials is not None:
+                factor = rule()
+                terms = tuple(factor * d for d in argument.partials)
+                partials = terms if partials is None else tuple(a + b for a, b in zip(partials, terms, strict=True))
+        return Enclosed(self.evaluation, value, partials)
+
+    def __add__(self, other: object) -> Any:
+        """The sum."""
+        if (o := self._lifted(other)) is None:
+            return NotImplemented
+        if self.partials is None or o.partials is None:
+            return Enclosed(self.evaluation, self.value + o.value, self.partials or o.partials)
+        partials = tuple(a + b for a, b in zip(self.partials, o.partials, strict=True))
+        return Enclosed(self.evaluation, self.value + o.value, partials)
+
+    __radd__ = __add__
+
+    def __neg__(self) -> Enclosed:
+        """The negative."""
+        return Enclosed(self.evaluation, -self.value, self.partials and tuple(-d for d in self.partials))
+
+    def __pos__(self) -> Enclosed:
+        """The number itself."""
+        return self
+
+    def __sub__(self, other: object) -> Any:
+        """The difference."""
+        o = self._lifted(other)
+        return NotImplemented if o is None else self + -o
+
+    def __rsub__(self, other: object) -> Any:
+        """The difference, the other way round."""
+        o = self._lifted(other)
+        return NotImplemented if o is None else o + -self
+
+    def __mul__(self, other: object) -> Any:
+        """The product."""
+        if (o := self._lifted(other)) is None:
+            return NotImplemented
+        return self._made(self.value * o.value, (self, lambda: o.value), (o, lambda: self.value))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: object) -> Any:
+        """The quotient."""
+        if (o := self._lifted(other)) is None:
+            return NotImplemented
+        inverse = _inverse(o.value)
+        value = self.value * inverse
+        return self._made(value, (self, lambda: inverse), (o, lambda: -value * inverse))
+
+    def __rtruediv__(self, other: object) -> Any:
+        """The quotient, the other way round."""
+        o = self._lifted(other)
+        return NotImplemented if o is None else o / self
+
+    def __pow__(self, other: object) -> Any:
+        """The power; for an exponent that is not whole exp(y log x), so that x has to be positive."""
+        if isinstance(other, float) and other.is_integer():
+            other = int(other)
+        if isinstance(other, int | np.integer):
+            return self._whole_power(int(other))
+        if isinstance(other, float) and (2 * other).is_integer():
+            return self.sqrt()._whole_power(int(2 * other))
+        o = self._lifted(other)
+        return NotImplemented if o is None else (o * self.log()).exp()
+
+    def __rpow__(self, other: object) -> Any:
+        """The power of a constant."""
+        o = self._lifted(other)
+        return NotImplemented if o is None else (self * o.log()).exp()
+
+    def _whole_power(self, n: int) -> Enclosed:
+        if n < 0:
+            return 1 / self._whole_power(-n)
+        if n == 0:
+            return Enclosed(self.evaluation, self.value * 0 + 1, self.partials and tuple(d * 0 for d in self.partials))
+        return self._made(self.value**n, (self, lambda: n * self.value ** (n - 1)))
+
+    def __gt__(self, other: object) -> Any:
+        """Decided on a box that contains the solution; refused where it is not."""
+        o = self._lifted(other)
+        return NotImplemented if o is None else self.evaluation.decide(self.value - o.value)
+
+    def __lt__(self, other: object) -> Any:
+        """As `>`."""
+        o = self._lifted(other)
+        return NotImplemented if o is None else self.evaluation.decide(o.value - self.value)
+
+    __ge__ = __gt__
+    __le__ = __lt__
+
+    def __eq__(self, other: object) -> bool:
+        """False where the two differ; that they are equal is never known of balls, and refused."""
+        o = self._lifted(other)
+        if o is None:
+            return NotImplemented
+        self.evaluation.decide(self.value - o.value)
+        return False
+
+    def __bool__(self) -> bool:
+        """True where the number is not 0."""
+        return not self == 0
+
+    def __abs__(self) -> Enclosed:
+        """x or -x, by the sign that it has on the whole box."""
+        return self if self > 0 else -self
+
+    def __float__(self) -> float:
+        """Refused: an enclosure is no float."""
+        raise Refused("f turns a number into a float; use NumPy's functions, or math's by name")
+
+    __int__ = __index__ = __round__ = __floor__ = __ceil__ = __trunc__ = __complex__ = __float__  # type: ignore[assignment]
+
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
+        """NumPy's functions of numbers and of arrays that hold them."""
+        if method != "__call__" or options:
+            raise Refused(f"f uses numpy.{ufunc.__name__} in a way that has no enclosure")
+        result = ufunc(*(_boxed(x) for x in inputs))
+        return result[()] if isinstance(result, np.ndarray) and not result.ndim else result
+
+    def _analytic(self, name: str, slope: Callable[[Value, Value], Value]) -> Enclosed:
+        value = _function(name, self.value)
+        return self._made(value, (self, lambda: slope(self.value, value)))
+
+    def sin(self) -> Enclosed:
+        """The sine."""
+        return self._analytic("sin", lambda x, _: x.cos())
+
+    def cos(self) -> Enclosed:
+        """The cosine."""
+        return self._analytic("cos", lambda x, _: -x.sin())
+
+    def tan(self) -> Enclosed:
+        """The tangent."""
+        return self.sin() / self.cos()
+
+    def exp(self) -> Enclosed:
+        """The exponential function."""
+        return self._analytic("exp", lambda _, y: y)
+
+    def log(self) -> Enclosed:
+        """The logarithm, of positive numbers."""
+        return self._analytic("log", lambda x, _: _inverse(x))
+
+    def sqrt(self) -> Enclosed:
+        """The square root, of positive numbers."""
+        return self._analytic("sqrt", lambda _, y: _inverse(2 * y))
+
+    def arctan(self) -> Enclosed:
+        """The inverse of the tangent."""
+        return self._analytic("atan", lambda x, _: _inverse(1 + x * x))
+
+    def arcsin(self) -> Enclosed:
+        """The inverse of the sine, between -1 and 1."""
+        return self._analytic("asin", lambda x, _: _inverse(_function("sqrt", 1 - x * x)))
+
+    def arccos(self) -> Enclosed:
+        """The inverse of the cosine, between -1 and 1."""
+        return self._analytic("acos", lambda x, _: -_inverse(_function("sqrt", 1 - x * x)))
+
+    def sinh(self) -> Enclosed:
+        """(exp x - exp -x)/2."""
+        return (self.exp() - (-self).exp()) / 2
+
+    def cosh(self) -> Enclosed:
+        """(exp x + exp -x)/2."""
+        return (self.exp() + (-self).exp()) / 2
+
+    def tanh(self) -> Enclosed:
+        """1 - 2/(exp 2x + 1)."""
+        return 1 - 2 / ((2 * self).exp() + 1)
+
+    def expm1(self) -> Enclosed:
+        """exp x - 1."""
+        return self.exp() - 1
+
+    def log1p(self) -> Enclosed:
+        """log(1 + x)."""
+        return (1 + self).log()
+
+    def log2(self) -> Enclosed:
+        """The logarithm to base 2."""
+        return self.log() / Enclosed(self.evaluation, arb(2).log())
+
+    def log10(self) -> Enclosed:
+        """The logarithm to base 10."""
+        return self.log() / Enclosed(self.evaluation, arb(10).log())
+
+    def cbrt(self) -> Enclosed:
+        """The cube root, of a number whose sign is known."""
+        return (self.log() / 3).exp() if self > 0 else -(((-self).log() / 3).exp())
+
+    def hypot(self, other: object) -> Enclosed:
+        """sqrt(x² + y²)."""
+        o = self._lifted(other)
+        if o is None:
+            raise Refused("f takes the hypotenuse of a number and an array")
+        return (self * self + o * o).sqrt()
+
+    def arctan2(self, other: object) -> Enclosed:
+        """The angle of (other, self), where the signs of both, or of the first, are known."""
+        x = self._lifted(other)
+        if x is None:
+            raise Refused("f takes the angle of a number and an array")
+        if x > 0:
+            return (self / x).arctan()
+        half_turn = Enclosed(self.evaluation, arb.pi())
+        return (self / x).arctan() + half_turn if self > 0 else (self / x).arctan() - half_turn
+
+    def square(self) -> Enclosed:
+        """x²."""
+        return self * self
+
+    def reciprocal(self) -> Enclosed:
+        """1/x."""
+        return 1 / self
+
+    def conjugate(self) -> Enclosed:
+        """The number itself, being real."""
+        return self
+
+    def radians(self) -> Enclosed:
+        """Degrees as radians."""
+        return self * Enclosed(self.evaluation, arb.pi() / 180)
+
+    def degrees(self) -> Enclosed:
+        """Radians as degrees."""
+        return self * Enclosed(self.evaluation, 180 / arb.pi())
+
+    deg2rad, rad2deg = radians, degrees
+
+
+# On a complex ball these are analytic off a cut on the real axis; the argument whose ball must not meet (-∞, 0].
+_OFF_THE_CUT: dict[str, Callable[[acb], acb]] = {
+    "atan": lambda z: 1 + z * z,
+    "asin": lambda z: 1 - z * z,
+    "acos": lambda z: 1 - z * z,
+}
+
+
+def _function(name: str, x: Value) -> Value:
+    """The function on a value; not finite where it is not analytic on the whole of a complex ball."""
+    if isinstance(x, acb) and name in ("log", "sqrt"):
+        return getattr(x, name)(analytic=True)
+    if isinstance(x, acb) and name in _OFF_THE_CUT and not _OFF_THE_CUT[name](x).log(analytic=True).is_finite():
+        return acb("nan")
+    try:
+        return getattr(x, name)()
+    except (ValueError, ZeroDivisionError) as error:
+        raise Refused(f"f takes {name} where it is not defined: {error}") from None
+
+
+def _inverse(x: Value) -> Value:
+    try:
+        return 1 / x
+    except (ValueError, ZeroDivisionError):
+        raise Refused("f divides by a number that may be 0") from None
+
+
+def _boxed(x: Any) -> Any:
+    """A number as an array of no dimension, which NumPy's functions look into."""
+    if not isinstance(x, Enclosed):
+        return x
+    box = np.empty((), dtype=object)
+    box[()] = x
+    return box
+
+
+def exact_ball(x: Fraction) -> arb:
+    """The ball of a rational number, as thin as the precision allows."""
+    return arb(fmpq(x.numerator, x.denominator))
+
+
+def series(evaluation: Evaluation, coefficients: Sequence[arb], length: int) -> Enclosed:
+    """A Taylor series of `length` coefficients, those that are not given being 0."""
+    return Enclosed(evaluation, arb_series(list(coefficients[:length]), length))
