@@ -18,13 +18,15 @@ from flint import arb, arb_mat, ctx
 
 from driftproof.enclosure.fields import RightHandSide, rebound
 from driftproof.enclosure.numbers import Refused, exact_ball
-from driftproof.enclosure.steps import Step, decisions, make_step, size
+from driftproof.enclosure.steps import Expansion, Step, decisions, size
 
 # Bits of the first attempt; doubled until the radius is small.
 FIRST_BITS, MOST_DOUBLINGS = 128, 4
 # Coefficients per bit: with R/h = 8 each coefficient gains three bits, and one more for the factors before them.
 BITS_PER_COEFFICIENT = 3
 MOST_STEPS = 200_000
+# No problem needs a longer one; shorter are found by halving.
+LONGEST_STEP = Fraction(2) ** 20
 
 
 @dataclass(frozen=True)
@@ -103,8 +105,8 @@ class _Path:
         self.point_before, self.error_before = self.point, error
         self.spread = size(error)
         decided = decisions(self.f, self.t, self.point, self.doubles)
-        longest = Fraction(2) ** 40
-        self.step = make_step(self.f, self.t, self.point, self.spread, self.length, longest, decided)
+        longest = 4 * self.step.h if self.step is not None else LONGEST_STEP
+        self.step = Expansion(self.f, self.t, self.point, self.length, decided).step(longest, self.spread)
 
     def _carry(self, step: Step) -> None:
         """From the start of the step to its end: the thin point, and the set of errors around it."""
