@@ -26,8 +26,9 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "symbolic": ("methods", "support"),
     "numeric": ("methods", "support"),
     "blackbox": ("symbolic", "methods", "support"),
+    "enclosure": ("symbolic", "methods", "support"),
     "texts": ("symbolic", "numeric", "methods", "support"),
-    "reports": ("texts", "blackbox", "symbolic", "numeric", "methods", "support"),
+    "reports": ("texts", "blackbox", "enclosure", "symbolic", "numeric", "methods", "support"),
 }
 # The front door, files of the package itself among it, may import every room.
 FRONT = ("commands", "cli", "strategies", "__main__", "__init__")
@@ -47,13 +48,22 @@ WORLD: dict[str, tuple[str, ...]] = {
     "symbolic": ("flint",),
     "symbolic.derivation": ("flint", "sympy"),
     "numeric": ("numpy", "numba"),
+    "enclosure": ("numpy", "flint"),
 }
 NOT_ELSEWHERE = "sympy"
 
 # Room -> the most lines it may have, blank ones and docstrings too. Raised on purpose only, in a commit that says why.
 # blackbox was raised from 7500 for verdicts that say what was seen: the environment, time limits, entries side by side,
 # and nonlinear problems with t, on which steps are compared and orders measured.
-BUDGETS = {"support": 400, "methods": 3500, "symbolic": 7300, "numeric": 3000, "blackbox": 8350, "texts": 4600}
+BUDGETS = {
+    "support": 400,
+    "methods": 3500,
+    "symbolic": 7300,
+    "numeric": 3000,
+    "blackbox": 8350,
+    "enclosure": 1600,
+    "texts": 4600,
+}
 BUDGET_OF_REPORTS_AND_FRONT = 4200
 TESTS_PER_LINE_OF_SOURCE = Fraction(65, 100)
 

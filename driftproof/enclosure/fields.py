@@ -1,4 +1,4 @@
-"""A user's right-hand side, run unchanged on enclosed numbers: where its text says math or numpy.zeros, it finds ours."""
+"""A user's right-hand side, run unchanged on enclosed numbers: where it says math or numpy.zeros, it finds ours."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
 # f(t, y) -> y', y being an array; what a user writes.
 RightHandSide = Callable[[Any, Any], Any]
 
-# math's functions by the names that NumPy has for them.
-_MATH = {
-    **{name: name for name in "sin cos tan exp log sqrt sinh cosh tanh expm1 log1p log2 log10 cbrt hypot degrees".split()},
-    **{"radians": "radians", "atan": "arctan", "asin": "arcsin", "acos": "arccos", "atan2": "arctan2", "fabs": "absolute"},
-}
-_FILLED_WITH_FLOATS = ("zeros", "ones", "empty", "full", "zeros_like", "ones_like", "empty_like", "full_like")
+# math's functions, and those for which NumPy has another name.
+_SAME = ("sin", "cos", "tan", "exp", "log", "sqrt", "sinh", "cosh", "tanh", "expm1", "log1p", "log2", "log10", "cbrt")
+_OTHER = {"atan": "arctan", "asin": "arcsin", "acos": "arccos", "atan2": "arctan2", "fabs": "absolute"}
+_MATH = {name: name for name in (*_SAME, "hypot", "degrees", "radians")} | _OTHER
+_FILLED_WITH_FLOATS = ("ones", "empty", "full", "zeros_like", "ones_like", "empty_like", "full_like")
+_REPLACED = ("array", "asarray", "zeros", *_FILLED_WITH_FLOATS)
 # Functions that call each other are followed to this depth, which no right-hand side needs.
 _DEEPEST_CALLS = 50
 
@@ -56,20 +56,22 @@ def rebound(f: RightHandSide) -> RightHandSide:
 def _rebound(value: Any, known: dict[int, Any], depth: int) -> Any:
     if id(value) in known:
         return known[id(value)]
+    name = getattr(value, "__name__", None)
     if value is math:
         return _MODULE_MATH
     if value is np:
         return _MODULE_NUMPY
-    if isinstance(value, BuiltinFunctionType) and getattr(math, value.__name__, None) is value:
-        return getattr(_MODULE_MATH, value.__name__)
-    if callable(value) and getattr(value, "__module__", None) == "numpy" and hasattr(_Numpy, getattr(value, "__name__", "")):
-        return getattr(_MODULE_NUMPY, value.__name__)
+    if isinstance(value, BuiltinFunctionType) and getattr(math, str(name), None) is value:
+        return getattr(_MODULE_MATH, str(name))
+    if isinstance(name, str) and name in _REPLACED and getattr(np, name) is value:
+        return getattr(_MODULE_NUMPY, name)
     if isinstance(value, MethodType):
         return MethodType(_rebound(value.__func__, known, depth), value.__self__)
-    if isinstance(value, FunctionType) and depth < _DEEPEST_CALLS and not value.__module__.startswith(("numpy", "driftproof")):
-        return _rebound_function(value, known, depth)
-    call = getattr(type(value), "__call__", None)
-    if isinstance(call, FunctionType) and not isinstance(value, type):
+    if isinstance(value, FunctionType):
+        foreign = (value.__module__ or "").partition(".")[0] in ("numpy", "driftproof")
+        return value if foreign or depth > _DEEPEST_CALLS else _rebound_function(value, known, depth)
+    call = vars(type(value)).get("__call__")
+    if isinstance(call, FunctionType):
         return MethodType(_rebound(call, known, depth), value)
     return value
 
@@ -103,12 +105,14 @@ class _Math(ModuleType):
             return lambda x, y: x**y
 
         def function(*arguments: Any) -> Any:
-            if not any(isinstance(x, Enclosed) for x in arguments):
+            evaluations = [x.evaluation for x in arguments if isinstance(x, Enclosed)]
+            if not evaluations:
                 return plain(*arguments)
+            arguments = tuple(_lifted(x, evaluations[0]) for x in arguments)
             if name not in _MATH:
                 raise Refused(f"f uses math.{name}, which has no enclosure")
             if name == "log" and len(arguments) == 2:
-                return np.log(arguments[0]) / plain(arguments[1])
+                return arguments[0].log() / arguments[1].log()
             return getattr(np, _MATH[name])(*arguments)
 
         return function

@@ -1,8 +1,8 @@
 """Numbers that a user's right-hand side can be run on: Taylor series, real balls and complex balls, with derivatives.
 
-One class carries a FLINT value and, where asked for, its partial derivatives with respect to the state. NumPy's functions
-find its methods, whether a number stands alone or in an array. What has no enclosure is refused: a comparison that a ball
-cannot decide, a conversion to a float, a function that is not analytic where it is asked for.
+One class carries a FLINT value and, where asked for, its partial derivatives with respect to the state. NumPy's
+functions find its methods, whether a number stands alone or in an array. What has no enclosure is refused: a comparison
+that a ball cannot decide, a conversion to a float, a function that is not analytic where it is asked for.
 """
 
 from __future__ import annotations
@@ -21,15 +21,31 @@ Value: TypeAlias = Any
 
 
 class Refused(ArithmeticError):
-    """Nothing rigorous can be said; the message says what stood in the way and, where there is one, the remedy."""
+    """Nothing rigorous can be said; the message says what stood in the way and, where there is one, the remedy.
+
+    >>> from driftproof import Refused, certify
+    >>> try:
+    ...     certify(lambda t, y: y, [0.0, 1.0, 0.5], [[1.0], [2.7], [1.6]])
+    ... except Refused as refusal:
+    ...     print(refusal)
+    times have to increase: t[2] = 0.5 is not above t[1] = 1.0
+
+    `t` is the time that an enclosure came to, where more bits may lead further; None where they do not.
+    """
+
+    def __init__(self, message: str, t: Fraction | None = None) -> None:
+        """Take the one line that says why."""
+        super().__init__(message)
+        self.t = t
 
 
 @dataclass
 class Evaluation:
     """One run of a right-hand side: which way its comparisons went, and which doubles it read.
 
-    The first run, on a box that contains the true solution, decides the comparisons; the others, on series and on complex
-    balls, follow the same branches, so that all of them speak of one analytic function. `decided` is None in the first.
+    `decided` is None where the run decides its comparisons: at the step's point, and on the tube that contains the true
+    solutions. On series and on complex balls a run follows the branches decided at the point, so that all of these
+    speak of one analytic function; that the tube decides as the point does is checked.
     """
 
     decided: Sequence[bool] | None = None
@@ -161,12 +177,13 @@ class Enclosed:
         o = self._lifted(other)
         return NotImplemented if o is None else (self * o.log()).exp()
 
-    def _whole_power(self, n: int) -> Enclosed:
+    def _whole_power(self, n: int) -> Any:
         if n < 0:
             return 1 / self._whole_power(-n)
         if n == 0:
             return Enclosed(self.evaluation, self.value * 0 + 1, self.partials and tuple(d * 0 for d in self.partials))
-        return self._made(self.value**n, (self, lambda: n * self.value ** (n - 1)))
+        before = _power(self.value, n - 1)
+        return self._made(before * self.value, (self, lambda: n * before))
 
     def __gt__(self, other: object) -> Any:
         """Decided on a box that contains the solution; refused where it is not."""
@@ -191,7 +208,7 @@ class Enclosed:
 
     def __bool__(self) -> bool:
         """True where the number is not 0."""
-        return not self == 0
+        return self != 0
 
     def __abs__(self) -> Enclosed:
         """x or -x, by the sign that it has on the whole box."""
@@ -201,7 +218,7 @@ class Enclosed:
         """Refused: an enclosure is no float."""
         raise Refused("f turns a number into a float; use NumPy's functions, or math's by name")
 
-    __int__ = __index__ = __round__ = __floor__ = __ceil__ = __trunc__ = __complex__ = __float__  # type: ignore[assignment]
+    __int__ = __index__ = __round__ = __floor__ = __ceil__ = __trunc__ = __complex__ = __float__
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
         """NumPy's functions of numbers and of arrays that hold them."""
@@ -222,7 +239,7 @@ class Enclosed:
         """The cosine."""
         return self._analytic("cos", lambda x, _: -x.sin())
 
-    def tan(self) -> Enclosed:
+    def tan(self) -> Any:
         """The tangent."""
         return self.sin() / self.cos()
 
@@ -250,46 +267,46 @@ class Enclosed:
         """The inverse of the cosine, between -1 and 1."""
         return self._analytic("acos", lambda x, _: -_inverse(_function("sqrt", 1 - x * x)))
 
-    def sinh(self) -> Enclosed:
+    def sinh(self) -> Any:
         """(exp x - exp -x)/2."""
         return (self.exp() - (-self).exp()) / 2
 
-    def cosh(self) -> Enclosed:
+    def cosh(self) -> Any:
         """(exp x + exp -x)/2."""
         return (self.exp() + (-self).exp()) / 2
 
-    def tanh(self) -> Enclosed:
+    def tanh(self) -> Any:
         """1 - 2/(exp 2x + 1)."""
         return 1 - 2 / ((2 * self).exp() + 1)
 
-    def expm1(self) -> Enclosed:
+    def expm1(self) -> Any:
         """exp x - 1."""
         return self.exp() - 1
 
-    def log1p(self) -> Enclosed:
+    def log1p(self) -> Any:
         """log(1 + x)."""
         return (1 + self).log()
 
-    def log2(self) -> Enclosed:
+    def log2(self) -> Any:
         """The logarithm to base 2."""
         return self.log() / Enclosed(self.evaluation, arb(2).log())
 
-    def log10(self) -> Enclosed:
+    def log10(self) -> Any:
         """The logarithm to base 10."""
         return self.log() / Enclosed(self.evaluation, arb(10).log())
 
-    def cbrt(self) -> Enclosed:
+    def cbrt(self) -> Any:
         """The cube root, of a number whose sign is known."""
         return (self.log() / 3).exp() if self > 0 else -(((-self).log() / 3).exp())
 
-    def hypot(self, other: object) -> Enclosed:
+    def hypot(self, other: object) -> Any:
         """sqrt(x² + y²)."""
         o = self._lifted(other)
         if o is None:
             raise Refused("f takes the hypotenuse of a number and an array")
         return (self * self + o * o).sqrt()
 
-    def arctan2(self, other: object) -> Enclosed:
+    def arctan2(self, other: object) -> Any:
         """The angle of (other, self), where the signs of both, or of the first, are known."""
         x = self._lifted(other)
         if x is None:
@@ -299,11 +316,11 @@ class Enclosed:
         half_turn = Enclosed(self.evaluation, arb.pi())
         return (self / x).arctan() + half_turn if self > 0 else (self / x).arctan() - half_turn
 
-    def square(self) -> Enclosed:
+    def square(self) -> Any:
         """x²."""
         return self * self
 
-    def reciprocal(self) -> Enclosed:
+    def reciprocal(self) -> Any:
         """1/x."""
         return 1 / self
 
@@ -311,11 +328,11 @@ class Enclosed:
         """The number itself, being real."""
         return self
 
-    def radians(self) -> Enclosed:
+    def radians(self) -> Any:
         """Degrees as radians."""
         return self * Enclosed(self.evaluation, arb.pi() / 180)
 
-    def degrees(self) -> Enclosed:
+    def degrees(self) -> Any:
         """Radians as degrees."""
         return self * Enclosed(self.evaluation, 180 / arb.pi())
 
@@ -340,6 +357,16 @@ def _function(name: str, x: Value) -> Value:
         return getattr(x, name)()
     except (ValueError, ZeroDivisionError) as error:
         raise Refused(f"f takes {name} where it is not defined: {error}") from None
+
+
+def _power(x: Value, n: int) -> Value:
+    """x^n by squaring: FLINT takes the logarithm of a series for large n, which is not finite where x may be 0."""
+    if not isinstance(x, arb_series):
+        return x**n
+    result = 1
+    for bit in f"{n:b}":
+        result = result * result * x if bit == "1" else result * result
+    return result
 
 
 def _inverse(x: Value) -> Value:

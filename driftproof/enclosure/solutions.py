@@ -1,14 +1,13 @@
 """The true solution of an initial value problem, enclosed at any times: steps, and the errors carried along by QR.
 
-What earlier steps left open is a set Q z of small vectors, Q near orthogonal and z a box: the flow's derivative Φ takes it to
-Q' z' with z' = (Q'^-1 Φ Q) z + Q'^-1 d, where Q' comes from the QR factors of the middle of ΦQ, so that boxes do not wrap
-around what only turns (lohner-1987). Points are thin and of many bits, so that all this happens at 1e-30 and smaller.
+What earlier steps left open is a set Q z of small vectors, Q near orthogonal and z a box: the flow's derivative Φ takes
+it to Q' z' with z' = (Q'^-1 Φ Q) z + Q'^-1 d, where Q' comes from the QR factors of the middle of ΦQ, so that boxes do
+not wrap around what only turns (lohner-1987). Points are thin and of many bits, so that all this happens at 1e-30.
 """
 
 from __future__ import annotations
 
-from bisect import bisect_right
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
@@ -18,13 +17,16 @@ from flint import arb, arb_mat, ctx
 
 from driftproof.enclosure.fields import RightHandSide, rebound
 from driftproof.enclosure.numbers import Refused, exact_ball
-from driftproof.enclosure.steps import Expansion, Step, decisions, size
+from driftproof.enclosure.steps import DISC_PER_STEP, Expansion, Step, decisions, size
 
-# Bits of the first attempt; doubled until the radius is small.
-FIRST_BITS, MOST_DOUBLINGS = 128, 4
+# Bits of the first attempt.
+FIRST_BITS = 128
 # Coefficients per bit: with R/h = 8 each coefficient gains three bits, and one more for the factors before them.
 BITS_PER_COEFFICIENT = 3
-MOST_STEPS = 200_000
+# Some ten minutes. A problem that needs more is stiff, and its explicit steps do not end.
+MOST_STEPS = 20_000
+# Steps of this part of the whole time are those of a pole: doubles that stand for times do not go as near to it.
+SHORTEST_PART = Fraction(1, 2**60)
 # No problem needs a longer one; shorter are found by halving.
 LONGEST_STEP = Fraction(2) ** 20
 
@@ -56,14 +58,16 @@ def working_bits(bits: int) -> Iterator[None]:
 
 
 def enclose_solution(
-    f: RightHandSide, start: Sequence[Fraction], times: Sequence[Fraction], bits: int = FIRST_BITS
+    f: RightHandSide, start: Sequence[Fraction | arb], times: Sequence[Fraction], bits: int = FIRST_BITS
 ) -> Enclosure:
-    """The solution of y' = f(t, y) with y(times[0]) = start at all `times`, which increase or decrease strictly.
+    """The solution of y' = f(t, y) with y(times[0]) = start at all `times`, which increase.
+
+    A start given as balls stands for every point in them.
 
     Raises Refused where nothing rigorous can be said: see `driftproof.enclosure.numbers`.
     """
     with working_bits(bits):
-        path = _Path(rebound(f), start, times[0], bits)
+        path = _Path(rebound(f), start, times, bits)
         states = [path.states_at(t) for t in times]
         return Enclosure(tuple(times), tuple(states), bits, path.steps, tuple(sorted(path.doubles)))
 
@@ -71,12 +75,13 @@ def enclose_solution(
 class _Path:
     """The steps made so far, from the first time on; the last one's end is where the next begins."""
 
-    def __init__(self, f: RightHandSide, start: Sequence[Fraction], t: Fraction, bits: int) -> None:
-        self.f, self.t, self.steps = f, t, 0
+    def __init__(self, f: RightHandSide, start: Sequence[Fraction | arb], times: Sequence[Fraction], bits: int) -> None:
+        self.f, self.t, self.steps = f, times[0], 0
+        self.shortest = SHORTEST_PART * (times[-1] - times[0])
         self.length = bits // BITS_PER_COEFFICIENT
         self.doubles: set[float] = set()
         n = len(start)
-        balls = [exact_ball(x) for x in start]
+        balls = [x if isinstance(x, arb) else exact_ball(x) for x in start]
         self.point = [x.mid() for x in balls]
         self.basis = arb_mat([[int(i == j) for j in range(n)] for i in range(n)])
         self.box = arb_mat([[x - m] for x, m in zip(balls, self.point, strict=True)])
@@ -87,7 +92,7 @@ class _Path:
         if t < self.t:
             raise Refused("times must not decrease")
         while self.step is None or t > self.step.t + self.step.h:
-            self._advance(t)
+            self._advance()
         s = t - self.step.t
         values, near = self.step.at(s)
         if s == 0:
@@ -95,18 +100,22 @@ class _Path:
         reach = near + self.spread * self.step.tube.growth(exact_ball(s))
         return tuple(x + arb(0, reach.upper()) for x in values)
 
-    def _advance(self, until: Fraction) -> None:
+    def _advance(self) -> None:
         if self.step is not None:
             self._carry(self.step)
         self.steps += 1
         if self.steps > MOST_STEPS:
-            raise Refused(f"more than {MOST_STEPS} steps are needed")
+            where = f"t = {float(self.t):.9g}"
+            raise Refused(f"{MOST_STEPS} steps lead to {where} only: stiff, or too long a time for explicit steps")
         error = (self.basis * self.box).entries()
         self.point_before, self.error_before = self.point, error
         self.spread = size(error)
         decided = decisions(self.f, self.t, self.point, self.doubles)
         longest = 4 * self.step.h if self.step is not None else LONGEST_STEP
         self.step = Expansion(self.f, self.t, self.point, self.length, decided).step(longest, self.spread)
+        if self.step.h < self.shortest:
+            near = float(self.t + DISC_PER_STEP * self.step.h)
+            raise Refused(f"a pole, or a point where f is not smooth, is ahead near t = {near:.12g}")
 
     def _carry(self, step: Step) -> None:
         """From the start of the step to its end: the thin point, and the set of errors around it."""

@@ -78,8 +78,11 @@ def horner(coefficients: Sequence[arb], x: arb) -> arb:
 
 
 def size(values: Iterable[arb | acb]) -> arb:
-    """The largest absolute value that any of the balls holds, as an exact number; 0 of none."""
-    return max((arb(x.abs_upper()) for x in values), default=arb(0))
+    """The largest absolute value that any of the balls holds, as an exact number; 0 of none, NaN if any is NaN."""
+    largest = arb(0)
+    for x in values:
+        largest = largest.max(arb(x.abs_upper()))  # Python's max would lose a NaN
+    return largest
 
 
 @dataclass(frozen=True)
@@ -129,7 +132,9 @@ COVERS = (whole_disc, covered_disc)
 def decisions(f: RightHandSide, t: Fraction, y: Sequence[arb], seen: set[float]) -> list[bool]:
     """Which branches f takes at a point; the doubles that it reads are added to `seen`."""
     evaluation = Evaluation(doubles=seen)
-    evaluate(f, Enclosed(evaluation, exact_ball(t)), [Enclosed(evaluation, x) for x in y])
+    rates = evaluate(f, Enclosed(evaluation, exact_ball(t)), [Enclosed(evaluation, x) for x in y])
+    if not all(rate.value.is_finite() for rate in rates):
+        raise Refused(f"f is not finite at t = {float(t):.6g}")
     return evaluation.taken
 
 
@@ -155,15 +160,19 @@ class Expansion:
         Raises Refused where no disc is found on which f evaluates finitely, or no tube.
         """
         h = min(longest, self._first_length())
+        reason = "a pole is ahead, or f is not smooth there"
         for _ in range(MOST_HALVINGS):
             for cover in COVERS:
-                if (made := self._attempt(h, cover(DISC_PER_STEP * h), spread)) is not None:
-                    return made
+                try:
+                    if (made := self._attempt(h, cover(DISC_PER_STEP * h), spread)) is not None:
+                        return made
+                except Refused as refusal:
+                    reason = str(refusal)
             h /= 2
-        raise Refused(f"no step from t = {float(self.t):.6g} is found, however small: a pole, or not smooth there")
+        raise Refused(f"no step from t = {float(self.t):.9g} is found, however small: {reason}", self.t)
 
     def _first_length(self) -> Fraction:
-        """A power of two, below 4/3 of the radius of convergence, as the last coefficients show it, over DISC_PER_STEP."""
+        """A power of two, below 4/3 of the radius that the last coefficients show, over DISC_PER_STEP."""
         radii = [1e12]
         for row in self.rows:
             first = max(float(row[0].abs_upper()), 2.0**-20)
@@ -173,17 +182,14 @@ class Expansion:
 
     def _attempt(self, h: Fraction, pieces: Sequence[Piece], spread: arb) -> Step | None:
         step = exact_ball(h)
-        try:
-            defect = self._defect(step, pieces)
-            if defect is None or not step * defect < self._scale() * arb(2) ** -int(BITS_OF_A_STEP * ctx.prec):
-                return None
-            tube = self._tube(h, arb((spread + step * defect).upper()))
-            if tube is None:
-                return None
-            flow = self._flow(step, pieces, tube)
-        except Refused:
+        defect = self._defect(step, pieces)
+        if defect is None or not step * defect < self._scale() * arb(2) ** -int(BITS_OF_A_STEP * ctx.prec):
             return None
-        if flow is None or size(x.rad() for x in flow.entries()) > LOOSEST_FLOW * size(flow.entries()):
+        tube = self._tube(h, arb((spread + step * defect).upper()))
+        flow = None if tube is None else self._flow(step, pieces, tube)
+        if tube is None or flow is None or not all(x.is_finite() for x in flow.entries()):
+            return None
+        if size(x.rad() for x in flow.entries()) > LOOSEST_FLOW * size(flow.entries()):
             return None
         return Step(self.t, h, self.rows, defect, tube, flow)
 
@@ -199,7 +205,7 @@ class Expansion:
             evaluation = Evaluation(self.decided)
             time = series(evaluation, [exact_ball(self.t), arb(1)], length)
             state = [series(evaluation, row, length) for row in rows]
-            return _jacobian(self.f, time, [x.value for x in state]) if jacobian else evaluate(self.f, time, state)
+            return jacobian_of(self.f, time, [x.value for x in state]) if jacobian else evaluate(self.f, time, state)
         finally:
             ctx.cap = cap
 
@@ -218,20 +224,32 @@ class Expansion:
         return size(_bound(part, step) + tail for part in self._defect_known)
 
     def _tube(self, h: Fraction, error: arb) -> Tube | None:
-        """A tube that no solution starting near enough can leave: its radius exceeds error exp(max(μ, 0) h)."""
+        """A tube that no solution starting near enough can leave: its radius exceeds error exp(max(μ, 0) h).
+
+        f decides its comparisons here on the whole tube; they have to be those that every other evaluation follows.
+        """
         middle = exact_ball(h / 2)
         span = arb(middle, middle)
         path = [horner(row, span) for row in self.rows]
         for multiple in TUBES:
             radius = arb((multiple * error + arb(2) ** -ctx.prec).upper())
-            time = self._time(Evaluation(self.decided), span)
-            norm = _logarithmic_norm(_jacobian(self.f, time, [x + arb(0, radius) for x in path]))
+            evaluation = Evaluation()
+            norm = self._norm(self._time(evaluation, span), [x + arb(0, radius) for x in path])
+            if evaluation.taken != list(self.decided):
+                raise Refused("f takes another branch within the step")
             if not norm.is_finite():
                 return None
             tube = Tube(radius, norm)
             if tube.growth(exact_ball(h)) * error < radius:
                 return tube
         return None
+
+    def _norm(self, time: Enclosed, box: Sequence[arb]) -> arb:
+        """The larger of 0 and the logarithmic norm of the Jacobian on the box; NaN where f is not finite there."""
+        rates = _with_partials(self.f, time, box)
+        if not all(rate.value.is_finite() for rate in rates):
+            return arb("nan")
+        return _logarithmic_norm([_partials(rate, len(box)) for rate in rates])
 
     def _flow(self, step: arb, pieces: Sequence[Piece], tube: Tube) -> arb_mat | None:
         """The derivative of y(t + h) with respect to its start, for all starts in the tube: P(h), and Gronwall.
@@ -253,7 +271,7 @@ class Expansion:
         largest = [arb(0)] * n
         for piece in pieces:
             time = self._time(Evaluation(self.decided), piece.ball)
-            on_piece = _jacobian(self.f, time, [piece.values(row) + wide for row in self.rows])
+            on_piece = jacobian_of(self.f, time, [piece.values(row) + wide for row in self.rows])
             values = {place: piece.values(p) for place, p in polynomials.items()}
             for i in range(n):
                 row = [
@@ -264,9 +282,8 @@ class Expansion:
                     return None
                 largest[i] = largest[i].max(sum((arb(x.abs_upper()) for x in row), arb(0)))
         tail = arb(DISC_PER_STEP) ** (1 - length)
-        bounds = [
-            sum((_bound([m[i, j] for m in known], step) for j in range(n)), arb(0)) + largest[i] * tail for i in range(n)
-        ]
+        sums = [sum((_bound([m[i, j] for m in known], step) for j in range(n)), arb(0)) for i in range(n)]
+        bounds = [each + most * tail for each, most in zip(sums, largest, strict=True)]
         error = arb(0, (step * size(bounds) * tube.growth(step)).upper())
         return arb_mat([[horner(polynomials[i, j], step) + error for j in range(n)] for i in range(n)])
 
@@ -295,11 +312,19 @@ def _bound(coefficients: Sequence[arb], step: arb) -> arb:
     return horner([abs(c) for c in coefficients], step)
 
 
-def _jacobian(f: RightHandSide, time: Enclosed, y: Sequence[Any]) -> list[list[Any]]:
-    """∂f/∂y by rows, in the arithmetic of y."""
+def _with_partials(f: RightHandSide, time: Enclosed, y: Sequence[Any]) -> list[Enclosed]:
     n = len(y)
     state = [Enclosed(time.evaluation, value, tuple(arb(int(i == j)) for j in range(n))) for i, value in enumerate(y)]
-    return [list(rate.partials or [arb(0)] * n) for rate in evaluate(f, time, state)]
+    return evaluate(f, time, state)
+
+
+def _partials(rate: Enclosed, n: int) -> list[Any]:
+    return list(rate.partials or [arb(0)] * n)
+
+
+def jacobian_of(f: RightHandSide, time: Enclosed, y: Sequence[Any]) -> list[list[Any]]:
+    """∂f/∂y by rows, in the arithmetic of y."""
+    return [_partials(rate, len(y)) for rate in _with_partials(f, time, y)]
 
 
 def _logarithmic_norm(jacobian: Sequence[Sequence[arb]]) -> arb:
@@ -311,4 +336,3 @@ def _logarithmic_norm(jacobian: Sequence[Sequence[arb]]) -> arb:
             return arb("nan")
         norm = norm.max(arb(total.upper()))
     return norm
-

@@ -1,0 +1,138 @@
+"""Certificates of float trajectories: the error that a formula gives, a line to assert it, and refusals by rule."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from types import SimpleNamespace
+
+import mpmath
+import numpy as np
+import pytest
+from flint import arb
+
+from driftproof import Refused, assert_accurate, certify
+from driftproof.enclosure import certify as module
+from driftproof.enclosure.solutions import working_bits
+
+TIMES = np.linspace(0.0, 2.0, 5)
+
+
+def decay(t, y):
+    return -0.1 * y
+
+
+def classical(f, t, y, steps=20):
+    """Rows of the classical fourth-order method, some steps from each time to the next."""
+    rows = [np.asarray(y, dtype=float)]
+    for begin, end in pairwise(t):
+        h, y = (end - begin) / steps, rows[-1]
+        for k in range(steps):
+            s = begin + k * h
+            a = np.asarray(f(s, y))
+            b = np.asarray(f(s + h / 2, y + h / 2 * a))
+            c = np.asarray(f(s + h / 2, y + h / 2 * b))
+            y = y + h / 6 * (a + 2 * b + 2 * c + np.asarray(f(s + h, y + h * c)))
+        rows.append(y)
+    return np.array(rows)
+
+
+def test_errors_are_those_of_the_formula():
+    y = classical(decay, TIMES, [1.0])
+    found = certify(decay, TIMES, y)
+    with working_bits(256):
+        for (error,), t, (value,) in zip(found.errors, TIMES, y, strict=True):
+            wanted = arb(value) - (-arb(0.1) * arb(t)).exp()
+            assert abs(error - wanted) < 2.0**-100
+            assert error.overlaps(wanted)
+    assert found.doubles == (-0.1,)
+    assert found.digits >= 11
+    assert 0 < found.largest_error < 1e-11
+
+
+def test_solutions_of_libraries_are_taken_by_their_names():
+    y = classical(decay, TIMES, [1.0, 2.0])
+    alone = certify(decay, TIMES, y).errors
+    for solution in (SimpleNamespace(t=TIMES, y=y.T), SimpleNamespace(ts=TIMES, ys=y)):
+        assert [str(x) for row in certify(decay, solution).errors for x in row] == [
+            str(x) for row in alone for x in row
+        ]
+
+
+def test_accuracy_is_asserted_with_the_worst_point():
+    y = classical(decay, TIMES, [1.0])
+    y[3] += 1e-6
+    assert_accurate((TIMES, y), decay, 1.1e-6)
+    with pytest.raises(AssertionError, match=r"off by 9\.99\d+e-7|off by 1\.0000\d+e-6") as caught:
+        assert_accurate((TIMES, y), decay, 9e-7)
+    assert "component 0 at t = 1.5, point 3 of 5 (proved)" in str(caught.value)
+
+
+def test_certificate_that_has_a_wrong_sign_would_be_noticed():
+    y = classical(decay, TIMES, [1.0])
+    y[-1] += 1e-3
+    assert certify(decay, TIMES, y).errors[-1][0] > 9e-4
+
+
+def test_more_bits_are_taken_where_the_radius_is_not_small(monkeypatch):
+    monkeypatch.setattr(module, "FIRST_BITS", 32)
+    found = certify(decay, TIMES, classical(decay, TIMES, [1.0]))
+    assert found.bits in (64, 128)
+    monkeypatch.setattr(module, "MOST_DOUBLINGS", 0)
+    with pytest.raises(Refused, match="not known to twelve digits with 32 bits"):
+        certify(decay, TIMES, classical(decay, TIMES, [1.0]))
+
+
+def test_trajectory_without_error_has_every_digit():
+    found = certify(lambda t, y: 0 * y, [0.0, 1.0], [[1.0], [1.0]])
+    assert (found.digits, float(found.largest_error)) == (17, 0.0)
+
+
+def smooth_in_floats_only(t, y):
+    return np.asarray(y * 0.5) if isinstance(y[0], float) else y
+
+
+REFUSED = {
+    r"times have to increase: t\[2\] = 1.0 is not above t\[1\] = 1.0": (decay, [0, 1, 1], [[1], [1], [1]]),
+    r"t has the shape \(1,\); it has to be a row of two times at least": (decay, [0.0], [[1.0]]),
+    r"y has the shape \(3, 1\); it has to be a row for each of 2 times": (decay, [0, 1], [[1], [1], [1]]),
+    r"y\[1, 0\] is nan": (decay, [0, 1], [[1.0], [np.nan]]),
+    r"y holds complex128; floats of at most 64 bits are taken": (decay, [0, 1], [[1j], [1.0]]),
+    r"list has neither \.t and \.y nor \.ts and \.ys; give t and y apart": (decay, [0, 1], None),
+    r"f in floats is 0\.5 at t = 0\.0, component 0; in balls it is 1": (smooth_in_floats_only, [0, 1], [[1.0], [1.5]]),
+    r"f returns 2 rates for 1 components": (lambda t, y: [1.0, 2.0], [0, 1], [[1.0], [1.0]]),
+    r"f fails in floats at t = 0\.0: ZeroDivisionError": (lambda t, y: [1 / int(t)], [0, 1], [[1.0], [1.0]]),
+    r"f compares numbers that the enclosure cannot tell apart": (lambda t, y: np.abs(y), [0, 1], [[0.0], [0.0]]),
+    r"a pole, or .* is ahead near t = 1": (lambda t, y: y**2, [0.0, 1.5], [[1.0], [5.0]]),
+    r"math\.floor, which has no enclosure|turns a number into a float": (
+        lambda t, y: [np.floor(y[0])], [0, 1], [[1.0], [2.0]]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("said", REFUSED)
+def test_what_cannot_be_proved_is_refused_in_one_line(said):
+    with pytest.raises(Refused, match=said) as caught:
+        certify(*REFUSED[said])
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("tolerance", [-1.0, float("nan")])
+def test_tolerance_has_to_be_a_size(tolerance):
+    with pytest.raises(ValueError, match="has to be a number that is not negative"):
+        assert_accurate((TIMES, TIMES), decay, tolerance)
+
+
+def test_pendulum_of_scipy_agrees_with_jacobi_functions():
+    integrate = pytest.importorskip("scipy.integrate")
+    solution = integrate.solve_ivp(
+        lambda t, y: [y[1], -np.sin(y[0])], (0, 10), [2.0, 0.0], method="DOP853", rtol=1e-10, atol=1e-13
+    )
+    found = certify(lambda t, y: [y[1], -np.sin(y[0])], solution)
+    with mpmath.workdps(40), working_bits(128):
+        k = mpmath.sin(1)
+        true = 2 * mpmath.asin(k * mpmath.ellipfun("sn", mpmath.ellipk(k * k) + 10, m=k * k))
+        error = arb(float(solution.y[0, -1])) - arb(mpmath.nstr(true, 38))
+        assert abs(found.errors[-1][0] - error) < 1e-27
+    # SciPy 1.17 is off by -2.75126169e-11 there, ten times its rtol being allowed at each step.
+    assert 1e-13 < found.largest_error < 1e-9
+    with pytest.raises(AssertionError, match="proved"):
+        assert_accurate(solution, lambda t, y: [y[1], -np.sin(y[0])], 1e-13)

@@ -1,0 +1,105 @@
+"""Right-hand sides as users write them run unchanged on enclosed numbers, or are refused in one line."""
+
+from __future__ import annotations
+
+import math
+from math import exp as exponential
+from math import sin
+
+import numpy as np
+import pytest
+from flint import arb
+from numpy import zeros
+
+from driftproof.enclosure.fields import evaluate, rebound
+from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
+
+SCALE = 0.25
+MATRIX = np.array([[0.5, -1.0], [1.0, 0.25]])
+
+
+def helper(x):
+    return math.sqrt(1 + x * x) * SCALE
+
+
+def filled(t, y):
+    rates = np.zeros(2)
+    rates[0], rates[1] = y[1], -math.sin(y[0])
+    return rates
+
+
+def filled_by_name(t, y):
+    rates = zeros(2, dtype=float)
+    rates[:] = y[1], sin(y[0]) + exponential(t)
+    return rates
+
+
+def through_helpers(t, y):
+    def inner(x):
+        return helper(x) + math.pi
+
+    return [inner(y[0]), math.pow(y[1], 3)]
+
+
+class Oscillator:
+    k = 3.0
+
+    def field(self, t, y):
+        return np.array([y[1], -self.k * y[0]], dtype=float)
+
+    def __call__(self, t, y):
+        return np.asarray([y[1], -self.k * np.tanh(y[0])])
+
+
+def of_many_functions(t, y):
+    return [math.atan2(y[0], y[1]) + math.log(y[0], 10), math.hypot(*y) - math.fabs(y[0]) + math.degrees(y[1])]
+
+
+FIELDS = [
+    *(filled, filled_by_name, through_helpers, of_many_functions, Oscillator().field, Oscillator()),
+    lambda t, y: MATRIX @ y + np.cos(t),
+    lambda t, y: np.array([np.dot(y, y), np.linalg.norm(y)]),
+    lambda t, y: np.where(y > 0.5, y**2, -y),
+    lambda t, y: np.concatenate([y[1:], y[:1]]) * np.exp(-np.sum(y)),
+    lambda t, y: np.maximum(y, 0.1) + np.empty_like(y).size,
+    lambda t, y: [y[1] if t < 1 else y[0], 0],
+]
+
+
+@pytest.mark.parametrize("f", FIELDS, ids=range(len(FIELDS)))
+def test_field_means_in_balls_what_it_means_in_floats(f):
+    t, y = 0.75, np.array([0.625, 1.5])
+    evaluation = Evaluation()
+    state = [Enclosed(evaluation, arb(x)) for x in y]
+    found = evaluate(rebound(f), Enclosed(evaluation, arb(t)), state)
+    for ball, wanted in zip(found, f(t, y), strict=True):
+        assert abs(float(arb(ball.value).mid()) - wanted) < 1e-14 * (1 + abs(wanted))
+
+
+def caught(f, t=0.75, y=(0.625, 1.5)):
+    evaluation = Evaluation()
+    with pytest.raises(Refused) as refusal:
+        evaluate(rebound(f), Enclosed(evaluation, arb(t)), [Enclosed(evaluation, arb(x)) for x in y])
+    return str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("f", "said"),
+    [
+        (lambda t, y: [math.gamma(y[0]), 0], "f uses math.gamma, which has no enclosure"),
+        (lambda t, y: [y[0] % 1, 0], "f does something that has no enclosure"),
+        (lambda t, y: y.astype(float), "f turns a number into a float"),
+        (lambda t, y: [y[0]], "f returns 1 rates for 2 components"),
+        (lambda t, y: [y[5], 0], "f fails on enclosed numbers: IndexError"),
+        (lambda t, y: [None, y[0]], "f uses NoneType as a number"),
+    ],
+    ids=lambda x: x if isinstance(x, str) else "",
+)
+def test_field_without_enclosure_is_refused(f, said):
+    assert said in caught(f)
+
+
+def test_rebound_leaves_the_given_function_as_it_was():
+    rebound(filled)
+    assert filled(0.0, np.array([1.0, 2.0])).dtype == float
+    assert filled.__globals__["math"] is math

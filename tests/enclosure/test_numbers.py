@@ -1,0 +1,129 @@
+"""Numbers that a right-hand side runs on: values and derivatives of every function, cuts, comparisons, refusals."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+from flint import acb, arb, arb_series
+
+from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, series
+
+
+def ball(x, *partials, evaluation=None):
+    return Enclosed(evaluation or Evaluation(), x, tuple(map(arb, partials)) or None)
+
+
+FUNCTIONS = {
+    **dict.fromkeys(("sin", "cos", "tan", "exp", "log", "sqrt", "arctan", "arcsin", "arccos", "sinh", "cosh"), 0.3),
+    **dict.fromkeys(("tanh", "expm1", "log1p", "log2", "log10", "cbrt", "radians", "degrees", "square"), 0.4),
+    **{"reciprocal": 0.7, "absolute": -0.7, "negative": 0.2, "deg2rad": 0.3, "rad2deg": 0.3},
+}
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_value_and_derivative_are_those_of_the_function(name):
+    function, x = getattr(np, name), FUNCTIONS[name]
+    found = function(ball(arb(x), 1))
+    # A double's function and a central difference at 2^-16: 1e-15 and (2^-16)^2 times a third derivative below 100.
+    assert abs(float(found.value.mid()) - function(x)) < 1e-14 * (1 + abs(function(x)))
+    slope = (function(x + 2**-16) - function(x - 2**-16)) / 2**-15
+    assert abs(float(found.partials[0].mid()) - slope) < 1e-7 * (1 + abs(slope))
+    assert found.value.rad() < 1e-12
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_series_are_those_of_the_values_in_a_disc(name):
+    """At a complex point near by the series and the function on a complex ball agree."""
+    x = arb(FUNCTIONS[name])
+    along = getattr(np, name)(series(Evaluation(decided=[FUNCTIONS[name] > 0]), [x, arb(1)], 10)).value
+    small = acb(0, arb(2) ** -8)
+    near = getattr(np, name)(ball(x + small, evaluation=Evaluation(decided=[FUNCTIONS[name] > 0]))).value
+    total = sum((arb_series(along)[k] * small**k for k in range(10)), acb(0))
+    assert abs(total - near) < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("name", "square"),
+    [
+        *[("log", acb(arb(-1, 0.1), arb(0, 0.1))), ("sqrt", acb(arb(0, 0.1), arb(0, 0.1)))],
+        *[("arctan", acb(arb(0, 0.1), arb(1.5, 0.1))), ("arctan", acb(arb(0, 0.1), arb(-1, 0.1)))],
+        *[("arcsin", acb(arb(2, 0.1), arb(0, 0.1))), ("arccos", acb(arb(-1, 0.1), arb(0, 0.1)))],
+        *[("tan", acb(arb.pi() / 2, arb(0, 0.1))), ("reciprocal", acb(arb(0, 0.1), arb(0, 0.1)))],
+        *[("tanh", acb(0, arb.pi() / 2)), ("cbrt", acb(arb(-1), arb(0, 0.1)))],
+    ],
+)
+def test_square_that_meets_a_cut_or_a_pole_has_no_value(name, square):
+    try:
+        value = getattr(np, name)(ball(square, evaluation=Evaluation(decided=[True]))).value
+    except Refused:
+        return
+    assert not value.is_finite()
+
+
+@pytest.mark.parametrize("name", ["log", "sqrt", "arctan", "arcsin", "arccos", "tan", "exp"])
+def test_square_off_the_cuts_holds_the_values_of_its_corners(name):
+    square = acb(arb(0.5, 0.25), arb(0.25, 0.125))
+    value = getattr(np, name)(ball(square)).value
+    plain = {"arctan": mpmath.atan, "arcsin": mpmath.asin, "arccos": mpmath.acos}.get(name) or getattr(mpmath, name)
+    for x, y in ((0.25, 0.125), (0.25, 0.375), (0.75, 0.125), (0.75, 0.375)):
+        corner = plain(mpmath.mpc(x, y))
+        assert value.overlaps(acb(float(corner.real), float(corner.imag)))
+
+
+@pytest.mark.parametrize("power", [0, 1, 3, -2, 0.5, -1.5, Fraction(1, 3), np.float64(2.0), 0.3])
+def test_power_and_its_derivative(power):
+    found = ball(arb(0.7), 1) ** power
+    exponent = float(power)
+    assert abs(float(found.value.mid()) - 0.7**exponent) < 1e-14
+    slope = exponent * 0.7 ** (exponent - 1)
+    assert abs(float((found.partials or (arb(0),))[0].mid()) - slope) < 1e-14
+
+
+def test_whole_power_of_a_series_that_may_be_zero_is_finite():
+    found = series(Evaluation(), [arb(0, 0.5), arb(1)], 5) ** 40
+    assert all(arb_series(found.value)[k].is_finite() for k in range(5))
+
+
+def test_angles_and_hypotenuse():
+    for y, x in ((1.0, 2.0), (1.0, -2.0), (-1.0, -2.0), (-1.0, 2.0)):
+        evaluation = Evaluation()
+        up, right = ball(arb(y), 1, 0, evaluation=evaluation), ball(arb(x), 0, 1, evaluation=evaluation)
+        assert abs(float(np.arctan2(up, right).value.mid()) - math.atan2(y, x)) < 1e-14
+        assert abs(float(np.hypot(up, right).value.mid()) - math.hypot(y, x)) < 1e-14
+
+
+def test_comparisons_are_decided_recorded_and_replayed():
+    evaluation = Evaluation()
+    x = ball(arb(1, 0.5), evaluation=evaluation)
+    assert [x > 0, x < 0, x >= 2, x <= 2, x == 3, bool(x)] == [True, False, False, True, False, True]
+    assert evaluation.taken == [True, False, False, True, False, True]
+    replayed = Evaluation(decided=[False])
+    assert not ball(arb(1, 0.5), evaluation=replayed) > 0
+    with pytest.raises(Refused, match="other branches"):
+        _ = ball(arb(1), evaluation=replayed) > 0
+    with pytest.raises(Refused, match="cannot tell apart"):
+        _ = x > 1
+
+
+@pytest.mark.parametrize("x", [math.inf, math.nan, 1j, "1", None])
+def test_constant_that_is_no_real_number_is_refused(x):
+    with pytest.raises(Refused):
+        Evaluation().constant(x)
+
+
+def test_constants_are_exact_and_doubles_are_kept():
+    evaluation = Evaluation()
+    third = evaluation.constant(Fraction(1, 3))
+    assert (3 * third - 1).contains(0)
+    assert [float(evaluation.constant(x)) for x in (0.1, 2.0, np.float32(0.5), True)] == [0.1, 2.0, 0.5, 1.0]
+    assert evaluation.doubles == {0.1, 0.5}
+
+
+@pytest.mark.parametrize("turned", [float, int, round, math.floor, complex, lambda x: [1, 2][x]])
+def test_number_does_not_become_a_float(turned):
+    with pytest.raises(Refused, match="turns a number into a float"):
+        turned(ball(arb(1)))

@@ -1,0 +1,149 @@
+"""Enclosures hold the solutions that formulas give, from points and from balls, to any time asked for."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from random import Random
+
+import mpmath
+import numpy as np
+import pytest
+from flint import arb
+from tqdm import tqdm
+
+from driftproof.enclosure import steps
+from driftproof.enclosure.numbers import Refused
+from driftproof.enclosure.solutions import enclose_solution, working_bits
+from tests.enclosure.mutants import mutant
+from tests.witnesses.closed_solutions import FAMILIES, drawn, kepler
+
+
+def pendulum(t, y):
+    return [y[1], -np.sin(y[0])]
+
+
+def attraction(t, y):
+    cubed = (y[0] ** 2 + y[1] ** 2) ** 1.5
+    return [y[2], y[3], -y[0] / cubed, -y[1] / cubed]
+
+
+def violations(problem, random, bits=64):
+    """How many components of the enclosure, at three random times and the end, do not hold the formula's value."""
+    inner = sorted(random.uniform(problem.t0, problem.end) for _ in range(3))
+    times = [Fraction(t) for t in (problem.t0, *inner, problem.end)]
+    found = enclose_solution(problem.f, [Fraction(x) for x in problem.start], times, bits)
+    assert found.radius < 1e-9
+    with working_bits(256):
+        wanted = [problem.solution(arb(float(t))) for t in times]
+        rows = zip(found.states, wanted, strict=True)
+        return sum(not x.overlaps(y) for row, true in rows for x, y in zip(row, true, strict=True))
+
+
+def test_three_hundred_random_problems_lie_within():
+    random, seen = Random(20), set()
+    for _ in range(300):
+        problem = drawn(random)
+        seen.add(problem.name)
+        assert violations(problem, random) == 0, problem
+    assert len(seen) == len(FAMILIES)
+
+
+@pytest.mark.long
+def test_ten_thousand_random_problems_lie_within():
+    random = Random(21)
+    for _ in tqdm(range(10_000)):
+        problem = drawn(random)
+        assert violations(problem, random, random.choice((64, 128, 192))) == 0, problem
+
+
+def test_tangent_near_its_pole():
+    t = Fraction(157, 100)
+    found = enclose_solution(lambda t, y: 1 + y**2, [Fraction(0)], [Fraction(0), t])
+    with working_bits(256):
+        assert found.states[-1][0].contains((arb(157) / 100).tan())
+    assert found.radius < 1e-24
+
+
+def test_pole_is_refused_and_its_place_said():
+    with pytest.raises(Refused, match=r"a pole, .* is ahead near t = 1\.5707963"):
+        enclose_solution(lambda t, y: 1 + y**2, [Fraction(0)], [Fraction(0), Fraction(2)])
+
+
+def test_branch_that_is_reached_is_refused():
+    with pytest.raises(Refused, match=r"near t = 0\.693147|cannot tell apart|another branch"):
+        enclose_solution(lambda t, y: abs(y) + 1, [Fraction(-1)], [Fraction(0), Fraction(2)], 64)
+
+
+def test_pendulum_agrees_with_jacobi_functions():
+    found = enclose_solution(pendulum, [Fraction(2), Fraction(0)], [Fraction(0), Fraction(10)])
+    with mpmath.workdps(40):
+        k = mpmath.sin(1)
+        true = 2 * mpmath.asin(k * mpmath.ellipfun("sn", mpmath.ellipk(k * k) + 10, m=k * k))
+        with working_bits(128):
+            assert abs(found.states[-1][0] - arb(mpmath.nstr(true, 38))) < 1e-32
+    assert found.radius < 1e-32
+
+
+def test_kepler_agrees_with_keplers_equation():
+    start = [Fraction(1, 2), Fraction(0), Fraction(0), None]
+    with working_bits(80):
+        start[3] = arb(3).sqrt()  # a ball: no double is this number
+        found = enclose_solution(attraction, start, [Fraction(0), Fraction(1, 4)], 80)
+    with working_bits(256):
+        wanted = kepler(arb(1) / 2, arb(1) / 4)
+        assert all(x.overlaps(y) for x, y in zip(found.states[-1], wanted, strict=True))
+    assert found.radius < 1e-15
+
+
+def test_rational_start_is_no_double():
+    third = Fraction(1, 3)
+    found = enclose_solution(lambda t, y: y, [third], [third, Fraction(4, 3)])
+    with working_bits(256):
+        assert all(x[0].contains(y) for x, y in zip(found.states, [arb(1) / 3, arb(1).exp() / 3], strict=True))
+    assert 0 < found.radius < 1e-33
+
+
+def holds_neighbours(module):
+    """y' = y from [1 - r, 1 + r]: both ends' solutions lie within, and the radius is theirs up to 1 %."""
+    r, times = arb(2) ** -40, [Fraction(k, 3) for k in range(8)]
+    with working_bits(128):
+        found = module.enclose_solution(lambda t, y: y, [arb(1, r)], times)
+        for t, (x,) in zip(times, found.states, strict=True):
+            grown = (arb(t.numerator) / t.denominator).exp()
+            held = all(abs((1 + side * r) * grown - x.mid()) <= x.rad() * (1 + r) for side in (-1, 1))
+            if not held or x.rad() > 1.01 * r * grown:
+                return False
+    return found.steps > 2
+
+
+def holds_growth(module):
+    """y' = y from 1 in few coefficients, so that the steps' own errors show over the rounding."""
+    module.BITS_PER_COEFFICIENT = 6
+    with pytest.MonkeyPatch.context() as loose:
+        loose.setattr(steps, "BITS_OF_A_STEP", Fraction(1, 3))
+        # Just past the end of a step, so that what it carries is seen and not what it adds.
+        found = module.enclose_solution(lambda t, y: y, [Fraction(1)], [Fraction(0), 8 + Fraction(1, 2**40)], 64)
+    with working_bits(256):
+        return bool(found.states[-1][0].contains((8 + arb(2) ** -40).exp()))
+
+
+WRONG = {
+    "a radius halved": (holds_neighbours, ("arb(0, reach.upper())", "arb(0, reach.upper() / 2)")),
+    "carried errors halved": (
+        holds_neighbours,
+        ("self.box = (inverse * image) * self.box", "self.box = inverse * image * self.box / 2"),
+    ),
+    "errors carried without the flow": (holds_neighbours, ("image = step.flow * self.basis", "image = self.basis")),
+    "a step's own error dropped": (holds_growth, ("wide = arb(0, near.upper())", "wide = arb(0)")),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("check", [holds_neighbours, holds_growth])
+def test_solution_holds(check):
+    assert check(mutant("solutions"))
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_wrong_solution_is_caught(name):
+    check, *replaced = WRONG[name]
+    assert not check(mutant("solutions", *replaced))

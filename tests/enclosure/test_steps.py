@@ -1,0 +1,134 @@
+"""One step: formulas lie within it, sharply enough that each wrong bound that is planted is caught."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import product
+
+import pytest
+from flint import acb, arb, arb_poly
+
+from driftproof.enclosure import steps
+from driftproof.enclosure.numbers import Refused
+from driftproof.enclosure.solutions import working_bits
+from driftproof.enclosure.steps import Piece, covered_disc, size
+from tests.enclosure.mutants import mutant
+
+
+def made(module, f, start, spread, length=42):
+    decided = module.decisions(f, Fraction(0), start, set())
+    return module.Expansion(f, Fraction(0), start, length, decided).step(Fraction(2), spread)
+
+
+def dense_holds_growth(module):
+    """y' = y, few coefficients and a large defect allowed: exp(s) is within the bound at the end of the step."""
+    module.BITS_OF_A_STEP = Fraction(1, 8)
+    with working_bits(200):
+        step = made(module, lambda t, y: y, [arb(1)], arb(0), length=8)
+        (value,), near = step.at(step.h)
+        distance = abs(value - steps.exact_ball(step.h).exp())
+        assert distance > arb(2) ** -60  # the polynomial alone is off, and the step says so
+        return distance <= near
+
+
+def dense_holds_neighbours(module):
+    """y' = y: a solution that starts 2^-40 away is 2^-40 exp(s) away, which is the bound up to 2^-20."""
+    with working_bits(128):
+        spread = arb(2) ** -40
+        step = made(module, lambda t, y: y, [arb(1)], spread)
+        distance, bound = spread * steps.exact_ball(step.h).exp(), spread * step.tube.growth(steps.exact_ball(step.h))
+        return distance <= bound * (1 + arb(2) ** -60) and bound < 1.01 * distance
+
+
+def tube_is_wide_enough(module):
+    """y' = y + c y^41 beside y = 0: a solution leaves the tube of twice the first distance and grows faster outside."""
+    c, spread = 2.0**-24, arb(2) ** -2
+    with working_bits(128):
+        step = made(module, lambda t, y: y + c * y**41, [arb(0)], spread)
+        h = steps.exact_ball(step.h)
+        distance = (-((spread**-40 + c) * (-40 * h).exp() - c).log() / 40).exp()
+        assert h.exp() > 2
+        return distance <= spread * step.tube.growth(h)
+
+
+def flow_holds_growth(module):
+    """y' = y: the derivative of the flow is exp(h), which its twelve coefficients alone miss."""
+    with working_bits(128):
+        step = made(module, lambda t, y: y, [arb(1)], arb(0))
+        return bool(step.flow[0, 0].contains(steps.exact_ball(step.h).exp().mid()))
+
+
+def no_branch_is_crossed(module):
+    """y' = |y| + 1 from -1/2^10 changes its formula at 2^-10; no step may reach over that."""
+    with working_bits(128):
+        step = made(module, lambda t, y: abs(y) + 1, [arb(-1) / 1024], arb(0))
+        return step.h <= Fraction(1, 1024)
+
+
+CHECKS = (dense_holds_growth, dense_holds_neighbours, tube_is_wide_enough, flow_holds_growth, no_branch_is_crossed)
+GROWTH = "return (self.norm * s).exp()"
+DEFECT = "return size(_bound(part, step) + tail for part in self._defect_known)"
+FLOW = "error = arb(0, (step * size(bounds) * tube.growth(step)).upper())"
+BRANCH = ("evaluation = Evaluation()\n", "evaluation = Evaluation(self.decided)\n")
+WRONG = {
+    "a radius halved": (dense_holds_neighbours, (GROWTH, "return (self.norm * s).exp() / 2")),
+    "Gronwall's constant too small": (dense_holds_neighbours, (GROWTH, "return (self.norm * s / 2).exp()")),
+    "the defect dropped": (dense_holds_growth, (DEFECT, "return arb(0)")),
+    "the tail omitted": (
+        dense_holds_growth,
+        (DEFECT, "return size(_bound(part, step) for part in self._defect_known)"),
+    ),
+    "the tube not checked": (
+        tube_is_wide_enough,
+        ("if tube.growth(exact_ball(h)) * error < radius:", "if True:"),
+    ),
+    "the flow's error omitted": (flow_holds_growth, (FLOW, "error = arb(0)")),
+    "branches replayed on the tube": (no_branch_is_crossed, BRANCH),
+}
+
+
+@pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
+def test_step_holds(check):
+    assert check(mutant("steps"))
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_wrong_step_is_caught(name):
+    check, *replaced = WRONG[name]
+    assert not check(mutant("steps", *replaced))
+
+
+def test_eight_discs_cover_the_upper_half():
+    pieces = covered_disc(Fraction(1))
+    for i, j in product(range(-8, 9), range(9)):
+        point = acb(arb(i) / 8, arb(j) / 8)
+        assert any(abs(point - piece.centre) <= piece.radius for piece in pieces)
+
+
+def test_piece_holds_the_values_of_a_polynomial_on_its_disc():
+    piece = Piece(acb(1, 2), arb(1) / 2)
+    coefficients = [arb(3), arb(-1), arb(1) / 3, arb(2)]
+    square = piece.values(coefficients)
+    for k in range(12):
+        s = piece.centre + piece.radius * (acb(0, arb.pi() * k / 6)).exp()
+        assert square.overlaps(arb_poly(coefficients)(s))
+    assert square.abs_upper() < 4 * abs(arb_poly(coefficients)(piece.centre))
+
+
+def test_size_keeps_what_is_not_a_number():
+    assert size([arb(-3), arb(2)]) == 3
+    assert not size([arb(1), arb("nan"), arb(2)]).is_finite()
+    assert not size([arb("nan"), arb(1)]).is_finite()
+
+
+@pytest.mark.parametrize(
+    ("f", "start", "said"),
+    [
+        (lambda t, y: 1 / y, 0, "f is not finite|divides by"),
+        (lambda t, y: y.sqrt() if False else y**0.5, -1, "not finite"),
+        (lambda t, y: abs(y), 0, "cannot tell apart"),
+    ],
+)
+def test_point_where_f_is_not_smooth_is_refused(f, start, said):
+    with pytest.raises(Refused, match=said):
+        made(steps, f, [arb(start)], arb(0))

@@ -1,0 +1,128 @@
+"""Initial value problems whose solutions are formulas, in balls; nothing of driftproof is used."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from random import Random
+
+import numpy as np
+from flint import arb, arb_series
+
+
+@dataclass(frozen=True)
+class Solved:
+    """y' = f(t, y) from `start` at t0, solved by `solution(t)`, which takes balls and series; good up to `end`."""
+
+    name: str
+    f: Callable
+    start: tuple[float, ...]
+    t0: float
+    end: float
+    solution: Callable
+
+
+def drawn(random: Random) -> Solved:
+    """One of the families below with random doubles."""
+    a, w = random.uniform(-2, 2), random.uniform(0.2, 3)
+    y0, end = random.uniform(0.1, 2), random.uniform(0.1, 1.5)
+    return random.choice(FAMILIES)(a, w, y0, end)
+
+
+def growth(a, w, y0, end):
+    return Solved(
+        "growth", lambda t, y: a * y + w, (y0,), 0.0, end, lambda t: [(y0 + arb(w) / a) * (a * t).exp() - arb(w) / a]
+    )
+
+
+def spiral(a, w, y0, end):
+    def f(t, y):
+        return np.array([[a, w], [-w, a]]) @ y
+
+    return Solved(
+        "spiral",
+        f,
+        (y0, 0.0),
+        0.0,
+        end,
+        lambda t: [y0 * (a * t).exp() * (w * t).cos(), -y0 * (a * t).exp() * (w * t).sin()],
+    )
+
+
+def logistic(a, w, y0, end):
+    return Solved(
+        "logistic", lambda t, y: [a * y[0] * (1 - y[0])], (y0,), 0.0, end if a > 0 else end / 8,
+        lambda t: [y0 / (y0 + (1 - arb(y0)) * (-a * t).exp())],
+    )  # fmt: skip
+
+
+def tangent(a, w, y0, end):
+    return Solved("tangent", lambda t, y: 1 + y**2, (0.0,), 0.0, end, lambda t: [t.sin() / t.cos()])
+
+
+def swing(a, w, y0, end):
+    return Solved("swing", lambda t, y: a * np.cos(t) * y, (y0,), 0.0, end, lambda t: [y0 * (a * t.sin()).exp()])
+
+
+def hyperbola(a, w, y0, end):
+    return Solved("hyperbola", lambda t, y: -2 * t * y * y, (y0,), 0.0, end, lambda t: [y0 / (1 + y0 * t * t)])
+
+
+def square(a, w, y0, end):
+    def solution(t):
+        root = arb(y0).sqrt() + t / 2
+        return [root * root]
+
+    return Solved("square", lambda t, y: np.sqrt(y), (y0,), 0.0, end, solution)
+
+
+def decay(a, w, y0, end):
+    return Solved("decay", lambda t, y: np.abs(y), (-y0,), 0.0, end, lambda t: [-y0 * (-t).exp()])
+
+
+def double_exponential(a, w, y0, end):
+    return Solved(
+        "double exponential", lambda t, y: y * np.log(y), (y0,), 0.0, end, lambda t: [(arb(y0).log() * t.exp()).exp()]
+    )
+
+
+def cube(a, w, y0, end):
+    return Solved("cube", lambda t, y: -(y**3), (y0,), 0.0, end, lambda t: [y0 / (1 + 2 * arb(y0) ** 2 * t).sqrt()])
+
+
+def homogeneous(a, w, y0, end):
+    return Solved("homogeneous", lambda t, y: y / t, (y0,), w, w + end, lambda t: [y0 / arb(w) * t])
+
+
+def powers(a, w, y0, end):
+    return Solved("powers", lambda t, y: y**1.5, (y0,), 0.0, end / 2, lambda t: [(1 / arb(y0).sqrt() - t / 2) ** -2])
+
+
+FAMILIES = (
+    *(growth, spiral, logistic, tangent, swing, hyperbola, square, decay),
+    *(double_exponential, cube, homogeneous, powers),
+)
+
+
+def kepler(e: arb, t: arb) -> list[arb]:
+    """(x, y, x', y') on the ellipse of eccentricity e and semi-axis 1, a time t after the perihelion.
+
+    Kepler's equation E - e sin E = t by Newton in balls: N(E) = m - F(m)/F'(E), each a subset of the last, proves E.
+    """
+    E = arb(t.mid(), 2)
+    for _ in range(300):
+        m = arb(E.mid())
+        better = m - (m - e * m.sin() - t) / (1 - e * E.cos())
+        if not better.overlaps(E):
+            raise AssertionError("no solution there")
+        narrower = better.intersection(E)
+        if narrower.rad() >= E.rad():
+            break
+        E = narrower
+    b, rate = (1 - e * e).sqrt(), 1 / (1 - e * E.cos())
+    return [E.cos() - e, b * E.sin(), -E.sin() * rate, b * E.cos() * rate]
+
+
+def rates_by_series(problem: Solved, t: float) -> list[tuple[arb, arb]]:
+    """(y'(t) from the formula's series, y(t)) of each component."""
+    return [(y[1], y[0]) for y in problem.solution(arb_series([t, 1], 2))]
