@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from driftproof.enclosure.fields import RightHandSide, evaluate, rebound
+from driftproof.enclosure.fields import RightHandSide, enclosed_rates, rebound
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
-from driftproof.enclosure.solutions import FIRST_BITS, Enclosure, enclose_solution, working_bits
+from driftproof.enclosure.solutions import BITS_AT_FIRST, Enclosure, enclose_solution, working_bits
 from driftproof.enclosure.steps import jacobian_of, size
 
 MOST_DOUBLINGS = 4
@@ -97,7 +97,7 @@ def certify(f: RightHandSide, t: Any, y: Any = None) -> Certificate:
     times, states = trajectory_of(t, y)
     _require_reproduced(f, times, states)
     exact = [Fraction(x) for x in times]
-    bits, reached = FIRST_BITS, exact[0]
+    bits, reached = BITS_AT_FIRST, exact[0]
     for last in (*[False] * MOST_DOUBLINGS, True):
         try:
             enclosed = enclose_solution(f, [Fraction(x) for x in states[0]], exact, bits)
@@ -181,7 +181,7 @@ def _require_reproduced(f: RightHandSide, times: list[float], states: list[list[
             raise Refused(f"f fails in floats at t = {t}: {type(error).__name__}: {error}") from None
         evaluation = Evaluation()
         time, balls = Enclosed(evaluation, arb(t)), [arb(x) for x in y]
-        rates = [arb(rate.value) for rate in evaluate(ours, time, [Enclosed(evaluation, x) for x in balls])]
+        rates = [arb(rate.value) for rate in enclosed_rates(ours, time, [Enclosed(evaluation, x) for x in balls])]
         if len(given) != len(rates):
             raise Refused(f"f returns {len(given)} rates for {len(rates)} components")
         slopes = jacobian_of(ours, Enclosed(Evaluation(), arb(t)), balls)

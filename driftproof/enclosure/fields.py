@@ -24,7 +24,7 @@ _REPLACED = ("array", "asarray", "zeros", *_FILLED_WITH_FLOATS)
 _DEEPEST_CALLS = 50
 
 
-def evaluate(f: RightHandSide, t: Enclosed, y: Sequence[Enclosed]) -> list[Enclosed]:
+def enclosed_rates(f: RightHandSide, t: Enclosed, y: Sequence[Enclosed]) -> list[Enclosed]:
     """f(t, y) in the arithmetic of its arguments, one number a component. Raises Refused where f cannot be run so."""
     state = np.empty(len(y), dtype=object)
     state[:] = y

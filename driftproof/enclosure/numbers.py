@@ -360,10 +360,10 @@ def _function(name: str, x: Value) -> Value:
 
 
 def _power(x: Value, n: int) -> Value:
-    """x^n by squaring: FLINT takes the logarithm of a series for large n, which is not finite where x may be 0."""
-    if not isinstance(x, arb_series):
+    """x^n by squaring: python-flint takes logarithms of real balls and series, which is no good where x may be 0."""
+    if isinstance(x, acb):
         return x**n
-    result = 1
+    result = arb(1)
     for bit in f"{n:b}":
         result = result * result * x if bit == "1" else result * result
     return result

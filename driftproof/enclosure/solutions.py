@@ -17,16 +17,16 @@ from flint import arb, arb_mat, ctx
 
 from driftproof.enclosure.fields import RightHandSide, rebound
 from driftproof.enclosure.numbers import Refused, exact_ball
-from driftproof.enclosure.steps import DISC_PER_STEP, Expansion, Step, decisions, size
+from driftproof.enclosure.steps import DISC_PER_STEP, EnclosedStep, Expansion, decisions, size
 
 # Bits of the first attempt.
-FIRST_BITS = 128
+BITS_AT_FIRST = 128
 # Coefficients per bit: with R/h = 8 each coefficient gains three bits, and one more for the factors before them.
 BITS_PER_COEFFICIENT = 3
 # Some ten minutes. A problem that needs more is stiff, and its explicit steps do not end.
 MOST_STEPS = 20_000
-# Steps of this part of the whole time are those of a pole: doubles that stand for times do not go as near to it.
-SHORTEST_PART = Fraction(1, 2**60)
+# Shorter steps, relative to the whole time, are those of a pole; 2⁻⁴⁰ is found before 128 bits are used up.
+SHORTEST_PART = Fraction(1, 2**40)
 # No problem needs a longer one; shorter are found by halving.
 LONGEST_STEP = Fraction(2) ** 20
 
@@ -58,7 +58,7 @@ def working_bits(bits: int) -> Iterator[None]:
 
 
 def enclose_solution(
-    f: RightHandSide, start: Sequence[Fraction | arb], times: Sequence[Fraction], bits: int = FIRST_BITS
+    f: RightHandSide, start: Sequence[Fraction | arb], times: Sequence[Fraction], bits: int = BITS_AT_FIRST
 ) -> Enclosure:
     """The solution of y' = f(t, y) with y(times[0]) = start at all `times`, which increase.
 
@@ -85,7 +85,7 @@ class _Path:
         self.point = [x.mid() for x in balls]
         self.basis = arb_mat([[int(i == j) for j in range(n)] for i in range(n)])
         self.box = arb_mat([[x - m] for x, m in zip(balls, self.point, strict=True)])
-        self.step: Step | None = None
+        self.step: EnclosedStep | None = None
 
     def states_at(self, t: Fraction) -> tuple[arb, ...]:
         """The solution at t, which is not before any time asked for."""
@@ -117,7 +117,7 @@ class _Path:
             near = float(self.t + DISC_PER_STEP * self.step.h)
             raise Refused(f"a pole, or a point where f is not smooth, is ahead near t = {near:.12g}")
 
-    def _carry(self, step: Step) -> None:
+    def _carry(self, step: EnclosedStep) -> None:
         """From the start of the step to its end: the thin point, and the set of errors around it."""
         values, near = step.at(step.h)
         wide = arb(0, near.upper())

@@ -18,7 +18,7 @@ from typing import Any
 
 from flint import acb, acb_poly, arb, arb_mat, ctx
 
-from driftproof.enclosure.fields import RightHandSide, evaluate
+from driftproof.enclosure.fields import RightHandSide, enclosed_rates
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, exact_ball, series
 
 # R/h: each further coefficient makes the tail of the defect this much smaller; larger steps cost more coefficients.
@@ -50,7 +50,7 @@ class Tube:
 
 
 @dataclass(frozen=True)
-class Step:
+class EnclosedStep:
     """[t, t + h]: p as rows of ascending coefficients, the defect's bound δ, and the tube in which all this holds.
 
     `flow` encloses the derivative of the solution at t + h with respect to its start, for all starts in the tube.
@@ -86,7 +86,7 @@ def size(values: Iterable[arb | acb]) -> arb:
 
 
 @dataclass(frozen=True)
-class Piece:
+class Disc:
     """The disc |s - centre| <= radius, on which polynomials are enclosed by their Taylor coefficients at the centre."""
 
     centre: acb
@@ -110,19 +110,19 @@ class Piece:
         return acb(around[0]) + acb(wide, wide)
 
 
-def whole_disc(radius: Fraction) -> list[Piece]:
+def whole_disc(radius: Fraction) -> list[Disc]:
     """|s| <= radius in one piece."""
-    return [Piece(acb(0), exact_ball(radius))]
+    return [Disc(acb(0), exact_ball(radius))]
 
 
-def covered_disc(radius: Fraction) -> list[Piece]:
+def covered_disc(radius: Fraction) -> list[Disc]:
     """Eight discs that cover the upper half of |s| <= radius; f is real on reals, so the lower half has the conjugates.
 
     They stand around the squares of side radius/2 that do, the polynomials' values wrapping far less in each.
     """
     quarter = exact_ball(radius / 4)
     around = arb((quarter * arb(2).sqrt()).upper())
-    return [Piece(acb(i * quarter, j * quarter), around) for i in (-3, -1, 1, 3) for j in (1, 3)]
+    return [Disc(acb(i * quarter, j * quarter), around) for i in (-3, -1, 1, 3) for j in (1, 3)]
 
 
 # Ways to cover a disc, the cheapest first.
@@ -132,7 +132,7 @@ COVERS = (whole_disc, covered_disc)
 def decisions(f: RightHandSide, t: Fraction, y: Sequence[arb], seen: set[float]) -> list[bool]:
     """Which branches f takes at a point; the doubles that it reads are added to `seen`."""
     evaluation = Evaluation(doubles=seen)
-    rates = evaluate(f, Enclosed(evaluation, exact_ball(t)), [Enclosed(evaluation, x) for x in y])
+    rates = enclosed_rates(f, Enclosed(evaluation, exact_ball(t)), [Enclosed(evaluation, x) for x in y])
     if not all(rate.value.is_finite() for rate in rates):
         raise Refused(f"f is not finite at t = {float(t):.6g}")
     return evaluation.taken
@@ -154,7 +154,7 @@ class Expansion:
         # p' and what is known of the defect are taken off f(t, p) as one polynomial: few operations on boxes.
         self._defect_taken = rates
 
-    def step(self, longest: Fraction, spread: arb) -> Step:
+    def step(self, longest: Fraction, spread: arb) -> EnclosedStep:
         """A step of `longest` at most that holds for every start within `spread` of the point.
 
         Raises Refused where no disc is found on which f evaluates finitely, or no tube.
@@ -180,7 +180,7 @@ class Expansion:
             radii += [(first / c) ** (1 / k) for k, c in sizes if c > 0]
         return Fraction(2) ** (frexp(min(radii) / DISC_PER_STEP * 4 / 3)[1] - 1)
 
-    def _attempt(self, h: Fraction, pieces: Sequence[Piece], spread: arb) -> Step | None:
+    def _attempt(self, h: Fraction, pieces: Sequence[Disc], spread: arb) -> EnclosedStep | None:
         step = exact_ball(h)
         defect = self._defect(step, pieces)
         if defect is None or not step * defect < self._scale() * arb(2) ** -int(BITS_OF_A_STEP * ctx.prec):
@@ -191,7 +191,7 @@ class Expansion:
             return None
         if size(x.rad() for x in flow.entries()) > LOOSEST_FLOW * size(flow.entries()):
             return None
-        return Step(self.t, h, self.rows, defect, tube, flow)
+        return EnclosedStep(self.t, h, self.rows, defect, tube, flow)
 
     def _scale(self) -> arb:
         return size(row[0] for row in self.rows).max(arb(1))
@@ -205,17 +205,19 @@ class Expansion:
             evaluation = Evaluation(self.decided)
             time = series(evaluation, [exact_ball(self.t), arb(1)], length)
             state = [series(evaluation, row, length) for row in rows]
-            return jacobian_of(self.f, time, [x.value for x in state]) if jacobian else evaluate(self.f, time, state)
+            return (
+                jacobian_of(self.f, time, [x.value for x in state]) if jacobian else enclosed_rates(self.f, time, state)
+            )
         finally:
             ctx.cap = cap
 
-    def _defect(self, step: arb, pieces: Sequence[Piece]) -> arb | None:
+    def _defect(self, step: arb, pieces: Sequence[Disc]) -> arb | None:
         """An upper bound of |f(t + s, p(s)) - p'(s)| for 0 <= s <= h, or None where f is not finite on the disc."""
         largest = arb(0)
         for piece in pieces:
             evaluation = Evaluation(self.decided)
             state = [Enclosed(evaluation, piece.values(row)) for row in self.rows]
-            rates = evaluate(self.f, self._time(evaluation, piece.ball), state)
+            rates = enclosed_rates(self.f, self._time(evaluation, piece.ball), state)
             whole = [acb(rate.value) - piece.values(part) for rate, part in zip(rates, self._defect_taken, strict=True)]
             if not all(x.is_finite() for x in whole):
                 return None
@@ -251,7 +253,7 @@ class Expansion:
             return arb("nan")
         return _logarithmic_norm([_partials(rate, len(box)) for rate in rates])
 
-    def _flow(self, step: arb, pieces: Sequence[Piece], tube: Tube) -> arb_mat | None:
+    def _flow(self, step: arb, pieces: Sequence[Disc], tube: Tube) -> arb_mat | None:
         """The derivative of y(t + h) with respect to its start, for all starts in the tube: P(h), and Gronwall.
 
         P has thin coefficients; its defect J(t + s, p(s) + b) P(s) - P'(s) is analytic in s for each b in the tube.
@@ -315,7 +317,7 @@ def _bound(coefficients: Sequence[arb], step: arb) -> arb:
 def _with_partials(f: RightHandSide, time: Enclosed, y: Sequence[Any]) -> list[Enclosed]:
     n = len(y)
     state = [Enclosed(time.evaluation, value, tuple(arb(int(i == j)) for j in range(n))) for i, value in enumerate(y)]
-    return evaluate(f, time, state)
+    return enclosed_rates(f, time, state)
 
 
 def _partials(rate: Enclosed, n: int) -> list[Any]:

@@ -74,7 +74,7 @@ def test_certificate_that_has_a_wrong_sign_would_be_noticed():
 
 
 def test_more_bits_are_taken_where_the_radius_is_not_small(monkeypatch):
-    monkeypatch.setattr(module, "FIRST_BITS", 32)
+    monkeypatch.setattr(module, "BITS_AT_FIRST", 32)
     found = certify(decay, TIMES, classical(decay, TIMES, [1.0]))
     assert found.bits in (64, 128)
     monkeypatch.setattr(module, "MOST_DOUBLINGS", 0)

@@ -86,6 +86,8 @@ def test_power_and_its_derivative(power):
 def test_whole_power_of_a_series_that_may_be_zero_is_finite():
     found = series(Evaluation(), [arb(0, 0.5), arb(1)], 5) ** 40
     assert all(arb_series(found.value)[k].is_finite() for k in range(5))
+    assert (ball(arb(0, 1), 1) ** 40).value.is_finite()
+    assert all(x.is_finite() for x in (ball(arb(0, 1), 1) ** 2).partials)
 
 
 def test_angles_and_hypotenuse():

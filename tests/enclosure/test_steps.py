@@ -11,7 +11,7 @@ from flint import acb, arb, arb_poly
 from driftproof.enclosure import steps
 from driftproof.enclosure.numbers import Refused
 from driftproof.enclosure.solutions import working_bits
-from driftproof.enclosure.steps import Piece, covered_disc, size
+from driftproof.enclosure.steps import Disc, covered_disc, size
 from tests.enclosure.mutants import mutant
 
 
@@ -106,7 +106,7 @@ def test_eight_discs_cover_the_upper_half():
 
 
 def test_piece_holds_the_values_of_a_polynomial_on_its_disc():
-    piece = Piece(acb(1, 2), arb(1) / 2)
+    piece = Disc(acb(1, 2), arb(1) / 2)
     coefficients = [arb(3), arb(-1), arb(1) / 3, arb(2)]
     square = piece.values(coefficients)
     for k in range(12):
