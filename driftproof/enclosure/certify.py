@@ -69,7 +69,7 @@ class Certificate:
         """The certificate in words, each number rounded to the digits that are proved."""
         lines = [
             f"largest error {decimal(self.largest_error)}, proved: {self.place()}",
-            f"{self.digits} digits right at every point; {self.steps} steps at {self.bits} bits",
+            f"{self.digits} digits right at every point; steps: {self.steps}, bits: {self.bits}",
         ]
         if self.doubles:
             lines.append(f"f's constants are these doubles, exactly: {', '.join(map(repr, self.doubles))}")
@@ -92,7 +92,7 @@ def certify(f: RightHandSide, t: Any, y: Any = None) -> Certificate:
     >>> found = certify(lambda t, y: -y, [0.0, 0.5, 1.0], [[1.0], [0.6065], [0.3679]])
     >>> print(found.text())
     largest error 3.065971263e-5, proved: component 0 at t = 0.5, point 1 of 3
-    4 digits right at every point; 7 steps at 128 bits
+    4 digits right at every point; steps: 1, bits: 128
     """
     times, states = trajectory_of(t, y)
     _require_reproduced(f, times, states)

@@ -115,7 +115,7 @@ class _Path:
         self.step = Expansion(self.f, self.t, self.point, self.length, decided).step(longest, self.spread)
         if self.step.h < self.shortest:
             near = float(self.t + DISC_PER_STEP * self.step.h)
-            raise Refused(f"a pole, or a point where f is not smooth, is ahead near t = {near:.12g}")
+            raise Refused(f"a pole, or a point where f is not smooth, is ahead near t = {near:.9g}")
 
     def _carry(self, step: EnclosedStep) -> None:
         """From the start of the step to its end: the thin point, and the set of errors around it."""
