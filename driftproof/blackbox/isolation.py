@@ -1,4 +1,4 @@
-"""Probes of foreign code in an isolated process with limits: there a hang or a crash is a finding, not ours."""
+"""Probes of foreign code in an isolated process with limits: a crash there is a finding, a hang is told."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ def identify_command(options: Namespace) -> str:
       step = stepper_of(lambda force: Body(acceleration=force), position="x", velocity="v", advance="update")
       step = stepper_of(Body, position="x", velocity="v", push="apply_force", advance="update")
     (field_stepper_of for y' = f(t, y)). Wrap anything else in a function of two lines.
-    It runs in an isolated process: a hang or a crash is a finding.
+    It runs in an isolated process: a crash is a finding, a hang is told.
     """
     from driftproof.blackbox.identify import identify
 
