@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from driftproof.support.plain_text import Json, as_json
+from driftproof.support.plain_text import Json, as_json, printable
 
 
 @dataclass(frozen=True)
@@ -35,10 +35,10 @@ class Report:
         return next((section for section in self.sections if section.title == title), None)
 
     def text(self) -> str:
-        """The report for a terminal."""
+        """The report for a terminal, over which what the stepper wrote has no say."""
         parts = [f"{self.target}\n  {self.verdict}"]
         parts += [f"{section.title}\n" + "\n".join(f"  {line}" for line in section.lines) for section in self.sections]
-        return "\n\n".join(parts)
+        return printable("\n\n".join(parts))
 
     def markdown(self) -> str:
         """The report for an issue or a pull request."""

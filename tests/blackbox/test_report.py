@@ -30,3 +30,8 @@ def test_json_holds_the_data_with_sorted_keys():
     data = json.loads(REPORT.written("json"))
     assert data == {"target": "mylib:step", "verdict": "is not rk4; it is rk38", "passed": False, "order": 4}
     assert list(data) == sorted(data)
+
+
+def test_text_of_a_stepper_has_no_say_over_the_terminal():
+    report = Report("mylib:step", "raises \x1b[2Jboo", None, sections(("Faults", ["said \x9b31m\a"])))
+    assert report.text() == "mylib:step\n  raises \\u001b[2Jboo\n\nFaults\n  said \\u009b31m\\u0007"
