@@ -65,7 +65,7 @@ WRONG = [
     (HEAD + "A = [['t + exit(t)']]\nb = [1]", "column 5: 'exit' is no function; there are sqrt and cbrt"),
     (HEAD + "A = [['1/(t - t)']]\nb = [1]", "it divides by zero"),
     (HEAD + "A = [['sqrt(2)']]\nb = [1]", "'sqrt(2)' is irrational; beside a parameter, numbers are rational"),
-    (HEAD + "A = [['t + sqrt(2)']]\nb = [1]", "irrational ones beside a parameter, do not mix"),
+    (HEAD + "A = [['t + sqrt(2)']]\nb = [1]", "irrational numbers beside a parameter do not mix"),
     (HEAD + "A = [['(t**64)**64']]\nb = [1]", "its degree in the parameter is too large"),
     (HEAD + "A = [['t', 0]]\nb = ['t']", "A is not square"),
     (HEAD + "A = [[0, 0]]\nb = ['t']", "A is not square"),
