@@ -7,15 +7,14 @@ from pathlib import Path
 from sys import modules
 from types import ModuleType
 
-from tests.looping import some
-
 
 def mutant(name: str, *replaced: tuple[str, str]) -> ModuleType:
     """driftproof.enclosure.<name> with each old text, which stands there once, replaced by the new."""
     spec = find_spec(f"driftproof.enclosure.{name}")
     text = Path(spec.origin).read_text(encoding="utf-8")
-    for old, new in some(replaced):
-        assert text.count(old) == 1, old
+    for old, new in replaced:
+        if text.count(old) != 1:
+            raise ValueError(f"{old!r} stands {text.count(old)} times in {name}")
         text = text.replace(old, new)
     module = ModuleType(f"mutant_of_{name}")
     # Dataclasses look their module up while it is made.
