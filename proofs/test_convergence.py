@@ -147,15 +147,11 @@ def test_rk4_follows_more_closely_on_the_steps_on_offer() -> None:
 
 def _gain_of_rk4(low: Q, high: Q) -> arb:
     """A ball that holds |1 + ih - e^{ih}|² - |R(ih) - e^{ih}|² for all h from low to high, R being RK4's."""
-    at = arb(_ball(low)).union(arb(_ball(high)))
+    at = enclose(low).union(enclose(high))
     rotation = acb(at.cos(), at.sin())
     euler = acb(1, at) - rotation
     rk4 = acb(1 - at**2 / 2 + at**4 / 24, at - at**3 / 6) - rotation
     return euler.real**2 + euler.imag**2 - rk4.real**2 - rk4.imag**2
-
-
-def _ball(x: Q) -> arb:
-    return arb(x.numerator) / x.denominator
 
 
 @claim("L188", evidence=PROVED, by="Taylor series, trees")

@@ -22,6 +22,8 @@ from driftproof.symbolic.runs import apply
 from proofs.claims import COUNTED, claim
 from proofs.setting import END, EULER, LESSON_METHODS, RK4, START, M, run
 
+# The last digit of a place in a picture.
+HUNDREDTH = Q(1, 100)
 EVERY = tuple(product(PRESETS, LESSON_METHODS))
 TICK = re.compile(r'<text class="tick ([xy])"[^>]*>([^<]*)</text>')
 
@@ -55,12 +57,12 @@ def places(plot: Plot, class_: str) -> list[tuple[str, str]]:
     return re.findall(r"(-?[\d.]+) (-?[\d.]+)", path)
 
 
-def is_at(found: str, scale: Scale, x: CertifiableReal) -> bool:
+def is_at(found: str, scale: Scale, x: CertifiableReal, within: Q = HUNDREDTH) -> bool:
     """True if a mark is at x to a hundredth of a unit of the picture: places are rounded to hundredths, once.
 
     Half of one is lost in that; what is left is for the rounding of the run, so that a tie may fall either way.
     """
-    return is_less(lambda: abs(enclose(scale(Q(0)) - Q(found)) + enclose(x) * enclose(scale.per_unit)), Q(1, 100))
+    return is_less(lambda: abs(enclose(scale(Q(0)) - Q(found)) + enclose(x) * enclose(scale.per_unit)), within)
 
 
 def is_near(found: str, scale: Scale, x: CertifiableReal) -> bool:
@@ -68,7 +70,7 @@ def is_near(found: str, scale: Scale, x: CertifiableReal) -> bool:
 
     In that time the curve, whose slope is at most 1, moves by one at most: a unit of q is shorter than two units of t.
     """
-    return is_less(lambda: abs(enclose(scale(Q(0)) - Q(found)) + enclose(x) * enclose(scale.per_unit)), Q(2, 100))
+    return is_at(found, scale, x, within=2 * HUNDREDTH)
 
 
 def are_drawn(samples: list[tuple[Q, Q]], plot: Plot) -> bool:

@@ -17,7 +17,7 @@ from driftproof.methods.schemes import Collocation
 from driftproof.methods.stepping import oscillator
 from driftproof.numeric import readouts
 from driftproof.numeric.steppers import HAND_WRITTEN
-from driftproof.symbolic.algebra.certified import Uncertified, fixed, significant
+from driftproof.symbolic.algebra.certified import Uncertified, enclose, fixed, significant
 from driftproof.symbolic.derivation.one_step import entries, matrix_at, numerator_and_denominator
 from driftproof.symbolic.derivation.stability import AtStep
 from driftproof.symbolic.derivation.stages import derived_matrix
@@ -131,12 +131,12 @@ def _check_readouts(state: tuple[float, float], start: tuple[float, float], t: Q
     c, s = turn.cos(), turn.sin()
     (q, v), (x, y) = ([arb(Q(z).numerator) / Q(z).denominator for z in pair] for pair in (start, state))
     true_flow = (q * c + v * s, v * c - q * s)
-    near_flow = _ball(2 * (TRIGONOMETRIC + 3 * U) * size + 4 * ETA)
+    near_flow = enclose(2 * (TRIGONOMETRIC + 3 * U) * size + 4 * ETA)
     for mine, true in zip(flow, true_flow, strict=True):
-        assert not abs(_ball(Q(mine)) - true) > near_flow
+        assert not abs(enclose(Q(mine)) - true) > near_flow
     true_error = ((x - true_flow[0]) ** 2 + (y - true_flow[1]) ** 2).sqrt()
-    found = _ball(Q(float(readouts.state_error(state, flow))))
-    assert not abs(found - true_error) > 2 * near_flow + 8 * _ball(U) * found + _ball(4 * ETA)
+    found = enclose(Q(float(readouts.state_error(state, flow))))
+    assert not abs(found - true_error) > 2 * near_flow + 8 * enclose(U) * found + enclose(4 * ETA)
     phase = readouts.phase_error(state, flow)
     if phase is None:
         assert state == (0, 0) or flow == (0, 0)
@@ -147,12 +147,8 @@ def _check_readouts(state: tuple[float, float], start: tuple[float, float], t: Q
     radii = ((x**2 + y**2) * (q**2 + v**2)).sqrt()
     if bool(radii > 0) and bool((q**2 + v**2).sqrt() > 1000 * near_flow):
         sine = (x * true_flow[1] - y * true_flow[0]) / radii
-        angle = _ball(Q(phase)) * arb.pi() / 180
-        assert not abs(angle.sin() - sine) > 2 * near_flow / (q**2 + v**2).sqrt() + 32 * _ball(U)
-
-
-def _ball(x: Q) -> arb:
-    return arb(x.numerator) / x.denominator
+        angle = enclose(Q(phase)) * arb.pi() / 180
+        assert not abs(angle.sin() - sine) > 2 * near_flow / (q**2 + v**2).sqrt() + 32 * enclose(U)
 
 
 @claim("T03", evidence=COUNTED, by="worst of samples")

@@ -10,11 +10,11 @@ from math import floor
 from typing import Any
 
 import numpy as np
-from flint import arb
+from flint import arb, ctx
 
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates, rebound
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
-from driftproof.enclosure.solutions import BITS_AT_FIRST, Enclosure, enclose_solution, working_bits
+from driftproof.enclosure.solutions import BITS_AT_FIRST, Enclosure, enclose_solution
 from driftproof.enclosure.steps import jacobian_of, size
 
 MOST_DOUBLINGS = 4
@@ -54,7 +54,7 @@ class Certificate:
     @property
     def largest_error(self) -> arb:
         """A ball of the largest size of any error."""
-        with working_bits(self.bits):
+        with ctx.workprec(self.bits):
             largest = arb(0)
             for error in (error for row in self.errors for error in row):
                 largest = largest.max(abs(error))
@@ -193,7 +193,7 @@ def _require_reproduced(f: RightHandSide, times: list[float], states: list[list[
 
 
 def _errors(states: list[list[float]], enclosed: Enclosure) -> tuple[tuple[arb, ...], ...]:
-    with working_bits(enclosed.bits):
+    with ctx.workprec(enclosed.bits):
         return tuple(
             tuple(arb(x) - true for x, true in zip(row, balls, strict=True))
             for row, balls in zip(states, enclosed.states, strict=True)
@@ -209,7 +209,7 @@ def _is_small(errors: Sequence[Sequence[arb]], enclosed: Enclosure) -> bool:
 
 def _digits(errors: Sequence[Sequence[arb]], enclosed: Enclosure) -> int:
     """The least over the points of floor(-log10 |error|/|y|) in the maximum norm, at least 0."""
-    with working_bits(enclosed.bits):
+    with ctx.workprec(enclosed.bits):
         relative = [
             size(row) / max((arb(x.abs_lower()) for x in true), key=float)
             for row, true in zip(errors, enclosed.states, strict=True)

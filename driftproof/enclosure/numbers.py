@@ -385,11 +385,6 @@ def _boxed(x: Any) -> Any:
     return box
 
 
-def exact_ball(x: Fraction) -> arb:
-    """The ball of a rational number, as thin as the precision allows."""
-    return arb(fmpq(x.numerator, x.denominator))
-
-
 def series(evaluation: Evaluation, coefficients: Sequence[arb], length: int) -> Enclosed:
     """A Taylor series of `length` coefficients, those that are not given being 0."""
     return Enclosed(evaluation, arb_series(list(coefficients[:length]), length))

@@ -7,8 +7,7 @@ not wrap around what only turns (lohner-1987). Points are thin and of many bits,
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -16,8 +15,9 @@ import numpy as np
 from flint import arb, arb_mat, ctx
 
 from driftproof.enclosure.fields import RightHandSide, rebound
-from driftproof.enclosure.numbers import Refused, exact_ball
+from driftproof.enclosure.numbers import Refused
 from driftproof.enclosure.steps import DISC_PER_STEP, EnclosedStep, Expansion, decisions, size
+from driftproof.symbolic.algebra.certified import enclose
 
 # Bits of the first attempt.
 BITS_AT_FIRST = 128
@@ -47,16 +47,6 @@ class Enclosure:
         return size(x.rad() for state in self.states for x in state)
 
 
-@contextmanager
-def working_bits(bits: int) -> Iterator[None]:
-    """FLINT's precision while the block lasts."""
-    before, ctx.prec = ctx.prec, bits
-    try:
-        yield
-    finally:
-        ctx.prec = before
-
-
 def enclose_solution(
     f: RightHandSide, start: Sequence[Fraction | arb], times: Sequence[Fraction], bits: int = BITS_AT_FIRST
 ) -> Enclosure:
@@ -66,7 +56,7 @@ def enclose_solution(
 
     Raises Refused where nothing rigorous can be said: see `driftproof.enclosure.numbers`.
     """
-    with working_bits(bits):
+    with ctx.workprec(bits):
         path = _Path(rebound(f), start, times, bits)
         states = [path.states_at(t) for t in times]
         return Enclosure(tuple(times), tuple(states), bits, path.steps, tuple(sorted(path.doubles)))
@@ -81,7 +71,7 @@ class _Path:
         self.length = bits // BITS_PER_COEFFICIENT
         self.doubles: set[float] = set()
         n = len(start)
-        balls = [x if isinstance(x, arb) else exact_ball(x) for x in start]
+        balls = [x if isinstance(x, arb) else enclose(x) for x in start]
         self.point = [x.mid() for x in balls]
         self.basis = arb_mat([[int(i == j) for j in range(n)] for i in range(n)])
         self.box = arb_mat([[x - m] for x, m in zip(balls, self.point, strict=True)])
@@ -97,7 +87,7 @@ class _Path:
         values, near = self.step.at(s)
         if s == 0:
             return tuple(x + e for x, e in zip(self.point_before, self.error_before, strict=True))
-        reach = near + self.spread * self.step.tube.growth(exact_ball(s))
+        reach = near + self.spread * self.step.tube.growth(enclose(s))
         return tuple(x + arb(0, reach.upper()) for x in values)
 
     def _advance(self) -> None:

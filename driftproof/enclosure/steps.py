@@ -19,7 +19,8 @@ from typing import Any
 from flint import acb, acb_poly, arb, arb_mat, ctx
 
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates
-from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, exact_ball, series
+from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, series
+from driftproof.symbolic.algebra.certified import enclose
 
 # R/h: each further coefficient makes the tail of the defect this much smaller; larger steps cost more coefficients.
 DISC_PER_STEP = 8
@@ -65,7 +66,7 @@ class EnclosedStep:
 
     def at(self, s: Fraction) -> tuple[list[arb], arb]:
         """p(s), and how far the solution from the step's own start is from it at most, for 0 <= s <= h."""
-        ball = exact_ball(s)
+        ball = enclose(s)
         return [horner(p, ball) for p in self.polynomials], ball * self.defect * self.tube.growth(ball)
 
 
@@ -112,7 +113,7 @@ class Disc:
 
 def whole_disc(radius: Fraction) -> list[Disc]:
     """|s| <= radius in one piece."""
-    return [Disc(acb(0), exact_ball(radius))]
+    return [Disc(acb(0), enclose(radius))]
 
 
 def covered_disc(radius: Fraction) -> list[Disc]:
@@ -120,7 +121,7 @@ def covered_disc(radius: Fraction) -> list[Disc]:
 
     They stand around the squares of side radius/2 that do, the polynomials' values wrapping far less in each.
     """
-    quarter = exact_ball(radius / 4)
+    quarter = enclose(radius / 4)
     around = arb((quarter * arb(2).sqrt()).upper())
     return [Disc(acb(i * quarter, j * quarter), around) for i in (-3, -1, 1, 3) for j in (1, 3)]
 
@@ -132,7 +133,7 @@ COVERS = (whole_disc, covered_disc)
 def decisions(f: RightHandSide, t: Fraction, y: Sequence[arb], seen: set[float]) -> list[bool]:
     """Which branches f takes at a point; the doubles that it reads are added to `seen`."""
     evaluation = Evaluation(doubles=seen)
-    rates = enclosed_rates(f, Enclosed(evaluation, exact_ball(t)), [Enclosed(evaluation, x) for x in y])
+    rates = enclosed_rates(f, Enclosed(evaluation, enclose(t)), [Enclosed(evaluation, x) for x in y])
     if not all(rate.value.is_finite() for rate in rates):
         raise Refused(f"f is not finite at t = {float(t):.6g}")
     return evaluation.taken
@@ -181,7 +182,7 @@ class Expansion:
         return Fraction(2) ** (frexp(min(radii) / DISC_PER_STEP * 4 / 3)[1] - 1)
 
     def _attempt(self, h: Fraction, pieces: Sequence[Disc], spread: arb) -> EnclosedStep | None:
-        step = exact_ball(h)
+        step = enclose(h)
         defect = self._defect(step, pieces)
         if defect is None or not step * defect < self._scale() * arb(2) ** -int(BITS_OF_A_STEP * ctx.prec):
             return None
@@ -197,13 +198,13 @@ class Expansion:
         return size(row[0] for row in self.rows).max(arb(1))
 
     def _time(self, evaluation: Evaluation, s: Any) -> Enclosed:
-        return Enclosed(evaluation, exact_ball(self.t) + s)
+        return Enclosed(evaluation, enclose(self.t) + s)
 
     def _on_series(self, rows: Rows, length: int, *, jacobian: bool = False) -> Any:
         cap, ctx.cap = ctx.cap, length
         try:
             evaluation = Evaluation(self.decided)
-            time = series(evaluation, [exact_ball(self.t), arb(1)], length)
+            time = series(evaluation, [enclose(self.t), arb(1)], length)
             state = [series(evaluation, row, length) for row in rows]
             return (
                 jacobian_of(self.f, time, [x.value for x in state]) if jacobian else enclosed_rates(self.f, time, state)
@@ -230,7 +231,7 @@ class Expansion:
 
         f decides its comparisons here on the whole tube; they have to be those that every other evaluation follows.
         """
-        middle = exact_ball(h / 2)
+        middle = enclose(h / 2)
         span = arb(middle, middle)
         path = [horner(row, span) for row in self.rows]
         for multiple in TUBES:
@@ -242,7 +243,7 @@ class Expansion:
             if not norm.is_finite():
                 return None
             tube = Tube(radius, norm)
-            if tube.growth(exact_ball(h)) * error < radius:
+            if tube.growth(enclose(h)) * error < radius:
                 return tube
         return None
 

@@ -8,11 +8,10 @@ from types import SimpleNamespace
 import mpmath
 import numpy as np
 import pytest
-from flint import arb
+from flint import arb, ctx
 
 from driftproof import Refused, assert_accurate, certify
 from driftproof.enclosure import certify as module
-from driftproof.enclosure.solutions import working_bits
 
 TIMES = np.linspace(0.0, 2.0, 5)
 
@@ -39,7 +38,7 @@ def classical(f, t, y, steps=20):
 def test_errors_are_those_of_the_formula():
     y = classical(decay, TIMES, [1.0])
     found = certify(decay, TIMES, y)
-    with working_bits(256):
+    with ctx.workprec(256):
         for (error,), t, (value,) in zip(found.errors, TIMES, y, strict=True):
             wanted = arb(value) - (-arb(0.1) * arb(t)).exp()
             assert abs(error - wanted) < 2.0**-100
@@ -127,7 +126,7 @@ def test_pendulum_of_scipy_agrees_with_jacobi_functions():
         lambda t, y: [y[1], -np.sin(y[0])], (0, 10), [2.0, 0.0], method="DOP853", rtol=1e-10, atol=1e-13
     )
     found = certify(lambda t, y: [y[1], -np.sin(y[0])], solution)
-    with mpmath.workdps(40), working_bits(128):
+    with mpmath.workdps(40), ctx.workprec(128):
         k = mpmath.sin(1)
         true = 2 * mpmath.asin(k * mpmath.ellipfun("sn", mpmath.ellipk(k * k) + 10, m=k * k))
         error = arb(float(solution.y[0, -1])) - arb(mpmath.nstr(true, 38))

@@ -8,12 +8,12 @@ from random import Random
 import mpmath
 import numpy as np
 import pytest
-from flint import arb
+from flint import arb, ctx
 from tqdm import tqdm
 
 from driftproof.enclosure import steps
 from driftproof.enclosure.numbers import Refused
-from driftproof.enclosure.solutions import enclose_solution, working_bits
+from driftproof.enclosure.solutions import enclose_solution
 from tests.enclosure.mutants import mutant
 from tests.witnesses.closed_solutions import FAMILIES, drawn, kepler
 
@@ -33,7 +33,7 @@ def violations(problem, random, bits=64):
     times = [Fraction(t) for t in (problem.t0, *inner, problem.end)]
     found = enclose_solution(problem.f, [Fraction(x) for x in problem.start], times, bits)
     assert found.radius < 1e-9
-    with working_bits(256):
+    with ctx.workprec(256):
         wanted = [problem.solution(arb(float(t))) for t in times]
         rows = zip(found.states, wanted, strict=True)
         return sum(not x.overlaps(y) for row, true in rows for x, y in zip(row, true, strict=True))
@@ -58,7 +58,7 @@ def test_ten_thousand_random_problems_lie_within():
 def test_tangent_near_its_pole():
     t = Fraction(157, 100)
     found = enclose_solution(lambda t, y: 1 + y**2, [Fraction(0)], [Fraction(0), t])
-    with working_bits(256):
+    with ctx.workprec(256):
         assert found.states[-1][0].contains((arb(157) / 100).tan())
     assert found.radius < 1e-24
 
@@ -78,17 +78,17 @@ def test_pendulum_agrees_with_jacobi_functions():
     with mpmath.workdps(40):
         k = mpmath.sin(1)
         true = 2 * mpmath.asin(k * mpmath.ellipfun("sn", mpmath.ellipk(k * k) + 10, m=k * k))
-        with working_bits(128):
+        with ctx.workprec(128):
             assert abs(found.states[-1][0] - arb(mpmath.nstr(true, 38))) < 1e-32
     assert found.radius < 1e-32
 
 
 def test_kepler_agrees_with_keplers_equation():
     start = [Fraction(1, 2), Fraction(0), Fraction(0), None]
-    with working_bits(80):
+    with ctx.workprec(80):
         start[3] = arb(3).sqrt()  # a ball: no double is this number
         found = enclose_solution(attraction, start, [Fraction(0), Fraction(1, 4)], 80)
-    with working_bits(256):
+    with ctx.workprec(256):
         wanted = kepler(arb(1) / 2, arb(1) / 4)
         assert all(x.overlaps(y) for x, y in zip(found.states[-1], wanted, strict=True))
     assert found.radius < 1e-15
@@ -97,7 +97,7 @@ def test_kepler_agrees_with_keplers_equation():
 def test_rational_start_is_no_double():
     third = Fraction(1, 3)
     found = enclose_solution(lambda t, y: y, [third], [third, Fraction(4, 3)])
-    with working_bits(256):
+    with ctx.workprec(256):
         assert all(x[0].contains(y) for x, y in zip(found.states, [arb(1) / 3, arb(1).exp() / 3], strict=True))
     assert 0 < found.radius < 1e-33
 
@@ -105,7 +105,7 @@ def test_rational_start_is_no_double():
 def holds_neighbours(module):
     """y' = y from [1 - r, 1 + r]: both ends' solutions lie within, and the radius is theirs up to 1 %."""
     r, times = arb(2) ** -40, [Fraction(k, 3) for k in range(8)]
-    with working_bits(128):
+    with ctx.workprec(128):
         found = module.enclose_solution(lambda t, y: y, [arb(1, r)], times)
         for t, (x,) in zip(times, found.states, strict=True):
             grown = (arb(t.numerator) / t.denominator).exp()
@@ -122,7 +122,7 @@ def holds_growth(module):
         loose.setattr(steps, "BITS_OF_A_STEP", Fraction(1, 3))
         # Just past the end of a step, so that what it carries is seen and not what it adds.
         found = module.enclose_solution(lambda t, y: y, [Fraction(1)], [Fraction(0), 8 + Fraction(1, 2**40)], 64)
-    with working_bits(256):
+    with ctx.workprec(256):
         return bool(found.states[-1][0].contains((8 + arb(2) ** -40).exp()))
 
 

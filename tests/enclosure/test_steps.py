@@ -6,12 +6,12 @@ from fractions import Fraction
 from itertools import product
 
 import pytest
-from flint import acb, arb, arb_poly
+from flint import acb, arb, arb_poly, ctx
 
 from driftproof.enclosure import steps
 from driftproof.enclosure.numbers import Refused
-from driftproof.enclosure.solutions import working_bits
 from driftproof.enclosure.steps import Disc, covered_disc, size
+from driftproof.symbolic.algebra.certified import enclose
 from tests.enclosure.mutants import mutant
 
 
@@ -23,29 +23,29 @@ def made(module, f, start, spread, length=42):
 def dense_holds_growth(module):
     """y' = y, few coefficients and a large defect allowed: exp(s) is within the bound at the end of the step."""
     module.BITS_OF_A_STEP = Fraction(1, 8)
-    with working_bits(200):
+    with ctx.workprec(200):
         step = made(module, lambda t, y: y, [arb(1)], arb(0), length=8)
         (value,), near = step.at(step.h)
-        distance = abs(value - steps.exact_ball(step.h).exp())
+        distance = abs(value - enclose(step.h).exp())
         assert distance > arb(2) ** -60  # the polynomial alone is off, and the step says so
         return distance <= near
 
 
 def dense_holds_neighbours(module):
     """y' = y: a solution that starts 2^-40 away is 2^-40 exp(s) away, which is the bound up to 2^-20."""
-    with working_bits(128):
+    with ctx.workprec(128):
         spread = arb(2) ** -40
         step = made(module, lambda t, y: y, [arb(1)], spread)
-        distance, bound = spread * steps.exact_ball(step.h).exp(), spread * step.tube.growth(steps.exact_ball(step.h))
+        distance, bound = spread * enclose(step.h).exp(), spread * step.tube.growth(enclose(step.h))
         return distance <= bound * (1 + arb(2) ** -60) and bound < 1.01 * distance
 
 
 def tube_is_wide_enough(module):
     """y' = y + c y^41 beside y = 0: a solution leaves the tube of twice the first distance and grows faster outside."""
     c, spread = 2.0**-24, arb(2) ** -2
-    with working_bits(128):
+    with ctx.workprec(128):
         step = made(module, lambda t, y: y + c * y**41, [arb(0)], spread)
-        h = steps.exact_ball(step.h)
+        h = enclose(step.h)
         distance = (-((spread**-40 + c) * (-40 * h).exp() - c).log() / 40).exp()
         assert h.exp() > 2
         return distance <= spread * step.tube.growth(h)
@@ -53,14 +53,14 @@ def tube_is_wide_enough(module):
 
 def flow_holds_growth(module):
     """y' = y: the derivative of the flow is exp(h), which its twelve coefficients alone miss."""
-    with working_bits(128):
+    with ctx.workprec(128):
         step = made(module, lambda t, y: y, [arb(1)], arb(0))
-        return bool(step.flow[0, 0].contains(steps.exact_ball(step.h).exp().mid()))
+        return bool(step.flow[0, 0].contains(enclose(step.h).exp().mid()))
 
 
 def no_branch_is_crossed(module):
     """y' = |y| + 1 from -1/2^10 changes its formula at 2^-10; no step may reach over that."""
-    with working_bits(128):
+    with ctx.workprec(128):
         step = made(module, lambda t, y: abs(y) + 1, [arb(-1) / 1024], arb(0))
         return step.h <= Fraction(1, 1024)
 
@@ -80,7 +80,7 @@ WRONG = {
     ),
     "the tube not checked": (
         tube_is_wide_enough,
-        ("if tube.growth(exact_ball(h)) * error < radius:", "if True:"),
+        ("if tube.growth(enclose(h)) * error < radius:", "if True:"),
     ),
     "the flow's error omitted": (flow_holds_growth, (FLOW, "error = arb(0)")),
     "branches replayed on the tube": (no_branch_is_crossed, BRANCH),
