@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from driftproof.methods.catalogue import METHODS, method_named
+from driftproof.methods.catalogue import method_named
 from driftproof.methods.rationals import step_count
 from driftproof.numeric.run import run_method
 from driftproof.numeric.scenes import PRESETS
@@ -99,7 +99,7 @@ def test_unknown_method_is_refused() -> None:
     for name in ("Leapfrog", "euler", "RK 4", "rk4", "", "Symplectic "):
         with pytest.raises(ValueError, match=r"^Unknown method$"):
             program.step(name, (1.0, 0.0), 0.5)
-        if name not in METHODS:
-            with pytest.raises(ValueError, match=f"unknown method {name!r}"):
-                method_named(name)
+    for name in ("Leapfrog", "", "Symplectic "):  # one may mean two methods, the others none
+        with pytest.raises(ValueError, match=f"^(unknown method )?{name!r}"):
+            method_named(name)
     assert [program.step(name, (1.0, 0.0), 0.5)[1] < 0 for name in program.METHODS] == [True] * 3

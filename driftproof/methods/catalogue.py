@@ -11,6 +11,7 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from importlib import import_module
 
+from driftproof.methods.names import keys_called, plain_name
 from driftproof.methods.schemes import Method, RungeKutta
 from driftproof.support.plain_text import did_you_mean
 
@@ -69,8 +70,22 @@ class Catalogue(Mapping[str, Method]):
 METHODS = Catalogue()
 
 
-def method_named(key: str) -> Method:
-    """The catalogue entry `key`. Raises ValueError naming the closest keys if there is none."""
-    if key in METHODS:
-        return METHODS[key]
-    raise ValueError(f"unknown method {key[:60]!r}{did_you_mean(key, METHODS)} (`driftproof methods` lists all)")
+def method_named(name: str) -> Method:
+    """The method with this key, or that people call so: "rk4", "Crank-Nicolson", or a title, case and hyphens aside.
+
+    Raises ValueError for a word that may mean several methods, with their keys, and for one that means none.
+
+    >>> method_named("semi-implicit Euler").key
+    'symplectic_euler'
+    """
+    if name in METHODS:
+        return METHODS[name]
+    keys = keys_called(name) or tuple(
+        key for key, method in METHODS.items() if plain_name(name) in (plain_name(key), plain_name(method.title))
+    )
+    if len(keys) == 1:
+        return METHODS[keys[0]]
+    if keys:
+        meant = " or ".join(f"{key} ({METHODS[key].title})" for key in keys)
+        raise ValueError(f"{name[:60]!r} may mean {meant}: say which")
+    raise ValueError(f"unknown method {name[:60]!r}{did_you_mean(name, METHODS)} (`driftproof methods` lists all)")

@@ -1,0 +1,153 @@
+"""What people call the methods: other names of one, words that may mean several, and what must not be confused.
+
+A name is compared without case, accents, hyphens, spaces and words such as "the" and "method".
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+
+_SAY_NOTHING = {"the", "of", "method", "methods", "rule", "scheme", "integrator"}
+
+# Key | other names.
+_OTHER_NAMES = """
+forward_euler | Euler, explicit Euler, Euler forward, RK1
+backward_euler | implicit Euler, Euler backward, BDF1
+symplectic_euler | semi-implicit Euler, semi-explicit Euler, Euler-Cromer, Cromer, kick-drift
+symplectic_euler_position_first | drift-kick
+velocity_verlet | kick-drift-kick, KDK, velocity Störmer-Verlet, kick-drift-kick leapfrog
+position_verlet | drift-kick-drift, DKD, drift-kick-drift leapfrog
+heun2 | Heun, improved Euler, explicit trapezoid, explicit trapezoidal rule
+midpoint2 | explicit midpoint rule, midpoint RK2
+rk4 | RK4, Runge-Kutta, Runge-Kutta 4, classical Runge-Kutta, classic Runge-Kutta, fourth-order Runge-Kutta
+rk38 | 3/8 rule, RK4 3/8, Kutta 3/8, three-eighths rule
+ssprk22 | SSPRK2, TVD-RK2
+ssprk33 | SSPRK3, TVD-RK3, Shu-Osher
+ssprk104 | SSPRK104
+heun_euler21 | adaptive Heun, RK12
+bogacki_shampine32 | Bogacki-Shampine, BS3, BS23, RK23, ode23
+bogacki_shampine54 | BS5
+fehlberg45 | Fehlberg, RKF45, Runge-Kutta-Fehlberg
+fehlberg78 | RKF78, RK78
+merson45 | Merson, Kutta-Merson
+cash_karp54 | Cash-Karp, RKCK, CK45
+dormand_prince54 | Dormand-Prince, DOPRI5, DOPRI54, RKDP, DP5, RK45, ode45
+prince_dormand87 | Prince-Dormand, RK8(7)13M, DOPRI87
+tsitouras54 | Tsitouras, Tsit5
+dop853 | DOPRI853, Dormand-Prince 853
+verner65 | DVERK
+implicit_midpoint | gauss1, one-stage Gauss-Legendre
+trapezoid | Crank-Nicolson, implicit trapezoid, implicit trapezoidal rule, trapezium rule
+gauss2 | Hammer-Hollingsworth, two-stage Gauss-Legendre
+gauss3 | Kuntzmann-Butcher, three-stage Gauss-Legendre
+radau_iia2 | Radau3
+radau_iia3 | Radau, Radau5
+sdirk2 | Alexander 2
+alexander3 | Alexander 3
+tr_bdf2 | TRBDF2
+forest_ruth | Forest-Ruth, FR4
+yoshida4 | triple jump, fourth-order Yoshida
+ruth3 | Ruth
+nystrom4 | Runge-Kutta-Nyström, RKN4
+"""
+
+# Name | the keys of what it may mean. A number is the order to some, and the number of stages to others.
+_AMBIGUOUS = """
+Verlet | velocity_verlet position_verlet
+Störmer-Verlet | velocity_verlet position_verlet
+Stoermer-Verlet | velocity_verlet position_verlet
+leapfrog | velocity_verlet position_verlet
+midpoint | midpoint2 implicit_midpoint
+modified Euler | heun2 midpoint2
+RK2 | heun2 midpoint2 ralston2
+RK3 | kutta3 heun3 ralston3 ssprk33
+Ralston | ralston2 ralston3 ralston4
+Butcher | butcher5 butcher6 butcher7
+Verner | verner65 verner76 verner87
+Gauss | implicit_midpoint gauss2 gauss3
+Gauss-Legendre | implicit_midpoint gauss2 gauss3
+Gauss-Legendre 4 | gauss2 gauss4
+GL4 | gauss2 gauss4
+Gauss-Legendre 6 | gauss3 gauss6
+GL6 | gauss3 gauss6
+Radau IIA | radau_iia2 radau_iia3 radau_iia4
+RadauIIA5 | radau_iia3 radau_iia5
+Radau IA | radau_ia2 radau_ia3
+Lobatto IIIA | trapezoid lobatto_iiia3 lobatto_iiia4
+Lobatto IIIB | lobatto_iiib2 lobatto_iiib3 lobatto_iiib4
+Lobatto IIIC | lobatto_iiic2 lobatto_iiic3 lobatto_iiic4
+SDIRK | sdirk2 alexander3 sdirk4
+Yoshida | yoshida4 yoshida6 yoshida8
+Suzuki | suzuki4 suzuki4_position_first
+DOPRI8 | dop853 prince_dormand87
+"""
+
+# Key | the keys of methods that share its name or its linear step, and are others.
+_NOT_TO_BE_CONFUSED = """
+forward_euler | symplectic_euler backward_euler
+symplectic_euler | symplectic_euler_position_first forward_euler
+symplectic_euler_position_first | symplectic_euler
+velocity_verlet | position_verlet
+position_verlet | velocity_verlet
+heun2 | midpoint2 heun3
+midpoint2 | implicit_midpoint heun2
+rk4 | rk38
+implicit_midpoint | trapezoid midpoint2
+trapezoid | implicit_midpoint heun2
+dormand_prince54 | fehlberg45 cash_karp54
+fehlberg45 | dormand_prince54 cash_karp54
+radau_iia3 | radau_ia3
+prince_dormand87 | dop853
+dop853 | prince_dormand87
+"""
+
+
+def plain_name(name: str) -> str:
+    """The letters and digits of a name, without accents, case and the words that say nothing.
+
+    >>> plain_name("Störmer-Verlet"), plain_name("the Euler-Cromer method"), plain_name("Heun's method")
+    ('stormerverlet', 'eulercromer', 'heun')
+    """
+    letters = "".join(c for c in unicodedata.normalize("NFKD", name.casefold()) if not unicodedata.combining(c))
+    words = re.findall(r"[a-z0-9]+", re.sub(r"['’]s\b", "", letters))
+    return "".join(word for word in words if word not in _SAY_NOTHING)
+
+
+def keys_called(name: str) -> tuple[str, ...]:
+    """The keys of the methods that people call so: one, several where the word is ambiguous, none where it is unknown.
+
+    >>> keys_called("Crank-Nicolson"), keys_called("leapfrog"), keys_called("Laplace")
+    (('trapezoid',), ('velocity_verlet', 'position_verlet'), ())
+    """
+    return _KEYS.get(plain_name(name), ())
+
+
+def also_known_as(key: str) -> tuple[str, ...]:
+    """The other names of the method with this key.
+
+    >>> also_known_as("trapezoid")[0]
+    'Crank-Nicolson'
+    """
+    return _NAMES.get(key, ())
+
+
+def not_to_be_confused_with(key: str) -> tuple[str, ...]:
+    """The keys of methods that are taken for this one.
+
+    >>> not_to_be_confused_with("trapezoid")
+    ('implicit_midpoint', 'heun2')
+    """
+    return _OTHERS.get(key, ())
+
+
+def _lines(text: str, separator: str | None) -> dict[str, tuple[str, ...]]:
+    pairs = (line.split(" | ") for line in text.strip().splitlines())
+    return {name: tuple(word.strip() for word in words.split(separator)) for name, words in pairs}
+
+
+_NAMES, _OTHERS = _lines(_OTHER_NAMES, ", "), _lines(_NOT_TO_BE_CONFUSED, None)
+_KEYS = {
+    **{plain_name(name): (key,) for key, names in _NAMES.items() for name in names},
+    **{plain_name(name): keys for name, keys in _lines(_AMBIGUOUS, None).items()},
+}

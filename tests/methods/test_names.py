@@ -1,0 +1,55 @@
+"""What people call the methods: every name leads to its method, an ambiguous one to the choice."""
+
+import pytest
+
+from driftproof import METHODS
+from driftproof.methods.catalogue import method_named
+from driftproof.methods.names import also_known_as, keys_called, not_to_be_confused_with, plain_name
+from tests.looping import some
+
+# As in textbooks, libraries and encyclopedias, spelled as there.
+SAID = {
+    "Euler": "forward_euler", "explicit Euler": "forward_euler", "Euler's method": "forward_euler",
+    "Semi-implicit Euler method": "symplectic_euler", "Euler–Cromer": "symplectic_euler",
+    "RK4": "rk4", "the classical Runge-Kutta method": "rk4", "Heun's method": "heun2", "Improved Euler": "heun2",
+    "RK45": "dormand_prince54", "DOPRI5": "dormand_prince54", "dormand-prince": "dormand_prince54",
+    "ode45": "dormand_prince54", "RKF45": "fehlberg45", "Cash–Karp": "cash_karp54", "Crank–Nicolson": "trapezoid",
+    "Tsit5": "tsitouras54", "BS3": "bogacki_shampine32", "RK23": "bogacki_shampine32", "Radau": "radau_iia3",
+    "implicit Euler": "backward_euler", "explicit midpoint": "midpoint2", "TR-BDF2": "tr_bdf2",
+    "Kutta's 3/8 rule": "rk38", "Velocity Verlet": "velocity_verlet", "velocity-verlet": "velocity_verlet",
+    "two-stage Gauss-Legendre": "gauss2", "SSPRK(3,3), Shu-Osher": "ssprk33", "DOP853": "dop853",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "key"), SAID.items())
+def test_a_name_leads_to_its_method(name, key):
+    assert method_named(name).key == key
+
+
+@pytest.mark.parametrize(
+    "name", ["Verlet", "leapfrog", "Störmer–Verlet", "midpoint", "Yoshida", "RK2", "modified Euler", "RadauIIA5"]
+)
+def test_an_ambiguous_name_lists_what_it_may_mean(name):
+    with pytest.raises(ValueError, match=r"may mean .* or ") as caught:
+        method_named(name)
+    assert all(f"{key} ({METHODS[key].title})" in str(caught.value) for key in some(keys_called(name)))
+
+
+def test_every_title_and_every_key_leads_to_its_method():
+    for key, method in some(METHODS.items()):
+        assert method_named(method.title) is method_named(key) is method
+        if len(keys_called(key)) < 2:  # radau_iia5 has five stages, and RadauIIA5 is of order 5 to many
+            assert method_named(key.replace("_", "-").upper()) is method
+
+
+def test_names_are_unique_and_of_methods_that_exist():
+    for key in some(METHODS):
+        assert all(keys_called(name) == (key,) for name in also_known_as(key))
+        assert all(other in METHODS and other != key for other in not_to_be_confused_with(key))
+    assert len({plain_name(method.title) for method in METHODS.values()}) == len(METHODS)
+
+
+@pytest.mark.parametrize("name", ["", "Laplace", "!!", "rk", "verlet2000"])
+def test_a_name_that_nobody_uses_is_refused(name):
+    with pytest.raises(ValueError, match="unknown method"):
+        method_named(name)
