@@ -52,9 +52,18 @@ def test_solutions_of_libraries_are_taken_by_their_names():
     y = classical(decay, TIMES, [1.0, 2.0])
     alone = certify(decay, TIMES, y).errors
     for solution in (SimpleNamespace(t=TIMES, y=y.T), SimpleNamespace(ts=TIMES, ys=y)):
-        assert [str(x) for row in certify(decay, solution).errors for x in row] == [
-            str(x) for row in alone for x in row
-        ]
+        for found in (certify(decay, solution), certify(solution, decay)):
+            assert [str(x) for row in found.errors for x in row] == [str(x) for row in alone for x in row]
+
+
+def test_text_stands_for_a_function_with_exact_numbers():
+    y = classical(decay, TIMES, [1.0])
+    found = certify("-0.1*y0", TIMES, y)
+    assert found.doubles == ()
+    with ctx.workprec(256):
+        t = arb(TIMES[-1])
+        assert found.errors[-1][0].overlaps(arb(y[-1, 0]) - (-t / 10).exp())
+        assert not found.errors[-1][0].overlaps(arb(y[-1, 0]) - (-arb(0.1) * t).exp())
 
 
 def test_accuracy_is_asserted_with_the_worst_point():
@@ -64,6 +73,10 @@ def test_accuracy_is_asserted_with_the_worst_point():
     with pytest.raises(AssertionError, match=r"off by 9\.99\d+e-7|off by 1\.0000\d+e-6") as caught:
         assert_accurate((TIMES, y), decay, 9e-7)
     assert "component 0 at t = 1.5, point 3 of 5 (proved)" in str(caught.value)
+    with pytest.raises(
+        AssertionError, match=r"rtol = 1e-07, atol = 1e-08, promised 9\.61e-08 a step there; .* 10\.4 t"
+    ):
+        assert_accurate((TIMES, y), decay, 9e-7, rtol=1e-7, atol=1e-8)
 
 
 def test_certificate_that_has_a_wrong_sign_would_be_noticed():

@@ -1,0 +1,210 @@
+"""What is proved of a trajectory's error, and how it is shown: in words, as JSON, as a table in a notebook."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from decimal import Decimal
+from html import escape
+from math import floor
+from typing import TypeAlias
+
+from flint import arb, ctx
+
+from driftproof.support.plain_text import Json, as_json
+
+# A row of balls a time, a ball a component.
+BallRows: TypeAlias = tuple[tuple[arb, ...], ...]
+# Digits of balls in JSON: more than any double's error has proved, rounding included.
+_DIGITS = 25
+# Rows of the table that a notebook shows.
+_MOST_SHOWN = 12
+# Digits of a point that is right to the last bit.
+ALL_DIGITS = 17
+
+
+@dataclass(frozen=True)
+class Split:
+    """The error in two: `truncation` of the method, run exactly on the same steps, and `rounding`, the rest.
+
+    z[i] + rounding[i] is the float y[i], and z[i] - truncation[i] the solution, z being the method's exact run; where
+    the run's times are rounded, what that shifts is counted as rounding, too. `steps` were made in `bits`.
+    """
+
+    method: str
+    truncation: BallRows
+    rounding: BallRows
+    steps: int
+    bits: int
+
+
+@dataclass(frozen=True)
+class Drift:
+    """How far a first integral of the float run is from its value at the start, and of the exact run, if there is one.
+
+    The solution itself keeps it: that its enclosure does is looked at.
+    """
+
+    total: tuple[arb, ...]
+    truncation: tuple[arb, ...] | None = None
+    rounding: tuple[arb, ...] | None = None
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """The error y[i] - y(t[i]) of each point of a trajectory, as a row of balls; y(t) starts from y[0] as it stands.
+
+    `digits_at` is how many decimals of the solution's largest component are right at each point, `digits` the least of
+    them; `steps` and `bits` say what the enclosure took; `doubles` are the constants of f, taken as they are: 0.1 is
+    not 1/10. `split` and `drifts` are there where they were asked for.
+    """
+
+    t: tuple[float, ...]
+    y: tuple[tuple[float, ...], ...]
+    errors: BallRows
+    digits_at: tuple[int, ...]
+    bits: int
+    steps: int
+    doubles: tuple[float, ...]
+    split: Split | None = None
+    drifts: Mapping[str, Drift] = field(default_factory=dict)
+
+    @property
+    def digits(self) -> int:
+        """How many decimals every point has right at least."""
+        return min(self.digits_at)
+
+    @property
+    def worst(self) -> tuple[int, int]:
+        """Point and component of the largest error."""
+        return largest_place(self.errors)
+
+    @property
+    def largest_error(self) -> arb:
+        """A ball of the largest size of any error."""
+        return largest_of(self.errors, self.bits)
+
+    def place(self, worst: tuple[int, int] | None = None) -> str:
+        """Where the largest error is, in words."""
+        i, j = worst or self.worst
+        return f"component {j} at t = {self.t[i]:.17g}, point {i} of {len(self.t)}"
+
+    def text(self) -> str:
+        """The certificate in words, each number rounded to the digits that are proved."""
+        lines = [f"largest error {decimal(self.largest_error)}, proved: {self.place()}"]
+        if self.split is not None:
+            lines += self._split_lines(self.split)
+        lines += [line for name, drift in self.drifts.items() for line in self._drift_lines(name, drift)]
+        lines.append(f"{self.digits} digits right at every point; steps: {self.steps}, bits: {self.bits}")
+        if self.doubles:
+            lines.append(f"f's constants are these doubles, exactly: {', '.join(map(repr, self.doubles))}")
+        return "\n".join(lines)
+
+    __str__ = text
+
+    def _split_lines(self, split: Split) -> list[str]:
+        i, j = self.worst
+        parts = f"truncation {decimal(split.truncation[i][j])} + rounding {decimal(split.rounding[i][j])}"
+        lines = [f"  there {decimal(self.errors[i][j])} = {parts} ({split.method}, steps: {split.steps})"]
+        for name, rows in (("truncation", split.truncation), ("rounding", split.rounding)):
+            lines.append(f"largest {name} {decimal(largest_of(rows, split.bits))}: {self.place(largest_place(rows))}")
+        return lines
+
+    def _drift_lines(self, name: str, drift: Drift) -> list[str]:
+        i, _ = largest_place([(x,) for x in drift.total])
+        shown = f"{name}: largest drift {decimal(drift.total[i])} at t = {self.t[i]:.17g}"
+        if drift.truncation is None or drift.rounding is None:
+            return [shown]
+        return [f"{shown} = truncation {decimal(drift.truncation[i])} + rounding {decimal(drift.rounding[i])}"]
+
+    def record(self) -> Json:
+        """All of it for JSON: numbers as strings, a ball as a decimal midpoint and a radius that contain it."""
+        i, j = self.worst
+        found: Json = {
+            "largest_error": {**_ball(self.largest_error), "point": i, "component": j, "t": repr(self.t[i])},
+            "digits": self.digits,
+            "bits": self.bits,
+            "steps": self.steps,
+            "doubles": [repr(x) for x in self.doubles],
+            "t": [repr(t) for t in self.t],
+            "errors": _rows(self.errors),
+            "digits_at": list(self.digits_at),
+        }
+        if (split := self.split) is not None:
+            parts = {"truncation": _rows(split.truncation), "rounding": _rows(split.rounding)}
+            found["split"] = {"method": split.method, "steps": split.steps, "bits": split.bits, **parts}
+        if self.drifts:
+            found["drifts"] = {
+                name: {
+                    part: [_ball(x) for x in values]
+                    for part in ("total", "truncation", "rounding")
+                    if (values := getattr(drift, part)) is not None
+                }
+                for name, drift in self.drifts.items()
+            }
+        return found
+
+    def json(self) -> str:
+        """The record as canonical JSON."""
+        return as_json(self.record())
+
+    def _repr_html_(self) -> str:
+        """The words, and a table of a few points, for a notebook."""
+        words = "".join(f"<p>{escape(line)}</p>" for line in self.text().splitlines())
+        last = len(self.t) - 1
+        shown = sorted({round(k * last / (_MOST_SHOWN - 1)) for k in range(_MOST_SHOWN)})
+        parts = {"error": self.errors}
+        if self.split is not None:
+            parts |= {"truncation": self.split.truncation, "rounding": self.split.rounding}
+        head = "".join(f"<th>{name}</th>" for name in ("t", *parts, "digits"))
+        body = ""
+        for i in shown:
+            sizes = [decimal(largest_of([rows[i]], self.bits)) for rows in parts.values()]
+            cells = [f"{self.t[i]:.6g}", *sizes, str(self.digits_at[i])]
+            body += f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in cells)}</tr>"
+        return f"<div>{words}<table><tr>{head}</tr>{body}</table></div>"
+
+
+def decimal(x: arb) -> str:
+    """Ten digits, or those that the ball is sure of."""
+    return str(x.str(10, radius=False))
+
+
+def largest_place(rows: Sequence[Sequence[arb]]) -> tuple[int, int]:
+    """Row and column of the ball that reaches farthest from 0."""
+    places = [(i, j) for i, row in enumerate(rows) for j in range(len(row))]
+    return max(places, key=lambda place: float(rows[place[0]][place[1]].abs_upper()))
+
+
+def largest_of(rows: Sequence[Sequence[arb]], bits: int) -> arb:
+    """A ball of the largest size of any number in the balls."""
+    with ctx.workprec(bits):
+        largest = arb(0)
+        for ball in (ball for row in rows for ball in row):
+            largest = largest.max(abs(ball))
+        return largest
+
+
+def right_digits(error: Sequence[arb], true: Sequence[arb]) -> int:
+    """floor(-log10 |error|/|y|) in the maximum norm, at least 0; ALL_DIGITS where there is no error."""
+    size = arb(0)
+    for x in error:
+        size = size.max(arb(x.abs_upper()))
+    if size == 0:
+        return ALL_DIGITS
+    whole = max((arb(x.abs_lower()) for x in true), key=float)
+    digits = float((-(size / whole).log() / arb(10).log()).lower())
+    return max(0, floor(digits)) if digits == digits else 0
+
+
+def _ball(x: arb) -> Json:
+    middle, radius, exponent = (int(part) for part in x.mid_rad_10exp(_DIGITS))
+    return {"midpoint": _scaled(middle, exponent), "radius": _scaled(radius, exponent)}
+
+
+def _scaled(digits: int, exponent: int) -> str:
+    return f"{Decimal(digits).scaleb(exponent).normalize():e}" if digits else "0"
+
+
+def _rows(rows: BallRows) -> Json:
+    return [[_ball(x) for x in row] for row in rows]

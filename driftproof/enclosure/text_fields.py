@@ -1,0 +1,70 @@
+"""Right-hand sides that are text, run on enclosed numbers and on floats alike; in balls their numbers are exact."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from driftproof.enclosure.fields import RightHandSide
+from driftproof.enclosure.numbers import Enclosed, Refused
+from driftproof.methods.field_text import field_of_text
+from driftproof.methods.number_field import Exact
+from driftproof.methods.program_text import indented, maker, maker_text
+from driftproof.methods.vector_fields import FUNCTIONS, VectorField
+from driftproof.symbolic.algebra.certified import enclose
+
+# What a user may give for f: a function of (t, y), text, or a field.
+GivenField: TypeAlias = RightHandSide | str | Sequence[str] | VectorField
+
+
+def right_hand_side(f: GivenField) -> RightHandSide:
+    """The function itself; of text or of a `VectorField` the function that it spells. Raises Refused for other things.
+
+    >>> right_hand_side("y1; -y0")(0.0, [1.0, 0.5])
+    [0.5, -1.0]
+    """
+    if callable(f):
+        return f
+    try:
+        return field_function(f if isinstance(f, VectorField) else field_of_text(f))
+    except (ValueError, TypeError, AttributeError) as error:
+        raise Refused(f"f is no right-hand side: {error}") from None
+
+
+def field_function(field: VectorField, expressions: Sequence[str] | None = None) -> RightHandSide:
+    """f(t, y) of a field; or, of the same names, the values of other expressions, such as first integrals."""
+    rates = field.rates if expressions is None else VectorField(tuple(expressions), field.parameters).rates
+    trees = _Numbered()
+    texts = [ast.unparse(trees.visit(ast.parse(rate, mode="eval"))) for rate in rates]
+    exact: list[Exact] = [*map(Fraction, trees.numbers), *(value for _, value in field.parameters)]
+    names = [*trees.numbers.values(), *(name for name, _ in field.parameters)]
+
+    def numbers(t: Any) -> list[Any]:
+        balls = [enclose(x) for x in exact]
+        if isinstance(t, Enclosed):
+            return [Enclosed(t.evaluation, ball) for ball in balls]
+        return [float(ball.mid()) for ball in balls]
+
+    lines = [f"[{', '.join(field.components)}] = y", f"[{', '.join(names)}] = ν(t)"]
+    lines.append(f"return [{', '.join(texts)}]")
+    text = maker_text((), "f", ["def f(t, y):", *indented(lines)])
+    known = {"ν": numbers, **{name: getattr(np, name) for name in FUNCTIONS}}
+    made: RightHandSide = maker(text, "right-hand side", known)()
+    return made
+
+
+class _Numbered(ast.NodeTransformer):
+    """Names in the place of whole numbers, so that 1/10 is formed in the arithmetic of y, and not in floats.
+
+    They begin with a letter that the names of users' texts cannot have.
+    """
+
+    def __init__(self) -> None:
+        self.numbers: dict[int, str] = {}
+
+    def visit_Constant(self, node: ast.Constant) -> ast.Name:
+        return ast.Name(self.numbers.setdefault(int(str(node.value)), f"ν{len(self.numbers)}"), ast.Load())

@@ -1,0 +1,146 @@
+"""Float trajectories as solvers of any language leave them: objects, arrays, .csv and .npz files."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from driftproof.enclosure.numbers import Refused
+
+# The unit roundoff of the format that a trajectory's numbers are of.
+BINARY64_UNIT, BINARY32_UNIT = Fraction(1, 2**53), Fraction(1, 2**24)
+# A file of more than this is no trajectory that can be enclosed in a session.
+LARGEST_RUN = 2**28
+_SEPARATOR = re.compile(r"[,;\s]+")
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Rising times, and a row of floats at each; `unit` is 2⁻²⁴ if all of them are binary32 numbers, else 2⁻⁵³."""
+
+    times: list[float]
+    states: list[list[float]]
+    unit: Fraction
+
+    @property
+    def exact_times(self) -> list[Fraction]:
+        """The times as the fractions that they are."""
+        return [Fraction(t) for t in self.times]
+
+
+def has_trajectory(solution: object) -> bool:
+    """What a solver returns: .t and .y as SciPy has them, or .ts and .ys as diffrax has them."""
+    return any(all(hasattr(solution, name) for name in pair) for pair in (("t", "y"), ("ts", "ys")))
+
+
+def trajectory_of(t: Any, y: Any = None) -> Trajectory:
+    """From times and rows; or, without y, from what a solver returned. Raises Refused for what is no trajectory.
+
+    Columns, one a time, are taken where rows do not fit, and trailing times of inf, with which diffrax fills up, are
+    left out.
+    """
+    if y is None:
+        if not has_trajectory(t):
+            raise Refused(f"{type(t).__name__} has neither .t and .y nor .ts and .ys; give t and y apart")
+        t, y = (t.t, np.asarray(t.y).T) if hasattr(t, "y") else _unfilled(t.ts, t.ys)
+    times, states = _floats("t", t), _floats("y", y)
+    if times.ndim != 1 or len(times) < 2:
+        raise Refused(f"t has the shape {times.shape}; it has to be a row of two times at least")
+    if states.ndim == 1:
+        states = states[:, None]
+    if states.ndim == 2 and states.shape[0] != len(times) == states.shape[1]:
+        states = states.T
+    if states.ndim != 2 or len(states) != len(times) or not states.shape[1]:
+        raise Refused(f"y has the shape {states.shape}; it has to be a row for each of {len(times)} times")
+    for i, (before, after) in enumerate(pairwise(times), 1):
+        if not before < after:
+            raise Refused(f"times have to increase: t[{i}] = {after} is not above t[{i - 1}] = {before}")
+    with np.errstate(over="ignore"):
+        narrow = (states.astype(np.float32) == states).all() and (times.astype(np.float32) == times).all()
+    return Trajectory(times.tolist(), states.tolist(), BINARY32_UNIT if narrow else BINARY64_UNIT)
+
+
+def _unfilled(ts: Any, ys: Any) -> tuple[Any, Any]:
+    times = np.asarray(ts)
+    kept = len(times) if times.ndim != 1 or times.dtype.kind != "f" else int(np.sum(times < np.inf))
+    return times[:kept], np.asarray(ys)[:kept]
+
+
+def _floats(name: str, values: Any) -> Any:
+    found = np.asarray(values)
+    if found.dtype.kind not in "fiu" or found.dtype.itemsize > 8:
+        raise Refused(f"{name} holds {found.dtype}; floats of at most 64 bits are taken")
+    if not np.isfinite(found).all():
+        where = np.argwhere(~np.isfinite(found))[0].tolist()
+        raise Refused(f"{name}{where} is {found[tuple(where)]}")
+    return found.astype(float)
+
+
+def read_trajectory(path: Path) -> Trajectory:
+    """The trajectory that a file holds. Raises ValueError for a file of another form, in one line, and OSError.
+
+    .csv: a line for each time, t and then the components, parted by commas, semicolons or blanks; one line of names
+    first if you like, and lines that begin with #. Numbers are decimals, 1.5d0 too, or hexadecimal as 0x1.8p+0, which
+    is a float to the last bit. .npz: the arrays t and y, or ts and ys, a row for each time.
+    """
+    if path.stat().st_size > LARGEST_RUN:
+        raise ValueError(f"{path}: too large; at most {LARGEST_RUN} bytes are read")
+    if path.suffix.lower() == ".npz":
+        return trajectory_of(*_arrays(path))
+    if path.suffix.lower() != ".csv":
+        raise ValueError(f"{path}: the name of a trajectory's file ends in .csv or .npz")
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except UnicodeDecodeError:
+        raise ValueError(f"{path}: no UTF-8 text") from None
+    rows = _rows(path, [(i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")])
+    return trajectory_of([row[0] for row in rows], [row[1:] for row in rows])
+
+
+def _rows(path: Path, lines: Sequence[tuple[int, str]]) -> list[list[float]]:
+    rows: list[list[float]] = []
+    for number, line in lines:
+        words = [word for word in _SEPARATOR.split(line.strip()) if word]
+        try:
+            row = [float_of_text(word) for word in words]
+        except ValueError as error:
+            if number == lines[0][0]:  # names of the columns
+                continue
+            raise ValueError(f"{path}:{number}: {error}") from None
+        if len(row) < 2 or (rows and len(row) != len(rows[0])):
+            wanted = f"{len(rows[0])} numbers" if rows else "t and one component at least"
+            raise ValueError(f"{path}:{number}: {len(row)} numbers; write {wanted}")
+        rows.append(row)
+    if not rows:
+        raise ValueError(f"{path}: no numbers; write t and the components, a line for each time")
+    return rows
+
+
+def float_of_text(word: str) -> float:
+    """The double nearest to a decimal, or the one that hexadecimal digits spell. Raises ValueError."""
+    try:
+        if "0x" in word.lower():
+            return float.fromhex(word)
+        return float(re.sub(r"(?<=[\d.])[dD](?=[-+]?\d)", "e", word))
+    except (ValueError, OverflowError):
+        raise ValueError(f"{word[:40]!r} is no number") from None
+
+
+def _arrays(path: Path) -> tuple[Any, Any]:
+    import zipfile
+
+    try:
+        with np.load(path, allow_pickle=False) as held:
+            for names in (("t", "y"), ("ts", "ys")):
+                if all(name in held for name in names):
+                    return held[names[0]], held[names[1]]
+            raise ValueError(f"it holds {', '.join(held) or 'nothing'}; write the arrays t and y")
+    except (ValueError, EOFError, zipfile.BadZipFile, AttributeError) as error:
+        raise ValueError(f"{path}: {' '.join(str(error).split())}") from None

@@ -1,0 +1,91 @@
+"""A certificate in words, as JSON and as a table: its decimals hold the balls, and its digits are counted."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+from flint import arb, ctx
+
+from driftproof.enclosure.certificate import ALL_DIGITS, Certificate, Drift, Split, largest_of, right_digits
+from driftproof.symbolic.algebra.certified import endpoints
+from tests.looping import exactly
+
+ROWS = ((arb(0), arb(0)), (arb(0.25, 2**-60), arb(-0.75)), (arb(0.5), arb(1) / 3))
+PLAIN = Certificate(
+    t=(0.0, 0.5, 1.0),
+    y=((1.0, 1.0),) * 3,
+    errors=ROWS,
+    digits_at=(17, 0, 1),
+    bits=128,
+    steps=7,
+    doubles=(0.1, -3.7),
+)
+HALVES = tuple(tuple(x / 2 for x in row) for row in ROWS)
+WHOLE = replace(
+    PLAIN,
+    split=Split("rk4", HALVES, HALVES, 2, 256),
+    drifts={"energy": Drift((arb(0), arb(2), arb(-3))), "<L>": Drift(*((arb(0), arb(1), arb(0)),) * 3)},
+)
+
+
+def test_words_say_where_and_what():
+    assert str(PLAIN).splitlines() == [
+        "largest error 0.7500000000, proved: component 1 at t = 0.5, point 1 of 3",
+        "0 digits right at every point; steps: 7, bits: 128",
+        "f's constants are these doubles, exactly: 0.1, -3.7",
+    ]
+    assert WHOLE.text().splitlines()[1:-2] == [
+        "  there -0.7500000000 = truncation -0.3750000000 + rounding -0.3750000000 (rk4, steps: 2)",
+        "largest truncation 0.3750000000: component 1 at t = 0.5, point 1 of 3",
+        "largest rounding 0.3750000000: component 1 at t = 0.5, point 1 of 3",
+        "energy: largest drift -3.000000000 at t = 1",
+        "<L>: largest drift 1.000000000 at t = 0.5 = truncation 1.000000000 + rounding 1.000000000",
+    ]
+
+
+def test_json_holds_every_ball():
+    record = json.loads(WHOLE.json())
+    for rows, balls in ((record["errors"], ROWS), (record["split"]["truncation"], HALVES)):
+        for row, wanted in exactly(3, zip(rows, balls, strict=True)):
+            for ball, x in exactly(2, zip(row, wanted, strict=True)):
+                low, high = endpoints(x)
+                middle, radius = Fraction(ball["midpoint"]), Fraction(ball["radius"])
+                assert middle - radius <= low <= high <= middle + radius
+                assert radius <= 2 * (high - low) + Fraction(1, 10**24)
+    assert record["largest_error"] == {
+        "component": 1, "midpoint": "7.5e-1", "point": 1, "radius": "0", "t": "0.5"
+    }  # fmt: skip
+    assert (record["digits"], record["doubles"], record["t"]) == (0, ["0.1", "-3.7"], ["0.0", "0.5", "1.0"])
+    assert set(record["drifts"]["energy"]) == {"total"}
+    assert not {"split", "drifts"} & set(json.loads(PLAIN.json()))
+
+
+def test_notebook_shows_a_table_of_few_points():
+    html = WHOLE._repr_html_()
+    assert html.count("<tr>") == 4
+    assert "&lt;L&gt;" in html
+    assert "<th>rounding</th>" in html
+    many = replace(PLAIN, t=(0.0,) * 1000, errors=ROWS[:1] * 1000, digits_at=(17,) * 1000)
+    assert many._repr_html_().count("<tr>") == 13
+
+
+def test_largest_is_a_ball_of_the_largest_size():
+    assert largest_of(ROWS, 128) == arb(0.75)
+    assert largest_of([], 128) == 0
+
+
+@pytest.mark.parametrize(
+    ("error", "true", "digits"),
+    [
+        ((arb(0), arb(0)), (arb(1), arb(2)), ALL_DIGITS),
+        ((arb(1e-7), arb(0)), (arb(1), arb(100)), 9),
+        ((arb(10), arb(0)), (arb(1), arb(0)), 0),
+        ((arb(1), arb(0)), (arb(0), arb(0)), 0),
+    ],
+)
+def test_digits_are_those_of_the_largest_component(error, true, digits):
+    with ctx.workprec(128):
+        assert right_digits(error, true) == digits
