@@ -58,7 +58,7 @@ NOT_ELSEWHERE = "sympy"
 # methods the one grammar of expressions, the one number field and fields with several roots; symbolic the front door
 # of `derive` and facts as typed properties; blackbox verdicts that say what was seen; texts what docs and help show.
 BUDGETS = {
-    "support": 970,
+    "support": 1030,
     "methods": 4355,
     "symbolic": 9650,
     "numeric": 3000,
@@ -66,7 +66,7 @@ BUDGETS = {
     "enclosure": 1975,
     "texts": 5550,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 4460
+BUDGET_OF_REPORTS_AND_FRONT = 4570
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 

@@ -25,6 +25,7 @@ from driftproof.blackbox.report import Report, sections
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
 from driftproof.methods.tableau_file import method_of
+from driftproof.support.assertions import AssertedVerdict, demand, time_limit_of_test
 from driftproof.support.plain_text import Json
 
 # Questions without an answer that say nothing against a stepper, and what would answer them.
@@ -118,12 +119,13 @@ def assert_verified(
     examples: int = EXAMPLES,
     domain: Domain = ORDINARY_DOMAIN,
     allowance: Allowance = NO_ALLOWANCE,
-    time_limit: float = TIME_LIMIT,
+    time_limit: float | None = None,
     isolate: bool = True,
 ) -> None:
     """`verify`, for a test: raises AssertionError with the whole report unless the stepper passes.
 
-    What is undecided fails, too, and the report says what would decide it; not so with `allow_undecided`.
+    What is undecided fails, too, and the report says what would decide it; not so with `allow_undecided`. The time
+    limit is that of the test's mark, `@pytest.mark.driftproof(time_limit=30)`, where none is given.
 
     >>> from driftproof import assert_verified
     >>> step = lambda q, v, h: (q + h * v, v - h * q)
@@ -138,11 +140,11 @@ def assert_verified(
         examples=examples,
         domain=domain,
         allowance=allowance,
-        time_limit=time_limit,
+        time_limit=time_limit or time_limit_of_test.get() or TIME_LIMIT,
         isolate=isolate,
     )
-    if report.passed is False or (report.passed is None and not allow_undecided):
-        raise AssertionError(f"\n{report.text()}")
+    found = AssertedVerdict(report.target, report.verdict, report.passed, report.text(), report.data)
+    demand(found, holds=report.passed is True or (report.passed is None and allow_undecided))
 
 
 def _decided(checks: Sequence[Criterion]) -> bool | None:

@@ -1,0 +1,113 @@
+"""For pytest: the verdict in the short summary, time limits by a marker, and a folder of reports for CI.
+
+Loaded by pytest wherever driftproof is installed; it imports nothing else of the package before a test does.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Generator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from driftproof.support.assertions import AssertedVerdict, VerdictError, listeners, time_limit_of_test
+from driftproof.support.files import atomic_write
+from driftproof.support.plain_text import as_json
+
+MARKER = "driftproof(time_limit): seconds that assert_verified may take in this test"
+SUMMARY = "summary.md"
+# Of a name of a file, which on most systems has 255 bytes.
+_LONGEST_NAME = 200
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add --driftproof-report."""
+    group = parser.getgroup("driftproof")
+    words = (
+        "write what assert_verified and assert_accurate found into FOLDER: a JSON file for each test, and summary.md"
+    )
+    group.addoption("--driftproof-report", metavar="FOLDER", help=words)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Make the marker known, and listen where a folder is asked for."""
+    config.addinivalue_line("markers", MARKER)
+    folder = config.getoption("--driftproof-report")
+    if folder is not None:
+        config.pluginmanager.register(_Reports(Path(folder), is_worker=hasattr(config, "workerinput")))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Generator[None, Any, Any]:
+    """Give the test the time limit of its marker."""
+    marker = item.get_closest_marker("driftproof")
+    given = None if marker is None else _time_limit(item, marker)
+    token = time_limit_of_test.set(given)
+    try:
+        yield
+    finally:
+        time_limit_of_test.reset(token)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(call: pytest.CallInfo[Any]) -> Generator[None, Any, Any]:
+    """Let the short summary begin with the verdict, where pytest would write the name of the exception."""
+    report: Any = yield
+    error = None if call.excinfo is None else call.excinfo.value
+    crash = getattr(report.longrepr, "reprcrash", None)
+    if isinstance(error, VerdictError) and crash is not None:
+        crash.message = error.verdict.headline
+    return report
+
+
+def _time_limit(item: pytest.Item, marker: pytest.Mark) -> float:
+    given = marker.kwargs.get("time_limit", *marker.args[:1])
+    if isinstance(given, int | float) and given > 0:
+        return given
+    raise pytest.UsageError(f"{item.nodeid}: mark it driftproof(time_limit=SECONDS), a positive number, not {given!r}")
+
+
+class _Reports:
+    """Writes the verdicts of each test as one JSON file, and at the end all of them as Markdown."""
+
+    def __init__(self, folder: Path, *, is_worker: bool) -> None:
+        """`is_worker`: of pytest-xdist, whose controller writes the summary."""
+        self.folder, self.is_worker, self.found = folder, is_worker, list[AssertedVerdict]()
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_protocol(self, item: pytest.Item) -> Generator[None, Any, Any]:
+        """Listen while the test runs, and write down what it found."""
+        self.found.clear()
+        listeners.append(self.found.append)
+        try:
+            return (yield)
+        finally:
+            listeners.remove(self.found.append)
+            if self.found:
+                name = re.sub(r"[^\w.-]+", "_", item.nodeid)[-_LONGEST_NAME:]
+                self._write(f"{name}.json", as_json(self._of_test(item.nodeid)))
+
+    def pytest_sessionfinish(self) -> None:
+        """Write the summary of all files in the folder."""
+        if self.is_worker:
+            return
+        import json
+
+        parts = []
+        for path in sorted(self.folder.glob("*.json")):
+            told = json.loads(path.read_text(encoding="utf-8"))
+            parts += [f"### `{told['test']}`", *(f"```\n{one['report']}\n```" for one in told["verdicts"])]
+        self._write(SUMMARY, "\n\n".join(parts or ["no verdict"]) + "\n")
+
+    def _write(self, name: str, text: str) -> None:
+        with atomic_write(self.folder / name) as draft:
+            Path(draft).write_text(text, encoding="utf-8")
+
+    def _of_test(self, name: str) -> dict[str, Any]:
+        found = [
+            {"subject": x.subject, "verdict": x.words, "passed": x.passed, "report": x.report, **x.data}
+            for x in self.found
+        ]
+        return {"test": name, "verdicts": found}

@@ -1,0 +1,91 @@
+"""The plugin for pytest, in projects of somebody else's: each is run by a pytest of its own."""
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PROJECT = """
+import pytest
+from driftproof import assert_verified
+
+def euler(q, v, h):
+    return q + h * v, v - h * q
+
+def hangs(q, v, h):
+    while True:
+        pass
+
+def test_right():
+    assert_verified(euler, "forward_euler", examples=20)
+
+def test_wrong():
+    assert_verified(euler, "rk4", examples=20)
+
+@pytest.mark.driftproof(time_limit=1)
+def test_slow():
+    assert_verified(hangs, "forward_euler")
+
+def test_plain():
+    assert 1 + 1 == 3
+"""
+
+
+def pytest_in(folder, *words, project=PROJECT):
+    (folder / "test_steps.py").write_text(project)
+    # By its module, so that it is this checkout's; an installed one is told apart by its name.
+    plugin = ["-p", "no:driftproof", "-p", "driftproof.pytest_plugin", "-p", "no:cacheprovider"]
+    return subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", *plugin, *words],
+        cwd=folder, capture_output=True, text=True, env={"PYTHONPATH": str(ROOT), "PATH": "", "CI": "1"},
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("project")
+    return pytest_in(folder, "--driftproof-report=found", "--strict-markers"), folder / "found"
+
+
+def test_the_short_summary_begins_with_the_verdict(run):
+    assert re.search(
+        r"(?m)^FAILED test_steps.py::test_wrong - \S*euler is not rk4; it is.*forward_euler", run[0].stdout
+    )
+    assert "FAILED test_steps.py::test_plain - assert (1 + 1) == 3" in run[0].stdout
+
+
+def test_the_marker_is_the_time_limit_of_the_test(run):
+    assert re.search(r"(?m)^FAILED test_steps.py::test_slow - \S*hangs undecided .*no answer within", run[0].stdout)
+
+
+def test_the_folder_has_a_file_for_each_test_that_found_something_and_a_summary(run):
+    found = {path.name: json.loads(path.read_text()) for path in run[1].glob("*.json")}
+    passed = {told["test"].partition("::")[2]: told["verdicts"][0]["passed"] for told in found.values()}
+    assert passed == {"test_right": True, "test_wrong": False, "test_slow": None}
+    summary = (run[1] / "summary.md").read_text()
+    assert summary.count("### `test_steps.py::test_") == 3
+    assert "is not rk4" in summary
+
+
+def test_workers_write_the_same_folder(run, tmp_path):
+    pytest_in(tmp_path, "-p", "xdist", "-n", "2", "--driftproof-report=found")
+    for path in ("summary.md", "test_steps.py_test_wrong.json"):
+        assert (tmp_path / "found" / path).read_text() == (run[1] / path).read_text()
+
+
+@pytest.mark.parametrize("limit", ["", "time_limit=0", "time_limit='long'"])
+def test_a_mark_without_seconds_is_refused(tmp_path, limit):
+    project = f"import pytest\n\n@pytest.mark.driftproof({limit})\ndef test_it():\n    pass\n"
+    done = pytest_in(tmp_path, project=project)
+    assert done.returncode
+    assert "test_steps.py::test_it: mark it driftproof(time_limit=SECONDS)" in done.stdout
+
+
+def test_without_verdicts_the_summary_says_so(tmp_path):
+    done = pytest_in(tmp_path, "--driftproof-report=found", project="def test_it():\n    pass\n")
+    assert done.returncode == 0
+    assert (tmp_path / "found" / "summary.md").read_text() == "no verdict\n"
