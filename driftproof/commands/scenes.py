@@ -126,7 +126,6 @@ def _executor(options: Namespace) -> AbstractContextManager[Executor | None]:
     cli.option("scenes", "a preset, or a file that ends in .toml (default: all presets)", nargs="*", metavar="SCENE"),
     cli.output_option("the page to write", required=True),
     CERTIFIED_DIGITS,
-    cli.flag("--times", "also measure seconds where a scene names work_precision; never twice alike"),
 )
 def report_command(options: Namespace) -> str:
     """Write presets, or scenes of your own from TOML files, as one page of HTML.
@@ -138,7 +137,7 @@ def report_command(options: Namespace) -> str:
 
     The page is one file that loads nothing, with figures, tables and the numbers behind them; it runs no script. It has
     the panels that the scenes name: table, position, phase_plane, work_precision, stability (`driftproof scene --help`
-    shows a scene). The same scenes make the same bytes, but for measured --times.
+    shows a scene). The same scenes make the same bytes.
     """
     from driftproof.numeric.scenes import PRESETS, scene_named
     from driftproof.reports.page.document import document
@@ -146,7 +145,7 @@ def report_command(options: Namespace) -> str:
 
     require_file(options.output)
     scenes = [scene_named(name) for name in options.scenes or PRESETS]
-    page = document(scenes, options.digits, times=options.times, counter=cli.count_steps)
+    page = document(scenes, options.digits, cli.count_steps)
     with atomic_write(options.output) as draft:
         Path(draft).write_text(page, encoding="utf-8", newline="\n")
     return f"wrote {options.output}"

@@ -87,10 +87,7 @@ def verify_command(options: Namespace) -> str:
         examples=options.examples,
         domain=Domain(options.largest_step, options.largest_state, **smallest),
         allowance=Allowance(
-            options.step_in_binary32,
-            options.velocity_from_positions,
-            options.flush_to_zero,
-            options.solver_tolerance,
+            options.step_in_binary32, options.velocity_from_positions, options.flush_to_zero, options.solver_tolerance
         ),
         time_limit=options.time_limit,
     )

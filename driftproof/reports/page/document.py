@@ -24,13 +24,13 @@ from driftproof.reports.scene_view import (
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 
 
-def document(scenes: Sequence[Scene], digits: int, *, times: bool = False, counter: Counter = range) -> str:
-    """The page as HTML, the same bytes for the same scenes, unless `times` are measured for panels of work.
+def document(scenes: Sequence[Scene], digits: int, counter: Counter = range) -> str:
+    """The page as HTML, the same bytes for the same scenes.
 
     Raises ValueError for a scene that cannot be shown.
     """
     options = [
-        Option(f"scene-{i}", scene.name, scene_section(scene, f"scene-{i}", digits, times=times, counter=counter))
+        Option(f"scene-{i}", scene.name, scene_section(scene, f"scene-{i}", digits, counter))
         for i, scene in enumerate(scenes, 1)
     ]
     title = f"driftproof: {', '.join(scene.name for scene in scenes)}"
@@ -97,13 +97,12 @@ class _Shown:
     scene: Scene
     identity: str
     digits: int
-    times: bool
     runs: Mapping[str, Readouts | str]
 
 
-def scene_section(scene: Scene, identity: str, digits: int, *, times: bool = False, counter: Counter = range) -> str:
+def scene_section(scene: Scene, identity: str, digits: int, counter: Counter = range) -> str:
     """The scene under a heading: readouts and figures of each of its methods, then the panels that are about all."""
-    shown = _Shown(scene, identity, digits, times, _runs(scene, counter))
+    shown = _Shown(scene, identity, digits, _runs(scene, counter))
     parts = [element("h2", escaped(scene.name)), element("p", escaped(setting(scene)), class_="setting")]
     if scene.readouts or scene.certified or set(FIGURES) & set(scene.panels):
         options = [Option(f"{identity}-{key}", METHODS[key].title, _method(shown, key)) for key in scene.every_method]
@@ -158,14 +157,11 @@ def _table(shown: _Shown) -> str:
 
 
 def _work_precision(shown: _Shown) -> str:
-    from driftproof.reports.page.work import EVALUATIONS_COST, cost_figure, measured_seconds, work_curves, work_table
+    from driftproof.reports.page.work import work_curves, work_figure, work_table
 
     found = work_curves(shown.scene)
-    figure, orders = cost_figure(shown.scene, found, EVALUATIONS_COST, shown.identity).markup(), work_table(found)
-    if not shown.times:
-        return element("div", figure, orders, class_="beside")
-    timed = cost_figure(shown.scene, found, measured_seconds(shown.scene, found), shown.identity).markup()
-    return element("div", figure, timed, class_="pair") + orders
+    figure = work_figure(shown.scene, found, shown.identity).markup()
+    return element("div", figure, work_table(found), class_="beside")
 
 
 def _stability(shown: _Shown) -> str:

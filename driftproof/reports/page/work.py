@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from fractions import Fraction
 from math import ceil, floor, isfinite, log10
 
@@ -12,13 +11,10 @@ from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.problems.problem import EXACT, Problem, Reference
 from driftproof.numeric.scenes import Scene
 from driftproof.numeric.work_precision.curves import Curve, Point, curves
-from driftproof.numeric.work_precision.integrators import PYTHON, integrator
-from driftproof.numeric.work_precision.timing import Timing, interleave, started
 from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.markup import html_table
 from driftproof.reports.page.plot import WIDE, Axis, Plot, Scale, ten_to, ticks
 from driftproof.reports.page.stability import LINE_STYLES
-from driftproof.support.environment import machine_description
 from driftproof.support.plain_text import short
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.runs import OscillatorRun
@@ -27,8 +23,7 @@ from driftproof.symbolic.runs import OscillatorRun
 # solved in Python, to FINEST_IMPLICIT of them.
 COARSEST, FINEST, FINEST_IMPLICIT = 5, 10_000, 600
 REFERENCE_DIGITS = 30
-# A call that has spent so many seconds gets no further turn.
-_LONGEST_TIMED = 1.0
+_COST = "calls of the acceleration"
 # Errors to be reached, as powers of ten.
 _GOALS = (-3, -6)
 
@@ -74,36 +69,12 @@ def problem_of(scene: Scene) -> Problem:
     )
 
 
-@dataclass(frozen=True)
-class Cost:
-    """What an error has cost: the name of the figure in ids, its title, its axis, and the cost of a point, None where
-    there is none.
-    """
-
-    name: str
-    title: str
-    axis: str
-    note: str
-    of: Callable[[Curve, Point], float | None]
-    shown: Callable[[float], str]
-
-
-EVALUATIONS_COST = Cost(
-    name="work",
-    title="Error against work",
-    axis="calls of the acceleration",
-    note="Along a line each point has half the step of the one before.",
-    of=lambda curve, point: point.evaluations,
-    shown=str,
-)
-
-
-def cost_figure(scene: Scene, found: Sequence[Curve], cost: Cost, identity: str) -> Figure:
-    """Error at t against cost, both logarithmic; a ring around the points at the scene's own h."""
-    places = {curve.key: _places(curve, cost) for curve in found}
+def work_figure(scene: Scene, found: Sequence[Curve], identity: str) -> Figure:
+    """Error at t against evaluations, both logarithmic; a ring around the points at the scene's own h."""
+    places = {curve.key: _places(curve) for curve in found}
     every = [place for points in places.values() for place in points.values()] or [(0.0, 0.0)]
     x, y = (_decades([place[i] for place in every], WIDE[i]) for i in (0, 1))
-    plot = Plot(Axis(x[0], cost.axis, *x[1:]), Axis(y[0], "error at the end", *y[1:]))
+    plot = Plot(Axis(x[0], _COST, *x[1:]), Axis(y[0], "error at the end", *y[1:]))
     for i, curve in enumerate(found):
         points = places[curve.key]
         if points:
@@ -112,28 +83,27 @@ def cost_figure(scene: Scene, found: Sequence[Curve], cost: Cost, identity: str)
         if scene.steps in points:
             plot.disc(points[scene.steps], 6, f"own m{i % LINE_STYLES}", f"{curve.title} at h = {scene.h}")
     return Figure(
-        identity=f"{identity}-{cost.name}",
+        identity=f"{identity}-work",
         kind="wide",
-        title=cost.title,
-        description=f"Distance from the exact state at t = {scene.t} against {cost.axis}, both axes logarithmic. "
-        f"Rings: h = {scene.h}. {' '.join(_sentence(curve, cost) for curve in found)}",
+        title="Error against work",
+        description=f"Distance from the exact state at t = {scene.t} against {_COST}, both axes logarithmic. "
+        f"Rings: h = {scene.h}. {' '.join(map(_sentence, found))}",
         plot=plot,
         legend=[(f"line path m{i % LINE_STYLES}", curve.title) for i, curve in enumerate(found)],
-        note=f"Ringed: h = {scene.h}. {cost.note}",
-        data=_data(found, cost),
-        data_title=f"Error and {cost.axis}",
+        note=f"Ringed: h = {scene.h}. Along a line each point has half the step of the one before.",
+        data=_data(found),
+        data_title=f"Error and {_COST}",
     )
 
 
-def _paid(curve: Curve, cost: Cost) -> list[tuple[Point, float]]:
-    """The points that have a place on logarithmic axes, each with its cost."""
-    known = [(point, cost.of(curve, point)) for point in curve.points if 0 < point.error and isfinite(point.error)]
-    return [(point, spent) for point, spent in known if spent]
+def _paid(curve: Curve) -> list[tuple[Point, int]]:
+    """The points that have a place on logarithmic axes, each with its evaluations."""
+    return [(p, p.evaluations) for p in curve.points if p.evaluations and 0 < p.error and isfinite(p.error)]
 
 
-def _places(curve: Curve, cost: Cost) -> dict[int | None, tuple[float, float]]:
-    """log₁₀ of cost and error, by the number of steps."""
-    return {point.steps: (log10(spent), log10(point.error)) for point, spent in _paid(curve, cost)}
+def _places(curve: Curve) -> dict[int | None, tuple[float, float]]:
+    """log₁₀ of evaluations and error, by the number of steps."""
+    return {point.steps: (log10(spent), log10(point.error)) for point, spent in _paid(curve)}
 
 
 def _decades(values: Sequence[float], places: tuple[Fraction, Fraction]) -> tuple[Scale, list[Fraction], list[str]]:
@@ -144,11 +114,11 @@ def _decades(values: Sequence[float], places: tuple[Fraction, Fraction]) -> tupl
     return Scale(Fraction(low), Fraction(high), *places), at, [ten_to(int(tick)) for tick in at]
 
 
-def _sentence(curve: Curve, cost: Cost) -> str:
-    paid = _paid(curve, cost)
+def _sentence(curve: Curve) -> str:
+    paid = _paid(curve)
     if not paid:
         return f"{curve.title}: none."
-    words = [f"{short(point.error)} at {cost.shown(spent)}" for point, spent in (paid[0], paid[-1])]
+    words = [f"{short(point.error)} at {spent}" for point, spent in (paid[0], paid[-1])]
     return f"{curve.title}: from {words[0]} to {words[1]}."
 
 
@@ -168,40 +138,10 @@ def work_table(found: Sequence[Curve]) -> str:
     return html_table([header, *rows], "Orders, and the least work seen", "orders")
 
 
-def _data(found: Sequence[Curve], cost: Cost) -> list[list[str]]:
-    rows = [["Method", "steps", cost.axis, "error"]]
+def _data(found: Sequence[Curve]) -> list[list[str]]:
+    rows = [["Method", "steps", _COST, "error"]]
     for curve in found:
         for point in curve.points:
-            spent = cost.of(curve, point)
-            shown = "–" if spent is None else cost.shown(spent)
-            rows.append([curve.title, str(point.steps), shown, point.remark or short(point.error)])
+            spent = "–" if point.evaluations is None else str(point.evaluations)
+            rows.append([curve.title, str(point.steps), spent, point.remark or short(point.error)])
     return rows
-
-
-def measured_seconds(scene: Scene, found: Sequence[Curve]) -> Cost:
-    """The least seconds of one trajectory in plain Python, for every point that has an error; turns interleave."""
-    problem, calls, timings = problem_of(scene), {}, dict[str, Timing]()
-    for curve in found:
-        if curve.refused:
-            continue
-        call = integrator(METHODS[curve.key], problem).calls[PYTHON]
-        for point in curve.points:
-            if point.steps and isfinite(point.error):
-                name = f"{curve.key} {point.steps}"
-                calls[name] = call(point.steps)
-                timings[name], _ = started(calls[name])
-    for _ in interleave(calls, timings, limit=_LONGEST_TIMED):
-        pass
-
-    def least(curve: Curve, point: Point) -> float | None:
-        timing = timings.get(f"{curve.key} {point.steps}")
-        return timing.best if timing and timing.samples else None
-
-    return Cost(
-        name="times",
-        title="Error against time",
-        axis="seconds in plain Python",
-        note=f"The least of several rounds, on {machine_description()}.",
-        of=least,
-        shown=lambda spent: f"{spent:.2e} s",
-    )

@@ -21,7 +21,7 @@ from driftproof.texts.readers.numbers import numbers_in
 
 # A book of 5000 claims is read in a second.
 _LARGEST_FILE = 2**20
-_MOST_CLAIMS = 5000
+MOST_CLAIMS = 5000
 _MOST_OCCURRENCES = 10_000
 _LONGEST_NAME = 200
 _FORM = ("places", "digits", "exact", "rounding")
@@ -111,7 +111,7 @@ def _claims(table: TomlTable) -> Claims:
 
 
 def _entries(table: TomlTable, name: str) -> list[TomlTable]:
-    found = toml.as_list(table.get(name, []), name, most=_MOST_CLAIMS)
+    found = toml.as_list(table.get(name, []), name, most=MOST_CLAIMS)
     if not all(isinstance(entry, dict) for entry in found):
         raise ValueError(f"{name} is a list of tables; begin each with [[{name}]]")
     return found

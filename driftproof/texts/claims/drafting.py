@@ -10,10 +10,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from itertools import product
 from typing import TypeAlias
 
 from driftproof.methods.catalogue import METHODS
+from driftproof.texts.claims.claims import MOST_CLAIMS
 from driftproof.texts.claims.phrases import NumberForm, Phrase
 from driftproof.texts.questions.answer import Answer
 from driftproof.texts.questions.evaluate import value
@@ -150,13 +150,10 @@ def _digits(text: str) -> int:
     return len(re.sub(r"[^0-9]", "", text).lstrip("0"))
 
 
-# Words of a phrase before its first number and after its last: more of them until it stands there and only once.
-_BEFORE, _AFTER = range(3, 12), range(4)
-# Numbers on one line that are no further apart stand in one phrase, if it has room for them.
+# Words of a phrase before its first number: enough to say in a table or a sentence which number is meant.
+_WORDS = 3
+# Numbers on one line that are no further apart stand in one phrase.
 _WIDEST_GAP, _MOST_IN_PHRASE = 25, 8
-_MOST_DRAFTED = 5000
-# So many characters before a number tell most of its places apart from those of the same number elsewhere.
-_CONTEXT = 12
 
 _HEADER = """\
 # Claims drafted by `driftproof check --init {name}`. Every phrase stands in the text as often as it says.
@@ -186,31 +183,28 @@ class _Member:
 
 # Neighbours on one line, all of which look like values, or none of which do.
 _Group: TypeAlias = list[_Member]
-# Where digits begin, in order, by what stands before them ("" for anything) and the digits themselves.
-_Places: TypeAlias = dict[tuple[str, str], list[int]]
 
 
 def draft(document: Document, name: str) -> str:
     """The text of a claims file for a text called `name`: one claim for each group of numbers that none before covers.
 
-    Raises ValueError where the text has too many numbers.
+    Raises ValueError where that would be more claims than a file may have.
     """
     text = document.text.text
-    found = [number for number in numbers_in(text) if number.label is None]
-    if len(found) > _MOST_DRAFTED:
-        raise ValueError(f"the text has {len(found)} numbers; claims for more than {_MOST_DRAFTED} are not drafted")
-    suggestions = Suggestions(text)
-    groups = [*_groups(text, [_Member(number, suggestions.of(number)) for number in found])]
+    suggestions, search = Suggestions(text), _Search(text)
+    members = [_Member(number, suggestions.of(number)) for number in search.numbers if number.label is None]
+    drafted, covered, named = [_HEADER.format(name=" ".join(name.split()))], set[int](), Counter[str]()
+    groups = [*_groups(text, members)]
     ends = [0, *(group[-1].number.end for group in groups)]
     starts = [*(group[0].number.start for group in groups[1:]), len(text)]
-    drafted, covered, named = [_HEADER.format(name=" ".join(name.split()))], set[int](), Counter[str]()
-    places = _digits_by_context(text)
     for *room, group in zip(ends, starts, groups, strict=False):
         first = group[0].number
         if first.start in covered:
             continue
+        if len(drafted) > MOST_CLAIMS:
+            raise ValueError(f"claims for more than {MOST_CLAIMS} groups of numbers are not drafted")
         place = "line {}, column {}".format(*document.position(first.start))
-        phrase, stands = _best_phrase(text, places, room, group)
+        phrase, stands = search.phrase(room, group)
         covered.update(stands)
         if not stands:
             drafted.append(f"# {place}: no phrase can be drafted for {first.text}\n")
@@ -244,74 +238,68 @@ def _groups(text: str, members: list[_Member]) -> Iterator[_Group]:
         yield group
 
 
-def _digits_by_context(text: str) -> _Places:
-    """Where runs of digits begin, by the run and by what stands before it, too; groups of three are one run as well."""
-    places: _Places = {}
-    for match in re.finditer(r"(?<![0-9])([0-9]++)(?=((?:[,'][0-9]{3})*+))", text):
-        for digits in {match[1], re.sub("[,']", "", match[1] + match[2])}:
-            for before in ("", _before(text, match.start())):
-                places.setdefault((before, digits), []).append(match.start())
-    return places
+class _Search:
+    """Where phrases stand. To search the whole text for each of them would take the square of its length."""
 
+    def __init__(self, text: str) -> None:
+        self.text, self.flat, self.numbers = text, text.replace("\n", " "), numbers_in(text)
+        self._starts: dict[str, list[int]] = {}
+        for number in self.numbers:
+            self._starts.setdefault(number.text, []).append(number.start)
+        self._alike: dict[tuple[int, int, str], dict[str, list[int]]] = {}
+        self._stands: dict[tuple[str, str], set[int]] = {}
 
-def _before(text: str, at: int) -> str:
-    return text[max(0, at - _CONTEXT) : at].replace("\n", " ")
+    def phrase(self, room: list[int], group: _Group) -> tuple[str, set[int]]:
+        """A phrase with the group's numbers, and where the first of them stands; ("", {}) if none stands there.
 
+        It lies within `room` and begins with _WORDS before the first number; what follows the last is in it only where
+        it belongs to the number, as " %". Numbers are places for values if they are strong, else they stand in it.
+        """
+        text, start, end = self.text, group[0].number.start, group[-1].number.end
+        words = [room[0] + match.start() for match in re.finditer(r"\S+", text[room[0] : start])]
+        words = [at for at in words if not re.match(r"\w\w", text[max(at - 1, 0) : at + 1])][-_WORDS:]
+        first = at = words[0] if words else start
+        phrase = ""
+        for member, name in zip(group, _names(group), strict=True):
+            number = member.number
+            phrase += _escaped(text[at : number.start]) + (f"{{{name}}}" if member.strong else _escaped(number.text))
+            at = number.end
+        for more in (r"", r"\S+", r"\S*\s+\S+"):
+            follows = re.match(more, text[end : room[1]])
+            last = end + len(follows[0].rstrip(".,;:!? ") if follows else "")
+            longer = phrase + _escaped(text[end:last])
+            stands = self._found(longer, group, first, last)
+            if start in stands:
+                return longer, stands
+        return "", set()
 
-def _stands(text: str, places: _Places, pattern: re.Pattern[str], first: int, number: TextNumber) -> list[int]:
-    """Where the pattern stands that begins at `first` with this number in it: only where such digits stand is looked.
+    def _found(self, phrase: str, group: _Group, first: int, last: int) -> set[int]:
+        """Where the first number stands in the phrase, which is made of the text from `first` to `last`."""
+        key = phrase, self.flat[first:last]
+        if key not in self._stands:
+            stands, done, before = self._stands.setdefault(key, set()), 0, group[0].number.start - first
+            try:
+                parsed = Phrase.of(phrase)
+            except ValueError:  # too long
+                return stands
+            if not (parsed.names or parsed.free_numbers):  # its numbers run together to what is no number, as 0.50.5
+                return stands
+            pattern = parsed.exact({name: [m.number.text] for name, m in zip(_names(group), group, strict=True)})
+            for place in self._places(before, last - first, group[0].number.text).get(key[1], ()):
+                if place - before >= done and (match := pattern.match(self.text, place - before)):
+                    stands.add(place)
+                    done = match.end()
+        return self._stands[key]
 
-    To search the whole text for each phrase would take the square of its length.
-    """
-    digits = re.search("[0-9][0-9,']*", number.text)
-    if digits is None:
-        return []
-    at = number.start + digits.start()
-    before = _before(text, at) if at - first >= _CONTEXT else ""
-    found, end = list[int](), 0
-    for place in places.get((before, re.sub("[,']", "", digits[0])), ()):
-        if place - at + first >= end and (match := pattern.match(text, place - at + first)):
-            found.append(match.start())
-            end = match.end()
-    return found
-
-
-def _best_phrase(text: str, places: _Places, room: list[int], group: _Group) -> tuple[str, list[int]]:
-    """The phrase that stands once, or else least often, and where its first number does; ("", []) if none stands."""
-    best: tuple[str, list[int]] = ("", [])
-    for after, before in product(_AFTER, _BEFORE):
-        phrase, first = _phrase(text, room, group, before, after)
-        spellings = {name: [member.number.text] for name, member in zip(_names(group), group, strict=True)}
-        try:
-            parsed = Phrase.of(phrase)
-        except ValueError:  # too long
-            continue
-        found = _stands(text, places, parsed.exact(spellings), first, group[0].number)
-        if not (parsed.names or parsed.free_numbers):  # its numbers run together to what is no number, as 0.50.5
-            continue
-        if first in found and (not best[1] or len(found) < len(best[1])):
-            best = (phrase, [at - first + group[0].number.start for at in found])
-        if found == [first]:
-            break
-    return best
-
-
-def _phrase(text: str, room: list[int], group: _Group, before: int, after: int) -> tuple[str, int]:
-    """The phrase with at most so many words before its first number and after its last, and where it begins.
-
-    Its numbers are places for values if they are strong, and stand in it otherwise.
-    """
-    start = group[0].number.start
-    chunks = [room[0] + match.start() for match in re.finditer(r"\S+", text[room[0] : start])]
-    starts = [at for at in chunks if not re.match(r"\w\w", text[max(at - 1, 0) : at + 1])]
-    first = at = starts[-before] if len(starts) >= before else starts[0] if starts else start
-    phrase = ""
-    for member, name in zip(group, _names(group), strict=True):
-        number = member.number
-        phrase += _escaped(text[at : number.start]) + (f"{{{name}}}" if member.strong else _escaped(number.text))
-        at = number.end
-    follows = re.match(rf"\S*(?:\s+\S+){{0,{after - 1}}}", text[at : room[1]]) if after else None
-    return phrase + (_escaped(follows[0]).rstrip(".,;:!? ") if follows else ""), first
+    def _places(self, before: int, length: int, number: str) -> dict[str, list[int]]:
+        """Where the number stands, by the `length` characters that begin so many before it."""
+        shape = before, length, number
+        if shape not in self._alike:
+            places = self._alike[shape] = {}
+            for at in self._starts[number]:
+                if at >= before:
+                    places.setdefault(self.flat[at - before : at - before + length], []).append(at)
+        return self._alike[shape]
 
 
 def _names(group: _Group) -> list[str]:

@@ -55,10 +55,9 @@ class Answer:
         if self.form is not None:
             return self.form
         if isinstance(self.exact, Fraction):
-            from flint import fmpq
+            from driftproof.symbolic.algebra.rational_functions import exact_text
 
-            # fmpq prints fractions of any length; Python's own str() refuses beyond 4300 digits.
-            return str(fmpq(self.exact.numerator, self.exact.denominator))
+            return exact_text(self.exact)
         # A generator such as "gamma3" says nothing by itself; roots do.
         named = not isinstance(self.exact, Algebraic) or self.exact.field.name.isidentifier()
         return None if named else str(self.exact)

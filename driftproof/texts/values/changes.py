@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import json
 import re
 from collections import Counter
@@ -14,6 +13,7 @@ from typing import Any, TypeAlias
 
 from flint import fmpz
 
+from driftproof.methods.expression_tree import parse_form
 from driftproof.support.files import read_utf8
 from driftproof.support.plain_text import annotation, as_json, table
 
@@ -38,10 +38,6 @@ _DECIMAL = re.compile(r"(-?)([0-9]+)(?:\.([0-9]+))?(?:[eE]([+-]?[0-9]{1,6}))?")
 _FRACTION = re.compile(r"(-?[0-9]+)/([0-9]+)")
 # What the exact form of an irrational number may be made of.
 _NAMES = frozenset(("sqrt", "cbrt", "exp", "log", "log2", "log10", "sin", "cos", "atan", "atan2", "abs", "Abs", "pi"))
-_NODES = (
-    *(ast.Expression, ast.BinOp, ast.UnaryOp, ast.Call, ast.Name, ast.Load, ast.Constant, ast.USub, ast.UAdd),
-    *(ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow),
-)
 
 # "values" -> id, or the keys and list positions that lead to a leaf; what stands there.
 Leaf: TypeAlias = tuple[tuple[str, ...], Any]
@@ -95,19 +91,15 @@ def _no_number(number: dict[str, Any]) -> str | None:
 
 def _is_formula(text: Any) -> bool:
     """True for sums, products, powers and functions of integers that divide by no 0 written as such."""
-    if not isinstance(text, str) or len(text) > _LARGEST_EXPONENT:
+    if not isinstance(text, str):
         return False
-    try:  # a run of digits may be longer than Python's own int() reads; only whether it is 0 matters
-        short = re.sub("(?<![a-z0-9])[0-9]+", lambda run: "1" if run[0].strip("0") else "0", text)
-        nodes = list(ast.walk(ast.parse(short, mode="eval")))
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
+    # A run of digits may be longer than Python's own int() reads; only whether it is 0 matters.
+    short = re.sub("(?<![a-z0-9])[0-9]+", lambda run: "1" if run[0].strip("0") else "0", text)
+    try:
+        parse_form(short)
+    except ValueError:
         return False
-    names = {node.id for node in nodes if isinstance(node, ast.Name)}
-    zero = any(
-        isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div) and getattr(node.right, "value", 1) == 0
-        for node in nodes
-    )
-    return names <= _NAMES and not zero and all(isinstance(node, _NODES) for node in nodes)
+    return set(re.findall("[A-Za-z_][A-Za-z_0-9]*", short)) <= _NAMES and not re.search(r"/ *0(?!\.?[1-9])", short)
 
 
 def _name(place: tuple[str, ...]) -> str:

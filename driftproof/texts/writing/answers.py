@@ -5,13 +5,12 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any
 
-from flint import fmpq
-
 from driftproof.methods.catalogue import method_named
 from driftproof.methods.schemes import Method
 from driftproof.numeric.steppers import evaluations_per_step
 from driftproof.support.plain_text import Json, table
 from driftproof.symbolic.algebra.certified import HALF_EVEN, CertifiableReal, significant
+from driftproof.symbolic.algebra.rational_functions import exact_text
 from driftproof.symbolic.runs import OscillatorRun, TrigonometricNumber
 from driftproof.texts.writing.markup import LONGEST_IN_TEXT
 
@@ -25,15 +24,10 @@ def exact_and_decimal(
     """{"exact": "337/384" or None, "decimal": correctly rounded digits, "unit": ...}; None for an undefined value."""
     if value is None:
         return None
-    answer: Json = {"exact": _exact_text(value), "decimal": significant(value, digits, rounding)}
+    trigonometric = isinstance(value, TrigonometricNumber)
+    exact = str(value) if trigonometric else None if callable(value) else exact_text(value)
+    answer: Json = {"exact": exact, "decimal": significant(value, digits, rounding)}
     return answer if unit is None else {**answer, "unit": unit}
-
-
-def _exact_text(value: CertifiableReal) -> str | None:
-    if isinstance(value, Fraction):
-        # fmpq prints fractions of any length; Python's own str() refuses beyond 4300 digits.
-        return str(fmpq(value.numerator, value.denominator))
-    return None if callable(value) and not isinstance(value, TrigonometricNumber) else str(value)
 
 
 def step_answer(key: str, h: Fraction, start: tuple[Fraction, Fraction], digits: int, rounding: str) -> Json:

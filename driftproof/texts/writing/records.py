@@ -21,13 +21,7 @@ from driftproof.symbolic.algebra.radicals import (
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, exact_text, fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root, root_of
 from driftproof.symbolic.facts import FACTS, ON_REQUEST, Facts
-from driftproof.symbolic.family_facts import (
-    FAMILY_FACTS,
-    FailingTree,
-    FamilyFacts,
-    LimitPiece,
-    OrderSet,
-)
+from driftproof.symbolic.family_facts import FAMILY_FACTS, FailingTree, FamilyFacts, LimitPiece, OrderSet
 from driftproof.symbolic.linear.a_stability import Angle, EnclosedTangent
 from driftproof.symbolic.linear.eigenvalues import Complex, Imaginary
 from driftproof.symbolic.linear.facts import (

@@ -162,15 +162,6 @@ def test_page_has_the_panel_that_the_scene_names_and_no_other(panel: str, expect
     assert set(PANELS) == {"table", "position", "phase_plane", "work_precision", "stability"}
 
 
-def test_times_are_measured_when_asked_for_and_only_then() -> None:
-    scene = Scene("w", "rk4", Q(1), Q(8), methods=("forward_euler", "rk4"), panels=("work_precision",))
-    shown = Read(document([scene], 15, times=True))
-    assert shown.wrong == []
-    assert [figure["id"] for figure in shown.all("figure")] == ["scene-1-work", "scene-1-times"]
-    assert [figure["id"] for figure in Read(document([scene], 15)).all("figure")] == ["scene-1-work"]
-    assert document([PLAIN], 15, times=True) == document([PLAIN], 15)
-
-
 def test_nothing_is_run_for_a_scene_that_asks_for_no_run(monkeypatch: pytest.MonkeyPatch) -> None:
     def forbidden(*_: object) -> None:
         raise AssertionError("a float run was made")

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import re
+import sys
 import tomllib
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
+from types import FrameType
 
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from driftproof.texts.claims import drafting
 from driftproof.texts.claims.checking import GIVEN, UNCOVERED, WORKED_OUT, check_claims, coverage
 from driftproof.texts.claims.claims import parse_claims
 from driftproof.texts.claims.drafting import LookAlike, Suggestions, draft
-from driftproof.texts.claims.phrases import Phrase
 from driftproof.texts.readers.document import Document, document_of, read_document
 from driftproof.texts.readers.numbers import numbers_in
 from tests.looping import exactly
@@ -91,11 +94,15 @@ def test_drafted_claims_notice_a_changed_digit() -> None:
     assert [(finding.expected, finding.found) for finding in findings] == [("5.151", "5.152")]
 
 
-def test_phrase_is_as_short_as_tells_the_number_from_others() -> None:
-    """Three words before it, and none after, unless more of them are needed for it to stand once."""
+def test_phrase_has_three_words_before_its_numbers_and_after_them_what_belongs_to_them() -> None:
     text = "RK4 ends at 0.877604 here. One step of RK4 ends at 0.499895, and a step of RK4 ends at 0.877604 again."
-    phrases = re.findall(r'phrase = "(.*)"', draft(document_of(text), "a"))
-    assert phrases == ["RK4 ends at {value} here", "RK4 ends at {value}", "of RK4 ends at {value}"]
+    drafted = draft(document_of(f"{text} That is 0.33 % of all."), "a")
+    found = tomllib.loads(TODO.sub("", drafted))["claim"]
+    assert [(claim["phrase"], claim.get("count", 1)) for claim in found] == [
+        ("RK4 ends at {value}", 2),
+        ("RK4 ends at {value}", 1),
+        ("again. That is 0.33 %", 1),
+    ]
     assert held(document_of(text), draft(document_of(text), "a"))[UNCOVERED] == 0
 
 
@@ -103,33 +110,10 @@ def test_name_of_the_text_cannot_break_the_draft() -> None:
     assert tomllib.loads(draft(document_of("7"), 'a\nb = 1\n"')) == {}
 
 
-@given(
-    st.lists(
-        st.sampled_from(
-            [
-                "0.877604",
-                "337/384",
-                "0.5",
-                "40",
-                "2.390",
-                "RK4 ",
-                "energy ",
-                "is ",
-                "{",
-                "}",
-                '"',
-                "\\",
-                "\n",
-                ". ",
-                "(",
-                "%",
-                "\x7f",
-                "√",
-            ]
-        ),
-        max_size=15,
-    )
-)
+PIECES = ("0.877604", "337/384", "0.5", "40", "2.390", "RK4 ", "energy ", "is ", ". ", *'{}"\\\n(%\x7f√')
+
+
+@given(st.lists(st.sampled_from(PIECES), max_size=15))
 @example(pieces=["0.5", "0.5", ". "])
 def test_draft_of_any_text_holds_of_it(pieces: list[str]) -> None:
     document = document_of("".join(pieces))
@@ -138,31 +122,35 @@ def test_draft_of_any_text_holds_of_it(pieces: list[str]) -> None:
     held(document, TODO.sub("", text))
 
 
-def test_draft_of_twice_the_text_looks_at_twice_the_places(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Characters at which the phrase of a number is tried, counted, where words differ and where only numbers do."""
+LINES = ("the error of the run is {}\n", "the error is 0.7 here\n", "is 0.33 % {}x\n", "| RK4 | 0.25 | 0.3{} |\n")
 
-    class Counting:
-        def __init__(self, pattern: re.Pattern[str]) -> None:
-            self.pattern = pattern
 
-        def finditer(self, text: str) -> object:
-            looked.append(len(text))
-            return self.pattern.finditer(text)
+@pytest.mark.parametrize("line", LINES)
+def test_draft_of_twice_the_text_takes_twice_the_steps(line: str) -> None:
+    """Of Python's own, where numbers differ and where they are equal in equal contexts."""
+    steps = Counter[int]()
 
-        def match(self, text: str, at: int) -> object:
-            looked.append(1)
-            return self.pattern.match(text, at)
+    def trace(frame: FrameType, *_: object) -> object:
+        frame.f_trace_opcodes = frame.f_code.co_filename == drafting.__file__
+        steps[lines] += frame.f_trace_opcodes
+        return trace if frame.f_trace_opcodes else None
 
-    exact = Phrase.exact
-    monkeypatch.setattr(Phrase, "exact", lambda phrase, spellings: Counting(exact(phrase, spellings)))
-    for line in ("the error of the run is {} here.\n", "w{} v{} u{} 0.7 is t{} s{}\n"):
-        counted = []
-        for numbers in (100, 200):
-            looked: list[int] = []
-            drafted = draft(document_of("".join(line.replace("{}", str(1000 + i)) for i in range(numbers))), "a")
-            assert drafted.count("[[claim]]") == numbers
-            counted.append(sum(looked))
-        assert 100 <= counted[1] <= 2.2 * counted[0]
+    for lines in (60, 120):
+        document, before = document_of("".join(line.replace("{}", str(1000 + i)) for i in range(lines))), sys.gettrace()
+        sys.settrace(trace)
+        try:
+            assert "[[claim]]" in draft(document, "a")
+        finally:
+            sys.settrace(before)
+    assert steps[60] < steps[120] < 2.2 * steps[60]
+
+
+def test_more_claims_than_a_file_may_have_are_not_drafted(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(drafting, "MOST_CLAIMS", 3)
+    assert draft(document_of("a 1.5\nb 2.5\nc 3.5"), "a").count("[[claim]]") == 3
+    assert draft(document_of("a 1.5\n" * 9), "a").count("[[claim]]") == 1
+    with pytest.raises(ValueError, match="claims for more than 3 groups of numbers are not drafted"):
+        draft(document_of("a 1.5\nb 2.5\nc 3.5\nd 4.5"), "a")
 
 
 def test_command_drafts_in_the_format_of_the_text(

@@ -6,9 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof.texts.claims.checking import (
-    check_claims,
-)
+from driftproof.texts.claims.checking import check_claims
 from driftproof.texts.claims.claims import Claim, parse_claims
 from driftproof.texts.claims.phrases import NumberForm, Phrase
 from driftproof.texts.readers.document import document_of
