@@ -62,7 +62,7 @@ BUDGETS = {
     "methods": 4355,
     "symbolic": 9650,
     "numeric": 3000,
-    "blackbox": 8400,
+    "blackbox": 8760,
     "enclosure": 1975,
     "texts": 5550,
 }

@@ -14,6 +14,8 @@ from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import ORDINARY_DOMAIN
 from driftproof.blackbox.judging.habits import explained
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
+from driftproof.blackbox.matching.candidates import EMBEDDED
+from driftproof.blackbox.matching.estimates import JudgedEstimate, judged_estimate
 from driftproof.blackbox.matching.linear_candidates import LinearCandidate
 from driftproof.blackbox.matching.linear_match import LinearFit, linear_fit
 from driftproof.blackbox.matching.match import Identity, match_tableau, matched
@@ -31,7 +33,7 @@ from driftproof.support.plain_text import Json
 
 # Examples of the rounding errors of a method that was recognised: a fifth of what `verify` takes shows their size.
 _EXAMPLES = 200
-QUESTIONS = (introduction, read_coefficients, linear_fit, measured_orders)
+QUESTIONS = (introduction, read_coefficients, linear_fit, measured_orders, judged_estimate)
 
 
 def identify(
@@ -61,9 +63,9 @@ def identified(runner: IsolatedRunner) -> Report:
     outcomes = runner.run([*QUESTIONS, *CHECKS.values()])
     if outcomes[0].kind == "bad_input":
         raise ValueError(outcomes[0].seen)
-    introduced, read, fit, order = outcomes[: len(QUESTIONS)]
+    introduced, read, fit, order, estimate = outcomes[: len(QUESTIONS)]
     checks, arithmetic = checks_of(outcomes[len(QUESTIONS) :]), arithmetic_of(outcomes)
-    seen = Seen(introduced, read, fit, order, tuple(checks), arithmetic)
+    seen = Seen(introduced, read, fit, order, estimate, tuple(checks), arithmetic)
     rounding = None if seen.key is None else _rounding(runner, METHODS[seen.key], seen.size)
     verdict = "; ".join(filter(None, [seen.verdict, arithmetic]))
     return Report(runner.target.name, verdict, None, _sections(seen, rounding), _data(seen, rounding))
@@ -86,6 +88,7 @@ class Seen:
     coefficients: Outcome
     linear: Outcome
     order: Outcome
+    estimate: Outcome
     checks: tuple[CheckResult, ...]
     arithmetic: str = ""  # who changed the rounding mode, or what becomes of subnormal numbers
 
@@ -136,7 +139,7 @@ class Seen:
         if self.read is not None and self.read.identity.matches:
             first, *others = [match.name for match in self.read.identity.matches]
             name = f"it is {first}" + (f", the same step as {', '.join(others)}" if others else "") + _at(self.size)
-            return name + self._refused
+            return name + self._row + self._refused + self._estimate_at_fault
         if self.read is not None and self.read.untimed is not None and self.read.untimed.matches:
             name, order = self.read.untimed.matches[0].name, self.read.order.order
             return f"it is {name} called at wrong times: order {order} where the right-hand side depends on t"
@@ -146,6 +149,25 @@ class Seen:
             return f"it is {self.read.identity.near[0].name}"
         open_questions = [o for o in (self.coefficients, self.linear) if o.kind in NO_EVIDENCE]
         return f"undecided: {open_questions[0].seen}" if open_questions else "it is no method that is known here"
+
+    @property
+    def judged(self) -> JudgedEstimate | None:
+        """What its error estimate is, where it returns one that could be read."""
+        found: JudgedEstimate | None = self.estimate.result
+        return found
+
+    @property
+    def _row(self) -> str:
+        """Of a pair whose embedded weights are propagated, which order that is."""
+        match = None if self.read is None else self.read.identity.matches[0]
+        pair = None if match is None or match.relation != EMBEDDED else METHODS[match.key]
+        if not isinstance(pair, RungeKutta):
+            return ""
+        return f": the row of order {pair.embedded_order}, not that of order {pair.claimed_order}"
+
+    @property
+    def _estimate_at_fault(self) -> str:
+        return "" if self.judged is None else "".join(f"; {fault}" for fault in self.judged.faults)
 
     @property
     def _refused(self) -> str:
@@ -190,6 +212,7 @@ def _sections(seen: Seen, rounding: Outcome | None) -> tuple[Section, ...]:
         ("Coefficients", [] if seen.read is None else [*seen.read.identity.lines, *seen.read.reading.lines]),
         ("One-step matrix", [] if seen.fit is None else seen.fit.lines),
         ("Order", _orders(seen)),
+        ("Error estimate", [] if seen.judged is None else [*seen.judged.lines, *seen.judged.faults]),
         ("Rounding", [] if rounding is None or rounding.failed else rounding.result.lines),
         ("Faults", faults),
         ("Checks", rest),
@@ -203,7 +226,7 @@ def _not_answered(seen: Seen, rounding: Outcome | None) -> list[str]:
 
 
 def _questions(seen: Seen, rounding: Outcome | None) -> Sequence[Outcome]:
-    questions = seen.introduction, seen.coefficients, seen.linear, seen.order
+    questions = seen.introduction, seen.coefficients, seen.linear, seen.order, seen.estimate
     return questions if rounding is None else (*questions, rounding)
 
 
@@ -235,6 +258,7 @@ def _data(seen: Seen, rounding: Outcome | None) -> dict[str, Json]:
         "order_fails": None if read is None else read.order.failing_tree,
         "linear_order": None if fit is None or fit.facts is None else fit.facts.linear_order,
         "measured_order": None if measured is None else measured.order,
+        "estimate": None if seen.judged is None else seen.judged.data,
         "rounding": None if rounding is None or rounding.failed else rounding.result.data,
         "checks": [check.as_dict() for check in seen.checks],
         "not_answered": [{"kind": o.kind, "seen": o.seen} for o in _questions(seen, rounding) if o.failed],

@@ -17,6 +17,7 @@ from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_o
 from driftproof.blackbox.judging.nonlinear_step import NonlinearAgreement, nonlinear_agreement
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
 from driftproof.blackbox.matching.entries import mended, rational_method, side_by_side
+from driftproof.blackbox.matching.estimates import JudgedEstimate, judged_estimate
 from driftproof.blackbox.matching.match import Identity, match_method
 from driftproof.blackbox.probes.force import NO_TABLEAU, ForceReading
 from driftproof.blackbox.probes.questions import CoefficientReading, read_coefficients
@@ -93,12 +94,13 @@ def verify(
     agreed = partial(explained, method=asked, allowance=allowance, domain=domain, examples=examples)
     beside = partial(nonlinear_agreement, method=asked, allowance=allowance)
     back = partial(steps_back, method=asked, allowance=allowance, domain=domain)
-    outcomes = runner.run([agreed, read_coefficients, beside, measured_orders, back])
+    estimate = partial(judged_estimate, method=asked)
+    outcomes = runner.run([agreed, read_coefficients, beside, measured_orders, estimate, back])
     if outcomes[0].kind == "bad_input":
         raise ValueError(outcomes[0].seen)
     checks = [criterion(asked, outcome) for criterion, outcome in zip(CRITERIA, outcomes, strict=True)]
     if not checks[0].passed:  # of another map, or where nothing is known, steps back say no more
-        del checks[4:]
+        del checks[5:]
     passed, arithmetic = _decided(checks), arithmetic_of(outcomes)
     if passed is False:
         instead = identified(runner)
@@ -221,6 +223,18 @@ def _check_order(method: Method, outcome: Outcome) -> Criterion:
     return Criterion("Order", passed, lines, {"measured": found.order}, "" if passed is False else "smaller rounding")
 
 
+def _check_estimate(method: Method, outcome: Outcome) -> Criterion:
+    """A pair is both of its rows; of another method, what is returned beside y1 is nobody's claim."""
+    if outcome.failed:  # who returns no estimate is not told so
+        lines = () if outcome.kind == "unsupported_call" else (outcome.seen,)
+        return Criterion("Error estimate", None, lines, {})
+    found: JudgedEstimate = outcome.result
+    if not isinstance(method, RungeKutta) or method.b_embedded is None:
+        return Criterion("Error estimate", None, (f"{method.key} has none", *found.lines, *found.faults), found.data)
+    passed = False if found.faults else None if found.pair is None else True
+    return Criterion("Error estimate", passed, (*found.lines, *found.faults), found.data)
+
+
 def _check_backward(method: Method, outcome: Outcome) -> Criterion:
     if outcome.failed:
         return Criterion("Steps back", None, (outcome.seen,), {})
@@ -241,6 +255,7 @@ CRITERIA: Sequence[Callable[[Method, Outcome], Criterion]] = (
     _check_coefficients,
     _check_nonlinear_step,
     _check_order,
+    _check_estimate,
     _check_backward,
 )
 
@@ -260,8 +275,10 @@ def _not_decided(method: Method, checks: Sequence[Criterion]) -> str:
 
 def _refuted(method: Method, checks: Sequence[Criterion], found: Agreement | None, instead: Report) -> str:
     """What it is not, and why; where nothing but the rounding errors is wrong, how they come, as far as is known."""
-    _, coefficients, nonlinear, order, *back = checks
-    others = all(check.passed is not False for check in (coefficients, nonlinear, order))
+    _, coefficients, nonlinear, order, estimate, *back = checks
+    others = all(check.passed is not False for check in (coefficients, nonlinear, order, estimate))
+    if estimate.passed is False and coefficients.passed:
+        return f"is {method.key}, but {estimate.lines[-1]}"
     if others and back and back[0].passed is False:
         return f"is {method.key} for h > 0 only: {back[0].lines[0]}"
     if found is not None and found.failing is not None and order.passed is not False:

@@ -102,7 +102,8 @@ def test_the_fifth_order_row_of_fehlberg_has_a_key_of_its_own():
     step = codes.tableau(rows, [float(x) for x in pair.b_embedded], nodes)
     assert verify(step, "fehlberg45_embedded", examples=FEW).passed
     refuted = verify(step, "fehlberg45", examples=FEW)
-    assert refuted.verdict == "is not fehlberg45; it is fehlberg45, with the embedded weights propagated"
+    row = "fehlberg45, with the embedded weights propagated: the row of order 5, not that of order 4"
+    assert refuted.verdict == f"is not fehlberg45; it is {row}"
     assert "fehlberg45_embedded" in refuted.text()
 
 

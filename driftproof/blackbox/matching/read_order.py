@@ -75,7 +75,7 @@ def read_order(reading: CoefficientReading, match: Match | None = None) -> ReadO
     Of a tableau that was recognised each has a radius of as many roundings as it is off the method. Else the radius is
     as many as any program may spend on it, of the largest number in its column (`probing.Rounding`).
     """
-    balls = _Balls(reading, match)
+    balls = BallTableaux(reading, match)
     if isinstance(reading, ForceReading):
         table = balls.nystrom(reading)
         return _found(ball_order(table, HIGHEST_ORDER), linear_ball_order(table, HIGHEST_ORDER))
@@ -91,10 +91,11 @@ def _found(failure: ProvableFailure[AnyTree], linear: int, untimed: int | None =
     return ReadOrder(failure.order, tree, failure.residual, linear, failure.order if untimed is None else untimed)
 
 
-class _Balls:
+class BallTableaux:
     """The coefficients of a reading with their radii; those that are 0 are known to be."""
 
     def __init__(self, reading: CoefficientReading, match: Match | None) -> None:
+        """With as many roundings as `match` is off; as many as any program may spend where there is none."""
         drift = Fraction(reading.drift) if isinstance(reading, ForceReading) else None
         table, rounding = ExactTable.of(reading.stages, drift), Rounding(reading.format, reading.calls)
         self.own = isinstance(reading, TableauReading) and match is not None and not match.summed

@@ -38,7 +38,7 @@ class TableauReading:
     """Call i is made at t + cᵢh and y + h Σ aᵢⱼ kⱼ, the result is y + h Σ bⱼ kⱼ: the step's own float coefficients.
 
     kⱼ is the answer to call j; calls are stages, in the order in which they are made. `c` is None where the right-hand
-    side is given no time. An embedded row of weights does not show.
+    side is given no time. An embedded row of weights shows in what a step returns besides: `probes.estimate`.
     `remarks` are lines on what else was seen, `amplitude` the size of the numbers that went in.
     """
 
@@ -89,11 +89,11 @@ def read_tableau(subject: ForeignStepper) -> TableauReading:
     Raises NotReadable, saying what was seen, for a step that is adaptive, iterates, limits or remembers;
     UnsupportedCall where there is no right-hand side to give.
     """
-    reading, remarks = read_at_some_size(lambda amplitude: _Probe(subject, amplitude).reading())
+    reading, remarks = read_at_some_size(lambda amplitude: TableauProbe(subject, amplitude).reading())
     return replace(reading, remarks=(*remarks, *reading.remarks))
 
 
-class _Run(NamedTuple):
+class ScriptedStep(NamedTuple):
     """Where one step called: times (None where it was given none), places; and what it returned."""
 
     times: list[float | None]
@@ -106,16 +106,17 @@ class _Run(NamedTuple):
         return [*(t for t in self.times if t is not None), *(x for y in (*self.places, self.result) for x in y)]
 
 
-class _Probe:
+class TableauProbe:
     """Steps of one subject with scripted answers, on four numbers where it takes vectors, on two or one where not."""
 
     def __init__(self, subject: ForeignStepper, amplitude: float) -> None:
+        """A first step, without slopes. Raises NotReadable where it calls nothing, or moves."""
         self.subject, self.amplitude = subject, amplitude
         self.size, self.silent = self._opened()
         self.calls = len(self.silent.places)
         if not self.calls:
             raise NotReadable("the right-hand side is never called")
-        demand_same(self._rounding, self.silent.numbers, self._run(self.size, [], AT_REST).numbers)
+        demand_same(self.rounding, self.silent.numbers, self.run(self.size, [], AT_REST).numbers)
         for numbers in (*self.silent.places, self.silent.result):
             if any(numbers):
                 raise NotReadable(f"with all slopes 0, y = 0 does not stay: the step goes through {numbers[0]:.6g}")
@@ -132,16 +133,17 @@ class _Probe:
             self._check(reading, control)
         return replace(reading, remarks=complaints(lambda: self._check(reading, BACKWARD)))
 
-    def _opened(self) -> tuple[int, _Run]:
+    def _opened(self) -> tuple[int, ScriptedStep]:
         first: Misbehaviour | None = None
         for size in range(len(_PARTS), 0, -1):
             try:
-                return size, self._run(size, [], AT_REST)
+                return size, self.run(size, [], AT_REST)
             except Misbehaviour as failure:
                 first = first or failure
         raise first or NotReadable("no right-hand side is tried")
 
-    def _run(self, size: int, answers: Sequence[Sequence[float]], control: Control) -> _Run:
+    def run(self, size: int, answers: Sequence[Sequence[float]], control: Control) -> ScriptedStep:
+        """One step on so many numbers, call j being answered by answers[j], calls beyond by 0."""
         script = Script([self._sized(k) for k in answers], [0.0] * size)
         clock = float(control.time)
 
@@ -153,7 +155,7 @@ class _Probe:
         start = self._sized(_start(control, size))
         result = performed(lambda: self.subject.step_field(rate, clock, start, control.h))
         places = [[x / self.amplitude for x in y] for _, y in script.calls]
-        return _Run([t for t, _ in script.calls], places, [x / self.amplitude for x in result])
+        return ScriptedStep([t for t, _ in script.calls], places, [x / self.amplitude for x in result])
 
     def _sized(self, numbers: Sequence[float]) -> list[float]:
         return [self.amplitude * x for x in numbers]
@@ -161,7 +163,7 @@ class _Probe:
     def _column(self, j: int) -> list[float]:
         """What the answer 1 to call j adds to the place of each call and to the result."""
         answers = [[x, *[0.0] * (self.size - 1)] for x in unit(self.calls, j)]
-        run = self._run(self.size, answers, AT_REST)
+        run = self.run(self.size, answers, AT_REST)
         demand_calls(self.calls, len(run.places))
         column = [numbers[0] for numbers in (*run.places, run.result)]
         if any(column[: j + 1]):
@@ -173,21 +175,22 @@ class _Probe:
     def _demand_no_memory(self) -> None:
         """The same step after two different ones: after the last column, and after one without slopes."""
         first = self._controlled(CONTROLS[0])
-        self._run(self.size, [], AT_REST)
-        demand_same(self._rounding, first.numbers, self._controlled(CONTROLS[0]).numbers)
+        self.run(self.size, [], AT_REST)
+        demand_same(self.rounding, first.numbers, self._controlled(CONTROLS[0]).numbers)
 
-    def _controlled(self, control: Control) -> _Run:
-        run = self._run(self.size, list(zip(*self._slopes(control), strict=True)), control)
+    def _controlled(self, control: Control) -> ScriptedStep:
+        run = self.run(self.size, list(zip(*self.slopes(control), strict=True)), control)
         demand_calls(self.calls, len(run.places))
         return run
 
-    def _slopes(self, control: Control) -> list[list[float]]:
+    def slopes(self, control: Control) -> list[list[float]]:
+        """The answers of a control: for each number of y, those to all calls."""
         first = varied(self.calls, control.salt)
         return [[part * k for k in first] for part in _PARTS[: self.size]]
 
     def _check(self, reading: TableauReading, control: Control) -> None:
         """One more step, which must go as the coefficients say."""
-        run, slopes = self._controlled(control), self._slopes(control)
+        run, slopes = self._controlled(control), self.slopes(control)
         seen = [*run.places, run.result]
         for component, (y, answers) in enumerate(zip(_start(control, self.size), slopes, strict=True)):
             asked = control._replace(broken=_UNLIKE) if component else control
@@ -200,21 +203,22 @@ class _Probe:
         rows = (*reading.a, reading.b)
         terms = [max(abs(row[j]) for row in rows) * abs(k) for j, k in enumerate(answers)]
         # Twice: the coefficients read are rounded as much as the step that is compared with them.
-        allowed = self._rounding.of(2 * (abs(y) + abs(control.h) * sum(terms)))
+        allowed = self.rounding.of(2 * (abs(y) + abs(control.h) * sum(terms)))
         for i, (row, number) in enumerate(zip(rows, seen, strict=True)):
             said = y + control.h * fsum(x * k for x, k in zip(row, answers, strict=True))
             name = f"y of call {i}" if i < self.calls else "the result"
             demand_as_said(control, name, number, said, allowed)
 
-    def _compare_times(self, reading: TableauReading, control: Control, run: _Run) -> None:
+    def _compare_times(self, reading: TableauReading, control: Control, run: ScriptedStep) -> None:
         nodes = reading.c or ()
-        allowed = self._rounding.of(2 * (abs(control.time) + abs(control.h) * max(map(abs, nodes), default=0.0)))
+        allowed = self.rounding.of(2 * (abs(control.time) + abs(control.h) * max(map(abs, nodes), default=0.0)))
         for i, (node, seen) in enumerate(zip(nodes, run.times, strict=False)):
             said = control.time + control.h * node
             demand_as_said(control, f"the time of call {i}", said if seen is None else seen, said, allowed)
 
     @property
-    def _rounding(self) -> Rounding:
+    def rounding(self) -> Rounding:
+        """How far rounding may carry a number of this step."""
         return Rounding(self.subject.format, self.calls)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any, TypeAlias
@@ -52,6 +53,7 @@ class CallLog:
     types: set[str] = field(default_factory=set)  # of the answers, as the stepper's library calls them
     changes_its_arguments: bool = False
     works_in_place: bool = False
+    beside: list[AnyNumber] | None = None  # what the last step returned after y1: its error estimate, or another y1
 
 
 @dataclass
@@ -180,15 +182,21 @@ class ForeignStepper:
         return self.adapter.read(answer, size)
 
     def _read_state(self, answer: Foreign, size: int, end: AnyNumber) -> list[AnyNumber]:
-        """The state that was returned, alone or as (t1, y1); (y1, error) is refused, its first being no time.
+        """The state that was returned: y1, (t1, y1), (y1, y1_hat), (y1, error), (t1, y1, error), with more behind.
 
-        Of one number, what may be a time is one only if it is about the end of the step.
+        What comes after y1, an error as one number, too, is kept in the log. Of one number, what may be a time is one
+        only if it is about the end of the step.
         """
-        if isinstance(answer, tuple) and len(answer) == 2 and [_size(part) for part in answer] == [1, size]:
-            first = self.adapter.read(answer[0], 1)[0]
-            if size > 1 or abs(first - end) <= _ABOUT * abs(end):
-                answer = answer[1]
-        return self._read(answer, size)
+        parts = list(answer) if isinstance(answer, tuple) else []
+        sizes, self.log.beside = [_size(part) for part in parts], None
+        if sizes[:2] == [1, size] and (size > 1 or abs(self.adapter.read(parts[0], 1)[0] - end) <= _ABOUT * abs(end)):
+            parts, sizes = parts[1:], sizes[1:]
+        if sizes[:1] != [size]:
+            return self._read(answer, size)
+        if len(sizes) > 1 and sizes[1] in (1, size):
+            with suppress(NotANumber):
+                self.log.beside = self.adapter.read(parts[1], sizes[1])
+        return self._read(parts[0], size)
 
     def _finite(self, answer: list[AnyNumber], given: Sequence[AnyNumber]) -> list[AnyNumber]:
         if all(map(_is_finite, given)) and not all(map(_is_finite, answer)):

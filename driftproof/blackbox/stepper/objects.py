@@ -59,12 +59,14 @@ def field_stepper_of(
     *,
     state: Location = "y",
     time: Location | None = None,
+    error: Location | None = None,
     advance: Act = "step",
     anew: bool = False,
-) -> Callable[..., np.ndarray[Any, Any]]:
+) -> Callable[..., Any]:
     """The step (f, t, y, h) -> y₁ of an object on y' = f(t, y); without `time`, its (f, y, h) -> y₁ on y' = f(y).
 
-    `make(f)` builds the object, which calls f as it is used to; `state` is where its y is, `time` its t. The rest is as
+    `make(f)` builds the object, which calls f as it is used to; `state` is where its y is, `time` its t. Where the
+    object keeps its error estimate, or the other result of a pair, in `error`, the step is (y₁, error). The rest is as
     for `stepper_of`.
 
     >>> from driftproof import field_stepper_of
@@ -78,7 +80,7 @@ def field_stepper_of(
     0.5
     """
     held = _Held(make, anew, advance)
-    return UntimedSolver(held, state) if time is None else TimedSolver(held, state, _Accessor.of(time))
+    return UntimedSolver(held, state, error) if time is None else TimedSolver(held, state, error, _Accessor.of(time))
 
 
 @dataclass
@@ -111,10 +113,11 @@ class UntimedSolver:
 
     held: _Held
     state: Location
+    error: Location | None
 
-    def __call__(self, f: Callable[..., Any], y: Sequence[float], h: float) -> np.ndarray[Any, Any]:
+    def __call__(self, f: Callable[..., Any], y: Sequence[float], h: float) -> Any:
         """One step."""
-        return self.held.solved(f, [], _Accessor.of(self.state, len(y)), y, h)
+        return self.held.solved(f, [], self.state, self.error, y, h)
 
 
 @dataclass
@@ -123,11 +126,12 @@ class TimedSolver:
 
     held: _Held
     state: Location
+    error: Location | None
     time: _Accessor
 
-    def __call__(self, f: Callable[..., Any], t: float, y: Sequence[float], h: float) -> np.ndarray[Any, Any]:
+    def __call__(self, f: Callable[..., Any], t: float, y: Sequence[float], h: float) -> Any:
         """One step."""
-        return self.held.solved(f, [(self.time, [t])], _Accessor.of(self.state, len(y)), y, h)
+        return self.held.solved(f, [(self.time, [t])], self.state, self.error, y, h)
 
 
 class _Held:
@@ -156,16 +160,18 @@ class _Held:
         self,
         f: Callable[..., Any],
         given: Sequence[tuple[_Accessor, Sequence[Any]]],
-        state: _Accessor,
+        place: Location,
+        error: Location | None,
         y: Sequence[float],
         h: float,
-    ) -> np.ndarray[Any, Any]:
-        """Put what is given and the state where they belong, advance, and read the state."""
-        solver = self._ready(f)
-        for place, numbers in (*given, (state, y)):
-            place.write(solver, numbers)
+    ) -> Any:
+        """Put what is given and the state where they belong, advance, and read the state, and the error if any."""
+        solver, state = self._ready(f), _Accessor.of(place, len(y))
+        for accessor, numbers in (*given, (state, y)):
+            accessor.write(solver, numbers)
         _act(solver, self.advance, h)
-        return np.array(state.read(solver))
+        y1 = np.array(state.read(solver))
+        return y1 if error is None else (y1, as_array(_Accessor.of(error).get(solver)))
 
     def _ready(self, function: Callable[..., Any] | None) -> Object:
         """The object; what it calls from now on is `function`."""

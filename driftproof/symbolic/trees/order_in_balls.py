@@ -21,7 +21,7 @@ from driftproof.symbolic.trees.partitioned_trees import (
     V,
     conditions_with_nodes,
 )
-from driftproof.symbolic.trees.rooted_trees import AnyTree
+from driftproof.symbolic.trees.rooted_trees import AnyTree, Tree, tree_table
 
 # Doubles and sums of a few products of them are far from using up so many bits.
 BALL_BITS = 256
@@ -102,6 +102,20 @@ def linear_ball_order(method: BallTableau | BallNystrom, limit: int) -> int:
     with ctx.workprec(BALL_BITS):
         chains = _nystrom_chains(method) if isinstance(method, BallNystrom) else [_chain(method)]
         return min(_first_wrong(chain, limit) for chain in chains)
+
+
+def vanishing_order(method: BallTableau, limit: int) -> ProvableFailure[Tree]:
+    """The largest q, at most `limit`, such that no Σ bᵢ Φᵢ(t) = 0 of a tree of at most q vertices provably fails.
+
+    Then h Σ bᵢ kᵢ is of order q + 1 in h: of the difference of two rows of weights, an estimate of the local error.
+    """
+    with ctx.workprec(BALL_BITS):
+        conditions = RungeKuttaConditions(TableauStages(method.a, method.b, Balls()))
+        for n in range(1, limit + 1):
+            for label, weight in zip(tree_table(n).ids(n), conditions.of_order(n), strict=True):
+                if not weight.contains(0):
+                    return ProvableFailure(n - 1, conditions.tree(n, label), endpoints(weight))
+    return ProvableFailure(limit, None, None)
 
 
 def _first_failure(conditions: Conditions[TreeType], limit: int) -> ProvableFailure[TreeType]:

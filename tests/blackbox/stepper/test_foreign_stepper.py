@@ -102,12 +102,25 @@ def test_numbers_that_are_not_finite_come_with_the_finding():
     assert caught.value.answer == (1.0, float("inf"))
 
 
-def test_an_error_estimate_beside_the_state_is_not_taken_for_the_state():
-    def embedded(f, t, y, h):
-        return y + h * f(t, y), 0 * y
+# What is returned, of a time, a state and an error, and how many numbers of it are kept beside the state.
+ANSWERS = [
+    (lambda t, y1, error: (y1, error), 2),
+    (lambda t, y1, error: (y1, y1 + error), 2),
+    (lambda t, y1, error: (t, y1, error), 2),
+    (lambda t, y1, error: (y1, error, "accepted"), 2),
+    (lambda t, y1, error: (y1, max(error)), 1),
+    (lambda t, y1, error: (t, y1), 0),
+    (lambda t, y1, error: (y1, "accepted"), 0),
+    (lambda t, y1, error: y1, 0),
+]
 
-    with pytest.raises(WrongShape, match="2 numbers went in, 4 came out"):
-        opened(embedded)
+
+@pytest.mark.parametrize("case", range(len(ANSWERS)))
+def test_what_is_returned_beside_the_state_is_kept_and_not_taken_for_the_state(case):
+    answer, numbers = ANSWERS[case]
+    subject = opened(lambda f, t, y, h: answer(t + h, y + h * f(t, y), np.array([-0.5, 0.25])))
+    assert subject.step(1.0, 0.75, H) == (1.1875, 0.5)
+    assert len(subject.log.beside or []) == numbers
 
 
 def test_of_one_number_too_the_time_is_told_from_the_state():
@@ -116,8 +129,8 @@ def test_of_one_number_too_the_time_is_told_from_the_state():
 
     assert opened(with_time).step_field(lambda t, y: [-y[0]], 2.0, [1.0], H) == [0.75]
     subject = replace(opened(with_time), function=lambda f, t, y, h: (y + h * f(t, y), 0.0))
-    with pytest.raises(WrongShape, match="1 number went in, 2 came out"):
-        subject.step_field(lambda t, y: [-y[0]], 2.0, [1.0], H)
+    assert subject.step_field(lambda t, y: [-y[0]], 2.0, [1.0], H) == [0.75]
+    assert subject.log.beside == [0.0]
 
 
 def test_exceptions_of_the_stepper_come_in_one_line():

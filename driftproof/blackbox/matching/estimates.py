@@ -1,0 +1,173 @@
+"""Which pair's error estimate was read, of which order it is, and what is wrong with it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any, TypeAlias, TypeGuard, cast
+
+from driftproof.blackbox.matching.read_order import HIGHEST_ORDER, BallTableaux, read_order
+from driftproof.blackbox.probes.coefficients import coefficient_difference, coefficient_text, simple_rational
+from driftproof.blackbox.probes.estimate import ABSOLUTE, NORM, EstimateReading, read_estimate
+from driftproof.blackbox.probes.scripted_answers import Rounding
+from driftproof.blackbox.probes.tableau import TableauReading, read_tableau
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.methods.catalogue import EMBEDDED_SUFFIX, METHODS
+from driftproof.methods.number_field import Exact
+from driftproof.methods.schemes import Method, RungeKutta
+from driftproof.support.plain_text import Json
+from driftproof.symbolic.trees.order_in_balls import Ball, vanishing_order
+from driftproof.symbolic.trees.rooted_trees import to_brackets
+
+# A row that differs from a pair's in more weights than so many, or in more than every third, is another row.
+_FEW_WEIGHTS = 3
+
+
+@dataclass(frozen=True)
+class JudgedEstimate:
+    """What an error estimate is, in `lines`, and what is wrong with it, in `faults`: none for that of a pair.
+
+    The estimate is O(h^(order + 1)); `other_order` is the order of the row that is not propagated; both are None where
+    the estimate does not tell. `pair` is the method whose row of differences it is, up to a factor.
+    """
+
+    order: int | None
+    propagated_order: int
+    other_order: int | None
+    pair: str | None
+    lines: tuple[str, ...]
+    faults: tuple[str, ...]
+
+    @property
+    def data(self) -> dict[str, Json]:
+        """The same for programs."""
+        orders = {"order": self.order, "propagated_order": self.propagated_order, "other_order": self.other_order}
+        return {**orders, "pair": self.pair, "lines": list(self.lines), "faults": list(self.faults)}
+
+
+# The key of a pair, the factor of its row, what is said of it, and what is wrong.
+_Fit: TypeAlias = tuple[str | None, float, list[str], list[str]]
+
+
+def judged_estimate(subject: ForeignStepper, method: Method | None = None) -> JudgedEstimate:
+    """The estimate of a step that returns one, beside its own tableau and beside the pairs that this is the tableau of.
+
+    Held to `method` where that is given and has the tableau. Raises NotReadable, UnsupportedCall.
+    """
+    estimate, reading = read_estimate(subject), read_tableau(subject)
+    propagated = read_order(reading).order
+    lines = [f"beside y1 it returns {estimate.form}: e = {_shown(estimate)}"]
+    if not any(estimate.row):
+        return JudgedEstimate(0, propagated, None, None, tuple(lines), ("the error estimate is always 0",))
+    if estimate.relative:
+        fault = "the error estimate is divided by the size of y: it is relative already, before any tolerance"
+        return JudgedEstimate(None, propagated, None, None, (f"beside y1 it returns {estimate.form}",), (fault,))
+    pair, factor, said, faults = _pair_of(estimate, reading, method)
+    if not estimate.power:
+        faults = ["the error estimate is divided by h: per unit step, of one order less", *faults]
+    vanishing = vanishing_order(
+        BallTableaux(reading, None).tableau(reading)._replace(b=_balls(estimate)), HIGHEST_ORDER
+    )
+    if vanishing.order == 0:
+        total = sum(estimate.row, Fraction(0))
+        slack = Rounding(reading.format, reading.calls).of(max(estimate.sizes))
+        shown = coefficient_text(float(total), reading.format, slack)
+        faults.append(f"the error estimate is no difference of two methods: its weights add up to {shown}, not to 0")
+        return JudgedEstimate(0, propagated, None, pair, tuple(lines + said), tuple(faults))
+    tree = (
+        ""
+        if vanishing.failing_tree is None
+        else f": the first tree that it sees is {to_brackets(vanishing.failing_tree)}"
+    )
+    other = max(_other_order(estimate, reading, sign / factor) for sign in (1, -1))
+    lines += [
+        *said,
+        f"the estimate is O(h^{vanishing.order + estimate.power}){tree}",
+        f"propagated is the row of order {propagated}, the other one has order {other}",
+    ]
+    return JudgedEstimate(vanishing.order, propagated, other, pair, tuple(lines), tuple(faults))
+
+
+def _balls(estimate: EstimateReading) -> tuple[Any, ...]:
+    radius = estimate.format.u * Rounding(estimate.format, len(estimate.row)).most
+    return tuple(Ball(e, radius * Fraction(x)) if e else 0 for e, x in zip(estimate.row, estimate.sizes, strict=True))
+
+
+def _other_order(estimate: EstimateReading, reading: TableauReading, factor: float) -> int:
+    """The order of b - factor e: the sign of an estimate is nobody's promise."""
+    pairs = zip(reading.b, estimate.row, strict=True)
+    row = tuple(float(Fraction(b) - Fraction(factor) * e) for b, e in pairs)
+    return read_order(replace(reading, b=row), None).order
+
+
+def _shown(estimate: EstimateReading) -> str:
+    slack = float(4 * estimate.format.u)
+    pairs = zip(estimate.row, estimate.sizes, strict=True)
+    return ", ".join(coefficient_text(float(e), estimate.format, slack * x) for e, x in pairs)
+
+
+def _pair_of(estimate: EstimateReading, reading: TableauReading, method: Method | None) -> _Fit:
+    """The pair that has the tableau; of several, the one whose estimate fits."""
+    pairs = [pair for pair in ([method] if method else _explicit_pairs()) if _stages_in_order(pair, reading)]
+    found = [_compared(pair.key, _differences(pair, reading.calls), estimate) for pair in pairs]
+    return min(found, key=lambda each: len(each[3]), default=(None, 1.0, [], []))
+
+
+def _explicit_pairs() -> Iterator[RungeKutta]:
+    """Every explicit pair of the catalogue, with either row propagated."""
+    for key, method in METHODS.items():
+        if isinstance(method, RungeKutta) and method.b_embedded is not None and method.explicit:
+            yield from (method, cast(RungeKutta, METHODS[key + EMBEDDED_SUFFIX]))
+
+
+def _stages_in_order(pair: Method, reading: TableauReading) -> TypeGuard[RungeKutta]:
+    """True of a pair with this tableau, call i being stage i: with calls beyond, as the slope of a next step."""
+    if not isinstance(pair, RungeKutta) or pair.b_embedded is None or reading.calls < pair.stages:
+        return False
+    rows = [*zip(pair.a, reading.a, strict=False), (pair.b, reading.b)]
+    allowed = Rounding(reading.format, reading.calls).of(1 + max(abs(float(x)) for row, _ in rows for x in row))
+    return all(abs(float(x) - y) <= allowed for exact, row in rows for x, y in zip(exact, row, strict=False))
+
+
+def _differences(pair: RungeKutta, calls: int) -> list[Exact]:
+    assert pair.b_embedded is not None
+    row: list[Exact] = [x - y for x, y in zip(pair.b, pair.b_embedded, strict=True)]
+    return [*row, *[Fraction(0)] * (calls - len(row))]
+
+
+def _compared(key: str, exact: list[Exact], estimate: EstimateReading) -> _Fit:
+    """The row that was read beside b - b̂ of a pair, up to a factor."""
+    most = Rounding(estimate.format, len(exact)).of(1.0)
+    largest = max(range(len(exact)), key=lambda j: abs(float(exact[j])))
+    ratio = float(estimate.row[largest]) / float(exact[largest])
+    sizes = [max(size, abs(float(x)) * abs(ratio)) for size, x in zip(estimate.sizes, exact, strict=True)]
+    simple = simple_rational(ratio, most * sizes[largest] / abs(float(exact[largest])))
+    factor = ratio if simple is None else float(simple)
+    wrong = [
+        j
+        for j, (e, x, size) in enumerate(zip(estimate.row, exact, sizes, strict=True))
+        if abs(float(e) - factor * float(x)) > most * max(size, abs(factor * float(x)))
+    ]
+    if wrong:
+        return None, 1.0, [], [_other_weights(key, exact, estimate, most)]
+    unsigned = estimate.form in (ABSOLUTE, NORM)
+    if factor == 1 or (unsigned and factor == -1):
+        return key, factor, [f"e = b - b_hat of {key}"], []
+    if factor == -1:
+        return key, factor, [f"e = b_hat - b of {key}: the other sign, which no norm shows"], []
+    shown = f"{factor:.6g}" if simple is None else str(simple)
+    fault = [] if estimate.form == NORM else [f"the error estimate is {shown} times that of {key}"]
+    return key, factor, [f"e = {shown} (b - b_hat) of {key}"], fault
+
+
+def _other_weights(key: str, exact: list[Exact], estimate: EstimateReading, most: float) -> str:
+    """The few weights in which the row is another one; or that it is another row."""
+    wrong = [
+        coefficient_difference(f"e[{j}]", float(e), x, estimate.format, most * size)
+        for j, (e, x, size) in enumerate(zip(estimate.row, exact, estimate.sizes, strict=True))
+        if abs(float(e) - float(x)) > most * max(size, abs(float(x)))
+    ]
+    few = len(wrong) <= min(_FEW_WEIGHTS, max(1, len(exact) // 3))
+    but = f", but for {'; '.join(wrong)}" if few else ""
+    return f"the error estimate is not that of {key}{but}"

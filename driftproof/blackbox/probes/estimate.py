@@ -1,0 +1,147 @@
+"""The error estimate of somebody's pair, read through what its step returns beside y1: another y1, or a difference."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from math import fsum
+
+from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.probes.scripted_answers import (
+    AT_REST,
+    CONTROLS,
+    CoefficientRow,
+    Control,
+    NotReadable,
+    demand_as_said,
+    unit,
+)
+from driftproof.blackbox.probes.tableau import TableauProbe
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.symbolic.rounding.formats import FloatFormat
+
+# What a step may return beside y1, in words.
+DIFFERENCE = "an estimate of the error"
+SOLUTION = "the result of the other row"
+ABSOLUTE = "the absolute value of an estimate"
+NORM = "a norm of an estimate, one number"
+_AT_FIVE = Control("another start", "", start=5.0)
+
+
+@dataclass(frozen=True)
+class EstimateReading:
+    """The row e of an estimate h Σ eⱼ kⱼ of the error of y1, where b - e is the other row of weights.
+
+    kⱼ is the answer to call j, as in a `TableauReading`. `form` is what is returned; where that is the other result, e
+    is the exact difference of two floats. `sizes` are what the rounding errors of e scale with. `power` is 0 where the
+    estimate is divided by h, else 1; `relative` says that it also depends on the size of y.
+    """
+
+    form: str
+    row: tuple[Fraction, ...]
+    sizes: CoefficientRow
+    format: FloatFormat
+    power: int = 1
+    relative: bool = False
+
+
+def read_estimate(subject: ForeignStepper) -> EstimateReading:
+    """The row e of a step (f, t, y, h) that returns (y1, y1_hat) or (y1, error), from its answers to 0 and 1.
+
+    As in `read_tableau`, call j is answered by 1 and every other by 0; the answer -1 tells an absolute value, whose
+    signs are told by pairs of calls. Further steps tell whether it scales with h, and whether it depends on y.
+
+    Raises NotReadable, saying what was seen; UnsupportedCall where nothing is returned beside y1.
+    """
+    probe = _EstimateProbe(subject, 1.0)
+    if subject.log.beside is None:
+        raise UnsupportedCall("the stepper returns nothing beside y1: no error estimate is seen")
+    return probe.estimate()
+
+
+class _EstimateProbe(TableauProbe):
+    """Steps of one subject of which both answers are looked at; the second is a list of as many numbers, or of one."""
+
+    def estimate(self) -> EstimateReading:
+        """The row, with what it takes to predict the answers of the controls; the first that it does not is told."""
+        offset = self._offset()
+        rows = [self._both(unit(self.calls, j)) for j in range(self.calls)]
+        weights, signed = [b for b, _ in rows], [e for _, e in rows]
+        opposite = [self._both([-k for k in unit(self.calls, j)])[1] for j in range(self.calls)]
+        form = SOLUTION if offset else DIFFERENCE
+        if any(signed) and signed == opposite and min(signed) >= 0:
+            signed = self._with_signs(signed)
+            form = ABSOLUTE
+        if len(self._beside) < self.size:
+            form = NORM
+        row = tuple(Fraction(b) - Fraction(e) if offset else Fraction(e) for b, e in zip(weights, signed, strict=True))
+        sizes = tuple(max(abs(b), abs(e)) for b, e in zip(weights, signed, strict=True))
+        reading = EstimateReading(form, row, sizes, self.subject.format)
+        return self._controlled_reading(reading, signed, offset)
+
+    def _offset(self) -> float:
+        """1 if the second answer is a y1, 0 if it is a difference."""
+        run = self.run(self.size, [], _AT_FIVE)
+        found, state = self._beside, run.result
+        if not any(found):
+            return 0.0
+        if found == state:
+            return 1.0
+        raise NotReadable(f"with all slopes 0, from y = 5, what it returns beside y1 is {found[0]:.6g}")
+
+    @property
+    def _beside(self) -> list[float]:
+        found = self.subject.log.beside
+        if found is None:
+            raise NotReadable("it returns something beside y1 at some steps only")
+        return found
+
+    def _both(self, first: Sequence[float], control: Control = AT_REST) -> tuple[float, float]:
+        """The first numbers of y1 and of what is beside, all numbers of y having the same slopes where that is one."""
+        alike = len(self._beside) < self.size
+        answers = [[k if alike or i == 0 else 0.0 for i in range(self.size)] for k in first]
+        run = self.run(self.size, answers, control)
+        if not alike and control == AT_REST and any(self._beside[1:]):
+            raise NotReadable("the slope of one number of y moves the estimate of another one")
+        return run.result[0], self._beside[0]
+
+    def _with_signs(self, sizes: Sequence[float]) -> list[float]:
+        """The row whose absolute values are known, up to a common sign: |e + e'| tells whether both have the same."""
+        first = next(j for j, x in enumerate(sizes) if x)
+        signed = [0.0] * self.calls
+        for j, x in enumerate(sizes):
+            both = self._both([float(i in (first, j)) for i in range(self.calls)])[1]
+            same = abs(both - (sizes[first] + x)) <= abs(both - abs(sizes[first] - x))
+            signed[j] = x if same or j == first else -x
+        return signed
+
+    def _controlled_reading(self, reading: EstimateReading, row: Sequence[float], offset: float) -> EstimateReading:
+        """The reading, with how it scales with h and with y where it does not do so as an estimate does."""
+        for control in CONTROLS:
+            seen, said, allowed = self._prediction(reading, row, offset, control)
+            if abs(seen * control.h - said) <= allowed * abs(control.h) and control.h != 1:
+                reading = replace(reading, power=0)
+                seen, said, allowed = self._prediction(reading, row, offset, control)
+            if not abs(seen - said) <= allowed and not offset and self._depends_on_y(control):
+                return replace(reading, relative=True)
+            demand_as_said(control, "what it returns beside y1", seen, said, allowed)
+        return reading
+
+    def _depends_on_y(self, control: Control) -> bool:
+        """True when the same slopes show another estimate from far away: it is divided by the size of y."""
+        slopes = self.slopes(control)[0]
+        near, far = (self._both(slopes, control._replace(start=start))[1] for start in (0.0, 2.0**20))
+        return abs(far) < abs(near) / 2
+
+    def _prediction(
+        self, reading: EstimateReading, row: Sequence[float], offset: float, control: Control
+    ) -> tuple[float, float, float]:
+        """What is seen beside y1, what the row says, and how far rounding may carry it."""
+        slopes = self.slopes(control)[0]
+        _, seen = self._both(slopes, control._replace(start=control.start))
+        scale = control.h if reading.power else 1.0
+        said = offset * control.start + scale * fsum(e * k for e, k in zip(row, slopes, strict=True))
+        terms = fsum(x * abs(k) for x, k in zip(reading.sizes, slopes, strict=True))
+        allowed = self.rounding.of(2 * (abs(control.start) + abs(control.h) * terms))
+        return seen, abs(said) if reading.form in (ABSOLUTE, NORM) else said, allowed

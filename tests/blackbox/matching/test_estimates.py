@@ -1,0 +1,76 @@
+"""An error estimate is named where it is a pair's own, and what is wrong with another one is said; twins are not."""
+
+from __future__ import annotations
+
+import pytest
+
+from driftproof import identify, verify
+from driftproof.blackbox.matching.estimates import judged_estimate
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.methods.catalogue import METHODS
+from tests.blackbox.pair_steppers import but_one, pair_step
+from tests.blackbox.probes.test_estimate import FORMS, relative
+from tests.looping import some
+
+PAIRS = [key for key, m in METHODS.items() if getattr(m, "b_embedded", None) is not None and m.explicit]
+
+
+def judged(step):
+    return judged_estimate(opened(step, "field"))
+
+
+# The order of a decimal table is read from floats, in which its residuals do not show.
+@pytest.mark.parametrize("key", [*PAIRS, *(f"{key}_embedded" for key in PAIRS)])
+def test_every_pair_of_the_catalogue_is_named_with_both_its_rows(key):
+    found, pair = judged(pair_step(key)), METHODS[key]
+    assert (found.pair, found.faults) == (key, ())
+    assert {found.propagated_order, found.other_order} == {pair.claimed_order, pair.embedded_order}
+    assert found.propagated_order == pair.claimed_order
+    assert found.order == min(pair.claimed_order, pair.embedded_order)
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_no_form_of_a_right_estimate_is_at_fault(name):
+    found = judged(pair_step("dormand_prince54", FORMS[name][0]))
+    assert (found.pair, found.faults, found.order, found.other_order) == ("dormand_prince54", (), 4, 4)
+
+
+WRONG = [
+    ({"answer": lambda y1, error, h, y: (y1, 0 * y)}, "the error estimate is always 0"),
+    ({"answer": lambda y1, error, h, y: (y1, 2 * error)}, "the error estimate is 2 times that of dormand_prince54"),
+    ({"answer": lambda y1, error, h, y: (y1, error / h)}, "the error estimate is divided by h: per unit step"),
+    ({"answer": relative}, "the error estimate is divided by the size of y"),
+    ({"estimate": but_one(2, 71 / 16695)}, "but for e[2]: 71/16695 instead of -71/16695"),
+    # The weights of the other row in place of the difference, of the kind of OrdinaryDiffEq.jl#4403.
+    ({"estimate": lambda e: [5179 / 57600, 0, 7571 / 16695, 393 / 640, -92097 / 339200, 187 / 2100, 1 / 40]},
+     "the error estimate is no difference of two methods: its weights add up to 1, not to 0"),
+    ({"estimate": but_one(6, 1 / 40)}, "its weights add up to 1/20, not to 0"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("case", range(len(WRONG)))
+def test_a_wrong_estimate_says_what_is_wrong(case):
+    spoiled, fault = WRONG[case]
+    assert any(fault in words for words in some(judged(pair_step("dormand_prince54", **spoiled)).faults, 1))
+
+
+def test_reports_name_both_rows_and_the_fault():
+    named = identify(pair_step("dormand_prince54_embedded"), isolate=False)
+    assert named.verdict == (
+        "it is dormand_prince54, with the embedded weights propagated: the row of order 4, not that of order 5"
+    )
+    assert "propagated is the row of order 4, the other one has order 5" in named.section("Error estimate").lines
+    zero = pair_step("cash_karp54", lambda y1, error, h, y: (y1, 0 * y))
+    assert identify(zero, isolate=False).verdict == "it is cash_karp54; the error estimate is always 0"
+
+
+def test_verify_holds_a_pair_to_both_rows():
+    right = verify(pair_step("bogacki_shampine32"), "bogacki_shampine32", examples=20, isolate=False)
+    assert right.passed
+    assert right.data["error_estimate"]["passed"]
+    wrong = pair_step("bogacki_shampine32", lambda y1, error, h, y: (y1, 2 * error))
+    found = verify(wrong, "bogacki_shampine32", examples=20, isolate=False)
+    assert (found.passed, found.verdict) == (
+        False,
+        "is bogacki_shampine32, but the error estimate is 2 times that of bogacki_shampine32",
+    )

@@ -1,0 +1,28 @@
+"""Steps (f, t, y, h) of the catalogue's explicit pairs that return their error estimates in ways right and wrong."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from driftproof.methods.catalogue import METHODS
+
+
+def pair_step(key, answer=lambda y1, error, h, y: (y1, error), *, estimate=lambda e: e):
+    """The step of the pair `key`, which may be KEY_embedded; `estimate` may spoil its row b - b_hat."""
+    method = METHODS[key]
+    a, c = [[float(x) for x in row] for row in method.a], [float(x) for x in method.c]
+    b, row = np.array([*map(float, method.b)]), [x - y for x, y in zip(method.b, method.b_embedded, strict=True)]
+    e = np.array(estimate([float(x) for x in row]))
+
+    def step(f, t, y, h):
+        k = []
+        for i, node in enumerate(c):
+            k.append(f(t + node * h, y + h * sum((a[i][j] * k[j] for j in range(i)), 0 * y)))
+        return answer(y + h * (b @ np.array(k)), h * (e @ np.array(k)), h, y)
+
+    return step
+
+
+def but_one(place, value):
+    """The row with another weight in this place."""
+    return lambda e: [*e[:place], value, *e[place + 1 :]]

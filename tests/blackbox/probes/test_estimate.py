@@ -1,0 +1,86 @@
+"""The row of weights of an error estimate is read to the last bit, in whichever form it is returned."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.probes.estimate import ABSOLUTE, DIFFERENCE, NORM, SOLUTION, read_estimate
+from driftproof.blackbox.probes.scripted_answers import NotReadable
+from driftproof.blackbox.stepper.objects import field_stepper_of
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.methods.catalogue import METHODS
+from tests.blackbox.handwritten_steppers import rk4
+from tests.blackbox.pair_steppers import pair_step
+from tests.looping import exactly
+
+
+def read(step):
+    return read_estimate(opened(step, "field"))
+
+
+def relative(y1, error, h, y):
+    return y1, error / (1e-6 + 1e-3 * np.maximum(abs(y), abs(y1)))
+
+
+FORMS = {
+    "a difference": (lambda y1, error, h, y: (y1, error), DIFFERENCE, 1),
+    "the other result": (lambda y1, error, h, y: (y1, y1 - error), SOLUTION, 1),
+    "the other sign": (lambda y1, error, h, y: (y1, -error), DIFFERENCE, -1),
+    "absolute": (lambda y1, error, h, y: (y1, abs(error)), ABSOLUTE, -1),
+    "root mean square": (lambda y1, error, h, y: (y1, np.sqrt(np.mean(error**2))), NORM, -1),
+    "the largest": (lambda y1, error, h, y: (y1, max(abs(error))), NORM, -1),
+}
+
+
+@pytest.mark.parametrize("key", ["bogacki_shampine32", "fehlberg45", "dop853"])
+@pytest.mark.parametrize("name", FORMS)
+def test_the_row_comes_out_as_it_went_in(key, name):
+    answer, form, sign = FORMS[name]
+    reading, pair = read(pair_step(key, answer)), METHODS[key]
+    assert (reading.form, reading.power, reading.relative) == (form, 1, False)
+    signs = (1, -1) if sign < 0 and form != DIFFERENCE else (sign,)  # of absolute values up to a common one
+    exact = [x - y for x, y in zip(pair.b, pair.b_embedded, strict=True)]
+    off = [max(abs(e - s * x) for e, x in zip(reading.row, exact, strict=True)) for s in signs]
+    # Each weight is rounded once, and so is y1 - error where that is returned: half a unit of numbers below 8 each.
+    assert min(off) <= 3 * 8 * Fraction(1, 2**53)
+
+
+def test_what_is_no_estimate_in_itself_is_told_from_one():
+    per_step = read(pair_step("fehlberg45", lambda y1, error, h, y: (y1, error / h)))
+    assert (per_step.power, per_step.relative) == (0, False)
+    assert read(pair_step("fehlberg45", relative)).relative
+    assert not any(exactly(6, read(pair_step("fehlberg45", lambda y1, error, h, y: (y1, 0 * y))).row))
+
+
+@pytest.mark.parametrize(
+    ("answer", "seen"),
+    [
+        (lambda y1, error, h, y: (y1, error + 1.0), "with all slopes 0, from y = 5, what it returns beside y1 is 1"),
+        (lambda y1, error, h, y: (y1, error[::-1]), "the slope of one number of y moves the estimate of another one"),
+        (lambda y1, error, h, y: (y1, np.minimum(error, 0.01)), "what it returns beside y1 is 0.01 where"),
+    ],
+)
+def test_what_is_not_read_says_what_was_seen(answer, seen):
+    with pytest.raises(NotReadable, match=seen):
+        read(pair_step("bogacki_shampine32", answer))
+
+
+def test_without_a_second_answer_there_is_nothing_to_read():
+    with pytest.raises(UnsupportedCall, match="returns nothing beside y1"):
+        read(rk4)
+
+
+def test_an_object_keeps_its_estimate_in_an_attribute():
+    class Solver:
+        def __init__(self, f):
+            self.f, self.t, self.y, self.estimate = f, 0.0, None, None
+
+        def step(self, h):
+            self.y, self.estimate = pair_step("bogacki_shampine32")(self.f, self.t, self.y, h)
+
+    step = field_stepper_of(Solver, state="y", time="t", error="estimate")
+    assert read(step).row == read(pair_step("bogacki_shampine32")).row
