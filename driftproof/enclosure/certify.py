@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 from flint import arb, ctx
 
-from driftproof.enclosure.certificate import BallRows, Certificate, decimal, right_digits
+from driftproof.enclosure.certificate import BallRows, Certificate, Split, decimal, right_digits
+from driftproof.enclosure.exact_runs import Row, StepPlan, plan_of
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates, rebound
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
 from driftproof.enclosure.solutions import BITS_AT_FIRST, Enclosure, enclose_solution
 from driftproof.enclosure.steps import jacobian_of, size
 from driftproof.enclosure.text_fields import GivenField, right_hand_side
 from driftproof.enclosure.trajectories import Trajectory, has_trajectory, trajectory_of
+from driftproof.methods.schemes import Method
 
 MOST_DOUBLINGS = 4
 # The radius is small at 2⁻⁴⁰ of the largest error, which leaves twelve digits; or at 2⁻¹⁰⁴ of the solution, which is
 # twice as many digits as a double has, for trajectories without an error.
 RADIUS_TO_ERROR, RADIUS_TO_SOLUTION = arb(2) ** -40, arb(2) ** -104
+# Bits of the first exact run of a method: balls of a plain run widen, and more bits cost next to nothing.
+BITS_OF_EXACT_RUN = 256
 # f in floats may differ from f in balls by so much, relative to what the rounding of its arguments does: half of a
 # double's digits. It is to notice another function, not to bound rounding.
 REPRODUCED = 2.0**-26
@@ -30,12 +34,18 @@ MOST_REPRODUCED = 64
 FURTHER = Fraction(1, 1000)
 
 
-def certify(f: Any, t: Any = None, y: Any = None) -> Certificate:
+def certify(
+    f: Any, t: Any = None, y: Any = None, *, method: Method | str | None = None, h: float | Fraction | None = None
+) -> Certificate:
     """The error of a float trajectory of y' = f(t, y), enclosed: y[i] at t[i], one row a time, from any solver.
 
     In place of t and y there may be what a solver returned, also as the first argument: an object with .t and .y, one
     column a time (SciPy's), or with .ts and .ys, one row a time (diffrax's). f is run unchanged on balls, and on series
     of balls; as text, "y1; -sin(y0)", its numbers are exact. Raises Refused where nothing can be proved.
+
+    `method` splits the error into that of the method and what rounding added: a key of the catalogue, a .toml file, or
+    RK23, RK45, DOP853 as SciPy has them. Its steps are those from point to point; or of size h, where points are some
+    multiples of h only.
 
     >>> from driftproof import certify
     >>> found = certify(lambda t, y: -y, [0.0, 0.5, 1.0], [[1.0], [0.6065], [0.3679]])
@@ -45,16 +55,21 @@ def certify(f: Any, t: Any = None, y: Any = None) -> Certificate:
     """
     if has_trajectory(f):
         f, t = t, f
-    return certificate_of(f, trajectory_of(t, y))
+    return certificate_of(f, trajectory_of(t, y), method, h)
 
 
-def certificate_of(given: GivenField, run: Trajectory) -> Certificate:
+def certificate_of(
+    given: GivenField, run: Trajectory, method: Method | str | None = None, h: float | Fraction | None = None
+) -> Certificate:
     """As `certify`, of a trajectory that is read already."""
     f = right_hand_side(given)
     _require_reproduced(f, run.times, run.states)
-    enclosed, errors = _enclosed(f, run)
+    plan = None if method is None else plan_of(f, run, method, h)
+    enclosed = _enclosed(f, run, () if plan is None else plan.starts)
+    true = dict(zip(enclosed.times, enclosed.states, strict=True))
+    errors = _errors(run, enclosed)
     with ctx.workprec(enclosed.bits):
-        digits = tuple(right_digits(row, true) for row, true in zip(errors, enclosed.states, strict=True))
+        digits = tuple(right_digits(row, true[t]) for row, t in zip(errors, run.exact_times, strict=True))
     return Certificate(
         t=tuple(run.times),
         y=tuple(map(tuple, run.states)),
@@ -63,25 +78,53 @@ def certificate_of(given: GivenField, run: Trajectory) -> Certificate:
         bits=enclosed.bits,
         steps=enclosed.steps,
         doubles=enclosed.doubles,
+        split=None if plan is None else _split(plan, run, true),
     )
 
 
-def _enclosed(f: RightHandSide, run: Trajectory) -> tuple[Enclosure, BallRows]:
-    """The solution at the run's times and the errors, with as many bits as make the radius small. Raises Refused."""
+def _enclosed(f: RightHandSide, run: Trajectory, more: Sequence[Fraction]) -> Enclosure:
+    """The solution at the run's times, and at more, with as many bits as make the radius small. Raises Refused."""
     exact = run.exact_times
     bits, reached = BITS_AT_FIRST, exact[0]
     for last in (*[False] * MOST_DOUBLINGS, True):
         try:
-            enclosed = enclose_solution(f, [Fraction(x) for x in run.states[0]], exact, bits)
-            errors = _errors(run.states, enclosed)
-            if is_small(errors, enclosed):
-                return enclosed, errors
+            enclosed = enclose_solution(f, [Fraction(x) for x in run.states[0]], sorted({*exact, *more}), bits)
+            if _is_small(_errors(run, enclosed), enclosed.states):
+                return enclosed
         except Refused as refusal:
             if last or refusal.t is None or refusal.t <= reached + FURTHER * (exact[-1] - exact[0]):
                 raise
             reached = refusal.t
         bits *= 2
     raise Refused(f"the error is not known to twelve digits with {bits // 2} bits")
+
+
+def _split(plan: StepPlan, run: Trajectory, true: Mapping[Fraction, Row]) -> Split:
+    """The exact run less the solution, and the float run less the exact one. Raises Refused."""
+    bits, reason = BITS_OF_EXACT_RUN, ""
+    for _ in range(MOST_DOUBLINGS + 1):
+        try:
+            rows = plan.states(run.states[0], bits)
+        except Refused as refusal:  # a ball may have been too wide for f
+            reason, bits = f": {refusal}", 2 * bits
+            continue
+        with ctx.workprec(bits):
+            truncation = tuple(
+                tuple(z - x for z, x in zip(row, true[t], strict=True))
+                for row, t in zip(rows, plan.starts, strict=True)
+            )
+            shifted = [
+                [x - y for x, y in zip(true[a], true[b], strict=True)] if a != b else [arb(0)] * len(true[a])
+                for a, b in zip(plan.starts, run.exact_times, strict=True)
+            ]
+            rounding = tuple(
+                tuple(arb(x) - z + d for x, z, d in zip(*each, strict=True))
+                for each in zip(run.states, rows, shifted, strict=True)
+            )
+        if _is_small(rounding, rows):
+            return Split(plan.method.key, truncation, rounding, sum(plan.counts), bits)
+        reason, bits = "", 2 * bits
+    raise Refused(f"the exact run of {plan.method.key} is not known to twelve digits with {bits // 2} bits{reason}")
 
 
 def assert_accurate(
@@ -148,17 +191,19 @@ def _require_reproduced(f: RightHandSide, times: list[float], states: list[list[
                 raise Refused(f"f in floats is {a!r} at t = {t}, component {j}; in balls it is {decimal(b)}")
 
 
-def _errors(states: list[list[float]], enclosed: Enclosure) -> BallRows:
+def _errors(run: Trajectory, enclosed: Enclosure) -> BallRows:
+    true = dict(zip(enclosed.times, enclosed.states, strict=True))
     with ctx.workprec(enclosed.bits):
         return tuple(
-            tuple(arb(x) - true for x, true in zip(row, balls, strict=True))
-            for row, balls in zip(states, enclosed.states, strict=True)
+            tuple(arb(x) - ball for x, ball in zip(row, true[t], strict=True))
+            for row, t in zip(run.states, run.exact_times, strict=True)
         )
 
 
-def is_small(errors: Sequence[Sequence[arb]], enclosed: Enclosure) -> bool:
+def _is_small(errors: Sequence[Row], solution: Sequence[Row]) -> bool:
     """The radius of the errors is small beside the largest of them, or beside the solution."""
-    radius = size(error.rad() for row in errors for error in row)
-    largest = size(error for row in errors for error in row)
-    solution = size(x for row in enclosed.states for x in row)
-    return bool(radius <= RADIUS_TO_ERROR * largest or radius <= RADIUS_TO_SOLUTION * solution)
+    radius, largest, whole = (
+        size(x for row in rows for x in row)
+        for rows in ([[error.rad() for error in row] for row in errors], errors, solution)
+    )
+    return bool(radius <= RADIUS_TO_ERROR * largest or radius <= RADIUS_TO_SOLUTION * whole)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from driftproof.methods.number_field import Exact
 from driftproof.methods.program_text import (
@@ -12,6 +13,7 @@ from driftproof.methods.program_text import (
     SecondOrder,
     indented,
     looping_maker_text,
+    maker,
     maker_text,
     used_stages,
 )
@@ -118,7 +120,7 @@ class FieldSource:
         return f"({''.join(f'{name}{suffix}, ' for name in self.components).rstrip()})"
 
 
-def field_source(method: Method, field: VectorField, *, compensated: bool = False) -> FieldSource:
+def field_source(method: Method, field: VectorField | _ArrayField, *, compensated: bool = False) -> FieldSource:
     """The step of an explicit method, by component: of a Runge-Kutta method, or of a second-order system by any other.
 
     Splittings and Nyström methods take the accelerations only, at positions, as `Field.second_order` demands; time
@@ -137,7 +139,36 @@ def field_source(method: Method, field: VectorField, *, compensated: bool = Fals
     return FieldSource(tuple(text.lines), coefficients, field.components, compensated)
 
 
-def _runge_kutta(method: RungeKutta, field: VectorField, text: ProgramText) -> None:
+@dataclass(frozen=True)
+class _ArrayField:
+    """A system whose state is one array, or two of positions and velocities: a rate is a call of the function f."""
+
+    components: tuple[str, ...]
+    parameters: tuple[tuple[str, Exact], ...] = ()
+    autonomous = False
+
+    def second_order(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        return ("q",), ("v",)
+
+    def at(self, names: Mapping[str, str]) -> list[str]:
+        call = f"f({names.get('t', 't')}, {names[self.components[0]]})"
+        return [call] if self.components == ("y",) else ["", call]
+
+
+def array_step(method: Method, f: Callable[..., Any], lift: Callable[[Any], Any]) -> Callable[..., tuple[Any, ...]]:
+    """step((y,), t, h) -> (y₁,) of an explicit Runge-Kutta method for y' = f(t, y), y an array or any other vector.
+
+    Of a splitting or a Nyström method step((q, v), t, h) -> (q₁, v₁), for q'' = f(t, q). The text is that of
+    `field_source`. `lift` carries each coefficient into the arithmetic of y. Raises MethodError for an implicit method.
+    """
+    field = _ArrayField(("y",) if isinstance(method, RungeKutta) else ("q", "v"))
+    source = field_source(method, field)
+    make = maker(source.step(), method.key, {"f": f})
+    step: Callable[..., tuple[Any, ...]] = make(*(lift(c) for _, c in source.coefficients))
+    return step
+
+
+def _runge_kutta(method: RungeKutta, field: VectorField | _ArrayField, text: ProgramText) -> None:
     """kᵢ = f(t + cᵢ h, y + h Σ aᵢⱼ kⱼ), then y + h Σ bᵢ kᵢ."""
     components = field.components
     slopes: dict[str, dict[int, str]] = {name: {} for name in components}
@@ -154,7 +185,7 @@ def _runge_kutta(method: RungeKutta, field: VectorField, text: ProgramText) -> N
         text.advance(name, f"{name}_new", name, text.sum(" + h *", "b", method.b, slopes[name]))
 
 
-def _second_order(method: Splitting | Nystrom, field: VectorField, text: ProgramText) -> None:
+def _second_order(method: Splitting | Nystrom, field: VectorField | _ArrayField, text: ProgramText) -> None:
     """q'' = F(t, q), with F in parentheses, because it is multiplied by."""
     positions, velocities = field.second_order()
 
@@ -164,7 +195,7 @@ def _second_order(method: Splitting | Nystrom, field: VectorField, text: Program
     SecondOrder(positions, velocities, accelerations, "_new", timed=not field.autonomous).write(method, text)
 
 
-def _demand_new_names(field: VectorField, text: ProgramText) -> None:
+def _demand_new_names(field: VectorField | _ArrayField, text: ProgramText) -> None:
     """Refuse a parameter that is called like something in the text, such as h."""
     taken = {"t", "h", "i", "y", "first", "last", "range", "make", "run", "step", *FUNCTIONS, *field.components}
     taken |= {*text.coefficients, *(line.partition(" = ")[0] for line in text.lines)}

@@ -6,11 +6,12 @@ import math
 from dataclasses import replace
 from fractions import Fraction as Q
 
+import numpy as np
 import pytest
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import MethodError, RungeKutta
-from driftproof.methods.vector_fields import VectorField
+from driftproof.methods.vector_fields import VectorField, array_step
 from driftproof.numeric.engine import compiled_field_runner, field_runner, runner
 from tests.float_bits import bits
 
@@ -65,6 +66,18 @@ def test_a_run_of_a_system_has_the_bits_of_loops_over_the_tableau(method):
 def test_the_oscillator_as_a_system_has_the_bits_of_the_oscillator(method):
     system = VectorField(("y1", "-y0"))
     assert bits(*field_runner(method, system)((0.3, -0.7), 0.1, 0, 9)) == bits(*runner(method)(0.3, -0.7, 0.1, 9))
+
+
+@pytest.mark.parametrize("method", EXPLICIT, ids=lambda m: m.key)
+def test_step_of_arrays_has_the_bits_of_a_run_by_components(method):
+    """Two coupled oscillators with a force in time: the rate is a function of arrays, or the acceleration of them."""
+    second_order = not isinstance(method, RungeKutta)
+    field = VectorField(("y2", "y3", "y1 - 2 * y0 + t", "y0 - 2 * y1"))
+    start, force = (0.3, -0.7, 0.1, 1.0), lambda t, q: np.array([q[1] - 2 * q[0] + t, q[0] - 2 * q[1]])
+    step = array_step(method, force if second_order else lambda t, y: np.array([*y[2:], *force(t, y[:2])]), float)
+    y = [np.array(part) for part in ((start[:2], start[2:]) if second_order else (start,))]
+    made = [float(x) for part in step(y, 0.0, 0.01) for x in part]
+    assert bits(*made) == bits(*field_runner(method, field)(start, 0.01, 0, 1))
 
 
 def test_a_compiled_run_of_a_system_has_the_same_bits():

@@ -1,0 +1,187 @@
+"""A method run in balls on the very steps of a float run: what it does without rounding, from the same start."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from flint import arb, ctx
+
+from driftproof.enclosure.fields import RightHandSide, enclosed_rates, rebound
+from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
+from driftproof.enclosure.steps import jacobian_of, size
+from driftproof.enclosure.trajectories import Trajectory
+from driftproof.methods.number_field import Exact
+from driftproof.methods.schemes import Method, MethodError, RungeKutta
+from driftproof.methods.tableau_file import method_of
+from driftproof.methods.vector_fields import array_step
+from driftproof.symbolic.algebra.certified import enclose
+
+# SciPy's explicit solvers, and the methods whose coefficients they have as doubles.
+SCIPY_SOLVERS = {"RK23": "bogacki_shampine32", "RK45": "dormand_prince54", "DOP853": "dop853"}
+# A point may be off its multiple of h by this part of h: times that were summed up in floats are.
+_OFF_GRID = Fraction(1, 1000)
+# A float step is the method's if it is off the exact one by at most so many roundings of the state, of h f, and of what
+# f's arguments make of theirs: a step of 13 stages has some hundred operations, and f its own. It is to notice another
+# method, or points that are no steps, and bounds nothing.
+ROUNDINGS_OF_A_STEP = 2.0**10
+# The steps at which this is looked at, evenly spread.
+MOST_LOOKED_AT = 64
+MOST_STEPS_EXACTLY = 10**6
+
+Row = tuple[arb, ...]
+
+
+@dataclass(frozen=True)
+class StepPlan:
+    """A method and its steps: `counts[i]` steps of the size `sizes[i]` lead from point i to the next.
+
+    `f` is the right-hand side for balls. `starts` are the exact times of the points.
+    """
+
+    f: RightHandSide
+    method: Method
+    starts: tuple[Fraction, ...]
+    counts: tuple[int, ...]
+    sizes: tuple[Fraction, ...]
+
+    def states(self, start: Sequence[float], bits: int) -> list[Row]:
+        """The exact run at each point, in balls of so many bits. Raises Refused where f has no value on one."""
+        with ctx.workprec(bits):
+            step = exact_step(self.method, self.f, len(start))
+            y: Row = tuple(arb(x) for x in start)
+            found = [y]
+            for t, n, h in zip(self.starts, self.counts, self.sizes, strict=False):
+                for k in range(n):
+                    y = step(y, t + k * h, h)
+                if not all(x.is_finite() for x in y):
+                    raise Refused(f"the exact run of {self.method.key} is not finite after t = {float(t):.9g}")
+                found.append(y)
+            return found
+
+
+def plan_of(f: RightHandSide, run: Trajectory, method: Method | str, h: float | Fraction | None = None) -> StepPlan:
+    """The steps of the run: from each point to the next; or of size h, the points being multiples of it from the first.
+
+    Raises Refused for a method that is implicit, and where points of the run are not one step of the method apart.
+    """
+    found, times = named_method(method), run.exact_times
+    if h is None:
+        counts, sizes = [1] * (len(times) - 1), [b - a for a, b in pairwise(times)]
+        starts = times
+    else:
+        exact = Fraction(h)
+        if exact <= 0:
+            raise Refused(f"h is {h}; a step is above 0")
+        at = [round((t - times[0]) / exact) for t in times]
+        starts = [times[0] + n * exact for n in at]
+        for i, (t, given) in enumerate(zip(starts, times, strict=True)):
+            if abs(t - given) > _OFF_GRID * exact:
+                raise Refused(f"t[{i}] = {run.times[i]} is no multiple of h = {float(exact)!r} from the first time")
+        counts, sizes = [b - a for a, b in pairwise(at)], [exact] * (len(at) - 1)
+    if sum(counts) > MOST_STEPS_EXACTLY:
+        raise Refused(f"{sum(counts)} steps; at most {MOST_STEPS_EXACTLY} are run exactly")
+    plan = StepPlan(rebound(f), found, tuple(starts), tuple(counts), tuple(sizes))
+    _require_steps_of_method(plan, run)
+    return plan
+
+
+def named_method(method: Method | str) -> Method:
+    """A method of the catalogue, of a file, or SciPy's RK23, RK45, DOP853 with their doubles; explicit, or Refused."""
+    try:
+        if method in SCIPY_SOLVERS:
+            found: Method = in_doubles(method_of(SCIPY_SOLVERS[str(method)]), str(method))
+        else:
+            found = method_of(method) if isinstance(method, str) else method
+        array_step(found, lambda *_: None, enclose)
+    except MethodError as error:
+        raise Refused(f"{error}; only explicit methods are run exactly") from None
+    except (ValueError, OSError) as error:
+        raise Refused(str(error)) from None
+    return found
+
+
+def in_doubles(method: Method, key: str) -> RungeKutta:
+    """The method with each coefficient as the double nearest to it, as a program has it."""
+    assert isinstance(method, RungeKutta)
+
+    def double(x: Exact) -> Fraction:
+        return Fraction(float(Fraction(x)))  # type: ignore[arg-type]
+
+    rows = tuple(tuple(map(double, row)) for row in method.a)
+    embedded = None if method.b_embedded is None else tuple(map(double, method.b_embedded))
+    b, c = tuple(map(double, method.b)), tuple(map(double, method.c))
+    return replace(method, key=key, a=rows, b=b, c=c, b_embedded=embedded)
+
+
+def exact_step(method: Method, f: RightHandSide, components: int) -> Callable[[Row, Fraction, Fraction], Row]:
+    """step(y, t, h) -> y₁ in balls: the program text of the method. Splittings and Nyström methods take y = (q, v).
+
+    Their accelerations are f's second half, at velocity 0.
+    """
+    half = components // 2
+
+    def rates(t: arb, y: Any) -> Any:
+        evaluation = Evaluation()
+        state = [Enclosed(evaluation, x) for x in y]
+        return _array(arb(x.value) for x in enclosed_rates(f, Enclosed(evaluation, t), state))
+
+    if isinstance(method, RungeKutta):
+        whole = array_step(method, rates, enclose)
+        return lambda y, t, h: tuple(whole((_array(y),), enclose(t), enclose(h))[0])
+    rest = [arb(0)] * half
+    halves = array_step(method, lambda t, q: rates(t, [*q, *rest])[half:], enclose)
+
+    def step(y: Row, t: Fraction, h: Fraction) -> Row:
+        q, v = halves((_array(y[:half]), _array(y[half:])), enclose(t), enclose(h))
+        return (*q, *v)
+
+    return step
+
+
+def _array(values: Any) -> Any:
+    """An array of objects: NumPy would look into balls."""
+    listed = list(values)
+    made = np.empty(len(listed), dtype=object)
+    made[:] = listed
+    return made
+
+
+def _require_steps_of_method(plan: StepPlan, run: Trajectory) -> None:
+    """Each point looked at is one step of the method from the one before, up to what rounding may do."""
+    step = exact_step(plan.method, plan.f, len(run.states[0]))
+    looked_at = sorted({len(plan.counts) * k // MOST_LOOKED_AT for k in range(MOST_LOOKED_AT)})
+    for i in looked_at:
+        t, h, y = plan.starts[i], plan.sizes[i], [arb(x) for x in run.states[i]]
+        slopes = jacobian_of(plan.f, Enclosed(Evaluation(), enclose(t)), y)
+        evaluation = Evaluation()
+        enclosed = enclosed_rates(plan.f, Enclosed(evaluation, enclose(t)), [Enclosed(evaluation, x) for x in y])
+        rates = [arb(x.value) for x in enclosed]
+        if not isinstance(plan.method, RungeKutta):
+            _require_second_order(plan.method, y, rates, slopes)
+        if plan.counts[i] != 1:
+            continue
+        made, next_one = step(tuple(y), t, h), run.states[i + 1]
+        moved = [sum((abs(J * x) for J, x in zip(row, y, strict=True)), arb(0)) for row in slopes]
+        scale = size(y) + size(made) + enclose(h) * (size(rates) + size(moved))
+        allowed = float(run.unit) * ROUNDINGS_OF_A_STEP * scale
+        off = size(arb(x) - z for x, z in zip(next_one, made, strict=True))
+        if not off <= allowed:
+            raise Refused(
+                f"y[{i + 1}] is not one step of {plan.method.key} from y[{i}]: off by {float(off):.2g}, where rounding"
+                f" explains {float(allowed):.2g} at most; give h if steps are left out, and no t_eval to SciPy"
+            )
+
+
+def _require_second_order(
+    method: Method, y: Sequence[arb], rates: Sequence[arb], slopes: Sequence[Sequence[arb]]
+) -> None:
+    half, odd = divmod(len(y), 2)
+    positions = [rate - v for rate, v in zip(rates[:half], y[half:], strict=not odd)]
+    of_velocity = [x for row in slopes[half:] for x in row[half:]]
+    if odd or not all(x.is_zero() for x in (*positions, *of_velocity)):
+        raise Refused(f"{method.key} takes y = (q, v) with q' = v, and v' that does not depend on v; f is not so")

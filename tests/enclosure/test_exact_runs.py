@@ -1,0 +1,218 @@
+"""A method's exact run on a float run's steps: truncation and rounding apart, and points that are no steps refused."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+
+import mpmath
+import numpy as np
+import pytest
+from flint import arb, ctx
+
+from driftproof import METHODS, Refused, certify, stepper
+from driftproof.enclosure.exact_runs import SCIPY_SOLVERS, exact_step, named_method, plan_of
+from driftproof.enclosure.fields import rebound
+from driftproof.enclosure.trajectories import read_trajectory, trajectory_of
+from driftproof.symbolic.algebra.certified import endpoints
+from tests.enclosure.mutants import mutant
+from tests.looping import exactly, some
+
+RUNS = Path(__file__).parent / "runs"
+
+
+def pendulum(t, y):
+    return np.array([y[1], -np.sin(y[0])])
+
+
+def oscillator(t, y):
+    return [y[1], -y[0]]
+
+
+def classical(f, start, h, steps, number=np.float64):
+    """Times and rows of classical RK4 in the numbers of one format."""
+    y, h, rows = np.array(start, dtype=number), number(h), []
+    for i in range(steps):
+        rows.append(y)
+        t = h * number(i)
+        a = f(t, y)
+        b = f(t + h / 2, y + h / 2 * a)
+        c = f(t + h / 2, y + h / 2 * b)
+        y = y + h / 6 * (a + 2 * b + 2 * c + f(t + h, y + h * c))
+    return np.array([h * number(i) for i in range(steps + 1)]), np.array([*rows, y])
+
+
+def test_pendulum_of_classical_rk4_to_eight():
+    """4096 steps of 1/512, of which the ends are given: binary64, NumPy's sine."""
+    end = [float.fromhex(x) for x in ("0x1.f1b40ccdb6f88p+0", "0x1.4854851809a22p-2")]
+    found = certify(pendulum, [0.0, 8.0], [[2.0, 0.0], end], method="rk4", h=1 / 512)
+    total, parts = found.errors[1][1], (found.split.truncation[1][1], found.split.rounding[1][1])
+    assert [x.str(9, radius=False) for x in (total, *parts)] == ["3.79165425e-13", "3.81997297e-13", "-2.83187151e-15"]
+    assert (total - sum(parts)).contains(0)
+    assert found.split.steps == 4096
+    assert "there 3.791654253e-13 = truncation 3.819972968e-13 + rounding -2.831871512e-15 (rk4, st" in found.text()
+
+
+def mpmath_run(method, times, start):
+    """The tableau's steps in 50 digits: nothing of ours but the numbers in the table."""
+    with mpmath.workdps(50):
+        y, rows = [mpmath.mpf(x) for x in start], []
+        for t0, t1 in zip(times, [*times[1:], None], strict=True):
+            rows.append(y)
+            if t1 is None:
+                return rows
+            h, slopes = mpmath.mpf(t1) - mpmath.mpf(t0), []
+            for row in method.a:
+                moved = [sum(mpmath.mpf(float(a)) * k[j] for a, k in zip(row, slopes, strict=False)) for j in (0, 1)]
+                q, v = (x + h * m for x, m in zip(y, moved, strict=True))
+                slopes.append((v, -mpmath.sin(q)))
+            weights = [mpmath.mpf(float(b)) for b in method.b]
+            y = [y[j] + h * sum(b * k[j] for b, k in zip(weights, slopes, strict=True)) for j in (0, 1)]
+
+
+@pytest.mark.parametrize("solver", SCIPY_SOLVERS)
+def test_scipy_run_is_split_on_its_own_steps(solver):
+    run = read_trajectory(RUNS / f"pendulum_{solver}.csv")
+    found = certify(pendulum, run.times, run.states, method=solver)
+    witness = mpmath_run(METHODS[SCIPY_SOLVERS[solver]], run.times, run.states[0])
+    for i, row in some(enumerate(witness), 20):
+        with mpmath.workdps(50), ctx.workprec(200):
+            rounding = [arb(x) - arb(mpmath.nstr(z, 45)) for x, z in zip(run.states[i], row, strict=True)]
+        for j, wanted in exactly(2, enumerate(rounding)):
+            assert abs(found.split.rounding[i][j] - wanted) < 1e-40
+            total = found.split.truncation[i][j] + found.split.rounding[i][j]
+            assert total.overlaps(found.errors[i][j])
+    assert found.split.steps == len(run.times) - 1
+    # Twenty to thirty steps, each rounding some u = 1.1e-16 of |y| <= 2.4; the errors are 1e-11 to 1e-4.
+    largest = max(abs(x) for row in found.split.rounding for x in row)
+    assert 0 < largest < 1e-14 < 1e-3 * found.largest_error
+
+
+def test_tables_are_those_of_scipy_itself():
+    rk = pytest.importorskip("scipy.integrate._ivp.rk")
+    for solver in exactly(3, SCIPY_SOLVERS):
+        theirs, ours = getattr(rk, solver), named_method(solver)
+        n = theirs.n_stages
+        assert [float(x) for x in ours.b[:n]] == theirs.B.tolist()
+        assert [float(x) for x in ours.c[:n]] == theirs.C[:n].tolist()
+        width = min(n, theirs.A.shape[1])  # RK45's table leaves the last column, of zeros, out
+        assert [[float(x) for x in row[:width]] for row in ours.a[:n]] == theirs.A[:n, :width].tolist()
+        assert all(Fraction(float(x)) == x for row in ours.a for x in row)
+
+
+def test_scipy_is_split_as_it_comes():
+    integrate = pytest.importorskip("scipy.integrate")
+    for solver in exactly(3, SCIPY_SOLVERS):
+        solution = integrate.solve_ivp(pendulum, (0, 2), [2.0, 0.0], method=solver)
+        assert 0 < max(abs(x) for x in certify(solution, pendulum, method=solver).split.rounding[-1]) < 1e-14
+        thinned = integrate.solve_ivp(pendulum, (0, 2), [2.0, 0.0], method=solver, t_eval=[0.0, 0.7, 2.0])
+        with pytest.raises(Refused, match="no t_eval to SciPy"):
+            certify(thinned, pendulum, method=solver)
+
+
+def test_binary32_run_is_split():
+    found = certify(oscillator, *classical(lambda t, y: np.array([y[1], -y[0]]), [1, 0], 1 / 8, 40, np.float32),
+                    method="rk4")  # fmt: skip
+    # u = 6e-8 a step, 40 of them; the truncation at t = 5 is t h^4/120 = 1e-5.
+    assert 1e-8 < max(abs(x) for x in found.split.rounding[-1]) < 40 * 6e-8
+    assert 0.9e-5 < max(abs(x) for x in found.split.truncation[-1]) < 1.1e-5
+
+
+@pytest.mark.parametrize("key", ["rk4", "gill4", "velocity_verlet", "yoshida4", "dormand_elmikkawy_prince4", "rk38"])
+def test_exact_step_is_the_definition_on_the_oscillator(key):
+    """The step of `stepper`, whose own tests hold it to published tables, in balls at the same point."""
+    method = METHODS[key]
+    with ctx.workprec(200):
+        lift = lambda x: x.ball() if hasattr(x, "ball") else arb(x.numerator) / x.denominator
+        q, v, h = arb(3) / 4, arb(-1) / 3, arb(1) / 8
+        wanted = stepper(method, lift)(lambda x: -x, q, v, h)
+        found = exact_step(method, rebound(oscillator), 2)((q, v), Fraction(7), Fraction(1, 8))
+        for x, y in exactly(2, zip(found, wanted, strict=True)):
+            assert x.overlaps(y)
+            assert x.rad() < 1e-50
+
+
+@pytest.mark.parametrize(
+    ("key", "f", "power"),
+    [("rk4", lambda t, y: [3 * t**2], 3), ("RK45", lambda t, y: [5 * t**4], 5), ("DOP853", lambda t, y: [8 * t**7], 8)],
+)
+def test_stages_know_their_times(key, f, power):
+    """y' = p t^(p-1) from 0: a quadrature that order p makes exact, but for u in each of the doubles b, 2^-53 of y."""
+    with ctx.workprec(100):
+        (y,) = exact_step(named_method(key), f, 1)((arb(0),), Fraction(0), Fraction(1, 2))
+        assert abs(y - arb(2) ** -power) < 2.0**-53
+
+
+def test_kicks_know_their_times():
+    """q'' = t from rest: velocity Verlet has v(h) = h²/2 exactly, kicking at t and t + h."""
+    with ctx.workprec(100):
+        step = exact_step(METHODS["velocity_verlet"], lambda t, y: [y[1], t], 2)
+        (_, v) = step((arb(0), arb(0)), Fraction(1), Fraction(1, 2))
+        assert v == arb(0.625)
+
+
+def test_times_that_are_rounded_are_counted_as_rounding():
+    """y' = 1 from 0 in ten steps of the double 0.1: rk4 is exact, and so is y = 10 h; t is labelled 1."""
+    h = Fraction(0.1)
+    found = certify(lambda t, y: [1.0 + 0 * y[0]], [0.0, 1.0], [[0.0], [1.0]], method="rk4", h=0.1)
+    assert found.split.truncation[-1][0].contains(0)
+    assert not found.errors[-1][0].rad() > 1e-30
+    assert abs(found.split.rounding[-1][0]) < 1e-30
+    plan = plan_of(lambda t, y: [1.0 + 0 * y[0]], trajectory_of([0.0, 1.0], [[0.0], [1.0]]), "rk4", 0.1)
+    assert plan.starts[-1] == 10 * h != 1
+    with ctx.workprec(200):
+        low, high = endpoints(plan.states([0.0], 200)[-1][0])
+        assert low <= 10 * h <= high
+
+
+def slow(t, y):
+    return np.array([y[1], -0.1 * y[1] - y[0]])
+
+
+TIMES, STATES = classical(pendulum, [2.0, 0.0], 1 / 8, 6)
+OFF = STATES.copy()
+OFF[4, 0] += 1e-9
+REFUSED = {
+    r"backward_euler is implicit: .*; only explicit methods are run": (pendulum, TIMES, STATES, "backward_euler"),
+    r"gauss2 is implicit": (pendulum, TIMES, STATES, "gauss2"),
+    r"unknown method 'rk5'; did you mean": (pendulum, TIMES, STATES, "rk5"),
+    r"y\[1\] is not one step of rk38 from y\[0\]: off by": (pendulum, TIMES, STATES, "rk38"),
+    r"y\[4\] is not one step of rk4 from y\[3\]: off by 1e-09": (pendulum, TIMES, OFF, "rk4"),
+    r"velocity_verlet takes y = \(q, v\) with q' = v, and v' that does not": (slow, TIMES, STATES, "velocity_verlet"),
+    r"t\[1\] = 0\.125 is no multiple of h = 0\.09": (pendulum, TIMES, STATES, "rk4", 0.09),
+    r"h is -1; a step is above 0": (pendulum, TIMES, STATES, "rk4", -1),
+    r"; at most 1000000 are run exactly": (pendulum, TIMES, STATES, "rk4", 2.0**-23),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("said", REFUSED)
+def test_what_is_no_run_of_the_method_is_refused_in_one_line(said):
+    f, times, states, method, *h = REFUSED[said]
+    with pytest.raises(Refused, match=said) as caught:
+        certify(f, times, states, method=method, h=h[0] if h else None)
+    assert "\n" not in str(caught.value)
+
+
+def test_exact_run_that_is_lost_in_its_balls_is_refused(monkeypatch):
+    monkeypatch.setattr("driftproof.enclosure.certify.BITS_OF_EXACT_RUN", 53)
+    monkeypatch.setattr("driftproof.enclosure.certify.MOST_DOUBLINGS", 0)
+    with pytest.raises(Refused, match="the exact run of rk4 is not known to twelve digits with 53 bits"):
+        certify(pendulum, TIMES, STATES, method="rk4")
+
+
+def same_as_rk4(module):
+    """Truncation of seven steps is that of the module as it is: its rounding is below 1e-14."""
+    plan = module.plan_of(pendulum, trajectory_of(TIMES, STATES), "rk4")
+    return all(abs(x - float(z)) < 1e-14 for row, rows in zip(STATES, plan.states(STATES[0].tolist(), 128), strict=True)
+               for x, z in zip(row, rows, strict=True))  # fmt: skip
+
+
+WRONG = {
+    "the state is not carried on": ("y = step(y, t + k * h, h)", "y = step(tuple(arb(x) for x in start), t, h)"),
+    "half the step": ("y = step(y, t + k * h, h)", "y = step(y, t + k * h, h / 2)"),
+}
+
+
+@pytest.mark.parametrize("name", ["right", *WRONG])
+def test_wrong_exact_run_is_caught(name):
+    assert same_as_rk4(mutant("exact_runs", *([WRONG[name]] if name in WRONG else []))) == (name == "right")
