@@ -1,0 +1,56 @@
+"""What contributors read and machines run: every path that is named is there, every command is one of ours."""
+
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+import yaml
+
+from driftproof import __version__, cli
+from tests.looping import some
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.mark.parametrize("page", ["CONTRIBUTING.md", "tests/README.md"])
+def test_every_path_that_a_page_names_is_there(page):
+    text = (ROOT / page).read_text(encoding="utf-8")
+    named = re.findall(r"`((?:driftproof|tests|proofs|docs|examples)/[\w./]*)`", text)
+    missing = [path for path in some(named, 4) if not (ROOT / path).exists()]
+    assert missing == []
+
+
+def test_the_version_is_one():
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert cited["version"] == project["version"] == __version__
+    assert cited["license"] == project["license"]
+
+
+def test_workflows_run_what_is_there():
+    jobs = yaml.safe_load((ROOT / ".github/workflows/ci.yml").read_text(encoding="utf-8"))["jobs"]
+    commands = [step["run"] for job in jobs.values() for step in job["steps"] if "run" in step]
+    assert "bash .ci/run" in commands
+    assert (ROOT / ".ci/run").is_file()
+    asked = re.findall(r"driftproof (\w+)", " ".join(commands))
+    assert all(command in cli.COMMANDS for command in some(asked))
+
+
+def test_the_action_runs_a_command_and_shows_what_it_said(tmp_path):
+    action = yaml.safe_load((ROOT / "action.yml").read_text(encoding="utf-8"))
+    install, run = action["runs"]["steps"]
+    assert install["env"]["WHAT"] == "${{ inputs.package }}[${{ inputs.extras }}]"
+    asked = {"COMMAND": "step rk4 --h 1/2 --state 1,0", "GITHUB_STEP_SUMMARY": str(tmp_path / "summary")}
+    (tmp_path / "driftproof").write_text(f'#!/bin/sh\nexec {sys.executable} -m driftproof "$@"\n')
+    (tmp_path / "driftproof").chmod(0o755)
+    given = {**os.environ, **asked, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
+    for command, status in ((asked["COMMAND"], 0), ("step rk9", 2)):
+        done = subprocess.run(
+            ["bash", "-c", run["run"]], env={**given, "COMMAND": command}, cwd=ROOT, capture_output=True
+        )
+        assert done.returncode == status
+    assert "337/384" in (tmp_path / "summary").read_text()
