@@ -10,6 +10,7 @@ from typing import Any
 import sympy
 from flint import arb, ctx, fmpq
 
+from driftproof.methods.number_field import real_root_balls
 from driftproof.symbolic.algebra.certified import CertifiableReal
 
 
@@ -41,9 +42,13 @@ def enclose_expression(expr: sympy.Basic) -> arb:
 
 
 def _enclose_root(root: Any) -> arb:
-    digits = ctx.prec * 3 // 10
-    middle = root.eval_rational(dx=sympy.Rational(1, 10**digits))
-    return enclose_expression(middle) + arb(0, (1, -(digits * 3)))
+    """FLINT's ball around the real root with this index, in ascending order as SymPy's are."""
+    return real_root_balls(integer_coefficients(root.poly), ctx.prec)[root.index]
+
+
+def integer_coefficients(polynomial: sympy.Poly) -> tuple[int, ...]:
+    """Those of a multiple over Z of a polynomial over Q, constant term first."""
+    return tuple(int(c) for c in polynomial.clear_denoms(convert=True)[1].all_coeffs()[::-1])
 
 
 def _fold(operation: Callable[[arb, arb], arb]) -> Callable[..., arb]:

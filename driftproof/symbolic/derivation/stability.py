@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 import sympy
-from flint import ctx
+from flint import arb_poly, ctx, fmpq, fmpq_poly
 from sympy import QQ
 from sympy.polys.matrices import DomainMatrix
 
+from driftproof.methods.number_field import real_root_balls
 from driftproof.symbolic.algebra.certified import certified_sign, endpoints
-from driftproof.symbolic.derivation.expression_balls import enclose_expression
+from driftproof.symbolic.algebra.real_roots import ISOLATING_BITS
+from driftproof.symbolic.derivation.expression_balls import enclose_expression, integer_coefficients
 from driftproof.symbolic.derivation.one_step import (
     RING,
     H,
@@ -130,15 +132,14 @@ def stability_limit(m: DomainMatrix) -> sympy.Expr:
     and a root where the verdict holds (a touch) is passed over.
     """
     found = conditions(m)
-    boundary = _boundary(found)
     reached: sympy.Expr = sympy.Integer(0)
-    for inner, end in _cells(boundary):
+    for inner, end in _cells(_boundary(found)):
         if not _is_bounded(found, lambda p, at=inner: sympy.sign(_poly(p).eval(at))):  # type: ignore[misc]
             return reached
         if end is None:
             return sympy.oo
-        reached = _root_in(boundary, *end)
-        if not _is_bounded(found, partial(_sign_at_root, boundary, end)):
+        reached = end.value
+        if not _is_bounded(found, end.sign_of):
             return reached
     raise AssertionError("the cells end with an unbounded one")
 
@@ -163,47 +164,68 @@ def _poly(polynomial: StepPolynomial) -> Any:
     return sympy.Poly(expression(polynomial), expression(H), domain=QQ)
 
 
-def _sign_at_root(boundary: Any, ends: tuple[sympy.Rational, sympy.Rational], polynomial: StepPolynomial) -> int:
-    """The sign at the only root of `boundary` between the ends: zero if a common factor has a root there, too."""
-    p, (low, high) = _poly(polynomial), ends
-    if p.is_zero or (low == high and p.eval(low) == 0) or boundary.gcd(p).count_roots(low, high):
-        return 0
-    while low != high and p.count_roots(low, high):
-        low, high = boundary.refine_root(low, high, steps=1)
-    return int(sympy.sign(p.eval(low)))
+@dataclass(frozen=True)
+class _Root:
+    """The only root of an irreducible polynomial in [low, high]; the ends are alike, or neither is a root."""
+
+    factor: Any
+    low: sympy.Rational
+    high: sympy.Rational
+
+    @cached_property
+    def value(self) -> sympy.Expr:
+        """The root as an exact number: in radicals where SymPy has them, else with a CRootOf.
+
+        In an even polynomial h² is the unknown. A CRootOf is made by its index, as FLINT counts the real roots: where
+        coefficients are long, SymPy's own list of them takes minutes.
+        """
+        ascending = self.factor.all_coeffs()[::-1]
+        even = not any(ascending[1::2])
+        unknown = sympy.Poly(ascending[:: 2 if even else 1][::-1], self.factor.gen)
+        if unknown.degree() <= 2 or len(unknown.terms()) == 2:
+            roots = unknown.real_roots()
+        else:
+            count = len(real_root_balls(integer_coefficients(unknown), ISOLATING_BITS))
+            roots = [sympy.CRootOf(unknown, k) for k in range(count)]
+        if even:
+            roots = [_square_root(x) for x in roots if certified_sign(partial(enclose_expression, x)) > 0]
+        ends = (self.low, self.high)
+        return next(x for x in roots if [certified_sign(partial(enclose_expression, x - y)) for y in ends] in _BETWEEN)
+
+    def sign_of(self, polynomial: StepPolynomial) -> int:
+        """The sign at the root: zero where the irreducible polynomial divides."""
+        p = _poly(polynomial)
+        if p.rem(self.factor).is_zero:
+            return 0
+        coefficients = fmpq_poly([fmpq(int(c.p), int(c.q)) for c in p.all_coeffs()[::-1]])
+        return certified_sign(lambda: arb_poly(coefficients)(enclose_expression(self.value)))
 
 
-def _cells(boundary: Any) -> Iterator[tuple[sympy.Rational, tuple[sympy.Rational, sympy.Rational] | None]]:
-    """A rational point of each interval between 0, the positive roots and infinity, and an interval around its end."""
+_BETWEEN = ([0, 0], [1, -1])
+
+
+def _square_root(x: sympy.Expr) -> sympy.Expr:
+    """The root of x > 0; of a CRootOf unevaluated, whose sign SymPy would ask for, by a list of all roots."""
+    factor, root = x.as_coeff_Mul()
+    return sympy.sqrt(factor) * sympy.Pow(root, sympy.S.Half, evaluate=not root.atoms(sympy.CRootOf))
+
+
+def _cells(boundary: Any) -> Iterator[tuple[sympy.Rational, _Root | None]]:
+    """A rational point of each interval between 0, the positive roots and infinity, and the root at its end."""
     previous = sympy.Integer(0)
     for low, high in boundary.intervals(sqf=True, inf=0) if boundary.degree() > 0 else ():
         if high == 0:
             continue
-        while low <= previous and low != high:
+        while low != high and (low <= previous or boundary.eval(high) == 0):
             low, high = boundary.refine_root(low, high, steps=1)
-        yield (previous + low) / 2, (low, high)
+        yield (previous + low) / 2, _Root(_factor_between(boundary, low, high), low, high)
         previous = high
     yield previous + 1, None
 
 
-def _root_in(boundary: Any, low: sympy.Rational, high: sympy.Rational) -> sympy.Expr:
-    """The root in the isolating interval as an exact number: in radicals where SymPy has them, else with a CRootOf.
-
-    In an even polynomial h² is the unknown: SymPy parts h from -h by bisection, for long coefficients in minutes.
-    """
-    factor = _factor_between(boundary, low, high)
-    ascending = factor.all_coeffs()[::-1]
-    if any(ascending[1::2]):
-        candidates = factor.real_roots()
-    else:
-        squares = sympy.Poly(ascending[::2][::-1], factor.gen).real_roots()
-        candidates = [sympy.sqrt(x) for x in squares if certified_sign(partial(enclose_expression, x)) > 0]
-    inside = lambda x: min(certified_sign(partial(enclose_expression, side)) for side in (x - low, high - x)) >= 0
-    return next(filter(inside, candidates))
-
-
 def _factor_between(boundary: Any, low: sympy.Rational, high: sympy.Rational) -> Any:
-    return next(f for f, _ in boundary.factor_list()[1] if f.count_roots(low, high))
+    """The irreducible factor that changes its sign: all roots are simple, and only one is between the ends."""
+    return next(f for f, _ in boundary.factor_list()[1] if f.eval(low) * f.eval(high) <= 0)
 
 
 def minimal_polynomial_of(m: DomainMatrix, limit: sympy.Expr) -> sympy.Poly:

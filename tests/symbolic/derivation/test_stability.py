@@ -13,6 +13,9 @@ from hypothesis import strategies as st
 from sympy.polys.matrices import DomainMatrix
 
 from driftproof import strategies
+from driftproof.methods.catalogue import METHODS
+from driftproof.symbolic.algebra.real_roots import RealRoot
+from driftproof.symbolic.derivation.expression_balls import enclose_expression, integer_coefficients
 from driftproof.symbolic.derivation.one_step import (
     H,
     determinant,
@@ -23,7 +26,15 @@ from driftproof.symbolic.derivation.one_step import (
     rational,
     trace,
 )
-from driftproof.symbolic.derivation.stability import LAMBDA, AtStep, multipliers, stability_limit
+from driftproof.symbolic.derivation.stability import (
+    LAMBDA,
+    AtStep,
+    minimal_polynomial_of,
+    multipliers,
+    stability_limit,
+)
+from driftproof.symbolic.linear.oscillator import oscillator_matrix
+from driftproof.symbolic.linear.stability_limits import bounded_limit
 from driftproof.symbolic.runs import apply
 from tests.nine import NINE
 
@@ -110,6 +121,21 @@ def test_limit_without_radicals_is_a_root_of_its_polynomial() -> None:
     limit = stability_limit(ARTIFICIAL["a boundary without radicals"][0])
     assert isinstance(limit, sympy.CRootOf)
     assert sympy.minimal_polynomial(limit, LAMBDA) == LAMBDA**5 - LAMBDA - 3
+
+
+@pytest.mark.parametrize("key", ["yoshida8", "suzuki_umeno8", "kahan_li8"])
+def test_limit_with_long_coefficients_is_found_without_a_list_of_all_roots(
+    key: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sympy.CRootOf, "_get_reals", None)  # it takes minutes, and was asked for
+    m = one_step_matrix(METHODS[key])
+    limit, expected = stability_limit(m), bounded_limit(oscillator_matrix(METHODS[key]))
+    assert isinstance(expected, RealRoot)
+    assert enclose_expression(limit).overlaps(expected.ball())
+    assert integer_coefficients(minimal_polynomial_of(m, limit)) in (
+        expected.minimal,
+        tuple(-c for c in expected.minimal),
+    )
 
 
 def test_limit_passes_each_touch_in_turn() -> None:
