@@ -29,8 +29,83 @@ class MethodError(ValueError):
     """A definition that is not a method: wrong shape, an inexact coefficient, an unknown sub-step."""
 
 
+class _OverOneField:
+    """A method whose coefficients, which `_coefficients` lists, are exact and lie in one number field."""
+
+    key: str
+
+    @cached_property
+    def field(self) -> NumberField | None:
+        """The number field of the coefficients; None if all are rational."""
+        return next((x.field for x in self._coefficients() if isinstance(x, Algebraic)), None)
+
+    def _coefficients(self) -> Iterable[Exact]:
+        raise NotImplementedError
+
+    def _demand_one_field(self) -> None:
+        for x in self._coefficients():
+            if isinstance(x, Algebraic) and x.field != self.field:
+                names = f"{x.field.name} and {self.field.name if self.field else ''}"
+                raise MethodError(
+                    f"{self.key}: coefficients lie in the fields of {names}; write all of them in one field"
+                )
+
+
+class _Staged(_OverOneField):
+    """A method given by square matrices, and rows, of as many coefficients as it has stages; `weights` is one of these.
+
+    A row may be None where the method has none.
+    """
+
+    matrices: ClassVar[tuple[str, ...]] = ("a",)
+    rows: ClassVar[tuple[str, ...]]
+    weights: ClassVar[str]
+    a: tuple[tuple[Exact, ...], ...]
+
+    def __post_init__(self) -> None:
+        """Promote integers, then refuse what is not exact, and what has another length than the weights."""
+        for name in self.matrices:
+            rows = getattr(self, name)
+            _demand_iterable(rows, f"{self.key}: {name}")
+            exact = tuple(_exact(row, f"{self.key}: {name}[{i}]") for i, row in enumerate(rows))
+            object.__setattr__(self, name, exact)
+        for name in self.rows:
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, _exact(getattr(self, name), f"{self.key}: {name}"))
+        if not self.stages:
+            raise MethodError(f"{self.key}: {self.weights} is empty; a method has at least one stage")
+        for name, length in self._lengths():
+            if length != self.stages:
+                entries = f"{name} has {length} entries, {self.weights} has {self.stages}"
+                raise MethodError(f"{self.key}: {entries}; they must agree")
+        self._demand_one_field()
+
+    @property
+    def stages(self) -> int:
+        """The number s of evaluations of the right-hand side."""
+        return len(getattr(self, self.weights))
+
+    @property
+    def explicit(self) -> bool:
+        """True when no stage depends on itself or on a later one (A strictly lower triangular)."""
+        return is_strictly_lower(self.a)
+
+    def _lengths(self) -> Iterable[tuple[str, int]]:
+        for name in self.matrices:
+            matrix = getattr(self, name)
+            yield name, len(matrix)
+            yield from ((f"{name}[{i}]", len(row)) for i, row in enumerate(matrix))
+        yield from ((name, len(getattr(self, name) or ())) for name in self.rows if getattr(self, name) is not None)
+
+    def _coefficients(self) -> Iterable[Exact]:
+        for name in self.matrices:
+            yield from (x for row in getattr(self, name) for x in row)
+        for name in self.rows:
+            yield from getattr(self, name) or ()
+
+
 @dataclass(frozen=True)
-class RungeKutta:
+class RungeKutta(_Staged):
     """kᵢ = F(t + cᵢh, z + h Σⱼ aᵢⱼ kⱼ), then z + h Σᵢ bᵢ kᵢ: the Runge-Kutta method with tableau (A, b, c).
 
     `a` is s rows of s coefficients, `b` and `c` have s; integers and rational elements of a number field are promoted
@@ -48,6 +123,8 @@ class RungeKutta:
     2
     """
 
+    rows: ClassVar[tuple[str, ...]] = ("b", "c", "b_embedded")
+    weights: ClassVar[str] = "b"
     key: str
     title: str
     claimed_order: int
@@ -60,37 +137,10 @@ class RungeKutta:
     decimal: bool = False
 
     def __post_init__(self) -> None:
-        """Promote integers, then refuse a tableau that is not square or not exact, and half of a pair."""
-        rows = _exact_rows(self.a, f"{self.key}: a")
-        object.__setattr__(self, "a", rows)
-        object.__setattr__(self, "b", _exact(self.b, f"{self.key}: b"))
-        object.__setattr__(self, "c", _exact(self.c, f"{self.key}: c"))
-        if not self.b:
-            raise MethodError(f"{self.key}: b is empty; a method has at least one stage")
-        sized: list[tuple[str, Sequence[object]]] = [("a", rows), ("c", self.c)]
-        sized += [(f"a[{i}]", row) for i, row in enumerate(rows)]
+        """Refuse a tableau that is not square or not exact, and half of a pair."""
+        super().__post_init__()
         if (self.b_embedded is None) != (self.embedded_order is None):
             raise MethodError(f"{self.key}: b_embedded and embedded_order come together")
-        if self.b_embedded is not None:
-            object.__setattr__(self, "b_embedded", _exact(self.b_embedded, f"{self.key}: b_embedded"))
-            sized += [("b_embedded", self.b_embedded)]
-        _demand_lengths(self.key, sized, "b", self.stages)
-        _demand_one_field(self.key, self._coefficients())
-
-    @property
-    def stages(self) -> int:
-        """The number s of slopes."""
-        return len(self.b)
-
-    @property
-    def explicit(self) -> bool:
-        """True when no slope depends on itself or on a later one (A strictly lower triangular)."""
-        return is_strictly_lower(self.a)
-
-    @cached_property
-    def field(self) -> NumberField | None:
-        """The number field of the coefficients; None if all are rational."""
-        return _field_of(self._coefficients())
 
     def embedded(self, suffix: str) -> RungeKutta:
         """The method of a pair that propagates the other row of weights; `suffix` is added to the key."""
@@ -116,12 +166,9 @@ class RungeKutta:
             residuals[f"c[{i}] - sum(a[{i}])"] = self.c[i] - _total(row)
         return _nonzero_residuals(residuals)
 
-    def _coefficients(self) -> list[Exact]:
-        return [*(x for row in self.a for x in row), *self.b, *self.c, *(self.b_embedded or ())]
-
 
 @dataclass(frozen=True)
-class Splitting:
+class Splitting(_OverOneField):
     """A composition of kicks v ← v + c·h·F(q) and drifts q ← q + c·h·v, in the order given.
 
     `parts` is pairs such as ("kick", 1/2). Every such composition is symplectic when F is a gradient.
@@ -154,17 +201,15 @@ class Splitting:
         coefficients = _exact((c for _, c in parts), f"{self.key}: parts")
         kinds = (kind for kind, _ in parts)
         object.__setattr__(self, "parts", tuple(zip(kinds, coefficients, strict=True)))
-        _demand_one_field(self.key, coefficients)
+        self._demand_one_field()
 
     @property
     def explicit(self) -> bool:
         """True: each kick and each drift is a formula in what was known before it."""
         return True
 
-    @cached_property
-    def field(self) -> NumberField | None:
-        """The number field of the coefficients; None if all are rational."""
-        return _field_of(c for _, c in self.parts)
+    def _coefficients(self) -> Iterable[Exact]:
+        return (c for _, c in self.parts)
 
     def inconsistencies(self) -> dict[str, Exact]:
         """The residuals, where not zero, of Σ kicks = 1 and Σ drifts = 1: facts about the data, not errors."""
@@ -174,13 +219,15 @@ class Splitting:
 
 
 @dataclass(frozen=True)
-class Nystrom:
+class Nystrom(_Staged):
     """kᵢ = F(q + cᵢhv + h² Σⱼ aᵢⱼ kⱼ), q₁ = q + hv + h² Σ b_positionᵢ kᵢ, v₁ = v + h Σ b_velocityᵢ kᵢ, for q'' = F(q).
 
     A Runge-Kutta-Nyström method; `a` is s rows of s, `c`, `b_position` and `b_velocity` have s coefficients. Its order
     is the smaller one of those in q and in v. Other fields as in `RungeKutta`. Raises MethodError.
     """
 
+    rows: ClassVar[tuple[str, ...]] = ("c", "b_position", "b_velocity")
+    weights: ClassVar[str] = "b_velocity"
     key: str
     title: str
     claimed_order: int
@@ -190,34 +237,6 @@ class Nystrom:
     b_position: tuple[Exact, ...]
     b_velocity: tuple[Exact, ...]
     decimal: bool = False
-
-    def __post_init__(self) -> None:
-        """Promote integers, then refuse a table that is not square or not exact."""
-        rows = _exact_rows(self.a, f"{self.key}: a")
-        object.__setattr__(self, "a", rows)
-        for name in ("c", "b_position", "b_velocity"):
-            object.__setattr__(self, name, _exact(getattr(self, name), f"{self.key}: {name}"))
-        if not self.b_velocity:
-            raise MethodError(f"{self.key}: b_velocity is empty; a method has at least one stage")
-        sized: list[tuple[str, Sequence[object]]] = [("a", rows), ("c", self.c), ("b_position", self.b_position)]
-        sized += [(f"a[{i}]", row) for i, row in enumerate(rows)]
-        _demand_lengths(self.key, sized, "b_velocity", self.stages)
-        _demand_one_field(self.key, self._coefficients())
-
-    @property
-    def stages(self) -> int:
-        """The number s of forces."""
-        return len(self.b_velocity)
-
-    @property
-    def explicit(self) -> bool:
-        """True when no force depends on itself or on a later one (A strictly lower triangular)."""
-        return is_strictly_lower(self.a)
-
-    @cached_property
-    def field(self) -> NumberField | None:
-        """The number field of the coefficients; None if all are rational."""
-        return _field_of(self._coefficients())
 
     def inconsistencies(self) -> dict[str, Exact]:
         """The residuals, where not zero, of Σ b_velocity = 1, Σ b_position = 1/2 and Σⱼ aᵢⱼ = cᵢ²/2: facts, not errors.
@@ -231,9 +250,6 @@ class Nystrom:
         for i, row in enumerate(self.a):
             residuals[f"sum(a[{i}]) - c[{i}]**2/2"] = _total(row) - self.c[i] * self.c[i] * Fraction(1, 2)
         return _nonzero_residuals(residuals)
-
-    def _coefficients(self) -> list[Exact]:
-        return [*(x for row in self.a for x in row), *self.c, *self.b_position, *self.b_velocity]
 
 
 @dataclass(frozen=True)
@@ -319,11 +335,6 @@ def _exact(values: Iterable[object], where: str) -> tuple[Exact, ...]:
     return tuple(_exact_coefficient(value, f"{where}[{i}]") for i, value in enumerate(values))
 
 
-def _exact_rows(rows: Iterable[Iterable[object]], where: str) -> tuple[tuple[Exact, ...], ...]:
-    _demand_iterable(rows, where)
-    return tuple(_exact(row, f"{where}[{i}]") for i, row in enumerate(rows))
-
-
 def _demand_iterable(values: object, where: str) -> None:
     if isinstance(values, str) or not isinstance(values, Iterable):
         raise MethodError(f"{where} is {values!r}; write a tuple of exact coefficients")
@@ -339,24 +350,6 @@ def _exact_coefficient(value: object, where: str) -> Exact:
     raise MethodError(
         f"{where} is {value!r} ({type(value).__name__}); coefficients are exact: write an int or a Fraction"
     )
-
-
-def _demand_lengths(key: str, sized: Iterable[tuple[str, Sequence[object]]], leader: str, length: int) -> None:
-    for name, values in sized:
-        if len(values) != length:
-            raise MethodError(f"{key}: {name} has {len(values)} entries, {leader} has {length}; they must agree")
-
-
-def _field_of(coefficients: Iterable[Exact]) -> NumberField | None:
-    return next((x.field for x in coefficients if isinstance(x, Algebraic)), None)
-
-
-def _demand_one_field(key: str, coefficients: Sequence[Exact]) -> None:
-    field = _field_of(coefficients)
-    for x in coefficients:
-        if isinstance(x, Algebraic) and x.field != field:
-            names = f"{x.field.name} and {field.name if field else ''}"
-            raise MethodError(f"{key}: coefficients lie in the fields of {names}; write all of them in one field")
 
 
 def _total(values: Iterable[Exact]) -> Exact:

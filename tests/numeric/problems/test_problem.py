@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from decimal import Decimal
 from fractions import Fraction
 from functools import cache
 
@@ -12,6 +13,7 @@ from flint import arb, ctx
 
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import CERTIFIED, EXACT, TWICE, Problem
+from driftproof.numeric.work_precision.exact import decimal_energy
 from driftproof.symbolic.algebra.certified import endpoints
 from tests.looping import exactly, some
 from tests.witnesses.references.closed_forms import CLOSED_FORMS, ball
@@ -133,6 +135,16 @@ def test_a_start_and_states_of_another_length_than_the_field_are_refused() -> No
     for changed in (*bad, {"evidence": "rumour"}, {"states": (*kaps.reference.states[:-1], ("1",))}):
         with pytest.raises(ValueError, match=r"rising times|one length|'rumour' is none of exact, certified"):
             replace(kaps.reference, **changed)
+
+
+@pytest.mark.parametrize("problem", [p for p in PROBLEMS.values() if p.energy is not None], ids=key)
+def test_energy_of_every_state_stored_is_that_of_the_start(problem: Problem) -> None:
+    """To 1e-16: the digits are twenty, and the energy may be a small difference of large parts."""
+    before = decimal_energy(problem, problem.start)
+    for state in some(problem.reference.states, 8):
+        assert abs(decimal_energy(problem, map(Fraction, state)) - before) <= abs(before) * Decimal("1e-16")
+    moved = (problem.start[0] + Fraction(1, 100), *problem.start[1:-1], problem.start[-1] + Fraction(1, 100))
+    assert abs(decimal_energy(problem, moved) - before) > abs(before) * Decimal("1e-16")
 
 
 def test_robertson_and_hires_keep_their_sums_in_the_digits_stored() -> None:

@@ -46,6 +46,7 @@ def test_errors_of_the_exact_state_are_below_the_floor_and_those_of_another_are_
     exact = (cos(10), -sin(10))
     found, floor = errors(HARMONIC, {T: exact}), floors(HARMONIC)
     assert all(found[name].final <= floor[name] for name in (STATE, ENERGY, PHASE))
+    assert abs(floor[STATE] / 2.0**-53 - 1) < 1e-15, "u on the unit circle"
     off = errors(HARMONIC, {T: (exact[0] + 1e-12, exact[1])})
     assert all(off[name].final > 1000 * floor[name] for name in (STATE, ENERGY, PHASE))
 

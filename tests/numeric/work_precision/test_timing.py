@@ -31,6 +31,7 @@ def test_short_calls_are_timed_in_batches_and_long_ones_alone() -> None:
     long, seconds = started(clock.call(2 * SHORT), clock)  # type: ignore[arg-type]
     assert short.batch == round(BATCH / 1e-6)
     assert long.batch == 1
+    assert clock.now == pytest.approx(1e-6 + 2 * SHORT), "one call each, which is not kept"
     assert seconds == pytest.approx(2 * SHORT)
     assert not short.samples
 
