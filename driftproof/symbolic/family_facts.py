@@ -13,16 +13,15 @@ from driftproof.methods.families import Family
 from driftproof.methods.number_field import Exact, UndecidedError
 from driftproof.symbolic.algebra.bivariate import (
     Bivariate,
-    add_rows,
     at_parameter,
-    inflate,
+    bivariate_text,
+    degree_in_t,
+    in_square_of_x,
     irreducible_factors,
-    multiply_rows,
-    signed,
-    subtract_rows,
+    reflected_in_x,
+    rows_in_x,
     without_root_zero,
 )
-from driftproof.symbolic.algebra.bivariate import bivariate_text as curve_text
 from driftproof.symbolic.algebra.polynomials import ZERO, Polynomial, greatest_common_divisor, scalar
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction, rational_function_text
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT as ORIGIN
@@ -251,7 +250,7 @@ _Value: TypeAlias = Limit | Branch
 def parametric_real_limit(family: Family) -> list[LimitPiece]:
     """The real limit: (Q - P)(Q + P) at -x vanishes there."""
     r = family_stability(family)
-    margin = without_root_zero(signed(multiply_rows(subtract_rows(r.den, r.num), add_rows(r.den, r.num))))
+    margin = without_root_zero(reflected_in_x(r.den * r.den - r.num * r.num))
     return _pieces(family, r, margin, margin, real_limit)
 
 
@@ -259,7 +258,7 @@ def parametric_imaginary_limit(family: Family) -> list[LimitPiece]:
     """The imaginary limit: |Q(ix)|² - |P(ix)|² vanishes there, a polynomial in x**2."""
     r = family_stability(family)
     margin = r.margin_on_axis()
-    return _pieces(family, r, margin, inflate(margin), imaginary_limit)
+    return _pieces(family, r, margin, in_square_of_x(margin), imaginary_limit)
 
 
 def _pieces(
@@ -292,11 +291,12 @@ def _piece(curves: list[Bivariate], parameter: str, value: _Value, where: Interv
     if not isinstance(value, Branch):
         return LimitPiece(where, value)
     curve, formula = curves[value.curve], None
-    powers = [k for k, c in enumerate(curve) if c != 0]
+    rows = rows_in_x(curve)
+    powers = [k for k, c in enumerate(rows) if c != 0]
     if powers in ([0, 1], [0, 2]):
-        solved = rational_function_text(fraction(-curve[0], curve[-1]), parameter)
+        solved = rational_function_text(fraction(-rows[0], rows[-1]), parameter)
         formula = solved if powers == [0, 1] else f"sqrt({solved})"
-    return LimitPiece(where, None, curve_text(curve, "x", parameter), value.root, formula)
+    return LimitPiece(where, None, bivariate_text(curve, "x", parameter), value.root, formula)
 
 
 def _value(curves: list[Bivariate], value: Exact | None, limit: Limit | None) -> _Value | None:
@@ -305,7 +305,7 @@ def _value(curves: list[Bivariate], value: Exact | None, limit: Limit | None) ->
         return limit
     found = (k for k, curve in enumerate(curves) if vanishes_at(at_parameter(curve, scalar(value)), limit))
     curve = next(found)
-    if all(c.degree() <= 0 for c in curves[curve]):
+    if degree_in_t(curves[curve]) == 0:
         return limit
     return Branch(curve, _roots(curves[curve], value).index(limit) + 1)
 

@@ -1,4 +1,4 @@
-"""Polynomials over Q in x and a parameter t, as rows: the coefficients of 1, x, x**2, ..., each a polynomial in t."""
+"""Polynomials over Q in x and a parameter t: FLINT's, and what they are as polynomials in x."""
 
 from __future__ import annotations
 
@@ -7,107 +7,91 @@ from typing import Any, NamedTuple, TypeAlias
 
 from flint import fmpq, fmpq_mat, fmpq_mpoly_ctx, fmpq_poly
 
-from driftproof.symbolic.algebra.polynomials import ZERO, Polynomial, Scalar, evaluate, from_scalars, interpolate
+from driftproof.symbolic.algebra.polynomials import Polynomial, Scalar, evaluate, from_scalars, interpolate
 from driftproof.symbolic.algebra.rational_functions import polynomial_text, sum_text
 
-Bivariate: TypeAlias = list[Polynomial]
+# An element of the ring; FLINT has no static types.
+Bivariate: TypeAlias = Any
 
-# FLINT's polynomials in several variables: powers of x, then of t.
 _RING = fmpq_mpoly_ctx.get(("x", "t"))
+X_OF_TWO, T_OF_TWO = _RING.gens()
 
 
-def trimmed(rows: Sequence[Polynomial]) -> Bivariate:
-    """The same polynomial without leading zeros; [] is zero."""
-    end = len(rows)
-    while end and rows[end - 1] == 0:
-        end -= 1
-    return list(rows[:end])
+def from_rows(rows: Sequence[Polynomial]) -> Bivariate:
+    """The polynomial with these coefficients of 1, x, x**2, ..., polynomials in t."""
+    return _RING.from_dict({(k, j): c for k, row in enumerate(rows) for j, c in enumerate(row.coeffs()) if c != 0})
 
 
-def without_root_zero(rows: Bivariate) -> Bivariate:
+def rows_in_x(p: Bivariate) -> list[Polynomial]:
+    """The coefficients of 1, x, x**2, ... up to the degree; none of zero."""
+    terms = p.to_dict()
+    degree = degree_in_t(p)
+    return [fmpq_poly([terms.get((k, j), 0) for j in range(degree + 1)]) for k in range(degree_in_x(p) + 1)]
+
+
+def degree_in_x(p: Bivariate) -> int:
+    """The degree in x; -1 for zero."""
+    return int(p.degrees()[0]) if p != 0 else -1
+
+
+def degree_in_t(p: Bivariate) -> int:
+    """The degree in t; -1 for zero."""
+    return int(p.degrees()[1]) if p != 0 else -1
+
+
+def without_root_zero(p: Bivariate) -> Bivariate:
     """The polynomial divided by the highest power of x that divides it."""
-    return trimmed(trimmed(rows)[::-1])[::-1]
+    return p // X_OF_TWO ** min((k for k, _ in p.to_dict()), default=0)
 
 
-def signed(rows: Bivariate) -> Bivariate:
+def reflected_in_x(p: Bivariate) -> Bivariate:
     """p(-x)."""
-    return trimmed([-c if k % 2 else c for k, c in enumerate(rows)])
+    return p.compose(-X_OF_TWO, T_OF_TWO)
 
 
-def add_rows(a: Bivariate, b: Bivariate) -> Bivariate:
-    """a + b."""
-    size = max(len(a), len(b))
-    padded = ([*rows, *[ZERO] * (size - len(rows))] for rows in (a, b))
-    return trimmed([x + y for x, y in zip(*padded, strict=True)])
+def even_and_odd_part(p: Bivariate) -> tuple[Bivariate, Bivariate]:
+    """The e and o with p(iy) = e(y²) + iy o(y²)."""
+    rows = rows_in_x(p)
+    even, odd = (reflected_in_x(from_rows(rows[start::2])) for start in (0, 1))
+    return even, odd
 
 
-def subtract_rows(a: Bivariate, b: Bivariate) -> Bivariate:
-    """a - b."""
-    return add_rows(a, [-c for c in b])
-
-
-def multiply_rows(a: Bivariate, b: Bivariate) -> Bivariate:
-    """a b."""
-    rows: Bivariate = [ZERO] * max(len(a) + len(b) - 1, 0)
-    for i, x in enumerate(a):
-        for j, y in enumerate(b):
-            rows[i + j] = rows[i + j] + x * y
-    return trimmed(rows)
-
-
-def rows_modulus_squared(rows: Bivariate) -> Bivariate:
+def modulus_squared_in_x(p: Bivariate) -> Bivariate:
     """|p(iy)|² by powers of x = y²."""
-    even, odd = signed(rows[::2]), signed(rows[1::2])
-    return add_rows(multiply_rows(even, even), [ZERO, *multiply_rows(odd, odd)])
+    even, odd = even_and_odd_part(p)
+    return even * even + X_OF_TWO * odd * odd
 
 
-def inflate(rows: Bivariate) -> Bivariate:
+def in_square_of_x(p: Bivariate) -> Bivariate:
     """p(x**2)."""
-    return trimmed([c for row in rows for c in (row, ZERO)])
+    return p.compose(X_OF_TWO**2, T_OF_TWO)
 
 
-def at_parameter(rows: Bivariate, value: Scalar) -> Polynomial:
+def at_parameter(p: Bivariate, value: Scalar) -> Polynomial:
     """The polynomial in x at a value of the parameter."""
-    return from_scalars([evaluate(c, value) for c in rows])
+    return from_scalars([evaluate(c, value) for c in rows_in_x(p)])
 
 
-def irreducible_factors(rows: Bivariate) -> list[Bivariate]:
-    """The factors over Q that are irreducible and not free of x, each once, primitive over Z; of [] none."""
-    factors = (_rows(factor) for factor, _ in _flint(rows).factor()[1]) if rows else ()
-    return [factor for factor in factors if len(factor) > 1]
-
-
-def common_divisor(a: Bivariate, b: Bivariate) -> Bivariate:
-    """A greatest common divisor over Q, of two that are not zero."""
-    return _rows(_flint(a).gcd(_flint(b)))
-
-
-def divide_rows(a: Bivariate, b: Bivariate) -> Bivariate:
-    """a / b for a divisor b of a."""
-    return _rows(_flint(a) // _flint(b))
+def irreducible_factors(p: Bivariate) -> list[Bivariate]:
+    """The factors over Q that are irreducible and not free of x, each once, primitive over Z; of 0 none."""
+    return [factor for factor, _ in p.factor()[1] if degree_in_x(factor) > 0] if p != 0 else []
 
 
 def merging_values(a: Bivariate, b: Bivariate) -> Polynomial | None:
     """A polynomial in t that vanishes wherever the common roots of a and b may change; None if a or b is zero."""
-    if not a or not b:
+    if a == 0 or b == 0:
         return None
 
     def at(value: fmpq) -> tuple[Polynomial, Polynomial]:
         return at_parameter(a, value), at_parameter(b, value)
 
-    first, second = (max(int(c.degree()) for c in rows) for rows in (a, b))
-    return critical_polynomial(ParametricPair(at, (len(a) - 1, len(b) - 1), (first, second)))
+    return critical_polynomial(ParametricPair(at, (degree_in_x(a), degree_in_x(b)), (degree_in_t(a), degree_in_t(b))))
 
 
-def slope_in_x(rows: Bivariate) -> Bivariate:
-    """The derivative by x."""
-    return [c * k for k, c in enumerate(rows)][1:]
-
-
-def bivariate_text(rows: Bivariate, variable: str, parameter: str) -> str:
+def bivariate_text(p: Bivariate, variable: str, parameter: str) -> str:
     """The polynomial in SymPy's syntax, highest power of x first, e.g. "(1 - 2*gamma)*x - 2"."""
-    powers = (k for k in reversed(range(len(rows))) if rows[k] != 0)
-    return sum_text(_term(rows[k], k, variable, parameter) for k in powers)
+    rows = list(enumerate(rows_in_x(p)))[::-1]
+    return sum_text(_term(row, k, variable, parameter) for k, row in rows if row != 0)
 
 
 def _term(coefficient: Polynomial, power: int, variable: str, parameter: str) -> str:
@@ -118,18 +102,6 @@ def _term(coefficient: Polynomial, power: int, variable: str, parameter: str) ->
     if written in ("1", "-1"):
         return written[:-1] + monomial
     return f"({written})*{monomial}" if " " in written else f"{written}*{monomial}"
-
-
-def _flint(rows: Bivariate) -> Any:
-    """The polynomial in FLINT's ring of two variables."""
-    return _RING.from_dict({(k, j): c for k, row in enumerate(rows) for j, c in enumerate(row.coeffs()) if c != 0})
-
-
-def _rows(p: Any) -> Bivariate:
-    terms = {tuple(map(int, powers)): c for powers, c in p.to_dict().items()}
-    reach = max((k for k, _ in terms), default=-1)
-    degree = max((j for _, j in terms), default=-1)
-    return [fmpq_poly([terms.get((k, j), 0) for j in range(degree + 1)]) for k in range(reach + 1)]
 
 
 class ParametricPair(NamedTuple):

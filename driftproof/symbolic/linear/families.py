@@ -13,13 +13,12 @@ from driftproof.methods.families import Family, ParameterFunction
 from driftproof.methods.number_field import Exact
 from driftproof.symbolic.algebra.bivariate import (
     Bivariate,
-    common_divisor,
-    divide_rows,
+    degree_in_x,
+    even_and_odd_part,
+    from_rows,
     merging_values,
-    rows_modulus_squared,
-    signed,
-    slope_in_x,
-    subtract_rows,
+    modulus_squared_in_x,
+    rows_in_x,
     without_root_zero,
 )
 from driftproof.symbolic.algebra.matrices import characteristic_and_adjugate
@@ -47,9 +46,9 @@ _Label = TypeVar("_Label", bound=Hashable)
 
 @dataclass(frozen=True)
 class FamilyStability:
-    """R(z) = P/Q, in lowest terms over Q(parameter): rows by powers of z, polynomials in the parameter.
+    """R(z) = P/Q, in lowest terms over Q(parameter): polynomials in x = z and in the parameter.
 
-    At single values of the parameter a further factor may cancel; at roots of `den[0]` there may be no method.
+    At single values of the parameter a further factor may cancel; at roots of Q(0) there may be no method.
     """
 
     num: Bivariate
@@ -57,7 +56,8 @@ class FamilyStability:
 
     def coefficients(self) -> tuple[list[RationalFunction], list[RationalFunction]]:
         """The coefficients of numerator and denominator as functions of the parameter, the first of the latter 1."""
-        num, den = ([fraction(c, self.den[0]) for c in rows] for rows in (self.num, self.den))
+        first = rows_in_x(self.den)[0]
+        num, den = ([fraction(c, first) for c in rows_in_x(p)] for p in (self.num, self.den))
         return num, den
 
     def taylor(self, terms: int) -> list[RationalFunction]:
@@ -73,7 +73,7 @@ class FamilyStability:
 
     def margin_on_axis(self) -> Bivariate:
         """|Q(iy)|² - |P(iy)|² by powers of y², without common ones."""
-        return without_root_zero(subtract_rows(rows_modulus_squared(self.den), rows_modulus_squared(self.num)))
+        return without_root_zero(modulus_squared_in_x(self.den) - modulus_squared_in_x(self.num))
 
 
 def poles(family: Family) -> Polynomial:
@@ -95,17 +95,14 @@ def family_stability(family: Family) -> FamilyStability:
     rows, weights = [cleared(row, common) for row in family.a], cleared(family.b, common)
     shifted = [[x - y for x, y in zip(row, weights, strict=True)] for row in rows]
     num, den = (_determinant(matrix, common) for matrix in (shifted, rows))
-    shared = common_divisor(num, den)
-    return FamilyStability(divide_rows(num, shared), divide_rows(den, shared))
+    shared = num.gcd(den)
+    return FamilyStability(num // shared, den // shared)
 
 
 def _determinant(rows: Sequence[Sequence[Polynomial]], common: Polynomial) -> Bivariate:
     """det(I - zA) times commonˢ, for A = rows/common: coefficient k is that of `rows` times common**(s - k)."""
     found = [descend(c) for c in characteristic_and_adjugate(rows)[0]]
-    scaled = [c * common ** (len(rows) - k) for k, c in enumerate(found)]
-    while scaled[-1] == 0:
-        scaled.pop()
-    return scaled
+    return from_rows([c * common ** (len(rows) - k) for k, c in enumerate(found)])
 
 
 def family_error_constant(family: Family) -> tuple[int, RationalFunction]:
@@ -114,7 +111,7 @@ def family_error_constant(family: Family) -> tuple[int, RationalFunction]:
     There is one: R agrees with exp up to the power deg P + deg Q at most, as for a single method.
     """
     r = family_stability(family)
-    terms = len(r.num) + len(r.den) + 1
+    terms = degree_in_x(r.num) + degree_in_x(r.den) + 3
     differences = (
         f - fraction(ONE * wanted) for f, wanted in zip(r.taylor(terms), exponential_series(terms), strict=True)
     )
@@ -210,8 +207,7 @@ def parameter_set(family: Family, decide: Callable[[RationalFunction], object]) 
 def critical_polynomials(family: Family) -> list[Polynomial]:
     """Polynomials in the parameter, one of which vanishes wherever the facts named in `parameter_set` can change."""
     r = family_stability(family)
-    even, odd = signed(r.den[::2]), signed(r.den[1::2])
-    return critical_values(r, r.margin_on_axis(), (even, odd))
+    return critical_values(r, r.margin_on_axis(), even_and_odd_part(r.den))
 
 
 def critical_values(r: FamilyStability, margin: Bivariate, *pairs: tuple[Bivariate, Bivariate]) -> list[Polynomial]:
@@ -219,8 +215,8 @@ def critical_values(r: FamilyStability, margin: Bivariate, *pairs: tuple[Bivaria
 
     These are roots of P and Q, roots of the margin, and roots of the two in a pair.
     """
-    merging = [merging_values(p, q) for p, q in ((r.num, r.den), *pairs, (margin, slope_in_x(margin)))]
-    ends = [p for rows in (r.num, r.den, margin) if rows for p in (rows[0], rows[-1])]
+    merging = [merging_values(p, q) for p, q in ((r.num, r.den), *pairs, (margin, margin.derivative(0)))]
+    ends = [p for f in (r.num, r.den, margin) if f != 0 for p in (rows_in_x(f)[0], rows_in_x(f)[-1])]
     return [p for p in (*ends, *merging) if p is not None and p != 0]
 
 

@@ -11,12 +11,11 @@ from flint import fmpq_poly
 
 from driftproof.methods.number_field import Exact
 from driftproof.symbolic.trees.elementary_weights import (
+    EXACT,
     AnyMethod,
     NodePolynomial,
     NodeStages,
     RingElement,
-    Scalars,
-    scalars_for,
 )
 
 _Vector: TypeAlias = tuple[Exact, ...]
@@ -110,12 +109,8 @@ def quadratic_matrix(method: AnyMethod) -> _Matrix:
     """
     if isinstance(method, NodePolynomial):
         return _collocation_matrix(NodeStages(method.node_polynomial))
-    scalars = scalars_for([*method.b, *(x for row in method.a for x in row)])
-    weights = [scalars.lift(x) for x in method.b]
-    rows = [[scalars.lift(x) for x in row] for row in method.a]
-    return _symmetric(
-        lambda i, j: weights[i] * rows[i][j] + weights[j] * rows[j][i] - weights[i] * weights[j], len(weights), scalars
-    )
+    b, a = [EXACT.lift(x) for x in method.b], [[EXACT.lift(x) for x in row] for row in method.a]
+    return _symmetric(lambda i, j: b[i] * a[i][j] + b[j] * a[j][i] - b[i] * b[j], len(b))
 
 
 def algebraic_stability(method: AnyMethod) -> AlgebraicStability:
@@ -140,17 +135,17 @@ def _collocation_matrix(stages: NodeStages) -> _Matrix:
         one, other = (stages.weigh(stages.times(powers[k], integrals[m])) for k, m in ((i, j), (j, i)))
         return one + other - totals[i] * totals[j]
 
-    return _symmetric(entry, len(powers), stages.scalars)
+    return _symmetric(entry, len(powers))
 
 
 def _weight_matrix(stages: NodeStages) -> _Matrix:
     powers = _powers(stages)
-    return _symmetric(lambda i, j: stages.weigh(stages.times(powers[i], powers[j])), len(powers), stages.scalars)
+    return _symmetric(lambda i, j: stages.weigh(stages.times(powers[i], powers[j])), len(powers))
 
 
 def _powers(stages: NodeStages) -> list[fmpq_poly]:
     return [fmpq_poly([0] * k + [1]) for k in range(stages.modulus.degree())]
 
 
-def _symmetric(entry: Callable[[int, int], RingElement], size: int, scalars: Scalars) -> _Matrix:
-    return tuple(tuple(scalars.exact(entry(i, j)) for j in range(size)) for i in range(size))
+def _symmetric(entry: Callable[[int, int], RingElement], size: int) -> _Matrix:
+    return tuple(tuple(EXACT.exact(entry(i, j)) for j in range(size)) for i in range(size))

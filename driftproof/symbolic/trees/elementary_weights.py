@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from operator import mul
@@ -10,7 +10,7 @@ from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 from flint import fmpq, fmpq_poly
 
-from driftproof.methods.number_field import Algebraic, Exact, NumberField
+from driftproof.methods.number_field import Algebraic, Exact, as_fmpq
 from driftproof.symbolic.trees.rooted_trees import TreeTable, tree_table
 
 # A number of some `Scalars`: it has +, -, * among its kind and with fmpq. FLINT's numbers have no static types.
@@ -28,51 +28,21 @@ class Scalars(Protocol):
 
 
 @dataclass(frozen=True)
-class Rationals:
-    """Q, its elements FLINT's fmpq."""
+class ExactScalars:
+    """Q and number fields: rationals as FLINT's fmpq, irrational numbers as Algebraic, which mix within one field."""
 
     def lift(self, x: Exact | int) -> RingElement:
-        """The rational as an fmpq. Raises TypeError for a float, or for an irrational number."""
-        if isinstance(x, bool) or not isinstance(x, int | Fraction):
-            raise TypeError(f"{x!r} ({type(x).__name__}) is no rational; exact arithmetic takes int or Fraction")
-        return fmpq(x.numerator, x.denominator)
+        """The number as it computes. Raises TypeError for a float."""
+        return x if isinstance(x, Algebraic) else as_fmpq(x)
 
     def exact(self, x: RingElement) -> Exact:
-        """The fmpq, or an integer, as a Fraction."""
-        return _fraction(x)
+        """The number as a Fraction where it is rational."""
+        if isinstance(x, Algebraic):
+            return x.as_fraction() if x.is_rational else x
+        return Fraction(int(x.numerator), int(x.denominator))
 
 
-@dataclass(frozen=True)
-class FieldScalars:
-    """A number field, its elements Algebraic."""
-
-    field: NumberField
-
-    def lift(self, x: Exact | int) -> RingElement:
-        """The number as an element of the field. Raises TypeError for a float, or an element of another field."""
-        if not isinstance(x, Algebraic):
-            return Algebraic(self.field, [Rationals().lift(x)])
-        if x.field != self.field:
-            raise TypeError(f"coefficients in {self.field.name} and in {x.field.name}: give all of them in one field")
-        return x
-
-    def exact(self, x: RingElement) -> Exact:
-        """The number as an Algebraic; as a Fraction where it is rational."""
-        if not isinstance(x, Algebraic):
-            return _fraction(x)
-        return x.as_fraction() if x.is_rational else x
-
-
-def scalars_for(coefficients: Iterable[Exact | int]) -> Scalars:
-    """Q if all coefficients are rational, else the one field in which the others lie. Raises TypeError for two."""
-    fields = {x.field: None for x in coefficients if isinstance(x, Algebraic)}
-    if len(fields) > 1:
-        raise TypeError(f"coefficients in {' and in '.join(field.name for field in fields)}: give all in one field")
-    return FieldScalars(next(iter(fields))) if fields else Rationals()
-
-
-def _fraction(x: RingElement) -> Fraction:
-    return Fraction(int(x.numerator), int(x.denominator))
+EXACT: Scalars = ExactScalars()
 
 
 # The values of something at all stages of a method. Its type is the stage algebra's own.
@@ -128,13 +98,12 @@ class StageAlgebra(Protocol):
 class TableauStages:
     """Lists of s numbers, with A and b from a tableau (butcher-2016, 312)."""
 
-    def __init__(self, a: Sequence[Sequence[Any]], b: Sequence[Any], scalars: Scalars | None = None) -> None:
+    def __init__(self, a: Sequence[Sequence[Any]], b: Sequence[Any], scalars: Scalars = EXACT) -> None:
         """Zero coefficients are dropped here, so that an explicit method costs half.
 
-        Without `scalars` all coefficients are `Exact` and in one field; with them, whatever these lift, such as
-        polynomials in a parameter: then the conditions are polynomials in it.
+        The coefficients are whatever `scalars` lift: polynomials in a parameter, say, and then so are the conditions.
         """
-        self.scalars = scalars or scalars_for([*b, *(x for row in a for x in row)])
+        self.scalars = scalars
         lift = self.scalars.lift
         self._rows = [[(j, lift(x)) for j, x in enumerate(row) if x] for row in a]
         self._weights = [(i, lift(x)) for i, x in enumerate(b) if x]
@@ -176,7 +145,7 @@ class NodeStages:
     def __init__(self, nodes: Sequence[Exact]) -> None:
         """`nodes` holds the coefficients of M, constant term first, its leading one not zero."""
         self.modulus = distinct_nodes(nodes)
-        self.scalars = Rationals()
+        self.scalars = EXACT
         self.one = fmpq_poly([1]) % self.modulus
         self.bound = 2 * int(self.modulus.degree())
 
@@ -195,7 +164,7 @@ class NodeStages:
 
 def distinct_nodes(nodes: Sequence[Exact]) -> fmpq_poly:
     """M as a polynomial of FLINT. Raises ValueError unless it has degree 1 or more and no multiple root."""
-    polynomial = fmpq_poly([Rationals().lift(x) for x in nodes])
+    polynomial = fmpq_poly([as_fmpq(x) for x in nodes])
     if polynomial.degree() < 1 or polynomial.gcd(polynomial.derivative()).degree() > 0:
         raise ValueError(f"{tuple(map(str, nodes))} is no node polynomial: s >= 1 distinct nodes are needed")
     return polynomial

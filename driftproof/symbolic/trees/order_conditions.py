@@ -12,6 +12,7 @@ from flint import fmpq, fmpq_poly
 
 from driftproof.methods.number_field import Exact
 from driftproof.symbolic.trees.elementary_weights import (
+    EXACT,
     AnyMethod,
     ElementaryWeights,
     HasTableau,
@@ -21,7 +22,6 @@ from driftproof.symbolic.trees.elementary_weights import (
     StageAlgebra,
     TableauStages,
     distinct_nodes,
-    scalars_for,
     stage_algebra,
 )
 from driftproof.symbolic.trees.rooted_trees import AnyTree, Tree, bush, shapes, tree_number, tree_table, vertices
@@ -254,8 +254,7 @@ class _Conditions:
     """The residuals of the conditions numbered k = 1, 2, ..., in the method's field."""
 
     def __init__(self, method: HasTableau) -> None:
-        scalars = scalars_for([*method.b, *method.c, *(x for row in method.a for x in row)])
-        lift: Callable[[Exact | int], RingElement] = scalars.lift
+        lift = EXACT.lift
         self.weights, nodes = [lift(x) for x in method.b], [lift(x) for x in method.c]
         self.rows = [[lift(x) for x in row] for row in method.a]
         self.columns = list(zip(*self.rows, strict=True))

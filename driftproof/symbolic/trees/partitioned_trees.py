@@ -11,6 +11,7 @@ from flint import fmpq
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Splitting
 from driftproof.symbolic.trees.elementary_weights import (
+    EXACT,
     ElementaryWeights,
     HasTableau,
     RingElement,
@@ -18,7 +19,6 @@ from driftproof.symbolic.trees.elementary_weights import (
     StageAlgebra,
     StageValues,
     TableauStages,
-    scalars_for,
 )
 from driftproof.symbolic.trees.order_conditions import OrderFact, TreeLabel, order_of
 from driftproof.symbolic.trees.rooted_trees import (
@@ -76,7 +76,7 @@ class SplittingStages:
 
     def __init__(self, method: Splitting) -> None:
         """The sub-steps are taken as they come; those with coefficient zero do no harm."""
-        self.scalars = scalars_for(c for _, c in method.parts)
+        self.scalars = EXACT
         self.bound = max(2 * sum(kind == "kick" for kind, _ in method.parts), 1)
         self._parts = [(V if kind == "kick" else Q, self.scalars.lift(c)) for kind, c in method.parts]
 
@@ -102,10 +102,9 @@ class NystromStages:
     written None here (hairer-norsett-wanner-1993, II.14).
     """
 
-    def __init__(self, method: NystromTableau, scalars: Scalars | None = None) -> None:
-        """All coefficients lie in one field; or, with `scalars`, they are whatever these lift."""
-        rows = (method.c, method.b_position, method.b_velocity, *method.a)
-        self.scalars = scalars or scalars_for(x for row in rows for x in row)
+    def __init__(self, method: NystromTableau, scalars: Scalars = EXACT) -> None:
+        """The coefficients are whatever `scalars` lift."""
+        self.scalars = scalars
         self.bound = 2 * len(method.c)
         self._velocity = TableauStages(method.a, method.b_velocity, self.scalars)
         self._position = TableauStages(method.a, method.b_position, self.scalars)
@@ -242,14 +241,13 @@ class ColouredConditions(ElementaryWeights):
         return self.table(vertices).symmetry[label]
 
 
-def conditions_with_nodes(method: HasTableau, scalars: Scalars | None = None) -> ColouredConditions:
+def conditions_with_nodes(method: HasTableau, scalars: Scalars = EXACT) -> ColouredConditions:
     """The conditions on every y' = f(t, y), where f is called at the times t + cᵢh that the method states.
 
     They are those of A and b if c is A's row sums (hairer-norsett-wanner-1993, II.1); a table that states
-    another c may fail earlier. Trees have a second kind of leaf, coloured t, for derivatives in t. With `scalars`, the
-    coefficients are whatever these lift.
+    another c may fail earlier. Trees have a second kind of leaf, coloured t, for derivatives in t. The coefficients are
+    whatever `scalars` lift.
     """
-    scalars = scalars or scalars_for([*method.b, *method.c, *(x for row in method.a for x in row)])
     stages = TableauStages(method.a, method.b, scalars)
     return ColouredConditions(("y", "t"), stages, _Clock(method.c, scalars), internal=1, scalars=scalars)
 

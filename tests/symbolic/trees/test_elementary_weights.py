@@ -16,7 +16,7 @@ from driftproof.symbolic.algebra.rational_functions import taylor
 from driftproof.symbolic.linear.reduced_tableau import is_symmetric, is_symplectic
 from driftproof.symbolic.linear.stability_function import stability_function_of_collocation
 from driftproof.symbolic.trees.algebraic_stability import algebraic_stability, quadratic_matrix
-from driftproof.symbolic.trees.elementary_weights import FieldScalars
+from driftproof.symbolic.trees.elementary_weights import EXACT, TableauStages
 from driftproof.symbolic.trees.order_conditions import (
     collocation_order,
     elementary_weight,
@@ -157,7 +157,6 @@ def test_conditions_of_nodes_far_apart_fail_where_their_weights_are_negative() -
 
 
 def test_numbers_of_two_fields_are_not_mixed() -> None:
-    scalars = FieldScalars(square_root(2).field)
-    assert scalars.lift(Q(1, 2)) * 2 == 1
-    with pytest.raises(TypeError, match=r"in sqrt\(2\) and in sqrt\(3\): give all of them in one field"):
-        scalars.lift(square_root(3))
+    assert EXACT.lift(Q(1, 2)) * 2 == 1
+    with pytest.raises(TypeError, match=r"between sqrt\(3\) and sqrt\(2\)"):
+        TableauStages(((square_root(2),),), (square_root(3),)).weigh([square_root(2)])

@@ -129,11 +129,6 @@ def test_algebraic_residuals_are_exact_and_compared_exactly() -> None:
     assert order_to_tolerance(conditions, Q(isqrt(2 * 10**40), 10**40)) == 0
 
 
-def test_coefficients_of_two_fields_are_refused() -> None:
-    with pytest.raises(TypeError, match=r"sqrt\(3\) and in sqrt\(2\)"):
-        TableauStages(((square_root(2),),), (square_root(3),))
-
-
 def test_order_uses_stages_alone_and_conditions_are_asked_in_any_order() -> None:
     conditions = runge_kutta_conditions(RK4)
     late = residuals(conditions, 5)

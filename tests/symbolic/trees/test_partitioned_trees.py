@@ -11,7 +11,7 @@ import pytest
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Nystrom, RungeKutta, Splitting
-from driftproof.symbolic.trees.elementary_weights import TableauStages, scalars_for
+from driftproof.symbolic.trees.elementary_weights import EXACT, TableauStages
 from driftproof.symbolic.trees.order_conditions import (
     order,
     order_of,
@@ -41,7 +41,7 @@ def conditions_of_the_pair(method: Splitting) -> ColouredConditions:
         weights = tuple(c if kind == own else Q(0) for kind, c in method.parts)
         rows = tuple(tuple(c if j < i else Q(0) for j, c in enumerate(weights)) for i in range(len(weights)))
         tables.append(TableauStages(rows, weights))
-    return ColouredConditions(("q", "v"), *tables, internal=2, scalars=scalars_for(c for _, c in method.parts))
+    return ColouredConditions(("q", "v"), *tables, internal=2, scalars=EXACT)
 
 
 def uncoloured(tree: ColouredTree) -> Tree:
