@@ -25,6 +25,7 @@ COMMANDS = {
     "stability": ("problems", "which steps a method can take on a problem: proved, and seen"),
     "identify": ("steppers", "which method a float stepper really is"),
     "verify": ("steppers", "whether a float stepper is the method its name says, to roundoff"),
+    "certify": ("certify", "the true error of a float trajectory, from any solver"),
     "scenes": ("scenes", "list the lesson's scenes"),
     "scene": ("scenes", "run a scene in floats and show what it asks for"),
     "sweep": ("scenes", "run a scene at every point of a grid of steps, times, starts and methods"),
@@ -59,6 +60,7 @@ examples:
   driftproof roundoff rk4 --h 1/4                  the rounding bound of a step, derived by running it
   driftproof identify mylib.ode:step               which method your code really is
   driftproof verify mylib.ode:step --method rk4    and whether it is right to roundoff
+  driftproof certify mylib.ode:f run.csv           the true error of your run, enclosed
   driftproof scene default                         the lesson's readouts and its table
   driftproof work-precision                        error against evaluations and against run time
   driftproof report -o report.html                 the same as a page, with figures

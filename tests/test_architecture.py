@@ -59,14 +59,14 @@ NOT_ELSEWHERE = "sympy"
 # of `derive` and facts as typed properties; blackbox verdicts that say what was seen; texts what docs and help show.
 BUDGETS = {
     "support": 1030,
-    "methods": 4385,
+    "methods": 4390,
     "symbolic": 9650,
     "numeric": 3000,
     "blackbox": 8760,
     "enclosure": 1975,
     "texts": 5550,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 4570
+BUDGET_OF_REPORTS_AND_FRONT = 4705
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 

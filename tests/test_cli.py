@@ -171,7 +171,7 @@ def test_same_bytes_come_from_processes_with_other_hash_seeds():
     assert len({subprocess.run(command, env={"PYTHONHASHSEED": seed}, **run).stdout for seed in ("0", "1")}) == 1
 
 
-# What the examples of `identify` and `verify` are about, and the claims of `check`.
+# What the examples of `identify`, `verify` and `certify` are about, and the claims of `check`.
 FILES = {
     "mylib/integrators.py": """
 def step(q, v, h):
@@ -188,6 +188,14 @@ def step(q, v, h):
     v = (v - h * q) / (1 + h * h)
     return q + h * v, v
 """,
+    "mylib/models.py": """
+import numpy as np
+
+def pendulum(t, y):
+    return np.array([y[1], -np.sin(y[0])])
+""",
+    "pendulum.toml": 'rates = ["y1", "-g * sin(y0)"]\nparameters.g = 1\n',
+    "run.csv": (ROOT / "tests" / "enclosure" / "runs" / "pendulum_RK45.csv").read_text(encoding="utf-8"),
     "chapter.md": """5 min read. Then the state is (337/384, −23/48) after one step.
 RK4 takes 40 steps of h = 0.25 and is off by 3.3×10⁻⁴ at the end.
 """,

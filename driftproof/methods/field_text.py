@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 from driftproof.methods.expression_tree import (
@@ -19,10 +20,13 @@ from driftproof.methods.expression_tree import (
 from driftproof.methods.expressions import parse_number
 from driftproof.methods.number_field import Exact
 from driftproof.methods.vector_fields import FUNCTIONS, VectorField
-from driftproof.support.toml_tables import TomlTable, as_table, as_texts
+from driftproof.support.toml_tables import TomlTable, as_table, as_texts, demand_keys, read_toml
 
 # A power of a power of a sum is written out as products, which no published right-hand side makes as long as this.
 LONGEST_RATE = 100_000
+# What a file may say of a problem, in bytes, and by which keys; a right-hand side needs the first two of them.
+LONGEST_PROBLEM = 100_000
+PROBLEM_KEYS = ("rates", "parameters", "title", "start", "end", "energy", "stiff")
 
 
 def field_of_text(rates: str | Sequence[str], parameters: Mapping[str, Exact] | None = None) -> VectorField:
@@ -40,6 +44,16 @@ def field_of_text(rates: str | Sequence[str], parameters: Mapping[str, Exact] | 
 def rate_of_text(text: str) -> str:
     """The expression as a `VectorField` takes it: no decimals, no powers. Raises ExpressionError."""
     return _Writer(text).written()
+
+
+def field_of_file(path: str | Path) -> VectorField:
+    """The field of a .toml file, whose other keys are those of a problem. Raises ValueError in one line."""
+
+    def read(table: TomlTable) -> VectorField:
+        demand_keys(table, PROBLEM_KEYS, "a right-hand side")
+        return field_of_table(table)
+
+    return read_toml(path, LONGEST_PROBLEM, read)
 
 
 def field_of_table(table: TomlTable) -> VectorField:

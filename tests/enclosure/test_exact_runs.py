@@ -175,7 +175,6 @@ OFF[4, 0] += 1e-9
 REFUSED = {
     r"backward_euler is implicit: .*; only explicit methods are run": (pendulum, TIMES, STATES, "backward_euler"),
     r"gauss2 is implicit": (pendulum, TIMES, STATES, "gauss2"),
-    r"unknown method 'rk5'; did you mean": (pendulum, TIMES, STATES, "rk5"),
     r"y\[1\] is not one step of rk38 from y\[0\]: off by": (pendulum, TIMES, STATES, "rk38"),
     r"y\[4\] is not one step of rk4 from y\[3\]: off by 1e-09": (pendulum, TIMES, OFF, "rk4"),
     r"velocity_verlet takes y = \(q, v\) with q' = v, and v' that does not": (slow, TIMES, STATES, "velocity_verlet"),
@@ -191,6 +190,11 @@ def test_what_is_no_run_of_the_method_is_refused_in_one_line(said):
     with pytest.raises(Refused, match=said) as caught:
         certify(f, times, states, method=method, h=h[0] if h else None)
     assert "\n" not in str(caught.value)
+
+
+def test_method_that_is_none_is_bad_input():
+    with pytest.raises(ValueError, match="unknown method 'rk5'; did you mean"):
+        certify(pendulum, TIMES, STATES, method="rk5")
 
 
 def test_exact_run_that_is_lost_in_its_balls_is_refused(monkeypatch):

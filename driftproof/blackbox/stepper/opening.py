@@ -112,7 +112,7 @@ class Target:
         return opened(imported(self.step), self.calls, array, before, after)
 
 
-def imported(named: Callable[..., Any] | str) -> Callable[..., Any]:
+def imported(named: Callable[..., Any] | str, what: str = "stepper") -> Callable[..., Any]:
     """The callable that `package.module:name` names, found from the current directory too; a callable as it is.
 
     Raises ValueError, in one line, for a text of another form, and for what cannot be imported or called.
@@ -121,7 +121,7 @@ def imported(named: Callable[..., Any] | str) -> Callable[..., Any]:
         return named
     module, colon, path = named.partition(":")
     if not (colon and all(part.isidentifier() for part in (*module.split("."), *path.split(".")))):
-        raise ValueError(f"{named!r} names no stepper; write package.module:function")
+        raise ValueError(f"{named!r} names no {what}; write package.module:function")
     if os.getcwd() not in sys.path:
         sys.path.insert(0, os.getcwd())
     try:

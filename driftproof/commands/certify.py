@@ -1,0 +1,101 @@
+"""`driftproof certify`: the true error of somebody's trajectory, enclosed, from a function and a file."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from driftproof.commands import arguments as cli
+
+if TYPE_CHECKING:
+    from driftproof.enclosure.certificate import Certificate
+    from driftproof.enclosure.text_fields import GivenField
+
+
+@cli.read_by
+def _step(text: str) -> Fraction:
+    """A step: exact, or the double that hexadecimal digits spell."""
+    from driftproof.enclosure.trajectories import float_of_text
+    from driftproof.methods.rationals import parse_rational
+
+    return Fraction(float_of_text(text)) if "0x" in text.lower() else parse_rational(text, "h")
+
+
+@cli.command(
+    cli.option("function", "f of y' = f(t, y): module:f, or its text, or a .toml file with it", metavar="F"),
+    cli.option("run", "the trajectory, a .csv or .npz file", type=Path),
+    cli.option("--method", "split the error: a method's key or .toml file, or SciPy's RK23, RK45, DOP853"),
+    cli.option("--h", "the step, where the file holds only some points of the run", type=_step),
+    cli.option("--tolerance", "exit with 1 if any error is larger", type=cli.positive_number("tolerance")),
+    cli.option("--figure", "also draw error against time, into an .svg file", type=Path, metavar="FILE"),
+    cli.TEXT_OR_JSON,
+)
+def certify_command(options: Namespace) -> str:
+    """Enclose the true error of a float trajectory of y' = f(t, y), from any solver in any language.
+    The true solution starts from the first point of the file as it stands there.
+
+    examples:
+      driftproof certify mylib.models:pendulum run.csv
+      driftproof certify 'y1; -sin(y0)' run.csv --method RK45 --tolerance 1e-6
+      driftproof certify pendulum.toml run.csv --figure error.svg --format json
+
+    what f may be:
+      module:f        your own Python function f(t, y), unchanged: arithmetic, math and NumPy; found from here
+      'y1; -sin(y0)'  a rate for each component in t, y0, y1, ...; with sin, cos, exp, log, sqrt; numbers are exact
+      file.toml       rates = ["y1", "-g * sin(y0)"], and [parameters] with g = "9.81"
+    f runs in this process, as in your own tests: it is your code, and Ctrl-C stops it.
+
+    what the file holds:
+      .csv   a line for each time: t, then the components; parted by commas, semicolons or blanks. One line of names
+             first, and lines that begin with #, are passed over. Write decimals of 17 digits (Fortran's 1.5D0 is
+             understood), or hexadecimal floats such as 0x1.8p+0, as C and C++ print with %a, to the last bit.
+      .npz   the arrays t and y (or ts and ys), a row or a column for each time
+
+    With --method, total = truncation + rounding, each enclosed: the method is run exactly on the steps of the run, from
+    point to point, or of size --h. Points that are no steps of the method are refused.
+
+    exit status: 0 if enclosed, and within --tolerance if there is one; 1 if beyond it; 2 if the question makes no
+    sense; 3 if nothing can be proved, with the reason: a pole ahead, a branch that is reached, a stiff problem.
+    """
+    from driftproof.enclosure.certify import certificate_of, within
+    from driftproof.enclosure.trajectories import read_trajectory
+    from driftproof.reports.certificate_figure import draw_certificate
+
+    run = read_trajectory(options.run)
+    f = _function(options.function)
+    try:
+        found = certificate_of(f, run, options.method, options.h)
+    except (ArithmeticError, ValueError, OSError):
+        raise
+    except Exception as error:  # a user's function raises what it likes
+        raise ArithmeticError(f"f fails: {type(error).__name__}: {error}") from error
+    good = options.tolerance is None or within(found, options.tolerance)
+    drawn = draw_certificate(found, f"Error of {options.run.name}", options.figure) if options.figure else None
+    answer = found.record()
+    if options.tolerance is not None:
+        answer |= {"tolerance": repr(options.tolerance), "within": good}
+    written = cli.as_asked(options, answer, lambda _: _text(found, options.tolerance, good, drawn))
+    if not good:
+        raise cli.Refuted(written)
+    return written
+
+
+def _text(found: Certificate, tolerance: float | None, good: bool, drawn: Path | None) -> str:
+    lines = [found.text()]
+    if tolerance is not None:
+        lines.append(f"{'within' if good else 'BEYOND'} the tolerance {tolerance}")
+    if drawn is not None:
+        lines.append(f"wrote {drawn}")
+    return "\n".join(lines)
+
+
+def _function(text: str) -> GivenField:
+    """The function that is named, or the field that a file or the text itself spells. Raises ValueError."""
+    from driftproof.blackbox.stepper.opening import imported
+    from driftproof.methods.field_text import field_of_file, field_of_text
+
+    if text.endswith(".toml"):
+        return field_of_file(text)
+    return imported(text, "function") if ":" in text else field_of_text(text)

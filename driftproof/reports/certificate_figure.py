@@ -1,0 +1,103 @@
+"""The figure of a certificate: the error against time on a logarithmic axis, as it is enclosed, and its two parts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from math import ceil, floor, log10
+from pathlib import Path
+
+from flint import arb
+
+from driftproof.enclosure.certificate import BallRows, Certificate, decimal
+from driftproof.reports.page.figure import Figure
+from driftproof.reports.page.plot import COLUMNS_OF_PIXELS, WIDE, Axis, Plot, Scale, ten_to, ticks
+from driftproof.support.files import atomic_write
+
+# Points are drawn one by one up to so many; of more, the largest and the smallest of each column of pixels.
+_MOST_DOTS = 60
+# Decades below the largest error that are shown: no double is that much better than another.
+_DEEPEST = 40
+_MARKS = ("path m0", "path m1", "path m2")
+
+
+def draw_certificate(found: Certificate, title: str, path: Path) -> Path:
+    """Write the figure as an SVG file and return its path. Raises ValueError for another name, or nothing to draw."""
+    if path.suffix.lower() != ".svg":
+        raise ValueError(f"{path}: the name of this picture ends in .svg")
+    figure = certificate_figure(found, title)
+    radius = max((float(x.rad()) for row in found.errors for x in row), default=0.0)
+    at = found.t[found.worst[0]]
+    setting = f"largest {found.largest_error.str(4, radius=False)} at t = {at:.6g}, enclosed to ±{radius:.1e} or better"
+    with atomic_write(path) as draft:
+        Path(draft).write_text(figure.file(setting) + "\n", encoding="utf-8")
+    return path
+
+
+def certificate_figure(found: Certificate, title: str) -> Figure:
+    """The largest component of error, truncation and rounding at each time, between its two bounds.
+
+    Bounds that are 0 have no place on the axis. Raises ValueError where all are.
+    """
+    parts: list[tuple[str, BallRows]] = [("error", found.errors)]
+    if found.split is not None:
+        parts += [("truncation", found.split.truncation), ("rounding", found.split.rounding)]
+    bounds = {name: [_bounds(row) for row in rows] for name, rows in parts}
+    every = [log10(x) for pairs in bounds.values() for pair in pairs for x in pair if x > 0]
+    if not every:
+        raise ValueError("there is no error to draw: every point is exact")
+    low, high = max(floor(min(every)), ceil(max(every)) - _DEEPEST), ceil(max(every))
+    low = min(low, high - 2)
+    times = [Fraction(t) for t in (found.t[0], found.t[-1])]
+    at = ticks(Fraction(low), Fraction(high))
+    decades = Scale(Fraction(low), Fraction(high), *WIDE[1])
+    plot = Plot(
+        Axis(Scale(times[0], times[1], *WIDE[0]), "t", ticks(*times)),
+        Axis(decades, "error, the largest component", at, [ten_to(int(tick)) for tick in at]),
+    )
+    for (name, _), mark in zip(parts, _MARKS, strict=False):
+        for side in (0, 1):
+            places = [(t, log10(pair[side])) for t, pair in zip(found.t, bounds[name], strict=True) if pair[side] > 0]
+            shown = [(t, max(y, float(low))) for t, y in places]
+            if len(shown) > 1:
+                plot.line(_thinned(shown, found.t), mark)
+            if side and 0 < len(shown) <= _MOST_DOTS:
+                plot.dots(shown, mark.replace("path", "dots"))
+    return Figure(
+        identity="certificate",
+        kind="wide",
+        title=title,
+        description=f"Against t, logarithmic, the largest component at each point. {found.text()}",
+        plot=plot,
+        legend=[(f"line {mark}", name) for (name, _), mark in zip(parts, _MARKS, strict=False)],
+        note="Each line is two, the proved bounds, where they differ enough to be seen.",
+        data=_data(found, parts),
+        data_title="Error against t",
+    )
+
+
+def _bounds(row: Sequence[arb]) -> tuple[float, float]:
+    """Below and above the largest size in the row."""
+    largest = arb(0)
+    for x in row:
+        largest = largest.max(abs(x))
+    return float(largest.lower()), float(largest.upper())
+
+
+def _thinned(places: list[tuple[float, float]], t: Sequence[float]) -> list[tuple[float, float]]:
+    """The largest and the smallest of each column of pixels, in order of time."""
+    if len(places) <= 2 * COLUMNS_OF_PIXELS:
+        return places
+    columns: dict[int, list[tuple[float, float]]] = {}
+    for place in places:
+        columns.setdefault(int((place[0] - t[0]) / (t[-1] - t[0]) * COLUMNS_OF_PIXELS), []).append(place)
+    ends = [(min(column, key=lambda p: p[1]), max(column, key=lambda p: p[1])) for column in columns.values()]
+    return [place for pair in ends for place in sorted(set(pair))]
+
+
+def _data(found: Certificate, parts: Sequence[tuple[str, BallRows]]) -> list[list[str]]:
+    rows = [["t", *(name for name, _ in parts), "digits"]]
+    for i, t in enumerate(found.t):
+        sizes = [decimal(max((abs(x) for x in balls[i]), key=lambda x: float(x.mid()))) for _, balls in parts]
+        rows.append([f"{t:.17g}", *sizes, str(found.digits_at[i])])
+    return rows

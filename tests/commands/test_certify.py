@@ -1,0 +1,97 @@
+"""`driftproof certify`: a function, a file, and the error with exit statuses as of `verify`; refusals in one line."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+RUN = str(Path(__file__).parents[1] / "enclosure" / "runs" / "pendulum_RK45.csv")
+TEXT = "y1; -sin(y0)"
+MINE = """
+import numpy as np
+def pendulum(t, y):
+    return np.array([y[1], -np.sin(y[0])])
+def lost(t, y):
+    return {}["nothing"]
+"""
+PROBLEM = 'rates = ["y1", "-g * sin(y0)"]\n[parameters]\ng = "1"\n'
+
+
+@pytest.fixture
+def own(tmp_path, monkeypatch):
+    (tmp_path / "certified_model.py").write_text(MINE)
+    (tmp_path / "pendulum.toml").write_text(PROBLEM)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    yield tmp_path
+    sys.modules.pop("certified_model", None)
+
+
+@pytest.mark.parametrize("function", ["certified_model:pendulum", "pendulum.toml", TEXT])
+def test_error_is_that_of_the_file_however_f_is_given(function, own, answer):
+    shown = answer("certify", function, RUN).splitlines()
+    assert shown[0] == "largest error 9.299099764e-7, proved: component 1 at t = 4, point 19 of 20"
+    assert shown[1].startswith("6 digits right at every point")
+
+
+def test_tolerance_decides_the_status(run, own):
+    status, out, err = run("certify", TEXT, RUN, "--tolerance", "1e-6", "--method", "RK45", "--figure", "error.svg")
+    assert (status, err) == (0, "")
+    assert out.splitlines()[1].startswith("  there 9.299099764e-7 = truncation 9.299099762e-7 + rounding ")
+    assert out.splitlines()[-2:] == ["within the tolerance 1e-06", "wrote error.svg"]
+    assert (own / "error.svg").read_text(encoding="utf-8").startswith("<svg")
+    status, out, err = run("certify", TEXT, RUN, "--tolerance", "9e-7")
+    assert (status, out.splitlines()[-1], err) == (1, "BEYOND the tolerance 9e-07", "")
+
+
+def test_json_is_canonical(answer):
+    text = answer("certify", TEXT, RUN, "--method", "RK45", "--tolerance", "1", "--format", "json")
+    record = json.loads(text)
+    assert (record["within"], record["tolerance"], record["split"]["steps"]) == (True, "1.0", 19)
+    assert record["largest_error"]["t"] == "4.0"
+    assert json.dumps(record, indent=1, sort_keys=True, ensure_ascii=False) + "\n" == text
+
+
+def test_step_of_a_thinned_run_is_exact_or_hexadecimal(own, answer):
+    rows = "0,0x1p+1,0\n8,0x1.f1b40ccdb6f88p+0,0x1.4854851809a22p-2\n"
+    (own / "thin.csv").write_text(rows)
+    for h in ("1/512", "0x1p-9"):
+        assert "truncation 3.819972968e-13 + rounding" in answer(
+            "certify", TEXT, "thin.csv", "--method", "rk4", "--h", h
+        )
+
+
+BAD = {
+    ("y1; -sinn(y0)", RUN): "'-sinn(y0)', column 3: there are the functions sin, cos",
+    ("certified_model:nothing", RUN): "cannot be imported: AttributeError",
+    ("a b:c", RUN): "'a b:c' names no function; write package.module:function",
+    ("no.toml", RUN): "no.toml: No such file",
+    (TEXT, "no.csv"): "no.csv: No such file",
+    (TEXT, RUN, "--h", "0x1..8"): "'0x1..8' is no number",
+    (TEXT, RUN, "--method", "rk5"): "unknown method 'rk5'",
+    (TEXT, RUN, "--tolerance", "0"): "is no tolerance",
+    (TEXT, RUN, "--figure", "error.png"): "ends in .svg",
+}
+
+
+@pytest.mark.parametrize("words", BAD, ids=range(len(BAD)))
+def test_bad_input_is_one_line(words, own, refusal):
+    assert BAD[words] in refusal("certify", *words)
+
+
+REFUSED = {
+    ("certified_model:lost", RUN): "f fails: KeyError: 'nothing'",
+    ("y0; y1", RUN, "--method", "rk4"): "y[1] is not one step of rk4 from y[0]",
+    (TEXT, RUN, "--method", "gauss2"): "gauss2 is implicit",
+    ("y0", RUN): "f fails in floats at t = 0.0: ValueError",
+}
+
+
+@pytest.mark.parametrize("words", REFUSED, ids=range(len(REFUSED)))
+def test_what_cannot_be_proved_is_one_line_and_status_three(words, own, run):
+    status, out, err = run("certify", *words)
+    assert (status, out, err.count("\n")) == (3, "", 1)
+    assert REFUSED[words] in err
