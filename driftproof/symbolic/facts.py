@@ -11,6 +11,7 @@ from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.linear.facts import LinearFacts, fact_names
 from driftproof.symbolic.linear.reduced_tableau import reduced, stages_of
+from driftproof.symbolic.pairs import EstimateFacts, ExtensionFacts, estimate_facts, extension_facts
 from driftproof.symbolic.trees import order_conditions, partitioned_trees
 from driftproof.symbolic.trees.algebraic_stability import algebraic_stability
 from driftproof.symbolic.trees.modified_equation import modified_equation
@@ -26,7 +27,16 @@ TOLERANCE_ORDER = 12
 
 # The other facts are the same of both.
 OF_THE_TABLE = (
-    *("stages", "explicit", "field", "inconsistencies", "embedded_order", "stage_order", "simplifying_assumptions"),
+    *(
+        "stages",
+        "explicit",
+        "field",
+        "inconsistencies",
+        "embedded_order",
+        "estimate",
+        "stage_order",
+        "simplifying_assumptions",
+    ),
     *("algebraically_stable", "order_reduction", "stiffly_accurate", "first_same_as_last", "stability_within_digits"),
 )
 OF_THE_IRREDUCIBLE_METHOD = ("symplectic", "symmetric", "ssp_coefficient")
@@ -99,6 +109,16 @@ class Facts(LinearFacts):
         return None if found is None else found.order
 
     @cached_property
+    def estimate(self) -> EstimateFacts | None:
+        """Of a pair: the order of its error estimate, what it is on y' = λy, and whether it is what it estimates."""
+        return estimate_facts(self.method) if isinstance(self.method, RungeKutta) else None
+
+    @cached_property
+    def continuous_extensions(self) -> tuple[ExtensionFacts, ...] | None:
+        """The dense outputs that the catalogue holds: orders for every θ, and how they fit to the steps."""
+        return extension_facts(self.method) if isinstance(self.method, RungeKutta) else None
+
+    @cached_property
     def stage_order(self) -> int | None:
         """The order to which stages approximate the solution."""
         return None if self.simplifying_assumptions is None else self.simplifying_assumptions.stage_order
@@ -148,6 +168,8 @@ WHY_NONE = {
     **dict.fromkeys(("sector", "limit_at_infinity", "error_constant", "modified_rate", "region_boundary"), _NO_R),
     "reduction": "no stage is superfluous: every fact is of the table and of the method",
     "stability_within_digits": "its coefficients are no rounded decimals (decimal = true), or R has no limit for them",
+    "estimate": "it is no pair",
+    "continuous_extensions": "the catalogue holds none",
     "ssp_coefficient": "only Runge-Kutta and collocation methods have one",
     "energy_multiplier": "what a step does to the energy depends on the state",
     "invariant": "it conserves no quadratic, or several that are not multiples of one",

@@ -1,0 +1,131 @@
+"""Continuous extensions of Runge-Kutta methods, the dense output of codes, as exact data.
+
+>>> from driftproof.methods.continuous import EXTENSIONS
+>>> EXTENSIONS["bogacki_shampine32_hermite"].weights[0]
+(Fraction(0, 1), Fraction(1, 1), Fraction(-4, 3), Fraction(5, 9))
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from importlib import import_module
+
+from driftproof.methods.number_field import Exact
+from driftproof.methods.schemes import MethodError, RungeKutta
+
+# A polynomial in theta, constant term first.
+PolynomialInTheta = tuple[Exact, ...]
+
+
+@dataclass(frozen=True)
+class ContinuousExtension:
+    """y(t + θh) ≈ y + h Σ bᵢ(θ) kᵢ for 0 <= θ <= 1: what a code returns between its steps.
+
+    `a` and `c` are of all stages, those of `method` first and with them those that the extension adds; `weights` has
+    the polynomial bᵢ(θ) of each. `claimed_order` is the order that the source states for every θ. Other fields as in
+    `RungeKutta`. Raises MethodError where the stages of the method are not the first ones, or lengths differ.
+    """
+
+    key: str
+    title: str
+    claimed_order: int
+    source: str
+    method: RungeKutta
+    a: tuple[tuple[Exact, ...], ...]
+    c: tuple[Exact, ...]
+    weights: tuple[PolynomialInTheta, ...]
+
+    def __post_init__(self) -> None:
+        """Refuse a table of which the method is not the first part."""
+        if {len(self.c), len(self.weights), *map(len, self.a)} != {len(self.a)}:
+            raise MethodError(f"{self.key}: A, c and the weights need as many entries as there are stages")
+        own = self.method.stages
+        if tuple(row[:own] for row in self.a[:own]) != self.method.a or self.c[:own] != self.method.c:
+            raise MethodError(f"{self.key}: the first stages are not those of {self.method.key}")
+
+    @property
+    def degree(self) -> int:
+        """The degree in θ."""
+        return max(len(weight) for weight in self.weights) - 1
+
+    @property
+    def decimal(self) -> bool:
+        """True where coefficients of the method are rounded decimals."""
+        return self.method.decimal
+
+    @cached_property
+    def columns(self) -> tuple[tuple[Exact, ...], ...]:
+        """For each power of θ from 0, the row of its coefficients in all weights."""
+        filled = [(*weight, *[Fraction(0)] * (self.degree + 1 - len(weight))) for weight in self.weights]
+        return tuple(zip(*filled, strict=True))
+
+    def step_to(self, theta: Fraction) -> RungeKutta:
+        """The method whose step of length θh ends where the extension is at θ: A/θ, b(θ)/θ and c/θ. θ is not 0."""
+        values = [sum((c * theta**k for k, c in enumerate(weight)), Fraction(0)) for weight in self.weights]
+        part = 1 / theta
+        a = tuple(tuple(x * part for x in row) for row in self.a)
+        b, c = tuple(x * part for x in values), tuple(x * part for x in self.c)
+        name = f"{self.key} at theta = {theta}"
+        return RungeKutta(name, name, 0, self.source, a, b, c, decimal=self.decimal)
+
+
+def hermite(method: RungeKutta, source: str = "hairer-norsett-wanner-1993, II.6 (6.7)") -> ContinuousExtension:
+    """The cubic through y and y₁ with the slopes f(t, y) and f(t + h, y₁): of order 3 where the method has that order.
+
+    The slope at the end is a stage of the method where its last one is that, else one more. Raises MethodError where
+    the first stage is not f(t, y).
+    """
+    if any(method.a[0]) or method.c[0]:
+        raise MethodError(f"{method.key}: its first stage is not f(t, y), which the cubic needs")
+    a, b, c = [*method.a], method.b, [*method.c]
+    if a[-1] != b or c[-1] != 1:
+        zero = Fraction(0)
+        a, c = [*((*row, zero) for row in a), (*b, zero)], [*c, Fraction(1)]
+        b = (*b, zero)
+    last = len(b) - 1
+    # 3θ² - 2θ³ of y₁ - y, θ(1 - θ)² of the slope at the start, θ²(θ - 1) of that at the end.
+    weights = [
+        (Fraction(0), Fraction(i == 0), 3 * x - 2 * (i == 0) - (i == last), (i == 0) + (i == last) - 2 * x)
+        for i, x in enumerate(b)
+    ]
+    order = min(3, method.claimed_order)
+    title = f"{method.title}, cubic Hermite"
+    return ContinuousExtension(
+        f"{method.key}_hermite", title, order, source, method, tuple(a), tuple(c), tuple(weights)
+    )
+
+
+class _Extensions(Mapping[str, ContinuousExtension]):
+    """The extensions by key, read when the first is asked for."""
+
+    @cached_property
+    def _entries(self) -> dict[str, ContinuousExtension]:
+        entries: Sequence[ContinuousExtension] = import_module("driftproof.methods.tables.continuous").ENTRIES
+        return {entry.key: entry for entry in entries}
+
+    def __getitem__(self, key: str) -> ContinuousExtension:
+        """The extension. Raises KeyError."""
+        return self._entries[key]
+
+    def __iter__(self) -> Iterator[str]:
+        """The keys."""
+        return iter(self._entries)
+
+    def __len__(self) -> int:
+        """How many there are."""
+        return len(self._entries)
+
+
+EXTENSIONS: Mapping[str, ContinuousExtension] = _Extensions()
+
+
+def extensions_of(method: RungeKutta) -> tuple[ContinuousExtension, ...]:
+    """The catalogue's continuous extensions of a method, those of the same tableau under another key among them."""
+    return tuple(
+        each
+        for each in EXTENSIONS.values()
+        if (each.method.a, each.method.b, each.method.c) == (method.a, method.b, method.c)
+    )

@@ -1,0 +1,142 @@
+"""What is true of an embedded pair as a pair, and of a continuous extension: orders, constants, ends, stability."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from itertools import count
+from typing import NamedTuple
+
+from driftproof.methods.catalogue import EMBEDDED_SUFFIX
+from driftproof.methods.continuous import ContinuousExtension, extensions_of
+from driftproof.methods.number_field import Exact
+from driftproof.methods.schemes import RungeKutta
+from driftproof.symbolic.algebra.real_roots import RealRoot, rational_root
+from driftproof.symbolic.linear.facts import ExactFunction
+from driftproof.symbolic.linear.stability_function import stability_function
+from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity
+from driftproof.symbolic.trees.elementary_weights import TableauStages
+from driftproof.symbolic.trees.order_conditions import RungeKuttaConditions, order, residuals
+from driftproof.symbolic.trees.rooted_trees import tree_table
+
+
+class EstimateFacts(NamedTuple):
+    """The estimate h Σ (bᵢ - b̂ᵢ) kᵢ of a pair: O(h^(order + 1)), and E(z) = R(z) - R̂(z) on y' = λy.
+
+    `at_infinity` is |E| there: where it is not 0, stiff components keep the step small that R has long damped.
+    `b_ratio` = |τ̂⁺|/|τ̂| and `c_ratio` = |τ̂⁺ - τ⁺|/|τ̂|, with τ̂ the leading error coefficients of the row of lower
+    order, τ̂⁺ those one order higher and τ⁺ those of the other row: near 1, the estimate is what it estimates
+    (prince-dormand-1981, 2). None where coefficients are decimals or irrational.
+    """
+
+    order: int
+    function: ExactFunction
+    at_infinity: Exact | Infinity
+    b_ratio: RealRoot | None
+    c_ratio: RealRoot | None
+
+
+class ExtensionFacts(NamedTuple):
+    """A continuous extension: `order` for every θ, and how it fits to the steps at its ends, θ = 0 and θ = 1.
+
+    Of decimal tables, whose conditions hold to residuals, `largest_residual` is the largest of those to the claimed
+    order, as a coefficient of a power of θ. `step_residual` is the largest |bᵢ(1) - bᵢ|, `slope_residual` the largest
+    difference from the slopes f(t, y) and f(t + h, y₁) at the ends, None where no stage is the slope at the end.
+    """
+
+    key: str
+    source: str
+    stages: int
+    degree: int
+    claimed_order: int
+    order: int
+    largest_residual: Exact
+    step_residual: Exact
+    slope_residual: Exact | None
+
+
+def estimate_facts(method: RungeKutta) -> EstimateFacts | None:
+    """Of a pair whose rows differ; None of other methods."""
+    if method.b_embedded is None or method.b_embedded == method.b:
+        return None
+    other = method.embedded(EMBEDDED_SUFFIX)
+    row = [x - y for x, y in zip(method.b, method.b_embedded, strict=True)]
+    conditions = RungeKuttaConditions(TableauStages(method.a, row))
+    vanishing = next(n for n in count(1) if any(conditions.of_order(n))) - 1
+    function = ExactFunction(stability_function(method) - stability_function(other))
+    limit = function.f.at_infinity()
+    ratios = (None, None) if method.decimal or method.field else _ratios(method, other)
+    return EstimateFacts(vanishing, function, INFINITY if limit is None else _size(limit), *ratios)
+
+
+def _ratios(method: RungeKutta, other: RungeKutta) -> tuple[RealRoot, RealRoot]:
+    low, high = sorted((method, other), key=lambda each: order(each).order)
+    p = order(low).order
+    leading, next_low, next_high = (
+        _error_coefficients(each, n) for each, n in ((low, p + 1), (low, p + 2), (high, p + 2))
+    )
+    differences = [x - y for x, y in zip(next_low, next_high, strict=True)]
+    square, next_square, c_square = (sum((x * x for x in row), Fraction(0)) for row in (leading, next_low, differences))
+    b_square, c_square = next_square / square, c_square / square
+    return rational_root(b_square).square_root(), rational_root(c_square).square_root()
+
+
+def _error_coefficients(method: RungeKutta, vertices: int) -> list[Fraction]:
+    """τ = (Φ - 1/γ)/σ of all trees with so many vertices."""
+    conditions = RungeKuttaConditions(TableauStages(method.a, method.b))
+    found = residuals(conditions, vertices)
+    table = tree_table(vertices)
+    symmetries = [table.symmetry[label] for label in table.ids(vertices)]
+    return [Fraction(str(x)) / sigma for (_, x), sigma in zip(found, symmetries, strict=True)]
+
+
+def extension_facts(method: RungeKutta) -> tuple[ExtensionFacts, ...] | None:
+    """Of the catalogue's continuous extensions of the method; None where it holds none."""
+    return tuple(map(facts_of_extension, extensions_of(method))) or None
+
+
+def facts_of_extension(extension: ContinuousExtension) -> ExtensionFacts:
+    """All of them, exactly."""
+    method = extension.method
+    at_one = [sum(weight, Fraction(0)) for weight in extension.weights]
+    own = [*method.b, *[Fraction(0)] * (len(at_one) - method.stages)]
+    return ExtensionFacts(
+        extension.key,
+        extension.source,
+        len(extension.a),
+        extension.degree,
+        extension.claimed_order,
+        next(n for n in count(1) if any(_theta_residuals(extension, n))) - 1,
+        max(_size(x) for n in range(1, extension.claimed_order + 1) for x in _theta_residuals(extension, n)),
+        max(_size(x - y) for x, y in zip(at_one, own, strict=True)),
+        _slope_residual(extension, own),
+    )
+
+
+def _theta_residuals(extension: ContinuousExtension, vertices: int) -> Iterator[Exact]:
+    """Σ bᵢ(θ) Φᵢ(t) = θⁿ/γ(t) for each tree of n vertices, as what is not 0 in each coefficient of a power of θ."""
+    for power, column in enumerate(extension.columns):
+        conditions = RungeKuttaConditions(TableauStages(extension.a, column))
+        exact = conditions.scalars.exact
+        if power == vertices:
+            yield from (exact(x) for _, x in conditions.residuals(vertices))
+        else:
+            yield from map(exact, conditions.of_order(vertices))
+
+
+def _slope_residual(extension: ContinuousExtension, own: Sequence[Exact]) -> Exact | None:
+    """How far b'(0) is from the first stage, and b'(1) from the stage at the end of the step."""
+    pairs = zip(extension.a, extension.c, strict=True)
+    last = next((i for i, (row, node) in enumerate(pairs) if list(row) == own and node == 1), None)
+    if last is None or any(extension.a[0]) or extension.c[0]:
+        return None
+    slopes = [
+        (weight[1], sum((k * x for k, x in enumerate(weight)), Fraction(0)))
+        for weight in ((*weight, Fraction(0)) for weight in extension.weights)
+    ]
+    ends = (_size(start - (i == 0)) for i, (start, _) in enumerate(slopes))
+    return max(*ends, *(_size(end - (i == last)) for i, (_, end) in enumerate(slopes)))
+
+
+def _size(x: Exact) -> Exact:
+    return x if x >= 0 else -x
