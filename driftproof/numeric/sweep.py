@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
@@ -20,7 +21,7 @@ from dataclasses import replace
 from fractions import Fraction
 from hashlib import sha256
 from itertools import product
-from multiprocessing import get_context
+from multiprocessing import get_context, resource_tracker
 from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple, TypeAlias
@@ -117,9 +118,28 @@ def sweep_batches(
         kept.finish()
 
 
-def processes(workers: int | None = None) -> ProcessPoolExecutor:
-    """So many fresh processes on this machine, by default one for each processor; they inherit no threads or locks."""
-    return ProcessPoolExecutor(workers or os.cpu_count(), mp_context=get_context("spawn"))
+class Workers(ProcessPoolExecutor):
+    """Fresh processes on this machine, which inherit no threads or locks. Ctrl-C is for their parent, who ends them."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """As usual; the first call starts the processes, deaf to an interrupt from their first instruction on."""
+        resource_tracker.ensure_running()  # which would hear of interrupts again
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+        try:
+            return super().submit(fn, *args, **kwargs)
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+    def stop(self) -> None:
+        """End the processes, whatever they are at."""
+        for process in list((self._processes or {}).values()):
+            process.kill()
+        self.shutdown()
+
+
+def processes(workers: int | None = None) -> Workers:
+    """So many processes, by default one for each processor."""
+    return Workers(workers or os.cpu_count(), mp_context=get_context("spawn"))
 
 
 def _spread(scene: Scene, points: list[Values], left: deque[int], executor: Executor | None) -> Iterator[Batch]:
@@ -154,6 +174,8 @@ def _answered(scene: Scene, points: list[Values], left: deque[int], executor: Ex
     except BrokenExecutor:
         raise ChildProcessError("a process of the sweep ended before it answered; was its memory used up?") from None
     finally:
+        if running and isinstance(executor, Workers):
+            executor.stop()
         for future in running:
             future.cancel()
 

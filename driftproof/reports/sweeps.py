@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import re
 import sys
 from collections.abc import Iterator
@@ -98,10 +99,14 @@ def cluster_executor(address: str) -> Iterator[Executor]:
     require_package("distributed", "cluster", "a cluster needs distributed")
     from distributed import Client, KilledWorker
 
-    with Client(address, timeout=_PATIENCE, set_as_default=False) as client:
-        try:
+    before = logging.root.manager.disable
+    logging.disable()  # what went wrong is raised, and distributed logs it once more with its own traceback
+    try:
+        with Client(address, timeout=_PATIENCE, set_as_default=False) as client:
             yield client.get_executor(pure=False)
-        except KilledWorker as error:
-            raise ChildProcessError(f"the workers at {address} died of a batch: {error}") from None
-        except CancelledError:
-            raise ConnectionError(f"the cluster at {address} has gone away") from None
+    except KilledWorker as error:
+        raise ChildProcessError(f"the workers at {address} died of a batch: {error}") from None
+    except CancelledError:
+        raise ConnectionError(f"the cluster at {address} has gone away") from None
+    finally:
+        logging.disable(before)

@@ -1,13 +1,21 @@
 """`driftproof scenes`, `scene`, `sweep` and `report`: the list, a scene's numbers and figures, refusals in one line."""
 
 import json
+import os
+import signal
+import subprocess
 import sys
+import time
 from fractions import Fraction as Q
+from pathlib import Path
 
 import pytest
 
 from driftproof.numeric.scenes import PRESETS
 from driftproof.numeric.sweep import sweep
+from tests.looping import some
+
+ROOT = Path(__file__).parents[2]
 
 
 def test_list_names_every_scene(answer):
@@ -69,6 +77,25 @@ def test_a_sweep_needs_distributed_for_a_cluster_only(refusal, modules_after, mo
     assert loaded & {"distributed", "dask", "numba", "sympy", "matplotlib"} == set()
     monkeypatch.setitem(sys.modules, "distributed", None)
     assert "pip install 'driftproof[cluster]'" in refusal("sweep", "default", "--cluster", "tcp://localhost:1")
+
+
+@pytest.mark.parametrize("lines", [1, pytest.param(2, marks=pytest.mark.long)], ids=["at the start", "in the midst"])
+def test_interrupt_of_a_sweep_is_one_line_and_leaves_the_answers_and_no_process(lines, tmp_path):
+    """As Ctrl-C in a terminal reaches all of the group, processes among them that have hardly begun."""
+    scene, path = tmp_path / "s.toml", tmp_path / "answers.jsonl"
+    scene.write_text('selected = "rk4"\nh = 1\nt = 40\nreadouts = ["final_state"]\n', encoding="utf-8")
+    words = ("sweep", str(scene), "--h", "1/4,1/1048576,1/2097152", "--workers", "2", "-o", str(path))
+    command, pipe = (sys.executable, "-m", "driftproof", *words), subprocess.PIPE
+    with subprocess.Popen(command, cwd=ROOT, stdout=pipe, stderr=pipe, text=True, start_new_session=True) as running:
+        while not path.exists() or path.read_bytes().count(b"\n") < lines:
+            time.sleep(0.01)
+        time.sleep(0.2)  # by now the processes are being started
+        os.killpg(running.pid, signal.SIGINT)
+        assert (*running.communicate(timeout=60), running.returncode) == ("", "driftproof sweep: interrupted\n", 130)
+    assert path.read_bytes().count(b"\n") == lines
+    listed = subprocess.run(["ps", "-e", "-o", "pgid=,stat="], capture_output=True, text=True, check=True).stdout
+    left = [state for group, state in map(str.split, some(listed.splitlines())) if int(group) == running.pid]
+    assert set(left) <= {"Z"}
 
 
 def test_report_says_where_it_is(answer, tmp_path):

@@ -1,18 +1,25 @@
-"""A sweep on a real cluster, of two workers over TCP, one of which is killed in the midst."""
+"""A sweep on a real cluster, of two workers over TCP: a worker is killed in the midst, or the scheduler is."""
 
 from __future__ import annotations
 
+import json
+import logging
 import os
 import subprocess
 import sys
+import time
+from concurrent.futures import CancelledError
+from contextlib import nullcontext
 from fractions import Fraction as Q
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from driftproof.numeric import sweep as sweeping
 from driftproof.numeric.scenes import Scene
 from driftproof.numeric.sweep import SweepAnswer, points_of, run_points, sweep_batches
+from driftproof.reports import sweeps
 from driftproof.reports.sweeps import cluster_executor
 
 ROOT = Path(__file__).parents[2]
@@ -23,7 +30,7 @@ WORKER = (sys.executable, "-m", "distributed.cli.dask_worker", "--no-nanny", "--
 
 @pytest.fixture
 def cluster(tmp_path):
-    """The address of a scheduler in a process of its own, and the processes of its two workers.
+    """The file of a scheduler in a process of its own, and the processes of it and of its two workers.
 
     All three start at once: the workers wait for the file in which the scheduler says where it is.
     """
@@ -39,7 +46,7 @@ def cluster(tmp_path):
         for command in commands
     ]
     try:
-        yield file, started[1:]
+        yield file, started
     finally:
         for process in started:
             process.kill()
@@ -47,7 +54,7 @@ def cluster(tmp_path):
 
 
 def test_of_a_sweep_with_a_worker_killed_every_point_is_answered_once(cluster, tmp_path, monkeypatch):
-    file, workers = cluster
+    file, (_, first, _) = cluster
     from distributed import Client
 
     monkeypatch.setattr(sweeping, "SHORTEST", -1)  # a point a task
@@ -59,7 +66,7 @@ def test_of_a_sweep_with_a_worker_killed_every_point_is_answered_once(cluster, t
             for batch in sweep_batches(SCENE, GRID, executor, path):
                 found += batch
                 if not killed and client.processing()[names["first"]] and 3 <= len(found) < 20:
-                    workers[0].kill()
+                    first.kill()
                     killed = True
         assert killed
         assert names["first"] not in client.scheduler_info()["workers"]
@@ -70,3 +77,47 @@ def test_of_a_sweep_with_a_worker_killed_every_point_is_answered_once(cluster, t
     assert [kept[0], kept[29]] == alone
     assert path.read_bytes().count(b"\n") == 1 + 30
     assert [SweepAnswer(p, kept[i]) for i, p in enumerate(points)] == sweeping.sweep(SCENE, GRID, None, path)
+
+
+@pytest.mark.parametrize(
+    ("error", "kind", "line"),
+    [
+        (CancelledError, ConnectionError, "the cluster at tcp://a:1 has gone away"),
+        (KeyError, ChildProcessError, "the workers at tcp://a:1 died of a batch: 'of what'"),
+    ],
+)
+def test_what_distributed_logs_of_its_end_is_not_said_twice(error, kind, line, monkeypatch, caplog):
+    client = SimpleNamespace(get_executor=lambda pure: None)
+    fake = SimpleNamespace(Client=lambda *_, **__: nullcontext(client), KilledWorker=KeyError)
+    monkeypatch.setitem(sys.modules, "distributed", fake)
+    monkeypatch.setattr(sweeps, "require_package", lambda *_: None)
+
+    def ends() -> None:
+        with cluster_executor("tcp://a:1"):
+            logging.getLogger("distributed.client").error("a traceback")
+            raise error("of what")
+
+    with pytest.raises(kind) as raised:
+        ends()
+    assert (str(raised.value), caplog.messages) == (line, [])
+    logging.getLogger("distributed.client").error("heard again")
+    assert caplog.messages == ["heard again"]
+
+
+@pytest.mark.long
+def test_scheduler_that_goes_away_is_told_of_in_one_line_and_the_answers_are_kept(cluster, tmp_path):
+    file, (scheduler, *_) = cluster
+    while not file.exists():
+        time.sleep(0.1)
+    address = json.loads(file.read_text(encoding="utf-8"))["address"]
+    scene, path = tmp_path / "s.toml", tmp_path / "answers.jsonl"
+    scene.write_text('selected = "rk4"\nh = 1\nt = 40\nreadouts = ["final_state"]\n', encoding="utf-8")
+    words = ("sweep", str(scene), "--h", "1/4,1/8,1/262144,1/524288", "--cluster", address, "-o", str(path))
+    command = (sys.executable, "-m", "driftproof", *words)
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+        while not path.exists() or path.read_bytes().count(b"\n") < 3:
+            time.sleep(0.1)
+        scheduler.kill()
+        out, err = running.communicate(timeout=60)
+    assert (running.returncode, out, err) == (2, "", f"driftproof sweep: the cluster at {address} has gone away\n")
+    assert path.read_bytes().count(b"\n") == 3
