@@ -4,10 +4,14 @@ PYTHON ?= python3
 BIN := .venv/bin
 PEERS := build/peers
 
-.PHONY: proofs test lint thorough long mutants docs bench clean
+.PHONY: proofs kernel test lint thorough long mutants docs bench clean
 
 proofs: .venv
 	$(BIN)/python -m pytest proofs
+
+# What Coq accepts of the ledger: a minute, and Coq with its interval and Flocq libraries from Debian's packages.
+kernel: .venv
+	$(BIN)/python -m proofs.kernel
 
 test: .venv
 	$(BIN)/python -m pytest -n 2

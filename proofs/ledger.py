@@ -10,6 +10,7 @@ from typing import Any
 
 from driftproof.support.plain_text import as_json, table
 from proofs.claims import EVIDENCE, REQUIRED, TOOLKIT
+from proofs.kernel.certificates import technique
 
 NOT_RUN = "not run"
 ROUNDING = "half-even"
@@ -96,6 +97,7 @@ class Ledger:
             "# Ledger",
             "",
             "What each statement of the lesson is worth. Written by `pytest proofs/` when every proof passes.",
+            "Coq: how its kernel accepts the claim, - where it does not; see [docs/kernel.md](../docs/kernel.md).",
             "",
             self.totals() + ".",
             "",
@@ -110,11 +112,11 @@ class Ledger:
         return "\n".join(lines) + "\n"
 
     def _rows(self, claims: Iterable[str]) -> list[str]:
-        lines = ["| claim | statement | evidence | technique |", "|---|---|---|---|"]
+        lines = ["| claim | statement | evidence | technique | Coq |", "|---|---|---|---|---|"]
         for claim in claims:
             entry = self.entries[claim]
             statement = entry.statement.replace("|", "\\|")
-            lines.append(f"| {claim} | {statement} | {entry.evidence} | {entry.technique} |")
+            lines.append(f"| {claim} | {statement} | {entry.evidence} | {entry.technique} | {technique(claim)} |")
         return lines
 
     def values(self) -> str:

@@ -1,0 +1,1 @@
+"""Certificates of the ledger's claims for Coq: theory by hand, statements written from the project's exact objects."""

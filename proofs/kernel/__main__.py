@@ -1,0 +1,77 @@
+"""`python -m proofs.kernel`: has Coq read every certificate; with a claim's id, shows what Coq accepts for it."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from pathlib import Path
+
+from proofs.claims import EVIDENCE
+from proofs.kernel.certificates import certificates
+from proofs.kernel.compiling import (
+    PACKAGES,
+    Refused,
+    accepted_mutants,
+    compile_all,
+    foreign_axioms,
+    missing_programs,
+)
+from proofs.kernel.mutants import mutants
+
+LEDGER = Path(__file__).parents[1] / "ledger.md"
+_ROW = re.compile(r"^\| ([LT]\d+) \| (.*) \| (\w+) \| ([^|]*) \| ([^|]*) \|$", re.M)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Compile, count and try the mutants; or print the statements of the claims that are named."""
+    parser = argparse.ArgumentParser(prog="python -m proofs.kernel", description=__doc__)
+    parser.add_argument("claims", nargs="*", metavar="CLAIM", help="show this claim's sentence and its Coq statement")
+    parser.add_argument("--packages", action="store_true", help="print the Debian packages that it needs")
+    options = parser.parse_args(arguments)
+    if options.packages:
+        print(" ".join(PACKAGES))
+        return 0
+    rows = {key: (sentence, evidence) for key, sentence, evidence, _, _ in _ROW.findall(LEDGER.read_text("utf-8"))}
+    if options.claims:
+        for claim in options.claims:
+            if claim not in rows:
+                parser.error(f"{claim} is no claim of {LEDGER.name}")
+            print(_beside(claim, rows[claim][0]))
+        return 0
+    if (advice := missing_programs()) is not None:
+        print(advice, file=sys.stderr)
+        return 2
+    try:
+        return _check(rows)
+    except Refused as refusal:
+        print(f"refused: {refusal}", file=sys.stderr)
+        return 1
+
+
+def _beside(claim: str, sentence: str) -> str:
+    certificate = certificates().get(claim)
+    if certificate is None:
+        return f"{claim}  {sentence}\n      no certificate: docs/kernel.md says why"
+    statement = "\n      ".join(certificate.theorem.statement.splitlines())
+    return f"{claim}  {sentence}\n      {statement}\n      ({certificate.theorem.technique}, {certificate.file}.v)"
+
+
+def _check(rows: dict[str, tuple[str, str]]) -> int:
+    compile_all()
+    foreign, planted = foreign_axioms(), mutants()
+    passed = accepted_mutants(planted)
+    for evidence in EVIDENCE:
+        claims = [claim for claim, (_, kind) in rows.items() if kind == evidence]
+        accepted = sum(claim in certificates() for claim in claims)
+        print(f"{evidence}: {accepted} of {len(claims)} claims accepted by Coq")
+    print(f"{len(planted) - len(passed)} of {len(planted)} planted errors refused")
+    for statement in passed:
+        print(f"accepted, but false: {statement}", file=sys.stderr)
+    for axiom in foreign:
+        print(f"rests on an axiom that is none of Coq's own: {axiom}", file=sys.stderr)
+    return 1 if passed or foreign else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,120 @@
+"""Coq over the files: what is accepted, on which axioms, and which planted errors are refused."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from tqdm import tqdm
+
+from proofs.kernel.certificates import ORDER, Certificate, all_theorems, source
+from proofs.kernel.coq import Theorem
+
+BUILD = Path(__file__).parents[2] / "build" / "kernel"
+PACKAGES = ("coq", "libcoq-interval", "libcoq-flocq", "libcoq-coquelicot")
+# What the theorems may rest on: the axioms of the reals, and those of the processor's integers and floats.
+AXIOMS = re.compile(
+    r"(ClassicalDedekindReals\.sig_(not|forall)_dec|FunctionalExtensionality\.functional_extensionality_dep"
+    r"|Classical_Prop\.classic|(PrimInt63|Uint63|PrimFloat|FloatAxioms|FloatOps)\.\w+)$"
+)
+# A certificate that takes longer than this has gone astray: the slowest takes two seconds.
+SECONDS_PER_FILE = 300
+SECONDS_PER_MUTANT = 20
+
+
+class Refused(Exception):
+    """Coq does not accept what it should, or accepts what it should not."""
+
+
+def missing_programs() -> str | None:
+    """What to install where Coq or one of its libraries is not there; None if all is."""
+    if shutil.which("coqc"):
+        where = Path(_coq("coqc", "-where", seconds=60).strip())
+        if all((where / "user-contrib" / library).is_dir() for library in ("Interval", "Flocq", "Coquelicot")):
+            return None
+    return f"Coq or its libraries are missing; on Debian: apt-get install --no-install-recommends {' '.join(PACKAGES)}"
+
+
+def compile_all(folder: Path = BUILD) -> None:
+    """Write every file and compile those that changed, and what comes after them. Raises Refused."""
+    folder.mkdir(parents=True, exist_ok=True)
+    stale = False
+    for name in (bar := tqdm(ORDER, unit="file", disable=None)):
+        bar.set_postfix_str(name)
+        file, text = folder / f"{name}.v", source(name)
+        stale = stale or not file.with_suffix(".vo").exists() or file.read_text(encoding="utf-8") != text
+        if stale:
+            file.with_suffix(".vo").unlink(missing_ok=True)
+            file.write_text(text, encoding="utf-8")
+            _coq("coqc", "-q", "-w", "none", *_library(folder), str(file), seconds=SECONDS_PER_FILE)
+
+
+def foreign_axioms(folder: Path = BUILD) -> list[str]:
+    """Axioms that some theorem rests on and that are none of AXIOMS; without them all is as it should be."""
+    names = ", ".join(f"{found.file}.{found.theorem.name}" for found in all_theorems())
+    files = " ".join(dict.fromkeys(found.file for found in all_theorems()))
+    script = f"From driftproof Require {files}.\nDefinition everything := ({names}).\nPrint Assumptions everything.\n"
+    file = folder / "Assumptions.v"
+    file.write_text(script, encoding="utf-8")
+    printed = _coq("coqc", "-q", "-w", "none", *_library(folder), str(file), seconds=SECONDS_PER_FILE)
+    found = re.findall(r"^(\S+)(?: :.*|)$", printed.partition("Axioms:")[2], re.M)
+    if not found:
+        raise Refused(f"Coq lists no axioms: {printed[:300]!r}")
+    return [name for name in found if not AXIOMS.match(name)]
+
+
+def accepted_mutants(mutants: Sequence[tuple[Certificate, Theorem]], folder: Path = BUILD) -> list[str]:
+    """The statements of those planted errors that Coq accepts, with the proof of the right theorem: none, one hopes.
+
+    Each must be a statement that Coq can read. Raises Refused if one is none, and if a right theorem is not accepted
+    where its mutants are tried.
+    """
+    found = []
+    for name in (bar := tqdm(dict.fromkeys(certificate.file for certificate, _ in mutants), unit="file", disable=None)):
+        bar.set_postfix_str(f"mutants of {name}")
+        here = [(certificate.theorem, mutant) for certificate, mutant in mutants if certificate.file == name]
+        script = [_preamble(source(name)), f"Set Default Timeout {SECONDS_PER_MUTANT}."]
+        for i, (theorem, mutant) in enumerate(here):
+            script.append(f"Definition readable_{i} : Prop := {mutant.statement}.")
+            script += [_attempt(f"right_{i}", theorem), _attempt(f"mutant_{i}", mutant)]
+            script += [f"Check {kind}_{i}." for kind in ("readable", "right", "mutant")]
+        known = set(re.findall(r"^(\w+_\d+)$", _talk("\n".join(script), folder), re.M))
+        for i, (theorem, mutant) in enumerate(here):
+            for kind in ("readable", "right"):
+                if f"{kind}_{i}" not in known:
+                    raise Refused(
+                        f"{theorem.name} in {name}: not {kind}, so its mutant says nothing: {mutant.statement}"
+                    )
+            if f"mutant_{i}" in known:
+                found.append(f"{theorem.name}: {mutant.statement}")
+    return found
+
+
+def _attempt(name: str, theorem: Theorem) -> str:
+    return Theorem(name, theorem.statement, theorem.proof).text() + "Abort All."
+
+
+def _preamble(text: str) -> str:
+    """What a file says before its first theorem, and its notations, tactics and definitions."""
+    return re.sub(r"^(Theorem|Lemma|Corollary)\b.*?^(Proof\..*?Qed\.)$", "", text, flags=re.M | re.S)
+
+
+def _talk(script: str, folder: Path) -> str:
+    """What Coq answers to sentences one by one; an error stops none of those that follow."""
+    command = ["coqtop", "-q", "-w", "none", "-color", "no", *_library(folder)]
+    done = subprocess.run(command, input=script, capture_output=True, text=True, timeout=SECONDS_PER_FILE, check=False)
+    return re.sub(r"^(\w+ < )+", "", done.stdout, flags=re.M)
+
+
+def _library(folder: Path) -> Iterable[str]:
+    return "-Q", str(folder), "driftproof"
+
+
+def _coq(*command: str, seconds: int) -> str:
+    done = subprocess.run(command, capture_output=True, text=True, timeout=seconds, check=False)
+    if done.returncode != 0:
+        raise Refused(done.stderr.strip() or done.stdout.strip())
+    return done.stdout

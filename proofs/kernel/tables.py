@@ -1,0 +1,51 @@
+"""Tables.v: the lesson's methods as Coq data, from the tables that the steppers read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from fractions import Fraction
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.number_field import Exact
+from driftproof.methods.schemes import RungeKutta, Splitting
+from proofs.kernel.coq import argument, coq_list, file_text, rational
+
+IMPORTS = """\
+From Coq Require Import QArith List.
+From driftproof Require Import Methods.
+Import ListNotations.
+Open Scope Q_scope."""
+
+
+def explicit_rows(method: RungeKutta) -> list[list[Fraction]]:
+    """The rows of A below its diagonal. Raises ValueError for an implicit method and for irrational coefficients."""
+    if not method.explicit:
+        raise ValueError(f"{method.key} is implicit")
+    return [_rational(row[:i]) for i, row in enumerate(method.a)]
+
+
+def definition(key: str) -> str:
+    """A method of the catalogue as a definition of the same name."""
+    method = METHODS[key]
+    if isinstance(method, RungeKutta):
+        rows = coq_list(coq_list(map(rational, row)) for row in explicit_rows(method))
+        body = f"RungeKutta {rows} {coq_list(map(rational, _rational(method.b)))}"
+    elif isinstance(method, Splitting):
+        cs = _rational(c for _, c in method.parts)
+        kinds = (kind for kind, _ in method.parts)
+        body = f"Splitting {coq_list(f'{kind} {argument(c)}' for kind, c in zip(kinds, cs, strict=True))}"
+    else:
+        raise ValueError(f"{key} is of no family that the kernel has a step of")
+    return f"Definition {key} := {body}.\n"
+
+
+def tables(keys: Iterable[str]) -> str:
+    """The text of Tables.v."""
+    return file_text("The methods of the lesson and those they are compared with.", IMPORTS, map(definition, keys))
+
+
+def _rational(coefficients: Iterable[Exact]) -> list[Fraction]:
+    found = list(coefficients)
+    if not all(isinstance(x, Fraction) for x in found):
+        raise ValueError("irrational coefficients have files of their own")
+    return [x for x in found if isinstance(x, Fraction)]
