@@ -1,6 +1,6 @@
-"""Numbers that a user's right-hand side can be run on: Taylor series, real balls and complex balls, with derivatives.
+"""Numbers that a user's right-hand side can be run on: balls, Taylor series and Taylor models, with derivatives.
 
-One class carries a FLINT value and, where asked for, its partial derivatives with respect to the state. NumPy's
+One class carries the value and, where asked for, its partial derivatives with respect to the state. NumPy's
 functions find its methods, whether a number stands alone or in an array. What has no enclosure is refused: a comparison
 that a ball cannot decide, a conversion to a float, a function that is not analytic where it is asked for.
 """
@@ -14,7 +14,7 @@ from numbers import Rational
 from typing import Any, TypeAlias
 
 import numpy as np
-from flint import acb, arb, arb_series, fmpq
+from flint import arb, arb_series, fmpq
 
 # A value of one of the three kinds; those of one evaluation are all of one kind.
 Value: TypeAlias = Any
@@ -43,9 +43,8 @@ class Refused(ArithmeticError):
 class Evaluation:
     """One run of a right-hand side: which way its comparisons went, and which doubles it read.
 
-    `decided` is None where the run decides its comparisons: at the step's point, and on the tube that contains the true
-    solutions. On series and on complex balls a run follows the branches decided at the point, so that all of these
-    speak of one analytic function; that the tube decides as the point does is checked.
+    `decided` is None where the run decides its comparisons: at a point, or for all times of a step, on p and on the
+    tube around it. A series cannot; it follows the branches decided at its point.
     """
 
     decided: Sequence[bool] | None = None
@@ -107,7 +106,7 @@ class Enclosed:
         for argument, rule in rules:
             if argument.partials is not None:
                 factor = rule()
-                terms = tuple(factor * d for d in argument.partials)
+                terms = tuple(_times(factor, d) for d in argument.partials)
                 partials = terms if partials is None else tuple(a + b for a, b in zip(partials, terms, strict=True))
         return Enclosed(self.evaluation, value, partials)
 
@@ -339,20 +338,7 @@ class Enclosed:
     deg2rad, rad2deg = radians, degrees
 
 
-# On a complex ball these are analytic off a cut on the real axis; the argument whose ball must not meet (-∞, 0].
-_OFF_THE_CUT: dict[str, Callable[[acb], acb]] = {
-    "atan": lambda z: 1 + z * z,
-    "asin": lambda z: 1 - z * z,
-    "acos": lambda z: 1 - z * z,
-}
-
-
 def _function(name: str, x: Value) -> Value:
-    """The function on a value; not finite where it is not analytic on the whole of a complex ball."""
-    if isinstance(x, acb) and name in ("log", "sqrt"):
-        return getattr(x, name)(analytic=True)
-    if isinstance(x, acb) and name in _OFF_THE_CUT and not _OFF_THE_CUT[name](x).log(analytic=True).is_finite():
-        return acb("nan")
     try:
         return getattr(x, name)()
     except (ValueError, ZeroDivisionError) as error:
@@ -361,12 +347,17 @@ def _function(name: str, x: Value) -> Value:
 
 def _power(x: Value, n: int) -> Value:
     """x^n by squaring: python-flint takes logarithms of real balls and series, which is no good where x may be 0."""
-    if isinstance(x, acb):
-        return x**n
-    result = arb(1)
-    for bit in f"{n:b}":
+    if n == 0:
+        return arb(1)
+    result = x
+    for bit in f"{n:b}"[1:]:
         result = result * result * x if bit == "1" else result * result
     return result
+
+
+def _times(factor: Value, d: Value) -> Value:
+    """The product; a derivative that is the integer 0 or 1 costs nothing."""
+    return factor * d if not isinstance(d, int) or d not in (0, 1) else factor if d else 0
 
 
 def _inverse(x: Value) -> Value:

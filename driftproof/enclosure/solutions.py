@@ -16,18 +16,22 @@ from flint import arb, arb_mat, ctx
 
 from driftproof.enclosure.fields import RightHandSide, rebound
 from driftproof.enclosure.numbers import Refused
-from driftproof.enclosure.steps import DISC_PER_STEP, EnclosedStep, Expansion, decisions, size
+from driftproof.enclosure.steps import EnclosedStep, Expansion, decisions, size
 from driftproof.symbolic.algebra.certified import enclose
 
 # Bits of the first attempt.
 BITS_AT_FIRST = 128
-# Coefficients per bit: with R/h = 8 each coefficient gains three bits, and one more for the factors before them.
+# Each coefficient gains 7/8 of them: h is 2^(-21/8) of the radius of convergence, near the e⁻² that costs least.
 BITS_PER_COEFFICIENT = 3
-# Some ten minutes. A problem that needs more is stiff, and its explicit steps do not end.
+# Some minutes. A problem that needs more is stiff, or too long.
 MOST_STEPS = 20_000
-# Shorter steps, relative to the whole time, are those of a pole; 2⁻⁴⁰ is found before 128 bits are used up.
+# Steps after which it is looked at how many there will be, all being as the last, or as all so far.
+STEPS_OF_STIFF, STEPS_OF_LONG = 20, 1000
+# What is stiff: some direction shrinks to less than this in a step, though the solution allows no longer one.
+SHRUNK = 0.6
+# Shorter steps, relative to the time gone by, are those of a pole; 2⁻⁴⁰ is found before 128 bits are used up.
 SHORTEST_PART = Fraction(1, 2**40)
-# No problem needs a longer one; shorter are found by halving.
+# No problem needs a longer one; shorter are found by trying.
 LONGEST_STEP = Fraction(2) ** 20
 
 
@@ -67,7 +71,7 @@ class _Path:
 
     def __init__(self, f: RightHandSide, start: Sequence[Fraction | arb], times: Sequence[Fraction], bits: int) -> None:
         self.f, self.t, self.steps = f, times[0], 0
-        self.shortest = SHORTEST_PART * (times[-1] - times[0])
+        self.first, self.last = times[0], times[-1]
         self.length = bits // BITS_PER_COEFFICIENT
         self.doubles: set[float] = set()
         n = len(start)
@@ -94,18 +98,27 @@ class _Path:
         if self.step is not None:
             self._carry(self.step)
         self.steps += 1
-        if self.steps > MOST_STEPS:
-            where = f"t = {float(self.t):.9g}"
-            raise Refused(f"{MOST_STEPS} steps lead to {where} only: stiff, or too long a time for explicit steps")
         error = (self.basis * self.box).entries()
         self.point_before, self.error_before = self.point, error
         self.spread = size(error)
         decided = decisions(self.f, self.t, self.point, self.doubles)
         longest = 4 * self.step.h if self.step is not None else LONGEST_STEP
         self.step = Expansion(self.f, self.t, self.point, self.length, decided).step(longest, self.spread)
-        if self.step.h < self.shortest:
-            near = float(self.t + DISC_PER_STEP * self.step.h)
+        self._refuse_what_does_not_end(self.step)
+
+    def _refuse_what_does_not_end(self, step: EnclosedStep) -> None:
+        """No proof depends on this: it guesses how many steps there will be."""
+        gone, left = step.t + step.h - self.first, self.last - step.t
+        if step.h < SHORTEST_PART * gone:
+            near = float(self.t + 8 * step.h)
             raise Refused(f"a pole, or a point where f is not smooth, is ahead near t = {near:.9g}")
+        if self.steps >= STEPS_OF_STIFF and left > MOST_STEPS * step.h and _shrinks(step.flow):
+            raise Refused(
+                f"stiff: from t = {float(self.t):.4g} explicit steps are {float(step.h):.2g} long, about"
+                f" {float(left / step.h):.1g} to the end; the error of its dense output can be bounded instead"
+            )
+        if self.steps >= STEPS_OF_LONG and left * self.steps > MOST_STEPS * gone:
+            raise Refused(f"too long: {self.steps} steps lead to t = {float(self.t):.6g}, {MOST_STEPS} will not do")
 
     def _carry(self, step: EnclosedStep) -> None:
         """From the start of the step to its end: the thin point, and the set of errors around it."""
@@ -130,3 +143,8 @@ def _near_orthogonal(image: arb_mat, box: arb_mat) -> arb_mat:
     q, _ = np.linalg.qr(columns[:, order] + 1e-300 * np.eye(len(columns)))
     q = q if np.isfinite(q).all() and abs(np.linalg.det(q)) > 0.5 else np.eye(len(q))
     return arb_mat([[float(x) for x in row] for row in q])
+
+
+def _shrinks(flow: arb_mat) -> bool:
+    middle = np.array([[float(x.mid()) for x in row] for row in flow.tolist()])
+    return bool(np.abs(np.linalg.eigvals(middle)).min() < SHRUNK)

@@ -79,8 +79,8 @@ def test_pendulum_agrees_with_jacobi_functions():
         k = mpmath.sin(1)
         true = 2 * mpmath.asin(k * mpmath.ellipfun("sn", mpmath.ellipk(k * k) + 10, m=k * k))
         with ctx.workprec(128):
-            assert abs(found.states[-1][0] - arb(mpmath.nstr(true, 38))) < 1e-32
-    assert found.radius < 1e-32
+            assert abs(found.states[-1][0] - arb(mpmath.nstr(true, 38))) < 1e-30
+    assert found.radius < 1e-30
 
 
 def test_kepler_agrees_with_keplers_equation():
@@ -104,7 +104,7 @@ def test_rational_start_is_no_double():
 
 def holds_neighbours(module):
     """y' = y from [1 - r, 1 + r]: both ends' solutions lie within, and the radius is theirs up to 1 %."""
-    r, times = arb(2) ** -40, [Fraction(k, 3) for k in range(8)]
+    r, times = arb(2) ** -40, [Fraction(k, 3) for k in range(12)]
     with ctx.workprec(128):
         found = module.enclose_solution(lambda t, y: y, [arb(1, r)], times)
         for t, (x,) in zip(times, found.states, strict=True):

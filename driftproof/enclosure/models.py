@@ -1,0 +1,191 @@
+"""Taylor models on a disc: the first coefficients of an analytic function in balls, and a bound on all others.
+
+Functions Σ c_k σ^k with a finite norm ‖c‖ = Σ |c_k| are analytic where |σ| < 1, and ‖ab‖ <= ‖a‖ ‖b‖. So what a product
+adds beyond its first coefficients is bounded by norms. A function of a model starts from the coefficients that Arb's
+series give. Put into an equation that it solves, they leave an error ε of high order; ‖ε‖ < 1 proves that the disc
+holds no pole and no branch point, and bounds the rest by a geometric series. Since the disc is no larger than the step,
+norms are near the sizes that the functions have, and a tail is bounded nearly as small as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, TypeAlias
+
+from flint import arb, arb_poly, arb_series, ctx
+
+from driftproof.enclosure.numbers import Refused
+
+Constant: TypeAlias = int | arb
+# Real σ of a step: 0 <= σ <= 1.
+STEP = arb(0.5, 0.5)
+
+
+class TaylorModel:
+    """Σ c_k σ^k, real for real σ: a polynomial, k < length, and `tail`, an upper bound of Σ |c_k| of the others."""
+
+    __slots__ = ("_norm", "length", "polynomial", "tail")
+
+    def __init__(self, polynomial: arb_poly | Sequence[arb], length: int, tail: arb | int = 0) -> None:
+        """Take them as they are; coefficients beyond the length go into the tail."""
+        whole = polynomial if isinstance(polynomial, arb_poly) else arb_poly(list(polynomial))
+        if whole.length() > length:
+            tail = tail + beyond(whole, length)
+            whole = whole.truncate(length)
+        self.polynomial, self.length = whole, length
+        self.tail = _upper(arb(tail))
+        self._norm: arb | None = None
+
+    @property
+    def norm(self) -> arb:
+        """An upper bound of Σ |c_k|."""
+        if self._norm is None:
+            self._norm = _upper(beyond(self.polynomial, 0) + self.tail)
+        return self._norm
+
+    def range(self) -> arb:
+        """A ball of the values for 0 <= σ <= 1."""
+        return self.polynomial(STEP) + arb(0, self.tail)
+
+    def coefficient(self, k: int) -> arb:
+        """c_k, below the length."""
+        return arb(self.polynomial[k])
+
+    def is_finite(self) -> bool:
+        """Whether the norm is."""
+        return bool(self.norm.is_finite())
+
+    def __add__(self, other: TaylorModel | Constant) -> TaylorModel:
+        """The sum."""
+        if isinstance(other, TaylorModel):
+            return TaylorModel(self.polynomial + other.polynomial, self.length, self.tail + other.tail)
+        return TaylorModel(self.polynomial + other, self.length, self.tail)
+
+    __radd__ = __add__
+
+    def __neg__(self) -> TaylorModel:
+        """The negative."""
+        return TaylorModel(-self.polynomial, self.length, self.tail)
+
+    def __sub__(self, other: TaylorModel | Constant) -> TaylorModel:
+        """The difference."""
+        return self + -other
+
+    def __rsub__(self, other: Constant) -> TaylorModel:
+        """The difference, the other way round."""
+        return -self + other
+
+    def __mul__(self, other: TaylorModel | Constant) -> TaylorModel:
+        """The product; (p + ρ)(q + τ) = pq + p τ + ρ (q + τ)."""
+        if not isinstance(other, TaylorModel):
+            return TaylorModel(self.polynomial * other, self.length, self.tail * abs(other))
+        return TaylorModel(
+            self.polynomial * other.polynomial, self.length, self.norm * other.tail + self.tail * other.norm
+        )
+
+    __rmul__ = __mul__
+
+    def __rtruediv__(self, other: Constant) -> TaylorModel:
+        """other/x: with a the series of 1/x, 1/x = a/(1 + ε), ε = x a - 1."""
+        a = self._series("inv")
+        tail = a.norm * _geometric((self * a).tail, "divides by")
+        return TaylorModel(a.polynomial, self.length, tail) * other
+
+    def __gt__(self, other: Constant) -> bool:
+        """Whether it is larger for all 0 <= σ <= 1."""
+        return bool(self.range() > other)
+
+    def __lt__(self, other: Constant) -> bool:
+        """Whether it is smaller for all 0 <= σ <= 1."""
+        return bool(self.range() < other)
+
+    def _series(self, function: str) -> TaylorModel:
+        """The first coefficients of a function of the polynomial, without a tail."""
+        return TaylorModel(_along(self, function).coeffs(), self.length)
+
+    def _variation(self) -> tuple[arb, arb]:
+        """‖x - x_0‖, and what of it the polynomial contributes."""
+        polynomial = _upper(beyond(self.polynomial, 1))
+        return _upper(polynomial + self.tail), polynomial
+
+    def sqrt(self) -> TaylorModel:
+        """With a the series, sqrt x = a sqrt(1 + ε), ε = (x - a²)/a²."""
+        a = self._series("sqrt")
+        error = self.tail + beyond(a.polynomial * a.polynomial, self.length)
+        inverse = 1 / a
+        return TaylorModel(
+            a.polynomial, self.length, a.norm * _geometric(error * inverse.norm * inverse.norm, "takes the root of")
+        )
+
+    def exp(self) -> TaylorModel:
+        """With p the polynomial, a the series, η = a' - p'a, of order length - 1: exp p - a = -exp(p) ∫ exp(-p) η."""
+        a = self._series("exp")
+        error = beyond(self.polynomial.derivative() * a.polynomial, self.length - 1)
+        whole, w = self._variation()
+        first = self.coefficient(0).exp()
+        tail = (2 * w).exp() * error / self.length + first * whole.exp() * self.tail
+        return TaylorModel(a.polynomial, self.length, tail)
+
+    def _sin_cos(self) -> tuple[TaylorModel, TaylorModel]:
+        """As exp, with exp(ip) for exp p: the two equations' errors add up to one of exp(ip)."""
+        s, c = self._series("sin"), self._series("cos")
+        slope = self.polynomial.derivative()
+        error = beyond(slope * c.polynomial, self.length - 1) + beyond(slope * s.polynomial, self.length - 1)
+        whole, w = self._variation()
+        tail = (2 * w).exp() * error / self.length + whole.exp() * self.tail
+        return TaylorModel(s.polynomial, self.length, tail), TaylorModel(c.polynomial, self.length, tail)
+
+    def sin(self) -> TaylorModel:
+        """The sine."""
+        return self._sin_cos()[0]
+
+    def cos(self) -> TaylorModel:
+        """The cosine."""
+        return self._sin_cos()[1]
+
+    def log(self) -> TaylorModel:
+        """With a the series, log x = a + log(1 + ε), ε = x exp(-a) - 1."""
+        a = self._series("log")
+        return TaylorModel(a.polynomial, self.length, _geometric((self * (-a).exp()).tail, "takes the logarithm of"))
+
+    def atan(self) -> TaylorModel:
+        """With a the series, atan x = a + atan ε, ε = (x cos a - sin a)/(cos a + x sin a)."""
+        a = self._series("atan")
+        s, c = a._sin_cos()
+        error = (self * c - s).tail * (1 / (c + self * s)).norm
+        return TaylorModel(a.polynomial, self.length, _geometric(error, "takes the angle of"))
+
+    def asin(self) -> TaylorModel:
+        """atan(x/sqrt(1 - x²)), for |x| < 1."""
+        inverse: TaylorModel = 1 / (1 - self * self).sqrt()
+        return (self * inverse).atan()
+
+    def acos(self) -> TaylorModel:
+        """π/2 - asin x."""
+        quarter: TaylorModel = arb.pi() / 2 - self.asin()
+        return quarter
+
+
+def beyond(polynomial: arb_poly, first: int) -> arb:
+    """Σ |c_k| over k >= first."""
+    return sum((abs(c) for c in polynomial.coeffs()[first:]), arb(0))
+
+
+def _along(x: TaylorModel, function: str) -> Any:
+    cap, ctx.cap = ctx.cap, x.length
+    try:
+        series = arb_series(x.polynomial, x.length)
+        return 1 / series if function == "inv" else getattr(series, function)()
+    finally:
+        ctx.cap = cap
+
+
+def _upper(x: arb) -> arb:
+    return arb(x.abs_upper())
+
+
+def _geometric(error: arb, does: str) -> arb:
+    """‖ε‖/(1 - ‖ε‖), at least the size of 1/(1 + ε) - 1, sqrt(1 + ε) - 1, log(1 + ε) and atan ε. Refused from 1 on."""
+    if not error < 1:
+        raise Refused(f"f {does} a number that may be 0 within the step")
+    return error / (1 - error)
