@@ -63,10 +63,10 @@ BUDGETS = {
     "symbolic": 9760,
     "numeric": 3000,
     "blackbox": 8760,
-    "enclosure": 1975,
+    "enclosure": 1996,
     "texts": 5550,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 4705
+BUDGET_OF_REPORTS_AND_FRONT = 4716
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 
@@ -450,8 +450,8 @@ PLANTED: list[tuple[Guard, str, str]] = [
     (storeys_climbed, "driftproof/symbolic/linear/b.py", "import driftproof.symbolic.c"),
     (circles, "driftproof/methods/a.py", "import driftproof.methods.b"),
     (circles, "driftproof/symbolic/linear/d.py", "import driftproof.symbolic.algebra.e"),
-    (over_budget, "driftproof/support/a.py", LONG * 17),
-    (over_budget, "driftproof/commands/a.py", LONG * 75),
+    (over_budget, "driftproof/support/a.py", LONG * 30),
+    (over_budget, "driftproof/commands/a.py", LONG * 120),
     (over_budget, "tests/test_a.py", LONG * 71),
     (too_small, "driftproof/methods/tiny.py", '"""Tiny."""\n'),
     (unmirrored, "driftproof/methods/lonely.py", LONG),

@@ -28,6 +28,9 @@ def _step(text: str) -> Fraction:
     cli.option("run", "the trajectory, a .csv or .npz file", type=Path),
     cli.option("--method", "split the error: a method's key or .toml file, or SciPy's RK23, RK45, DOP853"),
     cli.option("--h", "the step, where the file holds only some points of the run", type=_step),
+    cli.option(
+        "--invariant", "a first integral: NAME=TEXT, or a known NAME", action="append", default=[], metavar="NAME"
+    ),
     cli.option("--tolerance", "exit with 1 if any error is larger", type=cli.positive_number("tolerance")),
     cli.option("--figure", "also draw error against time, into an .svg file", type=Path, metavar="FILE"),
     cli.TEXT_OR_JSON,
@@ -55,6 +58,8 @@ def certify_command(options: Namespace) -> str:
 
     With --method, total = truncation + rounding, each enclosed: the method is run exactly on the steps of the run, from
     point to point, or of size --h. Points that are no steps of the method are refused.
+    With --invariant, the drift of a quantity that the solution keeps, split likewise: energy='y1^2/2 - cos(y0)', or
+    oscillator_energy, pendulum_energy, kepler_energy, angular_momentum, henon_heiles_energy.
 
     exit status: 0 if enclosed, and within --tolerance if there is one; 1 if beyond it; 2 if the question makes no
     sense; 3 if nothing can be proved, with the reason: a pole ahead, a branch that is reached, a stiff problem.
@@ -66,7 +71,7 @@ def certify_command(options: Namespace) -> str:
     run = read_trajectory(options.run)
     f = _function(options.function)
     try:
-        found = certificate_of(f, run, options.method, options.h)
+        found = certificate_of(f, run, options.method, options.h, _invariants(options.invariant))
     except (ArithmeticError, ValueError, OSError):
         raise
     except Exception as error:  # a user's function raises what it likes
@@ -80,6 +85,13 @@ def certify_command(options: Namespace) -> str:
     if not good:
         raise cli.Refuted(written)
     return written
+
+
+def _invariants(given: list[str]) -> dict[str, str]:
+    from driftproof.enclosure.invariants import known_invariant
+
+    pairs = [each.partition("=") for each in given]
+    return {name.strip(): text if equals else known_invariant(name) for name, equals, text in pairs}
 
 
 def _text(found: Certificate, tolerance: float | None, good: bool, drawn: Path | None) -> str:

@@ -27,11 +27,12 @@ ALL_DIGITS = 17
 class Split:
     """The error in two: `truncation` of the method, run exactly on the same steps, and `rounding`, the rest.
 
-    z[i] + rounding[i] is the float y[i], and z[i] - truncation[i] the solution, z being the method's exact run; where
-    the run's times are rounded, what that shifts is counted as rounding, too. `steps` were made in `bits`.
+    `states` are z[i], the method's exact run: z[i] + rounding[i] is the float y[i], and z[i] - truncation[i] the
+    solution; where the run's times are rounded, what that shifts is counted as rounding. `steps` were made in `bits`.
     """
 
     method: str
+    states: BallRows
     truncation: BallRows
     rounding: BallRows
     steps: int

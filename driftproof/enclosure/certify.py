@@ -12,6 +12,7 @@ from flint import arb, ctx
 from driftproof.enclosure.certificate import BallRows, Certificate, Split, decimal, right_digits
 from driftproof.enclosure.exact_runs import Row, StepPlan, plan_of
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates, rebound
+from driftproof.enclosure.invariants import GivenInvariants, drift_of, invariants_of
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
 from driftproof.enclosure.solutions import BITS_AT_FIRST, Enclosure, enclose_solution
 from driftproof.enclosure.steps import jacobian_of, size
@@ -35,7 +36,13 @@ FURTHER = Fraction(1, 1000)
 
 
 def certify(
-    f: Any, t: Any = None, y: Any = None, *, method: Method | str | None = None, h: float | Fraction | None = None
+    f: Any,
+    t: Any = None,
+    y: Any = None,
+    *,
+    method: Method | str | None = None,
+    h: float | Fraction | None = None,
+    invariants: GivenInvariants = (),
 ) -> Certificate:
     """The error of a float trajectory of y' = f(t, y), enclosed: y[i] at t[i], one row a time, from any solver.
 
@@ -45,7 +52,8 @@ def certify(
 
     `method` splits the error into that of the method and what rounding added: a key of the catalogue, a .toml file, or
     RK23, RK45, DOP853 as SciPy has them. Its steps are those from point to point; or of size h, where points are some
-    multiples of h only.
+    multiples of h only. `invariants`, functions of y or texts by name, or names that `FIRST_INTEGRALS` has, are first
+    integrals whose drift is enclosed beside the error.
 
     >>> from driftproof import certify
     >>> found = certify(lambda t, y: -y, [0.0, 0.5, 1.0], [[1.0], [0.6065], [0.3679]])
@@ -55,21 +63,31 @@ def certify(
     """
     if has_trajectory(f):
         f, t = t, f
-    return certificate_of(f, trajectory_of(t, y), method, h)
+    return certificate_of(f, trajectory_of(t, y), method, h, invariants)
 
 
 def certificate_of(
-    given: GivenField, run: Trajectory, method: Method | str | None = None, h: float | Fraction | None = None
+    given: GivenField,
+    run: Trajectory,
+    method: Method | str | None = None,
+    h: float | Fraction | None = None,
+    invariants: GivenInvariants = (),
 ) -> Certificate:
     """As `certify`, of a trajectory that is read already."""
     f = right_hand_side(given)
+    functions = invariants_of(invariants, given, len(run.states[0]))
     _require_reproduced(f, run.times, run.states)
     plan = None if method is None else plan_of(f, run, method, h)
     enclosed = _enclosed(f, run, () if plan is None else plan.starts)
     true = dict(zip(enclosed.times, enclosed.states, strict=True))
     errors = _errors(run, enclosed)
+    split = None if plan is None else _split(plan, run, true)
+    on_time = [true[t] for t in run.exact_times]
     with ctx.workprec(enclosed.bits):
-        digits = tuple(right_digits(row, true[t]) for row, t in zip(errors, run.exact_times, strict=True))
+        digits = tuple(right_digits(*each) for each in zip(errors, on_time, strict=True))
+    with ctx.workprec(max(enclosed.bits, split.bits if split else 0)):
+        exact = split.states if split else None
+        drifts = {name: drift_of(name, each, run.states, on_time, exact) for name, each in functions.items()}
     return Certificate(
         t=tuple(run.times),
         y=tuple(map(tuple, run.states)),
@@ -78,7 +96,8 @@ def certificate_of(
         bits=enclosed.bits,
         steps=enclosed.steps,
         doubles=enclosed.doubles,
-        split=None if plan is None else _split(plan, run, true),
+        split=split,
+        drifts=drifts,
     )
 
 
@@ -122,7 +141,7 @@ def _split(plan: StepPlan, run: Trajectory, true: Mapping[Fraction, Row]) -> Spl
                 for each in zip(run.states, rows, shifted, strict=True)
             )
         if _is_small(rounding, rows):
-            return Split(plan.method.key, truncation, rounding, sum(plan.counts), bits)
+            return Split(plan.method.key, tuple(rows), truncation, rounding, sum(plan.counts), bits)
         reason, bits = "", 2 * bits
     raise Refused(f"the exact run of {plan.method.key} is not known to twelve digits with {bits // 2} bits{reason}")
 

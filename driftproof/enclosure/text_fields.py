@@ -36,8 +36,11 @@ def right_hand_side(f: GivenField) -> RightHandSide:
 
 
 def field_function(field: VectorField, expressions: Sequence[str] | None = None) -> RightHandSide:
-    """f(t, y) of a field; or, of the same names, the values of other expressions, such as first integrals."""
-    rates = field.rates if expressions is None else VectorField(tuple(expressions), field.parameters).rates
+    """f(t, y) of a field; or, of the same names, the values of some other expressions, such as first integrals."""
+    rates = field.rates
+    if expressions is not None:
+        rest = ("0",) * (len(rates) - len(expressions))
+        rates = VectorField((*expressions, *rest), field.parameters).rates[: len(expressions)]
     trees = _Numbered()
     texts = [ast.unparse(trees.visit(ast.parse(rate, mode="eval"))) for rate in rates]
     exact: list[Exact] = [*map(Fraction, trees.numbers), *(value for _, value in field.parameters)]

@@ -26,7 +26,7 @@ PLAIN = Certificate(
 HALVES = tuple(tuple(x / 2 for x in row) for row in ROWS)
 WHOLE = replace(
     PLAIN,
-    split=Split("rk4", HALVES, HALVES, 2, 256),
+    split=Split("rk4", ROWS, HALVES, HALVES, 2, 256),
     drifts={"energy": Drift((arb(0), arb(2), arb(-3))), "<L>": Drift(*((arb(0), arb(1), arb(0)),) * 3)},
 )
 

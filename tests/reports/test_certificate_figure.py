@@ -14,7 +14,7 @@ from driftproof.reports.certificate_figure import certificate_figure, draw_certi
 
 ERRORS = ((arb(0),), (arb("1e-9"),), (arb("-2e-7", "1e-7"),))
 FOUND = Certificate((0.0, 1.0, 2.0), ((1.0,),) * 3, ERRORS, (17, 9, 6), 128, 3, ())
-SPLIT = replace(FOUND, split=Split("rk4", ERRORS, ((arb(0),), (arb("1e-16"),), (arb("3e-16"),)), 2, 256))
+SPLIT = replace(FOUND, split=Split("rk4", ERRORS, ERRORS, ((arb(0),), (arb("1e-16"),), (arb("3e-16"),)), 2, 256))
 
 
 def test_picture_is_written_whole(tmp_path):

@@ -1,0 +1,126 @@
+"""First integrals along a float run: what the solution keeps, and how far the run drifts from it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from itertools import combinations
+from typing import Any, TypeAlias
+
+import numpy as np
+from flint import arb
+
+from driftproof.enclosure.certificate import Drift, decimal
+from driftproof.enclosure.fields import rebound
+from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
+from driftproof.enclosure.text_fields import GivenField, field_function
+from driftproof.methods.field_text import rate_of_text
+from driftproof.methods.vector_fields import VectorField
+from driftproof.support.plain_text import did_you_mean
+
+# I(y), by a function of y or by its text; a name of FIRST_INTEGRALS stands for its text.
+Invariant: TypeAlias = Callable[[Any], Any] | str
+GivenInvariants: TypeAlias = Mapping[str, Invariant] | Sequence[str] | str
+
+# In units in which masses, lengths and gravity are 1; y holds positions, then velocities.
+FIRST_INTEGRALS = {
+    "oscillator_energy": "(y0^2 + y1^2)/2",
+    "pendulum_energy": "y1^2/2 - cos(y0)",
+    "kepler_energy": "(y2^2 + y3^2)/2 - 1/sqrt(y0^2 + y1^2)",
+    "angular_momentum": "y0*y3 - y1*y2",
+    "henon_heiles_energy": "(y0^2 + y1^2 + y2^2 + y3^2)/2 + y0^2*y1 - y1^3/3",
+}
+
+
+def n_body_integrals(masses: Sequence[Any], dimension: int = 3, gravity: Any = 1) -> dict[str, Callable[[Any], Any]]:
+    """Energy, momentum and angular momentum of bodies that attract each other; y = (all positions, all velocities).
+
+    >>> sorted(n_body_integrals([1, 1, 1], dimension=2))
+    ['angular_momentum_xy', 'energy', 'momentum_x', 'momentum_y']
+    """
+    n = len(masses)
+
+    def parts(y: Any) -> tuple[list[Any], list[Any]]:
+        rows = [y[i * dimension : (i + 1) * dimension] for i in range(2 * n)]
+        return rows[:n], rows[n:]
+
+    def energy(y: Any) -> Any:
+        q, v = parts(y)
+        total = sum(m * sum(x * x for x in row) for m, row in zip(masses, v, strict=True)) / 2
+        for i, j in combinations(range(n), 2):
+            distance = np.sqrt(sum((a - b) * (a - b) for a, b in zip(q[i], q[j], strict=True)))
+            total = total - gravity * masses[i] * masses[j] / distance
+        return total
+
+    def momentum(axis: int) -> Callable[[Any], Any]:
+        return lambda y: sum(m * row[axis] for m, row in zip(masses, parts(y)[1], strict=True))
+
+    def angular(a: int, b: int) -> Callable[[Any], Any]:
+        return lambda y: sum(m * (q[a] * v[b] - q[b] * v[a]) for m, q, v in zip(masses, *parts(y), strict=True))
+
+    axes = "xyz"[:dimension]
+    found = {"energy": energy, **{f"momentum_{x}": momentum(i) for i, x in enumerate(axes)}}
+    return found | {f"angular_momentum_{axes[a]}{axes[b]}": angular(a, b) for a, b in combinations(range(dimension), 2)}
+
+
+def known_invariant(name: str) -> str:
+    """The text of a first integral. Raises ValueError for a name that is none."""
+    if name not in FIRST_INTEGRALS:
+        known = f"{did_you_mean(name, FIRST_INTEGRALS)} (there are {', '.join(FIRST_INTEGRALS)})"
+        raise ValueError(f"unknown first integral {name[:60]!r}{known}")
+    return FIRST_INTEGRALS[name]
+
+
+def invariants_of(given: GivenInvariants, f: GivenField, components: int) -> dict[str, Callable[[Any], Any]]:
+    """The functions of y by name; texts know the parameters of f, where it is a field. Raises ValueError."""
+    if not isinstance(given, Mapping):
+        given = {name: known_invariant(name) for name in ([given] if isinstance(given, str) else given)}
+    field = f if isinstance(f, VectorField) else VectorField(("0",) * components)
+    return {name: _function(name, each, field) for name, each in given.items()}
+
+
+def _function(name: str, invariant: Invariant, field: VectorField) -> Callable[[Any], Any]:
+    if callable(invariant):
+        return rebound(invariant)  # type: ignore[arg-type, return-value]
+    try:
+        made = field_function(field, [rate_of_text(invariant)])
+    except ValueError as error:
+        raise ValueError(f"first integral {name}: {str(error).removeprefix('rate 0, ')}") from None
+    return lambda y: made(y[0] * 0, y)[0]
+
+
+def _value(invariant: Callable[[Any], Any], row: Sequence[arb], name: str) -> arb:
+    """I(y) in balls. Raises Refused where it cannot be run so."""
+    evaluation = Evaluation()
+    state = np.empty(len(row), dtype=object)
+    state[:] = [Enclosed(evaluation, x) for x in row]
+    try:
+        found = np.asarray(invariant(state), dtype=object).ravel()
+    except (TypeError, AttributeError, ZeroDivisionError, IndexError, ValueError) as error:
+        raise Refused(f"first integral {name} fails: {type(error).__name__}: {error}") from None
+    if len(found) != 1:
+        raise Refused(f"first integral {name} returns {len(found)} numbers; one is needed")
+    value: arb = found[0].value if isinstance(found[0], Enclosed) else evaluation.constant(found[0])
+    if not value.is_finite():
+        raise Refused(f"first integral {name} is not finite on the trajectory")
+    return value
+
+
+def drift_of(
+    name: str,
+    invariant: Callable[[Any], Any],
+    floats: Sequence[Sequence[float]],
+    true: Sequence[Sequence[arb]],
+    exact_run: Sequence[Sequence[arb]] | None,
+) -> Drift:
+    """I at each row less I at the start. Raises Refused where the enclosure shows that the solution does not keep I."""
+    rows = [[arb(x) for x in row] for row in floats]
+    start = _value(invariant, rows[0], name)
+    for i, row in enumerate(true):
+        changed = _value(invariant, row, name) - start
+        if not changed.contains(0):
+            raise Refused(f"{name} is not kept: at point {i} the solution has changed it by {decimal(changed)}")
+    total = tuple(_value(invariant, row, name) - start for row in rows)
+    if exact_run is None:
+        return Drift(total)
+    truncation = tuple(_value(invariant, row, name) - start for row in exact_run)
+    return Drift(total, truncation, tuple(a - b for a, b in zip(total, truncation, strict=True)))
