@@ -15,6 +15,7 @@ from driftproof.blackbox.judging.agreement import ORDINARY_DOMAIN
 from driftproof.blackbox.judging.habits import explained
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.matching.candidates import EMBEDDED
+from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
 from driftproof.blackbox.matching.estimates import JudgedEstimate, judged_estimate
 from driftproof.blackbox.matching.linear_candidates import LinearCandidate
 from driftproof.blackbox.matching.linear_match import LinearFit, linear_fit
@@ -33,7 +34,7 @@ from driftproof.support.plain_text import Json
 
 # Examples of the rounding errors of a method that was recognised: a fifth of what `verify` takes shows their size.
 _EXAMPLES = 200
-QUESTIONS = (introduction, read_coefficients, linear_fit, measured_orders, judged_estimate)
+QUESTIONS = (introduction, read_coefficients, linear_fit, measured_orders, judged_estimate, judged_dense)
 
 
 def identify(
@@ -63,9 +64,9 @@ def identified(runner: IsolatedRunner) -> Report:
     outcomes = runner.run([*QUESTIONS, *CHECKS.values()])
     if outcomes[0].kind == "bad_input":
         raise ValueError(outcomes[0].seen)
-    introduced, read, fit, order, estimate = outcomes[: len(QUESTIONS)]
+    introduced, read, fit, order, estimate, dense = outcomes[: len(QUESTIONS)]
     checks, arithmetic = checks_of(outcomes[len(QUESTIONS) :]), arithmetic_of(outcomes)
-    seen = Seen(introduced, read, fit, order, estimate, tuple(checks), arithmetic)
+    seen = Seen(introduced, read, fit, order, estimate, dense, tuple(checks), arithmetic)
     rounding = None if seen.key is None else _rounding(runner, METHODS[seen.key], seen.size)
     verdict = "; ".join(filter(None, [seen.verdict, arithmetic]))
     return Report(runner.target.name, verdict, None, _sections(seen, rounding), _data(seen, rounding))
@@ -89,6 +90,7 @@ class Seen:
     linear: Outcome
     order: Outcome
     estimate: Outcome
+    dense: Outcome
     checks: tuple[CheckResult, ...]
     arithmetic: str = ""  # who changed the rounding mode, or what becomes of subnormal numbers
 
@@ -139,7 +141,7 @@ class Seen:
         if self.read is not None and self.read.identity.matches:
             first, *others = [match.name for match in self.read.identity.matches]
             name = f"it is {first}" + (f", the same step as {', '.join(others)}" if others else "") + _at(self.size)
-            return name + self._row + self._refused + self._estimate_at_fault
+            return name + self._row + self._refused + self._beside_at_fault
         if self.read is not None and self.read.untimed is not None and self.read.untimed.matches:
             name, order = self.read.untimed.matches[0].name, self.read.order.order
             return f"it is {name} called at wrong times: order {order} where the right-hand side depends on t"
@@ -151,12 +153,6 @@ class Seen:
         return f"undecided: {open_questions[0].seen}" if open_questions else "it is no method that is known here"
 
     @property
-    def judged(self) -> JudgedEstimate | None:
-        """What its error estimate is, where it returns one that could be read."""
-        found: JudgedEstimate | None = self.estimate.result
-        return found
-
-    @property
     def _row(self) -> str:
         """Of a pair whose embedded weights are propagated, which order that is."""
         match = None if self.read is None else self.read.identity.matches[0]
@@ -166,8 +162,9 @@ class Seen:
         return f": the row of order {pair.embedded_order}, not that of order {pair.claimed_order}"
 
     @property
-    def _estimate_at_fault(self) -> str:
-        return "" if self.judged is None else "".join(f"; {fault}" for fault in self.judged.faults)
+    def _beside_at_fault(self) -> str:
+        judged = filter(None, (self.estimate.result, self.dense.result))
+        return "".join(f"; {fault}" for each in judged for fault in each.faults)
 
     @property
     def _refused(self) -> str:
@@ -212,7 +209,8 @@ def _sections(seen: Seen, rounding: Outcome | None) -> tuple[Section, ...]:
         ("Coefficients", [] if seen.read is None else [*seen.read.identity.lines, *seen.read.reading.lines]),
         ("One-step matrix", [] if seen.fit is None else seen.fit.lines),
         ("Order", _orders(seen)),
-        ("Error estimate", [] if seen.judged is None else [*seen.judged.lines, *seen.judged.faults]),
+        ("Error estimate", _beside(seen.estimate)),
+        ("Dense output", _beside(seen.dense)),
         ("Rounding", [] if rounding is None or rounding.failed else rounding.result.lines),
         ("Faults", faults),
         ("Checks", rest),
@@ -226,7 +224,7 @@ def _not_answered(seen: Seen, rounding: Outcome | None) -> list[str]:
 
 
 def _questions(seen: Seen, rounding: Outcome | None) -> Sequence[Outcome]:
-    questions = seen.introduction, seen.coefficients, seen.linear, seen.order, seen.estimate
+    questions = seen.introduction, seen.coefficients, seen.linear, seen.order, seen.estimate, seen.dense
     return questions if rounding is None else (*questions, rounding)
 
 
@@ -235,6 +233,12 @@ def _introduced(seen: Seen) -> list[str]:
         return []
     opened: Introduction = seen.introduction.result
     return [SIGNATURES[opened.calls], f"takes {opened.numbers}, works in {opened.format}"]
+
+
+def _beside(outcome: Outcome) -> list[str]:
+    """What is said of something that is returned beside y1."""
+    found: JudgedEstimate | JudgedDense | None = outcome.result
+    return [] if found is None else [*found.lines, *found.faults]
 
 
 def _orders(seen: Seen) -> list[str]:
@@ -258,7 +262,8 @@ def _data(seen: Seen, rounding: Outcome | None) -> dict[str, Json]:
         "order_fails": None if read is None else read.order.failing_tree,
         "linear_order": None if fit is None or fit.facts is None else fit.facts.linear_order,
         "measured_order": None if measured is None else measured.order,
-        "estimate": None if seen.judged is None else seen.judged.data,
+        "estimate": None if seen.estimate.result is None else seen.estimate.result.data,
+        "dense": None if seen.dense.result is None else seen.dense.result.data,
         "rounding": None if rounding is None or rounding.failed else rounding.result.data,
         "checks": [check.as_dict() for check in seen.checks],
         "not_answered": [{"kind": o.kind, "seen": o.seen} for o in _questions(seen, rounding) if o.failed],

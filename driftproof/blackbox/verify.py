@@ -16,6 +16,7 @@ from driftproof.blackbox.judging.habits import ROUNDED, explained
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.judging.nonlinear_step import NonlinearAgreement, nonlinear_agreement
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
+from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
 from driftproof.blackbox.matching.entries import mended, rational_method, side_by_side
 from driftproof.blackbox.matching.estimates import JudgedEstimate, judged_estimate
 from driftproof.blackbox.matching.match import Identity, match_method
@@ -95,12 +96,12 @@ def verify(
     beside = partial(nonlinear_agreement, method=asked, allowance=allowance)
     back = partial(steps_back, method=asked, allowance=allowance, domain=domain)
     estimate = partial(judged_estimate, method=asked)
-    outcomes = runner.run([agreed, read_coefficients, beside, measured_orders, estimate, back])
+    outcomes = runner.run([agreed, read_coefficients, beside, measured_orders, estimate, judged_dense, back])
     if outcomes[0].kind == "bad_input":
         raise ValueError(outcomes[0].seen)
     checks = [criterion(asked, outcome) for criterion, outcome in zip(CRITERIA, outcomes, strict=True)]
     if not checks[0].passed:  # of another map, or where nothing is known, steps back say no more
-        del checks[5:]
+        del checks[6:]
     passed, arithmetic = _decided(checks), arithmetic_of(outcomes)
     if passed is False:
         instead = identified(runner)
@@ -235,6 +236,15 @@ def _check_estimate(method: Method, outcome: Outcome) -> Criterion:
     return Criterion("Error estimate", passed, (*found.lines, *found.faults), found.data)
 
 
+def _check_dense(method: Method, outcome: Outcome) -> Criterion:
+    """Nobody claims a dense output by the name of a method: what fails is one that does not fit to the steps."""
+    if outcome.failed:
+        lines = () if outcome.kind == "unsupported_call" else (outcome.seen,)
+        return Criterion("Dense output", None, lines, {})
+    found: JudgedDense = outcome.result
+    return Criterion("Dense output", not found.faults, (*found.lines, *found.faults), found.data)
+
+
 def _check_backward(method: Method, outcome: Outcome) -> Criterion:
     if outcome.failed:
         return Criterion("Steps back", None, (outcome.seen,), {})
@@ -256,6 +266,7 @@ CRITERIA: Sequence[Callable[[Method, Outcome], Criterion]] = (
     _check_nonlinear_step,
     _check_order,
     _check_estimate,
+    _check_dense,
     _check_backward,
 )
 
@@ -275,10 +286,11 @@ def _not_decided(method: Method, checks: Sequence[Criterion]) -> str:
 
 def _refuted(method: Method, checks: Sequence[Criterion], found: Agreement | None, instead: Report) -> str:
     """What it is not, and why; where nothing but the rounding errors is wrong, how they come, as far as is known."""
-    _, coefficients, nonlinear, order, estimate, *back = checks
-    others = all(check.passed is not False for check in (coefficients, nonlinear, order, estimate))
-    if estimate.passed is False and coefficients.passed:
-        return f"is {method.key}, but {estimate.lines[-1]}"
+    (_, coefficients, nonlinear, order), beside, back = checks[:4], checks[4:6], checks[6:]
+    others = all(check.passed is not False for check in (coefficients, nonlinear, order, *beside))
+    wrong_beside = [str(check.data["faults"][0]) for check in beside if check.passed is False]
+    if wrong_beside and coefficients.passed:
+        return f"is {method.key}, but {'; '.join(wrong_beside)}"
     if others and back and back[0].passed is False:
         return f"is {method.key} for h > 0 only: {back[0].lines[0]}"
     if found is not None and found.failing is not None and order.passed is not False:

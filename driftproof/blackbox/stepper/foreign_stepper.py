@@ -54,6 +54,7 @@ class CallLog:
     changes_its_arguments: bool = False
     works_in_place: bool = False
     beside: list[AnyNumber] | None = None  # what the last step returned after y1: its error estimate, or another y1
+    dense: Callable[..., Foreign] | None = None  # its dense output, a function of the time, or of theta
 
 
 @dataclass
@@ -184,10 +185,11 @@ class ForeignStepper:
     def _read_state(self, answer: Foreign, size: int, end: AnyNumber) -> list[AnyNumber]:
         """The state that was returned: y1, (t1, y1), (y1, y1_hat), (y1, error), (t1, y1, error), with more behind.
 
-        What comes after y1, an error as one number, too, is kept in the log. Of one number, what may be a time is one
-        only if it is about the end of the step.
+        What comes after y1, an error as one number, too, or a function, is kept in the log. Of one number, what may be
+        a time is one only if it is about the end of the step.
         """
-        parts = list(answer) if isinstance(answer, tuple) else []
+        parts = [part for part in answer if not callable(part)] if isinstance(answer, tuple) else []
+        self.log.dense = next(filter(callable, answer), None) if isinstance(answer, tuple) else None
         sizes, self.log.beside = [_size(part) for part in parts], None
         if sizes[:2] == [1, size] and (size > 1 or abs(self.adapter.read(parts[0], 1)[0] - end) <= _ABOUT * abs(end)):
             parts, sizes = parts[1:], sizes[1:]

@@ -60,14 +60,16 @@ def field_stepper_of(
     state: Location = "y",
     time: Location | None = None,
     error: Location | None = None,
+    dense: str | None = None,
     advance: Act = "step",
     anew: bool = False,
 ) -> Callable[..., Any]:
     """The step (f, t, y, h) -> y₁ of an object on y' = f(t, y); without `time`, its (f, y, h) -> y₁ on y' = f(y).
 
     `make(f)` builds the object, which calls f as it is used to; `state` is where its y is, `time` its t. Where the
-    object keeps its error estimate, or the other result of a pair, in `error`, the step is (y₁, error). The rest is as
-    for `stepper_of`.
+    object keeps its error estimate, or the other result of a pair, in `error`, the step is (y₁, error); where `dense`
+    names its dense output, a function of the time or what makes one, that function follows. The rest is as for
+    `stepper_of`.
 
     >>> from driftproof import field_stepper_of
     >>> class Solver:
@@ -80,7 +82,8 @@ def field_stepper_of(
     0.5
     """
     held = _Held(make, anew, advance)
-    return UntimedSolver(held, state, error) if time is None else TimedSolver(held, state, error, _Accessor.of(time))
+    beside = _Beside(error, dense)
+    return UntimedSolver(held, state, beside) if time is None else TimedSolver(held, state, beside, _Accessor.of(time))
 
 
 @dataclass
@@ -113,11 +116,11 @@ class UntimedSolver:
 
     held: _Held
     state: Location
-    error: Location | None
+    beside: _Beside
 
     def __call__(self, f: Callable[..., Any], y: Sequence[float], h: float) -> Any:
         """One step."""
-        return self.held.solved(f, [], self.state, self.error, y, h)
+        return self.held.solved(f, [], self.state, self.beside, y, h)
 
 
 @dataclass
@@ -126,12 +129,12 @@ class TimedSolver:
 
     held: _Held
     state: Location
-    error: Location | None
+    beside: _Beside
     time: _Accessor
 
     def __call__(self, f: Callable[..., Any], t: float, y: Sequence[float], h: float) -> Any:
         """One step."""
-        return self.held.solved(f, [(self.time, [t])], self.state, self.error, y, h)
+        return self.held.solved(f, [(self.time, [t])], self.state, self.beside, y, h)
 
 
 class _Held:
@@ -161,17 +164,17 @@ class _Held:
         f: Callable[..., Any],
         given: Sequence[tuple[_Accessor, Sequence[Any]]],
         place: Location,
-        error: Location | None,
+        beside: _Beside,
         y: Sequence[float],
         h: float,
     ) -> Any:
-        """Put what is given and the state where they belong, advance, and read the state, and the error if any."""
+        """Put what is given and the state where they belong, advance, and read the state, and what is beside it."""
         solver, state = self._ready(f), _Accessor.of(place, len(y))
         for accessor, numbers in (*given, (state, y)):
             accessor.write(solver, numbers)
         _act(solver, self.advance, h)
-        y1 = np.array(state.read(solver))
-        return y1 if error is None else (y1, as_array(_Accessor.of(error).get(solver)))
+        y1, others = np.array(state.read(solver)), beside.read(solver)
+        return (y1, *others) if others else y1
 
     def _ready(self, function: Callable[..., Any] | None) -> Object:
         """The object; what it calls from now on is `function`."""
@@ -183,6 +186,22 @@ class _Held:
     def _answer(self, *arguments: Any) -> Any:
         assert self.function is not None
         return self.function(*arguments)
+
+
+@dataclass(frozen=True)
+class _Beside:
+    """Where an object keeps its error estimate, and the name of its dense output or of what makes it."""
+
+    error: Location | None
+    dense: str | None
+
+    def read(self, solver: Object) -> list[Any]:
+        """Those that there are, the error as an array."""
+        found = [] if self.error is None else [as_array(_Accessor.of(self.error).get(solver))]
+        if self.dense is None:
+            return found
+        dense = attrgetter(self.dense)(solver)
+        return [*found, dense if inspect.signature(dense).parameters else dense()]
 
 
 def _takes_function(make: Callable[..., Object]) -> bool:

@@ -1,0 +1,99 @@
+"""The dense output of somebody's step, read as rows of weights b(theta): the step to theta has the same stages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.probes.scripted_answers import CoefficientRow, NotReadable
+from driftproof.blackbox.probes.tableau import TableauReading, read_tableau
+from driftproof.blackbox.stepper.array_adapters import Foreign
+from driftproof.blackbox.stepper.calling_conventions import STEP, TIME
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+
+# Sixteenths are exact in every format, and enough of them for polynomials of degree 15, of which one is seen to be one.
+THETAS = tuple(Fraction(k, 16) for k in range(17))
+# What a dense output is a function of, from the start t of the step, its length h and theta.
+_ARGUMENTS: dict[str, Callable[[float, float, float], float]] = {
+    "the time": lambda t, h, theta: t + theta * h,
+    "theta": lambda t, h, theta: theta,
+    "the time since the start of the step": lambda t, h, theta: theta * h,
+}
+
+
+@dataclass(frozen=True)
+class DenseReading:
+    """y(t + θh) ≈ y + h Σ bⱼ(θ) kⱼ: `rows` are the b(θ) of the THETAS, `step` is the table with b(1).
+
+    kⱼ is the answer to call j, those among them that are made for the dense output alone; `argument` says what it is
+    a function of. `own` are the weights of y₁ itself, 0 for such calls.
+    """
+
+    argument: str
+    step: TableauReading
+    rows: tuple[CoefficientRow, ...]
+    own: CoefficientRow
+
+    def step_to(self, theta: Fraction) -> TableauReading:
+        """The step of length θh that ends there, in floats: A/θ, b(θ)/θ and c/θ. θ is one of THETAS, not 0."""
+        part, row = float(theta), self.rows[THETAS.index(theta)]
+        a = tuple(tuple(x / part for x in entries) for entries in self.step.a)
+        c = None if self.step.c is None else tuple(x / part for x in self.step.c)
+        return replace(self.step, a=a, b=tuple(x / part for x in row), c=c, remarks=())
+
+
+def read_dense(subject: ForeignStepper) -> DenseReading:
+    """The dense output of a step (f, t, y, h) that returns (y1, dense) with a function `dense` of t, of theta or of t
+    since the start: read as a step to each of 17 thetas, with all that `read_tableau` controls.
+
+    Raises NotReadable, UnsupportedCall where no function is returned.
+    """
+    subject.step_field(lambda t, y: [0.0 * x for x in y], 0.0, _trial_state(subject), 0.5)
+    if subject.log.dense is None:
+        raise UnsupportedCall("the stepper returns no dense output beside y1")
+    argument = _argument(subject)
+    readings = [read_tableau(_stepper_to(subject, float(theta), argument)) for theta in THETAS]
+    own = read_tableau(subject)
+    if len({reading.calls for reading in readings}) > 1 or own.calls > readings[-1].calls:
+        raise NotReadable("how many calls the dense output makes depends on theta")
+    weights = (*own.b, *[0.0] * (readings[-1].calls - own.calls))
+    return DenseReading(argument, readings[-1], tuple(reading.b for reading in readings), weights)
+
+
+def _trial_state(subject: ForeignStepper) -> list[float]:
+    for size in (2, 1):
+        try:
+            subject.step_field(lambda t, y: [0.0 * x for x in y], 0.0, [5.0] * size, 0.5)
+        except Exception:  # of a stepper that takes one number only, in the words of its library
+            continue
+        return [5.0] * size
+    raise NotReadable("no step is made to look for a dense output")
+
+
+def _argument(subject: ForeignStepper) -> str:
+    """What it is a function of: with the slope 1 everywhere, y = 5 at t = 2 is 5.25 after half a step of 1/2."""
+    state = _trial_state(subject)
+    for argument in _ARGUMENTS:
+        half = _stepper_to(subject, 0.5, argument)
+        try:
+            found = half.step_field(lambda t, y: [1.0 + 0.0 * x for x in y], 2.0, state, 0.5)
+        except Exception:  # outside of where it is defined, in whatever words
+            continue
+        if abs(found[0] - 5.25) <= 2.0**-6:
+            return argument
+    raise NotReadable("with the slope 1, the dense output is not y + h/2 half-way, whatever it is a function of")
+
+
+def _stepper_to(subject: ForeignStepper, theta: float, argument: str) -> ForeignStepper:
+    """The stepper that goes as far as theta: it makes the whole step, and returns what the dense output has there."""
+    order, names, place = subject.convention.order, subject.convention.names, _ARGUMENTS[argument]
+
+    def function(*arguments: Any, **named: Any) -> Foreign:
+        given = dict(zip(order, arguments or [named[name] for name in names], strict=False))
+        dense = next(filter(callable, subject.function(*arguments, **named)))
+        return dense(place(given.get(TIME, 0.0), given[STEP], theta))
+
+    return replace(subject, function=function)

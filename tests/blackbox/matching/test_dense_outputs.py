@@ -1,0 +1,97 @@
+"""Dense outputs are named, with degree, order and ends; those that do not fit to their steps are at fault."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from driftproof import identify, verify
+from driftproof.blackbox.matching.dense_outputs import judged_dense
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.continuous import EXTENSIONS, hermite
+from tests.blackbox.extension_steppers import but_the_last, extension_step, first_and_last_exchanged
+from tests.looping import some
+
+SMOOTH = "the slope there is f(t, y) and f(t + h, y1)"
+
+
+def judged(step):
+    return judged_dense(opened(step, "field"))
+
+
+@pytest.mark.parametrize("key", EXTENSIONS)
+def test_every_extension_of_the_catalogue_is_named(key):
+    found, table = judged(extension_step(key)), EXTENSIONS[key]
+    assert (found.extension, found.degree, found.order) == (key, table.degree, table.claimed_order)
+    assert found.faults == ()
+    assert SMOOTH in found.lines[-1]
+
+
+def test_the_cubic_of_any_method_is_named():
+    found = judged(extension_step("", extension=hermite(METHODS["fehlberg45"])))
+    assert (found.extension, found.order, found.faults) == ("fehlberg45_hermite", 3, ())
+
+
+WRONG = {
+    "moved too early": (first_and_last_exchanged, "not y1 at theta = 1: the weight of call 6 is off by 0.0911"),
+    "a wrong digit": (but_the_last(lambda row: [*row[:-1], row[-1] + 1e-3]), "call 6 is off by 0.001"),
+    "not y at 0": (
+        but_the_last(lambda row: [0.25, row[1] - 0.5, *row[2:]]),
+        "not y at theta = 0: the weight of call 6 is off by 0.25",
+    ),
+    "linear": (
+        lambda rows: [[0.0, sum(row), 0.0, 0.0, 0.0] for row in rows],
+        "the dense output has order 1 only, the steps have order 5",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_what_does_not_fit_is_at_fault(name):
+    weights, fault = WRONG[name]
+    found = judged(extension_step("dormand_prince54_shampine", weights=weights))
+    assert any(fault in words for words in some(found.faults, 1))
+    assert found.extension is None
+
+
+def test_a_kink_is_said_and_is_no_fault():
+    def linear(f, t, y, h):
+        slope = f(t, y)
+        return y + h * slope, lambda theta: y + theta * h * slope
+
+    found = judged(linear)
+    assert (found.order, found.faults) == (1, ())
+    assert found.lines[-1].endswith("the slope there is f(t, y)")
+
+
+def test_reports_have_a_section_for_it():
+    step = extension_step("dormand_prince54_shampine")
+    assert identify(step, isolate=False).section("Dense output").lines[0].startswith("dormand_prince54_shampine")
+    report = verify(step, "dormand_prince54", examples=20, isolate=False)
+    assert report.passed
+    assert report.data["dense_output"]["order"] == 4
+    wrong = verify(
+        extension_step("dormand_prince54_shampine", weights=first_and_last_exchanged),
+        "dormand_prince54",
+        examples=20,
+        isolate=False,
+    )
+    assert wrong.verdict.startswith("is dormand_prince54, but the dense output is not y1 at theta = 1")
+
+
+@pytest.mark.parametrize(
+    ("name", "extension"),
+    [("RK23", "bogacki_shampine32_hermite"), ("RK45", "dormand_prince54_shampine"), ("DOP853", "dop853_dense")],
+)
+def test_scipy_has_the_extensions_that_it_says(name, extension):
+    solver = getattr(pytest.importorskip("scipy.integrate"), name)
+
+    def step(f, t, y, h):
+        end = t + (1e30 if h > 0 else -1e30)
+        made = solver(f, t, np.array(y), end, first_step=abs(h), max_step=abs(h), rtol=1e3, atol=1e300)
+        made.step()
+        return made.y, made.dense_output()
+
+    assert judged(step).extension == extension
+    assert judged(step).faults == ()

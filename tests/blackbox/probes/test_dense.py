@@ -1,0 +1,69 @@
+"""The weights of a dense output are read at each theta, calls that it makes itself included."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.probes.dense import THETAS, read_dense
+from driftproof.blackbox.probes.scripted_answers import NotReadable
+from driftproof.blackbox.stepper.objects import field_stepper_of
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.methods.continuous import EXTENSIONS
+from tests.blackbox.extension_steppers import extension_step
+from tests.blackbox.handwritten_steppers import rk4
+
+
+def read(step):
+    return read_dense(opened(step, "field"))
+
+
+@pytest.mark.parametrize("of_time", [False, True])
+def test_rows_are_the_polynomials_at_their_thetas(of_time):
+    reading, table = read(extension_step("dormand_prince54_shampine", of_time=of_time)), EXTENSIONS
+    assert reading.argument == ("the time" if of_time else "theta")
+    assert (len(reading.rows), reading.step.calls) == (17, 7)
+    weights = table["dormand_prince54_shampine"].weights
+    for theta, row in zip(THETAS, reading.rows, strict=True):
+        exact = [float(sum(x * theta**n for n, x in enumerate(weight))) for weight in weights]
+        assert np.allclose(row, exact, rtol=0, atol=20 * 2.0**-53)  # a sum of four terms below 8, and a product
+
+
+def test_calls_of_the_dense_output_are_stages():
+    def euler(f, t, y, h):
+        first = f(t, y)
+
+        def midway(theta):
+            second = f(t + h / 2, y + h / 2 * first)
+            return y + h * (theta * first + theta * (theta - 1) * (second - first))
+
+        return y + h * first, midway
+
+    reading = read(euler)
+    assert (reading.step.calls, reading.own, reading.step.c) == (2, (1.0, 0.0), (0.0, 0.5))
+    assert (reading.rows[0], reading.rows[8], reading.rows[16]) == ((0.0, 0.0), (0.75, -0.25), (1.0, 0.0))
+
+
+def test_an_object_makes_its_dense_output_when_asked():
+    class Solver:
+        def __init__(self, f):
+            self.f, self.t, self.y = f, 0.0, None
+
+        def step(self, h):
+            self.y, self.dense = extension_step("rk4_hermite", of_time=True)(self.f, self.t, self.y, h)
+            self.t += h
+
+        def dense_output(self):
+            return self.dense
+
+    for dense in ("dense", "dense_output"):
+        step = field_stepper_of(Solver, state="y", time="t", dense=dense, anew=True)
+        assert read(step).rows == read(extension_step("rk4_hermite")).rows
+
+
+def test_what_is_no_dense_output_is_said():
+    with pytest.raises(UnsupportedCall, match="returns no dense output"):
+        read(rk4)
+    with pytest.raises(NotReadable, match="is not y \\+ h/2 half-way"):
+        read(lambda f, t, y, h: (y + h * f(t, y), lambda theta: 0 * y))
