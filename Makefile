@@ -4,7 +4,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 PEERS := build/peers
 
-.PHONY: proofs kernel test lint thorough long mutants docs bench clean
+.PHONY: proofs kernel test lint thorough long mutants docs site bench clean
 
 proofs: .venv
 	$(BIN)/python -m pytest proofs
@@ -35,6 +35,18 @@ mutants: .venv
 docs: .venv
 	$(BIN)/python docs/pages.py
 	if test -f ../shared/lesson/lesson.txt; then $(BIN)/python docs/lesson_tables.py; fi
+
+# The documentation as web pages in build/site: the pages of docs/, and the reference from the docstrings.
+SITE := build/site-environment
+site: $(SITE)
+	$(SITE)/bin/python -m sphinx --fail-on-warning --keep-going --quiet -b html docs build/site
+	@echo "open build/site/index.html"
+
+$(SITE): requirements.lock docs/requirements.txt
+	$(PYTHON) -m venv $(SITE)
+	$(SITE)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(SITE)/bin/python -m pip install --quiet --disable-pip-version-check -r docs/requirements.txt
+	touch $(SITE)
 
 # Times beside NodePy, kauri, RKkit, SciPy, diffrax and heyoka, and their answers: about a quarter of an hour. RKkit needs
 # 2 GB of Sage, and is left out of the report where that cannot be had.

@@ -3,7 +3,9 @@
 `python docs/pages.py` rewrites docs/differences.md, docs/language.md and docs/lesson.md in place. In a page, a block
 that opens with ```console and `$ driftproof ...` shows what the command prints; a block that opens with ```python holds
 a session with `>>>`; and a table follows the comment <!-- table: NAME -->, NAME in TABLES of the page's own
-module, which makes it from the rows that stand there.
+module, which makes it from the rows that stand there. A tutorial is run in an empty folder, from its first line to its
+last: a block after a line that ends in a file's name and a colon is that file, and commands of a console block are run
+one after the other.
 """
 
 from __future__ import annotations
@@ -11,16 +13,24 @@ from __future__ import annotations
 import contextlib
 import doctest
 import io
+import os
 import re
 import shlex
+import subprocess
 import sys
+import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
+TUTORIALS = sorted((ROOT / "docs" / "tutorials").glob("*.md"))
 sys.path.insert(0, str(ROOT))  # the checkout's own packages, whatever else is installed
 
 CONSOLE = re.compile(r"```console\n\$ driftproof (.*?)\n(.*?)```", re.DOTALL)
+FILE_OR_CONSOLE = re.compile(r"`([\w/-]+[.][\w.]+)`[^`\n]*:\n\n```(?!console)\w*\n(.*?)```|```console\n(.*?)```", re.DOTALL)
+COMMAND = re.compile(r"^\$ (.*)$", re.MULTILINE)
+# How long pytest took.
+SECONDS = re.compile(r" in \d+\.\d\ds\b")
 SESSION = re.compile(r"```python\n(.*?)```", re.DOTALL)
 TABLE = re.compile(r"<!-- table: (\w+) -->\n+((?:\|.*\n)*)\n*")
 # Makes a table anew, its header first, from the rows that stand there.
@@ -37,6 +47,29 @@ def printed(command: str) -> str:
     if status not in (0, REFUTED):
         raise ValueError(f"driftproof {command}: exit code {status}")
     return out.getvalue()
+
+
+def journey(page: str, folder: Path, programs: Path) -> str:
+    """The tutorial as it is now: its files written to the empty folder, its commands run there.
+
+    `programs` is the folder in which driftproof and python are found, before any other.
+    """
+    given = {**os.environ, "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}", "COLUMNS": "120", "CI": "1"}
+
+    def done(match: re.Match[str]) -> str:
+        name, content, console = match.groups()
+        if name:
+            (folder / name).write_text(content, encoding="utf-8")
+            return match[0]
+        return f"```console\n{''.join(said(command) for command in COMMAND.findall(console))}```"
+
+    def said(command: str) -> str:
+        ran = subprocess.run(
+            ["bash", "-c", command], cwd=folder, env=given, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        )
+        return f"$ {command}\n{SECONDS.sub(' in 1.00s', ran.stdout)}"
+
+    return FILE_OR_CONSOLE.sub(done, page)
 
 
 class _Recorder(doctest.DocTestRunner):
@@ -106,6 +139,10 @@ def main() -> None:
     for name, of_page in pages.items():
         path = ROOT / "docs" / name
         path.write_text(refreshed(path.read_text(encoding="utf-8"), of_page), encoding="utf-8")
+    for path in TUTORIALS:
+        with tempfile.TemporaryDirectory() as folder:
+            told = journey(path.read_text(encoding="utf-8"), Path(folder), Path(sys.executable).parent)
+            path.write_text(told, encoding="utf-8")
 
 
 if __name__ == "__main__":
