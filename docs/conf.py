@@ -36,7 +36,9 @@ def setup(app: object) -> None:
     app.connect("autodoc-process-docstring", _mathematics_as_it_stands)  # type: ignore[attr-defined]
 
 
-def _mathematics_as_it_stands(app: object, what: str, name: str, obj: object, options: object, lines: list[str]) -> None:
+def _mathematics_as_it_stands(
+    app: object, what: str, name: str, obj: object, options: object, lines: list[str]
+) -> None:
     quoted = False
     for i, line in enumerate(lines):
         quoted = line.startswith(("    ", ">>>")) or (quoted and bool(line.strip()))

@@ -27,7 +27,9 @@ TUTORIALS = sorted((ROOT / "docs" / "tutorials").glob("*.md"))
 sys.path.insert(0, str(ROOT))  # the checkout's own packages, whatever else is installed
 
 CONSOLE = re.compile(r"```console\n\$ driftproof (.*?)\n(.*?)```", re.DOTALL)
-FILE_OR_CONSOLE = re.compile(r"`([\w/-]+[.][\w.]+)`[^`\n]*:\n\n```(?!console)\w*\n(.*?)```|```console\n(.*?)```", re.DOTALL)
+FILE_OR_CONSOLE = re.compile(
+    r"`([\w/-]+[.][\w.]+)`[^`\n]*:\n\n```(?!console)\w*\n(.*?)```|```console\n(.*?)```", re.DOTALL
+)
 COMMAND = re.compile(r"^\$ (.*)$", re.MULTILINE)
 # How long pytest took.
 SECONDS = re.compile(r" in \d+\.\d\ds\b")
