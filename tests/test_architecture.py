@@ -61,12 +61,12 @@ BUDGETS = {
     "support": 1030,
     "methods": 4670,
     "symbolic": 9760,
-    "numeric": 3000,
+    "numeric": 3010,
     "blackbox": 8760,
     "enclosure": 1996,
     "texts": 5550,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 4716
+BUDGET_OF_REPORTS_AND_FRONT = 4720
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 

@@ -12,8 +12,8 @@ from difflib import get_close_matches
 from fractions import Fraction
 from pathlib import Path
 
-from driftproof.methods.catalogue import method_named
 from driftproof.methods.rationals import parse_rational, step_count
+from driftproof.methods.tableau_file import method_of
 from driftproof.support.toml_tables import TomlTable, as_list, as_text, as_texts, demand_keys, quoted, read_toml
 
 TRAJECTORY = "trajectory"
@@ -82,7 +82,7 @@ class Scene:
             raise SceneError(f"scene {self.name!r} has a table but names no methods to compare")
         try:
             for key in (self.selected, *self.methods):
-                method_named(key)
+                method_of(key)
             step_count(self.t, self.h)
         except ValueError as error:
             raise SceneError(f"scene {self.name!r}: {error}") from None

@@ -9,7 +9,9 @@ infinities and NaN pass through by the rules of IEEE 754.
 from __future__ import annotations
 
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import Method
 from driftproof.methods.stepping import Force, Number, Step, oscillator, stepper
+from driftproof.methods.tableau_file import method_of
 
 
 def forward_euler(force: Force, q: Number, v: Number, h: Number) -> tuple[Number, Number]:
@@ -45,17 +47,24 @@ HAND_WRITTEN: dict[str, Step] = {
 }
 
 
-def float_stepper(key: str) -> Step:
-    """The stepper that float runs of the catalogue method `key` use: the hand-written one where there is one."""
-    return HAND_WRITTEN.get(key) or stepper(METHODS[key], float)
+def hand_written(method: Method) -> Step | None:
+    """The hand-written step of a method of the catalogue; a method of a user's own that has its key is another."""
+    written = HAND_WRITTEN.get(method.key)
+    return written if written and method is METHODS[method.key] else None
 
 
-def evaluations_per_step(key: str) -> int:
-    """How often one step of `key` calls the force, counted on a real step. No step branches on a value, so it is
-    the same for every step.
+def float_stepper(method: Method | str) -> Step:
+    """The stepper that float runs of a method use, or of that of this name: the hand-written one where there is one."""
+    method = method_of(method) if isinstance(method, str) else method
+    return hand_written(method) or stepper(method, float)
+
+
+def evaluations_per_step(method: Method | str) -> int:
+    """How often one step calls the force, counted on a real step. No step branches on a value, so it is the same for
+    every step.
     """
     force = CountedForce(oscillator)
-    float_stepper(key)(force, 1.0, 0.0, 1.0)
+    float_stepper(method)(force, 1.0, 0.0, 1.0)
     return force.calls
 
 

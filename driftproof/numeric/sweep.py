@@ -27,7 +27,7 @@ from time import perf_counter
 from typing import Any, NamedTuple, TypeAlias
 
 from driftproof import __version__
-from driftproof.methods.catalogue import method_named
+from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.run import Readouts, run_method
 from driftproof.numeric.scenes import TRAJECTORY, Scene
 from driftproof.support.files import atomic_write, naming, require_file, sole_writer
@@ -199,9 +199,9 @@ def _run_point(scene: Scene, values: Values) -> Found:
 
 
 def _check_value(name: str, value: object) -> None:
-    """Raises ValueError, or for a method that is not in the catalogue the suggestion of `method_named`."""
+    """Raises ValueError, or for a method that is not in the catalogue the suggestion of `method_of`."""
     if name == "selected":
-        method_named(str(value))
+        method_of(str(value))
     elif name == "start":
         if not (isinstance(value, tuple) and len(value) == 2 and all(isinstance(x, Fraction) for x in value)):
             raise ValueError(f"the axis 'start' has {value!r}; write pairs of Fractions")

@@ -7,11 +7,12 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-from driftproof.methods.catalogue import method_named
 from driftproof.methods.rationals import step_count
+from driftproof.methods.schemes import Method
 from driftproof.methods.stepping import oscillator
+from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.run import Counter, NonFiniteState, demand_few, integrate, nearest_double
-from driftproof.numeric.steppers import HAND_WRITTEN, float_stepper
+from driftproof.numeric.steppers import float_stepper, hand_written
 from driftproof.support.plain_text import Json, table
 from driftproof.symbolic.algebra.certified import AWAY, CertifiableReal, enclose
 from driftproof.symbolic.error_budget import ErrorOfRun
@@ -34,18 +35,18 @@ ROWS = {"plain": "plain", "sharp": "sharp", "as_held": "as held"}
 
 
 def roundoff_answer(key: str, steps: Sequence[Fraction], fmt: FloatFormat = BINARY64) -> Json:
-    """The rounding bound of one step of the catalogue method `key`, as formulas and at each h of `steps`.
+    """The rounding bound of one step of a method, by name or TOML file, as formulas and at each h of `steps`.
 
     Binary64 takes the program that float runs use, hand-written where there is one; other formats the generic step,
     with its coefficients rounded to the format. All bounds are about the definition's exact M(h), the rounding of the
     coefficients included, but for `as_held`: the sharp bound about the polynomial with the coefficients that the
     program holds. Where it holds them all exactly, there is no such row.
     """
-    method = method_named(key)
-    subject = _program(key) if fmt == BINARY64 else method
+    method = method_of(key)
+    subject = _program(method) if fmt == BINARY64 else method
     bound = step_bound(subject, fmt)
     return {
-        "method": key,
+        "method": method.key,
         "title": method.title,
         "program": "generic" if subject is method else "hand-written",
         "format": format_text(bound),
@@ -53,20 +54,20 @@ def roundoff_answer(key: str, steps: Sequence[Fraction], fmt: FloatFormat = BINA
         "full": full_text(bound),
         "rounds_coefficients": bound.rounds_constants,
         "differences_from_definition": bound.differences(oscillator_matrix(method)),
-        "at": [_at(key, subject, bound, fmt.nearest(h)) for h in steps],
+        "at": [_at(method, subject, bound, fmt.nearest(h)) for h in steps],
     }
 
 
-def _program(key: str) -> StepOrMethod:
-    """What a binary64 run of `key` executes: the hand-written step, or the definition with its coefficients rounded."""
-    return HAND_WRITTEN.get(key) or method_named(key)
+def _program(method: Method) -> StepOrMethod:
+    """What a binary64 run executes: the hand-written step, or the definition with its coefficients rounded."""
+    return hand_written(method) or method
 
 
-def _at(key: str, subject: Any, bound: StepBound, h: Fraction) -> Json:
+def _at(method: Method, subject: Any, bound: StepBound, h: Fraction) -> Json:
     bounds = {"plain": bound.at(h), "sharp": fixed_step_bound(subject, h, bound.format).linear}
     if bound.rounds_constants:
         bounds["as_held"] = fixed_step_bound(
-            step_with_stored_coefficients(method_named(key), bound.format), h, bound.format
+            step_with_stored_coefficients(method, bound.format), h, bound.format
         ).linear
     rows = {name: [_in_units(x, bound.format) for row in linear.error for x in row] for name, linear in bounds.items()}
     safe = safe_state_text(largest_safe_state(subject, h, bound.format))
@@ -99,13 +100,13 @@ def budget_answer(
     The run uses the double nearest to h, and the state is compared at N times that double: what is reported is
     the error of the numbers that the program really has. A run that overflows has no such error: then only "reason".
     """
-    method, steps = method_named(key), step_count(t, h)
+    method, steps = method_of(key), step_count(t, h)
     demand_few(steps)
     size, *state = (nearest_double(x, name) for x, name in ((h, "h"), (start[0], "q"), (start[1], "v")))
     exact_h, exact_start = Fraction(size), (Fraction(state[0]), Fraction(state[1]))
     h_run = str(exact_h) if exact_h == h else f"{size!r} (the double nearest to {h})"
     try:
-        final = integrate(float_stepper(key), oscillator, (state[0], state[1]), size, steps, counter=counter)
+        final = integrate(float_stepper(method), oscillator, (state[0], state[1]), size, steps, counter=counter)
     except NonFiniteState as overflow:
         return {"h_run": h_run, **dict.fromkeys(MEASURED), "reason": str(overflow)}
     reached = (Fraction(final[0]), Fraction(final[1]))
@@ -117,7 +118,7 @@ def budget_answer(
         "truncation": exact_and_decimal(error.truncation, digits, rounding),
         "rounding": exact_and_decimal(error.rounding, digits, rounding),
         "rounding_in_u": exact_and_decimal(_in_u(error.rounding), BOUND_DIGITS, unit="u"),
-        "bound": _theorem(key, exact_h, steps, exact_start),
+        "bound": _theorem(method, exact_h, steps, exact_start),
     }
 
 
@@ -125,9 +126,9 @@ def _in_u(value: CertifiableReal) -> CertifiableReal:
     return value / BINARY64.u if isinstance(value, Fraction) else lambda: enclose(value) / enclose(BINARY64.u)
 
 
-def _theorem(key: str, h: Fraction, steps: int, start: _State) -> Json:
+def _theorem(method: Method, h: Fraction, steps: int, start: _State) -> Json:
     try:
-        bound = run_bound(_program(key), h, steps, start).euclidean
+        bound = run_bound(_program(method), h, steps, start).euclidean
     except HypothesisFails as reason:
         return {"value": None, "reason": str(reason)}
     return {"value": exact_and_decimal(bound, BOUND_DIGITS, AWAY), "in_u": _in_units(bound, BINARY64)}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from driftproof.methods.catalogue import METHODS
+from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.run import Counter, NonFiniteReadout, NonFiniteState, Readouts, run_method
 from driftproof.numeric.scenes import TABLE, Scene
 from driftproof.numeric.sweep import strings
@@ -51,7 +51,7 @@ def scene_json(scene: Scene, shown: dict[str, Any]) -> dict[str, Any]:
 
 def scene_text(scene: Scene, shown: dict[str, Any]) -> str:
     """The readouts with the lesson's labels and digits, then the table of methods."""
-    title = f"{METHODS[scene.selected].title}, h = {scene.h}, t = {scene.t}"
+    title = f"{method_of(scene.selected).title}, h = {scene.h}, t = {scene.t}"
     parts = [f"{scene.name}: {title}"]
     if "readouts" in shown:
         readouts = shown["readouts"]
@@ -123,8 +123,8 @@ def comparison_rows(rows: dict[str, Readouts | str]) -> list[list[str]]:
     lines = [["Method", "State error", "Energy change", "Calls"]]
     for key, readouts in rows.items():
         if isinstance(readouts, str):
-            lines.append([METHODS[key].title, readouts, "", ""])
+            lines.append([method_of(key).title, readouts, "", ""])
         else:
             error, change, calls = (readouts[name] for name in COMPARED_READOUTS)
-            lines.append([METHODS[key].title, short(error), short(change), str(calls)])
+            lines.append([method_of(key).title, short(error), short(change), str(calls)])
     return lines

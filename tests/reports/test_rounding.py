@@ -1,6 +1,7 @@
 """`driftproof roundoff` and `run --budget`: formulas, bounds in u, and the error of a float run in its two parts."""
 
 import json
+from dataclasses import replace
 from fractions import Fraction as Q
 
 import pytest
@@ -51,7 +52,7 @@ def test_other_formats_take_the_generic_step():
 
 
 def test_a_program_that_is_not_the_definition_is_reported(monkeypatch):
-    monkeypatch.setitem(METHODS._methods, "rk4", METHODS["midpoint2"])
+    monkeypatch.setitem(METHODS._methods, "rk4", replace(METHODS["midpoint2"], key="rk4"))
     assert "coefficient of h**3" in " ".join(roundoff_answer("rk4", [])["differences_from_definition"])
 
 

@@ -8,8 +8,8 @@ from math import hypot, inf, lcm, log2
 from statistics import median
 from time import perf_counter
 
-from driftproof.methods.catalogue import method_named
 from driftproof.methods.schemes import Method, MethodError
+from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.advance import error_summary, field_rate
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.work_precision.exact import STATE, Size, doubt, errors, largest_state_size
@@ -123,12 +123,12 @@ def step_counts(problem: Problem, most: int = MOST, fewest: int = FEWEST) -> tup
 def curves(
     problem: Problem, keys: Iterable[str], steps: Sequence[int] | None = None, *, compiled: bool = False
 ) -> list[Curve]:
-    """The curve of each method of the catalogue; errors and evaluations only. Raises ValueError for an unknown key.
+    """The curve of each method, by name or TOML file; errors and evaluations only. Raises ValueError.
 
     `steps` rise; by default they are the `step_counts` of the problem. A method that does not apply has a curve without
     points, which says why. `compiled` runs by numba, where it is installed: the same numbers, sooner for many steps.
     """
-    return [curve_of(method_named(key), problem, steps, compiled=compiled) for key in keys]
+    return [curve_of(method_of(key), problem, steps, compiled=compiled) for key in keys]
 
 
 def curve_of(

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from driftproof.methods.catalogue import METHODS
+from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.run import Counter, Readouts
 from driftproof.numeric.scenes import FIGURES, STABILITY, TABLE, TRAJECTORY, WORK_PRECISION, Scene
 from driftproof.reports.page.figure import style_sheet
@@ -99,13 +100,19 @@ class _Shown:
     digits: int
     runs: Mapping[str, Readouts | str]
 
+    def identity_of(self, key: str) -> str:
+        """What begins the ids of a method's parts: its key, or the letters of its file's name."""
+        return f"{self.identity}-{re.sub(r'[^A-Za-z0-9_]+', '-', key)}"
+
 
 def scene_section(scene: Scene, identity: str, digits: int, counter: Counter = range) -> str:
     """The scene under a heading: readouts and figures of each of its methods, then the panels that are about all."""
     shown = _Shown(scene, identity, digits, _runs(scene, counter))
     parts = [element("h2", escaped(scene.name)), element("p", escaped(setting(scene)), class_="setting")]
     if scene.readouts or scene.certified or set(FIGURES) & set(scene.panels):
-        options = [Option(f"{identity}-{key}", METHODS[key].title, _method(shown, key)) for key in scene.every_method]
+        options = [
+            Option(shown.identity_of(key), method_of(key).title, _method(shown, key)) for key in scene.every_method
+        ]
         first = scene.every_method.index(scene.selected)
         parts.append(choice(options, f"Method shown, {scene.name}", first))
     for panel, (title, content) in _PANELS.items():
@@ -130,7 +137,7 @@ def _runs(scene: Scene, counter: Counter) -> dict[str, Readouts | str]:
 
 def _method(shown: _Shown, key: str) -> str:
     """The readouts of one method, and its figures."""
-    scene, run, parts = shown.scene, shown.runs.get(key), [element("h3", escaped(METHODS[key].title))]
+    scene, run, parts = shown.scene, shown.runs.get(key), [element("h3", escaped(method_of(key).title))]
     if isinstance(run, str):
         parts.append(element("p", escaped(run), class_="message"))
     elif run is not None:
@@ -140,7 +147,7 @@ def _method(shown: _Shown, key: str) -> str:
         parts.append(_cards(certified_rows(certified(replace(scene, selected=key), shown.digits)), "certified"))
     if run is not None and not isinstance(run, str) and TRAJECTORY in run:
         times, states = run[TRAJECTORY]
-        drawn = SampledRun(scene, key, times, states, f"{shown.identity}-{key}")
+        drawn = SampledRun(scene, key, times, states, shown.identity_of(key))
         figures = [DRAWN[panel](drawn).markup() for panel in DRAWN if panel in scene.panels]
         parts.append(element("div", *figures, class_="figures") if figures else drawn.samples_table())
     return "".join(parts)

@@ -9,7 +9,7 @@ from math import ceil, floor
 
 from flint import arb, ctx
 
-from driftproof.methods.catalogue import METHODS
+from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.scenes import Scene
 from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.markup import html_table
@@ -51,7 +51,7 @@ class Verdict:
 
 def verdict(key: str, h: Fraction) -> Verdict:
     """The verdict on the method `key` at this very h. Raises ValueError at a pole of M(h)."""
-    facts = LinearFacts(METHODS[key])
+    facts = LinearFacts(method_of(key))
     growth = spectral_radius(exact_matrix_at(facts.method, h))
     bounded = is_bounded(boundary_of(facts.one_step_matrix), lambda p: sign(evaluate(p, scalar(h))))
     return Verdict(key, facts.imaginary_limit, bounded, _less_one(growth))
@@ -69,7 +69,7 @@ def verdicts_table(scene: Scene, verdicts: Sequence[Verdict]) -> str:
         limit, decimal = _limit(found.limit)
         growth = significant(found.growth, GROWTH_DIGITS)
         powers = "bounded" if found.bounded else "unbounded"
-        rows.append([METHODS[found.key].title, limit, decimal, beside(found.limit, scene.h), powers, growth])
+        rows.append([method_of(found.key).title, limit, decimal, beside(found.limit, scene.h), powers, growth])
     return html_table(rows, f"Decided exactly, for M(h) on the oscillator at h = {scene.h}", "verdicts")
 
 
@@ -110,7 +110,7 @@ def growth_figure(scene: Scene, verdicts: Sequence[Verdict], identity: str) -> F
     )
     for i, curve in enumerate(curves.values()):
         plot.line(curve, f"path m{i % LINE_STYLES}")
-    ends = [f"{METHODS[key].title} {10 ** curve[-1][1]:.3g}" for key, curve in curves.items() if curve[-1][1] < 300]
+    ends = [f"{method_of(key).title} {10 ** curve[-1][1]:.3g}" for key, curve in curves.items() if curve[-1][1] < 300]
     return Figure(
         identity=f"{identity}-growth",
         kind="wide",
@@ -118,7 +118,7 @@ def growth_figure(scene: Scene, verdicts: Sequence[Verdict], identity: str) -> F
         description=f"Size of the n-th power of the one-step matrix, n from 0 to {end}, logarithmic axis from "
         f"{ten_to(int(low))} to {ten_to(int(high))}. At the end: {', '.join(ends)}.",
         plot=plot,
-        legend=[(f"line path m{i % LINE_STYLES}", METHODS[key].title) for i, key in enumerate(curves)],
+        legend=[(f"line path m{i % LINE_STYLES}", method_of(key).title) for i, key in enumerate(curves)],
         note=f"{LENGTHS} times as many steps as the scene has. A line that keeps climbing is an unbounded method's.",
         data=_data(counts, curves),
         data_title="Growth, as powers of ten",
@@ -127,7 +127,7 @@ def growth_figure(scene: Scene, verdicts: Sequence[Verdict], identity: str) -> F
 
 def _growth(key: str, h: Fraction, counts: Sequence[int]) -> list[tuple[float, float]]:
     """(n, log₁₀ ‖Mⁿ‖/√2 in the norm of Frobenius), as long as the power is not zero to FIRST_BITS."""
-    matrix, found = exact_matrix_at(METHODS[key], h), []
+    matrix, found = exact_matrix_at(method_of(key), h), []
     with ctx.workprec(FIRST_BITS):
         balls = as_balls(matrix)
         for n in counts:
@@ -139,7 +139,7 @@ def _growth(key: str, h: Fraction, counts: Sequence[int]) -> list[tuple[float, f
 
 
 def _data(counts: Sequence[int], curves: dict[str, list[tuple[float, float]]]) -> list[list[str]]:
-    header = ["n", *(METHODS[key].title for key in curves)]
+    header = ["n", *(method_of(key).title for key in curves)]
     columns = [[f"{value:z.4f}" for _, value in curve] for curve in curves.values()]
     rows = [[str(n), *(column[i] if i < len(column) else "0" for column in columns)] for i, n in enumerate(counts)]
     return [header, *rows[:: max(1, len(rows) // 20)]]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from math import ceil, floor, isfinite, log10
 
-from driftproof.methods.catalogue import METHODS
+from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.problems.problem import EXACT, Problem, Reference
 from driftproof.numeric.scenes import Scene
@@ -38,7 +38,7 @@ def work_curves(scene: Scene) -> list[Curve]:
     problem, found = problem_of(scene), list[Curve]()
     for key in scene.every_method:
         found += curves(
-            problem, [key], halved_and_doubled(scene.steps, FINEST if METHODS[key].explicit else FINEST_IMPLICIT)
+            problem, [key], halved_and_doubled(scene.steps, FINEST if method_of(key).explicit else FINEST_IMPLICIT)
         )
     return found
 
@@ -54,7 +54,7 @@ def halved_and_doubled(steps: int, finest: int = FINEST) -> list[int]:
 
 def problem_of(scene: Scene) -> Problem:
     """The oscillator from the scene's start to its t, where the exact state is certified to REFERENCE_DIGITS."""
-    exact = OscillatorRun(METHODS[scene.selected], scene.h, scene.t, scene.start).exact_state
+    exact = OscillatorRun(method_of(scene.selected), scene.h, scene.t, scene.start).exact_state
     q, v = (significant(x, REFERENCE_DIGITS) for x in exact)
     reference = Reference((scene.t,), ((q, v),), EXACT, "the closed form, certified in balls")
     return Problem(

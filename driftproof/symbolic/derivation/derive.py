@@ -9,8 +9,8 @@ from functools import cached_property
 import sympy
 from sympy.polys.matrices import DomainMatrix
 
-from driftproof.methods.catalogue import method_named
 from driftproof.methods.schemes import Method
+from driftproof.methods.tableau_file import method_of
 from driftproof.symbolic.derivation.energy import (
     StateDependentEnergy,
     energy_after,
@@ -234,15 +234,15 @@ DERIVED = (
 
 
 def derive(method: Method | str) -> Derivation:
-    """Derive what is true of a method, or of the catalogue's method of this key, on the oscillator q' = v, v' = -q.
+    """Derive what is true of a method, by name or TOML file too, on the oscillator q' = v, v' = -q.
 
-    Raises ValueError for an unknown key, and when something is asked of a method with irrational coefficients.
+    Raises ValueError for an unknown name, and when something is asked of a method with irrational coefficients.
 
     >>> from driftproof import derive
     >>> derive("forward_euler").energy_multiplier.value
     h**2 + 1
     """
-    return Derivation(method_named(method) if isinstance(method, str) else method)
+    return Derivation(method_of(method) if isinstance(method, str) else method)
 
 
 def _verdict(m: DomainMatrix, limit: sympy.Expr) -> list[ProofStep]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from fractions import Fraction
 
-from driftproof.numeric.steppers import HAND_WRITTEN
+from driftproof.numeric.steppers import hand_written
 from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound
 from driftproof.symbolic.rounding.formats import BINARY64
 from driftproof.symbolic.rounding.n_steps_bound import largest_safe_state, run_bound, safe_state_text
@@ -39,7 +39,7 @@ def bound(context: QueryContext) -> Answer:
         h = BINARY64.nearest(h)
         if h == 0:
             raise ValueError("a step of size 0 goes nowhere; give a nonzero h")
-        subject: StepOrMethod = HAND_WRITTEN.get(method.key) or method
+        subject: StepOrMethod = hand_written(method) or method
         start = BINARY64.nearest(context.start[0]), BINARY64.nearest(context.start[1])
         if max(map(abs, start)) > (safe := largest_safe_state(subject, h)):
             raise ValueError(

@@ -53,9 +53,9 @@ class QueryContext:
 
     def subject(self) -> Method | Family:
         """The method, or the family where no value of its parameter is given."""
-        from driftproof.methods.catalogue import method_named
         from driftproof.methods.expressions import parse_number
         from driftproof.methods.families import FAMILIES
+        from driftproof.methods.tableau_file import method_of
 
         token, at = self.query.subject, self.query.at
         if token is None:
@@ -63,7 +63,7 @@ class QueryContext:
         family = FAMILIES.get(token.text)
         if family is None:
             with self.refused(token):
-                method = method_named(token.text)
+                method = method_of(token.text)
             if at is not None:
                 raise self.error(at, f"{method.key} has no parameter; families such as sdirk_order_2 have")
             return method

@@ -56,16 +56,14 @@ def _phase_error(run: OscillatorRun) -> Answer:
 
 def _evaluations(run: OscillatorRun) -> Answer:
     """Calls of the acceleration, counted on a real step; only where the method says by itself how many it makes."""
-    from driftproof.methods.catalogue import METHODS
-    from driftproof.methods.stepping import oscillator, stepper
+    from driftproof.methods.stepping import oscillator
     from driftproof.numeric.steppers import CountedForce, float_stepper
 
     method = run.method
     if not method.explicit:
         raise ValueError(f"{method.key} is implicit: its evaluations depend on how its equations are solved")
     force = CountedForce(oscillator)
-    step = float_stepper(method.key) if method.key in METHODS else stepper(method, float)
-    step(force, 1.0, 0.0, 1.0)
+    float_stepper(method)(force, 1.0, 0.0, 1.0)
     return Answer("", Fraction(run.steps * force.calls), COUNTED)
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import NoReturn
 
-from driftproof.methods.catalogue import method_named
+from driftproof.methods.tableau_file import method_of
 from driftproof.texts.questions.answer import CERTIFIED, COUNTED, GIVEN, LONGEST_DECIMAL, PROVED, Answer
 from driftproof.texts.questions.decimals import PLAIN, PRINTED, Style
 from driftproof.texts.questions.errors import AmbiguousRounding, QuestionError
@@ -177,7 +177,7 @@ def methods_table(
     rows = [[style.kind.escape(name) for name in ("Method", *names)]]
     for key in methods:
         try:
-            title = method_named(key).title
+            title = method_of(key).title
         except ValueError as error:
             raise Refusal(str(error)) from None
         cells = (_cell(style, ask, key, column, run) for column in parsed)

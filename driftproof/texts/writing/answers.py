@@ -5,8 +5,8 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any
 
-from driftproof.methods.catalogue import method_named
 from driftproof.methods.schemes import Method
+from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.steppers import evaluations_per_step
 from driftproof.support.plain_text import Json, table
 from driftproof.symbolic.algebra.certified import HALF_EVEN, CertifiableReal, significant
@@ -31,8 +31,8 @@ def exact_and_decimal(
 
 
 def step_answer(key: str, h: Fraction, start: tuple[Fraction, Fraction], digits: int, rounding: str) -> Json:
-    """One step of the method `key` from `start`: the state and its energy, exact and in decimals."""
-    run = OscillatorRun(method_named(key), h, h, start)
+    """One step of a method, by name or TOML file, from `start`: the state and its energy, exact and in decimals."""
+    run = OscillatorRun(method_of(key), h, h, start)
     return {**_header(run.method, h, start, digits, rounding), **_state_and_energy(run, digits, rounding)}
 
 
@@ -40,7 +40,7 @@ def run_answer(
     key: str, h: Fraction, t: Fraction, start: tuple[Fraction, Fraction], digits: int, rounding: str
 ) -> Json:
     """N = t/h steps of the method `key`: final and exact state, errors, energy, phase, steps and evaluations."""
-    run = OscillatorRun(method_named(key), h, t, start)
+    run = OscillatorRun(method_of(key), h, t, start)
     return {
         **_header(run.method, h, start, digits, rounding),
         **_state_and_energy(run, digits, rounding),
@@ -55,7 +55,7 @@ def run_answer(
 
 def _evaluations(run: OscillatorRun) -> Json:
     """The evaluations of an explicit method; those of an implicit one depend on how its equations are solved."""
-    return {"evaluations": run.steps * evaluations_per_step(run.method.key)} if run.method.explicit else {}
+    return {"evaluations": run.steps * evaluations_per_step(run.method)} if run.method.explicit else {}
 
 
 def _header(method: Method, h: Fraction, start: tuple[Fraction, Fraction], digits: int, rounding: str) -> Json:

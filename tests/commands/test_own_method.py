@@ -1,0 +1,89 @@
+"""A TOML tableau of a user's own works wherever a key does, and is never taken for the method whose key it has."""
+
+import json
+from fractions import Fraction
+
+import pytest
+
+from driftproof import OscillatorRun, derive, read_method, value
+from driftproof.cli import main
+
+KUTTA3 = """
+family = "runge_kutta"
+title = "Mine"
+claimed_order = 3
+A = [[0, 0, 0], ["1/2", 0, 0], [-1, 2, 0]]
+b = ["1/6", "2/3", "1/6"]
+"""
+SCENE = """
+selected = "mine.toml"
+h = "1/4"
+t = 1
+methods = ["Euler", "mine.toml"]
+readouts = ["final_state", "evaluations"]
+panels = ["table", "position", "phase_plane", "work_precision", "stability"]
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.toml").write_text(KUTTA3)
+    (tmp_path / "scene.toml").write_text(SCENE)
+    return tmp_path
+
+
+def said(capsys, *words):
+    assert main(list(words)) == 0
+    return capsys.readouterr().out
+
+
+ASKED = {
+    "step": (["step", "mine.toml", "--h", "1/2"], "exactly 7/8"),
+    "run": (["run", "mine.toml", "--h", "1/4", "--t", "1", "--budget"], "proved bound"),
+    "roundoff": (["roundoff", "mine.toml"], "generic step, binary64"),
+    "facts": (["facts", "mine.toml", "--only", "order"], "3"),
+    "derive": (["derive", "mine.toml"], "k_2"),
+    "value": (["value", "step mine.toml h=1/2 : q"], "7/8"),
+    "scene": (["scene", "scene.toml"], "Mine"),
+    "sweep": (["sweep", "scene.toml", "--h", "1/2", "--methods", "mine.toml,rk4"], "mine.toml"),
+    "stability": (["stability", "dahlquist_1e3", "--methods", "mine.toml"], "mine"),
+    "work-precision": (["work-precision", "--methods", "mine.toml", "--time-limit", "0.0001"], "mine"),
+    "report": (["report", "scene.toml", "-o", "page.html"], "page.html"),
+}
+
+
+@pytest.mark.parametrize("asked", ASKED)
+def test_a_command_takes_it(asked, capsys):
+    words, shown = ASKED[asked]
+    assert shown in said(capsys, *words)
+
+
+def test_page_and_text_show_it(folder, capsys):
+    said(capsys, "report", "scene.toml", "-o", "page.html")
+    page = (folder / "page.html").read_text()
+    assert "<h3>Mine</h3>" in page
+    assert "mine-toml" in page
+    (folder / "text.md").write_text("One step leads to 0.875.\n")
+    (folder / "claims.toml").write_text(
+        '[[claim]]\nid = "q"\nvalue = "step mine.toml h=1/2 : q"\nphrase = "to {value}"\n'
+    )
+    assert "1 claim" in said(capsys, "check", "text.md", "--claims", "claims.toml")
+
+
+def test_python_takes_it():
+    method = read_method("mine.toml")
+    assert OscillatorRun(method, Fraction(1, 2), Fraction(1, 2)).final_state[0] == Fraction(7, 8)
+    assert derive("mine.toml").determinant.value == derive(method).determinant.value
+    assert value("step mine.toml h=1/2 : q").exact == Fraction(7, 8)
+
+
+def test_a_file_that_is_named_as_a_method_of_ours_is_another_method(folder, capsys):
+    """With the weights of rk4 in another place, so that the hand-written step would be wrong."""
+    wrong = KUTTA3.replace('"1/6", "2/3", "1/6"', '"1/6", "1/3", "1/2"')
+    (folder / "rk4.toml").write_text(wrong)
+    shown = json.loads(said(capsys, "roundoff", "rk4.toml", "--format", "json"))
+    assert shown["program"] == "generic"
+    run = said(capsys, "run", "rk4.toml", "--h", "1/4", "--t", "1", "--budget", "--format", "json")
+    rounding = float(json.loads(run)["budget"]["rounding"]["decimal"])
+    assert rounding < 1e-14
