@@ -29,6 +29,8 @@ ANSWERS = {
     "rk4.first_step.q --format tex --digits 3": "0.878",
     "rk4.first_step.q --format md --digits 3": "0.878",
     "'1/2' --format mathml": "<math><mfrac><mn>1</mn><mn>2</mn></mfrac></math>",
+    "'sqrt(2)' --format mathml": "<math><msqrt><mn>2</mn></msqrt></math>",
+    "'2**(1/3)' --format mathml": "<math><mroot><mn>2</mn><mn>3</mn></mroot></math>",
     "'run forward_euler h=1/4 t=10 : phase_error deg'": "-11.5080564137641 degrees  (CERTIFIED)",
     "'run forward_euler h=1/4 t=10 : phase_error deg' --places 3": "-11.508",
     "'a_stable radau_iia2'": "yes  (PROVED)",

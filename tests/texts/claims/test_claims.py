@@ -41,6 +41,13 @@ def test_claims_file_says_phrases_values_forms_and_labels() -> None:
     assert claims.labels[0].why == "time"
 
 
+def test_reason_of_what_is_given_has_200_characters_at_most() -> None:
+    with_reason = "{}given = '{}'".format
+    assert parse_claims(with_reason(CLAIM, "x" * 200).encode()).claims[0].given == "x" * 200
+    with pytest.raises(ValueError, match="given is true, or says in a few words why"):
+        parse_claims(with_reason(CLAIM, "x" * 201).encode())
+
+
 BAD = [
     ("x = 1", "the file has no key 'x'; there are text, claim, label"),
     ("claim = 1", "claim is 1; write a list"),

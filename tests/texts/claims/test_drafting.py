@@ -14,6 +14,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from driftproof.methods.catalogue import METHODS
 from driftproof.texts.claims import drafting
 from driftproof.texts.claims.checking import GIVEN, UNCOVERED, WORKED_OUT, check_claims, coverage
 from driftproof.texts.claims.claims import parse_claims
@@ -54,6 +55,21 @@ def test_suggestion_is_strong_only_where_the_digits_or_the_names_say_so() -> Non
     assert not any(candidate.strong for candidate in suggested("about 0.5")[0])
     (candidates,) = suggested("the exact energy is 0.5")
     assert (candidates[0].question, candidates[0].strong) == ("exact.energy", True)
+
+
+def test_names_of_a_value_are_near_within_a_line_of_the_number() -> None:
+    near = lambda spaces: [
+        one.strong for one in suggested(f"order rk4{' ' * spaces}4")[-1] if one.question == "order rk4"
+    ]
+    assert (near(91), near(92)) == ([True], [False])  # the number, and 100 characters before it
+
+
+def test_so_many_methods_steps_and_times_are_asked_of_and_no_more() -> None:
+    text = " ".join([*METHODS, *(f"h = 1/{n}" for n in range(2, 9)), *(f"t = {n}" for n in range(2, 9))])
+    asked = [question.split() for question in Suggestions(text)._questions()]
+    assert len({words[1] for words in asked if words[0] == "run"}) == 6
+    assert {words[2] for words in asked if words[0] == "run"} == {f"h=1/{n}" for n in (2, 3, 4, 5)}
+    assert {words[3] for words in asked if words[0] == "run"} == {"t=2", "t=3"}
 
 
 def test_suggested_value_is_spelled_as_the_number_is() -> None:

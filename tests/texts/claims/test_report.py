@@ -62,6 +62,7 @@ def test_least_coverage_fails_a_text_with_new_numbers() -> None:
     report = TextReport.of("a", document_of(TEXT + " And 9."), claims)
     assert report.findings
     assert report.findings[0].claim == "coverage"
+    assert (report.findings[0].line, report.findings[0].column) == (2, 56), "the first number that is not covered"
     assert not TextReport.of("a", document_of("5 min"), Claims((), CLAIMS.labels, coverage=Fraction(1))).findings
 
 

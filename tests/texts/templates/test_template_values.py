@@ -39,6 +39,7 @@ FIRST = MARKDOWN, HTML, LATEX
         ('{{ "q = " ~ value("1/2") ~ (1 + 1) }} {{ "<i>" }}', ("q = 1/22 <i>", "q = 1/22 &lt;i&gt;", "q = 1/22 <i>")),
         ("{% for i in range(3) %}{{ loop.index }}{% endfor %}", "123"),
         ('{% macro m(x) %}[{{ x | digits(2) }}]{% endmacro %}{{ m(value("1/3")) }}', "[0.33]"),
+        ("{{ 'a' + 'b' }}{{ 7 // 2 + 7 % 4 }}", "ab6"),
         ("{# nothing #}{% raw %}{{ x }}{% endraw %}\n", "{{ x }}\n"),
     ],
 )

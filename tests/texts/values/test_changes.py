@@ -154,6 +154,11 @@ def test_annotations_stand_at_the_line_of_the_id_and_are_escaped(files: Callable
     files(exact="1/7")
     _, out, _ = run("diff", "old.json", "new.json", "--format", "github")
     assert out.startswith(f"::error file=new.json,line={at},title=value changed::rk4.first_step.q: 337/384 = ")
+    Path("new.json").write_text("{\n}", encoding="utf-8")
+    assert (
+        "::warning file=new.json,line=1,title=removed::rk4.first_step.q: "
+        in run("diff", "old.json", "new.json", "--format", "github")[1]
+    )
 
 
 BAD = {
