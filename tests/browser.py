@@ -30,13 +30,8 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 # No sandbox: tests often run as root. The others keep the browser from talking to anybody of its own accord.
 FLAGS = (
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
+    *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking"),
+    *("--disable-component-update", "--disable-sync"),
 )
 
 

@@ -64,7 +64,7 @@ BUDGETS = {
     "numeric": 3010,
     "blackbox": 8760,
     "enclosure": 1996,
-    "texts": 5550,
+    "texts": 5515,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 4720
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
@@ -450,9 +450,9 @@ PLANTED: list[tuple[Guard, str, str]] = [
     (storeys_climbed, "driftproof/symbolic/linear/b.py", "import driftproof.symbolic.c"),
     (circles, "driftproof/methods/a.py", "import driftproof.methods.b"),
     (circles, "driftproof/symbolic/linear/d.py", "import driftproof.symbolic.algebra.e"),
-    (over_budget, "driftproof/support/a.py", LONG * 30),
-    (over_budget, "driftproof/commands/a.py", LONG * 120),
-    (over_budget, "tests/test_a.py", LONG * 71),
+    (over_budget, "driftproof/support/a.py", LONG * 200),
+    (over_budget, "driftproof/commands/a.py", LONG * 200),
+    (over_budget, "tests/test_a.py", LONG * 200),
     (too_small, "driftproof/methods/tiny.py", '"""Tiny."""\n'),
     (unmirrored, "driftproof/methods/lonely.py", LONG),
     (defined_twice, "driftproof/numeric/a.py", "def public(): ..."),

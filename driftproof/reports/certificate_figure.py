@@ -11,8 +11,7 @@ from flint import arb
 
 from driftproof.enclosure.certificate import BallRows, Certificate, decimal
 from driftproof.reports.page.figure import Figure
-from driftproof.reports.page.plot import COLUMNS_OF_PIXELS, WIDE, Axis, Plot, Scale, ten_to, ticks
-from driftproof.support.files import atomic_write
+from driftproof.reports.page.plot import COLUMNS_OF_PIXELS, WIDE, Axis, Plot, Scale, decades, ticks
 
 # Points are drawn one by one up to so many; of more, the largest and the smallest of each column of pixels.
 _MOST_DOTS = 60
@@ -29,9 +28,7 @@ def draw_certificate(found: Certificate, title: str, path: Path) -> Path:
     radius = max((float(x.rad()) for row in found.errors for x in row), default=0.0)
     at = found.t[found.worst[0]]
     setting = f"largest {found.largest_error.str(4, radius=False)} at t = {at:.6g}, enclosed to ±{radius:.1e} or better"
-    with atomic_write(path) as draft:
-        Path(draft).write_text(figure.file(setting) + "\n", encoding="utf-8")
-    return path
+    return figure.write(path, setting)
 
 
 def certificate_figure(found: Certificate, title: str) -> Figure:
@@ -49,12 +46,8 @@ def certificate_figure(found: Certificate, title: str) -> Figure:
     low, high = max(floor(min(every)), ceil(max(every)) - _DEEPEST), ceil(max(every))
     low = min(low, high - 2)
     times = [Fraction(t) for t in (found.t[0], found.t[-1])]
-    at = ticks(Fraction(low), Fraction(high))
-    decades = Scale(Fraction(low), Fraction(high), *WIDE[1])
-    plot = Plot(
-        Axis(Scale(times[0], times[1], *WIDE[0]), "t", ticks(*times)),
-        Axis(decades, "error, the largest component", at, [ten_to(int(tick)) for tick in at]),
-    )
+    t = Axis(Scale(times[0], times[1], *WIDE[0]), "t", ticks(*times))
+    plot = Plot(t, decades(low, high, "error, the largest component", WIDE[1]))
     for (name, _), mark in zip(parts, _MARKS, strict=False):
         for side in (0, 1):
             places = [(t, log10(pair[side])) for t, pair in zip(found.t, bounds[name], strict=True) if pair[side] > 0]

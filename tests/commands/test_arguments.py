@@ -8,40 +8,21 @@ from inspect import cleandoc
 import pytest
 from tqdm import tqdm
 
-from driftproof.commands import arguments
-from driftproof.commands.arguments import (
-    BAD_INPUT,
-    LONG_RUN,
-    Command,
-    Help,
-    count_steps,
-    exactly,
-    flag,
-    initial_state,
-    integer_in,
-    list_option,
-    names_in,
-    nonzero_step,
-    one_of,
-    option,
-    positive_number,
-    read_by,
-    several,
-)
+from driftproof.commands import arguments as cli
 
-digits = integer_in(1, 10000, "digits")
+digits = cli.integer_in(1, 10000, "digits")
 MINUS = "\N{MINUS SIGN}"
 
 READ = [
-    (exactly("t"), "0.1", Q(1, 10)),
-    (exactly("t"), f"{MINUS}1/4", Q(-1, 4)),
-    (nonzero_step, "-.25", Q(-1, 4)),
-    (initial_state, "-1/3, 2", (Q(-1, 3), Q(2))),
+    (cli.exactly("t"), "0.1", Q(1, 10)),
+    (cli.exactly("t"), f"{MINUS}1/4", Q(-1, 4)),
+    (cli.nonzero_step, "-.25", Q(-1, 4)),
+    (cli.initial_state, "-1/3, 2", (Q(-1, 3), Q(2))),
     (digits, "10000", 10000),
-    (integer_in(0, 9, "places"), "0", 0),
-    (positive_number("limit"), "1/4", 0.25),
-    (several(nonzero_step), "1/4, 1/8", [Q(1, 4), Q(1, 8)]),
-    (read_by(Q), "1/3", Q(1, 3)),
+    (cli.integer_in(0, 9, "places"), "0", 0),
+    (cli.positive_number("limit"), "1/4", 0.25),
+    (cli.several(cli.nonzero_step), "1/4, 1/8", [Q(1, 4), Q(1, 8)]),
+    (cli.read_by(Q), "1/3", Q(1, 3)),
 ]
 
 
@@ -51,22 +32,22 @@ def test_value_is_read_exactly(reader, text, value):
 
 
 REFUSED = [
-    (exactly("t"), "1//2", "t: '1//2' is not a rational number; write an integer, a fraction like 1/4"),
-    (exactly("t"), "__import__('os').getpid()", "is not a rational number"),
-    (exactly("t"), "9" * 5000, "is too long; at most 1200 characters"),
-    (nonzero_step, "1e999999999", "h: '1e999999999' is too long"),
-    (nonzero_step, "-0.0", "a step of size 0 goes nowhere; give a nonzero h"),
-    (initial_state, "1", "'1' is not a state; write position,velocity like 1,0"),
-    (initial_state, "1,0,0", "'1,0,0' is not a state"),
-    (initial_state, "1e999999999,0", "q: '1e999999999' is too long"),
-    (initial_state, "1,x", "v: 'x' is not a rational number"),
+    (cli.exactly("t"), "1//2", "t: '1//2' is not a rational number; write an integer, a fraction like 1/4"),
+    (cli.exactly("t"), "__import__('os').getpid()", "is not a rational number"),
+    (cli.exactly("t"), "9" * 5000, "is too long; at most 1200 characters"),
+    (cli.nonzero_step, "1e999999999", "h: '1e999999999' is too long"),
+    (cli.nonzero_step, "-0.0", "a step of size 0 goes nowhere; give a nonzero h"),
+    (cli.initial_state, "1", "'1' is not a state; write position,velocity like 1,0"),
+    (cli.initial_state, "1,0,0", "'1,0,0' is not a state"),
+    (cli.initial_state, "1e999999999,0", "q: '1e999999999' is too long"),
+    (cli.initial_state, "1,x", "v: 'x' is not a rational number"),
     *((digits, text, f"{text!r} is not a number of digits from 1 to 10000") for text in ("0", "-3", "10001", "1.5")),
     (digits, "\u0663", "is not a number of digits"),
     (digits, "1" + "0" * 5000, "'10000000000000000000' is not a number of digits"),
-    (positive_number("limit"), "0", "'0' is no limit; write a number above 0"),
-    (positive_number("limit"), "1e400", "'1e400' is too large a limit"),
-    (positive_number("limit"), "nan", "limit: 'nan' is not a rational number"),
-    (several(nonzero_step), "1/4,,1/8", "h: '' is not a rational number"),
+    (cli.positive_number("limit"), "0", "'0' is no limit; write a number above 0"),
+    (cli.positive_number("limit"), "1e400", "'1e400' is too large a limit"),
+    (cli.positive_number("limit"), "nan", "limit: 'nan' is not a rational number"),
+    (cli.several(cli.nonzero_step), "1/4,,1/8", "h: '' is not a rational number"),
 ]
 
 
@@ -87,20 +68,20 @@ def command_of(options):
     return str(options)
 
 
-PARSER = Command(
+PARSER = cli.Command(
     command_of,
     (
-        option("--format", choices=names_in("driftproof.commands.arguments", "__all__"), default="a"),
-        list_option("--h", "steps", type=several(nonzero_step)),
-        one_of(flag("--this", "this"), flag("--that", "that")),
-        option("state", "a start", type=initial_state, nargs="?"),
+        cli.option("--format", choices=cli.names_in("driftproof.commands.arguments", "__all__"), default="a"),
+        cli.list_option("--h", "steps", type=cli.several(cli.nonzero_step)),
+        cli.one_of(cli.flag("--this", "this"), cli.flag("--that", "that")),
+        cli.option("state", "a start", type=cli.initial_state, nargs="?"),
     ),
 )
 
 
 @pytest.fixture
 def parse(monkeypatch):
-    monkeypatch.setattr(arguments, "__all__", ["a", "b"], raising=False)
+    monkeypatch.setattr(cli, "__all__", ["a", "b"], raising=False)
     return lambda *words: PARSER.parser("prog").parse_args(words)
 
 
@@ -124,25 +105,25 @@ def test_parser_complains_in_one_line(words, complaint, parse, capsys):
     with pytest.raises(SystemExit) as stopped:
         parse(*words)
     out, err = capsys.readouterr()
-    assert (stopped.value.code, out, err.count("\n")) == (BAD_INPUT, "", 1)
+    assert (stopped.value.code, out, err.count("\n")) == (cli.BAD_INPUT, "", 1)
     assert complaint in err
 
 
 @pytest.mark.parametrize("doc", [command_of.__doc__, cleandoc(command_of.__doc__)], ids=["indented", "as in 3.13"])
 def test_docstring_is_the_help(doc, parse, monkeypatch):
     monkeypatch.setattr(command_of, "__doc__", doc)
-    with pytest.raises(Help) as shown:
+    with pytest.raises(cli.Help) as shown:
         parse("--help")
     _, about, *_, examples = str(shown.value).split("\n\n")
     assert (about, examples) == ("Says what it does.", "Here and there:\n  indented")
 
 
 def test_progress_bar_is_for_long_runs_on_a_terminal_only(monkeypatch):
-    assert count_steps(LONG_RUN * 10) == range(LONG_RUN * 10)  # standard error is no terminal here
+    assert cli.count_steps(cli.LONG_RUN * 10) == range(cli.LONG_RUN * 10)  # standard error is no terminal here
     monkeypatch.setattr(tqdm, "monitor_interval", 0)  # no thread that outlives the test
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
-    assert count_steps(10) == range(10)
-    bar = count_steps(LONG_RUN)
+    assert cli.count_steps(10) == range(10)
+    bar = cli.count_steps(cli.LONG_RUN)
     assert not isinstance(bar, range)
-    assert len(bar) == LONG_RUN
+    assert len(bar) == cli.LONG_RUN
     bar.close()

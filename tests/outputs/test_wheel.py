@@ -44,17 +44,8 @@ exact = true
 
 # What somebody's project may have: modules and packages of the names that our folders have.
 DECOYS = [
-    "methods.py",
-    "symbolic/__init__.py",
-    "numeric.py",
-    "support/__init__.py",
-    "texts.py",
-    "reports.py",
-    "commands.py",
-    "blackbox/__init__.py",
-    "enclosure.py",
-    "cli.py",
-    "proofs.py",
+    *("methods.py", "symbolic/__init__.py", "numeric.py", "support/__init__.py", "texts.py", "reports.py"),
+    *("commands.py", "blackbox/__init__.py", "enclosure.py", "cli.py", "proofs.py"),
 ]
 
 # What is run in both projects; one line of what it prints, so that two failures alike are no success.

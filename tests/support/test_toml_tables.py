@@ -8,21 +8,7 @@ from typing import Any
 
 import pytest
 
-from driftproof.support.toml_tables import (
-    MOST_DOTS,
-    as_choice,
-    as_flag,
-    as_line,
-    as_list,
-    as_table,
-    as_text,
-    as_texts,
-    as_whole,
-    demand_keys,
-    parse_toml,
-    quoted,
-    read_toml,
-)
+from driftproof.support import toml_tables as toml
 
 
 class Refused(ValueError):
@@ -30,9 +16,9 @@ class Refused(ValueError):
 
 
 def test_decimals_stay_as_they_are_written() -> None:
-    assert parse_toml(b"x = 0.1\ny = [1, 2e-3]", 100) == {"x": "0.1", "y": [1, "2e-3"]}
-    row = b"x = [" + b"0.125, " * (2 * MOST_DOTS) + b"]"
-    assert parse_toml(row, 10_000)["x"] == ["0.125"] * (2 * MOST_DOTS)
+    assert toml.parse_toml(b"x = 0.1\ny = [1, 2e-3]", 100) == {"x": "0.1", "y": [1, "2e-3"]}
+    row = b"x = [" + b"0.125, " * (2 * toml.MOST_DOTS) + b"]"
+    assert toml.parse_toml(row, 10_000)["x"] == ["0.125"] * (2 * toml.MOST_DOTS)
 
 
 @pytest.mark.parametrize(
@@ -43,8 +29,8 @@ def test_decimals_stay_as_they_are_written() -> None:
         (b"x = '\xff'", "byte 5 is not UTF-8 text"),
         (b"x = " + b"[" * 9000, "nested too deeply"),
         (b"#" * 10_001, "too large; at most 10000 bytes are read"),
-        (b"a" + b".a" * (MOST_DOTS + 1) + b" = 1", f"more than {MOST_DOTS} dots in one line"),
-        (b"'1.1'" + b".'1.1'" * (MOST_DOTS + 1) + b" = 1", f"more than {MOST_DOTS} dots in one line"),
+        (b"a" + b".a" * (toml.MOST_DOTS + 1) + b" = 1", f"more than {toml.MOST_DOTS} dots in one line"),
+        (b"'1.1'" + b".'1.1'" * (toml.MOST_DOTS + 1) + b" = 1", f"more than {toml.MOST_DOTS} dots in one line"),
         (b"x = " + b"9" * 5000, "not TOML: Exceeds the limit"),
     ],
 )
@@ -52,7 +38,7 @@ def test_what_is_not_toml_or_too_much_is_refused(content: bytes, reason: str, tm
     path = tmp_path / "mine.toml"
     path.write_bytes(content)
     with pytest.raises(Refused, match=r"\A[^\n]*\Z") as caught:
-        read_toml(path, 10_000, dict, Refused)
+        toml.read_toml(path, 10_000, dict, Refused)
     assert str(caught.value).startswith(f"{path}: ")
     assert reason in str(caught.value)
 
@@ -60,46 +46,46 @@ def test_what_is_not_toml_or_too_much_is_refused(content: bytes, reason: str, tm
 def test_a_reason_of_the_caller_and_one_of_the_system_name_the_file(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     path.write_text("x = 1", encoding="utf-8")
-    assert read_toml(path, 10, lambda table: as_whole(table["x"], "x", 0, 9)) == 1
+    assert toml.read_toml(path, 10, lambda table: toml.as_whole(table["x"], "x", 0, 9)) == 1
     with pytest.raises(ValueError, match=r"mine\.toml: x is 1; write a text in quotes\Z"):
-        read_toml(str(path), 10, lambda table: as_text(table["x"], "x"))
+        toml.read_toml(str(path), 10, lambda table: toml.as_text(table["x"], "x"))
     for missing, reason in ((tmp_path / "two\nlines.toml", "two lines.toml: No such file"), (tmp_path, "a directory")):
         with pytest.raises(Refused, match=reason):
-            read_toml(missing, 10, dict, Refused)
+            toml.read_toml(missing, 10, dict, Refused)
 
 
 FITS: list[tuple[Any, Any]] = [
-    (as_text("", "x"), ""),
-    (as_line(" a b ", "x", 9), "a b"),
-    (as_texts(["a", "b"], "x"), ("a", "b")),
-    (as_flag(False, "x"), False),
-    (as_whole(9, "x", 0, 9), 9),
-    (as_choice("a", "x", ("a", "b")), "a"),
-    (as_table({}, "x"), {}),
-    (as_list([1, 2], "x", 2, 2), [1, 2]),
+    (toml.as_text("", "x"), ""),
+    (toml.as_line(" a b ", "x", 9), "a b"),
+    (toml.as_texts(["a", "b"], "x"), ("a", "b")),
+    (toml.as_flag(False, "x"), False),
+    (toml.as_whole(9, "x", 0, 9), 9),
+    (toml.as_choice("a", "x", ("a", "b")), "a"),
+    (toml.as_table({}, "x"), {}),
+    (toml.as_list([1, 2], "x", 2, 2), [1, 2]),
 ]
 REFUSALS: list[tuple[Callable[[], Any], str]] = [
-    (lambda: as_text(1, "x"), "x is 1; write a text in quotes"),
-    (lambda: as_text(None, "x"), "x is missing; write a text in quotes"),
-    (lambda: as_line("  ", "x", 9), "x is '  '; write a line of text of 1 to 9 characters, in quotes"),
-    (lambda: as_line("a\nb", "x", 9), "x is 'a\\nb'; write a line of text"),
-    (lambda: as_line("0123456789", "x", 9), "x is '0123456789'; write a line of text of 1 to 9"),
-    (lambda: as_texts(["a", 2], "x"), "x[1] is 2; write a text in quotes"),
-    (lambda: as_flag(1, "x"), "x is 1; write true or false"),
-    (lambda: as_whole(True, "x", 0, 9), "x is True; write a whole number from 0 to 9"),
-    (lambda: as_whole(10, "x", 0, 9), "x is 10; write a whole number from 0 to 9"),
-    (lambda: as_choice("c", "x", ("a", "b")), "x is 'c'; write 'a' or 'b'"),
-    (lambda: as_choice(["a"], "x", ("a", "b")), "x is ['a']; write 'a' or 'b'"),
-    (lambda: as_table([], "x"), "x is []; write a table [x]"),
-    (lambda: as_list("ab", "x"), "x is 'ab'; write a list"),
-    (lambda: as_list([1, 2, 3], "x", 2, 2), "x has 3 entries; at most 2 are read"),
-    (lambda: as_list([1], "x", 2), "x has 1 entries, 2 are needed"),
-    (lambda: demand_keys({"a": 1, "c": 2}, ("a", "b"), "a table"), "a table has no key 'c'; there are a, b"),
+    (lambda: toml.as_text(1, "x"), "x is 1; write a text in quotes"),
+    (lambda: toml.as_text(None, "x"), "x is missing; write a text in quotes"),
+    (lambda: toml.as_line("  ", "x", 9), "x is '  '; write a line of text of 1 to 9 characters, in quotes"),
+    (lambda: toml.as_line("a\nb", "x", 9), "x is 'a\\nb'; write a line of text"),
+    (lambda: toml.as_line("0123456789", "x", 9), "x is '0123456789'; write a line of text of 1 to 9"),
+    (lambda: toml.as_texts(["a", 2], "x"), "x[1] is 2; write a text in quotes"),
+    (lambda: toml.as_flag(1, "x"), "x is 1; write true or false"),
+    (lambda: toml.as_whole(True, "x", 0, 9), "x is True; write a whole number from 0 to 9"),
+    (lambda: toml.as_whole(10, "x", 0, 9), "x is 10; write a whole number from 0 to 9"),
+    (lambda: toml.as_choice("c", "x", ("a", "b")), "x is 'c'; write 'a' or 'b'"),
+    (lambda: toml.as_choice(["a"], "x", ("a", "b")), "x is ['a']; write 'a' or 'b'"),
+    (lambda: toml.as_table([], "x"), "x is []; write a table [x]"),
+    (lambda: toml.as_list("ab", "x"), "x is 'ab'; write a list"),
+    (lambda: toml.as_list([1, 2, 3], "x", 2, 2), "x has 3 entries; at most 2 are read"),
+    (lambda: toml.as_list([1], "x", 2), "x has 1 entries, 2 are needed"),
+    (lambda: toml.demand_keys({"a": 1, "c": 2}, ("a", "b"), "a table"), "a table has no key 'c'; there are a, b"),
 ]
 
 
 def test_a_value_that_fits_is_returned() -> None:
-    demand_keys({"a": 1}, ("a", "b"), "a table")
+    toml.demand_keys({"a": 1}, ("a", "b"), "a table")
     assert [found for found, _ in FITS] == [expected for _, expected in FITS]
 
 
@@ -111,5 +97,5 @@ def test_a_value_that_does_not_fit_is_refused_with_what_is_allowed(demand: Calla
 
 
 def test_what_is_quoted_is_cut_and_a_huge_number_is_not_written_out() -> None:
-    assert quoted("x" * 99) == "'" + "x" * 56 + "..."
-    assert quoted(10**5000) == "a huge number"
+    assert toml.quoted("x" * 99) == "'" + "x" * 56 + "..."
+    assert toml.quoted(10**5000) == "a huge number"

@@ -35,7 +35,11 @@ def document(scenes: Sequence[Scene], digits: int, counter: Counter = range) -> 
         for i, scene in enumerate(scenes, 1)
     ]
     title = f"driftproof: {', '.join(scene.name for scene in scenes)}"
-    body = element("body", _header(), element("main", choice(options, "Scene")), _footer())
+    equations = "<i>q</i>′ = <i>v</i>, <i>v</i>′ = −<i>q</i>"
+    about = element("p", f"{equations}: what each method computes, beside the exact motion.")
+    header = element("header", element("h1", "An oscillator, step by step"), about)
+    words = "Runs are in binary64. What is called proved, and every limit, is exact. Written by driftproof report."
+    body = element("body", header, element("main", choice(options, "Scene")), element("footer", element("p", words)))
     return f"<!DOCTYPE html>\n{element('html', _head(title), body, lang='en')}\n"
 
 
@@ -47,20 +51,6 @@ def _head(title: str) -> str:
         f'<meta http-equiv="Content-Security-Policy" content="{escaped(POLICY)}">'
         f'<link rel="icon" href="data:,"><title>{escaped(title)}</title><style>\n{style_sheet()}</style></head>'
     )
-
-
-def _header() -> str:
-    equations = "<i>q</i>′ = <i>v</i>, <i>v</i>′ = −<i>q</i>"
-    return element(
-        "header",
-        element("h1", "An oscillator, step by step"),
-        element("p", f"{equations}: what each method computes, beside the exact motion."),
-    )
-
-
-def _footer() -> str:
-    words = "Runs are in binary64. What is called proved, and every limit, is exact. Written by driftproof report."
-    return element("footer", element("p", words))
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from importlib.resources import files
+from pathlib import Path
 
 from driftproof.reports.page.markup import details, element, escaped, html_table
 from driftproof.reports.page.plot import LEFT, Plot, place
+from driftproof.support.files import atomic_write
 
 # Units of the picture that a file has above its plot for two lines, below it for two entries of the legend,
 # and at the foot.
@@ -86,6 +88,12 @@ class Figure:
                 for name, length in (("width", width), ("height", below + _HEADING))
             },
         )
+
+    def write(self, path: Path, setting: str) -> Path:
+        """Write the `file` to `path`, whole or not at all, and return it."""
+        with atomic_write(path) as draft:
+            Path(draft).write_text(self.file(setting) + "\n", encoding="utf-8", newline="\n")
+        return path
 
 
 def _swatch(mark: str) -> str:

@@ -137,6 +137,13 @@ class Axis:
         return "grid" if tick or self.labels else "axis"
 
 
+def decades(low: int, high: int, name: str, places: tuple[Fraction, Fraction]) -> Axis:
+    """A logarithmic axis: exponents of ten from `low` to `high`, which is larger by two at least."""
+    scale = Scale(Fraction(low), Fraction(high), *places)
+    at = ticks(scale.low, scale.high)
+    return Axis(scale, name, at, [ten_to(int(tick)) for tick in at])
+
+
 @dataclass
 class Plot:
     """A frame with axes, and what is drawn into it, in the order drawn."""

@@ -13,7 +13,7 @@ from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.scenes import Scene
 from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.markup import html_table
-from driftproof.reports.page.plot import WIDE, Axis, Plot, Scale, ten_to, ticks
+from driftproof.reports.page.plot import WIDE, Axis, Plot, Scale, decades, ten_to, ticks
 from driftproof.symbolic.algebra.certified import FIRST_BITS, CertifiableReal, enclose, significant
 from driftproof.symbolic.algebra.polynomials import evaluate, scalar, sign
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, rational_root
@@ -100,14 +100,11 @@ def growth_figure(scene: Scene, verdicts: Sequence[Verdict], identity: str) -> F
     counts = sorted({end * i // PLACES for i in range(PLACES + 1)})
     curves = {found.key: _growth(found.key, scene.h, counts) for found in verdicts}
     values = [value for curve in curves.values() for _, value in curve]
-    low, high = Fraction(floor(min(values))), Fraction(ceil(max(values)))
-    low, high = (low, high) if high - low >= 2 else (Fraction(-1), Fraction(1))
-    decades = ticks(low, high)
+    low, high = floor(min(values)), ceil(max(values))
+    low, high = (low, high) if high - low >= 2 else (-1, 1)
     x = Scale(Fraction(0), Fraction(end), *WIDE[0])
-    plot = Plot(
-        Axis(x, "steps n", ticks(x.low, x.high)),
-        Axis(Scale(low, high, *WIDE[1]), "growth after n steps", decades, [ten_to(int(tick)) for tick in decades]),
-    )
+    y = decades(low, high, "growth after n steps", WIDE[1])
+    plot = Plot(Axis(x, "steps n", ticks(x.low, x.high)), y)
     for i, curve in enumerate(curves.values()):
         plot.line(curve, f"path m{i % LINE_STYLES}")
     ends = [f"{method_of(key).title} {10 ** curve[-1][1]:.3g}" for key, curve in curves.items() if curve[-1][1] < 300]
@@ -116,7 +113,7 @@ def growth_figure(scene: Scene, verdicts: Sequence[Verdict], identity: str) -> F
         kind="wide",
         title=f"Growth of the powers at h = {scene.h}",
         description=f"Size of the n-th power of the one-step matrix, n from 0 to {end}, logarithmic axis from "
-        f"{ten_to(int(low))} to {ten_to(int(high))}. At the end: {', '.join(ends)}.",
+        f"{ten_to(low)} to {ten_to(high)}. At the end: {', '.join(ends)}.",
         plot=plot,
         legend=[(f"line path m{i % LINE_STYLES}", method_of(key).title) for i, key in enumerate(curves)],
         note=f"{LENGTHS} times as many steps as the scene has. A line that keeps climbing is an unbounded method's.",

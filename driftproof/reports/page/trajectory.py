@@ -33,7 +33,6 @@ from driftproof.reports.page.plot import (
     ticks,
 )
 from driftproof.reports.scene_view import asking_for
-from driftproof.support.files import atomic_write
 
 # A run is kept whole to be drawn; the samples of a longer one would fill the memory.
 MOST_DRAWN_STEPS = 10**6
@@ -166,12 +165,9 @@ def write_figures(scene: Scene, folder: Path) -> list[Path]:
         return []
     demand_drawable(scene)
     times, states = run_method(asking_for(scene, (TRAJECTORY,)), scene.selected)[TRAJECTORY]
-    sampled, paths = SampledRun(scene, scene.selected, times, states, scene.name), list[Path]()
-    for panel in (panel for panel in scene.panels if panel in DRAWN):
-        paths.append(folder / f"{scene.name}_{panel}.svg")
-        with atomic_write(paths[-1]) as draft:
-            Path(draft).write_text(DRAWN[panel](sampled).file(setting(scene)) + "\n", encoding="utf-8", newline="\n")
-    return paths
+    sampled = SampledRun(scene, scene.selected, times, states, scene.name)
+    panels = [panel for panel in scene.panels if panel in DRAWN]
+    return [DRAWN[name](sampled).write(folder / f"{scene.name}_{name}.svg", setting(scene)) for name in panels]
 
 
 def demand_drawable(scene: Scene) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from fractions import Fraction
 from math import ceil, floor, isfinite, log10
 
 from driftproof.methods.tableau_file import method_of
@@ -13,7 +12,7 @@ from driftproof.numeric.scenes import Scene
 from driftproof.numeric.work_precision.curves import Curve, Point, curves
 from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.markup import html_table
-from driftproof.reports.page.plot import WIDE, Axis, Plot, Scale, ten_to, ticks
+from driftproof.reports.page.plot import WIDE, Axis, Plot, decades, ten_to
 from driftproof.reports.page.stability import LINE_STYLES
 from driftproof.support.plain_text import short
 from driftproof.symbolic.algebra.certified import significant
@@ -73,8 +72,8 @@ def work_figure(scene: Scene, found: Sequence[Curve], identity: str) -> Figure:
     """Error at t against evaluations, both logarithmic; a ring around the points at the scene's own h."""
     places = {curve.key: _places(curve) for curve in found}
     every = [place for points in places.values() for place in points.values()] or [(0.0, 0.0)]
-    x, y = (_decades([place[i] for place in every], WIDE[i]) for i in (0, 1))
-    plot = Plot(Axis(x[0], _COST, *x[1:]), Axis(y[0], "error at the end", *y[1:]))
+    x, y = (_axis([place[i] for place in every], i) for i in (0, 1))
+    plot = Plot(x, y)
     for i, curve in enumerate(found):
         points = places[curve.key]
         if points:
@@ -106,12 +105,9 @@ def _places(curve: Curve) -> dict[int | None, tuple[float, float]]:
     return {point.steps: (log10(spent), log10(point.error)) for point, spent in _paid(curve)}
 
 
-def _decades(values: Sequence[float], places: tuple[Fraction, Fraction]) -> tuple[Scale, list[Fraction], list[str]]:
-    """A scale of whole decades around the values, at least two of them, with ticks at powers of ten."""
-    low, high = floor(min(values)), ceil(max(values))
-    high = max(high, low + 2)
-    at = ticks(Fraction(low), Fraction(high))
-    return Scale(Fraction(low), Fraction(high), *places), at, [ten_to(int(tick)) for tick in at]
+def _axis(values: Sequence[float], i: int) -> Axis:
+    low = floor(min(values))
+    return decades(low, max(ceil(max(values)), low + 2), (_COST, "error at the end")[i], WIDE[i])
 
 
 def _sentence(curve: Curve) -> str:

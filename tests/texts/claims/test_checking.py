@@ -8,16 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof.texts.claims.checking import (
-    GIVEN,
-    LABEL,
-    RUN,
-    UNCOVERED,
-    WORKED_OUT,
-    check_claim,
-    check_claims,
-    coverage,
-)
+from driftproof.texts.claims.checking import LABEL, UNCOVERED, WORKED_OUT, check_claim, check_claims, coverage
 from driftproof.texts.claims.claims import Claim, parse_claims
 from driftproof.texts.readers.document import document_of
 from tests.texts.claims.sample import CLAIMS, TEXT, claim
@@ -42,10 +33,8 @@ def test_one_phrase_serves_every_format(form: str, text: str) -> None:
 
 
 def test_case_counts_unless_told() -> None:
-    assert (found("Is 0.33", claim("is {value}")), found("Is 0.33", claim("is {value}", "ignore_case = true"))) == (
-        0,
-        1,
-    )
+    assert found("Is 0.33", claim("is {value}")) == 0
+    assert found("Is 0.33", claim("is {value}", "ignore_case = true")) == 1
 
 
 def findings(text: str, one: Claim) -> list[tuple[int, int, str, str]]:
@@ -104,19 +93,9 @@ def test_every_number_is_accounted_for() -> None:
     outcomes = check_claims(document, CLAIMS.claims)
     at = document.text.text.index("0.25")
     covered = coverage(document, outcomes, CLAIMS.labels, [(at, at + 4)])
-    assert [(one.number.text, one.kind) for one in covered.numbers] == [
-        ("4", LABEL),
-        ("5", LABEL),
-        ("1", LABEL),
-        ("2", LABEL),
-        ("0.33", GIVEN),
-        ("40", GIVEN),
-        ("1", LABEL),
-        ("0.5", UNCOVERED),
-        ("0.25", RUN),
-        ("7", UNCOVERED),
-        ("8/9", UNCOVERED),
-    ]
+    labels, rest = "4:label 5:label 1:label 2:label", "0.5:uncovered 0.25:run 7:uncovered 8/9:uncovered"
+    accounts = " ".join(f"{one.number.text}:{one.kind}" for one in covered.numbers)
+    assert accounts == f"{labels} 0.33:given 40:given 1:label {rest}"
     assert covered.share == Fraction(1, 2)
     assert coverage(document, [], CLAIMS.labels).counts[UNCOVERED] == 6
 
