@@ -63,10 +63,10 @@ BUDGETS = {
     "symbolic": 9760,
     "numeric": 3010,
     "blackbox": 8760,
-    "enclosure": 1996,
+    "enclosure": 2085,
     "texts": 5515,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 4720
+BUDGET_OF_REPORTS_AND_FRONT = 4847
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 

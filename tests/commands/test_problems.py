@@ -31,6 +31,17 @@ def quick(monkeypatch):
 
 
 @pytest.mark.usefixtures("quick")
+def test_problem_may_be_a_file_of_the_users_own(answer, tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text('title = "Mine"\nrates = ["y1", "-sin(y0)"]\nstart = [1, 0]\nend = 1\n')
+    found = json.loads(answer("stability", str(path), "--methods", "rk4", "--format", "json"))
+    assert (found["title"], found["linear"]) == ("Mine", False)
+    assert float(found["methods"][0]["runs"][0]["error"]) < 1e-6
+    errors = json.loads(answer("work-precision", str(path), "--methods", "rk4", "--format", "json"))["errors"]
+    assert errors["reference"]["evidence"] == "certified"
+
+
+@pytest.mark.usefixtures("quick")
 def test_work_precision_writes_its_files_and_names_them(answer, tmp_path):
     folder = tmp_path / "new" / "folder"
     out = answer("work-precision", "dahlquist_1", "--methods", "rk4", "-o", str(folder))

@@ -1,0 +1,107 @@
+"""A user's own problem from a .toml file: its reference is the true solution, enclosed until its digits are settled."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+from flint import arb, ctx
+
+from driftproof.enclosure.numbers import Refused
+from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
+from driftproof.enclosure.text_fields import field_function
+from driftproof.methods.expressions import parse_number
+from driftproof.methods.field_text import LONGEST_PROBLEM, PROBLEM_KEYS, field_of_table, rate_of_text
+from driftproof.methods.schemes import MethodError
+from driftproof.methods.vector_fields import VectorField
+from driftproof.numeric.problems.catalogue import problem_named
+from driftproof.numeric.problems.problem import CERTIFIED, Problem, Reference
+from driftproof.support.toml_tables import TomlTable, as_line, as_list, as_text, demand_keys, quoted, read_toml
+from driftproof.symbolic.algebra.certified import Uncertified, significant
+
+# As the references of our own problems have them.
+ENCLOSED_DIGITS = 20
+# The reference's times are so many equal parts of the interval.
+PARTS = 10
+_MOST_DOUBLINGS = 4
+_LONGEST_TITLE = 200
+
+
+def problem_given(name: str) -> Problem:
+    """A problem by its key, or by a .toml file of its equations. Raises ValueError in one line, and Refused.
+
+    The file has rates, start and end, and, if you like, parameters, a title and an energy:
+
+    rates = ["y1", "-g * sin(y0)"]
+    start = ["2", "0"]
+    end = "10"
+    energy = "y1^2/2 - g * cos(y0)"
+    parameters.g = "9.81"
+    """
+    if not name.endswith(".toml"):
+        return problem_named(name)
+
+    def read(table: TomlTable) -> Problem:
+        demand_keys(table, PROBLEM_KEYS, "a problem")
+        field, end = field_of_table(table), _rational(table.get("end"), "end")
+        given = as_list(table.get("start"), "start", len(field.rates))
+        start = tuple(_rational(x, f"start[{i}]") for i, x in enumerate(given))
+        if end <= 0:
+            raise ValueError(f"end is {end}; problems run from 0 to a time above it")
+        title = as_line(table.get("title", name), "title", _LONGEST_TITLE)
+        return Problem(
+            key=name,
+            title=title,
+            field=field,
+            start=start,
+            reference=enclosed_reference(field, start, [end * k / PARTS for k in range(1, PARTS + 1)]),
+            source=name,
+            energy=rate_of_text(as_text(table["energy"], "energy")) if "energy" in table else None,
+            second_order=_is_second_order(field),
+        )
+
+    return read_toml(name, LONGEST_PROBLEM, read)
+
+
+def enclosed_reference(field: VectorField, start: Sequence[Fraction], times: Sequence[Fraction]) -> Reference:
+    """The solution from `start` at 0, to ENCLOSED_DIGITS digits at each time. Raises Refused."""
+    f, bits = field_function(field), 2 * BITS_AT_FIRST
+    for _ in range(_MOST_DOUBLINGS):
+        found = enclose_solution(f, list(start), [Fraction(0), *times], bits)
+        try:
+            with ctx.workprec(bits):
+                digits = tuple(tuple(map(_digits, row)) for row in found.states[1:])
+            return Reference(tuple(times), digits, CERTIFIED, f"enclosed in {found.steps} steps, {bits} bits")
+        except Uncertified:
+            bits *= 2
+    raise Refused(f"the solution is not known to {ENCLOSED_DIGITS} digits with {bits // 2} bits")
+
+
+def _digits(x: arb) -> str:
+    """Correctly rounded; of a ball around 0 a zero whose last place says how near it is. Raises Uncertified."""
+    if not x.contains(0):
+        return significant(lambda: x, ENCLOSED_DIGITS)
+    if x.is_zero():
+        return "0e-400"
+    places = int((-(2 * arb(x.abs_upper())).log() / arb(10).log()).floor().unique_fmpz() or 0)
+    if places < ENCLOSED_DIGITS:
+        raise Uncertified("the ball around 0 is too wide")
+    return f"0e-{places}"
+
+
+def _rational(value: object, where: str) -> Fraction:
+    if value is None or isinstance(value, bool | list | dict):
+        shown = "missing" if value is None else quoted(value)
+        raise ValueError(f'{where} is {shown}; write a number such as "1/3" or 0.1')
+    number = parse_number(str(value), where)
+    if not isinstance(number, Fraction):
+        raise ValueError(f"{where}: {value} is irrational; a problem's times and starts are rational")
+    return number
+
+
+def _is_second_order(field: VectorField) -> bool:
+    try:
+        field.second_order()
+    except MethodError:
+        return False
+    return True

@@ -1,0 +1,106 @@
+"""A user's problem from a file: its digits are enclosed, and those of our own problems come out the same."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from decimal import Decimal
+from fractions import Fraction
+
+import pytest
+
+from driftproof.enclosure.numbers import Refused
+from driftproof.methods.field_text import field_of_text
+from driftproof.numeric.problems.catalogue import PROBLEMS
+from driftproof.numeric.problems.problem import CERTIFIED, Reference
+from driftproof.reports.user_problem import ENCLOSED_DIGITS, PARTS, enclosed_reference, problem_given
+from tests.looping import exactly
+
+WRITTEN = """
+title = "A pendulum of 1 m"
+rates = ["y1", "-g * sin(y0)"]
+start = ["1/2", 0]
+end = 0.5
+energy = "y1^2/2 - g * cos(y0)"
+parameters.g = 9.81
+"""
+# What explicit steps reach; the others are stiff.
+REACHED = [problem for problem in PROBLEMS.values() if not problem.stiff]
+
+
+def differing(ours: Reference, stored: Reference) -> list[str]:
+    """Digits that do not speak of one number: each is right to half a unit of its last place."""
+    pairs = [pair for rows in zip(ours.states, stored.states, strict=True) for pair in zip(*rows, strict=True)]
+    half = lambda text: Fraction(10) ** int(Decimal(text).as_tuple().exponent) / 2
+    return [b for a, b in pairs if abs(Fraction(a) - Fraction(b)) > half(a) + half(b)]
+
+
+def first(reference: Reference, count: int) -> Reference:
+    return replace(reference, times=reference.times[:count], states=reference.states[:count])
+
+
+def test_reference_of_a_file_is_enclosed(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(WRITTEN)
+    problem = problem_given(str(path))
+    assert (problem.title, problem.second_order, problem.start) == ("A pendulum of 1 m", True, (Fraction(1, 2), 0))
+    assert problem.field.parameters == (("g", Fraction("9.81")),)
+    assert problem.energy == "((y1 * y1) / 2) - (g * cos(y0))"
+    found = problem.reference
+    assert (found.evidence, len(found.times), found.times[-1]) == (CERTIFIED, PARTS, Fraction(1, 2))
+    # A quarter of the period 2 pi sqrt(1/9.81) (1 + 1/64 + ...) = 2.038 s is at 0.5095: theta is small and positive.
+    assert 0 < Decimal(found.states[-1][0]) < Decimal("0.02")
+    assert {len(Decimal(text).as_tuple().digits) for text in found.states[-1]} == {ENCLOSED_DIGITS}
+
+
+@pytest.mark.parametrize("key", ["harmonic_oscillator", "pendulum", "henon_heiles"])
+def test_stored_digits_come_out_and_a_wrong_one_is_noticed(key):
+    problem = PROBLEMS[key]
+    stored = first(problem.reference, 1)
+    found = enclosed_reference(problem.field, problem.start, stored.times)
+    assert differing(found, stored) == []
+    (row,) = stored.states
+    planted = replace(stored, states=((f"{row[0][:-1]}{(int(row[0][-1]) + 5) % 10}", *row[1:]),))
+    assert len(differing(found, planted)) == 1
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("problem", REACHED, ids=lambda problem: problem.key)
+def test_all_stored_digits_come_out(problem):
+    found = enclosed_reference(problem.field, problem.start, problem.reference.times)
+    assert differing(found, problem.reference) == []
+
+
+def test_component_that_stays_at_zero_has_a_zero_with_its_place():
+    found = enclosed_reference(field_of_text("y1; 0; y0 - y0"), [Fraction(0)] * 3, [Fraction(1)])
+    assert [Decimal(text) == 0 for text in found.states[0]] == [True] * 3
+    assert all(int(Decimal(text).as_tuple().exponent) <= -ENCLOSED_DIGITS for text in exactly(3, found.states[0]))
+
+
+def test_key_is_a_problem_of_ours():
+    assert problem_given("kepler") is PROBLEMS["kepler"]
+
+
+REFUSED = {
+    "": "rates is missing",
+    'rates = ["y0"]': "end is missing; write a number",
+    'rates = ["y0"]\nend = "sqrt(2)"': r"end: sqrt\(2\) is irrational",
+    'rates = ["y0"]\nend = -1\nstart = [1]': "end is -1; problems run from 0",
+    'rates = ["y0"]\nend = 1\nstart = [1, 2]': "start has 2 entries, 1 are needed",
+    'rates = ["y0"]\nend = 1\nstart = [[1]]': r"start\[0\] is \[1\]; write a number",
+    'rates = ["y0"]\nend = 1\nstart = [1]\nwidth = 2': "a problem has no key 'width'; there are rates",
+    'rates = ["y0 +"]\nend = 1\nstart = [1]': "'y0 \\+', column 5",
+}
+
+
+@pytest.mark.parametrize("text", REFUSED)
+def test_file_of_another_form_is_refused_in_one_line(text, tmp_path):
+    (tmp_path / "mine.toml").write_text(text)
+    with pytest.raises(ValueError, match=REFUSED[text]) as caught:
+        problem_given(str(tmp_path / "mine.toml"))
+    assert "\n" not in str(caught.value)
+
+
+def test_pole_before_the_end_is_refused(tmp_path):
+    (tmp_path / "mine.toml").write_text('rates = ["1 + y0^2"]\nstart = [0]\nend = 2\n')
+    with pytest.raises(Refused, match=r"a pole, or a point where f is not smooth, is ahead near t = 1\.57"):
+        problem_given(str(tmp_path / "mine.toml"))
