@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from functools import cache, reduce
-from math import isqrt
 from typing import Any
 
 from driftproof.methods.number_field import (
@@ -14,10 +13,9 @@ from driftproof.methods.number_field import (
     Exact,
     NumberField,
     UndecidedError,
-    cube_root,
     dyadic,
+    integer_root,
     real_root_balls,
-    square_root,
 )
 
 # Products of degrees beyond this are refused before anything is worked out: the field would rarely be a small one.
@@ -136,26 +134,11 @@ def rational_power(base: Fraction, exponent: Fraction) -> Exact:
         raise ValueError("a fractional power is taken of a positive rational number")
     if degree > LARGEST_FIELD_DEGREE:
         raise UndecidedError(f"a root of degree {degree}; at most {LARGEST_FIELD_DEGREE}")
+    from flint import fmpz
+
     power = base**exponent.numerator
     radicand, below = power.numerator * power.denominator ** (degree - 1), power.denominator
     for prime in (2, 3, 5, 7, 11):
-        while degree % prime == 0 and (root := _whole_root(radicand, prime)) ** prime == radicand:
+        while degree % prime == 0 and (root := int(fmpz(radicand).root(prime))) ** prime == radicand:
             radicand, degree = root, degree // prime
-    if degree == 1:
-        return Fraction(radicand, below)
-    if degree <= 3:
-        return (square_root if degree == 2 else cube_root)(radicand) / Fraction(below)
-    floor, minimal = _whole_root(radicand, degree), (-radicand, *[0] * (degree - 1), 1)
-    field = NumberField(f"{radicand}**(1/{degree})", minimal, Fraction(floor), Fraction(floor + 1))
-    return field.generator / Fraction(below)
-
-
-def _whole_root(n: int, degree: int) -> int:
-    """The largest integer whose power is at most n."""
-    if degree == 2:
-        return isqrt(n)
-    low, high = 0, 1 << (n.bit_length() // degree + 1)
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (middle, high) if middle**degree <= n else (low, middle)
-    return low
+    return Fraction(radicand, below) if degree == 1 else integer_root(radicand, degree) / Fraction(below)

@@ -293,25 +293,27 @@ class Algebraic(ScalarExtension):
 Exact: TypeAlias = Fraction | Algebraic
 
 
-@cache
 def square_root(n: int) -> Algebraic:
     """sqrt n for an integer n > 1 that is no square. Raises ValueError for another n."""
-    return _root("square", n, 2, f"sqrt({n})")
+    return integer_root(n, 2)
+
+
+def cube_root(n: int) -> Algebraic:
+    """n ** (1/3) for an integer n > 1 that is no cube. Raises ValueError for another n."""
+    return integer_root(n, 3)
 
 
 @cache
-def cube_root(n: int) -> Algebraic:
-    """n ** (1/3) for an integer n > 1 that is no cube. Raises ValueError for another n."""
-    return _root("cube", n, 3, f"{n}**(1/3)")
+def integer_root(n: int, degree: int) -> Algebraic:
+    """n ** (1/degree) for an integer n > 1 that is no such power. Raises ValueError for another n."""
+    from flint import fmpz
 
-
-def _root(kind: str, n: int, degree: int, name: str) -> Algebraic:
-    floor, beyond = 0, n + 2
-    while beyond - floor > 1:
-        middle = (floor + beyond) // 2
-        floor, beyond = (middle, beyond) if middle**degree <= n else (floor, middle)
+    floor = int(fmpz(n).root(degree)) if n > 1 else n
+    name = f"sqrt({n})" if degree == 2 else f"{n}**(1/{degree})"
     if floor**degree == n or n < 2:
-        raise ValueError(f"{kind}_root({n}): n must be above 1 and no {kind}")
+        raise ValueError(
+            f"{name}: the number must be above 1 and no {({2: 'square', 3: 'cube'}).get(degree, 'such power')}"
+        )
     return NumberField(name, (-n, *[0] * (degree - 1), 1), Fraction(floor), Fraction(floor + 1)).generator
 
 

@@ -92,7 +92,7 @@ def test_numbers_may_hold_one_root(text: str, number: object) -> None:
     [
         ("gamma", "'gamma' is a name; write numbers, sqrt(n) and cbrt(n)"),
         ("sqrt", "'sqrt' is a name"),
-        ("sqrt(4)", "n must be above 1 and no square"),
+        ("sqrt(4)", "the number must be above 1 and no square"),
         ("sqrt(x)", "sqrt takes one integer, as in sqrt(2)"),
         ("sqrt(2", "the bracket of sqrt is not closed; the end stands there"),
         ("sqrt(2 3)", "the bracket of sqrt is not closed; '3' stands there"),

@@ -14,20 +14,8 @@ from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import coefficients, exact, scalar
 from driftproof.symbolic.algebra.radicals import is_readable
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction, rational_function_text
-from driftproof.symbolic.linear import (
-    a_stability as implicit_stability,
-)
-from driftproof.symbolic.linear import (
-    invariants,
-    oscillator,
-    phase,
-)
-from driftproof.symbolic.linear import (
-    reduced_tableau as structure,
-)
-from driftproof.symbolic.linear import (
-    stability_limits as limits,
-)
+from driftproof.symbolic.linear import a_stability as half_plane
+from driftproof.symbolic.linear import invariants, oscillator, phase, reduced_tableau, stability_limits
 from driftproof.symbolic.linear.a_stability import Angle, EnclosedTangent, sector_tangent
 from driftproof.symbolic.linear.monotonicity import ssp_coefficient
 from driftproof.symbolic.linear.printed_digits import StabilityWithinDigits, stability_within_digits
@@ -205,8 +193,8 @@ class LinearFacts:
             found, _series(phase.modified_factor_series(m, self.terms)) if self._turns_readably else None
         )
 
-    real_limit = _of_r(limits.real_limit)
-    imaginary_limit = _of_step(limits.imaginary_limit, bounded_limit)
+    real_limit = _of_r(stability_limits.real_limit)
+    imaginary_limit = _of_step(stability_limits.imaginary_limit, bounded_limit)
 
     @cached_property
     def a_stable(self) -> bool | None:
@@ -218,13 +206,13 @@ class LinearFacts:
         """A-stability with its reason, and a point where it fails."""
         if self._r is None:
             return None
-        found = implicit_stability.a_stability(self._r)
-        margin = coefficients(limits.imaginary_margin(self._r))
+        found = half_plane.a_stability(self._r)
+        margin = coefficients(stability_limits.imaginary_margin(self._r))
         return AStability(found.holds, found.reason, found.witness, margin)
 
-    i_stable = _of_r(lambda r: implicit_stability.i_stability(r).holds, "Whether |R(iy)| <= 1 for every real y.")
+    i_stable = _of_r(lambda r: half_plane.i_stability(r).holds, "Whether |R(iy)| <= 1 for every real y.")
 
-    l_stable = _of_r(lambda r: implicit_stability.l_stability(r).holds, "A-stable, and R vanishes at infinity.")
+    l_stable = _of_r(lambda r: half_plane.l_stability(r).holds, "A-stable, and R vanishes at infinity.")
 
     @cached_property
     def stability_within_digits(self) -> StabilityWithinDigits | None:
@@ -241,10 +229,10 @@ class LinearFacts:
 
     limit_at_infinity = _of_r(lambda r: _at_infinity(r), "The limit of R(z) as z grows.")
 
-    stiffly_accurate = _of_method(structure.is_stiffly_accurate)
-    first_same_as_last = _of_method(structure.is_first_same_as_last)
-    symplectic = _of_method(structure.is_symplectic)
-    symmetric = _of_method(structure.is_symmetric)
+    stiffly_accurate = _of_method(reduced_tableau.is_stiffly_accurate)
+    first_same_as_last = _of_method(reduced_tableau.is_first_same_as_last)
+    symplectic = _of_method(reduced_tableau.is_symplectic)
+    symmetric = _of_method(reduced_tableau.is_symmetric)
     linearly_symmetric = _of_step(phase.is_linearly_symmetric, oscillator.is_matrix_symmetric)
 
     @cached_property

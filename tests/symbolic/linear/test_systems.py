@@ -322,6 +322,7 @@ TURNS = [
     ("forward_euler", "0 1; -1 0", Q(1, 10**6), (False, False, False)),
     ("forward_euler", "0 0; 0 -1", Q(2), (True, True, False)),
     ("forward_euler", "0 1; 0 0", Q(2), (False, False, False)),
+    ("backward_euler", "1", Q(2), (False, True, True)),  # growth, which large steps damp
 ]
 
 
