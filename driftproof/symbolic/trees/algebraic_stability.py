@@ -10,12 +10,12 @@ from typing import TypeAlias
 from flint import fmpq_poly
 
 from driftproof.methods.number_field import Exact
+from driftproof.methods.schemes import Collocation
 from driftproof.symbolic.trees.elementary_weights import (
     EXACT,
-    AnyMethod,
-    NodePolynomial,
     NodeStages,
     RingElement,
+    TreeMethod,
 )
 
 _Vector: TypeAlias = tuple[Exact, ...]
@@ -102,23 +102,23 @@ class AlgebraicStability:
         return self.weights.holds and self.matrix.holds
 
 
-def quadratic_matrix(method: AnyMethod) -> _Matrix:
+def quadratic_matrix(method: TreeMethod) -> _Matrix:
     """M with entries mᵢⱼ = bᵢaᵢⱼ + bⱼaⱼᵢ - bᵢbⱼ, exact, over the stages (hairer-wanner-1996, IV.12 Definition 12.5).
 
     For collocation given by its nodes' polynomial: Vᵀ M V, V the Vandermonde matrix of the nodes, which is rational.
     """
-    if isinstance(method, NodePolynomial):
+    if isinstance(method, Collocation):
         return _collocation_matrix(NodeStages(method.node_polynomial))
     b, a = [EXACT.lift(x) for x in method.b], [[EXACT.lift(x) for x in row] for row in method.a]
     return _symmetric(lambda i, j: b[i] * a[i][j] + b[j] * a[j][i] - b[i] * b[j], len(b))
 
 
-def algebraic_stability(method: AnyMethod) -> AlgebraicStability:
+def algebraic_stability(method: TreeMethod) -> AlgebraicStability:
     """The decision, for the coefficients as they are given, with a certificate for each of the two conditions.
 
     The weights' one is the diagonal matrix of the bᵢ; for a nodes' polynomial with real roots, Vᵀ diag(b) V.
     """
-    if isinstance(method, NodePolynomial):
+    if isinstance(method, Collocation):
         weights = _weight_matrix(NodeStages(method.node_polynomial))
     else:
         zero = Fraction(0)

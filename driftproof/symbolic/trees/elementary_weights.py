@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from operator import mul
-from typing import Any, Protocol, TypeAlias, runtime_checkable
+from typing import Any, Protocol, TypeAlias
 
 from flint import fmpq, fmpq_poly
 
 from driftproof.methods.number_field import Algebraic, Exact, as_fmpq
+from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.symbolic.trees.rooted_trees import TreeTable, tree_table
 
 # A number of some `Scalars`: it has +, -, * among its kind and with fmpq. FLINT's numbers have no static types.
@@ -49,33 +50,10 @@ EXACT: Scalars = ExactScalars()
 StageValues: TypeAlias = Any
 
 
-@runtime_checkable
-class HasTableau(Protocol):
-    """Whatever holds a Runge-Kutta method's A, b and c, exact: `driftproof.methods.schemes.RungeKutta` does."""
-
-    @property
-    def a(self) -> tuple[tuple[Exact, ...], ...]:
-        """The coefficients aᵢⱼ by rows."""
-
-    @property
-    def b(self) -> tuple[Exact, ...]:
-        """The weights."""
-
-    @property
-    def c(self) -> tuple[Exact, ...]:
-        """The nodes."""
-
-
-@runtime_checkable
-class NodePolynomial(Protocol):
-    """Whatever holds Π (x - cᵢ) of a collocation method, over Q, constant term first."""
-
-    @property
-    def node_polynomial(self) -> tuple[Exact, ...]:
-        """The coefficients, constant term first."""
-
-
-AnyMethod: TypeAlias = HasTableau | NodePolynomial
+# A method whose order is that of its trees.
+TreeMethod: TypeAlias = RungeKutta | Collocation
+# A RungeKutta or a Nystrom, or what else has its rows of coefficients, of which it is known how they are lifted.
+Table: TypeAlias = Any
 
 
 class StageAlgebra(Protocol):
@@ -170,9 +148,9 @@ def distinct_nodes(nodes: Sequence[Exact]) -> fmpq_poly:
     return polynomial
 
 
-def stage_algebra(method: AnyMethod) -> StageAlgebra:
+def stage_algebra(method: TreeMethod) -> StageAlgebra:
     """The stages of a method that is given by its node polynomial, or else by its tableau."""
-    if isinstance(method, NodePolynomial):
+    if isinstance(method, Collocation):
         return NodeStages(method.node_polynomial)
     return TableauStages(method.a, method.b)
 

@@ -9,10 +9,10 @@ from flint import fmpq
 
 from driftproof.methods.number_field import Exact
 from driftproof.symbolic.trees.elementary_weights import (
-    AnyMethod,
     ElementaryWeights,
     RingElement,
     Scalars,
+    TreeMethod,
     stage_algebra,
 )
 from driftproof.symbolic.trees.rooted_trees import Tree, TreeTable, shapes, tree_number, tree_table, vertices
@@ -41,14 +41,14 @@ class BSeries:
         return zip(shapes(self.order), map(self.scalars.exact, self.coefficients), strict=True)
 
 
-def method_series(method: AnyMethod, order: int) -> BSeries:
+def method_series(method: TreeMethod, order: int) -> BSeries:
     """The B-series y + Σ ... of one step of a Runge-Kutta method: a(t) = Φ(t) (hairer-lubich-wanner-2006, III.1.1)."""
     weights = ElementaryWeights(stage_algebra(method))
     coefficients = [x for n in range(1, order + 1) for x in weights.of_order(n)]
     return BSeries(order, tuple(coefficients), weights.colours[0].scalars)
 
 
-def modified_equation(method: AnyMethod, order: int) -> BSeries:
+def modified_equation(method: TreeMethod, order: int) -> BSeries:
     """The b such that the method is the time-h flow of h y' = B(b, y), for trees up to `order`.
 
     In y' = f + h f₂ + h² f₃ + ... the term of t is h^(r(t)-1) b(t)/σ(t) F(t). The method's a is Σⱼ ∂_bʲ⁻¹ b / j!, where

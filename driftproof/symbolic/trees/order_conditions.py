@@ -11,16 +11,15 @@ from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 from flint import fmpq, fmpq_poly
 
 from driftproof.methods.number_field import Exact
+from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.symbolic.trees.elementary_weights import (
     EXACT,
-    AnyMethod,
     ElementaryWeights,
-    HasTableau,
-    NodePolynomial,
     RingElement,
     Scalars,
     StageAlgebra,
     TableauStages,
+    TreeMethod,
     distinct_nodes,
     stage_algebra,
 )
@@ -128,33 +127,34 @@ class RungeKuttaConditions(ElementaryWeights):
         return tree_table(vertices).symmetry[label]
 
 
-def order(method: AnyMethod) -> OrderFact[Tree]:
+def order(method: TreeMethod) -> OrderFact[Tree]:
     """The largest p with Φ(t) = 1/γ(t) for every tree of at most p vertices, by exact equality, and why not p + 1.
 
     Of collocation given by its nodes' polynomial, the trees need not be visited: its order is that of its quadrature
     formula, whose first failing condition is that of a bush (hairer-lubich-wanner-2006, II.1.2 Theorem 1.5).
     """
-    if isinstance(method, NodePolynomial):
+    if isinstance(method, Collocation):
         quadrature = collocation_order(method.node_polynomial)
         return OrderFact(quadrature.order, bush(quadrature.order + 1), -quadrature.residual)
     return order_of(runge_kutta_conditions(method))
 
 
-def embedded_order(method: AnyMethod) -> OrderFact[Tree] | None:
+def embedded_order(method: TreeMethod) -> OrderFact[Tree] | None:
     """The order of the method's second row of weights, `b_embedded`; None for a method that has none."""
     conditions = embedded_conditions(method)
     return None if conditions is None else order_of(conditions)
 
 
-def runge_kutta_conditions(method: AnyMethod) -> RungeKuttaConditions:
+def runge_kutta_conditions(method: TreeMethod) -> RungeKuttaConditions:
     """The conditions of a method that is given by its tableau, or by its nodes' polynomial."""
     return RungeKuttaConditions(stage_algebra(method))
 
 
-def embedded_conditions(method: AnyMethod) -> RungeKuttaConditions | None:
+def embedded_conditions(method: TreeMethod) -> RungeKuttaConditions | None:
     """The conditions of the method with its second row of weights; None for a method that has none."""
-    second = getattr(method, "b_embedded", None)
-    return None if second is None else RungeKuttaConditions(TableauStages(getattr(method, "a", ()), second))
+    if isinstance(method, Collocation) or method.b_embedded is None:
+        return None
+    return RungeKuttaConditions(TableauStages(method.a, method.b_embedded))
 
 
 def order_of(conditions: Conditions[TreeType]) -> OrderFact[TreeType]:
@@ -199,14 +199,14 @@ def principal_error(conditions: Conditions[TreeType]) -> PrincipalError[TreeType
     return PrincipalError(n, tuple((conditions.tree(n, label), exact(x)) for label, x in errors), exact(squared))
 
 
-def elementary_weight(method: AnyMethod, tree: Tree) -> Exact:
+def elementary_weight(method: TreeMethod, tree: Tree) -> Exact:
     """Φ(t), the method's weight of the tree (butcher-2016, 312); the exact solution's is 1/γ(t)."""
     size, algebra = vertices(tree), stage_algebra(method)
     position = tree_number(tree) - tree_table(size).first[size]
     return algebra.scalars.exact(ElementaryWeights(algebra).of_order(size)[position])
 
 
-def failing_condition(method: AnyMethod, vertices: int) -> tuple[Tree, Exact] | None:
+def failing_condition(method: TreeMethod, vertices: int) -> tuple[Tree, Exact] | None:
     """The first tree with so many vertices whose Φ(t) - 1/γ(t) is not zero, with that residual; None if all hold."""
     return next(((tree, x) for tree, x in residuals(runge_kutta_conditions(method), vertices) if x), None)
 
@@ -233,12 +233,12 @@ class Simplifying:
         return self.b if self.c is None else min(self.b, self.c)
 
 
-def simplifying_assumptions(method: AnyMethod) -> Simplifying:
+def simplifying_assumptions(method: TreeMethod) -> Simplifying:
     """How far B, C and D hold, with the c that the method states.
 
     For collocation at s nodes with a quadrature formula of order p they hold to p, s and p - s.
     """
-    if isinstance(method, NodePolynomial):
+    if isinstance(method, Collocation):
         order, stages = collocation_order(method.node_polynomial).order, len(method.node_polynomial) - 1
         return Simplifying(order, stages, order - stages)
     conditions = _Conditions(method)
@@ -253,7 +253,7 @@ def simplifying_assumptions(method: AnyMethod) -> Simplifying:
 class _Conditions:
     """The residuals of the conditions numbered k = 1, 2, ..., in the method's field."""
 
-    def __init__(self, method: HasTableau) -> None:
+    def __init__(self, method: RungeKutta) -> None:
         lift = EXACT.lift
         self.weights, nodes = [lift(x) for x in method.b], [lift(x) for x in method.c]
         self.rows = [[lift(x) for x in row] for row in method.a]

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import cache
-from typing import Protocol
+from typing import Any, Protocol
 
 from flint import fmpq
 
-from driftproof.methods.number_field import Exact
-from driftproof.methods.schemes import Splitting
+from driftproof.methods.schemes import Nystrom, Splitting
 from driftproof.symbolic.trees.elementary_weights import (
     EXACT,
     ElementaryWeights,
-    HasTableau,
     RingElement,
     Scalars,
     StageAlgebra,
     StageValues,
+    Table,
     TableauStages,
 )
 from driftproof.symbolic.trees.order_conditions import OrderFact, TreeLabel, order_of
@@ -32,26 +31,6 @@ from driftproof.symbolic.trees.rooted_trees import (
 # A vertex of colour q stands for f in q' = f(v) or a derivative of f, one of colour v for g in v' = g(q).
 Q, V = "q", "v"
 OTHER_COLOUR = {Q: V, V: Q}
-
-
-class NystromTableau(Protocol):
-    """Whatever holds a Nyström method: Qᵢ = q + cᵢhv + h²Σaᵢⱼkⱼ, q + hv + h²Σ b_positionᵢ kᵢ, v + hΣ b_velocityᵢ kᵢ."""
-
-    @property
-    def c(self) -> tuple[Exact, ...]:
-        """The nodes."""
-
-    @property
-    def a(self) -> tuple[tuple[Exact, ...], ...]:
-        """The coefficients of the stages, by rows."""
-
-    @property
-    def b_position(self) -> tuple[Exact, ...]:
-        """The weights of the new position."""
-
-    @property
-    def b_velocity(self) -> tuple[Exact, ...]:
-        """The weights of the new velocity."""
 
 
 class AlternatingStages(Protocol):
@@ -102,7 +81,7 @@ class NystromStages:
     written None here (hairer-norsett-wanner-1993, II.14).
     """
 
-    def __init__(self, method: NystromTableau, scalars: Scalars = EXACT) -> None:
+    def __init__(self, method: Table, scalars: Scalars = EXACT) -> None:
         """The coefficients are whatever `scalars` lift."""
         self.scalars = scalars
         self.bound = 2 * len(method.c)
@@ -181,7 +160,7 @@ def separable_conditions(method: Splitting) -> AlternatingConditions:
     return AlternatingConditions(SplittingStages(method), linear_drift=False)
 
 
-def nystrom_conditions(method: Splitting | NystromTableau) -> AlternatingConditions:
+def nystrom_conditions(method: Splitting | Nystrom) -> AlternatingConditions:
     """The conditions of a splitting or a Nyström method on every q'' = F(q), F a gradient or not.
 
     Since q' = v is linear, only trees whose q-vertices have at most one branch matter
@@ -196,7 +175,7 @@ def separable_order(method: Splitting) -> OrderFact[ColouredTree]:
     return order_of(separable_conditions(method))
 
 
-def nystrom_order(method: Splitting | NystromTableau) -> OrderFact[ColouredTree]:
+def nystrom_order(method: Splitting | Nystrom) -> OrderFact[ColouredTree]:
     """The order on every q'' = F(q): of a splitting at least its order on separable problems, and sometimes higher."""
     return order_of(nystrom_conditions(method))
 
@@ -241,7 +220,7 @@ class ColouredConditions(ElementaryWeights):
         return self.table(vertices).symmetry[label]
 
 
-def conditions_with_nodes(method: HasTableau, scalars: Scalars = EXACT) -> ColouredConditions:
+def conditions_with_nodes(method: Table, scalars: Scalars = EXACT) -> ColouredConditions:
     """The conditions on every y' = f(t, y), where f is called at the times t + cᵢh that the method states.
 
     They are those of A and b if c is A's row sums (hairer-norsett-wanner-1993, II.1); a table that states
@@ -255,7 +234,7 @@ def conditions_with_nodes(method: HasTableau, scalars: Scalars = EXACT) -> Colou
 class _Clock:
     """The stages of t' = 1: at stage i the time is t + cᵢh, and after the step t + h."""
 
-    def __init__(self, c: Sequence[Exact], scalars: Scalars) -> None:
+    def __init__(self, c: Sequence[Any], scalars: Scalars) -> None:
         """Only leaves have this colour, so that there is nothing else to integrate."""
         self.scalars = scalars
         self.bound = 2 * len(c)

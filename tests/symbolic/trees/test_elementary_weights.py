@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
 from fractions import Fraction as Q
 from math import comb
 
@@ -32,11 +31,8 @@ from tests.symbolic.linear.linear_examples import pade
 from tests.witnesses.trees import tall
 
 
-@dataclass(frozen=True)
-class Nodes:
-    """A collocation method as nothing but its nodes' polynomial."""
-
-    node_polynomial: tuple[Exact, ...]
+def nodes_method(nodes: Iterable[Q]) -> Collocation:
+    return Collocation("x", "X", 0, "test", tuple(nodes))
 
 
 def legendre(s: int) -> list[Q]:
@@ -44,20 +40,20 @@ def legendre(s: int) -> list[Q]:
     return [Q((-1) ** (s - k) * comb(s, k) * comb(s + k, k)) for k in range(s + 1)]
 
 
-def combined(s: int, lower: int, factor: int) -> Nodes:
+def combined(s: int, lower: int, factor: int) -> Collocation:
     padded = legendre(lower) + [Q(0)] * (s - lower)
-    return Nodes(tuple(x + factor * y for x, y in zip(legendre(s), padded, strict=True)))
+    return nodes_method((x + factor * y for x, y in zip(legendre(s), padded, strict=True)))
 
 
-def gauss(s: int) -> Nodes:
-    return Nodes(tuple(legendre(s)))
+def gauss(s: int) -> Collocation:
+    return nodes_method(legendre(s))
 
 
-def radau_iia(s: int) -> Nodes:
+def radau_iia(s: int) -> Collocation:
     return combined(s, s - 1, -1)
 
 
-def lobatto_iiia(s: int) -> Nodes:
+def lobatto_iiia(s: int) -> Collocation:
     return combined(s, s - 2, -1)
 
 
@@ -76,7 +72,7 @@ def test_radau_and_lobatto_have_their_orders_and_lobatto_its_place_in_pades_tabl
 
 @pytest.mark.parametrize("s", range(1, 6))
 @pytest.mark.parametrize("family", [gauss, radau_iia, lobatto_iiia])
-def test_order_by_orthogonality_is_the_order_by_trees(family: Callable[[int], Nodes], s: int) -> None:
+def test_order_by_orthogonality_is_the_order_by_trees(family: Callable[[int], Collocation], s: int) -> None:
     method = family(max(s, 2) if family is lobatto_iiia else s)
     assert order(method) == order_of(runge_kutta_conditions(method))
 
@@ -92,7 +88,7 @@ def test_order_by_orthogonality_is_the_order_by_trees(family: Callable[[int], No
         ("lobatto_iiia4", lobatto_iiia(4)),
     ],
 )
-def test_nodes_polynomial_and_tableau_are_one_method(key: str, nodes: Nodes) -> None:
+def test_nodes_polynomial_and_tableau_are_one_method(key: str, nodes: Collocation) -> None:
     tableau = entry(key)
     for n in range(1, 8):
         assert residuals(runge_kutta_conditions(nodes), n) == residuals(runge_kutta_conditions(tableau), n)
@@ -128,8 +124,8 @@ def test_any_nodes_give_order_s_and_those_moved_by_little_give_no_more() -> None
     assert collocation_order((Q(-1, 8), Q(7, 8), Q(-7, 4), Q(1))).order == 3
     for k in range(3):
         moved = tuple(x + Q(1, 10**30) * (k == j) for j, x in enumerate(gauss(3).node_polynomial))
-        assert order(Nodes(moved)).order == 3 == order_of(runge_kutta_conditions(Nodes(moved))).order
-        assert order(Nodes(moved)).failing_tree == bush(4)
+        assert order(nodes_method(moved)).order == 3 == order_of(runge_kutta_conditions(nodes_method(moved))).order
+        assert order(nodes_method(moved)).failing_tree == bush(4)
 
 
 @pytest.mark.parametrize("nodes", [(), (Q(1),), (Q(1, 4), Q(-1), Q(1)), (Q(0), Q(0), Q(1))])
@@ -152,8 +148,8 @@ def test_structure_of_the_families_for_any_number_of_stages(s: int) -> None:
 def test_conditions_of_nodes_far_apart_fail_where_their_weights_are_negative() -> None:
     """Nodes 0, 1/10 and 1/5 extrapolate: weights of both signs, and nothing algebraically stable."""
     polynomial = (Q(0), Q(1, 50), Q(-3, 10), Q(1))
-    assert not algebraic_stability(Nodes(polynomial)).weights.holds
-    assert elementary_weight(Nodes(polynomial), bush(3)) == Q(1, 3)
+    assert not algebraic_stability(nodes_method(polynomial)).weights.holds
+    assert elementary_weight(nodes_method(polynomial), bush(3)) == Q(1, 3)
 
 
 def test_numbers_of_two_fields_are_not_mixed() -> None:
