@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     Coefficients: TypeAlias = fmpq_poly | Sequence[object]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class ParameterFunction:
     """num/den over Q in lowest terms, with den monic. Made by `parameter_function`.
 

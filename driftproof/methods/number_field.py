@@ -5,7 +5,7 @@ The arithmetic is FLINT's. It is loaded when the first field is made: methods of
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property, lru_cache, total_ordering
@@ -291,6 +291,14 @@ class Algebraic(ScalarExtension):
 
 # An exact coefficient of a method.
 Exact: TypeAlias = Fraction | Algebraic
+
+
+def total(values: Iterable[Exact]) -> Exact:
+    """The sum."""
+    found: Exact = Fraction(0)
+    for value in values:
+        found = found + value
+    return found
 
 
 def square_root(n: int) -> Algebraic:

@@ -17,6 +17,7 @@ from driftproof.methods.number_field import (
     as_fraction,
     dyadic,
     real_root_balls,
+    total,
 )
 
 if TYPE_CHECKING:
@@ -52,14 +53,14 @@ class _OverOneField:
 
 
 class _Staged(_OverOneField):
-    """A method given by square matrices, and rows, of as many coefficients as it has stages; `weights` is one of these.
+    """A method given by square matrices and rows of as many coefficients as it has stages, which is what `leading_row` has.
 
     A row may be None where the method has none.
     """
 
     matrices: ClassVar[tuple[str, ...]] = ("a",)
     rows: ClassVar[tuple[str, ...]]
-    weights: ClassVar[str]
+    leading_row: ClassVar[str]
     a: tuple[tuple[Exact, ...], ...]
 
     def __post_init__(self) -> None:
@@ -73,17 +74,17 @@ class _Staged(_OverOneField):
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, _exact(getattr(self, name), f"{self.key}: {name}"))
         if not self.stages:
-            raise MethodError(f"{self.key}: {self.weights} is empty; a method has at least one stage")
+            raise MethodError(f"{self.key}: {self.leading_row} is empty; a method has at least one stage")
         for name, length in self._lengths():
             if length != self.stages:
-                entries = f"{name} has {length} entries, {self.weights} has {self.stages}"
+                entries = f"{name} has {length} entries, {self.leading_row} has {self.stages}"
                 raise MethodError(f"{self.key}: {entries}; they must agree")
         self._demand_one_field()
 
     @property
     def stages(self) -> int:
         """The number s of evaluations of the right-hand side."""
-        return len(getattr(self, self.weights))
+        return len(getattr(self, self.leading_row))
 
     @property
     def explicit(self) -> bool:
@@ -124,7 +125,7 @@ class RungeKutta(_Staged):
     """
 
     rows: ClassVar[tuple[str, ...]] = ("b", "c", "b_embedded")
-    weights: ClassVar[str] = "b"
+    leading_row: ClassVar[str] = "b"
     key: str
     title: str
     claimed_order: int
@@ -159,11 +160,11 @@ class RungeKutta(_Staged):
 
     def inconsistencies(self) -> dict[str, Exact]:
         """The residuals, where not zero, of Σb = 1 and of cᵢ = Σⱼ aᵢⱼ: facts about the data, not errors."""
-        residuals = {"sum(b) - 1": _total(self.b) - 1}
+        residuals = {"sum(b) - 1": total(self.b) - 1}
         if self.b_embedded is not None:
-            residuals["sum(b_embedded) - 1"] = _total(self.b_embedded) - 1
+            residuals["sum(b_embedded) - 1"] = total(self.b_embedded) - 1
         for i, row in enumerate(self.a):
-            residuals[f"c[{i}] - sum(a[{i}])"] = self.c[i] - _total(row)
+            residuals[f"c[{i}] - sum(a[{i}])"] = self.c[i] - total(row)
         return _nonzero_residuals(residuals)
 
 
@@ -214,7 +215,7 @@ class Splitting(_OverOneField):
     def inconsistencies(self) -> dict[str, Exact]:
         """The residuals, where not zero, of Σ kicks = 1 and Σ drifts = 1: facts about the data, not errors."""
         return _nonzero_residuals(
-            {f"sum({kind}s) - 1": _total(c for part, c in self.parts if part == kind) - 1 for kind in SUBSTEPS}
+            {f"sum({kind}s) - 1": total(c for part, c in self.parts if part == kind) - 1 for kind in SUBSTEPS}
         )
 
 
@@ -227,7 +228,7 @@ class Nystrom(_Staged):
     """
 
     rows: ClassVar[tuple[str, ...]] = ("c", "b_position", "b_velocity")
-    weights: ClassVar[str] = "b_velocity"
+    leading_row: ClassVar[str] = "b_velocity"
     key: str
     title: str
     claimed_order: int
@@ -244,11 +245,11 @@ class Nystrom(_Staged):
         The first two are the conditions of order 1 in v and of order 2 in q; the last says that stage i is as accurate.
         """
         residuals = {
-            "sum(b_velocity) - 1": _total(self.b_velocity) - 1,
-            "sum(b_position) - 1/2": _total(self.b_position) - Fraction(1, 2),
+            "sum(b_velocity) - 1": total(self.b_velocity) - 1,
+            "sum(b_position) - 1/2": total(self.b_position) - Fraction(1, 2),
         }
         for i, row in enumerate(self.a):
-            residuals[f"sum(a[{i}]) - c[{i}]**2/2"] = _total(row) - self.c[i] * self.c[i] * Fraction(1, 2)
+            residuals[f"sum(a[{i}]) - c[{i}]**2/2"] = total(row) - self.c[i] * self.c[i] * Fraction(1, 2)
         return _nonzero_residuals(residuals)
 
 
@@ -350,13 +351,6 @@ def _exact_coefficient(value: object, where: str) -> Exact:
     raise MethodError(
         f"{where} is {value!r} ({type(value).__name__}); coefficients are exact: write an int or a Fraction"
     )
-
-
-def _total(values: Iterable[Exact]) -> Exact:
-    total: Exact = Fraction(0)
-    for value in values:
-        total = total + value
-    return total
 
 
 def _nonzero_residuals(residuals: dict[str, Exact]) -> dict[str, Exact]:

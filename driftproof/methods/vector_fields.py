@@ -94,7 +94,7 @@ class FieldSource:
     lines: tuple[str, ...]
     coefficients: tuple[tuple[str, Exact], ...]
     components: tuple[str, ...]
-    compensated: bool = False
+    compensated: bool
 
     def run(self) -> str:
         """The text of make(coefficients...) -> run(y, h, first, last) -> y: steps first to last - 1, from t = i h.

@@ -31,7 +31,7 @@ def characteristic_and_adjugate(rows: MatrixRows) -> tuple[list[Scalar], list[li
     found = [zero + 1]
     for k in range(1, size + 1):
         moved = matrix_product(rows, current)
-        c = -_trace(moved) / k
+        c = -sum((moved[i][i] for i in range(size)), zero) / k
         found.append(c)
         if k < size:
             current = [[x + c if i == j else x for j, x in enumerate(row)] for i, row in enumerate(moved)]
@@ -61,11 +61,4 @@ def _at_matrix(p: Polynomial, rows: MatrixRows) -> list[list[Polynomial]]:
     for c in reversed(p.coeffs()):
         moved = [[x.left_shift(1) for x in row] for row in matrix_product(rows, total)]
         total = [[x + c if i == j else x for j, x in enumerate(row)] for i, row in enumerate(moved)]
-    return total
-
-
-def _trace(rows: MatrixRows) -> Scalar:
-    total = rows[0][0]
-    for i in range(1, len(rows)):
-        total = total + rows[i][i]
     return total

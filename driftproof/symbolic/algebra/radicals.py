@@ -5,9 +5,9 @@ from __future__ import annotations
 from fractions import Fraction
 from math import gcd
 
-from flint import arb, ctx, fmpq, fmpz
+from flint import arb, ctx, fmpz
 
-from driftproof.methods.number_field import Algebraic, Exact
+from driftproof.methods.number_field import Algebraic, Exact, as_fmpq
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.algebra.real_roots import ISOLATING_BITS, Minimal, RealRoot
 
@@ -80,8 +80,8 @@ def _quadratic(minimal: Minimal, root: RealRoot, power: int) -> str | None:
     bits = ISOLATING_BITS
     while True:
         with ctx.workprec(bits):
-            target, reach = root.ball() ** power, arb(inner).sqrt() * _ball(half)
-            possible = [s for s in (1, -1) if (_ball(middle) + s * reach).overlaps(target)]
+            target, reach = root.ball() ** power, arb(inner).sqrt() * arb(as_fmpq(half))
+            possible = [s for s in (1, -1) if (arb(as_fmpq(middle)) + s * reach).overlaps(target)]
         if len(possible) == 1:
             break
         bits *= 2
@@ -105,7 +105,3 @@ def _times(factor: Fraction, surd: str) -> str:
         return str(factor)
     over = f"/{factor.denominator}" if factor.denominator > 1 else ""
     return f"{surd}{over}" if factor.numerator == 1 else f"{factor.numerator}*{surd}{over}"
-
-
-def _ball(x: Fraction) -> arb:
-    return arb(fmpq(x.numerator, x.denominator))

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
-from flint import arb, ctx, fmpq, fmpq_poly, fmpz_poly
+from flint import arb, ctx, fmpq, fmpq_poly
 
 from driftproof.methods.number_field import Algebraic, Exact, NumberField, dyadic, real_root_balls
 from driftproof.symbolic.algebra.polynomials import (
@@ -92,7 +92,9 @@ class RealRoot:
     def square_root(self) -> RealRoot:
         """The non-negative square root. Raises ValueError for a negative number."""
         doubled = [c for coefficient in self.minimal for c in (coefficient, 0)][:-1]
-        candidates = [RealRoot(m, k) for m in _factors(fmpz_poly(doubled)) for k in range(RealRoot(m, 0).count)]
+        candidates = [
+            RealRoot(m, k) for m, _ in irreducible_factors_of(fmpq_poly(doubled)) for k in range(RealRoot(m, 0).count)
+        ]
         try:
             return _the_one(candidates, lambda r: not r.ball() < 0 and (r.ball() * r.ball()).overlaps(self.ball()))
         except ValueError:
@@ -113,7 +115,7 @@ def positive_roots(polynomials: Iterable[Polynomial]) -> list[RealRoot]:
     Over Q the list is exactly these roots; over a number field it also holds roots of conjugate polynomials.
     Isolation is FLINT's, certified; distinct irreducible polynomials share no root, so precision separates them.
     """
-    minimals = {m for p in polynomials if sign_changes(p) for m in _factors(norm(p).numer())}
+    minimals = {m for p in polynomials if sign_changes(p) for m, _ in irreducible_factors_of(norm(p))}
     bits = ISOLATING_BITS
     while True:
         with ctx.workprec(bits):
@@ -185,10 +187,11 @@ def sign_at(p: Polynomial, root: RealRoot) -> int:
         bits *= 2
 
 
-def _factors(p: Any) -> list[Minimal]:
-    """The irreducible factors of a nonzero integer polynomial, each once, primitive, leading coefficient positive."""
-    factors = [f for f, _ in p.factor()[1]]
-    return [tuple(int(c) for c in (f if f.leading_coefficient() > 0 else -f).coeffs()) for f in factors]
+def irreducible_factors_of(p: Polynomial) -> list[tuple[Minimal, int]]:
+    """The irreducible factors of a nonzero polynomial over Q, primitive over Z, each with its exponent."""
+    factors = p.numer().factor()[1]
+    signed = ((f if f.leading_coefficient() > 0 else -f, int(exponent)) for f, exponent in factors)
+    return [(tuple(int(c) for c in f.coeffs()), exponent) for f, exponent in signed]
 
 
 def root_as_number(root: RealRoot, name: str = "alpha") -> Exact:

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 from flint import acb, acb_poly, arb, arb_poly, ctx, fmpq
 
-from driftproof.methods.number_field import dyadic
+from driftproof.methods.number_field import as_fraction, dyadic
 from driftproof.symbolic.algebra.bivariate import ParametricPair, critical_polynomial
 from driftproof.symbolic.algebra.polynomials import (
     ONE,
@@ -89,7 +89,7 @@ def negative_point(p: Polynomial) -> Fraction | None:
         return None
     for inner in samples(positive_roots([p])):
         if sign(evaluate(p, inner)) < 0:
-            return _as_fraction(inner)
+            return as_fraction(inner)
     return None
 
 
@@ -115,10 +115,6 @@ def _next_row(upper: list[Scalar], lower: list[Scalar]) -> list[Scalar]:
     factor = upper[0] / lower[0]
     padded = [*lower[1:], *[fmpq(0)] * (len(upper) - len(lower))]
     return [u - factor * v for u, v in zip(upper[1:], padded, strict=True)]
-
-
-def _as_fraction(x: fmpq) -> Fraction:
-    return Fraction(int(x.p), int(x.q))
 
 
 # Balls of a double's precision to begin with; where 4096 bits do not tell, the ray may touch: that is decided exactly.

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from flint import acb, ctx, fmpq, fmpq_mat, fmpz_poly
 
-from driftproof.symbolic.algebra.real_roots import ISOLATING_BITS, Minimal, RealRoot
+from driftproof.methods.number_field import dyadic
+from driftproof.symbolic.algebra.real_roots import ISOLATING_BITS, Minimal, RealRoot, irreducible_factors_of
 
 _Rows: TypeAlias = Sequence[Sequence[Fraction]]
 
@@ -68,8 +69,8 @@ class Eigenvalue:
 def eigenvalues(rows: _Rows) -> list[Eigenvalue]:
     """All eigenvalues of the matrix, pairs of conjugates once, by factors of the characteristic polynomial."""
     matrix = fmpq_mat([[fmpq(*x.as_integer_ratio()) for x in row] for row in rows])
-    blocks = dict(_factors(matrix.minpoly()))
-    found = sorted(_factors(matrix.charpoly()), key=lambda item: (len(item[0]), item[0]))
+    blocks = dict(irreducible_factors_of(matrix.minpoly()))
+    found = sorted(irreducible_factors_of(matrix.charpoly()), key=lambda item: (len(item[0]), item[0]))
     return [Eigenvalue(place, exponent, blocks[m]) for m, exponent in found for place in root_places(m)]
 
 
@@ -81,15 +82,6 @@ def root_places(minimal: Minimal) -> list[RootPlace]:
     imaginary = [Imaginary(minimal, size) for size in _on_imaginary_axis(minimal)]
     others = [Complex(minimal, k) for k in range(len(_upper_balls(minimal, ISOLATING_BITS)))]
     return [*real, *imaginary, *others]
-
-
-def _factors(p: Any) -> list[tuple[Minimal, int]]:
-    """The irreducible factors of a polynomial over Q, primitive, leading coefficient positive, with their exponents."""
-    factors = p.numer().factor()[1]
-    return [
-        (tuple(int(c) for c in (f if f.leading_coefficient() > 0 else -f).coeffs()), int(exponent))
-        for f, exponent in factors
-    ]
 
 
 def _on_imaginary_axis(minimal: Minimal) -> list[RealRoot]:
@@ -114,14 +106,9 @@ def _upper_balls(minimal: Minimal, bits: int) -> tuple[acb, ...]:
             break
         precision *= 2
     if bits == ISOLATING_BITS:
-        return tuple(sorted(apart, key=lambda root: (_middle(root.real), _middle(root.imag))))
+        return tuple(sorted(apart, key=lambda root: (dyadic(root.real.mid()), dyadic(root.imag.mid()))))
     first = _upper_balls(minimal, ISOLATING_BITS)
     matches = [[root for root in apart if root.overlaps(ball)] for ball in first]
     if all(len(found) == 1 for found in matches):
         return tuple(found[0] for found in matches)
     return _upper_balls(minimal, 2 * bits)
-
-
-def _middle(ball: Any) -> Fraction:
-    mantissa, exponent = (int(part) for part in ball.mid().man_exp())
-    return Fraction(mantissa) * Fraction(2) ** exponent

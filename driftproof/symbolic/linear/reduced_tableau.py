@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import NamedTuple, TypeAlias
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.number_field import Exact, total
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.algebra.polynomials import ONE, X, polynomial
 
@@ -58,14 +58,6 @@ def matchings(
     for k in range(len(stages.a)):
         if k not in chosen and _fits(stages, other, (*chosen, k)):
             yield from matchings(stages, other, (*chosen, k))
-
-
-def total(values: Iterable[Exact]) -> Exact:
-    """The sum of at least one value."""
-    first, *rest = values
-    for value in rest:
-        first = first + value
-    return first
 
 
 def _fits(stages: StageCoefficients, other: StageCoefficients, chosen: tuple[int, ...]) -> bool:

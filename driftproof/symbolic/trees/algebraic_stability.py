@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 from flint import fmpq_poly
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.number_field import Exact, total
 from driftproof.methods.schemes import Collocation
 from driftproof.symbolic.trees.elementary_weights import (
     EXACT,
@@ -58,7 +58,7 @@ def semidefinite(matrix: _Matrix) -> Semidefinite:
     if direction is not None:
         # Off the pivots it stays; on them it is chosen, last first, so that all squares vanish.
         for pivot, _, line in reversed(squares):
-            direction[pivot] = -_dot(line, direction) + direction[pivot]
+            direction[pivot] = direction[pivot] - total(x * y for x, y in zip(line, direction, strict=True))
     certificate = tuple((d, line) for _, d, line in squares)
     return Semidefinite(certificate, None if direction is None else tuple(direction))
 
@@ -76,13 +76,6 @@ def _negative_direction(rest: Sequence[Sequence[Exact]]) -> list[Exact] | None:
                 found[i], found[j] = Fraction(1), Fraction(-1 if x > 0 else 1)
                 return found
     return None
-
-
-def _dot(u: Sequence[Exact], v: Sequence[Exact]) -> Exact:
-    total: Exact = Fraction(0)
-    for x, y in zip(u, v, strict=True):
-        total = total + x * y
-    return total
 
 
 @dataclass(frozen=True)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from operator import mul
 from typing import Any, Protocol, TypeAlias
 
 from flint import fmpq, fmpq_poly
 
-from driftproof.methods.number_field import Algebraic, Exact, as_fmpq
+from driftproof.methods.number_field import Algebraic, Exact, as_fmpq, as_fraction
 from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.symbolic.trees.rooted_trees import TreeTable, tree_table
 
@@ -40,7 +39,7 @@ class ExactScalars:
         """The number as a Fraction where it is rational."""
         if isinstance(x, Algebraic):
             return x.as_fraction() if x.is_rational else x
-        return Fraction(int(x.numerator), int(x.denominator))
+        return as_fraction(as_fmpq(x))
 
 
 EXACT: Scalars = ExactScalars()

@@ -10,7 +10,7 @@ from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
 from flint import fmpq, fmpq_poly
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.number_field import Exact, as_fraction
 from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.symbolic.trees.elementary_weights import (
     EXACT,
@@ -48,12 +48,8 @@ def collocation_order(nodes: Sequence[Exact]) -> QuadratureFact:
     for k in count():  # ends at k = s, since M is not orthogonal to itself
         moment = (polynomial * power**k).integral()(1)
         if moment != 0:
-            return QuadratureFact(int(polynomial.degree()) + k, _fraction(moment / polynomial.leading_coefficient()))
+            return QuadratureFact(int(polynomial.degree()) + k, as_fraction(moment / polynomial.leading_coefficient()))
     raise AssertionError("unreachable: count has no end")
-
-
-def _fraction(x: fmpq) -> Fraction:
-    return Fraction(int(x.numerator), int(x.denominator))
 
 
 TreeType = TypeVar("TreeType", bound=AnyTree)
