@@ -53,7 +53,7 @@ class _OverOneField:
 
 
 class _Staged(_OverOneField):
-    """A method given by square matrices and rows of as many coefficients as it has stages, which is what `leading_row` has.
+    """A method of square matrices, and of rows of coefficients, as many as it has stages and `leading_row` has entries.
 
     A row may be None where the method has none.
     """
