@@ -34,7 +34,6 @@ from driftproof.support.plain_text import Json
 
 # Examples of the rounding errors of a method that was recognised: a fifth of what `verify` takes shows their size.
 _EXAMPLES = 200
-QUESTIONS = (introduction, read_coefficients, linear_fit, measured_orders, judged_estimate, judged_dense)
 
 
 def identify(
@@ -56,16 +55,18 @@ def identify(
     >>> print(identify(lambda q, v, h: (q + h * v, v - h * q), isolate=False).verdict)
     it is, as far as linear steps tell, forward_euler
     """
-    return identified(IsolatedRunner(Target(step, calls, array), time_limit, isolate))
+    with IsolatedRunner(Target(step, calls, array), time_limit, isolate) as runner:
+        return identified(runner, *runner.run([read_coefficients, measured_orders, judged_dense]))
 
 
-def identified(runner: IsolatedRunner) -> Report:
-    """The report on the runner's stepper, in the time that it has left."""
-    outcomes = runner.run([*QUESTIONS, *CHECKS.values()])
-    if outcomes[0].kind == "bad_input":
-        raise ValueError(outcomes[0].seen)
-    introduced, read, fit, order, estimate, dense = outcomes[: len(QUESTIONS)]
-    checks, arithmetic = checks_of(outcomes[len(QUESTIONS) :]), arithmetic_of(outcomes)
+def identified(runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Outcome) -> Report:
+    """The report on the runner's stepper, of which some questions are answered, in the time that it has left."""
+    if read.kind == "bad_input":
+        raise ValueError(read.seen)
+    introduced, fit, estimate, *answers = outcomes = runner.run(
+        [introduction, linear_fit, judged_estimate, *CHECKS.values()]
+    )
+    checks, arithmetic = checks_of(answers), arithmetic_of([read, order, dense, *outcomes])
     seen = Seen(introduced, read, fit, order, estimate, dense, tuple(checks), arithmetic)
     rounding = None if seen.key is None else _rounding(runner, METHODS[seen.key], seen.size)
     verdict = "; ".join(filter(None, [seen.verdict, arithmetic]))
@@ -141,7 +142,7 @@ class Seen:
         if self.read is not None and self.read.identity.matches:
             first, *others = [match.name for match in self.read.identity.matches]
             name = f"it is {first}" + (f", the same step as {', '.join(others)}" if others else "") + _at(self.size)
-            return name + self._row + self._refused + self._beside_at_fault
+            return name + self._row + self._refused + self._wrong_time + self._beside_at_fault
         if self.read is not None and self.read.untimed is not None and self.read.untimed.matches:
             name, order = self.read.untimed.matches[0].name, self.read.order.order
             return f"it is {name} called at wrong times: order {order} where the right-hand side depends on t"
@@ -175,6 +176,12 @@ class Seen:
         return f" on q'' = F(q), but not on y' = f(t, y): {self.read.reading.refused}" if general else ""
 
     @property
+    def _wrong_time(self) -> str:
+        reading = None if self.read is None else self.read.reading
+        wrong = reading.wrong_time if isinstance(reading, ForceReading) and not self._refused else ""
+        return f" called at wrong times: {wrong}" if wrong else ""
+
+    @property
     def measured(self) -> tuple[MeasuredOrder, ...]:
         """The orders measured, if there are any, first the one on problems of the kind that it is read on."""
         orders: tuple[MeasuredOrder, ...] = self.order.result or ()
@@ -188,8 +195,9 @@ def _in_words(fit: LinearFit, best: LinearCandidate) -> str:
     keys = f" ({', '.join(others)})" if others and best.extras == 0 else ""
     if fit.nearest is None:
         return f"{best.words}{keys}{_at(fit.amplitude) if fit.kind == LINEAR else ''}"
-    near = f"{fit.nearest.methods[0]} at states of size 1, to {fit.nearest.off:.1e}"
-    return f"nearly {near}; at states of size {fit.amplitude:.1e}, {best.words}{keys}"
+    key, off = fit.nearest.methods[0], fit.nearest.off
+    near = f"nearly {key} at states of size 1, to {off:.1e}" if off else f"{key} at h = {fit.nearest.h:g} and size 1"
+    return f"{near}; at states of size {fit.amplitude:.1e}, {best.words}{keys}"
 
 
 def _at(size: float) -> str:

@@ -5,10 +5,12 @@ from __future__ import annotations
 import base64
 import os
 import pickle
+import shutil
 import tempfile
 import traceback
 import warnings
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -51,7 +53,8 @@ class IsolatedRunner:
 
     A stepper given by name runs in a fresh interpreter, its probes being picklable; one given as a callable in a fork
     of this process. With `isolate` false, or where a system cannot fork, it runs here and nothing stops it. The start
-    of processes is not counted. `hung` are the calls that did not come back: none of them is made again.
+    of processes is not counted. `hung` are the calls that did not come back: none of them is made again. In a `with`
+    statement later questions go to the process of the first, as long as it lives; they have to be picklable.
     """
 
     target: Target
@@ -60,6 +63,22 @@ class IsolatedRunner:
     hung: list[str] = field(default_factory=list)
     spent: float = 0.0
     _longest: float = 0.0
+    _kept: bool = False
+    _process: tuple[ExitStack, Session, _CallLog] | None = None
+
+    def __enter__(self) -> IsolatedRunner:
+        """From now on one process is kept."""
+        self._kept = True
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End it."""
+        self._end()
+
+    def _end(self) -> None:
+        if self._process is not None:
+            self._process[0].close()
+            self._process = None
 
     def run(self, probes: Sequence[Probe]) -> list[Outcome]:
         """The outcome of each; after a hang or a crash the rest go on in a new process.
@@ -86,18 +105,34 @@ class IsolatedRunner:
             serving = Serving(self.target, probes)
             yield from map(serving.outcome, range(len(probes)))
             return
-        with tempfile.TemporaryDirectory() as folder:
-            log = _CallLog(Path(folder) / "last_call")
-            with self._session(probes, log) as session:
-                try:
-                    served = self.target, list(probes), log.path, self.hung
-                    session.ask(_packed(served) if self.target.by_name else None, START_UP)
-                    for i, probe in enumerate(probes):
-                        yield self._answer(session, i, log, opening=probe is opens)
-                except ProcessEnded as ended:
-                    yield _of_end(ended, log)
-                except MessageError as error:
-                    yield Outcome(kind="crashes", seen=f"{error}: something else wrote into our pipe")
+        log = self._process[2] if self._process else _CallLog(Path(tempfile.mkdtemp()) / "last_call")
+        try:
+            session = self._started(probes, log)
+            for i, probe in enumerate(probes):
+                yield self._answer(session, i, log, opening=probe is opens)
+        except ProcessEnded as ended:
+            outcome = _of_end(ended, log)
+            self._end()
+            yield outcome
+        except MessageError as error:
+            self._end()
+            yield Outcome(kind="crashes", seen=f"{error}: something else wrote into our pipe")
+        finally:
+            if not self._kept:
+                self._end()
+
+    def _started(self, probes: Sequence[Probe], log: _CallLog) -> Session:
+        """The process, told what it will be asked. Raises ProcessEnded."""
+        if self._process is not None:
+            self._process[1].ask(_packed(list(probes)), START_UP)
+            return self._process[1]
+        stack = ExitStack()
+        stack.callback(shutil.rmtree, log.path.parent, ignore_errors=True)
+        session = stack.enter_context(self._session(probes, log))
+        self._process = stack, session, log
+        served = self.target, list(probes), log.path, self.hung
+        session.ask(_packed(served) if self.target.by_name else None, START_UP)
+        return session
 
     def _answer(self, session: Session, index: int, log: _CallLog, *, opening: bool) -> Outcome:
         """The outcome of one probe. Raises ProcessEnded, with the cause "time" when its time is over."""
@@ -136,8 +171,8 @@ class IsolatedRunner:
         return Session(f"{__name__}:answer_probe", limits, environment=environment)
 
 
-def _packed(serving: tuple[Any, ...]) -> str:
-    return base64.b64encode(pickle.dumps(serving)).decode()
+def _packed(plain: object) -> str:
+    return base64.b64encode(pickle.dumps(plain)).decode()
 
 
 def _of_end(ended: ProcessEnded, log: _CallLog) -> Outcome:
@@ -195,9 +230,11 @@ class Serving:
     _calls: int = field(default=0, init=False)
     _call: str = field(default="", init=False)
 
-    def __call__(self, index: int | None) -> str:
-        """The outcome of one probe, encoded; nothing for no probe."""
-        return "" if index is None else encode(self.outcome(index))
+    def __call__(self, request: int | str | None) -> str:
+        """The outcome of one probe, encoded; nothing for no probe, or for others that are to be served from now on."""
+        if isinstance(request, str):
+            self.probes = pickle.loads(base64.b64decode(request))
+        return encode(self.outcome(request)) if isinstance(request, int) else ""
 
     def outcome(self, index: int) -> Outcome:
         """The outcome of one probe; warnings of the stepper's, as of overflow, are not shown."""
@@ -238,8 +275,8 @@ _serving: list[Serving] = []
 
 def answer_probe(request: str | int) -> str | None:
     """In a fresh interpreter: what is to be served, as `IsolatedRunner` pickled it, then the probes by their number."""
-    if isinstance(request, str):
-        _serving.append(Serving(*pickle.loads(base64.b64decode(request))))
+    if not _serving:
+        _serving.append(Serving(*pickle.loads(base64.b64decode(str(request)))))
         return None
     return _serving[-1](request)
 

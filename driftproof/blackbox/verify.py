@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from re import findall
 from typing import Any
 
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, arithmetic_of
@@ -15,6 +15,7 @@ from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINA
 from driftproof.blackbox.judging.habits import ROUNDED, explained
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.judging.nonlinear_step import NonlinearAgreement, nonlinear_agreement
+from driftproof.blackbox.judging.single_mistakes import single_mistakes
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
 from driftproof.blackbox.matching.entries import mended, rational_method, side_by_side
@@ -91,23 +92,24 @@ def verify(
     """
     asked = method_of(method) if isinstance(method, str) else method
     Tolerance(asked, allowance=allowance)  # a question without sense is refused before anything runs
-    runner = IsolatedRunner(Target(step, calls, array), time_limit, isolate)
     agreed = partial(explained, method=asked, allowance=allowance, domain=domain, examples=examples)
     beside = partial(nonlinear_agreement, method=asked, allowance=allowance)
     back = partial(steps_back, method=asked, allowance=allowance, domain=domain)
     estimate = partial(judged_estimate, method=asked)
-    outcomes = runner.run([agreed, read_coefficients, beside, measured_orders, estimate, judged_dense, back])
-    if outcomes[0].kind == "bad_input":
-        raise ValueError(outcomes[0].seen)
-    checks = [criterion(asked, outcome) for criterion, outcome in zip(CRITERIA, outcomes, strict=True)]
-    if not checks[0].passed:  # of another map, or where nothing is known, steps back say no more
-        del checks[6:]
-    passed, arithmetic = _decided(checks), arithmetic_of(outcomes)
-    if passed is False:
-        instead = identified(runner)
-        refuted = _refuted(asked, checks, outcomes[0].result, instead)
-        named = refuted if arithmetic in refuted else f"{refuted}; {arithmetic}"
-        return _report(runner.target, named, passed, checks, instead)
+    with IsolatedRunner(Target(step, calls, array), time_limit, isolate) as runner:
+        outcomes = runner.run([agreed, read_coefficients, beside, measured_orders, estimate, judged_dense, back])
+        if outcomes[0].kind == "bad_input":
+            raise ValueError(outcomes[0].seen)
+        checks = [criterion(asked, outcome) for criterion, outcome in zip(CRITERIA, outcomes, strict=True)]
+        if not checks[0].passed:  # of another map, or where nothing is known, steps back say no more
+            del checks[6:]
+        passed, arithmetic = _decided(checks), arithmetic_of(outcomes)
+        if passed is False:
+            instead = identified(runner, outcomes[1], outcomes[3], outcomes[5])
+            mistakes = runner.run([partial(single_mistakes, method=asked)])[0].result or ()
+            refuted = _refuted(asked, checks, outcomes, instead, mistakes)
+            named = refuted if arithmetic in refuted else f"{refuted}; {arithmetic}"
+            return _report(runner.target, named, passed, checks, instead, mistakes)
     verdict = _agreed(asked, outcomes[0].result, checks) if passed else _not_decided(asked, checks)
     return _report(runner.target, "; ".join(filter(None, [verdict, arithmetic])), passed, checks)
 
@@ -191,6 +193,8 @@ def _check_coefficients(method: Method, outcome: Outcome) -> Criterion:
     if isinstance(reading, ForceReading) and reading.refused and isinstance(method, RungeKutta):
         lines = (*identity.lines, f"{NO_TABLEAU}: {reading.refused}")
         return Criterion("Coefficients", None, lines, {}, UNDECIDING["not_readable"])
+    if isinstance(reading, ForceReading) and reading.wrong_time:
+        return Criterion("Coefficients", False, (f"called at wrong times: {reading.wrong_time}",), {})
     return Criterion("Coefficients", True, tuple(identity.lines), {})
 
 
@@ -284,9 +288,12 @@ def _not_decided(method: Method, checks: Sequence[Criterion]) -> str:
     return f"undecided whether it is {method.key}: {unseen.lines[-1]}"
 
 
-def _refuted(method: Method, checks: Sequence[Criterion], found: Agreement | None, instead: Report) -> str:
+def _refuted(
+    method: Method, checks: Sequence[Criterion], outcomes: Sequence[Outcome], instead: Report, mistakes: Sequence[str]
+) -> str:
     """What it is not, and why; where nothing but the rounding errors is wrong, how they come, as far as is known."""
-    (_, coefficients, nonlinear, order), beside, back = checks[:4], checks[4:6], checks[6:]
+    (rounding, coefficients, nonlinear, order), beside, back = checks[:4], checks[4:6], checks[6:]
+    found: Agreement | None = outcomes[0].result
     others = all(check.passed is not False for check in (coefficients, nonlinear, order, *beside))
     wrong_beside = [str(check.data["faults"][0]) for check in beside if check.passed is False]
     if wrong_beside and coefficients.passed:
@@ -299,15 +306,32 @@ def _refuted(method: Method, checks: Sequence[Criterion], found: Agreement | Non
         if coefficients.passed and found.failing.answer is not None:
             off = f"a step is off by {found.failing.error_over_bound:.3g} times the bound"
             return f"is not {method.key} to roundoff: its coefficients are, but {off}"
-    if instead.section("Coefficients") is None and method.key in findall(r"\w+", instead.verdict):
-        return f"is not {method.key}: {next(check.lines[-1] for check in checks if check.passed is False)}"
+    if coefficients.passed and rounding.passed and outcomes[2].result is not None and nonlinear.passed is False:
+        seen: NonlinearAgreement = outcomes[2].result
+        wrong = f"{', '.join(seen.wrong)} {'is' if len(seen.wrong) == 1 else 'are'} not what they say"
+        return f"is not {method.key}: its coefficients are, but on {seen.problem}, {wrong}"
+    vague = re.search(rf"\b{method.key}\b|it is no method|, but |\bnearly ", instead.verdict)
+    if mistakes and (vague or not instead.verdict.startswith("it is")):
+        link = "but for" if " instead of " in mistakes[0] else "with one mistake:"
+        return f"is not {method.key}; it is {method.key} {link} {mistakes[0]}"
+    if instead.section("Coefficients") is None and re.search(rf"\b{method.key}\b", instead.verdict):
+        failed = next(check for check in checks if check.passed is False)
+        return f"is not {method.key}: {failed.lines[0 if failed is rounding else -1]}"
     wrong = ", ".join(coefficients.data.get("differences", ()))
     what = f": {wrong}" if wrong and wrong not in instead.verdict else ""
-    return f"is not {method.key}{what}; {instead.verdict}"
+    faults = instead.section("Faults")
+    why = [*coefficients.lines] if outcomes[1].kind == "not_readable" else [*(faults.lines if faults else ())]
+    cause = f": {why[0]}" if why and "it is no method" in instead.verdict else ""
+    return f"is not {method.key}{what}; {instead.verdict}{cause}"
 
 
 def _report(
-    target: Target, verdict: str, passed: bool | None, checks: Sequence[Criterion], instead: Report | None = None
+    target: Target,
+    verdict: str,
+    passed: bool | None,
+    checks: Sequence[Criterion],
+    instead: Report | None = None,
+    mistakes: Sequence[str] = (),
 ) -> Report:
     parts = [(f"{check.title}: {check.mark}", check.lines) for check in checks]
     if passed is None:
@@ -320,6 +344,7 @@ def _report(
     if instead is not None:
         read = instead.section("Coefficients") or instead.section("One-step matrix")
         shown = [section for section in (read, instead.section("Faults"), instead.section("Not answered")) if section]
+        parts.append(("What it is: one mistake that takes the same steps", tuple(mistakes)))
         parts += [(f"What it is: {section.title.lower()}", section.lines) for section in shown]
         data["instead"] = instead.data
     return Report(target.name, verdict, passed, sections(*parts), data)

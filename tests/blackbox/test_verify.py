@@ -17,6 +17,7 @@ from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.verify import assert_verified, verify
 from driftproof.cli import main
 from driftproof.methods.catalogue import METHODS
+from driftproof.support.processes import Session
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.handwritten_steppers import rk4 as rk4_in_a_field
 from tests.blackbox.test_identify import rk4, rk38, velocity_verlet
@@ -187,6 +188,55 @@ def test_a_refusal_that_only_a_force_gets_round_is_in_the_verdict():
     report = verify(FALSE_PASSES["half a unit late"], "rk4", examples=FEW, isolate=False)
     assert "but not on y' = f(t, y): with h = 2, the time of call 1 is 0.5" in report.verdict
     assert any("there is no tableau: with h = 2" in line for line in report.section("Coefficients: undecided").lines)
+
+
+def verlet_of_a_field(left=0, last=1.0):
+    """Velocity Verlet of y = [q..., v...] that leaves so many of several positions, its last force at t + last h."""
+
+    def step(f, t, y, h):
+        y, n = np.array(y), len(y) // 2
+        y[n:] += h / 2 * np.array(f(t, y))[n:]
+        y[left * (n > 1) : n] += h * y[n + left * (n > 1) :]
+        y[n:] += h / 2 * np.array(f(t + last * h, y))[n:]
+        return y
+
+    return step
+
+
+class Stale:
+    """Euler's method with the force of the step before."""
+
+    kept = 0.0
+
+    def step(self, force, q, v, h):
+        old, self.kept = self.kept, force(q)
+        return q + h * v, v + h * old
+
+
+HEADLINES = {
+    verlet_of_a_field(left=1): "is not velocity_verlet: its coefficients are, but on a nonlinear q'' = F(t, q) of 2 ",
+    verlet_of_a_field(last=0.0): "is not velocity_verlet; it is velocity_verlet called at wrong times: in a step of 1 ",
+    lambda q, v, h: (q + h * v, v - q): "is not forward_euler; it is forward_euler with one mistake: in the v, h is ",
+    codes.composed([("kick", 1.001), ("drift", 1)]): "is not symplectic_euler; it is symplectic_euler but for kick 0: ",
+    Stale().step: "is not forward_euler; it is no method that is known here: the same step of 1 call taken twice",
+}
+
+
+@pytest.mark.parametrize(("step", "headline"), HEADLINES.items())
+def test_the_headline_carries_the_cause(step, headline):
+    report = verify(step, re.findall(r"\w+", headline)[2], examples=FEW, isolate=False)
+    assert report.verdict.startswith(headline)
+    assert "off by 0.0e" not in report.text()
+
+
+def test_a_failing_verification_takes_one_process(monkeypatch):
+    started = []
+    monkeypatch.setattr(
+        "driftproof.blackbox.isolation.Session", lambda *how, **more: (started.append(how), Session(*how, **more))[1]
+    )
+    assert not verify(symplectic_euler, "velocity_verlet", examples=FEW).passed
+    assert not verify("tests.blackbox.test_verify:symplectic_euler", "velocity_verlet", examples=FEW).passed
+    assert len(started) == 2
 
 
 def newton(a, b, c):

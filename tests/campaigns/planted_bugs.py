@@ -166,21 +166,34 @@ def planted(kind: str) -> Iterator[tuple[Bug, bool]]:
 def names_the_cause(bug: Bug, report: Report) -> bool:
     """True when the words of the report hold what was planted.
 
-    That is an entry or a sum that is changed; the wrong times; the memory; h; the component; the other method that the
-    step has become; or, of a map, a coefficient of its one-step matrix beside that of the method.
+    That is an entry, a sum or a line that is changed; the wrong times; the memory; h; the component; the other method
+    that the step has become; or, of a map, a coefficient of its one-step matrix beside that of the method.
     """
     other = rf"is not {bug.key}; it is,? (?!no method|nearly)(?!.*\bbut\b)(?!.*\b{bug.key}\b)"
     matrix = [rf"coefficient of M_\w\w is .*, {bug.key} has"] if bug.calls == "map" else []
-    sums = ["the force enters", "the position moves by", r"with the step \S+ h"]
+    sums = ["the force enters", "the position moves by", r"with the step \S+ h", r"all of \S+ times", r"all \w+s times"]
+    at = bug.at
+    # The line of an update: of a stage, of a sub-step, or the last ones.
+    last = not isinstance(bug.method, Splitting) and at == bug.method.stages
+    line = rf"(new . = \S+ \+ .*d\[{at}\]|[YQ]\[{at}\]{'|y1|v1|q1' if last else ''})"
     patterns = {
         **{kind: [*matrix, *bug.entries, *sums] for kind in ("coefficient", "row sum", "sign")},
-        "time": [r"wrong times?\b", r"the times? (of|at) ", rf"\bc\[{bug.at}\]: "],
-        "order of updates": [*matrix, "not stepped alike", rf"\bc\[{bug.at}\]: ", r"b_position\[\d+\]: "],
-        "stage reuse": [*matrix, rf"\b[ac]\[{bug.at}\]\S*: "],
+        "time": [r"wrong times?\b", r"the times? (of|at) ", rf"\bc\[{at}\]: "],
+        "order of updates": [
+            *(*matrix, "not stepped alike", rf"\bc\[{at}\]: ", r"b_position\[\d+\]: ", "are exchanged"),
+            *(rf"in k\[{at}\], the position moves", "v1 moves the position"),
+        ],
+        "stage reuse": [
+            *(*matrix, rf"\b[ac]\[{at}\]\S*: ", rf"\bk\[{at}\] = [fF]\([YQ]\[{at - 1}\]\) in place"),
+            rf"d\[{at}\] \* F\(q\[\d+\]\) in place",
+        ],
         "stale force": ["remembers", "depends on the call before"],
-        "state overwritten": [*matrix, rf"\ba\[\d+\]\[{bug.at}\]: "],
-        "missing factor": [*matrix, "does not scale with h"],
-        "component left out": [*matrix, r"\b(drift|c|b_\w+|a)(\[\d+\])*: 0 instead", "not stepped alike", r"y\[\d\]"],
+        "state overwritten": [*matrix, rf"\ba\[\d+\]\[{at}\]: ", rf"after k\[{at}\], stages are formed of"],
+        "missing factor": [*matrix, "does not scale with h", rf"h (is missing|stands twice) in {line}"],
+        "component left out": [
+            *(*matrix, r"\b(drift|c|b_\w+|a)(\[\d+\])*: 0 instead", "not stepped alike", rf"{line}.* is left"),
+            rf"its coefficients are, but on .*\b[qv]\[{bug.component}\]",
+        ],
     }
     words = "\n".join([report.verdict, *(line for section in report.sections for line in section.lines)])
     # A headline may name a method and leave it to the lines that this is of another system.
@@ -259,8 +272,10 @@ page is written by
 A draw is **equivalent**, and replaced by another one, when two steps of it end where the right ones do in exact
 rational arithmetic: a wrong node at a stage of weight 0, say. Maps take these steps on the oscillator that they have
 built in, the others with a nonlinear force, or with a nonlinear right-hand side of four components that reads t.
-The cause is **named** when the report holds the changed entry or sum, the wrong times, the memory, the h, the component
-or the method that the step has become; of a map, a coefficient of its one-step matrix beside that of the method.
+The cause is **named** when the report holds the changed entry or sum, the wrong line of the method's program, the wrong
+times, the memory, the h, the component or the method that the step has become; of a map, a coefficient of its one-step
+matrix beside that of the method. `verify` tries programs that are wrong in these ways itself; what it has not thought
+of it can name by its coefficients or its matrix only.
 A **false pass** is a bug that passes, a **false alarm** a right twin that fails.
 """
 

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from contextlib import suppress
-from dataclasses import dataclass
-from math import exp
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import exp, prod
 from typing import TypeAlias
 
 from flint import arb
 
-from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.findings import Misbehaviour, NotANumber, StepRaised, WrongShape
 from driftproof.blackbox.stepper.array_adapters import AnyNumber
-from driftproof.blackbox.stepper.calling_conventions import FIELD
-from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, MAP
+from driftproof.blackbox.stepper.foreign_stepper import FieldFunction, ForeignStepper
 
 _State: TypeAlias = list[AnyNumber]
 # Not 0, so that a clock that stands at 0 or is started again shows. Of the starts, spacings of the bells and strengths
@@ -21,31 +20,42 @@ _State: TypeAlias = list[AnyNumber]
 START, _SPACING, _STRENGTH = 0.25, 0.5, 4
 # How many numbers a right-hand side has, the most first; some codes take two, or one.
 _SIZES = (4, 2, 1)
+# A step so short that every stage is of ordinary size.
+_SHORT = 2.0**-5
 # Beyond its logarithm a double overflows; a step that goes there is wrong whatever follows.
 _LARGEST_EXPONENT = 700.0
 
 
 @dataclass(frozen=True)
 class NonlinearProblem:
-    """y' = rate(t, y), over floats and over balls, and its solution in balls; or q'' = F(t, q) with y = [q, v].
+    """y' = rate(t, y), over floats and over balls, and its solution in balls.
 
-    `force` is F where it does not depend on t: then a stepper that takes a force can be asked.
+    With `positions`, it is q'' = F(t, q) of so many, y being [q..., v...]; a stepper of a right-hand side is given
+    [q, v, q, v, ...] where `interleaved`.
     """
 
     words: str
-    rate: Callable[[AnyNumber, Sequence[AnyNumber]], _State]
+    rate: FieldFunction
     solution: Callable[[arb], list[arb]]
-    force: Callable[[AnyNumber], AnyNumber] | None = None
+    positions: int = 0
+    interleaved: bool = False
+
+    @property
+    def names(self) -> list[str]:
+        """What a report calls the numbers: q[0], ..., v[0], ...; or y[0], ..."""
+        numbers = len(self.solution(arb(START)))
+        return [f"{x}[{i}]" for x in ("qv" if self.positions else "y") for i in range(self.positions or numbers)]
+
+    def force(self, t: AnyNumber, q: Sequence[AnyNumber]) -> _State:
+        """F(t, q); of a problem whose positions are not coupled, of any number of them."""
+        return [*self.rate(t, [*q, *q])][len(q) :]
 
     def stepped(self, subject: ForeignStepper, t: float, y: Sequence[AnyNumber], h: float) -> _State:
         """One step of the stepper, from numbers of its adapter."""
-        at, size = subject.adapter.number(t), subject.adapter.number(h)
-        if subject.convention.kind == FIELD:
-            return subject.step_field(self.rate, at, y, size)
-        if self.force is None:
-            raise ValueError(f"{self.words} depends on t, and a force does not")
-        q, v = y
-        return [*subject.step_with(self.force, q, v, size)]
+        at, size, n = subject.adapter.number(t), subject.adapter.number(h), self.positions
+        if n:
+            return subject.step_forced(self.force, at, y[:n], y[n:], size, interleaved=self.interleaved)
+        return subject.step_field(self.rate, at, y, size)
 
 
 def field_problem(subject: ForeignStepper) -> NonlinearProblem:
@@ -69,13 +79,45 @@ def field_problem(subject: ForeignStepper) -> NonlinearProblem:
     raise failure if failure is not None else ValueError("no size of problem is tried")
 
 
-def force_problem(subject: ForeignStepper, *, timed: bool = True) -> NonlinearProblem:
-    """q'' = exp(-2q) with q = log cosh t; where that is asked for and a right-hand side hands on times, a F(t, q)."""
-    if timed and subject.convention.kind == FIELD:
-        with suppress(Misbehaviour):
-            if _hands_on_time(subject, 2):
-                return NonlinearProblem("a nonlinear q'' = F(t, q)", _pushed, _of_pushed)
-    return WALL
+def force_problem(subject: ForeignStepper) -> NonlinearProblem:
+    """Of one position: a q'' = F(t, q) where times are handed on, else q'' = exp(-2q) with q = log cosh t."""
+    return pushed(1, timed=True) if _gives_force_times(subject) else walls(1)
+
+
+def force_problems(subject: ForeignStepper) -> list[NonlinearProblem]:
+    """q'' = F(t, q) of as many positions as the stepper takes, once in each order in which y may hold them.
+
+    Where no time is handed on, the last of coupled positions is the clock; a force that is asked for one position at a
+    time is given walls. Raises the Misbehaviour of one position.
+    """
+    for problem in _by_size(subject, timed=_gives_force_times(subject)):
+        try:
+            problem.stepped(subject, START, [float(x.mid()) for x in problem.solution(arb(START))], _SHORT)
+        except (StepRaised, WrongShape, NotANumber):
+            continue
+        orders = (False, True) if subject.convention.kind == FIELD and problem.positions > 1 else (False,)
+        return [replace(problem, interleaved=interleaved) for interleaved in orders]
+    return [force_problem(subject)]
+
+
+def _by_size(subject: ForeignStepper, *, timed: bool) -> Iterator[NonlinearProblem]:
+    yield from (pushed(n, timed=timed) for n in ((2,) if timed else (3, 2)))
+    if subject.convention.kind == FORCE:
+        yield walls(2)
+
+
+def _gives_force_times(subject: ForeignStepper) -> bool:
+    """True where a time is given with the position; what answers nothing to this may take no time."""
+    if subject.convention.kind == MAP:
+        subject.step_field(lambda t, y: y, 0.0, [0.0, 0.0], 0.0)  # refused
+    clock, given = float(START), []
+
+    def force(t: AnyNumber, q: Sequence[AnyNumber]) -> _State:
+        given.append(t is not clock)
+        return [0.0 * x for x in q]
+
+    subject.step_forced(force, clock, [1.0], [2.0], _SHORT)
+    return any(given)
 
 
 def _hands_on_time(subject: ForeignStepper, size: int) -> bool:
@@ -122,26 +164,52 @@ def _solution(size: int, timed: bool) -> Callable[[arb], list[arb]]:
     return solution
 
 
-def _pushed(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
-    """q'' = φ''(t) + S(q) - S(φ(t)) with S(q) = 1/(1 + q²), solved by the first bell."""
-    q, v = y
-    x, bell = _bell(0, t)
-    return [v, 8 * x * x * bell**3 - 2 * bell * bell + 1 / (1 + q * q) - 1 / (1 + bell * bell)]
+def _product_of_others(q: Sequence[AnyNumber]) -> _State:
+    """Π q_j over j ≠ i, times 1/(1 + q_i²)."""
+    return [prod([*q[:i], *q[i + 1 :]], start=1 / (1 + x * x)) for i, x in enumerate(q)]
 
 
-def _of_pushed(t: arb) -> list[arb]:
-    x, bell = _bell(0, t)
-    return [bell, -2 * x * bell * bell]
+def pushed(positions: int, *, timed: bool) -> NonlinearProblem:
+    """q'' = φ''(t) + S(q) - S(φ(t)) with the S of `_product_of_others`, solved by the bells φ.
+
+    Without time the last position is the clock, which no force moves.
+    """
+    bells = positions if timed else positions - 1
+
+    def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
+        if len(y) != 2 * positions:
+            raise WrongShape(f"the force is asked for {len(y) // 2} of {positions} positions")
+        q, v = y[:positions], y[positions:]
+        at = t if timed else q[-1]
+        pairs = [_bell(i, at) for i in range(bells)]
+        pulls = zip(pairs, _product_of_others(q[:bells]), _product_of_others([bell for _, bell in pairs]), strict=True)
+        forces = [8 * x * x * bell**3 - 2 * bell * bell + mine - its for (x, bell), mine, its in pulls]
+        return [*v, *forces, *([] if timed else [0 * at])]
+
+    def solution(t: arb) -> list[arb]:
+        pairs = [_bell(i, t) for i in range(bells)]
+        clock, speed = ([], []) if timed else ([t], [arb(1)])
+        return [*(bell for _, bell in pairs), *clock, *(-2 * x * bell * bell for x, bell in pairs), *speed]
+
+    several = "" if positions == 1 else f" of {positions} positions"
+    words = f"a nonlinear q'' = {'F(t, q)' if timed else 'F(q)'}{several}{'' if timed else ', the last being the time'}"
+    return NonlinearProblem(words, rate, solution, positions)
 
 
 def _exp(x: AnyNumber) -> AnyNumber:
     return x.exp() if isinstance(x, arb) else exp(min(x, _LARGEST_EXPONENT))
 
 
-def _wall(q: AnyNumber) -> AnyNumber:
-    return _exp(-2 * q)
+def walls(positions: int) -> NonlinearProblem:
+    """q'' = exp(-2q) of each position, solved by log cosh (t + i/2)."""
 
+    def solution(t: arb) -> list[arb]:
+        times = [t + _SPACING * i for i in range(positions)]
+        return [*(x.cosh().log() for x in times), *(x.tanh() for x in times)]
 
-WALL = NonlinearProblem(
-    "q'' = exp(-2q)", lambda t, y: [y[1], _wall(y[0])], lambda t: [t.cosh().log(), t.tanh()], force=_wall
-)
+    def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
+        half = len(y) // 2
+        return [*y[half:], *(_exp(-2 * q) for q in y[:half])]
+
+    words = "q'' = exp(-2q)" if positions == 1 else f"q'' = exp(-2q) of {positions} positions"
+    return NonlinearProblem(words, rate, solution, positions)

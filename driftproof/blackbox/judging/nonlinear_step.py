@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain, product
+from math import inf, isnan
 from typing import Any
 
+import numpy as np
 from flint import arb, ctx
 
-from driftproof.blackbox.judging.nonlinear_problems import START, NonlinearProblem, field_problem, force_problem
+from driftproof.blackbox.judging.nonlinear_problems import START, NonlinearProblem, field_problem, force_problems
 from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.stepper.calling_conventions import FIELD
@@ -35,13 +37,14 @@ _BEYOND_TOLERANCE = 4
 class NonlinearAgreement:
     """The largest difference from the method's step that was seen, and where the allowed one was exceeded, if it was.
 
-    `beyond` holds the worst place in words.
+    `beyond` holds the worst place in words, `wrong` the names of all numbers that are beyond there.
     """
 
     problem: str
     steps: int
     largest: float
     beyond: str = ""
+    wrong: tuple[str, ...] = ()
 
     @property
     def holds(self) -> bool:
@@ -52,32 +55,44 @@ class NonlinearAgreement:
     def words(self) -> str:
         """The finding in one line."""
         if self.beyond:
-            return f"on {self.problem}, {self.beyond}"
+            others = f"; wrong are {', '.join(self.wrong)}" if len(self.wrong) > 1 else ""
+            return f"on {self.problem}, {self.beyond}{others}"
         return f"the method's own step on {self.problem}, to {self.largest:.1e} in {self.steps} steps"
 
 
 def nonlinear_agreement(subject: ForeignStepper, method: Method, allowance: Allowance) -> NonlinearAgreement:
     """The stepper beside the method, from states near the solution of a problem whose every derivative counts.
 
-    A splitting or a Nyström method is compared on q'' = F(q), without t: where in time its parts stand is not its
-    definition's. Raises UnsupportedCall where the system is built in.
+    A splitting or a Nyström method is compared on q'' = F(t, q), of more than one position where the stepper takes
+    them, in the order of y that fits; its times move as its positions do. Raises UnsupportedCall where the system is
+    built in.
     """
     partitioned = isinstance(method, Splitting | Nystrom)
     general = subject.convention.kind == FIELD and not partitioned
-    problem = field_problem(subject) if general else force_problem(subject, timed=not partitioned)
-    largest, beyond, places = 0.0, "", list(product(TIMES, STEPS))
+    problems = [field_problem(subject)] if general else force_problems(subject)
+    found = [_beside(subject, method, allowance, problem) for problem in problems]
+    return next((each for each in found if each.holds), min(found, key=lambda each: each.largest))
+
+
+def _beside(
+    subject: ForeignStepper, method: Method, allowance: Allowance, problem: NonlinearProblem
+) -> NonlinearAgreement:
+    found = NonlinearAgreement(problem.words, len(TIMES) * len(STEPS), 0.0)
     with ctx.workprec(_BITS):
-        for t, h in places:
+        for t, h in product(TIMES, STEPS):
             start = [float(x.mid()) for x in problem.solution(arb(t))]
             said = _own_step(method, problem, t, start, h)
             allowed = _allowed(subject, method, allowance, 1 + max(map(abs, start)), h)
-            for i, (seen, exact) in enumerate(zip(problem.stepped(subject, t, start, h), said, strict=True)):
-                off = float(abs(arb(seen) - exact).upper())
-                if not off <= allowed and not off <= largest:
-                    numbers = f"number {i} is {seen!r}, of {method.key} {float(exact.mid())!r}"
-                    beyond = f"in a step of {h:g} from t = {t:g}, {numbers}: off by {off:.1e}, allowed {allowed:.1e}"
-                largest = max(largest, off)
-    return NonlinearAgreement(problem.words, len(places), largest, beyond)
+            seen = problem.stepped(subject, t, start, h)
+            off = [float(abs(arb(x) - exact).upper()) for x, exact in zip(seen, said, strict=True)]
+            wrong = tuple(name for name, x in zip(problem.names, off, strict=True) if not x <= allowed)
+            i = max(range(len(off)), key=lambda i: inf if isnan(off[i]) else off[i])
+            if wrong and not off[i] <= found.largest:
+                numbers = f"{problem.names[i]} is {seen[i]!r}, of {method.key} {float(said[i].mid())!r}"
+                beyond = f"in a step of {h:g} from t = {t:g}, {numbers}: off by {off[i]:.1e}, allowed {allowed:.1e}"
+                found = replace(found, beyond=beyond, wrong=wrong)
+            found = replace(found, largest=max(found.largest, off[i]))
+    return found
 
 
 def _allowed(subject: ForeignStepper, method: Method, allowance: Allowance, size: float, h: float) -> float:
@@ -90,9 +105,15 @@ def _allowed(subject: ForeignStepper, method: Method, allowance: Allowance, size
 def _own_step(method: Method, problem: NonlinearProblem, t: float, y: Sequence[float], h: float) -> list[arb]:
     if isinstance(method, RungeKutta | Collocation):
         return _runge_kutta_step(method, problem, arb(t), [arb(x) for x in y], arb(h))
-    if problem.force is None:
-        raise ValueError(f"{problem.words} depends on t, and {method.key} does not")
-    return [*stepper(method, enclose)(problem.force, arb(y[0]), arb(y[1]), arb(h))]
+    n = problem.positions
+
+    def force(q: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+        return np.array([*problem.force(q[n], q[:n].tolist()), arb(0)], dtype=object)
+
+    # The time is one more position, of velocity 1, that no force moves: where in time a part stands follows from that.
+    q, v = (np.array([*map(arb, part), arb(clock)], dtype=object) for part, clock in ((y[:n], t), (y[n:], 1)))
+    q1, v1 = stepper(method, enclose)(force, q, v, arb(h))
+    return [*q1[:n], *v1[:n]]
 
 
 def _runge_kutta_step(

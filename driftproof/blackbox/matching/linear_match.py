@@ -139,15 +139,16 @@ def fitted(reading: LinearReading, *, known: bool) -> LinearFit:
     if reading.at_zero is None or not reading.steps:
         return start
     position, stiffness = rates_of(reading)
-    near, rates = min(tried_steps(reading)), (1.0, 1.0) if known else (float(position), float(stiffness))
+    rates = (1.0, 1.0) if known else (float(position), float(stiffness))
     if not reading.identifiable:
-        return replace(start, nearest=_nearest(*near, rates))
+        return replace(start, nearest=_nearest(tried_steps(reading), rates))
     if all((m[0], *m[2:]) == (1, 0, 1) for _, m in reading.steps):
         return replace(start, kind=UNDETERMINED, remarks=("no force acts: all methods agree", *reading.remarks))
     if reading.starts_at_identity:
         start = replace(start, position=position, stiffness=stiffness)
     if known and reading.ordinary:
-        start = replace(start, nearest=_nearest(*reading.ordinary, rates))
+        (off, each), *_ = _by_distance(*reading.ordinary, rates)
+        start = replace(start, nearest=Nearest(each.keys, reading.ordinary[0], off, ()))
     found = linear_candidates(reading, known=known) if position and stiffness else []
     several = len(found) > 1 and all(each.restriction for each in found)
     if (several or not found) and (nearly := nearly_exact(reading, known=known)):
@@ -169,7 +170,7 @@ def _unexplained(start: LinearFit, reading: LinearReading, *, known: bool) -> Li
     (h, m), (position, stiffness) = min(tried_steps(reading)), rates_of(reading)
     entries = recovered(reading)
     if entries is None:
-        return replace(start, nearest=_nearest(h, m, (float(position), float(stiffness))))
+        return replace(start, nearest=_nearest(tried_steps(reading), (float(position), float(stiffness))))
     rates = (Fraction(1), Fraction(1)) if known else (position, stiffness)
     start = replace(start, nearest=_least_different(h, m, entries, *rates))
     if not all(entry.exact for entry in entries):
@@ -179,10 +180,13 @@ def _unexplained(start: LinearFit, reading: LinearReading, *, known: bool) -> Li
     return replace(start, damping=damping, facts=matrix_facts(((qq, qv), (vq, vv)), rates[1], damping))
 
 
-def _nearest(h: float, m: MatrixEntries, rates: tuple[float, float]) -> Nearest:
-    """The methods that are least far off at one step."""
-    off, each = _by_distance(h, m, rates)[0]
-    return Nearest(each.keys, h, off, ())
+def _nearest(steps: Sequence[tuple[float, MatrixEntries]], rates: tuple[float, float]) -> Nearest | None:
+    """The methods that are least far off at the first step at which none agrees; None if there is no such step."""
+    for h, m in sorted(steps):
+        off, each = _by_distance(h, m, rates)[0]
+        if off > 0:
+            return Nearest(each.keys, h, off, ())
+    return None
 
 
 def _least_different(
@@ -208,7 +212,8 @@ def _lines(fit: LinearFit) -> Iterator[str]:
     yield from _identity(fit)
     if fit.nearest:
         where = "at states of size 1, nearest" if fit.best else "nearest"
-        yield f"{where}: {fit.nearest.methods[0]}, off by {fit.nearest.off:.1e} at h = {fit.nearest.h:g}"
+        off = f"off by {fit.nearest.off:.1e}" if fit.nearest.off else "the same matrix"
+        yield f"{where}: {fit.nearest.methods[0]}, {off} at h = {fit.nearest.h:g}"
         yield from fit.nearest.differences
     if fit.kind == LINEARISED or fit.amplitude != 1:
         yield f"read at states of size {fit.amplitude:.1e}, where the step is linear"

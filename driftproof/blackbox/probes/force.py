@@ -44,7 +44,8 @@ class ForceReading:
     """Fᵢ is taken at q + cᵢhv + h² Σ aᵢⱼ Fⱼ; q₁ = q + drift·hv + h² Σ b_positionⱼ Fⱼ, v₁ = v + h Σ b_velocityⱼ Fⱼ.
 
     The step's own float coefficients, calls being stages, in the order in which they are made; drift is 1 in a method.
-    `amplitude` is the size of the numbers that went in. `refused` is why there is no tableau, where one was asked for.
+    `amplitude` is the size of the numbers that went in. `refused` is why there is no tableau, where one was asked for;
+    `wrong_time` tells a call that is given another time than t + cᵢh, where times are given.
     """
 
     c: CoefficientRow
@@ -56,6 +57,7 @@ class ForceReading:
     remarks: tuple[str, ...] = ()
     amplitude: float = 1.0
     refused: str = ""
+    wrong_time: str = ""
 
     @property
     def calls(self) -> int:
@@ -96,6 +98,7 @@ class ForceReading:
             lines.append(
                 f"without a force the position moves by {coefficient_text(self.drift, self.format)} h v, not by h v"
             )
+        lines += [f"wrong times: {self.wrong_time}"] if self.wrong_time else []
         return [*lines, *self.remarks, *([f"{NO_TABLEAU}: {self.refused}"] if self.refused else [])]
 
 
@@ -114,11 +117,12 @@ def read_forces(subject: ForeignStepper) -> ForceReading:
 
 
 class _Run(NamedTuple):
-    """Where one step called the force, and what it returned."""
+    """Where one step called the force, and what it returned; times are None where it gave none."""
 
     places: list[float]
     q: float
     v: float
+    times: list[float | None]
 
     @property
     def numbers(self) -> list[float]:
@@ -131,11 +135,11 @@ class _Probe:
 
     def __init__(self, subject: ForeignStepper, amplitude: float) -> None:
         self.subject, self.amplitude = subject, amplitude
-        silent = self._run(0.0, 0.0, 1.0, [])
+        silent = self._run(0.0, 0.0, [])
         self.calls = len(silent.places)
         if not self.calls:
             raise NotReadable("the force is never called")
-        demand_same(self._rounding, silent.numbers, self._run(0.0, 0.0, 1.0, []).numbers)
+        demand_same(self._rounding, silent.numbers, self._run(0.0, 0.0, []).numbers)
         for number in silent.numbers:
             if number:
                 raise NotReadable(f"at rest at 0 and without a force, the step does not stay: it shows {number:.6g}")
@@ -152,16 +156,25 @@ class _Probe:
         reading = ForceReading(c, a, b_position, b_velocity, moving.q, fmt, amplitude=self.amplitude)
         for control in CONTROLS:
             self._check(reading, control)
-        return replace(reading, remarks=complaints(lambda: self._check(reading, BACKWARD)))
+        wrong = (self._wrong_time(reading, control) for control in (AT_REST, *CONTROLS))
+        remarks = complaints(lambda: self._check(reading, BACKWARD))
+        return replace(reading, remarks=remarks, wrong_time=next(filter(None, wrong), ""))
 
-    def _run(self, q: float, v: float, h: float, forces: Sequence[float]) -> _Run:
-        size = self.amplitude
+    def _run(self, q: float, v: float, forces: Sequence[float], control: Control = AT_REST) -> _Run:
+        size, clock, times = self.amplitude, float(control.time), list[float | None]()
         script = Script([size * force for force in forces], 0.0)
-        q1, v1 = performed(lambda: self.subject.step_with(script, size * q, size * v, h))
-        return _Run([x / size for x in script.calls], q1 / size, v1 / size)
 
-    def _answered(self, q: float, v: float, forces: Sequence[float], h: float = AT_REST.h) -> _Run:
-        run = self._run(q, v, h, forces)
+        def force(t: float, x: Sequence[float]) -> Sequence[float]:
+            # A callback that is given no time hands on the very object that it was made with.
+            times.append(None if t is clock else t)
+            return [script(x[0])]
+
+        start = [size * q], [size * v]
+        q1, v1 = performed(lambda: self.subject.step_forced(force, clock, *start, control.h))
+        return _Run([x / size for x in script.calls], q1 / size, v1 / size, times)
+
+    def _answered(self, q: float, v: float, forces: Sequence[float], control: Control = AT_REST) -> _Run:
+        run = self._run(q, v, forces, control)
         demand_calls(self.calls, len(run.places))
         return run
 
@@ -189,7 +202,7 @@ class _Probe:
         demand_same(self._rounding, first.numbers, self._controlled(CONTROLS[0]).numbers)
 
     def _controlled(self, control: Control) -> _Run:
-        return self._answered(*_start(control), varied(self.calls, control.salt), control.h)
+        return self._answered(*_start(control), varied(self.calls, control.salt), control)
 
     def _check(self, reading: ForceReading, control: Control) -> None:
         """One more step, which must go as the coefficients say."""
@@ -202,6 +215,16 @@ class _Probe:
             demand_as_said(control, name, seen, q + h * (node * v + h * _dot(row, forces)), in_position)
         said = v + h * _dot(reading.b_velocity, forces)
         demand_as_said(control, "the new velocity", run.v, said, in_velocity)
+
+    def _wrong_time(self, reading: ForceReading, control: Control) -> str:
+        """The first call that is given another time than its position has, if it is given any."""
+        allowed = self._rounding.of(2 * (abs(control.time) + abs(control.h) * max(map(abs, reading.c))))
+        for i, (node, seen) in enumerate(zip(reading.c, self._controlled(control).times, strict=True)):
+            if seen is not None and not abs(seen - control.time - control.h * node) <= allowed:
+                said = control.time + control.h * node
+                step = f"in a step of {control.h:g} from t = {control.time:g}"
+                return f"{step}, call {i} asks at the time {seen:.6g} for the position of the time {said:.6g}"
+        return ""
 
     def _allowed(
         self, reading: ForceReading, q: float, v: float, h: float, forces: Sequence[float]

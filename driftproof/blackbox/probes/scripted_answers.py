@@ -94,7 +94,7 @@ def demand_same(rounding: Rounding, first: Sequence[float], second: Sequence[flo
     """Raises NotReadable if a step that shows these numbers showed others, but for rounding, when taken again."""
     allowed = rounding.of(max(map(abs, first), default=0.0))
     if len(first) != len(second) or not all(abs(x - y) <= allowed for x, y in zip(first, second, strict=True)):
-        seen = f"the same step of {rounding.calls} calls taken twice is not the same"
+        seen = f"the same step of {rounding.calls} call{'s' * (rounding.calls != 1)} taken twice is not the same"
         raise NotReadable(f"{seen}: it remembers the step before, or is random")
 
 

@@ -82,10 +82,37 @@ class ForeignStepper:
 
     def step_with(self, force: ForceFunction, q: AnyNumber, v: AnyNumber, h: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
         """One step of q' = v, v' = force(q). Raises UnsupportedCall where the system is built in."""
-        if self.convention.kind == FORCE:
-            return self._forced(force, q, v, h)
-        q1, v1 = self.step_field(lambda t, y: [y[1], force(y[0])], self.adapter.number(0.0), [q, v], h)
+        q1, v1 = self.step_forced(lambda t, x: [force(x[0])], self.adapter.number(0.0), [q], [v], h)
         return q1, v1
+
+    def step_forced(
+        self,
+        force: FieldFunction,
+        t: AnyNumber,
+        q: Sequence[AnyNumber],
+        v: Sequence[AnyNumber],
+        h: AnyNumber,
+        *,
+        interleaved: bool = False,
+    ) -> list[AnyNumber]:
+        """One step of q' = v, v' = force(t, q): the new positions, then the new velocities.
+
+        A right-hand side is given y = [q..., v...], or [q, v, q, v, ...] where `interleaved`. A force may be asked for
+        fewer positions at a time. Raises UnsupportedCall where the system is built in.
+        """
+        if self.convention.kind == FORCE:
+            return self._forced(force, t, q, v, h)
+        places = [*range(0, 2 * len(q), 2), *range(1, 2 * len(q), 2)] if interleaved else [*range(2 * len(q))]
+
+        def as_code(numbers: Sequence[AnyNumber]) -> list[AnyNumber]:
+            return [numbers[places.index(i)] for i in range(len(numbers))]
+
+        def rate(at: AnyNumber, y: Sequence[AnyNumber]) -> list[AnyNumber]:
+            state = [y[i] for i in places]
+            return as_code([*state[len(q) :], *force(at, state[: len(q)])])
+
+        stepped = self.step_field(rate, t, as_code([*q, *v]), h)
+        return [stepped[i] for i in places]
 
     def step_field(self, rate: FieldFunction, t: AnyNumber, y: Sequence[AnyNumber], h: AnyNumber) -> list[AnyNumber]:
         """One step of y' = rate(t, y). Raises UnsupportedCall where there is no right-hand side to give."""
@@ -117,7 +144,7 @@ class ForeignStepper:
         """
         if POSITION not in self.convention.order:
             raise UnsupportedCall("position and velocity come in one array, which is one state")
-        write = ARRAYS.write if self.adapter is SCALARS else self.adapter.write
+        write = self._of_several.write
         roles = {FUNCTION: lambda q, *_: -q, POSITION: write(qs), VELOCITY: write(vs), STEP: h, TIME: 0.0}
         answer = self._call(roles, f"q={list(qs)!r}, v={list(vs)!r}, h={h!r}")
         positions, velocities = self._two_parts(answer)
@@ -129,21 +156,39 @@ class ForeignStepper:
             answer = self._call({STATE: write([q, v]), STEP: h, TIME: 0.0}, f"state=[{q!r}, {v!r}], h={h!r}")
             q1, v1 = self._finite(self._read_state(answer, 2, h), [q, v, h])
             return q1, v1
-        return self._pair({POSITION: write([q]), VELOCITY: write([v]), STEP: h, TIME: 0.0}, q, v, h)
+        q1, v1 = self._pair({POSITION: write([q]), VELOCITY: write([v]), STEP: h, TIME: 0.0}, [q], [v], h)
+        return q1, v1
 
-    def _forced(self, force: ForceFunction, q: AnyNumber, v: AnyNumber, h: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
-        write = self.adapter.write
+    @property
+    def _of_several(self) -> ArrayAdapter:
+        """The adapter of several positions: what works on one float may work on an array of them."""
+        return ARRAYS if self.adapter is SCALARS else self.adapter
 
-        def callback(position: Foreign, *_: Foreign) -> Foreign:
-            return write([force(self.adapter.read(position, 1)[0])])
+    def _forced(
+        self, force: FieldFunction, t: AnyNumber, q: Sequence[AnyNumber], v: Sequence[AnyNumber], h: AnyNumber
+    ) -> list[AnyNumber]:
+        """The time that a force is given stands where the step takes it, before the position or behind it."""
+        adapter, order = self.adapter if len(q) == 1 else self._of_several, self.convention.order
+        time_first = TIME in order and order.index(TIME) < order.index(POSITION)
 
-        roles = {FUNCTION: callback, POSITION: write([q]), VELOCITY: write([v]), STEP: h, TIME: 0.0}
+        def callback(*arguments: Foreign) -> Foreign:
+            timed = TIME in order and len(arguments) == 2
+            position, time = arguments[::-1] if timed and time_first else (*arguments, t)[:2]
+            if timed and len(q) > 1 and _size(position) < _size(time):
+                position, time = time, position
+            at = adapter.read(time, 1)[0] if timed else t
+            asked = adapter.read(position, 1 if _size(position) == 1 else len(q))
+            return (SCALARS if adapter is ARRAYS and np.ndim(position) == 0 else adapter).write(force(at, asked))
+
+        roles = {FUNCTION: callback, POSITION: adapter.write(q), VELOCITY: adapter.write(v), STEP: h, TIME: t}
         return self._pair(roles, q, v, h)
 
-    def _pair(self, roles: dict[str, Foreign], q: AnyNumber, v: AnyNumber, h: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
-        answer = self._call(roles, f"q={q!r}, v={v!r}, h={h!r}")
-        q1, v1 = self._finite([self._read(part, 1)[0] for part in self._two_parts(answer)], [q, v, h])
-        return q1, v1
+    def _pair(
+        self, roles: dict[str, Foreign], q: Sequence[AnyNumber], v: Sequence[AnyNumber], h: AnyNumber
+    ) -> list[AnyNumber]:
+        shown = [x[0] if len(x) == 1 else list(x) for x in (q, v)]
+        answer = self._call(roles, f"q={shown[0]!r}, v={shown[1]!r}, h={h!r}")
+        return self._finite([x for part in self._two_parts(answer) for x in self._read(part, len(q))], [*q, *v, h])
 
     def _two_parts(self, answer: Foreign) -> tuple[Foreign, Foreign]:
         try:

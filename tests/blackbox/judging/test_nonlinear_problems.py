@@ -6,9 +6,10 @@ import pytest
 from flint import arb, ctx
 
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
-from driftproof.blackbox.judging.nonlinear_problems import WALL, field_problem, force_problem
+from driftproof.blackbox.judging.nonlinear_problems import field_problem, force_problem, force_problems, pushed, walls
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox import handwritten_steppers as codes
+from tests.looping import exactly
 
 
 def rk4_of_two(f, t, y, h):
@@ -28,8 +29,13 @@ CODES = {
     "y' = exp(-y), without t: the code hands on no time": rk4_of_one_without_time,
 }
 PROBLEMS = [*((words, field_problem(opened(step))) for words, step in CODES.items())]
-PROBLEMS += [(words, force_problem(opened(codes.rk4), timed=words != WALL.words)) for words in (WALL.words,)]
-PROBLEMS += [("a nonlinear q'' = F(t, q)", force_problem(opened(codes.rk4)))]
+PROBLEMS += [
+    ("q'' = exp(-2q)", force_problem(opened(codes.velocity_verlet))),
+    ("q'' = exp(-2q) of 2 positions", walls(2)),
+    ("a nonlinear q'' = F(t, q)", force_problem(opened(codes.rk4))),
+    ("a nonlinear q'' = F(t, q) of 2 positions", pushed(2, timed=True)),
+    ("a nonlinear q'' = F(q) of 3 positions, the last being the time", pushed(3, timed=False)),
+]
 
 
 @pytest.mark.parametrize(("words", "problem"), PROBLEMS, ids=[words for words, _ in PROBLEMS])
@@ -66,8 +72,39 @@ def test_a_code_that_takes_none_of_the_sizes_is_not_asked():
         field_problem(opened(codes.velocity_verlet))
 
 
-def test_a_force_has_no_time():
-    timed = force_problem(opened(codes.rk4))
-    with pytest.raises(ValueError, match="depends on t, and a force does not"):
-        timed.stepped(opened(codes.velocity_verlet), 0.25, [1.0, 0.0], 0.5)
-    assert len(WALL.stepped(opened(codes.velocity_verlet), 0.25, [1.0, 0.0], 0.5)) == 2
+def test_every_force_of_a_coupled_problem_depends_on_the_time_and_on_the_other_position():
+    for problem in exactly(2, (pushed(2, timed=True), pushed(3, timed=False))):
+        q = [0.5, 0.75, 0.25][: problem.positions]
+        here = problem.force(0.25, q)
+        later = problem.force(0.5, [*q[:2], 0.5][: problem.positions])
+        moved = [problem.force(0.25, [x + 0.125 * (i == j) for i, x in enumerate(q)]) for j in range(2)]
+        assert all(other[i] != here[i] for other in (later, *moved) for i in range(2))
+
+
+def floats_only(force, q, v, h):
+    return codes.velocity_verlet(force, float(q), float(v), h)
+
+
+def one_by_one(force, q, v, h):
+    pairs = [codes.velocity_verlet(force, x, w, h) for x, w in zip(q, v, strict=True)]
+    return [x for x, _ in pairs], [w for _, w in pairs]
+
+
+SHAPES = {
+    codes.velocity_verlet: [(3, False)],
+    floats_only: [(1, False)],
+    one_by_one: [(2, False)],
+    codes.symplectic_euler_in_a_field: [(1, False)],
+    codes.rk4: [(2, False), (2, True)],
+    codes.rk4_without_time: [(3, False), (3, True)],
+}
+
+
+@pytest.mark.parametrize(("step", "shapes"), SHAPES.items(), ids=lambda step: getattr(step, "__name__", ""))
+def test_a_stepper_is_asked_with_the_most_positions_that_it_takes(step, shapes):
+    assert [(each.positions, each.interleaved) for each in force_problems(opened(step))] == shapes
+
+
+def test_a_built_in_system_has_no_force():
+    with pytest.raises(UnsupportedCall):
+        force_problems(opened(lambda q, v, h: (q + h * v, v - h * q)))

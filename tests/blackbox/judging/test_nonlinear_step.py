@@ -41,7 +41,7 @@ def iterated(method):
 def test_an_explicit_method_agrees_with_itself_by_its_force(key):
     found = nonlinear_agreement(opened(stepper(METHODS[key], float), "force"), METHODS[key], NO_ALLOWANCE)
     assert found.holds, found.words
-    assert "the method's own step on q'' = exp(-2q)" in found.words
+    assert "the method's own step on a nonlinear q'' = F(q) of 3 positions" in found.words
 
 
 @pytest.mark.parametrize("key", ["rk4", "dormand_prince54", "fehlberg78"])
@@ -85,9 +85,81 @@ def test_narrow_floats_and_velocities_from_positions_have_their_allowance():
     assert nonlinear_agreement(quotient, METHODS["symplectic_euler"], allowed).holds
 
 
-def test_a_splitting_of_a_right_hand_side_is_compared_without_time():
-    subject = opened(codes.symplectic_euler_in_a_field)
-    assert "q'' = exp(-2q)" in nonlinear_agreement(subject, METHODS["symplectic_euler"], NO_ALLOWANCE).words
+def kick_drift_kick(where, times=(0.0, 1.0), left=None):
+    """Velocity Verlet as step(f, t, y, h), its force asked at t + times h; one position may be left where it is."""
+
+    def step(f, t, y, h):
+        n = len(y) // 2
+        y, parts = np.array(y), (np.s_[:n], np.s_[n:]) if where == "halves" else (np.s_[::2], np.s_[1::2])
+        q, v = (y[part] for part in parts)
+        v += h / 2 * np.array(f(t + times[0] * h, y))[parts[1]]
+        q += [0 if i == left and n > left else h * x for i, x in enumerate(v)]
+        v += h / 2 * np.array(f(t + times[1] * h, y))[parts[1]]
+        return y
+
+    return step
+
+
+def drift_first(f, t, y, h):
+    """Position-first symplectic Euler, whose force belongs to the end of the step."""
+    n = len(y) // 2
+    q = y[:n] + h * y[n:]
+    return np.concatenate([q, y[n:] + h * np.array(f(t + h, np.concatenate([q, y[n:]])))[n:]])
+
+
+def by_force(left=None, swapped=False):
+    """Velocity Verlet as step(force, q, v, h) of several positions; of one it is right."""
+
+    def step(force, q, v, h):
+        v = v + h / 2 * force(q)
+        q1 = q + h * v
+        if left is not None and np.size(q) > left:
+            q1[left] = q[left]
+        v = v + h / 2 * force(q1)
+        return q1, v[::-1] if swapped and np.size(v) > 1 else v
+
+    return step
+
+
+def with_times(last):
+    """Velocity Verlet with a force of position and time, asked at t and t + last h."""
+
+    def step(force, q, v, t, h):
+        v = v + h / 2 * force(q, t)
+        q = q + h * v
+        return q, v + h / 2 * force(q, t + last * h)
+
+    return step
+
+
+OF_SEVERAL = {
+    "halves": (kick_drift_kick("halves"), ()),
+    "pairs": (kick_drift_kick("pairs"), ()),
+    "a position left out": (kick_drift_kick("halves", left=1), ("q[1]", "v[1]")),
+    "the other left out": (kick_drift_kick("pairs", left=0), ("q[0]",)),
+    "a clock that stands": (kick_drift_kick("halves", times=(0, 0)), ("v[0]", "v[1]")),
+    "times exchanged": (kick_drift_kick("pairs", times=(1, 0)), ("q[0]",)),
+    "a force": (by_force(), ()),
+    "a force, a position left out": (by_force(left=1), ("q[1]", "v[0]", "v[1]")),
+    "a force, rows exchanged": (by_force(swapped=True), ("v[0]", "v[2]")),
+    "a force of time": (with_times(1), ()),
+    "a force of the wrong time": (with_times(0), ("v[0]", "v[1]")),
+}
+
+
+@pytest.mark.parametrize(("step", "wrong"), OF_SEVERAL.values(), ids=OF_SEVERAL)
+def test_no_position_and_no_time_of_a_splitting_is_left_out(step, wrong):
+    found = nonlinear_agreement(opened(step), METHODS["velocity_verlet"], NO_ALLOWANCE)
+    assert found.holds == (not wrong), found.words
+    assert set(wrong) <= set(found.wrong), found.words
+
+
+def test_the_time_of_a_kick_is_that_of_the_drifts_before_it():
+    assert nonlinear_agreement(opened(drift_first), METHODS["symplectic_euler_position_first"], NO_ALLOWANCE).holds
+    early = lambda f, t, y, h: drift_first(lambda at, z: f(t, z), t, y, h)
+    wrong = nonlinear_agreement(opened(early), METHODS["symplectic_euler_position_first"], NO_ALLOWANCE)
+    assert wrong.wrong == ("v[0]", "v[1]")
+    assert "; wrong are v[0], v[1]" in wrong.words
 
 
 def test_a_built_in_system_is_not_asked():

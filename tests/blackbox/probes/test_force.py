@@ -201,3 +201,41 @@ def test_a_step_that_does_not_go_back_is_read_with_a_remark():
 def test_a_map_has_no_force():
     with pytest.raises(UnsupportedCall):
         read_forces(opened(lambda q, v, h: (q + h * v, v - h * q)))
+
+
+@pytest.mark.parametrize(
+    ("times", "wrong"),
+    [
+        (lambda t, h: (t, t + h), ""),
+        (lambda t, h: (t, t), "in a step of 1 from t = 0, call 1 asks at the time 0 for the position of the time 1"),
+        (
+            lambda t, h: (t, t + h * h),
+            "in a step of 2 from t = 0, call 1 asks at the time 4 for the position of the time 2",
+        ),
+        (
+            lambda t, h: (0 * t, h),
+            "in a step of 1 from t = 7, call 0 asks at the time 0 for the position of the time 7",
+        ),
+    ],
+)
+def test_a_force_that_is_asked_at_another_time_than_its_position_has_is_told(times, wrong):
+    def of_a_field(f, t, y, h):
+        (q, v), (first, last) = y, times(t, h)
+        v = v + h / 2 * f(first, [q, v])[1]
+        q = q + h * v
+        return [q, v + h / 2 * f(last, [q, v])[1]]
+
+    def of_a_force(force, q, v, t, h):
+        first, last = times(t, h)
+        v = v + h / 2 * force(q, first)
+        q = q + h * v
+        return q, v + h / 2 * force(q, last)
+
+    def time_first(force, t, q, v, h):
+        return of_a_force(lambda q, t: force(t, q), q, v, t, h)
+
+    for step in (of_a_field, of_a_force, time_first):
+        reading = read(step)
+        assert reading.wrong_time == wrong
+        assert reading.parts == HALVES
+        assert any("wrong times: " in line for line in reading.lines) == bool(wrong)

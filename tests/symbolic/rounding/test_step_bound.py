@@ -184,7 +184,7 @@ def test_the_evaluated_bound_is_the_printed_one():
     "code",
     [
         "driftproof.cli.main(['roundoff', 'yoshida4', '--h', '1/10'])",
-        "driftproof.cli.main(['verify', 'examples.in_your_tests.springs:forward_euler', '--method', 'forward_euler'])",
+        "driftproof.cli.main(['verify', 'examples.in_your_tests.springs:velocity_verlet', '--method', 'rk4'])",
     ],
 )
 def test_no_bound_loads_sympy(code: str, modules_after):

@@ -1,0 +1,305 @@
+"""One mistake in a method's program: which wrong line, or wrong coefficient, takes the steps that a code takes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from itertools import chain, islice
+from math import exp, isfinite
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.probes.coefficients import exact_shown, simple_rational
+from driftproof.blackbox.probes.scripted_answers import Rounding
+from driftproof.blackbox.stepper.calling_conventions import MAP
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.methods.number_field import Exact
+from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
+from driftproof.methods.stepping import oscillator
+
+Lines: TypeAlias = tuple[str, ...]
+# The coefficients by name: a[i] is a row, b, c and d are rows.
+Tables: TypeAlias = dict[str, Any]
+# q, v and h: of ordinary size, so long that every coefficient of a method of high order counts.
+_STEPS = ((0.6, -0.8, 1.0), (1.25, 0.5, 0.5), (-0.375, 0.9, 0.75))
+# The numbers inside a step may be larger than its end: coefficients of 50, slopes of 30.
+_INSIDE = 64
+# Steps of the secant method for one coefficient, begun with another one aside: on linear problems the first is exact.
+_ROUNDS, _ASIDE = 12, 0.125
+MOST_TOLD = 4
+# A longer program has more wrong ones than are tried in a second or two.
+_MOST_STAGES = 13
+
+
+@dataclass(frozen=True)
+class Program:
+    """The lines of one step as a paper has them, which are Python, over the coefficients in `tables`.
+
+    A Runge-Kutta method has the states Y[i] and slopes k[i] of y = (q, v) and ends with y1; a Nyström method has Q[i]
+    and k[i], and ends with q1 and v1; a splitting goes from q[0] and v[0] to q[-1] and v[-1].
+    """
+
+    lines: Lines
+    tables: Tables
+
+    def step(self, force: Callable[[float], float], q: float, v: float, h: float) -> tuple[float, float]:
+        """(q₁, v₁)."""
+        room = [None] * (len(self.lines) + 1)
+        known: dict[str, Any] = {**self.tables, "h": h, "k": [*room], "Y": [*room], "Q": [*room], "F": force}
+        known |= {"q": q, "v": v} if "c" in self.tables else {"q": [q], "v": [v]}
+        known |= {"y": np.array([q, v]), "f": lambda y: np.array([y[1], force(y[0])])}
+        known |= {"q_only": np.array([1.0, 0.0]), "v_only": np.array([0.0, 1.0])}
+        exec(compile("\n".join(self.lines), "<step>", "exec"), known)
+        if "y1" in known:
+            return float(known["y1"][0]), float(known["y1"][1])
+        return (known["q1"], known["v1"]) if "q1" in known else (known["q"][-1], known["v"][-1])
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """A program but for one line, and how, in words."""
+
+    words: str
+    program: Program
+
+
+def single_mistakes(subject: ForeignStepper, method: Method) -> tuple[str, ...]:
+    """The mistakes, in words, each of which alone makes the method's program take the steps that the subject takes.
+
+    On q'' = -q where that is built in, else on q'' = exp(-2q). None of an implicit method, or of a very long one.
+    """
+    calls = len(method.parts) if isinstance(method, Splitting) else getattr(method, "stages", 0)
+    if not method.explicit or calls > _MOST_STAGES:
+        return ()
+    force = oscillator if subject.convention.kind == MAP else _wall
+    step = subject.step if subject.convention.kind == MAP else lambda *at: subject.step_with(_wall, *at)
+    try:
+        seen = [step(*at) for at in _STEPS]
+    except Misbehaviour:
+        return ()
+    rounding = Rounding(subject.format, calls)
+
+    def agrees(program: Program) -> bool:
+        return all(_near(program, force, at, answer, rounding) for at, answer in zip(_STEPS, seen, strict=True))
+
+    program = program_of(method)
+    if agrees(program):
+        return ()
+    solved = (_solved(one, force, seen[0], rounding) for one in _one_parameter(method, program))
+    found = (each.words for each in chain(_edits(method, program), solved) if each and agrees(each.program))
+    return tuple(islice(found, MOST_TOLD))
+
+
+def _wall(q: float) -> float:
+    return exp(min(-2 * q, 700.0))
+
+
+def _near(
+    program: Program,
+    force: Callable[[float], float],
+    at: tuple[float, float, float],
+    seen: Sequence[float],
+    rounding: Rounding,
+) -> bool:
+    with suppress(OverflowError), np.errstate(all="ignore"):
+        made = program.step(force, *at)
+        allowed = _INSIDE * rounding.of(1 + max(map(abs, (*seen, *made))))
+        return all(abs(x - y) <= allowed for x, y in zip(made, seen, strict=True))
+    return False
+
+
+def program_of(method: Method) -> Program:
+    """The step of an explicit method as it is defined."""
+
+    def row(numbers: Sequence[Exact]) -> list[float]:
+        return [float(x) for x in numbers]
+
+    if isinstance(method, Splitting):
+        return Program(_splitting_lines(range(len(method.parts)), method), {"d": row([x for _, x in method.parts])})
+    assert isinstance(method, RungeKutta | Nystrom)
+    tables: Tables = {"a": [row(each) for each in method.a], "c": row(method.c)}
+    lines: list[str] = []
+    for i, weights in enumerate(method.a):
+        pushes = _sum(f"a[{i}]", weights)
+        if isinstance(method, RungeKutta):
+            lines += [f"Y[{i}] = y" + f" + h * {pushes}" * bool(pushes), f"k[{i}] = f(Y[{i}])"]
+        else:
+            lines += [f"Q[{i}] = q + h * c[{i}] * v" + f" + h * h * {pushes}" * bool(pushes), f"k[{i}] = F(Q[{i}])"]
+    if isinstance(method, RungeKutta):
+        return Program((*lines, f"y1 = y + h * {_sum('b', method.b)}"), {**tables, "b": row(method.b)})
+    tables |= {"b_position": row(method.b_position), "b_velocity": row(method.b_velocity)}
+    moved = f"v1 = v + h * {_sum('b_velocity', method.b_velocity)}"
+    return Program((*lines, moved, f"q1 = q + h * v + h * h * {_sum('b_position', method.b_position)}"), tables)
+
+
+def _sum(row: str, weights: Sequence[Exact]) -> str:
+    terms = [f"{row}[{j}] * k[{j}]" for j, x in enumerate(weights) if x != 0]
+    return f"({' + '.join(terms)})" if terms else ""
+
+
+def _splitting_lines(order: Sequence[int], method: Splitting) -> Lines:
+    """The sub-steps in this order, each from what the last one left."""
+    lines, passed = [], {"q": 0, "v": 0}
+    for i in order:
+        x = "v" if method.parts[i][0] == "kick" else "q"
+        slope = f"F(q[{passed['q']}])" if x == "v" else f"v[{passed['v']}]"
+        lines.append(f"{x} += [{x}[{passed[x]}] + h * d[{i}] * {slope}]")
+        passed[x] += 1
+    return tuple(lines)
+
+
+def _shown(line: str) -> str:
+    """A line of a splitting as one reads it: the next q is q[0] + ..."""
+    return re.sub(r"^([qv]) \+= \[(.*)\]$", r"new \1 = \2", line)
+
+
+def _edits(method: Method, program: Program) -> Iterator[Mistake]:
+    """The wrong programs that differ in one thing."""
+    for at, line in enumerate(program.lines):
+        before = program.lines[:at]
+        wrong = chain(_wrong_factors(line), _wrong_names(before, line), _left_out(line), _in_one_component(line))
+        for words, *lines in wrong:
+            yield Mistake(words, replace(program, lines=(*program.lines[:at], *lines, *program.lines[at + 1 :])))
+    if isinstance(method, Splitting):
+        for i in range(len(method.parts) - 1):
+            order = [*range(i), i + 1, i, *range(i + 2, len(method.parts))]
+            words = f"{method.parts[i][0]} {i} and {method.parts[i + 1][0]} {i + 1} are exchanged"
+            yield Mistake(words, replace(program, lines=_splitting_lines(order, method)))
+    else:
+        yield from _too_early(program)
+
+
+def _wrong_factors(line: str) -> Iterator[tuple[str, str]]:
+    for found in re.finditer(r"\bh \* ", line):
+        yield f"h is missing in {_shown(line)}", line[: found.start()] + line[found.end() :]
+        yield f"h stands twice in {_shown(line)}", line[: found.end()] + line[found.start() :]
+
+
+def _in_one_component(line: str) -> Iterator[tuple[str, str, str]]:
+    """The same of the position or of the velocity alone, in a state that has both."""
+    for words, wrong in _wrong_factors(line) if line[0] in "Yy" else ():
+        name, _, right = line.partition(" = ")
+        for x, other in ("qv", "vq"):
+            yield (
+                f"in the {x}, {words}",
+                line,
+                f"{name} = ({right}) * {other}_only + ({wrong[len(name) + 3 :]}) * {x}_only",
+            )
+
+
+def _wrong_names(before: Sequence[str], line: str) -> Iterator[tuple[str, str]]:
+    """Another slope or state of those that are known there."""
+    for found in re.finditer(r"(?<=.)\b([kYQqv])\[(\d+)\]", line):
+        known = sum(each.startswith((f"{found[1]}[", f"{found[1]} +=")) for each in before) + (found[1] in "qv")
+        for j in set(range(known)) - {int(found[2])}:
+            wrong = f"{line[: found.start()]}{found[1]}[{j}]{line[found.end() :]}"
+            yield f"{_shown(wrong)} in place of {_shown(line)}", wrong
+
+
+def _left_out(line: str) -> Iterator[tuple[str, ...]]:
+    """Nothing is added to a state; to one component of it, where it has two."""
+    if line[0] in "Yy":
+        name = line.partition(" = ")[0]
+        for x, other in ("qv", "vq"):
+            kept = f"{name} = y * {x}_only + {name} * {other}_only"
+            yield f"the {x} of {name} is left as it is in y", line, kept
+    elif line[0] != "k":
+        start = line.partition(" + ")[0]
+        yield f"{_shown(line)} is left out", start + "]" * ("[" in start.partition("=")[2])
+
+
+def _too_early(program: Program) -> Iterator[Mistake]:
+    """The state is advanced while stages are still formed of it, or one component of it before the other's slope."""
+    lines, runge_kutta = program.lines, "b" in program.tables
+    if not runge_kutta:
+        late = (*lines[:-1], lines[-1].replace("h * v ", "h * v1 "))
+        yield Mistake("v1 moves the position in place of v", replace(program, lines=late))
+    y, weights = ("y", "h * b") if runge_kutta else ("q", "h * h * b_position")
+    for i in range(len(program.tables["c"])):
+        early = f"{y} + {weights}[{i}] * k[{i}]"
+        for words, starts in (("stages", "YQ"), ("stages and the result", "YQyq")):
+            wrong = [each.replace(f" = {y}", f" = ({early})", 1) if each[0] in starts else each for each in lines]
+            formed = (*lines[: 2 * i + 2], *wrong[2 * i + 2 :])
+            yield Mistake(f"after k[{i}], {words} are formed of {early}", replace(program, lines=formed))
+        for weight in (f"b[{i}]", f"a[{i + 1}][{i}]") if runge_kutta else ():
+            if weight in "".join(lines):
+                turns = (
+                    f"Y[{i}] = Y[{i}] + h * {weight} * k[{i}] * q_only",
+                    f"k[{i}] = k[{i}] * q_only + f(Y[{i}]) * v_only",
+                )
+                words = f"in k[{i}], the position moves by h {weight} k[{i}] before the velocity's slope is taken"
+                yield Mistake(words, replace(program, lines=(*lines[: 2 * i + 2], *turns, *lines[2 * i + 2 :])))
+
+
+@dataclass(frozen=True)
+class _Parameter:
+    """Programs with one number x free: the `chosen` numbers of a row are x, or are x times the method's."""
+
+    words: str
+    program: Program
+    name: str
+    i: int | None
+    chosen: tuple[int, ...]
+    scaled: bool
+
+    @property
+    def row(self) -> list[float]:
+        """The row as the method has it."""
+        table = self.program.tables[self.name]
+        row: list[float] = table if self.i is None else table[self.i]
+        return row
+
+    def at(self, x: float) -> Program:
+        """The program with this x."""
+        row = [(y * x if self.scaled else x) if j in self.chosen else y for j, y in enumerate(self.row)]
+        table = self.program.tables[self.name]
+        rows = row if self.i is None else [*table[: self.i], row, *table[self.i + 1 :]]
+        return replace(self.program, tables={**self.program.tables, self.name: rows})
+
+
+def _one_parameter(method: Method, program: Program) -> Iterator[_Parameter]:
+    """Each coefficient that is not 0, and each row as a whole; of splittings all kicks, all drifts."""
+    parts = method.parts if isinstance(method, Splitting) else ()
+    rows: list[tuple[str, int | None, Sequence[Exact]]] = [("d", None, [x for _, x in parts])] if parts else []
+    if not parts:
+        rows = [("a", i, row) for i, row in enumerate(getattr(method, "a", ()))]
+        names = ("b",) if isinstance(method, RungeKutta) else ("c", "b_position", "b_velocity")
+        rows += [(name, None, getattr(method, name)) for name in names]
+    for name, i, exact in rows:
+        there = tuple(j for j, x in enumerate(exact) if x != 0)
+        row = name if i is None else f"{name}[{i}]"
+        for j in there:
+            place = f"{parts[j][0]} {j}" if parts else f"{row}[{j}]"
+            yield _Parameter(f"{place}: {{}} instead of {exact_shown(exact[j])}", program, name, i, (j,), scaled=False)
+        groups = {f"all {kind}s": tuple(j for j in there if parts[j][0] == kind) for kind in ("kick", "drift") if parts}
+        for words, chosen in (groups or {f"all of {row}": there}).items():
+            if len(chosen) > 1:
+                yield _Parameter(f"{words} times {{}}", program, name, i, chosen, scaled=True)
+
+
+def _solved(
+    one: _Parameter, force: Callable[[float], float], seen: Sequence[float], rounding: Rounding
+) -> Mistake | None:
+    """The program with the x that makes its first step the one seen, by the secant method; None if there is none."""
+
+    def gap(x: float, m: int) -> float:
+        return one.at(x).step(force, *_STEPS[0])[m] - seen[m]
+
+    start = 1.0 if one.scaled else one.row[one.chosen[0]]
+    with suppress(OverflowError), np.errstate(all="ignore"):
+        for m in (1, 0):
+            x, before = start, start + _ASIDE
+            off, off_before = gap(x, m), gap(before, m)
+            for _ in range(_ROUNDS):
+                if off == off_before or not isfinite(off):
+                    break
+                x, before = x - off * (x - before) / (off - off_before), x
+                off, off_before = gap(x, m), off
+            if x != start and abs(off) <= _INSIDE * rounding.of(1 + abs(seen[m])):
+                found = simple_rational(x, _INSIDE * rounding.of(max(1.0, abs(x))))
+                return Mistake(one.words.format(f"{x:.12g}" if found is None else found), one.at(x))
+    return None

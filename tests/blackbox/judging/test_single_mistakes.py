@@ -1,0 +1,117 @@
+"""One wrong line and one wrong coefficient are found in programs that somebody else wrote, and none in right ones."""
+
+import pytest
+
+from driftproof.blackbox.judging.single_mistakes import MOST_TOLD, program_of, single_mistakes
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.stepping import oscillator, stepper
+from tests.blackbox import handwritten_steppers as codes
+from tests.looping import some
+
+EXPLICIT = [key for key, method in METHODS.items() if method.explicit]
+
+
+def test_the_programs_are_the_methods():
+    for key in some(EXPLICIT, 60):
+        step, program = stepper(METHODS[key], float), program_of(METHODS[key])
+        for force in (oscillator, lambda q: 1 + q * q):
+            made, said = program.step(force, 0.5, -0.25, 0.125), step(force, 0.5, -0.25, 0.125)
+            assert made == pytest.approx(said, rel=1e-13), key
+
+
+def rk4_with(slope=None, base=None, end=None):
+    """RK4 with another third slope, with stages on another base, or with another end."""
+
+    def step(f, t, y, h):
+        k1 = f(t, y)
+        k2 = f(t + h / 2, y + h / 2 * k1)
+        y3 = (base(y, h, k2) if base else y) + h / 2 * k2
+        k3 = f(t + h / 2, y3) if slope is None else slope(f, t, y, h, k1, k2)
+        k4 = f(t + h, (base(y, h, k2) if base else y) + h * k3)
+        total = (k1 + 2 * k2 + 2 * k3 + k4) / 6
+        return y + h * total if end is None else end(y, h, total)
+
+    return step
+
+
+def verlet(drift=lambda q, v, old, h: q + h * v, kick=lambda v, a, h: v + h / 2 * a, stale=False):
+    """Velocity Verlet with another drift, with another last kick, or with the first force twice."""
+
+    def step(q, v, h):
+        a, old = -q, v
+        v = v + h / 2 * a
+        q = drift(q, v, old, h)
+        return q, kick(v, a if stale else -q, h)
+
+    return step
+
+
+def nystrom4_with_new_velocity(force, q, v, h):
+    a = force(q)
+    b = force(q + h / 2 * v + h * h / 8 * a)
+    c = force(q + h * v + h * h / 2 * b)
+    v1 = v + h / 6 * (a + 4 * b + c)
+    return q + h * v1 + h * h / 6 * (a + 2 * b), v1
+
+
+WRONG = {
+    "reused": (rk4_with(slope=lambda f, t, y, h, k1, k2: k2), "rk4", "k[2] = f(Y[1]) in place of k[2] = f(Y[2])"),
+    "of k1": (
+        rk4_with(slope=lambda f, t, y, h, k1, k2: f(t, y + h / 2 * k1)),
+        "rk4",
+        "Y[2] = y + h * (a[2][1] * k[0]) in place of Y[2] = y + h * (a[2][1] * k[1])",
+    ),
+    "twice as far": (
+        rk4_with(slope=lambda f, t, y, h, k1, k2: f(t, y + h * k2)),
+        "rk4",
+        "a[2][1]: 1 instead of 1/2",
+    ),
+    "no h": (rk4_with(end=lambda y, h, k: y + k), "rk4", "h is missing in y1 = y + h * (b[0] * k[0] + b[1] * k[1]"),
+    "h twice": (rk4_with(end=lambda y, h, k: y + h * h * k), "rk4", "h stands twice in y1 = "),
+    "doubled": (rk4_with(end=lambda y, h, k: y + 2 * h * k), "rk4", "all of b times 2"),
+    "overwritten": (
+        rk4_with(base=lambda y, h, k: y + h / 3 * k),
+        "rk4",
+        "after k[1], stages are formed of y + h * b[1]",
+    ),
+    "q left": (rk4_with(end=lambda y, h, k: [y[0], (y + h * k)[1]]), "rk4", "the q of y1 is left as it is in y"),
+    "in turn": (codes.composed([("drift", 1), ("kick", 1)]), "forward_euler", "in k[0], the position moves by h b[0]"),
+    "stale": (verlet(stale=True), "velocity_verlet", "d[2] * F(q[0]) in place of new v = v[1] + h * d[2] * F(q[1])"),
+    "old v": (
+        verlet(drift=lambda q, v, old, h: q + h * old),
+        "velocity_verlet",
+        "new q = q[0] + h * d[1] * v[0] in place of new q = q[0] + h * d[1] * v[1]",
+    ),
+    "exchanged": (codes.symplectic_euler, "symplectic_euler_position_first", "drift 0 and kick 1 are exchanged"),
+    "kicked back": (verlet(kick=lambda v, a, h: v - h / 2 * a), "velocity_verlet", "kick 2: -1/2 instead of 1/2"),
+    "not kicked": (verlet(kick=lambda v, a, h: v), "velocity_verlet", "* F(q[1]) is left out"),
+    "new velocity": (nystrom4_with_new_velocity, "nystrom4", "v1 moves the position in place of v"),
+    "all kicks": (
+        codes.composed([("kick", 0.55), ("drift", 1), ("kick", 0.55)]),
+        "velocity_verlet",
+        "all kicks times 11/10",
+    ),
+}
+
+
+@pytest.mark.parametrize(("step", "key", "words"), WRONG.values(), ids=WRONG)
+def test_the_mistake_is_among_those_that_take_the_same_steps(step, key, words):
+    found = single_mistakes(opened(step), METHODS[key])
+    assert any(words in each for each in found), found
+    assert len(found) <= MOST_TOLD
+
+
+def gives_up(q, v, h):
+    raise ValueError("no")
+
+
+@pytest.mark.parametrize(
+    ("step", "key"),
+    [(codes.rk4, "rk4"), (codes.rk38, "dormand_prince54"), (codes.rk4, "gauss2"), (codes.velocity_verlet, "ssprk104")],
+)
+def test_nothing_is_said_of_a_right_step_or_of_one_that_is_far_off(step, key):
+    assert single_mistakes(opened(step), METHODS[key]) == ()
+    subject = opened(codes.rk4)
+    subject.function = gives_up
+    assert single_mistakes(subject, METHODS["heun2"]) == ()
