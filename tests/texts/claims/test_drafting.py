@@ -7,6 +7,7 @@ import sys
 import tomllib
 from collections import Counter
 from collections.abc import Callable
+from fractions import Fraction as Q
 from pathlib import Path
 from types import FrameType
 
@@ -19,6 +20,7 @@ from driftproof.texts.claims import drafting
 from driftproof.texts.claims.checking import GIVEN, UNCOVERED, WORKED_OUT, check_claims, coverage
 from driftproof.texts.claims.claims import parse_claims
 from driftproof.texts.claims.drafting import LookAlike, Suggestions, draft
+from driftproof.texts.questions.evaluate import value
 from driftproof.texts.readers.document import Document, document_of, read_document
 from driftproof.texts.readers.numbers import numbers_in
 from tests.looping import exactly
@@ -52,7 +54,11 @@ def test_best_suggestion_is_the_value_whose_names_are_near(text: str, best: str 
 
 def test_suggestion_is_strong_only_where_the_digits_or_the_names_say_so() -> None:
     assert [candidate.strong for candidate in suggested("about 0.877604")[0]] == [True, True]
-    assert not any(candidate.strong for candidate in suggested("about 0.5")[0])
+    for text, strong in (("0.5", False), ("2.4", False), ("2.39", True), ("0.090", True), ("0.09", False)):
+        assert {candidate.strong for candidate in suggested(f"about {text}")[0]} == {strong}, text
+    exact = [value(candidate.question).exact == Q(1, 2) for candidate in suggested("about 0.5")[0]]
+    assert exact == sorted(exact, reverse=True), "what is equal stands before what is rounded"
+    assert {*exact} == {True, False}
     (candidates,) = suggested("the exact energy is 0.5")
     assert (candidates[0].question, candidates[0].strong) == ("exact.energy", True)
 
@@ -65,16 +71,16 @@ def test_names_of_a_value_are_near_within_a_line_of_the_number() -> None:
 
 
 def test_so_many_methods_steps_and_times_are_asked_of_and_no_more() -> None:
-    text = " ".join([*METHODS, *(f"h = 1/{n}" for n in range(2, 9)), *(f"t = {n}" for n in range(2, 9))])
+    given = ["h = 1/123456789012345678", "h = 1/12345678901234567"]  # of 20 characters, and of 19
+    given += [f"{letter} = {'1/' * (letter == 'h')}{n}" for letter in "ht" for n in range(2, 9)]
+    text = " ".join([*METHODS, *given])
     asked = [question.split() for question in Suggestions(text)._questions()]
     assert len({words[1] for words in asked if words[0] == "run"}) == 6
-    assert {words[2] for words in asked if words[0] == "run"} == {f"h=1/{n}" for n in (2, 3, 4, 5)}
+    assert {words[2] for words in asked if words[0] == "step"} == {"h=1/12345678901234567", "h=1/2", "h=1/3", "h=1/4"}
     assert {words[3] for words in asked if words[0] == "run"} == {"t=2", "t=3"}
 
 
 def test_suggested_value_is_spelled_as_the_number_is() -> None:
-    from driftproof.texts.questions.evaluate import value
-
     text = "RK4 and forward Euler: 2.390, 3.3e-4, 337/384, 160, 0.8776"
     numbers = [n for n in numbers_in(text) if n.label is None]
     for number, candidates in exactly(5, zip(numbers, suggested(text), strict=True)):
@@ -119,7 +125,24 @@ def test_phrase_has_three_words_before_its_numbers_and_after_them_what_belongs_t
         ("RK4 ends at {value}", 1),
         ("again. That is 0.33 %", 1),
     ]
-    assert held(document_of(text), draft(document_of(text), "a"))[UNCOVERED] == 0
+    assert (found[0]["value"], found[0]["id"]) == ("rk4.first_step.q", "rk4.first_step.q")
+    again = document_of(f"{text} Then q is 0.877604.")
+    assert held(again, draft(again, "a"))[UNCOVERED] == 0
+    assert 'id = "rk4.first_step.q (2)"' in draft(again, "a")
+
+
+@pytest.mark.parametrize(
+    ("text", "phrases"),
+    [
+        ("from 1.5 " + "y" * 23 + " 2.5", ["from 1.5 " + "y" * 23 + " 2.5"]),
+        ("from 1.5 " + "y" * 24 + " 2.5", ["from 1.5", "y" * 24 + " 2.5"]),
+        ("at 0.5x is 0.877604", ["at 0.5x", "is {value}"]),
+        ("at 1.5. Or 2.5", ["at 1.5", ". Or 2.5"]),
+        ("1.5 " * 9, ["1.5 " * 7 + "1.5", "1.5"]),
+    ],
+)
+def test_numbers_of_one_line_that_are_near_stand_in_one_phrase(text: str, phrases: list[str]) -> None:
+    assert re.findall(r'phrase = "(.*)"', draft(document_of(text), "a")) == phrases
 
 
 def test_name_of_the_text_cannot_break_the_draft() -> None:
