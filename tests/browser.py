@@ -34,6 +34,8 @@ FLAGS = (
     *("--disable-component-update", "--disable-sync"),
 )
 
+Scheme = Literal["light", "dark"]
+
 
 @dataclass
 class Shown:
@@ -70,15 +72,16 @@ def started() -> Iterator[Browser]:
 
 @contextmanager
 def opened(
-    browser: Browser, path: Path, *, width: int = 1200, scheme: Literal["light", "dark"] = "light", script: bool = True
+    browser: Browser, of: Path | str, *, width: int = 1200, scheme: Scheme = "light", script: bool = True
 ) -> Iterator[Shown]:
-    """The file, loaded in a window `width` pixels wide, without a network, with or without script."""
+    """A file, without a network, or an address, loaded in a window `width` pixels wide, with or without script."""
     context = browser.new_context(
-        viewport={"width": width, "height": 900}, color_scheme=scheme, java_script_enabled=script, offline=True
+        viewport={"width": width, "height": 900}, color_scheme=scheme, java_script_enabled=script
     )
     try:
         page = context.new_page()
-        shown = Shown(page, path.resolve().as_uri())
+        shown = Shown(page, of if isinstance(of, str) else of.resolve().as_uri())
+        context.set_offline(isinstance(of, Path))
         page.on("console", lambda message: shown.console.append(f"{message.type}: {message.text}"))
         page.on("pageerror", lambda error: shown.errors.append(str(error)))
         page.on("request", lambda request: shown.requests.append(request.url))

@@ -113,9 +113,8 @@ def test_question_without_an_answer_gives_one_line_and_its_own_exit(run):
 
 
 def test_bound_is_of_the_number_format_asked_for(found):
-    formats = [found("roundoff", "rk4", "--float", name)["format"] for name in ("binary64", "binary32")]
-    assert formats[0].startswith("binary64: u = 2**-53")
-    assert formats[1].startswith("binary32: u = 2**-24")
+    for name, u in (("binary64", 53), ("binary32", 24), ("binary16", 11)):
+        assert found("roundoff", "rk4", "--float", name)["format"].startswith(f"{name}: u = 2**-{u}")
 
 
 RK4 = ("rk4", "--h", "1/2")
@@ -128,6 +127,9 @@ REFUSED = {
     ("run", "rk4", "--h", "1e-10", "--t", "1", "--budget"): "10000000000 steps are more than 100000000",
     ("run", "rk4", "--h", "0.3", "--t", "10"): "h = 3/10 does not divide t = 10",
     ("run", "rk4", "--h", "1/2", "--t", "ten"): "t: 'ten' is not a rational number",
+    ("run", "rk4", "--h", "1e-400", "--t", "1e-399", "--budget"): "h is nearer to 0 than the smallest binary64",
+    ("roundoff", "rk9"): "unknown method 'rk9'",
+    ("roundoff", "gauss2"): "gauss2 is implicit",
     ("roundoff", "rk4", "--float", "binary8"): "invalid choice: 'binary8' (choose from 'binary64', 'binary32'",
 }
 

@@ -120,9 +120,15 @@ REFUSED = {
     ("report", "default", "-o", "/proc/page.html"): "/proc/page.html: No such file or directory",
     ("report", "default", "-o", "tests"): "tests is a folder; name a file in it",
     ("report", "default"): "required: -o/--output",
+    ("report", "defualt", "-o", "r.html"): "did you mean default",
+    ("report", "none.toml", "-o", "r.html"): "none.toml: No such file",
+    ("report", "no such scene", "-o", "/dev/null"): "/dev/null is no file",
+    ("report", "default", "-o", "pyproject.toml/r.html"): "pyproject.toml",
+    ("report", "default", "--digits", "0", "-o", "r.html"): "number of digits",
 }
 
 
 @pytest.mark.parametrize("words", REFUSED, ids=range(len(REFUSED)))
 def test_refusal_is_one_line(words, refusal):
     assert REFUSED[words] in refusal(*words)
+    assert not Path("r.html").exists()

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser
 
 from driftproof.texts.values.published import published_values, render_values
-from tests.browser import started
+from tests.browser import Shown, opened, started
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "web" / "index.html"
 
@@ -44,30 +44,25 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         server.shutdown()
 
 
-class Opened:
-    """The page, what it complained of, and what it fetched."""
-
-    def __init__(self, page: Page, address: str) -> None:
-        self.page = page
-        self.complaints: list[str] = []
-        self.requests: list[str] = []
-        page.on("console", lambda message: self.complaints.append(message.text))
-        page.on("pageerror", lambda error: self.complaints.append(str(error)))
-        page.on("request", lambda request: self.requests.append(request.url.removeprefix(address)))
-        page.goto(address)
-        page.wait_for_function("document.querySelector('#energy').textContent")
-
-
 @pytest.fixture(params=[(1200, "light"), (360, "light"), (360, "dark")], ids=["wide", "narrow", "dark"])
-def opened(request: pytest.FixtureRequest, chromium: Browser, site: str) -> Iterator[Opened]:
-    width, scheme = request.param
-    context = chromium.new_context(viewport={"width": width, "height": 800}, color_scheme=scheme)
-    yield Opened(context.new_page(), site)
-    context.close()
+def shown(request: pytest.FixtureRequest, chromium: Browser, site: str) -> Iterator[Shown]:
+    with opened(chromium, site, width=request.param[0], scheme=request.param[1]) as shown:
+        yield ready(shown)
 
 
-def test_numbers_are_shown_and_say_what_they_are(opened: Opened) -> None:
-    page = opened.page
+@pytest.fixture
+def plain(chromium: Browser, site: str) -> Iterator[Shown]:
+    with opened(chromium, site) as shown:
+        yield ready(shown)
+
+
+def ready(shown: Shown) -> Shown:
+    shown.page.wait_for_function("document.querySelector('#energy').textContent")
+    return shown
+
+
+def test_numbers_are_shown_and_say_what_they_are(shown: Shown) -> None:
+    page = shown.page
     numbers = page.locator("driftproof-value data")
     assert numbers.count() == page.locator("driftproof-value").count() == 8
     assert numbers.first.text_content() == "0.877604"
@@ -84,12 +79,13 @@ def test_numbers_are_shown_and_say_what_they_are(opened: Opened) -> None:
         assert 0 <= box["x"] <= box["x"] + box["width"] <= page.viewport_size["width"]  # type: ignore[index]
         assert number.locator("data").get_attribute("aria-describedby") == tip.get_attribute("id")
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-    assert opened.complaints == []
-    assert sorted(opened.requests) == ["", "driftproof.mjs", "values.json"]
+    assert shown.console == shown.errors == []
+    names = [address.removeprefix(shown.address) for address in shown.requests]
+    assert sorted(names) == ["", "driftproof.mjs", "values.json"]
 
 
-def test_remark_opens_with_the_focus_and_closes_with_escape(opened: Opened) -> None:
-    page = opened.page
+def test_remark_opens_with_the_focus_and_closes_with_escape(shown: Shown) -> None:
+    page = shown.page
     tips = page.locator("[role=tooltip]")
     page.keyboard.press("Tab")
     assert tips.nth(0).is_visible()
@@ -101,10 +97,10 @@ def test_remark_opens_with_the_focus_and_closes_with_escape(opened: Opened) -> N
     assert tips.nth(1).is_hidden()
 
 
-def test_remark_is_readable_in_either_scheme(opened: Opened) -> None:
+def test_remark_is_readable_in_either_scheme(shown: Shown) -> None:
     """Text and ground differ as WCAG 2.2 asks: 4.5 : 1 at least."""
     tip = "getComputedStyle(document.querySelector('[role=tooltip]'))"
-    colours = [opened.page.evaluate(f"{tip}.{name}") for name in ("color", "backgroundColor")]
+    colours = [shown.page.evaluate(f"{tip}.{name}") for name in ("color", "backgroundColor")]
     light, dark = sorted(map(_luminance, colours), reverse=True)
     assert (light + 0.05) / (dark + 0.05) >= 4.5
 
@@ -131,21 +127,18 @@ NOT_SHOWN = [
 ]
 
 
-def test_what_cannot_be_shown_is_a_visible_error(chromium: Browser, site: str) -> None:
-    page = chromium.new_page()
-    opened = Opened(page, site)
+def test_what_cannot_be_shown_is_a_visible_error(plain: Shown) -> None:
+    page = plain.page
     for attributes, message in NOT_SHOWN:
         element = f"<driftproof-value {attributes}>0.5</driftproof-value>"
         page.evaluate("html => { document.body.innerHTML = html; }", element)
         assert page.locator("driftproof-value").text_content() == message
         assert page.locator("driftproof-value [role=alert]").is_visible()
-    assert opened.complaints == []
-    page.close()
+    assert plain.console == plain.errors == []
 
 
-def test_element_follows_its_attributes(chromium: Browser, site: str) -> None:
-    page = chromium.new_page()
-    Opened(page, site)
+def test_element_follows_its_attributes(plain: Shown) -> None:
+    page = plain.page
     page.evaluate("document.querySelector('driftproof-value').setAttribute('digits', '3')")
     assert page.locator("driftproof-value data").first.text_content() == "0.878"
     page.fill("#count", "41")
@@ -153,13 +146,7 @@ def test_element_follows_its_attributes(chromium: Browser, site: str) -> None:
     page.close()
 
 
-def test_text_kept_for_pages_without_script_is_what_the_script_shows(chromium: Browser, site: str) -> None:
-    page = chromium.new_page()
-    Opened(page, site)
-    shown = page.locator("driftproof-value data").all_inner_texts()
-    page.close()
-    context = chromium.new_context(java_script_enabled=False)
-    page = context.new_page()
-    page.goto(site)
-    assert page.locator("driftproof-value").all_inner_texts() == shown != []
-    context.close()
+def test_text_kept_for_pages_without_script_is_what_a_script_shows(plain: Shown, chromium: Browser, site: str) -> None:
+    texts = plain.page.locator("driftproof-value data").all_inner_texts()
+    with opened(chromium, site, script=False) as shown:
+        assert shown.page.locator("driftproof-value").all_inner_texts() == texts != []

@@ -132,15 +132,6 @@ def test_without_a_norm_of_its_own_there_is_no_theorem_and_it_says_so():
     assert "real eigenvectors" in answer["bound"]["reason"]
 
 
-def test_commands_print_text_and_json(capsys):
-    assert main(["roundoff", "rk4", "--h", "1/4", "--format", "json"]) == 0
-    assert json.loads(capsys.readouterr().out)["at"][0]["h"] == "1/4"
-    assert main(["roundoff", "velocity_verlet", "--float", "binary16"]) == 0
-    assert "binary16: u = 2**-11" in capsys.readouterr().out
-    assert main(["run", "rk4", "--h", "1/4", "--t", "10", "--budget"]) == 0
-    assert "proved bound" in capsys.readouterr().out
-
-
 def test_run_whose_floats_overflow_is_answered_and_says_so(capsys):
     """|1 + 4i|**1000 is about 1e615: no double, and no obstacle to the exact run."""
     arguments = ["run", "forward_euler", "--h", "4", "--t", "4000", "--budget"]
@@ -153,15 +144,3 @@ def test_run_whose_floats_overflow_is_answered_and_says_so(capsys):
     assert answer["state_error"]["decimal"].endswith("e615")
     assert set(answer["budget"]) == set(budget("rk4")) | {"reason"}
     assert answer["budget"]["rounding"] is None
-
-
-def test_bad_questions_get_one_line(capsys):
-    for arguments in (
-        ["roundoff", "rk9"],
-        ["roundoff", "gauss2"],
-        ["run", "rk4", "--h", "1e-400", "--t", "1e-399", "--budget"],
-    ):
-        assert main(arguments) == 2
-        captured = capsys.readouterr()
-        assert captured.out == ""
-        assert captured.err.count("\n") == 1

@@ -263,36 +263,6 @@ def test_command_takes_scenes_by_name_and_from_files(answer: Callable[..., str],
 Run = Callable[..., tuple[int, str, str]]
 
 
-def test_command_refuses_what_is_no_file_before_anything_is_computed(run: Run, tmp_path: Path) -> None:
-    for output, complaint in [(tmp_path, "is a folder; name a file in it"), (Path("/dev/null"), "is no file")]:
-        status, out, err = run("report", "no such scene", "-o", str(output))
-        assert (status, out) == (2, "")
-        assert complaint in err
-        assert err.count("\n") == 1
-    assert Path("/dev/null").is_char_device()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "complaint"),
-    [
-        (["report"], "-o/--output"),
-        (["report", "defualt", "-o", "{}/r.html"], "did you mean default"),
-        (["report", "{}/none.toml", "-o", "{}/r.html"], "No such file"),
-        (["report", "default", "-o", "{}/file/r.html"], "{}/file"),
-        (["report", "default", "--digits", "0", "-o", "{}/r.html"], "number of digits"),
-    ],
-)
-def test_bad_input_is_one_line_and_leaves_no_file(
-    run: Run, tmp_path: Path, arguments: list[str], complaint: str
-) -> None:
-    (tmp_path / "file").write_text("")
-    status, out, err = run(*(argument.format(tmp_path) for argument in arguments))
-    assert (status, out) == (2, "")
-    assert complaint.format(tmp_path) in err
-    assert err.count("\n") == 1
-    assert [path.name for path in tmp_path.iterdir()] == ["file"]
-
-
 def test_page_that_fails_leaves_the_old_one_as_it_was(run: Run, tmp_path: Path) -> None:
     path = tmp_path / "report.html"
     path.write_text("old", encoding="utf-8")

@@ -92,23 +92,3 @@ def test_command_answers_with_its_exit_status(files: Path, run: Run) -> None:
     assert run("check", "a.md", "--claims", "c.toml", "--format", "github")[1].startswith(
         "::error file=a.md,line=1,col=42"
     )
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("a.md",), "one of the arguments --claims --init is required"),
-        (("a.md", "--claims", "c.toml", "--init"), "not allowed with argument"),
-        (("none.md", "--claims", "c.toml"), "none.md"),
-        (("a.md", "--claims", "none.toml"), "none.toml"),
-        (("a.md", "--claims", "a.md"), "a.md: "),
-        (("..", "--claims", "c.toml"), "Is a directory"),
-        (("a.md", "--claims", "c.toml", "--time-limit", "0"), "is no time limit"),
-        (("a.md", "--claims", "c.toml", "--format", "xml"), "invalid choice"),
-    ],
-)
-def test_command_refuses_bad_input_in_one_line(files: Path, run: Run, arguments: tuple[str, ...], message: str) -> None:
-    status, out, err = run("check", *arguments)
-    assert (status, out) == (2, "")
-    assert message in err
-    assert err.count("\n") == 1
