@@ -17,6 +17,8 @@ from driftproof.reports.page.plot import COLUMNS_OF_PIXELS, WIDE, Axis, Plot, Sc
 _MOST_DOTS = 60
 # Decades below the largest error that are shown: no double is that much better than another.
 _DEEPEST = 40
+# No more digits of an error are claimed, because the radius is made as small as that.
+PROVED_DIGITS = 12
 _MARKS = ("path m0", "path m1", "path m2")
 
 
@@ -25,10 +27,9 @@ def draw_certificate(found: Certificate, title: str, path: Path) -> Path:
     if path.suffix.lower() != ".svg":
         raise ValueError(f"{path}: the name of this picture ends in .svg")
     figure = certificate_figure(found, title)
-    radius = max((float(x.rad()) for row in found.errors for x in row), default=0.0)
-    at = found.t[found.worst[0]]
-    setting = f"largest {found.largest_error.str(4, radius=False)} at t = {at:.6g}, enclosed to ±{radius:.1e} or better"
-    return figure.write(path, setting)
+    largest, at = found.largest_error, found.t[found.worst[0]]
+    proved = min(PROVED_DIGITS, int(largest.rel_accuracy_bits() * log10(2)))
+    return figure.write(path, f"largest {largest.str(4, radius=False)} at t = {at:.6g}, {proved} digits of it proved")
 
 
 def certificate_figure(found: Certificate, title: str) -> Figure:
@@ -60,7 +61,7 @@ def certificate_figure(found: Certificate, title: str) -> Figure:
         identity="certificate",
         kind="wide",
         title=title,
-        description=f"Against t, logarithmic, the largest component at each point. {found.text()}",
+        description=f"Against t, logarithmic, the largest component of each point. {found.text().splitlines()[0]}",
         plot=plot,
         legend=[(f"line {mark}", name) for (name, _), mark in zip(parts, _MARKS, strict=False)],
         note="Each line is two, the proved bounds, where they differ enough to be seen.",

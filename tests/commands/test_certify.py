@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-RUN = str(Path(__file__).parents[1] / "enclosure" / "runs" / "pendulum_RK45.csv")
+RUN = str(Path(__file__).parents[2] / "examples" / "trajectories" / "pendulum_RK45.csv")
 TEXT = "y1; -sin(y0)"
 MINE = """
 import numpy as np

@@ -20,7 +20,7 @@ from driftproof.symbolic.algebra.certified import endpoints
 from tests.enclosure.mutants import mutant
 from tests.looping import exactly, some
 
-RUNS = Path(__file__).parent / "runs"
+RUNS = Path(__file__).parents[2] / "examples" / "trajectories"
 
 
 def pendulum(t, y):

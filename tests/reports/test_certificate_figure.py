@@ -22,7 +22,7 @@ def test_picture_is_written_whole(tmp_path):
     text = path.read_text(encoding="utf-8")
     ElementTree.fromstring(text)
     assert "Error of &lt;mine&gt;" in text
-    assert all(word in text for word in (">error<", ">truncation<", ">rounding<", "enclosed to ±1.0e-07"))
+    assert all(word in text for word in (">error<", ">truncation<", ">rounding<", " at t = 2, 0 digits of it proved"))
     assert draw_certificate(SPLIT, "Error of <mine>", tmp_path / "again.svg").read_text(encoding="utf-8") == text
 
 
