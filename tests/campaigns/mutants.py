@@ -281,8 +281,8 @@ def main() -> None:
     arguments.add_argument("--minutes", type=float, default=60, help="after which no further mutant is begun")
     arguments.add_argument("--workers", type=int, default=2)
     given = arguments.parse_args()
-    _, most = resource.getrlimit(resource.RLIMIT_AS)
-    resource.setrlimit(resource.RLIMIT_AS, (8 << 30, most))  # of each process: a mutant may run wild
+    _, most = resource.getrlimit(resource.RLIMIT_DATA)  # not of addresses, of which Node.js takes more than it uses
+    resource.setrlimit(resource.RLIMIT_DATA, (8 << 30, most))  # of each process: a mutant may run wild
     found = campaign(sample(ROOT, given.seed, given.number), given.minutes, given.workers)
     command = f"python -m tests.campaigns.mutants --seed {given.seed} --number {len(found)}"
     PAGE.write_text(page(found, command), encoding="utf-8")

@@ -32,7 +32,7 @@ ARITHMETIC = {
     "log10(1/1000)": Q(-3),
     "log2(1024) / log10(10)": Q(10),
     "log2(1)": Q(0),
-    "cos(0) + sin(0)": Q(1),
+    "cos(0) - 2 * sin(0)": Q(1),
     "ratio(-3, 4)": Q(3, 4),
     "percent(1, 8)": Q(25, 2),
     "sqrt(2) * sqrt(2)": Q(2),
