@@ -75,6 +75,7 @@ GALLERY := build/gallery
 .PHONY: gallery
 
 gallery: $(GALLERY)
+	$(GALLERY)/bin/python examples/gallery/convergence.py > examples/gallery/findings.md
 	$(GALLERY)/bin/python -m examples.gallery.run
 
 $(GALLERY): examples/gallery/requirements.txt

@@ -21,7 +21,12 @@ from examples.gallery.entry import Entry
 
 HERE = Path(__file__).parent
 TABLE = HERE.parents[1] / "docs" / "gallery.md"
+FINDINGS = HERE / "findings.md"
 KEPT = HERE.parents[1] / "build" / "gallery.json"
+HEADLINE = """\
+Ten integrators in released packages that are not what they say, the worst first. driftproof read each from outside;
+each was then seen once more by a plain convergence run without driftproof: `examples/gallery/convergence.py`.
+`promised` is the order by the package's own words, `seen` the slope of the last errors."""
 INTRODUCTION = """\
 Made by `make gallery`: what each stepper says that it is, and what driftproof finds from outside, without being
 told. The true order is that of the coefficients where they can be read (any problem that the stepper is for), else
@@ -129,7 +134,9 @@ def missing(rows: Mapping[str, Sequence[str]]) -> list[str]:
 
 def written(rows: Sequence[Sequence[str]], missing: Sequence[str]) -> str:
     """The table in Markdown, and which targets are not in it."""
-    lines = ["# Steppers of other packages, identified from outside", "", INTRODUCTION, ""]
+    findings = FINDINGS.read_text(encoding="utf-8").strip()
+    lines = ["# Steppers of other packages, identified from outside", "", HEADLINE, "", findings, ""]
+    lines += ["## Every stepper", "", INTRODUCTION, ""]
     for cells in (HEAD, ["---"] * len(HEAD), *rows):
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     return "\n".join([*lines, "", f"Not asked: {', '.join(missing)}." if missing else "", ""]).rstrip() + "\n"

@@ -16,7 +16,7 @@ from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS
 from driftproof.symbolic.runs import exact_matrix_at
 from examples.gallery import run, trial
-from tests.looping import some
+from tests.looping import exactly, some
 from tests.outputs.gallery_expected import EXPECTED, FIELDS, FORCES, MAPS, Expected
 
 TARGETS = run.targets()
@@ -44,6 +44,25 @@ def test_claims_that_differ_from_what_is_are_said_to_be_untrue() -> None:
     for name, expected in EXPECTED.items():
         claimed = TARGETS[name].order
         assert expected.untrue or claimed in (None, expected.order), name
+
+
+def test_what_the_page_opens_with_is_found_in_the_table_and_seen_by_plain_runs_worst_first() -> None:
+    page = run.TABLE.read_text(encoding="utf-8")
+    findings = run.FINDINGS.read_text(encoding="utf-8").strip()
+    assert findings in page
+    rows = [line.strip("| ").split(" | ") for line in findings.splitlines()[2:]]
+    orders = []
+    for package, _, promised, seen, _, _, asked in exactly(10, rows):
+        step = asked.strip("`").partition(" identify ")[2]
+        name = next(name for name, entry in TARGETS.items() if entry.step == step)
+        assert name.startswith(package.split()[0])
+        assert TARGETS[name].order == int(promised)
+        assert EXPECTED[name].untrue
+        orders.append(round(float(seen)))
+    assert orders == sorted(orders)
+    source = Path(run.__file__).with_name("convergence.py").read_text(encoding="utf-8")
+    assert "import driftproof" not in source
+    assert "from driftproof" not in source
 
 
 def test_adapters_import_no_package(modules_after: Callable[[str], set[str]]) -> None:
