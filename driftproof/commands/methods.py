@@ -166,9 +166,9 @@ def _of_method(method: Method, options: Namespace) -> dict[str, Any]:
     if options.order_tolerance is not None:
         found["order_to_tolerance"] = order_within(method, options.order_tolerance)
     if options.plot:
-        from driftproof.support.environment import require_matplotlib
+        from driftproof.support.environment import require_package
 
-        require_matplotlib()
+        require_package("matplotlib", "report", "pictures need matplotlib")
         from driftproof.reports.method_figures import draw_method
 
         draw_method(options.picture, method, options.plot)

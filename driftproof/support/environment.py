@@ -25,11 +25,6 @@ def require_package(package: str, extra: str, need: str) -> None:
         raise ValueError(f"{need}; install it with {how_to_install(extra)}")
 
 
-def require_matplotlib() -> None:
-    """Raises ValueError if nothing can be drawn."""
-    require_package("matplotlib", "report", "pictures need matplotlib")
-
-
 def machine_description() -> str:
     """The processor and the system, in words, without a name of the machine or a path on it."""
     cpuinfo = Path("/proc/cpuinfo")

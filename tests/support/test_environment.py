@@ -5,13 +5,7 @@ import sys
 
 import pytest
 
-from driftproof.support.environment import (
-    installed,
-    machine_description,
-    require_matplotlib,
-    require_package,
-    versions_of,
-)
+from driftproof.support.environment import installed, machine_description, require_package, versions_of
 
 
 def test_missing_package_says_what_to_install(monkeypatch):
@@ -21,7 +15,7 @@ def test_missing_package_says_what_to_install(monkeypatch):
     with pytest.raises(
         ValueError, match=r"^pictures need matplotlib; install it with pip install 'driftproof\[report\]'$"
     ):
-        require_matplotlib()
+        require_package("matplotlib", "report", "pictures need matplotlib")
 
 
 def test_description_names_processor_and_system_and_no_machine():

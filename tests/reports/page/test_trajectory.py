@@ -14,25 +14,14 @@ from hypothesis import strategies as st
 
 from driftproof.numeric.run import run_method, times_of_steps
 from driftproof.numeric.scenes import PRESETS, Scene
+from driftproof.reports.page import trajectory as drawing
 from driftproof.reports.page.figure import Figure
-from driftproof.reports.page.trajectory import (
-    MOST_DOTS,
-    MOST_MARKS,
-    MOST_ROWS,
-    SampledRun,
-    downsample,
-    evenly_spaced,
-    one_per_square,
-    phase_plane,
-    position,
-    write_figures,
-)
 
 
 @given(st.lists(st.floats(-1, 1), min_size=1, max_size=400), st.integers(1, 20))
 def test_thinned_samples_keep_the_extremes_of_every_column(values: list[float], columns: int) -> None:
     array = np.array(values)
-    kept = downsample(array, columns)
+    kept = drawing.downsample(array, columns)
     assert len(kept) <= 4 * columns
     assert (kept[0], kept[-1]) == (0, len(values) - 1)
     assert list(kept) == sorted(set(kept))
@@ -45,20 +34,20 @@ def test_thinned_samples_keep_the_extremes_of_every_column(values: list[float], 
 
 def test_moved_keeps_the_ends_and_one_sample_for_each_square_entered() -> None:
     states = np.array([[0.1, 0.1], [0.2, 0.2], [1.1, 0.2], [1.2, 0.3], [0.1, 0.1], [0.1, 0.2]])
-    assert list(one_per_square(states, 1.0)) == [0, 2, 4, 5]
-    assert list(one_per_square(states, 10.0)) == [0, 5]
+    assert list(drawing.one_per_square(states, 1.0)) == [0, 2, 4, 5]
+    assert list(drawing.one_per_square(states, 10.0)) == [0, 5]
 
 
 @given(st.integers(1, 10**5), st.integers(1, 300))
 def test_spread_has_at_most_so_many_and_both_ends(count: int, most: int) -> None:
-    kept = evenly_spaced(count, most)
+    kept = drawing.evenly_spaced(count, most)
     assert len(kept) <= most + 1
     assert (kept[0], kept[-1]) == (0, count - 1)
 
 
-def run_of(key: str, h: Q, t: Q) -> SampledRun:
+def run_of(key: str, h: Q, t: Q) -> drawing.SampledRun:
     scene = Scene("s", key, h, t, readouts=("trajectory",))
-    return SampledRun(scene, key, *run_method(scene, key)["trajectory"], "id")
+    return drawing.SampledRun(scene, key, *run_method(scene, key)["trajectory"], "id")
 
 
 def marks(figure: Figure, class_: str) -> list[tuple[Q, Q]]:
@@ -69,7 +58,7 @@ def marks(figure: Figure, class_: str) -> list[tuple[Q, Q]]:
 
 def test_every_sample_of_a_short_run_has_a_dot_and_a_place_on_the_line() -> None:
     run = run_of("rk4", Q(1, 8), Q(10))
-    for figure in (position(run), phase_plane(run)):
+    for figure in (drawing.position(run), drawing.phase_plane(run)):
         line = marks(figure, "samples path")
         assert len(line) == 81
         assert line == marks(figure, "samples dots")
@@ -78,7 +67,7 @@ def test_every_sample_of_a_short_run_has_a_dot_and_a_place_on_the_line() -> None
 
 def test_exact_circle_goes_through_the_start() -> None:
     scene = Scene("s", "rk4", Q(1, 8), Q(1), (Q(3, 5), Q(-4, 5)), readouts=("trajectory",))
-    plot = phase_plane(SampledRun(scene, "rk4", *run_method(scene, "rk4")["trajectory"], "id")).plot
+    plot = drawing.phase_plane(drawing.SampledRun(scene, "rk4", *run_method(scene, "rk4")["trajectory"], "id")).plot
     ((x, y, radius),) = re.findall(r'class="exact path" cx="(.*?)" cy="(.*?)" r="(.*?)"', "".join(plot.drawn))
     start = Q(x) + plot.x.scale.per_unit * Q(3, 5), Q(y) + plot.x.scale.per_unit * Q(4, 5)
     assert (plot.x.scale(Q(3, 5)), plot.y.scale(Q(-4, 5))) == start
@@ -91,19 +80,19 @@ def test_exact_circle_goes_through_the_start() -> None:
 )
 def test_long_run_is_drawn_with_bounded_marks_and_said_to_be_thinned(h: Q, steps: int, class_: str, said: str) -> None:
     run = run_of("symplectic_euler", h, steps * h)
-    shown = phase_plane(run)
-    assert MOST_DOTS < len(marks(shown, class_)) <= MOST_MARKS + 1
+    shown = drawing.phase_plane(run)
+    assert drawing.MOST_DOTS < len(marks(shown, class_)) <= drawing.MOST_MARKS + 1
     assert said in shown.description
-    over_time = position(run)
+    over_time = drawing.position(run)
     assert "samples dots" not in "".join(over_time.plot.drawn)
     assert "extremes" in over_time.note
-    assert len(over_time.data) <= MOST_ROWS + 2
+    assert len(over_time.data) <= drawing.MOST_ROWS + 2
 
 
 def test_long_exact_curve_still_reaches_both_sides_everywhere() -> None:
     """10^5 radians in 346 columns: the curve fills its band, and is not aliased into a slow wave."""
     run = run_of("symplectic_euler", Q(1, 2), Q(10**5))
-    curve = marks(position(run), "exact path dense")
+    curve = marks(drawing.position(run), "exact path dense")
     ys = np.array([float(y) for _, y in curve])
     assert ys.max() - ys.min() > 100
     assert np.median(np.abs(np.diff(ys))) > 50
@@ -111,24 +100,24 @@ def test_long_exact_curve_still_reaches_both_sides_everywhere() -> None:
 
 def test_run_without_any_step_is_drawn() -> None:
     scene = Scene("s", "rk4", Q(1), Q(0), (Q(0), Q(0)), readouts=("trajectory",))
-    run = SampledRun(scene, "rk4", times_of_steps(Q(1), 0), np.zeros((1, 2)), "id")
-    assert "<svg" in position(run).markup()
-    assert "<svg" in phase_plane(run).markup()
+    run = drawing.SampledRun(scene, "rk4", times_of_steps(Q(1), 0), np.zeros((1, 2)), "id")
+    assert "<svg" in drawing.position(run).markup()
+    assert "<svg" in drawing.phase_plane(run).markup()
 
 
 def test_figures_are_whole_files_and_the_same_bytes_each_time(tmp_path: Path) -> None:
-    one, two = (write_figures(PRESETS["compare"], tmp_path / name) for name in ("one", "two"))
+    one, two = (drawing.write_figures(PRESETS["compare"], tmp_path / name) for name in ("one", "two"))
     assert [path.name for path in one] == ["compare_position.svg", "compare_phase_plane.svg"]
     assert [path.read_bytes() for path in one] == [path.read_bytes() for path in two]
     assert sorted(path.name for path in (tmp_path / "one").iterdir()) == sorted(path.name for path in one)
 
 
 def test_figure_in_the_readme_is_the_one_that_the_command_writes(tmp_path: Path) -> None:
-    _, phase = write_figures(PRESETS["default"], tmp_path)
+    _, phase = drawing.write_figures(PRESETS["default"], tmp_path)
     assert phase.read_bytes() == (Path(__file__).parents[3] / "docs" / "default_phase_plane.svg").read_bytes()
 
 
 def test_run_too_long_to_be_drawn_is_refused_before_it_starts(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="at most 1000000 steps are drawn, not 10000000"):
-        write_figures(Scene("long", "rk4", Q(1), Q(10**7), panels=("position",)), tmp_path)
+        drawing.write_figures(Scene("long", "rk4", Q(1), Q(10**7), panels=("position",)), tmp_path)
     assert list(tmp_path.iterdir()) == []
