@@ -20,7 +20,7 @@ from driftproof.numeric.problems.problem import Digits, Problem
 from driftproof.numeric.readouts import phase_error
 
 _DIGITS = 60
-STEP = Fraction(1, 10**20)
+_STEP = Fraction(1, 10**20)
 U = Fraction(1, 2**53)
 STATE, ENERGY, PHASE = "state", "energy", "phase"
 QUANTITIES = (STATE, ENERGY, PHASE)
@@ -86,12 +86,12 @@ def floors(problem: Problem) -> dict[str, float]:
 
 
 def _energy_moves(problem: Problem, y: Sequence[Fraction]) -> list[Decimal]:
-    """yᵢ ∂E/∂yᵢ by central differences, whose error is of the order of STEP²."""
+    """yᵢ ∂E/∂yᵢ by central differences, whose error is of the order of _STEP²."""
 
     def moved(i: int, factor: Fraction) -> Decimal:
         return decimal_energy(problem, [x * factor if i == j else x for j, x in enumerate(y)])
 
-    return [(moved(i, 1 + STEP) - moved(i, 1 - STEP)) / (2 * _decimal(STEP)) for i in range(len(y))]
+    return [(moved(i, 1 + _STEP) - moved(i, 1 - _STEP)) / (2 * _decimal(_STEP)) for i in range(len(y))]
 
 
 def largest_state_size(problem: Problem) -> float:

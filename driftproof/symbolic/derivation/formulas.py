@@ -16,6 +16,8 @@ from driftproof.symbolic.derivation.one_step import expression
 
 # A number that has no radicals is shown with so many digits.
 _DIGITS_SHOWN = 12
+# A formula longer than this, of splittings with long decimals, is only begun in plain text: nobody reads 30 kB.
+_LONGEST_SHOWN, _BEGUN = 4000, 80
 
 # The state, the size of the step, and the map J(q, v) = (v, -q), whose products with stages are kept in order.
 POSITION, VELOCITY, STEP_SIZE = sympy.symbols("q v h")
@@ -108,8 +110,14 @@ def chain_tex(chain: Sequence[sympy.Basic]) -> str:
 
 
 def chain_text(chain: Iterable[sympy.Basic]) -> str:
-    """The expressions in SymPy's syntax, a matrix as its rows: [1, h; -h, 1]."""
-    return " = ".join(_text(x) for x in chain)
+    """The expressions in SymPy's syntax, a matrix as its rows: [1, h; -h, 1]; of very long ones the beginning."""
+    return " = ".join(_begun(_text(x)) for x in chain)
+
+
+def _begun(text: str) -> str:
+    if len(text) <= _LONGEST_SHOWN:
+        return text
+    return f"{text[:_BEGUN]}... ({len(text)} characters, whole in JSON and in TeX)"
 
 
 def plain_words(words: str) -> str:

@@ -113,6 +113,12 @@ def test_every_problem_says_what_is_expected_of_some_class_of_method() -> None:
         assert set(problem.expected) <= FAMILIES
 
 
+def test_stiff_are_all_but_these() -> None:
+    gentle = ["dahlquist_1", "harmonic_oscillator", "critically_damped_oscillator", "henon_heiles"]
+    gentle += ["kepler", "kepler_eccentric", "kepler_extreme", "pendulum", "pendulum_near_separatrix"]
+    assert sorted(problem.key for problem in PROBLEMS.values() if not problem.stiff) == sorted(gentle)
+
+
 def test_digits_file_holds_the_problems_and_no_others() -> None:
     text = (Path(__file__).parents[3] / "driftproof/numeric/problems/digits.json").read_text(encoding="utf-8")
     assert set(json.loads(text)) == set(PROBLEMS)

@@ -28,6 +28,14 @@ def test_expression_is_written_as_an_author_would(expression: sympy.Basic, text:
     assert chain_text([DET, expression]) == f"det M = {text}"
 
 
+def test_a_formula_that_nobody_reads_is_begun_in_text_and_whole_in_data() -> None:
+    long = derive("kahan_li8").invariant
+    assert len(long.text) < 1500
+    assert long.text.count("characters, whole in JSON and in TeX)") == 2
+    assert len(str(long.data())) > 60_000
+    assert "characters" not in derive("dormand_prince54").roots.text
+
+
 def test_words_lose_what_only_tex_needs() -> None:
     assert (
         plain_words(r"A step multiplies by $\det M$, and $E = |z|^{2}/2$.")
