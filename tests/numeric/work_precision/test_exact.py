@@ -9,6 +9,7 @@ from math import cos, inf, sin
 import pytest
 
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.problems.problem import EXACT, Problem, Reference
@@ -80,6 +81,12 @@ def test_energy_computes_functions_far_below_rounding(name: str, function: objec
 def test_energy_reads_parameters_division_and_signs() -> None:
     problem = _decay(energy="-rate * y0 / 2 + exp(log(3)) - sqrt(4)")
     assert abs(6 * Q(decimal_energy(problem, [Q(1, 3)])) - 7) < Q(1, 10**50)
+
+
+@pytest.mark.parametrize("energy", ["y0 ** 2", "y0 * 0.5", "tan(y0)", "y0 % 2"])
+def test_an_energy_that_holds_what_a_rate_may_not_is_refused(energy: str) -> None:
+    with pytest.raises(MethodError, match="has no place"):
+        decimal_energy(_decay(energy=energy), [1.0])
 
 
 def _decay(energy: str | None = None) -> Problem:
