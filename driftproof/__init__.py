@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from driftproof.blackbox.identify import identify as identify
     from driftproof.blackbox.judging.agreement import Domain as Domain
     from driftproof.blackbox.judging.tolerance import Allowance as Allowance
+    from driftproof.blackbox.solvers.identify_solver import identify_solver as identify_solver
     from driftproof.blackbox.stepper.objects import field_stepper_of as field_stepper_of
     from driftproof.blackbox.stepper.objects import stepper_of as stepper_of
     from driftproof.blackbox.verify import assert_verified as assert_verified

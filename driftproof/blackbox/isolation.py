@@ -15,16 +15,33 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from time import monotonic
-from typing import Any
+from typing import Any, Protocol
 
 from driftproof.blackbox.findings import Misbehaviour, NoAnswer, Outcome
 from driftproof.blackbox.stepper.float_environment import FloatEnvironment
-from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.opening import Target
 from driftproof.support.messages import MessageError, decode, encode
 from driftproof.support.processes import START_UP, Limits, ProcessEnded, Session
 
-Probe = Callable[[ForeignStepper], Any]
+
+class Examined(Protocol):
+    """What is examined, a stepper or a solver: its name, whether another interpreter can import it, and how to open it.
+
+    What `open` gives is what the probes take.
+    """
+
+    @property
+    def name(self) -> str:
+        """What a report calls it."""
+
+    @property
+    def by_name(self) -> bool:
+        """True when another interpreter can import all of it."""
+
+    def open(self, before: Callable[[str], None] = ..., after: Callable[[], None] = ...) -> Any:
+        """It, ready; `before` and `after` are told of each call. Raises ValueError or a `Misbehaviour`."""
+
+
+Probe = Callable[[Any], Any]
 # Seconds for all probes together: a step of a simulator takes milliseconds, and a report some thousand steps.
 TIME_LIMIT = 120.0
 # In bytes, beyond what the process has at its start: no stepper of three numbers needs it, and most machines have it.
@@ -43,7 +60,7 @@ _LOOK = 0.05
 _ORDINARY_STEPS = (2.0**-40, 2.0**8)
 
 
-def opens(subject: ForeignStepper) -> None:
+def opens(subject: Any) -> None:
     """The probe that asks for nothing: it succeeds if the stepper can be imported and answers a first call."""
 
 
@@ -57,7 +74,7 @@ class IsolatedRunner:
     statement later questions go to the process of the first, as long as it lives; they have to be picklable.
     """
 
-    target: Target
+    target: Examined
     time_limit: float = TIME_LIMIT
     isolate: bool = True
     hung: list[str] = field(default_factory=list)
@@ -222,11 +239,11 @@ class Serving:
     The call about to be made stands in the file `log`, if there is one. Those that `hung` are refused.
     """
 
-    target: Target
+    target: Examined
     probes: Sequence[Probe]
     log: Path | None = None
     hung: Sequence[str] = ()
-    _opened: ForeignStepper | Outcome | None = field(default=None, init=False)
+    _opened: Any = field(default=None, init=False)
     _calls: int = field(default=0, init=False)
     _call: str = field(default="", init=False)
 
@@ -281,7 +298,7 @@ def answer_probe(request: str | int) -> str | None:
     return _serving[-1](request)
 
 
-def _outcome(probe: Probe, subject: ForeignStepper) -> Outcome:
+def _outcome(probe: Probe, subject: Any) -> Outcome:
     try:
         return Outcome(probe(subject))
     except (Misbehaviour, ValueError) as error:

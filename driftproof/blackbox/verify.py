@@ -10,7 +10,7 @@ from typing import Any
 
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, arithmetic_of
 from driftproof.blackbox.identify import identified
-from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
+from driftproof.blackbox.isolation import TIME_LIMIT, Examined, IsolatedRunner
 from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY_DOMAIN, Agreement, Domain, steps_back
 from driftproof.blackbox.judging.habits import ROUNDED, explained
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
@@ -326,7 +326,7 @@ def _refuted(
 
 
 def _report(
-    target: Target,
+    target: Examined,
     verdict: str,
     passed: bool | None,
     checks: Sequence[Criterion],

@@ -16,7 +16,7 @@ TARGET = (
 )
 
 
-@cli.command(*TARGET)
+@cli.command(*TARGET, cli.flag("--solver", "it is a whole solver, solve(f, t_span, y0, rtol, atol) -> (t, y)"))
 def identify_command(options: Namespace) -> str:
     """Read a stepper from outside and say which method it is, of which order, and what it does besides.
 
@@ -24,11 +24,12 @@ def identify_command(options: Namespace) -> str:
       driftproof identify mylib.integrators:step
       driftproof identify mylib.integrators:rk_step --calls field
       driftproof identify mylib.integrators:step --array numpy:float32 --format markdown
+      driftproof identify mylib.ode:solve --solver
 
     what a stepper may look like:
       step(q, v, h) -> (q1, v1)            its system is built in; also step(state, h), and with m, k, t
       step(force, q, v, h) -> (q1, v1)     q'' = force(q)
-      step(f, t, y, h) -> y1               y' = f(t, y); also without t
+      step(f, t, y, h) -> y1               y' = f(t, y); also without t; or (y1, error), (y1, y1_hat), (y1, dense)
     An object with a state, a method that advances it and a force that it calls, or that is given to it, is made one by
       from driftproof import stepper_of
       step = stepper_of(lambda force: Body(acceleration=force), position="x", velocity="v", advance="update")
@@ -36,6 +37,10 @@ def identify_command(options: Namespace) -> str:
     (field_stepper_of for y' = f(t, y)). Wrap anything else in a function of two lines.
     It runs in an isolated process: a crash is a finding, a hang is told.
     """
+    if options.solver:
+        from driftproof.blackbox.solvers.identify_solver import identify_solver
+
+        return identify_solver(options.step, time_limit=options.time_limit).written(options.format)
     from driftproof.blackbox.identify import identify
 
     report = identify(options.step, calls=options.calls, array=options.array, time_limit=options.time_limit)

@@ -1,0 +1,276 @@
+"""The step size control of a solver as a law, measured: where slopes depend on t alone, every estimate is known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from math import exp, fsum, isfinite, log
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from driftproof.blackbox.probes.scripted_answers import NotReadable
+from driftproof.blackbox.solvers.foreign_solver import DoesNotEnd, ForeignSolver, Solution
+from driftproof.blackbox.solvers.steps import SolverSteps
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import RungeKutta
+
+# The error of a step of length h whose slopes are k: of the stages, the last of which is the slope at its end.
+_Estimate: TypeAlias = Callable[[Sequence[float], float], float]
+# In a run of this length, with bumps and jumps at every unit of time, some hundred steps are seen, and rejections.
+_SPAN, _WIDTH = (0.0, 8.0), 12.0
+# |y| stays below 1, so that rtol moves the scale of errors by less than a part in 10^6.
+# The larger tolerance is for methods of low order, whose steps are too many at the smaller one.
+_RTOL, _ATOLS = 1e-13, (1e-7, 1e-4)
+# A law holds where it gives every factor to this part: the scale is known so well, and its exponents are small.
+_CLOSE = 1e-4
+# So near to a jump a step is not held to its slopes.
+_NEAR = 1e-6
+# Two lengths of a step of h at t are one if they agree to this: times are rounded to u t, and h is above 10^-6 t.
+_SAME = 1e-8
+# So many attempts before the end may be made for the end.
+_LANDING = 3
+_LEAST_REMEMBERED = 1e-3
+# Denominators of exponents as controllers in use have them: 1/5, 7/50, 17/100, ...
+_MOST_DENOMINATOR = 120
+
+
+class Attempt(NamedTuple):
+    """One attempt at a step: where it began, its length, whether it was accepted, and how the next is longer."""
+
+    start: float
+    h: float
+    accepted: bool
+    factor: float | None
+
+
+@dataclass(frozen=True)
+class Law:
+    """h_next = h · clip(safety · r^(-exponent) · r_before^(memory), smallest, largest), r the error over the tolerance.
+
+    `smallest` and `largest` are None where no factor was cut. `after_rejection` says that a step after a rejected one
+    does not grow. `estimate` is the pair whose estimate r is. `seen` are the steps that the law gives.
+    """
+
+    estimate: str
+    safety: float
+    exponent: Fraction | float
+    memory: Fraction | float
+    smallest: float | None
+    largest: float | None
+    after_rejection: bool
+    seen: int
+
+    @property
+    def words(self) -> str:
+        """The law in one line."""
+        power = f"{self.safety:.4g} r^(-{_shown(self.exponent)})"
+        before = f" r_before^({_shown(self.memory)})" if self.memory else ""
+        low = "no least factor seen" if self.smallest is None else f"at least {self.smallest:.4g}"
+        high = "no largest seen" if self.largest is None else f"at most {self.largest:.4g}"
+        kind = "PI" if self.memory else "not PI"
+        return f"h_next/h = {power}{before}, {low}, {high} ({kind})"
+
+
+@dataclass(frozen=True)
+class ControllerReading:
+    """What was measured of the step size control: the law, or why there is none; `lines` in words, and `faults`."""
+
+    law: Law | None
+    attempts: int
+    rejected: int
+    lines: tuple[str, ...]
+    faults: tuple[str, ...]
+
+
+def bumps(t: float) -> float:
+    """A slope with a bump in the middle of every unit of time, flat between, and a jump at its end, of both signs."""
+    unit = int(t)
+    return (-1.0) ** unit * (0.5 + 1.0 / (1.0 + (_WIDTH * (t - unit - 0.5)) ** 4))
+
+
+def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerReading:
+    """The law of the step sizes in a run of y' = bumps(t), for a pair of the catalogue. Raises NotReadable.
+
+    The slopes depend on t alone, so that the estimate of each attempt follows from the pair's two rows: r is known, the
+    factors are seen. Rejected attempts show in the times of the calls.
+    """
+    run, atol = _run(subject)
+    attempts = list(_attempts(run, steps))
+    rejected = sum(not each.accepted for each in attempts)
+    traces = _traces(run, steps, attempts)
+    factors = [each.factor for each in attempts if each.factor is not None]
+    if len(factors) >= 2 and max(factors) - min(factors) <= _CLOSE:
+        constant = f"the step size does not depend on the error: every step is {factors[0]:.6g} times the one before"
+        fixed = ("the steps are all of one length, whatever the error",)
+        if abs(factors[0] - 1) <= _CLOSE:
+            return ControllerReading(None, len(attempts), rejected, fixed, (*fixed, *traces))
+        return ControllerReading(None, len(attempts), rejected, (constant,), (constant, *traces))
+    if len(factors) < 8:
+        raise NotReadable(f"{len(factors)} step sizes are too few to see a law in")
+    laws = [law for name, estimate in _estimates(steps) if (law := _law(name, estimate, attempts, atol)) is not None]
+    counts = f"{len(attempts)} attempts at steps seen, {rejected} rejected"
+    if not laws:
+        pairs = ", ".join(name for name, _ in _estimates(steps)) or "any pair of the catalogue"
+        return ControllerReading(
+            None, len(attempts), rejected, (f"no law in the estimate of {pairs} gives the step sizes", counts), traces
+        )
+    best = max(laws, key=lambda law: law.seen)
+    after = ["a step after a rejected one does not grow"] if best.after_rejection else []
+    lines = (f"measured: {best.words}", f"r is the estimate of {best.estimate} over the tolerance", *after, counts)
+    return ControllerReading(best, len(attempts), rejected, lines, traces)
+
+
+def _run(subject: ForeignSolver) -> tuple[Solution, float]:
+    """The run, and its absolute tolerance. Raises DoesNotEnd at the larger one."""
+    for atol in _ATOLS:
+        try:
+            return subject.solve(lambda n, t, y: [bumps(t)], _SPAN, (0.0,), _RTOL, atol), atol
+        except DoesNotEnd as failure:
+            last = failure
+    raise last
+
+
+def _attempts(run: Solution, steps: SolverSteps) -> Iterator[Attempt]:
+    """Every attempt, in turn: as many calls as one makes, and those at its end; accepted is what ends at a step."""
+    nodes, position = steps.nodes, 0
+    found: list[tuple[float, float, bool]] = []
+    for start, end in pairwise(run.t):
+        lengths: list[float] = []
+        while position < len(run.calls) and not (lengths and abs(lengths[-1] - (end - start)) <= _SAME * (end - start)):
+            group = [call.t - start for call in run.calls[position : position + len(nodes)]]
+            length = max(group) / max(nodes)
+            if length <= 0 or any(abs(t - c * length) > _SAME * length for t, c in zip(group, nodes, strict=False)):
+                position += 1  # a call of none, as that for the first step size
+                continue
+            position += len(nodes)
+            lengths.append(length)
+            last = start + length
+            while position < len(run.calls) and abs(run.calls[position].t - last) <= _SAME * lengths[-1]:
+                position += 1
+        found += [*((start, length, False) for length in lengths[:-1]), (start, end - start, True)]
+    # What would pass the end is cut to it; the last steps may be stretched, so that they land there.
+    lands = found[-_LANDING][0] if len(found) > _LANDING else run.t[0]
+    for this, (start, length, _) in pairwise(found):
+        free = this[0] < lands and start + length < run.t[-1] - _SAME * length
+        yield Attempt(*this, length / this[1] if free else None)
+
+
+def _estimates(steps: SolverSteps) -> Iterator[tuple[str, _Estimate]]:
+    """The estimates of the pairs whose tableau was read; DOP853's programs blend those of two."""
+    pairs = {pair.key: pair for pair in steps.pairs}
+    rows = {key: _row(pair, steps) for key, pair in pairs.items()}
+    for key, row in rows.items():
+        yield key, lambda k, h, row=row: abs(h * fsum(e * x for e, x in zip(row, k, strict=False)))  # type: ignore[misc]
+    if {"dop853", "dop853_third"} <= set(rows):
+        fifth, third = rows["dop853"], rows["dop853_third"]
+
+        def blended(k: Sequence[float], h: float) -> float:
+            a, b = (fsum(e * x for e, x in zip(row, k, strict=False)) for row in (fifth, third))
+            return abs(h) * a * a / (a * a + 0.01 * b * b) ** 0.5 if a or b else 0.0
+
+        yield "dop853 blended with dop853_third", blended
+
+
+def _row(pair: RungeKutta, steps: SolverSteps) -> list[float]:
+    assert pair.b_embedded is not None
+    return [float(x) - float(y) for x, y in zip(pair.b, pair.b_embedded, strict=True)]
+
+
+class _Point(NamedTuple):
+    """One attempt beside the step that follows it: logarithms of its error and of the last accepted one, the factor."""
+
+    error: float
+    before: float
+    factor: float
+    accepted: bool
+    follows_rejection: bool
+
+
+def _law(name: str, estimate: _Estimate, attempts: Sequence[Attempt], atol: float) -> Law | None:
+    """The law in this estimate, if there is one: fitted where no limit cuts, then held against every step seen."""
+    key = name.split()[0]
+    method = METHODS[key]
+    assert isinstance(method, RungeKutta)
+    nodes = [float(x) for x in method.c]
+    points: list[_Point] = []
+    before, last_rejected = 0.0, False
+    for each in attempts:
+        r = estimate([bumps(each.start + c * each.h) for c in nodes], each.h) / atol
+        if each.factor is not None and r > 0 and isfinite(log(r)):
+            points.append(_Point(log(r), before, each.factor, each.accepted, last_rejected))
+        last_rejected = not each.accepted
+        before = log(r) if r > 0 and each.accepted else before
+    factors = [p.factor for p in points]
+    largest, smallest = _repeated(factors, max(factors)), _repeated(factors, min(factors))
+    uncut = [p for p in points if not any(_is(p.factor, limit) for limit in (largest, smallest, 1.0))]
+    free = [p for p in uncut if p.accepted and not p.follows_rejection]
+    if len(free) < 5:
+        return None
+    # Without memory, if that suffices; some codes remember no error below 10^-4.
+    remembered = [p for p in free if p.before > log(_LEAST_REMEMBERED)]
+    fits = (_fitted(free, 2), _fitted(free, 3), _fitted(remembered, 3))
+    found = next((fit for fit in fits if fit is not None), None)
+    if found is None:
+        return None
+    safety, exponent, memory = float(exp(found[0])), float(found[1]), float(found[2]) if len(found) > 2 else 0.0
+    held = [p.factor for p in points if p.follows_rejection and p.accepted]
+    after = bool(held) and max(held) <= 1 + _CLOSE
+    return Law(name, safety, _rational(exponent), _rational(memory), smallest, largest, after, len(free))
+
+
+def _fitted(points: Sequence[_Point], terms: int) -> Any:
+    """log of safety, exponent and, with three terms, memory, that give all the factors; None if there are none."""
+    if len(points) < terms + 2:
+        return None
+    matrix = np.array([[1.0, -p.error, p.before] for p in points])[:, :terms]
+    logarithms = np.log([p.factor for p in points])
+    solved, *_ = np.linalg.lstsq(matrix, logarithms, rcond=None)
+    return solved if np.abs(matrix @ solved - logarithms).max() <= _CLOSE else None
+
+
+def _repeated(factors: Sequence[float], value: float) -> float | None:
+    """The extreme factor, if several steps have it: a limit."""
+    return value if sum(_is(x, value) for x in factors) > 1 else None
+
+
+def _is(x: float, value: float | None) -> bool:
+    return value is not None and abs(x - value) <= _CLOSE * value
+
+
+def _rational(x: float) -> Fraction | float:
+    near = Fraction(x).limit_denominator(_MOST_DENOMINATOR)
+    return near if abs(float(near) - x) <= _CLOSE / 10 else x
+
+
+def _shown(x: Fraction | float) -> str:
+    return str(x) if isinstance(x, Fraction) else f"{x:.4g}"
+
+
+def _traces(run: Solution, steps: SolverSteps, attempts: Sequence[Attempt]) -> tuple[str, ...]:
+    """Steps that do not end where their weights say, the slopes being those of their own times."""
+    reading, tried = steps.reading, {each.start: each.h for each in attempts if not each.accepted}
+    wrong_after = wrong_else = seen_after = stale = 0
+    for (start, end), (y, y1) in zip(pairwise(run.t), pairwise(run.y), strict=True):
+        if int(start - _NEAR) != int(end + _NEAR):  # across a jump, or up to it, where rounding of a time matters
+            continue
+        h = end - start
+        slopes = [bumps(start + c * h) for c in reading.c or ()]
+        off = y1[0] - y[0] - h * fsum(b * k for b, k in zip(reading.b, slopes, strict=True))
+        # Times and y are rounded, the slope at a rounded time is at most 2 _WIDTH u t off; the weights by 4 u.
+        allowed = 64 * float(reading.format.u) * (abs(y[0]) + abs(y1[0]) + h * (1 + 2 * _WIDTH * end) + end)
+        seen_after += start in tried
+        if abs(off) <= allowed:
+            continue
+        wrong_after, wrong_else = wrong_after + (start in tried), wrong_else + (start not in tried)
+        if start in tried:
+            old = bumps(start + tried[start])
+            stale += abs(off - h * reading.b[0] * (old - slopes[0])) <= allowed
+    if wrong_after and not wrong_else:
+        cause = ": its first slope is the last one of the rejected attempt" if stale == wrong_after else ""
+        return (f"a rejected step leaves traces: {wrong_after} of {seen_after} steps after one end elsewhere{cause}",)
+    if wrong_else:
+        return (f"{wrong_else} steps do not end where their own slopes say",)
+    return ()

@@ -1,0 +1,180 @@
+"""Somebody's solver, solve(f, t_span, y0, rtol, atol), called with a right-hand side that keeps what it is asked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import isfinite
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from driftproof.blackbox.findings import Misbehaviour, NotANumber, StepRaised, WrongShape
+from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, ArrayAdapter, as_array, type_of
+from driftproof.blackbox.stepper.opening import imported
+from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat
+
+# More calls than a solver of these short problems makes: it does not end.
+MOST_CALLS_OF_A_RUN = 30_000
+# Under these names an answer has its times, its states, its dense output, and whether it is one.
+_TIMES, _STATES, _DENSE = (
+    ("t", "ts", "times", "time"),
+    ("y", "ys", "u", "x", "states"),
+    ("sol", "dense", "interpolation"),
+)
+
+
+class DoesNotEnd(Misbehaviour):
+    """The solver went on calling its right-hand side after MOST_CALLS_OF_A_RUN calls."""
+
+    kind = "does_not_end"
+
+
+class Call(NamedTuple):
+    """One call of the right-hand side: when, and where."""
+
+    t: float
+    y: tuple[float, ...]
+
+
+class Solution(NamedTuple):
+    """What a solver returned, and what it asked: times, the state at each, its dense output, whether it says it failed.
+
+    `complaint` is its message where it says that it failed, "" where it says nothing or that it succeeded.
+    """
+
+    t: tuple[float, ...]
+    y: tuple[tuple[float, ...], ...]
+    calls: tuple[Call, ...]
+    complaint: str = ""
+    dense: Callable[..., Any] | None = None
+    format: FloatFormat = BINARY64
+
+
+# The right-hand side of ours: the number of the call, t and y to the slopes.
+RunSlopes = Callable[[int, float, tuple[float, ...]], Sequence[float]]
+
+
+@dataclass
+class ForeignSolver:
+    """A solver with the hooks of an isolated process: `before` is told each call, `after` hears when it is over."""
+
+    function: Callable[..., Any]
+    adapter: ArrayAdapter = ARRAYS
+    before: Callable[[str], None] = lambda call: None
+    after: Callable[[], None] = lambda: None
+    solved: int = field(default=0, init=False)
+
+    def solve(
+        self,
+        rate: RunSlopes,
+        t_span: tuple[float, float],
+        y0: Sequence[float],
+        rtol: float = 1e-6,
+        atol: float = 1e-9,
+    ) -> Solution:
+        """One run. Raises the `Misbehaviour` that comes instead of an answer."""
+        calls: list[Call] = []
+
+        def slopes(t: Any, y: Any, *_: Any) -> Any:
+            if len(calls) >= MOST_CALLS_OF_A_RUN:
+                raise DoesNotEnd(f"after {MOST_CALLS_OF_A_RUN} calls of f it is at t = {calls[-1].t:.6g} of {t_span}")
+            asked = Call(self.adapter.read(t, 1)[0], tuple(self.adapter.read(y, len(y0))))
+            calls.append(asked)
+            return self.adapter.write(rate(len(calls) - 1, *asked))
+
+        words = f"f, t_span={t_span!r}, y0={list(y0)!r}, rtol={rtol!r}, atol={atol!r}"
+        self.before(words)
+        self.solved += 1
+        try:
+            answer = self.function(slopes, t_span, self.adapter.write(y0), rtol, atol)
+        except Misbehaviour:
+            raise
+        except (Exception, SystemExit) as error:
+            text = " ".join(str(error).split())
+            raise StepRaised(f"solve({words}) raises {type(error).__name__}: {text}") from error
+        finally:
+            self.after()
+        return _solution(answer, tuple(y0), tuple(calls))
+
+
+def _solution(answer: Any, y0: tuple[float, ...], calls: tuple[Call, ...]) -> Solution:
+    """The answer's parts: a pair (t, y), a mapping, or an object with them under usual names."""
+    if isinstance(answer, tuple | list) and len(answer) >= 2:
+        times, states, dense = answer[0], answer[1], next(filter(callable, answer[2:]), None)
+    else:
+        times, states, dense = (_part(answer, names) for names in (_TIMES, _STATES, _DENSE))
+        if times is None or states is None:
+            raise WrongShape(f"it returns {type(answer).__name__}, not (t, y) nor an object with t and y")
+    t, y = as_array(times).astype(float).ravel(), as_array(states)
+    kind = BINARY32 if "float32" in type_of(states) or "float32" in type_of(times) else BINARY64
+    return Solution(tuple(t.tolist()), _rows(y.astype(float), t.size, y0), calls, _complaint(answer), dense, kind)
+
+
+def _part(answer: Any, names: Sequence[str]) -> Any:
+    """The first of these that a mapping or an object has; None for none."""
+    if isinstance(answer, Mapping):
+        return next((answer[name] for name in names if name in answer), None)
+    return next((getattr(answer, name) for name in names if hasattr(answer, name)), None)
+
+
+def _rows(y: np.ndarray[Any, Any], times: int, y0: tuple[float, ...]) -> tuple[tuple[float, ...], ...]:
+    """The states by time, whichever axis that is; where both have as many entries, the one that begins with y0."""
+    size = len(y0)
+    if y.size != times * size:
+        raise WrongShape(f"{times} times came with {y.size} numbers, of states of {size}")
+    by_time = y.reshape(times, size)
+    if y.ndim == 2 and y.shape == (size, times) and (size != times or tuple(y[:, 0]) == y0):
+        by_time = y.T
+    return tuple(map(tuple, by_time.tolist()))
+
+
+def _complaint(answer: Any) -> str:
+    """What an answer says of its failure: a success that is false, a status below 0, with its message."""
+    success, status = getattr(answer, "success", None), getattr(answer, "status", None)
+    failed = success is not None and not success
+    if not failed and (success is not None or not isinstance(status, int) or status >= 0):
+        return ""
+    return str(getattr(answer, "message", "")) or f"status {status}"
+
+
+def in_binary32(times: Sequence[float]) -> bool:
+    """True if every one is a number of binary32: of those of binary64 that are no short fractions one in 2^29 is."""
+    return all(float(np.float32(t)) == t for t in times)
+
+
+@dataclass(frozen=True)
+class SolverTarget:
+    """What to examine: a solver, or `package.module:name`; as `stepper.opening.Target` is for steppers."""
+
+    solver: Callable[..., Any] | str
+
+    @property
+    def name(self) -> str:
+        """What a report calls it."""
+        if isinstance(self.solver, str):
+            return self.solver
+        name: str = getattr(self.solver, "__qualname__", type(self.solver).__name__)
+        return f"{getattr(self.solver, '__module__', '')}:{name}"
+
+    @property
+    def by_name(self) -> bool:
+        """True when another interpreter can import it."""
+        return isinstance(self.solver, str)
+
+    def open(
+        self, before: Callable[[str], None] = lambda call: None, after: Callable[[], None] = lambda: None
+    ) -> ForeignSolver:
+        """The solver after a first run, of y' = 0, on arrays or on lists. Raises ValueError or a `Misbehaviour`."""
+        failures: list[Misbehaviour] = []
+        for adapter in (ARRAYS, LISTS):
+            subject = ForeignSolver(imported(self.solver), adapter, before, after)
+            try:
+                found = subject.solve(lambda n, t, y: [0.0 * x for x in y], (0.0, 1.0), (1.0, 0.5))
+            except Misbehaviour as failure:
+                failures.append(failure)
+                continue
+            if not all(isfinite(x) for x in found.y[-1]):
+                raise NotANumber(f"of y' = 0 from 1 it returns {found.y[-1][0]!r} at the end")
+            return subject
+        raise failures[0]

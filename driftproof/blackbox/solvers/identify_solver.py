@@ -1,0 +1,88 @@
+"""What somebody's solver is: which pair advances, by which law it chooses its steps, and what else it does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from driftproof.blackbox.findings import NO_EVIDENCE, Outcome
+from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
+from driftproof.blackbox.report import Report, sections
+from driftproof.blackbox.solvers.controller import ControllerReading, read_controller
+from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, SolverTarget
+from driftproof.blackbox.solvers.runs import RunsReading, read_runs
+from driftproof.blackbox.solvers.steps import SolverSteps, read_steps
+
+
+def identify_solver(solve: Callable[..., Any] | str, *, time_limit: float = TIME_LIMIT, isolate: bool = True) -> Report:
+    """Which pair a whole solver advances, the law of its step sizes, and whether its clock and its tolerances hold.
+
+    `solve(f, t_span, y0, rtol, atol)`, a callable or "package.module:name", returns (t, y), or an object with t and y,
+    at the steps that it makes; f(t, y) is of ours. The tableau of its steps is read through marked answers, to the few
+    roundings of quotients; the step size control, and all runs whose solution is known, are measured, and the report
+    says so. Raises ValueError where the solver cannot be imported or does not solve y' = -y.
+
+    >>> from driftproof import identify_solver
+    >>> def solve(f, t_span, y0, rtol, atol):
+    ...     t, y, h = [t_span[0]], [y0], (t_span[1] - t_span[0]) / 64
+    ...     for n in range(64):
+    ...         y.append(y[-1] + h * f(t[-1], y[-1]))
+    ...         t.append(t_span[0] + (n + 1) * h)
+    ...     return t, y
+    >>> report = identify_solver(solve, isolate=False)
+    >>> print(report.verdict.partition(";")[0])
+    it advances forward_euler, of order 1
+    """
+    runner = IsolatedRunner(SolverTarget(solve), time_limit, isolate)
+    steps, controller, runs = runner.run([read_steps, _controlled, read_runs])
+    if steps.kind == "bad_input":
+        raise ValueError(steps.seen)
+    return Report(
+        runner.target.name,
+        _verdict(steps, controller, runs),
+        None,
+        _sections(steps, controller, runs),
+        {
+            "steps": None if steps.failed else {"name": steps.result.name, "order": steps.result.order.order},
+            "controller": None if controller.failed else list(controller.result.lines),
+            "runs": None if runs.failed else {title: list(lines) for title, lines in runs.result.seen.items()},
+            "faults": list(_faults(controller, runs)),
+            "not_answered": [{"kind": o.kind, "seen": o.seen} for o in (steps, controller, runs) if o.failed],
+        },
+    )
+
+
+def _controlled(subject: ForeignSolver) -> ControllerReading:
+    return read_controller(subject, read_steps(subject))
+
+
+def _faults(controller: Outcome, runs: Outcome) -> tuple[str, ...]:
+    return tuple(fault for outcome in (controller, runs) if not outcome.failed for fault in outcome.result.faults)
+
+
+def _verdict(steps: Outcome, controller: Outcome, runs: Outcome) -> str:
+    if steps.failed and runs.failed:
+        word = "undecided" if steps.kind in NO_EVIDENCE else "gives no answer"
+        return f"{word}: {steps.seen}"
+    found: SolverSteps | None = steps.result
+    name = "its steps are not read" if found is None else f"it advances {found.name}, of order {found.order.order}"
+    control: ControllerReading | None = controller.result
+    measured = ""
+    if control is not None and not control.faults:
+        measured = f"; its step sizes: {control.law.words if control.law else control.lines[0]}"
+    elif control is not None and control.law:
+        measured = f"; its step sizes: {control.law.words}"
+    return "; ".join([name + measured, *_faults(controller, runs)])
+
+
+def _sections(steps: Outcome, controller: Outcome, runs: Outcome) -> Any:
+    measured: RunsReading | None = runs.result
+    found = [] if measured is None else [(f"{title}, measured", lines) for title, lines in measured.seen.items()]
+    unanswered = [f"{o.kind}: {o.seen}" for o in (steps, controller, runs) if o.failed]
+    return sections(
+        ("Steps", [] if steps.failed else steps.result.lines),
+        ("Step size control", [] if controller.failed else controller.result.lines),
+        *found,
+        ("Faults", _faults(controller, runs)),
+        ("Not answered", list(dict.fromkeys(unanswered))),
+    )

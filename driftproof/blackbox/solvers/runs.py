@@ -1,0 +1,191 @@
+"""What a solver does on runs whose solutions we know: constant slopes, its clock, NaN, a jump, smaller tolerances."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import cos, e, hypot, isfinite, nan, sin
+
+import numpy as np
+
+from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.solvers.foreign_solver import DoesNotEnd, ForeignSolver, Solution, in_binary32
+
+# Neither end, nor the length, is a number of few bits.
+_SPAN = (0.1, 0.1 + 1.7)
+_RTOL, _ATOL = 1e-6, 1e-9
+_TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6)
+# A jump costs an error of about the slope's change times a step, which the estimate is to bound by the tolerance.
+_OF_A_JUMP = 1e3
+# What a clock of 24 bits may cost in some thousand steps is no error of the method.
+_GROSS = 2.0**-12
+# Of a step that is no step: so small a part of the run.
+_TINY = 1e-9
+
+
+@dataclass(frozen=True)
+class RunsReading:
+    """What was seen in these runs, by subject, and what is wrong of it. All of it is measured, on the runs named."""
+
+    seen: dict[str, tuple[str, ...]]
+    faults: tuple[str, ...]
+
+
+def read_runs(subject: ForeignSolver) -> RunsReading:
+    """The runs, one after the other; a run that fails says so and costs no other."""
+    seen: dict[str, tuple[str, ...]] = {}
+    faults: list[str] = []
+    for title, question in _QUESTIONS.items():
+        try:
+            lines, wrong = question(subject)
+        except Misbehaviour as failure:
+            lines, wrong = [], [f"{title.lower()}: {failure.kind}: {failure}"]
+        seen[title] = tuple(lines)
+        faults += wrong
+        if any("cannot integrate" in words for words in wrong):  # nor anything else
+            break
+    return RunsReading(seen, tuple(faults))
+
+
+def _constant_slopes(subject: ForeignSolver) -> tuple[list[str], list[str]]:
+    """u' = 0 and u' = 1: the estimates of both are 0 but for rounding, and every method is exact."""
+    lines, faults = [], []
+    for slope in (0.0, 1.0):
+        name = f"u' = {slope:g}"
+        try:
+            run = subject.solve(lambda n, t, y, slope=slope: [slope], _SPAN, (0.5,), _RTOL, _ATOL)  # type: ignore[misc]
+        except Misbehaviour as failure:
+            estimate = ", as where the weights of an error estimate do not add up to 0" if slope else ""
+            faults.append(f"it cannot integrate {name}: {failure}{estimate}")
+            continue
+        end = 0.5 + slope * (run.t[-1] - _SPAN[0])
+        if not abs(run.y[-1][0] - end) <= _GROSS * (1 + abs(end)):
+            faults.append(f"{name} ends at u = {run.y[-1][0]:.9g} in place of {end:.9g}")
+        lines.append(f"{name}: {len(run.t) - 1} steps, {len(run.calls)} calls, off by {abs(run.y[-1][0] - end):.2g}")
+    return lines, faults
+
+
+def _clock(subject: ForeignSolver) -> tuple[list[str], list[str]]:
+    """Where the last step ends, whether one is too many, and in which numbers time is kept."""
+    run = subject.solve(lambda n, t, y: [1.0, y[0]], _SPAN, (0.0, 0.0), _RTOL, _ATOL)
+    end, t = _SPAN[1], run.t
+    lines, faults = [], []
+    if any(b <= a for a, b in pairwise(t)):
+        faults.append("its times do not increase")
+    length = end - _SPAN[0]
+    off, beyond = t[-1] - end, max(call.t for call in run.calls) - end
+    last = t[-1] - t[-2] if len(t) > 1 else length
+    steps = len(t) - 1
+    accumulated = _accumulated(t, run)
+    if in_binary32(t):
+        faults.append(f"time is kept in binary32: the last step ends at {t[-1]!r}, {off:.3g} from the end{accumulated}")
+    elif off == 0:
+        lines.append("the last step ends at the end, to the last bit")
+    elif abs(off) <= steps * 2.0**-52 * abs(end):
+        lines.append(f"the last step ends {off:.2g} from the end: rounding errors of {steps} steps{accumulated}")
+    elif off > 0 and 0.2 < off / last <= 1.0 + _TINY:
+        faults.append(f"one step too many, or a last one that is not cut: it ends {off:.6g} beyond the end")
+    elif off < 0 and 0.2 < -off / last <= 1.0 + _TINY:
+        faults.append(f"one step too few: it ends {-off:.6g} before the end")
+    else:
+        faults.append(f"the last step ends {off:.6g} from the end")
+    if len(t) > 2 and 0 < last < _TINY * length:
+        faults.append(f"one step too many: the last one is {last:.2g} long")
+    # y[0] = t - t_start keeps the time that was integrated over, whatever is returned as t.
+    drift = max(abs(y[0] - (x - _SPAN[0])) for x, y in zip(t, run.y, strict=True))
+    allowed = 4 * len(run.calls) * float(run.format.u) * (abs(_SPAN[0]) + length)
+    if drift > allowed:
+        faults.append(f"the time that it integrates over and the time that it returns drift apart by {drift:.3g}")
+    if beyond > 2.0**-50 * abs(end) and off <= 0:
+        lines.append(f"f is called up to {beyond:.3g} beyond the end")
+    return lines, faults
+
+
+def _accumulated(times: Sequence[float], run: Solution) -> str:
+    """Where all steps are of one length, whether the times are exactly those that t += h makes, in either format."""
+    count = len(times) - 1
+    for number, name in ((np.float64, "binary64"), (np.float32, "binary32")):
+        for h in {number((_SPAN[1] - _SPAN[0]) / count), number(times[1] - times[0]), number(0.01), number(0.1)}:
+            t = number(times[0])
+            if all(float(t := t + h) == x for x in times[1:]):
+                return f"; time is accumulated, t += h in {name}, which gives these times exactly"
+    return ""
+
+
+def _backward(subject: ForeignSolver) -> tuple[list[str], list[str]]:
+    """From t = 1 to 0, where y' = -y grows."""
+    try:
+        run = subject.solve(lambda n, t, y: [-y[0]], (1.0, 0.0), (1.0,), _RTOL, _ATOL)
+    except Misbehaviour as failure:
+        return [f"backward in time it gives no answer: {failure.kind}"], []
+    off = abs(run.y[-1][0] - e)
+    if off <= 0.1 and abs(run.t[-1]) <= 2.0**-16:  # any method gives y to a tenth
+        return ["it integrates backward in time"], []
+    return [], [f"backward in time, from 1 to 0, it ends at t = {run.t[-1]:.6g}, off by {off:.3g}, and does not say so"]
+
+
+def _nan(subject: ForeignSolver) -> tuple[list[str], list[str]]:
+    """A right-hand side that is NaN from the middle on: an answer that ends there, or refuses, is one."""
+    middle = sum(_SPAN) / 2
+    try:
+        run = subject.solve(lambda n, t, y: [nan if t > middle else -y[0]], _SPAN, (1.0,), _RTOL, _ATOL)
+    except DoesNotEnd as failure:
+        return [], [f"where f is NaN it does not end: {failure}"]
+    except Misbehaviour as failure:
+        return [f"where f becomes NaN it says so: {failure.kind}"], []
+    if run.complaint:
+        return [f"where f becomes NaN it ends at t = {run.t[-1]:.6g} and says: {run.complaint}"], []
+    if not all(isfinite(x) for x in run.y[-1]):
+        return ["where f becomes NaN it returns NaN"], []
+    return [], [f"where f becomes NaN it ends at t = {run.t[-1]:.6g} with {run.y[-1][0]:.6g}, and does not say so"]
+
+
+def _jump(subject: ForeignSolver) -> tuple[list[str], list[str]]:
+    """u' = 0 before 2/3, 1 after it: the end is known, and every step across the jump has a large error."""
+    at = 2.0 / 3.0
+    try:
+        run = subject.solve(lambda n, t, y: [float(t > at)], _SPAN, (0.0,), _RTOL, _ATOL)
+    except DoesNotEnd as failure:
+        return [], [f"at a jump of f it does not end: {failure}"]
+    off = abs(run.y[-1][0] - (run.t[-1] - at))
+    lines = [f"across a jump of f: {len(run.t) - 1} steps, {len(run.calls)} calls, off by {off:.2g}"]
+    if run.complaint:
+        return [*lines, f"it says: {run.complaint}"], []
+    if off > _OF_A_JUMP * _RTOL:
+        return lines, [f"across a jump of f it is off by {off:.3g} at rtol = {_RTOL:g}: the jump is stepped over"]
+    return lines, []
+
+
+def _tolerance(subject: ForeignSolver) -> tuple[list[str], list[str]]:
+    """The error of q'' = -q after a period or so, for smaller and smaller tolerances: each should buy some digits."""
+    runs: list[tuple[float, Solution]] = []
+    for rtol in _TOLERANCES:
+        runs.append((rtol, subject.solve(lambda n, t, y: [y[1], -y[0]], (0.0, 6.0), (1.0, 0.0), rtol, rtol * 1e-3)))
+    errors = [hypot(run.y[-1][0] - cos(run.t[-1]), run.y[-1][1] + sin(run.t[-1])) for _, run in runs]
+    pairs = zip(_TOLERANCES, errors, runs, strict=True)
+    lines = [
+        f"at rtol = {rtol:g}: error {error:.2g} at t = 6, {len(run.calls)} calls" for rtol, error, (_, run) in pairs
+    ]
+    if len({run.t for _, run in runs}) == 1:
+        return lines, ["rtol is ignored: the steps are the same at every tolerance"]
+    # Rounding of a few hundred steps may hide what the last tolerance buys.
+    floor = max(float(run.format.u) for _, run in runs) * 1e3
+    if max(errors[-1], floor) > errors[0] / 10 and errors[0] > 10 * floor:
+        return lines, ["a tolerance 1000 times smaller does not make the error 10 times smaller"]
+    worst = (
+        max(error / rtol for rtol, error in zip(_TOLERANCES, errors, strict=True) if error > floor)
+        if any(error > floor for error in errors)
+        else 0.0
+    )
+    return [*lines, f"the largest error over rtol is {worst:.3g}"], []
+
+
+_QUESTIONS = {
+    "Constant slopes": _constant_slopes,
+    "Clock": _clock,
+    "Backward": _backward,
+    "NaN": _nan,
+    "A jump": _jump,
+    "Tolerance": _tolerance,
+}

@@ -1,0 +1,150 @@
+"""The tableau of a solver's steps, read from one step of a run whose calls are answered by 0, but one of them by 1."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import fsum
+
+from driftproof.blackbox.matching.match import Identity, match_tableau
+from driftproof.blackbox.matching.read_order import ReadOrder, read_order
+from driftproof.blackbox.probes.coefficients import coefficient_text
+from driftproof.blackbox.probes.scripted_answers import MOST_CALLS, NotReadable, Rounding, varied
+from driftproof.blackbox.probes.tableau import TableauReading
+from driftproof.blackbox.solvers.foreign_solver import Call, ForeignSolver, Solution, in_binary32
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import RungeKutta
+from driftproof.symbolic.rounding.formats import BINARY32
+
+# With these no slope of size 1 makes an error: every step is accepted, and as long as it may be.
+_LAX = {"rtol": 1.0, "atol": 2.0**100}
+_SPAN = (0.0, 1.0)
+# So small that a solver that is deaf to its tolerances accepts them, too.
+_MARK = 2.0**-80
+# Its start, its end and its length have many bits: none of its times is a number of binary32 by chance.
+_ODD_SPAN = (0.1, 1.8)
+# A coefficient times h, and the difference of two times by which it is divided, are rounded, and so is the quotient.
+_ROUNDINGS = 4
+
+
+@dataclass(frozen=True)
+class SolverSteps:
+    """The tableau of a step of a solver, its methods, and its order.
+
+    The numbers are quotients by the length of the step: within a few roundings of the code's own. `nodes` are the
+    places of all calls that an attempt makes after its start, in turn, without those at its end that follow all others.
+    """
+
+    reading: TableauReading
+    identity: Identity
+    order: ReadOrder
+    nodes: tuple[float, ...]
+
+    @property
+    def pairs(self) -> tuple[RungeKutta, ...]:
+        """The pairs of the catalogue whose stages and whose propagated row these are."""
+        methods = [METHODS[key] for key in self.identity.keys]
+        return tuple(m for m in methods if isinstance(m, RungeKutta) and m.b_embedded is not None)
+
+    @property
+    def name(self) -> str:
+        """What advances: a pair of the catalogue, or another method of it; or none, with the order read."""
+        if not self.identity.matches:
+            return "no method of the catalogue"
+        return self.pairs[0].key if self.pairs else self.identity.matches[0].name
+
+    @property
+    def lines(self) -> list[str]:
+        """In words; numbers as the fractions that they are a few roundings from, where those are telling."""
+        rows = [("c", self.reading.c or ()), *((f"a[{i}]", row[:i]) for i, row in enumerate(self.reading.a))]
+        shown = [f"{name} = {', '.join(map(self._shown, row))}" for name, row in [*rows, ("b", self.reading.b)] if row]
+        other = [f"propagated is the row of order {p.claimed_order} of the pair {p.key}" for p in self.pairs[:1]]
+        return [*self.identity.lines, *self.order.lines, *other, *shown]
+
+    def _shown(self, x: float) -> str:
+        return coefficient_text(x, self.reading.format, _ROUNDINGS * float(self.reading.format.u) * max(1.0, abs(x)))
+
+
+def read_steps(subject: ForeignSolver) -> SolverSteps:
+    """The steps of a solver that returns where it stepped. Raises NotReadable, saying what was seen instead."""
+    marked = _Marked(subject)
+    reading = marked.reading()
+    identity = match_tableau(reading)
+    return SolverSteps(reading, identity, read_order(reading, next(iter(identity.matches), None)), marked.nodes)
+
+
+class _Marked:
+    """Runs of y' = f with f = 0 but for marked calls, and the one step of them that is looked at."""
+
+    def __init__(self, subject: ForeignSolver) -> None:
+        self.subject = subject
+        odd = subject.solve(lambda n, t, y: [0.0], _ODD_SPAN, (0.0,), **_LAX)
+        self.silent = self._run({})
+        self.format = BINARY32 if in_binary32(odd.t) else self.silent.format
+        t = self.silent.t
+        if len(t) < 2 or t[0] != _SPAN[0]:
+            raise NotReadable("it does not return the times of its steps from the start on")
+        if any(any(y) for y in self.silent.y):
+            raise NotReadable("with all slopes 0, y = 0 does not stay")
+        # Not the last, which is cut to the end, nor the first, which has no step before it, if there are others.
+        inner = range(1, len(t) - 2) if len(t) > 3 else range(len(t) - 1)
+        self.place = max(inner, key=lambda n: (t[n + 1] - t[n]) / t[n + 1])
+        self.start, self.end = t[self.place], t[self.place + 1]
+        self.h = self.end - self.start
+        if not self.h > 0:
+            raise NotReadable(f"its times do not increase: {self.start!r} is followed by {self.end!r}")
+        self.near = [n for n, call in enumerate(self.silent.calls) if self.start <= call.t <= self.end]
+        if len(self.near) > MOST_CALLS:
+            raise NotReadable(f"{len(self.near)} calls fall in one step: an iteration, or it does not return its steps")
+
+    @property
+    def nodes(self) -> tuple[float, ...]:
+        """The places of the calls after the start of the step, those at its end that come last left out but for one."""
+        times = [self.silent.calls[n].t for n in self.near if self.silent.calls[n].t > self.start]
+        while len(times) > 1 and times[-1] == self.end:
+            times.pop()
+        return tuple((t - self.start) / self.h for t in times)
+
+    def reading(self) -> TableauReading:
+        """The tableau of the calls that move the end of the step and not its start, directly or through others."""
+        runs = {n: self._run({n: 1.0}) for n in self.near}
+        weights = {n: run.y[self.place + 1][0] / self.h for n, run in runs.items() if not run.y[self.place][0]}
+        entries = {
+            n: {m: runs[m].calls[n].y[0] / self.h for m in weights if m != n and runs[m].calls[n].y[0]} for n in weights
+        }
+        used = {n for n, x in weights.items() if x}
+        while not used >= (further := {m for n in used for m in entries[n]}):
+            used |= further
+        stages = sorted(used)
+        if not stages:
+            raise NotReadable("no call moves the step in which it is made")
+        calls = self.silent.calls
+        a = tuple(tuple(entries[n].get(m, 0.0) if m < n else 0.0 for m in stages) for n in stages)
+        if any(m > n for n in stages for m in entries[n]):
+            raise NotReadable("a call depends on the answer to a later one: the step iterates")
+        c = tuple((calls[n].t - self.start) / self.h for n in stages)
+        reading = TableauReading(a, tuple(weights[n] for n in stages), c, self.format)
+        self._control(reading, stages)
+        return reading
+
+    def _control(self, reading: TableauReading, stages: list[int]) -> None:
+        """A run with other answers to all these calls, which must end where the coefficients say."""
+        answers = varied(len(stages), 2)
+        run = self._run(dict(zip(stages, answers, strict=True)))
+        seen = run.y[self.place + 1][0] - run.y[self.place][0]
+        said = self.h * fsum(x * k for x, k in zip(reading.b, answers, strict=True))
+        size = self.h * fsum(abs(x * k) for x, k in zip(reading.b, answers, strict=True))
+        if not abs(seen - said) <= Rounding(reading.format, reading.calls).of(2 * size):
+            raise NotReadable(
+                f"with other answers a step ends at {seen:.6g} where the coefficients read say {said:.6g}: "
+                "it is not linear in its slopes: an iteration, or a limiter"
+            )
+
+    def _run(self, answers: dict[int, float]) -> Solution:
+        run = self.subject.solve(lambda n, t, y: [_MARK * answers.get(n, 0.0), 0.0], _SPAN, (0.0, 0.0), **_LAX)
+        y = tuple(tuple(x / _MARK for x in numbers) for numbers in run.y)
+        calls = tuple(Call(call.t, tuple(x / _MARK for x in call.y)) for call in run.calls)
+        run = run._replace(y=y, calls=calls)
+        silent = getattr(self, "silent", run)
+        if run.t != silent.t or len(run.calls) != len(silent.calls):
+            raise NotReadable("with other slopes it makes other steps, at a tolerance that no error exceeds")
+        return run

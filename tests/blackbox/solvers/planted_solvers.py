@@ -1,0 +1,106 @@
+"""Small adaptive solvers, right as they stand, and each with one thing wrong where a switch says so."""
+
+from __future__ import annotations
+
+from collections import namedtuple
+
+import numpy as np
+
+from driftproof.methods.catalogue import METHODS
+
+Answer = namedtuple("Answer", "t y success message")
+
+
+def adaptive(
+    key="bogacki_shampine32",
+    *,
+    safety=0.8,
+    exponent=1 / 3,
+    memory=0.0,
+    least=0.25,
+    most=4.0,
+    estimate=lambda e: e,
+    stale=False,
+    clock=float,
+    ending="cut",
+    on_nan="fail",
+    tolerances=lambda rtol, atol: (rtol, atol),
+    grows_after_rejection=False,
+    growth_at_zero=None,
+    stepped=lambda h: h,
+):
+    """The solver of a pair whose last stage is the first of the next step, with a controller of that law.
+
+    Wrong: `stale`, k1 after a rejection is the last slope of the rejected attempt; `clock`, another number format of t;
+    `ending` "beyond" or "tiny"; `on_nan` "accept", "silent" or "retry"; `growth_at_zero` of an estimate that is 0;
+    `stepped`, the length by which t advances.
+    """
+    pair = METHODS[key]
+    a, c = [[float(x) for x in row] for row in pair.a], [float(x) for x in pair.c]
+    b = np.array([*map(float, pair.b)])
+    e = np.array(estimate([float(x - y) for x, y in zip(pair.b, pair.b_embedded, strict=True)]))
+
+    def solve(f, t_span, y0, rtol, atol):
+        rtol, atol = tolerances(rtol, atol)
+        sign = 1.0 if t_span[1] > t_span[0] else -1.0
+        t, end, y = clock(t_span[0]), clock(t_span[1]), np.array(y0, dtype=float)
+        times, states, h, before, rejected, failure = [float(t)], [y], sign * 1e-3, 1.0, False, ""
+        first = f(float(t), y)
+        while sign * (end - t) > 0:
+            if sign * (t + h - end) > 0 and ending != "beyond":
+                h = float(end - t)
+            k = [first]
+            for i in range(1, len(c)):
+                k.append(f(float(t) + c[i] * h, y + h * sum(a[i][j] * k[j] for j in range(i))))
+            y1, scale = y + h * (b @ np.array(k)), None
+            scale = atol + rtol * np.maximum(abs(y), abs(y1))
+            r = float(np.max(abs(h * (e @ np.array(k))) / scale))
+            if not np.isfinite(r):
+                if on_nan == "fail":
+                    failure = "the error is not finite"
+                    break
+                if on_nan == "silent":
+                    break
+                r = 0.5 if on_nan == "accept" else 1e9
+            if r == 0.0:
+                factor = most if growth_at_zero is None else growth_at_zero
+            else:
+                factor = min(most, max(least, safety * r**-exponent * before**memory))
+            if r <= 1:
+                t, y, before = clock(t + stepped(h)), y1, max(r, 1e-4)
+                first = k[-1] if c[-1] == 1 and list(a[-1]) == list(b) else f(float(t), y)
+                factor = min(1.0, factor) if rejected and not grows_after_rejection else factor
+                rejected = False
+                times.append(float(t))
+                states.append(y)
+            else:
+                rejected, first = True, k[-1] if stale else first
+                if abs(h) < 1e-13 and on_nan != "retry":
+                    failure = "the step size is too small"
+                    break
+            h *= factor
+            if ending != "beyond" and sign * (t + h - end) > 0 and abs(float(end - t)) > 0:
+                h = float(end - t)
+        if ending == "tiny":
+            times.append(float(end) + 1e-15 * 1024)
+            states.append(y)
+        return Answer(np.array(times), np.array(states), not failure, failure)
+
+    return solve
+
+
+def fixed(steps=100, *, extra=0, clock=float, order="heun"):
+    """Heun's method, or Euler's, with so many steps of one length; with `extra` ones beyond the end."""
+
+    def solve(f, t_span, y0, rtol, atol):
+        h, t, y = clock((t_span[1] - t_span[0]) / steps), clock(t_span[0]), np.array(y0, dtype=float)
+        times, states = [float(t)], [y]
+        for _ in range(steps + extra):
+            slope = f(float(t), y)
+            slope = slope if order == "euler" else (slope + f(float(t + h), y + float(h) * slope)) / 2
+            t, y = t + h, y + float(h) * slope
+            times.append(float(t))
+            states.append(y)
+        return times, states
+
+    return solve

@@ -1,0 +1,100 @@
+"""The law of step sizes comes out as it went in; a solver without one, and one with traces of rejections, say so."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+
+from driftproof.blackbox.probes.scripted_answers import NotReadable
+from driftproof.blackbox.solvers.controller import bumps, read_controller
+from driftproof.blackbox.solvers.foreign_solver import ForeignSolver
+from driftproof.blackbox.solvers.steps import read_steps
+from tests.blackbox.solvers.planted_solvers import adaptive, fixed
+from tests.looping import some
+
+
+def read(solve):
+    subject = ForeignSolver(solve)
+    return read_controller(subject, read_steps(subject))
+
+
+LAWS = {
+    "as planted": ({}, (0.8, Fraction(1, 3), 0, 0.25, 4.0)),
+    "of the other row": ({"key": "fehlberg45_embedded", "exponent": 0.2}, (0.8, Fraction(1, 5), 0, 0.25, 4.0)),
+    "PI": (
+        {"key": "dormand_prince54", "safety": 0.9, "exponent": 0.17, "memory": 0.04, "least": 0.2, "most": 10.0},
+        (0.9, Fraction(17, 100), Fraction(1, 25), 0.2, 10.0),
+    ),
+    "of too low an order": ({"key": "cash_karp54", "exponent": 0.5}, (0.8, Fraction(1, 2), 0, 0.25, 4.0)),
+}
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_the_law_comes_out_as_it_went_in(name):
+    switches, (safety, exponent, memory, least, most) = LAWS[name]
+    found = read(adaptive(**switches))
+    law = found.law
+    assert (law.estimate, law.exponent, law.memory) == (switches.get("key", "bogacki_shampine32"), exponent, memory)
+    # The scale of errors is known to a part in 10^6, of which a cube root is taken or so, by a least squares fit.
+    assert [law.safety, law.smallest, law.largest] == pytest.approx([safety, least, most], rel=1e-4)
+    assert law.after_rejection
+    assert found.faults == ()
+    assert found.rejected > 5
+    assert ("(PI)" if memory else "(not PI)") in found.lines[0]
+
+
+def test_a_step_that_may_grow_after_a_rejection_is_not_said_not_to():
+    assert not read(adaptive(grows_after_rejection=True)).law.after_rejection
+
+
+def test_an_estimate_that_is_none_of_the_pair_has_no_law_in_it():
+    loose = lambda rtol, atol: (rtol, 1e-3)
+    found = read(adaptive(estimate=lambda e: [2 * e[0], *e[1:-1], e[-1] - e[0]], tolerances=loose))
+    assert found.law is None
+    assert found.lines[0] == "no law in the estimate of bogacki_shampine32 gives the step sizes"
+
+
+def test_first_slopes_of_rejected_attempts_leave_traces():
+    found = read(adaptive(stale=True))
+    (fault,) = some(found.faults, 1)
+    assert fault.startswith("a rejected step leaves traces")
+    assert fault.endswith("its first slope is the last one of the rejected attempt")
+    assert found.law is not None
+
+
+def test_steps_that_no_error_moves_are_at_fault():
+    zero = read(adaptive(estimate=lambda e: [0.0] * len(e)))
+    assert zero.faults == ("the step size does not depend on the error: every step is 4 times the one before",)
+    assert read(fixed()).faults == ("the steps are all of one length, whatever the error",)
+
+
+def test_too_few_steps_are_not_enough():
+    with pytest.raises(NotReadable, match="too few"):
+        read(fixed(2))
+
+
+def test_the_bumps_are_of_both_signs_and_bounded():
+    values = [bumps(n / 64) for n in range(128)]
+    assert min(some(values, 128)) == -1.5 == -max(values)
+
+
+@pytest.mark.parametrize(
+    ("method", "estimate", "exponent"),
+    [
+        ("RK23", "bogacki_shampine32", 3),
+        ("RK45", "dormand_prince54", 5),
+        ("DOP853", "dop853 blended with dop853_third", 8),
+    ],
+)
+def test_scipy_has_the_law_that_its_source_says(method, estimate, exponent):
+    solve_ivp = pytest.importorskip("scipy.integrate").solve_ivp
+
+    def solve(f, t_span, y0, rtol, atol):
+        return solve_ivp(f, t_span, y0, method=method, rtol=max(rtol, 1e-13), atol=atol)
+
+    found = read(solve)
+    law = found.law
+    assert (law.estimate, law.exponent, law.memory, law.after_rejection) == (estimate, Fraction(1, exponent), 0, True)
+    assert (law.safety, law.largest) == pytest.approx((0.9, 10.0), rel=1e-4)
+    assert found.faults == ()

@@ -1,0 +1,88 @@
+"""Solvers are called as they are, and what they return is read in whichever form it comes."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.findings import Misbehaviour, StepRaised
+from driftproof.blackbox.solvers.foreign_solver import DoesNotEnd, ForeignSolver, SolverTarget, in_binary32
+from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
+from tests.blackbox.solvers.planted_solvers import adaptive, fixed
+from tests.looping import exactly
+
+T, Y = [0.0, 0.5, 1.0], [[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]]
+FORMS = {
+    "a pair": lambda: (T, Y),
+    "arrays": lambda: (np.array(T), np.array(Y)),
+    "states in columns": lambda: SimpleNamespace(t=np.array(T), y=np.array(Y).T),
+    "other names": lambda: {"ts": T, "ys": np.array(Y)},
+    "more behind": lambda: (T, Y, "done", {"calls": 7}),
+    "narrow": lambda: (T, np.array(Y, dtype=np.float32)),
+}
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_times_and_states_are_found(form):
+    found = ForeignSolver(lambda f, t_span, y0, rtol, atol: FORMS[form]()).solve(lambda n, t, y: y, (0, 1), (1.0, 2.0))
+    assert found.t == tuple(T)
+    assert found.y == tuple(map(tuple, Y))
+    assert found.format == (BINARY32 if form == "narrow" else BINARY64)
+
+
+def test_as_many_times_as_numbers_are_told_apart_by_the_start():
+    rows = np.array([[1.0, 2.0], [3.0, 4.0]])
+    for answer in exactly(2, [([0.0, 1.0], rows), ([0.0, 1.0], rows.T)]):
+        found = ForeignSolver(lambda *_, answer=answer: answer).solve(lambda n, t, y: y, (0, 1), (1.0, 2.0))
+        assert found.y == ((1.0, 2.0), (3.0, 4.0))
+
+
+def test_every_call_is_kept_with_its_number():
+    found = ForeignSolver(fixed(3)).solve(lambda n, t, y: [float(n)], (0.0, 3.0), (0.0,))
+    assert [call.t for call in found.calls] == [0.0, 1.0, 1.0, 2.0, 2.0, 3.0]
+    assert found.y == ((0.0,), (0.5,), (3.0,), (7.5,))
+
+
+def test_what_comes_instead_of_an_answer_is_named():
+    def fails(f, t_span, y0, rtol, atol):
+        raise RuntimeError("two\nlines")
+
+    with pytest.raises(StepRaised, match="raises RuntimeError: two lines"):
+        ForeignSolver(fails).solve(lambda n, t, y: y, (0, 1), (1.0,))
+    with pytest.raises(Misbehaviour, match="returns int, not"):
+        ForeignSolver(lambda *_: 7).solve(lambda n, t, y: y, (0, 1), (1.0,))
+    with pytest.raises(Misbehaviour, match="3 times came with 4 numbers, of states of 1"):
+        ForeignSolver(lambda *_: (T, [1.0] * 4)).solve(lambda n, t, y: y, (0, 1), (1.0,))
+    endless = adaptive(estimate=lambda e: [1.0, 0.0, 0.0, 0.0])
+    with pytest.raises(DoesNotEnd, match="after 30000 calls"):
+        ForeignSolver(endless).solve(lambda n, t, y: [1.0], (0.0, 1.0), (1.0,))
+
+
+def test_a_failure_that_is_said_is_kept():
+    for said in exactly(2, [{"success": False, "message": "no"}, {"status": -1, "message": "no"}]):
+        answer = SimpleNamespace(t=T, y=[1.0, 2.0, 3.0], **said)
+        assert (
+            ForeignSolver(lambda *_, answer=answer: answer).solve(lambda n, t, y: y, (0, 1), (1.0,)).complaint == "no"
+        )
+    assert ForeignSolver(adaptive()).solve(lambda n, t, y: [-y[0]], (0, 1), (1.0,)).complaint == ""
+
+
+def test_a_solver_of_lists_is_opened_with_lists():
+    def euler(f, t_span, y0, rtol, atol):
+        (start, end), steps = t_span, 10
+        times, states, h = [start], [y0.copy()], (end - start) / steps
+        for n in range(steps):
+            slope = f(times[-1], states[-1])
+            slope.append(0.0)  # which an array has not
+            states.append([y + h * k for y, k in zip(states[-1], slope, strict=False)])
+            times.append(start + (n + 1) * h)
+        return times, states
+
+    assert SolverTarget(euler).open().adapter.name == "lists"
+
+
+def test_numbers_of_binary32_are_told():
+    assert in_binary32([float(np.float32(x)) for x in (0.1, 0.2)])
+    assert not in_binary32([0.1, 0.5])

@@ -1,0 +1,63 @@
+"""Each question of the runs has a solver that it catches; the right solver is at fault in none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.solvers.foreign_solver import ForeignSolver
+from driftproof.blackbox.solvers.runs import read_runs
+from tests.blackbox.solvers.planted_solvers import adaptive, fixed
+from tests.looping import some
+
+
+def read(solve):
+    return read_runs(ForeignSolver(solve))
+
+
+@pytest.mark.parametrize("key", ["bogacki_shampine32", "fehlberg45", "dormand_prince54"])
+def test_a_right_solver_is_at_fault_in_nothing(key):
+    found = read(adaptive(key, exponent=0.2))
+    assert found.faults == ()
+    assert list(found.seen) == ["Constant slopes", "Clock", "Backward", "NaN", "A jump", "Tolerance"]
+    assert found.seen["Clock"] == ("the last step ends at the end, to the last bit",)
+    assert found.seen["NaN"][0].endswith("says: the error is not finite")
+
+
+WRONG = {
+    "u' = 1": (adaptive(estimate=lambda e: [*e[:-1], 0.0]), "it cannot integrate u' = 1: after 30000 calls"),
+    "binary32": (fixed(clock=np.float32), "time is accumulated, t += h in binary32, which gives these times exactly"),
+    "one too many": (fixed(extra=1), "one step too many, or a last one that is not cut: it ends 0.017 beyond"),
+    "one too few": (fixed(extra=-1), "one step too few: it ends 0.017 before"),
+    "not cut": (adaptive(ending="beyond"), "a last one that is not cut"),
+    "a tiny one": (adaptive(ending="tiny"), "one step too many: the last one is 1e-12 long"),
+    "another clock": (adaptive(stepped=lambda h: h * (1 + 1e-6)), "drift apart"),
+    "silent at NaN": (adaptive(on_nan="silent"), "where f becomes NaN it ends at t = 0.94"),
+    "endless at NaN": (adaptive(on_nan="retry"), "where f is NaN it does not end"),
+    "over a jump": (adaptive(estimate=lambda e: [0.0] * 4), "the jump is stepped over"),
+    "deaf": (adaptive(tolerances=lambda rtol, atol: (1e-5, 1e-8)), "rtol is ignored"),
+    "hard of hearing": (
+        adaptive(tolerances=lambda rtol, atol: (1e-4 + rtol / 1e3, 1e-7)),
+        "a tolerance 1000 times smaller does not make the error 10 times smaller",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_what_is_wrong_is_said(name):
+    solve, fault = WRONG[name]
+    assert any(fault in words for words in some(read(solve).faults, 1))
+
+
+def test_a_clock_that_accumulates_is_told_and_is_no_fault():
+    found = read(fixed())
+    assert found.seen["Clock"][0].endswith("time is accumulated, t += h in binary64, which gives these times exactly")
+    assert not any("clock" in fault or "last step" in fault for fault in some(found.faults, 1))
+
+
+def test_backward_in_time_is_looked_at():
+    def forward_only(f, t_span, y0, rtol, atol):
+        return adaptive()(f, (t_span[0], max(t_span[0] + 1e-3, t_span[1])), y0, rtol, atol)
+
+    assert read(adaptive()).seen["Backward"] == ("it integrates backward in time",)
+    assert any("backward in time" in fault for fault in some(read(forward_only).faults, 1))

@@ -1,0 +1,81 @@
+"""The pair that a whole solver advances is read from its run, whatever its steps; what has no table says so."""
+
+from __future__ import annotations
+
+import pytest
+
+from driftproof.blackbox.probes.scripted_answers import NotReadable
+from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, SolverTarget
+from driftproof.blackbox.solvers.steps import read_steps
+from driftproof.methods.catalogue import METHODS
+from tests.blackbox.solvers.planted_solvers import adaptive, fixed
+
+PAIRS = ["heun_euler21", "bogacki_shampine32", "fehlberg45", "cash_karp54", "dormand_prince54", "tsitouras54", "dop853"]
+
+
+@pytest.mark.parametrize("key", [*PAIRS, "fehlberg45_embedded", "dormand_prince54_embedded"])
+def test_the_pair_and_its_row_are_named(key):
+    steps = read_steps(ForeignSolver(adaptive(key)))
+    assert steps.name == key
+    assert key in [pair.key for pair in steps.pairs]
+    assert steps.order.order == METHODS[key].claimed_order
+    row = f"propagated is the row of order {METHODS[key].claimed_order} of the pair {key}"
+    assert row in steps.lines
+
+
+def test_coefficients_are_shown_as_the_fractions_that_they_are():
+    lines = read_steps(ForeignSolver(adaptive("cash_karp54"))).lines
+    assert "c = 0, 1/5, 3/10, 3/5, 1, 7/8" in lines
+    assert "b = 37/378, 0, 250/621, 125/594, 0, 512/1771" in lines
+
+
+def test_steps_of_one_length_are_read_too():
+    assert read_steps(ForeignSolver(fixed())).name == "heun_euler21"
+    assert read_steps(ForeignSolver(fixed(order="euler"))).name == "forward_euler"
+
+
+def only_the_end(f, t_span, y0, rtol, atol):
+    found = fixed(300)(f, t_span, y0, rtol, atol)
+    return [found[0][0], found[0][-1]], [found[1][0], found[1][-1]]
+
+
+def implicit(f, t_span, y0, rtol, atol):
+    """Backward Euler by fixed-point iteration until it has converged."""
+    start, y, h = t_span[0], y0, (t_span[1] - t_span[0]) / 20
+    times, states = [start], [y0]
+    for n in range(20):
+        y1 = y
+        for _ in range(50):
+            old, y1 = y1, y + h * f(start + (n + 1) * h, y1)
+            if max(abs(y1 - old)) <= 1e-12 * max(abs(y1)):
+                break
+        y = y1
+        times.append(start + (n + 1) * h)
+        states.append(y)
+    return times, states
+
+
+@pytest.mark.parametrize(
+    ("solve", "seen"),
+    [
+        (only_the_end, "calls fall in one step: an iteration, or it does not return its steps"),
+        (lambda f, t_span, y0, rtol, atol: ([1.0], [y0]), "does not return the times of its steps"),
+        (implicit, "with other slopes it makes other steps|depends on the answer to a later one|not linear"),
+    ],
+    ids=["only the end", "no times", "implicit"],
+)
+def test_what_has_no_table_says_what_was_seen(solve, seen):
+    with pytest.raises(NotReadable, match=seen):
+        read_steps(ForeignSolver(solve))
+
+
+@pytest.mark.parametrize(
+    ("method", "name"), [("RK23", "bogacki_shampine32"), ("RK45", "dormand_prince54"), ("DOP853", "dop853")]
+)
+def test_scipy_advances_what_it_says(method, name):
+    solve_ivp = pytest.importorskip("scipy.integrate").solve_ivp
+
+    def solve(f, t_span, y0, rtol, atol):
+        return solve_ivp(f, t_span, y0, method=method, rtol=max(rtol, 1e-12), atol=atol)
+
+    assert read_steps(SolverTarget(solve).open()).name == name
