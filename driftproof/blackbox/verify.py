@@ -11,7 +11,15 @@ from typing import Any
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, arithmetic_of
 from driftproof.blackbox.identify import identified
 from driftproof.blackbox.isolation import TIME_LIMIT, Examined, IsolatedRunner
-from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY_DOMAIN, Agreement, Domain, steps_back
+from driftproof.blackbox.judging.agreement import (
+    EXAMPLES,
+    NO_ALLOWANCE,
+    ORDINARY_DOMAIN,
+    Agreement,
+    Domain,
+    rows_together,
+    steps_back,
+)
 from driftproof.blackbox.judging.habits import ROUNDED, explained
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.judging.nonlinear_step import NonlinearAgreement, nonlinear_agreement
@@ -95,9 +103,10 @@ def verify(
     agreed = partial(explained, method=asked, allowance=allowance, domain=domain, examples=examples)
     beside = partial(nonlinear_agreement, method=asked, allowance=allowance)
     back = partial(steps_back, method=asked, allowance=allowance, domain=domain)
+    rows = partial(rows_together, method=asked, allowance=allowance, domain=domain)
     estimate = partial(judged_estimate, method=asked)
     with IsolatedRunner(Target(step, calls, array), time_limit, isolate) as runner:
-        outcomes = runner.run([agreed, read_coefficients, beside, measured_orders, estimate, judged_dense, back])
+        outcomes = runner.run([agreed, read_coefficients, beside, measured_orders, estimate, judged_dense, back, rows])
         if outcomes[0].kind == "bad_input":
             raise ValueError(outcomes[0].seen)
         checks = [criterion(asked, outcome) for criterion, outcome in zip(CRITERIA, outcomes, strict=True)]
@@ -249,12 +258,13 @@ def _check_dense(method: Method, outcome: Outcome) -> Criterion:
     return Criterion("Dense output", not found.faults, (*found.lines, *found.faults), found.data)
 
 
-def _check_backward(method: Method, outcome: Outcome) -> Criterion:
+def _check_calls(title: str, method: Method, outcome: Outcome) -> Criterion:
+    """Of calls that a stepper may refuse."""
     if outcome.failed:
-        return Criterion("Steps back", None, (outcome.seen,), {})
+        return Criterion(title, None, (outcome.seen,), {})
     passed, words, reproduction = outcome.result
     again = [f"to see it again: {reproduction}"] if reproduction else []
-    return Criterion("Steps back", passed, (words, *again), {})
+    return Criterion(title, passed, (words, *again), {})
 
 
 def _derived_order(method: Method) -> int:
@@ -271,7 +281,8 @@ CRITERIA: Sequence[Callable[[Method, Outcome], Criterion]] = (
     _check_order,
     _check_estimate,
     _check_dense,
-    _check_backward,
+    partial(_check_calls, "Steps back"),
+    partial(_check_calls, "Rows"),
 )
 
 
@@ -298,8 +309,9 @@ def _refuted(
     wrong_beside = [str(check.data["faults"][0]) for check in beside if check.passed is False]
     if wrong_beside and coefficients.passed:
         return f"is {method.key}, but {'; '.join(wrong_beside)}"
-    if others and back and back[0].passed is False:
-        return f"is {method.key} for h > 0 only: {back[0].lines[0]}"
+    for check, only in zip(back, ("h > 0", "one state at a time"), strict=False):
+        if others and check.passed is False:
+            return f"is {method.key} for {only} only: {check.lines[0]}"
     if found is not None and found.failing is not None and order.passed is not False:
         if found.but_for and (coefficients.passed is not False or found.but_for.startswith(ROUNDED)):
             return f"is not {method.key} to roundoff; it is, {found.but_for}"
@@ -311,13 +323,16 @@ def _refuted(
         wrong = f"{', '.join(seen.wrong)} {'is' if len(seen.wrong) == 1 else 'are'} not what they say"
         return f"is not {method.key}: its coefficients are, but on {seen.problem}, {wrong}"
     vague = re.search(rf"\b{method.key}\b|it is no method|, but |\bnearly ", instead.verdict)
+    reading = outcomes[1].result
+    if coefficients.passed is None and isinstance(reading, ForceReading) and reading.refused:
+        return f"is not {method.key}: it is on q'' = F(q), but not on y' = f(t, y): {reading.refused}"
     if mistakes and (vague or not instead.verdict.startswith("it is")):
         link = "but for" if " instead of " in mistakes[0] else "with one mistake:"
         return f"is not {method.key}; it is {method.key} {link} {mistakes[0]}"
     if instead.section("Coefficients") is None and re.search(rf"\b{method.key}\b", instead.verdict):
         failed = next(check for check in checks if check.passed is False)
         return f"is not {method.key}: {failed.lines[0 if failed is rounding else -1]}"
-    wrong = ", ".join(coefficients.data.get("differences", ()))
+    wrong = "; ".join(coefficients.data.get("differences", ()))
     what = f": {wrong}" if wrong and wrong not in instead.verdict else ""
     faults = instead.section("Faults")
     why = [*coefficients.lines] if outcomes[1].kind == "not_readable" else [*(faults.lines if faults else ())]

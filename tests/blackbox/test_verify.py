@@ -97,6 +97,22 @@ def test_steps_back_are_tried_and_a_refusal_of_them_is_told():
     assert "raises ValueError: h has to be positive" in refused.section("Steps back: not asked").lines[0]
 
 
+def test_a_row_of_an_array_that_is_left_out_fails_and_a_code_of_one_state_is_not_asked():
+    def first_row_only(q, v, h):
+        q1, v1 = symplectic_euler(q, v, h)
+        return (q1, v1) if np.size(q) == 1 else (np.append(q1[:1], q[1:]), np.append(v1[:1], v[1:]))
+
+    def of_one(q, v, h):
+        return symplectic_euler(float(q), float(v), h)
+
+    wrong = verify(first_row_only, "symplectic_euler", examples=FEW, isolate=False)
+    assert wrong.verdict.startswith(
+        "is symplectic_euler for one state at a time only: of 3 states in arrays, row 1 goes "
+    )
+    assert verify(symplectic_euler, "symplectic_euler", examples=FEW, isolate=False).section("Rows: passed")
+    assert verify(of_one, "symplectic_euler", examples=FEW, isolate=False).section("Rows: not asked")
+
+
 def test_the_fifth_order_row_of_fehlberg_has_a_key_of_its_own():
     pair = METHODS["fehlberg45"]
     rows, nodes = codes.floats(pair)[0], codes.floats(pair)[2]

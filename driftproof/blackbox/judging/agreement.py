@@ -234,6 +234,27 @@ def steps_back(
     return True, f"{steps} steps with h < 0 within the bound", ""
 
 
+def rows_together(
+    subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
+) -> tuple[bool | None, str, str]:
+    """Whether each of several states in arrays takes the step M(h), as `steps_back` says it; None where one is taken.
+
+    Raises UnsupportedCall where an array is one state.
+    """
+    tolerance, longest = Tolerance(method, subject.format, allowance), min(1.0, domain.largest_step)
+    size, h = min(1.0, domain.largest_state / 2), float(subject.format.nearest(Fraction(longest * _STEPS_BACK[1])))
+    states = [(size * q, size * v) for q, v in _STATES_BACK]
+    try:
+        answers = subject.step_batch([q for q, _ in states], [v for _, v in states], h)
+    except Misbehaviour as refusal:
+        return None, f"one state is taken at a time: {refusal}", ""
+    for i, ((q, v), answer) in enumerate(zip(states, answers, strict=True)):
+        if not all(component.allowed for component in tolerance.judge(q, v, h, answer)):
+            seen = f"of {len(states)} states in arrays, row {i} goes from {(q, v)} to {answer} with h = {h!r}"
+            return False, seen, ""
+    return True, f"{len(states)} states in arrays, each within the bound", ""
+
+
 @dataclass
 class _Remembering(ForeignStepper):
     """A stepper whose answers are kept: Hypothesis asks for some again, and refuses those that vary."""

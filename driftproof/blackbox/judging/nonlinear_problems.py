@@ -11,7 +11,7 @@ from flint import arb
 
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, StepRaised, WrongShape
 from driftproof.blackbox.stepper.array_adapters import AnyNumber
-from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, MAP
+from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE
 from driftproof.blackbox.stepper.foreign_stepper import FieldFunction, ForeignStepper
 
 _State: TypeAlias = list[AnyNumber]
@@ -107,9 +107,7 @@ def _by_size(subject: ForeignStepper, *, timed: bool) -> Iterator[NonlinearProbl
 
 
 def _gives_force_times(subject: ForeignStepper) -> bool:
-    """True where a time is given with the position; what answers nothing to this may take no time."""
-    if subject.convention.kind == MAP:
-        subject.step_field(lambda t, y: y, 0.0, [0.0, 0.0], 0.0)  # refused
+    """True where a time is given with the position. Raises UnsupportedCall where there is no force to give."""
     clock, given = float(START), []
 
     def force(t: AnyNumber, q: Sequence[AnyNumber]) -> _State:

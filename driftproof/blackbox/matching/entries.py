@@ -70,7 +70,7 @@ def rational_method(reading: TableauReading, key: str) -> RungeKutta | None:
 
 
 def mended(method: RungeKutta, claimed: int) -> list[str]:
-    """Each entry that alone, with another value, gives the order claimed, the times being the row sums then.
+    """Each entry that alone, with another value, gives the order claimed, whose conditions are of A and b alone.
 
     Every condition is of degree one in a weight, and those of the tall trees b Aᵏ 1 = 1/(k + 1)! in an entry of an
     explicit A, too: the first that depends on the entry leaves one value, for which all conditions are then tried.
@@ -113,7 +113,7 @@ def _with(method: RungeKutta, place: tuple[int | None, int], value: Exact) -> Ru
         return replace(method, b=(*method.b[:j], value, *method.b[j + 1 :]), b_embedded=None, embedded_order=None)
     row = (*method.a[i][:j], value, *method.a[i][j + 1 :])
     a = (*method.a[:i], row, *method.a[i + 1 :])
-    return replace(method, a=a, c=tuple(sum(r, Fraction(0)) for r in a), b_embedded=None, embedded_order=None)
+    return replace(method, a=a, b_embedded=None, embedded_order=None)
 
 
 def _tall(method: RungeKutta) -> list[Exact]:

@@ -63,6 +63,17 @@ def test_an_implicit_method_agrees_with_itself_and_with_no_neighbour(key):
     assert not nonlinear_agreement(subject, other, SOLVED).holds
 
 
+@pytest.mark.parametrize(("times", "holds"), [(3.9, True), (4.1, False)])
+def test_a_solver_may_be_off_by_four_times_its_tolerance(times, holds):
+    method = METHODS["backward_euler"]
+
+    def off(f, t, y, h):
+        return iterated(method)(f, t, y, h) + times * 1e-9 * (1 + np.max(np.abs(y)))
+
+    allowed = Allowance(solver_tolerance=Fraction(1, 10**9))
+    assert nonlinear_agreement(opened(off, "field"), method, allowed).holds == holds
+
+
 def test_the_worst_place_is_shown():
     found = nonlinear_agreement(opened(codes.rk38), METHODS["rk4"], NO_ALLOWANCE)
     assert not found.holds

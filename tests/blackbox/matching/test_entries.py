@@ -38,6 +38,7 @@ def test_a_weight_is_restored_two_are_not_and_a_right_table_needs_nothing():
     assert mended(wrong, 4) == ["with this one entry changed, order 4 is restored: b[2] = 1/3 in place of 1/4"]
     assert mended(replace(RK4, b=(Q(1, 6), Q(1, 4), Q(1, 4), Q(1, 3))), 4) == []
     assert mended(RK4, 4) == []
+    assert side_by_side(read_tableau(opened(codes.rk4)), RK4) == []
 
 
 def test_the_report_shows_claimed_and_read_and_the_headline_what_is_wrong():

@@ -63,6 +63,8 @@ def test_an_object_makes_its_dense_output_when_asked():
 
 
 def test_what_is_no_dense_output_is_said():
+    with pytest.raises(UnsupportedCall, match="takes no right-hand side"):
+        read_dense(opened(lambda q, v, h: (q + h * v, v - h * q)))
     with pytest.raises(UnsupportedCall, match="returns no dense output"):
         read(rk4)
     with pytest.raises(NotReadable, match="is not y \\+ h/2 half-way"):
