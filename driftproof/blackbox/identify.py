@@ -34,6 +34,8 @@ from driftproof.support.plain_text import Json
 
 # Examples of the rounding errors of a method that was recognised: a fifth of what `verify` takes shows their size.
 _EXAMPLES = 200
+# Solvers in use stop at 1e-6 or below of numbers of size 1.
+_SOLVED = 1e-6
 
 
 def identify(
@@ -68,7 +70,8 @@ def identified(runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Out
     )
     checks, arithmetic = checks_of(answers), arithmetic_of([read, order, dense, *outcomes])
     seen = Seen(introduced, read, fit, order, estimate, dense, tuple(checks), arithmetic)
-    rounding = None if seen.key is None else _rounding(runner, METHODS[seen.key], seen.size)
+    explicit = METHODS[seen.key] if seen.key is not None and METHODS[seen.key].explicit else None
+    rounding = None if explicit is None else _rounding(runner, explicit, seen.size)
     verdict = "; ".join(filter(None, [seen.verdict, arithmetic]))
     return Report(runner.target.name, verdict, None, _sections(seen, rounding), _data(seen, rounding))
 
@@ -115,12 +118,15 @@ class Seen:
 
     @property
     def key(self) -> str | None:
-        """The one explicit method of the catalogue that it is, as it stands and on the plain oscillator, if it is one.
+        """The one method of the catalogue that it is, as it stands and on the plain oscillator, if it is one.
 
-        Where several have the same coefficients or the same matrix, the first: they have one rounding bound here.
+        An implicit one only by its coefficients. Where several have the same ones, or the same matrix, the first:
+        they have one rounding bound here.
         """
         if self.read is not None:
             keys: Sequence[str] = self.read.identity.keys
+            if self._implicit:
+                return next(iter(keys), None)
         else:
             best = None if self.fit is None else self.fit.best
             keys = best.methods if best is not None and best.extras == 0 and best.rates_are_right else ()
@@ -142,10 +148,12 @@ class Seen:
         if self.read is not None and self.read.identity.matches:
             first, *others = [match.name for match in self.read.identity.matches]
             name = f"it is {first}" + (f", the same step as {', '.join(others)}" if others else "") + _at(self.size)
-            return name + self._row + self._refused + self._wrong_time + self._beside_at_fault
+            return name + self._row + self._solved + self._refused + self._wrong_time + self._beside_at_fault
         if self.read is not None and self.read.untimed is not None and self.read.untimed.matches:
             name, order = self.read.untimed.matches[0].name, self.read.order.order
             return f"it is {name} called at wrong times: order {order} where the right-hand side depends on t"
+        if self.read is not None and self._implicit:
+            return f"it is {self._unknown_stages(self.read)}{self._solved}"
         if self.fit is not None and self.fit.best is not None:
             return f"it is, as far as linear steps tell, {_in_words(self.fit, self.fit.best)}"
         if self.read is not None and self.read.identity.near:
@@ -161,6 +169,27 @@ class Seen:
         if not isinstance(pair, RungeKutta):
             return ""
         return f": the row of order {pair.embedded_order}, not that of order {pair.claimed_order}"
+
+    @property
+    def _implicit(self) -> bool:
+        reading = None if self.read is None else self.read.reading
+        return isinstance(reading, TableauReading) and reading.implicit
+
+    def _unknown_stages(self, read: _Recognised) -> str:
+        """What is near to implicit stages of no method known here; or how many they are, and what they are linearly."""
+        if read.identity.near:
+            return read.identity.near[0].name
+        stages = f"{read.reading.calls} implicit stage{'s' * (read.reading.calls > 1)}"
+        best = None if self.fit is None or self.fit.best is None else _in_words(self.fit, self.fit.best)
+        linear = f", though on linear problems {best}" if best is not None else ""
+        return f"no method that is known here, but one of {stages} and order {read.order.order}{linear}"
+
+    @property
+    def _solved(self) -> str:
+        """How well its implicit stages are solved, where that is not as well as solvers do by default."""
+        reading = None if self.read is None else self.read.reading
+        solved = reading.solved if isinstance(reading, TableauReading) else None
+        return f", but {solved.words}" if solved is not None and solved.curved > _SOLVED else ""
 
     @property
     def _beside_at_fault(self) -> str:

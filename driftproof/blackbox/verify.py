@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -22,7 +22,7 @@ from driftproof.blackbox.judging.agreement import (
 )
 from driftproof.blackbox.judging.habits import ROUNDED, explained
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
-from driftproof.blackbox.judging.nonlinear_step import NonlinearAgreement, nonlinear_agreement
+from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE, NonlinearAgreement, nonlinear_agreement
 from driftproof.blackbox.judging.single_mistakes import single_mistakes
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
@@ -34,7 +34,7 @@ from driftproof.blackbox.probes.questions import CoefficientReading, read_coeffi
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.report import Report, sections
 from driftproof.blackbox.stepper.opening import Target
-from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
+from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.methods.tableau_file import method_of
 from driftproof.support.assertions import AssertedVerdict, demand, time_limit_of_test
 from driftproof.support.plain_text import Json
@@ -110,6 +110,7 @@ def verify(
         if outcomes[0].kind == "bad_input":
             raise ValueError(outcomes[0].seen)
         checks = [criterion(asked, outcome) for criterion, outcome in zip(CRITERIA, outcomes, strict=True)]
+        checks[1] = _held_to_tolerance(checks[1], outcomes[1], allowance)
         if not checks[0].passed:  # of another map, or where nothing is known, steps back say no more
             del checks[6:]
         passed, arithmetic = _decided(checks), arithmetic_of(outcomes)
@@ -193,7 +194,8 @@ def _check_coefficients(method: Method, outcome: Outcome) -> Criterion:
     if outcome.failed:
         return _unanswered("Coefficients", outcome)
     reading: CoefficientReading = outcome.result
-    if not method.explicit:
+    solved = reading.solved if isinstance(reading, TableauReading) else None
+    if not method.explicit and solved is None:
         line = f"read as {reading.calls} explicit stages: iterations that are not counted by what they have come to"
         return Criterion("Coefficients", None, (line,), {}, "an iteration that ends where it has converged")
     identity = match_method(reading, method)
@@ -204,13 +206,29 @@ def _check_coefficients(method: Method, outcome: Outcome) -> Criterion:
         return Criterion("Coefficients", None, lines, {}, UNDECIDING["not_readable"])
     if isinstance(reading, ForceReading) and reading.wrong_time:
         return Criterion("Coefficients", False, (f"called at wrong times: {reading.wrong_time}",), {})
+    if solved is not None:  # a solver that does not look has the method's coefficients, but not its step
+        missing = "a solver that looks at what is left of its equations" if solved.power else ""
+        lines = (*identity.lines, solved.words)
+        return Criterion("Coefficients", None if missing else True, lines, {"stages": solved.words}, missing)
     return Criterion("Coefficients", True, tuple(identity.lines), {})
+
+
+def _held_to_tolerance(check: Criterion, outcome: Outcome, allowance: Allowance) -> Criterion:
+    """Failed where a solver stops early, and farther from the solution than the tolerance stated.
+
+    It may be off by as much as on the nonlinear problem, numbers being of size 1.
+    """
+    solved = outcome.result.solved if isinstance(outcome.result, TableauReading) else None
+    if check.passed is not None or solved is None or not solved.power:
+        return check
+    beyond = solved.curved > BEYOND_TOLERANCE * float(allowance.solver_tolerance or 0)
+    return replace(check, passed=False, missing="") if beyond else check
 
 
 def _other_coefficients(method: Method, reading: CoefficientReading, identity: Identity) -> Criterion:
     differences = [f"those of {near.key} but for {'; '.join(near.differences)}" for near in identity.near]
     lines = differences or [f"not those of {method.key}"]
-    if isinstance(reading, TableauReading) and isinstance(method, RungeKutta):
+    if isinstance(reading, TableauReading) and isinstance(method, RungeKutta | Collocation):
         read = rational_method(reading, "read")
         lines += side_by_side(reading, method)
         lines += mended(read, method.claimed_order) if read is not None else []
@@ -289,9 +307,13 @@ CRITERIA: Sequence[Callable[[Method, Outcome], Criterion]] = (
 def _agreed(method: Method, found: Agreement, checks: Sequence[Criterion]) -> str:
     where = " on q'' = -q" if checks[1].mark == checks[2].mark == "not asked" else ""
     return (
-        f"is {method.key}{where} to roundoff: {found.examples} steps within the derived bound, "
+        f"is {method.key}{where} {_how_near(method)}: {found.examples} steps within the derived bound, "
         f"the largest error {found.worst.error_over_bound:.2f} of it"
     )
+
+
+def _how_near(method: Method) -> str:
+    return "to roundoff" if method.explicit else "to the tolerance stated"
 
 
 def _not_decided(method: Method, checks: Sequence[Criterion]) -> str:
@@ -306,6 +328,9 @@ def _refuted(
     (rounding, coefficients, nonlinear, order), beside, back = checks[:4], checks[4:6], checks[6:]
     found: Agreement | None = outcomes[0].result
     others = all(check.passed is not False for check in (coefficients, nonlinear, order, *beside))
+    stages = coefficients.data.get("stages")
+    if stages and False in (coefficients.passed, nonlinear.passed):
+        return f"is not {method.key} {_how_near(method)}: its coefficients are, but {stages}"
     wrong_beside = [str(check.data["faults"][0]) for check in beside if check.passed is False]
     if wrong_beside and coefficients.passed:
         return f"is {method.key}, but {'; '.join(wrong_beside)}"
@@ -317,7 +342,7 @@ def _refuted(
             return f"is not {method.key} to roundoff; it is, {found.but_for}"
         if coefficients.passed and found.failing.answer is not None:
             off = f"a step is off by {found.failing.error_over_bound:.3g} times the bound"
-            return f"is not {method.key} to roundoff: its coefficients are, but {off}"
+            return f"is not {method.key} {_how_near(method)}: its coefficients are, but {off}"
     if coefficients.passed and rounding.passed and outcomes[2].result is not None and nonlinear.passed is False:
         seen: NonlinearAgreement = outcomes[2].result
         wrong = f"{', '.join(seen.wrong)} {'is' if len(seen.wrong) == 1 else 'are'} not what they say"

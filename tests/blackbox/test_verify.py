@@ -5,13 +5,16 @@ import json
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import driftproof
+from driftproof.blackbox.identify import identify
 from driftproof.blackbox.judging.agreement import Domain
 from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.verify import assert_verified, verify
@@ -20,6 +23,17 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.support.processes import Session
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.handwritten_steppers import rk4 as rk4_in_a_field
+from tests.blackbox.implicit_steppers import (
+    G,
+    all_at_once,
+    broyden,
+    fixed_point,
+    newton,
+    one_by_one,
+    simplified,
+    table,
+    with_entry,
+)
 from tests.blackbox.test_identify import rk4, rk38, velocity_verlet
 
 FEW = 50
@@ -255,58 +269,110 @@ def test_a_failing_verification_takes_one_process(monkeypatch):
     assert len(started) == 2
 
 
-def newton(a, b, c):
-    """Any table, its stages solved by Newton's method with a Jacobian by differences."""
-
-    def step(f, t, y, h):
-        stages, n = len(b), len(y)
-
-        def residual(k):
-            k = k.reshape(stages, n)
-            places = [f(t + c[i] * h, y + h * sum(a[i][j] * k[j] for j in range(stages))) for i in range(stages)]
-            return (k - np.array(places)).ravel()
-
-        k = np.zeros(stages * n)
-        for _ in range(8):
-            r = residual(k)
-            columns = [(residual(k + 2.0**-20 * e) - r) * 2.0**20 for e in np.eye(stages * n)]
-            k = k - np.linalg.solve(np.array(columns).T, r)
-        return y + h * sum(b[i] * k.reshape(stages, n)[i] for i in range(stages))
-
-    return step
-
-
 IMPLICIT = {
-    "backward_euler": newton([[1]], [1], [1]),
-    "implicit_midpoint": newton([[0.5]], [1], [0.5]),
-    "trapezoid": newton([[0, 0], [0.5, 0.5]], [0.5, 0.5], [0, 1]),
+    "backward_euler": all_at_once(table("backward_euler"), broyden),
+    "implicit_midpoint": one_by_one(table("implicit_midpoint"), simplified),
+    "trapezoid": one_by_one(table("trapezoid"), simplified),
+    "sdirk2": one_by_one(table("sdirk2")),
+    "radau_iia3": all_at_once(table("radau_iia3")),
 }
-G = 1 - 2**-0.5
+# The claim, the step, and the place of the first entry that differs, or what is read besides.
 TWINS = {
-    "the midpoint rule": ("trapezoid", IMPLICIT["implicit_midpoint"]),
-    "the trapezoidal rule": ("implicit_midpoint", IMPLICIT["trapezoid"]),
-    "f(t, y1)": ("backward_euler", newton([[1]], [1], [0])),
-    "f(t + h/2, y1)": ("backward_euler", newton([[1]], [1], [0.5])),
-    "another table": ("sdirk2", newton([[G, 0], [1 - 2 * G, G]], [0.5, 0.5], [G, 1 - G])),
+    "the midpoint rule": ("trapezoid", IMPLICIT["implicit_midpoint"], "trapezoid has 2 stages, 1 read"),
+    "the trapezoidal rule": ("implicit_midpoint", IMPLICIT["trapezoid"], "implicit_midpoint has 1 stage, 2 read"),
+    "f(t, y1)": ("backward_euler", all_at_once(([[1]], [1], [0])), "c[0] 1 0 -1"),
+    "f(t + h/2, y1)": ("backward_euler", all_at_once(([[1]], [1], [0.5])), "c[0] 1 1/2 -0.5"),
+    "another table": (
+        "sdirk2",
+        one_by_one(([[G, 0], [1 - 2 * G, G]], [0.5, 0.5], [G, 1 - G])),
+        "a[1][0] 1/2*sqrt(2) 0.41421356237309515 -0.293",
+    ),
 }
 SOLVED = Allowance(solver_tolerance=Fraction(1, 10**9))
 SHORT = Domain(largest_state=10.0)
 
 
 @pytest.mark.parametrize("key", IMPLICIT)
-def test_an_implicit_step_of_a_right_hand_side_passes_by_its_nonlinear_steps(key):
+def test_an_implicit_step_of_a_right_hand_side_passes_by_its_coefficients_and_its_nonlinear_steps(key):
     report = verify(IMPLICIT[key], key, allowance=SOLVED, domain=SHORT, examples=FEW, isolate=False)
     assert report.passed, report
     assert report.section("Nonlinear step: passed")
+    closeness, solved = report.section("Coefficients: passed").lines
+    assert closeness.startswith(f"{key}: every coefficient ")
+    assert solved.startswith("its stages are solved to ")
+    assert identify(IMPLICIT[key], isolate=False).verdict == f"it is {key}"
 
 
-@pytest.mark.parametrize(("key", "step"), TWINS.values(), ids=TWINS)
-def test_what_only_a_nonlinear_problem_or_the_time_tells_apart_fails(key, step):
+@pytest.mark.parametrize(("key", "step", "entry"), TWINS.values(), ids=TWINS)
+def test_what_only_a_nonlinear_problem_or_the_time_tells_apart_fails(key, step, entry):
     report = verify(step, key, allowance=SOLVED, domain=SHORT, examples=FEW, isolate=False)
     assert report.passed is False, report
     assert report.section("Rounding: passed")
     assert report.section("Nonlinear step: FAILED")
-    assert f"is not {key}; it is {key}" not in report.verdict
+    lines = [" ".join(line.split()) for line in report.section("Coefficients: FAILED").lines]
+    assert any(line.startswith(entry) for line in lines), lines
+    assert not report.verdict.endswith(f"is not {key}; it is {key}")
+
+
+def test_a_wrong_entry_of_implicit_stages_is_named():
+    step = all_at_once(with_entry("radau_iia3", 0, 1, 0.06553542585019839))
+    report = verify(step, "radau_iia3", allowance=SOLVED, domain=SHORT, examples=FEW, isolate=False)
+    assert report.passed is False
+    assert "it is radau_iia3 but for a[0][1]: 0.06553542585019839 instead of " in report.verdict
+    assert (
+        "row 0 of A sums to 0.28612187742207895, its time c is 0.1550510257216822"
+        in report.section("Coefficients: FAILED").lines
+    )
+
+
+def test_a_solver_that_diverges_at_large_steps_is_told_apart_from_its_coefficients():
+    step = one_by_one(table("implicit_midpoint"), fixed_point)
+    report = verify(step, "implicit_midpoint", allowance=SOLVED, examples=FEW, isolate=False)
+    assert "to the tolerance stated: its coefficients are, but a step is off by" in report.verdict
+    small = replace(SHORT, largest_step=1.0)
+    assert verify(step, "implicit_midpoint", allowance=SOLVED, domain=small, examples=FEW, isolate=False).passed
+
+
+EARLY = {
+    "one iteration": (
+        partial(newton, most=1),
+        "power 1 of the nonlinearity, as after one iteration of Newton's method",
+    ),
+    "two": (
+        partial(newton, most=2),
+        "power 3 of the nonlinearity, as after two iterations of Newton's method or 3 with",
+    ),
+    "a kept Jacobian": (partial(simplified, most=2), "power 2 of the nonlinearity, as after 2 with one Jacobian"),
+}
+
+
+@pytest.mark.parametrize(("solver", "seen"), EARLY.values(), ids=EARLY)
+def test_a_solver_that_stops_early_fails_and_is_told_by_the_power_of_its_error(solver, seen):
+    step = all_at_once(table("backward_euler"), solver)
+    report = verify(step, "backward_euler", allowance=SOLVED, domain=SHORT, examples=FEW, isolate=False)
+    assert report.passed is False
+    assert report.verdict.startswith(
+        "is not backward_euler to the tolerance stated: its coefficients are, but its solver"
+    )
+    assert seen in report.verdict
+    assert report.section("Coefficients: FAILED")
+    assert seen in identify(step, isolate=False).verdict
+
+
+def test_a_solver_that_stops_early_within_the_tolerance_stated_leaves_the_coefficients_undecided():
+    step, coarse = all_at_once(table("backward_euler"), partial(newton, most=2)), Allowance(solver_tolerance=1e-4)
+    report = verify(step, "backward_euler", allowance=coarse, domain=SHORT, examples=FEW, isolate=False)
+    assert report.passed
+    assert report.section("Coefficients: undecided")
+
+
+def test_implicit_stages_of_no_known_method_are_shown_with_their_order():
+    step = one_by_one(([[0.25, 0], [0.5, 0.25]], [0.5, 0.5], [0.25, 0.75]))
+    assert identify(step, isolate=False).verdict == "it is qin_zhang2"
+    other = one_by_one(([[0.375, 0], [0.25, 0.375]], [0.5, 0.5], [0.375, 0.625]))
+    found = identify(other, isolate=False)
+    assert found.verdict == "it is no method that is known here, but one of 2 implicit stages and order 2"
+    assert "a[1] = 1/4, 3/8" in found.section("Coefficients").lines
 
 
 def gives_up_on_what_bends(f, t, y, h):

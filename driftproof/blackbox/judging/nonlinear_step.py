@@ -30,7 +30,7 @@ _ROUNDS = 2 * _BITS
 _SETTLED = 2.0**-160
 # How much more than its tolerance a solver's stages may be off: it stops by a change or a residual, and an error is
 # larger than these by 1/(1 - h L) at most, h L being up to 3/4 here.
-_BEYOND_TOLERANCE = 4
+BEYOND_TOLERANCE = 4
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ def _allowed(subject: ForeignStepper, method: Method, allowance: Allowance, size
     calls = len(method.parts) if isinstance(method, Splitting) else method.stages
     rounding = Rounding(subject.format, calls).of(2 * size)
     by_quotient = 2 * size * float(subject.format.u) / h if allowance.velocity_from_positions else 0.0
-    return rounding + by_quotient + _BEYOND_TOLERANCE * size * float(allowance.solver_tolerance or 0)
+    return rounding + by_quotient + BEYOND_TOLERANCE * size * float(allowance.solver_tolerance or 0)
 
 
 def _own_step(method: Method, problem: NonlinearProblem, t: float, y: Sequence[float], h: float) -> list[arb]:

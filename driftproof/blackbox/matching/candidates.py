@@ -1,4 +1,4 @@
-"""What a reading is compared with: explicit methods of the catalogue and variants, as fields or forces show them."""
+"""What a reading is compared with: methods of the catalogue and variants, as fields or forces show them."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from driftproof.blackbox.matching.tables import (
     timed_stages,
 )
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.schemes import Method, MethodError, Nystrom, RungeKutta, Splitting
+from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced
 
 # A table, without a drift where a right-hand side shows it: over the numbers that it is asked for.
@@ -120,13 +120,13 @@ class Candidate:
 
 
 @cache
-def field_methods(timed: bool) -> tuple[Candidate, ...]:
-    """The explicit Runge-Kutta methods of the catalogue, with their times or without."""
-    return tuple(in_field(method, timed) for method in _explicit())
+def field_methods(timed: bool, implicit: bool = False) -> tuple[Candidate, ...]:
+    """The explicit Runge-Kutta methods of the catalogue, or the implicit ones, with their times or without."""
+    return tuple(in_field(method, timed) for method in (_implicit() if implicit else _explicit()))
 
 
-def in_field(method: RungeKutta, timed: bool) -> Candidate:
-    """An explicit Runge-Kutta method as its tableau is read, with its times or without."""
+def in_field(method: RungeKutta | Collocation, timed: bool) -> Candidate:
+    """A Runge-Kutta method as its tableau is read, with its times or without."""
     return Candidate(method.key, "", _in_field(partial(tableau_of, method), timed))
 
 
@@ -149,17 +149,17 @@ def on_force(method: Method) -> Candidate:
     raise MethodError(f"{method.key} is implicit: no coefficients of its stages can be read")
 
 
-def field_variants(timed: bool, calls: int, factor: Fraction) -> Iterator[Candidate]:
+def field_variants(timed: bool, calls: int, factor: Fraction, *, implicit: bool = False) -> Iterator[Candidate]:
     """Variants of the catalogue's methods with so many stages that count; `factor` is the step in units of h."""
-    for method, candidate in zip(_explicit(), field_methods(timed), strict=True):
+    for method, candidate in zip(_implicit() if implicit else _explicit(), field_methods(timed, implicit), strict=True):
         key, stages, make = method.key, candidate.fingerprint.used, partial(tableau_of, method)
-        if method.b_embedded is not None and calls <= method.stages:
+        if isinstance(method, RungeKutta) and method.b_embedded is not None and calls <= method.stages:
             yield Candidate(key, EMBEDDED, _in_field(partial(make, weights=method.b_embedded), timed))
         if factor not in (0, 1) and stages == calls:
             yield Candidate(key, _scaling(factor), _in_field(_then(make, tableau_scaled, factor), timed))
         for times in _repetitions(stages, calls):
             yield Candidate(key, _repeating(times), _in_field(_then(make, tableau_repeated, times), timed))
-    for key, relation, iterated in _iterations(calls):
+    for key, relation, iterated in _iterations(calls) if not implicit else ():
         yield Candidate(key, relation, _in_field(iterated, timed))
 
 
@@ -224,6 +224,10 @@ def _repeating(times: int) -> str:
 
 def _iterating(times: int) -> str:
     return f"with {times} fixed-point iteration{'s' * (times > 1)} from the slope at the start: explicit"
+
+
+def _implicit() -> list[RungeKutta | Collocation]:
+    return [m for m in METHODS.values() if isinstance(m, RungeKutta | Collocation) and not m.explicit]
 
 
 def _explicit() -> list[RungeKutta]:

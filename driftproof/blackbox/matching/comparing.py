@@ -70,10 +70,11 @@ class Comparison:
 
     @property
     def size(self) -> int:
-        """The number of coefficients of an explicit table."""
+        """The number of coefficients of the table, of an explicit one without those that are 0 in each."""
         calls, weights = self.read.calls, len(self.read.entries) - self.read.calls
+        above = calls * (calls + 1) // 2 if np.triu(self.read.values[:calls]).any() else 0
         nodes = calls if self.read.nodes is not None else 0
-        return calls * (calls - 1) // 2 + calls * weights + nodes + (self.read.drift is not None)
+        return calls * (calls - 1) // 2 + above + calls * weights + nodes + (self.read.drift is not None)
 
     def _differing(self, order: tuple[int, ...]) -> Iterator[CoefficientPlace]:
         """Found in arrays: most candidates are far off, and there are many."""

@@ -8,11 +8,12 @@ from fractions import Fraction
 from math import factorial
 from typing import Any
 
+from driftproof.blackbox.matching.tables import exact_tableau
 from driftproof.blackbox.probes.coefficients import coefficient_text, exact_shown, simple_rational
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.methods.number_field import Exact
-from driftproof.methods.schemes import RungeKutta
+from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.support.plain_text import table
 from driftproof.symbolic.trees.order_conditions import order
 
@@ -22,25 +23,27 @@ _MOST_SHOWN = 12
 _MOST_STAGES = 7
 
 
-def side_by_side(reading: TableauReading, method: RungeKutta) -> list[str]:
+def side_by_side(reading: TableauReading, method: RungeKutta | Collocation) -> list[str]:
     """The entries that differ, claimed and read; the rows of A that were read whose sum is not their time."""
     if reading.calls != method.stages:
-        return [f"{method.key} has {method.stages} stages, {reading.calls} are read"]
-    rounding, fmt = Rounding(reading.format, reading.calls), reading.format
-    claimed, read = _entries(method.a, method.b, method.c), _entries(reading.a, reading.b, reading.c or ())
+        return [f"{method.key} has {method.stages} stage{'s' * (method.stages > 1)}, {reading.calls} read"]
+    rounding, fmt = reading.rounding, reading.format
+    full = reading.implicit or not method.explicit
+    claimed = _entries(*exact_tableau(method), full=full)
+    read = _entries(reading.a, reading.b, reading.c or (), full=full)
     rows = [["entry", "claimed", "read", "difference"]]
     for (name, exact), (_, seen) in zip(claimed, read, strict=False):
         off = float(seen) - float(exact)
         if abs(off) > rounding.of(max(1.0, abs(float(exact)))):
-            rows.append([name, exact_shown(exact), coefficient_text(float(seen), fmt), f"{off:.3g}"])
+            rows.append([name, exact_shown(exact), coefficient_text(float(seen), fmt, rounding.besides), f"{off:.3g}"])
     shown = table(rows[: _MOST_SHOWN + 1], right=(3,)).splitlines() if len(rows) > 1 else []
     more = [f"and {len(rows) - 1 - _MOST_SHOWN} more"] if len(rows) > _MOST_SHOWN + 1 else []
     return [*shown, *more, *_row_sums(reading, rounding)]
 
 
-def _entries(a: Sequence[Sequence[Any]], b: Sequence[Any], c: Sequence[Any]) -> list[tuple[str, Any]]:
-    """All of A below its diagonal, b and c, by name."""
-    below = [(f"a[{i}][{j}]", x) for i, row in enumerate(a) for j, x in enumerate(row[:i])]
+def _entries(a: Sequence[Sequence[Any]], b: Sequence[Any], c: Sequence[Any], *, full: bool) -> list[tuple[str, Any]]:
+    """All of A, or what is below its diagonal, b and c, by name."""
+    below = [(f"a[{i}][{j}]", x) for i, row in enumerate(a) for j, x in enumerate(row if full else row[:i])]
     return [*below, *((f"b[{i}]", x) for i, x in enumerate(b)), *((f"c[{i}]", x) for i, x in enumerate(c))]
 
 
@@ -49,14 +52,14 @@ def _row_sums(reading: TableauReading, rounding: Rounding) -> list[str]:
     for i, (row, time) in enumerate(zip(reading.a, reading.c or (), strict=False)):
         total = sum(map(Fraction, row), Fraction(0))
         if abs(total - Fraction(time)) > Fraction(rounding.of(sum(map(abs, row)) + abs(time))):
-            texts = (coefficient_text(float(x), reading.format) for x in (total, time))
+            texts = (coefficient_text(float(x), reading.format, rounding.besides) for x in (total, time))
             lines.append("row {} of A sums to {}, its time c is {}".format(i, *texts))
     return lines
 
 
 def rational_method(reading: TableauReading, key: str) -> RungeKutta | None:
     """The method that was read, where each entry is the rounding of a simple rational; None where one is not."""
-    rounding = Rounding(reading.format, reading.calls)
+    rounding = reading.rounding
 
     def exact(row: Sequence[float]) -> list[Fraction | None]:
         return [Fraction(x) if x == int(x) else simple_rational(x, rounding.of(abs(x))) for x in row]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from math import fsum
+from math import ceil, fsum
 from typing import NamedTuple
 
 from driftproof.blackbox.matching.candidates import (
@@ -28,7 +28,7 @@ from driftproof.blackbox.probes.questions import CoefficientReading
 from driftproof.blackbox.probes.scripted_answers import CoefficientRow, Rounding
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.methods import catalogue
-from driftproof.methods.schemes import Method, RungeKutta
+from driftproof.methods.schemes import Collocation, Method, RungeKutta
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced
 
 # A coefficient that is a quotient or a root, computed where it is used, takes four operations at most, as does
@@ -46,6 +46,7 @@ class Match:
     `roundings` is 0 if each coefficient is the correctly rounded one; else each is off by at most so many u: relative
     to the terms that it is made of, or where `summed`, relative to the largest in its column. `farthest` is the one
     that is. `beside` are differences in calls whose answers the step does not use, as in an error estimate.
+    `within` is not 0 where a solver of implicit stages leaves more than rounding: what the coefficients are off by.
     """
 
     key: str
@@ -54,6 +55,7 @@ class Match:
     farthest: str
     summed: bool
     beside: tuple[str, ...] = ()
+    within: float = 0.0
 
     @property
     def name(self) -> str:
@@ -65,6 +67,8 @@ class Match:
         """How near the coefficients are, in words."""
         if not self.roundings:
             return "every coefficient correctly rounded"
+        if self.within:
+            return f"every coefficient within {self.within:.1e}, as its stages are solved"
         within = f"{self.roundings} rounding{'s' * (self.roundings > 1)}"
         if not self.summed:
             return f"every coefficient within {within}"
@@ -119,10 +123,11 @@ def match_tableau(reading: TableauReading) -> Identity:
 
     The times count where the code uses them.
     """
-    timed, rounding = reading.c is not None, Rounding(reading.format, reading.calls)
+    timed, rounding, implicit = reading.c is not None, reading.rounding, reading.implicit
     read = _Read.of(reading.stages, None, rounding)
-    variants = field_variants(timed, read.small.calls, _factor(reading.b, rounding))
-    return _identity(read, field_methods(timed), variants, _with_decimals(read, field_methods(timed)))
+    variants = field_variants(timed, read.small.calls, _factor(reading.b, rounding), implicit=implicit)
+    methods = field_methods(timed, implicit)
+    return _identity(read, methods, variants, _with_decimals(read, methods))
 
 
 def match_forces(reading: ForceReading) -> Identity:
@@ -130,7 +135,7 @@ def match_forces(reading: ForceReading) -> Identity:
 
     Every explicit Runge-Kutta method and every splitting has one.
     """
-    drift, rounding = Fraction(reading.drift), Rounding(reading.format, reading.calls)
+    drift, rounding = Fraction(reading.drift), reading.rounding
     read = _Read.of(reading.stages, drift, rounding)
     variants = force_variants(read.small.calls, _factor((reading.drift,), rounding))
     near = (Near(found.key, found.differences) for found in near_misses(reading))
@@ -145,15 +150,17 @@ def matched(reading: CoefficientReading) -> Identity:
 def match_method(reading: CoefficientReading, method: Method) -> Identity:
     """Whether the reading is this method, of the catalogue or not; if it is not, where it differs, if in few places.
 
-    Through a right-hand side no splitting matches, and no method matches an implicit one.
+    Through a right-hand side no splitting matches, and an implicit method no table without implicit stages.
     """
-    rounding = Rounding(reading.format, reading.calls)
+    rounding = reading.rounding
     if isinstance(reading, ForceReading):
         read = _Read.of(reading.stages, Fraction(reading.drift), rounding)
         return _identity(read, [on_force(method)] if method.explicit else [], [], [])
     read = _Read.of(reading.stages, None, rounding)
     timed = reading.c is not None
-    candidates = [in_field(method, timed)] if isinstance(method, RungeKutta) and method.explicit else []
+    candidates = []
+    if isinstance(method, RungeKutta | Collocation) and method.explicit != reading.implicit:
+        candidates = [in_field(method, timed)]
     return _identity(read, candidates, [], _with_decimals(read, candidates))
 
 
@@ -198,10 +205,12 @@ def _match(read: _Read, candidate: Candidate) -> Iterator[Match]:
         return
     distance = comparison.distance(order)
     few = FEW_ROUNDINGS if read.raw.drift is None else read.rounding.most
-    summed = distance.of_terms > few
+    unsolved = ceil(read.rounding.besides / read.rounding.format.u)
+    summed = distance.of_terms > few + unsolved
     roundings = distance.of_column if summed else distance.of_terms
+    within = float(roundings * read.rounding.format.u) if unsolved and roundings > read.rounding.most else 0.0
     beside = _differences(read, read.raw, candidate.raw) if order == tuple(range(len(order))) else ()
-    yield Match(candidate.key, candidate.relation, roundings, distance.farthest, summed, beside or ())
+    yield Match(candidate.key, candidate.relation, roundings, distance.farthest, summed, beside or (), within)
 
 
 def _best(matches: Iterable[Match]) -> tuple[Match, ...]:
@@ -232,7 +241,8 @@ def _differences(read: _Read, mine: ExactTable, its: ExactTable) -> tuple[str, .
     places = comparison.differences()
     if len(places) > min(FEW_DIFFERENCES, max(1, comparison.size // 3)):
         return None
-    return tuple(coefficient_difference(p.name, p.seen, p.exact.value, read.rounding.format) for p in places)
+    fmt, slack = read.rounding.format, read.rounding.besides
+    return tuple(coefficient_difference(p.name, p.seen, p.exact.value, fmt, slack) for p in places)
 
 
 def _nearest(found: list[Near]) -> tuple[Near, ...]:

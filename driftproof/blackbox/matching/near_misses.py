@@ -108,7 +108,7 @@ def _induces(a: Array, b: Array, reading: ForceReading) -> bool:
 
 
 def _rounding(reading: ForceReading) -> Rounding:
-    return Rounding(reading.format, reading.calls)
+    return reading.rounding
 
 
 # From as many as a source may print, in double precision, down to where other methods are as near.

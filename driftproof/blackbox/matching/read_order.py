@@ -11,7 +11,7 @@ from driftproof.blackbox.matching.match import Match
 from driftproof.blackbox.probes.coefficients import simple_rational
 from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.questions import CoefficientReading
-from driftproof.blackbox.probes.scripted_answers import CoefficientRow, Rounding
+from driftproof.blackbox.probes.scripted_answers import CoefficientRow
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.symbolic.trees.order_in_balls import (
     Ball,
@@ -97,9 +97,10 @@ class BallTableaux:
     def __init__(self, reading: CoefficientReading, match: Match | None) -> None:
         """With as many roundings as `match` is off; as many as any program may spend where there is none."""
         drift = Fraction(reading.drift) if isinstance(reading, ForceReading) else None
-        table, rounding = ExactTable.of(reading.stages, drift), Rounding(reading.format, reading.calls)
+        table, rounding = ExactTable.of(reading.stages, drift), reading.rounding
         self.own = isinstance(reading, TableauReading) and match is not None and not match.summed
         self.unit = reading.format.u * (max(1, match.roundings) if self.own and match else rounding.most)
+        self.besides = Fraction(rounding.besides)
         self.scales = table.scales.tolist()
         # A node is the sum of a row, whose terms may be larger than the sum is.
         self.length = max(table.length, *self.scales)
@@ -133,4 +134,4 @@ class BallTableaux:
     def _row(self, row: CoefficientRow, scales: Sequence[float]) -> BallRow:
         sizes = map(abs, row) if self.own else scales
         pairs = zip(row, sizes, strict=True)
-        return tuple(Ball(Fraction(x), self.unit * Fraction(size)) if x else 0 for x, size in pairs)
+        return tuple(Ball(Fraction(x), self.unit * Fraction(size) + self.besides) if x else 0 for x, size in pairs)

@@ -8,14 +8,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.methods.number_field import Exact
-from driftproof.methods.schemes import Nystrom, RungeKutta
+from driftproof.methods.schemes import Collocation, Nystrom, RungeKutta
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients
 
 _Number: TypeAlias = Any
@@ -85,10 +85,20 @@ def timed_stages(tableau: LiftedTableau, timed: bool) -> StageCoefficients:
     return stages(a, (b, b), c) if timed else stages(a, (b,), [x * 0 for x in b])
 
 
-def tableau_of(method: RungeKutta, lift: FromExact, weights: Sequence[Exact] | None = None) -> LiftedTableau:
+def tableau_of(
+    method: RungeKutta | Collocation, lift: FromExact, weights: Sequence[Exact] | None = None
+) -> LiftedTableau:
     """A, b and c, or other weights in place of b."""
-    rows = [[lift(x) for x in row] for row in method.a]
-    return rows, [lift(x) for x in weights or method.b], [lift(x) for x in method.c]
+    a, b, c = exact_tableau(method)
+    return [[lift(x) for x in row] for row in a], [lift(x) for x in weights or b], [lift(x) for x in c]
+
+
+@cache
+def exact_tableau(
+    method: RungeKutta | Collocation,
+) -> tuple[Sequence[Sequence[Exact]], Sequence[Exact], Sequence[Exact]]:
+    """A, b and c; of a collocation method to 256 bits, so that no comparison with a float sees a difference."""
+    return method.tableau(256) if isinstance(method, Collocation) else (method.a, method.b, method.c)
 
 
 def tableau_scaled(tableau: LiftedTableau, factor: Fraction) -> LiftedTableau:

@@ -65,6 +65,11 @@ class ForceReading:
         return len(self.c)
 
     @property
+    def rounding(self) -> Rounding:
+        """How far the coefficients may be off."""
+        return Rounding(self.format, self.calls)
+
+    @property
     def unused(self) -> tuple[int, ...]:
         """The calls whose answers this step does not use, from 0: those for a next step, say."""
         rows = (*self.a, self.b_position, self.b_velocity)
@@ -94,7 +99,7 @@ class ForceReading:
             steps = ", ".join(f"{kind} {coefficient_text(x, self.format)}" for kind, x in self.parts)
             lines = [f"sub-steps: {steps or 'none'}"]
         lines += [f"call {j} is made, and its answer is not used" for j in self.unused]
-        if abs(self.drift - 1) > Rounding(self.format, self.calls).of(1.0):
+        if abs(self.drift - 1) > self.rounding.of(1.0):
             lines.append(
                 f"without a force the position moves by {coefficient_text(self.drift, self.format)} h v, not by h v"
             )
@@ -256,7 +261,7 @@ def _parts(reading: ForceReading) -> SubSteps | None:
     b_position, kicks = stages.weights
     ends = [*zip(stages.c, stages.a, strict=True), (Fraction(reading.drift), b_position)]
     length = max(1, *(abs(c) for c, _ in ends))
-    rounding = Rounding(reading.format, reading.calls)
+    rounding = reading.rounding
     for i, (end, row) in enumerate(ends):
         for node, moved, kick in list(zip(stages.c, row, kicks, strict=True))[:i]:
             if abs(moved - kick * (end - node)) > rounding.of(float(4 * length * abs(kick))):

@@ -6,7 +6,9 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
+from driftproof.blackbox.findings import Misbehaviour, NoAnswer
 from driftproof.blackbox.probes.force import ForceReading, read_forces
+from driftproof.blackbox.probes.implicit_tableau import read_implicit_tableau
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.probes.tableau import TableauReading, read_tableau
 from driftproof.blackbox.stepper.calling_conventions import FIELD
@@ -32,16 +34,29 @@ def introduction(subject: ForeignStepper) -> Introduction:
 def read_coefficients(subject: ForeignStepper) -> CoefficientReading:
     """The stepper's own coefficients: of its tableau through a right-hand side, else as a force sees them.
 
-    A symplectic step of y = [q, v] has no tableau, but has coefficients on q'' = F(q): these come with the refusal of
-    the tableau, since a force sees neither times nor other numbers.
+    Where calls are not the stages of an explicit step, they are looked for as those of an implicit one. A symplectic
+    step of y = [q, v] has no tableau, but has coefficients on q'' = F(q): these come with the refusal of the tableau,
+    since a force sees neither times nor other numbers.
 
     Raises UnsupportedCall, NotReadable.
     """
     if subject.convention.kind == FIELD:
         try:
             return read_tableau(subject)
-        except NotReadable as refusal:
-            with suppress(NotReadable):
-                return replace(read_forces(subject), refused=str(refusal))
-            raise refusal
+        except NoAnswer:
+            raise
+        except (NotReadable, Misbehaviour) as refusal:
+            return _otherwise(subject, refusal)
     return read_forces(subject)
+
+
+def _otherwise(subject: ForeignStepper, refusal: NotReadable | Misbehaviour) -> CoefficientReading:
+    """Of implicit stages, or as a force sees them. Raises the refusal, with what is against implicit stages."""
+    try:
+        return read_implicit_tableau(subject)
+    except NotReadable as second:
+        if isinstance(refusal, Misbehaviour):
+            raise refusal from None
+        with suppress(NotReadable):
+            return replace(read_forces(subject), refused=str(refusal))
+        raise NotReadable(f"{refusal}; as one with implicit stages: {second}") from None

@@ -34,29 +34,36 @@ class _TooManyCalls(Misbehaviour):
     """Raised inside a step, so that it ends; it never leaves this module."""
 
 
-class Script:
+class Listener:
+    """A function that answers by `answer`, keeps what it is asked, and ends the step after so many calls."""
+
+    def __init__(self, answer: Callable[[Any], Any], most: int = MOST_CALLS) -> None:
+        """Nothing asked yet."""
+        self._answer, self._most = answer, most
+        self.calls: list[Any] = []
+
+    def __call__(self, asked: Any) -> Any:
+        """The answer. Ends the step after `most` calls."""
+        if len(self.calls) == self._most:
+            raise _TooManyCalls(f"one step makes more than {self._most} calls: an iteration or an adaptive solver")
+        self.calls.append(asked)
+        return self._answer(asked)
+
+
+class Script(Listener):
     """A function that answers its j-th call by `answers[j]`, later ones by `silence`, and keeps what it is asked."""
 
     def __init__(self, answers: Sequence[Any], silence: Any) -> None:
         """Nothing asked yet."""
-        self._answers, self._silence = answers, silence
-        self.calls: list[Any] = []
-
-    def __call__(self, asked: Any) -> Any:
-        """The next answer. Ends the step after MOST_CALLS."""
-        if len(self.calls) == MOST_CALLS:
-            raise _TooManyCalls
-        self.calls.append(asked)
-        number = len(self.calls) - 1
-        return self._answers[number] if number < len(self._answers) else self._silence
+        super().__init__(lambda _: answers[len(self.calls) - 1] if len(self.calls) <= len(answers) else silence)
 
 
 def performed(step: Callable[[], Result]) -> Result:
     """What the step returns. Raises NotReadable after too many calls."""
     try:
         return step()
-    except _TooManyCalls:
-        raise NotReadable(f"one step makes more than {MOST_CALLS} calls: an iteration or an adaptive solver") from None
+    except _TooManyCalls as ended:
+        raise NotReadable(str(ended)) from None
 
 
 def read_at_some_size(read: Callable[[float], Result]) -> tuple[Result, tuple[str, ...]]:
@@ -146,10 +153,12 @@ class Rounding:
     in use, low storage, an answer then passes a product and a sum in each of two registers at every later call, so four
     roundings a call; and a few more as it enters and where the result is formed. A sum that passes k roundings errs by
     at most k u, to first order, times the largest of its intermediate numbers, and these are of the size of the terms.
+    `besides` is what the solver of implicit stages leaves in a number of size 1 or less, and in larger ones times it.
     """
 
     format: FloatFormat
     calls: int
+    besides: float = 0.0
 
     @property
     def most(self) -> int:
@@ -157,8 +166,9 @@ class Rounding:
         return 4 * (self.calls + 2)
 
     def of(self, size: float) -> float:
-        """How far a number of that size may be off: k u size, and as many underflows."""
-        return self.most * (float(self.format.u) * size + float(self.format.eta))
+        """How far a number of that size may be off: k u size, and as many underflows; and what a solver leaves."""
+        rounded = self.most * (float(self.format.u) * size + float(self.format.eta))
+        return rounded + self.besides * max(1.0, size)
 
 
 def demand_as_said(control: Control, name: str, seen: float, said: float, allowed: float) -> None:

@@ -34,12 +34,38 @@ from driftproof.symbolic.rounding.formats import FloatFormat
 
 
 @dataclass(frozen=True)
+class StageSolution:
+    """How far a step is off because its stages are not solved: where f is linear in y, and where it is not.
+
+    `power` is not 0 where as many calls are made however nonlinear f is, and the error is like that power of how much.
+    """
+
+    linear: float
+    curved: float
+    power: int = 0
+
+    @property
+    def words(self) -> str:
+        """The finding in one line."""
+        if not self.power:
+            return f"its stages are solved to {max(self.linear, self.curved):.1e}, on nonlinear problems, too"
+        newton = {1: "one iteration of Newton's method", 3: "two iterations of Newton's method"}.get(self.power, "")
+        kept = f"{self.power} with one Jacobian" if self.power > 1 else ""
+        return (
+            f"its solver stops early: where f is nonlinear, a step is off by {self.curved:.1e}, and that is like the "
+            f"power {self.power} of the nonlinearity, as after {' or '.join(filter(None, [newton, kept]))}"
+        )
+
+
+@dataclass(frozen=True)
 class TableauReading:
     """Call i is made at t + cᵢh and y + h Σ aᵢⱼ kⱼ, the result is y + h Σ bⱼ kⱼ: the step's own float coefficients.
 
     kⱼ is the answer to call j; calls are stages, in the order in which they are made. `c` is None where the right-hand
     side is given no time. An embedded row of weights shows in what a step returns besides: `probes.estimate`.
-    `remarks` are lines on what else was seen, `amplitude` the size of the numbers that went in.
+    `remarks` are lines on what else was seen, `amplitude` the size of the numbers that went in. Of implicit stages,
+    which are not single calls, `solved` says how well they are solved, and `stage_error` how far coefficients may be
+    off for it.
     """
 
     a: tuple[CoefficientRow, ...]
@@ -48,11 +74,23 @@ class TableauReading:
     format: FloatFormat
     remarks: tuple[str, ...] = ()
     amplitude: float = 1.0
+    stage_error: float = 0.0
+    solved: StageSolution | None = None
 
     @property
     def calls(self) -> int:
-        """How often the right-hand side is called in a step."""
+        """How often the right-hand side is called in a step; the stages, where these are implicit."""
         return len(self.b)
+
+    @property
+    def implicit(self) -> bool:
+        """True when stages are solved for."""
+        return self.solved is not None
+
+    @property
+    def rounding(self) -> Rounding:
+        """How far the coefficients may be off: four times what two readings of implicit stages differ by."""
+        return Rounding(self.format, self.calls, 4 * self.stage_error)
 
     @property
     def unused(self) -> tuple[int, ...]:
@@ -71,11 +109,16 @@ class TableauReading:
     @property
     def lines(self) -> list[str]:
         """The coefficients, each as the fraction that it is the rounding of where there is a telling one."""
-        named = [*([] if self.c is None else [("c", self.c)]), *((f"a[{i}]", row[:i]) for i, row in enumerate(self.a))]
-        rows = [f"{name} = {_row(row, self.format)}" for name, row in [*named, ("b", self.b)] if row]
+        shown = self.a if self.implicit else tuple(row[:i] for i, row in enumerate(self.a))
+        named = [*([] if self.c is None else [("c", self.c)]), *((f"a[{i}]", row) for i, row in enumerate(shown))]
+        rows = [f"{name} = {self._row(row)}" for name, row in [*named, ("b", self.b)] if row]
         unused = [f"call {j} is made, and its answer is not used" for j in self.unused]
         clock = ["the right-hand side is given no time"] if self.c is None else []
-        return [*rows, *unused, *clock, *self.remarks]
+        solved = [] if self.solved is None else [self.solved.words]
+        return [*rows, *unused, *clock, *solved, *self.remarks]
+
+    def _row(self, row: CoefficientRow) -> str:
+        return ", ".join(coefficient_text(x, self.format, 4 * self.stage_error) for x in row)
 
 
 def read_tableau(subject: ForeignStepper) -> TableauReading:
@@ -229,7 +272,3 @@ _PARTS = (1.0, -1.0, 0.5, -0.25)
 
 def _start(control: Control, size: int) -> list[float]:
     return [part * control.start + 0.0 for part in _PARTS[:size]]  # 0.0, not -0.0
-
-
-def _row(row: CoefficientRow, fmt: FloatFormat) -> str:
-    return ", ".join(coefficient_text(x, fmt) for x in row)

@@ -1,0 +1,214 @@
+"""Right-hand sides that know the stage at which they are asked: by its time, and by clocks that run along in y."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import fsum, prod
+from typing import NamedTuple, TypeAlias
+
+from driftproof.blackbox.findings import Misbehaviour, NoAnswer
+from driftproof.blackbox.probes.scripted_answers import Listener, NotReadable, performed
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+
+# A stage: the number of its time, then of what each clock shows there, each in the order of the first call.
+StageLabel: TypeAlias = tuple[int, ...]
+# How much of each stage a call is: 1 of one of them where the clocks show what they show at a stage.
+StageShares: TypeAlias = Mapping[StageLabel, float]
+# The slopes of the numbers that are marked, from the stage and how far each has moved since the start of the step.
+MarkedSlopes: TypeAlias = Callable[[StageShares, Sequence[float]], Sequence[float]]
+# The slopes from the node (t - t₀)/h, None where no time is handed on, and how far each number has moved.
+MovedSlopes: TypeAlias = Callable[[float | None, Sequence[float]], Sequence[float]]
+# Nodes nearer than so many u are one: a time up to 8 h is a rounded product and a sum, and is divided by h.
+_SAME_NODE = 256
+_WIDEST_NODE = 2.0**-8
+# A clock is shifted by as much where a Jacobian is made of differences; two stages that differ by less are one.
+_SAME_HAND = 2.0**-16
+# Jacobians by differences, of some dozen unknowns for some dozen iterations, and then an adaptive solver.
+_MOST_CALLS = 20000
+# More than these are no stages, but steps of an adaptive solver.
+_MOST_LABELS = 40
+# Numbers of y, the most first: more let chains of stages and clocks be followed, some codes take two.
+_SIZES = (4, 3, 2)
+
+
+class _OtherTime(Misbehaviour):
+    """Raised inside a step, so that it ends; it never leaves this module."""
+
+
+class Setting(NamedTuple):
+    """A step: where every number of y starts, at which time, and its h."""
+
+    start: float = 0.0
+    time: float = 0.0
+    h: float = 1.0
+
+
+class MarkedRun(NamedTuple):
+    """The nodes (t - t₀)/h of the calls, None where no time is handed on; the numbers asked at; and the result.
+
+    Numbers are as they come, times h and start included.
+    """
+
+    nodes: list[float | None]
+    places: list[list[float]]
+    result: list[float]
+
+
+@dataclass(frozen=True)
+class StageMarks:
+    """What tells the stages apart: their nodes, and for each clock what it shows at each stage told apart before.
+
+    A clock is a number of y whose slope at a call is a function of the label so far, so that at stage i it shows
+    h Σ aᵢⱼ g(label j): stages that no clock tells apart are equal on every problem. Clocks depend on nothing else in y:
+    every solver has them right after one iteration.
+    """
+
+    nodes: tuple[float, ...]
+    hands: tuple[Mapping[StageLabel, Mapping[int, float]], ...] = ()
+
+    @property
+    def labels(self) -> list[StageLabel]:
+        """All of them, those of first guesses and differences among them, in the order of their first call."""
+        found: list[StageLabel] = [(i,) for i in range(max(1, len(self.nodes)))]
+        for shown in self.hands:
+            found = [(*label, i) for label in found for i in shown.get(label, ())]
+        return found
+
+    def only(self, kept: Sequence[StageLabel]) -> StageMarks:
+        """The same for these stages alone, where the others have turned out to be none."""
+        hands = []
+        for k, shown in enumerate(self.hands, start=1):
+            meant = {label[: k + 1] for label in kept}
+            hands.append({p: {i: x for i, x in seen.items() if (*p, i) in meant} for p, seen in shown.items()})
+        return StageMarks(self.nodes, tuple(hands))
+
+    def shares(self, place: int, hands: Sequence[float]) -> dict[StageLabel, float]:
+        """The stages that a call at a node, with the clocks at these numbers, is: by Lagrange's polynomials in them.
+
+        These are smooth, so that a solver that steers by its residual goes on to the stage.
+        """
+        found: dict[StageLabel, float] = {(place,): 1.0}
+        for shown, hand in zip(self.hands, hands, strict=False):
+            found = {
+                (*label, i): share * prod((hand - y) / (x - y) for y in shown[label].values() if y != x)
+                for label, share in found.items()
+                for i, x in shown.get(label, {}).items()
+            }
+        return found
+
+
+def clock_slopes(shares: Sequence[StageShares]) -> list[float]:
+    """Of clocks of which the k-th sees the first k before: 1 for the first where no time is handed on."""
+    return [fsum(share * _own_slope(label) for label, share in seen.items()) for seen in shares]
+
+
+class MarkedSteps:
+    """Steps of one subject on right-hand sides that know the stage."""
+
+    def __init__(self, subject: ForeignStepper) -> None:
+        """Raises NotReadable where it takes no two numbers, or never calls its right-hand side."""
+        self.subject = subject
+        self.size, first = self._opened()
+        times = [node for node in first.nodes if node is not None]
+        if not first.nodes:
+            raise NotReadable("the right-hand side is never called")
+        self.timed = len(times) == len(first.nodes)
+        self.same_node = min(_SAME_NODE * float(subject.format.u), _WIDEST_NODE)
+        self.nodes = _apart(times, self.same_node) if self.timed else ()
+
+    def marks(self, clocks: int) -> StageMarks:
+        """The stages as so many clocks tell them apart. Raises NotReadable where they are too many for stages."""
+        marks = StageMarks(self.nodes)
+        for k in range(clocks):
+            run = self.run(marks, Setting(), lambda shares, moved: [0.0] * len(moved), clocks=k + 1)
+            shown: dict[StageLabel, list[float]] = {}
+            for node, place in zip(run.nodes, run.places, strict=True):
+                shares = marks.shares(self._place(node), place[:k])
+                shown.setdefault(max(shares, key=lambda label: abs(shares[label])), []).append(place[k])
+            # The last of those that are one is what a solver has come to.
+            hands = {p: dict(enumerate(_apart(seen[::-1], _SAME_HAND)[::-1])) for p, seen in shown.items()}
+            marks = replace(marks, hands=(*marks.hands, hands))
+        if len(marks.labels) > _MOST_LABELS:
+            raise NotReadable(f"its right-hand side is asked at {len(marks.labels)} stages: it is adaptive")
+        return marks
+
+    def run(
+        self, marks: StageMarks, setting: Setting, slopes: MarkedSlopes, *, clocks: int | None = None, size: int = 0
+    ) -> MarkedRun:
+        """A step of y' = (slopes of the clocks, `slopes` of the stage and of how far the other numbers have moved).
+
+        Of so many numbers besides the clocks, or of all that the subject takes.
+        """
+        count = len(marks.hands) if clocks is None else clocks
+
+        def rates(node: float | None, moved: Sequence[float]) -> Sequence[float]:
+            place, hands = self._place(node), [x / setting.h for x in moved[:count]]
+            seen = [replace(marks, hands=marks.hands[:k]).shares(place, hands) for k in range(count + 1)]
+            return [*clock_slopes(seen[:-1]), *slopes(marks.shares(place, hands), moved[count:])]
+
+        return self.smooth(setting, rates, max(2, count + size) if size else self.size)
+
+    def smooth(self, setting: Setting, rates: MovedSlopes, size: int = 0) -> MarkedRun:
+        """A step of y' = rates(node, y - start). What else it does on it is no evidence: raises NotReadable."""
+        start, clock, h = setting.start, float(setting.time), setting.h
+
+        def answered(asked: tuple[float | None, list[float]]) -> Sequence[float]:
+            node, y = asked
+            return rates(node, [x - start for x in y])
+
+        heard = Listener(answered, _MOST_CALLS)
+
+        def rate(t: float, y: Sequence[float]) -> Sequence[float]:
+            # A callback that is given no time hands on the very object that it was made with.
+            answer: Sequence[float] = heard((None if t is clock else (t - setting.time) / h, list(y)))
+            return answer
+
+        try:
+            y1 = performed(lambda: self.subject.step_field(rate, clock, [start] * (size or self.size), h))
+        except NoAnswer:
+            raise
+        except _OtherTime as seen:
+            raise NotReadable(str(seen)) from None
+        except Misbehaviour as failure:
+            raise NotReadable(f"with its stages marked, {failure}") from failure
+        return MarkedRun([node for node, _ in heard.calls], [y for _, y in heard.calls], y1)
+
+    def _place(self, node: float | None) -> int:
+        """The number of the node. Raises NotReadable for one that was not seen before."""
+        place = 0 if node is None else min(range(len(self.nodes)), key=lambda i: abs(self.nodes[i] - node))
+        if node is not None and abs(node - self.nodes[place]) > self.same_node:
+            nodes = ", ".join(f"{x:.6g}" for x in self.nodes)
+            raise _OtherTime(
+                f"the right-hand side is called at t + {node:.6g} h, and with other slopes, times and h at the nodes "
+                f"{nodes}: the step is adaptive, or its times do not scale with h"
+            )
+        return place
+
+    def _opened(self) -> tuple[int, MarkedRun]:
+        for size in _SIZES:
+            try:
+                return size, self.smooth(Setting(), lambda node, moved: [1.0] * len(moved), size)
+            except NotReadable as refusal:
+                failure = refusal
+        raise failure
+
+
+def _apart(numbers: Sequence[float], distance: float) -> tuple[float, ...]:
+    """The first of each group that lies together."""
+    found: list[float] = []
+    for x in numbers:
+        if all(abs(x - y) > distance for y in found):
+            found.append(x)
+    return tuple(found)
+
+
+def spread(number: int) -> float:
+    """From 1 to 2, 1 for 0, and far from those of all other small numbers: multiples of the golden mean."""
+    return 1.0 + number * 0.6180339887498949 % 1
+
+
+def _own_slope(label: StageLabel) -> float:
+    """Different for each label; 1 for the first one."""
+    number: int = sum(place * _MOST_LABELS**k for k, place in enumerate(label))
+    return spread(number)

@@ -1,0 +1,208 @@
+"""Implicit stages are read, whatever solves them; what is no implicit Runge-Kutta step is refused."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.findings import NoAnswer
+from driftproof.blackbox.matching.match import match_tableau
+from driftproof.blackbox.probes.implicit_tableau import read_implicit_tableau
+from driftproof.blackbox.probes.scripted_answers import NotReadable
+from driftproof.blackbox.stepper.opening import opened
+from tests.blackbox import handwritten_steppers as codes
+from tests.blackbox.implicit_steppers import (
+    SOLVERS,
+    G,
+    all_at_once,
+    broyden,
+    fixed_point,
+    newton,
+    one_by_one,
+    table,
+    untimed,
+)
+from tests.looping import some
+
+# Up to six stages, of every family; larger ones take seconds.
+FEW_STAGES = (
+    *("backward_euler", "implicit_midpoint", "trapezoid", "gauss2", "gauss3", "radau_ia2", "radau_ia3", "radau_iia2"),
+    *("radau_iia3", "lobatto_iiia3", "lobatto_iiib2", "lobatto_iiib3", "lobatto_iiic2", "lobatto_iiic3", "sdirk2"),
+    *("qin_zhang2", "crouzeix3", "alexander3", "crouzeix4", "tr_bdf2", "radau_i2", "radau_i3"),
+)
+MANY_STAGES = (
+    "sdirk4",
+    "esdirk43",
+    "gauss4",
+    "gauss6",
+    "radau_iia4",
+    "lobatto_iiia5",
+    "lobatto_iiic4",
+    "lobatto_iiib4",
+)
+# Kvaerno's pair of order 3 and 2: two stages at t + h, one for each row of weights.
+_G3 = 0.4358665215084589994160194511935568
+_PAIR = [
+    [0.0, 0.0, 0.0, 0.0],
+    [_G3, _G3, 0.0, 0.0],
+    [0.490563388419108, 0.073570090080892, _G3, 0.0],
+    [0.308809969973036, 1.490563388254106, -1.235239879727145, _G3],
+]
+TWO_AT_ONE_TIME = (_PAIR, _PAIR[3], [0.0, 2 * _G3, 1.0, 1.0])
+
+
+def read(step):
+    return read_implicit_tableau(opened(step))
+
+
+def the_same(reading, coefficients, error):
+    a, b, c = coefficients
+    apart = [np.abs(np.array(x) - np.array(y)).max() for x, y in ((reading.a, a), (reading.b, b), (reading.c, c))]
+    return max(apart) <= error
+
+
+@pytest.mark.parametrize("key", FEW_STAGES)
+def test_every_coefficient_of_an_implicit_method_is_read_to_rounding(key):
+    reading = read(all_at_once(table(key)))
+    # Elimination in a dozen unknowns, then a quotient of two numbers that were read.
+    assert the_same(reading, table(key), 8 * 2.0**-53)
+    assert key in match_tableau(reading).keys
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("key", MANY_STAGES)
+def test_every_coefficient_of_a_method_of_many_stages_is_read_to_rounding(key):
+    reading = read(all_at_once(table(key)))
+    assert the_same(reading, table(key), 8 * 2.0**-53)
+    assert key in match_tableau(reading).keys
+
+
+@pytest.mark.parametrize("solver", SOLVERS.values(), ids=SOLVERS)
+@pytest.mark.parametrize("key", ["trapezoid", "sdirk2", "tr_bdf2"])
+def test_the_coefficients_do_not_depend_on_what_solves_the_stages(key, solver):
+    for way in some((all_at_once, one_by_one)):
+        reading = read(way(table(key), solver))
+        assert the_same(reading, table(key), 4 * reading.stage_error)
+        assert reading.stage_error < 1e-9
+        assert match_tableau(reading).keys[0] == key
+
+
+def test_the_solver_leaves_what_two_readings_differ_by():
+    seen = read(all_at_once(table("gauss2"), lambda residual, x: np.round(newton(residual, x), 9)))
+    assert 1e-10 < seen.stage_error < 1e-8
+    assert the_same(seen, table("gauss2"), 4 * seen.stage_error)
+    (match,) = match_tableau(seen).matches
+    assert match.key == "gauss2"
+    assert "as its stages are solved" in match.closeness
+    assert not read(all_at_once(table("gauss2"))).rounding.besides > 1e-13
+
+
+@pytest.mark.parametrize("solver", [newton, fixed_point, broyden])
+def test_stages_at_one_time_are_told_apart_by_a_clock_in_y(solver):
+    for way in some((all_at_once, one_by_one)):
+        assert the_same(read(way(TWO_AT_ONE_TIME, solver)), TWO_AT_ONE_TIME, 1e-9)
+    late = ([[G, 0], [1 - G, G]], [1 - G, G], [0, 0])
+    assert the_same(read(one_by_one(late, solver)), late, 1e-9)
+
+
+@pytest.mark.parametrize("key", ["backward_euler", "trapezoid", "radau_iia3"])
+def test_without_a_time_the_stages_are_told_apart_by_the_sums_of_their_rows(key):
+    reading = read(untimed(all_at_once(table(key))))
+    assert reading.c is None
+    assert match_tableau(reading).keys[0] == key
+
+
+def test_stages_that_are_equal_on_every_problem_are_one():
+    midpoint_twice = ([[0.25, 0.25], [0.25, 0.25]], [0.5, 0.5], [0.5, 0.5])
+    reading = read(all_at_once(midpoint_twice))
+    assert reading.calls == 1
+    assert match_tableau(reading).keys == ("implicit_midpoint",)
+
+
+def test_a_stage_without_a_weight_counts_where_another_one_uses_it():
+    two = ([[0.5, 0.0], [0.25, 0.5]], [0.0, 1.0], [0.5, 0.75])
+    assert the_same(read(one_by_one(two)), two, 8 * 2.0**-53)
+    unused = ([[0.5, 0.0], [0.25, 0.5]], [1.0, 0.0], [0.5, 0.75])
+    assert read(one_by_one(unused)).calls == 1
+
+
+def adaptive(f, t, y, h):
+    """Backward Euler, in two halves where the slope is large."""
+    step = all_at_once(table("backward_euler"))
+    if np.abs(f(t, y)).max() < 0.75:
+        return step(f, t, y, h)
+    return step(f, t + h / 2, step(f, t, y, h / 2), h / 2)
+
+
+def bdf2():
+    """The second step of BDF2 after whatever step came before."""
+    before = {}
+
+    def step(f, t, y, h):
+        last = before.get(len(y), y)
+        before[len(y)] = np.array(y)
+        return newton(lambda x: x - (4 * y - last) / 3 - 2 / 3 * h * f(t + h, x), np.array(y))
+
+    return step
+
+
+def linearly_implicit(f, t, y, h):
+    """A Rosenbrock method of order 2, ROS2 with gamma = 1 + 1/sqrt 2."""
+    gamma, y = 1 + 2**-0.5, np.asarray(y)
+    jacobian = np.array([(f(t, y + 1e-6 * e) - f(t, y)) * 1e6 for e in np.eye(len(y))]).T
+    inverse = np.linalg.inv(np.eye(len(y)) - gamma * h * jacobian)
+    k1 = inverse @ f(t, y)
+    k2 = inverse @ (f(t + h, y + h * k1) - 2 * k1)
+    return y + 1.5 * h * k1 + 0.5 * h * k2
+
+
+def symplectic(f, t, y, h):
+    half = len(y) // 2
+    v = y[half:] + h * f(t, y)[half:]
+    return np.concatenate([y[:half] + h * v, v])
+
+
+def alone(f, t, y, h):
+    """One number only."""
+    return newton(lambda x: x - float(np.asarray(y).item()) - h * f(t + h, x), np.array(y))
+
+
+def late(f, t, y, h):
+    """Backward Euler at t + 1/2 for t + h/2."""
+    return all_at_once(([[1.0]], [1.0], [0.5 / h]))(f, t, y, h)
+
+
+def dragged(f, t, y, h):
+    return all_at_once(table("implicit_midpoint"))(f, t, y, h) - 0.01 * h * np.asarray(y)
+
+
+REFUSED = {
+    "explicit": (codes.rk4, "not solved, so the step is explicit|none of its stages|another step"),
+    "fixed iterations": (codes.midpoint_iterated(3), "explicit|another step than of these stages"),
+    "adaptive": (adaptive, "does not scale with h|the step depends on|is called at"),
+    "remembers": (bdf2(), "another start, time, h and size"),
+    "linearly implicit": (linearly_implicit, "another step than of these stages"),
+    "symplectic": (symplectic, "no stage of it has a weight|another start"),
+    "one number": (alone, "with its stages marked, step.* raises"),
+    "another time": (late, "its times do not scale with h"),
+    "drag": (dragged, "another start"),
+    "never calls": (lambda f, t, y, h: y, "the right-hand side is never called"),
+    "no weight": (lambda f, t, y, h: y + 0.0 * f(t, y), "no stage of it has a weight"),
+}
+
+
+@pytest.mark.parametrize(("step", "seen"), REFUSED.values(), ids=REFUSED)
+def test_what_is_no_implicit_step_is_refused(step, seen):
+    with pytest.raises(NotReadable, match=seen):
+        read(step)
+
+
+def test_a_call_that_does_not_come_back_is_not_taken_for_a_refusal():
+    subject = opened(partial(all_at_once(table("backward_euler"))), "field")
+
+    def hung(call):
+        raise NoAnswer(call)
+
+    subject.before = hung
+    with pytest.raises(NoAnswer):
+        read_implicit_tableau(subject)
