@@ -56,13 +56,14 @@ NOT_ELSEWHERE = "sympy"
 # The goals are 400, 3500, 7300, 3000, 7500 and 4600, and 4200 for reports with the front. What stands above them:
 # support holds the one runner of isolated processes, its messages and the one reader of TOML, which stood thrice;
 # methods the one grammar of expressions, the one number field and fields with several roots; symbolic the front door
-# of `derive` and facts as typed properties; blackbox verdicts that say what was seen; texts what docs and help show.
+# of `derive` and facts as typed properties; blackbox verdicts that say what was seen, and implicit
+# stages; texts what docs and help show.
 BUDGETS = {
     "support": 1020,
     "methods": 4660,
     "symbolic": 9580,
     "numeric": 3010,
-    "blackbox": 10560,
+    "blackbox": 11180,
     "enclosure": 2085,
     "texts": 5510,
 }

@@ -66,7 +66,8 @@ def identify_command(options: Namespace) -> str:
 def verify_command(options: Namespace) -> str:
     """Hold a stepper to a method: its coefficients, its rounding errors against a derived bound, its order.
     The bound holds for the definition's sums and products in any order, fused or not. Of a step(q, v, h) that has its
-    system built in, the step of q'' = -q is all that is seen, and all that is said.
+    system built in, the step of q'' = -q is all that is seen, and all that is said. Implicit stages of a
+    step(f, t, y, h) are read to what their solver leaves, and the report says how much that is.
 
     examples:
       driftproof verify mylib.integrators:step --method velocity_verlet
