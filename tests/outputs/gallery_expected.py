@@ -85,9 +85,7 @@ FIELDS = {
     "desolver rk8713m": Expected("the seventh-order weights of Prince and Dormand's 8(7)13M", 7, "'order 8'"),
     "desolver rk108": Expected("Feagin, seventeen stages", 10),
     "desolver rk1412": Expected("Feagin, thirty-five stages", 14),
-    "desolver symplectic_euler": Expected(
-        "velocity_verlet", 1, "symplectic Euler of order 1; on q'' = F(q) of order 2"
-    ),
+    "desolver symplectic_euler": Expected("velocity_verlet", 1, "symplectic Euler, order 1; on q'' = F(q) order 2"),
     "desolver bab_s9o7h": Expected("Nielsen's BAB'S9O7H", 1, "order 7 on the oscillator only; on q'' = F(q) order 4"),
     "desolver aba_s5o6h": Expected("Nielsen's ABAS5O6H", 1, "order 6 on the oscillator only; on q'' = F(q) order 4"),
     **_same("desolver", 1e-14, gauss4="gauss2", gauss6="gauss3", backward_euler="backward_euler"),
@@ -133,9 +131,7 @@ FIELDS = {
     "pathsim rkv65": Expected("Verner's most robust 6(5)", 6),
     "pathsim rkdp87": Expected("prince_dormand87", 8, "'DOP853', which is another method"),
     **_same("pathsim", 1e-13, eub="backward_euler"),
-    "pathsim dirk2": Expected(
-        "qin_zhang2", 2, "'L-stable': R tends to 1, as a symplectic method's has to", loose=1e-13
-    ),
+    "pathsim dirk2": Expected("qin_zhang2", 2, "'L-stable': R tends to 1, as symplectic ones have to", loose=1e-13),
     "pathsim dirk3": Expected("four stages, stiffly accurate", 3),
     "pathsim esdirk32": Expected("four stages", 3, "'L-stable': R tends to -1/3"),
     "pathsim esdirk4": Expected("six stages", 4),
@@ -212,13 +208,9 @@ FORCES = {
 MAPS = {
     **_same("mujoco", spring_euler="symplectic_euler", spring_implicit="symplectic_euler", spring_rk4="rk4"),
     **_same("mujoco", spring_implicitfast="symplectic_euler"),
-    "mujoco damped_euler": Expected("symplectic Euler, its drag 1/2 implicit", None, "order 1, of a damped oscillator"),
-    "mujoco damped_implicit": Expected(
-        "symplectic Euler, its drag 1/2 implicit", None, "order 1, of a damped oscillator"
-    ),
-    "mujoco damped_implicitfast": Expected(
-        "symplectic Euler, its drag 1/2 implicit", None, "order 1, of a damped oscillator"
-    ),
+    "mujoco damped_euler": Expected("symplectic Euler, drag 1/2 implicit", None, "order 1, of damped motion"),
+    "mujoco damped_implicit": Expected("symplectic Euler, drag 1/2 implicit", None, "order 1, of damped motion"),
+    "mujoco damped_implicitfast": Expected("symplectic Euler, drag 1/2 implicit", None, "order 1, of damped motion"),
     **_same("mujoco-mjx", spring_euler="symplectic_euler", spring_implicitfast="symplectic_euler", spring_rk4="rk4"),
     **_same("brax", generalized="symplectic_euler"),
     **_same("pymunk", spring="symplectic_euler_position_first"),

@@ -49,7 +49,7 @@ def test_shown_parts_are_those_named() -> None:
 
 def test_overflowing_method_has_its_message_and_the_others_their_numbers() -> None:
     scene = Scene(
-        "edge", "rk4", Q(2), Q(2000), methods=("forward_euler", "rk4"), readouts=("energy",), panels=("table",)
+        "far", "rk4", Q(2), Q(2000), methods=("forward_euler", "rk4"), readouts=("energy",), panels=("table",)
     )
     shown = show_scene(scene, 5)
     assert shown["table"]["forward_euler"] == "overflow: the state is no longer finite after step 883"
@@ -72,7 +72,7 @@ def test_no_zero_is_shown_with_a_sign() -> None:
 
 def test_enormous_number_is_shown_with_an_exponent() -> None:
     scene = Scene(
-        "edge", "forward_euler", Q(2), Q(800), methods=("forward_euler",), readouts=READOUTS, panels=("table",)
+        "far", "forward_euler", Q(2), Q(800), methods=("forward_euler",), readouts=READOUTS, panels=("table",)
     )
     shown = scene_text(scene, show_scene(scene, 5))
     assert max(map(len, shown.splitlines())) < 80

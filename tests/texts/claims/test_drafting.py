@@ -78,6 +78,10 @@ def test_so_many_methods_steps_and_times_are_asked_of_and_no_more() -> None:
     assert len({words[1] for words in asked if words[0] == "run"}) == 6
     assert {words[2] for words in asked if words[0] == "step"} == {"h=1/12345678901234567", "h=1/2", "h=1/3", "h=1/4"}
     assert {words[3] for words in asked if words[0] == "run"} == {"t=2", "t=3"}
+    runs = {
+        question.split()[2] for question in Suggestions("h = 1/2000, h = 3/10")._questions() if question[:3] == "run"
+    }
+    assert runs == {"h=1/4", "h=1/2"}, "neither long ones, nor those that end beside t"
 
 
 def test_suggested_value_is_spelled_as_the_number_is() -> None:

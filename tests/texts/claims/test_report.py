@@ -31,9 +31,7 @@ def test_report_says_what_is_wrong_and_what_is_covered() -> None:
     ]
     assert TextReport.of("a.txt", document, Claims()).written("text").startswith("a.txt: 0 claims, so nothing is held")
     listed = TextReport.of("a.txt", document, CLAIMS, suggest=True)
-    assert any(
-        line.startswith("a.txt:3:11: not covered: 'It prints 0.25, and") for line in listed.written("text").splitlines()
-    )
+    assert any(line.startswith("a.txt:3:11: not covered: 'It prints") for line in listed.written("text").splitlines())
     assert "looks like default.h" in listed.written("text")
 
 

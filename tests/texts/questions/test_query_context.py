@@ -22,11 +22,7 @@ REFUSED = [
     ("energy_multiplier", 1, "is no id of a published value"),
     ("energy_multiplier rk5", 19, "unknown method 'rk5'"),
     ("energy_multipliers rk4", 1, "did you mean energy_multiplier"),
-    (
-        "energy_multiplier symplectic_euler",
-        1,
-        "has no energy_multiplier: what a step does to the energy",
-    ),
+    ("energy_multiplier symplectic_euler", 1, "has no energy_multiplier: what a step does to the energy"),
     ("energy_multiplier rk4 t=1", 23, "has no setting t here; it takes h"),
     ("energy_multiplier rk4 : foo", 25, "has no parts"),
     ("energy_multiplier backward_euler h=1e1200 from 1,0", 1, "starts nowhere"),

@@ -74,9 +74,7 @@ def test_markup_that_never_ends_is_read_to_the_end(form: str) -> None:
         numbers_in(document.text.text)
 
 
-@given(
-    st.sampled_from(sorted(READERS)), st.lists(st.sampled_from([*ENDLESS, "0.5", " ", "\n", "x", "}", ">", "'", "|"]))
-)
+@given(st.sampled_from(sorted(READERS)), st.lists(st.sampled_from([*ENDLESS, "0.5", *" \nx}>'|"])))
 def test_no_text_crashes_a_reader(form: str, pieces: list[str]) -> None:
     held(form, "".join(pieces))
 

@@ -90,12 +90,8 @@ def test_bad_arguments_are_one_line(arguments: tuple[str, ...], message: str, le
 
 def test_memory_and_time_of_a_template_are_bounded(lesson: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rendering, "RENDERING_MEMORY", 6 * 10**8)
-    lesson.write_text(
-        "{% set n = namespace(s='aaaaaaaa') %}{% for i in range(60) %}{% set n.s = n.s ~ n.s %}{% endfor %}"
-    )
-    with pytest.raises(
-        ValueError, match=r"lesson.md.j2, line 1, column \d+: more memory is needed than a template may take"
-    ):
+    lesson.write_text("{% set n = namespace(s='aaaa') %}{% for i in range(60) %}{% set n.s = n.s ~ n.s %}{% endfor %}")
+    with pytest.raises(ValueError, match=r"lesson.md.j2, line 1, column \d+: more memory is needed than a template"):
         rendering.render(lesson, Path("lesson.md"))
     loops = [f"{{% for {name} in range(9999) %}}" for name in "abc"]
     lesson.write_text("".join(loops) + "{% endfor %}" * 3)

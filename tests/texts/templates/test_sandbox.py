@@ -27,11 +27,7 @@ HOSTILE = [
     ("{{ 10**10**10 }}", 4, "** is not for a template"),
     ("{{ 1/3 }}", 4, "/ is not for a template; value('1/3 + 1/6') computes exactly"),
     ("{{ 1 // 0 }}", 4, "integer division or modulo by zero"),
-    (
-        "{% for i in range(1000000) %}{% endfor %}",
-        4,
-        "Range too big. The sandbox blocks ranges larger than MAX_RANGE (100000).",
-    ),
+    ("{% for i in range(1000000) %}{% endfor %}", 4, "Range too big. The sandbox blocks ranges larger than MAX_RANGE"),
     ("{% include '../secret' %}", 4, "'../secret' lies outside the folder of the template"),
     ("{% include '/etc/passwd' %}", 4, "'/etc/passwd' lies outside the folder of the template"),
     ("{% include 'link' %}", 4, "'link' lies outside the folder of the template"),

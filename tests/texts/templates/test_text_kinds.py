@@ -40,6 +40,7 @@ def test_table_of_methods_is_written_in_the_kind_of_the_text(kind: TextKind, bec
         ("```\nX\n```", True),
         ("```\n```\nX", False),
         ("~~~~\n```\nX", True),
+        ("  ```\n```\nX", False),
         ("```x\n~~~\n```\nX", False),
     ],
 )

@@ -188,12 +188,10 @@ def test_file_that_is_too_long_is_refused(run: Run, monkeypatch: pytest.MonkeyPa
     assert "longer than 1000 bytes" in err
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "kinds"), [("1e99999999", "1e99999998", ["value"]), ("9" * 9999, "9" * 9998, ["value"])]
-)
-def test_numbers_of_any_length_are_compared_or_bounded(old: str, new: str, kinds: list[str]) -> None:
+@pytest.mark.parametrize(("old", "new"), [("1e99999999", "1e99999998"), ("9" * 9999, "9" * 9998)])
+def test_numbers_of_any_length_are_compared_or_bounded(old: str, new: str) -> None:
     documents = ({"values": {"x": {"exact": None, "decimal": text}}} for text in (old, new))
-    assert [found.kind for found in changes(*documents)] == kinds
+    assert [found.kind for found in changes(*documents)] == ["value"]
 
 
 @pytest.mark.parametrize(

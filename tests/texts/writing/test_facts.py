@@ -34,11 +34,7 @@ WRITTEN: list[tuple[Any, str, str]] = [
     ([], "none", "none"),
     ((Q(0), Q(1, 2)), "[0, 1/2]", r"[$0$, $\frac{1}{2}$]"),
     (RK4.imaginary_limit, "2*sqrt(2) = 2.828427124746190097603377448419", r"$2 \sqrt{2} \approx 2.82842712$"),
-    (
-        GAUSS.stability_function,
-        "(1 + 1/2 z + 1/12 z^2)/(1 - 1/2 z + 1/12 z^2)",
-        r"$\frac{1+\frac{z}{2}+\frac{z^{2}}{12}}",
-    ),
+    (GAUSS.stability_function, "(1 + 1/2 z + 1/12 z^2)/(1 - 1/2 z + 1/12", r"$\frac{1+\frac{z}{2}+\frac{z^{2}}{12}}"),
     (RK4.energy_multiplier, "1 - 1/72 h^6 + 1/576 h^8", r"$1-\frac{h^{6}}{72}+\frac{h^{8}}{576}$"),
     (RK4.error_constant, "-1/120 h^5", r"$-\frac{h^{5}}{120}$"),
     (TruncatedSeries((Q(0), Q(1), Q(1, 12)), "z"), "z + 1/12 z^2 + O(z^3)", r"$z+\frac{z^{2}}{12}+O(z^{3})$"),

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftproof.methods.catalogue import METHODS
+from driftproof.texts.questions.answer import Answer
 from driftproof.texts.questions.decimals import Style
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
@@ -126,6 +127,11 @@ def test_number_without_an_exact_form_has_none_in_tex_either() -> None:
         with pytest.raises(QuestionError, match="has no exact form; ask for digits"):
             getattr(value("run rk4 h=1/4 t=10 : state_error"), mark_up)()
     assert value("1/3").tex() != ""
+
+
+def test_form_that_says_more_than_its_number_is_what_is_written() -> None:
+    assert Answer("", Q(1, 2), form="cos(0)/2").tex() == r"\frac{\cos(0)}{2}"
+    assert Answer("", Q(1, 2)).tex() == r"\frac{1}{2}"
 
 
 def test_words_are_text_and_hold_their_own_mathematics() -> None:
