@@ -8,6 +8,7 @@ from functools import cache, partial
 from pathlib import Path
 
 from proofs.kernel.coq import Theorem, theorems
+from proofs.kernel.programs import programs
 from proofs.kernel.tables import tables
 from proofs.kernel.values import values
 from proofs.setting import LESSON_METHODS
@@ -18,8 +19,12 @@ COMPARED = ("symplectic_euler_position_first", "velocity_verlet", "midpoint2", "
 WRITTEN: dict[str, Callable[[], str]] = {
     "Tables": partial(tables, (*LESSON_METHODS, *COMPARED)),
     "Values": values,
+    "Programs": programs,
 }
-ORDER = ("Methods", "Runs", "Readouts", "Tables", "Values")
+ORDER = (
+    *("Methods", "Runs", "Readouts", "Arithmetic", "Identities", "Tables", "Values", "Programs"),
+    *("OneStep", "Energy", "ExactFlow", "Stability", "Phase"),
+)
 
 
 @dataclass(frozen=True)

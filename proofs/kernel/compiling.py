@@ -41,15 +41,18 @@ def missing_programs() -> str | None:
 def compile_all(folder: Path = BUILD) -> None:
     """Write every file and compile those that changed, and what comes after them. Raises Refused."""
     folder.mkdir(parents=True, exist_ok=True)
-    stale = False
+    newest = 0.0
     for name in (bar := tqdm(ORDER, unit="file", disable=None)):
         bar.set_postfix_str(name)
         file, text = folder / f"{name}.v", source(name)
-        stale = stale or not file.with_suffix(".vo").exists() or file.read_text(encoding="utf-8") != text
-        if stale:
-            file.with_suffix(".vo").unlink(missing_ok=True)
+        compiled = file.with_suffix(".vo")
+        made = compiled.stat().st_mtime if compiled.exists() and file.read_text(encoding="utf-8") == text else 0.0
+        if made <= newest:
+            compiled.unlink(missing_ok=True)
             file.write_text(text, encoding="utf-8")
             _coq("coqc", "-q", "-w", "none", *_library(folder), str(file), seconds=SECONDS_PER_FILE)
+            made = compiled.stat().st_mtime
+        newest = made
 
 
 def foreign_axioms(folder: Path = BUILD) -> list[str]:
@@ -76,7 +79,7 @@ def accepted_mutants(mutants: Sequence[tuple[Certificate, Theorem]], folder: Pat
     for name in (bar := tqdm(dict.fromkeys(certificate.file for certificate, _ in mutants), unit="file", disable=None)):
         bar.set_postfix_str(f"mutants of {name}")
         here = [(certificate.theorem, mutant) for certificate, mutant in mutants if certificate.file == name]
-        script = [_preamble(source(name)), f"Set Default Timeout {SECONDS_PER_MUTANT}."]
+        script = [*_preamble(name), f"Set Default Timeout {SECONDS_PER_MUTANT}."]
         for i, (theorem, mutant) in enumerate(here):
             script.append(f"Definition readable_{i} : Prop := {mutant.statement}.")
             script += [_attempt(f"right_{i}", theorem), _attempt(f"mutant_{i}", mutant)]
@@ -97,9 +100,10 @@ def _attempt(name: str, theorem: Theorem) -> str:
     return Theorem(name, theorem.statement, theorem.proof).text() + "Abort All."
 
 
-def _preamble(text: str) -> str:
-    """What a file says before its first theorem, and its notations, tactics and definitions."""
-    return re.sub(r"^(Theorem|Lemma|Corollary)\b.*?^(Proof\..*?Qed\.)$", "", text, flags=re.M | re.S)
+def _preamble(name: str) -> list[str]:
+    """The imports of a file, and the file itself."""
+    imports = re.findall(r"^(?:From|Import|Open) [^.]*\.", source(name), re.M)
+    return [*imports, f"From driftproof Require Import {name}."]
 
 
 def _talk(script: str, folder: Path) -> str:

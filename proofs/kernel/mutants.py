@@ -11,7 +11,43 @@ from proofs.kernel.coq import Theorem
 from proofs.printed import ROWS
 
 # Theorem -> what its statement says, and what a wrong one says instead.
-PLANTED: tuple[tuple[str, str, str], ...] = ()
+PLANTED: tuple[tuple[str, str, str], ...] = (
+    # a wrong sign, coefficient or power in an identity
+    ("L033_L204", "(q + h * v, v - h * q) /\\ forward", "(q + h * v, v + h * q) /\\ forward"),
+    ("L043_L205", "(1 - h ^ 2) * q", "(1 - h ^ 3) * q"),
+    ("L059_L207", "h ^ 4 / 24) * q", "h ^ 4 / 25) * q"),
+    ("L035_L036", "(1 + h ^ 2) * energy", "(1 - h ^ 2) * energy"),
+    ("L051", "(v - (h - 1) * q)", "(v - (h + 1) * q)"),
+    ("L052", "(q ^ 2 + v ^ 2 - h * q * v) / 2", "(q ^ 2 + v ^ 2 + h * q * v) / 2"),
+    ("L162", "(2 - h ^ 2) * fst z1", "(2 + h ^ 2) * fst z1"),
+    ("L176", "h ^ 6 / 72 + h ^ 8 / 576) * energy", "h ^ 6 / 72 + h ^ 8 / 575) * energy"),
+    ("L183", "- (w ^ 2) * x", "- w * x"),
+    # a bound or a limit that is a little off, a sign that turns
+    ("L055", "0 < h < 2", "0 < h < 3"),
+    ("L056", "2 < h ->", "1 < h ->"),
+    ("L146", "<= 4 / 3", "<= 13 / 10"),
+    ("L163", "0 < h < 2 ->", "0 < h < 3 ->"),
+    ("L174", "2 < h ->", "1 < h ->"),
+    ("L175", "h <= 2 * sqrt 2", "h <= 3"),
+    ("L177", "1 / 4 <= damping h < 1", "1 / 3 <= damping h < 1"),
+    ("L178", "1 < damping h", "2 < damping h"),
+    ("L179", "6369051672525773", "6369051672525772"),
+    ("L180", "88.47 <", "88.48 <"),
+    ("L182", "4 < (5 / 2) ^ 2 < 8", "4 < (5 / 2) ^ 2 < 6"),
+    # a wrong rule of motion, a wrong unit, a wrong angle
+    ("L018", "flow 0 = (1, 0)", "flow 0 = (0, 1)"),
+    ("L020_L106", "= -1", "= 1"),
+    ("L024", "- k * x tau / m", "k * x tau / m"),
+    ("L027", "sqrt (m / k)", "sqrt (k / m)"),
+    ("L094", "3 * n <> 10", "5 * n <> 10"),
+    ("L135", "< 180", "< 179"),
+    ("L158", "40 * atan", "39 * atan"),
+    ("L159", "unwrapped + 360\n", "unwrapped + 180\n"),
+    ("L160", "0 < s < PI", "0 < s < 2 * PI"),
+    ("L165", "2 * INR n + 1", "2 * INR n - 1"),
+    ("L240_L245", "4 * r ^ 2", "2 * r ^ 2"),
+    ("L247", "sqrt 2", "sqrt 3"),
+)
 
 
 def mutants() -> list[tuple[Certificate, Theorem]]:

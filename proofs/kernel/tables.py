@@ -8,6 +8,7 @@ from fractions import Fraction
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import RungeKutta, Splitting
+from driftproof.numeric.scenes import PRESETS
 from proofs.kernel.coq import argument, coq_list, file_text, rational
 
 IMPORTS = """\
@@ -39,9 +40,21 @@ def definition(key: str) -> str:
     return f"Definition {key} := {body}.\n"
 
 
+def scenes() -> str:
+    """The presets of the lesson."""
+    shown = (
+        f"{{| methods := {coq_list(scene.methods)}; initial := ({rational(scene.start[0])}, {rational(scene.start[1])}); "
+        f"size := {rational(scene.h)}; steps := {scene.steps}%nat; duration := {rational(scene.t)} |}}"
+        for scene in PRESETS.values()
+    )
+    return "Definition scenes : list scene :=\n  " + coq_list(shown) + ".\n"
+
+
 def tables(keys: Iterable[str]) -> str:
     """The text of Tables.v."""
-    return file_text("The methods of the lesson and those they are compared with.", IMPORTS, map(definition, keys))
+    return file_text(
+        "The methods of the lesson and those they are compared with.", IMPORTS, [*map(definition, keys), scenes()]
+    )
 
 
 def _rational(coefficients: Iterable[Exact]) -> list[Fraction]:

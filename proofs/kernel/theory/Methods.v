@@ -73,6 +73,9 @@ Definition evaluations (m : method) : nat :=
 Definition start {T} `{Scalars T} : state T := (lift 1, lift 0).
 Definition energy {T} `{Scalars T} (z : state T) : T :=
   mul (lift (1 # 2)) (add (mul (fst z) (fst z)) (mul (snd z) (snd z))).
+(** A scene of the lesson: methods, start, step, how often, how long. *)
+Record scene := { methods : list method; initial : state Q; size : Q; steps : nat; duration : Q }.
+
 (** (q^2 + v^2 - h q v) / 2, which velocity-first Euler keeps. *)
 Definition modified_energy {T} `{Scalars T} (h : T) (z : state T) : T :=
   add (energy z) (mul (lift (-1 # 2)) (mul h (mul (fst z) (snd z)))).

@@ -65,7 +65,7 @@ Definition below (x : Q) : Q := Qfloor (x * inject_Z (10 ^ 40)) # 10 ^ 40.
 Definition above (x : Q) : Q := (Qfloor (x * inject_Z (10 ^ 40)) + 1) # 10 ^ 40.
 
 (** Tactics, one for each way to be right. *)
-Ltac by_vm := vm_compute; reflexivity.
+Ltac by_vm := repeat match goal with |- _ /\ _ => split end; vm_compute; reflexivity.
 Ltac by_run :=
   match goal with
   | |- rounds_to (fst (run _ _ _ _)) _ => apply fst_computed
@@ -83,8 +83,10 @@ Ltac box_runs :=
       let q := fresh "q" in let v := fresh "v" in intros q v; unfold Q2R at 1 2 3 4; cbn [Qnum Qden]; intros
   end.
 Ltac by_interval :=
-  box_runs; unfold real_rounds_to, distance, flow, Q2R; cbn [fst snd Qnum Qden];
-  interval with (i_prec 120).
+  repeat match goal with |- _ /\ _ => split end;
+  box_runs; unfold real_rounds_to, distance, flow, energy, start;
+  cbn [fst snd add mul lift reals]; unfold Q2R; cbn [Qnum Qden];
+  first [interval with (i_prec 120) | apply Rminus_gt_0_lt; interval with (i_prec 120)].
 (** The angle of a state to the right of the axis is an arctangent. *)
 Ltac by_angle :=
   box_runs; unfold phase_error, flow, angle; cbn [fst snd];
