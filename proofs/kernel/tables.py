@@ -43,7 +43,7 @@ def definition(key: str) -> str:
 def scenes() -> str:
     """The presets of the lesson."""
     shown = (
-        f"{{| methods := {coq_list(scene.methods)}; initial := ({rational(scene.start[0])}, {rational(scene.start[1])}); "
+        f"{{| methods := {coq_list(scene.methods)}; initial := ({', '.join(map(rational, scene.start))}); "
         f"size := {rational(scene.h)}; steps := {scene.steps}%nat; duration := {rational(scene.t)} |}}"
         for scene in PRESETS.values()
     )
