@@ -64,7 +64,7 @@ BUDGETS = {
     "symbolic": 9580,
     "numeric": 3010,
     "blackbox": 11180,
-    "enclosure": 2085,
+    "enclosure": 2206,
     "texts": 5510,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 4840

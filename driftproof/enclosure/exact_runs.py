@@ -12,11 +12,12 @@ import numpy as np
 from flint import arb, ctx
 
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates, rebound
+from driftproof.enclosure.implicit_runs import implicit_step
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
 from driftproof.enclosure.steps import jacobian_of, size
 from driftproof.enclosure.trajectories import Trajectory
 from driftproof.methods.number_field import Exact
-from driftproof.methods.schemes import Method, MethodError, RungeKutta
+from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
 from driftproof.methods.tableau_file import method_of
 from driftproof.methods.vector_fields import array_step
 from driftproof.symbolic.algebra.certified import enclose
@@ -29,6 +30,8 @@ _OFF_GRID = Fraction(1, 1000)
 # f's arguments make of theirs: a step of 13 stages has some hundred operations, and f its own. It is to notice another
 # method, or points that are no steps, and bounds nothing.
 ROUNDINGS_OF_A_STEP = 2.0**10
+# The stages of an implicit method are solved to half the digits of the numbers at least.
+UNSOLVED_STAGES = 2.0**27
 # The steps at which this is looked at, evenly spread.
 MOST_LOOKED_AT = 64
 MOST_STEPS_EXACTLY = 10**6
@@ -67,7 +70,7 @@ class StepPlan:
 def plan_of(f: RightHandSide, run: Trajectory, method: Method | str, h: float | Fraction | None = None) -> StepPlan:
     """The steps of the run: from each point to the next; or of size h, the points being multiples of it from the first.
 
-    Raises Refused for a method that is implicit, and where points of the run are not one step of the method apart.
+    Raises Refused where points of the run are not one step of the method apart.
     """
     found, times = named_method(method), run.exact_times
     if h is None:
@@ -91,19 +94,10 @@ def plan_of(f: RightHandSide, run: Trajectory, method: Method | str, h: float | 
 
 
 def named_method(method: Method | str) -> Method:
-    """A method of the catalogue, of a file, or SciPy's RK23, RK45, DOP853 with their doubles; explicit, or Refused.
-
-    Raises ValueError for a name that is none.
-    """
-    try:
-        if method in SCIPY_SOLVERS:
-            found: Method = in_doubles(method_of(SCIPY_SOLVERS[str(method)]), str(method))
-        else:
-            found = method_of(method) if isinstance(method, str) else method
-        array_step(found, lambda *_: None, enclose)
-    except MethodError as error:
-        raise Refused(f"{error}; only explicit methods are run exactly") from None
-    return found
+    """A method of the catalogue, of a file, or SciPy's RK23, RK45, DOP853 with their doubles. Raises ValueError."""
+    if method in SCIPY_SOLVERS:
+        return in_doubles(method_of(SCIPY_SOLVERS[str(method)]), str(method))
+    return method_of(method) if isinstance(method, str) else method
 
 
 def in_doubles(method: Method, key: str) -> RungeKutta:
@@ -120,10 +114,12 @@ def in_doubles(method: Method, key: str) -> RungeKutta:
 
 
 def exact_step(method: Method, f: RightHandSide, components: int) -> Callable[[Row, Fraction, Fraction], Row]:
-    """step(y, t, h) -> y₁ in balls: the program text of the method. Splittings and Nyström methods take y = (q, v).
+    """step(y, t, h) -> y₁ in balls: the program text of the method, or the stages of an implicit one.
 
-    Their accelerations are f's second half, at velocity 0.
+    Splittings and Nyström methods take y = (q, v); their accelerations are f's second half, at velocity 0.
     """
+    if not method.explicit:
+        return implicit_step(method, f, components)
     half = components // 2
 
     def rates(t: arb, y: Any) -> Any:
@@ -162,14 +158,14 @@ def _require_steps_of_method(plan: StepPlan, run: Trajectory) -> None:
         evaluation = Evaluation()
         enclosed = enclosed_rates(plan.f, Enclosed(evaluation, enclose(t)), [Enclosed(evaluation, x) for x in y])
         rates = [arb(x.value) for x in enclosed]
-        if not isinstance(plan.method, RungeKutta):
+        if isinstance(plan.method, Splitting | Nystrom):
             _require_second_order(plan.method, y, rates, slopes)
         if plan.counts[i] != 1:
             continue
         made, next_one = step(tuple(y), t, h), run.states[i + 1]
         moved = [sum((abs(J * x) for J, x in zip(row, y, strict=True)), arb(0)) for row in slopes]
         scale = size(y) + size(made) + enclose(h) * (size(rates) + size(moved))
-        allowed = float(run.unit) * ROUNDINGS_OF_A_STEP * scale
+        allowed = float(run.unit) * (ROUNDINGS_OF_A_STEP if plan.method.explicit else UNSOLVED_STAGES) * scale
         off = size(arb(x) - z for x, z in zip(next_one, made, strict=True))
         if not off <= allowed:
             raise Refused(

@@ -1,0 +1,125 @@
+"""The exact step of an implicit method in balls: stages by Newton's method, and Krawczyk's proof that they are there.
+
+The slopes K of the stages solve G(K) = K - f(t + c h, y + h A K) = 0. With C near the inverse of G'(K̃), K̃ a point, and
+X a box around it, let N = K̃ - C G(K̃) + (I - C G'(X)) (X - K̃), for all y of a ball at once. If N lies in the interior
+of X, then each y of the ball has exactly one K in X, and it lies in N (krawczyk-1969).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from math import lcm, prod
+from typing import Any, TypeAlias
+
+from flint import arb, arb_mat, arb_poly, ctx
+
+from driftproof.enclosure.fields import RightHandSide, enclosed_rates
+from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
+from driftproof.enclosure.steps import size
+from driftproof.methods.number_field import real_root_balls
+from driftproof.methods.schemes import Collocation, Method, RungeKutta
+from driftproof.symbolic.algebra.certified import enclose
+
+# Quadratic from a start near by: 2⁻¹ to 2⁻⁴⁰⁹⁶ in 12 iterations, and as many to come near.
+_MOST_ITERATIONS = 40
+# The box is so many times the first correction; more where that does not hold itself.
+_WIDER = (2, 8, 64)
+
+_Row: TypeAlias = Sequence[arb]
+_Table: TypeAlias = tuple[list[list[arb]], list[arb], list[arb]]
+
+
+def coefficient_balls(method: RungeKutta | Collocation) -> _Table:
+    """A, b and c in balls of Arb's precision; of a collocation method from the roots of its polynomial."""
+    if isinstance(method, RungeKutta):
+        a = [[enclose(x) for x in row] for row in method.a]
+        return a, [enclose(x) for x in method.b], [enclose(x) for x in method.c]
+    common = lcm(*(x.denominator for x in method.node_polynomial))
+    nodes = real_root_balls(tuple(int(x * common) for x in method.node_polynomial), ctx.prec)
+    integrals = []
+    for i, node in enumerate(nodes):
+        others = [x for j, x in enumerate(nodes) if j != i]
+        lagrange = prod((arb_poly([-x, 1]) * arb_poly([1 / (node - x)]) for x in others), start=arb_poly([1]))
+        integrals.append(lagrange.integral())
+    return [[p(node) for p in integrals] for node in nodes], [p(arb(1)) for p in integrals], list(nodes)
+
+
+def implicit_step(method: Method, f: RightHandSide, n: int) -> Callable[[_Row, Fraction, Fraction], tuple[arb, ...]]:
+    """step(y, t, h) -> y₁ in balls, with the stages that Newton's method finds from f(t, y). Raises Refused."""
+    assert isinstance(method, RungeKutta | Collocation)
+    a, b, c = coefficient_balls(method)
+    stages = range(len(b))
+
+    def step(y: _Row, t: Fraction, h: Fraction) -> tuple[arb, ...]:
+        width = enclose(h)
+        times = [enclose(t) + x * width for x in c]
+
+        def equations(K: _Row, start: _Row) -> tuple[arb_mat, arb_mat]:
+            """G(K) and G'(K)."""
+            found, slopes = [], arb_mat(len(K), len(K))
+            for i in stages:
+                moved = [sum((a[i][j] * K[j * n + m] for j in stages), arb(0)) for m in range(n)]
+                rates, rows = _rates_and_slopes(f, times[i], [x + width * d for x, d in zip(start, moved, strict=True)])
+                found += [[K[i * n + m] - rates[m]] for m in range(n)]
+                for j in stages:
+                    for m in range(n):
+                        for k in range(n):
+                            own = int(i == j and m == k)
+                            slopes[i * n + m, j * n + k] = own - width * a[i][j] * rows[m][k]
+            return arb_mat(found), slopes
+
+        K = _proved(equations, y, _newton(equations, f, enclose(t), [x.mid() for x in y], len(b)))
+        return tuple(x + width * sum((b[i] * K[i * n + m] for i in stages), arb(0)) for m, x in enumerate(y))
+
+    def proved_step(y: _Row, t: Fraction, h: Fraction) -> tuple[arb, ...]:
+        try:
+            return step(y, t, h)
+        except ZeroDivisionError:
+            raise Refused(f"the stages of {method.key} at t = {float(t):.9g} are not found") from None
+
+    return proved_step
+
+
+def _newton(equations: Any, f: RightHandSide, t: arb, y: _Row, stages: int) -> list[arb]:
+    """A point near a solution; ZeroDivisionError where a matrix is singular, or it does not come to rest."""
+    rates, _ = _rates_and_slopes(f, t, y)
+    K = [x.mid() for x in rates] * stages
+    for _ in range(_MOST_ITERATIONS):
+        value, slopes = equations(K, y)
+        moved = _middle(slopes).solve(_middle(value), algorithm="approx").entries()
+        K = [(x - d).mid() for x, d in zip(K, moved, strict=True)]
+        if not all(x.is_finite() for x in K):
+            break
+        if size(moved) <= size(K).max(arb(1)) * arb(2) ** (16 - ctx.prec):
+            return K
+    raise ZeroDivisionError
+
+
+def _proved(equations: Any, y: _Row, point: list[arb]) -> list[arb]:
+    """Krawczyk's N for all y of the ball; ZeroDivisionError where no box tried holds itself."""
+    value, slopes = equations(point, y)
+    inverse = _middle(_middle(slopes).inv())
+    first = inverse * value
+    least = size(point).max(arb(1)) * arb(2) ** (8 - ctx.prec)
+    for wider in _WIDER:
+        around = [arb(0, (wider * arb(x.abs_upper()) + least).upper()) for x in first.entries()]
+        box = [x + r for x, r in zip(point, around, strict=True)]
+        _, on_box = equations(box, y)
+        unit = arb_mat([[int(i == j) for j in range(len(point))] for i in range(len(point))])
+        moved = (unit - inverse * on_box) * arb_mat([[r] for r in around]) - first
+        if all(r.contains_interior(x) for r, x in zip(around, moved.entries(), strict=True)):
+            return [x + d for x, d in zip(point, moved.entries(), strict=True)]
+    raise ZeroDivisionError
+
+
+def _middle(matrix: arb_mat) -> arb_mat:
+    return arb_mat([[x.mid() for x in row] for row in matrix.tolist()])
+
+
+def _rates_and_slopes(f: RightHandSide, t: arb, y: _Row) -> tuple[list[arb], list[list[arb]]]:
+    """f(t, y) and its derivatives with respect to y, by rows."""
+    evaluation, n = Evaluation(), len(y)
+    state = [Enclosed(evaluation, x, tuple(int(i == j) for j in range(n))) for i, x in enumerate(y)]
+    rates = enclosed_rates(f, Enclosed(evaluation, t), state)
+    return [arb(x.value) for x in rates], [[arb(d) for d in x.partials or (0,) * n] for x in rates]

@@ -1,0 +1,128 @@
+"""Stages of implicit methods, proved: the oscillator's matrices, orders, both ends of a ball, and no stages at all."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from flint import arb, ctx
+
+from driftproof import METHODS, Facts, OscillatorRun, Refused, certify
+from driftproof.enclosure import implicit_runs
+from driftproof.enclosure.exact_runs import exact_step
+from driftproof.enclosure.implicit_runs import coefficient_balls
+from driftproof.symbolic.algebra.certified import enclose
+from tests.enclosure.mutants import mutant
+from tests.enclosure.truncations import slope_of_truncation
+from tests.looping import exactly
+
+IMPLICIT = [method for method in METHODS.values() if not method.explicit]
+
+
+@pytest.mark.parametrize("method", IMPLICIT, ids=lambda m: m.key)
+def test_step_on_the_oscillator_is_that_of_its_matrix(method):
+    h, start = Fraction(1, 8), (Fraction(3, 4), Fraction(-1, 3))
+    wanted = OscillatorRun(method, h, h, start).final_state
+    with ctx.workprec(256):
+        found = exact_step(method, lambda t, y: [y[1], -y[0]], 2)(tuple(map(enclose, start)), Fraction(0), h)
+        for x, y in exactly(2, zip(found, map(enclose, wanted), strict=True)):
+            assert x.overlaps(y)
+            assert x.rad() < 1e-70
+
+
+@pytest.mark.parametrize("method", IMPLICIT, ids=lambda m: m.key)
+def test_order_is_seen_against_the_enclosure(method):
+    """The next power of h = 1/16 moves the slope; half way to the next order would be 0.5."""
+    assert abs(slope_of_truncation(method, 8) - Facts(method).order) < 0.45
+
+
+def test_table_of_a_collocation_method_is_that_of_its_formula():
+    with ctx.workprec(128):
+        a, b, c = coefficient_balls(METHODS["gauss4"])
+        assert (sum(b) - 1).contains(0)
+        for row, node in exactly(4, zip(a, c, strict=True)):
+            assert (sum(row) - node).contains(0)
+            assert (sum(x * d**3 for x, d in zip(row, c, strict=True)) - node**4 / 4).contains(0)
+
+
+def midpoint(f, y, h, steps, tolerance):
+    """Rows of the implicit midpoint rule in floats, its stage found by plain iteration."""
+    rows = [np.array(y)]
+    for i in range(steps):
+        y, k = rows[-1], f(i * h, rows[-1])
+        while True:
+            before, k = k, f((i + 0.5) * h, y + h / 2 * k)
+            if np.max(abs(k - before)) <= tolerance:
+                break
+        rows.append(y + h * k)
+    return h * np.arange(steps + 1), rows
+
+
+def kepler(t, y):
+    cubed = (y[0] ** 2 + y[1] ** 2) ** 1.5
+    return np.array([y[2], y[3], -y[0] / cubed, -y[1] / cubed])
+
+
+def test_run_of_the_midpoint_rule_is_split_and_keeps_quadratic_integrals():
+    run = midpoint(kepler, [1.0, 0.0, 0.0, 1.0625], 1 / 16, 4, 1e-15)
+    found = certify(kepler, *run, method="implicit_midpoint", invariants=["kepler_energy", "angular_momentum"])
+    energy, momentum = found.drifts["kepler_energy"], found.drifts["angular_momentum"]
+    assert all(x.contains(0) and x.rad() < 1e-60 for x in momentum.truncation)
+    assert any(abs(x) > 1e-9 for x in energy.truncation)
+    # What the iteration left open counts as rounding: 1e-15 h a step, and roundings of u.
+    assert max(abs(x) for row in found.split.rounding for x in row) < 1e-14
+    assert 1e-6 < max(abs(x) for row in found.split.truncation for x in row) < 1e-3
+
+
+def test_stages_that_are_hardly_solved_are_noticed():
+    run = midpoint(kepler, [1.0, 0.0, 0.0, 1.0625], 1 / 16, 4, 1e-3)
+    with pytest.raises(Refused, match="is not one step of implicit_midpoint"):
+        certify(kepler, *run, method="implicit_midpoint")
+
+
+def backward_euler(module, y, h):
+    """y' = y²: the stage solves K = (y + hK)², which has no real solution where 1 - 4hy < 0."""
+    with ctx.workprec(128):
+        return module.implicit_step(METHODS["backward_euler"], lambda t, y: [y[0] ** 2], 1)((y,), Fraction(0), h)[0]
+
+
+def holds_both_ends(module):
+    """From a ball, the formula's value at both ends and between, and no more than twice as wide."""
+    h, radius = Fraction(1, 8), arb(2) ** -20
+    found = backward_euler(module, arb(1, radius), h)
+    with ctx.workprec(128):
+        formula = lambda y: (1 - (1 - 4 * arb(0.125) * y).sqrt()) / arb(0.25)
+        ends = [formula(1 + side * radius) for side in (-1, 0, 1)]
+        return all(found.overlaps(x) for x in ends) and found.rad() < 2 * abs(ends[2] - ends[0])
+
+
+def refuses_where_there_are_none(module):
+    for y in exactly(2, (arb(3), arb(1.875, 0.25))):
+        try:
+            backward_euler(module, y, Fraction(1, 8))
+        except Refused:
+            continue
+        return False
+    return True
+
+
+WRONG = {
+    "the ball's middle only": (
+        holds_both_ends,
+        ("value, slopes = equations(point, y)", "value, slopes = equations(point, [x.mid() for x in y])"),
+        ("_, on_box = equations(box, y)", "_, on_box = equations(box, [x.mid() for x in y])"),
+    ),
+    "the box not checked": (refuses_where_there_are_none, ("r.contains_interior(x)", "r is not x")),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("check", [holds_both_ends, refuses_where_there_are_none])
+def test_stages_are_proved(check):
+    assert check(implicit_runs)
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_wrong_proof_is_caught(name):
+    check, *replaced = WRONG[name]
+    assert not check(mutant("implicit_runs", *replaced))
