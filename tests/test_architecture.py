@@ -63,7 +63,7 @@ BUDGETS = {
     "methods": 4660,
     "symbolic": 9580,
     "numeric": 3010,
-    "blackbox": 11180,
+    "blackbox": 11240,
     "enclosure": 2206,
     "texts": 5510,
 }

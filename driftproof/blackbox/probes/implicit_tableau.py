@@ -25,6 +25,9 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 _MOST_CLOCKS = 2
 # What is read once more differs by less where it is a coefficient that a solver has come near to.
 _FAR = 2.0**-10
+# A solver that goes on leaves less than this; where more is left, stages may have been taken for one.
+_DOUBTFUL = 2.0**-30
+_AS_ONE = "stages at one time, if there are several, are read as one: its solver does not tell them apart"
 # Less than this is what a solver leaves at a guess that is no stage: a stage has a weight, or a place in one that has.
 _LEAST = 2.0**-20
 
@@ -43,14 +46,40 @@ def read_implicit_tableau(subject: ForeignStepper) -> TableauReading:
     (`stage_solutions`). Raises NotReadable, saying what was seen.
     """
     steps = MarkedSteps(subject)
+    found: list[TableauReading] = []
     refusals: list[NotReadable] = []
-    for clocks in range(not steps.timed, _MOST_CLOCKS + 1):
-        if clocks < steps.size:
-            try:
-                return _Probe(steps, steps.marks(clocks)).reading()
-            except NotReadable as refusal:
-                refusals.append(refusal)
-    raise refusals[0]
+    for clocks in range(not steps.timed, min(_MOST_CLOCKS, steps.size - 1) + 1):
+        try:
+            found.append(_Probe(steps, steps.marks(clocks)).reading())
+        except NotReadable as refusal:
+            refusals.append(refusal)
+            continue
+        if _curved(found[-1]) <= _DOUBTFUL:
+            break
+    if not found:
+        raise refusals[0]
+    return _best(found)
+
+
+def _best(found: Sequence[TableauReading]) -> TableauReading:
+    """The reading with the fewest clocks, unless more of them tell stages apart of which the nonlinear step is made.
+
+    Raises NotReadable where none accounts for nonlinear steps, and no solver that stops early does, either.
+    """
+    first = found[0]
+    best = next((reading for reading in found if _curved(reading) <= _DOUBTFUL), first)
+    if _curved(best) <= UNSOLVED:
+        return best
+    if best.solved is None or not best.solved.power:
+        raise NotReadable(
+            f"on nonlinear problems the step is off by {_curved(best):.1e} of what its coefficients say: a solver that "
+            "stops too early, or other stages"
+        )
+    return best if len(found) > 1 else replace(best, remarks=(*best.remarks, _AS_ONE))
+
+
+def _curved(reading: TableauReading) -> float:
+    return 0.0 if reading.solved is None else reading.solved.curved
 
 
 class _Variant(NamedTuple):

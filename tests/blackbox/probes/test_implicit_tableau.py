@@ -49,6 +49,8 @@ _PAIR = [
     [0.308809969973036, 1.490563388254106, -1.235239879727145, _G3],
 ]
 TWO_AT_ONE_TIME = (_PAIR, _PAIR[3], [0.0, 2 * _G3, 1.0, 1.0])
+# The trapezoidal rule with f(t, y1): on linear problems the midpoint rule at t.
+BOTH_AT_START = (table("trapezoid")[0], [0.5, 0.5], [0.0, 0.0])
 
 
 def read(step):
@@ -103,6 +105,17 @@ def test_stages_at_one_time_are_told_apart_by_a_clock_in_y(solver):
         assert the_same(read(way(TWO_AT_ONE_TIME, solver)), TWO_AT_ONE_TIME, 1e-9)
     late = ([[G, 0], [1 - G, G]], [1 - G, G], [0, 0])
     assert the_same(read(one_by_one(late, solver)), late, 1e-9)
+
+
+@pytest.mark.parametrize("solver", [newton, broyden, partial(newton, most=8, tolerance=0)])
+def test_stages_that_only_a_nonlinear_step_tells_apart_are_not_read_as_one(solver):
+    assert the_same(read(one_by_one(BOTH_AT_START, solver)), BOTH_AT_START, 1e-9)
+
+
+def test_what_a_solver_that_stops_early_does_not_tell_apart_is_said():
+    (remark,) = read(one_by_one(BOTH_AT_START, partial(newton, most=1))).remarks
+    assert "read as one: its solver does not tell them apart" in remark
+    assert not read(all_at_once(table("sdirk2"), partial(newton, most=1))).remarks
 
 
 @pytest.mark.parametrize("key", ["backward_euler", "trapezoid", "radau_iia3"])
@@ -185,6 +198,10 @@ REFUSED = {
     "symplectic": (symplectic, "no stage of it has a weight|another start"),
     "one number": (alone, "with its stages marked, step.* raises"),
     "another time": (late, "its times do not scale with h"),
+    "never near": (
+        all_at_once(table("gauss2"), lambda residual, x: newton(residual, x) + 1e-4),
+        "nonlinear problems|other",
+    ),
     "drag": (dragged, "another start"),
     "never calls": (lambda f, t, y, h: y, "the right-hand side is never called"),
     "no weight": (lambda f, t, y, h: y + 0.0 * f(t, y), "no stage of it has a weight"),
