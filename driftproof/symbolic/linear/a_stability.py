@@ -9,7 +9,7 @@ from itertools import pairwise
 
 from flint import acb, acb_poly, arb, arb_poly, ctx, fmpq
 
-from driftproof.methods.number_field import as_fraction, dyadic
+from driftproof.methods.number_field import as_fmpq, as_fraction, dyadic
 from driftproof.symbolic.algebra.bivariate import ParametricPair, critical_polynomial
 from driftproof.symbolic.algebra.polynomials import (
     ONE,
@@ -153,7 +153,7 @@ class EnclosedTangent:
             gap = (self.high // self.low).bit_length() // 2
             middle = self.low * 2**gap if gap > 1 else (self.low + self.high) / 2
             self.low, self.high = (middle, self.high) if self.holds(middle) else (self.low, middle)
-        low, high = (arb(fmpq(x.numerator, x.denominator)).sqrt() for x in (self.low, self.high))
+        low, high = (arb(as_fmpq(x)).sqrt() for x in (self.low, self.high))
         return low.union(high)
 
     def holds(self, square: Fraction) -> bool:
@@ -205,7 +205,7 @@ def positive_in_balls(balls: list[arb]) -> bool | None:
 
 def _is_inside(z: acb, square: Fraction) -> bool | None:
     """The pole z lies in the sector; None where the ball does not tell."""
-    reach = z.real**2 * arb(fmpq(square.numerator, square.denominator)) - z.imag**2
+    reach = z.real**2 * arb(as_fmpq(square)) - z.imag**2
     if z.real > 0 or reach < 0:
         return False
     return True if z.real < 0 and reach > 0 else None

@@ -96,6 +96,8 @@ class ScalarTableau:
 
     def times_denominator(self, series: Sequence[Scalar]) -> RationalFunction:
         """The rational function that begins with this series; its numerator by det(I - zA) has no further terms."""
+        if self.explicit:  # the denominator is 1
+            return RationalFunction(from_scalars(series), ONE)
         product = self.denominator * from_scalars(series)
         return fraction(descend(from_scalars([product[k] for k in range(len(series))])), self.denominator)
 
@@ -197,8 +199,7 @@ def stability_function_by_moments(data: ScalarTableau) -> RationalFunction:
 
     Times det(I - zA) the series ends at zˢ.
     """
-    moments = [ONE[0], *data.moments(data.power(0), data.stages)]
-    return RationalFunction(from_scalars(moments), ONE) if data.explicit else data.times_denominator(moments)
+    return data.times_denominator([ONE[0], *data.moments(data.power(0), data.stages)])
 
 
 def stability_function_by_determinants(data: ScalarTableau) -> RationalFunction:
@@ -227,8 +228,7 @@ def stability_function_of_collocation(node_polynomial: Sequence[Exact | int]) ->
 
 def resolvent(data: ScalarTableau, start: Sequence[Scalar]) -> RationalFunction:
     """bᵀ(I - zA)⁻¹v for v = start, in lowest terms."""
-    moments = data.moments(start, data.stages)
-    return RationalFunction(from_scalars(moments), ONE) if data.explicit else data.times_denominator(moments)
+    return data.times_denominator(data.moments(start, data.stages))
 
 
 def _value(p: Polynomial, x: int) -> Scalar:
