@@ -67,7 +67,7 @@ BUDGETS = {
     "enclosure": 2206,
     "texts": 5510,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 4840
+BUDGET_OF_REPORTS_AND_FRONT = 4842
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 
