@@ -80,6 +80,8 @@ def judged_estimate(subject: ForeignStepper, method: Method | None = None) -> Ju
         if vanishing.failing_tree is None
         else f": the first tree that it sees is {to_brackets(vanishing.failing_tree)}"
     )
+    if pair is None and vanishing.order + 1 < propagated:
+        faults.append(f"the error estimate is O(h^{vanishing.order + estimate.power}), of steps of order {propagated}")
     other = max(_other_order(estimate, reading, sign / factor) for sign in (1, -1))
     lines += [
         *said,

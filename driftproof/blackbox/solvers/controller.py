@@ -120,7 +120,17 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
     best = max(laws, key=lambda law: law.seen)
     after = ["a step after a rejected one does not grow"] if best.after_rejection else []
     lines = (f"measured: {best.words}", f"r is the estimate of {best.estimate} over the tolerance", *after, counts)
-    return ControllerReading(best, len(attempts), rejected, lines, traces)
+    return ControllerReading(best, len(attempts), rejected, lines, (*_of_another_order(best), *traces))
+
+
+def _of_another_order(law: Law) -> Iterator[str]:
+    """The exponent without memory that is not that of the estimate: r ~ h^p asks for 1/p."""
+    method = METHODS.get(law.estimate)  # a blend has no order of its own
+    if isinstance(method, RungeKutta) and method.embedded_order is not None and not law.memory:
+        power = 1 + min(method.claimed_order, method.embedded_order)
+        if abs(float(law.exponent) - 1 / power) > _CLOSE:
+            right = f"of an estimate O(h^{power}) it is 1/{power}"
+            yield f"the exponent of the step size control is {_shown(law.exponent)}, {right}"
 
 
 def _run(subject: ForeignSolver) -> tuple[Solution, float]:

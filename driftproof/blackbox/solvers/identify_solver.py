@@ -65,7 +65,11 @@ def _verdict(steps: Outcome, controller: Outcome, runs: Outcome) -> str:
         word = "undecided" if steps.kind in NO_EVIDENCE else "gives no answer"
         return f"{word}: {steps.seen}"
     found: SolverSteps | None = steps.result
-    name = "its steps are not read" if found is None else f"it advances {found.name}, of order {found.order.order}"
+    name = (
+        f"its steps are not read: {steps.seen}"
+        if found is None
+        else f"it advances {found.name}, of order {found.order.order}"
+    )
     control: ControllerReading | None = controller.result
     measured = ""
     if control is not None and not control.faults:

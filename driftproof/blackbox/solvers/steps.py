@@ -107,6 +107,7 @@ class _Marked:
     def reading(self) -> TableauReading:
         """The tableau of the calls that move the end of the step and not its start, directly or through others."""
         runs = {n: self._run({n: 1.0}) for n in self.near}
+        self._demand_no_memory(runs)
         weights = {n: run.y[self.place + 1][0] / self.h for n, run in runs.items() if not run.y[self.place][0]}
         entries = {
             n: {m: runs[m].calls[n].y[0] / self.h for m in weights if m != n and runs[m].calls[n].y[0]} for n in weights
@@ -125,6 +126,16 @@ class _Marked:
         reading = TableauReading(a, tuple(weights[n] for n in stages), c, self.format)
         self._control(reading, stages)
         return reading
+
+    def _demand_no_memory(self, runs: dict[int, Solution]) -> None:
+        """Raises NotReadable if an answer that moves the start of the step moves its end by another amount."""
+        for run in runs.values():
+            before, after = run.y[self.place][0], run.y[self.place + 1][0]
+            if before and after != before:
+                again = f"a slope that has moved one step moves the next, too, by {(after - before) / self.h:.6g} h"
+                raise NotReadable(
+                    f"{again}: a multistep method, or one that takes a last stage for the slope at the end"
+                )
 
     def _control(self, reading: TableauReading, stages: list[int]) -> None:
         """A run with other answers to all these calls, which must end where the coefficients say."""

@@ -27,6 +27,7 @@ def adaptive(
     tolerances=lambda rtol, atol: (rtol, atol),
     grows_after_rejection=False,
     growth_at_zero=None,
+    first_step=1e-3,
     stepped=lambda h: h,
 ):
     """The solver of a pair whose last stage is the first of the next step, with a controller of that law.
@@ -44,7 +45,7 @@ def adaptive(
         rtol, atol = tolerances(rtol, atol)
         sign = 1.0 if t_span[1] > t_span[0] else -1.0
         t, end, y = clock(t_span[0]), clock(t_span[1]), np.array(y0, dtype=float)
-        times, states, h, before, rejected, failure = [float(t)], [y], sign * 1e-3, 1.0, False, ""
+        times, states, h, before, rejected, failure = [float(t)], [y], sign * first_step, 1.0, False, ""
         first = f(float(t), y)
         while sign * (end - t) > 0:
             if sign * (t + h - end) > 0 and ending != "beyond":

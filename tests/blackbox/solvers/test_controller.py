@@ -26,7 +26,7 @@ LAWS = {
         {"key": "dormand_prince54", "safety": 0.9, "exponent": 0.17, "memory": 0.04, "least": 0.2, "most": 10.0},
         (0.9, Fraction(17, 100), Fraction(1, 25), 0.2, 10.0),
     ),
-    "of too low an order": ({"key": "cash_karp54", "exponent": 0.5}, (0.8, Fraction(1, 2), 0, 0.25, 4.0)),
+    "of another pair": ({"key": "cash_karp54", "exponent": 0.2}, (0.8, Fraction(1, 5), 0, 0.25, 4.0)),
 }
 
 
@@ -42,6 +42,11 @@ def test_the_law_comes_out_as_it_went_in(name):
     assert found.faults == ()
     assert found.rejected > 5
     assert ("(PI)" if memory else "(not PI)") in found.lines[0]
+
+
+def test_an_exponent_of_another_order_is_said():
+    (fault,) = some(read(adaptive("cash_karp54", exponent=0.25)).faults, 1)
+    assert fault == "the exponent of the step size control is 1/4, of an estimate O(h^5) it is 1/5"
 
 
 def test_a_step_that_may_grow_after_a_rejection_is_not_said_not_to():

@@ -55,14 +55,27 @@ def implicit(f, t_span, y0, rtol, atol):
     return times, states
 
 
+def adams_bashforth(f, t_span, y0, rtol, atol):
+    """Of order 2, with an Euler step first."""
+    start, h, y = t_span[0], (t_span[1] - t_span[0]) / 20, y0
+    times, states, before = [start], [y0], None
+    for n in range(20):
+        slope = f(start + n * h, y)
+        y, before = y + h * (slope if before is None else 1.5 * slope - 0.5 * before), slope
+        times.append(start + (n + 1) * h)
+        states.append(y)
+    return times, states
+
+
 @pytest.mark.parametrize(
     ("solve", "seen"),
     [
+        (adams_bashforth, "moves the next, too, by -0.5 h: a multistep method"),
         (only_the_end, "calls fall in one step: an iteration, or it does not return its steps"),
         (lambda f, t_span, y0, rtol, atol: ([1.0], [y0]), "does not return the times of its steps"),
         (implicit, "with other slopes it makes other steps|depends on the answer to a later one|not linear"),
     ],
-    ids=["only the end", "no times", "implicit"],
+    ids=["multistep", "only the end", "no times", "implicit"],
 )
 def test_what_has_no_table_says_what_was_seen(solve, seen):
     with pytest.raises(NotReadable, match=seen):

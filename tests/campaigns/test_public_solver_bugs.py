@@ -1,0 +1,24 @@
+"""Every public bug that is replayed is caught by its cause, and no mended twin raises an alarm."""
+
+import pytest
+
+from tests.campaigns.public_solver_bugs import REPLAYS
+from tests.looping import exactly
+
+NAMES = [f"{replay.reference}: {replay.about}" for replay in REPLAYS]
+
+
+@pytest.mark.parametrize("replay", REPLAYS, ids=NAMES)
+def test_the_bug_is_caught_and_its_cause_is_named(replay):
+    assert replay.cause in replay.examine(replay.buggy).words
+
+
+@pytest.mark.parametrize("replay", REPLAYS, ids=NAMES)
+def test_the_mended_twin_raises_no_alarm(replay):
+    said = replay.examine(replay.mended)
+    assert said.faults == []
+    assert replay.cause not in said.words
+
+
+def test_every_replay_is_another_one():
+    assert len({replay.about for replay in exactly(26, REPLAYS)}) == 26
