@@ -84,6 +84,11 @@ WRONG = {
         "new q = q[0] + h * d[1] * v[0] in place of new q = q[0] + h * d[1] * v[1]",
     ),
     "exchanged": (codes.symplectic_euler, "symplectic_euler_position_first", "drift 0 and kick 1 are exchanged"),
+    "exchanged before a third": (
+        codes.composed([("drift", 1), ("kick", 0.5), ("kick", 0.5)]),
+        "velocity_verlet",
+        "kick 0 and drift 1 are exchanged",
+    ),
     "kicked back": (verlet(kick=lambda v, a, h: v - h / 2 * a), "velocity_verlet", "kick 2: -1/2 instead of 1/2"),
     "not kicked": (verlet(kick=lambda v, a, h: v), "velocity_verlet", "* F(q[1]) is left out"),
     "new velocity": (nystrom4_with_new_velocity, "nystrom4", "v1 moves the position in place of v"),
