@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import fsum
 
@@ -93,6 +94,8 @@ class _Marked:
         if not self.h > 0:
             raise NotReadable(f"its times do not increase: {self.start!r} is followed by {self.end!r}")
         self.near = [n for n, call in enumerate(self.silent.calls) if self.start <= call.t <= self.end]
+        earlier = self.silent.t[max(self.place - 1, 0)]
+        self.earlier = [n for n, call in enumerate(self.silent.calls) if earlier <= call.t < self.start]
         if len(self.near) > MOST_CALLS:
             raise NotReadable(f"{len(self.near)} calls fall in one step: an iteration, or it does not return its steps")
 
@@ -107,7 +110,7 @@ class _Marked:
     def reading(self) -> TableauReading:
         """The tableau of the calls that move the end of the step and not its start, directly or through others."""
         runs = {n: self._run({n: 1.0}) for n in self.near}
-        self._demand_no_memory(runs)
+        self._demand_no_memory([*(self._run({n: 1.0}) for n in self.earlier), *runs.values()])
         weights = {n: run.y[self.place + 1][0] / self.h for n, run in runs.items() if not run.y[self.place][0]}
         entries = {
             n: {m: runs[m].calls[n].y[0] / self.h for m in weights if m != n and runs[m].calls[n].y[0]} for n in weights
@@ -127,15 +130,13 @@ class _Marked:
         self._control(reading, stages)
         return reading
 
-    def _demand_no_memory(self, runs: dict[int, Solution]) -> None:
+    def _demand_no_memory(self, runs: Sequence[Solution]) -> None:
         """Raises NotReadable if an answer that moves the start of the step moves its end by another amount."""
-        for run in runs.values():
+        for run in runs:
             before, after = run.y[self.place][0], run.y[self.place + 1][0]
             if before and after != before:
-                again = f"a slope that has moved one step moves the next, too, by {(after - before) / self.h:.6g} h"
-                raise NotReadable(
-                    f"{again}: a multistep method, or one that takes a last stage for the slope at the end"
-                )
+                share = f"a slope that has moved one step moves the next, too, by {(after - before) / self.h:.6g} h"
+                raise NotReadable(f"{share}: it is a multistep method, or takes a last stage for the slope at the end")
 
     def _control(self, reading: TableauReading, stages: list[int]) -> None:
         """A run with other answers to all these calls, which must end where the coefficients say."""

@@ -70,7 +70,7 @@ def adams_bashforth(f, t_span, y0, rtol, atol):
 @pytest.mark.parametrize(
     ("solve", "seen"),
     [
-        (adams_bashforth, "moves the next, too, by -0.5 h: a multistep method"),
+        (adams_bashforth, "moves the next, too, by -0.5 h: it is a multistep method"),
         (only_the_end, "calls fall in one step: an iteration, or it does not return its steps"),
         (lambda f, t_span, y0, rtol, atol: ([1.0], [y0]), "does not return the times of its steps"),
         (implicit, "with other slopes it makes other steps|depends on the answer to a later one|not linear"),
