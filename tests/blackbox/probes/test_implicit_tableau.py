@@ -1,15 +1,17 @@
 """Implicit stages are read, whatever solves them; what is no implicit Runge-Kutta step is refused."""
 
+import random
 from functools import partial
 
 import numpy as np
 import pytest
 
 from driftproof.blackbox.findings import NoAnswer
-from driftproof.blackbox.matching.match import match_tableau
+from driftproof.blackbox.matching.match import match_method, match_tableau
 from driftproof.blackbox.probes.implicit_tableau import read_implicit_tableau
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.stepper.opening import opened
+from driftproof.methods.catalogue import METHODS
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.implicit_steppers import (
     SOLVERS,
@@ -223,3 +225,25 @@ def test_a_call_that_does_not_come_back_is_not_taken_for_a_refusal():
     subject.before = hung
     with pytest.raises(NoAnswer):
         read_implicit_tableau(subject)
+
+
+def planted(draw):
+    """A method, whether it is right, and its step with one entry of A, b or c off by up to a third, or none."""
+    key, solver, place = draw.choice(FEW_STAGES), draw.choice([*SOLVERS.values()]), draw.choice(["", "a", "b", "c"])
+    a, b, c = ([*map(list, x)] if i == 0 else [*x] for i, x in enumerate(table(key)))
+    off, i = draw.choice([1, -1]) * 10 ** draw.uniform(-6, -0.5), draw.randrange(len(b))
+    rows = {"a": a[i], "b": b, "c": c, "": [0.0] * len(b)}
+    rows[place][draw.randrange(len(b))] += off
+    lower = not np.triu(a, 1).any()
+    way = draw.choice([one_by_one, all_at_once]) if lower else all_at_once
+    return key, not place, way((a, b, c), solver)
+
+
+@pytest.mark.long
+def test_of_two_hundred_steps_the_right_ones_match_and_the_wrong_ones_do_not():
+    draw, seen = random.Random(1), {True: 0, False: 0}
+    for _ in range(200):
+        key, right, step = planted(draw)
+        assert bool(match_method(read(step), METHODS[key]).matches) == right
+        seen[right] += 1
+    assert min(seen.values()) > 40
