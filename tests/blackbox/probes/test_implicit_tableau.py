@@ -8,7 +8,8 @@ import pytest
 
 from driftproof.blackbox.findings import NoAnswer
 from driftproof.blackbox.matching.match import match_method, match_tableau
-from driftproof.blackbox.probes.implicit_tableau import read_implicit_tableau
+from driftproof.blackbox.probes.implicit_tableau import _Probe, read_implicit_tableau
+from driftproof.blackbox.probes.marked_stages import MarkedSteps
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
@@ -127,6 +128,13 @@ def test_without_a_time_the_stages_are_told_apart_by_the_sums_of_their_rows(key)
     assert match_tableau(reading).keys[0] == key
 
 
+def test_guesses_that_are_no_stages_are_left_out_of_what_the_clocks_show():
+    steps = MarkedSteps(opened(one_by_one(BOTH_AT_START)))
+    probe = _Probe(steps, steps.marks(1))
+    assert len(probe.marks.labels) == 3
+    assert probe.reading().calls == len(probe.marks.labels) == 2
+
+
 def test_stages_that_are_equal_on_every_problem_are_one():
     midpoint_twice = ([[0.25, 0.25], [0.25, 0.25]], [0.5, 0.5], [0.5, 0.5])
     reading = read(all_at_once(midpoint_twice))
@@ -194,6 +202,10 @@ def dragged(f, t, y, h):
 REFUSED = {
     "explicit": (codes.rk4, "not solved, so the step is explicit|none of its stages|another step"),
     "fixed iterations": (codes.midpoint_iterated(3), "explicit|another step than of these stages"),
+    "eight iterations": (
+        all_at_once(table("implicit_midpoint"), partial(fixed_point, most=8, tolerance=0)),
+        "linear stage equations are off by .* after as many calls as simpler ones",
+    ),
     "adaptive": (adaptive, "does not scale with h|the step depends on|is called at"),
     "remembers": (bdf2(), "another start, time, h and size"),
     "linearly implicit": (linearly_implicit, "another step than of these stages"),

@@ -44,6 +44,16 @@ def test_shares_are_those_of_the_polynomials_through_what_the_clocks_show():
     assert clock_slopes([{(1,): 0.5, (2,): 0.5}]) == [(spread(1) + spread(2)) / 2]
 
 
+def test_a_clock_shows_what_a_solver_has_come_to_last():
+    def nears(f, t, y, h):
+        for off in (1e-6, 1e-9, 0.0):
+            slope = np.asarray(f(t + h, y + h / 2 + off))
+        return y + h * slope
+
+    (shown,) = steps(nears).marks(1).hands
+    assert shown == {(0,): {0: 0.5}}
+
+
 def test_numbers_of_two_stages_are_far_apart():
     assert spread(0) == 1
     values = sorted(spread(i) for i in range(40))
