@@ -48,7 +48,9 @@ class Attempt(NamedTuple):
 
 @dataclass(frozen=True)
 class Law:
-    """h_next = h · clip(safety · r^(-exponent) · r_before^(memory), smallest, largest), r the error over the tolerance.
+    """h_next = h · clip(safety · r^(-exponent) · r_before^(memory) · (h/h_before)^(filtered), smallest, largest).
+
+    r is the error over the tolerance.
 
     `smallest` and `largest` are None where no factor was cut. `after_rejection` says that a step after a rejected one
     does not grow. `estimate` is the pair whose estimate r is. `seen` are the steps that the law gives.
@@ -58,6 +60,7 @@ class Law:
     safety: float
     exponent: Fraction | float
     memory: Fraction | float
+    filtered: Fraction | float
     smallest: float | None
     largest: float | None
     after_rejection: bool
@@ -68,9 +71,10 @@ class Law:
         """The law in one line."""
         power = f"{self.safety:.4g} r^(-{_shown(self.exponent)})"
         before = f" r_before^({_shown(self.memory)})" if self.memory else ""
+        before += f" (h/h_before)^({_shown(self.filtered)})" if self.filtered else ""
         low = "no least factor seen" if self.smallest is None else f"at least {self.smallest:.4g}"
         high = "no largest seen" if self.largest is None else f"at most {self.largest:.4g}"
-        kind = "PI" if self.memory else "not PI"
+        kind = "PI" if self.memory or self.filtered else "not PI"
         return f"h_next/h = {power}{before}, {low}, {high} ({kind})"
 
 
@@ -126,7 +130,7 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
 def _of_another_order(law: Law) -> Iterator[str]:
     """The exponent without memory that is not that of the estimate: r ~ h^p asks for 1/p."""
     method = METHODS.get(law.estimate)  # a blend has no order of its own
-    if isinstance(method, RungeKutta) and method.embedded_order is not None and not law.memory:
+    if isinstance(method, RungeKutta) and method.embedded_order is not None and not law.memory and not law.filtered:
         power = 1 + min(method.claimed_order, method.embedded_order)
         if abs(float(law.exponent) - 1 / power) > _CLOSE:
             right = f"of an estimate O(h^{power}) it is 1/{power}"
@@ -190,10 +194,12 @@ def _row(pair: RungeKutta, steps: SolverSteps) -> list[float]:
 
 
 class _Point(NamedTuple):
-    """One attempt beside the step that follows it: logarithms of its error and of the last accepted one, the factor."""
+    """One attempt beside the step that follows it: logarithms of its error, of that of
+    the last accepted one and of how much longer it is than that; and the factor."""
 
     error: float
     before: float
+    growth: float
     factor: float
     accepted: bool
     follows_rejection: bool
@@ -206,13 +212,13 @@ def _law(name: str, estimate: _Estimate, attempts: Sequence[Attempt], atol: floa
     assert isinstance(method, RungeKutta)
     nodes = [float(x) for x in method.c]
     points: list[_Point] = []
-    before, last_rejected = 0.0, False
+    before, length, last_rejected = 0.0, attempts[0].h, False
     for each in attempts:
         r = estimate([bumps(each.start + c * each.h) for c in nodes], each.h) / atol
         if each.factor is not None and r > 0 and isfinite(log(r)):
-            points.append(_Point(log(r), before, each.factor, each.accepted, last_rejected))
+            points.append(_Point(log(r), before, log(each.h / length), each.factor, each.accepted, last_rejected))
         last_rejected = not each.accepted
-        before = log(r) if r > 0 and each.accepted else before
+        before, length = (log(r), each.h) if r > 0 and each.accepted else (before, length)
     factors = [p.factor for p in points]
     largest, smallest = _repeated(factors, max(factors)), _repeated(factors, min(factors))
     uncut = [p for p in points if not any(_is(p.factor, limit) for limit in (largest, smallest, 1.0))]
@@ -221,21 +227,23 @@ def _law(name: str, estimate: _Estimate, attempts: Sequence[Attempt], atol: floa
         return None
     # Without memory, if that suffices; some codes remember no error below 10^-4.
     remembered = [p for p in free if p.before > log(_LEAST_REMEMBERED)]
-    fits = (_fitted(free, 2), _fitted(free, 3), _fitted(remembered, 3))
+    fits = (_fitted(free, 2), _fitted(free, 3), _fitted(remembered, 3), _fitted(free, 4))
     found = next((fit for fit in fits if fit is not None), None)
     if found is None:
         return None
-    safety, exponent, memory = float(exp(found[0])), float(found[1]), float(found[2]) if len(found) > 2 else 0.0
+    safety, (exponent, memory, filtered) = float(exp(found[0])), [*map(float, found[1:]), 0.0, 0.0][:3]
     held = [p.factor for p in points if p.follows_rejection and p.accepted]
     after = bool(held) and max(held) <= 1 + _CLOSE
-    return Law(name, safety, _rational(exponent), _rational(memory), smallest, largest, after, len(free))
+    return Law(
+        name, safety, _rational(exponent), _rational(memory), _rational(filtered), smallest, largest, after, len(free)
+    )
 
 
 def _fitted(points: Sequence[_Point], terms: int) -> Any:
-    """log of safety, exponent and, with three terms, memory, that give all the factors; None if there are none."""
+    """log of safety, exponent and, further terms, memory, that give all the factors; None if there are none."""
     if len(points) < terms + 2:
         return None
-    matrix = np.array([[1.0, -p.error, p.before] for p in points])[:, :terms]
+    matrix = np.array([[1.0, -p.error, p.before, p.growth] for p in points])[:, :terms]
     logarithms = np.log([p.factor for p in points])
     solved, *_ = np.linalg.lstsq(matrix, logarithms, rcond=None)
     return solved if np.abs(matrix @ solved - logarithms).max() <= _CLOSE else None
@@ -282,5 +290,7 @@ def _traces(run: Solution, steps: SolverSteps, attempts: Sequence[Attempt]) -> t
         cause = ": its first slope is the last one of the rejected attempt" if stale == wrong_after else ""
         return (f"a rejected step leaves traces: {wrong_after} of {seen_after} steps after one end elsewhere{cause}",)
     if wrong_else:
-        return (f"{wrong_else} steps do not end where their own slopes say",)
+        return (
+            f"{wrong_else} of {len(run.t) - 1} steps are not of this method: they do not end where its weights say",
+        )
     return ()

@@ -50,7 +50,7 @@ class SolverSteps:
     def name(self) -> str:
         """What advances: a pair of the catalogue, or another method of it; or none, with the order read."""
         if not self.identity.matches:
-            return "no method of the catalogue"
+            return "no explicit method of the catalogue, as its calls tell"
         return self.pairs[0].key if self.pairs else self.identity.matches[0].name
 
     @property
@@ -93,16 +93,23 @@ class _Marked:
         self.h = self.end - self.start
         if not self.h > 0:
             raise NotReadable(f"its times do not increase: {self.start!r} is followed by {self.end!r}")
-        self.near = [n for n, call in enumerate(self.silent.calls) if self.start <= call.t <= self.end]
+        calls = self.silent.calls
+        # Calls for the first step size are made before those of the steps, and may lie in this one.
+        since = max((n for n, call in enumerate(calls) if call.t < self.start), default=-1)
+        self.near = [n for n, call in enumerate(calls) if n > since and self.start <= call.t <= self.end]
         earlier = self.silent.t[max(self.place - 1, 0)]
         self.earlier = [n for n, call in enumerate(self.silent.calls) if earlier <= call.t < self.start]
+        elsewhere = next((call for n in self.near if any((call := self.silent.calls[n]).y)), None)
+        if elsewhere is not None and self.place:
+            at = next(x for x in elsewhere.y if x) * _MARK
+            raise NotReadable(f"with all slopes 0, from y = 0, it asks at y = {at:.3g}: the differences of a Jacobian")
         if len(self.near) > MOST_CALLS:
             raise NotReadable(f"{len(self.near)} calls fall in one step: an iteration, or it does not return its steps")
 
     @property
     def nodes(self) -> tuple[float, ...]:
-        """The places of the calls after the start of the step, those at its end that come last left out but for one."""
-        times = [self.silent.calls[n].t for n in self.near if self.silent.calls[n].t > self.start]
+        """The places of the calls from the first stage after the start on, those at the end left out but for one."""
+        times = [self.silent.calls[n].t for n in self.near if n >= self.first]
         while len(times) > 1 and times[-1] == self.end:
             times.pop()
         return tuple((t - self.start) / self.h for t in times)
@@ -122,6 +129,7 @@ class _Marked:
         if not stages:
             raise NotReadable("no call moves the step in which it is made")
         calls = self.silent.calls
+        self.first = next((n for n in stages if calls[n].t > self.start), self.near[-1])
         a = tuple(tuple(entries[n].get(m, 0.0) if m < n else 0.0 for m in stages) for n in stages)
         if any(m > n for n in stages for m in entries[n]):
             raise NotReadable("a call depends on the answer to a later one: the step iterates")
