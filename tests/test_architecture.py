@@ -64,10 +64,10 @@ BUDGETS = {
     "symbolic": 9590,
     "numeric": 3010,
     "blackbox": 11290,
-    "enclosure": 2206,
+    "enclosure": 2324,
     "texts": 5510,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 4842
+BUDGET_OF_REPORTS_AND_FRONT = 4857
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 

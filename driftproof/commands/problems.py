@@ -49,6 +49,7 @@ def stability_command(options: Namespace) -> str:
       end = "10"
       energy = "y1^2/2 - g * cos(y0)"       may be left out, as may the title
       parameters.g = "9.81"
+    in the place of rates and parameters: function = "mylib.models:pendulum", your own f(t, y)
     """
     from driftproof.numeric.problems.catalogue import PROBLEMS
     from driftproof.reports.stability import problems_json, problems_text, stability_answer, stability_text

@@ -26,7 +26,7 @@ from driftproof.support.toml_tables import TomlTable, as_table, as_texts, demand
 LONGEST_RATE = 100_000
 # What a file may say of a problem, in bytes, and by which keys; a right-hand side needs the first two of them.
 LONGEST_PROBLEM = 100_000
-PROBLEM_KEYS = ("rates", "parameters", "title", "start", "end", "energy")
+PROBLEM_KEYS = ("rates", "parameters", "function", "title", "start", "end", "energy")
 
 
 def field_of_text(rates: str | Sequence[str], parameters: Mapping[str, Exact] | None = None) -> VectorField:

@@ -7,9 +7,11 @@ from fractions import Fraction
 
 from flint import arb, ctx
 
+from driftproof.blackbox.stepper.opening import imported
 from driftproof.enclosure.numbers import Refused
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.text_fields import field_function
+from driftproof.enclosure.traced_fields import field_of_function
 from driftproof.methods.expressions import parse_number
 from driftproof.methods.field_text import LONGEST_PROBLEM, PROBLEM_KEYS, field_of_table, rate_of_text
 from driftproof.methods.schemes import MethodError
@@ -30,7 +32,8 @@ _LONGEST_TITLE = 200
 def problem_given(name: str) -> Problem:
     """A problem by its key, or by a .toml file of its equations. Raises ValueError in one line, and Refused.
 
-    The file has rates, start and end, and, if you like, parameters, a title and an energy:
+    The file has start and end, rates or in their place a Python function, "module:f", which is run once on names; and,
+    if you like, parameters, a title and an energy:
 
     rates = ["y1", "-g * sin(y0)"]
     start = ["2", "0"]
@@ -43,9 +46,9 @@ def problem_given(name: str) -> Problem:
 
     def read(table: TomlTable) -> Problem:
         demand_keys(table, PROBLEM_KEYS, "a problem")
-        field, end = field_of_table(table), _rational(table.get("end"), "end")
-        given = as_list(table.get("start"), "start", len(field.rates))
+        given, end = as_list(table.get("start"), "start"), _rational(table.get("end"), "end")
         start = tuple(_rational(x, f"start[{i}]") for i, x in enumerate(given))
+        field = _field(table, len(start))
         if end <= 0:
             raise ValueError(f"end is {end}; problems run from 0 to a time above it")
         title = as_line(table.get("title", name), "title", _LONGEST_TITLE)
@@ -61,6 +64,17 @@ def problem_given(name: str) -> Problem:
         )
 
     return read_toml(name, LONGEST_PROBLEM, read)
+
+
+def _field(table: TomlTable, components: int) -> VectorField:
+    if "function" in table:
+        if "rates" in table or "parameters" in table:
+            raise ValueError("function stands in the place of rates and parameters; give one of them")
+        return field_of_function(imported(as_text(table["function"], "function"), "function"), components)
+    field = field_of_table(table)
+    if len(field.rates) != components:
+        raise ValueError(f"start has {components} entries, {len(field.rates)} are needed")
+    return field
 
 
 def enclosed_reference(field: VectorField, start: Sequence[Fraction], times: Sequence[Fraction]) -> Reference:

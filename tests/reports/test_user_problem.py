@@ -76,14 +76,32 @@ def test_component_that_stays_at_zero_has_a_zero_with_its_place():
     assert all(int(Decimal(text).as_tuple().exponent) <= -ENCLOSED_DIGITS for text in exactly(3, found.states[0]))
 
 
+def test_function_stands_in_the_place_of_rates(tmp_path, monkeypatch):
+    (tmp_path / "own_model.py").write_text("import math\ndef f(t, y):\n    return [y[1], -0.1 * math.sin(y[0])]\n")
+    (tmp_path / "mine.toml").write_text('function = "own_model:f"\nstart = [1, 0]\nend = 1\n')
+    monkeypatch.syspath_prepend(tmp_path)
+    problem = problem_given(str(tmp_path / "mine.toml"))
+    # -0.1 is the double: another problem than with 1/10, by 5.6e-18 of it.
+    assert dict(problem.field.parameters) == {"double_0": Fraction(-0.1)}
+    text = enclosed_reference(field_of_text("y1; -0.1*sin(y0)"), problem.start, problem.reference.times)
+    assert differing(problem.reference, text) != []
+    assert all(
+        abs(Decimal(a) - Decimal(b)) < Decimal("1e-17")
+        for a, b in exactly(2, zip(problem.reference.states[-1], text.states[-1], strict=True))
+    )
+
+
 def test_key_is_a_problem_of_ours():
     assert problem_given("kepler") is PROBLEMS["kepler"]
 
 
 REFUSED = {
-    "": "rates is missing",
-    'rates = ["y0"]': "end is missing; write a number",
-    'rates = ["y0"]\nend = "sqrt(2)"': r"end: sqrt\(2\) is irrational",
+    "": "start is missing; write a list",
+    "start = []\nend = 1": "rates is missing",
+    "start = [0]": "end is missing; write a number",
+    'start = [0]\nend = "sqrt(2)"': r"end: sqrt\(2\) is irrational",
+    'start = [0]\nend = 1\nrates = ["y0"]\nfunction = "m:f"': "function stands in the place of rates",
+    'start = [0]\nend = 1\nfunction = "nowhere"': "'nowhere' names no function",
     'rates = ["y0"]\nend = -1\nstart = [1]': "end is -1; problems run from 0",
     'rates = ["y0"]\nend = 1\nstart = [1, 2]': "start has 2 entries, 1 are needed",
     'rates = ["y0"]\nend = 1\nstart = [[1]]': r"start\[0\] is \[1\]; write a number",

@@ -1,0 +1,118 @@
+"""A user's right-hand side as text: run once on names in place of numbers, so that every engine can run it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any
+
+from flint import arb
+
+from driftproof.enclosure.fields import RightHandSide, enclosed_rates, rebound
+from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
+from driftproof.methods.number_field import dyadic
+from driftproof.methods.vector_fields import FUNCTIONS, VectorField
+
+# Larger whole numbers are parameters: compilers have integers of 64 bits.
+_LARGEST_LITERAL = 2**31
+# Text that runs longer was written by a loop.
+_LONGEST_TRACE = 100_000
+
+
+def field_of_function(f: RightHandSide, components: int) -> VectorField:
+    """y' = f(t, y) as text in t, y0, y1, ...; the doubles in f are parameters, exactly those doubles.
+
+    Raises Refused for an f that compares, or that takes a function which a `VectorField` has not.
+
+    >>> field_of_function(lambda t, y: [y[1], -0.5 * y[0]], 2)
+    VectorField(rates=('y1', '(y0 * double_0)'), parameters=(('double_0', Fraction(-1, 2)),))
+    """
+    doubles: dict[Fraction, str] = {}
+    evaluation = _Tracing(doubles)
+    names = [Enclosed(evaluation, Traced(f"y{i}", doubles)) for i in range(components)]
+    rates = enclosed_rates(rebound(f), Enclosed(evaluation, Traced("t", doubles)), names)
+    texts = tuple(Traced.of(rate.value, doubles).text for rate in rates)
+    return VectorField(texts, tuple((name, value) for value, name in doubles.items()))
+
+
+class _Tracing(Evaluation):
+    """A run on names, in which constants are names or whole numbers, too."""
+
+    def __init__(self, names: dict[Fraction, str]) -> None:
+        super().__init__()
+        self.names = names
+
+    def constant(self, x: object) -> Traced:
+        return Traced.of(super().constant(x), self.names)
+
+
+class Traced:
+    """The text of a value. `divisor` is d where the text is 1/d, so that a quotient is written as one division."""
+
+    def __init__(self, text: str, doubles: dict[Fraction, str], divisor: str = "") -> None:
+        """Take the text, and the names that doubles have so far."""
+        if len(text) > _LONGEST_TRACE:
+            raise Refused(f"f is too long to be written out: over {_LONGEST_TRACE} characters")
+        self.text, self.doubles, self.divisor = text, doubles, divisor
+
+    @classmethod
+    def of(cls, x: Any, doubles: dict[Fraction, str]) -> Traced:
+        """The value itself, or an exact ball as a whole number or a parameter."""
+        if isinstance(x, Traced):
+            return x
+        ball = arb(x)
+        if not ball.is_exact():
+            raise Refused("f uses a number that is no double")
+        value = dyadic(ball)
+        if value.denominator == 1 and abs(value) < _LARGEST_LITERAL:
+            return cls(str(value) if value >= 0 else f"({value})", doubles)
+        return cls(doubles.setdefault(value, f"double_{len(doubles)}"), doubles)
+
+    def _with(self, sign: str, other: Any, *, swapped: bool = False) -> Traced:
+        a, b = self, Traced.of(other, self.doubles)
+        if swapped:
+            a, b = b, a
+        if sign == "*" and b.divisor and not a.divisor:
+            return Traced(f"({a.text} / {b.divisor})", self.doubles)
+        divisor = b.text if sign == "/" and a.text == "1" else ""
+        return Traced(f"({a.text} {sign} {b.text})", self.doubles, divisor)
+
+    def __add__(self, other: Any) -> Traced:
+        """The sum."""
+        return self._with("+", other)
+
+    def __radd__(self, other: Any) -> Traced:
+        """The sum."""
+        return self._with("+", other, swapped=True)
+
+    def __mul__(self, other: Any) -> Traced:
+        """The product, or the quotient."""
+        return self._with("*", other)
+
+    def __rmul__(self, other: Any) -> Traced:
+        """The product, or the quotient."""
+        return self._with("*", other, swapped=True)
+
+    def __rtruediv__(self, other: Any) -> Traced:
+        """The quotient."""
+        return self._with("/", other, swapped=True)
+
+    def __neg__(self) -> Traced:
+        """The negative."""
+        return Traced(f"(-{self.text})", self.doubles)
+
+    def __sub__(self, other: Any) -> Traced:
+        """The difference."""
+        return self._with("-", other)
+
+    def __gt__(self, other: Any) -> bool:
+        """Refused: text has no branches."""
+        raise Refused("f compares numbers, which a problem as text does not")
+
+    __lt__ = __gt__
+
+    def __getattr__(self, name: str) -> Callable[[], Traced]:
+        """The functions that a field may take."""
+        if name not in FUNCTIONS:
+            raise Refused(f"f takes {name}; a problem as text takes {', '.join(FUNCTIONS)}")
+        return lambda: Traced(f"{name}({self.text})", self.doubles)

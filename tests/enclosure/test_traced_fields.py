@@ -1,0 +1,68 @@
+"""Functions become text that means the same, up to rounding; what text cannot say is refused."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from driftproof.enclosure.numbers import Refused
+from driftproof.enclosure.text_fields import field_function
+from driftproof.enclosure.traced_fields import field_of_function
+from tests.looping import exactly
+
+CENTRE = np.array([[0.0, 1.0], [-1.0, 0.0]])
+
+
+def kepler(t, y):
+    cubed = (y[0] ** 2 + y[1] ** 2) ** 1.5
+    return np.array([y[2], y[3], -y[0] / cubed, -y[1] / cubed])
+
+
+def forced(t, y):
+    return [y[1], -math.sin(y[0]) + 0.3 * math.cos(2 * t) - 1e-3 * y[1] / (1 + y[0] * y[0])]
+
+
+FUNCTIONS = {
+    "kepler": (kepler, (0.75, -0.5, 0.25, 1.5)),
+    "forced": (forced, (0.75, -0.5)),
+    "matrix": (lambda t, y: CENTRE @ y + np.exp(-t), (0.75, -0.5)),
+    "scales": (lambda t, y: [1e300 * y[0] * 2.0**40, np.sqrt(y[1]) / 3 - np.tanh(y[1]) + np.log(y[1])], (1e-320, 2.0)),
+}
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_text_means_what_the_function_means(name):
+    f, y = FUNCTIONS[name]
+    made = field_function(field_of_function(f, len(y)))
+    # Some dozen roundings of numbers of size 3 at most.
+    for found, wanted in exactly(len(y), zip(made(0.25, np.array(y)), f(0.25, np.array(y)), strict=True)):
+        assert abs(found - wanted) <= 1e-14 * max(1, abs(wanted))
+
+
+def test_second_order_is_seen_and_quotients_are_one_division():
+    field = field_of_function(lambda t, y: [y[1], -y[0] / (1 + 0.5 * y[0])], 2)
+    assert field.rates == ("y1", "((-y0) / ((y0 * double_0) + 1))")
+    assert field.second_order() == (("y0",), ("y1",))
+    assert [float(value) for _, value in field.parameters] == [0.5]
+
+
+def test_same_double_is_one_parameter():
+    field = field_of_function(lambda t, y: [0.1 * y[0] + 0.1, 0.1 + 3e9], 2)
+    assert [(name, float(x)) for name, x in field.parameters] == [("double_0", 0.1), ("double_1", 0.1 + 3e9)]
+
+
+REFUSED = {
+    "compares numbers": lambda t, y: [abs(y[0])],
+    "takes atan; a problem as text takes sin, cos, exp, log, sqrt": lambda t, y: [np.arctan(y[0])],
+    "no double": lambda t, y: [y[0] * np.radians(y[0])],
+    "too long": lambda t, y: [y[0] ** 2**20],
+    "returns 2 rates for 1": lambda t, y: [y[0], y[0]],
+}
+
+
+@pytest.mark.parametrize("said", REFUSED)
+def test_what_text_cannot_say_is_refused(said):
+    with pytest.raises(Refused, match=said):
+        field_of_function(REFUSED[said], 1)
