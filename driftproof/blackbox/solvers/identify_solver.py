@@ -20,7 +20,7 @@ def identify_solver(solve: Callable[..., Any] | str, *, time_limit: float = TIME
     `solve(f, t_span, y0, rtol, atol)`, a callable or "package.module:name", returns (t, y), or an object with t and y,
     at the steps that it makes; f(t, y) is of ours. The tableau of its steps is read through marked answers, to the few
     roundings of quotients; the step size control, and all runs whose solution is known, are measured, and the report
-    says so. Raises ValueError where the solver cannot be imported or does not solve y' = -y.
+    says so. Raises ValueError where the solver cannot be imported or does not solve y' = 0.
 
     >>> from driftproof import identify_solver
     >>> def solve(f, t_span, y0, rtol, atol):
@@ -53,6 +53,7 @@ def identify_solver(solve: Callable[..., Any] | str, *, time_limit: float = TIME
 
 
 def _controlled(subject: ForeignSolver) -> ControllerReading:
+    """The law of the step sizes of the pair that is read first."""
     return read_controller(subject, read_steps(subject))
 
 
