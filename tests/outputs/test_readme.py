@@ -1,20 +1,20 @@
-"""The README and the tour are true: every command prints what they show, and the map names the folders there are.
-
-What the README shows an author, in an empty folder, is run by test_docs_texts.
-"""
+"""The README and the tour are true: every command prints what they show, and the map names the folders there are."""
 
 import re
 from pathlib import Path
 
 import pytest
 
-from docs.pages import CONSOLE, printed
+from docs.pages import CONSOLE, TUTORIALS, printed
 from driftproof.cli import COMMANDS
+from driftproof.numeric.problems.catalogue import PROBLEMS
+from driftproof.numeric.work_precision.curves import curves
+from tests.looping import exactly
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 TOUR = (ROOT / "docs" / "tour.md").read_text(encoding="utf-8")
-BLOCKS = CONSOLE.findall(README.partition("## Any text\n")[0]) + CONSOLE.findall(TOUR)
+BLOCKS = CONSOLE.findall(README) + CONSOLE.findall(TOUR)
 
 
 @pytest.mark.parametrize(("command", "shown"), BLOCKS, ids=[command for command, _ in BLOCKS])
@@ -23,7 +23,9 @@ def test_page_shows_what_the_command_prints(command, shown):
 
 
 def test_every_command_is_on_the_tour_or_in_the_readme():
-    told = README + TOUR
+    told = (
+        README + TOUR + "".join(path.read_text(encoding="utf-8") for path in (*TUTORIALS, ROOT / "docs" / "texts.md"))
+    )
     missing = [name for name in COMMANDS if f"driftproof {name}" not in told and f"`{name}`" not in told]
     assert missing == []
 
@@ -37,8 +39,8 @@ def test_links_lead_to_files():
 
 def test_a_stale_readme_would_be_noticed():
     command, shown = BLOCKS[0]
-    assert printed(command) != shown.replace("337/384", "337/385") != shown
-    assert len(BLOCKS) == 12
+    assert printed(command) != shown.replace("exactly 0.5", "exactly 0.6") != shown
+    assert len(BLOCKS) == 11
 
 
 def test_map_names_every_folder_of_the_house():
@@ -48,8 +50,26 @@ def test_map_names_every_folder_of_the_house():
     assert folders == named
 
 
-def test_quoted_ledger_lines_stand_in_the_ledger():
-    quoted = re.findall(r"^\| L\d+ .*$", README, re.MULTILINE)
-    ledger = (ROOT / "proofs" / "ledger.md").read_text(encoding="utf-8").splitlines()
-    assert len(quoted) == 3
-    assert set(quoted) <= set(ledger)
+def test_it_is_short():
+    """Seven hundred words, blocks of code and sessions apart."""
+    prose = re.sub(r"```.*?```", "", README, flags=re.DOTALL)
+    assert len(prose.split()) <= 700
+    assert len(README.split()) <= 1100
+
+
+def test_what_was_found_stands_in_the_gallery():
+    findings = (ROOT / "examples" / "gallery" / "findings.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (\w+ [\d.]+) \| (\w+)[^|]* \| (\d) \| (-?\d) \|$", README, re.MULTILINE)
+    for package, solver, promised, seen in exactly(4, rows):
+        assert re.search(rf"\| {package} \| {solver} \| {promised} \| {seen}\.0 \|", findings)
+
+
+def test_evaluations_beside_the_run_times_are_the_fewest_that_reach_the_error():
+    rows = re.findall(r"^\| (1e-\d+) \| (.*) \| (.*) \| (.*) \|$", README, re.MULTILINE)
+    keys, problem = ("forward_euler", "symplectic_euler", "rk4"), PROBLEMS["harmonic_oscillator"]
+    asked = [(float(most), *cell) for most, *cells in exactly(3, rows) for cell in zip(keys, cells, strict=True)]
+    told = [(most, key, int(cell.split()[0].rstrip(","))) for most, key, cell in asked if cell[:1].isdigit()]
+    for most, key, evaluations in exactly(5, told):
+        steps = evaluations // (4 if key == "rk4" else 1)
+        coarse, fine = curves(problem, [key], [steps // 2, steps])[0].points
+        assert fine.error <= most < coarse.error
