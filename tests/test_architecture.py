@@ -64,7 +64,7 @@ BUDGETS = {
     "symbolic": 9590,
     "numeric": 3010,
     "blackbox": 11290,
-    "enclosure": 2324,
+    "enclosure": 2340,
     "texts": 5510,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 4857

@@ -61,7 +61,7 @@ def certify(
     largest error 3.065971263e-5, proved: component 0 at t = 0.5, point 1 of 3
     4 digits right at every point; steps: 1, bits: 128
     """
-    if has_trajectory(f):
+    if y is None and has_trajectory(f) and not has_trajectory(t):
         f, t = t, f
     return certificate_of(f, trajectory_of(t, y), method, h, invariants)
 

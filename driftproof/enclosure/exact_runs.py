@@ -149,27 +149,35 @@ def _array(values: Any) -> Any:
 
 
 def _require_steps_of_method(plan: StepPlan, run: Trajectory) -> None:
-    """Each point looked at is one step of the method from the one before, up to what rounding may do."""
+    """Each point looked at is as many steps from the one before as the plan has, up to what rounding may do.
+
+    What each of n steps may be off grows by exp(n h |J|) at most; intervals of too many steps are not looked at.
+    """
     step = exact_step(plan.method, plan.f, len(run.states[0]))
-    looked_at = sorted({len(plan.counts) * k // MOST_LOOKED_AT for k in range(MOST_LOOKED_AT)})
-    for i in looked_at:
-        t, h, y = plan.starts[i], plan.sizes[i], [arb(x) for x in run.states[i]]
+    per_step = float(run.unit) * (ROUNDINGS_OF_A_STEP if plan.method.explicit else UNSOLVED_STAGES)
+    most = max(1, MOST_LOOKED_AT // max(plan.counts))
+    for i in sorted({len(plan.counts) * k // most for k in range(most)}):
+        t, n, h, y = plan.starts[i], plan.counts[i], plan.sizes[i], tuple(arb(x) for x in run.states[i])
         slopes = jacobian_of(plan.f, Enclosed(Evaluation(), enclose(t)), y)
         evaluation = Evaluation()
         enclosed = enclosed_rates(plan.f, Enclosed(evaluation, enclose(t)), [Enclosed(evaluation, x) for x in y])
         rates = [arb(x.value) for x in enclosed]
         if isinstance(plan.method, Splitting | Nystrom):
             _require_second_order(plan.method, y, rates, slopes)
-        if plan.counts[i] != 1:
+        if n > MOST_LOOKED_AT:
             continue
-        made, next_one = step(tuple(y), t, h), run.states[i + 1]
+        made = y
+        for k in range(n):
+            made = step(made, t + k * h, h)
         moved = [sum((abs(J * x) for J, x in zip(row, y, strict=True)), arb(0)) for row in slopes]
+        growth = (n * enclose(h) * size(sum(map(abs, row), arb(0)) for row in slopes)).exp() if n > 1 else arb(1)
         scale = size(y) + size(made) + enclose(h) * (size(rates) + size(moved))
-        allowed = float(run.unit) * (ROUNDINGS_OF_A_STEP if plan.method.explicit else UNSOLVED_STAGES) * scale
-        off = size(arb(x) - z for x, z in zip(next_one, made, strict=True))
+        allowed = n * growth * per_step * scale
+        off = size(arb(x) - z for x, z in zip(run.states[i + 1], made, strict=True))
         if not off <= allowed:
+            steps = "one step" if n == 1 else f"{n} steps"
             raise Refused(
-                f"y[{i + 1}] is not one step of {plan.method.key} from y[{i}]: off by {float(off):.2g}, where rounding"
+                f"y[{i + 1}] is not {steps} of {plan.method.key} from y[{i}]: off by {float(off):.2g}, where rounding"
                 f" explains {float(allowed):.2g} at most; give h if steps are left out, and no t_eval to SciPy"
             )
 

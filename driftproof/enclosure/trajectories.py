@@ -108,11 +108,11 @@ def _rows(path: Path, lines: Sequence[tuple[int, str]]) -> list[list[float]]:
     rows: list[list[float]] = []
     for number, line in lines:
         words = [word for word in _SEPARATOR.split(line.strip()) if word]
+        if number == lines[0][0] and not any(map(_is_number, words)):  # names of the columns
+            continue
         try:
             row = [float_of_text(word) for word in words]
         except ValueError as error:
-            if number == lines[0][0]:  # names of the columns
-                continue
             raise ValueError(f"{path}:{number}: {error}") from None
         if len(row) < 2 or (rows and len(row) != len(rows[0])):
             wanted = f"{len(rows[0])} numbers" if rows else "t and one component at least"
@@ -131,6 +131,14 @@ def float_of_text(word: str) -> float:
         return float(re.sub(r"(?<=[\d.])[dD](?=[-+]?\d)", "e", word))
     except (ValueError, OverflowError):
         raise ValueError(f"{word[:40]!r} is no number") from None
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float_of_text(word)
+    except ValueError:
+        return False
+    return True
 
 
 def _arrays(path: Path) -> tuple[Any, Any]:

@@ -56,6 +56,18 @@ def test_solutions_of_libraries_are_taken_by_their_names():
             assert [str(x) for row in found.errors for x in row] == [str(x) for row in alone for x in row]
 
 
+def test_model_with_a_state_of_its_own_is_a_function():
+    class Model:
+        t, y, ts, ys = 0.0, 1.0, None, None
+
+        def __call__(self, t, y):
+            return -0.1 * y
+
+    y = classical(decay, TIMES, [1.0])
+    for given in ((Model(), TIMES, y), (Model(), SimpleNamespace(t=TIMES, y=y.T))):
+        assert certify(*given).largest_error < 1e-11
+
+
 def test_text_stands_for_a_function_with_exact_numbers():
     y = classical(decay, TIMES, [1.0])
     found = certify("-0.1*y0", TIMES, y)

@@ -188,6 +188,7 @@ REFUSED = {
     r"y\[1\] is not one step of rk38 from y\[0\]: off by": (pendulum, TIMES, STATES, "rk38"),
     r"y\[4\] is not one step of rk4 from y\[3\]: off by 1e-09": (pendulum, TIMES, OFF, "rk4"),
     r"velocity_verlet takes y = \(q, v\) with q' = v, and v' that does not": (slow, TIMES, STATES, "velocity_verlet"),
+    r"y\[1\] is not 2 steps of rk38 from y\[0\]": (pendulum, TIMES[::2], STATES[::2], "rk38", 1 / 8),
     r"t\[1\] = 0\.125 is no multiple of h = 0\.09": (pendulum, TIMES, STATES, "rk4", 0.09),
     r"h is -1; a step is above 0": (pendulum, TIMES, STATES, "rk4", -1),
     r"; at most 1000000 are run exactly": (pendulum, TIMES, STATES, "rk4", 2.0**-23),

@@ -63,6 +63,7 @@ WRONG = {
     "0,1,0\n0.1,0.9\n": r"run\.csv:2: 2 numbers; write 3 numbers",
     "0,1\n0.1,x1\n": r"run\.csv:2: 'x1' is no number",
     "0\n1\n": r"run\.csv:1: 1 numbers; write t and one component at least",
+    "0,1x\n1,2\n": r"run\.csv:1: '1x' is no number",
     "t,y\n": r"run\.csv: no numbers; write t and the components",
     "": r"run\.csv: no numbers",
 }
