@@ -38,8 +38,9 @@ COMMANDS = {
     "diff": ("values", "what changed between two files of values: value, digits or wording"),
 }
 
-# Exit statuses, beside those in `commands.arguments`: no answer, as an answer that did not arrive is none; Ctrl-C.
-LOST, INTERRUPTED = 3, 130
+# Exit statuses, beside those in `commands.arguments`: no answer, as an answer that did not arrive is none; those of
+# a shell for Ctrl-C, and for a reader that has gone (128 + SIGPIPE).
+LOST, INTERRUPTED, CUT_SHORT = 3, 130, 141
 
 HELP = """\
 usage: driftproof [-h] [--version] COMMAND ...
@@ -133,6 +134,8 @@ def _print(text: str, prog: str) -> int:
     except (OSError, ValueError) as error:
         with suppress(OSError, ValueError):  # what is left in the buffer must not fail a second time, at exit
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if isinstance(error, BrokenPipeError):  # `| head` has read what it wanted
+            return CUT_SHORT
         return _complain(prog, f"the answer is lost: standard output: {_in_words(error)}", LOST)
     return 0
 

@@ -63,11 +63,11 @@ BUDGETS = {
     "methods": 4660,
     "symbolic": 9590,
     "numeric": 3010,
-    "blackbox": 11290,
+    "blackbox": 11320,
     "enclosure": 2340,
-    "texts": 5510,
+    "texts": 5610,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 4857
+BUDGET_OF_REPORTS_AND_FRONT = 4860
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 

@@ -8,7 +8,7 @@ from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 from driftproof.blackbox.checks.suite import CHECKS, checks_of
-from driftproof.blackbox.checks.trials import CheckResult
+from driftproof.blackbox.checks.trials import TRAITS, CheckResult
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import ORDINARY_DOMAIN
@@ -25,7 +25,7 @@ from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.linear_steps import LINEAR
 from driftproof.blackbox.probes.questions import CoefficientReading, Introduction, introduction, read_coefficients
 from driftproof.blackbox.probes.tableau import TableauReading
-from driftproof.blackbox.report import Report, Section, sections
+from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Report, Section, each_once, sections
 from driftproof.blackbox.stepper.calling_conventions import SIGNATURES
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS
@@ -73,7 +73,8 @@ def identified(runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Out
     explicit = METHODS[seen.key] if seen.key is not None and METHODS[seen.key].explicit else None
     rounding = None if explicit is None else _rounding(runner, explicit, seen.size)
     verdict = "; ".join(filter(None, [seen.verdict, arithmetic]))
-    return Report(runner.target.name, verdict, None, _sections(seen, rounding), _data(seen, rounding))
+    name = runner.target.name
+    return Report(name, verdict, None, _sections(name, seen, rounding), _data(seen, rounding))
 
 
 class _Recognised(NamedTuple):
@@ -142,9 +143,9 @@ class Seen:
     def verdict(self) -> str:
         """Which method it is, in one line."""
         if self.introduction.kind in NO_EVIDENCE:
-            return f"undecided: {self.introduction.seen}"
+            return f"{UNDECIDED}: {self.introduction.seen}"
         if self.introduction.failed:
-            return f"gives no answer: {self.introduction.seen}"
+            return f"{NO_ANSWER}: {self.introduction.seen}"
         if self.read is not None and self.read.identity.matches:
             first, *others = [match.name for match in self.read.identity.matches]
             name = f"it is {first}" + (f", the same step as {', '.join(others)}" if others else "") + _at(self.size)
@@ -159,7 +160,7 @@ class Seen:
         if self.read is not None and self.read.identity.near:
             return f"it is {self.read.identity.near[0].name}"
         open_questions = [o for o in (self.coefficients, self.linear) if o.kind in NO_EVIDENCE]
-        return f"undecided: {open_questions[0].seen}" if open_questions else "it is no method that is known here"
+        return f"{UNDECIDED}: {open_questions[0].seen}" if open_questions else "it is no method that is known here"
 
     @property
     def _row(self) -> str:
@@ -238,26 +239,53 @@ def _rounding(runner: IsolatedRunner, method: Method, size: float) -> Outcome:
     return runner.run([partial(explained, method=method, domain=domain, examples=_EXAMPLES)])[0]
 
 
-def _sections(seen: Seen, rounding: Outcome | None) -> tuple[Section, ...]:
+def _sections(name: str, seen: Seen, rounding: Outcome | None) -> tuple[Section, ...]:
+    """What to do, then the evidence, the weightiest first."""
     faults = [check.words for check in seen.checks if check.is_fault]
-    rest = [check.words for check in seen.checks if not check.is_fault]
-    return sections(
-        ("Stepper", [*_introduced(seen), *filter(None, [seen.arithmetic])]),
+    failed = [o for o in _questions(seen, rounding) if o.failed and o.kind != "unsupported_call"]
+    evidence = sections(
+        ("What to do", _what_to_do(name, seen)),
+        ("Faults", faults),
         ("Coefficients", [] if seen.read is None else [*seen.read.identity.lines, *seen.read.reading.lines]),
-        ("One-step matrix", [] if seen.fit is None else seen.fit.lines),
         ("Order", _orders(seen)),
+        ("One-step matrix", [] if seen.fit is None else seen.fit.lines),
         ("Error estimate", _beside(seen.estimate)),
         ("Dense output", _beside(seen.dense)),
         ("Rounding", [] if rounding is None or rounding.failed else rounding.result.lines),
-        ("Faults", faults),
-        ("Checks", rest),
-        ("Not answered", _not_answered(seen, rounding)),
+        ("Stepper", [*_introduced(seen), *filter(None, [seen.arithmetic])]),
     )
+    answers = sections(("Not answered", each_once(f"{o.kind}: {o.seen}" for o in failed)))
+    return (*evidence, *_checks([check for check in seen.checks if not check.is_fault]), *answers)
 
 
-def _not_answered(seen: Seen, rounding: Outcome | None) -> list[str]:
-    failed = [o for o in _questions(seen, rounding) if o.failed and o.kind != "unsupported_call"]
-    return [f"{o.kind}: {o.seen}" for o in failed]
+def _checks(checks: Sequence[CheckResult]) -> tuple[Section, ...]:
+    """The checks that find no fault, and in one line how many are kept, tell a trait, or were not decided."""
+    traits = sum(check.key in TRAITS and check.holds is not None for check in checks)
+    undecided = sum(check.holds is None for check in checks)
+    counts = {"kept": len(checks) - traits - undecided, "of traits such as areas": traits, "open": undecided}
+    brief = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
+    lines = tuple(check.words for check in checks)
+    return (Section("Checks", lines, f"{brief}; --all shows each" if len(lines) > 1 else ""),) if lines else ()
+
+
+def _what_to_do(name: str, seen: Seen) -> list[str]:
+    """The next step, from what was found; nothing where nothing is known to help."""
+    held = f"driftproof verify {name} --method"
+    if seen.introduction.failed:
+        more = seen.introduction.kind in NO_EVIDENCE
+        return ["give it more time: --time-limit"] if more else ["make this one call answer; then ask again"]
+    lines = ["see to the faults first"] if any(check.is_fault for check in seen.checks) else []
+    near = seen.read.identity.near if seen.read is not None else ()
+    if near:
+        key, wrong = near[0].key, "; ".join(near[0].differences)
+        lines.append(f"if it should be {key}, this is to mend: {wrong}; then {held} {key}")
+    elif seen.key is not None:
+        lines.append(f"if it should be {seen.key}, hold it there: {held} {seen.key}, or assert_verified in a test")
+    else:
+        lines.append(f"say what it should be: {held} METHOD, or your own tableau, a .toml file")
+    if seen.coefficients.kind == "unsupported_call":
+        lines.append("to have its coefficients read, let it take its right-hand side or its force: step(f, t, y, h)")
+    return lines
 
 
 def _questions(seen: Seen, rounding: Outcome | None) -> Sequence[Outcome]:

@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from driftproof.support.plain_text import Json, as_json, printable
 
+# How a verdict begins that says no more.
+UNDECIDED, NO_ANSWER = "undecided", "gives no answer"
+
 
 @dataclass(frozen=True)
 class Section:
-    """Lines under a heading."""
+    """Lines under a heading; `brief`, where it is not empty, stands for them unless everything is asked for."""
 
     title: str
     lines: tuple[str, ...]
+    brief: str = ""
+
+    def shown(self, everything: bool) -> tuple[str, ...]:
+        """All lines, or the one that stands for them."""
+        return self.lines if everything or not self.brief else (self.brief,)
 
 
 @dataclass(frozen=True)
@@ -30,30 +39,37 @@ class Report:
     sections: tuple[Section, ...]
     data: dict[str, Json] = field(default_factory=dict)
 
+    @property
+    def answered(self) -> bool | None:
+        """None where the verdict is that nothing is decided, False where the subject gives no answer."""
+        return {UNDECIDED: None, NO_ANSWER: False}.get(self.verdict.partition(":")[0], True)
+
     def section(self, title: str) -> Section | None:
         """The section with this title, if there is one."""
         return next((section for section in self.sections if section.title == title), None)
 
-    def text(self) -> str:
+    def text(self, everything: bool = False) -> str:
         """The report for a terminal, over which what the stepper wrote has no say."""
         parts = [f"{self.target}\n  {self.verdict}"]
-        parts += [f"{section.title}\n" + "\n".join(f"  {line}" for line in section.lines) for section in self.sections]
+        for section in self.sections:
+            parts.append("\n  ".join([section.title, *section.shown(everything)]))
         return printable("\n\n".join(parts))
 
-    def markdown(self) -> str:
+    def markdown(self, everything: bool = False) -> str:
         """The report for an issue or a pull request."""
         parts = [f"### `{self.target}`: {self.verdict}"]
         for section in self.sections:
-            parts.append(f"**{section.title}**\n\n" + "\n".join(f"- {_escaped(line)}" for line in section.lines))
+            lines = "\n".join(f"- {_escaped(line)}" for line in section.shown(everything))
+            parts.append(f"**{section.title}**\n\n{lines}")
         return "\n\n".join(parts)
 
     def json(self) -> str:
         """The report for a program: canonical, keys sorted."""
         return as_json({"target": self.target, "verdict": self.verdict, "passed": self.passed, **self.data})
 
-    def written(self, form: str) -> str:
-        """The report as "text", "markdown" or "json"."""
-        return {"text": self.text, "markdown": self.markdown, "json": self.json}[form]()
+    def written(self, form: str, everything: bool = False) -> str:
+        """The report as "text", "markdown" or "json", which is always whole."""
+        return self.json() if form == "json" else {"text": self.text, "markdown": self.markdown}[form](everything)
 
     def __str__(self) -> str:
         """As `text`."""
@@ -63,6 +79,11 @@ class Report:
 def sections(*parts: tuple[str, Sequence[str]]) -> tuple[Section, ...]:
     """The sections that have lines."""
     return tuple(Section(title, tuple(lines)) for title, lines in parts if lines)
+
+
+def each_once(lines: Iterable[str]) -> list[str]:
+    """The lines, equal ones as one with how many there are."""
+    return [f"{line} ({often} times)" if often > 1 else line for line, often in Counter(lines).items()]
 
 
 def _escaped(line: str) -> str:

@@ -60,6 +60,7 @@ def _system(text: str) -> Any:
         "--order-tolerance", "add the order up to such residuals", type=cli.exactly("order tolerance"), metavar="SIZE"
     ),
     cli.option("--terms", "length of the series (default 12)", type=cli.integer_in(1, MOST_TERMS, "terms"), default=12),
+    cli.flag("--all", "text: every fact, not only those that most ask for"),
     cli.format_option("text json tex"),
     cli.option("--plot", "also draw a picture, e.g. region.svg", type=Path, metavar="FILE"),
     cli.option(
@@ -74,6 +75,7 @@ def facts_command(options: Namespace) -> str:
 
     examples:
       driftproof facts rk4
+      driftproof facts rk4 --all
       driftproof facts rk4 --only order,stability_function,imaginary_limit
       driftproof facts rk4 --system '0 1; -1 -1/10'            on z' = Az: R(hA), its determinant, limits of h
       driftproof facts sdirk_order_2                           a family, as a function of its parameter
@@ -94,6 +96,7 @@ def facts_command(options: Namespace) -> str:
     from driftproof.methods.families import Family
     from driftproof.methods.tableau_file import subject_of
     from driftproof.support.plain_text import as_json
+    from driftproof.texts.writing.fact_groups import grouped_facts_text
     from driftproof.texts.writing.facts import facts_tex, facts_text
     from driftproof.texts.writing.records import record
 
@@ -106,7 +109,9 @@ def facts_command(options: Namespace) -> str:
         raise ValueError(f"{subject.key} has no parameter; --at is for families such as sdirk_order_2")
     if options.format == "json":
         return as_json(record(result))
-    return facts_tex(result) if options.format == "tex" else facts_text(result)
+    if options.format == "tex":
+        return facts_tex(result)
+    return facts_text(result) if options.only or options.system else grouped_facts_text(result, options.all)
 
 
 @cli.command(

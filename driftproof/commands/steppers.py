@@ -16,7 +16,11 @@ TARGET = (
 )
 
 
-@cli.command(*TARGET, cli.flag("--solver", "it is a whole solver, solve(f, t_span, y0, rtol, atol) -> (t, y)"))
+@cli.command(
+    *TARGET,
+    cli.flag("--all", "show each check, not only the faults"),
+    cli.flag("--solver", "it is a whole solver, solve(f, t_span, y0, rtol, atol) -> (t, y)"),
+)
 def identify_command(options: Namespace) -> str:
     """Read a stepper from outside and say which method it is, of which order, and what it does besides.
 
@@ -36,15 +40,21 @@ def identify_command(options: Namespace) -> str:
       step = stepper_of(Body, position="x", velocity="v", push="apply_force", advance="update")
     (field_stepper_of for y' = f(t, y)). Wrap anything else in a function of two lines.
     It runs in an isolated process: a crash is a finding, a hang is told.
+
+    exit status: 1 if it gives no answer, 3 if the time is over before anything is decided.
     """
     if options.solver:
         from driftproof.blackbox.solvers.identify_solver import identify_solver
 
-        return identify_solver(options.step, time_limit=options.time_limit).written(options.format)
-    from driftproof.blackbox.identify import identify
+        report = identify_solver(options.step, time_limit=options.time_limit)
+    else:
+        from driftproof.blackbox.identify import identify
 
-    report = identify(options.step, calls=options.calls, array=options.array, time_limit=options.time_limit)
-    return report.written(options.format)
+        report = identify(options.step, calls=options.calls, array=options.array, time_limit=options.time_limit)
+    words = report.written(options.format, options.all)
+    if not report.answered:
+        raise cli.Undecided(words) if report.answered is None else cli.Refuted(words)
+    return words
 
 
 @cli.command(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import random
+import re
 
 import pytest
 
@@ -77,7 +78,11 @@ def test_it_runs_here_where_that_is_asked_for():
     ],
 )
 def test_a_rogue_is_a_finding(step, seen):
-    assert seen in identify(step, time_limit=2.0 if step is broken_steppers.hangs else 60.0).text()
+    text = identify(step, time_limit=2.0 if step is broken_steppers.hangs else 60.0).text()
+    assert seen in text
+    _, _, unanswered = text.partition("Not answered\n")
+    lines = unanswered.splitlines()
+    assert len(lines) == len(set(lines)) < 4
 
 
 def test_the_report_is_json_markdown_and_text():
@@ -86,6 +91,10 @@ def test_the_report_is_json_markdown_and_text():
     assert (data["method"], data["order"], data["calls"]) == ("rk38", 4, "field")
     assert report.markdown().startswith("### `")
     assert str(report) == report.text()
+    assert [section.title for section in report.sections[:2]] == ["What to do", "Coefficients"]
+    assert "driftproof verify" in report.section("What to do").lines[0]
+    assert re.search(r"^  \d\d kept, \d of traits such as areas; --all shows each$", report.text(), re.MULTILINE)
+    assert "h = 0 gives the state back" in report.text(everything=True)
 
 
 def test_on_the_command_line_a_stepper_is_given_by_its_name(capsys):

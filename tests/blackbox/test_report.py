@@ -1,8 +1,9 @@
 """A report says the same as text, as Markdown and as JSON, and shows nothing that is not there."""
 
 import json
+from dataclasses import replace
 
-from driftproof.blackbox.report import Report, sections
+from driftproof.blackbox.report import Report, Section, each_once, sections
 
 REPORT = Report(
     "mylib:step", "is not rk4; it is rk38", False, sections(("Rounding", ["q is a_b*c"]), ("Faults", [])), {"order": 4}
@@ -18,6 +19,19 @@ def test_a_section_without_lines_is_left_out():
 def test_text_has_the_target_the_verdict_and_the_sections():
     assert REPORT.text() == "mylib:step\n  is not rk4; it is rk38\n\nRounding\n  q is a_b*c"
     assert REPORT.written("text") == REPORT.text() == str(REPORT)
+
+
+def test_line_that_stands_for_others_gives_way_where_everything_is_asked_for():
+    long = replace(REPORT, sections=(Section("Checks", ("kept", "kept, too"), "2 kept"),))
+    for form in ("text", "markdown"):
+        assert ("2 kept" in long.written(form), "too" in long.written(form)) == (True, False)
+        assert ("2 kept" in long.written(form, True), "too" in long.written(form, True)) == (False, True)
+    assert each_once(["a", "b", "a"]) == ["a (2 times)", "b"]
+
+
+def test_what_is_not_answered_begins_its_verdict_so():
+    verdicts = ("undecided: no time", "gives no answer: boo", "it is rk4")
+    assert [replace(REPORT, verdict=verdict).answered for verdict in verdicts] == [None, False, True]
 
 
 def test_markdown_shows_lines_verbatim():

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from importlib import import_module
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -33,13 +34,20 @@ def test_report_is_in_the_format_asked_for(command, run, monkeypatch):
     """The examination itself is replaced: tests/blackbox has it."""
 
     class Report:
-        passed = command == "identify"
-        written = staticmethod(lambda form: f"as {form}")
+        passed = answered = command == "identify"
+        written = staticmethod(lambda form, *_: f"as {form}")
 
     module = import_module(f"driftproof.blackbox.{command}")
     monkeypatch.setattr(module, command, lambda *_, **__: Report)
     words = ("--method", "rk4") if command == "verify" else ()
     assert run(command, "mine:step", *words, "--format", "markdown") == (not Report.passed, "as markdown\n", "")
+
+
+@pytest.mark.parametrize(("answered", "status"), [(True, 0), (False, 1), (None, 3)])
+def test_no_answer_is_no_success(answered, status, run, monkeypatch):
+    report = SimpleNamespace(answered=answered, written=lambda form, everything: f"{form}, everything: {everything}")
+    monkeypatch.setattr("driftproof.blackbox.identify.identify", lambda *_, **__: report)
+    assert run("identify", "mine:step", "--all") == (status, "text, everything: True\n", "")
 
 
 REFUSED = {

@@ -7,7 +7,7 @@ from typing import Any
 
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
-from driftproof.blackbox.report import Report, sections
+from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Report, each_once, sections
 from driftproof.blackbox.solvers.controller import ControllerReading, read_controller
 from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, SolverTarget
 from driftproof.blackbox.solvers.runs import RunsReading, read_runs
@@ -63,7 +63,7 @@ def _faults(controller: Outcome, runs: Outcome) -> tuple[str, ...]:
 
 def _verdict(steps: Outcome, controller: Outcome, runs: Outcome) -> str:
     if steps.failed and runs.failed:
-        word = "undecided" if steps.kind in NO_EVIDENCE else "gives no answer"
+        word = UNDECIDED if steps.kind in NO_EVIDENCE else NO_ANSWER
         return f"{word}: {steps.seen}"
     found: SolverSteps | None = steps.result
     name = (
@@ -89,5 +89,5 @@ def _sections(steps: Outcome, controller: Outcome, runs: Outcome) -> Any:
         ("Step size control", [] if controller.failed else controller.result.lines),
         *found,
         ("Faults", _faults(controller, runs)),
-        ("Not answered", list(dict.fromkeys(unanswered))),
+        ("Not answered", each_once(unanswered)),
     )

@@ -1,0 +1,49 @@
+"""Facts in groups: plain words, other names, nothing lost between the groups and the rest."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.families import FAMILIES
+from driftproof.methods.schemes import Method
+from driftproof.symbolic.facts import FACTS, Facts
+from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
+from driftproof.symbolic.linear.facts import facts_by_name
+from driftproof.texts.writing.fact_groups import GROUPS, grouped_facts_text
+
+
+def shown(method: Method, *, everything: bool = False) -> str:
+    return grouped_facts_text(facts_by_name(Facts(method), FACTS, FACTS), everything)
+
+
+def test_every_fact_of_a_group_is_one_and_stands_in_one() -> None:
+    grouped = [name for names in GROUPS.values() for name in names]
+    assert len(grouped) == len(set(grouped)) > 20
+    assert set(grouped) <= {*FACTS, *FAMILY_FACTS}
+    assert [heading for heading, *_ in GROUPS.items()] == ["What it is", "Accuracy", "Stability", "Structure"]
+
+
+@pytest.mark.parametrize("key", ["rk4", "velocity_verlet", "gauss2"])
+def test_groups_have_plain_words_and_all_has_every_fact(key: str) -> None:
+    brief, whole = shown(METHODS[key]), shown(METHODS[key], everything=True)
+    assert [part.splitlines()[0] for part in brief.split("\n\n")[:-1]] == list(GROUPS)
+    assert "order p: over a given time the error falls as h^p  " in brief
+    assert brief.endswith(" more facts with --all, any one with --only NAME")
+    assert "none" not in brief
+    rest = set(FACTS) - {name for names in GROUPS.values() for name in names}
+    assert all(f"  {name.replace('_', ' ')}  " in whole for name in rest)
+
+
+def test_a_method_has_its_other_names_and_one_of_somebody_has_not_ours() -> None:
+    assert "  also called                                RK4, Runge-Kutta, " in shown(METHODS["rk4"])
+    assert "  not to be confused with                    rk38" in shown(METHODS["rk4"])
+    assert "also called" not in shown(replace(METHODS["rk38"], key="rk4"))
+
+
+def test_family_has_its_sets_under_the_same_headings() -> None:
+    text = grouped_facts_text(facts_by_name(FamilyFacts(FAMILIES["sdirk_order_2"]), FAMILY_FACTS, FAMILY_FACTS))
+    assert "  free parameter                             gamma" in text
+    assert "  A-stable: whatever decays is damped, at any h               [1/4, oo)" in text
