@@ -64,7 +64,7 @@ BUDGETS = {
     "symbolic": 9590,
     "numeric": 3010,
     "blackbox": 11320,
-    "enclosure": 2340,
+    "enclosure": 2341,
     "texts": 5610,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 4860

@@ -96,7 +96,9 @@ class Certificate:
         if self.split is not None:
             lines += self._split_lines(self.split)
         lines += [line for name, drift in self.drifts.items() for line in self._drift_lines(name, drift)]
-        lines.append(f"{self.digits} digits right at every point; steps: {self.steps}, bits: {self.bits}")
+        lines.append(
+            f"{self.digits} digits right at every point; the enclosure's steps: {self.steps}, bits: {self.bits}"
+        )
         if self.doubles:
             lines.append(f"f's constants are these doubles, exactly: {', '.join(map(repr, self.doubles))}")
         return "\n".join(lines)

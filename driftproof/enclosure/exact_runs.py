@@ -34,6 +34,7 @@ ROUNDINGS_OF_A_STEP = 2.0**10
 UNSOLVED_STAGES = 2.0**27
 # The steps at which this is looked at, evenly spread.
 MOST_LOOKED_AT = 64
+# Some four minutes, of a method of four stages.
 MOST_STEPS_EXACTLY = 10**6
 
 Row = tuple[arb, ...]
