@@ -183,9 +183,7 @@ class IsolatedRunner:
         limits = Limits(self.time_limit, memory=MEMORY_LIMIT)
         if not self.target.by_name:
             return Session(Serving(self.target, probes, log.path, self.hung), limits)
-        # Hypothesis would leave a folder where one works.
-        environment = {**os.environ, "HYPOTHESIS_STORAGE_DIRECTORY": str(log.path.parent)}
-        return Session(f"{__name__}:answer_probe", limits, environment=environment)
+        return Session(f"{__name__}:answer_probe", limits)
 
 
 def _packed(plain: object) -> str:

@@ -1,0 +1,84 @@
+"""Steps that are drawn lie in their domain and at its edges, alike on every run; the simplest is simple, and fails."""
+
+from fractions import Fraction
+from itertools import islice
+
+import pytest
+
+from driftproof.blackbox.judging.sampled_steps import Sizes, simplest_step, steps_within
+from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FORMATS
+
+STEPS, STATES = Sizes(2.0**-20, 2.0, BINARY64), Sizes(2.0**-60, 1000.0, BINARY64)
+DRAWN = list(islice(steps_within(STEPS, STATES), 1000))
+
+
+def test_the_same_steps_are_drawn_on_every_run():
+    assert list(islice(steps_within(STEPS, STATES), 1000)) == DRAWN
+
+
+@pytest.mark.parametrize("name", FORMATS)
+@pytest.mark.parametrize("low", [0.0, 2.0**-5])
+def test_every_number_is_one_of_the_format_within_its_ends(name, low):
+    steps, states = (Sizes(low, high, FORMATS[name]) for high in (2.0, 1000.0))
+    drawn = list(islice(steps_within(steps, states), 300))
+    assert all(FORMATS[name].holds(Fraction(x)) for step in drawn for x in step)
+    assert all(low <= h <= 2 and h > 0 for _, _, h in drawn)
+    assert all(x == 0 or low <= abs(x) <= 1000 for step in drawn for x in step[:2])
+
+
+@pytest.mark.parametrize(
+    ("is_met", "least"),
+    [
+        pytest.param(lambda q, v, h: q == v == 0, 5, id="origin"),
+        pytest.param(lambda q, v, h: q == 0 != v, 50, id="no position"),
+        pytest.param(lambda q, v, h: v == 0 != q, 50, id="no velocity"),
+        pytest.param(lambda q, v, h: q == v != 0, 15, id="equal"),
+        pytest.param(lambda q, v, h: q == -v != 0, 15, id="opposite"),
+        pytest.param(lambda q, v, h: abs(v - h * q) < 1e-3 * abs(v), 5, id="cancelling"),
+        pytest.param(lambda q, v, h: 1 / 4 < abs(q / v if v else 0) < 4, 250, id="alike"),
+        pytest.param(lambda q, v, h: 0 < abs(q) < 2.0**-40, 100, id="tiny"),
+        pytest.param(lambda q, v, h: 500 < abs(q) <= 1000, 50, id="large"),
+        pytest.param(lambda q, v, h: h in (2.0, 2.0**-20), 10, id="ends of h"),
+        pytest.param(lambda q, v, h: h == 1, 5, id="h is 1"),
+        pytest.param(lambda q, v, h: h.as_integer_ratio()[0].bit_length() >= 50, 300, id="full"),
+        pytest.param(lambda q, v, h: h.as_integer_ratio()[0] == 1, 50, id="powers of two"),
+        pytest.param(lambda q, v, h: min(abs(q), abs(v)) == 2.0**-60, 5, id="smallest"),
+    ],
+)
+def test_of_a_thousand_steps_so_many_are_of_this_kind(is_met, least):
+    assert sum(is_met(*step) for step in DRAWN) >= least
+
+
+def test_all_floats_reach_down_to_the_smallest_and_do_not_overflow():
+    everything = Sizes(0.0, 1.7e308, BINARY64)
+    drawn = {abs(q) for q, _, _ in islice(steps_within(everything, everything), 1000)}
+    assert min(drawn - {0.0}) < 1e-320
+    assert max(drawn) == 1.7e308
+
+
+def test_narrow_formats_keep_away_from_underflow():
+    assert Sizes(2.0**-60, 1.0, BINARY16).least == 2.0**-7
+    assert Sizes(2.0**-100, 1.0, BINARY32).least == 2.0**-63
+
+
+@pytest.mark.parametrize(
+    ("fails", "failing", "simplest"),
+    [
+        pytest.param(lambda step: True, (3.7, -2.2, 0.3), (0.0, 0.0, 1.0), id="all"),
+        pytest.param(lambda step: step[0] != 0, (3.7, -2.2, 0.3), (1.0, 0.0, 1.0), id="q"),
+        pytest.param(lambda step: step[0] < 0, (-3.7, -2.2, 0.3), (-1.0, 0.0, 1.0), id="q < 0"),
+        pytest.param(lambda step: step[1] > 100, (3.7, 812.3, 0.3), (0.0, 101.0, 1.0), id="v > 100"),
+        pytest.param(lambda step: step[1] < -900, (3.7, -912.3, 0.3), (0.0, -901.0, 1.0), id="v < -900"),
+        pytest.param(lambda step: 1 < step[0] < 1.4, (1.3456, 2.2, 0.3), (1.25, 0.0, 1.0), id="1 < q < 1.4"),
+        pytest.param(lambda step: 0.09 < step[2] < 0.11, (1.5, 2.2, 0.101), (0.0, 0.0, 0.09375), id="h about 0.1"),
+        pytest.param(lambda step: 0 < abs(step[0]) < 1e-15, (7.1e-17, 2.2, 0.3), (2.0**-50, 0.0, 1.0), id="tiny q"),
+        pytest.param(lambda step: step == (3.7, -2.2, 0.3), (3.7, -2.2, 0.3), (3.7, -2.2, 0.3), id="one"),
+    ],
+)
+def test_the_simplest_step_that_fails_is_of_few_short_numbers(fails, failing, simplest):
+    assert simplest_step(fails, failing, STEPS, STATES) == simplest
+
+
+def test_the_simplest_step_lies_in_a_small_domain():
+    small = Sizes(0.01, 0.1, BINARY64), Sizes(1e-3, 0.7, BINARY64)
+    assert simplest_step(lambda step: step[0] != 0, (0.6, 0.3, 0.05), *small) == (0.5, 0.0, 0.0625)
