@@ -65,7 +65,7 @@ BUDGETS = {
     "symbolic": 9590,
     "numeric": 3010,
     "blackbox": 11435,
-    "enclosure": 2341,
+    "enclosure": 2978,
     "texts": 5610,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 4860

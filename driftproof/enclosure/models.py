@@ -12,13 +12,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, TypeAlias
 
-from flint import arb, arb_poly, arb_series, ctx
+from flint import arb, arb_mat, arb_poly, arb_series, ctx
 
 from driftproof.enclosure.numbers import Refused
 
 Constant: TypeAlias = int | arb
-# Real σ of a step: 0 <= σ <= 1.
-STEP = arb(0.5, 0.5)
+# Real σ of a step that begins at the centre, and of one with the centre in the middle.
+STEP, BOTH_WAYS = arb(0.5, 0.5), arb(0, 1)
 
 
 class TaylorModel:
@@ -43,9 +43,9 @@ class TaylorModel:
             self._norm = _upper(beyond(self.polynomial, 0) + self.tail)
         return self._norm
 
-    def range(self) -> arb:
-        """A ball of the values for 0 <= σ <= 1."""
-        return self.polynomial(STEP) + arb(0, self.tail)
+    def range(self, sigma: arb = STEP) -> arb:
+        """A ball of the values for all σ in one, by default 0 <= σ <= 1."""
+        return self.polynomial(sigma) + arb(0, self.tail)
 
     def coefficient(self, k: int) -> arb:
         """c_k, below the length."""
@@ -92,12 +92,12 @@ class TaylorModel:
         return TaylorModel(a.polynomial, self.length, tail) * other
 
     def __gt__(self, other: Constant) -> bool:
-        """Whether it is larger for all 0 <= σ <= 1."""
-        return bool(self.range() > other)
+        """Whether it is larger for all real σ of the disc."""
+        return bool(self.range(BOTH_WAYS) > other)
 
     def __lt__(self, other: Constant) -> bool:
-        """Whether it is smaller for all 0 <= σ <= 1."""
-        return bool(self.range() < other)
+        """Whether it is smaller for all real σ of the disc."""
+        return bool(self.range(BOTH_WAYS) < other)
 
     def _series(self, function: str) -> TaylorModel:
         """The first coefficients of a function of the polynomial, without a tail."""
@@ -189,3 +189,34 @@ def _geometric(error: arb, does: str) -> arb:
     if not error < 1:
         raise Refused(f"f {does} a number that may be 0 within the step")
     return error / (1 - error)
+
+
+def coefficients_of(models: Sequence[Sequence[TaylorModel]], length: int) -> tuple[list[arb_mat], arb_mat]:
+    """Of a matrix of models: a matrix for each power of σ, and the tails."""
+    tails = arb_mat([[x.tail for x in row] for row in models])
+    return [arb_mat([[x.coefficient(k) for x in row] for row in models]) for k in range(length)], tails
+
+
+def value_at(coefficients: Sequence[arb_mat], sigma: arb) -> arb_mat:
+    """Σ C_k σ^k."""
+    value = coefficients[-1]
+    for c in reversed(coefficients[:-1]):
+        value = value * sigma + c
+    return value
+
+
+def ranges(chebyshev: arb_mat, coefficients: Sequence[arb_mat]) -> arb_mat:
+    """Balls of the entries of Σ C_k σ^k for -1 <= σ <= 1: the mean of Chebyshev's coefficients, all others around it.
+
+    The sizes of the C_k themselves would be larger by a factor of up to 1 + sqrt 2 for each power. `chebyshev` turns
+    rows of coefficients of powers into Chebyshev's.
+    """
+    n, k = coefficients[0].nrows(), coefficients[0].ncols()
+    flat = [m.entries() for m in coefficients] + [[arb(0)] * (n * k)] * (chebyshev.nrows() - len(coefficients))
+    rows = (arb_mat(flat).transpose() * chebyshev).tolist()
+    return arb_mat(n, k, [row[0] + arb(0, sum((abs(x) for x in row[1:]), arb(0)).upper()) for row in rows])
+
+
+def bounds(chebyshev: arb_mat, coefficients: Sequence[arb_mat]) -> arb_mat:
+    """Upper bounds of the sizes of the entries of Σ C_k σ^k for -1 <= σ <= 1."""
+    return arb_mat([[arb(x.abs_upper()) for x in row] for row in ranges(chebyshev, coefficients).tolist()])

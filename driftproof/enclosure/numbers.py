@@ -39,6 +39,10 @@ class Refused(ArithmeticError):
         self.t = t
 
 
+class Stiff(Refused):
+    """Explicit steps would be too many, because something decays fast; implicit ones may lead to the end."""
+
+
 @dataclass
 class Evaluation:
     """One run of a right-hand side: which way its comparisons went, and which doubles it read.

@@ -15,8 +15,9 @@ import numpy as np
 from flint import arb, arb_mat, ctx
 
 from driftproof.enclosure.fields import RightHandSide, rebound
-from driftproof.enclosure.numbers import Refused
-from driftproof.enclosure.steps import EnclosedStep, Expansion, decisions, size
+from driftproof.enclosure.numbers import Refused, Stiff
+from driftproof.enclosure.steps import SHORTEST_PART, EnclosedStep, Expansion, decisions, size
+from driftproof.enclosure.stiff import StiffPath
 from driftproof.symbolic.algebra.certified import enclose
 
 # Bits of the first attempt.
@@ -27,10 +28,10 @@ BITS_PER_COEFFICIENT = 3
 MOST_STEPS = 20_000
 # Steps after which it is looked at how many there will be, all being as the last, or as all so far.
 STEPS_OF_STIFF, STEPS_OF_LONG = 20, 1000
+# A stiff problem with fewer left is done explicitly: implicit steps are as long as fifty to a thousand of those.
+MOST_STIFF_STEPS = 2000
 # What is stiff: some direction shrinks to less than this in a step, though the solution allows no longer one.
 SHRUNK = 0.6
-# Shorter steps, relative to the time gone by, are those of a pole; 2⁻⁴⁰ is found before 128 bits are used up.
-SHORTEST_PART = Fraction(1, 2**40)
 # No problem needs a longer one; shorter are found by trying.
 LONGEST_STEP = Fraction(2) ** 20
 
@@ -61,21 +62,26 @@ def enclose_solution(
     Raises Refused where nothing rigorous can be said: see `driftproof.enclosure.numbers`.
     """
     with ctx.workprec(bits):
-        path = _Path(rebound(f), start, times, bits)
-        states = [path.states_at(t) for t in times]
-        return Enclosure(tuple(times), tuple(states), bits, path.steps, tuple(sorted(path.doubles)))
+        function, balls = rebound(f), [x if isinstance(x, arb) else enclose(x) for x in start]
+        explicit = _Path(function, balls, times, bits)
+        path: _Path | StiffPath = explicit
+        try:
+            states = [explicit.states_at(t) for t in times]
+        except Stiff:
+            path = StiffPath(function, balls, times[0], times[-1])
+            states = [path.states_at(t) for t in times]
+        return Enclosure(tuple(times), tuple(states), bits, path.steps, tuple(sorted(explicit.doubles | path.doubles)))
 
 
 class _Path:
     """The steps made so far, from the first time on; the last one's end is where the next begins."""
 
-    def __init__(self, f: RightHandSide, start: Sequence[Fraction | arb], times: Sequence[Fraction], bits: int) -> None:
+    def __init__(self, f: RightHandSide, balls: Sequence[arb], times: Sequence[Fraction], bits: int) -> None:
         self.f, self.t, self.steps = f, times[0], 0
         self.first, self.last = times[0], times[-1]
         self.length = bits // BITS_PER_COEFFICIENT
         self.doubles: set[float] = set()
-        n = len(start)
-        balls = [x if isinstance(x, arb) else enclose(x) for x in start]
+        n = len(balls)
         self.point = [x.mid() for x in balls]
         self.basis = arb_mat([[int(i == j) for j in range(n)] for i in range(n)])
         self.box = arb_mat([[x - m] for x, m in zip(balls, self.point, strict=True)])
@@ -112,10 +118,9 @@ class _Path:
         if step.h < SHORTEST_PART * gone:
             near = float(self.t + 8 * step.h)
             raise Refused(f"a pole, or a point where f is not smooth, is ahead near t = {near:.9g}")
-        if self.steps >= STEPS_OF_STIFF and left > MOST_STEPS * step.h and _shrinks(step.flow):
-            raise Refused(
-                f"stiff: from t = {float(self.t):.4g} explicit steps are {float(step.h):.2g} long, about"
-                f" {float(left / step.h):.1g} to the end; the error of its dense output can be bounded instead"
+        if self.steps >= STEPS_OF_STIFF and left > MOST_STIFF_STEPS * step.h and _shrinks(step.flow):
+            raise Stiff(
+                f"stiff: {float(left / step.h):.1g} explicit steps would lead from t = {float(self.t):.4g} to the end"
             )
         if self.steps >= STEPS_OF_LONG and left * self.steps > MOST_STEPS * gone:
             raise Refused(f"too long: {self.steps} steps lead to t = {float(self.t):.6g}, {MOST_STEPS} will not do")

@@ -30,6 +30,8 @@ SHORTER, MOST_SHORTENINGS = Fraction(5, 8), 90
 # the latter lets a thousand steps widen what they carry by 1.6 %; the former is near what the bits give.
 LOOSEST_FLOW = arb(2) ** -16
 BITS_OF_A_STEP = Fraction(7, 8)
+# Shorter steps, relative to the time gone by, are those of a pole; 2⁻⁴⁰ is found before 128 bits are used up.
+SHORTEST_PART = Fraction(1, 2**40)
 # A tube is tried at four times the error that it must hold, then at twice what the first shows to be needed.
 FIRST_TUBE, WIDEST_TUBE = 4, arb(2) ** 12
 
@@ -215,10 +217,19 @@ def _coefficient(value: Any, k: int) -> arb:
 
 def jacobian_of(f: RightHandSide, time: Enclosed, y: Sequence[Any]) -> list[list[Any]]:
     """∂f/∂y by rows, in the arithmetic of y; constant entries are balls."""
+    return linearised(f, time, y)[1]
+
+
+def linearised(
+    f: RightHandSide, time: Enclosed, y: Sequence[Any], *, slopes: bool = True
+) -> tuple[list[Any], list[list[Any]]]:
+    """f and, unless it is not asked for, ∂f/∂y by rows."""
     n = len(y)
-    state = [Enclosed(time.evaluation, value, tuple(int(i == j) for j in range(n))) for i, value in enumerate(y)]
-    rates = [rate.partials or (0,) * n for rate in enclosed_rates(f, time, state)]
-    return [[arb(x) if isinstance(x, int) else x for x in row] for row in rates]
+    seeds = [tuple(int(i == j) for j in range(n)) if slopes else None for i in range(n)]
+    state = [Enclosed(time.evaluation, value, seed) for value, seed in zip(y, seeds, strict=True)]
+    rates = enclosed_rates(f, time, state)
+    rows = [rate.partials or (0,) * n for rate in rates]
+    return [rate.value for rate in rates], [[arb(x) if isinstance(x, int) else x for x in row] for row in rows]
 
 
 def _logarithmic_norm(jacobian: Sequence[Sequence[arb]]) -> arb:

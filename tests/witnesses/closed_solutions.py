@@ -126,3 +126,19 @@ def kepler(e: arb, t: arb) -> list[arb]:
 def rates_by_series(problem: Solved, t: float) -> list[tuple[arb, arb]]:
     """(y'(t) from the formula's series, y(t)) of each component."""
     return [(y[1], y[0]) for y in problem.solution(arb_series([t, 1], 2))]
+
+
+def relaxed(random: Random) -> Solved:
+    """y0 - sin t and y1 - cos t decay, at two rates of which one is 10² to 10⁶; all numbers in f are exact."""
+    slow, fast = -random.randint(1, 8) / 4, -float(random.randint(1, 9) * 10 ** random.randint(2, 5))
+    u, w = random.uniform(-1, 1), random.uniform(-1, 1)
+
+    def f(t, y):
+        a, b = y[0] - np.sin(t), y[1] - np.cos(t)
+        return [slow * a + (fast - slow) * b + np.cos(t), fast * b - np.sin(t)]
+
+    def solution(t):
+        b = (arb(w) - 1) * (fast * t).exp()
+        return [(arb(u) - (arb(w) - 1)) * (slow * t).exp() + b + t.sin(), b + t.cos()]
+
+    return Solved("relaxed", f, (u, w), 0.0, random.uniform(0.5, 5), solution)

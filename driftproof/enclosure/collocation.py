@@ -1,0 +1,138 @@
+"""Implicit steps in as many bits as are asked for: polynomials that nearly solve y' = f(t, y), however stiff.
+
+Nothing here is proved, and nothing has to be: what the polynomials leave over of the equation is enclosed elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+from flint import arb, arb_mat, arb_poly, ctx
+
+from driftproof.enclosure.fields import RightHandSide
+from driftproof.enclosure.numbers import Enclosed, Evaluation
+from driftproof.enclosure.steps import linearised
+
+MOST_CORRECTIONS = 16
+# The Jacobians are evaluated anew until corrections are this small: then they are right to the digits of a double.
+FROZEN = 1e-10
+# Components are accurate relative to their sizes, or to this much of the largest one or of what they have been.
+NEGLIGIBLE = 2.0**-40
+
+
+@dataclass(frozen=True)
+class CollocationMatrices:
+    """Stages -1 < σ_1 < ... < σ_m = 1, Radau's to double precision; matrices take values at -1 and there.
+
+    `slopes` makes of them the derivatives at the stages, and `coefficients` those of σ^k; `chebyshev` takes rows of
+    those, of a polynomial of any degree below its size, to the coefficients of Chebyshev's polynomials.
+    """
+
+    stages: tuple[float, ...]
+    slopes: arb_mat
+    coefficients: arb_mat
+    chebyshev: arb_mat
+
+
+@cache
+def collocation(m: int, bits: int, length: int) -> CollocationMatrices:
+    """Of m stages, in so many bits; of Chebyshev's polynomials the first `length`."""
+    legendre = [0.0] * (m - 1) + [-1.0, 1.0]
+    stages = [*np.sort(np.polynomial.legendre.legroots(legendre).real)[:-1].tolist(), 1.0]
+    with ctx.workprec(2 * bits):
+        nodes = [arb(x) for x in (-1.0, *stages)]
+        inverse = arb_mat([[x**k for k in range(m + 1)] for x in nodes]).inv().mid()
+        slopes = arb_mat([[k * x ** max(k - 1, 0) for k in range(m + 1)] for x in nodes[1:]]) * inverse
+        rows = [[arb(0)] * length for _ in range(length)]
+        rows[0][0] = arb(1)
+        for k in range(1, length):  # 2 σ T_j = T_(j+1) + T_|j-1|
+            for j, c in enumerate(rows[k - 1][:k]):
+                rows[k][j + 1] += c / 2
+                rows[k][abs(j - 1)] += c / 2
+    return CollocationMatrices(tuple(stages), slopes.mid(), inverse, arb_mat(rows))
+
+
+@dataclass(frozen=True)
+class Stages:
+    """Values of y at -1 and at the stages, by rows; and Newton's matrix, which also solves the variational equation."""
+
+    method: CollocationMatrices
+    values: arb_mat
+    matrix: Any
+
+    def polynomials(self) -> list[arb_poly]:
+        """v, of thin coefficients, each component one."""
+        rows = (self.method.coefficients * self.values).transpose().tolist()
+        return [arb_poly([x.mid() for x in row]) for row in rows]
+
+    def flow(self, start: arb_mat) -> list[arb_mat]:
+        """V_k of V = Σ V_k σ^k, nearly a solution of V' = JV from V(-1) = start; in doubles."""
+        n, m = start.nrows(), len(self.method.stages)
+        first = np.array([[float(x) for x in row] for row in start.tolist()])
+        from_start = np.array([float(row[0]) for row in self.method.slopes.tolist()])
+        found = self.solved(-np.kron(from_start[:, None], first)).reshape(m, n, -1)
+        columns = arb_mat([[float(x) for x in values.ravel()] for values in [first, *found]])
+        return [arb_mat(n, start.ncols(), row).mid() for row in (self.method.coefficients * columns).tolist()]
+
+    def solved(self, right: Any) -> Any:
+        """Newton's matrix into the columns."""
+        matrix, rows, scale = self.matrix
+        return np.linalg.solve(matrix, right / rows[:, None]) * scale[:, None]
+
+
+def solved_stages(
+    f: RightHandSide,
+    method: CollocationMatrices,
+    time: tuple[arb, arb],
+    guess: Sequence[Sequence[arb]],
+    accuracy: float,
+) -> Stages | None:
+    """y(t) and the stages of a step, time = (t, h), by Newton's method: matrices in doubles, residuals in all bits.
+
+    None where it does not converge; `accuracy` is relative to each component's size.
+    """
+    t, step = time
+    m, n = len(method.stages), len(guess[0])
+    slopes = np.kron(np.array([[float(x) for x in row[1:]] for row in method.slopes.tolist()]), np.eye(n))
+    values, before, found = arb_mat([list(row) for row in guess]), 1.0, None
+    for _ in range(MOST_CORRECTIONS):
+        at_stages = [
+            linearised(f, Enclosed(Evaluation(), t + step * (1 + arb(sigma)) / 2), row, slopes=before > FROZEN)
+            for sigma, row in zip(method.stages, values.tolist()[1:], strict=True)
+        ]
+        residual = method.slopes * values - arb_mat([rates for rates, _ in at_stages]) * (step / 2)
+        right = np.array([float(x) for x in residual.entries()])
+        if before > FROZEN:
+            largest = _largest(values)
+            scale = np.tile(np.maximum(largest, max(largest.max() * NEGLIGIBLE, 1e-290)), m)
+            matrix = slopes.copy()
+            for i, (_, jacobian) in enumerate(at_stages):
+                block = slice(i * n, i * n + n)
+                matrix[block, block] -= float(step) / 2 * np.array([[float(x) for x in row] for row in jacobian])
+            matrix *= scale
+            rows = np.abs(matrix).max(axis=1)
+            found = (matrix / rows[:, None], rows, scale)
+        if found is None or not all(np.isfinite(x).all() for x in (*found, right)):
+            return None
+        stages = Stages(method, values, found)
+        try:
+            correction = stages.solved(right[:, None]).reshape(m, n)
+        except np.linalg.LinAlgError:
+            return None
+        values = (values - arb_mat([[0.0] * n, *correction.tolist()])).mid()
+        moved = float(np.max(np.abs(correction).max(axis=0) / np.maximum(scale[:n], _largest(values))))
+        if not moved <= 2 * before:
+            return None
+        if moved * moved / before < accuracy:  # the next correction will not be larger
+            return Stages(method, values, found)
+        before = moved
+    return None
+
+
+def _largest(values: arb_mat) -> Any:
+    """The largest size in each column."""
+    return np.array([max(abs(float(x)) for x in column) for column in values.transpose().tolist()])

@@ -1,0 +1,264 @@
+"""The solution of a stiff problem, enclosed: implicit steps, what they leave over of the equation, comparison.
+
+A step's polynomial v comes from collocation, and its defect d = f(t, v) - v' is enclosed on the whole step. Of the
+error e = y - v, e(0) in a set B z, z a box, what changes slowly follows the variational equation: V nearly solves
+V' = JV from the slow part of B. The rest ρ = e - Vz has ρ' = J̄ρ + (J̄V - V')z + d. In coordinates T in which the
+Jacobian is nearly diagonal where it is fast, |Tρ| stays below the solution of the comparison system of T J̄ T⁻¹, all
+over a tube around v; what decays fast has a large negative diagonal there, and nothing is lost. That e stays in the
+tube is checked afterwards, so that no sign and no invariant set of the solutions has to be known beforehand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import inf
+
+from flint import arb, arb_mat, arb_poly, ctx
+
+from driftproof.enclosure.collocation import NEGLIGIBLE, Stages, collocation, solved_stages
+from driftproof.enclosure.comparison import along_the_step, at_the_end, quasi_monotone, sizes_of
+from driftproof.enclosure.coordinates import Coordinates, basis_around, nearly_diagonal
+from driftproof.enclosure.fields import RightHandSide, enclosed_rates
+from driftproof.enclosure.models import TaylorModel, bounds, coefficients_of, ranges, value_at
+from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
+from driftproof.enclosure.steps import SHORTEST_PART, jacobian_of
+from driftproof.symbolic.algebra.certified import enclose
+
+# Bits for each stage: with 18 stages of 128 bits, steps are about as long as from the singularity nearest to them.
+BITS_PER_STAGE = 7
+# What a step adds is below 2⁻⁸⁰ of 128 bits, relative to the components; what it carries grows by 2⁻⁸ too much at most.
+BITS_OF_A_STEP, LOOSEST = Fraction(5, 8), 2.0**-8
+MOST_STEPS, MOST_TRIES = 5000, 60
+# The tube is so many times what a first look says that it has to be.
+TUBES = (2, 8, 32)
+# Steps change by these factors at most.
+SHORTEN, LENGTHEN = 0.25, 4.0
+
+
+@dataclass(frozen=True)
+class ErrorSet:
+    """y is in point + B z + what the point's balls hold, |z| <= widths."""
+
+    point: Sequence[arb]
+    basis: arb_mat
+    widths: arb_mat
+
+
+@dataclass(frozen=True)
+class StiffStep:
+    """[t, t + h]: v, polynomials in -1 <= σ <= 1; e = V(σ) z + ρ, |z| <= widths, |ρ| <= around, at the end <= last."""
+
+    t: Fraction
+    h: Fraction
+    polynomials: Sequence[arb_poly]
+    flow: Sequence[arb_mat]
+    widths: arb_mat
+    around: arb_mat
+    last: arb_mat
+
+    def at(self, t: Fraction) -> tuple[arb, ...]:
+        """The solution at a time of the step."""
+        sigma = enclose(2 * (t - self.t) / self.h - 1)
+        rest = self.last if t == self.t + self.h else self.around
+        around = (sizes_of(value_at(self.flow, sigma)) * self.widths + rest).entries()
+        return tuple(arb(p(sigma)) + arb(0, r.upper()) for p, r in zip(self.polynomials, around, strict=True))
+
+
+class StiffPath:
+    """Implicit steps from the first time to the last, each beginning where the one before ends."""
+
+    def __init__(self, f: RightHandSide, start: Sequence[arb], first: Fraction, last: Fraction) -> None:
+        """Work with Arb's present precision."""
+        self.f, self.t, self.last, self.steps, self.n = f, first, last, 0, len(start)
+        m = ctx.prec // BITS_PER_STAGE
+        self.length = 2 * m + 2
+        self.method = collocation(m, ctx.prec, self.length)
+        self.tolerance = 2.0 ** -float(BITS_OF_A_STEP * ctx.prec)
+        self.set = ErrorSet([x.mid() for x in start], _identity(self.n), arb_mat([[arb(x.rad())] for x in start]))
+        self.first, self.start, self.largest = first, tuple(start), [0.0] * self.n
+        self.h = (last - first) / 1024
+        self.step: StiffStep | None = None
+        self.doubles: set[float] = set()
+
+    def states_at(self, t: Fraction) -> tuple[arb, ...]:
+        """The solution at t, which is not before any time asked for."""
+        if t == self.first:
+            return self.start
+        while self.step is None or t > self.t:
+            self.advance()
+        return self.step.at(t)
+
+    def advance(self) -> StiffStep:
+        """The next step. Raises Refused where none is found."""
+        self.steps += 1
+        if self.steps > MOST_STEPS:
+            raise Refused(f"{MOST_STEPS} implicit steps lead to t = {float(self.t):.9g} only")
+        reason = "the errors so far grow too fast"
+        for _ in range(MOST_TRIES):
+            h = min(_short(self.h), self.last - self.t)
+            try:
+                added = self._attempt(h)
+            except Refused as refusal:
+                added, reason = inf, str(refusal)
+            ratio = max(added / self.tolerance, 1e-30) ** (-1 / (1 + len(self.method.stages))) if added < inf else 0.0
+            self.h = h * Fraction(min(max(0.9 * ratio, SHORTEN), LENGTHEN))
+            if added <= self.tolerance and self.step is not None:
+                self.t = self.step.t + self.step.h
+                if h < SHORTEST_PART * (self.t - self.first) and self.t < self.last:
+                    raise Refused(f"a pole, or a point where f is not smooth, is ahead near t = {float(self.t):.9g}")
+                return self.step
+        raise Refused(f"no implicit step from t = {float(self.t):.9g} is found, however short: {reason}", self.t)
+
+    def _attempt(self, h: Fraction) -> float:
+        """What the step adds, relative to the components; it is taken where that is small enough."""
+        step = enclose(h)
+        stages = solved_stages(
+            self.f, self.method, (enclose(self.t), step), self._guess(step), self.tolerance * 2.0**-10
+        )
+        if stages is None:
+            raise Refused("Newton's iteration does not converge")
+        polynomials = stages.polynomials()
+        sizes = self._sizes(stages)
+        middle, first = (self._coordinates(step, polynomials, sizes, sigma) for sigma in (0, -1))
+        T, inverse = middle.T, middle.inverse
+        flow = stages.flow(first.slow_part(first.T * self.set.basis).mid())
+        widths = self.set.widths
+        jump = arb_mat([[x - p(-1)] for x, p in zip(self.set.point, polynomials, strict=True)])
+        start = sizes_of(T * (self.set.basis - value_at(flow, arb(-1)))) * widths + sizes_of(T * jump)
+        defect = self._defect(step, polynomials, T)
+        carried = bounds(self.method.chebyshev, flow) * widths
+        box = arb_mat(self.n, 1)
+        for multiple in (0, *TUBES):
+            box = box * multiple
+            M, source = self._comparison(step, polynomials, (T, inverse), flow, box)
+            source = source * widths
+            around = along_the_step(M, start, defect + source, step)
+            if around is None:
+                raise Refused("what is known of f around the step does not bound the errors")
+            needed = carried + sizes_of(inverse) * around
+            if multiple and all(x < y for x, y in zip(needed.entries(), box.entries(), strict=True)):
+                break
+            box = box if multiple else needed
+        else:
+            raise Refused("no tube around the step is wide enough")
+        grown, added = at_the_end(M, _beside(defect, source), step)
+        own, old = _column(added, 0), grown * start + _column(added, 1)
+        if not all(x.is_finite() for x in (own + old).entries()):
+            raise Refused("the bound of the errors is not finite")
+        relative = _relative(sizes_of(inverse) * own, sizes)
+        lost = sizes_of(middle.slow_part(_identity(self.n))) * old  # what is fast decays by itself
+        followed = sizes_of(self.set.basis) * widths + sizes_of(value_at(flow, arb(1))) * widths
+        allowed = [LOOSEST * float(x) + self.tolerance * a for x, a in zip(followed.entries(), sizes, strict=True)]
+        if _relative(lost, allowed) > 1:
+            return inf
+        if relative <= self.tolerance:
+            last = own + old
+            self.step = StiffStep(
+                self.t, h, polynomials, flow, widths, sizes_of(inverse) * around, sizes_of(inverse) * last
+            )
+            self._carry(self.step, middle, last, sizes)
+        return relative
+
+    def _carry(self, step: StiffStep, middle: Coordinates, last: arb_mat, sizes: Sequence[float]) -> None:
+        """The set of errors at the end, in a new basis."""
+        image = value_at(step.flow, arb(1))
+        basis = basis_around(image, step.widths, middle, sizes)
+        back = basis.inv()
+        widths = sizes_of(back * image) * step.widths + sizes_of(back * middle.inverse) * last
+        self.set = ErrorSet([arb(p(1)) for p in step.polynomials], basis, sizes_of(widths))
+
+    def _guess(self, step: arb) -> list[list[arb]]:
+        """The polynomial before, without its last quarter, carried on."""
+        now = [x.mid() for x in self.set.point]
+        if self.step is None:
+            return [now] * (1 + len(self.method.stages))
+        ratio = step / enclose(self.step.h)
+        few = [p.truncate(3 * len(self.method.stages) // 4) for p in self.step.polynomials]
+        return [now, *([arb(p(1 + (1 + arb(s)) * ratio)).mid() for p in few] for s in self.method.stages)]
+
+    def _sizes(self, stages: Stages) -> list[float]:
+        """How large each component is on the step; or a small part of what it has been, or of the others."""
+        errors = (sizes_of(self.set.basis) * self.set.widths).entries()
+        rows = stages.values.transpose().tolist()
+        found = [max(float(abs(x)) for x in (*row, error)) for row, error in zip(rows, errors, strict=True)]
+        self.largest = [max(x, y) for x, y in zip(found, self.largest, strict=True)]
+        floor = max(max(found) * NEGLIGIBLE, 1e-290)
+        return [max(x, y * NEGLIGIBLE, floor) for x, y in zip(found, self.largest, strict=True)]
+
+    def _coordinates(
+        self, step: arb, polynomials: Sequence[arb_poly], sizes: Sequence[float], sigma: int
+    ) -> Coordinates:
+        time = Enclosed(Evaluation(), enclose(self.t) + step * (1 + sigma) / 2)
+        return nearly_diagonal(jacobian_of(self.f, time, [arb(p(sigma)) for p in polynomials]), step, sizes)
+
+    def _time(self, step: arb) -> Enclosed:
+        time = TaylorModel([enclose(self.t) + step / 2, step / 2], self.length)
+        return Enclosed(Evaluation(doubles=self.doubles), time)
+
+    def _defect(self, step: arb, polynomials: Sequence[arb_poly], T: arb_mat) -> arb_mat:
+        """Upper bounds of |T (f(t, v) - v')| on the step."""
+        time, length = self._time(step), self.length
+        state = [Enclosed(time.evaluation, TaylorModel(p, length)) for p in polynomials]
+        rates = [rate.value for rate in enclosed_rates(self.f, time, state)]
+        slopes = [TaylorModel(p.derivative() * (2 / step), length) for p in polynomials]
+        left = [[TaylorModel([arb(0)], length) + rate - slope] for rate, slope in zip(rates, slopes, strict=True)]
+        coefficients, tails = coefficients_of(left, length)
+        return bounds(self.method.chebyshev, [T * c for c in coefficients]) + sizes_of(T) * tails
+
+    def _comparison(
+        self,
+        step: arb,
+        polynomials: Sequence[arb_poly],
+        coordinates: tuple[arb_mat, arb_mat],
+        flow: Sequence[arb_mat],
+        box: arb_mat,
+    ) -> tuple[arb_mat, arb_mat]:
+        """M of T J̄ T⁻¹, and a bound of T (J̄V - V'), for all mean Jacobians J̄ between v and the box around it."""
+        (T, inverse), length, n = coordinates, self.length, self.n
+        state = [TaylorModel(p, length) + arb(0, b.upper()) for p, b in zip(polynomials, box.entries(), strict=True)]
+        rows = [
+            [TaylorModel([arb(0)], length) + x for x in row] for row in jacobian_of(self.f, self._time(step), state)
+        ]
+        coefficients, tails = coefficients_of(rows, length)
+        TJ, tails = [T * c for c in coefficients], sizes_of(T) * tails
+        J = ranges(self.method.chebyshev, [c * inverse for c in TJ])
+        M = quasi_monotone(J + _around(tails * sizes_of(inverse)))
+        slopes = [T * V * (k * 2 / step) for k, V in enumerate(flow)][1:]
+        products = [arb_mat(n, n) for _ in range(length + len(flow))]
+        for i, c in enumerate(TJ):
+            for j, V in enumerate(flow):
+                products[i + j] += c * V
+        for k, slope in enumerate(slopes):
+            products[k] -= slope
+        beyond = sum((sizes_of(m) for m in products[length:]), arb_mat(n, n))
+        source = bounds(self.method.chebyshev, products[:length]) + beyond
+        return M, source + tails * bounds(self.method.chebyshev, flow)
+
+
+def _short(h: Fraction) -> Fraction:
+    """About eight bits of it, so that times stay short."""
+    unit = Fraction(2) ** (h.numerator.bit_length() - h.denominator.bit_length() - 8)
+    return int(h / unit) * unit
+
+
+def _identity(n: int) -> arb_mat:
+    return arb_mat([[int(i == j) for j in range(n)] for i in range(n)])
+
+
+def _column(m: arb_mat, j: int) -> arb_mat:
+    return arb_mat([[row[j]] for row in m.tolist()])
+
+
+def _beside(*columns: arb_mat) -> arb_mat:
+    return arb_mat([list(row) for row in zip(*(c.entries() for c in columns), strict=True)])
+
+
+def _around(m: arb_mat) -> arb_mat:
+    """Balls around 0 of the radii."""
+    return arb_mat([[arb(0, x.upper()) for x in row] for row in m.tolist()])
+
+
+def _relative(bounds: arb_mat, sizes: Sequence[float]) -> float:
+    return max(float(x) / size for x, size in zip(bounds.entries(), sizes, strict=True))

@@ -1,0 +1,48 @@
+"""Implicit steps nearly solve stiff equations, in as many bits as are asked for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from flint import arb, arb_mat, ctx
+
+from driftproof.enclosure.collocation import collocation, solved_stages
+from driftproof.enclosure.fields import rebound
+
+M, BITS = 9, 96
+
+
+def stages_of(f, start, step, m=M):
+    with ctx.workprec(BITS):
+        method, first = collocation(m, BITS, 2 * m + 2), [arb(x) for x in start]
+        return solved_stages(rebound(f), method, (arb(0), arb(step)), [first] * (m + 1), 1e-22)
+
+
+def test_matrices_differentiate_and_interpolate_polynomials():
+    """σ³, given by its values, has the slopes 3σ², and Chebyshev's coefficients 3/4 of T_1 and 1/4 of T_3."""
+    with ctx.workprec(BITS):
+        method = collocation(M, BITS, 2 * M + 2)
+        assert (len(method.stages), method.stages[-1]) == (M, 1.0)
+        values = arb_mat([[arb(x) ** 3] for x in (-1.0, *method.stages)])
+        slopes = (method.slopes * values).entries()
+        assert all(abs(s - 3 * arb(x) ** 2) < 1e-24 for s, x in zip(slopes, method.stages, strict=True))
+        coefficients = [*(method.coefficients * values).entries(), *[arb(0)] * (M + 1)]
+        found = (arb_mat([coefficients]) * method.chebyshev).entries()
+        wanted = {1: arb(0.75), 3: arb(0.25)}
+        assert all(abs(c - wanted.get(k, 0)) < 1e-24 for k, c in enumerate(found))
+
+
+@pytest.mark.parametrize("rate", [-1.0, -1e6, -1e12])
+def test_step_and_flow_follow_the_slow_solution(rate):
+    """y' = λ(y - cos t) - sin t has y = cos t; of the flow of (λ, -1) the slow part decays by e^-h."""
+    stages = stages_of(lambda t, y: [rate * (y[0] - np.cos(t)) - np.sin(t), -y[1]], [1.0, 1.0], 0.25)
+    y, z = stages.polynomials()
+    with ctx.workprec(BITS):
+        assert abs(y(arb(1)) - arb(0.25).cos()) < 1e-14
+        assert abs(z(arb(1)) - arb(-0.25).exp()) < 1e-15
+        flow = stages.flow(arb_mat([[0, 0], [0, 1]]))
+        assert abs(sum(c[1, 1] for c in flow) - arb(-0.25).exp()) < 1e-13
+
+
+def test_step_that_has_no_solution_is_none():
+    assert stages_of(lambda t, y: [1 + y[0] ** 2 + 0 * t], [1.0], 10.0) is None

@@ -1,0 +1,66 @@
+"""Coordinates separate what is slow from what is fast, and bases hold the sets that they are made for."""
+
+from __future__ import annotations
+
+import pytest
+from flint import arb, arb_mat
+
+from driftproof.enclosure.coordinates import Coordinates, basis_around, nearly_diagonal
+from driftproof.enclosure.numbers import Refused
+
+
+def jacobian(rows):
+    return [[arb(x) for x in row] for row in rows]
+
+
+def test_slow_and_fast_directions_are_separated():
+    """Eigenvalues -1 and -1000 of (998, 1998; -999, -1999), to (2, -1) and (1, -1)."""
+    found = nearly_diagonal(jacobian([[998, 1998], [-999, -1999]]), arb(0.5), [1.0, 1.0])
+    assert found.slow == 1
+    slow = found.slow_part(found.T * arb_mat([[3], [-2]]))  # (2, -1) + (1, -1)
+    assert all(abs(x - y) < 1e-9 for x, y in zip(slow.entries(), (2, -1), strict=True))
+
+
+def test_pairs_of_conjugates_are_two_real_directions():
+    found = nearly_diagonal(jacobian([[-100, 50], [-50, -100]]), arb(1), [1.0, 1.0])
+    diagonal = found.T * arb_mat([[-100, 50], [-50, -100]]) * found.inverse
+    assert found.slow == 0
+    assert abs(diagonal[0, 0] + 100) < 1e-9
+    assert abs(abs(diagonal[0, 1]) - 50) < 1e-9
+
+
+def test_directions_that_grow_fast_are_refused():
+    with pytest.raises(Refused, match="errors grow fast there"):
+        nearly_diagonal(jacobian([[1000, 0], [0, -1]]), arb(1), [1.0, 1.0])
+
+
+def test_slow_directions_need_no_eigenvectors():
+    """A Jordan block of 0 beside what is fast."""
+    J = [[0, 1, 0], [0, 0, 0], [1, 1, -1e6]]
+    found = nearly_diagonal(jacobian(J), arb(1), [1.0, 1.0, 1.0])
+    across = (found.T * arb_mat(J) * found.inverse).tolist()
+    assert found.slow == 2
+    assert all(abs(x) < 1e-9 for x in (across[0][2], across[1][2], *across[2][:2]))
+
+
+@pytest.mark.parametrize(
+    ("image", "slow", "wanted"),
+    [
+        ([[1, 0.5], [0, 1]], 2, [[0, 1], [1, 0.5]]),  # its own directions, the wider first
+        ([[1, 1], [1, 1 + 2.0**-30]], 2, None),  # nearly dependent: orthogonal ones
+        ([[1, 0], [1, 0]], 1, [[1, 0], [1, 1]]),  # one, and the fast one
+    ],
+)
+def test_basis_is_near_to_the_set(image, slow, wanted):
+    end = Coordinates(arb_mat([[1, 0], [0, 1]]), arb_mat([[1, 0], [0, 1]]), slow)
+    basis = basis_around(arb_mat(image), arb_mat([[1], [2]]), end, [1.0, 1.0])
+    columns = basis.transpose().tolist()
+    if wanted is None:
+        assert abs(sum((x * y for x, y in zip(*columns, strict=True)), arb(0))) < 1e-12
+    back = basis.inv()
+    assert all(x.is_finite() for x in back.entries())
+    widths = [
+        float(sum((abs(x) * w for x, w in zip(row, (1, 2), strict=True)), arb(0)))
+        for row in (back * arb_mat(image)).tolist()
+    ]
+    assert max(widths) < 5

@@ -1,0 +1,162 @@
+"""Stiff solutions lie within their enclosures, sharply enough that each wrong bound that is planted is caught."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from random import Random
+
+import numpy as np
+import pytest
+from flint import arb, ctx
+from tqdm import tqdm
+
+from driftproof import certify
+from driftproof.enclosure import stiff
+from driftproof.enclosure.fields import rebound
+from driftproof.enclosure.numbers import Refused
+from driftproof.enclosure.solutions import enclose_solution
+from driftproof.enclosure.text_fields import right_hand_side
+from driftproof.numeric.problems.catalogue import PROBLEMS
+from tests.enclosure.mutants import mutant
+from tests.looping import exactly
+from tests.witnesses.closed_solutions import relaxed
+
+
+def enclosed(f, start, times, bits, module=stiff):
+    """States at the times, by implicit steps from the first."""
+    with ctx.workprec(bits):
+        path = module.StiffPath(rebound(f), [arb(x) for x in start], times[0], times[-1])
+        return [path.states_at(t) for t in times]
+
+
+def violations(problem, random, bits):
+    """How many components do not hold the formula's value, at four times after the start; half of the bits hold."""
+    inner = sorted(random.uniform(problem.t0, problem.end) for _ in range(3))
+    times = [Fraction(t) for t in (problem.t0, *inner, problem.end)]
+    found = enclosed(problem.f, problem.start, times, bits)
+    assert max(float(x.rad()) for row in found for x in row) < 2.0 ** (-0.45 * bits)
+    with ctx.workprec(256):
+        wanted = [problem.solution(arb(float(t))) for t in times]
+        pairs = [(x, y) for row, true in zip(found, wanted, strict=True) for x, y in zip(row, true, strict=True)]
+        return sum(not x.overlaps(y) for x, y in exactly(10, pairs))
+
+
+def test_random_stiff_problems_lie_within():
+    random = Random(5)
+    assert [violations(relaxed(random), random, 64) for _ in range(8)] == [0] * 8
+
+
+@pytest.mark.long
+def test_a_thousand_random_stiff_problems_lie_within():
+    random = Random(6)
+    found = [violations(relaxed(random), random, random.choice((64, 96, 128))) for _ in tqdm(range(1000))]
+    assert found == [0] * 1000
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("key", ["robertson", "hires", "van_der_pol_1e3", "van_der_pol_1e4", "oregonator"])
+def test_published_digits_lie_within_and_are_proved_to_the_last(key):
+    problem = PROBLEMS[key]
+    times = [Fraction(0), *problem.reference.times]
+    found = enclose_solution(right_hand_side(problem.field), problem.start, times)
+    with ctx.workprec(128):
+        for balls, digits in zip(found.states[1:], problem.reference.states, strict=True):
+            for ball, text in zip(balls, digits, strict=True):
+                unit = arb(10) ** (int(text.partition("e")[2] or 0) - len(text.partition("e")[0].partition(".")[2]))
+                assert abs(ball - arb(text)) < 0.6 * unit, (key, text)
+
+
+def robertson(t, y):
+    return [
+        -0.04 * y[0] + 1e4 * y[1] * y[2],
+        0.04 * y[0] - 1e4 * y[1] * y[2] - 3e7 * y[1] ** 2,
+        3e7 * y[1] ** 2,
+    ]
+
+
+def test_certificate_of_a_stiff_trajectory_from_anywhere():
+    """Stored points: SciPy 1.17.1, Radau, rtol 1e-6, atol 1e-10; at 0.4 and 4 the digits in print are as good."""
+    t = [0.0, 0.4, 4.0]
+    y = [
+        [1.0, 0.0, 0.0],
+        [0.98517211, 3.3863954e-05, 0.014794022],
+        [0.90551868, 2.2404757e-05, 0.094458917],
+    ]
+    found = certify(robertson, t, y)
+    assert 1e-9 < found.largest_error < 1e-7
+    assert max(float(x.rad()) for row in found.errors for x in row) < 1e-20
+    assert found.digits == 8
+
+
+def holds_solution(module):
+    """In few bits, so that the defect shows over rounding."""
+    random = Random(1)
+    for _ in range(3):
+        problem = relaxed(random)
+        times = [Fraction(0), Fraction(problem.end)]
+        (*_, found) = enclosed(problem.f, problem.start, times, 64, module)
+        with ctx.workprec(256):
+            wanted = problem.solution(arb(problem.end))
+            if not all(x.contains(y.mid()) for x, y in zip(found, wanted, strict=True)):
+                return False
+    return True
+
+
+def holds_neighbours(module):
+    """y0' = -y0 + y1²/10, y1' = -1000 y1 from (1 ± r, ± r): the ends' solutions lie within, by less than 1 %."""
+    r, t, times = arb(2) ** -30, arb(2), [Fraction(0), Fraction(2)]
+    start = [arb(1, r), arb(0, r)]
+    (*_, (x, y)) = enclosed(lambda t, y: [-y[0] + y[1] ** 2 / 10, -1000 * y[1]], start, times, 96, module)
+    with ctx.workprec(128):
+        grown = r * (-t).exp()
+        return abs(x.mid() - (-t).exp()) + grown <= x.rad() <= 1.01 * grown and abs(y) < 1e-20
+
+
+def holds_what_decays(module):
+    """y' = -1000 y from ± r: on the way, too, the ends' solutions lie within."""
+    r, times = arb(2) ** -30, [Fraction(k, 2000) for k in range(8)]
+    found = enclosed(lambda t, y: -1000 * y, [arb(0, r)], times, 96, module)
+    return all(
+        x.rad() >= r * (-1000 * arb(t.numerator) / t.denominator).exp() for t, (x,) in zip(times, found, strict=True)
+    )
+
+
+CHECKS = (holds_solution, holds_neighbours, holds_what_decays)
+DEFECT = "return bounds(self.method.chebyshev, [T * c for c in coefficients]) + sizes_of(T) * tails"
+CARRIED, FAST = "sizes_of(back * image) * step.widths", "value_at(flow, arb(-1)))) * widths"
+WRONG = {
+    "the defect dropped": (holds_solution, DEFECT, "return arb_mat(self.n, 1)"),
+    "a radius halved": (holds_neighbours, "arb(0, r.upper())", "arb(0, r.upper() / 2)"),
+    "carried errors halved": (holds_neighbours, CARRIED, f"{CARRIED} / 2"),
+    "a step's own errors dropped": (holds_solution, "last = own + old", "last = old"),
+    "the fast part of the errors dropped": (holds_what_decays, FAST, f"{FAST} * 0"),
+}
+
+
+@pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
+def test_stiff_solution_holds(check):
+    assert check(mutant("stiff"))
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_wrong_stiff_solution_is_caught(name):
+    check, *replaced = WRONG[name]
+    assert not check(mutant("stiff", tuple(replaced)))
+
+
+def test_start_is_as_it_was_given():
+    (first, _) = enclosed(lambda t, y: -1000 * y, [0.1], [Fraction(0), Fraction(1)], 64)
+    assert first == (arb(0.1),)
+
+
+def test_step_over_a_branch_is_refused():
+    def f(t, y):
+        return [-1000 * (y[0] - np.cos(t)) if t < 1 else -y[0]]
+
+    with pytest.raises(Refused, match=r"a pole, or a point where f is not smooth, is ahead near t = 1$"):
+        enclosed(f, [1.0], [Fraction(0), Fraction(2)], 64)
+
+
+def test_stiff_pole_is_refused():
+    with pytest.raises(Refused, match=r"a pole, .* is ahead near t = 1$"):
+        enclosed(lambda t, y: [-1000 * y[0], y[1] ** 2], [1.0, 1.0], [Fraction(0), Fraction(3)], 64)
