@@ -7,7 +7,10 @@ from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
 
+from proofs.kernel.a_stability import a_stability
 from proofs.kernel.coq import Theorem, theorems
+from proofs.kernel.float_runs import float_runs
+from proofs.kernel.orders import orders
 from proofs.kernel.programs import programs
 from proofs.kernel.tables import tables
 from proofs.kernel.values import values
@@ -20,10 +23,14 @@ WRITTEN: dict[str, Callable[[], str]] = {
     "Tables": partial(tables, (*LESSON_METHODS, *COMPARED)),
     "Values": values,
     "Programs": programs,
+    "OrdersOfTables": orders,
+    "AStability": a_stability,
+    "FloatRuns": float_runs,
 }
 ORDER = (
     *("Methods", "Runs", "Readouts", "Arithmetic", "Identities", "Tables", "Values", "Programs"),
-    *("OneStep", "Energy", "ExactFlow", "Stability", "Phase"),
+    *("OneStep", "Energy", "ExactFlow", "Stability", "Phase", "Trees", "Orders", "OrdersOfTables", "Convergence"),
+    *("LeftHalfPlane", "AStability", "Floats", "FloatRuns"),
 )
 
 

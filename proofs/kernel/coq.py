@@ -14,6 +14,7 @@ TECHNIQUES = {
     "by_vm": VM,
     "by_run": VM,
     "by_order": VM,
+    "by_bits": VM,
     "by_sign": SIGN,
     "by_interval": INTERVAL,
     "by_angle": INTERVAL,
@@ -41,7 +42,8 @@ class Theorem:
     @property
     def technique(self) -> str:
         """The way in which the proof is right."""
-        return TECHNIQUES.get(self.proof.removesuffix("."), SCRIPT)
+        sentence = re.fullmatch(r"(\w+)[^.]*\.", self.proof)
+        return TECHNIQUES.get(sentence[1], SCRIPT) if sentence else SCRIPT
 
     def text(self) -> str:
         """The theorem as it stands in a file."""

@@ -10,6 +10,12 @@ from proofs.kernel.certificates import Certificate, all_theorems
 from proofs.kernel.coq import Theorem
 from proofs.printed import ROWS
 
+# RK4 with its last weights 1/6 and 2/6 changed places with 2/6 and 1/6.
+WRONG_WEIGHT = (
+    "{| written_relation := [0]; low := 0; high := 0; denominator := 6; written_matrix := "
+    "[[[0]; [0]; [0]; [0]]; [[3]; [0]; [0]; [0]]; [[0]; [3]; [0]; [0]]; [[0]; [0]; [6]; [0]]]; "
+    "written_weights := [[1]; [2]; [1]; [2]] |}"
+)
 # Theorem -> what its statement says, and what a wrong one says instead.
 PLANTED: tuple[tuple[str, str, str], ...] = (
     # a wrong sign, coefficient or power in an identity
@@ -47,6 +53,26 @@ PLANTED: tuple[tuple[str, str, str], ...] = (
     ("L165", "2 * INR n + 1", "2 * INR n - 1"),
     ("L240_L245", "4 * r ^ 2", "2 * r ^ 2"),
     ("L247", "sqrt 2", "sqrt 3"),
+    # an order too high, a weight or an irrational coefficient that is wrong
+    ("order_of_rk4", "rk4 4", "rk4 5"),
+    ("order_of_cooper_verner8", "cooper_verner8 8", "cooper_verner8 9"),
+    ("order_of_rk4", "rk4", WRONG_WEIGHT),
+    ("order_of_implicit_midpoint", "implicit_midpoint 2", "implicit_midpoint 3"),
+    ("a_stable_implicit_midpoint", "[2; 1]", "[2; 2]"),
+    ("a_stable_gauss2", "[12; -6; 1]", "[12; -6; -1]"),
+    # the last bit of a float run
+    ("float_run_compare_rk4", "da065dp", "da065ep"),
+    # a limit, a factor or an end that is off by one in its last digit
+    ("L039", "h <= 1.98029 ", "h <= 1.98030 "),
+    ("L147", "0.250082", "0.250083"),
+    ("L148", "48 *", "49 *"),
+    ("L191", "15.999 *", "16.000 *"),
+    ("L193", "2.78 *", "2.79 *"),
+    ("L244", "290 *", "310 *"),
+    ("L012", "7 / 2", "4"),
+    ("L048", "- (1 / 2) * q", "1 / 2 * q"),
+    ("L188", "- (v / 120)", "v / 120"),
+    ("T04", "bounded symplectic_euler (199 / 100)", "bounded symplectic_euler (200 / 100)"),
 )
 
 

@@ -55,9 +55,8 @@ COUNTED = {row.id for row in ROWS if row.id.endswith(("evaluations", "stages"))}
 def test_every_way_of_being_right_has_errors_planted() -> None:
     """Each technique of the ledger's column has mutants, each of them another statement than the right one."""
     planted = mutants()
-    assert {right.theorem.technique for right, _ in planted} == {
-        found.theorem.technique for found in all_theorems() if found.theorem.claims
-    }
+    techniques = {found.theorem.technique for found in all_theorems() if found.theorem.claims}
+    assert techniques <= {right.theorem.technique for right, _ in planted}
     assert all(right.theorem.statement != mutant.statement for right, mutant in planted)
 
 

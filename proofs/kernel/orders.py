@@ -1,0 +1,93 @@
+"""OrdersOfTables.v: the order of every exact Runge-Kutta table of the catalogue, embedded ones among them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from math import lcm
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.number_field import Exact, NumberField
+from driftproof.methods.schemes import RungeKutta
+from driftproof.symbolic.facts import general_order
+from driftproof.symbolic.trees.rooted_trees import Tree
+from proofs.kernel.coq import Theorem, coq_list, file_text, rational
+
+IMPORTS = """\
+From Coq Require Import QArith ZArith List.
+From driftproof Require Import Trees Orders.
+Import ListNotations.
+Open Scope Z_scope."""
+# How closely the root of a number field is enclosed: enough to tell a residual of the catalogue from zero.
+BITS = 80
+
+
+def exact_tables() -> Iterator[RungeKutta]:
+    """The tables whose coefficients are exact, each followed by the embedded one that it has."""
+    for method in METHODS.values():
+        if isinstance(method, RungeKutta) and not method.decimal:
+            yield method
+            if method.b_embedded is not None:
+                yield method.embedded("_embedded")
+
+
+def orders() -> str:
+    """The text of OrdersOfTables.v."""
+    return file_text("The orders of the exact tables.", IMPORTS, (_entry(method) for method in exact_tables()))
+
+
+def _entry(method: RungeKutta) -> str:
+    """A table and the theorem on its order."""
+    fact = general_order(method)
+    proof = f"by_order ({tree_text(fact.failing_tree)})."
+    theorem = Theorem(f"order_of_{method.key}", f"has_order {method.key} {fact.order}", proof)
+    return f"{definition(method)}\n{theorem.text()}"
+
+
+def definition(method: RungeKutta) -> str:
+    """The table as integers of its field over a common denominator."""
+    integers = [_integer_coordinates(x, method.field) for x in (*(x for row in method.a for x in row), *method.b)]
+    denominator = lcm(*(x.denominator for coordinates in integers for x in coordinates))
+    written = iter(coq_list(str(int(x * denominator)) for x in coordinates) for coordinates in integers)
+    rows = [coq_list(next(written) for _ in row) for row in method.a]
+    relation, low, high = _root(method.field)
+    return (
+        f"Definition {method.key} : table := {{|\n"
+        f"  written_relation := {coq_list(map(str, relation))}; low := {_in_q(low)}; high := {_in_q(high)};\n"
+        f"  denominator := {denominator};\n"
+        f"  written_matrix := {coq_list(rows)};\n"
+        f"  written_weights := {coq_list(written)} |}}.\n"
+    )
+
+
+def tree_text(tree: Tree) -> str:
+    """An ordered drawing of the tree: its branches grafted one after the other."""
+    text = "vertex"
+    for branch in tree:
+        left, right = (f"({part})" if " " in part else part for part in (text, tree_text(branch)))
+        text = f"graft {left} {right}"
+    return text
+
+
+def _root(field: NumberField | None) -> tuple[list[int], Fraction, Fraction]:
+    """r with X^n = r_0 + r_1 X + ... for L times the field's generator, L its leading coefficient; and its enclosure.
+
+    L times the generator is an algebraic integer, so that integers of the field stay integers. Rationals take X = 0.
+    """
+    if field is None:
+        return [0], Fraction(0), Fraction(0)
+    *rest, leading = field.minimal
+    low, high = (leading * field.generator).enclosure(BITS)
+    return [-m * leading ** (len(rest) - 1 - i) for i, m in enumerate(rest)], low, high
+
+
+def _integer_coordinates(x: Exact, field: NumberField | None) -> list[Fraction]:
+    """The coefficients of x in the powers of L times the generator."""
+    if isinstance(x, Fraction):
+        return [x]
+    assert field is not None
+    return [c / Fraction(field.minimal[-1]) ** i for i, c in enumerate(x.coefficients)]
+
+
+def _in_q(x: Fraction) -> str:
+    return f"({rational(x)})%Q"

@@ -1,0 +1,390 @@
+(** How errors fall with the step, and where a smaller step does not help. *)
+
+From Coq Require Import QArith Qabs Qreals Reals Lra Lia Psatz List.
+From driftproof Require Import Identities Tables OneStep Energy Stability ExactFlow Phase Trees Orders OrdersOfTables.
+Open Scope R_scope.
+
+(** A rational table as the method whose steps are taken: the coefficients below the diagonal. *)
+Definition as_method (t : table) : method :=
+  let q x := Qred (hd 0%Z x # Z.to_pos (denominator t)) in
+  let rows := map (map q) (written_matrix t) in
+  RungeKutta (map (fun p => firstn (fst p) (snd p)) (combine (seq 0 (length rows)) rows)) (map q (written_weights t)).
+
+Definition error (m : method) (h : Q) (n : nat) (t : R) : R := distance (to_R (run m h n start)) (flow t).
+
+Theorem L058 : Tables.rk4 = as_method rk4 /\ evaluations Tables.rk4 = 4%nat /\ has_order rk4 4.
+Proof. split; [reflexivity | split; [reflexivity | exact order_of_rk4]]. Qed.
+
+Theorem L065 : fst (step Tables.rk4 (1 / 2) (1, 0)) <> cos (1 / 2) /\ ~ bounded Tables.rk4 3.
+Proof.
+  split.
+  - apply Rgt_not_eq. expose. interval with (i_prec 60).
+  - intros all. apply (L175 3 ltac:(lra)) in all. destruct two_roots_of_two. nra.
+Qed.
+
+Theorem L143 :
+  let energy_error m h n := Rabs (energy (to_R (run m h n start)) - 1 / 2) in
+  error Tables.forward_euler (1#10) 100 10 < error Tables.forward_euler (1#4) 40 10
+  /\ error symplectic_euler (1#10) 100 10 < error symplectic_euler (1#4) 40 10
+  /\ error Tables.rk4 (1#10) 100 10 < error Tables.rk4 (1#4) 40 10
+  /\ energy_error Tables.forward_euler (1#10)%Q 100%nat < energy_error Tables.forward_euler (1#4)%Q 40%nat
+  /\ energy_error symplectic_euler (1#10)%Q 100%nat < energy_error symplectic_euler (1#4)%Q 40%nat
+  /\ energy_error Tables.rk4 (1#10)%Q 100%nat < energy_error Tables.rk4 (1#4)%Q 40%nat
+  /\ error Tables.forward_euler (5#2) 4 10 < error Tables.forward_euler 2 5 10.
+Proof. cbv zeta. unfold error. by_interval. Qed.
+
+Theorem L147 : (error symplectic_euler (1#2) 20 10 ≈ 0.250082)%R /\ 1 / 4 < error symplectic_euler (1#2) 20 10.
+Proof. unfold error. by_interval. Qed.
+
+Theorem L148 : 48 * error Tables.rk4 (1#2) 20 10 < error symplectic_euler (1#2) 20 10.
+Proof. unfold error. by_interval. Qed.
+
+Theorem L151 : 143 < degrees (5 / 2) < 144.
+Proof. unfold degrees. by_interval. Qed.
+
+Theorem L193 : 2.78 * error symplectic_euler (1#4) 40 10 < error symplectic_euler (1#2) 20 10
+  /\ error symplectic_euler (1#2) 20 10 < 2.79 * error symplectic_euler (1#4) 40 10.
+Proof. unfold error. by_interval. Qed.
+
+Theorem L244 : (100 * evaluations Tables.forward_euler = 25 * evaluations Tables.rk4)%nat
+  /\ 290 * error Tables.rk4 (2#5) 25 10 < error Tables.forward_euler (1#10) 100 10
+  /\ error Tables.rk4 (2#5) 25 10 < 0.0022 /\ 0.64 < error Tables.forward_euler (1#10) 100 10.
+Proof. split; [reflexivity|]. unfold error. by_interval. Qed.
+
+Lemma pow_le_exp x n : 0 <= x -> (1 + x) ^ n <= exp (INR n * x).
+Proof.
+  intros positive. apply Rle_trans with (exp x ^ n); [apply pow_incr; split; [lra | apply exp_ineq1_le]|].
+  apply Req_le. induction n as [|n IH]; cbn [pow]; [cbn; now rewrite Rmult_0_l, exp_0|].
+  rewrite IH, <- exp_plus, S_INR. f_equal. ring.
+Qed.
+
+(** As h -> 0 at t = 10 the energy of n steps of 10/n goes to 1/2; at a fixed step it exceeds every bound. *)
+Theorem L041 :
+  is_lim_seq (fun n => energy (run Tables.forward_euler (10 / INR (S n)) (S n) (1, 0))) (1 / 2)
+  /\ forall h B, 0 < h -> exists n, B < energy (run Tables.forward_euler h n (1, 0)).
+Proof.
+  split; [|intros h B positive; apply (proj1 (L040 h 1 0 positive)); injection; lra].
+  apply is_lim_seq_ext with (fun n => (1 + (10 / INR (S n)) ^ 2) ^ S n * (1 / 2)).
+  { intros n. rewrite L038. f_equal. by_ring. }
+  assert (vanishes : is_lim_seq (fun n => 100 * / INR (S n)) (100 * 0)).
+  { apply is_lim_seq_scal_l with (lu := Finite 0). apply is_lim_seq_inv with (l := p_infty); [|easy].
+    apply -> is_lim_seq_incr_1. apply is_lim_seq_INR. }
+  apply is_lim_seq_le_le with (u := fun _ => 1 / 2) (w := fun n => exp (100 * / INR (S n)) * (1 / 2)).
+  - intros n. assert (P : 0 < INR (S n)) by (apply lt_0_INR; lia). assert (Sq := pow2_ge_0 (10 / INR (S n))).
+    generalize (pow_R1_Rle (1 + (10 / INR (S n)) ^ 2) (S n)), (pow_le_exp _ (S n) Sq).
+    replace (INR (S n) * (10 / INR (S n)) ^ 2) with (100 * / INR (S n)) by (field; lra). lra.
+  - apply is_lim_seq_const.
+  - replace (Finite (1 / 2)) with (Finite (exp (100 * 0) * (1 / 2))) by (rewrite Rmult_0_r, exp_0; f_equal; field).
+    apply is_lim_seq_mult'; [|apply is_lim_seq_const].
+    apply (is_lim_seq_continuous exp); [apply derivable_continuous_pt, derivable_pt_exp | exact vanishes].
+Qed.
+
+Lemma mean_value f f' a b : a < b -> (forall x, a <= x <= b -> is_derive f x (f' x)) ->
+  exists c, a <= c <= b /\ f b - f a = f' c * (b - a).
+Proof.
+  intros less D. destruct (MVT_gen f a b f') as (c & inside & E); rewrite ?Rmin_left, ?Rmax_right in * by lra.
+  - intros x inside. apply D. lra.
+  - intros x inside. apply derivable_continuous_pt. exists (f' x). apply is_derive_Reals, D, inside.
+  - now exists c.
+Qed.
+
+(** The exponent T log (1 + h^2)/h of the growth over a fixed time T rises with h up to 1.98029... and falls after. *)
+Definition growth (h : R) : R := ln (1 + h ^ 2) / h.
+Theorem L039 :
+  (forall h, 0 < h <= 1.98029 -> exists slope, 0 < slope /\ is_derive growth h slope)
+  /\ (forall h, 1.98030 <= h -> exists slope, slope < 0 /\ is_derive growth h slope)
+  /\ energy (run Tables.forward_euler 2 5 (1, 0)) / (1 / 2) = 3125
+  /\ energy (run Tables.forward_euler (5 / 2) 4 (1, 0)) / (1 / 2) = (29 / 4) ^ 4 /\ (29 / 4) ^ 4 < 3125.
+Proof.
+  set (s := fun x => 2 * x / (1 + x) - ln (1 + x)).
+  assert (Ds : forall x, 0 <= x -> is_derive s x ((1 - x) / (1 + x) ^ 2)).
+  { intros x positive. unfold s. auto_derive; [repeat split; lra|]. real_field. lra. }
+  assert (Dg : forall h, 0 < h -> is_derive growth h (s (h ^ 2) / h ^ 2)).
+  { intros h positive. assert (0 < h ^ 2) by nra. unfold growth, s. auto_derive; [repeat split; nra|].
+    replace (1 + h * (h * 1)) with (1 + h ^ 2) by ring. generalize (ln (1 + h ^ 2)). intros l. real_field. split; nra. }
+  assert (rises : forall x, 0 < x <= 1 -> 0 < s x).
+  { intros x inside. destruct (mean_value s (fun x => (1 - x) / (1 + x) ^ 2) 0 x) as (c & C & E);
+      [lra | intros; apply Ds; lra |].
+    assert (zero : s 0 = 0) by (unfold s; rewrite Rplus_0_r, ln_1; field).
+    destruct (Req_dec c 1) as [->|]; [replace x with 1 by lra; unfold s; interval|].
+    assert (0 < (1 - c) / (1 + c) ^ 2) by (apply Rdiv_lt_0_compat; nra). nra. }
+  assert (falls : forall x y, 1 <= x -> x < y -> s y <= s x).
+  { intros x y one less. destruct (mean_value s (fun x => (1 - x) / (1 + x) ^ 2) x y) as (c & C & E);
+      [lra | intros; apply Ds; lra |].
+    assert (0 <= (c - 1) / (1 + c) ^ 2) by (apply Rmult_le_pos; [lra | apply Rlt_le, Rinv_0_lt_compat; nra]).
+    replace ((1 - c) / (1 + c) ^ 2) with (- ((c - 1) / (1 + c) ^ 2)) in E by (field; lra). nra. }
+  assert (0 < s (1.98029 ^ 2)) by (unfold s; interval with (i_prec 80)).
+  assert (s (1.98030 ^ 2) < 0) by (unfold s; interval with (i_prec 80)).
+  split; [|split; [|split; [|split]]].
+  - intros h inside. exists (s (h ^ 2) / h ^ 2). split; [|apply Dg; lra].
+    apply Rdiv_lt_0_compat; [|nra]. destruct (Rle_dec (h ^ 2) 1); [apply rises; nra|].
+    destruct (Req_dec h 1.98029) as [->|]; [assumption|].
+    generalize (falls (h ^ 2) (1.98029 ^ 2) ltac:(lra) ltac:(nra)). lra.
+  - intros h large. exists (s (h ^ 2) / h ^ 2). split; [|apply Dg; lra].
+    assert (s (h ^ 2) < 0).
+    { destruct (Req_dec h 1.98030) as [->|]; [assumption|].
+      generalize (falls (1.98030 ^ 2) (h ^ 2) ltac:(lra) ltac:(nra)). lra. }
+    apply Ropp_lt_cancel. rewrite Ropp_0.
+    replace (- (s (h ^ 2) / h ^ 2)) with (- s (h ^ 2) / h ^ 2) by (field; nra). apply Rdiv_lt_0_compat; nra.
+  - rewrite L038. replace (energy (1, 0)) with (1 / 2) by by_ring. field.
+  - rewrite L038. replace (energy (1, 0)) with (1 / 2) by by_ring. field.
+  - lra.
+Qed.
+
+(** y' = 1 from t = 1/3 on and 0 before: by how much RK4 misses y(1) = 2/3 with 2^k steps. *)
+Definition jump_error (k : nat) : Q :=
+  match Tables.rk4 with
+  | RungeKutta A b =>
+      let size := (1 # Pos.of_nat (2 ^ k))%Q in
+      let stage i p := let t := ((inject_Z (Z.of_nat i) + fold_right Qplus 0 (snd p)) * size)%Q in
+                       (if Qle_bool (1 # 3) t then fst p * size else 0)%Q in
+      let sum := fold_right (fun x y => Qred (x + y)) 0%Q (flat_map (fun i => map (stage i) (combine b A)) (seq 0 (2 ^ k))) in
+      Qred (Qabs (sum - (2 # 3)))
+  | Splitting _ => 0%Q
+  end.
+
+(** An error that each step multiplies by at most 1 + h L, and adds C h^(p+1) to, is at most C h^p (exp(L T) - 1)/L; for
+    a rate that jumps it is not, nor over a time that grows. *)
+Theorem L185 :
+  (forall L C h p e, 0 < L -> 0 <= C -> 0 < h -> e 0%nat = 0 ->
+     (forall n, e (S n) <= (1 + h * L) * e n + C * h ^ (p + 1)) ->
+     forall n, e n <= C * h ^ p * ((1 + h * L) ^ n - 1) / L <= C * h ^ p * (exp (L * (INR n * h)) - 1) / L)
+  /\ map jump_error (seq 1 8) = map (fun k => Qred ((1 # 6) * (1 # Pos.of_nat (2 ^ k)))) (seq 1 8)
+  /\ forall h B, 0 < h -> exists n, B < energy (run Tables.forward_euler h n (1, 0)).
+Proof.
+  split; [|split; [vm_compute; reflexivity | apply L041]].
+  intros L C h p e L_pos C_pos h_pos start one n.
+  assert (0 <= C * h ^ p) by (apply Rmult_le_pos; [lra | apply pow_le; lra]). split.
+  - induction n as [|n IH]; [rewrite start; cbn [pow]; apply Req_le; field; lra|].
+    eapply Rle_trans; [apply one|].
+    apply Rle_trans with ((1 + h * L) * (C * h ^ p * ((1 + h * L) ^ n - 1) / L) + C * h ^ (p + 1)).
+    + apply Rplus_le_compat_r, Rmult_le_compat_l; [nra | exact IH].
+    + rewrite pow_add. cbn [pow]. apply Req_le. field. lra.
+  - unfold Rdiv. apply Rmult_le_compat_r; [apply Rlt_le, Rinv_0_lt_compat; lra|]. apply Rmult_le_compat_l; [assumption|].
+    assert (0 <= h * L) by nra. generalize (pow_le_exp (h * L) n H0).
+    replace (INR n * (h * L)) with (L * (INR n * h)) by ring. lra.
+Qed.
+
+Theorem T04 : bounded symplectic_euler (199 / 100) /\ ~ bounded symplectic_euler 2
+  /\ ~ bounded symplectic_euler (201 / 100) /\ bounded symplectic_euler 0
+  /\ ~ bounded Tables.forward_euler (1 / 1000).
+Proof.
+  split; [|split; [|split; [|split]]].
+  - intros [q v]. set (I := modified_energy (199 / 100) (q, v)).
+    exists (2 * I / (1 - (199 / 100) ^ 2 / 4)). intros n.
+    generalize (modified_energy_of_run (199 / 100) (q, v) n). fold I.
+    destruct (run symplectic_euler (199 / 100) n (q, v)) as [x y]. intros kept.
+    destruct (L055 (199 / 100) x y) as (_ & _ & _ & Q & V & _); [lra|]. rewrite kept in Q, V.
+    replace (energy (x, y)) with ((x ^ 2 + y ^ 2) / 2) by by_ring. lra.
+  - intros all. destruct (all (1, 0)) as [B within].
+    assert (exists n, Rabs B < INR n) as [n above].
+    { exists (Z.to_nat (up (Rabs B))). rewrite INR_IZR_INZ, Z2Nat.id; [apply archimed|].
+      apply le_IZR. generalize (Rabs_pos B), (proj1 (archimed (Rabs B))). lra. }
+    specialize (within n). rewrite (proj1 (L165 n)) in within.
+    assert (One : ((-1) ^ n) * ((-1) ^ n) = 1)
+      by (rewrite <- Rpow_mult_distr; replace (-1 * -1) with 1 by ring; apply pow1).
+    assert (E : energy ((-1) ^ n * (2 * INR n + 1), (-1) ^ n * (2 * INR n))
+                = (-1) ^ n * (-1) ^ n * (4 * INR n * INR n + 2 * INR n + 1 / 2))
+      by (generalize ((-1) ^ n), (INR n); by_ring).
+    rewrite E, One in within. generalize (Rle_abs B), (pos_INR n). nra.
+  - intros all. destruct (all (1, 0)) as [B within].
+    destruct (L174 (201 / 100)) as (_ & _ & _ & l & root & small & large); [lra|].
+    set (c := 1 - (201 / 100) ^ 2 - l) in large. clearbody c. set (w := 1 + c ^ 2).
+    assert (one : 1 <= w) by (unfold w; generalize (pow2_ge_0 c); lra).
+    destruct (large (Rabs B + 5 * w)) as [n above]. specialize (within n).
+    destruct (run symplectic_euler (201 / 100) n (1, 0)) as [q v]. cbn [fst snd] in above.
+    set (f := 201 / 100 * q + c * v) in above.
+    assert (F : f ^ 2 <= 10 * w * energy (q, v)).
+    { unfold f, w. expose. generalize (pow2_ge_0 (201 / 100 * v - c * q)), (pow2_ge_0 q), (pow2_ge_0 v), (pow2_ge_0 (c * q)),
+        (pow2_ge_0 (c * v)). nra. }
+    rewrite <- pow2_abs in F. generalize (Rle_abs B), (Rabs_pos B). intros.
+    assert (10 * w * energy (q, v) <= 10 * w * Rabs B) by (apply Rmult_le_compat_l; lra).
+    assert ((Rabs B + 5 * w) * (Rabs B + 5 * w) < Rabs f * Rabs f) by (apply Rmult_le_0_lt_compat; lra). nra.
+  - intros [q v]. exists (energy (q, v)). intros n. apply Req_le.
+    induction n as [|n IH]; cbn [run]; [reflexivity|]. rewrite <- IH.
+    destruct (run symplectic_euler 0 n (q, v)) as [x y]. by_ring.
+  - intros all. destruct (all (1, 0)) as [B within].
+    destruct (proj1 (L040 (1 / 1000) 1 0 ltac:(lra)) ltac:(injection; lra) B) as [n above].
+    specialize (within n). lra.
+Qed.
+
+(** What the series of the cosine and the sine leave, for h >= 0: each by the sign of the one before. *)
+Lemma nonneg_of_derivative f f' : f 0 = 0 -> (forall x, 0 <= x -> is_derive f x (f' x)) ->
+  (forall x, 0 <= x -> 0 <= f' x) -> forall x, 0 <= x -> 0 <= f x.
+Proof.
+  intros zero D sign x [positive | <-]; [|lra].
+  destruct (mean_value f f' 0 x positive) as (c & C & E); [intros; apply D; lra|].
+  generalize (sign c ltac:(lra)). nra.
+Qed.
+
+Ltac by_series f f' previous :=
+  intros x positive; cut (0 <= f x); [lra|];
+  apply (nonneg_of_derivative f f'); [rewrite ?cos_0, ?sin_0; field | | | assumption];
+  intros y Y; [auto_derive; trivial; real_field | generalize (previous y Y); lra].
+
+Lemma sin_1 : forall x, 0 <= x -> sin x <= x.
+Proof.
+  by_series (fun x => x - sin x) (fun x => 1 - cos x) (fun y (_ : 0 <= y) => COS_bound y).
+Qed.
+Lemma cos_2 : forall x, 0 <= x -> 1 - x ^ 2 / 2 <= cos x.
+Proof. by_series (fun x => cos x - (1 - x ^ 2 / 2)) (fun x => x - sin x) sin_1. Qed.
+Lemma sin_3 : forall x, 0 <= x -> x - x ^ 3 / 6 <= sin x.
+Proof. by_series (fun x => sin x - (x - x ^ 3 / 6)) (fun x => cos x - (1 - x ^ 2 / 2)) cos_2. Qed.
+Lemma cos_4 : forall x, 0 <= x -> cos x <= 1 - x ^ 2 / 2 + x ^ 4 / 24.
+Proof. by_series (fun x => 1 - x ^ 2 / 2 + x ^ 4 / 24 - cos x) (fun x => sin x - (x - x ^ 3 / 6)) sin_3. Qed.
+Lemma sin_5 : forall x, 0 <= x -> sin x <= x - x ^ 3 / 6 + x ^ 5 / 120.
+Proof.
+  by_series (fun x => x - x ^ 3 / 6 + x ^ 5 / 120 - sin x) (fun x => 1 - x ^ 2 / 2 + x ^ 4 / 24 - cos x) cos_4.
+Qed.
+Lemma cos_6 : forall x, 0 <= x -> 1 - x ^ 2 / 2 + x ^ 4 / 24 - x ^ 6 / 720 <= cos x.
+Proof.
+  by_series (fun x => cos x - (1 - x ^ 2 / 2 + x ^ 4 / 24 - x ^ 6 / 720))
+    (fun x => x - x ^ 3 / 6 + x ^ 5 / 120 - sin x) sin_5.
+Qed.
+Lemma sin_7 : forall x, 0 <= x -> x - x ^ 3 / 6 + x ^ 5 / 120 - x ^ 7 / 5040 <= sin x.
+Proof.
+  by_series (fun x => sin x - (x - x ^ 3 / 6 + x ^ 5 / 120 - x ^ 7 / 5040))
+    (fun x => cos x - (1 - x ^ 2 / 2 + x ^ 4 / 24 - x ^ 6 / 720)) cos_6.
+Qed.
+
+(** The exact state after h, and how far z + (a, b) is from another state. *)
+Definition after (h : R) (z : state R) : state R :=
+  (fst z * cos h + snd z * sin h, snd z * cos h - fst z * sin h).
+Definition within (z a w : state R) (bound : R) : Prop :=
+  Rabs (fst z + fst a - fst w) <= bound /\ Rabs (snd z + snd a - snd w) <= bound.
+
+Lemma combination_small x y q v d : Rabs x <= d -> Rabs y <= d -> Rabs (x * q + y * v) <= d * (Rabs q + Rabs v).
+Proof.
+  intros X Y. eapply Rle_trans; [apply Rabs_triang|]. rewrite !Rabs_mult, Rmult_plus_distr_l.
+  apply Rplus_le_compat; apply Rmult_le_compat_r; trivial; apply Rabs_pos.
+Qed.
+
+Theorem L048 : forall h q v, 0 <= h <= 1 ->
+  within (after h (q, v)) (h ^ 2 * (- (1 / 2) * q), h ^ 2 * (1 / 2 * v)) (step symplectic_euler h (q, v))
+    (h ^ 3 * (Rabs q + Rabs v)).
+Proof.
+  intros h q v [low high]. assert (C4 := cos_4 h low). assert (C2 := cos_2 h low). assert (S1 := sin_1 h low).
+  assert (S3 := sin_3 h low). assert (0 <= h ^ 3) by (apply pow_le; lra). assert (h ^ 4 <= h ^ 3) by nra.
+  split; unfold after; cbn [fst snd].
+  - replace (_ - _) with ((cos h - (1 - h ^ 2 / 2)) * q + (sin h - h) * v) by by_ring.
+    apply combination_small; apply Rabs_le; lra.
+  - replace (_ - _) with ((h - sin h) * q + (cos h - (1 - h ^ 2 / 2)) * v) by by_ring.
+    apply combination_small; apply Rabs_le; lra.
+Qed.
+
+(** Of any smooth problem by the conditions of the trees; on the oscillator with the leading terms, and what they leave. *)
+Theorem L188 : has_order forward_euler 1 /\ has_order rk4 4 /\ forall h q v, 0 <= h <= 1 ->
+  within (after h (q, v)) (h ^ 2 * (q / 2), h ^ 2 * (v / 2)) (step Tables.forward_euler h (q, v))
+    (h ^ 3 * (Rabs q + Rabs v))
+  /\ within (after h (q, v)) (h ^ 2 * (- (q / 2)), h ^ 2 * (v / 2)) (step symplectic_euler h (q, v))
+       (h ^ 3 * (Rabs q + Rabs v))
+  /\ within (after h (q, v)) (h ^ 5 * (- (v / 120)), h ^ 5 * (q / 120)) (step Tables.rk4 h (q, v))
+       (h ^ 6 * (Rabs q + Rabs v)).
+Proof.
+  split; [exact order_of_forward_euler | split; [exact order_of_rk4|]]. intros h q v inside.
+  split; [|split].
+  2: { generalize (L048 h q v inside). unfold within; cbn [fst snd].
+       replace (- (1 / 2) * q) with (- (q / 2)) by field. now replace (1 / 2 * v) with (v / 2) by field. }
+  all: destruct inside as [low high]; assert (C4 := cos_4 h low); assert (C2 := cos_2 h low).
+  all: assert (S1 := sin_1 h low); assert (S3 := sin_3 h low); assert (S5 := sin_5 h low).
+  all: assert (C6 := cos_6 h low); assert (S7 := sin_7 h low).
+  all: assert (0 <= h ^ 3) by (apply pow_le; lra); assert (0 <= h ^ 6) by (apply pow_le; lra).
+  all: assert (h ^ 4 <= h ^ 3) by nra; assert (h ^ 7 <= h ^ 6) by (replace (h ^ 7) with (h * h ^ 6) by ring; nra).
+  - split; unfold after; cbn [fst snd].
+    + replace (_ - _) with ((cos h - (1 - h ^ 2 / 2)) * q + (sin h - h) * v) by by_ring.
+      apply combination_small; apply Rabs_le; lra.
+    + replace (_ - _) with ((h - sin h) * q + (cos h - (1 - h ^ 2 / 2)) * v) by by_ring.
+      apply combination_small; apply Rabs_le; lra.
+  - split; unfold after; cbn [fst snd].
+    + replace (_ - _) with ((cos h - (1 - h ^ 2 / 2 + h ^ 4 / 24)) * q
+                            + (sin h - (h - h ^ 3 / 6 + h ^ 5 / 120)) * v) by by_ring.
+      apply combination_small; apply Rabs_le; lra.
+    + replace (_ - _) with (((h - h ^ 3 / 6 + h ^ 5 / 120) - sin h) * q
+                            + (cos h - (1 - h ^ 2 / 2 + h ^ 4 / 24)) * v) by by_ring.
+      apply combination_small; apply Rabs_le; lra.
+Qed.
+
+(** How far one step misses the flow of a unit state: |1 + ih - e^(ih)|^2 and |R(ih) - e^(ih)|^2. *)
+Definition euler_miss (h : R) : R := (1 - cos h) ^ 2 + (h - sin h) ^ 2.
+Definition rk4_miss (h : R) : R := (1 - h ^ 2 / 2 + h ^ 4 / 24 - cos h) ^ 2 + (h - h ^ 3 / 6 - sin h) ^ 2.
+
+Theorem L012 :
+  (forall h q v : R,
+     distance (step Tables.forward_euler h (q, v)) (after h (q, v)) ^ 2 = euler_miss h * (q ^ 2 + v ^ 2)
+     /\ distance (step Tables.rk4 h (q, v)) (after h (q, v)) ^ 2 = rk4_miss h * (q ^ 2 + v ^ 2))
+  /\ (forall h, 0 < h <= 7 / 2 -> rk4_miss h < euler_miss h) /\ euler_miss 4 < rk4_miss 4
+  /\ (evaluations Tables.rk4 = 4 /\ evaluations Tables.forward_euler = 1)%nat.
+Proof.
+  split; [|split; [|split; [unfold rk4_miss, euler_miss; by_interval | split; reflexivity]]].
+  - intros h q v. rewrite !(proj2 (L134 _ _)). unfold after, euler_miss, rk4_miss; cbn [fst snd].
+    generalize (cos h), (sin h). intros c s. split; by_ring.
+  - intros h [low high]. unfold rk4_miss, euler_miss. destruct (Rle_dec h 1).
+    + assert (P : 0 <= h) by lra. assert (C4 := cos_4 h P). assert (C6 := cos_6 h P).
+      assert (S5 := sin_5 h P). assert (S3 := sin_3 h P).
+      assert (B2 : 0 < h ^ 2 <= 1) by (split; nra).
+      assert (B4 : 0 < h ^ 4 <= h ^ 2) by (replace (h ^ 4) with (h ^ 2 * h ^ 2) by ring; split; nra).
+      assert (B5 : 0 < h ^ 5 <= h ^ 4) by (replace (h ^ 5) with (h * h ^ 4) by ring; split; nra).
+      assert (B6 : 0 < h ^ 6 <= h ^ 4) by (replace (h ^ 6) with (h ^ 2 * h ^ 4) by ring; split; nra).
+      set (x := 1 - h ^ 2 / 2 + h ^ 4 / 24 - cos h). set (y := sin h - (h - h ^ 3 / 6)).
+      assert (0 <= x <= h ^ 4 / 120) by (unfold x; lra). assert (0 <= y <= h ^ 4 / 120) by (unfold y; lra).
+      replace (h - h ^ 3 / 6 - sin h) with (- y) by (unfold y; ring).
+      assert (11 / 24 * h ^ 2 <= 1 - cos h) by lra. generalize (pow2_ge_0 (h - sin h)).
+      assert (0 < h ^ 2) by nra. nra.
+    + assert (1 <= h <= 7 / 2) by lra. apply Rminus_gt_0_lt. interval with (i_bisect h, i_prec 40, i_depth 20).
+Qed.
+
+(** RK4 multiplies the radius by the root of its damping, too, and turns by an arctangent. *)
+Lemma rk4_polar h n : 0 < 1 - h ^ 2 / 2 + h ^ 4 / 24 ->
+  run Tables.rk4 h n (1, 0)
+  = polar (sqrt (damping h) ^ n) (INR n * atan ((h - h ^ 3 / 6) / (1 - h ^ 2 / 2 + h ^ 4 / 24))).
+Proof.
+  intros right. set (x := 1 - h ^ 2 / 2 + h ^ 4 / 24) in *. set (y := h - h ^ 3 / 6).
+  assert (D : damping h = x ^ 2 + y ^ 2) by (unfold damping, x, y; field).
+  assert (P : 0 < damping h) by (rewrite D; nra).
+  assert (r_pos : 0 < sqrt (damping h)) by (apply sqrt_lt_R0; lra).
+  assert (R1 : sqrt (1 + (y / x)²) = sqrt (damping h) / x).
+  { rewrite <- (sqrt_square x) at 2 by lra. rewrite <- sqrt_div_alt by nra. f_equal. rewrite D. unfold Rsqr. field. lra. }
+  set (s := sqrt (damping h)) in *. clearbody s. induction n as [|n IH]; cbn [run].
+  - unfold polar. cbn [INR]. rewrite Rmult_0_l, cos_0, sin_0. f_equal; ring.
+  - rewrite IH, <- tech_pow_Rmult, S_INR, Rmult_plus_distr_r, Rmult_1_l. unfold polar.
+    rewrite cos_plus, sin_plus, cos_atan, sin_atan, R1.
+    generalize (s ^ n), (cos (INR n * atan (y / x))), (sin (INR n * atan (y / x))). intros p c d.
+    replace (step Tables.rk4 h (p * c, - (p * d))) with (x * (p * c) + y * - (p * d), - y * (p * c) + x * - (p * d))
+      by (unfold x, y; by_ring).
+    f_equal; field; lra.
+Qed.
+
+Lemma rk4_error h n t : 0 < 1 - h ^ 2 / 2 + h ^ 4 / 24 ->
+  distance (run Tables.rk4 h n (1, 0)) (flow t)
+  = sqrt (exp (INR n * ln (damping h))
+          - 2 * exp (INR n / 2 * ln (damping h))
+            * cos (INR n * atan ((h - h ^ 3 / 6) / (1 - h ^ 2 / 2 + h ^ 4 / 24)) - t) + 1).
+Proof.
+  intros right. rewrite rk4_polar, flow_polar by assumption. unfold distance, polar; cbn [fst snd].
+  assert (P : 0 < damping h).
+  { replace (damping h) with ((1 - h ^ 2 / 2 + h ^ 4 / 24) ^ 2 + (h - h ^ 3 / 6) ^ 2) by (unfold damping; field). nra. }
+  assert (E : sqrt (damping h) ^ n = exp (INR n / 2 * ln (damping h))).
+  { rewrite <- Rpower_pow by now apply sqrt_lt_R0. unfold Rpower. f_equal.
+    rewrite <- Rpower_sqrt by assumption. unfold Rpower. rewrite ln_exp. field. }
+  assert (E2 : exp (INR n * ln (damping h)) = exp (INR n / 2 * ln (damping h)) * exp (INR n / 2 * ln (damping h)))
+    by (rewrite <- exp_plus; f_equal; field).
+  rewrite E, E2. generalize (exp (INR n / 2 * ln (damping h))). intros r. f_equal.
+  rewrite cos_minus. set (a := INR n * _).
+  generalize (sin2_cos2 a), (sin2_cos2 t). unfold Rsqr. intros A B.
+  replace (r * cos a * cos t) with (r * cos a * cos t) by ring. nra.
+Qed.
+
+(** Halving the step divides C h^p by 2^p; RK4's error, halved from 1/32, falls by 16 to within a thousandth. *)
+Theorem L191 : (forall C h p, C <> 0 -> 0 < h -> C * h ^ p / (C * (h / 2) ^ p) = 2 ^ p)
+  /\ has_order forward_euler 1 /\ has_order rk4 4 /\ 2 ^ 1 = 2 /\ 2 ^ 4 = 16
+  /\ let error n := distance (run Tables.rk4 (10 / INR n) n (1, 0)) (flow 10) in
+     15.999 * error 640%nat < error 320%nat < 16.001 * error 640%nat.
+Proof.
+  split; [|split; [exact order_of_forward_euler | split; [exact order_of_rk4 | split; [ring | split; [ring|]]]]].
+  - intros C h p other positive. unfold Rdiv. rewrite Rpow_mult_distr, <- Rinv_pow by lra.
+    assert (h ^ p <> 0) by (apply pow_nonzero; lra). assert (2 ^ p <> 0) by (apply pow_nonzero; lra). field. auto.
+  - assert (coarse : INR 320 = 320) by (rewrite INR_IZR_INZ; reflexivity).
+    assert (fine : INR 640 = 640) by (rewrite INR_IZR_INZ; reflexivity).
+    cbv beta zeta. rewrite (rk4_error (10 / INR 640)), (rk4_error (10 / INR 320)) by (rewrite ?coarse, ?fine; lra).
+    rewrite coarse, fine. unfold damping. by_interval.
+Qed.
