@@ -61,14 +61,14 @@ NOT_ELSEWHERE = "sympy"
 # stages, and its own sampler of steps, 100 lines; texts what docs and help show.
 BUDGETS = {
     "support": 1020,
-    "methods": 4660,
-    "symbolic": 9590,
+    "methods": 4865,
+    "symbolic": 10030,
     "numeric": 3010,
     "blackbox": 11435,
     "enclosure": 2978,
     "texts": 5610,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 4860
+BUDGET_OF_REPORTS_AND_FRONT = 4862
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 
@@ -85,7 +85,7 @@ UNMIRRORED: dict[str, str] = {
         f"methods/tables/{name}.py": "data: tests/methods/tables and tests/catalogue run over every entry"
         for name in (
             *("basic", "explicit", "embedded", "high_order_pairs", "decimal_pairs", "implicit", "nystrom"),
-            *("diagonally_implicit", "splittings", "decimal_splittings", "stabilised", "continuous"),
+            *("diagonally_implicit", "splittings", "decimal_splittings", "stabilised", "continuous", "multistep"),
         )
     },
     "__main__.py": "tests/commands runs python -m driftproof",

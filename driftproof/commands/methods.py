@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from driftproof.commands import arguments as cli
 
 if TYPE_CHECKING:
+    from driftproof.methods.catalogue import FactsOnly
     from driftproof.methods.families import Family
     from driftproof.methods.number_field import Exact
     from driftproof.methods.schemes import Method
@@ -24,13 +25,14 @@ def methods_command(options: Namespace) -> str:
     example:
       driftproof methods
     """
-    from driftproof.methods.catalogue import METHODS
+    from driftproof.methods.catalogue import FACTS_ONLY, METHODS
     from driftproof.methods.families import FAMILIES
     from driftproof.support.plain_text import table
 
     names = {"RungeKutta": "Runge-Kutta", "Collocation": "collocation", "Splitting": "splitting", "Nystrom": "Nyström"}
+    names["Multistep"] = "multistep"
     rows = [["method", "family", "order", "title", "source"]]
-    for key, method in METHODS.items():
+    for key, method in (*METHODS.items(), *FACTS_ONLY.items()):
         rows.append([key, names[type(method).__name__], str(method.claimed_order), method.title, method.source])
     for key, family in FAMILIES.items():
         rows.append([key, f"Runge-Kutta in {family.parameter}", str(family.claimed_order), family.title, family.source])
@@ -82,17 +84,19 @@ def facts_command(options: Namespace) -> str:
       driftproof facts sdirk_order_2 --at '1 - sqrt(2)/2'      one member of it
       driftproof facts tsitouras54 --only order,order_fails --order-tolerance 1e-12
       driftproof facts rk4 --only region_boundary --format json
+      driftproof facts bdf3                                    a multistep method: root condition, A(alpha), barriers
       driftproof facts tableau.toml --format tex
       driftproof facts rk4 --only order --plot region.svg      needs the extra: pip install 'driftproof[report]'
 
     A family of your own is a Runge-Kutta tableau with a line parameter = "theta" and entries such as "1 - theta".
 
     tableau.toml:
-      family = "runge_kutta"            or splitting, nystrom, collocation
+      family = "runge_kutta"            or splitting, nystrom, collocation, multistep (rho, sigma)
       A = [[0, 0], ["2/3", 0]]
       b = ["1/4", "3/4"]                c may be left out: then the row sums of A
       [roots]                           if coefficients need one, e.g. s3 = "sqrt(3)"; then write "1/4 - s3/6"
     """
+    from driftproof.methods.catalogue import FactsOnly
     from driftproof.methods.families import Family
     from driftproof.methods.tableau_file import subject_of
     from driftproof.support.plain_text import as_json
@@ -103,6 +107,8 @@ def facts_command(options: Namespace) -> str:
     subject = subject_of(options.method)
     if isinstance(subject, Family):
         result = _of_family(subject, options)
+    elif isinstance(subject, FactsOnly):
+        result = _of_facts_only(subject, options)
     elif options.at is None:
         result = _of_method(subject, options)
     else:
@@ -149,6 +155,15 @@ def _of_family(family: Family, options: Namespace) -> dict[str, Any]:
     if options.system or options.order_tolerance is not None or options.plot:
         raise ValueError(f"{family.key} is a family; choose one method with --at, a value of {family.parameter}")
     return facts_by_name(FamilyFacts(family), options.only or FAMILY_FACTS, FAMILY_FACTS)
+
+
+def _of_facts_only(method: FactsOnly, options: Namespace) -> dict[str, Any]:
+    """The facts of a method that has facts only. Raises ValueError for options of methods that step from one state."""
+    from driftproof.symbolic.facts import facts_only
+
+    if options.at is not None or options.system or options.order_tolerance is not None or options.plot:
+        raise ValueError(f"{method.key} is {method.kind}; --at, --system, --order-tolerance and --plot are not for it")
+    return facts_only(method, options.only or ())
 
 
 def _of_method(method: Method, options: Namespace) -> dict[str, Any]:

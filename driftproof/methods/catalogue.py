@@ -10,7 +10,9 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from importlib import import_module
+from typing import Any, Generic, TypeAlias, TypeVar
 
+from driftproof.methods.multistep import Multistep
 from driftproof.methods.names import keys_called, plain_name
 from driftproof.methods.schemes import Method, RungeKutta
 from driftproof.support.plain_text import did_you_mean
@@ -20,25 +22,28 @@ TABLES = (
     *("basic", "explicit", "stabilised", "embedded", "high_order_pairs", "decimal_pairs", "implicit"),
     *("diagonally_implicit", "collocation", "splittings", "decimal_splittings", "nystrom"),
 )
-
+# Those of methods whose step is no map of one state by f alone: they have facts, and are not run, read or identified.
+TABLES_OF_FACTS = ("multistep",)
+FactsOnly: TypeAlias = Multistep
+_Entry = TypeVar("_Entry")
 
 # What is written behind the key of a pair for the method that propagates its other row of weights.
 EMBEDDED_SUFFIX = "_embedded"
 
 
-class Catalogue(Mapping[str, Method]):
+class Catalogue(Mapping[str, _Entry], Generic[_Entry]):
     """The methods of the tables by key. Tables are read one after the other, no further than to the key asked for.
 
     The other row of a pair has a key, too, fehlberg45_embedded; listed is the method of the row that `b` is.
     """
 
-    def __init__(self, tables: Iterable[str] = TABLES) -> None:
+    def __init__(self, tables: Iterable[str]) -> None:
         """Nothing is read yet."""
         self._unread = deque(tables)
-        self._methods: dict[str, Method] = {}
-        self._embedded: dict[str, Method] = {}
+        self._methods: dict[str, Any] = {}
+        self._embedded: dict[str, Any] = {}
 
-    def __getitem__(self, key: str) -> Method:
+    def __getitem__(self, key: str) -> _Entry:
         """The method. Raises KeyError."""
         while key not in self._methods and self._unread:
             self._read_next()
@@ -47,7 +52,8 @@ class Catalogue(Mapping[str, Method]):
             if not isinstance(pair, RungeKutta) or pair.b_embedded is None:
                 raise KeyError(key)
             self._embedded[key] = pair.embedded(EMBEDDED_SUFFIX)
-        return self._methods.get(key) or self._embedded[key]
+        found: _Entry = self._methods.get(key) or self._embedded[key]
+        return found
 
     def __iter__(self) -> Iterator[str]:
         """The keys, in the order of the tables."""
@@ -67,25 +73,48 @@ class Catalogue(Mapping[str, Method]):
         self._unread.popleft()
 
 
-METHODS = Catalogue()
+METHODS: Catalogue[Method] = Catalogue(TABLES)
+FACTS_ONLY: Catalogue[FactsOnly] = Catalogue(TABLES_OF_FACTS)
 
 
 def method_named(name: str) -> Method:
     """The method with this key, or that people call so: "rk4", "Crank-Nicolson", or a title, case and hyphens aside.
 
-    Raises ValueError for a word that may mean several methods, with their keys, and for one that means none.
+    Raises ValueError for a word that may mean several methods, with their keys, and for one that means none or a method
+    that has facts only.
 
     >>> method_named("semi-implicit Euler").key
     'symplectic_euler'
     """
+    return of_one_state(entry_named(name))
+
+
+def of_one_state(method: Method | FactsOnly) -> Method:
+    """The method itself. Raises ValueError for one that has facts only."""
+    if isinstance(method, FactsOnly):
+        raise ValueError(
+            f"{method.key} is {method.kind}: there are facts of it (`driftproof facts`), but no runs, checks or "
+            "derivations; a method that steps from one state is needed"
+        )
+    return method
+
+
+def entry_named(name: str) -> Method | FactsOnly:
+    """The method that `method_named` finds, or one that has facts only. Raises ValueError."""
     if name in METHODS:
         return METHODS[name]
-    keys = keys_called(name) or tuple(
-        key for key, method in METHODS.items() if plain_name(name) in (plain_name(key), plain_name(method.title))
-    )
-    if len(keys) == 1:
-        return METHODS[keys[0]]
-    if keys:
-        meant = " or ".join(f"{key} ({METHODS[key].title})" for key in keys)
+    keys = (name,) if name in FACTS_ONLY else keys_called(name) or tuple(_keys_by_title(plain_name(name)))
+    entries: list[Method | FactsOnly] = [METHODS[key] if key in METHODS else FACTS_ONLY[key] for key in keys]
+    if len(entries) == 1:
+        return entries[0]
+    if entries:
+        meant = " or ".join(f"{each.key} ({each.title})" for each in entries)
         raise ValueError(f"{name[:60]!r} may mean {meant}: say which")
-    raise ValueError(f"unknown method {name[:60]!r}{did_you_mean(name, METHODS)} (`driftproof methods` lists all)")
+    near = did_you_mean(name, (*METHODS, *FACTS_ONLY))
+    raise ValueError(f"unknown method {name[:60]!r}{near} (`driftproof methods` lists all)")
+
+
+def _keys_by_title(plain: str) -> Iterator[str]:
+    for key, method in (*METHODS.items(), *FACTS_ONLY.items()):
+        if plain in (plain_name(key), plain_name(method.title)):
+            yield key

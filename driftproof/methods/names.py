@@ -12,7 +12,7 @@ _SAY_NOTHING = {"the", "of", "method", "methods", "rule", "scheme", "integrator"
 
 # Key | other names.
 _OTHER_NAMES = """
-forward_euler | Euler, explicit Euler, Euler forward, RK1
+forward_euler | Euler, explicit Euler, Euler forward, RK1, AB1
 backward_euler | implicit Euler, Euler backward, BDF1
 symplectic_euler | semi-implicit Euler, semi-explicit Euler, Euler-Cromer, Cromer, kick-drift
 symplectic_euler_position_first | drift-kick
@@ -50,6 +50,20 @@ forest_ruth | Forest-Ruth, FR4
 yoshida4 | triple jump, fourth-order Yoshida
 ruth3 | Ruth
 nystrom4 | Runge-Kutta-Nyström, RKN4
+bdf2 | BDF 2, Gear 2, two-step BDF
+bdf3 | Gear 3
+bdf4 | Gear 4
+bdf5 | Gear 5
+bdf6 | Gear 6
+adams_bashforth2 | AB2, two-step Adams-Bashforth
+adams_bashforth3 | AB3
+adams_bashforth4 | AB4
+adams_bashforth5 | AB5
+adams_bashforth6 | AB6
+two_step_leapfrog | leapfrog two-step, explicit midpoint two-step, two-step midpoint
+milne_simpson | Milne, Simpson two-step
+stormer2 | Störmer two-step, Verlet two-step, Störmer two-step Verlet
+cowell2 | Numerov
 """
 
 # Name | the keys of what it may mean. A number is the order to some, and the number of stages to others.
@@ -57,7 +71,7 @@ _AMBIGUOUS = """
 Verlet | velocity_verlet position_verlet
 Störmer-Verlet | velocity_verlet position_verlet
 Stoermer-Verlet | velocity_verlet position_verlet
-leapfrog | velocity_verlet position_verlet
+leapfrog | velocity_verlet position_verlet two_step_leapfrog
 midpoint | midpoint2 implicit_midpoint
 modified Euler | heun2 midpoint2
 RK2 | heun2 midpoint2 ralston2
@@ -81,6 +95,14 @@ SDIRK | sdirk2 alexander3 sdirk4
 Yoshida | yoshida4 yoshida6 yoshida8
 Suzuki | suzuki4 suzuki4_position_first
 DOPRI8 | dop853 prince_dormand87
+BDF | bdf2 bdf3 bdf4 bdf5 bdf6
+Adams-Bashforth | adams_bashforth2 adams_bashforth3 adams_bashforth4 adams_bashforth5 adams_bashforth6
+Adams-Moulton | adams_moulton2 adams_moulton3 adams_moulton4 adams_moulton5 adams_moulton6
+AM2 | trapezoid adams_moulton2
+AM3 | adams_moulton2 adams_moulton3
+AM4 | adams_moulton3 adams_moulton4
+AM5 | adams_moulton4 adams_moulton5
+AM6 | adams_moulton5 adams_moulton6
 """
 
 # Key | the keys of methods that share its name or its linear step, and are others.
@@ -95,6 +117,7 @@ midpoint2 | implicit_midpoint heun2
 rk4 | rk38
 implicit_midpoint | trapezoid midpoint2
 trapezoid | implicit_midpoint heun2
+bdf2 | tr_bdf2
 dormand_prince54 | fehlberg45 cash_karp54
 fehlberg45 | dormand_prince54 cash_karp54
 radau_iia3 | radau_ia3
@@ -118,7 +141,7 @@ def keys_called(name: str) -> tuple[str, ...]:
     """The keys of the methods that people call so: one, several where the word is ambiguous, none where it is unknown.
 
     >>> keys_called("Crank-Nicolson"), keys_called("leapfrog"), keys_called("Laplace")
-    (('trapezoid',), ('velocity_verlet', 'position_verlet'), ())
+    (('trapezoid',), ('velocity_verlet', 'position_verlet', 'two_step_leapfrog'), ())
     """
     return _KEYS.get(plain_name(name), ())
 

@@ -165,7 +165,7 @@ class RungeKutta(_Staged):
             residuals["sum(b_embedded) - 1"] = total(self.b_embedded) - 1
         for i, row in enumerate(self.a):
             residuals[f"c[{i}] - sum(a[{i}])"] = self.c[i] - total(row)
-        return _nonzero_residuals(residuals)
+        return nonzero_residuals(residuals)
 
 
 @dataclass(frozen=True)
@@ -214,7 +214,7 @@ class Splitting(_OverOneField):
 
     def inconsistencies(self) -> dict[str, Exact]:
         """The residuals, where not zero, of Σ kicks = 1 and Σ drifts = 1: facts about the data, not errors."""
-        return _nonzero_residuals(
+        return nonzero_residuals(
             {f"sum({kind}s) - 1": total(c for part, c in self.parts if part == kind) - 1 for kind in SUBSTEPS}
         )
 
@@ -250,7 +250,7 @@ class Nystrom(_Staged):
         }
         for i, row in enumerate(self.a):
             residuals[f"sum(a[{i}]) - c[{i}]**2/2"] = total(row) - self.c[i] * self.c[i] * Fraction(1, 2)
-        return _nonzero_residuals(residuals)
+        return nonzero_residuals(residuals)
 
 
 @dataclass(frozen=True)
@@ -353,6 +353,7 @@ def _exact_coefficient(value: object, where: str) -> Exact:
     )
 
 
-def _nonzero_residuals(residuals: dict[str, Exact]) -> dict[str, Exact]:
+def nonzero_residuals(residuals: dict[str, Exact]) -> dict[str, Exact]:
+    """Those that are not zero, an irrational element that is rational as a Fraction."""
     exact = {condition: _exact_coefficient(residual, condition) for condition, residual in residuals.items()}
     return {condition: residual for condition, residual in exact.items() if residual}

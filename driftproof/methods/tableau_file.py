@@ -1,6 +1,6 @@
 """A user's own method from a TOML file: a tableau, a splitting or a Nyström table, exact, read without evaluating it.
 
-    family = "runge_kutta"                    # or "splitting", "nystrom", "collocation"
+    family = "runge_kutta"                    # or "splitting", "nystrom", "collocation", "multistep"
     A = [["1/4", "1/4 - s3/6"], ["1/4 + s3/6", "1/4"]]
     b = ["1/2", "1/2"]
     c = ["1/2 - s3/6", "1/2 + s3/6"]          # may be left out: then the row sums of A
@@ -11,8 +11,9 @@
 A number is an integer, a decimal, which is exact, or an expression in a string. Of all families: `key`, `title`,
 `source`, `claimed_order` (0: nothing is claimed) and `decimal`; of a pair: `b_embedded` with `embedded_order`; of a
 splitting: `parts = [["kick", "1/2"], ["drift", 1], ...]`; of a Nyström method: `c`, `A`, `b_position`, `b_velocity`;
-of a collocation method: `node_polynomial`, constant term first. With `parameter = "gamma"` the entries of a Runge-Kutta
-tableau are rational functions of gamma, e.g. "1 - 2*gamma", and the file is a family of methods.
+of a collocation method: `node_polynomial`, constant term first; of a linear multistep method: `rho` and `sigma`, from
+the oldest value to the new one, and `derivative = 2` where it is for y'' = F(y). With `parameter = "gamma"` the entries
+of a Runge-Kutta tableau are rational functions of gamma, e.g. "1 - 2*gamma", and the file is a family of methods.
 """
 
 from __future__ import annotations
@@ -23,10 +24,11 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from driftproof.methods.catalogue import method_named
+from driftproof.methods.catalogue import FactsOnly, entry_named, of_one_state
 from driftproof.methods.common_field import common_field, element_of
 from driftproof.methods.expressions import RADICALS, parse_exact, parse_number
 from driftproof.methods.families import FAMILIES, Family, ParameterFunction, parameter_function, parse_function
+from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import Algebraic, Exact, NumberField
 from driftproof.methods.schemes import SUBSTEPS, Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
 from driftproof.support.toml_tables import (
@@ -45,6 +47,7 @@ from driftproof.support.toml_tables import (
 LARGEST_FILE = 2_000_000
 MOST_STAGES = 200
 MOST_NODES = 50
+MOST_PAST_VALUES = 30
 LONGEST_INTEGER = 20_000
 LONGEST_MINPOLY_INTEGER = 200
 LONGEST_NAME = 200
@@ -57,7 +60,7 @@ _COMMON = ("family", "key", "title", "source", "claimed_order", "decimal", "root
 Read = Callable[[str, str], Any]
 
 
-def read_method(path: str | Path) -> Method | Family:
+def read_method(path: str | Path) -> Method | Family | FactsOnly:
     """The method, or the family of methods, that the file defines.
 
     Raises MethodError with one line that names the file and the place in it.
@@ -74,7 +77,7 @@ def read_method(path: str | Path) -> Method | Family:
     return read_toml(path, LARGEST_FILE, lambda table: _method(table, Path(path).stem), MethodError)
 
 
-def _method(table: TomlTable, name: str) -> Method | Family:
+def _method(table: TomlTable, name: str) -> Method | Family | FactsOnly:
     """The method or family that a TOML table defines, `name` its key where it has none. Raises ValueError."""
     family = as_choice(table.get("family"), "family", _FAMILIES)
     parametric = "parameter" in table and family == "runge_kutta"
@@ -256,26 +259,39 @@ def _collocation(table: TomlTable, common: dict[str, Any], read: Read) -> Method
     return Collocation(**common, node_polynomial=tuple(_rational(x) for x in polynomial))
 
 
-_Reader = Callable[[TomlTable, dict[str, Any], Read], Method | Family]
+def _multistep(table: TomlTable, common: dict[str, Any], read: Read) -> Multistep:
+    rho, sigma = (
+        tuple(map(_rational, _numbers(as_list(_entry(table, name), name, most=MOST_PAST_VALUES + 1), name, read)))
+        for name in ("rho", "sigma")
+    )
+    derivative = as_whole(table.get("derivative", 1), "derivative", 1, 2)
+    return Multistep(**common, rho=rho, sigma=sigma, derivative=derivative)
+
+
+_Reader = Callable[[TomlTable, dict[str, Any], Read], Method | Family | FactsOnly]
 _FAMILIES: dict[str, tuple[tuple[str, ...], _Reader]] = {
     "runge_kutta": (("A", "b", "c", "b_embedded", "embedded_order"), _runge_kutta),
     "splitting": (("parts",), _splitting),
     "nystrom": (("c", "A", "b_position", "b_velocity"), _nystrom),
     "collocation": (("node_polynomial",), _collocation),
+    "multistep": (("rho", "sigma", "derivative"), _multistep),
 }
 _PARAMETRIC: tuple[tuple[str, ...], _Reader] = (("parameter", "A", "b", "c"), _family)
 
 
 def method_of(name: str) -> Method:
-    """The method `name`, or the one in the TOML file `name` if it ends in .toml. Raises ValueError, of a family too."""
+    """The method `name`, or the one in the TOML file `name` if it ends in .toml.
+
+    Raises ValueError, also of a family, and of a method that has facts only.
+    """
     subject = subject_of(name)
     if isinstance(subject, Family):
         raise ValueError(f"{subject.key} is a family of methods, with {subject.parameter} free; one method is needed")
-    return subject
+    return of_one_state(subject)
 
 
-def subject_of(name: str) -> Method | Family:
-    """The method or the family `name`, or the one in the TOML file `name` if it ends in .toml. Raises ValueError."""
+def subject_of(name: str) -> Method | Family | FactsOnly:
+    """What facts are asked of: like `method_of`, families and methods that have facts only among it."""
     if name.endswith(".toml"):
         return read_method(Path(name))
-    return FAMILIES[name] if name in FAMILIES else method_named(name)
+    return FAMILIES[name] if name in FAMILIES else entry_named(name)

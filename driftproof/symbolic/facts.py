@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
 from typing import Any, NamedTuple
 
+from driftproof.methods.catalogue import FactsOnly
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
-from driftproof.symbolic.linear.facts import LinearFacts, fact_names
+from driftproof.symbolic.linear.facts import LinearFacts, fact_names, facts_by_name
+from driftproof.symbolic.linear.multistep import MULTISTEP_FACTS, MULTISTEP_ON_REQUEST, MultistepFacts
 from driftproof.symbolic.linear.reduced_tableau import reduced, stages_of
 from driftproof.symbolic.pairs import EstimateFacts, ExtensionFacts, estimate_facts, extension_facts
 from driftproof.symbolic.trees import order_conditions, partitioned_trees
@@ -175,6 +177,11 @@ WHY_NONE = {
     "invariant": "it conserves no quadratic, or several that are not multiples of one",
     "dissipation": "the whole series vanishes",
 }
+
+
+def facts_only(method: FactsOnly, names: Sequence[str] = ()) -> dict[str, Any]:
+    """The named facts, else all but those on request, of a method that has facts only. Raises ValueError."""
+    return facts_by_name(MultistepFacts(method), names or MULTISTEP_FACTS, (*MULTISTEP_FACTS, *MULTISTEP_ON_REQUEST))
 
 
 class OrderWithin(NamedTuple):

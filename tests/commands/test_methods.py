@@ -6,6 +6,7 @@ import sys
 import pytest
 
 import driftproof
+from driftproof.methods.catalogue import FACTS_ONLY
 from driftproof.methods.expressions import parse_system
 from driftproof.methods.tableau_file import method_of
 from driftproof.symbolic.linear.systems import SYSTEM_FACTS
@@ -22,7 +23,7 @@ def facts(answer):
 def test_list_names_every_method_and_every_family(answer):
     head, *rows = answer("methods").splitlines()
     assert head.split() == ["method", "family", "order", "title", "source"]
-    assert [row.split()[0] for row in rows] == [*METHODS, *FAMILIES]
+    assert [row.split()[0] for row in rows] == [*METHODS, *FACTS_ONLY, *FAMILIES]
     assert "Runge-Kutta in gamma" in next(row for row in rows if row.startswith("sdirk_order_2"))
 
 
@@ -62,6 +63,20 @@ def test_a_member_of_a_family_is_a_method_and_the_family_no_single_one(facts):
     assert facts("explicit_order_2", "--at", "2/3", "--system", "-3")["step_limit"]["exact"] == "2/3"
     with pytest.raises(ValueError, match="sdirk_order_2 is a family of methods, with gamma free; one method is needed"):
         method_of("sdirk_order_2")
+
+
+def test_a_multistep_method_is_answered_and_options_that_are_not_for_it_refused(facts, answer, refusal):
+    assert facts("BDF2") == driftproof.facts_of(FACTS_ONLY["bdf2"])
+    text = answer("facts", "adams_bashforth2", "--only", "rho,sigma,order,error_constant,real_limit")
+    assert text.splitlines() == [
+        "rho             -zeta + zeta^2",
+        "sigma           -1/2 + 3/2 zeta",
+        "order           2",
+        "error constant  5/12",
+        "real limit      1 = 1.000000000000000000000000000000",
+    ]
+    words = "bdf2 is a linear multistep method; --at, --system, --order-tolerance and --plot are not for it"
+    assert words in refusal("facts", "bdf2", "--system", DAMPED)
 
 
 def test_a_tableau_or_a_family_of_your_own(facts, tmp_path):

@@ -34,7 +34,7 @@ def test_catalogue_holds_the_named_methods() -> None:
 
 
 def test_no_more_tables_are_read_than_it_takes_to_find_a_method() -> None:
-    methods = catalogue.Catalogue()
+    methods = catalogue.Catalogue(catalogue.TABLES)
     assert methods["rk4"] == METHODS["rk4"]
     assert list(methods._methods) == [method.key for method in FILES["basic"]]
     assert "no_such_method" not in methods

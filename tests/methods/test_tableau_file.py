@@ -103,7 +103,7 @@ MINPOLY = ONE + "[roots]\nr = {{ minpoly = {}, interval = {} }}\n"
 DEEP = "(" * 41 + "1" + ")" * 41
 WRONG: list[tuple[str | bytes, str]] = [
     ("", "family is missing; write 'runge_kutta' or 'splitting' or 'nystrom' or 'collocation'"),
-    ('family = "multistep"', "family is 'multistep'; write 'runge_kutta'"),
+    ('family = "rosenbrocks"', "family is 'rosenbrocks'; write 'runge_kutta'"),
     (HEAD + "b = [1]", "A is missing"),
     (HEAD + "A = [[0, 0], [1]]\nb = [1, 0]", "A is not square: A[1] has 1 entries, A has 2 rows"),
     (HEAD + "A = [[0, 0]]\nb = [1]", "A is not square: A[0] has 2 entries, A has 1 rows"),

@@ -96,7 +96,7 @@ class RealRoot:
             RealRoot(m, k) for m, _ in irreducible_factors_of(fmpq_poly(doubled)) for k in range(RealRoot(m, 0).count)
         ]
         try:
-            return _the_one(candidates, lambda r: not r.ball() < 0 and (r.ball() * r.ball()).overlaps(self.ball()))
+            return the_one(candidates, lambda r: not r.ball() < 0 and (r.ball() * r.ball()).overlaps(self.ball()))
         except ValueError:
             raise ValueError("a negative number has no real square root") from None
 
@@ -211,7 +211,7 @@ def root_of(x: Exact) -> RealRoot:
         return rational_root(x)
     polynomial = norm(X - scalar(x))
     candidates = [*positive_roots([polynomial]), *(r.negated() for r in positive_roots([reflected(polynomial)]))]
-    return _the_one(candidates, lambda root: root.ball().overlaps(x.ball()))
+    return the_one(candidates, lambda root: root.ball().overlaps(x.ball()))
 
 
 def root_ratio(x: RealRoot, y: RealRoot) -> RealRoot:
@@ -220,10 +220,10 @@ def root_ratio(x: RealRoot, y: RealRoot) -> RealRoot:
     points = range(x.degree * y.degree + 1)
     # The product over the conjugates is, up to a constant, a resultant: here by its values at integers z.
     product = interpolate([monic.resultant(fmpq_poly([c * z**k for k, c in enumerate(x.minimal)])) for z in points])
-    return _the_one(positive_roots([product]), lambda root: (root.ball() * y.ball()).overlaps(x.ball()))
+    return the_one(positive_roots([product]), lambda root: (root.ball() * y.ball()).overlaps(x.ball()))
 
 
-def _the_one(candidates: Iterable[RealRoot], fits: Callable[[RealRoot], bool]) -> RealRoot:
+def the_one(candidates: Iterable[RealRoot], fits: Callable[[RealRoot], bool]) -> RealRoot:
     """The only candidate that fits however small the balls are. Raises ValueError where none does."""
     found, bits = list(candidates), ISOLATING_BITS
     while len(found) > 1 or bits == ISOLATING_BITS:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
+from driftproof.methods.catalogue import FactsOnly
 from driftproof.methods.families import Family
 from driftproof.methods.number_field import Algebraic, NumberField
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
@@ -20,7 +21,7 @@ from driftproof.symbolic.algebra.radicals import (
 )
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, exact_text, fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root, root_of
-from driftproof.symbolic.facts import FACTS, ON_REQUEST, Facts
+from driftproof.symbolic.facts import FACTS, ON_REQUEST, Facts, facts_only
 from driftproof.symbolic.family_facts import FAMILY_FACTS, FailingTree, FamilyFacts, LimitPiece, OrderSet
 from driftproof.symbolic.linear.a_stability import Angle, EnclosedTangent
 from driftproof.symbolic.linear.eigenvalues import Complex, Imaginary
@@ -48,17 +49,20 @@ LONGEST_BARE = 60
 MOST_TREES_READ = 2000
 
 
-def facts_of(method: Method, names: Sequence[str] = FACTS, terms: int = TERMS) -> dict[str, Json]:
-    """The named facts of the method, JSON-ready: numbers are strings, null is what the method has not.
+def facts_of(method: Method | FactsOnly, names: Sequence[str] = (), terms: int = TERMS) -> dict[str, Json]:
+    """The named facts of the method, else all, JSON-ready: numbers are strings, null is what the method has not.
 
     Only those asked for are computed. `terms` is the length of series. Beside FACTS, points of the boundary of the
-    stability region may be named, "region_boundary". Raises ValueError for an unknown name.
+    stability region may be named, "region_boundary", of a multistep method "root_locus". Raises ValueError for an
+    unknown name.
 
     >>> from driftproof import METHODS, facts_of
     >>> facts_of(METHODS["rk4"], ["order", "stability_function"])
     {'order': 4, 'stability_function': {'num': ['1', '1', '1/2', '1/6', '1/24'], 'den': ['1']}}
     """
-    return record(facts_by_name(Facts(method, terms), names, (*FACTS, *ON_REQUEST)))  # type: ignore[no-any-return]
+    if isinstance(method, FactsOnly):
+        return record(facts_only(method, names))  # type: ignore[no-any-return]
+    return record(facts_by_name(Facts(method, terms), names or FACTS, (*FACTS, *ON_REQUEST)))  # type: ignore[no-any-return]
 
 
 def system_facts(
@@ -209,7 +213,7 @@ _PARTS: dict[type, Callable[[Any], dict[str, Any]]] = {
 }
 # What has no parts and is not written as it prints itself.
 _SIMPLE: tuple[tuple[Any, Callable[[Any], Json]], ...] = (
-    (RungeKutta | Splitting | Nystrom | Collocation | Family, lambda x: x.key),
+    (RungeKutta | Splitting | Nystrom | Collocation | Family | FactsOnly, lambda x: x.key),
     (RationalFunction, RationalFunction.data),
     (ExactFunction, lambda x: x.f.data()),
     (TruncatedSeries, lambda x: [exact_text(c) for c in x.coefficients]),

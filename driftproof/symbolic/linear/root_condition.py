@@ -1,0 +1,105 @@
+"""Where the roots of a polynomial lie relative to the unit circle, decided exactly, and for how long they stay inside.
+
+With ζ = (1 + w)/(1 - w) the unit disc is the half-plane Re w < 0, and its circle the imaginary axis with oo, which is
+ζ = -1: what holds of roots ζ is read off polynomials in w, by Routh's scheme and counts of real roots (jury-1964).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from flint import fmpq, fmpq_poly
+
+from driftproof.methods.number_field import as_fraction
+from driftproof.symbolic.algebra.bivariate import ParametricPair, critical_polynomial
+from driftproof.symbolic.algebra.polynomials import (
+    Polynomial,
+    X,
+    even_part,
+    greatest_common_divisor,
+    odd_part,
+    polynomial,
+    quotient,
+    reflected,
+    squarefree,
+)
+from driftproof.symbolic.algebra.real_roots import positive_roots
+from driftproof.symbolic.linear.a_stability import is_hurwitz
+from driftproof.symbolic.linear.stability_limits import Limit, first_failure
+
+
+class RootCondition(NamedTuple):
+    """Whether no root is outside the unit circle, and none on it too often; `strong`: none on it but 1."""
+
+    holds: bool
+    strong: bool
+    reason: str
+
+
+def half_plane_form(p: Polynomial, degree: int) -> Polynomial:
+    """(1 - w)ᵏ p((1 + w)/(1 - w)), for k = `degree`: of lower degree where -1 is a root, which is then oo."""
+    up, down = fmpq_poly([1, 1]), fmpq_poly([1, -1])
+    return sum((c * up**j * down ** (degree - j) for j, c in enumerate(p.coeffs())), fmpq_poly())
+
+
+def root_condition(p: Polynomial, most: int = 1) -> RootCondition:
+    """No root of p has |ζ| > 1, and none with |ζ| = 1 is more than `most`-fold. Exact; for a p that is not zero."""
+    form = half_plane_form(p, p.degree())
+    at_minus_one, at_one = p.degree() - form.degree(), valuation(form)
+    rest = quotient(form, X**at_one)
+    # Roots w and -w, among them all imaginary ones, are those of a common factor of both parts, in s = w².
+    paired = greatest_common_divisor(even_part(rest), odd_part(rest))
+    on_circle = squarefree(paired)
+    if (
+        not is_hurwitz(quotient(rest, paired(X * X)))
+        or len(positive_roots([reflected(on_circle)])) < on_circle.degree()
+    ):
+        return RootCondition(False, False, "a root is outside the unit circle")
+    multiplicities = {"1": at_one, "-1": at_minus_one, "a pair of conjugates": _largest_multiplicity(paired)}
+    strong = at_one <= most and not at_minus_one and paired.degree() == 0
+    for where, multiplicity in multiplicities.items():
+        if multiplicity > most:
+            return RootCondition(False, False, f"on the unit circle, {where} is a root {multiplicity} times")
+    others = [where for where, multiplicity in multiplicities.items() if multiplicity and where != "1"]
+    on = f"on the circle are 1 and {' and '.join(others)}" if others else "on the circle is 1 alone"
+    return RootCondition(True, strong, f"no root is outside the unit circle; {on}")
+
+
+def valuation(p: Polynomial) -> int:
+    """How often 0 is a root of a polynomial that is not zero."""
+    return next(k for k, c in enumerate(p.coeffs()) if c != 0)
+
+
+def _largest_multiplicity(p: Polynomial) -> int:
+    """How often its most frequent root occurs; 0 of a constant."""
+    found = 0
+    while p.degree() > 0:
+        p, found = greatest_common_divisor(p, p.derivative()), found + 1
+    return found
+
+
+def root_condition_limit(a: Polynomial, b: Polynomial) -> Limit:
+    """The left end of the first interval of t > 0 in which a + t b does not satisfy the root condition.
+
+    Roots leave the disc only where the parts of its form in w have a common root, or its degree there falls, or where
+    two roots on the circle meet. A point between two intervals in which it holds is no limit: where two ζ meet, some t
+    near by, on one side, would have a ζ outside.
+    """
+    degree = max(a.degree(), b.degree())
+    forms = half_plane_form(a, degree), half_plane_form(b, degree)
+
+    def at(t: fmpq) -> Polynomial:
+        return forms[0] + forms[1] * t
+
+    def halves(t: fmpq) -> tuple[Polynomial, Polynomial]:
+        return even_part(at(t)), odd_part(at(t))
+
+    def with_slope(t: fmpq) -> tuple[Polynomial, Polynomial]:
+        return at(t), at(t).derivative()
+
+    ends = [polynomial([as_fraction(f[j]) for f in forms]) for j in (0, degree)]
+    leading = polynomial([as_fraction(p[degree]) for p in (a, b)])
+    pairs = ((halves, (degree // 2, (degree - 1) // 2)), (with_slope, (degree, degree - 1)))
+    merging = [critical_polynomial(ParametricPair(pair, degrees, (1, 1))) for pair, degrees in pairs]
+    critical = [p for p in (*ends, leading, *merging) if p is not None and p != 0]
+    return first_failure(critical, lambda t: (a + b * t).degree() == degree and root_condition(a + b * t).holds)

@@ -1,0 +1,79 @@
+"""Multistep methods as data: what is refused and in which words, TOML files, names, and who cannot take one."""
+
+import re
+from fractions import Fraction as Q
+
+import pytest
+
+from driftproof import METHODS, facts_of, read_method, verify
+from driftproof.methods.catalogue import FACTS_ONLY, entry_named, method_named
+from driftproof.methods.multistep import Multistep
+from driftproof.methods.schemes import MethodError
+from driftproof.methods.tableau_file import method_of, subject_of
+from tests.looping import exactly
+
+BDF2 = 'family = "multistep"\nrho = ["1/2", -2, "3/2"]\nsigma = [0, 0, 1]\n'
+
+
+@pytest.mark.parametrize(
+    ("rho", "sigma", "words"),
+    [
+        ((1,), (1,), "m: rho has 1 entries, sigma 1; both have one more than there are steps, 2 at least"),
+        ((-1, 1), (1, 0, 0), "m: rho has 2 entries, sigma 3"),
+        ((-1, 0), (0, 1), "m: the last entry of rho is 0"),
+        ((-1, 1), (0, 0), "m: sigma is 0"),
+        ((0, -1, 1), (0, 1, 0), "m: rho and sigma both begin with 0; leave these entries out"),
+        ((-1, 1.0), (1, 0), "m: rho[1] is 1.0 (float); coefficients are rational: write an int or a Fraction"),
+        ("-1 1", (1, 0), "m: rho is '-1 1'; write a tuple of rational numbers"),
+    ],
+)
+def test_what_is_no_multistep_method_is_refused(rho, sigma, words):
+    with pytest.raises(MethodError, match=re.escape(words)):
+        Multistep("m", "m", 0, "", rho, sigma)
+    with pytest.raises(MethodError, match="derivative is 3; write 1 for y' = F"):
+        Multistep("m", "m", 0, "", (-1, 1), (1, 0), 3)
+
+
+def test_a_file_of_your_own_is_read_and_refused_in_one_line(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(BDF2, encoding="utf-8")
+    mine = read_method(path)
+    assert isinstance(mine, Multistep)
+    assert (mine.rho, mine.sigma) == (FACTS_ONLY["bdf2"].rho, FACTS_ONLY["bdf2"].sigma)
+    assert facts_of(mine)["order"] == 2
+    for old, new, words in exactly(4, [
+        ("[0, 0, 1]", "[0, 1]", "sigma 2; both have one more"), ('"3/2"', '"sqrt(3)"', "a rational number is needed"),
+        ("sigma", "sigmas", "a multistep has no key 'sigmas'"), ("rho", "derivative = 3\nrho", "derivative is 3"),
+    ]):  # fmt: skip
+        path.write_text(BDF2.replace(old, new), encoding="utf-8")
+        with pytest.raises(ValueError, match=words):
+            read_method(path)
+
+
+def test_names_lead_to_multistep_methods_and_say_which_are_meant():
+    for name, key in exactly(6, {
+        "BDF2": "bdf2", "BDF-3": "bdf3", "AB2": "adams_bashforth2", "Numerov": "cowell2", "Adams-Moulton, 3 steps":
+        "adams_moulton3", "two-step leapfrog": "two_step_leapfrog",
+    }.items()):  # fmt: skip
+        assert entry_named(name).key == key
+    for name, meant in exactly(3, {"leapfrog": "two_step_leapfrog", "AM2": "trapezoid", "BDF": "bdf6"}.items()):
+        with pytest.raises(ValueError, match=rf"may mean .*{meant} \("):
+            entry_named(name)
+    assert not set(FACTS_ONLY) & set(METHODS)
+    assert [entry_named(name).key for name in ("BDF1", "AB1")] == ["backward_euler", "forward_euler"]
+    with pytest.raises(ValueError, match="did you mean bdf6"):
+        entry_named("bdf66")
+
+
+def test_who_needs_a_step_from_one_state_says_so():
+    words = "bdf2 is a linear multistep method: there are facts of it .*; a method that steps from one state is needed"
+    assert subject_of("bdf2") is FACTS_ONLY["bdf2"]
+    for refuse in exactly(3, (method_named, method_of, lambda name: verify(lambda q, v, h: (q, v), name))):
+        with pytest.raises(ValueError, match=words):
+            refuse("bdf2")
+
+
+def test_residuals_of_first_and_second_order_methods_are_named():
+    assert Multistep("m", "m", 0, "", (-1, 2), (1, 0)).inconsistencies() == {"rho(1)": Q(1), "rho'(1) - sigma(1)": Q(1)}
+    second = Multistep("m", "m", 0, "", (1, -1, 1), (0, 1, 0), 2).inconsistencies()
+    assert second == {"rho(1)": Q(1), "rho'(1)": Q(1)}
