@@ -66,9 +66,9 @@ BUDGETS = {
     "numeric": 3010,
     "blackbox": 11435,
     "enclosure": 2978,
-    "texts": 5610,
+    "texts": 5859,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 4862
+BUDGET_OF_REPORTS_AND_FRONT = 4881
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 

@@ -97,8 +97,9 @@ def check_command(options: Namespace) -> str:
 
     Read are plain text, Markdown, HTML, TeX and notebooks, by the file's ending: markup, comments, front matter and
     attributes are left out. Numbers are integers, decimals, fractions, percentages, powers and what has an exponent;
-    words for numbers are not read. Labels by themselves are whole numbers after a letter (RK4), indices (q₁), what
-    follows Section, Figure and the like, versions, dates, numbers of items, [1], addresses and formats such as :.6f.
+    words for numbers and growth are counted apart, and held where a claim says spelled. Labels by themselves are whole
+    numbers after a letter (RK4), indices (q₁), what follows Section, Figure and the like, versions, dates, numbers of
+    items, [1], addresses and formats such as :.6f. MyST roles and directives and macros of TeX are read as set.
 
     --run runs the Python listings of the text, in order, in one process without a shell, within the time limit and
     2 GiB, and compares what each prints with the block that follows it, or with the lines under "Expected output:".
@@ -124,6 +125,11 @@ def check_command(options: Namespace) -> str:
       phrase = "takes {steps} steps of h = 0.25"
       values = { steps = "run rk4 h=1/4 t=10 : steps" }
       given = "our choice of h"                     # why a number of the phrase is no value; true will do
+      [[claim]]
+      id = "calls"
+      phrase = "makes {value} calls"                # sixteen, a third; spelled = "trend": grows, shrinks, by the sign
+      value = "stages rk4"
+      spelled = "words"
       [[label]]
       phrase = "{n} min read"                       # numbers that belong to names are not counted
       why = "reading time"

@@ -12,6 +12,7 @@ from itertools import islice
 from driftproof.texts.claims.claims import Claim, NumberLabel
 from driftproof.texts.claims.phrases import Spellings
 from driftproof.texts.readers.document import Document, Position
+from driftproof.texts.readers.number_words import TextWord, words_in
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # How a number is accounted for: worked out here, given, printed by a listing that was run, part of a name, or not.
@@ -149,9 +150,10 @@ class Accounted:
 
 @dataclass(frozen=True)
 class Coverage:
-    """Every number of a text, accounted for, in order."""
+    """Every number of a text, accounted for, in order; and its words for numbers and growth that no phrase holds."""
 
     numbers: tuple[Accounted, ...]
+    unread: tuple[TextWord, ...] = ()
 
     @property
     def counts(self) -> dict[str, int]:
@@ -196,7 +198,11 @@ def coverage(
     holders += [(*span, RUN, "running the listing") for span in ran]
     numbers = [number for span, how in values.items() for number in _of_value(text, span, *how)]
     numbers += _of_rest(_masked(text, values), holders)
-    return Coverage(tuple(sorted(numbers, key=lambda accounted: accounted.number.start)))
+    held = [False] * len(text)
+    for start, end, *_ in holders:
+        held[start:end] = [True] * (end - start)
+    unread = tuple(word for word in words_in(text) if not held[word.start])
+    return Coverage(tuple(sorted(numbers, key=lambda accounted: accounted.number.start)), unread)
 
 
 def _of_value(text: str, span: Span, kind: str, by: str) -> Iterator[Accounted]:

@@ -13,7 +13,7 @@ from typing import Any
 
 from driftproof.support import toml_tables as toml
 from driftproof.support.toml_tables import TomlTable
-from driftproof.texts.claims.phrases import MOST_DECIMALS, NumberForm, Phrase
+from driftproof.texts.claims.phrases import MOST_DECIMALS, SPELLED, NumberForm, Phrase
 from driftproof.texts.questions.decimals import ROUNDING_POLICIES
 from driftproof.texts.readers.canonical import canonical_text
 from driftproof.texts.readers.document import READERS
@@ -24,7 +24,7 @@ _LARGEST_FILE = 2**20
 MOST_CLAIMS = 5000
 _MOST_OCCURRENCES = 10_000
 _LONGEST_NAME = 200
-_FORM = ("places", "digits", "exact", "rounding")
+_FORM = ("places", "digits", "exact", "rounding", "spelled")
 
 
 @dataclass(frozen=True)
@@ -198,4 +198,5 @@ def _form(entry: TomlTable) -> NumberForm:
         toml.as_whole(entry["digits"], "digits", 1, MOST_DECIMALS) if "digits" in entry else None,
         toml.as_flag(entry.get("exact", False), "exact"),
         toml.as_choice(entry["rounding"], "rounding", ROUNDING_POLICIES) if "rounding" in entry else None,
+        toml.as_choice(entry["spelled"], "spelled", SPELLED) if "spelled" in entry else None,
     )

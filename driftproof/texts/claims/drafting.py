@@ -30,8 +30,8 @@ _USUAL_FACTS = ("imaginary_limit", "real_limit", "order", "error_constant")
 # A few hundred questions, which take a second or two; runs of more steps are not cheap.
 _MOST_METHODS, _MOST_SIZES, _MOST_TIMES = 6, 4, 2
 _LONGEST_RUN = 10_000
-# A number of so many digits, or of so many after the point, looks like few values.
-_ENOUGH_DIGITS = 3
+# Of so many numbers with these digits one at most, drawn at random, would look like a value whose names stand as near.
+_ODDS = 100
 # Characters on each side of a number in which the names of a value are looked for: about a line.
 _NEIGHBOURHOOD = 100
 
@@ -42,7 +42,8 @@ _H, _T = (re.compile(rf"\b{letter} ?= ?([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?![\w.
 class LookAlike:
     """A value that looks like a number when written in `form`: its id or question.
 
-    It is `strong` where the number has many digits, or is the value itself and all its names are near.
+    It is `strong`, no guess, where chance would make so few numbers of as many digits look like a value as near by
+    its names, or where the number is the value itself and all its names are near.
     """
 
     question: str
@@ -79,16 +80,27 @@ class Suggestions:
             x = number.value
         except (ValueError, ZeroDivisionError):
             return []
-        near = self.text[max(0, number.start - _NEIGHBOURHOOD) : number.end + _NEIGHBOURHOOD].lower()
-        long = _digits(number.text) >= _ENOUGH_DIGITS or bool(x and (number.places or 0) >= _ENOUGH_DIGITS)
+        fits = self._fits(self.text[max(0, number.start - _NEIGHBOURHOOD) : number.end + _NEIGHBOURHOOD].lower())
+        digits = _digits(re.split(r"[eE]| ?[×·]", number.text)[0])
         spelled = re.sub(r" ?[×·] ?10\^\{?(-?[0-9]+)\}?", r"e\1", number.text.replace(",", "").lstrip("+"))
         form, found = _form_of(number), []
         for known in self._written(form).get(spelled, ()):
-            fit = sum(bool(re.search(rf"(?<![a-z]){name}", near)) for name in known.names)
-            strong = long or (known.answer.exact == x and fit == len(known.names) > 1)
+            fit = fits[known.question]
+            rivals = sum(other >= fit for other in fits.values())
+            strong = rivals * _ODDS <= 9 * 10 ** (digits - 1) if digits else False
+            strong = strong or (known.answer.exact == x and fit == len(known.names) > 1)
             order = (-fit, known.answer.exact != x, not known.published, len(known.question), known.question)
             found.append((order, LookAlike(known.question, form, strong)))
         return [alike for _, alike in sorted(found, key=lambda pair: pair[0])]
+
+    def _fits(self, near: str) -> dict[str, int]:
+        """Of every value, how many of its names stand in `near`."""
+        stand = {name for name in self._all_names if re.search(rf"(?<![a-z]){name}", near)}
+        return {known.question: sum(name in stand for name in known.names) for known in self._known}
+
+    @cached_property
+    def _all_names(self) -> set[str]:
+        return {name for known in self._known for name in known.names}
 
     def _written(self, form: NumberForm) -> dict[str, list[_Known]]:
         """The values by their spellings in this form; one that cannot be written so, as a tie, is left out."""
@@ -157,8 +169,9 @@ _WIDEST_GAP, _MOST_IN_PHRASE = 25, 8
 
 _HEADER = """\
 # Claims drafted by `driftproof check --init {name}`. Every phrase stands in the text as often as it says.
-# That a value looks like a number is no proof that the text means it: read each claim. What looks like no value follows
-# as a comment; ask for its value (`driftproof value --help` teaches how), or say why it is given.
+# That a value looks like a number is no proof that the text means it: read each claim. What looks like no value, or so
+# little like one that it may be chance, is a comment; ask for its value (`driftproof value --help` teaches how), or say
+# why it is given.
 """
 
 

@@ -14,6 +14,13 @@ from itertools import zip_longest
 from typing import TYPE_CHECKING, TypeAlias
 
 from driftproof.texts.readers.canonical import canonical_text
+from driftproof.texts.readers.number_words import (
+    WORDED_NUMBER,
+    WORDED_TREND,
+    is_worded,
+    worded_number,
+    worded_trend,
+)
 from driftproof.texts.readers.numbers import numbers_in
 
 if TYPE_CHECKING:
@@ -23,6 +30,8 @@ if TYPE_CHECKING:
 LONGEST_PHRASE = 400
 MOST_VALUES = 20
 MOST_DECIMALS = 1000
+# A value as words: sixteen, a third, twice; or as what it says of a change: grows, shrinks, stays.
+SPELLED = WORDS, TREND = ("words", "trend")
 # An exact form longer than this is nothing that a text prints.
 _LONGEST_EXACT = 400
 # The ways to write each value, by its name, the plainest first.
@@ -36,6 +45,7 @@ ANY_NUMBER = (
     r"(?>(?:(?<=\^)[0-9]++|[-+]?(?:[0-9]++(?:[.,'/][0-9]++)*+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?+"
     r"(?: ?[×·] ?10\^(?:\{-?[0-9]++\}|[0-9]))?+)++)"
 )
+_ANY_WORD = rf"(?i:{WORDED_NUMBER}|{WORDED_TREND})|{ANY_NUMBER}"
 # A number is not torn out of a longer one, nor out of a product, a power or a percentage of which it is a part.
 _NUMBER_BEGINS = r"(?<![0-9][,'/])(?<![\w.^_√+-])"
 _NUMBER_ENDS = r"(?!\w)(?![.,'/][0-9])(?!/[\w(])(?![\^_√])(?! ?[×·] ?10\^)(?! ?%)"
@@ -49,6 +59,7 @@ class NumberForm:
     digits: int | None = None
     exact: bool = False
     rounding: str | None = None
+    spelled: str | None = None  # one of SPELLED
 
     def spellings(self, value: Answer) -> list[str]:
         """Every way to write the value so, in canonical spelling, the plainest first.
@@ -59,6 +70,8 @@ class NumberForm:
         from driftproof.texts.questions.decimals import Style
 
         style, x = Style(rounding=self.rounding), value.exact
+        if self.spelled is not None:
+            return _in_words(value, self.spelled)
         if not value.is_number or self.exact:
             return _exact_spellings(value)
         if self.places is not None:
@@ -68,6 +81,18 @@ class NumberForm:
         if isinstance(x, Fraction) and 10**MOST_DECIMALS % x.denominator == 0:
             return [value.places(next(n for n in range(MOST_DECIMALS + 1) if 10**n % x.denominator == 0))]
         raise ValueError("the value has no decimal that ends; say places, digits or exact")
+
+
+def _in_words(value: Answer, spelled: str) -> list[str]:
+    """A whole number or a fraction in words, or the words for a change of the value's sign."""
+    from driftproof.symbolic.algebra.certified import certified_sign
+
+    x = value.exact
+    if spelled == TREND and x is not None:
+        return worded_trend(certified_sign(x))
+    if isinstance(x, Fraction):
+        return worded_number(x)
+    raise ValueError("the value is no rational number, and has no words; say places, digits or exact")
 
 
 def _exact_spellings(value: Answer) -> list[str]:
@@ -164,7 +189,8 @@ class Phrase:
     def shape(self, spellings: Spellings, ignore_case: bool = False, names: bool = True) -> re.Pattern[str]:
         """The pattern of the phrase with any numbers for its own, each a group; `names` such as RK4 keep theirs."""
         texts, found = self._texts_and_numbers(spellings, names)
-        return self._pattern(_alternating(map(_literal_pattern, texts), [f"({ANY_NUMBER})"] * len(found)), ignore_case)
+        numbers = (f"({_ANY_WORD if is_worded(number) else ANY_NUMBER})" for number in found)
+        return self._pattern(_alternating(map(_literal_pattern, texts), numbers), ignore_case)
 
     def any_numbers(self) -> re.Pattern[str]:
         """The pattern of the phrase with any number for each value, and its own literal numbers."""
@@ -182,8 +208,13 @@ class Phrase:
     def _texts_and_numbers(self, spellings: Spellings, names: bool) -> tuple[list[str], list[str]]:
         """The phrase cut at its numbers, those that run together being one: n + 1 texts and n numbers."""
         texts, found = [""], list[str]()
-        for part in _alternating(self.literals, [spellings[name][0] for name in self.names]):
+        values = [spellings[name][0] for name in self.names]
+        for place, part in enumerate(_alternating(self.literals, values)):
             done = 0
+            if place % 2 and is_worded(part):
+                found.append(part)
+                texts.append("")
+                continue
             for number in numbers_in(part):
                 if number.label is None or not names:
                     texts[-1] += part[done : number.start]

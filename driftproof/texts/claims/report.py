@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
@@ -19,6 +20,8 @@ from driftproof.texts.readers.numbers import TextNumber
 _CONTEXT, _MOST_NAMED = 24, 3
 # Uncovered numbers for which values are looked for: a millisecond each.
 _MOST_LISTED = 5000
+# Words for numbers that are named of those that no claim holds.
+_MOST_WORDS = 5
 
 
 @dataclass(frozen=True)
@@ -76,6 +79,7 @@ class TextReport:
             "listings": self.ran.count if self.ran else None,
             "coverage": {**self.coverage.counts, "share": _percent(self.coverage.share)},
             "numbers": [self._number_as_dict(accounted) for accounted in self.coverage.numbers],
+            "words": [{"text": w.text, **self.document.position(w.start)._asdict()} for w in self.coverage.unread],
         }
 
     def _number_as_dict(self, accounted: Accounted) -> dict[str, Any]:
@@ -100,6 +104,9 @@ class TextReport:
         numbers = _counted(worked_out + given + run + uncovered, "number")
         kinds = f"{worked_out} by values, {given} given{f', {run} by running' if run else ''}; {uncovered} not"
         yield f"{_percent(self.coverage.share)} of {numbers} covered: {kinds}; and {_counted(labels, 'label')}"
+        if unread := Counter(word.text.lower() for word in self.coverage.unread):
+            words = [word for word, _ in unread.most_common(_MOST_WORDS)] + ["..."] * (len(unread) > _MOST_WORDS)
+            yield f"not held: {_counted(unread.total(), 'word')} for numbers or growth ({', '.join(words)})"
 
     def _annotations(self) -> Iterator[str]:
         for one in self.findings:

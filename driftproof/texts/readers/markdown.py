@@ -6,23 +6,45 @@ import html
 import re
 from collections.abc import Iterable
 
-from driftproof.texts.readers.source_text import LISTING, PROSE, Block, Piece, SourceText, joined
-from driftproof.texts.readers.tex import tex_prose
+from driftproof.texts.readers.source_text import LISTING, PROSE, Block, Insertion, Piece, SourceText, joined
+from driftproof.texts.readers.tex import tex_prose, with_macros_expanded
 
 _FRONT_MATTER = re.compile(r"\A---[ \t]*\n.*?\n(?:---|\.\.\.)[ \t]*\n", re.DOTALL)
 _FENCE = re.compile(
-    r"^[ \t>]*(?P<fence>`{3,}+|~{3,}+)(?P<info>[^\n`]*)\n(?P<body>.*?)(?:^[ \t>]*(?P=fence)[`~]*[ \t]*$|\Z)",
+    r"^[ \t>]*(?P<fence>`{3,}+|~{3,}+|:{3,}+)(?P<info>[^\n`]*)\n(?P<body>.*?)(?:^[ \t>]*(?P=fence)[`~:]*[ \t]*$|\Z)",
     re.DOTALL | re.MULTILINE,
 )
 _NAME = re.compile(r"[A-Za-z][\w+-]*")
+# MyST: the name of a directive and its argument; its options, which are for the machine.
+_DIRECTIVE = re.compile(r"[ \t]*\{(?P<name>[A-Za-z][\w:.-]*)\}[ \t]*")
+_OPTIONS = re.compile(
+    r"(?:[ \t]*---[ \t]*\n.*?\n[ \t]*---[ \t]*(?:\n|\Z)|(?:[ \t]*:[\w-]+:[^\n]*(?:\n|\Z))+)", re.DOTALL
+)
+# Directives whose argument is no title but the name of a file; of which nothing is read; whose body is read.
+_ABOUT_FILES = {"figure", "image", "csv-table", "literalinclude", "include", "video", "iframe", "download"}
+_UNREAD = {"image", "literalinclude", "include", "toctree", "tableofcontents", "contents", "bibliography", "raw"} | {
+    "index", "video", "iframe", "mermaid", "glue:figure", "bokeh-plot", "footbibliography", "tags",
+}  # fmt: skip
+_OF_PROSE = """
+note tip hint warning important caution danger error attention seealso todo admonition topic figure table list-table
+csv-table epigraph pull-quote sidebar margin aside dropdown card grid grid-item tab-set tab-item exercise solution
+example versionadded versionchanged deprecated glossary container div
+"""
+_READ = frozenset(_OF_PROSE.split())
+# Roles whose text is a key of the machine's, unless a text stands before it: {ref}`the figure <fig-1>`.
+_KEYS = {"ref", "numref", "eq", "doc", "label", "download", "footcite", "footcitet", "eval", "glue"}
+_TARGET = re.compile(r"^\([\w:.-]+\)=[ \t]*$\n?|^% [^\n]*$\n?|\{\{ [^{}\n]{1,200} \}\}", re.MULTILINE)
 # What is not read as Markdown: code, mathematics, comments.
 _KEPT = re.compile(
     r"(?P<gone><!--.*?(?:-->|\Z)|<(?P<tag>script|style)\b.*?(?:</(?P=tag)\s*>|\Z))"
-    r"|(?P<role>\{math\})?(?<!`)(?P<ticks>`++)(?P<code>[^`]{1,2000}?)(?<!`)(?P=ticks)(?!`)"
+    r"|(?:\{(?P<role>[A-Za-z][\w:.+-]*)\})?(?<!`)(?P<ticks>`++)(?P<code>[^`]{1,2000}?)(?<!`)(?P=ticks)(?!`)"
     r"|\$\$(?P<display>[^$]{1,5000})\$\$|\\\[(?P<bracket>.{1,5000}?)\\\]|\\\((?P<paren>[^\n]{1,500}?)\\\)"
     r"|(?<![\\$\w])\$(?P<inline>(?! )[^$\n]{1,500}(?:\n[^$\n]{1,500})?(?<! ))\$(?![\w$])",
     re.DOTALL | re.IGNORECASE,
 )
+_SHOWN = re.compile(r"(?P<a>[^<]*\S)\s*<[^<>]*>\Z")
+# Directives inside directives: grids of cards of tabs are no deeper.
+_DEEPEST = 8
 _MATHEMATICS = ("display", "bracket", "paren", "inline")
 # Punctuation that is not to be taken for markup is moved out of the way meanwhile, to characters of no other use.
 _PUNCTUATION = re.compile(r"[!-/:-@\[-`{-~]")
@@ -48,23 +70,44 @@ _STRESSED = re.compile(
 
 def markdown_blocks(source: SourceText) -> list[Block]:
     """Prose as it is read, and fenced listings; front matter is for the machine and is left out."""
+    source = with_macros_expanded(source)
     front = _FRONT_MATTER.match(source.text)
-    blocks, done = [], front.end() if front else 0
-    for match in _FENCE.finditer(source.text, done):
+    return _parts(source[front.end() if front else 0 :], 0)
+
+
+def _parts(source: SourceText, depth: int) -> list[Block]:
+    """Prose, listings and directives, whose bodies may hold others, down to the depth of Markdown's own lists."""
+    blocks: list[Block] = []
+    done = 0
+    for match in _FENCE.finditer(source.text):
         blocks.append(Block(PROSE, markdown_prose(source[done : match.start()])))
-        body, names = source[match.start("body") : match.end("body")], _NAME.findall(match["info"])
-        if names[:1] == ["math"]:
-            blocks.append(Block(PROSE, tex_prose(body)))
-        else:
-            language = next((name for name in names if name not in ("code-cell", "code-block", "code")), "")
-            blocks.append(Block(LISTING, body, language.lower()))
+        blocks += _fenced(source, match, depth)
         done = match.end()
     return [*blocks, Block(PROSE, markdown_prose(source[done:]))]
 
 
+def _fenced(source: SourceText, match: re.Match[str], depth: int) -> list[Block]:
+    """What stands in a fence: mathematics, a listing, or the prose of a directive, without its options."""
+    directive, start = _DIRECTIVE.match(match["info"]), match.start("body")
+    name = directive["name"].lower() if directive else ""
+    if directive and (options := _OPTIONS.match(match["body"])):
+        start += options.end()
+    body, names = source[start : match.end("body")], _NAME.findall(match["info"])
+    if names[:1] == ["math"]:
+        return [Block(PROSE, tex_prose(body))]
+    if name in _UNREAD:
+        return []
+    if depth < _DEEPEST and (name in _READ or name.startswith(("prf:", "proof:")) or match["fence"][0] == ":"):
+        title = source[match.start("info") + (directive.end() if directive else 0) : match.end("info")]
+        read = [] if name in _ABOUT_FILES or not directive else [Block(PROSE, markdown_prose(title))]
+        return [*read, *_parts(body, depth + 1)]
+    language = next((name for name in names if name not in ("code-cell", "code-block", "code", "sourcecode")), "")
+    return [Block(LISTING, body, language.lower())]
+
+
 def markdown_prose(text: SourceText) -> SourceText:
     """A piece of Markdown without fences, as it is read."""
-    text = _code_and_mathematics_shielded(text)
+    text = _code_and_mathematics_shielded(text.removed(_TARGET))
     text = text.removed(_DELIMITER_ROW).removed(_DEFINITION).removed(_LINE_MARK)
     text = text.rewritten(_ESCAPED, lambda match: [_shield(match[1])]).removed(_ADDRESS)
     for pattern in (_LINK, _LINK, _STRONG, _STRESSED):  # a link may be the text of a link: a picture is
@@ -84,9 +127,15 @@ def _code_and_mathematics_shielded(text: SourceText) -> SourceText:
         done = match.end()
         if match["gone"]:
             continue
-        name = next((name for name in _MATHEMATICS if match[name]), "code")
+        name, role = next((name for name in _MATHEMATICS if match[name]), "code"), (match["role"] or "").lower()
         kept = text[match.start(name) : match.end(name)]
-        kept = kept if name == "code" and not match["role"] else tex_prose(kept)
+        if role in _KEYS or role.startswith("cite"):
+            shown = _SHOWN.match(kept.text)
+            kept = kept[slice(*shown.span("a"))] if shown else kept[:0]
+        kept = kept if name == "code" and role != "math" else tex_prose(kept)
+        if role in ("sub", "sup"):
+            before = Insertion("_{" if role == "sub" else "^{", kept.origin(0))
+            kept = joined([before, kept, Insertion("}", kept.origin(len(kept.text)))])
         pieces.append(kept.rewritten(_PUNCTUATION, lambda sign: [_shield(sign[0])]))
     return joined([*pieces, text[done:]])
 

@@ -62,7 +62,7 @@ class TextNumber:
 def numbers_in(text: str) -> list[TextNumber]:
     """Every number of a text in canonical spelling, in order.
 
-    Read are integers, decimals, fractions, exponents, powers and groups of three digits; words for numbers are not.
+    Read are integers, decimals, fractions, exponents, powers and groups of three digits; words are for number_words.
     A label is a whole number that follows a letter (RK4, float64), an index (q_1), what follows a word such as Section,
     Figure or Exercise, a version or a date, the number of an item at the start of a line, one number in square
     brackets, what is in an address, and the digits of a format such as :.6f.

@@ -3,7 +3,8 @@ r"""TeX as its reader sees it: comments and commands gone, \frac{a}{b} as a/b, \
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from functools import partial
 
 from driftproof.texts.readers.source_text import LISTING, PROSE, Block, Piece, SourceText
 
@@ -45,9 +46,54 @@ _COMMAND = re.compile(
 # Raised and lowered groups, kept apart from the braces that only group.
 _OPEN, _CLOSE = "\ue010", "\ue011"
 
+# The body of a macro of the author's: braces inside it to a depth of four.
+_INNER = r"[^{}]*+(?:\{[^{}]*+\}[^{}]*+)*+"
+_BODY = rf"[^{{}}]*+(?:\{{{_INNER}(?:\{{{_INNER}\}}{_INNER})*+\}}[^{{}}]*+)*+"
+_DEFINITION = re.compile(
+    r"\\(?:(?:re)?newcommand|providecommand|DeclareMathOperator)\*?\s*(?:\{\s*\\(?P<name>[A-Za-z]+)\s*\}|\\(?P<bare>[A-Za-z]+))"
+    rf"\s*(?:\[(?P<count>[1-9])\])?\s*\{{(?P<body>{_BODY})\}}"
+    rf"|\\def\s*\\(?P<plain>[A-Za-z]+)(?P<places>(?:\#[1-9])*)\s*\{{(?P<inside>{_BODY})\}}"
+)
+# A macro may use others; what grows beyond this, or goes on and on, is left as it stands.
+_MOST_ROUNDS, _MOST_GROWTH = 5, 4
+
+
+def with_macros_expanded(text: SourceText) -> SourceText:
+    r"""The text with \newcommand, \def and \DeclareMathOperator of its own put in where they are used."""
+    macros = {}
+    for match in _DEFINITION.finditer(text.text):
+        count = int(match["count"] or 0) if match["plain"] is None else len(match["places"]) // 2
+        macros[match["name"] or match["bare"] or match["plain"]] = (count, match["body"] or match["inside"] or "")
+    if not macros:
+        return text
+    text, longest = text.removed(_DEFINITION), _MOST_GROWTH * len(text.text)
+    for _ in range(_MOST_ROUNDS):
+        before = text
+        for name, (count, body) in macros.items():
+            arguments = "".join(rf"\s*(?:\{{(?P<b{k}>{_BODY})\}}|(?P<c{k}>[0-9A-Za-z]))" for k in range(1, count + 1))
+            use = re.compile(rf"\\{name}(?![A-Za-z]){arguments}")
+            text = text.rewritten(use, partial(_expanded, body))
+            if len(text.text) > longest:
+                return before
+        if text.text == before.text:
+            break
+    return text
+
+
+def _expanded(body: str, match: re.Match[str]) -> Iterator[Piece]:
+    """The body with the arguments of this use at their places, in braces."""
+    yield "{"
+    for piece in re.split(r"(#[1-9])", body):
+        if re.fullmatch(r"#[1-9]", piece) and f"b{piece[1]}" in match.re.groupindex:
+            yield match.span(f"b{piece[1]}" if match[f"b{piece[1]}"] is not None else f"c{piece[1]}")
+        else:
+            yield piece
+    yield "}"
+
 
 def tex_blocks(source: SourceText) -> list[Block]:
     """Prose and mathematics as they are read, and verbatim environments as listings."""
+    source = with_macros_expanded(source)
     blocks, done = [], 0
     for match in _VERBATIM.finditer(source.text):
         blocks.append(Block(PROSE, tex_prose(source[done : match.start()])))

@@ -107,6 +107,33 @@ def test_numbers_that_run_together_are_counted_one_by_one() -> None:
     assert (counts[WORKED_OUT], counts[LABEL], counts[UNCOVERED]) == (3, 1, 0)
 
 
+# Question, spelled how, a text that is right, one that is not: what is expected there, and what is found.
+IN_WORDS = [
+    ("evaluations", "words", "RK4 makes one hundred and sixty calls", "RK4 makes 161 calls", "161"),
+    ("evaluations", "words", "RK4 makes A hundred\nand sixty calls", "RK4 makes sixteen calls", "sixteen"),
+    ("energy_change", "trend", "RK4 makes shrinking calls", "RK4 makes growing calls", "growing"),
+]
+
+
+@pytest.mark.parametrize(("readout", "how", "right", "wrong", "found"), IN_WORDS)
+def test_value_in_words_is_held_and_other_words_are_found(
+    readout: str, how: str, right: str, wrong: str, found: str
+) -> None:
+    asked = f'value = "run rk4 h=1/4 t=10 : {readout}"'
+    text = f'[[claim]]\nid="a"\nphrase="makes {{value}} calls"\n{asked}\nspelled="{how}"'
+    (one,) = parse_claims(text.encode()).claims
+    assert findings(right, one) == []
+    ((*_, expected, instead),) = findings(wrong, one)
+    assert instead == found != expected in one.spellings()["value"]
+
+
+def test_words_that_no_phrase_holds_are_told() -> None:
+    document = document_of("The error is 0.33 after 40 steps, two of sixteen. It uses one, 0.5, and grows.")
+    one = claim("two of sixteen. It uses one, {value}", "given = true", "0.5")
+    assert [word.text for word in coverage(document, []).unread] == ["two", "sixteen", "one", "grows"]
+    assert [word.text for word in coverage(document, check_claims(document, [one])).unread] == ["grows"]
+
+
 def test_label_that_stands_nowhere_is_refused() -> None:
     with pytest.raises(ValueError, match="label for 'time' stands nowhere"):
         coverage(document_of("none"), [], CLAIMS.labels)

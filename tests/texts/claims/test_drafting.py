@@ -54,8 +54,9 @@ def test_best_suggestion_is_the_value_whose_names_are_near(text: str, best: str 
 
 def test_suggestion_is_strong_only_where_the_digits_or_the_names_say_so() -> None:
     assert [candidate.strong for candidate in suggested("about 0.877604")[0]] == [True, True]
-    for text, strong in (("0.5", False), ("2.4", False), ("2.39", True), ("0.090", True), ("0.09", False)):
+    for text, strong in (("0.5", False), ("2.4", False), ("2.39", False), ("0.090", False)):
         assert {candidate.strong for candidate in suggested(f"about {text}")[0]} == {strong}, text
+    assert suggested("forward Euler's state error is 2.390 at the end")[-1][0].strong
     exact = [value(candidate.question).exact == Q(1, 2) for candidate in suggested("about 0.5")[0]]
     assert exact == sorted(exact, reverse=True), "what is equal stands before what is rounded"
     assert {*exact} == {True, False}
@@ -108,7 +109,7 @@ def test_drafted_claims_hold_and_cover_all_once_the_rest_is_given() -> None:
     document = read_document(SPRING)
     text = draft(document, "spring.md")
     counts = held(document, text)
-    assert counts[WORKED_OUT] > 10
+    assert counts[WORKED_OUT] > 5
     assert counts[GIVEN] == 0
     assert held(document, TODO.sub("", text))[UNCOVERED] == 0
 

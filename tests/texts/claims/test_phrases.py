@@ -58,6 +58,8 @@ CLAIM = '[[claim]]\nid = "a"\nphrase = "is {value}"\nvalue = "rk4.first_step.q"\
         ("step rk4 h=1/0 : q", "", "divides by zero"),
         ("imaginary_limit rk4", "", "no decimal that ends; say places, digits or exact"),
         ("rk4.first_step.q", "", "no decimal that ends"),
+        ("imaginary_limit rk4", "spelled = 'words'", "no rational number, and has no words"),
+        ("rk4.first_step.q", "spelled = 'words'", "nobody writes this number in words"),
         ("run rk4 h=1/4 t=10 : state_error", "exact = true", "no exact form"),
         ("run rk4 h=1/4 t=10 : energy", "exact = true", "the exact form has"),
         ("1/2", "places = 0", "name a rounding"),

@@ -12,12 +12,25 @@ READ = [
     ("$\\frac{337}{384}$ and $$h^{-2}$$, \\$5 and 3$", "337/384 and h^{-2}, $5 and 3$"),
     ("| a | b |\n|:--|--:|\n| 1 | 2 |\n\n[r]: http://x/8\n> quoted\n- 5", "| a | b |\n| 1 | 2 |\nquoted\n5"),
     ("0 < h < 2, a<b", "0 < h < 2, a<b"),
+    ("{ref}`fig-1`, {ref}`the 3 <fig-1>`, {cite:p}`hairer1993` {eq}`e-2` {sup}`4` {kbd}`5`", ", the 3, ^4 5"),
+    ("(sec-1)=\n# A\n% todo 2\nb {{ x7 }}", "A\nb"),
+    ("$\\newcommand{\\half}{\\frac{1}{2}}\\def\\o#1{O(h^{#1})}\\half$ $\\o{4}$", "1/2 O(h^4)"),
 ]
 
 
 @pytest.mark.parametrize(("source", "text"), READ)
 def test_markdown_is_read_as_people_read_it(source: str, text: str) -> None:
     assert read("markdown", source) == text
+
+
+def test_directives_are_prose_listings_or_for_the_machine() -> None:
+    inner = "````{note} Of 2\n:class: x-1\nis 3\n```{code-cell} ipython3\n:tags: [t-1]\nx\n```\n````\n"
+    figure = "```{figure} a-1.png\n---\nwidth: 400px\n---\nCaption 5\n```\n"
+    rest = ":::{prf:theorem} T\n6\n:::\n```{toctree}\n7\n```\n```{math}\n:label: e-1\nh\n```\n```{python}\ny\n```"
+    assert blocks("markdown", inner + figure + rest) == [
+        ("prose", "", "Of 2"), ("prose", "", "is 3"), ("listing", "ipython3", "x"), ("prose", "", "Caption 5"),
+        ("prose", "", "T"), ("prose", "", "6"), ("prose", "", "h"), ("listing", "python", "y"),
+    ]  # fmt: skip
 
 
 def test_number_stands_where_the_file_has_it() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import pytest
 
 from tests.texts.readers.reading import blocks, read, standing
@@ -10,6 +12,8 @@ READ = [
     ("a % 5\nb\\% \\label{eq:1}\\cite{x2} \\emph{c} \\num{0.5}~d", "a b% c 0.5 d"),
     ("$\\frac{337}{384}$, $\\tfrac12$, $\\frac{h^2}{2}$", "337/384, 1/2, (h^2)/2"),
     ("$2\\sqrt{2}$ $3.3\\times 10^{-4}$ $1\\,000$ $q_{n+1}$", "2√2 3.3×10^{-4} 1,000 q_{n+1}"),
+    ("\\newcommand{\\half}{\\tfrac{1}{2}}\\newcommand\\pow[2]{#1^{#2}}$\\half\\pow{h}{12}\\pow h3$", "1/2h^{12}h^3"),
+    ("\\def\\a{\\b}\\def\\b{\\a}\\DeclareMathOperator{\\tr}{tr} \\a 5 \\tr 6", "5 tr 6"),
     ("\\begin{tabular}{lr} a & 0.5 \\\\ b & 1 \\end{tabular}", "a | 0.5\nb | 1"),
 ]
 
@@ -17,6 +21,14 @@ READ = [
 @pytest.mark.parametrize(("source", "text"), READ)
 def test_tex_is_read_as_people_read_it(source: str, text: str) -> None:
     assert read("tex", source) == text
+
+
+def test_macros_that_grow_without_end_are_left_at_four_times_the_text() -> None:
+    assert 0 < len(read("tex", "x \\a y" + "\\def\\a{\\a\\a\\a 1}")) < 80
+    many = "".join(f"\\def\\{a}{{" + f"\\{b}" * 9 + "}" for a, b in pairwise("abcdefghijklmn"))
+    assert len(read("tex", many + "\\a\\def\\n{1}")) < 10_000
+    source = "\\newcommand{\\x}[1]{#1}\nis \\x{42.5}"
+    assert standing("tex", source, "42.5") == "42.5}"
 
 
 def test_number_stands_where_the_file_has_it() -> None:

@@ -1,0 +1,96 @@
+"""Numbers and trends as words: "sixteen", "a third", "twice", "grows": how each is spelled, and which a text has."""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+from typing import NamedTuple
+
+_NAMES = """
+zero one two three four five six seven eight nine ten
+eleven twelve thirteen fourteen fifteen sixteen seventeen eighteen nineteen
+twenty thirty forty fifty sixty seventy eighty ninety
+"""
+_SMALL, _TENS = _NAMES.split()[:20], _NAMES.split()[20:]
+_SCALES = {10**9: "billion", 10**6: "million", 1000: "thousand"}
+_PARTS = dict(enumerate(("half", "third", "quarter", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth"), 2))
+# What says the sign of a change; the first of each is the plainest.
+_TRENDS = {
+    1: "grows grow grew growing increases increase increased increasing rises rise rose rising gains gain gained",
+    -1: "shrinks shrink shrank shrinking decreases decrease decreased decreasing falls fall fell falling loses lose",
+    0: "stays stay stayed staying keeps keep kept keeping",
+}
+_UNIT = "|".join(sorted(_SMALL, key=len, reverse=True))
+_BELOW_HUNDRED = rf"(?:(?:{'|'.join(_TENS)})(?:[- ](?:{'|'.join(_SMALL[1:10])}))?|{_UNIT})"
+_LARGE = rf"(?:hundred|{'|'.join(_SCALES.values())})"
+_WHOLE = rf"(?:{_BELOW_HUNDRED}|an?(?=[- ]{_LARGE}))(?:(?:[- ]{_LARGE})+(?:(?:[- ]and)?[- ]{_BELOW_HUNDRED})?)*"
+_PART = rf"(?:an?|{_UNIT})[- ](?:hal(?:f|ves)|(?:{'|'.join([*_PARTS.values()][1:])})s?)"
+WORDED_NUMBER = rf"(?:{_PART}|{_WHOLE}|half|twice|thrice)"
+WORDED_TREND = rf"(?:{'|'.join(' '.join(_TRENDS.values()).split())})"
+_NUMBER = re.compile(rf"\b{WORDED_NUMBER}\b", re.IGNORECASE)
+_TREND = re.compile(rf"\b{WORDED_TREND}\b", re.IGNORECASE)
+_CHANGE = re.compile(rf"\b(?:{'|'.join(f'{_TRENDS[1]} {_TRENDS[-1]}'.split())})\b", re.IGNORECASE)
+# "one" by itself is more often a pronoun; it counts after a word for counting.
+_COUNTED = re.compile(r"\b(?:uses|needs|takes|costs|makes|has|only|exactly)\s$", re.IGNORECASE)
+
+
+class TextWord(NamedTuple):
+    """A number or a trend that a text has in words: where, and as it stands there."""
+
+    start: int
+    end: int
+    text: str
+
+
+def worded_number(x: Fraction) -> list[str]:
+    """Every way to write the number in words, the plainest first. Raises ValueError where nobody does.
+
+    >>> worded_number(Fraction(16)), worded_number(Fraction(2, 3))[:2], worded_number(Fraction(1, 3))[0]
+    (['sixteen', 'Sixteen'], ['two thirds', 'Two thirds'], 'a third')
+    """
+    found: list[str] = []
+    if x.denominator == 1 and 0 <= x < 10**12:
+        plain = _cardinal(int(x))
+        found = [plain, plain.replace("-", " "), *{2: ["twice"], 3: ["thrice"]}.get(int(x), [])]
+        found += ["a" + plain[3:]] if re.match(r"one (?:hundred|thousand|million|billion)", plain) else []
+    elif x.denominator in _PARTS and 0 < x < 1:
+        part, many = _PARTS[x.denominator], x.numerator > 1
+        spaced = f"{_SMALL[x.numerator]} {part}{'s' * many}"
+        found = [spaced, spaced.replace(" ", "-")]
+        found = found if many else [f"a {part}" if part != "eighth" else f"an {part}", *found]
+        found = ["half", *found] if x == Fraction(1, 2) else found
+    if not found:
+        raise ValueError("nobody writes this number in words; say places, digits or exact")
+    return list(dict.fromkeys(form for word in found for form in (word, word[0].upper() + word[1:])))
+
+
+def worded_trend(sign: int) -> list[str]:
+    """The words for a change of this sign: 1 grows, -1 shrinks, 0 stays."""
+    return [form for word in _TRENDS[sign].split() for form in (word, word.capitalize())]
+
+
+def is_worded(text: str) -> bool:
+    """True where the text is nothing but one number or one trend in words."""
+    return bool(_NUMBER.fullmatch(text) or _TREND.fullmatch(text))
+
+
+def words_in(text: str) -> list[TextWord]:
+    """The numbers of the text that stand in words, and its words for growth and decay, in order.
+
+    >>> [word.text for word in words_in("Sixteen steps; it uses one of two, and the energy grows by a third.")]
+    ['Sixteen', 'one', 'two', 'grows', 'a third']
+    """
+    numbers = [m for m in _NUMBER.finditer(text) if m[0].lower() != "one" or _COUNTED.search(text, 0, m.start())]
+    found = [*numbers, *_CHANGE.finditer(text)]
+    return sorted(TextWord(*match.span(), match[0]) for match in found)
+
+
+def _cardinal(n: int) -> str:
+    if n < 20:
+        return _SMALL[n]
+    if n < 100:
+        return _TENS[n // 10 - 2] + (f"-{_SMALL[n % 10]}" if n % 10 else "")
+    size, name = next(((s, name) for s, name in _SCALES.items() if n >= s), (100, "hundred"))
+    rest = n % size
+    joined = " and " if 0 < rest < 100 and size == 100 else " "
+    return f"{_cardinal(n // size)} {name}" + (f"{joined}{_cardinal(rest)}" if rest else "")
