@@ -6,6 +6,7 @@ import base64
 import os
 import pickle
 import shutil
+import sys
 import tempfile
 import traceback
 import warnings
@@ -54,6 +55,8 @@ PATIENCE, LEAST_LIMIT = 4, 5.0
 _SHARE_OF_PROBE, _SHARE_OF_CALL, _SHARE_OF_FIRST_CALL = 1 / 2, 1 / 6, 3 / 4
 # A probe is begun anew without the call that hung, so often: each costs the time of a call.
 _MOST_HANGS = 3
+# What our command loads.
+_OURS = {"driftproof", "numpy", "flint", "cython_runtime"}
 # Seconds between two looks at the call that is being made.
 _LOOK = 0.05
 # Steps of other sizes are asked for at the ends of what floats are: what hangs there does so from every state.
@@ -68,10 +71,11 @@ def opens(subject: Any) -> None:
 class IsolatedRunner:
     """Runs probes on one stepper, all of them within `time_limit` seconds, however often it is asked.
 
-    A stepper given by name runs in a fresh interpreter, its probes being picklable; one given as a callable in a fork
-    of this process. With `isolate` false, or where a system cannot fork, it runs here and nothing stops it. The start
-    of processes is not counted. `hung` are the calls that did not come back: none of them is made again. In a `with`
-    statement later questions go to the process of the first, as long as it lives; they have to be picklable.
+    A stepper given by name runs in a fresh interpreter, its probes being picklable, or in a fork of our own command,
+    which has loaded nothing else; one given as a callable in a fork of this process. With `isolate` false, or where a
+    system cannot fork, it runs here and nothing stops it. The start of processes is not counted. `hung` are the calls
+    that did not come back: none of them is made again. In a `with` statement later questions go to the process of the
+    first, as long as it lives; they have to be picklable.
     """
 
     target: Examined
@@ -148,7 +152,7 @@ class IsolatedRunner:
         session = stack.enter_context(self._session(probes, log))
         self._process = stack, session, log
         served = self.target, list(probes), log.path, self.hung
-        session.ask(_packed(served) if self.target.by_name else None, START_UP)
+        session.ask(_packed(served) if self._in_new_interpreter else None, START_UP)
         return session
 
     def _answer(self, session: Session, index: int, log: _CallLog, *, opening: bool) -> Outcome:
@@ -179,11 +183,25 @@ class IsolatedRunner:
             self._longest = max(self._longest, monotonic() - start)
             self.spent += monotonic() - start
 
+    @property
+    def _in_new_interpreter(self) -> bool:
+        return self.target.by_name and not _is_command_alone()
+
     def _session(self, probes: Sequence[Probe], log: _CallLog) -> Session:
         limits = Limits(self.time_limit, memory=MEMORY_LIMIT)
-        if not self.target.by_name:
+        if not self._in_new_interpreter:
             return Session(Serving(self.target, probes, log.path, self.hung), limits)
         return Session(f"{__name__}:answer_probe", limits)
+
+
+def _is_command_alone() -> bool:
+    """True in `driftproof COMMAND` as long as nobody else's modules are loaded: then a fork is a fresh interpreter.
+
+    Names that begin with an underscore are those of files that run when any interpreter starts.
+    """
+    main = getattr(sys.modules["__main__"], "main", None)
+    loaded = {name.partition(".")[0] for name in sys.modules} - sys.stdlib_module_names - _OURS
+    return getattr(main, "__module__", "") == "driftproof.cli" and all(name.startswith("_") for name in loaded)
 
 
 def _packed(plain: object) -> str:

@@ -9,7 +9,6 @@ from functools import partial
 from typing import Any
 
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, arithmetic_of
-from driftproof.blackbox.identify import identified
 from driftproof.blackbox.isolation import TIME_LIMIT, Examined, IsolatedRunner
 from driftproof.blackbox.judging.agreement import (
     EXAMPLES,
@@ -23,7 +22,6 @@ from driftproof.blackbox.judging.agreement import (
 from driftproof.blackbox.judging.habits import ROUNDED, explained
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE, NonlinearAgreement, nonlinear_agreement
-from driftproof.blackbox.judging.single_mistakes import single_mistakes
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
 from driftproof.blackbox.matching.entries import mended, rational_method, side_by_side
@@ -115,6 +113,9 @@ def verify(
             del checks[6:]
         passed, arithmetic = _decided(checks), arithmetic_of(outcomes)
         if passed is False:
+            from driftproof.blackbox.identify import identified
+            from driftproof.blackbox.judging.single_mistakes import single_mistakes
+
             instead = identified(runner, outcomes[1], outcomes[3], outcomes[5])
             mistakes = runner.run([partial(single_mistakes, method=asked)])[0].result or ()
             refuted = _refuted(asked, checks, outcomes, instead, mistakes)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import threading
 from functools import partial
 from time import monotonic, sleep
@@ -218,3 +220,13 @@ def test_our_own_slowness_is_not_said_to_be_a_hang_of_the_stepper(monkeypatch):
     (found,) = rogue.run([lambda subject: (subject.step(1.0, 0.75, 0.25), sleep(1.0))[0]])
     assert found.result == (1, 0)
     assert rogue.hung == []
+
+
+@pytest.mark.parametrize(("first", "forked"), [("", True), ("import pytest; ", False)], ids=["alone", "with others"])
+def test_our_command_alone_forks_and_with_modules_of_others_a_new_interpreter_is_started(first, forked, tmp_path):
+    (tmp_path / "who.py").write_text("import sys\nraise ImportError('driftproof.cli' in sys.modules)\n")
+    command = f"{first}from driftproof.cli import main; main(['identify', 'who:step'])"
+    run = subprocess.run(
+        [sys.executable, "-c", command], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60
+    )
+    assert f"who:step cannot be imported: ImportError: {forked}" in run.stderr

@@ -130,8 +130,8 @@ def linear_candidates(reading: LinearReading, *, known: bool) -> list[LinearCand
     if any(rate != 1 and abs(rate - 1) < _LEAST_OFF for rate in ((position, stiffness) if known else (position,))):
         return []
     found: list[LinearCandidate] = []
-    for classes in (equivalent_methods(), adjoint_methods()):
-        maps: list[LinearMap] = [*([] if found else [ExactFlowMap()]), *_near(reading, classes, position, stiffness)]
+    for classes in (equivalent_methods, adjoint_methods):
+        maps: list[LinearMap] = [*([] if found else [ExactFlowMap()]), *_near(reading, classes(), position, stiffness)]
         explained = (explained_by(each, reading, position, stiffness, known=known) for each in maps)
         found += [each for each in explained if each.error.in_bounds <= 1]
         if any(not each.restriction for each in found):

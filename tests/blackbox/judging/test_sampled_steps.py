@@ -7,6 +7,7 @@ import pytest
 
 from driftproof.blackbox.judging.sampled_steps import Sizes, simplest_step, steps_within
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FORMATS
+from tests.looping import exactly
 
 STEPS, STATES = Sizes(2.0**-20, 2.0, BINARY64), Sizes(2.0**-60, 1000.0, BINARY64)
 DRAWN = list(islice(steps_within(STEPS, STATES), 1000))
@@ -20,7 +21,7 @@ def test_the_same_steps_are_drawn_on_every_run():
 @pytest.mark.parametrize("low", [0.0, 2.0**-5])
 def test_every_number_is_one_of_the_format_within_its_ends(name, low):
     steps, states = (Sizes(low, high, FORMATS[name]) for high in (2.0, 1000.0))
-    drawn = list(islice(steps_within(steps, states), 300))
+    drawn = exactly(300, islice(steps_within(steps, states), 300))
     assert all(FORMATS[name].holds(Fraction(x)) for step in drawn for x in step)
     assert all(low <= h <= 2 and h > 0 for _, _, h in drawn)
     assert all(x == 0 or low <= abs(x) <= 1000 for step in drawn for x in step[:2])
