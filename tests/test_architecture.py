@@ -65,10 +65,10 @@ BUDGETS = {
     "symbolic": 10030,
     "numeric": 3010,
     "blackbox": 11454,
-    "enclosure": 2978,
+    "enclosure": 2981,
     "texts": 5859,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 4881
+BUDGET_OF_REPORTS_AND_FRONT = 4901
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 

@@ -42,7 +42,7 @@ def stability_command(options: Namespace) -> str:
     On a linear problem y' = Ay the verdicts are proved, at exactly the double h that is run, read as a fraction. The
     largest step is also found by bisection on the float step itself. On any other problem, what was seen is said.
 
-    your own problem, in mine.toml, whose true solution is enclosed to 20 digits if it is not stiff:
+    your own problem, in mine.toml, whose true solution is enclosed to 20 digits:
       title = "A pendulum of 1 m"
       rates = ["y1", "-g * sin(y0)"]        in t, y0, y1, ...; sin, cos, exp, log, sqrt; powers; 0.1 is 1/10
       start = ["1/2", "0"]                  at t = 0

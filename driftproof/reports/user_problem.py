@@ -79,16 +79,21 @@ def _field(table: TomlTable, components: int) -> VectorField:
 
 def enclosed_reference(field: VectorField, start: Sequence[Fraction], times: Sequence[Fraction]) -> Reference:
     """The solution from `start` at 0, to ENCLOSED_DIGITS digits at each time. Raises Refused."""
-    f, bits = field_function(field), 2 * BITS_AT_FIRST
+    f, bits, refusal = field_function(field), BITS_AT_FIRST, None
     for _ in range(_MOST_DOUBLINGS):
-        found = enclose_solution(f, list(start), [Fraction(0), *times], bits)
         try:
+            found = enclose_solution(f, list(start), [Fraction(0), *times], bits)
             with ctx.workprec(bits):
                 digits = tuple(tuple(map(_digits, row)) for row in found.states[1:])
             return Reference(tuple(times), digits, CERTIFIED, f"enclosed in {found.steps} steps, {bits} bits")
+        except Refused as reason:
+            if reason.t is None:  # more bits lead no further
+                raise
+            refusal = reason
         except Uncertified:
-            bits *= 2
-    raise Refused(f"the solution is not known to {ENCLOSED_DIGITS} digits with {bits // 2} bits")
+            refusal = None
+        bits *= 2
+    raise refusal or Refused(f"the solution is not known to {ENCLOSED_DIGITS} digits with {bits // 2} bits")
 
 
 def _digits(x: arb) -> str:
