@@ -14,6 +14,7 @@ from typing import Any, Generic, TypeAlias, TypeVar
 
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.names import keys_called, plain_name
+from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Method, RungeKutta
 from driftproof.support.plain_text import did_you_mean
 
@@ -23,8 +24,8 @@ TABLES = (
     *("diagonally_implicit", "collocation", "splittings", "decimal_splittings", "nystrom"),
 )
 # Those of methods whose step is no map of one state by f alone: they have facts, and are not run, read or identified.
-TABLES_OF_FACTS = ("multistep",)
-FactsOnly: TypeAlias = Multistep
+TABLES_OF_FACTS = ("multistep", "rosenbrock")
+FactsOnly: TypeAlias = Multistep | Rosenbrock
 _Entry = TypeVar("_Entry")
 
 # What is written behind the key of a pair for the method that propagates its other row of weights.
@@ -94,7 +95,7 @@ def of_one_state(method: Method | FactsOnly) -> Method:
     if isinstance(method, FactsOnly):
         raise ValueError(
             f"{method.key} is {method.kind}: there are facts of it (`driftproof facts`), but no runs, checks or "
-            "derivations; a method that steps from one state is needed"
+            "derivations; a method whose step takes one state and f is needed"
         )
     return method
 

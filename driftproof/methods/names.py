@@ -64,6 +64,8 @@ two_step_leapfrog | leapfrog two-step, explicit midpoint two-step, two-step midp
 milne_simpson | Milne, Simpson two-step
 stormer2 | Störmer two-step, Verlet two-step, Störmer two-step Verlet
 cowell2 | Numerov
+rodas4 | RODAS 4
+grk4t | GRK 4T, Kaps-Rentrop
 """
 
 # Name | the keys of what it may mean. A number is the order to some, and the number of stages to others.

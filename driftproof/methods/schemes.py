@@ -52,7 +52,7 @@ class _OverOneField:
                 )
 
 
-class _Staged(_OverOneField):
+class Staged(_OverOneField):
     """A method of square matrices, and of rows of coefficients, as many as it has stages and `leading_row` has entries.
 
     A row may be None where the method has none.
@@ -106,7 +106,7 @@ class _Staged(_OverOneField):
 
 
 @dataclass(frozen=True)
-class RungeKutta(_Staged):
+class RungeKutta(Staged):
     """kᵢ = F(t + cᵢh, z + h Σⱼ aᵢⱼ kⱼ), then z + h Σᵢ bᵢ kᵢ: the Runge-Kutta method with tableau (A, b, c).
 
     `a` is s rows of s coefficients, `b` and `c` have s; integers and rational elements of a number field are promoted
@@ -220,7 +220,7 @@ class Splitting(_OverOneField):
 
 
 @dataclass(frozen=True)
-class Nystrom(_Staged):
+class Nystrom(Staged):
     """kᵢ = F(q + cᵢhv + h² Σⱼ aᵢⱼ kⱼ), q₁ = q + hv + h² Σ b_positionᵢ kᵢ, v₁ = v + h Σ b_velocityᵢ kᵢ, for q'' = F(q).
 
     A Runge-Kutta-Nyström method; `a` is s rows of s, `c`, `b_position` and `b_velocity` have s coefficients. Its order

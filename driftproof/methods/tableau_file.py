@@ -1,6 +1,6 @@
 """A user's own method from a TOML file: a tableau, a splitting or a Nyström table, exact, read without evaluating it.
 
-    family = "runge_kutta"                    # or "splitting", "nystrom", "collocation", "multistep"
+    family = "runge_kutta"                    # or "splitting", "nystrom", "collocation", "multistep", "rosenbrock"
     A = [["1/4", "1/4 - s3/6"], ["1/4 + s3/6", "1/4"]]
     b = ["1/2", "1/2"]
     c = ["1/2 - s3/6", "1/2 + s3/6"]          # may be left out: then the row sums of A
@@ -12,7 +12,8 @@ A number is an integer, a decimal, which is exact, or an expression in a string.
 `source`, `claimed_order` (0: nothing is claimed) and `decimal`; of a pair: `b_embedded` with `embedded_order`; of a
 splitting: `parts = [["kick", "1/2"], ["drift", 1], ...]`; of a Nyström method: `c`, `A`, `b_position`, `b_velocity`;
 of a collocation method: `node_polynomial`, constant term first; of a linear multistep method: `rho` and `sigma`, from
-the oldest value to the new one, and `derivative = 2` where it is for y'' = F(y). With `parameter = "gamma"` the entries
+the oldest value to the new one, and `derivative = 2` where it is for y'' = F(y); of a Rosenbrock method: `alpha`,
+`gamma`, `b`, and of a pair as above. With `parameter = "gamma"` the entries
 of a Runge-Kutta tableau are rational functions of gamma, e.g. "1 - 2*gamma", and the file is a family of methods.
 """
 
@@ -30,6 +31,7 @@ from driftproof.methods.expressions import RADICALS, parse_exact, parse_number
 from driftproof.methods.families import FAMILIES, Family, ParameterFunction, parameter_function, parse_function
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import Algebraic, Exact, NumberField
+from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import SUBSTEPS, Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
 from driftproof.support.toml_tables import (
     TomlTable,
@@ -183,14 +185,14 @@ def _number(value: object, where: str, read: Read) -> Any:
     raise MethodError(f"{where} is {quoted(value)}; write an integer, a decimal or an expression in quotes")
 
 
-def _square(table: TomlTable, read: Read, stages: int) -> tuple[tuple[Any, ...], ...]:
-    rows = as_list(_entry(table, "A"), "A", most=MOST_STAGES)
+def _square(table: TomlTable, read: Read, stages: int, name: str = "A") -> tuple[tuple[Any, ...], ...]:
+    rows = as_list(_entry(table, name), name, most=MOST_STAGES)
     for i, row in enumerate(rows):
-        if len(as_list(row, f"A[{i}]", most=MOST_STAGES)) != len(rows):
-            raise MethodError(f"A is not square: A[{i}] has {len(row)} entries, A has {len(rows)} rows")
+        if len(as_list(row, f"{name}[{i}]", most=MOST_STAGES)) != len(rows):
+            raise MethodError(f"{name} is not square: {name}[{i}] has {len(row)} entries, {name} has {len(rows)} rows")
     if len(rows) != stages:
-        raise MethodError(f"A has {len(rows)} rows, the weights are {stages}; they must agree")
-    return tuple(_numbers(row, f"A[{i}]", read) for i, row in enumerate(rows))
+        raise MethodError(f"{name} has {len(rows)} rows, the weights are {stages}; they must agree")
+    return tuple(_numbers(row, f"{name}[{i}]", read) for i, row in enumerate(rows))
 
 
 def _entry(table: TomlTable, name: str) -> object:
@@ -202,15 +204,16 @@ def _entry(table: TomlTable, name: str) -> object:
 def _runge_kutta(table: TomlTable, common: dict[str, Any], read: Read) -> Method:
     b = _numbers(_entry(table, "b"), "b", read)
     a = _square(table, read, len(b))
-    pair = {"b_embedded", "embedded_order"} & set(table)
-    return RungeKutta(
-        **common,
-        a=a,
-        b=b,
-        c=_nodes(table, a, read),
-        b_embedded=_numbers(_entry(table, "b_embedded"), "b_embedded", read, len(b)) if pair else None,
-        embedded_order=as_whole(table.get("embedded_order", 0), "embedded_order", 0, MOST_STAGES) if pair else None,
-    )
+    return RungeKutta(**common, a=a, b=b, c=_nodes(table, a, read), **_second_row(table, read, len(b)))
+
+
+def _second_row(table: TomlTable, read: Read, stages: int) -> dict[str, Any]:
+    """The other row of weights of a pair, and its order."""
+    if not {"b_embedded", "embedded_order"} & set(table):
+        return {}
+    weights = _numbers(_entry(table, "b_embedded"), "b_embedded", read, stages)
+    order = as_whole(table.get("embedded_order", 0), "embedded_order", 0, MOST_STAGES)
+    return {"b_embedded": weights, "embedded_order": order}
 
 
 def _nodes(table: TomlTable, a: Sequence[Sequence[Any]], read: Read) -> tuple[Any, ...]:
@@ -268,6 +271,12 @@ def _multistep(table: TomlTable, common: dict[str, Any], read: Read) -> Multiste
     return Multistep(**common, rho=rho, sigma=sigma, derivative=derivative)
 
 
+def _rosenbrock(table: TomlTable, common: dict[str, Any], read: Read) -> Rosenbrock:
+    b = _numbers(_entry(table, "b"), "b", read)
+    alpha, gamma = (_square(table, read, len(b), name) for name in ("alpha", "gamma"))
+    return Rosenbrock(**common, alpha=alpha, gamma=gamma, b=b, **_second_row(table, read, len(b)))
+
+
 _Reader = Callable[[TomlTable, dict[str, Any], Read], Method | Family | FactsOnly]
 _FAMILIES: dict[str, tuple[tuple[str, ...], _Reader]] = {
     "runge_kutta": (("A", "b", "c", "b_embedded", "embedded_order"), _runge_kutta),
@@ -275,6 +284,7 @@ _FAMILIES: dict[str, tuple[tuple[str, ...], _Reader]] = {
     "nystrom": (("c", "A", "b_position", "b_velocity"), _nystrom),
     "collocation": (("node_polynomial",), _collocation),
     "multistep": (("rho", "sigma", "derivative"), _multistep),
+    "rosenbrock": (("alpha", "gamma", "b", "b_embedded", "embedded_order"), _rosenbrock),
 }
 _PARAMETRIC: tuple[tuple[str, ...], _Reader] = (("parameter", "A", "b", "c"), _family)
 

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
 from typing import Any, NamedTuple
 
 from driftproof.methods.catalogue import FactsOnly
+from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import Exact
+from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.linear.facts import LinearFacts, fact_names, facts_by_name
 from driftproof.symbolic.linear.multistep import MULTISTEP_FACTS, MULTISTEP_ON_REQUEST, MultistepFacts
 from driftproof.symbolic.linear.reduced_tableau import reduced, stages_of
 from driftproof.symbolic.pairs import EstimateFacts, ExtensionFacts, estimate_facts, extension_facts
+from driftproof.symbolic.rosenbrock import ROSENBROCK_FACTS, RosenbrockFacts
 from driftproof.symbolic.trees import order_conditions, partitioned_trees
 from driftproof.symbolic.trees.algebraic_stability import algebraic_stability
 from driftproof.symbolic.trees.modified_equation import modified_equation
@@ -179,9 +182,26 @@ WHY_NONE = {
 }
 
 
-def facts_only(method: FactsOnly, names: Sequence[str] = ()) -> dict[str, Any]:
-    """The named facts, else all but those on request, of a method that has facts only. Raises ValueError."""
-    return facts_by_name(MultistepFacts(method), names or MULTISTEP_FACTS, (*MULTISTEP_FACTS, *MULTISTEP_ON_REQUEST))
+# Of each kind of method that has facts only: what derives them, their names, and names given on request.
+_FACTS_ONLY: Mapping[type, tuple[Callable[[Any], Any], tuple[str, ...], tuple[str, ...]]] = {
+    Multistep: (MultistepFacts, MULTISTEP_FACTS, MULTISTEP_ON_REQUEST),
+    Rosenbrock: (RosenbrockFacts, ROSENBROCK_FACTS, ()),
+}
+
+
+def facts_only(method: FactsOnly, names: Sequence[str] = (), tolerance: Fraction | None = None) -> dict[str, Any]:
+    """The named facts, else all but those on request, of a method that has facts only; the orders to a tolerance.
+
+    Raises ValueError for an unknown name, and for a tolerance where no order is to one.
+    """
+    make, known, on_request = _FACTS_ONLY[type(method)]
+    facts = make(method)
+    found = facts_by_name(facts, names or known, (*known, *on_request))
+    if tolerance is not None:
+        if not hasattr(facts, "orders_within"):
+            raise ValueError(f"{method.key} is {method.kind}, whose order is exact; a tolerance is for trees")
+        found["order_to_tolerance"] = facts.orders_within(tolerance)
+    return found
 
 
 class OrderWithin(NamedTuple):

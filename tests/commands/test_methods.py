@@ -75,7 +75,7 @@ def test_a_multistep_method_is_answered_and_options_that_are_not_for_it_refused(
         "error constant  5/12",
         "real limit      1 = 1.000000000000000000000000000000",
     ]
-    words = "bdf2 is a linear multistep method; --at, --system, --order-tolerance and --plot are not for it"
+    words = "bdf2 is a linear multistep method; --at, --system and --plot are not for it"
     assert words in refusal("facts", "bdf2", "--system", DAMPED)
 
 

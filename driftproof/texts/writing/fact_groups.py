@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from driftproof.methods.catalogue import METHODS
+from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.names import also_known_as, not_to_be_confused_with
 from driftproof.texts.writing.facts import fact_text, facts_text
 
@@ -21,6 +21,10 @@ family | kind
 parameter | free parameter
 source | source
 stages | stages
+steps | steps
+rho | rho: what of the values y is summed
+sigma | sigma: what of the slopes F(y) is
+diagonal | gamma on the diagonal, one factorisation a step
 explicit | explicit: no equation is solved in a step
 inconsistencies | inconsistencies of the coefficients
 
@@ -29,17 +33,22 @@ order | order p: over a given time the error falls as h^p
 order_sets | where the order is at least so high
 order_fails | the first condition of a higher order that fails
 order_second_order_problems | order on q'' = F(q) alone
+w_order | W order: with any matrix in place of the Jacobian
 embedded_order | order of the embedded row
 stage_order | stage order: what is left of it on stiff problems
 error_constant | error constant: error of a step on y' = y
+first_barrier | Dahlquist's first barrier, by the number of steps
 dispersion | dispersion: phase error of a step of the oscillator
 dissipation | dissipation: what its amplitude gains in a step
 
 Stability
+zero_stable | zero-stable: bounded on y' = 0, or y'' = 0 as n
+root_condition | root condition: where the roots of rho are
 stability_function | stability function R(z): a step of y' = λy is y1 = R(hλ) y
 real_limit | real limit: y' = -λy decays for hλ up to
 imaginary_limit | imaginary limit: y' = iωy stays bounded for hω up to
 a_stable | A-stable: whatever decays is damped, at any h
+sector | A(alpha): decay is damped in |arg(-hλ)| < alpha
 l_stable | L-stable: and what decays fast is gone in a step
 ssp_coefficient | SSP coefficient: keeps what Euler keeps, at h so often as large
 
@@ -80,7 +89,7 @@ def grouped_facts_text(facts: Mapping[str, Any], everything: bool = False) -> st
     rest = {name: value for name, value in facts.items() if name not in shown}
     parts = []
     for heading, group in groups.items():
-        named = {_PLAIN[name]: value for name, value in group.items() if everything or fact_text(value) != "none"}
+        named = {_PLAIN[name]: value for name, value in group.items() if everything or _tells(name, value)}
         parts += [_under(heading, _called(named, facts["method"]) if "method" in group else named)]
     if everything:
         parts += [_under("Everything else", rest)]
@@ -89,9 +98,14 @@ def grouped_facts_text(facts: Mapping[str, Any], everything: bool = False) -> st
     return "\n\n".join(filter(None, parts))
 
 
+def _tells(name: str, value: Any) -> bool:
+    """False of what the method has not, and of a sector of 0 or 90 degrees, as A-stability stands beside it."""
+    return fact_text(value) != "none" and (name != "sector" or callable(value.degrees.exact))
+
+
 def _called(named: Mapping[str, Any], method: Any) -> dict[str, Any]:
     """The group with what people call a method of the catalogue, at its end."""
-    if METHODS.get(fact_text(method)) != method:
+    if method not in (METHODS.get(fact_text(method)), FACTS_ONLY.get(fact_text(method))):
         return dict(named)
     names, others = also_known_as(method.key), not_to_be_confused_with(method.key)
     called = {"also called": ", ".join(names), "not to be confused with": ", ".join(others)}

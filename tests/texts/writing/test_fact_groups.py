@@ -6,12 +6,14 @@ from dataclasses import replace
 
 import pytest
 
-from driftproof.methods.catalogue import METHODS
+from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.families import FAMILIES
 from driftproof.methods.schemes import Method
-from driftproof.symbolic.facts import FACTS, Facts
+from driftproof.symbolic.facts import FACTS, Facts, facts_only
 from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
 from driftproof.symbolic.linear.facts import facts_by_name
+from driftproof.symbolic.linear.multistep import MULTISTEP_FACTS
+from driftproof.symbolic.rosenbrock import ROSENBROCK_FACTS
 from driftproof.texts.writing.fact_groups import GROUPS, grouped_facts_text
 
 
@@ -22,7 +24,7 @@ def shown(method: Method, *, everything: bool = False) -> str:
 def test_every_fact_of_a_group_is_one_and_stands_in_one() -> None:
     grouped = [name for names in GROUPS.values() for name in names]
     assert len(grouped) == len(set(grouped)) > 20
-    assert set(grouped) <= {*FACTS, *FAMILY_FACTS}
+    assert set(grouped) <= {*FACTS, *FAMILY_FACTS, *MULTISTEP_FACTS, *ROSENBROCK_FACTS}
     assert [heading for heading, *_ in GROUPS.items()] == ["What it is", "Accuracy", "Stability", "Structure"]
 
 
@@ -47,3 +49,11 @@ def test_family_has_its_sets_under_the_same_headings() -> None:
     text = grouped_facts_text(facts_by_name(FamilyFacts(FAMILIES["sdirk_order_2"]), FAMILY_FACTS, FAMILY_FACTS))
     assert "  free parameter                             gamma" in text
     assert "  A-stable: whatever decays is damped, at any h               [1/4, oo)" in text
+
+
+def test_a_method_of_facts_only_has_the_same_headings_and_its_angle_where_there_is_one() -> None:
+    found = {key: grouped_facts_text(facts_only(FACTS_ONLY[key])) for key in ("bdf2", "bdf3", "ros2")}
+    assert all("\n\nAccuracy\n  order p: over a given time" in text for text in found.values())
+    assert [key for key, text in found.items() if "A(alpha): decay is damped" in text] == ["bdf3"]
+    assert "  also called                                Gear 3" in found["bdf3"]
+    assert "  W order: with any matrix in place of the Jacobian  2" in found["ros2"]

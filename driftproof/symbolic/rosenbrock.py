@@ -1,0 +1,225 @@
+"""What is true of a Rosenbrock method: its order, with f'(y) and with any matrix in its place, and its stability."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from functools import cached_property
+from typing import Any, NamedTuple
+
+from flint import fmpq
+
+from driftproof.methods.number_field import Exact, total
+from driftproof.methods.rosenbrock import Rosenbrock
+from driftproof.symbolic.linear.facts import LinearFacts, fact_names
+from driftproof.symbolic.trees.elementary_weights import EXACT, RingElement, StageValues, TableauStages
+from driftproof.symbolic.trees.order_conditions import (
+    OrderFact,
+    RungeKuttaConditions,
+    TreeLabel,
+    order_of,
+    order_to_tolerance,
+)
+from driftproof.symbolic.trees.partitioned_trees import ColouredConditions
+from driftproof.symbolic.trees.rooted_trees import ColouredTree, Tree, coloured_shapes
+
+F, J = "f", "J"
+
+
+class RosenbrockStages:
+    """The stages of a Rosenbrock method with J = f'(y), for trees: a vertex with one branch has A = α + γ, others α.
+
+    So the values of a tree are pairs: with α alone, for when another branch comes, and as they are
+    (hairer-wanner-1996, IV.7).
+    """
+
+    def __init__(self, method: Rosenbrock, weights: Sequence[Exact]) -> None:
+        """`weights` is b, or the embedded row."""
+        self.scalars = EXACT
+        self.bound = method.stages + 1  # of R(z), whose poles are real, hairer-wanner-1996, IV.4
+        self._alpha = TableauStages(method.alpha, weights)
+        self._beta = TableauStages(method.linear_twin().a, weights)
+        self.one: StageValues = (self._alpha.one, self._alpha.one)
+
+    def times(self, u: StageValues, v: StageValues) -> StageValues:
+        """The branch v joined to u, which is alone as long as it is the first."""
+        if u is self.one:
+            return v
+        both = self._alpha.times(u[0], v[0])
+        return both, both
+
+    def inner(self, u: StageValues) -> StageValues:
+        """α u and (α + γ) u."""
+        return self._alpha.inner(u[1]), self._beta.inner(u[1])
+
+    def weigh(self, u: StageValues) -> RingElement:
+        """b · u."""
+        return self._alpha.weigh(u[1])
+
+
+class WStages:
+    """The stages of a W method: a vertex f has A = α, a vertex J, which has one branch and no other, A = γ.
+
+    Trees that do not occur, with J at a leaf or a fork, have weight 0. Values are what a vertex is, and the stages.
+    """
+
+    def __init__(self, method: Rosenbrock, weights: Sequence[Exact], colour: str) -> None:
+        """The vertices of this colour."""
+        self.scalars = EXACT
+        self.bound = method.stages + 1
+        self._alpha, self._gamma = TableauStages(method.alpha, weights), TableauStages(method.gamma, weights)
+        self._zeros = [x * 0 for x in self._alpha.one]
+        self.one: StageValues = (F, self._alpha.one) if colour == F else (J, self._zeros)
+
+    def times(self, u: StageValues, v: StageValues) -> StageValues:
+        """The branch v joined to u."""
+        kind, stages = u
+        if kind == F:
+            return F, self._alpha.times(stages, v[0])
+        return "full", v[1] if kind == J else self._zeros
+
+    def inner(self, u: StageValues) -> StageValues:
+        """α u and γ u: which of them counts, the vertex below says."""
+        return self._alpha.inner(u[1]), self._gamma.inner(u[1])
+
+    def weigh(self, u: StageValues) -> RingElement:
+        """b · u."""
+        return self._alpha.weigh(u[1])
+
+
+class WConditions(ColouredConditions):
+    """The conditions of a W method for every J: Φ = 1/γ(t) of trees of f alone, Φ = 0 where J occurs (IV.7)."""
+
+    def __init__(self, method: Rosenbrock) -> None:
+        """Of the weights b."""
+        colours = (WStages(method, method.b, colour) for colour in (F, J))
+        super().__init__((F, J), *colours, internal=2, scalars=EXACT)
+
+    def residuals(self, vertices: int) -> list[tuple[TreeLabel, RingElement]]:
+        """The label of each tree with so many vertices, and its residual."""
+        table, trees = self.table(vertices), coloured_shapes(vertices, (F, J), 2)
+        return [
+            (t, weight if _has_j(trees[t]) else weight - fmpq(1, table.density[t]))
+            for t, weight in zip(table.ids(vertices), self.of_order(vertices), strict=True)
+        ]
+
+
+def _has_j(tree: ColouredTree) -> bool:
+    return tree[0] == J or any(map(_has_j, tree[1]))
+
+
+class OrdersWithin(NamedTuple):
+    """The largest p such that every residual of the order conditions up to p is at most `tolerance` in size."""
+
+    tolerance: Fraction
+    order: int
+    w_order: int
+    embedded_order: int | None
+
+
+def _of_twin(name: str) -> cached_property[Any]:
+    def fact(facts: RosenbrockFacts) -> Any:
+        return getattr(facts._linear, name)
+
+    fact.__doc__ = getattr(LinearFacts, name).__doc__
+    return cached_property(fact)
+
+
+class RosenbrockFacts:
+    """The exact facts about a Rosenbrock method, each derived when it is first asked for; those of R(z) with J = f'.
+
+    >>> from driftproof.methods.catalogue import FACTS_ONLY
+    >>> facts = RosenbrockFacts(FACTS_ONLY["ros3p"])
+    >>> facts.order, facts.w_order, facts.a_stable, facts.l_stable
+    (3, 1, True, False)
+    """
+
+    def __init__(self, method: Rosenbrock) -> None:
+        """Compute nothing yet."""
+        self.method = method
+
+    @cached_property
+    def family(self) -> str:
+        """The kind of method by which its coefficients are read."""
+        return "rosenbrock"
+
+    @cached_property
+    def inconsistencies(self) -> dict[str, Exact]:
+        """What is not zero and should be, as sum(b) - 1."""
+        return self.method.inconsistencies()
+
+    @cached_property
+    def diagonal(self) -> Exact | None:
+        """The one number on the diagonal of γ, so that one factorisation serves a step; None where they differ."""
+        first, *others = (row[i] for i, row in enumerate(self.method.gamma))
+        return first if all(x == first for x in others) else None
+
+    @cached_property
+    def alpha_sums(self) -> tuple[Exact, ...]:
+        """Σⱼ αᵢⱼ: where in the step stage i looks at t."""
+        return tuple(map(total, self.method.alpha))
+
+    @cached_property
+    def gamma_sums(self) -> tuple[Exact, ...]:
+        """Σⱼ γᵢⱼ: how much of h ∂f/∂t stage i takes."""
+        return tuple(map(total, self.method.gamma))
+
+    @cached_property
+    def order(self) -> int:
+        """The order on every y' = f(y) with J = f'(y)."""
+        return self.order_fails.order
+
+    @cached_property
+    def order_fails(self) -> OrderFact[Tree]:
+        """Why the order is no higher: the first tree with a residual, and the residual."""
+        return order_of(self._conditions(self.method.b))
+
+    @cached_property
+    def w_order(self) -> int:
+        """The order with any matrix J, an old or a rough Jacobian: that of a W method."""
+        return self.w_order_fails.order
+
+    @cached_property
+    def w_order_fails(self) -> OrderFact[ColouredTree]:
+        """Why that order is no higher: the first tree, J among its vertices or not, and the residual."""
+        return order_of(WConditions(self.method))
+
+    @cached_property
+    def embedded_order(self) -> int | None:
+        """The order of the embedded row of a pair, with J = f'(y)."""
+        return None if self.method.b_embedded is None else order_of(self._conditions(self.method.b_embedded)).order
+
+    @cached_property
+    def stiffly_accurate(self) -> bool:
+        """Whether bᵢ = αₛᵢ + γₛᵢ and Σ αₛᵢ = 1: then y₁ solves f = 0 to order h where f is very stiff."""
+        return self.method.linear_twin().a[-1] == self.method.b and self.alpha_sums[-1] == 1
+
+    stability_function = _of_twin("stability_function")
+    error_constant = _of_twin("error_constant")
+    limit_at_infinity = _of_twin("limit_at_infinity")
+    a_stable = _of_twin("a_stable")
+    a_stability = _of_twin("a_stability")
+    l_stable = _of_twin("l_stable")
+    stability_within_digits = _of_twin("stability_within_digits")
+    sector = _of_twin("sector")
+    real_limit = _of_twin("real_limit")
+    imaginary_limit = _of_twin("imaginary_limit")
+
+    def orders_within(self, tolerance: Fraction) -> OrdersWithin:
+        """The orders to a tolerance: of decimal tables, whose conditions hold to residuals. Raises ValueError."""
+        rows = (self.method.b, self.method.b_embedded)
+        orders = [None if x is None else order_to_tolerance(self._conditions(x), tolerance) for x in rows]
+        w_order = order_to_tolerance(WConditions(self.method), tolerance)
+        return OrdersWithin(tolerance, orders[0] or 0, w_order, orders[1])
+
+    @cached_property
+    def _linear(self) -> LinearFacts:
+        return LinearFacts(self.method.linear_twin())
+
+    def _conditions(self, weights: Sequence[Exact]) -> RungeKuttaConditions:
+        return RungeKuttaConditions(RosenbrockStages(self.method, weights))
+
+
+_IDENTITY = ("method", "title", "family", "source", "stages", "explicit", "decimal", "field")
+# Every fact by name, in the order in which a reader wants them.
+ROSENBROCK_FACTS = tuple(dict.fromkeys((*_IDENTITY, "inconsistencies", "claimed_order", *fact_names(RosenbrockFacts))))

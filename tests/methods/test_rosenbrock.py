@@ -1,0 +1,46 @@
+"""Rosenbrock methods as data: what is refused, and files of your own."""
+
+from fractions import Fraction as Q
+
+import pytest
+
+from driftproof import facts_of, read_method
+from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.rosenbrock import Rosenbrock
+from driftproof.methods.schemes import MethodError
+from tests.looping import exactly
+
+ROS2 = """family = "rosenbrock"
+alpha = [[0, 0], [1, 0]]
+gamma = [["1 - r/2", 0], ["r - 2", "1 - r/2"]]
+b = ["1/2", "1/2"]
+b_embedded = [1, 0]
+embedded_order = 1
+[roots]
+r = "sqrt(2)"
+"""
+
+
+def test_a_file_is_read_and_refused_in_one_line(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(ROS2, encoding="utf-8")
+    mine, known = read_method(path), FACTS_ONLY["ros2"]
+    assert isinstance(mine, Rosenbrock)
+    assert (mine.alpha, mine.gamma, mine.b, mine.b_embedded) == (known.alpha, known.gamma, known.b, known.b_embedded)
+    assert facts_of(mine, ["order", "w_order", "l_stable"]) == {"order": 2, "w_order": 2, "l_stable": True}
+    for old, new, words in exactly(4, [
+        ("[1, 0]]", "[1, 1]]", "alpha has an entry on or above"),
+        ('r/2", 0]', 'r/2", 1]', "gamma has an entry above its"), ("alpha", "A", "a rosenbrock has no key 'A'"),
+        ('["r - 2", "1 - r/2"]', "[0]", "gamma is not square"),
+    ]):  # fmt: skip
+        path.write_text(ROS2.replace(old, new), encoding="utf-8")
+        with pytest.raises(ValueError, match=words):
+            read_method(path)
+
+
+def test_half_of_a_pair_and_other_lengths_are_refused_and_residuals_are_named():
+    with pytest.raises(MethodError, match="b_embedded and embedded_order come together"):
+        Rosenbrock("m", "m", 1, "", ((0,),), ((1,),), (1,), embedded_order=1)
+    with pytest.raises(MethodError, match="gamma has 1 entries, b has 2"):
+        Rosenbrock("m", "m", 1, "", ((0, 0), (0, 0)), ((1,),), (1, 0))
+    assert Rosenbrock("m", "m", 1, "", ((0,),), ((1,),), (Q(2),)).inconsistencies() == {"sum(b) - 1": 1}
