@@ -27,7 +27,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "numeric": ("methods", "support"),
     "blackbox": ("symbolic", "methods", "support"),
     "enclosure": ("symbolic", "methods", "support"),
-    "texts": ("symbolic", "numeric", "methods", "support"),
+    "texts": ("enclosure", "symbolic", "numeric", "methods", "support"),
     "reports": ("texts", "blackbox", "enclosure", "symbolic", "numeric", "methods", "support"),
 }
 # The front door, files of the package itself among it, may import every room.
@@ -66,7 +66,7 @@ BUDGETS = {
     "numeric": 3010,
     "blackbox": 11454,
     "enclosure": 2981,
-    "texts": 5859,
+    "texts": 6100,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 4901
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

@@ -28,9 +28,11 @@ def value_command(options: Namespace) -> str:
       step METHOD h=1/2 [N=3] [from q,v] : READOUT             q v energy energy_change state_error phase_error
       run METHOD h=1/4 t=10 [from q,v] : READOUT               exact.q exact.v steps evaluations h t k1.q k1.v ...
       exact t=10 [from q,v] : q|v|energy                       the solution itself
+      run METHOD problem=NAME h=1/4 1000 steps : READOUT       y0 y1 ... exact.y0 ... state_error, of a problem, a .toml
+      run METHOD lambda=-2 h=1/4 t=1 : READOUT                 y exact.y state_error, of y' = lambda y, y(0) = 1
       FACT METHOD [at VALUE] [h=1/4] [: PART]                  order, energy_multiplier, imaginary_limit, a_stable, ...
       roundoff METHOD h=1/4 [sharp] [from q,v] : READOUT       q v qq qv vq vv c, bounds in units of u
-      + - * / ** ( ) abs sqrt log2 log10 cos sin               on all of these; ratio(a, b) = |a|/|b|, percent(a, b)
+      + - * / ** ( ) pi e abs sqrt exp ln log2 log10 cos sin   on all of these; ratio(a, b) = |a|/|b|, percent(a, b)
     Of h, t and N (or steps), two make a run. A start not given is 1,0. phase_error may end in deg, rad or turns.
 
     examples:

@@ -223,7 +223,8 @@ class ExpressionParser:
 
     def _exponent(self) -> int:
         negative, token = self.accept("-"), self.take()
-        if not token.text.isdigit() or len(token.text) > 4 or int(token.text) > self.largest_power:
+        most = len(str(self.largest_power))
+        if not token.text.isdigit() or len(token.text) > most or int(token.text) > self.largest_power:
             raise self.error(token, f"an exponent is an integer from -{self.largest_power} to {self.largest_power}")
         return -int(token.text) if negative else int(token.text)
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from flint import arb
 
+from driftproof.methods.expression_tree import LARGEST_POWER
 from driftproof.methods.number_field import Algebraic, cube_root, square_root
 from driftproof.symbolic.algebra.certified import LARGEST_BINARY_EXPONENT, CertifiableReal, certified_sign, enclose
 from driftproof.symbolic.algebra.radicals import perfect_part
@@ -65,6 +66,8 @@ def raised(a: Answer, exponent: Fraction) -> Answer:
     if callable(x):
         return Answer("", lambda: enclose(x) ** n, a.evidence, a.unit)
     if _bits(x) * abs(n) > LARGEST_BINARY_EXPONENT:
+        if x and abs(enclose(x)).log() / arb(2).log() * abs(n) < LARGEST_BINARY_EXPONENT:
+            return Answer("", lambda: enclose(x) ** n, CERTIFIED, a.unit)
         raise ValueError(f"the power is too long to write out: more than {LARGEST_BINARY_EXPONENT} bits")
     return Answer("", _short(x**n), a.evidence, a.unit)
 
@@ -88,7 +91,7 @@ def _root(a: Answer, degree: int) -> Answer:
         raise ValueError("a number below zero has no real root")
     if x == 0:
         return a
-    if isinstance(x, Fraction):
+    if isinstance(x, Fraction) and degree <= LARGEST_POWER:
         split = perfect_part(x.numerator * x.denominator ** (degree - 1), degree)
         if split is not None and (split[1] == 1 or degree in FIELDS):
             outer, inner = split
@@ -118,6 +121,19 @@ def _trigonometric(a: Answer, name: str) -> Answer:
     return _enclosed(a, arb.cos if name == "cos" else arb.sin, name)
 
 
+def _exponential(a: Answer) -> Answer:
+    """e**a."""
+    return Answer("", Fraction(1), a.evidence) if _pure(a) == 0 else _enclosed(a, arb.exp, "exp")
+
+
+def _natural_logarithm(a: Answer) -> Answer:
+    """The logarithm to the base e. Raises ValueError unless a > 0."""
+    x = _pure(a)
+    if certified_sign(x) <= 0:
+        raise ValueError("only a number above zero has a logarithm")
+    return Answer("", Fraction(0), a.evidence) if x == 1 else _enclosed(a, arb.log, "log")
+
+
 def _percent(a: Answer, b: Answer) -> Answer:
     """100 a / b, in percent."""
     found = _divide(a, b)
@@ -130,6 +146,8 @@ def _percent(a: Answer, b: Answer) -> Answer:
 NUMBER_FUNCTIONS: dict[str, tuple[Callable[..., Answer], int]] = {
     "abs": (_absolute, 1),
     "sqrt": (lambda a: _root(a, 2), 1),
+    "exp": (_exponential, 1),
+    "ln": (_natural_logarithm, 1),
     "log2": (lambda a: _logarithm(a, 2), 1),
     "log10": (lambda a: _logarithm(a, 10), 1),
     "cos": (lambda a: _trigonometric(a, "cos"), 1),
@@ -138,6 +156,11 @@ NUMBER_FUNCTIONS: dict[str, tuple[Callable[..., Answer], int]] = {
     "percent": (_percent, 2),
 }
 
+# Numbers by name.
+CONSTANTS = {
+    "pi": Answer("", arb.pi, CERTIFIED, form="pi"),
+    "e": Answer("", lambda: arb(1).exp(), CERTIFIED, form="exp(1)"),
+}
 
 # Sign -> the operation.
 OPERATIONS: dict[str, Callable[[Answer, Answer], Answer]] = {

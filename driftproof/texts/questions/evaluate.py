@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 from driftproof.methods.expression_tree import CallNode, ChainNode, NameNode, NegatedNode, NumberNode, PowerNode
 from driftproof.support.plain_text import did_you_mean
@@ -12,6 +13,9 @@ from driftproof.texts.questions.answer import Answer, as_printed
 from driftproof.texts.questions.errors import QuestionError, refused_at
 from driftproof.texts.questions.parser import Node, Query, parse_question
 from driftproof.texts.questions.query_context import QueryContext
+
+if TYPE_CHECKING:
+    from driftproof.methods.schemes import Method
 
 
 def value(question: str) -> Answer:
@@ -63,9 +67,12 @@ def _answer(node: Node, question: str) -> Answer:
 
 def _published(node: NameNode, question: str) -> Answer:
     """The exact form of a published value is itself a question, of which the answer is enclosed to any length."""
+    from driftproof.texts.questions.arithmetic import CONSTANTS
     from driftproof.texts.values.published import published_values
 
     entries = published_values()
+    if node.name in CONSTANTS:
+        return CONSTANTS[node.name]
     if node.name not in entries:
         hint = f"{did_you_mean(node.name, entries)} (`driftproof value --list` shows what can be asked)"
         raise QuestionError(question, node.column, f"{node.name[:60]!r} is no id of a published value{hint}")
@@ -92,16 +99,16 @@ def _call(node: CallNode, question: str) -> Answer:
 
 
 def _step(context: QueryContext) -> Answer:
-    """Answers `step METHOD h=1/2 [N=3] [from q,v] : READOUT [UNIT]`."""
-    context.demand_only("h", "N", start=True, readout=True, unit=True)
+    """Answers `step METHOD [problem=NAME | lambda=-2] h=1/2 [N=3] [from q,v] : READOUT [UNIT]`."""
+    context.demand_only("h", "N", "lambda", start=True, readout=True, unit=True, problem=True)
     h = context.setting("h", "h=1/2")
     return _of_run(context, h, h * (_whole_number(context) if "N" in context.query.settings else 1))
 
 
 def _run(context: QueryContext) -> Answer:
-    """Answers `run METHOD h=1/4 t=10 [from q,v] : READOUT [UNIT]`, with any two of h, t and N."""
-    context.demand_only("h", "t", "N", start=True, readout=True, unit=True)
-    given = {name: number.value for name, number in context.query.settings.items()}
+    """Answers `run METHOD [problem=NAME | lambda=-2] h=1/4 t=10 [from q,v] : READOUT [UNIT]`, with two of h, t, N."""
+    context.demand_only("h", "t", "N", "lambda", start=True, readout=True, unit=True, problem=True)
+    given = {name: number.value for name, number in context.query.settings.items() if name != "lambda"}
     if len(given) != 2:
         raise context.error(None, "run needs two of h, t and N, as in h=1/4 t=10")
     h = given["h"] if "h" in given else given["t"] / _whole_number(context)
@@ -121,6 +128,8 @@ def _of_run(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
     method, readout, unit = context.method(), context.query.readout, context.query.unit
     if h == 0:
         raise context.error(None, "a step of size 0 goes nowhere; give a nonzero h")
+    if context.query.problem is not None or "lambda" in context.query.settings:
+        return _of_problem(context, method, h, t)
     if unit is not None and (readout is None or readout.text not in ANGLES):
         raise context.error(unit, f"{unit.shown} has no place; only angles have units to choose")
     if unit is not None and unit.text not in UNITS:
@@ -134,11 +143,40 @@ def _of_run(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
         return found if unit is None else in_unit(found, UNITS[unit.text])
 
 
+def _of_problem(context: QueryContext, method: Method | None, h: Fraction, t: Fraction) -> Answer:
+    """Of y' = f(t, y) of a problem, from its own start, or of y' = λy from 1."""
+    from driftproof.texts.questions.problems import decay_readouts, problem_readouts, problem_run
+
+    query = context.query
+    if query.start is not None or query.unit is not None:
+        raise context.error(query.unit, "a problem has its own start, y' = λy begins at 1, and neither has units")
+    if query.problem is None:
+        rate, steps = query.settings["lambda"].value, t / h
+        if steps.denominator != 1 or steps < 1:
+            raise context.error(None, f"h = {h} does not divide t = {t} (t / h = {steps})")
+        at = f" at {query.at.text}" if query.at else ""
+        try:
+            factor = value(f"stability_function {query.subject.text if query.subject else ''}{at} z={rate * h}")
+        except QuestionError as error:
+            raise context.error(query.subject, error.reason) from None
+        with context.refused(query.readout):
+            return context.readout(decay_readouts(factor, rate, h, int(steps)))()
+    if "lambda" in query.settings:
+        raise context.error(query.problem, "a problem and lambda are two problems; leave one out")
+    with context.refused(query.problem):
+        run = problem_run(method, query.problem.text, h, t)
+    with context.refused(query.readout):
+        return context.readout(problem_readouts(run))(run)
+
+
 def _exact(context: QueryContext) -> Answer:
-    """Answers `exact t=10 [from q,v] : READOUT`."""
+    """Answers `exact t=10 [problem=NAME] [from q,v] : READOUT`."""
     from driftproof.texts.questions.runs import EXACT_READOUTS
 
-    context.demand_only("t", start=True, readout=True)
+    context.demand_only("t", start=True, readout=True, problem=True)
+    if context.query.problem is not None:
+        t = context.setting("t", "t=10")
+        return _of_problem(context, None, t, t)
     if other := context.query.subject or context.query.at:
         raise context.error(other, "the exact flow belongs to no method, as in exact t=10 : q")
     return context.readout(EXACT_READOUTS)(context.start, context.setting("t", "t=10"))
@@ -166,7 +204,7 @@ _QUERY_KINDS = {"step": _step, "run": _run, "exact": _exact, "roundoff": _roundo
 def vocabulary() -> str:
     """Every name that a question may use: readouts, facts, functions, families and ids, a line or more for each."""
     from driftproof.methods.families import FAMILIES
-    from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
+    from driftproof.texts.questions.arithmetic import CONSTANTS, NUMBER_FUNCTIONS
     from driftproof.texts.questions.bounds import BOUND_ENTRIES, GROWTH, OF_STATE
     from driftproof.texts.questions.facts import FACT_NAMES
     from driftproof.texts.questions.runs import EXACT_READOUTS, RUN_READOUTS, UNITS
@@ -175,10 +213,12 @@ def vocabulary() -> str:
     parts = {
         "readouts of step and run": [*RUN_READOUTS, "k1.q", "k1.v", "..."],
         "readouts of exact": [*EXACT_READOUTS],
+        "readouts on a problem": ["y0", "y1", "...", "exact.y0", "...", "state_error", "steps"],
+        "readouts with lambda": ["y", "exact.y", "state_error", "steps"],
         "readouts of roundoff": [*OF_STATE, *BOUND_ENTRIES, GROWTH],
         "units of phase_error": [*UNITS],
         "facts": [*FACT_NAMES],
-        "functions": [*NUMBER_FUNCTIONS],
+        "functions and constants": [*NUMBER_FUNCTIONS, *CONSTANTS],
         "families, with at": [f"{key} ({family.parameter})" for key, family in FAMILIES.items()],
         "published values": [*published_values()],
     }

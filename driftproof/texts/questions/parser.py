@@ -3,7 +3,7 @@
 The grammar of `driftproof.methods.expression_tree`, in which a name may begin a query:
 
 query   = head part* [":" readout [unit]]
-part    = subject | "at" value | name "=" literal | "from" literal "," literal | "sharp"
+part    = subject | "at" value | name "=" (literal | name) | number "steps" | "from" literal "," literal | "sharp"
 literal = ["-" | "+"] number ["/" number]
 value   = literal | "(" expression of driftproof.methods.expressions ")"
 """
@@ -28,7 +28,10 @@ from driftproof.texts.questions.errors import QuestionError
 
 # Words that may stand alone between head and readout.
 WORDS = ("sharp",)
-SETTINGS = ("h", "t", "N", "steps", "z")
+SETTINGS = ("h", "t", "N", "steps", "z", "lambda")
+PROBLEM = "problem"
+# (17/16)**1000 is a growth that texts have; what is too long to write out is enclosed.
+LARGEST_POWER_ASKED = 10**6
 
 
 @dataclass(frozen=True)
@@ -46,6 +49,7 @@ class Query:
     start: tuple[Fraction, Fraction] | None = None
     readout: Token | None = None
     unit: Token | None = None
+    problem: Token | None = None
 
     @property
     def column(self) -> int:
@@ -58,7 +62,7 @@ Node: TypeAlias = ExpressionNode | Query
 
 def parse_question(question: str) -> Node:
     """The tree of the question. Raises QuestionError."""
-    node: Node = _QuestionParser(question).tree()
+    node: Node = _QuestionParser(question, largest_power=LARGEST_POWER_ASKED).tree()
     return node
 
 
@@ -74,7 +78,7 @@ class _QuestionParser(ExpressionParser):
         if self.next.kind != NAME and self.next.text != ":":
             return NameNode(name.column, name.text)
         parts: dict[str, Any] = {"settings": {}, "words": {}}
-        while self.next.kind == NAME:
+        while self.next.kind == NAME or (self.next.kind == NUMBER and self.tokens[self.at + 1].text == "steps"):
             self.part(self.take(), parts)
         if self.accept(":"):
             parts["readout"] = self.readout()
@@ -85,7 +89,11 @@ class _QuestionParser(ExpressionParser):
     def part(self, token: Token, parts: dict[str, Any]) -> None:
         """One part between head and readout."""
         key = {"at": "at", "from": "start"}.get(token.text, "subject")
-        if key != "at" and self.next.text == "=":
+        if token.kind == NUMBER:
+            self.put(parts["settings"], self.take(), "N", NumberNode(token.column, self.rational(token.text, token)))
+        elif token.text == PROBLEM and self.accept("="):
+            self.put(parts, token, PROBLEM, self.take())
+        elif key != "at" and self.next.text == "=":
             self.setting(token, parts["settings"])
         elif token.text in WORDS:
             parts["words"][token.text] = token
@@ -98,11 +106,15 @@ class _QuestionParser(ExpressionParser):
         """NAME=LITERAL, from the equals sign on; steps is another word for N."""
         self.take()
         if name.text not in SETTINGS:
-            raise self.error(name, f"{name.shown} is no setting; there are {', '.join(SETTINGS)}")
+            raise self.error(name, f"{name.shown} is no setting; there are {', '.join((*SETTINGS, PROBLEM))}")
         key = "N" if name.text == "steps" else name.text
+        self.put(settings, name, key, NumberNode(name.column, self.literal(name.text)))
+
+    def put(self, settings: dict[str, Any], name: Token, key: str, given: Any) -> None:
+        """A setting, once."""
         if key in settings:
             raise self.error(name, f"{name.shown} is given twice")
-        settings[key] = NumberNode(name.column, self.literal(name.text))
+        settings[key] = given
 
     def start(self) -> tuple[Fraction, Fraction]:
         """A state written as position,velocity."""

@@ -73,10 +73,18 @@ class QueryContext:
             return family.member(parse_number(at.text, family.parameter))
 
     def demand_only(
-        self, *settings: str, start: bool = False, words: Iterable[str] = (), readout: bool = False, unit: bool = False
+        self,
+        *settings: str,
+        start: bool = False,
+        words: Iterable[str] = (),
+        readout: bool = False,
+        unit: bool = False,
+        problem: bool = False,
     ) -> None:
-        """Refuse what this head does not take: other settings, a start, words, a readout, a unit after it."""
+        """Refuse what this head does not take: other settings, a start, words, a readout and its unit, a problem."""
         query = self.query
+        if query.problem is not None and not problem:
+            raise self.error(query.problem, f"{self.head} is about no problem here; leave it out")
         for name, number in query.settings.items():
             if name not in settings:
                 takes = f"it takes {', '.join(settings)}" if settings else "it takes none"
