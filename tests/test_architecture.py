@@ -65,7 +65,7 @@ BUDGETS = {
     "symbolic": 10270,
     "numeric": 3010,
     "blackbox": 11454,
-    "enclosure": 2981,
+    "enclosure": 2986,
     "texts": 6100,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 4901

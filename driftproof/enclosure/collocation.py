@@ -20,6 +20,8 @@ from driftproof.enclosure.steps import linearised
 MOST_CORRECTIONS = 16
 # The Jacobians are evaluated anew until corrections are this small: then they are right to the digits of a double.
 FROZEN = 1e-10
+# And a correction gains as many digits, a few being lost where components are of different sizes.
+GAINED = 1e-7
 # Components are accurate relative to their sizes, or to this much of the largest one or of what they have been.
 NEGLIGIBLE = 2.0**-40
 
@@ -127,7 +129,7 @@ def solved_stages(
         moved = float(np.max(np.abs(correction).max(axis=0) / np.maximum(scale[:n], _largest(values))))
         if not moved <= 2 * before:
             return None
-        if moved * moved / before < accuracy:  # the next correction will not be larger
+        if moved * max(moved / before, GAINED) < accuracy:  # the next correction will not be larger
             return Stages(method, values, found)
         before = moved
     return None

@@ -30,7 +30,7 @@ MOST_STEPS = 20_000
 STEPS_OF_STIFF, STEPS_OF_LONG = 20, 1000
 # A stiff problem with fewer left is done explicitly: implicit steps are as long as fifty to a thousand of those.
 MOST_STIFF_STEPS = 2000
-# What is stiff: some direction shrinks to less than this in a step, though the solution allows no longer one.
+# What is stiff: some direction shrinks to less than this in a step, and steps do not get shorter, as before a pole.
 SHRUNK = 0.6
 # No problem needs a longer one; shorter are found by trying.
 LONGEST_STEP = Fraction(2) ** 20
@@ -86,6 +86,7 @@ class _Path:
         self.basis = arb_mat([[int(i == j) for j in range(n)] for i in range(n)])
         self.box = arb_mat([[x - m] for x, m in zip(balls, self.point, strict=True)])
         self.step: EnclosedStep | None = None
+        self.lengths: list[Fraction] = []
 
     def states_at(self, t: Fraction) -> tuple[arb, ...]:
         """The solution at t, which is not before any time asked for."""
@@ -118,7 +119,9 @@ class _Path:
         if step.h < SHORTEST_PART * gone:
             near = float(self.t + 8 * step.h)
             raise Refused(f"a pole, or a point where f is not smooth, is ahead near t = {near:.9g}")
-        if self.steps >= STEPS_OF_STIFF and left > MOST_STIFF_STEPS * step.h and _shrinks(step.flow):
+        self.lengths.append(step.h)
+        lasting = self.steps >= STEPS_OF_STIFF and 2 * step.h > self.lengths[-STEPS_OF_STIFF // 2]
+        if lasting and left > MOST_STIFF_STEPS * step.h and _shrinks(step.flow):
             raise Stiff(
                 f"stiff: {float(left / step.h):.1g} explicit steps would lead from t = {float(self.t):.4g} to the end"
             )
