@@ -14,7 +14,7 @@ from proofs.kernel.certificates import ORDER, Certificate, all_theorems, source
 from proofs.kernel.coq import Theorem
 
 BUILD = Path(__file__).parents[2] / "build" / "kernel"
-PACKAGES = ("coq", "libcoq-interval", "libcoq-flocq", "libcoq-coquelicot")
+PACKAGES = ("coq", "libcoq-interval", "libcoq-flocq", "libcoq-coquelicot", "libcoq-bignums", "libcoq-gappa", "gappa")
 # What the theorems may rest on: the axioms of the reals, and those of the processor's integers and floats.
 AXIOMS = re.compile(
     r"(ClassicalDedekindReals\.sig_(not|forall)_dec|FunctionalExtensionality\.functional_extensionality_dep"
@@ -33,7 +33,10 @@ def missing_programs() -> str | None:
     """What to install where Coq or one of its libraries is not there; None if all is."""
     if shutil.which("coqc"):
         where = Path(_coq("coqc", "-where").strip())
-        if all((where / "user-contrib" / library).is_dir() for library in ("Interval", "Flocq", "Coquelicot")):
+        if all(
+            (where / "user-contrib" / library).is_dir()
+            for library in ("Interval", "Flocq", "Coquelicot", "Bignums", "Gappa")
+        ):
             return None
     return f"Coq or its libraries are missing; on Debian: apt-get install --no-install-recommends {' '.join(PACKAGES)}"
 

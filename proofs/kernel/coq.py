@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 RING, VM, SIGN, INTERVAL, SCRIPT = "ring", "vm", "sign", "interval", "script"
-# The tactic that ends a proof by itself -> the way in which it is right; several sentences are a script.
+# The tactic that ends a proof by itself, once words are unfolded -> the way in which it is right; others are scripts.
 TECHNIQUES = {
     "by_ring": RING,
     "by_vm": VM,
@@ -16,6 +16,7 @@ TECHNIQUES = {
     "by_order": VM,
     "by_bits": VM,
     "by_sign": SIGN,
+    "by_gappa": INTERVAL,
     "by_interval": INTERVAL,
     "by_angle": INTERVAL,
 }
@@ -42,7 +43,7 @@ class Theorem:
     @property
     def technique(self) -> str:
         """The way in which the proof is right."""
-        sentence = re.fullmatch(r"(\w+)[^.]*\.", self.proof)
+        sentence = re.fullmatch(r"(?:(?:unfold|cbv)\b[^.]*\.\s)*(\w+)[^.]*\.", self.proof)
         return TECHNIQUES.get(sentence[1], SCRIPT) if sentence else SCRIPT
 
     def text(self) -> str:

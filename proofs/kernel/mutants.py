@@ -60,6 +60,10 @@ PLANTED: tuple[tuple[str, str, str], ...] = (
     ("order_of_implicit_midpoint", "implicit_midpoint 2", "implicit_midpoint 3"),
     ("a_stable_implicit_midpoint", "[2; 1]", "[2; 2]"),
     ("a_stable_gauss2", "[12; -6; 1]", "[12; -6; -1]"),
+    # a rounding bound that is one unit roundoff too small
+    ("rounding_of_forward_euler_position", "fst 6", "fst 5"),
+    ("rounding_of_forward_euler_velocity", "snd 6", "snd 5"),
+    ("rounding_of_symplectic_euler_velocity", "snd 6", "snd 5"),
     # the last bit of a float run
     ("float_run_compare_rk4", "da065dp", "da065ep"),
     # a limit, a factor or an end that is off by one in its last digit
@@ -67,11 +71,12 @@ PLANTED: tuple[tuple[str, str, str], ...] = (
     ("L147", "0.250082", "0.250083"),
     ("L148", "48 *", "49 *"),
     ("L191", "15.999 *", "16.000 *"),
+    ("L192", "15.9 *", "16.1 *"),
     ("L193", "2.78 *", "2.79 *"),
     ("L244", "290 *", "310 *"),
     ("L012", "7 / 2", "4"),
     ("L048", "- (1 / 2) * q", "1 / 2 * q"),
-    ("L188", "- (v / 120)", "v / 120"),
+    ("local_errors", "- (v / 120)", "v / 120"),
     ("T04", "bounded symplectic_euler (199 / 100)", "bounded symplectic_euler (200 / 100)"),
 )
 

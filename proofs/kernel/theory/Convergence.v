@@ -272,8 +272,8 @@ Proof.
     apply combination_small; apply Rabs_le; lra.
 Qed.
 
-(** Of any smooth problem by the conditions of the trees; on the oscillator with the leading terms, and what they leave. *)
-Theorem L188 : has_order forward_euler 1 /\ has_order rk4 4 /\ forall h q v, 0 <= h <= 1 ->
+(** The conditions of the trees; and on the oscillator the leading terms of the one-step errors, and what they leave. *)
+Theorem local_errors : has_order forward_euler 1 /\ has_order rk4 4 /\ forall h q v, 0 <= h <= 1 ->
   within (after h (q, v)) (h ^ 2 * (q / 2), h ^ 2 * (v / 2)) (step Tables.forward_euler h (q, v))
     (h ^ 3 * (Rabs q + Rabs v))
   /\ within (after h (q, v)) (h ^ 2 * (- (q / 2)), h ^ 2 * (v / 2)) (step symplectic_euler h (q, v))
@@ -331,60 +331,4 @@ Proof.
       assert (11 / 24 * h ^ 2 <= 1 - cos h) by lra. generalize (pow2_ge_0 (h - sin h)).
       assert (0 < h ^ 2) by nra. nra.
     + assert (1 <= h <= 7 / 2) by lra. apply Rminus_gt_0_lt. interval with (i_bisect h, i_prec 40, i_depth 20).
-Qed.
-
-(** RK4 multiplies the radius by the root of its damping, too, and turns by an arctangent. *)
-Lemma rk4_polar h n : 0 < 1 - h ^ 2 / 2 + h ^ 4 / 24 ->
-  run Tables.rk4 h n (1, 0)
-  = polar (sqrt (damping h) ^ n) (INR n * atan ((h - h ^ 3 / 6) / (1 - h ^ 2 / 2 + h ^ 4 / 24))).
-Proof.
-  intros right. set (x := 1 - h ^ 2 / 2 + h ^ 4 / 24) in *. set (y := h - h ^ 3 / 6).
-  assert (D : damping h = x ^ 2 + y ^ 2) by (unfold damping, x, y; field).
-  assert (P : 0 < damping h) by (rewrite D; nra).
-  assert (r_pos : 0 < sqrt (damping h)) by (apply sqrt_lt_R0; lra).
-  assert (R1 : sqrt (1 + (y / x)²) = sqrt (damping h) / x).
-  { rewrite <- (sqrt_square x) at 2 by lra. rewrite <- sqrt_div_alt by nra. f_equal. rewrite D. unfold Rsqr. field. lra. }
-  set (s := sqrt (damping h)) in *. clearbody s. induction n as [|n IH]; cbn [run].
-  - unfold polar. cbn [INR]. rewrite Rmult_0_l, cos_0, sin_0. f_equal; ring.
-  - rewrite IH, <- tech_pow_Rmult, S_INR, Rmult_plus_distr_r, Rmult_1_l. unfold polar.
-    rewrite cos_plus, sin_plus, cos_atan, sin_atan, R1.
-    generalize (s ^ n), (cos (INR n * atan (y / x))), (sin (INR n * atan (y / x))). intros p c d.
-    replace (step Tables.rk4 h (p * c, - (p * d))) with (x * (p * c) + y * - (p * d), - y * (p * c) + x * - (p * d))
-      by (unfold x, y; by_ring).
-    f_equal; field; lra.
-Qed.
-
-Lemma rk4_error h n t : 0 < 1 - h ^ 2 / 2 + h ^ 4 / 24 ->
-  distance (run Tables.rk4 h n (1, 0)) (flow t)
-  = sqrt (exp (INR n * ln (damping h))
-          - 2 * exp (INR n / 2 * ln (damping h))
-            * cos (INR n * atan ((h - h ^ 3 / 6) / (1 - h ^ 2 / 2 + h ^ 4 / 24)) - t) + 1).
-Proof.
-  intros right. rewrite rk4_polar, flow_polar by assumption. unfold distance, polar; cbn [fst snd].
-  assert (P : 0 < damping h).
-  { replace (damping h) with ((1 - h ^ 2 / 2 + h ^ 4 / 24) ^ 2 + (h - h ^ 3 / 6) ^ 2) by (unfold damping; field). nra. }
-  assert (E : sqrt (damping h) ^ n = exp (INR n / 2 * ln (damping h))).
-  { rewrite <- Rpower_pow by now apply sqrt_lt_R0. unfold Rpower. f_equal.
-    rewrite <- Rpower_sqrt by assumption. unfold Rpower. rewrite ln_exp. field. }
-  assert (E2 : exp (INR n * ln (damping h)) = exp (INR n / 2 * ln (damping h)) * exp (INR n / 2 * ln (damping h)))
-    by (rewrite <- exp_plus; f_equal; field).
-  rewrite E, E2. generalize (exp (INR n / 2 * ln (damping h))). intros r. f_equal.
-  rewrite cos_minus. set (a := INR n * _).
-  generalize (sin2_cos2 a), (sin2_cos2 t). unfold Rsqr. intros A B.
-  replace (r * cos a * cos t) with (r * cos a * cos t) by ring. nra.
-Qed.
-
-(** Halving the step divides C h^p by 2^p; RK4's error, halved from 1/32, falls by 16 to within a thousandth. *)
-Theorem L191 : (forall C h p, C <> 0 -> 0 < h -> C * h ^ p / (C * (h / 2) ^ p) = 2 ^ p)
-  /\ has_order forward_euler 1 /\ has_order rk4 4 /\ 2 ^ 1 = 2 /\ 2 ^ 4 = 16
-  /\ let error n := distance (run Tables.rk4 (10 / INR n) n (1, 0)) (flow 10) in
-     15.999 * error 640%nat < error 320%nat < 16.001 * error 640%nat.
-Proof.
-  split; [|split; [exact order_of_forward_euler | split; [exact order_of_rk4 | split; [ring | split; [ring|]]]]].
-  - intros C h p other positive. unfold Rdiv. rewrite Rpow_mult_distr, <- Rinv_pow by lra.
-    assert (h ^ p <> 0) by (apply pow_nonzero; lra). assert (2 ^ p <> 0) by (apply pow_nonzero; lra). field. auto.
-  - assert (coarse : INR 320 = 320) by (rewrite INR_IZR_INZ; reflexivity).
-    assert (fine : INR 640 = 640) by (rewrite INR_IZR_INZ; reflexivity).
-    cbv beta zeta. rewrite (rk4_error (10 / INR 640)), (rk4_error (10 / INR 320)) by (rewrite ?coarse, ?fine; lra).
-    rewrite coarse, fine. unfold damping. by_interval.
 Qed.
