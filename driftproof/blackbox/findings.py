@@ -31,6 +31,18 @@ class NotANumber(Misbehaviour):
     kind = "not_a_number"
 
 
+class Increment(Misbehaviour):
+    """The answer is y1 - y where y1 is meant."""
+
+    kind = "increment"
+
+
+class StaleSlope(Misbehaviour):
+    """The slope that a step hands on to the next one is not that at its end."""
+
+    kind = "stale_slope"
+
+
 class NotFinite(Misbehaviour):
     """The answer is NaN or infinite where the exact one is an ordinary number; `answer` is what came."""
 

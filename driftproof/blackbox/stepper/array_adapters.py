@@ -19,14 +19,17 @@ Foreign: TypeAlias = Any
 class ArrayAdapter:
     """`write` makes of n numbers what the stepper takes; `read` makes n numbers of what it gives.
 
-    `number` makes one of them of a float. `read` raises WrongShape or NotANumber. All are exact, up to the rounding
-    to the stepper's own precision.
+    `number` makes one of them of a float; `function` makes of a Python function what the stepper can call. `read`
+    raises WrongShape or NotANumber. All are exact, up to the rounding to the stepper's own precision. `shown` is how
+    a line of Python writes the numbers, where it is not the name, called.
     """
 
     name: str
     write: Callable[[Sequence[AnyNumber]], Foreign]
     read: Callable[[Foreign, int], list[AnyNumber]]
     number: Callable[[float], AnyNumber] = float
+    function: Callable[[Callable[..., Foreign]], Callable[..., Foreign]] = lambda function: function
+    shown: str = ""
 
 
 def floats_in(value: Foreign, size: int) -> list[float]:

@@ -15,12 +15,19 @@ SIGNATURES = {
     FIELD: "step(f, t, y, h) -> y1: y' = f(t, y)",
 }
 FUNCTION, POSITION, VELOCITY, STATE, TIME, STEP = "function", "position", "velocity", "state", "time", "step"
+# The times at which a run is wanted, the first and the last of one step; and the slope that a step is handed, and
+# hands on: the force at q, or f(t, y).
+GRID, CARRIED = "grid", "carried"
 # The roles of the arguments, one by one; the time may be missing, and may be asked for anywhere.
 VARIANTS = (
     (MAP, (POSITION, VELOCITY, STEP)),
     (MAP, (STATE, STEP)),
     (FORCE, (FUNCTION, POSITION, VELOCITY, STEP)),
     (FIELD, (FUNCTION, STATE, STEP)),
+    (FORCE, (FUNCTION, POSITION, VELOCITY, CARRIED, STEP)),
+    (MAP, (POSITION, VELOCITY, CARRIED, STEP)),
+    (FIELD, (FUNCTION, STATE, CARRIED, STEP)),
+    (FIELD, (FUNCTION, STATE, GRID)),
 )
 # The order in which a stepper takes its arguments if their names do not tell.
 STANDARD_ORDER = {
@@ -33,37 +40,51 @@ _FUNCTIONS = (
     *("acceleration", "a", "deriv", "derivs", "derivative", "derivatives", "dydt", "dxdt", "ode", "system"),
     *("dynamics", "get_force", "get_acceleration"),
 )
+# Of a potential: the force is minus what they return.
+_GRADIENTS = (
+    *("grad", "gradient", "grad_u", "grad_v", "gradu", "gradv", "grad_potential", "potential_gradient"),
+    *("dvdq", "dvdx", "dudq", "dudx", "du_dx", "dv_dx", "dv_dq", "du_dq"),
+)
 _POSITIONS = ("q", "x", "r", "y", "pos", "position", "positions", "theta", "angle", "q0", "x0", "r0", "y0")
 _VELOCITIES = (
     *("v", "vel", "velocity", "velocities", "p", "momentum", "omega", "qdot", "xdot", "q_dot", "x_dot"),
     *("dq", "dx", "theta_dot", "v0", "p0"),
 )
-_STATES = ("y", "z", "s", "u", "x", "w", "state", "y0", "z0", "x0", "u0", "yn", "yi")
+_STATES = ("y", "z", "s", "u", "x", "w", "state", "states", "body", "particle", "y0", "z0", "x0", "u0", "yn", "yi")
 # The names under which steppers in the wild take each argument.
 ROLES: dict[str, tuple[str, ...]] = {
-    FUNCTION: _FUNCTIONS,
+    FUNCTION: (*_FUNCTIONS, *_GRADIENTS),
     POSITION: _POSITIONS,
     VELOCITY: _VELOCITIES,
     STATE: _STATES,
     TIME: ("t", "time", "t0", "tn", "ti"),
     STEP: ("h", "dt", "step", "step_size", "stepsize", "timestep", "time_step", "delta_t", "tau", "delta"),
+    GRID: ("t", "ts", "times", "grid", "t_grid", "tgrid", "time_grid", "t_eval", "tlist"),
+    CARRIED: ("a", "acc", "accel", "acceleration", "a0", "an", "f0", "force0", "k1", "k0", "fsal", "dydt0"),
 }
 # Further parameters of a built-in oscillator, set to what makes it q'' = -q.
 UNIT_PARAMETERS = ("m", "mass", "k", "stiffness", "omega", "omega0", "w", "w0")
+# Of a run, how many steps it makes: one.
+_COUNTS = ("n", "steps", "n_steps", "nsteps", "num_steps", "number_of_steps", "nt", "n_iter", "iterations")
+# A mass that is not 1 shows whether the force is divided by it, a power of two exactly so.
+_MASSES, _MASS = ("m", "mass", "masses"), 2.0
 
 
 @dataclass(frozen=True)
 class CallingConvention:
     """How a stepper is called, and the roles of its arguments in the order in which it takes them.
 
-    `extra` are arguments besides, passed by name: the parameters of its oscillator, all 1. `names` are those of all
-    others, where they are passed by name, too.
+    `extra` are arguments besides, passed by name: the parameters of its oscillator, all 1; a mass, 2, and the number
+    of steps, 1. `names` are those of all others, where they are passed by name, too. What it calls returns `factor`
+    times the acceleration: the mass, or -1 where it is the gradient of a potential. A `run` returns all states.
     """
 
     kind: str
     order: tuple[str, ...]
     extra: Mapping[str, float] = field(default_factory=dict)
     names: tuple[str, ...] = ()
+    factor: float = 1.0
+    run: bool = False
 
 
 def convention_of(step: Callable[..., Any], kind: str | None = None) -> CallingConvention:
@@ -71,38 +92,49 @@ def convention_of(step: Callable[..., Any], kind: str | None = None) -> CallingC
 
     Raises ValueError, saying what is allowed, if the names do not tell, or for an unknown kind.
     """
+    return conventions_of(step, kind)[0]
+
+
+def conventions_of(step: Callable[..., Any], kind: str | None = None) -> list[CallingConvention]:
+    """All that the names may mean, the most usual first: of x, v, a, dt, a is a force, or a number that is handed on.
+
+    Raises ValueError as `convention_of`, with the function of one line to write instead.
+    """
     if kind is not None and kind not in SIGNATURES:
         raise ValueError(f"unknown calling convention {kind!r}; choose from {', '.join(SIGNATURES)}")
-    names = _required_names(step)
+    names = required_names(step)
     if names is not None:
-        fitting = (_fitted(names, *variant) for variant in VARIANTS if kind in (None, variant[0]))
-        found = next((each for each in fitting if each is not None), None)
-        if found is not None:
-            return _by_name(found, step, names)
+        fitting = [_fitted(names, *variant) for variant in VARIANTS if kind in (None, variant[0])]
+        found = [_by_name(each, step, names) for each in fitting if each is not None]
+        if found:
+            return found
     if kind is not None and (names is None or len(names) == len(STANDARD_ORDER[kind])):
-        return CallingConvention(kind, STANDARD_ORDER[kind])
+        return [CallingConvention(kind, STANDARD_ORDER[kind])]
     name = getattr(step, "__qualname__", type(step).__name__)
     shown = "(?)" if names is None else f"({', '.join(names)})"
     choices = "; ".join(f"{kind}: {words}" for kind, words in SIGNATURES.items())
-    raise ValueError(
-        f"{name}{shown} is not one of these: {choices}. Bind other arguments, or name the calling convention"
-    )
+    raise ValueError(f"{name}{shown} is not one of these: {choices}. Name the calling convention, or write a wrapper")
 
 
-def _required_names(step: Callable[..., Any]) -> list[str] | None:
+def required_names(step: Callable[..., Any]) -> list[str] | None:
     """The parameters that have no default; None where they cannot be told."""
+    parameters = _parameters(step)
+    if parameters is None or any(p.kind is p.VAR_POSITIONAL for p in parameters.values()):
+        return None
+    return [p.name for p in parameters.values() if p.default is p.empty and p.kind is not p.VAR_KEYWORD]
+
+
+def _parameters(step: Callable[..., Any]) -> Mapping[str, inspect.Parameter] | None:
+    """By name; those of a torch module are its forward's."""
     try:
-        parameters = inspect.signature(step).parameters.values()
+        return inspect.signature(getattr(step, "forward", step)).parameters
     except (TypeError, ValueError):
         return None
-    if any(p.kind is p.VAR_POSITIONAL for p in parameters):
-        return None
-    return [p.name for p in parameters if p.default is p.empty and p.kind is not p.VAR_KEYWORD]
 
 
 def _by_name(found: CallingConvention, step: Callable[..., Any], names: Sequence[str]) -> CallingConvention:
     """The convention with the names of its arguments, where an order does not tell which is which."""
-    parameters = inspect.signature(step).parameters
+    parameters = _parameters(step) or {}
     if found.extra or any(parameters[name].kind is inspect.Parameter.KEYWORD_ONLY for name in names):
         return replace(found, names=tuple(name for name in names if name not in found.extra))
     return found
@@ -110,15 +142,21 @@ def _by_name(found: CallingConvention, step: Callable[..., Any], names: Sequence
 
 def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingConvention | None:
     """The convention, if each name has one of the roles, each role one name, and the rest belong to an oscillator."""
-    open_roles, order, extra = [*roles, TIME], [], {}
+    open_roles, order, extra = [*roles, *([] if GRID in roles else [TIME])], [], dict[str, float]()
+    factor, run = 1.0, GRID in roles
     for name in names:
         word = name.lower().strip("_")
         role = next((role for role in open_roles if word in ROLES[role]), None)
         if role is not None:
             open_roles.remove(role)
             order.append(role)
+            factor = -factor if role == FUNCTION and word in _GRADIENTS else factor
         elif kind == MAP and word in UNIT_PARAMETERS:
             extra[name] = 1.0
+        elif kind == FORCE and word in _MASSES:
+            extra[name], factor = _MASS, factor * _MASS
+        elif word in _COUNTS:
+            extra[name], run = 1, True
         else:
             return None
-    return CallingConvention(kind, tuple(order), extra) if set(open_roles) <= {TIME} else None
+    return CallingConvention(kind, tuple(order), extra, (), factor, run) if set(open_roles) <= {TIME} else None

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from copy import copy
+from dataclasses import dataclass, field, is_dataclass
 from math import isfinite
 from typing import Any, TypeAlias
 
@@ -22,9 +23,11 @@ from driftproof.blackbox.stepper.array_adapters import (
     type_of,
 )
 from driftproof.blackbox.stepper.calling_conventions import (
+    CARRIED,
     FIELD,
     FORCE,
     FUNCTION,
+    GRID,
     MAP,
     POSITION,
     STATE,
@@ -33,6 +36,8 @@ from driftproof.blackbox.stepper.calling_conventions import (
     VELOCITY,
     CallingConvention,
 )
+from driftproof.blackbox.stepper.run_states import end_of_generator, end_of_run, is_generator
+from driftproof.blackbox.stepper.state_forms import part_pair
 from driftproof.methods.stepping import oscillator
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 
@@ -55,6 +60,8 @@ class CallLog:
     works_in_place: bool = False
     beside: list[AnyNumber] | None = None  # what the last step returned after y1: its error estimate, or another y1
     dense: Callable[..., Foreign] | None = None  # its dense output, a function of the time, or of theta
+    carried: Foreign = None  # the slope that the last step hands on
+    layout: str | None = None  # where the end stands in what a run, or a generator, returns
 
 
 @dataclass
@@ -133,8 +140,12 @@ class ForeignStepper:
             at = self.adapter.read(arguments[time], 1)[0] if len(arguments) > 1 else t
             return write(rate(at, asked))
 
-        roles = {FUNCTION: callback, TIME: t, STATE: write(y), STEP: h}
-        answer = self._call(roles, f"t={t!r}, y={list(y)!r}, h={h!r}")
+        roles = {FUNCTION: self.adapter.function(callback), TIME: t, STATE: write(y), STEP: h}
+        if CARRIED in self.convention.order:
+            roles[CARRIED] = write(rate(t, list(y)))
+        if GRID in self.convention.order:
+            roles[GRID] = np.array([t, t + h])
+        answer = self._call(roles, f"t={t!r}, y={list(y)!r}, h={h!r}", y)
         return self._finite(self._read_state(answer, size, t + h), [*y, h])
 
     def step_batch(self, qs: Sequence[float], vs: Sequence[float], h: float) -> list[tuple[float, float]]:
@@ -145,18 +156,24 @@ class ForeignStepper:
         if POSITION not in self.convention.order:
             raise UnsupportedCall("position and velocity come in one array, which is one state")
         write = self._of_several.write
-        roles = {FUNCTION: lambda q, *_: -q, POSITION: write(qs), VELOCITY: write(vs), STEP: h, TIME: 0.0}
-        answer = self._call(roles, f"q={list(qs)!r}, v={list(vs)!r}, h={h!r}")
+        factor = self.convention.factor
+        roles = {FUNCTION: lambda q, *_: -factor * q, POSITION: write(qs), VELOCITY: write(vs), STEP: h, TIME: 0.0}
+        roles[CARRIED] = write([-q for q in qs])
+        answer = self._call(roles, f"q={list(qs)!r}, v={list(vs)!r}, h={h!r}", [*qs, *vs])
         positions, velocities = self._two_parts(answer)
         return list(zip(*(self.adapter.read(part, len(qs)) for part in (positions, velocities)), strict=True))
 
     def _map(self, q: AnyNumber, v: AnyNumber, h: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
         write = self.adapter.write
         if STATE in self.convention.order:
-            answer = self._call({STATE: write([q, v]), STEP: h, TIME: 0.0}, f"state=[{q!r}, {v!r}], h={h!r}")
+            words = f"state=[{q!r}, {v!r}], h={h!r}"
+            answer = self._call({STATE: write([q, v]), STEP: h, TIME: 0.0}, words, [q, v])
             q1, v1 = self._finite(self._read_state(answer, 2, h), [q, v, h])
             return q1, v1
-        q1, v1 = self._pair({POSITION: write([q]), VELOCITY: write([v]), STEP: h, TIME: 0.0}, [q], [v], h)
+        roles = {POSITION: write([q]), VELOCITY: write([v]), STEP: h, TIME: 0.0}
+        if CARRIED in self.convention.order:
+            roles[CARRIED] = write([-q])
+        q1, v1 = self._pair(roles, [q], [v], h)
         return q1, v1
 
     @property
@@ -178,26 +195,33 @@ class ForeignStepper:
                 position, time = time, position
             at = adapter.read(time, 1)[0] if timed else t
             asked = adapter.read(position, 1 if _size(position) == 1 else len(q))
-            return (SCALARS if adapter is ARRAYS and np.ndim(position) == 0 else adapter).write(force(at, asked))
+            answering = SCALARS if adapter is ARRAYS and np.ndim(position) == 0 else adapter
+            return answering.write(scaled(force(at, asked)))
 
-        roles = {FUNCTION: callback, POSITION: adapter.write(q), VELOCITY: adapter.write(v), STEP: h, TIME: t}
+        def scaled(answers: Sequence[AnyNumber]) -> Sequence[AnyNumber]:
+            return answers if factor == 1 else [factor * x for x in answers]
+
+        factor, function = self.convention.factor, adapter.function(callback)
+        roles = {FUNCTION: function, POSITION: adapter.write(q), VELOCITY: adapter.write(v), STEP: h, TIME: t}
+        if CARRIED in order:
+            roles[CARRIED] = adapter.write(scaled(force(t, list(q))))
         return self._pair(roles, q, v, h)
 
     def _pair(
         self, roles: dict[str, Foreign], q: Sequence[AnyNumber], v: Sequence[AnyNumber], h: AnyNumber
     ) -> list[AnyNumber]:
         shown = [x[0] if len(x) == 1 else list(x) for x in (q, v)]
-        answer = self._call(roles, f"q={shown[0]!r}, v={shown[1]!r}, h={h!r}")
+        answer = self._call(roles, f"q={shown[0]!r}, v={shown[1]!r}, h={h!r}", [*q, *v])
         return self._finite([x for part in self._two_parts(answer) for x in self._read(part, len(q))], [*q, *v, h])
 
     def _two_parts(self, answer: Foreign) -> tuple[Foreign, Foreign]:
         try:
-            position, velocity = answer
+            position, velocity = part_pair(answer)
         except (TypeError, ValueError):
             raise WrongShape(f"it returns {_shown(answer)}, not a pair (q1, v1)") from None
         return position, velocity
 
-    def _call(self, roles: dict[str, Foreign], words: str) -> Foreign:
+    def _call(self, roles: dict[str, Foreign], words: str, start: Sequence[AnyNumber]) -> Foreign:
         self.before(words)
         self.log.calls += 1
         values = [roles[role] for role in self.convention.order]
@@ -205,7 +229,7 @@ class ForeignStepper:
         arguments = () if named else values
         kept = {role: _copied(x) for role, x in roles.items() if role in (POSITION, VELOCITY, STATE)}
         try:
-            answer = self.function(*arguments, **named, **self.convention.extra)
+            answer = self._ended(self.function(*arguments, **named, **self.convention.extra), start)
         except Misbehaviour:
             raise
         except (Exception, SystemExit) as error:
@@ -213,6 +237,19 @@ class ForeignStepper:
         finally:
             self.after()
         return self._answer(answer, roles, kept)
+
+    def _ended(self, answer: Foreign, start: Sequence[AnyNumber]) -> Foreign:
+        """What stands at the end of the step: of a run its last state, of a generator the one after the start."""
+        if CARRIED in self.convention.order and isinstance(answer, tuple) and len(answer) > 1:
+            self.log.carried, answer = answer[-1], answer[:-1] if len(answer) > 2 else answer[0]
+        if is_generator(answer):
+            end, self.log.layout = end_of_generator(answer, start, self.log.layout)
+        elif self.convention.run:
+            end, self.log.layout = end_of_run(answer, start, self.log.layout)
+        else:
+            return answer
+        half = len(start) // 2
+        return (end[:half], end[half:]) if POSITION in self.convention.order else end
 
     def _answer(self, answer: Foreign, roles: dict[str, Foreign], kept: dict[str, Foreign]) -> Foreign:
         """What was returned; where that is None, the arguments, if the step was written into them."""
@@ -257,9 +294,13 @@ def call_text(stepper: ForeignStepper, q: float, v: float, h: float) -> str:
     calls = stepper.convention
     state_first = {STATE, TIME} <= {*calls.order} and calls.order.index(STATE) < calls.order.index(TIME)
     rates = f"lambda {'y, t' if state_first else 't, y'}: {_as_written(stepper, '[y[1], -y[0]]')}"
-    function = {FORCE: "lambda q: -q", FIELD: rates}.get(calls.kind, "")
-    numbers = {POSITION: (q,), VELOCITY: (v,), STATE: (q, v)}
-    texts = {FUNCTION: function, TIME: "0.0", STEP: _literal(h)}
+    times = [role for role in calls.order if role in (TIME, POSITION)]
+    asked = "q" if TIME not in times else "t, q" if times[0] == TIME else "q, t"
+    force = f"lambda {asked}: {-calls.factor:g} * q" if calls.factor != 1 else f"lambda {asked}: -q"
+    function = {FORCE: force, FIELD: rates}.get(calls.kind, "")
+    slope = (v, -q) if calls.kind == FIELD else (-calls.factor * q,)
+    numbers = {POSITION: (q,), VELOCITY: (v,), STATE: (q, v), CARRIED: slope}
+    texts = {FUNCTION: function, TIME: "0.0", STEP: _literal(h), GRID: f"[0.0, {_literal(h)}]"}
     arguments = [texts[role] if role in texts else _written(stepper, *numbers[role]) for role in calls.order]
     named = [f"{name}={text}" for name, text in zip(calls.names, arguments, strict=False)]
     extra = [f"{name}={value!r}" for name, value in calls.extra.items()]
@@ -273,13 +314,22 @@ def _literal(x: float) -> str:
 
 def _written(stepper: ForeignStepper, *numbers: float) -> str:
     """The numbers as the stepper takes them, with the name of what makes them."""
+    if stepper.adapter.shown:
+        return _as_shown(stepper.adapter.shown, [*map(_literal, numbers)])
     texts = ", ".join(map(_literal, numbers))
     if stepper.adapter is SCALARS:
         return texts
     return _as_written(stepper, f"[{texts}]" if np.ndim(stepper.adapter.write(numbers)) else texts)
 
 
+def _as_shown(shown: str, texts: Sequence[str]) -> str:
+    return shown.format(*texts) if shown.count("{}") > 1 else shown.format(", ".join(texts))
+
+
 def _as_written(stepper: ForeignStepper, text: str) -> str:
+    if stepper.adapter.shown:
+        inner = text[1:-1] if text.startswith("[") else text
+        return _as_shown(stepper.adapter.shown, inner.split(", "))
     makers = {LISTS: "", ARRAYS: "numpy.array"}
     maker = makers.get(stepper.adapter, stepper.adapter.name)
     return f"{maker}({text})" if maker else text
@@ -297,15 +347,15 @@ def _size(x: Foreign) -> int:
 
 
 def _copied(x: Foreign) -> Foreign:
-    copy = getattr(x, "copy", None) or getattr(x, "clone", None)  # arrays and lists; tensors
-    return x if copy is None else copy()
+    copied = getattr(x, "copy", None) or getattr(x, "clone", None)  # arrays and lists; tensors
+    return copied() if copied is not None else copy(x) if is_dataclass(x) else x
 
 
 def _differs(x: Foreign, before: Foreign) -> bool:
     try:  # NaN differs from itself: bytes are compared, not values
         return x is not before and as_array(x).tobytes() != as_array(before).tobytes()
     except NotANumber:  # such as the numbers of another arithmetic, which nobody watches
-        return False
+        return vars(x) != vars(before) if is_dataclass(x) else isinstance(x, dict) and x != before
 
 
 def _shown(answer: Foreign) -> str:

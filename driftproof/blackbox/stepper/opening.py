@@ -4,26 +4,36 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any
+from itertools import product
+from typing import Any, TypeAlias
 
-from driftproof.blackbox.findings import Misbehaviour
+import numpy as np
+
+from driftproof.blackbox.findings import Increment, Misbehaviour, StaleSlope, WrongShape
 from driftproof.blackbox.stepper.array_adapters import (
     ARRAYS,
     LISTS,
     SCALARS,
     ArrayAdapter,
     adapter_of,
+    as_array,
     scalar_adapter_of,
 )
-from driftproof.blackbox.stepper.calling_conventions import FIELD, MAP, STATE, CallingConvention, convention_of
+from driftproof.blackbox.stepper.calling_conventions import FIELD, MAP, STATE, CallingConvention, conventions_of
 from driftproof.blackbox.stepper.foreign_stepper import CallLog, ForeignStepper
+from driftproof.blackbox.stepper.state_forms import COMPLEX, forms_of
+from driftproof.blackbox.stepper.wrappers import increment_wrapper, wrapper_line
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
 
 # Where a stepper is tried out: nothing cancels, and every term of a step is of ordinary size.
 TRIAL_STATE, TRIAL_STEP = (1.0, 0.75), 0.25
+# A step of 1/4 does not halve the oscillator's state; what it returns with 2^-10 is 0 to O(h) if it is an increment.
+_SUSPICIOUS, _TINY = 0.5, 2.0**-10
+# A slope handed on in 11 bits is that at the end to less.
+_AS_CARRIED = 2.0**-8
 # The type that an answer's name ends in, the narrowest first.
 _FORMATS = {"float16": BINARY16, "float32": BINARY32, "float64": BINARY64}
 
@@ -42,41 +52,77 @@ def opened(
     Raises ValueError if no calling convention fits, and the `Misbehaviour` of the most natural adapter if none
     gets an answer.
     """
-    found = convention_of(step, calls)
+    try:
+        conventions = conventions_of(step, calls)
+    except ValueError as error:
+        raise ValueError(f"{error}{wrapper_line(step)}") from None
     failures: list[Misbehaviour] = []
-    for trial in (_one_step, _one_number) if found.kind == FIELD else (_one_step,):
-        for adapter in _adapters(found, array):
-            try:
-                return _tried(ForeignStepper(step, found, adapter, before=before, after=after), trial)
-            except Misbehaviour as failure:
-                failures.append(failure)
+    for convention in conventions:
+        trials = (_one_step, _one_number) if convention.kind == FIELD else (_one_step,)
+        for adapters in _adapters(step, convention, array):
+            for trial, adapter in product(trials, adapters):
+                try:
+                    return _tried(ForeignStepper(step, convention, adapter, before=before, after=after), trial)
+                except Misbehaviour as failure:
+                    failures.append(failure)
     raise failures[0]
 
 
-def _adapters(convention: CallingConvention, array: Callable[[Any], Any] | None) -> Sequence[ArrayAdapter]:
+def _adapters(
+    step: Callable[..., Any], convention: CallingConvention, array: Callable[[Any], Any] | None
+) -> Iterator[Iterable[ArrayAdapter]]:
+    """The usual ones; then, if none of them gets an answer, other forms of a state."""
     if array is not None:
-        return adapter_of(array), scalar_adapter_of(array)
+        yield adapter_of(array), scalar_adapter_of(array)
+        return
     vectors = convention.kind == FIELD or (convention.kind == MAP and STATE in convention.order)
-    return (ARRAYS, LISTS, SCALARS) if vectors else (SCALARS, ARRAYS)
+    yield (ARRAYS, LISTS, SCALARS) if vectors else (SCALARS, ARRAYS)
+    yield list(forms_of(step, convention))
 
 
-def _one_step(subject: ForeignStepper) -> None:
-    subject.step(*TRIAL_STATE, TRIAL_STEP)
+# A step of this many numbers of the trial state, and its end. The first is of the oscillator, the other of y' = -y.
+TrialStep: TypeAlias = Callable[[ForeignStepper, float], Sequence[float]]
 
 
-def _one_number(subject: ForeignStepper) -> None:
+def _one_step(subject: ForeignStepper, h: float) -> Sequence[float]:
+    return subject.step(*TRIAL_STATE, h)
+
+
+def _one_number(subject: ForeignStepper, h: float) -> Sequence[float]:
     """A step of y' = -y, for a stepper that takes no more than one number."""
-    subject.step_field(lambda t, y: [-x for x in y], 0.0, TRIAL_STATE[:1], TRIAL_STEP)
+    return subject.step_field(lambda t, y: [-x for x in y], 0.0, TRIAL_STATE[:1], h)
 
 
-def _tried(subject: ForeignStepper, trial: Callable[[ForeignStepper], None]) -> ForeignStepper:
-    """The subject after one call, with the format of its answer, and on its log only whether it works in place."""
-    trial(subject)
+def _tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
+    """The subject after one call, with the format of its answer, and on its log only what it needs to be read.
+
+    Raises WrongShape for a complex number that turns the other way, a Misbehaviour for a step that hands on a slope
+    which is not that at its end, and for one that returns the increment.
+    """
+    end = trial(subject, TRIAL_STEP)
+    if subject.adapter is COMPLEX and end[0] < TRIAL_STATE[0]:
+        raise WrongShape("z moves as q - i v")
+    if subject.log.carried is not None:
+        _held_to_its_end(subject.log.carried, end, subject.convention)
+    if np.max(np.abs(end)) < _SUSPICIOUS * TRIAL_STATE[0] and np.max(np.abs(trial(subject, _TINY))) < 4 * _TINY:
+        raise Increment(f"as h goes to 0 it returns 0, not the state: an increment{increment_wrapper(subject)}")
     types = subject.log.types
     subject.format = next((fmt for name, fmt in _FORMATS.items() if any(t.endswith(name) for t in types)), BINARY64)
     # At rest a step written into its arguments changes nothing: that it works in place must be known by then.
-    subject.log = CallLog(works_in_place=subject.log.works_in_place)
+    subject.log = CallLog(works_in_place=subject.log.works_in_place, layout=subject.log.layout)
     return subject
+
+
+def _held_to_its_end(carried: Any, end: Sequence[float], convention: CallingConvention) -> None:
+    """Hold the slope that a step hands on to that at its end. Raises StaleSlope."""
+    found = as_array(carried).ravel()
+    if convention.kind == FIELD:
+        expected = [end[1], -end[0]] if len(end) > 1 else [-end[0]]
+    else:
+        expected = [-end[0] * convention.factor]
+    if found.size < len(expected) or not np.allclose(found[: len(expected)], expected, rtol=_AS_CARRIED, atol=0):
+        shown, right = (", ".join(f"{x:g}" for x in numbers) for numbers in (found, expected))
+        raise StaleSlope(f"it hands on {shown} as the slope at its end, where it is {right}")
 
 
 @dataclass(frozen=True)

@@ -63,7 +63,7 @@ def test_names_in_the_wild_tell_the_calling_convention(parameters, kind, order):
 @pytest.mark.parametrize(
     "parameters",
     [
-        *("", "q", "q, v", "q, v, h, k, mode", "x, y, dt", "model, state, dt", "f, y, t_span", "f, y0, t"),
+        *("", "q", "q, v", "q, v, h, k, mode", "x, y, dt", "model, state, dt", "f, y, t_span"),
         *("q, v, h, t, t0", "a, b, c", "*args", "state, action", "f, force, q, v, h"),
     ],
 )

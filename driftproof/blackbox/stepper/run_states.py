@@ -1,0 +1,62 @@
+"""The state that ends one step, of what a run or a generator returns: rows or columns, with or without its times."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import islice
+from typing import Any
+
+import numpy as np
+
+from driftproof.blackbox.findings import NotANumber, WrongShape
+from driftproof.blackbox.stepper.array_adapters import as_array
+
+ROWS, COLUMNS, END = "rows", "columns", "end"
+# The start comes back rounded to the format of the run, at worst that of 11 bits.
+_SAME = 2.0**-10
+
+
+def is_generator(answer: Any) -> bool:
+    """True of what is iterated over once."""
+    return hasattr(answer, "__next__")
+
+
+def end_of_run(answer: Any, start: Sequence[Any], layout: str | None) -> tuple[Any, str]:
+    """The last of the states that a run of one step returns, and where it stands; told where that is not yet known.
+
+    The states are rows, or columns, the first of them the start; or the last one comes alone. Raises WrongShape.
+    """
+    size, table = len(start), _table(answer, len(start))
+    if table.size == size:
+        return table.ravel(), END
+    if table.shape == (2, size) and (layout == ROWS or (layout is None and _is(start, table[0]))):
+        return table[-1], ROWS
+    if table.shape == (size, 2) and (layout == COLUMNS or _is(start, table[:, 0])):
+        return table[:, -1], COLUMNS
+    raise WrongShape(f"of one step from {list(start)!r} it returns an array of shape {table.shape}, not two states")
+
+
+def end_of_generator(generator: Any, start: Sequence[Any], layout: str | None) -> tuple[Any, str]:
+    """The state that a generator yields after the start; the first one where it does not yield the start.
+
+    Raises NotANumber where there is none.
+    """
+    states = [as_array(state).ravel()[-len(start) :] for state in islice(generator, 2)]
+    if not states:
+        raise NotANumber("the generator ends before it yields a state")
+    if len(states) == len(start) and all(state.size == 1 for state in states):  # one state, number by number
+        return np.concatenate(states), END
+    found = layout or (ROWS if _is(start, states[0]) else END)
+    return states[-1 if found == ROWS else 0], found
+
+
+def _is(start: Sequence[Any], state: np.ndarray[Any, Any]) -> bool:
+    return state.shape == (len(start),) and bool(np.allclose(state, start, rtol=_SAME))
+
+
+def _table(answer: Any, size: int) -> np.ndarray[Any, Any]:
+    """The states as one array, without the times that stand before them: (ts, ys), (ts, qs, vs), (qs, vs)."""
+    parts = list(answer) if isinstance(answer, tuple) else []
+    if len(parts) > 1 and np.ndim(parts[0]) == 1 and (len(parts) == size + 1 or np.ndim(parts[1]) == 2):
+        answer = parts[1:] if len(parts) > 2 else parts[1]
+    return as_array(answer)

@@ -1,0 +1,202 @@
+"""States in other forms: complex numbers, batches, bodies in space, dataclasses, named tuples, dicts, tensors."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from typing import Any, get_type_hints
+
+import numpy as np
+
+from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, as_array, floats_in
+from driftproof.blackbox.stepper.calling_conventions import (
+    FIELD,
+    MAP,
+    POSITION,
+    ROLES,
+    STATE,
+    TIME,
+    UNIT_PARAMETERS,
+    VELOCITY,
+    CallingConvention,
+)
+from driftproof.blackbox.stepper.jax_callbacks import CompiledCallback
+
+_DIMENSIONS = 3
+
+
+def forms_of(step: Callable[..., Any], convention: CallingConvention) -> Iterator[ArrayAdapter]:
+    """The adapters of other forms that the convention allows, the likeliest first."""
+    if convention.kind == MAP and STATE in convention.order:
+        yield from _records(step)
+        yield from (COMPLEX, CONJUGATE, BATCH)
+    elif convention.kind == FIELD:
+        yield BATCH
+    else:
+        yield from (BODIES, BATCH)
+    if "torch" in sys.modules:
+        yield from _tensors(sys.modules["torch"])
+    if "jax" in sys.modules and convention.kind != MAP:
+        yield from _compiled(sys.modules["jax"].numpy)
+
+
+def _complex_part(value: Foreign, size: int, sign: int) -> list[AnyNumber]:
+    z = complex(np.asarray(value).item())
+    return floats_in([z.real, sign * z.imag], size)
+
+
+# z' = -i z, and z' = i z: the wrong one turns the other way, which the first trial shows.
+COMPLEX = ArrayAdapter(
+    "a complex number q + i v", lambda x: complex(*x), lambda z, n: _complex_part(z, n, 1), shown="complex({}, {})"
+)
+CONJUGATE = ArrayAdapter(
+    "a complex number q - i v",
+    lambda x: complex(x[0], -x[1]),
+    lambda z, n: _complex_part(z, n, -1),
+    shown="complex({}, -{})",
+)
+BATCH = ArrayAdapter(
+    "NumPy arrays of rows", lambda x: np.array([x], dtype=np.float64), floats_in, shown="numpy.array([[{}]])"
+)
+
+
+def _in_space(numbers: Sequence[AnyNumber]) -> Foreign:
+    """Bodies in space, each number a coordinate; what is missing of the last body is 0."""
+    filled = np.zeros((-(-len(numbers) // _DIMENSIONS), _DIMENSIONS))
+    filled.flat[: len(numbers)] = numbers
+    return filled
+
+
+def _out_of_space(value: Foreign, size: int) -> list[AnyNumber]:
+    array = as_array(value)
+    wanted = -(-size // _DIMENSIONS) * _DIMENSIONS
+    return floats_in(array.ravel()[:size] if array.size == wanted else array, size)
+
+
+BODIES = ArrayAdapter(
+    "NumPy arrays of bodies in space", _in_space, _out_of_space, shown="numpy.array([[{}, 0.0, 0.0]])"
+)
+
+
+def _tensors(torch: Any) -> Iterator[ArrayAdapter]:
+    def tensor(numbers: Any) -> Any:
+        return torch.tensor(numbers, dtype=torch.float64)
+
+    shown = "torch.tensor({}, dtype=torch.float64)"
+    yield ArrayAdapter("torch tensors", lambda x: tensor(list(x)), floats_in, shown=shown.replace("{}", "[{}]"))
+    yield ArrayAdapter("torch scalars", lambda x: tensor(x[0]), floats_in, shown=shown)
+
+
+def _compiled(numpy: Any) -> Iterator[ArrayAdapter]:
+    """JAX arrays, beside functions that compiled code can call."""
+    callback = CompiledCallback()
+    shown = "jax.numpy.array([{}])"
+    yield ArrayAdapter("JAX arrays", lambda x: numpy.array(list(x)), floats_in, function=callback.calling, shown=shown)
+    shown = "jax.numpy.array({})"
+    yield ArrayAdapter("JAX scalars", lambda x: numpy.array(x[0]), floats_in, function=callback.calling, shown=shown)
+
+
+def _records(step: Callable[..., Any]) -> Iterator[ArrayAdapter]:
+    """Of the class that the state is said to be of; else of the keys, or of the attributes, that the step asks for."""
+    named = _annotated(step)
+    if named is not None:
+        names, needed = _fields(named)
+        yield from _record(named.__name__, named, names, needed)
+        return
+    keys, attributes = _asked(step)
+    if keys:
+        yield from _record("dict", dict, keys, keys)
+    elif attributes:
+        yield from _record("State", dataclasses.make_dataclass("State", attributes), attributes, attributes)
+
+
+def _annotated(step: Callable[..., Any]) -> Any:
+    """The dataclass, named tuple or typed dict among the annotations of the parameters, if there is one."""
+    hints: Mapping[str, Any] = {}
+    with suppress(Exception):  # annotations of anybody's may name what is not there
+        hints = get_type_hints(step if inspect.isroutine(step) else type(step).__call__)
+    return next((hint for name, hint in hints.items() if name != "return" and _fields(hint)[0]), None)
+
+
+def _fields(record: Any) -> tuple[list[str], list[str]]:
+    """The names of all fields, and of those that have no default."""
+    if dataclasses.is_dataclass(record):
+        fields = [field for field in dataclasses.fields(record) if field.init]
+        plain = (dataclasses.MISSING, dataclasses.MISSING)
+        return [f.name for f in fields], [f.name for f in fields if (f.default, f.default_factory) == plain]
+    if isinstance(record, type) and issubclass(record, tuple) and hasattr(record, "_fields"):
+        names = list(record._fields)
+        return names, [name for name in names if name not in getattr(record, "_field_defaults", {})]
+    keys = list(getattr(record, "__annotations__", {})) if hasattr(record, "__total__") else []
+    return keys, keys
+
+
+class _Asked(dict[str, float]):
+    """A state that is asked for anything, and remembers what for."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.__dict__["attributes"] = []
+
+    def __missing__(self, key: object) -> float:
+        if not isinstance(key, str):
+            raise KeyError(key)
+        self[key] = 1.0
+        return 1.0
+
+    def __getattr__(self, name: str) -> float:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        self.__dict__["attributes"].append(name)
+        return 1.0
+
+
+def _asked(step: Callable[..., Any]) -> tuple[list[str], list[str]]:
+    """The keys and the attributes of its state for which a step asks, each once, in this order."""
+    asked = _Asked()
+    with suppress(Exception, SystemExit):
+        step(asked, 0.25)
+    return list(asked), list(dict.fromkeys(asked.__dict__["attributes"]))
+
+
+def _record(name: str, make: Any, names: Sequence[str], needed: Sequence[str]) -> Iterator[ArrayAdapter]:
+    """The adapter of a record with a position and a velocity, if it has both; the rest as far as it is known."""
+    role_of = {each: _role(each) for each in names}
+    places = [next((each for each in names if role_of[each] == role), None) for role in (POSITION, VELOCITY)]
+    if None in places and len(names) == 2:
+        places = list(names)
+    known: dict[str, float] = {each: 0.0 for each in needed if role_of[each] == TIME}
+    known.update({each: 1.0 for each in needed if each.lower() in UNIT_PARAMETERS and each not in places})
+    if None in places or set(needed) - {*known, *places}:
+        return
+    position, velocity = places
+
+    def write(numbers: Sequence[AnyNumber]) -> Foreign:
+        return make(**known, **{str(position): float(numbers[0]), str(velocity): float(numbers[1])})
+
+    def read(value: Foreign, size: int) -> list[AnyNumber]:
+        if isinstance(value, Mapping):
+            return floats_in([value[position], value[velocity]], size)
+        if hasattr(value, str(position)):
+            return floats_in([getattr(value, str(position)), getattr(value, str(velocity))], size)
+        return floats_in(value, size)
+
+    arguments = [*(f"{each}={known[each]!r}" for each in known), f"{position}={{}}", f"{velocity}={{}}"]
+    yield ArrayAdapter(f"{name} with {position}, {velocity}", write, read, shown=f"{name}({', '.join(arguments)})")
+
+
+def part_pair(answer: Foreign) -> Foreign:
+    """Position and velocity of a record, by their names, or the first of its fields; what is none as it is."""
+    if not isinstance(answer, Mapping) and not dataclasses.is_dataclass(answer):
+        return answer
+    parts: Mapping[str, Foreign] = answer if isinstance(answer, Mapping) else vars(answer)
+    named = [next((x for name, x in parts.items() if _role(name) == role), None) for role in (POSITION, VELOCITY)]
+    return list(parts.values()) if None in named else named
+
+
+def _role(name: str) -> str | None:
+    word = name.lower().strip("_")
+    return next((role for role in (POSITION, VELOCITY, TIME) if word in ROLES[role]), None)

@@ -1,0 +1,58 @@
+"""Thirty-seven correct steppers in different styles, those of docs/steppers.md: opened, and named."""
+
+import re
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.findings import StaleSlope
+from driftproof.blackbox.stepper.foreign_stepper import call_text
+from driftproof.blackbox.stepper.opening import opened
+from tests.blackbox.stepper.styles import STYLES, defined, keys_of, namespace
+
+
+@pytest.mark.parametrize("style", [s for s in STYLES if not s.wrapper], ids=lambda style: style.title)
+def test_a_style_is_opened_as_it_is_written_and_named(style):
+    for package in style.needs:
+        pytest.skip(f"{package} is not installed")
+    step = defined(style.code)
+    assert style.key in keys_of(step)
+
+
+@pytest.mark.parametrize("title", ["A dataclass", "A named tuple", "A dict", "A complex number", "Bodies in space"])
+def test_the_call_that_a_report_shows_works(title):
+    style = next(style for style in STYLES if style.title == title)
+    step = defined(style.code)
+    text = call_text(opened(step), 1.0, 0.75, 0.25)
+    assert eval(text, namespace(style.code) | {"numpy": np}) is not None
+
+
+def test_most_styles_are_opened_as_they_are_written():
+    assert sum(not style.wrapper for style in STYLES) >= 32
+
+
+def verlet_handing_on(acceleration):
+    def step(force, x, v, a, dt):
+        x1 = x + dt * v + dt**2 / 2 * a
+        return x1, v + dt / 2 * (a + force(x1)), acceleration(force, x, x1)
+
+    return step
+
+
+def test_a_slope_handed_on_that_is_not_that_at_the_end_is_a_fault():
+    assert "velocity_verlet" in keys_of(verlet_handing_on(lambda force, x, x1: force(x1)))
+    with pytest.raises(StaleSlope, match=re.escape("hands on -1 as the slope at its end, where it is -1.15625")):
+        opened(verlet_handing_on(lambda force, x, x1: force(x)))
+
+
+def test_a_force_that_is_not_divided_by_its_mass_is_seen():
+    def step(force, x, v, mass, dt):
+        return x + dt * v, v + dt * force(x)
+
+    assert "forward_euler" not in keys_of(step)
+    assert "forward_euler" in keys_of(lambda force, x, v, mass, dt: (x + dt * v, v + dt * force(x) / mass))
+
+
+def test_a_complex_number_is_read_the_way_it_turns():
+    assert opened(lambda z, h: z - 1j * h * z).step(1.0, 0.75, 0.25) == (1.1875, 0.5)
+    assert opened(lambda z, h: z + 1j * h * z).step(1.0, 0.75, 0.25) == (1.1875, 0.5)
