@@ -66,9 +66,9 @@ BUDGETS = {
     "numeric": 3010,
     "blackbox": 12060,
     "enclosure": 2986,
-    "texts": 6100,
+    "texts": 6111,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 4901
+BUDGET_OF_REPORTS_AND_FRONT = 4903
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 
