@@ -13,7 +13,8 @@ from typing import Any
 
 from driftproof.support import toml_tables as toml
 from driftproof.support.toml_tables import TomlTable
-from driftproof.texts.claims.phrases import MOST_DECIMALS, SPELLED, NumberForm, Phrase
+from driftproof.texts.claims.formulas import same_formula
+from driftproof.texts.claims.phrases import LONGEST_PHRASE, MOST_DECIMALS, SPELLED, NumberForm, Phrase
 from driftproof.texts.questions.decimals import ROUNDING_POLICIES
 from driftproof.texts.readers.canonical import canonical_text
 from driftproof.texts.readers.document import READERS
@@ -34,14 +35,22 @@ class Expected:
     question: str | None
     given: str | None
     form: NumberForm
+    written: str | None = None
 
     def spellings(self) -> list[str]:
-        """Every way to write it, in canonical spelling. Raises ValueError where the question has no such answer."""
+        """Every way to write it, in canonical spelling. Raises ValueError where the question has no such answer.
+
+        A formula is also right as it is `written`, where that is the same function.
+        """
         from driftproof.texts.questions.evaluate import value
 
         if self.question is None:
             return [str(self.given)]
-        return [canonical_text(text) for text in self.form.spellings(value(self.question))]
+        answer = value(self.question)
+        found = [canonical_text(text) for text in self.form.spellings(answer)]
+        if self.written is not None and same_formula(str(answer.exact_text), self.written):
+            found.append(self.written)
+        return found
 
 
 @dataclass(frozen=True)
@@ -177,7 +186,7 @@ def _expected(value: Any, default: TomlTable) -> Expected:
     entry = {"ask": value} if isinstance(value, str) else value
     if not isinstance(entry, dict) or ("ask" in entry) == ("given" in entry):
         raise ValueError('a value is a question, {ask = "...", places = 3}, or {given = "0.25"}')
-    toml.demand_keys(entry, ("ask", "given", *_FORM), "a value")
+    toml.demand_keys(entry, ("ask", "given", "written", *_FORM), "a value")
     question, given = entry.get("ask"), entry.get("given")
     if "given" in entry:
         spelled = canonical_text(given.strip()) if isinstance(given, str) and len(given) <= _LONGEST_NAME else ""
@@ -186,6 +195,11 @@ def _expected(value: Any, default: TomlTable) -> Expected:
         return Expected(None, spelled, NumberForm())
     if not isinstance(question, str):
         raise ValueError("a question is a text")
+    written = entry.get("written")
+    if written is not None:
+        if not (isinstance(written, str) and 0 < len(written) <= LONGEST_PHRASE):
+            raise ValueError("written is a formula as it stands in the text")
+        return Expected(question, None, NumberForm(exact=True), canonical_text(written.strip()))
     return Expected(question, None, _form(entry if set(entry) & {*_FORM} - {"rounding"} else {**default, **entry}))
 
 

@@ -1,0 +1,140 @@
+"""Whether two formulas are the same rational function: 1 - h^6/72 + h^8/576 and (576 - 8h^6 + h^8)/576 are."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from fractions import Fraction
+from itertools import product
+from typing import NamedTuple
+
+from driftproof.methods.expression_tree import (
+    CallNode,
+    ChainNode,
+    ExpressionError,
+    ExpressionNode,
+    NameNode,
+    NegatedNode,
+    NumberNode,
+    PowerNode,
+    parse_form,
+)
+
+# Points at which two formulas are compared; a fact of ours that is longer than a line has fewer.
+_MOST_POINTS = 20_000
+_GREEK = str.maketrans(
+    {"α": "alpha", "β": "beta", "γ": "gamma", "δ": "delta", "θ": "theta", "λ": "lambda", "·": "*", "×": "*"}
+)
+_SUPERSCRIPT = re.compile(r"\^\{(-?[0-9]+)\}")
+# Side by side is a product: a number and a name, a bracket and what follows it, two names with a space between.
+_SIDE_BY_SIDE = re.compile(
+    r"(?<=[0-9)]) ?(?=[A-Za-z(])|(?<=[a-z]) (?=[A-Za-z(])|(?<=\)) ?(?=[0-9])|(?<![a-z])(?<=[a-z])(?=\()"
+)
+
+
+class _Quotient(NamedTuple):
+    """A numerator over a denominator; neither is ever divided out. Of degrees it is the same with max and +."""
+
+    num: Fraction
+    den: Fraction
+
+
+def same_formula(a: str, b: str) -> bool:
+    """Whether the two are one rational function of their names, exactly: n₁d₂ - n₂d₁ is the polynomial 0.
+
+    It is of degree D in a name at most, and so it is 0 if it vanishes at D + 1 values of each. b may be as on paper,
+    with products side by side. Raises ValueError for what is no rational function, and where it is too long.
+
+    >>> same_formula("1 - h**6/72 + h**8/576", "(576 - 8h^6 + h^8)/576"), same_formula("1 + h**2", "1 + h^3")
+    (True, False)
+    """
+    first, second = parse_form(a), _parsed(b)
+    names = sorted(_names(first) | _names(second))
+    ranges = []
+    for name in names:
+        one, other = _degrees(first, name), _degrees(second, name)
+        ranges.append(range(max(one[0] + other[1], other[0] + one[1]) + 1))
+    count = 1
+    for each in ranges:
+        count *= len(each)
+    if count > _MOST_POINTS:
+        raise ValueError(f"the formulas are too long to compare: {count} points")
+    defined = [False, False]
+    for point in product(*ranges):
+        values = dict(zip(names, map(Fraction, point), strict=True))
+        one_is, other_is = _at(first, values), _at(second, values)
+        if one_is.num * other_is.den != other_is.num * one_is.den:
+            return False
+        defined = [defined[0] or one_is.den != 0, defined[1] or other_is.den != 0]
+    return all(defined)
+
+
+def _parsed(text: str) -> ExpressionNode:
+    text = _SUPERSCRIPT.sub(r"^(\1)", text.translate(_GREEK))
+    try:
+        return parse_form(_SIDE_BY_SIDE.sub("*", text))
+    except ExpressionError as error:
+        raise ValueError(f"{text[:60]!r} is no formula: {error.reason}") from None
+
+
+def _names(node: ExpressionNode) -> set[str]:
+    match node:
+        case NameNode(name=name):
+            return {name}
+        case ChainNode(first=first, rest=rest):
+            return _names(first).union(*(_names(part) for _, part in rest))
+        case NegatedNode(node=inner) | PowerNode(base=inner):
+            return _names(inner)
+        case CallNode(function=function):
+            raise ValueError(f"{function} stands in it; only rational functions are compared")
+    return set()
+
+
+def _degrees(node: ExpressionNode, name: str) -> tuple[int, int]:
+    """Bounds of the degrees of numerator and denominator in the name, as `_at` forms them."""
+    match node:
+        case NameNode(name=this):
+            return int(this == name), 0
+        case NegatedNode(node=inner):
+            return _degrees(inner, name)
+        case PowerNode(base=base, exponent=exponent):
+            num, den = _degrees(base, name)
+            n = abs(int(exponent))
+            return (num * n, den * n) if exponent >= 0 else (den * n, num * n)
+        case ChainNode(first=first, rest=rest):
+            num, den = _degrees(first, name)
+            for sign, part in rest:
+                a, b = _degrees(part, name)
+                if sign.text in "+-":
+                    num, den = max(num + b, a + den), den + b
+                else:
+                    num, den = (num + a, den + b) if sign.text == "*" else (num + b, den + a)
+            return num, den
+    return 0, 0
+
+
+def _at(node: ExpressionNode, values: Mapping[str, Fraction]) -> _Quotient:
+    match node:
+        case NumberNode(value=value):
+            return _Quotient(value, Fraction(1))
+        case NameNode(name=name):
+            return _Quotient(values[name], Fraction(1))
+        case NegatedNode(node=inner):
+            found = _at(inner, values)
+            return _Quotient(-found.num, found.den)
+        case PowerNode(base=base, exponent=exponent):
+            if exponent.denominator > 1:
+                raise ValueError("a root stands in it; only rational functions are compared")
+            num, den = _at(base, values)
+            n = abs(int(exponent))
+            return _Quotient(num**n, den**n) if exponent >= 0 else _Quotient(den**n, num**n)
+        case ChainNode(first=first, rest=rest):
+            num, den = _at(first, values)
+            for sign, part in rest:
+                a, b = _at(part, values)
+                if sign.text in "+-":
+                    num, den = num * b + (a * den if sign.text == "+" else -a * den), den * b
+                else:
+                    num, den = (num * a, den * b) if sign.text == "*" else (num * b, den * a)
+            return _Quotient(num, den)
+    raise ValueError("only rational functions are compared")

@@ -1,0 +1,48 @@
+"""Formulas are compared as functions, exactly, and one of a text is held however it is written."""
+
+from __future__ import annotations
+
+import pytest
+
+from driftproof.texts.claims.checking import check_claims
+from driftproof.texts.claims.claims import parse_claims
+from driftproof.texts.claims.formulas import same_formula
+from driftproof.texts.readers.canonical import canonical_text
+from driftproof.texts.readers.document import document_of
+
+# As we write it, as papers do, and formulas that are others.
+SAME = [
+    ("1 - h**6/72 + h**8/576", "1 + h⁸/576 − (1/72)h⁶", ["1 + h⁸/576 - h⁶/71", "1 - h⁶/72", "1 - h⁶/72 + h⁷/576"]),
+    ("(1 + z/2)/(1 - z/2)", "(2 + z)/(2 - z)", ["(2 - z)/(2 + z)", "(2+z)/(2-z) + (z-2)/(1-z)", "1/0"]),
+    ("q**2/2 - h*q*v/2 + v**2/2", "(q² − hqv + v²)/2".replace("hqv", "h q v"), ["(q² + h q v + v²)/2", "(q² + v²)/2"]),
+    ("(1 - 2*gamma)/(1 - gamma*z)**2", "(1 − 2γ)(1 − γ z)^{-2}", ["(1 − 2γ)/(1 − γ z)", "(1 - 2γ)(1 - z)^{-2}"]),
+    ("h**2", "h h", ["2h", "h^{12}"]),
+]
+
+
+@pytest.mark.parametrize(("ours", "theirs", "others"), SAME)
+def test_formula_is_the_same_however_it_is_written(ours: str, theirs: str, others: list[str]) -> None:
+    assert same_formula(ours, canonical_text(theirs))
+    assert [other for other in others if same_formula(ours, canonical_text(other))] == []
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [("sqrt(h)", "only rational functions"), ("1 +", "is no formula"), ("h^{900} z^{900}", "too long to compare")],
+)
+def test_what_is_not_compared_is_refused(text: str, why: str) -> None:
+    with pytest.raises(ValueError, match=why):
+        same_formula("h", text)
+
+
+def test_formula_of_a_text_is_held_as_it_is_written() -> None:
+    ask = 'ask = "energy_multiplier rk4", written = "1 + h^8/576 - h^6/72"'
+    (one,) = parse_claims(f'[[claim]]\nid="a"\nphrase="by {{m}}"\nvalues={{m={{{ask}}}}}'.encode()).claims
+    for text, wrong in (("by $1+h^8/576-h^6/72$", 1), ("by 1 + h⁸/576 − h⁶/72", 0), ("by 1 − h⁶/72 + h⁸/576", 0)):
+        (found,) = check_claims(document_of(text), [one])
+        assert len(found.findings) == wrong
+    (false,) = parse_claims(
+        f'[[claim]]\nid="a"\nphrase="by {{m}}"\nvalues={{m={{{ask.replace("72", "71")}}}}}'.encode()
+    ).claims
+    (found,) = check_claims(document_of("by 1 + h⁸/576 − h⁶/71"), [false])
+    assert len(found.findings) == 1
