@@ -30,7 +30,7 @@ def methods_command(options: Namespace) -> str:
     from driftproof.support.plain_text import table
 
     names = {"RungeKutta": "Runge-Kutta", "Collocation": "collocation", "Splitting": "splitting", "Nystrom": "Nyström"}
-    names |= {"Multistep": "multistep", "Rosenbrock": "Rosenbrock"}
+    names |= {"Multistep": "multistep", "Rosenbrock": "Rosenbrock", "Additive": "IMEX"}
     rows = [["method", "family", "order", "title", "source"]]
     for key, method in (*METHODS.items(), *FACTS_ONLY.items()):
         rows.append([key, names[type(method).__name__], str(method.claimed_order), method.title, method.source])
@@ -91,7 +91,7 @@ def facts_command(options: Namespace) -> str:
     A family of your own is a Runge-Kutta tableau with a line parameter = "theta" and entries such as "1 - theta".
 
     tableau.toml:
-      family = "runge_kutta"            or splitting, nystrom, collocation, multistep (rho, sigma), rosenbrock
+      family = "runge_kutta"            or splitting, nystrom, collocation, multistep, rosenbrock, additive
       A = [[0, 0], ["2/3", 0]]
       b = ["1/4", "3/4"]                c may be left out: then the row sums of A
       [roots]                           if coefficients need one, e.g. s3 = "sqrt(3)"; then write "1/4 - s3/6"

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from importlib import import_module
 from typing import Any, Generic, TypeAlias, TypeVar
 
+from driftproof.methods.additive import Additive
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.names import keys_called, plain_name
 from driftproof.methods.rosenbrock import Rosenbrock
@@ -24,8 +25,8 @@ TABLES = (
     *("diagonally_implicit", "collocation", "splittings", "decimal_splittings", "nystrom"),
 )
 # Those of methods whose step is no map of one state by f alone: they have facts, and are not run, read or identified.
-TABLES_OF_FACTS = ("multistep", "rosenbrock")
-FactsOnly: TypeAlias = Multistep | Rosenbrock
+TABLES_OF_FACTS = ("multistep", "rosenbrock", "additive")
+FactsOnly: TypeAlias = Multistep | Rosenbrock | Additive
 _Entry = TypeVar("_Entry")
 
 # What is written behind the key of a pair for the method that propagates its other row of weights.

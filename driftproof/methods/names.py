@@ -66,6 +66,8 @@ stormer2 | Störmer two-step, Verlet two-step, Störmer two-step Verlet
 cowell2 | Numerov
 rodas4 | RODAS 4
 grk4t | GRK 4T, Kaps-Rentrop
+ars111 | IMEX Euler, forward-backward Euler, ARS(1,1,1)
+ark324 | KenCarp3, ARK324L2SA
 """
 
 # Name | the keys of what it may mean. A number is the order to some, and the number of stages to others.

@@ -1,6 +1,7 @@
 """A user's own method from a TOML file: a tableau, a splitting or a Nyström table, exact, read without evaluating it.
 
-    family = "runge_kutta"                    # or "splitting", "nystrom", "collocation", "multistep", "rosenbrock"
+    family = "runge_kutta"                    # or "splitting", "nystrom", "collocation", "multistep", "rosenbrock",
+                                              # "additive"
     A = [["1/4", "1/4 - s3/6"], ["1/4 + s3/6", "1/4"]]
     b = ["1/2", "1/2"]
     c = ["1/2 - s3/6", "1/2 + s3/6"]          # may be left out: then the row sums of A
@@ -13,7 +14,8 @@ A number is an integer, a decimal, which is exact, or an expression in a string.
 splitting: `parts = [["kick", "1/2"], ["drift", 1], ...]`; of a Nyström method: `c`, `A`, `b_position`, `b_velocity`;
 of a collocation method: `node_polynomial`, constant term first; of a linear multistep method: `rho` and `sigma`, from
 the oldest value to the new one, and `derivative = 2` where it is for y'' = F(y); of a Rosenbrock method: `alpha`,
-`gamma`, `b`, and of a pair as above. With `parameter = "gamma"` the entries
+`gamma`, `b`, and of a pair as above; of an additive (IMEX) method: `A_explicit`, `A_implicit`, `b_explicit` and
+`b_implicit`. With `parameter = "gamma"` the entries
 of a Runge-Kutta tableau are rational functions of gamma, e.g. "1 - 2*gamma", and the file is a family of methods.
 """
 
@@ -25,6 +27,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import FactsOnly, entry_named, of_one_state
 from driftproof.methods.common_field import common_field, element_of
 from driftproof.methods.expressions import RADICALS, parse_exact, parse_number
@@ -277,6 +280,14 @@ def _rosenbrock(table: TomlTable, common: dict[str, Any], read: Read) -> Rosenbr
     return Rosenbrock(**common, alpha=alpha, gamma=gamma, b=b, **_second_row(table, read, len(b)))
 
 
+def _additive(table: TomlTable, common: dict[str, Any], read: Read) -> Additive:
+    b_explicit, b_implicit = (_numbers(_entry(table, name), name, read) for name in ("b_explicit", "b_implicit"))
+    a_explicit, a_implicit = (_square(table, read, len(b_explicit), name) for name in ("A_explicit", "A_implicit"))
+    return Additive(
+        **common, a_explicit=a_explicit, a_implicit=a_implicit, b_explicit=b_explicit, b_implicit=b_implicit
+    )
+
+
 _Reader = Callable[[TomlTable, dict[str, Any], Read], Method | Family | FactsOnly]
 _FAMILIES: dict[str, tuple[tuple[str, ...], _Reader]] = {
     "runge_kutta": (("A", "b", "c", "b_embedded", "embedded_order"), _runge_kutta),
@@ -284,6 +295,7 @@ _FAMILIES: dict[str, tuple[tuple[str, ...], _Reader]] = {
     "nystrom": (("c", "A", "b_position", "b_velocity"), _nystrom),
     "collocation": (("node_polynomial",), _collocation),
     "multistep": (("rho", "sigma", "derivative"), _multistep),
+    "additive": (("A_explicit", "A_implicit", "b_explicit", "b_implicit"), _additive),
     "rosenbrock": (("alpha", "gamma", "b", "b_embedded", "embedded_order"), _rosenbrock),
 }
 _PARAMETRIC: tuple[tuple[str, ...], _Reader] = (("parameter", "A", "b", "c"), _family)

@@ -7,11 +7,13 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any, NamedTuple
 
+from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import FactsOnly
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import Exact
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
+from driftproof.symbolic.additive import ADDITIVE_FACTS, AdditiveFacts
 from driftproof.symbolic.linear.facts import LinearFacts, fact_names, facts_by_name
 from driftproof.symbolic.linear.multistep import MULTISTEP_FACTS, MULTISTEP_ON_REQUEST, MultistepFacts
 from driftproof.symbolic.linear.reduced_tableau import reduced, stages_of
@@ -186,6 +188,7 @@ WHY_NONE = {
 _FACTS_ONLY: Mapping[type, tuple[Callable[[Any], Any], tuple[str, ...], tuple[str, ...]]] = {
     Multistep: (MultistepFacts, MULTISTEP_FACTS, MULTISTEP_ON_REQUEST),
     Rosenbrock: (RosenbrockFacts, ROSENBROCK_FACTS, ()),
+    Additive: (AdditiveFacts, ADDITIVE_FACTS, ()),
 }
 
 

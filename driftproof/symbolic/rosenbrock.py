@@ -117,9 +117,11 @@ class OrdersWithin(NamedTuple):
     embedded_order: int | None
 
 
-def _of_twin(name: str) -> cached_property[Any]:
-    def fact(facts: RosenbrockFacts) -> Any:
-        return getattr(facts._linear, name)
+def fact_of_twin(twin: str, name: str) -> cached_property[Any]:
+    """The fact of that name of the Runge-Kutta method whose facts on linear problems are the attribute `twin`."""
+
+    def fact(facts: Any) -> Any:
+        return getattr(getattr(facts, twin), name)
 
     fact.__doc__ = getattr(LinearFacts, name).__doc__
     return cached_property(fact)
@@ -194,16 +196,16 @@ class RosenbrockFacts:
         """Whether bᵢ = αₛᵢ + γₛᵢ and Σ αₛᵢ = 1: then y₁ solves f = 0 to order h where f is very stiff."""
         return self.method.linear_twin().a[-1] == self.method.b and self.alpha_sums[-1] == 1
 
-    stability_function = _of_twin("stability_function")
-    error_constant = _of_twin("error_constant")
-    limit_at_infinity = _of_twin("limit_at_infinity")
-    a_stable = _of_twin("a_stable")
-    a_stability = _of_twin("a_stability")
-    l_stable = _of_twin("l_stable")
-    stability_within_digits = _of_twin("stability_within_digits")
-    sector = _of_twin("sector")
-    real_limit = _of_twin("real_limit")
-    imaginary_limit = _of_twin("imaginary_limit")
+    stability_function = fact_of_twin("_linear", "stability_function")
+    error_constant = fact_of_twin("_linear", "error_constant")
+    limit_at_infinity = fact_of_twin("_linear", "limit_at_infinity")
+    a_stable = fact_of_twin("_linear", "a_stable")
+    a_stability = fact_of_twin("_linear", "a_stability")
+    l_stable = fact_of_twin("_linear", "l_stable")
+    stability_within_digits = fact_of_twin("_linear", "stability_within_digits")
+    sector = fact_of_twin("_linear", "sector")
+    real_limit = fact_of_twin("_linear", "real_limit")
+    imaginary_limit = fact_of_twin("_linear", "imaginary_limit")
 
     def orders_within(self, tolerance: Fraction) -> OrdersWithin:
         """The orders to a tolerance: of decimal tables, whose conditions hold to residuals. Raises ValueError."""

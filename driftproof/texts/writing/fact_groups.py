@@ -33,6 +33,8 @@ order | order p: over a given time the error falls as h^p
 order_sets | where the order is at least so high
 order_fails | the first condition of a higher order that fails
 order_second_order_problems | order on q'' = F(q) alone
+explicit_order | order of the explicit table alone
+implicit_order | order of the implicit table alone
 w_order | W order: with any matrix in place of the Jacobian
 embedded_order | order of the embedded row
 stage_order | stage order: what is left of it on stiff problems
@@ -50,6 +52,10 @@ imaginary_limit | imaginary limit: y' = iωy stays bounded for hω up to
 a_stable | A-stable: whatever decays is damped, at any h
 sector | A(alpha): decay is damped in |arg(-hλ)| < alpha
 l_stable | L-stable: and what decays fast is gone in a step
+explicit_real_limit | real limit of the explicit part alone
+explicit_imaginary_limit | imaginary limit of the explicit part alone
+implicit_a_stable | implicit part alone: A-stable
+implicit_l_stable | implicit part alone: L-stable
 ssp_coefficient | SSP coefficient: keeps what Euler keeps, at h so often as large
 
 Structure

@@ -8,6 +8,7 @@ from pkgutil import iter_modules
 from typing import Any
 
 from driftproof.methods import tables
+from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Method
 
@@ -37,6 +38,18 @@ def by_key(method: Method) -> str:
 def fingerprint(method: Method) -> str:
     """The first digits of a checksum: any digit of any coefficient counts, and of the source."""
     names = ("c", "a", "b", "b_embedded", "embedded_order", "b_position", "b_velocity", "parts", "node_polynomial")
-    names = (*names, "claimed_order", "source", "weights", "rho", "sigma", "derivative", "alpha", "gamma")
+    names = (
+        *names,
+        "claimed_order",
+        "source",
+        "weights",
+        "rho",
+        "sigma",
+        "derivative",
+        "alpha",
+        "gamma",
+        *Additive.matrices,
+        *Additive.rows,
+    )
     meant = {name: getattr(method, name) for name in names if hasattr(method, name)}
     return sha256(str(meant).encode()).hexdigest()[:12]

@@ -9,6 +9,7 @@ import pytest
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.families import FAMILIES
 from driftproof.methods.schemes import Method
+from driftproof.symbolic.additive import ADDITIVE_FACTS
 from driftproof.symbolic.facts import FACTS, Facts, facts_only
 from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
 from driftproof.symbolic.linear.facts import facts_by_name
@@ -24,7 +25,7 @@ def shown(method: Method, *, everything: bool = False) -> str:
 def test_every_fact_of_a_group_is_one_and_stands_in_one() -> None:
     grouped = [name for names in GROUPS.values() for name in names]
     assert len(grouped) == len(set(grouped)) > 20
-    assert set(grouped) <= {*FACTS, *FAMILY_FACTS, *MULTISTEP_FACTS, *ROSENBROCK_FACTS}
+    assert set(grouped) <= {*FACTS, *FAMILY_FACTS, *MULTISTEP_FACTS, *ROSENBROCK_FACTS, *ADDITIVE_FACTS}
     assert [heading for heading, *_ in GROUPS.items()] == ["What it is", "Accuracy", "Stability", "Structure"]
 
 

@@ -1,0 +1,131 @@
+"""What is true of an additive Runge-Kutta method: the order of both tables together, of each, and their stability."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from functools import cached_property
+from typing import NamedTuple
+
+from driftproof.methods.additive import Additive
+from driftproof.methods.number_field import Exact, total
+from driftproof.symbolic.linear.facts import LinearFacts, fact_names
+from driftproof.symbolic.rosenbrock import fact_of_twin
+from driftproof.symbolic.trees.elementary_weights import EXACT, TableauStages
+from driftproof.symbolic.trees.order_conditions import OrderFact, order, order_of, order_to_tolerance
+from driftproof.symbolic.trees.order_conditions import runge_kutta_conditions as conditions_of_one
+from driftproof.symbolic.trees.partitioned_trees import ColouredConditions
+from driftproof.symbolic.trees.rooted_trees import ColouredTree
+
+_COLOURS = ("explicit", "implicit")
+
+
+class CoupledOrders(NamedTuple):
+    """The largest p such that every residual of the order conditions up to p is at most `tolerance` in size."""
+
+    tolerance: Fraction
+    order: int
+    explicit_order: int
+    implicit_order: int
+    embedded_order: int | None
+
+
+class AdditiveFacts:
+    """The exact facts about an additive method, each derived when it is first asked for.
+
+    >>> from driftproof.methods.catalogue import FACTS_ONLY
+    >>> facts = AdditiveFacts(FACTS_ONLY["ars443"])
+    >>> facts.order, facts.explicit_order, facts.implicit_order, facts.implicit_l_stable
+    (3, 3, 3, True)
+    """
+
+    def __init__(self, method: Additive) -> None:
+        """Compute nothing yet."""
+        self.method = method
+
+    @cached_property
+    def family(self) -> str:
+        """The kind of method by which its coefficients are read."""
+        return "additive"
+
+    @cached_property
+    def inconsistencies(self) -> dict[str, Exact]:
+        """What is not zero and should be, as sum(b_explicit) - 1."""
+        return self.method.inconsistencies()
+
+    @cached_property
+    def nodes(self) -> tuple[Exact, ...] | None:
+        """The times of the stages, Σⱼ aᵢⱼ = Σⱼ âᵢⱼ; None where the two parts are at different times."""
+        found, other = (tuple(map(total, a)) for a in (self.method.a_explicit, self.method.a_implicit))
+        return found if found == other else None
+
+    @cached_property
+    def weights_agree(self) -> bool:
+        """Whether b = b̂: then every linear invariant that f + g has is kept, whatever f and g have."""
+        return self.method.b_explicit == self.method.b_implicit
+
+    @cached_property
+    def order(self) -> int:
+        """The order on every y' = f(y) + g(y): the conditions of all trees of two colours, coupling ones among them."""
+        return self.order_fails.order
+
+    @cached_property
+    def order_fails(self) -> OrderFact[ColouredTree]:
+        """Why the order is no higher: the first tree, its vertices explicit or implicit, and the residual."""
+        return order_of(self._conditions(self.method.b_explicit, self.method.b_implicit))
+
+    @cached_property
+    def explicit_order(self) -> int:
+        """The order of the explicit table alone."""
+        return order(self.method.table("explicit")).order
+
+    @cached_property
+    def implicit_order(self) -> int:
+        """The order of the implicit table alone."""
+        return order(self.method.table("implicit")).order
+
+    @cached_property
+    def embedded_order(self) -> int | None:
+        """The order, on f + g, of the embedded rows of a pair."""
+        found = self._embedded
+        return None if found is None else order_of(found).order
+
+    explicit_stability_function = fact_of_twin("_explicit", "stability_function")
+    explicit_real_limit = fact_of_twin("_explicit", "real_limit")
+    explicit_imaginary_limit = fact_of_twin("_explicit", "imaginary_limit")
+    implicit_stability_function = fact_of_twin("_implicit", "stability_function")
+    implicit_a_stable = fact_of_twin("_implicit", "a_stable")
+    implicit_l_stable = fact_of_twin("_implicit", "l_stable")
+    implicit_limit_at_infinity = fact_of_twin("_implicit", "limit_at_infinity")
+    implicit_stiffly_accurate = fact_of_twin("_implicit", "stiffly_accurate")
+
+    def orders_within(self, tolerance: Fraction) -> CoupledOrders:
+        """The orders to a tolerance: of decimal tables, whose conditions hold to residuals. Raises ValueError."""
+        both = order_to_tolerance(self._conditions(self.method.b_explicit, self.method.b_implicit), tolerance)
+        parts = (conditions_of_one(self.method.table(part)) for part in _COLOURS)
+        explicit, implicit = (order_to_tolerance(conditions, tolerance) for conditions in parts)
+        embedded = None if self._embedded is None else order_to_tolerance(self._embedded, tolerance)
+        return CoupledOrders(tolerance, both, explicit, implicit, embedded)
+
+    @cached_property
+    def _explicit(self) -> LinearFacts:
+        return LinearFacts(self.method.table("explicit"))
+
+    @cached_property
+    def _implicit(self) -> LinearFacts:
+        return LinearFacts(self.method.table("implicit"))
+
+    @property
+    def _embedded(self) -> ColouredConditions | None:
+        rows = self.method.b_explicit_embedded, self.method.b_implicit_embedded
+        return None if rows[0] is None or rows[1] is None else self._conditions(rows[0], rows[1])
+
+    def _conditions(self, b_explicit: Sequence[Exact], b_implicit: Sequence[Exact]) -> ColouredConditions:
+        """Of the trees whose vertices are of f or of g, either with any branches (kennedy-carpenter-2003, 2)."""
+        stages = TableauStages(self.method.a_explicit, b_explicit), TableauStages(self.method.a_implicit, b_implicit)
+        return ColouredConditions(_COLOURS, *stages, internal=2, scalars=EXACT)
+
+
+_IDENTITY = ("method", "title", "family", "source", "stages", "explicit", "decimal", "field")
+# Every fact by name, in the order in which a reader wants them.
+ADDITIVE_FACTS = tuple(dict.fromkeys((*_IDENTITY, "inconsistencies", "claimed_order", *fact_names(AdditiveFacts))))

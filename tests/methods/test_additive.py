@@ -1,0 +1,35 @@
+"""Additive methods as data: what is refused, and in which words."""
+
+from dataclasses import replace
+
+import pytest
+
+from driftproof.methods.additive import Additive
+from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.schemes import MethodError
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"a_explicit": ((0, 0), (1, 1))}, "ars111: a_explicit has an entry on or above its diagonal"),
+        ({"a_implicit": ((0, 1), (0, 1))}, "ars111: a_implicit has an entry above its diagonal"),
+        ({"b_implicit": (0, 0, 1)}, "ars111: b_implicit has 3 entries, b_explicit has 2; they must agree"),
+        ({"embedded_order": 1}, "ars111: both embedded rows and embedded_order come together"),
+        ({"b_explicit": (0.5, 0.5)}, "ars111: b_explicit.0. is 0.5 .float."),
+    ],
+)
+def test_what_is_no_additive_method_is_refused(changes, words):
+    with pytest.raises(MethodError, match=words):
+        replace(FACTS_ONLY["ars111"], **changes)
+
+
+def test_residuals_and_parts_are_named():
+    method = FACTS_ONLY["ars111"]
+    assert isinstance(method, Additive)
+    assert replace(method, b_implicit=(1, 1)).inconsistencies() == {"sum(b_implicit) - 1": 1}
+    assert [method.table(part).key for part in ("explicit", "implicit")] == [
+        "ars111, explicit part",
+        "ars111, implicit part",
+    ]
+    assert (method.explicit, method.stages) == (False, 2)
