@@ -197,7 +197,7 @@ def pendulum(t, y):
     "pendulum.toml": 'rates = ["y1", "-g * sin(y0)"]\nparameters.g = 1\n',
     "run.csv": (ROOT / "examples" / "trajectories" / "pendulum_RK45.csv").read_text(encoding="utf-8"),
     "chapter.md": """5 min read. Then the state is (337/384, −23/48) after one step.
-RK4 takes 40 steps of h = 0.25 and is off by 3.3×10⁻⁴ at the end.
+RK4 makes four calls, takes 40 steps of h = 0.25 and is off by 3.3×10⁻⁴ at the end.
 """,
 }
 # The files that a command's --help shows.

@@ -40,7 +40,7 @@ def test_links_lead_to_files():
 def test_a_stale_readme_would_be_noticed():
     command, shown = BLOCKS[0]
     assert printed(command) != shown.replace("exactly 0.5", "exactly 0.6") != shown
-    assert len(BLOCKS) == 11
+    assert len(BLOCKS) == 12
 
 
 def test_map_names_every_folder_of_the_house():

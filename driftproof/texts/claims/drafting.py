@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import TypeAlias
 
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.names import also_known_as
 from driftproof.texts.claims.claims import MOST_CLAIMS
 from driftproof.texts.claims.phrases import NumberForm, Phrase
 from driftproof.texts.questions.answer import Answer
@@ -134,10 +135,13 @@ class Suggestions:
 
 
 def _methods_in(text: str) -> list[str]:
-    """The methods whose keys or titles stand in the text, or else the usual ones."""
+    """The methods whose keys, titles or other names stand in the text, or else the usual ones."""
     flat = text.lower().replace("\n", " ").replace("-", " ")
-    titles = {key: method.title.lower().replace("-", " ") for key, method in METHODS.items()}
-    named = [key for key, title in titles.items() if re.search(rf"\b{key}\b", flat) or title in flat]
+    called = {key: (key, method.title, *also_known_as(key)) for key, method in METHODS.items()}
+    spoken = {
+        key: "|".join(re.escape(name.lower().replace("-", " ")) for name in names) for key, names in called.items()
+    }
+    named = [key for key, names in spoken.items() if re.search(rf"\b(?:{names})\b", flat)]
     usual = [key for key in _USUAL_METHODS if key in named or key.replace("_", " ") in flat]
     return (list(dict.fromkeys([*usual, *named])) or list(_USUAL_METHODS))[:_MOST_METHODS]
 

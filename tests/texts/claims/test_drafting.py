@@ -43,6 +43,10 @@ def suggested(text: str) -> list[list[LookAlike]]:
         ("with RK4, h = 1/8 and t = 2: energy change -1.26e-7", None),
         ("RK4, h = 1/5, t = 2: the state error is 2.7e-5", "run rk4 h=1/5 t=2 : state_error"),
         ("RK4 is stable up to 2.828", "imaginary_limit rk4"),
+        (
+            "the Crank-Nicolson method, h = 1/5 and t = 2: the state error is 6.63e-3",
+            "run trapezoid h=1/5 t=2 : state_error",
+        ),
         ("nothing like it: 0.123456", None),
         ("not a number 1/0", None),
     ],
