@@ -62,7 +62,7 @@ def certify_command(options: Namespace) -> str:
     oscillator_energy, pendulum_energy, kepler_energy, angular_momentum, henon_heiles_energy.
 
     exit status: 0 if enclosed, and within --tolerance if there is one; 1 if beyond it; 2 if the question makes no
-    sense; 3 if nothing can be proved, with the reason: a pole ahead, a branch that is reached, a stiff problem.
+    sense; 3 if nothing can be proved, with the reason: a pole ahead, a branch that is reached, no proof of a step.
     """
     from driftproof.enclosure.certify import certificate_of, within
     from driftproof.enclosure.trajectories import read_trajectory

@@ -149,3 +149,12 @@ def test_markdown_keeps_a_bar_inside_its_cell_and_is_read_back() -> None:
     shown = markdown([["a", "b"], ["|h|", "1"], ["", "x | y"]])
     assert shown == "| a | b |\n| --- | --- |\n| \\|h\\| | 1 |\n|  | x \\| y |\n"
     assert rows_of(shown) == [["|h|", "1"], ["", "x | y"]]
+
+
+def test_links_of_all_pages_lead_to_files() -> None:
+    broken = []
+    for path in some((ROOT / "docs").rglob("*.md"), 15):
+        prose = re.sub(r"```.*?```|`[^`]*`", "", path.read_text(encoding="utf-8"), flags=re.DOTALL)
+        links = (link.partition("#")[0] for link in re.findall(r"\]\(([^)\s]+)\)", prose))
+        broken += [f"{path.name}: {link}" for link in links if "://" not in link and not (path.parent / link).exists()]
+    assert broken == []
