@@ -68,7 +68,7 @@ BUDGETS = {
     "enclosure": 2986,
     "texts": 6269,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 4903
+BUDGET_OF_REPORTS_AND_FRONT = 4910
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 
