@@ -79,6 +79,11 @@ def test_a_multistep_method_is_answered_and_options_that_are_not_for_it_refused(
     assert words in refusal("facts", "bdf2", "--system", DAMPED)
 
 
+def test_an_order_to_a_tolerance_stands_among_what_is_shown(answer):
+    for key in ("tsitouras54", "ark324"):
+        assert "  order up to residuals of the size asked for" in answer("facts", key, "--order-tolerance", "1e-12")
+
+
 def test_a_tableau_or_a_family_of_your_own(facts, tmp_path):
     mine = tmp_path / "mine.toml"
     mine.write_text('family = "runge_kutta"\nA = [[0, 0], ["2/3", 0]]\nb = ["1/4", "3/4"]\n', encoding="utf-8")

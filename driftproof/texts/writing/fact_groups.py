@@ -30,6 +30,7 @@ inconsistencies | inconsistencies of the coefficients
 
 Accuracy
 order | order p: over a given time the error falls as h^p
+order_to_tolerance | order up to residuals of the size asked for
 order_sets | where the order is at least so high
 order_fails | the first condition of a higher order that fails
 order_second_order_problems | order on q'' = F(q) alone
