@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache, cached_property
+from functools import cached_property
 from math import inf, log
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 from flint import arb, arb_poly, ctx
 
@@ -15,16 +15,13 @@ from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
 from driftproof.symbolic.algebra.polynomials import coefficients
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
-from driftproof.symbolic.rounding.any_evaluation_order import AnyEvaluationOrderBound, any_evaluation_order_bound
+from driftproof.symbolic.rounding.any_order_in_balls import Columns, any_order_columns, flushed_columns, size_columns
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat, power_of_two
-from driftproof.symbolic.rounding.step_bound import COLUMNS
 from driftproof.symbolic.runs import apply, exact_matrix_at
 
 # A double times a double needs 106 bits, and a step of the longest program some 30 products: at this precision the
 # radii of all balls here are below 2**-200 of what they enclose, and no comparison with a bound of size u is undecided.
 _BITS = 320
-# What is linear in the state: a polynomial in h, in balls, for |q|, one for |v|, one for 1.
-Columns: TypeAlias = Sequence[arb_poly]
 
 
 @dataclass(frozen=True)
@@ -154,45 +151,18 @@ class Tolerance:
         return [[(_series(coefficients(x.num)), _series(coefficients(x.den))) for x in row] for row in rows]
 
     @cached_property
-    def _any_order(self) -> AnyEvaluationOrderBound:
-        return any_evaluation_order_bound(self.method, self.format, multiplied_out=True)
+    def _derived(self) -> Sequence[Columns]:
+        return any_order_columns(self.method, self.format, _BITS, self.format.eta / 2)
 
     @cached_property
-    def _derived(self) -> list[Columns]:
-        """`AnyEvaluationOrderBound.error_of`, in balls: its exact sums are long fractions, and the steps many."""
-        d, half_eta = self.format.relative_error, self.format.eta / 2
-
-        def rounded(k: int, _: int) -> arb:
-            return _compounded(d, k)
-
-        def lost(k: int, _: int) -> arb:
-            return _compounded(half_eta, k) * (1 + _compounded(d, k))
-
-        with ctx.workprec(_BITS):
-            return [
-                [x + y for x, y in zip(_weighted(counted, rounded), _weighted(raised, lost), strict=True)]
-                for counted, raised in zip(self._any_order.counted, self._any_order.raised, strict=True)
-            ]
+    def _flushed(self) -> Sequence[Columns]:
+        return flushed_columns(self.method, self.format, _BITS)
 
     @cached_property
-    def _flushed(self) -> list[Columns]:
-        """Of each monomial with n factors and k roundings, n + k numbers may lose up to the smallest normal each.
-
-        A loss is passed on as an underflow is (`symbolic.rounding.any_evaluation_order`): times the other factors of
-        the monomial, raised to at least 1, and their roundings.
-        """
-        d, smallest = self.format.relative_error, power_of_two(self.format.emin)
-
-        def lost(k: int, n: int) -> arb:
-            return _compounded(smallest, k + n) * (1 + _compounded(d, k))
-
-        return [_weighted(raised, lost) for raised in self._any_order.raised]
-
-    @cached_property
-    def _size(self) -> list[Columns]:
+    def _size(self) -> Sequence[Columns]:
         """The sum of |monomials| of the exact expression: of the definition's, before anything cancels."""
         if self.method.explicit:
-            return [_weighted(counted, lambda k, n: arb(1)) for counted in self._any_order.counted]
+            return size_columns(self.method, self.format, _BITS)
         return [[*(arb_poly([abs(c) for c in num.coeffs()]) for num, _ in row), arb_poly([])] for row in self._matrix]
 
 
@@ -212,23 +182,6 @@ def _ratio(error: arb, bound: arb) -> float:
 def _series(ascending: Iterable[Any]) -> arb_poly:
     with ctx.workprec(_BITS):
         return arb_poly([enclose(c) for c in ascending])
-
-
-def _weighted(polynomial: Any, weight: Callable[[int, int], arb]) -> Columns:
-    """The terms c Dᵏ m, m a product of n factors, as c weight(k, n), ascending in h for each of q, v and 1."""
-    by_column: list[dict[int, arb]] = [{} for _ in COLUMNS]
-    with ctx.workprec(_BITS):
-        for (k, _, in_h, *in_state), c in polynomial.terms():
-            found = by_column[COLUMNS.index(tuple(in_state))]
-            found[in_h] = found.get(in_h, arb(0)) + arb(c) * weight(k, in_h + sum(in_state))
-    return [arb_poly([found.get(k, arb(0)) for k in range(max(found, default=0) + 1)]) for found in by_column]
-
-
-@cache
-def _compounded(rate: Fraction, times: int) -> arb:
-    """(1 + rate)**times - 1, without the cancellation."""
-    with ctx.workprec(_BITS):
-        return (enclose(rate).log1p() * times).expm1()
 
 
 def _at(columns: Columns, h: arb, state: tuple[arb, arb]) -> arb:

@@ -80,7 +80,7 @@ def any_evaluation_order_bound(
     The force is called with one number, so no bracket reaches through it. Raises MethodError for an implicit method,
     ValueError for a coefficient in the format's underflow range.
     """
-    tally = _MultipliedOutTally if multiplied_out else _PolynomialTally
+    tally = _MultipliedOutPolynomialTally if multiplied_out else _PolynomialTally
 
     def sizes(q: Any, v: Any, h: Any, least: Fraction) -> tuple[ErrorPolynomial, ErrorPolynomial]:
         step = stepper(method, lambda exact: tally.of_coefficient(exact, fmt, least))
@@ -148,14 +148,12 @@ class _PolynomialTally(ErrorTally):
 
         Raises ValueError.
         """
-        size = rational_above(absolute_value(exact))
-        if 0 < size < power_of_two(fmt.emin):
-            raise ValueError(f"the coefficient {size} is in the underflow range of {fmt.name}")
+        size = size_of_coefficient(exact, fmt)
         counted = constant_polynomial(max(size, least))
         return cls(counted if size == 1 else D * counted, factor=exact)
 
 
-class _MultipliedOutTally(_PolynomialTally):
+class MultipliedOutTally(ErrorTally):
     """The tally where brackets may be multiplied out, but not through the force, which is called with one number."""
 
     __slots__ = ()
@@ -167,4 +165,18 @@ class _MultipliedOutTally(_PolynomialTally):
     def _times(self, other: Self) -> Self:
         if 0 not in (self.additions, other.additions):
             return super()._times(other)
-        return type(self)(D * self.size * other.size, self.additions + other.additions)
+        return type(self)(self.rounding * self.size * other.size, self.additions + other.additions)
+
+
+class _MultipliedOutPolynomialTally(MultipliedOutTally, _PolynomialTally):
+    """The same in polynomials."""
+
+    __slots__ = ()
+
+
+def size_of_coefficient(exact: Exact, fmt: FloatFormat) -> Fraction:
+    """A rational at or just above the size of a coefficient. Raises ValueError where it may underflow."""
+    size = rational_above(absolute_value(exact))
+    if 0 < size < power_of_two(fmt.emin):
+        raise ValueError(f"the coefficient {size} is in the underflow range of {fmt.name}")
+    return size
