@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 from fractions import Fraction
 from itertools import product
+from math import prod
 from typing import NamedTuple
 
 from driftproof.methods.expression_tree import (
@@ -54,10 +55,7 @@ def same_formula(a: str, b: str) -> bool:
     for name in names:
         one, other = _degrees(first, name), _degrees(second, name)
         ranges.append(range(max(one[0] + other[1], other[0] + one[1]) + 1))
-    count = 1
-    for each in ranges:
-        count *= len(each)
-    if count > _MOST_POINTS:
+    if (count := prod(map(len, ranges))) > _MOST_POINTS:
         raise ValueError(f"the formulas are too long to compare: {count} points")
     defined = [False, False]
     for point in product(*ranges):
