@@ -66,7 +66,7 @@ BUDGETS = {
     "numeric": 3010,
     "blackbox": 12060,
     "enclosure": 2986,
-    "texts": 6275,
+    "texts": 6276,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 4910
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
