@@ -6,7 +6,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import hypot, inf, lcm, log2
 from statistics import median
-from time import perf_counter
 
 from driftproof.methods.schemes import Method, MethodError
 from driftproof.methods.tableau_file import method_of
@@ -132,37 +131,33 @@ def curves(
 
 
 def curve_of(
-    method: Method, problem: Problem, steps: Sequence[int] | None = None, *, compiled: bool = False, limit: float = inf
+    method: Method, problem: Problem, steps: Sequence[int] | None = None, *, compiled: bool = False, most: float = inf
 ) -> Curve:
-    """The curve of one method. A run that should take more than `limit` seconds is not made, see `measure_curve`."""
+    """The curve of one method. A run that should take more than `most` evaluations is not made, see `measure_curve`."""
     claim = (method.key, method.title, method.claimed_order)
     try:
         runs = integrator(method, problem, compiled=compiled)
     except MethodError as error:
         return Curve(*claim, refused=str(error))
     steps_of_runs = steps or step_counts(problem, MOST if method.explicit else MOST_IMPLICIT)
-    return Curve(*claim, measure_curve(problem, runs, steps_of_runs, limit))
+    return Curve(*claim, measure_curve(problem, runs, steps_of_runs, most))
 
 
-def measure_curve(problem: Problem, runs: Integrator, steps_of_runs: Sequence[int], limit: float = inf) -> list[Point]:
+def measure_curve(problem: Problem, runs: Integrator, steps_of_runs: Sequence[int], most: float = inf) -> list[Point]:
     """The points of one method, until FLOOR_POINTS of them are at the floor.
 
-    A run that the one before lets expect to take more than `limit` seconds is not made, and neither are longer ones:
-    its point says so.
+    A run that the one before lets expect to take more than `most` evaluations is not made, and neither are longer ones:
+    its point says so. Nothing is decided by a clock, so that every machine, busy or not, has the same points.
     """
     found: list[Point] = []
-    taken, before, at_floor = 0.0, 1, 0
-    if limit < inf and steps_of_runs:
-        measured(problem, runs, steps_of_runs[0])  # the first call may compile
+    at_floor = 0
     for steps in steps_of_runs:
-        expected = taken * steps / before
-        if expected > limit:
-            remark = f"not run: would take about {expected:.2g} s, limit {limit:g} s"
+        expected = (found[-1].evaluations or 0) * steps / (found[-1].steps or 1) if found else 0.0
+        if expected > most:
+            remark = f"not run: would take about {expected:.2g} evaluations, limit {most:.2g}"
             found.append(Point(str(steps), None, remark=remark, steps=steps))
             break
-        started = perf_counter()
         found.append(measured(problem, runs, steps))
-        taken, before = perf_counter() - started, steps
         at_floor += found[-1].error <= found[-1].doubt
         if at_floor == FLOOR_POINTS:
             break

@@ -12,7 +12,6 @@ from importlib import import_module
 from importlib.metadata import version
 from importlib.util import find_spec
 from math import inf
-from time import perf_counter
 from typing import Any
 
 from driftproof.methods.vector_fields import FUNCTIONS
@@ -37,12 +36,12 @@ class Solver:
         """The state at t, from the start."""
         return self._solved(self.rate, tolerance, t)
 
-    def counted(self, tolerance: float, t: float, limit: float = inf) -> int | None:
-        """The evaluations of f that a solve really makes, counted; it is given up after `limit` seconds.
+    def counted(self, tolerance: float, t: float, most: float = inf) -> int | None:
+        """The evaluations of f that a solve really makes, counted; it is given up after `most` of them.
 
         Those for differences in Jacobian matrices are among them. None where f is not called, but expanded in series.
         """
-        rate = _Watched(self.rate, limit)
+        rate = _Watched(self.rate, most)
         self._solved(rate, tolerance, t)
         return rate.calls
 
@@ -140,7 +139,7 @@ class Heyoka(Solver):
             raise ArithmeticError(f"{outcome} within {_MOST_STEPS} steps")
         return tuple(map(float, stepper.state))
 
-    def counted(self, tolerance: float, t: float, limit: float = inf) -> int | None:
+    def counted(self, tolerance: float, t: float, most: float = inf) -> int | None:
         """None: Taylor series call no rate."""
         return None
 
@@ -161,7 +160,7 @@ class Diffrax(Solver):
         """The state at t."""
         return self._result(self.compiled(t, tolerance))
 
-    def counted(self, tolerance: float, t: float, limit: float = inf) -> int | None:
+    def counted(self, tolerance: float, t: float, most: float = inf) -> int | None:
         """How often the compiled code comes by f, reported by it: slowly, so only for a solve that arrives."""
         self.solve(tolerance, t)
         self.calls = 0
@@ -195,16 +194,15 @@ class Diffrax(Solver):
 
 
 class _Watched:
-    """A rate that counts its calls, and ends a solve that lasts too long."""
+    """A rate that counts its calls, and ends a solve that makes more than `most` of them."""
 
-    def __init__(self, rate: Rate, limit: float) -> None:
-        self.rate, self.limit, self.calls = rate, limit, 0
-        self.started = perf_counter()
+    def __init__(self, rate: Rate, most: float) -> None:
+        self.rate, self.most, self.calls = rate, most, 0
 
     def __call__(self, t: float, y: Any) -> Any:
         self.calls += 1
-        if perf_counter() - self.started > self.limit:
-            raise ArithmeticError(f"given up after {self.limit:g} s and {self.calls} evaluations")
+        if self.calls > self.most:
+            raise ArithmeticError(f"given up after {self.most:.2g} evaluations")
         return self.rate(t, y)
 
 

@@ -26,8 +26,9 @@ from driftproof.reports.work_precision.peers import TOLERANCES, Peer, Solver
 from driftproof.support.environment import machine_description, versions_of
 from driftproof.support.files import atomic_write
 
-# A run for its error, which is made once, may take so many times as long as one that is timed.
-ONCE = 10
+# A run for its error, which is made once, may take so many evaluations for each second that a point may be timed for:
+# ten times as many as are made in a second, by compiled code, and by the solvers of peers, which call Python.
+ONCE, ONCE_OF_PEERS = 10**8, 10**6
 EVALUATIONS = "evaluations"
 Say: TypeAlias = Callable[[str], object]
 # Told how many more points are expected, and how many are done, for a progress bar.
@@ -170,7 +171,7 @@ def _contestants(study: Study) -> list[_Contestant]:
     found = [
         _Contestant(
             method.key,
-            partial(curve_of, method, problem, compiled=True, limit=once),
+            partial(curve_of, method, problem, compiled=True, most=once),
             partial(_calls_of_method, method, problem),
         )
         for method in study.methods
@@ -209,7 +210,7 @@ def peer_point(solver: Solver, tolerance: float, study: Study) -> Point:
     """Errors and evaluations of one solve; where it does not arrive, the solver's own words."""
     problem, setting = study.problem, f"{tolerance:.0e}"
     try:
-        evaluations = solver.counted(tolerance, float(problem.t), ONCE * study.limit)
+        evaluations = solver.counted(tolerance, float(problem.t), ONCE_OF_PEERS * study.limit)
         states: Mapping[Fraction, Sequence[float]] = {
             t: solver.solve(tolerance, float(t)) for t in problem.reference.times
         }
