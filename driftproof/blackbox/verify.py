@@ -348,17 +348,22 @@ def _refuted(
         seen: NonlinearAgreement = outcomes[2].result
         wrong = f"{', '.join(seen.wrong)} {'is' if len(seen.wrong) == 1 else 'are'} not what they say"
         return f"is not {method.key}: its coefficients are, but on {seen.problem}, {wrong}"
-    vague = re.search(rf"\b{method.key}\b|it is no method|, but |\bnearly ", instead.verdict)
+    linear = coefficients.passed is False and "as far as linear steps tell" in instead.verdict
+    vague = linear or re.search(rf"\b{method.key}\b|it is no method|, but |\bnearly ", instead.verdict)
     reading = outcomes[1].result
     if coefficients.passed is None and isinstance(reading, ForceReading) and reading.refused:
         return f"is not {method.key}: it is on q'' = F(q), but not on y' = f(t, y): {reading.refused}"
-    if mistakes and (vague or not instead.verdict.startswith("it is")):
+    differences = coefficients.data.get("differences", ())
+    one_entry = len(differences) == 1 and instead.verdict.startswith(f"it is {method.key} but for ")
+    if mistakes and not one_entry and (vague or not instead.verdict.startswith("it is")):
         link = "but for" if " instead of " in mistakes[0] else "with one mistake:"
         return f"is not {method.key}; it is {method.key} {link} {mistakes[0]}"
     if instead.section("Coefficients") is None and re.search(rf"\b{method.key}\b", instead.verdict):
         failed = next(check for check in checks if check.passed is False)
         return f"is not {method.key}: {failed.lines[0 if failed is rounding else -1]}"
-    wrong = "; ".join(coefficients.data.get("differences", ()))
+    wrong = "; ".join(differences)
+    if linear and wrong:
+        return f"is not {method.key}: {wrong}"
     what = f": {wrong}" if wrong and wrong not in instead.verdict else ""
     faults = instead.section("Faults")
     why = [*coefficients.lines] if outcomes[1].kind == "not_readable" else [*(faults.lines if faults else ())]
