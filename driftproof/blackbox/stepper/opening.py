@@ -104,7 +104,8 @@ def _tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
         raise WrongShape("z moves as q - i v")
     if subject.log.carried is not None:
         _held_to_its_end(subject.log.carried, end, subject.convention)
-    if np.max(np.abs(end)) < _SUSPICIOUS * TRIAL_STATE[0] and np.max(np.abs(trial(subject, _TINY))) < 4 * _TINY:
+    moved = np.max(np.abs(end))
+    if 0 < moved < _SUSPICIOUS * TRIAL_STATE[0] and np.max(np.abs(trial(subject, _TINY))) < 4 * _TINY:
         raise Increment(f"as h goes to 0 it returns 0, not the state: an increment{increment_wrapper(subject)}")
     types = subject.log.types
     subject.format = next((fmt for name, fmt in _FORMATS.items() if any(t.endswith(name) for t in types)), BINARY64)
