@@ -92,7 +92,7 @@ def test_interrupt_of_a_sweep_is_one_line_and_leaves_the_answers_and_no_process(
         time.sleep(0.2)  # by now the processes are being started
         os.killpg(running.pid, signal.SIGINT)
         assert (*running.communicate(timeout=60), running.returncode) == ("", "driftproof sweep: interrupted\n", 130)
-    assert path.read_bytes().count(b"\n") == lines
+    assert lines <= path.read_bytes().count(b"\n") <= 2  # the short run may be answered by then, the long ones are not
     listed = subprocess.run(["ps", "-e", "-o", "pgid=,stat="], capture_output=True, text=True, check=True).stdout
     left = [state[0] for group, state in map(str.split, some(listed.splitlines())) if int(group) == running.pid]
     assert set(left) <= {"Z"}
