@@ -60,12 +60,12 @@ NOT_ELSEWHERE = "sympy"
 # of `derive` and facts as typed properties; blackbox verdicts that say what was seen, and implicit
 # stages, and its own sampler of steps, 100 lines; texts what docs and help show.
 BUDGETS = {
-    "support": 1020,
+    "support": 1021,
     "methods": 5200,
     "symbolic": 10537,
     "numeric": 3010,
     "blackbox": 12060,
-    "enclosure": 2986,
+    "enclosure": 2989,
     "texts": 6276,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 4910

@@ -89,3 +89,23 @@ def test_without_verdicts_the_summary_says_so(tmp_path):
     done = pytest_in(tmp_path, "--driftproof-report=found", project="def test_it():\n    pass\n")
     assert done.returncode == 0
     assert (tmp_path / "found" / "summary.md").read_text() == "no verdict\n"
+
+
+def test_the_verdict_on_a_trajectory_is_written_too(tmp_path):
+    project = """
+from driftproof import assert_accurate
+
+ROWS = [0.0, 0.5, 1.0], [[1.0], [0.6065], [0.3679]]
+
+def test_near():
+    assert_accurate(ROWS, lambda t, y: -y, 1e-4)
+
+def test_far():
+    assert_accurate(ROWS, lambda t, y: -y, 1e-5)
+"""
+    done = pytest_in(tmp_path, "--driftproof-report=found", project=project)
+    assert "FAILED test_steps.py::test_far - AssertionError: off by 3.065971263e-5, more than 1e-05" in done.stdout
+    summary = (tmp_path / "found" / "summary.md").read_text()
+    assert "largest error 3.065971263e-5, proved" in summary
+    found = [json.loads(path.read_text())["verdicts"][0] for path in sorted((tmp_path / "found").glob("*.json"))]
+    assert [verdict["passed"] for verdict in found] == [False, True]

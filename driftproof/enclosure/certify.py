@@ -19,6 +19,7 @@ from driftproof.enclosure.steps import jacobian_of, size
 from driftproof.enclosure.text_fields import GivenField, right_hand_side
 from driftproof.enclosure.trajectories import Trajectory, has_trajectory, trajectory_of
 from driftproof.methods.schemes import Method
+from driftproof.support.assertions import AssertedVerdict, tell
 
 MOST_DOUBLINGS = 4
 # The radius is small at 2⁻⁴⁰ of the largest error, which leaves twelve digits; or at 2⁻¹⁰⁴ of the solution, which is
@@ -165,6 +166,7 @@ def assert_accurate(
     """
     found = certify(f, *solution) if isinstance(solution, tuple) else certify(f, solution)
     if within(found, tolerance):
+        tell(AssertedVerdict("the solution", f"is within {tolerance} (proved)", True, found.text()))
         return
     said = f"off by {decimal(found.largest_error)}, more than {tolerance}: {found.place()} (proved)"
     if rtol is not None:
@@ -173,6 +175,7 @@ def assert_accurate(
         times = f"; this is {float(found.largest_error) / promised:.3g} times that" if promised else ""
         atol_too = f", atol = {atol}," if atol else ""
         said += f"\nrtol = {rtol}{atol_too} promised {promised:.3g} a step there{times}"
+    tell(AssertedVerdict("the solution", f"is {said.partition(chr(10))[0]}", False, f"{said}\n{found.text()}"))
     raise AssertionError(said)
 
 

@@ -47,13 +47,18 @@ listeners: list[Callable[[AssertedVerdict], None]] = []
 time_limit_of_test: ContextVar[float | None] = ContextVar("time_limit_of_test", default=None)
 
 
+def tell(verdict: AssertedVerdict) -> None:
+    """Tell the listeners."""
+    for listener in listeners:
+        listener(verdict)
+
+
 def demand(verdict: AssertedVerdict, *, holds: bool) -> None:
     """Tell the listeners, and raise VerdictError unless it holds.
 
     >>> demand(AssertedVerdict("springs:step", "is rk4", True, "the whole report"), holds=True)
     """
     __tracebackhide__ = True
-    for listener in listeners:
-        listener(verdict)
+    tell(verdict)
     if not holds:
         raise VerdictError(verdict)
