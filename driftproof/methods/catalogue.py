@@ -13,6 +13,7 @@ from importlib import import_module
 from typing import Any, Generic, TypeAlias, TypeVar
 
 from driftproof.methods.additive import Additive
+from driftproof.methods.continuous import ContinuousExtension
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.names import keys_called, plain_name
 from driftproof.methods.rosenbrock import Rosenbrock
@@ -77,6 +78,16 @@ class Catalogue(Mapping[str, _Entry], Generic[_Entry]):
 
 METHODS: Catalogue[Method] = Catalogue(TABLES)
 FACTS_ONLY: Catalogue[FactsOnly] = Catalogue(TABLES_OF_FACTS)
+EXTENSIONS: Catalogue[ContinuousExtension] = Catalogue(["continuous"])
+
+
+def extensions_of(method: RungeKutta) -> tuple[ContinuousExtension, ...]:
+    """The continuous extensions of a method, those of the same tableau under another key among them."""
+    return tuple(
+        each
+        for each in EXTENSIONS.values()
+        if (each.method.a, each.method.b, each.method.c) == (method.a, method.b, method.c)
+    )
 
 
 def method_named(name: str) -> Method:

@@ -1,17 +1,15 @@
 """Continuous extensions of Runge-Kutta methods, the dense output of codes, as exact data.
 
->>> from driftproof.methods.continuous import EXTENSIONS
+>>> from driftproof.methods.catalogue import EXTENSIONS
 >>> EXTENSIONS["bogacki_shampine32_hermite"].weights[0]
 (Fraction(0, 1), Fraction(1, 1), Fraction(-4, 3), Fraction(5, 9))
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from importlib import import_module
 
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import MethodError, RungeKutta
@@ -95,37 +93,4 @@ def hermite(method: RungeKutta, source: str = "hairer-norsett-wanner-1993, II.6 
     title = f"{method.title}, cubic Hermite"
     return ContinuousExtension(
         f"{method.key}_hermite", title, order, source, method, tuple(a), tuple(c), tuple(weights)
-    )
-
-
-class _Extensions(Mapping[str, ContinuousExtension]):
-    """The extensions by key, read when the first is asked for."""
-
-    @cached_property
-    def _entries(self) -> dict[str, ContinuousExtension]:
-        entries: Sequence[ContinuousExtension] = import_module("driftproof.methods.tables.continuous").ENTRIES
-        return {entry.key: entry for entry in entries}
-
-    def __getitem__(self, key: str) -> ContinuousExtension:
-        """The extension. Raises KeyError."""
-        return self._entries[key]
-
-    def __iter__(self) -> Iterator[str]:
-        """The keys."""
-        return iter(self._entries)
-
-    def __len__(self) -> int:
-        """How many there are."""
-        return len(self._entries)
-
-
-EXTENSIONS: Mapping[str, ContinuousExtension] = _Extensions()
-
-
-def extensions_of(method: RungeKutta) -> tuple[ContinuousExtension, ...]:
-    """The catalogue's continuous extensions of a method, those of the same tableau under another key among them."""
-    return tuple(
-        each
-        for each in EXTENSIONS.values()
-        if (each.method.a, each.method.b, each.method.c) == (method.a, method.b, method.c)
     )

@@ -7,8 +7,8 @@ from fractions import Fraction
 from itertools import count
 from typing import NamedTuple
 
-from driftproof.methods.catalogue import EMBEDDED_SUFFIX
-from driftproof.methods.continuous import ContinuousExtension, extensions_of
+from driftproof.methods.catalogue import EMBEDDED_SUFFIX, extensions_of
+from driftproof.methods.continuous import ContinuousExtension
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.algebra.real_roots import RealRoot, rational_root

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from driftproof.methods.continuous import EXTENSIONS
+from driftproof.methods.catalogue import EXTENSIONS
 
 
 def extension_step(key, *, weights=lambda rows: rows, of_time=False, extension=None):

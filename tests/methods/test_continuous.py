@@ -7,8 +7,8 @@ from fractions import Fraction
 
 import pytest
 
-from driftproof.methods.catalogue import METHODS
-from driftproof.methods.continuous import EXTENSIONS, extensions_of, hermite
+from driftproof.methods.catalogue import EXTENSIONS, METHODS, extensions_of
+from driftproof.methods.continuous import hermite
 from driftproof.methods.schemes import MethodError
 
 THETAS = [Fraction(1, 3), Fraction(1, 2), Fraction(7, 8)]

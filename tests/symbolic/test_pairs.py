@@ -8,8 +8,7 @@ from fractions import Fraction
 import pytest
 
 from driftproof import Facts
-from driftproof.methods.catalogue import METHODS
-from driftproof.methods.continuous import EXTENSIONS
+from driftproof.methods.catalogue import EXTENSIONS, METHODS
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.facts import order_within
 from driftproof.symbolic.linear.stability_limits import INFINITY

@@ -12,8 +12,8 @@ from driftproof.blackbox.matching.read_order import read_order
 from driftproof.blackbox.probes.dense import THETAS, DenseReading, read_dense
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.methods.catalogue import METHODS
-from driftproof.methods.continuous import EXTENSIONS, ContinuousExtension, hermite
+from driftproof.methods.catalogue import EXTENSIONS, METHODS
+from driftproof.methods.continuous import ContinuousExtension, hermite
 from driftproof.methods.schemes import MethodError, RungeKutta
 from driftproof.support.plain_text import Json
 

@@ -8,8 +8,8 @@ import pytest
 from driftproof import identify, verify
 from driftproof.blackbox.matching.dense_outputs import judged_dense
 from driftproof.blackbox.stepper.opening import opened
-from driftproof.methods.catalogue import METHODS
-from driftproof.methods.continuous import EXTENSIONS, hermite
+from driftproof.methods.catalogue import EXTENSIONS, METHODS
+from driftproof.methods.continuous import hermite
 from tests.blackbox.extension_steppers import but_the_last, extension_step, first_and_last_exchanged
 from tests.looping import some
 

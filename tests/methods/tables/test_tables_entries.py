@@ -12,8 +12,7 @@ from typing import Any
 import pytest
 
 from driftproof.methods import catalogue
-from driftproof.methods.catalogue import METHODS
-from driftproof.methods.continuous import EXTENSIONS
+from driftproof.methods.catalogue import EXTENSIONS, METHODS
 from driftproof.methods.number_field import square_root
 from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
 from driftproof.methods.stepping import stepper
