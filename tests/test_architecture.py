@@ -65,8 +65,8 @@ BUDGETS = {
     "symbolic": 10537,
     "numeric": 3010,
     "blackbox": 12060,
-    "enclosure": 2989,
-    "texts": 6276,
+    "enclosure": 2994,
+    "texts": 6425,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 4910
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

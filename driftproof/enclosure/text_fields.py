@@ -36,7 +36,10 @@ def right_hand_side(f: GivenField) -> RightHandSide:
 
 
 def field_function(field: VectorField, expressions: Sequence[str] | None = None) -> RightHandSide:
-    """f(t, y) of a field; or, of the same names, the values of some other expressions, such as first integrals."""
+    """f(t, y) of a field; or, of the same names, the values of some other expressions, such as first integrals.
+
+    Of a Fraction t it computes exactly, and raises TypeError where a function stands in a rate.
+    """
     rates = field.rates
     if expressions is not None:
         rest = ("0",) * (len(rates) - len(expressions))
@@ -47,6 +50,8 @@ def field_function(field: VectorField, expressions: Sequence[str] | None = None)
     names = [*trees.numbers.values(), *(name for name, _ in field.parameters)]
 
     def numbers(t: Any) -> list[Any]:
+        if isinstance(t, Fraction):
+            return list(exact)
         balls = [enclose(x) for x in exact]
         if isinstance(t, Enclosed):
             return [Enclosed(t.evaluation, ball) for ball in balls]

@@ -99,14 +99,17 @@ def _call(node: CallNode, question: str) -> Answer:
 
 
 def _step(context: QueryContext) -> Answer:
-    """Answers `step METHOD [problem=NAME | lambda=-2] h=1/2 [N=3] [from q,v] : READOUT [UNIT]`."""
+    """Answers `step METHOD [problem=NAME | rates=(-y0) | lambda=-2] h=1/2 [N=3] [from q,v] : READOUT [UNIT]`."""
     context.demand_only("h", "N", "lambda", start=True, readout=True, unit=True, problem=True)
     h = context.setting("h", "h=1/2")
     return _of_run(context, h, h * (_whole_number(context) if "N" in context.query.settings else 1))
 
 
 def _run(context: QueryContext) -> Answer:
-    """Answers `run METHOD [problem=NAME | lambda=-2] h=1/4 t=10 [from q,v] : READOUT [UNIT]`, with two of h, t, N."""
+    """Answers `run METHOD [problem=NAME | rates=(-y0) | lambda=-2] h=1/4 t=10 [from q,v] : READOUT [UNIT]`.
+
+    Two of h, t and N are given.
+    """
     context.demand_only("h", "t", "N", "lambda", start=True, readout=True, unit=True, problem=True)
     given = {name: number.value for name, number in context.query.settings.items() if name != "lambda"}
     if len(given) != 2:
@@ -128,7 +131,7 @@ def _of_run(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
     method, readout, unit = context.method(), context.query.readout, context.query.unit
     if h == 0:
         raise context.error(None, "a step of size 0 goes nowhere; give a nonzero h")
-    if context.query.problem is not None or "lambda" in context.query.settings:
+    if context.about_problem is not None or "lambda" in context.query.settings:
         return _of_problem(context, method, h, t)
     if unit is not None and (readout is None or readout.text not in ANGLES):
         raise context.error(unit, f"{unit.shown} has no place; only angles have units to choose")
@@ -144,13 +147,19 @@ def _of_run(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
 
 
 def _of_problem(context: QueryContext, method: Method | None, h: Fraction, t: Fraction) -> Answer:
-    """Of y' = f(t, y) of a problem, from its own start, or of y' = λy from 1."""
-    from driftproof.texts.questions.problems import decay_readouts, problem_readouts, problem_run
+    """Of y' = f(t, y) of a problem, from its own start, of rates that are written out, or of y' = λy from 1."""
+    from driftproof.texts.questions.problems import (
+        decay_readouts,
+        problem_of_name,
+        problem_of_rates,
+        problem_readouts,
+        problem_run,
+    )
 
-    query = context.query
-    if query.start is not None or query.unit is not None:
-        raise context.error(query.unit, "a problem has its own start, y' = λy begins at 1, and neither has units")
-    if query.problem is None:
+    query, named = context.query, context.about_problem
+    if query.unit is not None or (named is None and query.start is not None):
+        raise context.error(query.unit, "y' = λy begins at 1, and what is read of a problem has no units")
+    if named is None:
         rate, steps = query.settings["lambda"].value, t / h
         if steps.denominator != 1 or steps < 1:
             raise context.error(None, f"h = {h} does not divide t = {t} (t / h = {steps})")
@@ -161,20 +170,21 @@ def _of_problem(context: QueryContext, method: Method | None, h: Fraction, t: Fr
             raise context.error(query.subject, error.reason) from None
         with context.refused(query.readout):
             return context.readout(decay_readouts(factor, rate, h, int(steps)))()
-    if "lambda" in query.settings:
-        raise context.error(query.problem, "a problem and lambda are two problems; leave one out")
-    with context.refused(query.problem):
-        run = problem_run(method, query.problem.text, h, t)
+    if "lambda" in query.settings or (query.problem and query.rates):
+        raise context.error(named, "a problem, rates and lambda are two problems; leave one out")
+    with context.refused(named):
+        problem = problem_of_name(named.text) if query.problem else problem_of_rates([r.text for r in query.rates])
+        run = problem_run(method, problem, query.start, h, t)
     with context.refused(query.readout):
         return context.readout(problem_readouts(run))(run)
 
 
 def _exact(context: QueryContext) -> Answer:
-    """Answers `exact t=10 [problem=NAME] [from q,v] : READOUT`."""
+    """Answers `exact t=10 [problem=NAME | rates=(-y0)] [from q,v] : READOUT`."""
     from driftproof.texts.questions.runs import EXACT_READOUTS
 
     context.demand_only("t", start=True, readout=True, problem=True)
-    if context.query.problem is not None:
+    if context.about_problem is not None:
         t = context.setting("t", "t=10")
         return _of_problem(context, None, t, t)
     if other := context.query.subject or context.query.at:
@@ -207,13 +217,14 @@ def vocabulary() -> str:
     from driftproof.texts.questions.arithmetic import CONSTANTS, NUMBER_FUNCTIONS
     from driftproof.texts.questions.bounds import BOUND_ENTRIES, GROWTH, OF_STATE
     from driftproof.texts.questions.facts import FACT_NAMES
+    from driftproof.texts.questions.problems import PROBLEM_READOUTS
     from driftproof.texts.questions.runs import EXACT_READOUTS, RUN_READOUTS, UNITS
     from driftproof.texts.values.published import published_values
 
     parts = {
         "readouts of step and run": [*RUN_READOUTS, "k1.q", "k1.v", "..."],
         "readouts of exact": [*EXACT_READOUTS],
-        "readouts on a problem": ["y0", "y1", "...", "exact.y0", "...", "state_error", "steps"],
+        "readouts on a problem": [*PROBLEM_READOUTS],
         "readouts with lambda": ["y", "exact.y", "state_error", "steps"],
         "readouts of roundoff": [*OF_STATE, *BOUND_ENTRIES, GROWTH],
         "units of phase_error": [*UNITS],

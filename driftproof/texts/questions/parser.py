@@ -3,7 +3,9 @@
 The grammar of `driftproof.methods.expression_tree`, in which a name may begin a query:
 
 query   = head part* [":" readout [unit]]
-part    = subject | "at" value | name "=" (literal | name) | number "steps" | "from" literal "," literal | "sharp"
+part    = subject | "at" value | name "=" (literal | name | rates) | number "steps" | start | "sharp"
+start   = "from" literal ("," literal)*
+rates   = "(" sum ("," sum)* ")"
 literal = ["-" | "+"] number ["/" number]
 value   = literal | "(" expression of driftproof.methods.expressions ")"
 """
@@ -29,7 +31,7 @@ from driftproof.texts.questions.errors import QuestionError
 # Words that may stand alone between head and readout.
 WORDS = ("sharp",)
 SETTINGS = ("h", "t", "N", "steps", "z", "lambda")
-PROBLEM = "problem"
+PROBLEM, RATES = ("problem", "rates")
 # (17/16)**1000 is a growth that texts have; what is too long to write out is enclosed.
 LARGEST_POWER_ASKED = 10**6
 
@@ -38,7 +40,8 @@ LARGEST_POWER_ASKED = 10**6
 class Query:
     """HEAD SUBJECT [at VALUE] [NAME=NUMBER ...] [from q,v] [: READOUT [UNIT]]; subject and parts None where absent.
 
-    `at` is the text of the parameter's value, which `driftproof.methods.expressions` reads.
+    `at` is the text of the parameter's value, which `driftproof.methods.expressions` reads; `rates` are the texts of
+    the components of y', which `driftproof.methods.field_text` reads.
     """
 
     head: Token
@@ -46,10 +49,11 @@ class Query:
     at: Token | None = None
     settings: dict[str, NumberNode] = field(default_factory=dict)
     words: dict[str, Token] = field(default_factory=dict)
-    start: tuple[Fraction, Fraction] | None = None
+    start: tuple[Fraction, ...] | None = None
     readout: Token | None = None
     unit: Token | None = None
     problem: Token | None = None
+    rates: tuple[Token, ...] = ()
 
     @property
     def column(self) -> int:
@@ -93,6 +97,8 @@ class _QuestionParser(ExpressionParser):
             self.put(parts["settings"], self.take(), "N", NumberNode(token.column, self.rational(token.text, token)))
         elif token.text == PROBLEM and self.accept("="):
             self.put(parts, token, PROBLEM, self.take())
+        elif token.text == RATES and self.accept("="):
+            self.put(parts, token, RATES, self.rates())
         elif key != "at" and self.next.text == "=":
             self.setting(token, parts["settings"])
         elif token.text in WORDS:
@@ -106,7 +112,7 @@ class _QuestionParser(ExpressionParser):
         """NAME=LITERAL, from the equals sign on; steps is another word for N."""
         self.take()
         if name.text not in SETTINGS:
-            raise self.error(name, f"{name.shown} is no setting; there are {', '.join((*SETTINGS, PROBLEM))}")
+            raise self.error(name, f"{name.shown} is no setting; there are {', '.join((*SETTINGS, PROBLEM, RATES))}")
         key = "N" if name.text == "steps" else name.text
         self.put(settings, name, key, NumberNode(name.column, self.literal(name.text)))
 
@@ -116,11 +122,12 @@ class _QuestionParser(ExpressionParser):
             raise self.error(name, f"{name.shown} is given twice")
         settings[key] = given
 
-    def start(self) -> tuple[Fraction, Fraction]:
-        """A state written as position,velocity."""
-        q = self.literal("q")
-        self.expect(",", "a start is a position, a comma and a velocity, like 1,0")
-        return q, self.literal("v")
+    def start(self) -> tuple[Fraction, ...]:
+        """A state: of the oscillator position,velocity."""
+        found = [self.literal("start")]
+        while self.accept(","):
+            found.append(self.literal("start"))
+        return tuple(found)
 
     def value(self) -> Token:
         """The text of a parameter's value: a literal, or an expression in brackets, of which only the end is sought."""
@@ -130,15 +137,35 @@ class _QuestionParser(ExpressionParser):
             self.literal("value")
             last = self.tokens[self.at - 1]
         else:
-            open_brackets = 0
-            while True:
-                last = self.take()
-                if last.kind == END:
-                    raise self.error(first, "a bracket is not closed")
-                open_brackets += (last.text == "(") - (last.text == ")")
-                if not open_brackets:
-                    break
-        return Token(NUMBER, self.text[first.column - 1 : last.end - 1], first.column)
+            *_, last = self.bracketed()
+        return self.piece(first.column, last.end)
+
+    def rates(self) -> tuple[Token, ...]:
+        """The texts of the components of y', between brackets and parted by commas."""
+        if self.next.text != "(":
+            raise self.error(self.next, "rates are one or more, parted by commas, in brackets, like (y1, -sin(y0))")
+        first, *inside, last = self.bracketed()
+        ends, depth = [first.end], 0
+        for token in inside:
+            depth += (token.text == "(") - (token.text == ")")
+            ends += [token.column, token.end] if token.text == "," and not depth else []
+        ends.append(last.column)
+        return tuple(self.piece(*ends[i : i + 2]) for i in range(0, len(ends), 2))
+
+    def bracketed(self) -> list[Token]:
+        """The tokens from the opening bracket that comes next to its closing one, used up."""
+        found, open_brackets = [self.take()], 1
+        while open_brackets:
+            token = self.take()
+            if token.kind == END:
+                raise self.error(found[0], "a bracket is not closed")
+            open_brackets += (token.text == "(") - (token.text == ")")
+            found.append(token)
+        return found
+
+    def piece(self, start: int, end: int) -> Token:
+        """What stands from one column to before another."""
+        return Token(NUMBER, self.text[start - 1 : end - 1], start)
 
     def literal(self, what: str) -> Fraction:
         """A rational number, for the setting `what`: 10, -1/4 or 0.25."""

@@ -1,21 +1,23 @@
-"""Answers about y' = f(t, y) of a problem, ours or a .toml file, and about y' = λy: runs in balls, solutions."""
+"""Answers about y' = f(t, y), a problem, a .toml file or rates written out, and y' = λy: runs in balls, solutions."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import partial
+from functools import cached_property, lru_cache, partial
+from typing import Any
 
 from flint import arb, ctx
 
 from driftproof.enclosure.exact_runs import exact_step
-from driftproof.enclosure.fields import rebound
+from driftproof.enclosure.fields import RightHandSide, enclosed_rates, rebound
+from driftproof.enclosure.numbers import Enclosed, Evaluation
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.text_fields import field_function
-from driftproof.methods.field_text import LONGEST_PROBLEM, PROBLEM_KEYS, field_of_table
+from driftproof.methods.field_text import LONGEST_PROBLEM, PROBLEM_KEYS, field_of_table, field_of_text
 from driftproof.methods.rationals import parse_rational
-from driftproof.methods.schemes import Method, Nystrom, Splitting
+from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
 from driftproof.methods.vector_fields import VectorField
 from driftproof.support.toml_tables import TomlTable, as_list, demand_keys, read_toml
 from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
@@ -24,91 +26,188 @@ from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS, OPERATIONS, 
 
 # Some minutes in balls of a few hundred bits.
 MOST_STEPS_OF_PROBLEM = 10**5
+# A state in Fractions is kept while its numbers are below so many bits: those of y' = y² double with every step.
+_LONGEST_EXACT = 4096
+# What may be read of a run, with any index for 0, and of explicit Runge-Kutta methods any stage for 1.
+PROBLEM_READOUTS = ("y0", "exact.y0", "slope.y0", "k1.y0", "state_error", "largest_error", "steps")
+# Field and start.
+FieldAndStart = tuple[VectorField, tuple[Fraction, ...]]
+# Of balls, or of Fractions.
+_Row = Sequence[Any]
 
 
 @dataclass(frozen=True)
 class ProblemRun:
-    """A method on y' = f(t, y), y(0) = start, with `steps` steps of size h; all enclosed, to any number of bits."""
+    """A method on y' = f(t, y), y(0) = start, with `steps` steps of size h; all enclosed, to any number of bits.
+
+    What is found of it is kept, for the readouts that are asked for next.
+    """
 
     method: Method | None
     rates: VectorField
     start: tuple[Fraction, ...]
     h: Fraction
     steps: int
-    known: dict[tuple[str, int], Sequence[arb]] = field(default_factory=dict, compare=False)
+    known: dict[tuple[str, int], list[_Row]] = field(default_factory=dict, compare=False)
 
     @property
     def t(self) -> Fraction:
         """The end."""
         return self.h * self.steps
 
-    def numerical(self) -> Sequence[arb]:
-        """The method's state after the last step, without rounding, in balls of the present precision."""
-        return self._kept("numerical", self._stepped)
+    def numerical(self) -> list[_Row]:
+        """The method's states, the start first, without rounding, in balls of the present precision."""
 
-    def true(self) -> Sequence[arb]:
-        """The solution at the end, enclosed."""
+        def stepped() -> list[_Row]:
+            assert self.method is not None
+            step = exact_step(self.method, self._function, len(self.start))
+            found: list[Any] = [tuple(enclose(x) for x in self.start)]
+            for n in range(self.steps):
+                found.append(step(found[-1], n * self.h, self.h))
+            return found
 
-        def solved() -> Sequence[arb]:
-            if self.t == 0:
-                return [enclose(x) for x in self.start]
-            times = (Fraction(0), self.t)
-            bits = max(ctx.prec, BITS_AT_FIRST)
-            return enclose_solution(field_function(self.rates), self.start, times, bits).states[-1]
+        return self._kept("numerical", stepped)
 
-        return self._kept("true", solved)
+    def true(self, steps: range) -> list[_Row]:
+        """The solution after each of these numbers of steps, which increase, enclosed."""
+        bits, times = max(ctx.prec, BITS_AT_FIRST), [Fraction(0), *(n * self.h for n in steps if n)]
 
-    def _stepped(self) -> Sequence[arb]:
-        assert self.method is not None
-        step = exact_step(self.method, rebound(field_function(self.rates)), len(self.start))
-        y = tuple(enclose(x) for x in self.start)
-        for n in range(self.steps):
-            y = step(y, n * self.h, self.h)
+        def solved() -> list[_Row]:
+            return [*enclose_solution(self._function, self.start, times, bits).states]
+
+        start: _Row = [enclose(x) for x in self.start]
+        return self._kept(str(steps), solved)[-len(steps) :] if len(times) > 1 else [start]
+
+    @cached_property
+    def exactly(self) -> _Row | None:
+        """The method's last state in Fractions; None where it is none, or longer than anybody reads."""
+        y: _Row = self.start
+        try:
+            for n in range(self.steps):
+                slopes = self.slopes(n * self.h, y)
+                weights = [self.h * Fraction(b) for b in self.method.b]  # type: ignore[union-attr, arg-type]
+                y = [x + sum(b * k[i] for b, k in zip(weights, slopes, strict=True)) for i, x in enumerate(y)]
+                if sum(x.numerator.bit_length() + x.denominator.bit_length() for x in y) > _LONGEST_EXACT:
+                    return None
+        except (TypeError, ZeroDivisionError):  # of an irrational coefficient, or a function in a rate
+            return None
         return y
 
-    def _kept(self, which: str, find: Callable[[], Sequence[arb]]) -> Sequence[arb]:
+    def slopes(self, t: Fraction, y: _Row) -> list[_Row]:
+        """k_j = f(t + c_j h, y + h sum a_jl k_l) of an explicit Runge-Kutta method, in the numbers of y.
+
+        Raises TypeError for other methods, and for Fractions that do not lead to Fractions.
+        """
+        if not isinstance(self.method, RungeKutta) or not self.method.explicit:
+            raise TypeError("no explicit Runge-Kutta method")
+        lift: Callable[[Any], Any] = Fraction if isinstance(y[0], Fraction) else enclose
+        found: list[_Row] = []
+        for c, row in zip(self.method.c, self.method.a, strict=True):
+            known = [(lift(self.h) * lift(a), k) for a, k in zip(row, found, strict=False)]
+            at = [sum((a * k[i] for a, k in known), x) for i, x in enumerate(y)]
+            found.append(self.rate(lift(t) + lift(self.h) * lift(c), at))
+        return found
+
+    def rate(self, t: Any, y: _Row) -> _Row:
+        """f(t, y), in the numbers of y. Raises TypeError where a rate has no value in Fractions."""
+        if isinstance(y[0], Fraction):
+            return [*self._function(t, y)]
+        evaluation = Evaluation()
+        state, at = [Enclosed(evaluation, x) for x in y], t if isinstance(t, arb) else enclose(t)
+        return [arb(x.value) for x in enclosed_rates(self._function, Enclosed(evaluation, at), state)]
+
+    @cached_property
+    def _function(self) -> RightHandSide:
+        return rebound(field_function(self.rates))
+
+    def _kept(self, which: str, find: Callable[[], list[_Row]]) -> list[_Row]:
         key = which, ctx.prec
         if key not in self.known:
             self.known[key] = find()
         return self.known[key]
 
 
-def problem_run(method: Method | None, problem: str, h: Fraction, t: Fraction) -> ProblemRun:
-    """The run to t by steps of h; without a method only the solution is asked for.
+def problem_run(
+    method: Method | None, problem: FieldAndStart, given: tuple[Fraction, ...] | None, h: Fraction, t: Fraction
+) -> ProblemRun:
+    """The run to t by steps of h, from a `given` start or the problem's own; without a method, the solution.
 
-    Raises ValueError for an unknown problem, a method that cannot take it, and more steps than anybody waits for.
+    Raises ValueError for a method that cannot take the problem, a start of another length, and more steps than anybody
+    waits for.
     """
-    rates, start = _problem(problem)
-    steps = t / h
-    if steps.denominator != 1 or steps < 1:
+    rates, start = problem[0], given or problem[1]
+    if len(start) != len(rates.rates):
+        raise ValueError(f"the start has {len(start)} entries, {len(rates.rates)} are needed: from 1, from 1,0, ...")
+    steps = t / h if t else Fraction(0)
+    if steps.denominator != 1 or steps < (method is not None):
         raise ValueError(f"h = {h} does not divide t = {t}: t / h = {steps}")
     if steps > MOST_STEPS_OF_PROBLEM:
         raise ValueError(f"{steps} steps; on a problem at most {MOST_STEPS_OF_PROBLEM} are made in balls")
     if isinstance(method, Splitting | Nystrom):
         rates.second_order()
-    return ProblemRun(method, rates, start, h, int(steps))
+    return _remembered(ProblemRun(method, rates, start, h, int(steps)))
+
+
+@lru_cache(maxsize=64)
+def _remembered(run: ProblemRun) -> ProblemRun:
+    """The run that is equal to this one and was asked for before."""
+    return run
 
 
 def problem_readouts(run: ProblemRun) -> dict[str, Callable[[ProblemRun], Answer]]:
-    """By name, what can be read of the run: y0, y1, ..., exact.y0, ..., and where a method steps, its state_error."""
+    """By name, what can be read of the run.
+
+    y0, y1, ..., exact.y0, ...; and where a method steps, slope.y0, ..., f(t, y) after the last step; state_error;
+    largest_error, of all steps; steps; and k1.y0, k2.y0, ..., of the first step of an explicit Runge-Kutta method.
+    """
+    end, all_steps = range(run.steps, run.steps + 1), range(run.steps + 1)
     exact = "exact." if run.method is not None else ""
-    found: dict[str, Callable[[ProblemRun], Answer]] = {}
-    for i in range(len(run.start)):
-        if run.method is not None:
-            found[f"y{i}"] = partial(_component, ProblemRun.numerical, i)
-        found[f"{exact}y{i}"] = partial(_component, ProblemRun.true, i)
-    if run.method is not None:
-        found["state_error"] = lambda run: _enclosed(lambda: _distance(run.numerical(), run.true()))
-        found["steps"] = lambda run: Answer("", Fraction(run.steps))
-    return found
+    solution = {f"{exact}y{i}": partial(_solution, end, i) for i in range(len(run.start))}
+    if run.method is None:
+        return {**solution}
+    read: dict[str, _OfLastState] = {"slope.y": lambda run, end: run.rate(run.t, end)}
+    if isinstance(run.method, RungeKutta) and run.method.explicit:
+        read |= {f"k{j}.y": partial(_slope, j - 1) for j in range(1, len(run.method.b) + 1)}
+    components = range(len(run.start))
+    return {
+        **{f"y{i}": partial(_component, lambda run, end: end, i) for i in components},
+        **solution,
+        "state_error": lambda run: _enclosed(lambda: _distance(run.numerical()[-1], run.true(end)[0])),
+        "largest_error": lambda run: _enclosed(lambda: _largest(run.numerical(), run.true(all_steps))),
+        "steps": lambda run: Answer("", Fraction(run.steps)),
+        **{f"{name}{i}": partial(_component, state, i) for name, state in read.items() for i in components},
+    }
 
 
-def _component(state: Callable[[ProblemRun], Sequence[arb]], index: int, run: ProblemRun) -> Answer:
-    return _enclosed(lambda: state(run)[index])
+_OfLastState = Callable[[ProblemRun, _Row], _Row]
 
 
-def _distance(a: Sequence[arb], b: Sequence[arb]) -> arb:
-    return sum(((x - y) ** 2 for x, y in zip(a, b, strict=True)), arb(0)).sqrt()
+def _component(read: _OfLastState, index: int, run: ProblemRun) -> Answer:
+    if run.exactly is not None:
+        return Answer("", read(run, run.exactly)[index])
+    return _enclosed(lambda: read(run, run.numerical()[-1])[index])
+
+
+def _solution(end: range, index: int, run: ProblemRun) -> Answer:
+    return _enclosed(lambda: run.true(end)[0][index])
+
+
+def _slope(stage: int, run: ProblemRun, end: _Row) -> _Row:
+    """Of the first step, in the numbers of the last state."""
+    first = run.start if isinstance(end[0], Fraction) else [enclose(x) for x in run.start]
+    return run.slopes(Fraction(0), first)[stage]
+
+
+def _largest(a: Sequence[_Row], b: Sequence[_Row]) -> arb:
+    """The largest distance of two states of one time: no end of its ball is below that of another distance."""
+    largest = arb(0)
+    for x, y in zip(a, b, strict=True):
+        largest = largest.max(_distance(x, y))
+    return largest
+
+
+def _distance(a: _Row, b: _Row) -> arb:
+    return sum(((x - y) ** 2 for x, y in zip(a, b, strict=True)), arb(0)).nonnegative_part().sqrt()
 
 
 def _enclosed(x: CertifiableReal) -> Answer:
@@ -132,15 +231,20 @@ def decay_readouts(factor: Answer, rate: Fraction, h: Fraction, steps: int) -> d
     }
 
 
-def _problem(name: str) -> tuple[VectorField, tuple[Fraction, ...]]:
-    """Field and start of a problem of ours, or of a file."""
+def problem_of_rates(rates: Sequence[str]) -> FieldAndStart:
+    """What is written out, without a start. Raises ValueError."""
+    return field_of_text(rates), ()
+
+
+def problem_of_name(name: str) -> FieldAndStart:
+    """Field and start of a problem of ours, or of a file. Raises ValueError for an unknown one."""
     if not name.endswith(".toml"):
         from driftproof.numeric.problems.catalogue import problem_named
 
         problem = problem_named(name)
         return problem.field, problem.start
 
-    def read(table: TomlTable) -> tuple[VectorField, tuple[Fraction, ...]]:
+    def read(table: TomlTable) -> FieldAndStart:
         demand_keys(table, PROBLEM_KEYS, "a problem")
         rates = field_of_table(table)
         start = tuple(parse_rational(str(x), f"start[{i}]") for i, x in enumerate(as_list(table.get("start"), "start")))

@@ -30,8 +30,17 @@ class QueryContext:
 
     @property
     def start(self) -> tuple[Fraction, Fraction]:
-        """The state from which steps are taken, (1, 0) where none is given."""
-        return self.query.start or START_AT_REST
+        """The state of the oscillator from which steps are taken, (1, 0) where none is given."""
+        if self.query.start is None:
+            return START_AT_REST
+        if len(self.query.start) != 2:
+            raise self.error(None, "a start is a position, a comma and a velocity, like 1,0")
+        return self.query.start[0], self.query.start[1]
+
+    @property
+    def about_problem(self) -> Token | None:
+        """Where the query says which y' = f(t, y) it is about; None for the oscillator and for y' = lambda y."""
+        return self.query.problem or next(iter(self.query.rates), None)
 
     def error(self, token: Token | None, reason: str) -> QuestionError:
         """A refusal at a token, at the head where it is absent."""
@@ -83,8 +92,8 @@ class QueryContext:
     ) -> None:
         """Refuse what this head does not take: other settings, a start, words, a readout and its unit, a problem."""
         query = self.query
-        if query.problem is not None and not problem:
-            raise self.error(query.problem, f"{self.head} is about no problem here; leave it out")
+        if self.about_problem is not None and not problem:
+            raise self.error(self.about_problem, f"{self.head} is about no problem here; leave it out")
         for name, number in query.settings.items():
             if name not in settings:
                 takes = f"it takes {', '.join(settings)}" if settings else "it takes none"

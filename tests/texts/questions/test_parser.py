@@ -77,7 +77,7 @@ REFUSED = [
     ("step rk4 h=1/2/3 : q", 15, "'/' has no place in a number"),
     ("step rk4 h=1/2x : q", 15, "'x' has no place in a number"),
     ("step rk4 h=-: q", 13, "h: a number like 1/4 or 0.25 stands here, not ':'"),
-    ("step rk4 h=1/2 from 1 : q", 23, "a start is a position, a comma and a velocity"),
+    ("step rk4 h=1/2 from 1 : q", 1, "a start is a position, a comma and a velocity"),
     ("step rk4 h=1/2 from 1,0 from 1,0 : q", 25, "'from' has no place"),
 ]
 

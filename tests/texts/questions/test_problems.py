@@ -58,6 +58,46 @@ def test_run_on_decay_is_the_power_of_the_stability_function(key: str) -> None:
     assert METHODS[key].key == key
 
 
+def test_rates_that_are_written_out_are_those_of_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("mine.toml").write_text(MINE, encoding="utf-8")
+    for readout in ("y1", "exact.y1", "slope.y1", "k2.y1", "state_error", "largest_error"):
+        asked = f"h=1/16 t=1 : {readout}"
+        written = value(f"run heun2 rates=(y1, -9.81*sin(y0)) from 1/2,0 {asked}").digits(30)
+        assert written == value(f"run heun2 problem=mine.toml {asked}").digits(30), readout
+
+
+def test_rational_runs_are_fractions_and_others_balls_around_the_same_numbers() -> None:
+    """y' = t + y, y(0) = 1, by Heun's method, by hand; with a root that is 0 the same run is in balls."""
+    y, t, h = Q(1), Q(0), Q(1, 4)
+    for _ in range(4):
+        k1 = t + y
+        k2 = t + h + y + h * k1
+        y, t = y + h / 2 * (k1 + k2), t + h
+    for rates, exact in (("t + y0", True), ("t + y0 + 0*sqrt(y0)", False)):
+        run = f"run heun2 rates=({rates}) from 1 h=1/4 t=1"
+        for readout, by_hand in {"y0": y, "slope.y0": t + y, "k1.y0": Q(1), "k2.y0": Q(3, 2)}.items():
+            found = value(f"{run} : {readout}")
+            assert found.exact == by_hand if exact else found.digits(20) == value(str(by_hand)).digits(20), readout
+    assert value("run heun2 rates=(y0^2) from 1 h=1/64 2 steps : y0").evidence == "PROVED"
+    assert value("run heun2 rates=(y0^2) from 1 h=1/64 40 steps : y0").evidence == "CERTIFIED"  # too long for fractions
+    assert value("run gauss2 rates=(t*y0) from 1 h=1/4 t=1 : y0").evidence == "CERTIFIED"
+
+
+def test_largest_error_is_that_of_the_worst_step() -> None:
+    run = "rates=(-y0) from 1 h=1/8"
+    errors = [float(value(f"run forward_euler {run} N={n} : state_error").digits(12)) for n in range(1, 17)]
+    largest = float(value(f"run forward_euler {run} N=16 : largest_error").digits(12))
+    assert largest == max(errors) > 2 * errors[0]
+    assert largest == pytest.approx(max(abs((7 / 8) ** n - math.exp(-n / 8)) for n in range(17)), rel=1e-11)
+
+
+def test_start_of_the_question_goes_before_that_of_the_problem() -> None:
+    at_rest = value("run rk4 problem=pendulum from 0,0 h=1/4 t=1 : y0")
+    assert at_rest.digits(3) != value("run rk4 problem=pendulum h=1/4 t=1 : y0").digits(3)
+    assert value("exact rates=(y0) from 3 t=0 : y0").digits(3) == "3.00"
+
+
 # Question -> the beginning of its decimal, to the digits that a float has surely.
 KNOWN = {
     "pi": math.pi, "e": math.e, "2*pi/3": 2 * math.pi / 3, "exp(-1/4)": math.exp(-0.25), "exp(0)": 1.0, "ln(1)": 0.0,
@@ -81,7 +121,17 @@ def test_power_too_long_to_write_out_is_enclosed() -> None:
 REFUSED = [
     ("run rk4 problem=nope h=1/4 t=1 : y0", 17, "unknown problem 'nope'"),
     ("run rk4 problem=pendulum h=1/3 t=1/2 : y0", 17, "does not divide"),
-    ("run rk4 problem=pendulum h=1/4 t=1 from 1,0 : y0", 1, "a problem has its own start"),
+    ("run rk4 problem=pendulum h=1/4 t=1 from 1 : y0", 17, "the start has 1 entries, 2 are needed"),
+    ("run rk4 rates=(y0) h=1/4 t=1 : y0", 16, "the start has 0 entries, 1 are needed"),
+    ("run rk4 rates=(y0) from 1 lambda=1 h=1/4 t=1 : y0", 16, "two problems"),
+    ("run rk4 rates=y0 from 1 h=1/4 t=1 : y0", 15, "in brackets, like (y1, -sin(y0))"),
+    ("run rk4 rates=(y0 from 1 h=1/4 t=1 : y0", 15, "a bracket is not closed"),
+    ("run rk4 rates=(y0 y0) from 1 h=1/4 t=1 : y0", 16, "column 4: 'y0' has no place here"),
+    ("run rk4 rates=(y0, z) from 1,1 h=1/4 t=1 : y0", 16, "'z' has no place"),
+    ("run gauss2 rates=(y0) from 1 h=1/4 t=1 : k1.y0", 42, "no readout of run; there are y0"),
+    ("run rk4 lambda=1 from 1 h=1/4 t=1 : y", 1, "y' = λy begins at 1"),
+    ("exact rates=(y0) from 1 t=1 : state_error", 31, "no readout of exact; there are y0"),
+    ("order rk4 rates=(y0)", 18, "about no problem"),
     ("run rk4 problem=pendulum lambda=1 h=1/4 t=1 : y0", 17, "two problems"),
     ("run rk4 problem=pendulum h=1/4 t=1 : y7", 38, "no readout of run; there are y0"),
     ("run rk4 problem=pendulum h=1e-9 t=1 : y0", 17, "at most 100000"),
