@@ -16,6 +16,7 @@ from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta,
 from driftproof.symbolic.additive import ADDITIVE_FACTS, AdditiveFacts
 from driftproof.symbolic.linear.facts import LinearFacts, fact_names, facts_by_name
 from driftproof.symbolic.linear.multistep import MULTISTEP_FACTS, MULTISTEP_ON_REQUEST, MultistepFacts
+from driftproof.symbolic.linear.printed_digits import StabilityWithinDigits, stability_within_digits
 from driftproof.symbolic.linear.reduced_tableau import reduced, stages_of
 from driftproof.symbolic.pairs import EstimateFacts, ExtensionFacts, estimate_facts, extension_facts
 from driftproof.symbolic.rosenbrock import ROSENBROCK_FACTS, RosenbrockFacts
@@ -23,6 +24,7 @@ from driftproof.symbolic.trees import order_conditions, partitioned_trees
 from driftproof.symbolic.trees.algebraic_stability import algebraic_stability
 from driftproof.symbolic.trees.modified_equation import modified_equation
 from driftproof.symbolic.trees.order_conditions import Conditions, OrderFact
+from driftproof.symbolic.trees.order_in_balls import RoundedOrder, order_but_for_rounding
 from driftproof.symbolic.trees.rooted_trees import TooManyTrees, Tree
 
 FAMILY_NAMES = {RungeKutta: "runge_kutta", Splitting: "splitting", Nystrom: "nystrom", Collocation: "collocation"}
@@ -104,6 +106,20 @@ class Facts(LinearFacts):
         return general_order(self.method)
 
     @cached_property
+    def order_but_for_rounding(self) -> RoundedOrder | None:
+        """The order that rounded coefficients miss by their rounding alone; None where there is nothing of the kind."""
+        method = self.method
+        if isinstance(method, Collocation) or method.field or self.order == method.claimed_order != 0:
+            return None
+        return order_but_for_rounding(method, TOLERANCE_ORDER)
+
+    @cached_property
+    def stability_within_digits(self) -> StabilityWithinDigits | None:
+        """I-, A- and L-stability as far as rounded coefficients tell, and the R(oo) that their digits allow."""
+        rounded = self.method.decimal or self.order_but_for_rounding is not None
+        return stability_within_digits(self.method) if rounded and isinstance(self.method, RungeKutta) else None
+
+    @cached_property
     def order_second_order_problems(self) -> int | None:
         """The order on q'' = F(q), of splittings and Nyström methods."""
         method = self.method
@@ -174,7 +190,8 @@ WHY_NONE = {
     **dict.fromkeys(("stability_function", "real_limit", "a_stable", "a_stability", "i_stable", "l_stable"), _NO_R),
     **dict.fromkeys(("sector", "limit_at_infinity", "error_constant", "modified_rate", "region_boundary"), _NO_R),
     "reduction": "no stage is superfluous: every fact is of the table and of the method",
-    "stability_within_digits": "its coefficients are no rounded decimals (decimal = true), or R has no limit for them",
+    "stability_within_digits": "it is explicit, its coefficients are not rounded, or R has no limit for them",
+    "order_but_for_rounding": f"no condition up to {TOLERANCE_ORDER} vertices fails by far more than those before it",
     "estimate": "it is no pair",
     "continuous_extensions": "the catalogue holds none",
     "ssp_coefficient": "only Runge-Kutta and collocation methods have one",

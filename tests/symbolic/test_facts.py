@@ -109,6 +109,30 @@ def test_exact_order_failing_residual_and_order_to_a_tolerance_are_three_answers
     assert order_within(tsitouras, Q(1, 10**12)) == OrderWithin(Q(1, 10**12), 5, None, 4)
 
 
+ROUNDED = sorted(key for key, method in METHODS.items() if method.decimal)
+# Their order 6 is that on q'' = F(q); their claim of 4 and 5 is of quadratic kinetic energies alone.
+ON_FEWER_PROBLEMS = {"blanes_moan_rkn6a": 4, "blanes_moan_rkn6b": 4, "mclachlan_atela4": 3, "mclachlan_atela5": 3}
+
+
+@pytest.mark.parametrize("key", ROUNDED)
+def test_rounded_tables_have_the_order_of_their_source_but_for_rounding(key: str) -> None:
+    facts = Facts(METHODS[key])
+    found = facts.order_but_for_rounding
+    assert found is not None
+    assert facts.order < found.order == ON_FEWER_PROBLEMS.get(key, METHODS[key].claimed_order)
+    assert order_within(METHODS[key], Q(found.residual) * Q(101, 100)).order >= found.order
+    assert order_within(METHODS[key], Q(found.next_residual) * Q(99, 100)).order == found.order
+
+
+def test_mistake_that_is_no_rounding_leaves_no_order_but_for_rounding() -> None:
+    """A weight off by 1e-2 lowers the order for good, one off by 1e-6 is told by its size; exact methods have none."""
+    rk4 = METHODS["rk4"]
+    assert isinstance(rk4, RungeKutta)
+    wrong = [replace(rk4, claimed_order=0, b=(rk4.b[0] + x, *rk4.b[1:])) for x in (Q(1, 100), Q(1, 10**6))]
+    assert [Facts(x).order_but_for_rounding for x in (wrong[0], rk4, METHODS["gauss2"])] == [None] * 3
+    assert Facts(wrong[1]).order_but_for_rounding == (4, "1.00e-6", "1.25e-2")
+
+
 @pytest.mark.parametrize(
     ("key", "order", "second"),
     [

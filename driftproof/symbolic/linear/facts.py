@@ -217,7 +217,8 @@ class LinearFacts:
     @cached_property
     def stability_within_digits(self) -> StabilityWithinDigits | None:
         """I-, A- and L-stability as far as rounded coefficients tell, and the R(oo) that their digits allow."""
-        return stability_within_digits(self.method) if isinstance(self.method, RungeKutta) else None
+        method = self.method
+        return stability_within_digits(method) if isinstance(method, RungeKutta) and method.decimal else None
 
     @cached_property
     def sector(self) -> Sector | None:

@@ -1,4 +1,4 @@
-"""I-, A- and L-stability as far as the digits tell in which a table of rounded decimals is printed."""
+"""I-, A- and L-stability as far as the digits tell in which a table of rounded coefficients is printed."""
 
 from __future__ import annotations
 
@@ -31,14 +31,15 @@ class StabilityWithinDigits(NamedTuple):
 
 
 def stability_within_digits(method: RungeKutta) -> StabilityWithinDigits | None:
-    """I-, A- and L-stability of the tables whose coefficients differ by half a unit of the last printed digit at most.
+    """I-, A- and L-stability of the tables whose coefficients differ from rounded ones by their rounding at most.
 
-    Balls around A and b, entries that are printed the same being the same number, give balls around the coefficients
-    of R = P/Q. I-stability is excluded where even the upper ends of |Q(iy)|² - |P(iy)|² are negative at some y; for
-    A-stability the written table has, besides, no pole with Re z <= 0; for L-stability R(oo) may be 0. None for
-    coefficients that are not rounded, and where R has no limit.
+    That is half a unit of the last digit of a decimal, and 1/q² of a ratio p/q, as the convergents p/q of a number are
+    closer to it (hardy-wright-2008, 10.9). Balls around A and b, entries that are printed the same being the same
+    number, give balls around the coefficients of R = P/Q. I-stability is excluded where even the upper ends of
+    |Q(iy)|² - |P(iy)|² are negative at some y; for A-stability the written table has, besides, no pole with Re z <= 0;
+    for L-stability R(oo) may be 0. None where R has no limit. The coefficients have to be rational.
     """
-    if not method.decimal or method.field or method.explicit:
+    if method.field or method.explicit:
         return None
     exact = stability_function(method)
     places = max(_digits(x) for row in (*method.a, method.b) for x in row)
@@ -65,9 +66,10 @@ def stability_within_digits(method: RungeKutta) -> StabilityWithinDigits | None:
 
 
 def _digits(x: Exact) -> int:
-    """The significant digits of a finite decimal; 0 of another number."""
+    """The significant digits of a finite decimal; of another number, those of its denominator."""
+    assert isinstance(x, Fraction)
     places = _places(x)
-    return 0 if places is None else len(str(x * 10**places).lstrip("-0"))
+    return len(str(x.denominator if places is None else x * 10**places).lstrip("-0"))
 
 
 def _places(x: Exact) -> int | None:
@@ -83,11 +85,13 @@ def _places(x: Exact) -> int | None:
 
 
 def _ball(x: Exact, longest: int) -> arb:
-    """x, up to half a unit of its last digit: exact if it has less than half the digits of the longest, as 0.25."""
+    """x, up to its rounding: exact if it has less than half the digits of the longest, as 0.25 and 1/3."""
+    assert isinstance(x, Fraction)
     places, middle = _places(x), arb(as_fmpq(x))
-    if places is None or 2 * _digits(x) < longest:
+    if 2 * _digits(x) < longest:
         return middle
-    return middle + arb(0, 1) * arb(as_fmpq(Fraction(1, 2 * 10**places)))
+    rounding = Fraction(1, x.denominator**2 if places is None else 2 * 10**places)
+    return middle + arb(0, 1) * arb(as_fmpq(rounding))
 
 
 def _determinant(rows: list[list[arb]]) -> arb_poly:

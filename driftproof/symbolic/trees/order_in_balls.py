@@ -1,4 +1,4 @@
-"""Orders of coefficients known up to an error: a condition fails only where its residual ball excludes zero."""
+"""Orders of coefficients known up to an error, or rounded: a condition fails only where its residual excludes zero."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from typing import Any, Generic, NamedTuple, TypeAlias
 
 from flint import arb, ctx, fmpq
 
-from driftproof.symbolic.algebra.certified import endpoints
+from driftproof.methods.schemes import Nystrom, RungeKutta, Splitting
+from driftproof.symbolic.algebra.certified import endpoints, scientific
 from driftproof.symbolic.trees.elementary_weights import RingElement, StageValues, TableauStages
 from driftproof.symbolic.trees.order_conditions import Conditions, RungeKuttaConditions, TreeType
 from driftproof.symbolic.trees.partitioned_trees import (
@@ -20,8 +21,16 @@ from driftproof.symbolic.trees.partitioned_trees import (
     Q,
     V,
     conditions_with_nodes,
+    nystrom_conditions,
+    separable_conditions,
 )
 from driftproof.symbolic.trees.rooted_trees import AnyTree, Tree, tree_table
+
+# Rounding errors of the same digits, summed over the products of a tree's weight, stay within three decimal digits of
+# each other; coefficients of four digits or more leave as much between them and the next condition.
+JUMP = 1000
+# Digits of residuals: they are sizes.
+RESIDUAL_DIGITS = 3
 
 # Doubles and sums of a few products of them are far from using up so many bits.
 BALL_BITS = 256
@@ -66,6 +75,17 @@ class ProvableFailure(Generic[TreeType]):
     residual: tuple[Fraction, Fraction] | None
 
 
+class RoundedOrder(NamedTuple):
+    """An order but for rounding, the largest residual of its conditions, and that of the conditions of one order more.
+
+    Both in three digits.
+    """
+
+    order: int
+    residual: str
+    next_residual: str
+
+
 class BallTableau(NamedTuple):
     """A, b and c of a Runge-Kutta method, as far as they are known."""
 
@@ -102,6 +122,33 @@ def linear_ball_order(method: BallTableau | BallNystrom, limit: int) -> int:
     with ctx.workprec(BALL_BITS):
         chains = _nystrom_chains(method) if isinstance(method, BallNystrom) else [_chain(method)]
         return min(_first_wrong(chain, limit) for chain in chains)
+
+
+def order_but_for_rounding(method: RungeKutta | Splitting | Nystrom, limit: int) -> RoundedOrder | None:
+    """The order p of which the conditions fail by rounded coefficients alone: by far less than one of p + 1 vertices.
+
+    Residuals of that kind are sums of rounding errors, much alike for every number of vertices; the first that is more
+    than `JUMP` times as large as all before is the method's own. None where there is no such jump up to `limit`
+    vertices, and for a method that no rounding keeps from its order. On the problems of the family; the coefficients
+    are rational.
+    """
+    conditions: Conditions[Any]
+    with ctx.workprec(BALL_BITS):
+        if isinstance(method, RungeKutta):
+            conditions = RungeKuttaConditions(TableauStages(method.a, method.b, Balls()))
+        elif isinstance(method, Splitting):
+            conditions = separable_conditions(method, Balls())
+        else:
+            conditions = nystrom_conditions(method, Balls())
+        largest, n = arb(0), 0
+        while JUMP * largest < 1 and n <= min(limit, conditions.bound):  # weights, and so residuals, are about 1
+            n += 1
+            sizes = [x.abs_upper() for _, x in conditions.residuals(n) if not x.contains(0)]
+            found = max(sizes, default=arb(0))
+            if largest > 0 and JUMP * largest < found:
+                return RoundedOrder(n - 1, *(scientific(endpoints(x)[1], RESIDUAL_DIGITS) for x in (largest, found)))
+            largest = max(largest, found)
+    return None
 
 
 def vanishing_order(method: BallTableau, limit: int) -> ProvableFailure[Tree]:

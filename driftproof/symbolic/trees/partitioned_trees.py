@@ -53,9 +53,9 @@ class SplittingStages:
     another (hairer-lubich-wanner-2006, II.5), so its integrals are running sums.
     """
 
-    def __init__(self, method: Splitting) -> None:
+    def __init__(self, method: Splitting, scalars: Scalars = EXACT) -> None:
         """The sub-steps are taken as they come; those with coefficient zero do no harm."""
-        self.scalars = EXACT
+        self.scalars = scalars
         self.bound = max(2 * sum(kind == "kick" for kind, _ in method.parts), 1)
         self._parts = [(V if kind == "kick" else Q, self.scalars.lift(c)) for kind, c in method.parts]
 
@@ -152,22 +152,23 @@ class AlternatingConditions:
         return [x * y for x, y in zip(self._products[rest, colour], integrals, strict=True)]
 
 
-def separable_conditions(method: Splitting) -> AlternatingConditions:
+def separable_conditions(method: Splitting, scalars: Scalars = EXACT) -> AlternatingConditions:
     """The conditions of a splitting on every q' = f(v), v' = g(q), its drifts being q ← q + c·h·f(v).
 
     They are those of hairer-lubich-wanner-2006, III.2.2, for the trees whose colours alternate.
     """
-    return AlternatingConditions(SplittingStages(method), linear_drift=False)
+    return AlternatingConditions(SplittingStages(method, scalars), linear_drift=False)
 
 
-def nystrom_conditions(method: Splitting | Nystrom) -> AlternatingConditions:
+def nystrom_conditions(method: Splitting | Nystrom, scalars: Scalars = EXACT) -> AlternatingConditions:
     """The conditions of a splitting or a Nyström method on every q'' = F(q), F a gradient or not.
 
     Since q' = v is linear, only trees whose q-vertices have at most one branch matter
     (hairer-norsett-wanner-1993, II.14). Roots of both colours: for the position and for the velocity.
     """
-    stages: AlternatingStages = SplittingStages(method) if isinstance(method, Splitting) else NystromStages(method)
-    return AlternatingConditions(stages, linear_drift=True)
+    if isinstance(method, Splitting):
+        return AlternatingConditions(SplittingStages(method, scalars), linear_drift=True)
+    return AlternatingConditions(NystromStages(method, scalars), linear_drift=True)
 
 
 def separable_order(method: Splitting) -> OrderFact[ColouredTree]:

@@ -30,6 +30,7 @@ inconsistencies | inconsistencies of the coefficients
 
 Accuracy
 order | order p: over a given time the error falls as h^p
+order_but_for_rounding | order but for rounded coefficients, and by what its conditions fail
 order_to_tolerance | order up to residuals of the size asked for
 order_sets | where the order is at least so high
 order_fails | the first condition of a higher order that fails
@@ -53,6 +54,7 @@ imaginary_limit | imaginary limit: y' = iωy stays bounded for hω up to
 a_stable | A-stable: whatever decays is damped, at any h
 sector | A(alpha): decay is damped in |arg(-hλ)| < alpha
 l_stable | L-stable: and what decays fast is gone in a step
+stability_within_digits | stability that rounded coefficients do not exclude
 explicit_real_limit | real limit of the explicit part alone
 explicit_imaginary_limit | imaginary limit of the explicit part alone
 implicit_a_stable | implicit part alone: A-stable

@@ -7,6 +7,7 @@ from fractions import Fraction as Q
 
 import pytest
 
+from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.facts import Facts
 from driftproof.symbolic.linear.printed_digits import stability_within_digits
@@ -26,6 +27,40 @@ def esdirk(gamma: str, *rows: str) -> RungeKutta:
 # Kvaerno's ESDIRK 3/2 with four stages: gamma is a root of 6x³ - 18x² + 9x - 1.
 LAST_ROWS = ("0.490563388419108 0.073570090080892", "0.308809969973036 1.490563388254106 -1.235239879727145")
 SHORT, LONG = (esdirk(g, g, *LAST_ROWS) for g in ("0.4358665215", "0.435866521508459"))
+
+
+# ESDIRK5(4)7L[2]SA2 (kennedy-carpenter-2019), left of the diagonal: ratios for numbers of 26 digits.
+KENNEDY_CARPENTER = (
+    "23/125",
+    "791020047304/3561426431547 " * 2,
+    "-158159076358/11257294102345 " * 2 + "-85517644447/5003708988389",
+    "-1653327111580/4048416487981 " * 2 + "1514767744496/9099671765375 14283835447591/12247432691556",
+    "-4540011970825/8418487046959 " * 2 + "-1790937573418/7393406387169 10819093665085/7266595846747"
+    " 4109463131231/7386972500302",
+    "-188593204321/4778616380481 " * 2 + "2809310203510/10304234040467 1021729336898/2364210264653"
+    " 870612361811/2470410392208 -1307970675534/8059683598661",
+)
+
+
+def test_ratios_that_round_irrational_numbers_are_judged_within_their_rounding() -> None:
+    table = replace(esdirk("23/125", *KENNEDY_CARPENTER), decimal=False, claimed_order=0)
+    facts = Facts(table)
+    assert (facts.order, facts.a_stable, facts.l_stable) == (0, False, False), "as written, exactly"
+    assert facts.order_but_for_rounding == (5, "1.27e-26", "2.61e-3")
+    found = facts.stability_within_digits
+    assert found is not None
+    assert (found.i_stable, found.a_stable, found.l_stable) == (True, True, True)
+    assert Q(found.digits_allow) < Q(1, 10**18)
+
+
+def test_wrong_ratio_is_no_rounding() -> None:
+    """The twin: a digit wrong in the middle of one entry."""
+    rows = [row.replace("1021729336898", "1021729436898") for row in KENNEDY_CARPENTER]
+    facts = Facts(replace(esdirk("23/125", *rows), decimal=False, claimed_order=0))
+    assert facts.order_but_for_rounding == (5, "4.23e-8", "2.61e-3")
+    found = facts.stability_within_digits
+    assert found is not None
+    assert not found.l_stable
 
 
 def test_table_that_is_l_stable_but_for_its_rounding_is_so_within_its_digits() -> None:
@@ -77,7 +112,7 @@ def test_provable_growth_is_excluded_by_the_digits_and_exact_tables_have_no_digi
     found = stability_within_digits(unstable)
     assert found is not None
     assert (found.i_stable, found.a_stable, found.l_stable) == (False, False, False)
-    assert stability_within_digits(replace(LONG, decimal=False)) is None
+    assert Facts(METHODS["sdirk4"]).stability_within_digits is None
     explicit = RungeKutta("e", "e", 1, "", ((Q(0),),), (Q(1),), (Q(0),), decimal=True)
     assert stability_within_digits(explicit) is None
 
