@@ -16,6 +16,12 @@ WRONG_WEIGHT = (
     "[[[0]; [0]; [0]; [0]]; [[3]; [0]; [0]; [0]]; [[0]; [3]; [0]; [0]]; [[0]; [0]; [6]; [0]]]; "
     "written_weights := [[1]; [2]; [1]; [2]] |}"
 )
+# Alexander's table with the smallest root of its cubic, 0.15898..., as its diagonal.
+ANOTHER_ROOT = (
+    "{| written_relation := [36; -54; 18]; low := (9539033999320592 # 10000000000000000)%Q; "
+    "high := (9539033999320594 # 10000000000000000)%Q; denominator := 24; "
+    "written_matrix := written_matrix alexander3; written_weights := written_weights alexander3 |}"
+)
 # Theorem -> what its statement says, and what a wrong one says instead.
 PLANTED: tuple[tuple[str, str, str], ...] = (
     # a wrong sign, coefficient or power in an identity
@@ -58,8 +64,11 @@ PLANTED: tuple[tuple[str, str, str], ...] = (
     ("order_of_cooper_verner8", "cooper_verner8 8", "cooper_verner8 9"),
     ("order_of_rk4", "rk4", WRONG_WEIGHT),
     ("order_of_implicit_midpoint", "implicit_midpoint 2", "implicit_midpoint 3"),
-    ("a_stable_implicit_midpoint", "[2; 1]", "[2; 2]"),
-    ("a_stable_gauss2", "[12; -6; 1]", "[12; -6; -1]"),
+    # a method that is not A-stable in place of one that is, a wrong node
+    ("a_stable_implicit_midpoint", "a_stable implicit_midpoint", "a_stable rk4"),
+    ("a_stable_alexander3", "a_stable alexander3", f"a_stable {ANOTHER_ROOT}"),
+    ("a_stable_sdirk4", "a_stable sdirk4", "a_stable sdirk4_embedded"),
+    ("a_stable_gauss4", "70]", "71]"),
     # a rounding bound that is one unit roundoff too small
     ("rounding_of_forward_euler_position", "fst 6", "fst 5"),
     ("rounding_of_forward_euler_velocity", "snd 6", "snd 5"),
