@@ -28,11 +28,18 @@ if TYPE_CHECKING:
     from driftproof.methods.stepping import stepper as stepper
     from driftproof.methods.tableau_file import read_method as read_method
     from driftproof.numeric.problems.catalogue import PROBLEMS as PROBLEMS
-    from driftproof.numeric.run import run as run
     from driftproof.numeric.scenes import PRESETS as PRESETS
     from driftproof.numeric.scenes import Scene as Scene
     from driftproof.numeric.scenes import read_scene as read_scene
-    from driftproof.numeric.sweep import sweep as sweep
+    from driftproof.reports.fact_sheet import facts as facts
+    from driftproof.reports.oscillator import run as run
+    from driftproof.reports.oscillator import step as step
+    from driftproof.reports.rounding import roundoff as roundoff
+    from driftproof.reports.scenes import report as report
+    from driftproof.reports.scenes import scene as scene
+    from driftproof.reports.stability import stability as stability
+    from driftproof.reports.studies import work_precision as work_precision
+    from driftproof.reports.sweeps import sweep as sweep
     from driftproof.symbolic.algebra.certified import fixed as fixed
     from driftproof.symbolic.algebra.certified import significant as significant
     from driftproof.symbolic.derivation.derive import derive as derive
@@ -41,10 +48,13 @@ if TYPE_CHECKING:
     from driftproof.symbolic.linear.oscillator import stability_function_of as stability_function_of
     from driftproof.symbolic.linear.region import boundary_points as boundary_points
     from driftproof.symbolic.runs import OscillatorRun as OscillatorRun
+    from driftproof.texts.claims.report import check as check
     from driftproof.texts.questions.decimals import PRINTED as PRINTED
     from driftproof.texts.questions.decimals import Style as Style
     from driftproof.texts.questions.errors import QuestionError as QuestionError
     from driftproof.texts.questions.evaluate import value as value
+    from driftproof.texts.templates.rendering import render as render
+    from driftproof.texts.values.changes import diff as diff
     from driftproof.texts.values.published import published_values as published_values
     from driftproof.texts.writing.records import facts_of as facts_of
     from driftproof.texts.writing.records import family_facts as family_facts

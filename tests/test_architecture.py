@@ -60,15 +60,15 @@ NOT_ELSEWHERE = "sympy"
 # of `derive` and facts as typed properties; blackbox verdicts that say what was seen, and implicit
 # stages, and its own sampler of steps, 100 lines; texts what docs and help show.
 BUDGETS = {
-    "support": 1021,
-    "methods": 5200,
+    "support": 1097,
+    "methods": 5265,
     "symbolic": 10607,
     "numeric": 3010,
     "blackbox": 12060,
-    "enclosure": 2994,
+    "enclosure": 2995,
     "texts": 6425,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 4910
+BUDGET_OF_REPORTS_AND_FRONT = 5150
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 

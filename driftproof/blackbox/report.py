@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from driftproof.support.plain_text import Json, as_json, printable
+from driftproof.support.results import Printable
 
 # How a verdict begins that says no more.
 UNDECIDED, NO_ANSWER = "undecided", "gives no answer"
@@ -25,8 +26,8 @@ class Section:
         return self.lines if everything or not self.brief else (self.brief,)
 
 
-@dataclass(frozen=True)
-class Report:
+@dataclass(frozen=True, repr=False)
+class Report(Printable):
     """The verdict on a stepper in one line, whether it passed what was asked, and the sections that say why.
 
     `passed` is None where that is undecided, or nothing was asked but what it is. `data` is the same for programs:
@@ -63,17 +64,11 @@ class Report:
             parts.append(f"**{section.title}**\n\n{lines}")
         return "\n\n".join(parts)
 
-    def json(self) -> str:
-        """The report for a program: canonical, keys sorted."""
-        return as_json({"target": self.target, "verdict": self.verdict, "passed": self.passed, **self.data})
-
     def written(self, form: str, everything: bool = False) -> str:
         """The report as "text", "markdown" or "json", which is always whole."""
-        return self.json() if form == "json" else {"text": self.text, "markdown": self.markdown}[form](everything)
-
-    def __str__(self) -> str:
-        """As `text`."""
-        return self.text()
+        if form == "json":
+            return as_json({"target": self.target, "verdict": self.verdict, "passed": self.passed, **self.data})
+        return {"text": self.text, "markdown": self.markdown}[form](everything)
 
 
 def sections(*parts: tuple[str, Sequence[str]]) -> tuple[Section, ...]:

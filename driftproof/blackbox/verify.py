@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, arithmetic_of
@@ -66,7 +67,7 @@ class Criterion:
 
 def verify(
     step: Callable[..., Any] | str,
-    method: Method | str,
+    method: str | Path | Method,
     *,
     calls: str | None = None,
     array: Callable[[Any], Any] | str | None = None,
@@ -96,7 +97,7 @@ def verify(
     >>> verify(step, "forward_euler", examples=50, isolate=False).passed
     True
     """
-    asked = method_of(method) if isinstance(method, str) else method
+    asked = method_of(method)
     Tolerance(asked, allowance=allowance)  # a question without sense is refused before anything runs
     agreed = partial(explained, method=asked, allowance=allowance, domain=domain, examples=examples)
     beside = partial(nonlinear_agreement, method=asked, allowance=allowance)
@@ -127,7 +128,7 @@ def verify(
 
 def assert_verified(
     step: Callable[..., Any] | str,
-    method: Method | str,
+    method: str | Path | Method,
     *,
     allow_undecided: bool = False,
     calls: str | None = None,

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
-import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 from fractions import Fraction
 from functools import partial
 from importlib import import_module
@@ -13,7 +12,7 @@ from pathlib import Path
 from textwrap import dedent
 from typing import Any, NamedTuple, NoReturn, TypeAlias, TypeVar
 
-from driftproof.methods.rationals import parse_rational
+from driftproof.methods.rationals import parse_rational, state_of, step_of
 from driftproof.support.plain_text import printable
 
 _T = TypeVar("_T")
@@ -22,8 +21,6 @@ CommandOption: TypeAlias = "Callable[[argparse._ActionsContainer], object]"
 
 REFUTED, BAD_INPUT, NO_ANSWER = 1, 2, 3
 _MOST_DIGITS = 10_000
-# A float run longer than this shows a progress bar.
-LONG_RUN = 10**6
 
 
 class Refuted(Exception):
@@ -126,22 +123,8 @@ def exactly(what: str) -> Callable[[str], Fraction]:
     return read_by(parse_rational, what)
 
 
-@read_by
-def nonzero_step(text: str) -> Fraction:
-    """A step size, exact and not zero."""
-    h = parse_rational(text, "h")
-    if h == 0:
-        raise ValueError("a step of size 0 goes nowhere; give a nonzero h")
-    return h
-
-
-@read_by
-def initial_state(text: str) -> tuple[Fraction, Fraction]:
-    """A state written as position,velocity."""
-    parts = text.split(",")
-    if len(parts) != 2:
-        raise ValueError(f"{text[:40]!r} is not a state; write position,velocity like 1,0")
-    return parse_rational(parts[0], "q"), parse_rational(parts[1], "v")
+nonzero_step = read_by(step_of)
+initial_state = read_by(state_of)
 
 
 def integer_in(least: int, most: int, what: str) -> Callable[[str], int]:
@@ -196,23 +179,10 @@ output_option = partial(option, "-o --output", type=Path, metavar="FILE")
 time_limit_option = partial(option, "--time-limit", type=positive_number("time limit"))
 
 
-def as_asked(options: argparse.Namespace, answer: Any, text: Callable[[Any], str]) -> str:
-    """The answer as canonical JSON where --format asks for it, else as `text` writes it."""
-    from driftproof.support.plain_text import as_json
+def answer_of(name: str, options: argparse.Namespace) -> str:
+    """What the function of driftproof of this name answers to the options, in the form that is asked for."""
+    import driftproof
 
-    return as_json(answer) if options.format == "json" else text(answer)
-
-
-def with_progress(items: Sequence[_T], unit: str) -> Iterable[_T]:
-    """The items, with a progress bar on a terminal."""
-    if sys.stderr is None or not sys.stderr.isatty():
-        return items
-    from tqdm import tqdm
-
-    bar: Iterable[_T] = tqdm(items, unit=unit, unit_scale=True, leave=False)
-    return bar
-
-
-def count_steps(steps: int) -> Iterable[int]:
-    """range(steps), with a progress bar when it will take a while."""
-    return range(steps) if steps < LONG_RUN else with_progress(range(steps), "step")
+    given = {option: value for option, value in vars(options).items() if option != "format"}
+    answer: str = getattr(driftproof, name)(**given).written(options.format)
+    return answer

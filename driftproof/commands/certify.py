@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from driftproof.commands import arguments as cli
+from driftproof.support.plain_text import as_json
 
 if TYPE_CHECKING:
     from driftproof.enclosure.certificate import Certificate
-    from driftproof.enclosure.text_fields import GivenField
 
 
 @cli.read_by
@@ -64,24 +64,27 @@ def certify_command(options: Namespace) -> str:
     exit status: 0 if enclosed, and within --tolerance if there is one; 1 if beyond it; 2 if the question makes no
     sense; 3 if nothing can be proved, with the reason: a pole ahead, a branch that is reached, no proof of a step.
     """
-    from driftproof.enclosure.certify import certificate_of, within
-    from driftproof.enclosure.trajectories import read_trajectory
+    from driftproof.blackbox.stepper.opening import imported
+    from driftproof.enclosure.certify import certify, within
+    from driftproof.methods.field_text import field_of_text
     from driftproof.reports.certificate_figure import draw_certificate
 
-    run = read_trajectory(options.run)
-    f = _function(options.function)
+    given = options.function
+    f = given if given.endswith(".toml") else imported(given, "function") if ":" in given else field_of_text(given)
+    about = {"method": options.method, "h": options.h, "invariants": _invariants(options.invariant)}
     try:
-        found = certificate_of(f, run, options.method, options.h, _invariants(options.invariant))
+        found = certify(f, options.run, **about)
     except (ArithmeticError, ValueError, OSError):
         raise
     except Exception as error:  # a user's function raises what it likes
         raise ArithmeticError(f"f fails: {type(error).__name__}: {error}") from error
     good = options.tolerance is None or within(found, options.tolerance)
     drawn = draw_certificate(found, f"Error of {options.run.name}", options.figure) if options.figure else None
-    answer = found.record()
-    if options.tolerance is not None:
-        answer |= {"tolerance": repr(options.tolerance), "within": good}
-    written = cli.as_asked(options, answer, lambda _: _text(found, options.tolerance, good, drawn))
+    if options.format == "json":
+        within_it = {} if options.tolerance is None else {"tolerance": repr(options.tolerance), "within": good}
+        written = as_json(found.record() | within_it)
+    else:
+        written = _text(found, options.tolerance, good, drawn)
     if not good:
         raise cli.Refuted(written)
     return written
@@ -101,13 +104,3 @@ def _text(found: Certificate, tolerance: float | None, good: bool, drawn: Path |
     if drawn is not None:
         lines.append(f"wrote {drawn}")
     return "\n".join(lines)
-
-
-def _function(text: str) -> GivenField:
-    """The function that is named, or the field that a file or the text itself spells. Raises ValueError."""
-    from driftproof.blackbox.stepper.opening import imported
-    from driftproof.methods.field_text import field_of_file, field_of_text
-
-    if text.endswith(".toml"):
-        return field_of_file(text)
-    return imported(text, "function") if ":" in text else field_of_text(text)

@@ -4,15 +4,8 @@ from __future__ import annotations
 
 from argparse import Namespace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 from driftproof.commands import arguments as cli
-
-if TYPE_CHECKING:
-    from driftproof.methods.catalogue import FactsOnly
-    from driftproof.methods.families import Family
-    from driftproof.methods.number_field import Exact
-    from driftproof.methods.schemes import Method
 
 # For most methods a second; those with irrational coefficients take minutes.
 MOST_TERMS = 1000
@@ -39,25 +32,11 @@ def methods_command(options: Namespace) -> str:
     return table(rows, right=(2,))
 
 
-@cli.read_by
-def _number(text: str) -> Exact:
-    from driftproof.methods.expressions import parse_number
-
-    return parse_number(text, "value")
-
-
-@cli.read_by
-def _system(text: str) -> Any:
-    from driftproof.methods.expressions import parse_system
-
-    return parse_system(text)
-
-
 @cli.command(
     cli.option("method", "a key that `driftproof methods` lists, or a file that ends in .toml"),
     cli.option("--only", "compute only these facts", type=cli.several(str), metavar="FACT,FACT"),
-    cli.option("--at", "the parameter of a family, e.g. 1/4: one method", type=_number, metavar="VALUE"),
-    cli.option("--system", "facts on z' = Az, A given as '0 1; -1 -1/10'", type=_system, metavar="ROWS"),
+    cli.option("--at", "the parameter of a family, e.g. 1/4: one method", metavar="VALUE"),
+    cli.option("--system", "facts on z' = Az, A given as '0 1; -1 -1/10'", metavar="ROWS"),
     cli.option(
         "--order-tolerance", "add the order up to such residuals", type=cli.exactly("order tolerance"), metavar="SIZE"
     ),
@@ -96,28 +75,21 @@ def facts_command(options: Namespace) -> str:
       b = ["1/4", "3/4"]                c may be left out: then the row sums of A
       [roots]                           if coefficients need one, e.g. s3 = "sqrt(3)"; then write "1/4 - s3/6"
     """
-    from driftproof.methods.catalogue import FactsOnly
-    from driftproof.methods.families import Family
-    from driftproof.methods.tableau_file import subject_of
-    from driftproof.support.plain_text import as_json
-    from driftproof.texts.writing.fact_groups import grouped_facts_text
-    from driftproof.texts.writing.facts import facts_tex, facts_text
-    from driftproof.texts.writing.records import record
+    from driftproof.reports.fact_sheet import MethodFacts, facts
 
-    subject = subject_of(options.method)
-    if isinstance(subject, Family):
-        result = _of_family(subject, options)
-    elif isinstance(subject, FactsOnly):
-        result = _of_facts_only(subject, options)
-    elif options.at is None:
-        result = _of_method(subject, options)
-    else:
-        raise ValueError(f"{subject.key} has no parameter; --at is for families such as sdirk_order_2")
-    if options.format == "json":
-        return as_json(record(result))
-    if options.format == "tex":
-        return facts_tex(result)
-    return facts_text(result) if options.only or options.system else grouped_facts_text(result, options.all)
+    about = {name: getattr(options, name) for name in ("only", "at", "system", "order_tolerance", "terms")}
+    sheet = facts(options.method, **about)
+    if options.plot:
+        from driftproof.support.environment import require_package
+
+        if not isinstance(sheet, MethodFacts):
+            raise ValueError("a picture is of one method that takes a step from one state; choose one, and no system")
+        require_package("matplotlib", "report", "pictures need matplotlib")
+        from driftproof.reports.method_figures import draw_method
+
+        draw_method(options.picture, sheet.method, options.plot)
+    written: str = sheet.written(options.format, options.all)
+    return written
 
 
 @cli.command(
@@ -134,62 +106,6 @@ def derive_command(options: Namespace) -> str:
       driftproof derive rk4 --only energy_multiplier,stability_limit --format tex
       driftproof derive tableau.toml --format json
     """
-    from driftproof.methods.tableau_file import method_of
-    from driftproof.support.plain_text import as_json
     from driftproof.symbolic.derivation.derive import derive
 
-    method = method_of(options.method)
-    derived = derive(method).chosen(options.only)
-    if options.format == "json":
-        return as_json({"method": method.key, "derived": {each.name: each.data() for each in derived}})
-    return "\n\n".join(each.derivation_tex if options.format == "tex" else each.text for each in derived)
-
-
-def _of_family(family: Family, options: Namespace) -> dict[str, Any]:
-    """The facts of the family, or of its member at --at. Raises ValueError for options that only a method has."""
-    from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
-    from driftproof.symbolic.linear.facts import facts_by_name
-
-    if options.at is not None:
-        return _of_method(family.member(options.at), options)
-    if options.system or options.order_tolerance is not None or options.plot:
-        raise ValueError(f"{family.key} is a family; choose one method with --at, a value of {family.parameter}")
-    return facts_by_name(FamilyFacts(family), options.only or FAMILY_FACTS, FAMILY_FACTS)
-
-
-def _of_facts_only(method: FactsOnly, options: Namespace) -> dict[str, Any]:
-    """The facts of a method that has facts only. Raises ValueError for options of methods that step from one state."""
-    from driftproof.symbolic.facts import facts_only
-
-    if options.at is not None or options.system or options.plot:
-        raise ValueError(f"{method.key} is {method.kind}; --at, --system and --plot are not for it")
-    return facts_only(method, options.only or (), options.order_tolerance)
-
-
-def _of_method(method: Method, options: Namespace) -> dict[str, Any]:
-    """The facts of the method, or of the method on a system; also its picture, if one is asked for."""
-    from driftproof.symbolic.facts import FACTS, ON_REQUEST, Facts, Reduction, order_within
-    from driftproof.symbolic.linear.facts import facts_by_name
-    from driftproof.symbolic.linear.systems import facts_on_system
-
-    if options.system and (options.order_tolerance is not None or options.plot):
-        raise ValueError("--system is about one problem, --order-tolerance and --plot about the method; ask separately")
-    if options.system:
-        return facts_on_system(method, options.system, options.only)
-    facts = Facts(method, options.terms)
-    found = facts_by_name(facts, options.only or FACTS, (*FACTS, *ON_REQUEST))
-    if facts.reduction is not None and options.only and "reduction" not in options.only:
-        stages, *named = facts.reduction
-        table, irreducible = (tuple(name for name in names if name in found) for names in named)
-        if table or irreducible:
-            found["reduction"] = Reduction(stages, table, irreducible)
-    if options.order_tolerance is not None:
-        found["order_to_tolerance"] = order_within(method, options.order_tolerance)
-    if options.plot:
-        from driftproof.support.environment import require_package
-
-        require_package("matplotlib", "report", "pictures need matplotlib")
-        from driftproof.reports.method_figures import draw_method
-
-        draw_method(options.picture, method, options.plot)
-    return found
+    return derive(options.method, only=options.only).written(options.format)

@@ -25,10 +25,7 @@ def step_command(options: Namespace) -> str:
       driftproof step rk4 --h 1/2 --state 1,0
       driftproof step symplectic_euler --h 0.5 --state 0,1 --format json
     """
-    from driftproof.texts.writing.answers import answer_text, step_answer
-
-    result = step_answer(options.method, options.h, options.state, options.digits, options.rounding)
-    return cli.as_asked(options, result, answer_text)
+    return cli.answer_of("step", options)
 
 
 @cli.command(
@@ -45,17 +42,7 @@ def run_command(options: Namespace) -> str:
       driftproof run rk4 --h 0.01 --t 100000 --state 0,1 --format json
       driftproof run symplectic_euler --h 1/4 --t 10 --budget
     """
-    from driftproof.texts.writing.answers import answer_text, run_answer
-
-    question = (options.method, options.h, options.t, options.state, options.digits)
-    result = run_answer(*question, options.rounding)
-    if not options.budget:
-        return cli.as_asked(options, result, answer_text)
-    from driftproof.reports.rounding import budget_answer, budget_text
-
-    budget = budget_answer(*question, options.rounding, cli.count_steps)
-    both = {**result, "budget": budget}
-    return cli.as_asked(options, both, lambda _: f"{answer_text(result)}\n\n{budget_text(budget)}")
+    return cli.answer_of("run", options)
 
 
 @cli.command(
@@ -75,8 +62,4 @@ def roundoff_command(options: Namespace) -> str:
       driftproof roundoff yoshida4 --h 1/10
       driftproof roundoff velocity_verlet --h 1/32 --float binary32
     """
-    from driftproof.reports.rounding import roundoff_answer, roundoff_text
-    from driftproof.symbolic.rounding.formats import FORMATS
-
-    result = roundoff_answer(options.method, options.h, FORMATS[options.float])
-    return cli.as_asked(options, result, roundoff_text)
+    return cli.answer_of("roundoff", options)

@@ -2,31 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 from argparse import Namespace
-from contextlib import ExitStack
-from functools import partial
-from pathlib import Path
-from typing import TYPE_CHECKING
 
 from driftproof.commands import arguments as cli
-from driftproof.support.plain_text import printable
-
-if TYPE_CHECKING:
-    from driftproof.reports.work_precision.study import Measured, Study
-
-# One of each behaviour, and the lesson's three among them.
-STABILITY_METHODS = ("forward_euler", "rk4", "symplectic_euler", "backward_euler", "implicit_midpoint", "radau_iia2")
-# The lesson's three, and one of each kind beside them.
-WORK_PRECISION_METHODS = (
-    *("forward_euler", "symplectic_euler", "rk4"),
-    *("velocity_verlet", "dormand_prince54", "blanes_moan6", "gauss2"),
-)
 
 
 @cli.command(
     cli.option("problem", "a problem, or a .toml file of one; without one they are listed", nargs="?"),
-    cli.methods_option(f"keys or .toml files (default {','.join(STABILITY_METHODS)})"),
+    cli.methods_option(
+        "keys or .toml files (default forward_euler,rk4,symplectic_euler,backward_euler,implicit_midpoint,radau_iia2)"
+    ),
     cli.steps_option("step sizes that divide t, such as 1/4,1/8 (default: 10, 100 and 1000 steps)"),
     cli.TEXT_OR_JSON,
 )
@@ -51,23 +36,17 @@ def stability_command(options: Namespace) -> str:
       parameters.g = "9.81"
     in the place of rates and parameters: function = "mylib.models:pendulum", your own f(t, y)
     """
-    from driftproof.numeric.problems.catalogue import PROBLEMS
-    from driftproof.reports.stability import problems_json, problems_text, stability_answer, stability_text
-    from driftproof.reports.user_problem import problem_given
-
-    if options.problem is None:
-        return cli.as_asked(options, problems_json(PROBLEMS.values()), problems_text)
-    methods = options.methods or STABILITY_METHODS
-    walk = partial(cli.with_progress, unit="method")
-    found = stability_answer(problem_given(options.problem), methods, options.h, walk)
-    return cli.as_asked(options, found, stability_text)
+    return cli.answer_of("stability", options)
 
 
 @cli.command(
     cli.option(
         "problem", "`driftproof stability` lists them; or a .toml file", nargs="?", default="harmonic_oscillator"
     ),
-    cli.methods_option(f"keys or .toml files (default {','.join(WORK_PRECISION_METHODS)})"),
+    cli.methods_option(
+        "keys or .toml files (default"
+        " forward_euler,symplectic_euler,rk4,velocity_verlet,dormand_prince54,blanes_moan6,gauss2)"
+    ),
     cli.output_option("a folder for files and figures; an interrupted study goes on from it", metavar="FOLDER"),
     cli.list_option("--peers", "scipy, diffrax, heyoka, ...", type=cli.several(str), metavar="P,P"),
     cli.time_limit_option(
@@ -101,46 +80,4 @@ def work_precision_command(options: Namespace) -> str:
       points.json                what an interrupted study goes on from
     --peers runs scipy, diffrax, heyoka or torchdiffeq beside ours (extra `peers`), at tolerances from 1e-3 to 1e-13.
     """
-    from driftproof.methods.tableau_file import method_of
-    from driftproof.reports.sweeps import progress_bar
-    from driftproof.reports.user_problem import problem_given
-    from driftproof.reports.work_precision.peers import peers_named
-    from driftproof.reports.work_precision.report import errors_json, study_text, times_json
-    from driftproof.reports.work_precision.study import Study, measure
-    from driftproof.support.files import require_folder, sole_writer
-
-    methods = [method_of(name) for name in options.methods or WORK_PRECISION_METHODS]
-    study = Study(problem_given(options.problem), methods, peers_named(options.peers), options.time_limit)
-    with ExitStack() as stack:
-        if options.output:
-            require_folder(options.output)
-            options.output.mkdir(parents=True, exist_ok=True)
-            stack.enter_context(sole_writer(options.output))
-        bar = stack.enter_context(progress_bar(0, "point"))
-
-        def progress(more: int, done: int) -> None:
-            bar.total += more
-            bar.update(done)
-
-        measured = measure(study, options.output, _say, progress)
-        written = _write(study, measured, options.output) if options.output else []
-    both = {"errors": errors_json(study, measured), "times": times_json(study, measured)}
-    return cli.as_asked(options, both, lambda _: "\n".join([study_text(study, measured), *written]))
-
-
-def _write(study: Study, measured: Measured, folder: Path) -> list[str]:
-    """A line for each file; the figures are left out, with the reason, where nothing can be drawn."""
-    from driftproof.numeric.work_precision.exact import floors
-    from driftproof.reports.work_precision.report import write_study
-    from driftproof.support.environment import how_to_install, installed
-
-    lines = [f"wrote {path}" for path in write_study(study, measured, folder)]
-    if not installed("matplotlib"):
-        return [*lines, f"no figures: matplotlib is not installed; {how_to_install('report')}"]
-    from driftproof.reports.work_precision.figure import draw_study
-
-    return [*lines, *(f"wrote {draw_study(study, measured, quantity, folder)}" for quantity in floors(study.problem))]
-
-
-def _say(line: str) -> None:
-    print(printable(f"driftproof work-precision: {line}"), file=sys.stderr)
+    return cli.answer_of("work_precision", options)

@@ -3,14 +3,9 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from driftproof.commands import arguments as cli
-
-if TYPE_CHECKING:
-    from concurrent.futures import Executor
 
 MOST_WORKERS = 1024
 CERTIFIED_DIGITS = cli.digits_option("digits of certified readouts (default 15)", default=15)
@@ -56,19 +51,7 @@ def scene_command(options: Namespace) -> str:
       methods = ["rk4", "velocity_verlet"]
       panels = ["table"]                table, position, phase_plane; for a report also work_precision, stability
     """
-    from driftproof.numeric.scenes import scene_named
-    from driftproof.reports.page.trajectory import write_figures
-    from driftproof.reports.scene_view import scene_json, scene_text, show_scene
-    from driftproof.support.files import require_folder
-
-    scene = scene_named(options.name)
-    if options.figures:
-        require_folder(options.figures)
-    shown = show_scene(scene, options.digits, cli.count_steps)
-    drawn = write_figures(scene, options.figures) if options.figures else []
-    wrote = "\n".join(f"wrote {path}" for path in drawn)
-    text = "\n\n".join(filter(None, [scene_text(scene, shown), wrote]))
-    return cli.as_asked(options, scene_json(scene, shown), lambda _: text)
+    return cli.answer_of("scene", options)
 
 
 @cli.command(
@@ -101,25 +84,7 @@ def sweep_command(options: Namespace) -> str:
     overflows, or an h that does not divide t, is answered by its message. Nothing in the result depends on --workers,
     or on --cluster tcp://HOST:8786, the scheduler of a dask cluster (extra: pip install 'driftproof[cluster]').
     """
-    from driftproof.numeric.scenes import scene_named
-    from driftproof.reports.sweeps import sweep_json, sweep_text, sweep_with_progress
-
-    scene = scene_named(options.scene)
-    axes = {"selected": options.methods, "start": options.state, "t": options.t, "h": options.h}
-    grid = {name: values for name, values in axes.items() if values}
-    with _executor(options) as executor:
-        found = sweep_with_progress(scene, grid, executor, options.output)
-    return cli.as_asked(options, sweep_json(scene, found), lambda _: sweep_text(scene, found))
-
-
-def _executor(options: Namespace) -> AbstractContextManager[Executor | None]:
-    """What runs the points; None leaves that to the sweep."""
-    from driftproof.numeric.sweep import processes
-    from driftproof.reports.sweeps import cluster_executor
-
-    if options.cluster:
-        return cluster_executor(options.cluster)
-    return processes(options.workers) if options.workers else nullcontext()
+    return cli.answer_of("sweep", options)
 
 
 @cli.command(
@@ -139,13 +104,6 @@ def report_command(options: Namespace) -> str:
     the panels that the scenes name: table, position, phase_plane, work_precision, stability (`driftproof scene --help`
     shows a scene). The same scenes make the same bytes.
     """
-    from driftproof.numeric.scenes import PRESETS, scene_named
-    from driftproof.reports.page.document import document
-    from driftproof.support.files import atomic_write, require_file
+    import driftproof
 
-    require_file(options.output)
-    scenes = [scene_named(name) for name in options.scenes or PRESETS]
-    page = document(scenes, options.digits, cli.count_steps)
-    with atomic_write(options.output) as draft:
-        Path(draft).write_text(page, encoding="utf-8", newline="\n")
-    return f"wrote {options.output}"
+    return str(driftproof.report(*options.scenes, output=options.output, digits=options.digits))

@@ -7,8 +7,6 @@ from pathlib import Path
 
 from driftproof.commands import arguments as cli
 
-TEMPLATE_SUFFIX = ".j2"
-
 
 @cli.command(
     cli.option("templates", "a text with {{ value(...) }} in it", nargs="+", type=Path, metavar="TEMPLATE"),
@@ -34,40 +32,25 @@ def render_command(options: Namespace) -> str:
       q = {{ value("rk4.first_step.q") | digits(6) }}, which is {{ value("step rk4 h=1/2 : q") }}.
       {{ methods_table(["forward_euler", "rk4"], ["state_error digits 4", "evaluations"], h="1/4", t="10") }}
     """
-    from driftproof.support.files import atomic_write
-    from driftproof.texts.templates.rendering import output_difference, render
-
-    outputs = _outputs(options.templates, options.output)
-    rendered = {out: render(template, out, options.style, options.rounding) for out, template in outputs.items()}
-    if options.check:
-        diffs = [output_difference(out, rendered[out].text, template) for out, template in outputs.items()]
-        if any(diffs):
-            raise cli.Refuted("\n".join(filter(None, diffs)))
-        return "\n".join(f"{out} is what {template} renders" for out, template in outputs.items())
-    for out, found in rendered.items():
-        with atomic_write(out) as draft:
-            Path(draft).write_bytes(found.text.encode("utf-8"))
-    return "\n".join(f"{out}: {found.asked} values" for out, found in rendered.items())
-
-
-def _outputs(templates: list[Path], output: Path | None) -> dict[Path, Path]:
-    """Output -> template. Raises ValueError where two have one output, or a template would be overwritten."""
     from driftproof.support.files import require_file
-    from driftproof.texts.templates.text_kinds import kind_of
+    from driftproof.texts.templates.rendering import output_of, render
 
-    if output is not None and len(templates) > 1:
+    if options.output is not None and len(options.templates) > 1:
         raise ValueError("--output names one file, and there are several templates; render them one by one")
-    found: dict[Path, Path] = {}
-    for template in templates:
-        if output is None and template.suffix != TEMPLATE_SUFFIX:
-            raise ValueError(f"{template}: the name does not end in {TEMPLATE_SUFFIX}; name the output with -o")
-        out = output or template.with_suffix("")
-        kind_of(out)
+    outputs, taken = [output_of(each, options.output) for each in options.templates], list[Path]()
+    for out in outputs:
         require_file(out)  # whose links, if they lead in a circle, cannot be resolved
-        if out in found or out.resolve() in {path.resolve() for path in templates}:
+        if out.resolve() in (*taken, *(template.resolve() for template in options.templates)):
             raise ValueError(f"{out} is already a template or an output here; name another with -o")
-        found[out] = template
-    return found
+        taken.append(out.resolve())
+    rendered = [render(each, options.output, options.style, options.rounding) for each in options.templates]
+    if options.check:
+        if diffs := list(filter(None, (each.difference() for each in rendered))):
+            raise cli.Refuted("\n".join(diffs))
+        return "\n".join(f"{each.output} is what {each.template} renders" for each in rendered)
+    for each in rendered:
+        each.write()
+    return "\n".join(map(str, rendered))
 
 
 @cli.command(
@@ -134,20 +117,14 @@ def check_command(options: Namespace) -> str:
       phrase = "{n} min read"                       # numbers that belong to names are not counted
       why = "reading time"
     """
-    from driftproof.texts.claims.claims import Claims, read_claims
-    from driftproof.texts.claims.drafting import draft
-    from driftproof.texts.claims.listings import run_listings
-    from driftproof.texts.claims.report import TextReport
-    from driftproof.texts.readers.document import read_document
+    from driftproof.texts.claims.report import TextReport, check
 
     if options.init and (options.run or options.coverage or options.format != "text"):
         raise ValueError("--init drafts claims; --run, --coverage and --format need --claims")
-    claims = Claims() if options.init else read_claims(options.claims)
-    document = read_document(options.text, claims.form)
     if options.init:
-        return draft(document, options.text)
-    ran = run_listings(document, options.time_limit) if options.run else None
-    report = TextReport.of(options.text, document, claims, ran, options.coverage)
-    if report.findings:
+        return str(check(options.text, init=True))
+    how = {name: getattr(options, name) for name in ("coverage", "run", "time_limit")}
+    report: TextReport = check(options.text, options.claims, **how)
+    if not report.passed:
         raise cli.Refuted(report.written(options.format))
     return report.written(options.format)

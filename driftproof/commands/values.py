@@ -101,10 +101,9 @@ def diff_command(options: Namespace) -> str:
     value if its exact forms differ, or its decimals cannot be roundings of one number; only in digits if more or fewer
     are shown. Outputs of `driftproof facts`, `step` and `run --format json` are compared as well.
     """
-    from driftproof.texts.values.changes import changes, changes_report, read_values
+    from driftproof.texts.values.changes import diff
 
-    found = changes(read_values(options.old), read_values(options.new))
-    report = changes_report(found, options.old, options.new, options.format)
-    if any(change.kind == "value" for change in found):
-        raise cli.Refuted(report)
-    return report
+    found = diff(options.old, options.new)
+    if not found.same:
+        raise cli.Refuted(found.written(options.format))
+    return found.written(options.format)

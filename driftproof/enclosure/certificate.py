@@ -12,6 +12,7 @@ from typing import TypeAlias
 from flint import arb, ctx
 
 from driftproof.support.plain_text import Json, as_json
+from driftproof.support.results import Printable
 
 # A row of balls a time, a ball a component.
 BallRows: TypeAlias = tuple[tuple[arb, ...], ...]
@@ -51,8 +52,8 @@ class Drift:
     rounding: tuple[arb, ...] | None = None
 
 
-@dataclass(frozen=True)
-class Certificate:
+@dataclass(frozen=True, repr=False)
+class Certificate(Printable):
     """The error y[i] - y(t[i]) of each point of a trajectory, as a row of balls; y(t) starts from y[0] as it stands.
 
     `digits_at` is how many decimals of the solution's largest component are right at each point, `digits` the least of
@@ -103,8 +104,6 @@ class Certificate:
             lines.append(f"f's constants are these doubles, exactly: {', '.join(map(repr, self.doubles))}")
         return "\n".join(lines)
 
-    __str__ = text
-
     def _split_lines(self, split: Split) -> list[str]:
         i, j = self.worst
         parts = f"truncation {decimal(split.truncation[i][j])} + rounding {decimal(split.rounding[i][j])}"
@@ -147,9 +146,9 @@ class Certificate:
             }
         return found
 
-    def json(self) -> str:
-        """The record as canonical JSON."""
-        return as_json(self.record())
+    def written(self, form: str) -> str:
+        """As "text", or the record as canonical "json"."""
+        return as_json(self.record()) if form == "json" else self.text()
 
     def _repr_html_(self) -> str:
         """The words, and a table of a few points, for a notebook."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,9 @@ from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
 from driftproof.enclosure.solutions import BITS_AT_FIRST, Enclosure, enclose_solution
 from driftproof.enclosure.steps import jacobian_of, size
 from driftproof.enclosure.text_fields import GivenField, right_hand_side
-from driftproof.enclosure.trajectories import Trajectory, has_trajectory, trajectory_of
+from driftproof.enclosure.trajectories import Trajectory, has_trajectory, read_trajectory, trajectory_of
+from driftproof.methods.field_text import field_of_file
+from driftproof.methods.rationals import ExactNumber
 from driftproof.methods.schemes import Method
 from driftproof.support.assertions import AssertedVerdict, tell
 
@@ -41,15 +44,16 @@ def certify(
     t: Any = None,
     y: Any = None,
     *,
-    method: Method | str | None = None,
-    h: float | Fraction | None = None,
+    method: str | Path | Method | None = None,
+    h: ExactNumber | None = None,
     invariants: GivenInvariants = (),
 ) -> Certificate:
     """The error of a float trajectory of y' = f(t, y), enclosed: y[i] at t[i], one row a time, from any solver.
 
     In place of t and y there may be what a solver returned, also as the first argument: an object with .t and .y, one
-    column a time (SciPy's), or with .ts and .ys, one row a time (diffrax's). f is run unchanged on balls, and on series
-    of balls; as text, "y1; -sin(y0)", its numbers are exact. Raises Refused where nothing can be proved.
+    column a time (SciPy's), or with .ts and .ys, one row a time (diffrax's); or the path of a .csv or .npz file. f is
+    run unchanged on balls, and on series of balls; as text, "y1; -sin(y0)", or as a .toml file's, its numbers are
+    exact. Raises Refused where nothing can be proved.
 
     `method` splits the error into that of the method and what rounding added: a key of the catalogue, a .toml file, or
     RK23, RK45, DOP853 as SciPy has them. Its steps are those from point to point; or of size h, where points are some
@@ -64,14 +68,15 @@ def certify(
     """
     if y is None and has_trajectory(f) and not has_trajectory(t):
         f, t = t, f
-    return certificate_of(f, trajectory_of(t, y), method, h, invariants)
+    run = read_trajectory(Path(t)) if y is None and isinstance(t, str | Path) else trajectory_of(t, y)
+    return certificate_of(field_of_file(f) if str(f).endswith(".toml") else f, run, method, h, invariants)
 
 
 def certificate_of(
     given: GivenField,
     run: Trajectory,
-    method: Method | str | None = None,
-    h: float | Fraction | None = None,
+    method: str | Path | Method | None = None,
+    h: ExactNumber | None = None,
     invariants: GivenInvariants = (),
 ) -> Certificate:
     """As `certify`, of a trajectory that is read already."""

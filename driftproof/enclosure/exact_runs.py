@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
 from driftproof.enclosure.steps import jacobian_of, size
 from driftproof.enclosure.trajectories import Trajectory
 from driftproof.methods.number_field import Exact
+from driftproof.methods.rationals import ExactNumber
 from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
 from driftproof.methods.tableau_file import method_of
 from driftproof.methods.vector_fields import array_step
@@ -68,7 +70,7 @@ class StepPlan:
             return found
 
 
-def plan_of(f: RightHandSide, run: Trajectory, method: Method | str, h: float | Fraction | None = None) -> StepPlan:
+def plan_of(f: RightHandSide, run: Trajectory, method: str | Path | Method, h: ExactNumber | None = None) -> StepPlan:
     """The steps of the run: from each point to the next; or of size h, the points being multiples of it from the first.
 
     Raises Refused where points of the run are not one step of the method apart.
@@ -94,11 +96,11 @@ def plan_of(f: RightHandSide, run: Trajectory, method: Method | str, h: float | 
     return plan
 
 
-def named_method(method: Method | str) -> Method:
+def named_method(method: str | Path | Method) -> Method:
     """A method of the catalogue, of a file, or SciPy's RK23, RK45, DOP853 with their doubles. Raises ValueError."""
     if method in SCIPY_SOLVERS:
         return in_doubles(method_of(SCIPY_SOLVERS[str(method)]), str(method))
-    return method_of(method) if isinstance(method, str) else method
+    return method_of(method)
 
 
 def in_doubles(method: Method, key: str) -> RungeKutta:

@@ -3,8 +3,16 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from fractions import Fraction
-from math import ceil, floor
+from math import ceil, floor, isfinite
+from numbers import Rational
+from typing import TypeAlias
+
+# A number that is meant exactly, as Python has it: a float only where it is the decimal that it prints as.
+ExactNumber: TypeAlias = Fraction | int | float | str
+# Position and velocity as Python has them, or as the command line does: "1,0".
+GivenState: TypeAlias = str | Sequence[ExactNumber]
 
 # Enough for every binary64 written out in full (1074 fractional digits); beyond it a short string such as
 # "1e999999999" would ask for gigabytes.
@@ -36,6 +44,58 @@ def parse_rational(text: str, what: str = "number") -> Fraction:
         raise ValueError(f"{what}: {shown!r} divides by zero; {allowed}") from None
     except ValueError:
         raise ValueError(f"{what}: {shown!r} is not a rational number; {allowed}") from None
+
+
+def exact_number(given: ExactNumber, what: str = "number") -> Fraction:
+    """The number that is given, exactly: text is parsed; of floats those are taken that are what they print as.
+
+    0.25 is a quarter in binary, too, while the double 0.1 is not a tenth: which of the two is meant has to be said.
+    Raises ValueError with one line that names `what`.
+
+    >>> exact_number("0.1"), exact_number(0.25)
+    (Fraction(1, 10), Fraction(1, 4))
+    >>> exact_number(0.1, "h")
+    Traceback (most recent call last):
+    ValueError: h: the double 0.1 is not 0.1 exactly; write "0.1" for the decimal, or Fraction(0.1) for the double
+    """
+    if isinstance(given, str):
+        return parse_rational(given, what)
+    if isinstance(given, float) and isfinite(given):
+        if Fraction(given) == Fraction(text := float.__repr__(given)):
+            return Fraction(given)
+        meant = f'write "{text}" for the decimal, or Fraction({text}) for the double'
+        raise ValueError(f"{what}: the double {text} is not {text} exactly; {meant}")
+    if isinstance(given, Rational) and str(given) not in ("True", "False"):
+        return Fraction(int(given.numerator), int(given.denominator))
+    raise ValueError(f"{what} is {str(given)[:LONGEST_SHOWN]!r}; give a Fraction, an int, or text such as '1/4'")
+
+
+def step_of(given: ExactNumber) -> Fraction:
+    """A step size, exact and not zero. Raises ValueError."""
+    h = exact_number(given, "h")
+    if h == 0:
+        raise ValueError("a step of size 0 goes nowhere; give a nonzero h")
+    return h
+
+
+def exact_numbers(given: ExactNumber | Sequence[ExactNumber], what: str) -> list[Fraction]:
+    """One number or several, also in one text: "1/4,1/8". Raises ValueError."""
+    if isinstance(given, str):
+        given = given.split(",")
+    return [exact_number(x, what) for x in (given if isinstance(given, Sequence) else [given])]
+
+
+def steps_of(given: ExactNumber | Sequence[ExactNumber]) -> list[Fraction]:
+    """One step size or several, none of them 0. Raises ValueError."""
+    return [step_of(h) for h in exact_numbers(given, "h")]
+
+
+def state_of(given: GivenState) -> tuple[Fraction, Fraction]:
+    """A state, as a pair or written as position,velocity. Raises ValueError."""
+    parts = given.split(",") if isinstance(given, str) else given
+    if len(parts) != 2:
+        raise ValueError(f"{str(given)[:40]!r} is not a state; write position,velocity like 1,0")
+    return exact_number(parts[0], "q"), exact_number(parts[1], "v")
 
 
 def step_count(t: Fraction, h: Fraction) -> int:

@@ -326,6 +326,14 @@ class Collocation:
 Method: TypeAlias = RungeKutta | Splitting | Nystrom | Collocation
 
 
+def demand_method(given: object) -> None:
+    """Raises TypeError, with what to write, for the name of a method where the method itself is meant."""
+    if isinstance(given, str):
+        raise TypeError(
+            f"{given[:60]!r} is a string, and a method is needed: METHODS[...], or read_method(...) of a .toml file"
+        )
+
+
 def is_strictly_lower(a: Sequence[Sequence[object]]) -> bool:
     """True when A has only zeros on and above its diagonal, so that stages can be computed one after the other."""
     return all(x == 0 for i, row in enumerate(a) for x in row[i:])

@@ -28,7 +28,7 @@ from pathlib import Path
 from typing import Any
 
 from driftproof.methods.additive import Additive
-from driftproof.methods.catalogue import FactsOnly, entry_named, of_one_state
+from driftproof.methods.catalogue import METHODS, FactsOnly, entry_named, of_one_state
 from driftproof.methods.common_field import common_field, element_of
 from driftproof.methods.expressions import RADICALS, parse_exact, parse_number
 from driftproof.methods.families import FAMILIES, Family, ParameterFunction, parameter_function, parse_function
@@ -301,19 +301,40 @@ _FAMILIES: dict[str, tuple[tuple[str, ...], _Reader]] = {
 _PARAMETRIC: tuple[tuple[str, ...], _Reader] = (("parameter", "A", "b", "c"), _family)
 
 
-def method_of(name: str) -> Method:
-    """The method `name`, or the one in the TOML file `name` if it ends in .toml.
+def method_of(given: str | Path | Method) -> Method:
+    """The method with this key or name, or in the TOML file if it ends in .toml; a method is itself.
 
     Raises ValueError, also of a family, and of a method that has facts only.
     """
-    subject = subject_of(name)
+    subject = subject_of(given)
     if isinstance(subject, Family):
         raise ValueError(f"{subject.key} is a family of methods, with {subject.parameter} free; one method is needed")
     return of_one_state(subject)
 
 
-def subject_of(name: str) -> Method | Family | FactsOnly:
+def methods_of(given: str | Path | Method | Sequence[str | Path | Method]) -> list[Method]:
+    """One method or several, keys also in one text: "rk4,heun2". Raises ValueError."""
+    if isinstance(given, str):
+        given = [name.strip() for name in given.split(",")]
+    return [method_of(each) for each in (given if isinstance(given, Sequence) else [given])]
+
+
+def subject_of(given: str | Path | Method | Family | FactsOnly) -> Method | Family | FactsOnly:
     """What facts are asked of: like `method_of`, families and methods that have facts only among it."""
+    if isinstance(given, Method | Family | FactsOnly):
+        return given
+    if not isinstance(given, str | Path):
+        raise ValueError(f"{str(given)[:60]!r} is no method: give a key, the path of a .toml file, or a method")
+    name = str(given)
     if name.endswith(".toml"):
         return read_method(Path(name))
     return FAMILIES[name] if name in FAMILIES else entry_named(name)
+
+
+def name_of(given: str | Path | Method) -> str:
+    """What names the method to a scene: its key or file. Raises ValueError for a method that only Python has."""
+    if isinstance(given, str | Path):
+        return str(given)
+    if METHODS.get(given.key) != given:
+        raise ValueError(f"scenes name methods by keys and .toml files, and {given.key} is in neither")
+    return given.key

@@ -101,16 +101,6 @@ def run_method(scene: Scene, key: str, counter: Counter = range) -> Readouts:
     return {name: _finite_readout(name, finished) for name in scene.readouts}
 
 
-def run(scene: Scene, counter: Counter = range) -> dict[str, Readouts]:
-    """The scene's readouts for its selected method and for each method it compares. Raises as `run_method`.
-
-    >>> from driftproof import PRESETS, run
-    >>> run(PRESETS["stability_boundary"])["symplectic_euler"]["final_state"]
-    (-11.0, -10.0)
-    """
-    return {key: run_method(scene, key, counter) for key in dict.fromkeys((scene.selected, *scene.methods))}
-
-
 def times_of_steps(h: Fraction, steps: int) -> Any:
     """The times i·h for i = 0..steps, each rounded once: an array of binary64. Never accumulated.
 

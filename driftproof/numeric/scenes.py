@@ -128,8 +128,11 @@ PRESETS: dict[str, Scene] = {
 }
 
 
-def scene_named(name: str) -> Scene:
-    """The preset `name`, or the scene in the TOML file `name` if it ends in .toml. Raises SceneError."""
+def scene_named(given: str | Path | Scene) -> Scene:
+    """The preset of this name, or the scene in the TOML file if it ends in .toml. Raises SceneError."""
+    if isinstance(given, Scene):
+        return given
+    name = str(given)
     if name.endswith(".toml"):
         return read_scene(Path(name))
     if name in PRESETS:

@@ -55,7 +55,7 @@ def hand_written(method: Method) -> Step | None:
 
 def float_stepper(method: Method | str) -> Step:
     """The stepper that float runs of a method use, or of that of this name: the hand-written one where there is one."""
-    method = method_of(method) if isinstance(method, str) else method
+    method = method_of(method)
     return hand_written(method) or stepper(method, float)
 
 

@@ -54,7 +54,7 @@ class SweepAnswer(NamedTuple):
     found: Found
 
 
-def sweep(
+def run_grid(
     scene: Scene,
     grid: Grid,
     executor: Executor | None = None,
@@ -71,10 +71,6 @@ def sweep(
     without readouts, and a file that is not of this sweep; OSError where a process ends.
 
     >>> from fractions import Fraction
-    >>> from driftproof import PRESETS, sweep
-    >>> grid = {"h": [Fraction(1), Fraction(2)]}
-    >>> [answer.found["final_state"] for answer in sweep(PRESETS["stability_boundary"], grid)]
-    [(0.0, 1.0), (-11.0, -10.0)]
     """
     points, found = points_of(scene, grid), dict[int, Found]()
     for batch in sweep_batches(scene, grid, executor, checkpoint):
@@ -84,7 +80,7 @@ def sweep(
 
 
 def points_of(scene: Scene, grid: Grid) -> list[Values]:
-    """The points of the grid in their order. Raises as `sweep`."""
+    """The points of the grid in their order. Raises as `run_grid`."""
     if not scene.readouts or TRAJECTORY in scene.readouts:
         raise ValueError(f"scene {scene.name!r}: a sweep needs readouts, and keeps no trajectory")
     for name, values in grid.items():
@@ -100,7 +96,7 @@ def points_of(scene: Scene, grid: Grid) -> list[Values]:
 def sweep_batches(
     scene: Scene, grid: Grid, executor: Executor | None = None, checkpoint: Path | None = None
 ) -> Iterator[Batch]:
-    """(index of the point, what it found) for every point, in the order in which they come; as `sweep`."""
+    """(index of the point, what it found) for every point, in the order in which they come; as `run_grid`."""
     points = points_of(scene, grid)
     if checkpoint is None:
         yield from _spread(scene, points, deque(range(len(points))), executor)

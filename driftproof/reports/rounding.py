@@ -5,24 +5,26 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from fractions import Fraction
+from pathlib import Path
 from typing import Any, TypeAlias
 
-from driftproof.methods.rationals import step_count
+from driftproof.methods.rationals import ExactNumber, steps_of
 from driftproof.methods.schemes import Method
 from driftproof.methods.stepping import oscillator
 from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.run import Counter, NonFiniteState, demand_few, integrate, nearest_double
 from driftproof.numeric.steppers import float_stepper, hand_written
 from driftproof.support.plain_text import Json, table
+from driftproof.support.results import Answered
 from driftproof.symbolic.algebra.certified import AWAY, CertifiableReal, enclose
 from driftproof.symbolic.error_budget import ErrorOfRun
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
 from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound
-from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
+from driftproof.symbolic.rounding.formats import BINARY64, FORMATS, FloatFormat
 from driftproof.symbolic.rounding.n_steps_bound import HypothesisFails, largest_safe_state, run_bound, safe_state_text
 from driftproof.symbolic.rounding.step_bound import StepBound, StepOrMethod, step_bound, step_with_stored_coefficients
 from driftproof.symbolic.rounding.text import first_order_text, format_text, full_text
-from driftproof.symbolic.runs import exact_matrix_at
+from driftproof.symbolic.runs import OscillatorRun, exact_matrix_at
 from driftproof.texts.writing.answers import exact_and_decimal
 
 _State: TypeAlias = tuple[Fraction, Fraction]
@@ -34,18 +36,26 @@ MEASURED = ("final_state", "state_error", "truncation", "rounding", "rounding_in
 ROWS = {"plain": "plain", "sharp": "sharp", "as_held": "as held"}
 
 
-def roundoff_answer(key: str, steps: Sequence[Fraction], fmt: FloatFormat = BINARY64) -> Json:
-    """The rounding bound of one step of a method, by name or TOML file, as formulas and at each h of `steps`.
+def roundoff(
+    method: str | Path | Method, h: ExactNumber | Sequence[ExactNumber] = (), *, float: str = BINARY64.name
+) -> Answered:
+    """The rounding bound of one step of a method, derived by running it: as formulas, and at each step size of `h`.
 
     Binary64 takes the program that float runs use, hand-written where there is one; other formats the generic step,
     with its coefficients rounded to the format. All bounds are about the definition's exact M(h), the rounding of the
     coefficients included, but for `as_held`: the sharp bound about the polynomial with the coefficients that the
-    program holds. Where it holds them all exactly, there is no such row.
+    program holds. Where it holds them all exactly, there is no such row. Raises ValueError.
+
+    >>> from driftproof import roundoff
+    >>> roundoff("symplectic_euler", "1/4").found.format.name
+    'binary64'
     """
-    method = method_of(key)
+    if float not in FORMATS:
+        raise ValueError(f"unknown number format {float!r}; choose from {', '.join(FORMATS)}")
+    method, fmt, steps = method_of(method), FORMATS[float], steps_of(h)
     subject = _program(method) if fmt == BINARY64 else method
     bound = step_bound(subject, fmt)
-    return {
+    answer = {
         "method": method.key,
         "title": method.title,
         "program": "generic" if subject is method else "hand-written",
@@ -54,8 +64,9 @@ def roundoff_answer(key: str, steps: Sequence[Fraction], fmt: FloatFormat = BINA
         "full": full_text(bound),
         "rounds_coefficients": bound.rounds_constants,
         "differences_from_definition": bound.differences(oscillator_matrix(method)),
-        "at": [_at(method, subject, bound, fmt.nearest(h)) for h in steps],
+        "at": [_at(method, subject, bound, fmt.nearest(size)) for size in steps],
     }
+    return Answered(answer, roundoff_text, bound)
 
 
 def _program(method: Method) -> StepOrMethod:
@@ -92,15 +103,13 @@ def _per_step(subject: Any, h: Fraction, fmt: FloatFormat) -> Json:
     }
 
 
-def budget_answer(
-    key: str, h: Fraction, t: Fraction, start: _State, digits: int, rounding: str, counter: Counter
-) -> Json:
+def budget_answer(asked: OscillatorRun, digits: int, rounding: str, counter: Counter) -> Json:
     """The error of one binary64 run, truncation and rounding apart, each certified, beside the theorem's bound.
 
     The run uses the double nearest to h, and the state is compared at N times that double: what is reported is
     the error of the numbers that the program really has. A run that overflows has no such error: then only "reason".
     """
-    method, steps = method_of(key), step_count(t, h)
+    method, h, start, steps = asked.method, asked.h, asked.start, asked.steps
     demand_few(steps)
     size, *state = (nearest_double(x, name) for x, name in ((h, "h"), (start[0], "q"), (start[1], "v")))
     exact_h, exact_start = Fraction(size), (Fraction(state[0]), Fraction(state[1]))

@@ -72,9 +72,11 @@ def asking_for(scene: Scene, readouts: Iterable[str]) -> Scene:
 def certified(scene: Scene, digits: int) -> dict[str, Any]:
     """The certified readouts of the scene's selected method, with so many digits."""
     from driftproof.symbolic.algebra.certified import HALF_EVEN
+    from driftproof.symbolic.runs import OscillatorRun
     from driftproof.texts.writing.answers import run_answer
 
-    answer = run_answer(scene.selected, scene.h, scene.t, scene.start, digits, HALF_EVEN)
+    run = OscillatorRun(method_of(scene.selected), scene.h, scene.t, scene.start)
+    answer = run_answer(run, digits, HALF_EVEN)
     return {name: answer[name] for name in scene.certified}
 
 

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from math import inf, isfinite
-from typing import TypeAlias
+from pathlib import Path
 
 from flint import ctx
 
-from driftproof.methods.rationals import brief, step_count
+from driftproof.methods.rationals import ExactNumber, brief, step_count, steps_of
 from driftproof.methods.schemes import Method, MethodError
-from driftproof.methods.tableau_file import method_of
+from driftproof.methods.tableau_file import methods_of
 from driftproof.numeric.advance import Advance, advance, float_start, step_times
+from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.stability import Observed, euclidean_norm, fewest_steps, largest_bounded, observe, stays_bounded
 from driftproof.numeric.work_precision.exact import distance_from_digits
+from driftproof.reports.progress import with_progress
+from driftproof.reports.user_problem import problem_given
 from driftproof.support.plain_text import Json, table, with_digits
+from driftproof.support.results import Answered
 from driftproof.symbolic.algebra.certified import HALF_EVEN, CertifiableReal, enclose, significant
 from driftproof.symbolic.facts import Facts
 from driftproof.symbolic.linear.oscillator import stability_function_of
@@ -25,9 +29,8 @@ from driftproof.symbolic.linear.systems import SYSTEM_FACTS, SystemFacts, bounde
 from driftproof.texts.writing.answers import exact_and_decimal
 from driftproof.texts.writing.records import record
 
-# Goes over the methods, with a progress bar perhaps.
-Walk: TypeAlias = Callable[[Sequence[str]], Iterable[str]]
-
+# One of each behaviour, and the lesson's three among them.
+STABILITY_METHODS = ("forward_euler", "rk4", "symplectic_euler", "backward_euler", "implicit_midpoint", "radau_iia2")
 _DIGITS = 6
 # Steps of the runs that are looked for, and of those that are shown: implicit steps take a thousand times as long.
 _MOST_EXPLICIT, _MOST_IMPLICIT, _MOST_SHOWN = 1 << 14, 1 << 9, 10**6
@@ -41,24 +44,37 @@ _FOLLOWS = 0.1
 _LOST = 1e6
 
 
-def stability_answer(problem: Problem, names: Sequence[str], sizes: Sequence[Fraction], walk: Walk = iter) -> Json:
-    """{"problem", "title", "linear", "size", "methods": [...]}, one entry a method; numbers are strings.
+def stability(
+    problem: str | Path | Problem | None = None,
+    methods: str | Path | Method | Sequence[str | Path | Method] = (),
+    h: ExactNumber | Sequence[ExactNumber] = (),
+) -> Answered:
+    """Which steps methods can take on a problem, where their runs end, and what is expected; without one, the problems.
 
-    `sizes` are step sizes that divide t; without them runs of _SHOWN steps are shown. On a linear problem, per method:
-    `limit`, `attained`, `at_infinity` as proved, `seen`, the neighbouring doubles between which powers of the float
-    step begin to grow. On any other, the `fewest_steps` that follow the solution to its end, as longer runs do.
-    Raises ValueError.
+    The data are {"problem", "title", "linear", "size", "methods": [...]}, one entry a method. `h` are step sizes that
+    divide t; without them runs of _SHOWN steps are shown. On a linear problem, per method: `limit`, `attained`,
+    `at_infinity` as proved, `seen`, the neighbouring doubles between which powers of the float step begin to grow. On
+    any other, the `fewest_steps` that follow the solution to its end, as longer runs do. Raises ValueError.
+
+    >>> from driftproof import stability
+    >>> stability("dahlquist_1e3", ["rk4"])["methods"][0]["limit"]["decimal"]
+    '0.002785293563405281623529759189769'
     """
-    counts = [step_count(problem.t, h) for h in sizes] or list(_SHOWN)
+    if problem is None:
+        return Answered(problems_json(PROBLEMS.values()), problems_text)
+    about = problem_given(problem)
+    counts = [step_count(about.t, size) for size in steps_of(h)] or list(_SHOWN)
     if max(counts) > _MOST_SHOWN:
-        raise ValueError(f"{brief(max(counts))} steps to t = {problem.t}; at most {_MOST_SHOWN} are run here")
-    return {
-        "problem": problem.key,
-        "title": problem.title,
-        "linear": problem.matrix is not None,
-        "size": repr(solution_size(problem)),
-        "methods": [_method_answer(problem, method_of(name), counts) for name in walk(names)],
+        raise ValueError(f"{brief(max(counts))} steps to t = {about.t}; at most {_MOST_SHOWN} are run here")
+    asked = methods_of(methods or STABILITY_METHODS)
+    answer = {
+        "problem": about.key,
+        "title": about.title,
+        "linear": about.matrix is not None,
+        "size": repr(solution_size(about)),
+        "methods": [_method_answer(about, each, counts) for each in with_progress(asked, "method")],
     }
+    return Answered(answer, stability_text)
 
 
 def _method_answer(problem: Problem, method: Method, counts: Sequence[int]) -> Json:

@@ -4,19 +4,23 @@ from __future__ import annotations
 
 import logging
 import re
-import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import CancelledError, Executor
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
+from driftproof.methods.rationals import ExactNumber, GivenState, exact_numbers, state_of, steps_of
+from driftproof.methods.schemes import Method
+from driftproof.methods.tableau_file import name_of
 from driftproof.numeric.run import Readouts
-from driftproof.numeric.scenes import Scene
-from driftproof.numeric.sweep import Grid, SweepAnswer, points_of, strings, sweep
+from driftproof.numeric.scenes import Scene, scene_named
+from driftproof.numeric.sweep import SweepAnswer, points_of, processes, run_grid, strings
+from driftproof.reports.progress import progress_bar
 from driftproof.reports.scene_view import scene_json
 from driftproof.support.environment import require_package
 from driftproof.support.plain_text import table, with_digits
+from driftproof.support.results import Answered
 
 # Pairs would widen the table; they are in the JSON.
 _STATES = ("final_state", "exact_state")
@@ -29,31 +33,48 @@ _ADDRESS = re.compile(r"(\w+://)?[^/\s]+:\d+")
 _PATIENCE = 10
 
 
-def sweep_with_progress(
-    scene: Scene, grid: Grid, executor: Executor | None, checkpoint: Path | None
-) -> list[SweepAnswer]:
-    """As `driftproof.numeric.sweep.sweep`, with a progress bar on a terminal."""
-    with progress_bar(len(points_of(scene, grid)), "point") as bar:
-        return sweep(scene, grid, executor, checkpoint, bar.update)
+def sweep(
+    scene: str | Path | Scene,
+    *,
+    methods: str | Path | Method | Sequence[str | Path | Method] = (),
+    state: Sequence[GivenState] = (),
+    t: ExactNumber | Sequence[ExactNumber] = (),
+    h: ExactNumber | Sequence[ExactNumber] = (),
+    output: str | Path | None = None,
+    workers: int | Executor | None = None,
+    cluster: str | None = None,
+) -> Answered:
+    """A scene in floats at every point of a grid, in parallel; `found` has a `SweepAnswer` for each point in order.
+
+    The grid has a point for each combination, h varying fastest; what is not given is as in the scene. `output` is a
+    file in which answers are kept as they come, and from which the same sweep goes on. `workers` are processes, or an
+    executor of your own; `cluster` the address of a dask scheduler. Raises ValueError.
+
+    >>> from driftproof import sweep
+    >>> [answer.found["final_state"] for answer in sweep("stability_boundary", h=[1, 2]).found]
+    [(0.0, 1.0), (-11.0, -10.0)]
+    """
+    about = scene_named(scene)
+    times, states = exact_numbers(t, "t"), [state_of(each) for each in state or ()]
+    keys = methods.split(",") if isinstance(methods, str) else methods if isinstance(methods, Sequence) else [methods]
+    axes: dict[str, Sequence[Any]] = {
+        "selected": [name_of(key) for key in keys],
+        "start": states,
+        "t": times,
+        "h": steps_of(h),
+    }
+    grid = {name: values for name, values in axes.items() if values}
+    points = points_of(about, grid)
+    with _executor(workers, cluster) as executor, progress_bar(len(points), "point") as bar:
+        found = run_grid(about, grid, executor, None if output is None else Path(output), bar.update)
+    return Answered(sweep_json(about, found), lambda _: sweep_text(about, found), found)
 
 
-class _Unseen:
-    """A progress bar that nobody would see."""
-
-    total = 0
-
-    def update(self, done: int) -> None:
-        """Nothing."""
-
-
-def progress_bar(total: int, unit: str) -> AbstractContextManager[Any]:
-    """A bar on a terminal; elsewhere what has its methods, and tqdm is not imported."""
-    if sys.stderr is None or not sys.stderr.isatty():
-        return nullcontext(_Unseen())
-    from tqdm import tqdm
-
-    bar: AbstractContextManager[Any] = tqdm(total=total, unit=unit, leave=False)
-    return bar
+def _executor(workers: int | Executor | None, cluster: str | None) -> AbstractContextManager[Executor | None]:
+    """What runs the points; None leaves that to the sweep."""
+    if cluster:
+        return cluster_executor(cluster)
+    return processes(workers) if isinstance(workers, int) else nullcontext(workers)
 
 
 def sweep_json(scene: Scene, found: list[SweepAnswer]) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from pathlib import Path
 
 from flint import arb, ctx
 
@@ -29,7 +30,7 @@ _MOST_DOUBLINGS = 4
 _LONGEST_TITLE = 200
 
 
-def problem_given(name: str) -> Problem:
+def problem_given(given: str | Path | Problem) -> Problem:
     """A problem by its key, or by a .toml file of its equations. Raises ValueError in one line, and Refused.
 
     The file has start and end, rates or in their place a Python function, "module:f", which is run once on names; and,
@@ -41,7 +42,9 @@ def problem_given(name: str) -> Problem:
     energy = "y1^2/2 - g * cos(y0)"
     parameters.g = "9.81"
     """
-    if not name.endswith(".toml"):
+    if isinstance(given, Problem):
+        return given
+    if not (name := str(given)).endswith(".toml"):
         return problem_named(name)
 
     def read(table: TomlTable) -> Problem:

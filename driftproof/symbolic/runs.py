@@ -10,13 +10,15 @@ from typing import Any, TypeAlias
 from flint import arb, ctx
 
 from driftproof.methods.rationals import step_count
-from driftproof.methods.schemes import Method
-from driftproof.symbolic.algebra.certified import CertifiableReal, certified_sign, enclose
+from driftproof.methods.schemes import Method, demand_method
+from driftproof.symbolic.algebra.certified import EnclosedReal, certified_sign, enclose
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
 
 # (M_qq, M_qv, M_vq, M_vv) over Fractions or over balls.
 Entries: TypeAlias = tuple[Any, Any, Any, Any]
+# What a run's quantities are: `float` and `str` take both.
+RunNumber: TypeAlias = "Fraction | EnclosedReal"
 # Above this many bits a power of M is only enclosed: the fraction would be longer than anyone reads.
 LONGEST_FRACTION = 4_000
 
@@ -104,8 +106,8 @@ def apply(matrix: Entries, q: Any, v: Any) -> tuple[Any, Any]:
     return matrix[0] * q + matrix[1] * v, matrix[2] * q + matrix[3] * v
 
 
-@dataclass(frozen=True)
-class TrigonometricNumber:
+@dataclass(frozen=True, repr=False)
+class TrigonometricNumber(EnclosedReal):
     """The real number cosine·cos t + sine·sin t for rational t != 0, its coefficients rational and not both zero.
 
     Called, it is an Arb ball around the number; as text, it is written as SymPy writes it: "cos(10)/3 + 2*sin(10)".
@@ -126,6 +128,8 @@ class TrigonometricNumber:
             terms.reverse()
         return " + ".join(_term(c, f"{name}({abs(self.t)})") for c, name in terms if c).replace("+ -", "- ")
 
+    __repr__ = __str__
+
 
 def _term(coefficient: Fraction, factor: str) -> str:
     """E.g. "-3*sin(10)/20"."""
@@ -138,7 +142,7 @@ def _term(coefficient: Fraction, factor: str) -> str:
 class OscillatorRun:
     """N = t/h steps of `method` on q' = v, v' = -q from the rational state `start`.
 
-    Every quantity is a Fraction where it is rational and short, else a procedure that encloses it (`CertifiableReal`).
+    Every quantity is a Fraction where it is rational and short, else a procedure that encloses it (`EnclosedReal`).
     The start is rational and t too, so the exact state is rational only at t = 0, where Fractions are returned, or
     from the origin, where the enclosures are exact: hence no question asked of these numbers is an undecidable tie
     (Lindemann: cos t and sin t are transcendental at rational t != 0).
@@ -158,6 +162,7 @@ class OscillatorRun:
 
     def __post_init__(self) -> None:
         """Refuse a step that does not divide the interval."""
+        demand_method(self.method)
         step_count(self.t, self.h)
 
     @property
@@ -185,15 +190,15 @@ class OscillatorRun:
         return self._power is not None
 
     @cached_property
-    def final_state(self) -> tuple[CertifiableReal, CertifiableReal]:
+    def final_state(self) -> tuple[RunNumber, RunNumber]:
         """(q_N, v_N) = M(h)ᴺ (q₀, v₀)."""
         if self._power is not None:
             q, v = apply(self._power, *self.start)
             return q, v
-        return lambda: _numerical(self)[0], lambda: _numerical(self)[1]
+        return EnclosedReal(lambda: _numerical(self)[0]), EnclosedReal(lambda: _numerical(self)[1])
 
     @property
-    def exact_state(self) -> tuple[CertifiableReal, CertifiableReal]:
+    def exact_state(self) -> tuple[RunNumber, RunNumber]:
         """(q₀ cos t + v₀ sin t, v₀ cos t - q₀ sin t)."""
         q, v = self.start
         if self.t == 0 or not (q or v):
@@ -201,29 +206,29 @@ class OscillatorRun:
         return TrigonometricNumber(q, v, self.t), TrigonometricNumber(v, -q, self.t)
 
     @property
-    def state_error(self) -> CertifiableReal:
+    def state_error(self) -> RunNumber:
         """The Euclidean distance between the numerical and the exact final state."""
         if self.t == 0:
             return Fraction(0)
-        return lambda: distance(_numerical(self), exact_flow(self.start, self.t))
+        return EnclosedReal(lambda: distance(_numerical(self), exact_flow(self.start, self.t)))
 
     @property
-    def energy(self) -> CertifiableReal:
+    def energy(self) -> RunNumber:
         """½(q_N² + v_N²)."""
         if self.has_short_fractions:
             return Fraction(_energy(*self.final_state))
-        return lambda: _energy(*_numerical(self))
+        return EnclosedReal(lambda: _energy(*_numerical(self)))
 
     @property
-    def energy_change(self) -> CertifiableReal:
+    def energy_change(self) -> RunNumber:
         """½(q_N² + v_N²) - ½(q₀² + v₀²)."""
         before = _energy(*self.start)
         if self.has_short_fractions:
             return Fraction(_energy(*self.final_state) - before)
-        return lambda: _energy(*_numerical(self)) - enclose(before)
+        return EnclosedReal(lambda: _energy(*_numerical(self)) - enclose(before))
 
     @property
-    def phase_error(self) -> CertifiableReal | None:
+    def phase_error(self) -> RunNumber | None:
         """The angle, in degrees in [-180, 180), by which the numerical final state is ahead of the exact one.
 
         atan2 of cross and dot product, so whole turns are not counted. None where an angle is undefined: at the
@@ -234,7 +239,7 @@ class OscillatorRun:
             return None
         if self.t == 0:
             return Fraction(0)
-        return lambda: _angle_between(_numerical(self), exact_flow(self.start, self.t)) * 180 / arb.pi()
+        return EnclosedReal(lambda: _angle_between(_numerical(self), exact_flow(self.start, self.t)) * 180 / arb.pi())
 
 
 def _numerical(run: OscillatorRun) -> tuple[arb, arb]:

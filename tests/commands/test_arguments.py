@@ -1,12 +1,10 @@
-"""What commands are made of: readers that take a value or complain in one line, options as data, a progress bar."""
+"""What commands are made of: readers that take a value or complain in one line, options as data."""
 
-import sys
 from argparse import ArgumentTypeError
 from fractions import Fraction as Q
 from inspect import cleandoc
 
 import pytest
-from tqdm import tqdm
 
 from driftproof.commands import arguments as cli
 
@@ -116,14 +114,3 @@ def test_docstring_is_the_help(doc, parse, monkeypatch):
         parse("--help")
     _, about, *_, examples = str(shown.value).split("\n\n")
     assert (about, examples) == ("Says what it does.", "Here and there:\n  indented")
-
-
-def test_progress_bar_is_for_long_runs_on_a_terminal_only(monkeypatch):
-    assert cli.count_steps(cli.LONG_RUN * 10) == range(cli.LONG_RUN * 10)  # standard error is no terminal here
-    monkeypatch.setattr(tqdm, "monitor_interval", 0)  # no thread that outlives the test
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
-    assert cli.count_steps(10) == range(10)
-    bar = cli.count_steps(cli.LONG_RUN)
-    assert not isinstance(bar, range)
-    assert len(bar) == cli.LONG_RUN
-    bar.close()

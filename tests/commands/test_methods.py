@@ -75,7 +75,7 @@ def test_a_multistep_method_is_answered_and_options_that_are_not_for_it_refused(
         "error constant  5/12",
         "real limit      1 = 1.000000000000000000000000000000",
     ]
-    words = "bdf2 is a linear multistep method; --at, --system and --plot are not for it"
+    words = "bdf2 is a linear multistep method; `system` is not for it"
     assert words in refusal("facts", "bdf2", "--system", DAMPED)
 
 
@@ -173,14 +173,14 @@ REFUSED = {
     ("rk4", "--system", "1;" * 13): "the system has 13 rows; at most 12 are read",
     ("rk4", "--system", "1e999999999"): "row 1, entry 1: '1e999999999', column 1: number: '1e999999999' is too long",
     ("rk4", "--system", "1", "--only", "order"): "unknown fact 'order'; choose from method, system",
-    ("rk4", "--system", "1", "--order-tolerance", "1"): "--system is about one problem",
-    ("rk4", "--system", "1", "--plot", "x.svg"): "--system is about one problem",
-    ("rk4", "--at", "1"): "rk4 has no parameter; --at is for families",
+    ("rk4", "--system", "1", "--order-tolerance", "1"): "`system` is about one problem",
+    ("rk4", "--system", "1", "--plot", "x.svg"): "a picture is of one method",
+    ("rk4", "--at", "1"): "rk4 has no parameter; `at` is for families",
     ("explicit_order_2", "--at", "0"): "explicit_order_2: no method at alpha = 0, a pole of its coefficients",
     ("explicit_order_2", "--at", "alpha"): "value: 'alpha', column 1: 'alpha' is a name",
-    ("sdirk_order_2", "--system", "1"): "sdirk_order_2 is a family; choose one method with --at, a value of gamma",
+    ("sdirk_order_2", "--system", "1"): "sdirk_order_2 is a family; choose one method with `at`, a value of gamma",
     ("sdirk_order_2", "--order-tolerance", "1"): "sdirk_order_2 is a family; choose one method",
-    ("sdirk_order_2", "--plot", "x.svg"): "sdirk_order_2 is a family; choose one method",
+    ("sdirk_order_2", "--plot", "x.svg"): "a picture is of one method",
     ("sdirk_order_2", "--only", "ssp_coefficient"): "unknown fact 'ssp_coefficient'; choose from method, title",
     ("rk4", "--order-tolerance", "-1"): "tolerance -1 is below zero",
 }

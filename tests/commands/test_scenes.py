@@ -11,8 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from driftproof.numeric.scenes import PRESETS
-from driftproof.numeric.sweep import sweep
+from driftproof import PRESETS, sweep
 from tests.looping import some
 
 ROOT = Path(__file__).parents[2]
@@ -56,7 +55,7 @@ def test_sweep_has_a_point_for_each_combination_whoever_works(answer):
 
 
 def test_a_sweep_shows_what_the_function_finds_and_keeps_it_in_a_file(answer, refusal, tmp_path):
-    found = sweep(PRESETS["default"], {"selected": ["rk4", "forward_euler"], "h": [Q(1, 4), Q(3, 10)]})
+    found = sweep(PRESETS["default"], methods="rk4,forward_euler", h=[Q(1, 4), Q(3, 10)]).found
     words = ("sweep", "default", "--h", "1/4,0.3", "--methods", "rk4, forward_euler")
     lines = answer(*words).splitlines()
     assert lines[0] == "default: 4 points"

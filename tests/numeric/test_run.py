@@ -20,7 +20,6 @@ from driftproof.numeric.run import (
     NonFiniteReadout,
     NonFiniteState,
     integrate,
-    run,
     run_method,
     times_of_steps,
 )
@@ -82,10 +81,9 @@ def test_asking_for_nothing_is_an_error() -> None:
         run_method(silent, "rk4")
 
 
-def test_readouts_come_in_the_order_asked_for_and_methods_once_each() -> None:
+def test_readouts_come_in_the_order_asked_for() -> None:
     asked = ("steps", "energy", "final_state")
     assert tuple(run_method(scene(readouts=asked), "rk4")) == asked
-    assert list(run(scene(selected="rk4", methods=("rk4", "heun2")))) == ["rk4", "heun2"]
 
 
 @pytest.mark.parametrize("key", NINE)

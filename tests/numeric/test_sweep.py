@@ -16,7 +16,7 @@ from driftproof.numeric import sweep as sweeping
 from driftproof.numeric.engine import runner
 from driftproof.numeric.run import run_method
 from driftproof.numeric.scenes import Scene
-from driftproof.numeric.sweep import SweepAnswer, points_of, run_points, sweep
+from driftproof.numeric.sweep import SweepAnswer, points_of, run_grid, run_points
 from tests.looping import some
 
 SCENE = Scene("short", "rk4", Q(1, 4), Q(2), readouts=("final_state", "state_error", "phase_error", "evaluations"))
@@ -39,7 +39,7 @@ class Inline(Executor):
 
 @pytest.fixture
 def expected() -> list[SweepAnswer]:
-    return sweep(SCENE, GRID, Inline())
+    return run_grid(SCENE, GRID, Inline())
 
 
 def test_points_are_answered_in_the_order_of_the_grid_as_each_alone(expected):
@@ -61,27 +61,28 @@ def test_points_are_answered_in_the_order_of_the_grid_as_each_alone(expected):
 
 def test_an_overflow_and_a_method_without_a_run_are_answers():
     scene = Scene("over", "rk4", Q(1), Q(400), readouts=("energy", "steps"))
-    found = sweep(scene, {"h": [Q(1), Q(400), Q(100)], "selected": ["forward_euler", "gauss2"]}, Inline())
+    found = run_grid(scene, {"h": [Q(1), Q(400), Q(100)], "selected": ["forward_euler", "gauss2"]}, Inline())
     assert found[0].found["steps"] == 400
-    assert "overflow: the state is no longer finite" in sweep(scene, {"t": [Q(10_000)], "h": [Q(4)]}, Inline())[0].found
+    (lost,) = run_grid(scene, {"t": [Q(10_000)], "h": [Q(4)]}, Inline())
+    assert "overflow: the state is no longer finite" in lost.found
     assert all("gauss2 is implicit" in answer.found for answer in found[1::2])
 
 
 def test_threads_and_processes_and_one_after_the_other_find_the_same(expected, monkeypatch):
     with ThreadPoolExecutor(3) as threads:
-        assert sweep(SCENE, GRID, threads) == expected
-    assert sweep(SCENE, GRID) == expected
+        assert run_grid(SCENE, GRID, threads) == expected
+    assert run_grid(SCENE, GRID) == expected
     monkeypatch.setattr(sweeping, "LONGEST", -1)
     monkeypatch.setattr(sweeping, "processes", lambda make=sweeping.processes: make(2))
-    assert sweep(SCENE, GRID) == expected
+    assert run_grid(SCENE, GRID) == expected
 
 
 def test_what_is_done_within_a_second_starts_no_process(expected, monkeypatch):
     monkeypatch.setattr(sweeping, "processes", None)
-    assert sweep(SCENE, GRID) == expected
+    assert run_grid(SCENE, GRID) == expected
     monkeypatch.setattr(sweeping, "LONGEST", -1)
     with pytest.raises(TypeError):
-        sweep(SCENE, GRID)
+        run_grid(SCENE, GRID)
 
 
 def sizes(monkeypatch, shortest, longest):
@@ -89,7 +90,8 @@ def sizes(monkeypatch, shortest, longest):
     monkeypatch.setattr(sweeping, "LONGEST", longest)
     monkeypatch.setattr(sweeping, "WAITING", 2)
     inline = Inline()
-    assert [len(answer.values) for answer in sweep(SCENE, {"h": [Q(1, n) for n in range(1, 41)]}, inline)] == [1] * 40
+    found = run_grid(SCENE, {"h": [Q(1, n) for n in range(1, 41)]}, inline)
+    assert [len(answer.values) for answer in found] == [1] * 40
     return [len(batch) for batch in inline.sweep_batches]
 
 
@@ -118,14 +120,14 @@ def test_a_worker_that_dies_is_told_of_in_one_line():
             return future
 
     with pytest.raises(OSError, match="a process of the sweep ended before it answered") as caught:
-        sweep(SCENE, GRID, Dying())
+        run_grid(SCENE, GRID, Dying())
     assert "\n" not in str(caught.value)
 
 
 def test_a_defect_of_the_program_is_no_answer(monkeypatch):
     monkeypatch.setattr(sweeping, "run_method", None)
     with pytest.raises(TypeError):
-        sweep(SCENE, GRID, Inline())
+        run_grid(SCENE, GRID, Inline())
 
 
 # Files
@@ -133,13 +135,13 @@ def test_a_defect_of_the_program_is_no_answer(monkeypatch):
 
 def test_a_sweep_cut_off_anywhere_goes_on_and_leaves_the_same_bytes(expected, tmp_path):
     path, whole = tmp_path / "answers.jsonl", tmp_path / "whole.jsonl"
-    assert sweep(SCENE, GRID, Inline(), whole) == expected
+    assert run_grid(SCENE, GRID, Inline(), whole) == expected
     text = whole.read_bytes()
     assert text.count(b"\n") == 1 + len(expected)
     for cut in [*range(0, len(text), 97), len(text) - 1, len(text)]:
         path.write_bytes(text[:cut])
         inline = Inline()
-        assert sweep(SCENE, GRID, inline, path) == expected
+        assert run_grid(SCENE, GRID, inline, path) == expected
         assert path.read_bytes() == text
         assert sum(map(len, inline.sweep_batches)) == len(expected) - max(0, text[:cut].count(b"\n") - 1)
 
@@ -157,19 +159,19 @@ def test_answers_are_kept_as_they_come(expected, tmp_path, monkeypatch):
     monkeypatch.setattr(sweeping, "WAITING", 1)
     monkeypatch.setattr(sweeping, "SHORTEST", -1)
     with pytest.raises(MemoryError):
-        sweep(SCENE, GRID, Failing(), path)
+        run_grid(SCENE, GRID, Failing(), path)
     assert path.read_bytes().count(b"\n") == 1 + 5
     inline = Inline()
-    assert sweep(SCENE, GRID, inline, path) == expected
+    assert run_grid(SCENE, GRID, inline, path) == expected
     assert sum(map(len, inline.sweep_batches)) == len(expected) - 5
 
 
 def test_lines_in_any_order_are_read_and_put_in_the_order_of_the_grid(expected, tmp_path):
     path = tmp_path / "answers.jsonl"
-    sweep(SCENE, GRID, Inline(), path)
+    run_grid(SCENE, GRID, Inline(), path)
     head, *lines = path.read_bytes().splitlines(keepends=True)
     path.write_bytes(head + b"".join(reversed(lines)))
-    assert sweep(SCENE, GRID, Inline(), path) == expected
+    assert run_grid(SCENE, GRID, Inline(), path) == expected
     assert path.read_bytes() == head + b"".join(lines)
 
 
@@ -206,14 +208,14 @@ def corruptions(text: bytes, other: bytes) -> Iterator[bytes]:
 def test_no_corruption_of_a_file_is_taken_for_a_result(expected, tmp_path):
     """A damaged or foreign line is refused in one line, or its point is computed anew."""
     path, lines, taken = tmp_path / "answers.jsonl", list[str](), 0
-    sweep(SCENE, GRID, Inline(), path)
+    run_grid(SCENE, GRID, Inline(), path)
     whole = path.read_bytes()
     path.unlink()
-    sweep(replace(SCENE, start=(Q(1), Q(1, 3))), {**GRID, "start": [(Q(1), Q(0)), (Q(0), Q(1))]}, Inline(), path)
+    run_grid(replace(SCENE, start=(Q(1), Q(1, 3))), {**GRID, "start": [(Q(1), Q(0)), (Q(0), Q(1))]}, Inline(), path)
     for text in corruptions(whole, path.read_bytes()):
         path.write_bytes(text)
         try:
-            kept = sweep(SCENE, GRID, Inline(), path)
+            kept = run_grid(SCENE, GRID, Inline(), path)
         except ValueError as refused:
             lines.append(str(refused))
         else:
@@ -229,9 +231,9 @@ def test_two_sweeps_do_not_write_one_file(tmp_path):
     batches = sweeping.sweep_batches(SCENE, GRID, Inline(), path)
     next(batches)
     with pytest.raises(BlockingIOError, match="another process is writing it"):
-        sweep(SCENE, GRID, Inline(), path)
+        run_grid(SCENE, GRID, Inline(), path)
     list(batches)
-    sweep(SCENE, GRID, Inline(), path)
+    run_grid(SCENE, GRID, Inline(), path)
 
 
 def test_a_link_is_written_through_and_the_mode_and_a_draft_of_the_users_are_kept(tmp_path):
@@ -239,7 +241,7 @@ def test_a_link_is_written_through_and_the_mode_and_a_draft_of_the_users_are_kep
     draft.write_bytes(b"mine")
     path.touch(0o600)
     link.symlink_to(path)
-    sweep(SCENE, GRID, Inline(), link)
+    run_grid(SCENE, GRID, Inline(), link)
     assert link.is_symlink()
     assert path.read_bytes().count(b"\n") == 13
     assert path.stat().st_mode & 0o777 == 0o600
@@ -248,11 +250,11 @@ def test_a_link_is_written_through_and_the_mode_and_a_draft_of_the_users_are_kep
 
 def test_a_file_that_is_not_of_this_sweep_is_refused_and_left_as_it_is(tmp_path):
     path = tmp_path / "answers.jsonl"
-    sweep(SCENE, GRID, Inline(), path)
+    run_grid(SCENE, GRID, Inline(), path)
     for text, message in some(damaged(path.read_bytes())):
         path.write_bytes(text)
         with pytest.raises(ValueError, match=message) as caught:
-            sweep(SCENE, GRID, Inline(), path)
+            run_grid(SCENE, GRID, Inline(), path)
         assert "\n" not in str(caught.value)
         assert path.read_bytes() == text
 

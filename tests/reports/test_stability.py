@@ -6,8 +6,9 @@ from fractions import Fraction
 
 import pytest
 
+import driftproof
 from driftproof.numeric.problems.catalogue import PROBLEMS
-from driftproof.reports.stability import stability_answer, stability_text
+from driftproof.reports.stability import stability_text
 
 
 @pytest.fixture
@@ -113,6 +114,6 @@ def test_errors_stand_beside_the_size_of_the_solution(answer):
 
 
 def test_a_state_too_far_from_the_solution_for_floats_is_lost_and_no_crash():
-    found = stability_answer(PROBLEMS["dahlquist_1e3"], ["rk4"], [])
+    found = driftproof.stability("dahlquist_1e3", "rk4").data
     found["methods"][0]["runs"][0] |= {"failed_after": None, "error": None, "lost": True}
     assert "finite at t, but farther from the solution than floats tell: lost" in stability_text(found)

@@ -76,7 +76,7 @@ def test_of_a_sweep_with_a_worker_killed_every_point_is_answered_once(cluster, t
     kept = dict(found)
     assert [kept[0], kept[29]] == alone
     assert path.read_bytes().count(b"\n") == 1 + 30
-    assert [SweepAnswer(p, kept[i]) for i, p in enumerate(points)] == sweeping.sweep(SCENE, GRID, None, path)
+    assert [SweepAnswer(p, kept[i]) for i, p in enumerate(points)] == sweeping.run_grid(SCENE, GRID, None, path)
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,27 @@ from driftproof.methods.number_field import Algebraic, as_fmpq, dyadic
 CertifiableReal: TypeAlias = Fraction | Algebraic | Callable[[], arb]
 T = TypeVar("T")
 
+
+class EnclosedReal:
+    """A real number known by its enclosures: called, a ball at Arb's precision; printed, its first fifteen digits."""
+
+    def __init__(self, ball: Callable[[], arb]) -> None:
+        """Enclose nothing yet."""
+        self._ball = ball
+
+    def __call__(self) -> arb:
+        """A ball around the number, at Arb's current precision."""
+        return self._ball()
+
+    def __float__(self) -> float:
+        """The double nearest to it."""
+        return decide_by_enclosure(self, float)
+
+    def __repr__(self) -> str:
+        """Fifteen digits, correctly rounded."""
+        return significant(self, 15)
+
+
 HALF_EVEN = "half-even"
 HALF_AWAY = "half-away"
 AWAY = "away"

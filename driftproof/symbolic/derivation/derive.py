@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 
 import sympy
 from sympy.polys.matrices import DomainMatrix
 
 from driftproof.methods.schemes import Method
 from driftproof.methods.tableau_file import method_of
+from driftproof.support.plain_text import as_json
+from driftproof.support.results import Printable
 from driftproof.symbolic.derivation.energy import (
     StateDependentEnergy,
     energy_after,
@@ -59,11 +62,15 @@ FIRST_TERMS, LAST_TERMS = 8, 64
 MONOMIALS = (POSITION**2, POSITION * VELOCITY, VELOCITY**2)
 
 
-@dataclass(frozen=True)
-class Derivation:
-    """Everything that is derived of `method` on q' = v, v' = -q, in the symbol h; each when it is first asked for."""
+@dataclass(frozen=True, repr=False)
+class Derivation(Printable):
+    """Everything that is derived of `method` on q' = v, v' = -q, in the symbol h; each when it is first asked for.
+
+    Printed are those of `only`, or all.
+    """
 
     method: Method
+    only: Sequence[str] = ()
 
     @cached_property
     def _matrix_and_steps(self) -> tuple[DomainMatrix, list[ProofStep]]:
@@ -214,6 +221,16 @@ class Derivation:
                 raise ValueError(f"{name!r} is not derived; choose from {', '.join(DERIVED)}")
         return tuple(getattr(self, name) for name in names or DERIVED)
 
+    def written(self, form: str) -> str:
+        """Each with the steps that lead there, as "text" or "tex"; as "json" what they lead to. Raises ValueError."""
+        derived = self.chosen(self.only)
+        if form == "json":
+            return as_json({"method": self.method.key, "derived": {each.name: each.data() for each in derived}})
+        return "\n\n".join(each.derivation_tex if form == "tex" else each.text for each in derived)
+
+    def _repr_html_(self) -> None:
+        """A notebook takes the TeX."""
+
     def _repr_latex_(self) -> str:
         lines = r" \\ ".join(derived.tex for derived in self.chosen())
         return rf"$$\begin{{gathered}} {lines} \end{{gathered}}$$"
@@ -233,7 +250,7 @@ DERIVED = (
 )
 
 
-def derive(method: Method | str) -> Derivation:
+def derive(method: str | Path | Method, *, only: Sequence[str] = ()) -> Derivation:
     """Derive what is true of a method, by name or TOML file too, on the oscillator q' = v, v' = -q.
 
     Raises ValueError for an unknown name, and when something is asked of a method with irrational coefficients.
@@ -242,7 +259,7 @@ def derive(method: Method | str) -> Derivation:
     >>> derive("forward_euler").energy_multiplier.value
     h**2 + 1
     """
-    return Derivation(method_of(method) if isinstance(method, str) else method)
+    return Derivation(method_of(method), tuple(only))
 
 
 def _verdict(m: DomainMatrix, limit: sympy.Expr) -> list[ProofStep]:

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any, NamedTuple, TypeVar
 
 from driftproof.methods.number_field import Exact
-from driftproof.methods.schemes import Collocation, Method, RungeKutta
+from driftproof.methods.schemes import Collocation, Method, RungeKutta, demand_method
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import coefficients, exact, scalar
 from driftproof.symbolic.algebra.radicals import is_readable
@@ -150,6 +150,7 @@ class LinearFacts:
 
     def __init__(self, method: Method, terms: int = TERMS) -> None:
         """Compute nothing yet; `terms` is the length of the series."""
+        demand_method(method)
         self.method = method
         self.terms = terms
 

@@ -6,14 +6,16 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from pathlib import Path
+from typing import Any, Literal, overload
 
 from driftproof.support.plain_text import annotation, as_json
+from driftproof.support.results import Answered, Printable
 from driftproof.texts.claims.checking import Accounted, CheckedClaim, Coverage, Finding, check_claims, coverage
-from driftproof.texts.claims.claims import Claims
-from driftproof.texts.claims.drafting import Suggestions
-from driftproof.texts.claims.listings import Ran
-from driftproof.texts.readers.document import Document
+from driftproof.texts.claims.claims import Claims, read_claims
+from driftproof.texts.claims.drafting import Suggestions, draft
+from driftproof.texts.claims.listings import Ran, run_listings
+from driftproof.texts.readers.document import Document, read_document
 from driftproof.texts.readers.numbers import TextNumber
 
 # Characters of the text that are shown on each side of a number, and the values that are named of those it looks like.
@@ -24,8 +26,8 @@ _MOST_LISTED = 5000
 _MOST_WORDS = 5
 
 
-@dataclass(frozen=True)
-class TextReport:
+@dataclass(frozen=True, repr=False)
+class TextReport(Printable):
     """A text called `file`, held to claims: the outcomes, the coverage, and what running its listings showed."""
 
     file: str
@@ -52,6 +54,11 @@ class TextReport:
         return cls(file, document, checked, covered, claims.coverage, ran, suggestions)
 
     @property
+    def passed(self) -> bool:
+        """Whether every claim holds, and enough numbers are covered."""
+        return not self.findings
+
+    @property
     def findings(self) -> list[Finding]:
         """Everything that is wrong, in the order of the file."""
         found = [finding for one in self.checked for finding in one.findings]
@@ -73,7 +80,7 @@ class TextReport:
         """What the JSON report says: claims, findings, coverage, and every number with how it is accounted for."""
         return {
             "file": self.file,
-            "passed": not self.findings,
+            "passed": self.passed,
             "claims": {one.claim.id: {"count": one.claim.count, "found": len(one.occurrences)} for one in self.checked},
             "findings": [vars(finding) for finding in self.findings],
             "listings": self.ran.count if self.ran else None,
@@ -129,6 +136,46 @@ class TextReport:
         start = max(text.rfind("\n", 0, number.start) + 1, number.start - _CONTEXT)
         end = text.find("\n", number.end)
         return text[start : min(len(text) if end < 0 else end, number.end + _CONTEXT)]
+
+
+@overload
+def check(text: str | Path, *, init: Literal[True]) -> Answered: ...
+@overload
+def check(
+    text: str | Path, claims: str | Path, *, coverage: bool = False, run: bool = False, time_limit: float = 10.0
+) -> TextReport: ...
+def check(
+    text: str | Path,
+    claims: str | Path | None = None,
+    *,
+    init: bool = False,
+    coverage: bool = False,
+    run: bool = False,
+    time_limit: float = 10.0,
+) -> TextReport | Answered:
+    """A text held to a file of claims, which is drafted with `init`: each phrase stands as often as it says.
+
+    With `coverage` the numbers that no claim covers are listed, with suggestions; with `run` the Python listings of the
+    text are run within the time limit, with your rights. Raises ValueError for claims or a text that make no sense.
+
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from driftproof import check
+    >>> with TemporaryDirectory() as folder:
+    ...     text, claims = Path(folder) / "text.md", Path(folder) / "claims.toml"
+    ...     _ = text.write_text("The order is 4.")
+    ...     _ = claims.write_text('claim = [{ id = "o", phrase = "order is {value}", value = "order rk4" }]')
+    ...     check(text, claims).passed
+    True
+    """
+    if init == (claims is not None) or (init and (coverage or run)):
+        raise ValueError("--init drafts claims; --run, --coverage and --format need --claims")
+    held = Claims() if claims is None else read_claims(claims)
+    document = read_document(text, held.form)
+    if init:
+        return Answered({"claims": draft(document, str(text))}, lambda drafted: str(drafted["claims"]))
+    ran = run_listings(document, time_limit) if run else None
+    return TextReport.of(str(text), document, held, ran, coverage)
 
 
 def _counted(count: int, noun: str) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from driftproof.methods.number_field import Algebraic
 from driftproof.support.plain_text import as_json
+from driftproof.support.results import Printable
 from driftproof.texts.questions.decimals import AWAY, HALF_EVEN, PLAIN, Style, Tie, to_digits, to_places
 from driftproof.texts.questions.errors import AmbiguousRounding, QuestionError
 from driftproof.texts.writing import markup
@@ -26,8 +27,8 @@ GIVEN, PROVED, COUNTED, CERTIFIED, STATED = "GIVEN", "PROVED", "COUNTED", "CERTI
 EVIDENCE_KINDS = (GIVEN, PROVED, COUNTED, CERTIFIED, STATED)
 
 
-@dataclass(frozen=True)
-class Answer:
+@dataclass(frozen=True, repr=False)
+class Answer(Printable):
     """The answer to `question`. `exact` is the number, None where the answer is a formula or a word.
 
     `evidence`: GIVEN for what a text chose, PROVED for what is exact, COUNTED for what was counted, CERTIFIED for what
@@ -43,6 +44,18 @@ class Answer:
     form: str | None = None
     is_bound: bool = False
     words: str | None = None
+
+    def written(self, form: str) -> str:
+        """As "text", "json", "tex", "mathml" or "md". Raises what `tex` raises."""
+        return format_answer(self, OutputOptions(None, None, PLAIN), form)
+
+    def __float__(self) -> float:
+        """The double nearest to the number. Raises QuestionError for what is no number."""
+        from driftproof.symbolic.algebra.certified import decide_by_enclosure
+
+        if self.exact is None:
+            raise QuestionError(self.question, 1, f"{self.exact_text} is no number")
+        return decide_by_enclosure(self.exact, float)
 
     @property
     def is_number(self) -> bool:

@@ -7,32 +7,75 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from driftproof.support.environment import require_package
+from driftproof.support.files import atomic_write
+from driftproof.support.plain_text import as_json
 from driftproof.support.processes import Limits, ProcessEnded, ask_once
+from driftproof.support.results import Printable
+from driftproof.texts.templates.text_kinds import kind_of
 
 # No example of ours takes a second; a thousand questions take some.
 RENDERING_SECONDS, RENDERING_MEMORY, LONGEST_RENDERED = 120.0, 2 * 10**9, 10**7
 
 
-@dataclass(frozen=True)
-class RenderedText:
-    """The text that a template becomes, and how many values it asked for."""
+TEMPLATE_SUFFIX = ".j2"
+
+
+@dataclass(frozen=True, repr=False)
+class RenderedText(Printable):
+    """The text that a template becomes, how many values it asked for, and the file that it is to be."""
 
     text: str
     asked: int
+    template: Path
+    output: Path
+
+    def write(self) -> None:
+        """Write the file, whole or not at all."""
+        with atomic_write(self.output) as draft:
+            Path(draft).write_bytes(self.text.encode("utf-8"))
+
+    def difference(self) -> str:
+        """A unified diff from what the file holds to the text; empty if they are the same."""
+        held = self.output.read_bytes().decode("utf-8", errors="replace") if self.output.exists() else ""
+        if held == self.text and self.output.exists():
+            return ""
+        old, new = held.splitlines(keepends=True), self.text.splitlines(keepends=True)
+        name = str(self.output) if self.output.exists() else f"{self.output} (which is not there)"
+        lines = difflib.unified_diff(old, new, name, f"{self.output} as {self.template} renders it")
+        return "".join(line if line.endswith("\n") else f"{line}\n\\ no end of line\n" for line in lines).rstrip("\n")
+
+    def written(self, form: str) -> str:
+        """In "text" the file and how many values are in it; in "json" the text, too."""
+        if form == "json":
+            return as_json({"output": str(self.output), "values": self.asked, "text": self.text})
+        return f"{self.output}: {self.asked} values"
 
 
 def render(
-    template: Path,
-    output: Path,
+    template: str | Path,
+    output: str | Path | None = None,
     style: str | None = None,
     rounding: str | None = None,
     time_limit: float = RENDERING_SECONDS,
 ) -> RenderedText:
-    """The text of a file `output` that is rendered from the template. Nothing is written.
+    """The text of a file `output`, by default the template's name without .j2, as the template renders it.
+
+    Nothing is written but by `write` of what is returned. `style` is "plain" or "printed", `rounding` what a tie
+    becomes. Needs the extra `text`.
 
     Raises ValueError with one line, which holds the place in the template wherever there is one; OSError for a
     template that cannot be read.
+
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from driftproof import render
+    >>> with TemporaryDirectory() as folder:
+    ...     lesson = Path(folder) / "lesson.md.j2"
+    ...     _ = lesson.write_text("q = {{ value('step rk4 h=1/2 : q') }}")
+    ...     render(lesson).text
+    'q = 337/384'
     """
+    template, output = Path(template), output_of(template, output)
     require_package("jinja2", "text", "templates need Jinja2")
     with template.open("rb") as file:
         line_end = "\r\n" if file.readline().endswith(b"\r\n") else "\n"
@@ -45,15 +88,13 @@ def render(
         raise ValueError(f"{template}: {late if ended.cause == 'time' else ended}") from None
     if "problem" in answer:
         raise ValueError(answer["problem"])
-    return RenderedText(answer["text"].replace("\n", line_end), answer["asked"])
+    return RenderedText(answer["text"].replace("\n", line_end), answer["asked"], template, output)
 
 
-def output_difference(output: Path, rendered: str, template: Path) -> str:
-    """A unified diff from what the file holds to what its template renders; empty if they are the same."""
-    held = output.read_bytes().decode("utf-8", errors="replace") if output.exists() else ""
-    if held == rendered and output.exists():
-        return ""
-    old, new = held.splitlines(keepends=True), rendered.splitlines(keepends=True)
-    name = str(output) if output.exists() else f"{output} (which is not there)"
-    lines = difflib.unified_diff(old, new, name, f"{output} as {template} renders it")
-    return "".join(line if line.endswith("\n") else f"{line}\n\\ no end of line\n" for line in lines).rstrip("\n")
+def output_of(template: str | Path, output: str | Path | None = None) -> Path:
+    """The file that is rendered, by default the template's name without .j2. Raises ValueError for one of no kind."""
+    if output is None and Path(template).suffix != TEMPLATE_SUFFIX:
+        raise ValueError(f"{template}: the name does not end in {TEMPLATE_SUFFIX}; name the output with -o")
+    found = Path(template).with_suffix("") if output is None else Path(output)
+    kind_of(found)
+    return found

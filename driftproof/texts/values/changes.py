@@ -16,6 +16,7 @@ from flint import fmpz
 from driftproof.methods.expression_tree import parse_form
 from driftproof.support.files import read_utf8
 from driftproof.support.plain_text import annotation, as_json, table
+from driftproof.support.results import Printable
 
 # Kind of change -> the words for one and for several, and the level of its annotation; the gravest first.
 CHANGES = {
@@ -228,19 +229,48 @@ def _cut(text: str | None) -> str:
     return " = ".join(parts)
 
 
-def changes_report(changes: Sequence[Change], old: Path, new: Path, form: str) -> str:
-    """The changes as text, the gravest first; as json; or for github, as annotations on the lines of the new file."""
-    counts = Counter(change.kind for change in changes)
-    if form == "json":
-        files = {"old": str(old), "new": str(new)}
-        listed = [vars(change) for change in changes]
-        return as_json({**files, "changes": listed, "counts": {kind: counts[kind] for kind in CHANGES}})
-    counted = ", ".join(f"{counts[kind]} {words[counts[kind] != 1]}" for kind, words in CHANGES.items())
-    counted = counted if changes else f"{old} and {new} say the same"
-    if form == "github":
-        return "\n".join([*_annotations(changes, new), counted])
-    rows = [[kind, change.id, str(change)] for kind in CHANGES for change in changes if change.kind == kind]
-    return f"{table(rows)}\n\n{counted}" if rows else counted
+@dataclass(frozen=True, repr=False)
+class Changes(Printable):
+    """The changes between two files of values, in the order of their ids."""
+
+    found: tuple[Change, ...]
+    old: Path
+    new: Path
+
+    @property
+    def same(self) -> bool:
+        """Whether no value changed; digits and wording may have."""
+        return all(change.kind != "value" for change in self.found)
+
+    def written(self, form: str) -> str:
+        """As "text", the gravest first; as "json"; or for "github", as annotations on the lines of the new file."""
+        counts = Counter(change.kind for change in self.found)
+        if form == "json":
+            files = {"old": str(self.old), "new": str(self.new)}
+            listed = [vars(change) for change in self.found]
+            return as_json({**files, "changes": listed, "counts": {kind: counts[kind] for kind in CHANGES}})
+        counted = ", ".join(f"{counts[kind]} {words[counts[kind] != 1]}" for kind, words in CHANGES.items())
+        counted = counted if self.found else f"{self.old} and {self.new} say the same"
+        if form == "github":
+            return "\n".join([*_annotations(self.found, self.new), counted])
+        rows = [[kind, change.id, str(change)] for kind in CHANGES for change in self.found if change.kind == kind]
+        return f"{table(rows)}\n\n{counted}" if rows else counted
+
+
+def diff(old: str | Path, new: str | Path) -> Changes:
+    """What changed between two files of values: what in value, what only in digits or wording. Raises ValueError.
+
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from driftproof import diff
+    >>> with TemporaryDirectory() as folder:
+    ...     for name, decimal in (("old", "0.5"), ("new", "0.50")):
+    ...         _ = (Path(folder) / name).write_text('{"values": {"x": {"decimal": "%s"}}}' % decimal)
+    ...     diff(Path(folder) / "old", Path(folder) / "new").same
+    True
+    """
+    before, after = Path(old), Path(new)
+    return Changes(tuple(changes(read_values(before), read_values(after))), before, after)
 
 
 def _annotations(changes: Sequence[Change], new: Path) -> Iterator[str]:

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from typing import Any
 
-from driftproof.methods.schemes import Method
-from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.steppers import evaluations_per_step
 from driftproof.support.plain_text import Json, table
 from driftproof.symbolic.algebra.certified import HALF_EVEN, CertifiableReal, significant
@@ -30,50 +27,35 @@ def exact_and_decimal(
     return answer if unit is None else {**answer, "unit": unit}
 
 
-def step_answer(key: str, h: Fraction, start: tuple[Fraction, Fraction], digits: int, rounding: str) -> Json:
-    """One step of a method, by name or TOML file, from `start`: the state and its energy, exact and in decimals."""
-    run = OscillatorRun(method_of(key), h, h, start)
-    return {**_header(run.method, h, start, digits, rounding), **_state_and_energy(run, digits, rounding)}
-
-
-def run_answer(
-    key: str, h: Fraction, t: Fraction, start: tuple[Fraction, Fraction], digits: int, rounding: str
-) -> Json:
-    """N = t/h steps of the method `key`: final and exact state, errors, energy, phase, steps and evaluations."""
-    run = OscillatorRun(method_of(key), h, t, start)
+def step_answer(run: OscillatorRun, digits: int, rounding: str) -> Json:
+    """A run of one step: the state and its energy, exact and in decimals."""
     return {
-        **_header(run.method, h, start, digits, rounding),
-        **_state_and_energy(run, digits, rounding),
-        "t": str(t),
+        "method": run.method.key,
+        "title": run.method.title,
+        "h": str(run.h),
+        "start": [str(x) for x in run.start],
+        "digits": digits,
+        "rounding": rounding,
+        "final_state": _pair(run.final_state, digits, rounding),
+        "energy": exact_and_decimal(run.energy, digits, rounding),
+        "energy_change": exact_and_decimal(run.energy_change, digits, rounding),
+    }
+
+
+def run_answer(run: OscillatorRun, digits: int, rounding: str) -> Json:
+    """N = t/h steps: final and exact state, errors, energy, phase, steps, and evaluations of an explicit method.
+
+    Those of an implicit one depend on how its equations are solved.
+    """
+    counted = {"evaluations": run.steps * evaluations_per_step(run.method)} if run.method.explicit else {}
+    return {
+        **step_answer(run, digits, rounding),
+        "t": str(run.t),
         "exact_state": _pair(run.exact_state, digits, rounding),
         "state_error": exact_and_decimal(run.state_error, digits, rounding),
         "phase_error": exact_and_decimal(run.phase_error, digits, rounding, unit="degrees"),
         "steps": run.steps,
-        **_evaluations(run),
-    }
-
-
-def _evaluations(run: OscillatorRun) -> Json:
-    """The evaluations of an explicit method; those of an implicit one depend on how its equations are solved."""
-    return {"evaluations": run.steps * evaluations_per_step(run.method)} if run.method.explicit else {}
-
-
-def _header(method: Method, h: Fraction, start: tuple[Fraction, Fraction], digits: int, rounding: str) -> Json:
-    return {
-        "method": method.key,
-        "title": method.title,
-        "h": str(h),
-        "start": [str(x) for x in start],
-        "digits": digits,
-        "rounding": rounding,
-    }
-
-
-def _state_and_energy(run: OscillatorRun, digits: int, rounding: str) -> Json:
-    return {
-        "final_state": _pair(run.final_state, digits, rounding),
-        "energy": exact_and_decimal(run.energy, digits, rounding),
-        "energy_change": exact_and_decimal(run.energy_change, digits, rounding),
+        **counted,
     }
 
 

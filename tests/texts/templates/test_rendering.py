@@ -35,7 +35,7 @@ def test_check_passes_what_was_rendered_and_shows_what_was_changed(lesson: Path,
     for place, character in enumerate(text):
         if character.isdigit():
             changed = text[:place] + str((int(character) + 1) % 10) + text[place + 1 :]
-            assert rendering.output_difference(Path("lesson.md"), changed, lesson)
+            assert rendering.RenderedText(changed, 1, lesson, Path("lesson.md")).difference()
     Path("lesson.md").write_text("q = 0.877614\nv", encoding="utf-8")
     assert run("render", "lesson.md.j2", "--check") == (
         REFUTED,

@@ -1,0 +1,51 @@
+"""Progress of long runs, sweeps and studies: bars on a terminal, nothing anywhere else."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from typing import Any, TypeVar
+
+_T = TypeVar("_T")
+# A float run longer than this shows a progress bar.
+LONG_RUN = 10**6
+
+
+class _Unseen:
+    """A progress bar that nobody would see."""
+
+    total = 0
+
+    def update(self, done: int) -> None:
+        """Nothing."""
+
+
+def progress_bar(total: int, unit: str) -> AbstractContextManager[Any]:
+    """A bar on a terminal; elsewhere what has its methods, and tqdm is not imported."""
+    if not on_terminal():
+        return nullcontext(_Unseen())
+    from tqdm import tqdm
+
+    bar: AbstractContextManager[Any] = tqdm(total=total, unit=unit, leave=False)
+    return bar
+
+
+def with_progress(items: Sequence[_T], unit: str) -> Iterable[_T]:
+    """The items, with a progress bar on a terminal."""
+    if not on_terminal():
+        return items
+    from tqdm import tqdm
+
+    bar: Iterable[_T] = tqdm(items, unit=unit, unit_scale=True, leave=False)
+    return bar
+
+
+def count_steps(steps: int) -> Iterable[int]:
+    """range(steps), with a progress bar when it will take a while."""
+    return range(steps) if steps < LONG_RUN else with_progress(range(steps), "step")
+
+
+def on_terminal() -> bool:
+    """Whether somebody sees standard error as it is written."""
+    return sys.stderr is not None and sys.stderr.isatty()

@@ -1,0 +1,81 @@
+"""Error against work, asked for: a study measured, told of and written to a folder."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+
+from driftproof.methods.schemes import Method
+from driftproof.methods.tableau_file import methods_of
+from driftproof.numeric.problems.problem import Problem
+from driftproof.numeric.work_precision.exact import floors
+from driftproof.reports.progress import progress_bar
+from driftproof.reports.user_problem import problem_given
+from driftproof.reports.work_precision.peers import peers_named
+from driftproof.reports.work_precision.report import errors_json, study_text, times_json, write_study
+from driftproof.reports.work_precision.study import Measured, Study, measure
+from driftproof.support.environment import how_to_install, installed
+from driftproof.support.files import require_folder, sole_writer
+from driftproof.support.plain_text import printable
+from driftproof.support.results import Answered
+
+# The lesson's three, and one of each kind beside them.
+WORK_PRECISION_METHODS = (
+    *("forward_euler", "symplectic_euler", "rk4"),
+    *("velocity_verlet", "dormand_prince54", "blanes_moan6", "gauss2"),
+)
+
+
+def work_precision(
+    problem: str | Path | Problem = "harmonic_oscillator",
+    methods: str | Path | Method | Sequence[str | Path | Method] = (),
+    *,
+    peers: Sequence[str] = (),
+    time_limit: float = 0.1,
+    output: str | Path | None = None,
+) -> Answered:
+    """What error methods reach on a problem, at how many evaluations of f, in what time; `found` holds the points.
+
+    `time_limit` is the seconds that a point may be timed for; errors are seen up to 10⁸ evaluations for each of them.
+    `output` is a folder for files and figures, from which an interrupted study goes on. Raises ValueError.
+
+    >>> from driftproof import work_precision
+    >>> study = work_precision("dahlquist_1", ["forward_euler"], time_limit=1e-4)
+    >>> study["errors"]["curves"][0]["points"][0]["evaluations"]
+    8
+    """
+    asked = methods_of(methods or WORK_PRECISION_METHODS)
+    study = Study(problem_given(problem), asked, peers_named(peers), time_limit)
+    folder, written = None if output is None else Path(output), list[str]()
+    with ExitStack() as stack:
+        if folder:
+            require_folder(folder)
+            folder.mkdir(parents=True, exist_ok=True)
+            stack.enter_context(sole_writer(folder))
+        bar = stack.enter_context(progress_bar(0, "point"))
+
+        def progress(more: int, done: int) -> None:
+            bar.total += more
+            bar.update(done)
+
+        measured = measure(study, folder, _say, progress)
+        if folder:
+            written = _write(study, measured, folder)
+    both = {"errors": errors_json(study, measured), "times": times_json(study, measured)}
+    return Answered(both, lambda _: "\n".join([study_text(study, measured), *written]), measured)
+
+
+def _write(study: Study, measured: Measured, folder: Path) -> list[str]:
+    """A line for each file; the figures are left out, with the reason, where nothing can be drawn."""
+    lines = [f"wrote {path}" for path in write_study(study, measured, folder)]
+    if not installed("matplotlib"):
+        return [*lines, f"no figures: matplotlib is not installed; {how_to_install('report')}"]
+    from driftproof.reports.work_precision.figure import draw_study
+
+    return [*lines, *(f"wrote {draw_study(study, measured, quantity, folder)}" for quantity in floors(study.problem))]
+
+
+def _say(line: str) -> None:
+    print(printable(f"driftproof work-precision: {line}"), file=sys.stderr)

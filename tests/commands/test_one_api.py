@@ -1,0 +1,156 @@
+"""Every command has a function of the same name and words, whose answer is what the command prints."""
+
+import inspect
+import json
+import shlex
+from fractions import Fraction as Q
+from pathlib import Path
+
+import pytest
+
+import driftproof
+from driftproof import FAMILIES, METHODS, PRESETS
+from driftproof.cli import COMMANDS, command_named
+from tests.looping import some
+
+ROOT = Path(__file__).parents[2]
+RUN = str(ROOT / "examples" / "trajectories" / "pendulum_RK45.csv")
+
+# A command and what Python says for it, in `driftproof`'s names.
+SAME = {
+    "facts RK4 --only order,imaginary_limit": "facts('rk4', only=['order', 'imaginary_limit'])",
+    "facts tsitouras54 --only order --order-tolerance 1e-12": "facts('Tsit5', only='order'.split(), "
+    "order_tolerance='1e-12')",
+    "facts sdirk_order_2 --only l_stable": "facts(FAMILIES['sdirk_order_2'], only=['l_stable'])",
+    "facts sdirk_order_2 --at 1/4 --only order": "facts('sdirk_order_2', at=Q(1, 4), only=['order'])",
+    "facts bdf2 --only order": "facts('bdf2', only=['order'])",
+    "facts rk4 --system '0 1; -1 -1/10'": "facts(METHODS['rk4'], system=[[0, 1], [-1, '-1/10']])",
+    "derive forward_euler --only determinant": "derive('Euler', only=['determinant'])",
+    "step mine.toml --h 1/2": "step(Path('mine.toml'), 0.5)",
+    "run rk4 --h 1/4 --t 10 --state 0,1 --digits 20": "run('rk4', '1/4', 10, state=(0, 1), digits=20)",
+    "run rk4 --h 0.1 --t 1 --budget": "run('rk4', Q(1, 10), 1, budget=True)",
+    "roundoff rk4 --h 1/4,1/8 --float binary32": "roundoff(METHODS['rk4'], [Q(1, 4), 0.125], float='binary32')",
+    "stability": "stability()",
+    "stability dahlquist_1e3 --methods rk4 --h 1/500": "stability('dahlquist_1e3', METHODS['rk4'], '1/500')",
+    "scene default": "scene(PRESETS['default'])",
+    "scene compare --digits 3": "scene('compare', digits=3)",
+    "sweep default --methods rk4,heun2 --h 1/4,1/8": "sweep('default', methods=[METHODS['rk4'], 'heun2'], "
+    "h=['1/4', '1/8'])",
+    "value 'step rk4 h=1/2 : q'": "value('step rk4 h=1/2 : q')",
+    "certify 'y1; -sin(y0)' RUN --method RK45": "certify('y1; -sin(y0)', RUN, method='RK45')",
+    "check text.md --claims claims.toml": "check('text.md', 'claims.toml')",
+    "diff old.json old.json": "diff('old.json', Path('old.json'))",
+    "identify tests.commands.test_one_api:euler": "identify('tests.commands.test_one_api:euler')",
+    "verify tests.commands.test_one_api:euler --method Euler": "verify(euler, 'Euler')",
+}
+NAMES = {
+    **{name: getattr(driftproof, name) for name in driftproof.__all__},
+    **{"Q": Q, "Path": Path, "FAMILIES": FAMILIES, "METHODS": METHODS, "PRESETS": PRESETS, "RUN": RUN},
+}
+# Commands whose function has another name: `methods` and `scenes` list tables, `values` is a part of `value`.
+ELSEWHERE = {"methods": "METHODS", "scenes": "PRESETS", "values": "published_values"}
+# Times differ from run to run, and a page and a rendered text are files.
+TESTED_ELSEWHERE = {"work-precision", "report", "render", *ELSEWHERE}
+# What a command only has because it writes to a terminal or to files, and what it calls otherwise.
+OF_THE_COMMAND = {"help", "format", "all", "plot", "picture", "figure", "tolerance", "solver", "check", "list"}
+OTHERWISE = {
+    "identify": {"step"},
+    "verify": {"step", "largest_step", "largest_state", "extremes", "solver_tolerance"}
+    | {"step_in_binary32", "velocity_from_positions", "flush_to_zero"},
+    "certify": {"function", "run", "invariant"},
+    "value": {"digits", "places", "rounding", "style"},
+    "render": {"templates"},
+}
+
+
+def euler(q, v, h):
+    return q + h * v, v - h * q
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    (tmp_path / "mine.toml").write_text('family = "runge_kutta"\nA = [[0, 0], ["2/3", 0]]\nb = ["1/4", "3/4"]\n')
+    (tmp_path / "text.md").write_text("The order is 4.\n")
+    (tmp_path / "claims.toml").write_text('[[claim]]\nid = "o"\nphrase = "order is {value}"\nvalue = "order rk4"\n')
+    (tmp_path / "old.json").write_text('{"values": {"x": {"exact": "1", "decimal": "1"}}}')
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+
+
+@pytest.mark.usefixtures("folder")
+@pytest.mark.parametrize("line", SAME)
+def test_function_answers_what_the_command_prints(line, answer, monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT))
+    words = [RUN if word == "RUN" else word for word in shlex.split(line)]
+    found = eval(SAME[line], {**NAMES, "euler": euler})
+    shown = json.loads(answer(*words, "--format", "json"))
+    told = json.loads(found.json())
+    if "target" in told:  # named by where it was imported from, or by what it is called
+        assert told.pop("target").rpartition(":")[2] == shown.pop("target").rpartition(":")[2]
+    assert told == shown
+    if "target" not in json.loads(found.json()):
+        assert f"{found}\n" == answer(*words)
+    assert repr(found) == str(found)
+    html = found._repr_html_()
+    assert (html is None) == line.startswith("derive")  # a notebook sets its TeX
+    assert html is None or ("<" in html and "\n\n" not in html)
+
+
+def test_every_command_is_held_or_has_its_reason():
+    held = {line.split()[0] for line in SAME}
+    assert held | TESTED_ELSEWHERE == set(COMMANDS)
+
+
+@pytest.mark.parametrize("name", [name for name in COMMANDS if name not in ELSEWHERE])
+def test_words_are_the_same(name):
+    """Each option of a command is a parameter of its function; and a function has no other needs."""
+    command, function = command_named(name), getattr(driftproof, name.replace("-", "_"))
+    options = {action.dest for action in command.parser("x")._actions} - OF_THE_COMMAND
+    parameters = set(inspect.signature(function).parameters)
+    assert options - OTHERWISE.get(name, set()) <= parameters
+
+
+def test_values_and_methods_have_their_tables(answer):
+    shown = json.loads(answer("values", "--only", "rk4.*"))
+    assert shown["values"] == driftproof.published_values("rk4.*")
+    assert all(hasattr(driftproof, table) for table in some(ELSEWHERE.values(), 3))
+
+
+REFUSED = {
+    "step('rk4', 0.1)": 'h: the double 0.1 is not 0.1 exactly; write "0.1" for the decimal, or Fraction(0.1)',
+    "run('rk4', '1/4', True)": "t is 'True'; give a Fraction, an int, or text such as '1/4'",
+    "run('rk4', '1/4', float('inf'))": "t is 'inf'; give a Fraction",
+    "run(PRESETS['default'], 1, 1)": "is no method: give a key, the path of a .toml file, or a method",
+    "step('rk5', 1)": "unknown method 'rk5'; did you mean rk4",
+    "step('rk4', 0)": "a step of size 0 goes nowhere",
+    "step('rk4', 1, state='1')": "'1' is not a state",
+    "roundoff('rk4', float='single')": "unknown number format 'single'; choose from binary",
+    "facts('rk4', only=['ordre']).json()": "unknown fact 'ordre'",
+    "facts('rk4', at=1)": "rk4 has no parameter",
+    "check('text.md')": "--init drafts claims",
+}
+MEANT = {
+    "Facts('rk4')": "'rk4' is a string, and a method is needed: METHODS[...], or read_method(...) of a .toml file",
+    "OscillatorRun('rk4', Q(1), Q(1))": "a method is needed",
+    "stepper('rk4', float)": "a method is needed",
+    "stability_function_of('rk4')": "a method is needed",
+    "order_within('rk4', Q(1))": "a method is needed",
+    "facts_of('rk4')": "a method is needed",
+    "system_facts('rk4', [[Q(1)]])": "a method is needed",
+}
+
+
+@pytest.mark.parametrize("call", [*REFUSED, *MEANT])
+def test_what_makes_no_sense_is_refused_in_one_line(call):
+    with pytest.raises((ValueError, TypeError, AttributeError)) as refused:
+        eval(call, NAMES)
+    assert {**REFUSED, **MEANT}[call] in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_facts_are_attributes_and_entries():
+    facts = driftproof.facts("rk4")
+    assert (facts.order, facts["order"], facts.title) == (4, 4, "Classical RK4")
+    assert driftproof.facts("sdirk_order_2").order_sets == driftproof.facts("sdirk_order_2")["order_sets"]
+    with pytest.raises(AttributeError, match="unknown fact 'ordr'"):
+        _ = facts.ordr

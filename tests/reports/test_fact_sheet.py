@@ -1,0 +1,26 @@
+"""A sheet of facts derives what it is asked for, and no more."""
+
+import pytest
+
+from driftproof import METHODS, Facts, facts
+from driftproof.reports.fact_sheet import FactSheet
+
+
+def test_only_what_is_asked_for_is_derived():
+    asked = []
+    sheet = FactSheet(lambda names: asked.append(tuple(names)) or dict.fromkeys(names or ("a", "b"), 1), ["a"])
+    assert (sheet["b"], sheet.a) == (1, 1)
+    assert asked == [("b",), ("a",)]
+    assert (str(sheet), sheet.json()) == ("a  1", '{\n "a": 1\n}')
+    assert asked == [("b",), ("a",), ("a",)]
+    with pytest.raises(AttributeError):
+        _ = sheet._private
+
+
+def test_facts_of_a_method_are_its_typed_facts():
+    found = facts("trapezoid", order_tolerance="1e-3", terms=4)
+    assert isinstance(found, Facts)
+    assert (found.method, found.terms, found.order_to_tolerance.order) == (METHODS["trapezoid"], 4, 2)
+    assert facts("trapezoid").order_to_tolerance is None
+    assert "Everything else" in found.written("text", everything=True)
+    assert found.written("tex").startswith(r"\begin{tabular}")

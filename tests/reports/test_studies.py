@@ -1,0 +1,30 @@
+"""A study from Python is the study of the command: its errors, which are the same in every run."""
+
+import json
+
+import pytest
+
+import driftproof
+from driftproof.commands import problems
+from driftproof.reports.stability import STABILITY_METHODS
+from driftproof.reports.studies import WORK_PRECISION_METHODS
+from tests.reports.studies import be_quick
+
+
+def test_errors_are_those_of_the_command_and_files_are_written(answer, monkeypatch, tmp_path):
+    be_quick(monkeypatch)
+    study = driftproof.work_precision("dahlquist_1", "rk4", time_limit=0.01, output=tmp_path)
+    shown = json.loads(
+        answer("work-precision", "dahlquist_1", "--methods", "rk4", "--time-limit", "0.01", "--format=json")
+    )
+    assert study["errors"] == shown["errors"]
+    assert f"wrote {tmp_path / 'errors.json'}" in str(study)
+    assert list(study.found.curves) == ["rk4"]
+
+
+@pytest.mark.parametrize(
+    ("command", "methods"),
+    [(problems.stability_command, STABILITY_METHODS), (problems.work_precision_command, WORK_PRECISION_METHODS)],
+)
+def test_help_names_the_methods_that_are_taken(command, methods):
+    assert ",".join(methods) in "".join(command.parser("x").format_help().split())
