@@ -13,12 +13,16 @@ LIMIT: int = 3
 def f(a: "x < y", b):
     if a < b and not g(a, b):
         raise ValueError("1 < 2")
+    assert a, a + 1
     a[0] = -b
     return f"{a + b}", max(a, b)
+@dataclass(frozen=True, slots=True, order=True)
+class C:
+    pairs = zip(f(a, b, strict=True), strict=True)
 '''
 PLANTED = """3 -> 4; 3 -> 2; a < b and not g(a, b) -> (a < b or not g(a, b)); a < b -> (a <= b);
 not g(a, b) -> (g(a, b)); g(a, b) -> g(b, a); raise ValueError("1 < 2") -> pass; a[0] = -b -> pass;
-0 -> 1; 0 -> -1; -b -> (b)"""
+0 -> 1; 0 -> -1; -b -> (b); True -> False; f(a, b, strict=True) -> f(b, a, strict=True); True -> False"""
 
 
 def test_every_kind_of_error_is_planted_where_it_stands_and_nowhere_else(tmp_path: Path) -> None:
