@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 
 from driftproof.blackbox.checks.suite import CHECKS, checks_of
 from driftproof.blackbox.checks.trials import TRAITS, CheckResult
-from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, arithmetic_of
+from driftproof.blackbox.families.reports import family_report, read_family
+from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import ORDINARY_DOMAIN
 from driftproof.blackbox.judging.habits import explained
@@ -49,7 +50,8 @@ def identify(
     """Which method a float stepper is, of which order, how near to roundoff, and what it does besides.
 
     `step` is a callable or "package.module:name". Its coefficients are read where it takes a right-hand side or a
-    force, its one-step matrix in any case; what is read is compared with the catalogue and with variants of it.
+    force, its one-step matrix in any case; what is read is compared with the catalogue and with variants of it. Of a
+    stepper that remembers, the recurrence of many steps is read, and its start.
     `calls`, `array`, `time_limit` and `isolate` are as for `verify`. Raises ValueError where the stepper cannot be
     imported, or is called in no known way.
 
@@ -58,7 +60,13 @@ def identify(
     it is, as far as linear steps tell, forward_euler
     """
     with IsolatedRunner(Target(step, calls, array), time_limit, isolate) as runner:
-        return identified(runner, *runner.run([read_coefficients, measured_orders, judged_dense]))
+        of_run = partial(read_family, runs_only=True)
+        read, order, dense, family = runner.run([read_coefficients, measured_orders, judged_dense, of_run])
+        if read.failed and read.kind not in (UnsupportedCall.kind, *NO_EVIDENCE):
+            family = runner.run([read_family])[0]
+        if family.result is not None:
+            return family_report(runner.target.name, runner.run([introduction])[0].result, family.result)
+        return identified(runner, read, order, dense)
 
 
 def identified(runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Outcome) -> Report:

@@ -86,6 +86,7 @@ class IsolatedRunner:
     _longest: float = 0.0
     _kept: bool = False
     _process: tuple[ExitStack, Session, _CallLog] | None = None
+    _here: Serving | None = None
 
     def __enter__(self) -> IsolatedRunner:
         """From now on one process is kept."""
@@ -123,7 +124,8 @@ class IsolatedRunner:
     def _some(self, probes: Sequence[Probe]) -> Iterator[Outcome]:
         """The outcomes of the first few, at least of one: of all, or up to a hang or a crash."""
         if not self.isolate or not hasattr(os, "fork"):
-            serving = Serving(self.target, probes)
+            serving = self._here if self._here is not None and self._kept else Serving(self.target, probes)
+            self._here, serving.probes = serving, probes
             yield from map(serving.outcome, range(len(probes)))
             return
         log = self._process[2] if self._process else _CallLog(Path(tempfile.mkdtemp()) / "last_call")

@@ -84,3 +84,37 @@ def each_once(lines: Iterable[str]) -> list[str]:
 def _escaped(line: str) -> str:
     """The line as Markdown shows it verbatim: nothing emphasised, no table begun."""
     return "".join(f"\\{c}" if c in "*_|`<[" else c for c in line)
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """One way to hold a stepper to a method: whether it passed, None where that was not seen, and what was seen.
+
+    `missing` is what would decide it, and empty where the calls of the stepper do not allow the question.
+    """
+
+    title: str
+    passed: bool | None
+    lines: tuple[str, ...]
+    data: dict[str, Json]
+    missing: str = ""
+
+    @property
+    def mark(self) -> str:
+        """The outcome in two words at most."""
+        return {True: "passed", False: "FAILED", None: "undecided" if self.missing else "not asked"}[self.passed]
+
+
+def criteria_parts(
+    checks: Sequence[Criterion], passed: bool | None
+) -> tuple[list[tuple[str, Sequence[str]]], dict[str, Json]]:
+    """The criteria as titles with lines, with what would decide it where that is open; and the same for programs."""
+    parts: list[tuple[str, Sequence[str]]] = [(f"{check.title}: {check.mark}", check.lines) for check in checks]
+    if passed is None:
+        missing = [f"{check.title.lower()}: {check.missing}" for check in checks if check.mark == "undecided"]
+        parts.append(("What would decide it", missing))
+    data: dict[str, Json] = {
+        check.title.lower().replace(" ", "_"): {"passed": check.passed, "seen": list(check.lines), **check.data}
+        for check in checks
+    }
+    return parts, data

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+from driftproof.blackbox.families.multistep_runs import later_steps
+from driftproof.blackbox.families.reports import verify_family
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, Examined, IsolatedRunner
 from driftproof.blackbox.judging.agreement import (
@@ -31,12 +33,12 @@ from driftproof.blackbox.matching.match import Identity, match_method
 from driftproof.blackbox.probes.force import NO_TABLEAU, ForceReading
 from driftproof.blackbox.probes.questions import CoefficientReading, read_coefficients
 from driftproof.blackbox.probes.tableau import TableauReading
-from driftproof.blackbox.report import Report, sections
+from driftproof.blackbox.report import Criterion, Report, criteria_parts, sections
 from driftproof.blackbox.stepper.opening import Target
+from driftproof.methods.catalogue import FactsOnly
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
-from driftproof.methods.tableau_file import method_of
+from driftproof.methods.tableau_file import method_of, subject_of
 from driftproof.support.assertions import AssertedVerdict, demand, time_limit_of_test
-from driftproof.support.plain_text import Json
 
 # Questions without an answer that say nothing against a stepper, and what would answer them.
 UNDECIDING = {
@@ -46,28 +48,9 @@ UNDECIDING = {
 }
 
 
-@dataclass(frozen=True)
-class Criterion:
-    """One way to hold a stepper to a method: whether it passed, None where that was not seen, and what was seen.
-
-    `missing` is what would decide it, and empty where the calls of the stepper do not allow the question.
-    """
-
-    title: str
-    passed: bool | None
-    lines: tuple[str, ...]
-    data: dict[str, Json]
-    missing: str = ""
-
-    @property
-    def mark(self) -> str:
-        """The outcome in two words at most."""
-        return {True: "passed", False: "FAILED", None: "undecided" if self.missing else "not asked"}[self.passed]
-
-
 def verify(
     step: Callable[..., Any] | str,
-    method: str | Path | Method,
+    method: str | Path | Method | FactsOnly,
     *,
     calls: str | None = None,
     array: Callable[[Any], Any] | str | None = None,
@@ -97,7 +80,10 @@ def verify(
     >>> verify(step, "forward_euler", examples=50, isolate=False).passed
     True
     """
-    asked = method_of(method)
+    if isinstance(found := subject_of(method), FactsOnly):
+        with IsolatedRunner(Target(step, calls, array), time_limit, isolate) as runner:
+            return verify_family(runner, found)
+    asked = method_of(found)  # which refuses a family
     Tolerance(asked, allowance=allowance)  # a question without sense is refused before anything runs
     agreed = partial(explained, method=asked, allowance=allowance, domain=domain, examples=examples)
     beside = partial(nonlinear_agreement, method=asked, allowance=allowance)
@@ -105,7 +91,9 @@ def verify(
     rows = partial(rows_together, method=asked, allowance=allowance, domain=domain)
     estimate = partial(judged_estimate, method=asked)
     with IsolatedRunner(Target(step, calls, array), time_limit, isolate) as runner:
-        outcomes = runner.run([agreed, read_coefficients, beside, measured_orders, estimate, judged_dense, back, rows])
+        outcomes = runner.run(
+            [agreed, read_coefficients, beside, measured_orders, estimate, judged_dense, back, rows, later_steps]
+        )
         if outcomes[0].kind == "bad_input":
             raise ValueError(outcomes[0].seen)
         checks = [criterion(asked, outcome) for criterion, outcome in zip(CRITERIA, outcomes, strict=True)]
@@ -128,7 +116,7 @@ def verify(
 
 def assert_verified(
     step: Callable[..., Any] | str,
-    method: str | Path | Method,
+    method: str | Path | Method | FactsOnly,
     *,
     allow_undecided: bool = False,
     calls: str | None = None,
@@ -303,6 +291,7 @@ CRITERIA: Sequence[Callable[[Method, Outcome], Criterion]] = (
     _check_dense,
     partial(_check_calls, "Steps back"),
     partial(_check_calls, "Rows"),
+    partial(_check_calls, "Later steps"),
 )
 
 
@@ -336,7 +325,7 @@ def _refuted(
     wrong_beside = [str(check.data["faults"][0]) for check in beside if check.passed is False]
     if wrong_beside and coefficients.passed:
         return f"is {method.key}, but {'; '.join(wrong_beside)}"
-    for check, only in zip(back, ("h > 0", "one state at a time"), strict=False):
+    for check, only in zip(back, ("h > 0", "one state at a time", "its first step"), strict=False):
         if others and check.passed is False:
             return f"is {method.key} for {only} only: {check.lines[0]}"
     if found is not None and found.failing is not None and order.passed is not False:
@@ -380,14 +369,7 @@ def _report(
     instead: Report | None = None,
     mistakes: Sequence[str] = (),
 ) -> Report:
-    parts = [(f"{check.title}: {check.mark}", check.lines) for check in checks]
-    if passed is None:
-        missing = [f"{check.title.lower()}: {check.missing}" for check in checks if check.mark == "undecided"]
-        parts.append(("What would decide it", tuple(missing)))
-    data: dict[str, Json] = {
-        check.title.lower().replace(" ", "_"): {"passed": check.passed, "seen": list(check.lines), **check.data}
-        for check in checks
-    }
+    parts, data = criteria_parts(checks, passed)
     if instead is not None:
         read = instead.section("Coefficients") or instead.section("One-step matrix")
         shown = [section for section in (read, instead.section("Faults"), instead.section("Not answered")) if section]

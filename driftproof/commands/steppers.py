@@ -38,7 +38,8 @@ def identify_command(options: Namespace) -> str:
       from driftproof import stepper_of
       step = stepper_of(lambda force: Body(acceleration=force), position="x", velocity="v", advance="update")
       step = stepper_of(Body, position="x", velocity="v", push="apply_force", advance="update")
-    (field_stepper_of for y' = f(t, y)). Wrap anything else in a function of two lines.
+    (field_stepper_of for y' = f(t, y)). What remembers is read from runs: rho, sigma, the start. Wrap anything else
+    in a function of two lines.
     It runs in an isolated process: a crash is a finding, a hang is told.
 
     exit status: 1 if it gives no answer, 3 if the time is over before anything is decided.

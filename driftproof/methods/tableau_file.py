@@ -301,7 +301,7 @@ _FAMILIES: dict[str, tuple[tuple[str, ...], _Reader]] = {
 _PARAMETRIC: tuple[tuple[str, ...], _Reader] = (("parameter", "A", "b", "c"), _family)
 
 
-def method_of(given: str | Path | Method) -> Method:
+def method_of(given: str | Path | Method | Family | FactsOnly) -> Method:
     """The method with this key or name, or in the TOML file if it ends in .toml; a method is itself.
 
     Raises ValueError, also of a family, and of a method that has facts only.

@@ -108,8 +108,8 @@ def _value(plain: Plain, package: str) -> Plain:
             return tuple.__new__(_class(content[0], package), _value(content[1], package))
         case "object":
             made = object.__new__(_class(content[0], package))
-            for name in made.__dataclass_fields__:
-                object.__setattr__(made, name, _value(content[1][name], package))
+            for field in fields(made):
+                object.__setattr__(made, field.name, _value(content[1][field.name], package))
             return made
     raise MessageError(f"no message: {str(kind)[:40]!r} is no kind of value")
 

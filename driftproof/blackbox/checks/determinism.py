@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable
-from copy import deepcopy
 from dataclasses import replace
+from types import FunctionType
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from driftproof.blackbox.checks.trials import (
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.probes.coefficients import half_spacing
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.fresh_copies import fresh_copy
 from driftproof.symbolic.rounding.formats import FloatFormat
 
 # Random last bits, which come out alike in half of all pairs, are alike in so many calls once in 128.
@@ -78,13 +79,10 @@ def _memory_of_another(runner: TrialRunner) -> tuple[CheckResult, ...]:
 
 
 def _copy(runner: TrialRunner) -> TrialRunner | None:
-    """The runner of a second object; None where a copy is the same object, as of a function, or cannot be made."""
+    """The runner of a second object; None of a function, or where a copy is the same object or cannot be made."""
     function = runner.subject.function
-    try:
-        other = deepcopy(function)
-    except Exception:  # other people's objects raise what they like
-        return None
-    return None if other is function else TrialRunner(replace(runner.subject, function=other))
+    other = None if isinstance(function, FunctionType) else fresh_copy(function)
+    return None if other is None or other is function else TrialRunner(replace(runner.subject, function=other))
 
 
 def _varies(runner: TrialRunner) -> tuple[CheckResult, ...]:

@@ -96,12 +96,17 @@ def _errors(subject: ForeignStepper, problem: NonlinearProblem, steps: Sequence[
 def _fitted(
     errors: Sequence[float], noise: Sequence[float], arithmetic: str, problem: NonlinearProblem
 ) -> MeasuredOrder:
-    """The slopes down to the first error that is in the noise, and the order that the last of them show."""
+    """The slopes of the local error, whose power of h is one more than the order."""
+    power, slopes = power_of_errors(errors, noise)
+    return MeasuredOrder(None if power is None else power - 1, slopes, arithmetic, problem.words)
+
+
+def power_of_errors(errors: Sequence[float], noise: Sequence[float]) -> tuple[int | None, tuple[float, ...]]:
+    """The power of h that errors at halved steps show, None for none; and the slopes down to the first in the noise."""
     clear = next((i for i, (e, n) in enumerate(zip(errors, noise, strict=True)) if e <= n), len(errors))
     slopes = tuple(log2(a / b) for a, b in pairwise(errors[:clear]))
     powers = {round(slope) if abs(slope - round(slope)) <= SLACK else None for slope in slopes[-2:]}
-    power = powers.pop() if len(powers) == 1 else None
-    return MeasuredOrder(None if power is None else power - 1, slopes, arithmetic, problem.words)
+    return (powers.pop() if len(powers) == 1 else None), slopes
 
 
 def _balls_in(value: Any, size: int) -> list[AnyNumber]:

@@ -66,7 +66,7 @@ def field_problem(subject: ForeignStepper) -> NonlinearProblem:
     failure: Misbehaviour | None = None
     for size in _SIZES:
         try:
-            timed = _hands_on_time(subject, size)
+            timed = hands_on_time(subject, size)
         except Misbehaviour as found:
             failure = failure or found
             continue
@@ -81,7 +81,7 @@ def field_problem(subject: ForeignStepper) -> NonlinearProblem:
 
 def force_problem(subject: ForeignStepper) -> NonlinearProblem:
     """Of one position: a q'' = F(t, q) where times are handed on, else q'' = exp(-2q) with q = log cosh t."""
-    return pushed(1, timed=True) if _gives_force_times(subject) else walls(1)
+    return pushed(1, timed=True) if gives_force_times(subject) else walls(1)
 
 
 def force_problems(subject: ForeignStepper) -> list[NonlinearProblem]:
@@ -90,7 +90,7 @@ def force_problems(subject: ForeignStepper) -> list[NonlinearProblem]:
     Where no time is handed on, the last of coupled positions is the clock; a force that is asked for one position at a
     time is given walls. Raises the Misbehaviour of one position.
     """
-    for problem in _by_size(subject, timed=_gives_force_times(subject)):
+    for problem in _by_size(subject, timed=gives_force_times(subject)):
         try:
             problem.stepped(subject, START, [float(x.mid()) for x in problem.solution(arb(START))], _SHORT)
         except (StepRaised, WrongShape, NotANumber):
@@ -106,7 +106,7 @@ def _by_size(subject: ForeignStepper, *, timed: bool) -> Iterator[NonlinearProbl
         yield walls(2)
 
 
-def _gives_force_times(subject: ForeignStepper) -> bool:
+def gives_force_times(subject: ForeignStepper) -> bool:
     """True where a time is given with the position. Raises UnsupportedCall where there is no force to give."""
     clock, given = float(START), []
 
@@ -118,7 +118,7 @@ def _gives_force_times(subject: ForeignStepper) -> bool:
     return any(given)
 
 
-def _hands_on_time(subject: ForeignStepper, size: int) -> bool:
+def hands_on_time(subject: ForeignStepper, size: int) -> bool:
     """True where the right-hand side is given a time; without one, it gets the very object that we made."""
     clock, given = float(START), []
 

@@ -76,7 +76,8 @@ class CallingConvention:
 
     `extra` are arguments besides, passed by name: the parameters of its oscillator, all 1; a mass, 2, and the number
     of steps, 1. `names` are those of all others, where they are passed by name, too. What it calls returns `factor`
-    times the acceleration: the mass, or -1 where it is the gradient of a potential. A `run` returns all states.
+    times the acceleration: the mass, or -1 where it is the gradient of a potential. A `run` returns the states of so
+    many `steps`, or is a generator of states.
     """
 
     kind: str
@@ -85,6 +86,12 @@ class CallingConvention:
     names: tuple[str, ...] = ()
     factor: float = 1.0
     run: bool = False
+    steps: int = 1
+
+    def of_steps(self, steps: int) -> CallingConvention:
+        """The same for a run of so many steps."""
+        counts = {name: steps for name in self.extra if _word(name) in _COUNTS}
+        return replace(self, extra={**self.extra, **counts}, steps=steps)
 
 
 def convention_of(step: Callable[..., Any], kind: str | None = None) -> CallingConvention:
@@ -145,7 +152,7 @@ def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingCon
     open_roles, order, extra = [*roles, *([] if GRID in roles else [TIME])], [], dict[str, float]()
     factor, run = 1.0, GRID in roles
     for name in names:
-        word = name.lower().strip("_")
+        word = _word(name)
         role = next((role for role in open_roles if word in ROLES[role]), None)
         if role is not None:
             open_roles.remove(role)
@@ -160,3 +167,7 @@ def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingCon
         else:
             return None
     return CallingConvention(kind, tuple(order), extra, (), factor, run) if set(open_roles) <= {TIME} else None
+
+
+def _word(name: str) -> str:
+    return name.lower().strip("_")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from copy import copy
-from dataclasses import dataclass, field, is_dataclass
+from dataclasses import dataclass, field, is_dataclass, replace
 from math import isfinite
 from typing import Any, TypeAlias
 
@@ -36,7 +36,8 @@ from driftproof.blackbox.stepper.calling_conventions import (
     VELOCITY,
     CallingConvention,
 )
-from driftproof.blackbox.stepper.run_states import end_of_generator, end_of_run, is_generator
+from driftproof.blackbox.stepper.fresh_copies import fresh_copy
+from driftproof.blackbox.stepper.run_states import is_generator, states_of_generator, states_of_run
 from driftproof.blackbox.stepper.state_forms import part_pair
 from driftproof.methods.stepping import oscillator
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
@@ -62,6 +63,7 @@ class CallLog:
     dense: Callable[..., Foreign] | None = None  # its dense output, a function of the time, or of theta
     carried: Foreign = None  # the slope that the last step hands on
     layout: str | None = None  # where the end stands in what a run, or a generator, returns
+    states: Sequence[Sequence[AnyNumber]] = ()  # of the last run, the start among them where all are returned
 
 
 @dataclass
@@ -70,7 +72,8 @@ class ForeignStepper:
 
     `step_with` and `step` take and give numbers of the adapter, floats as a rule. Whatever the stepper does instead of
     answering comes as a `Misbehaviour`. `before` is told each call before it is made, and may refuse it by raising;
-    `after` hears when it is over.
+    `after` hears when it is over. `pristine` is the code before its first call, None where it cannot be copied; runs of
+    fewer steps than `shortest` are not made.
     """
 
     function: Callable[..., Any]
@@ -80,6 +83,19 @@ class ForeignStepper:
     log: CallLog = field(default_factory=CallLog)
     before: Callable[[str], None] = lambda call: None
     after: Callable[[], None] = lambda: None
+    pristine: Callable[..., Any] | None = None
+    shortest: int = 1
+
+    def fresh(self, steps: int = 1) -> ForeignStepper:
+        """The same, remembering nothing; of a code that makes runs, one that makes runs of so many steps.
+
+        Raises UnsupportedCall where the code cannot be copied.
+        """
+        copied = None if self.pristine is None else fresh_copy(self.pristine)
+        if copied is None:
+            raise UnsupportedCall("no copy of it can be made that remembers nothing")
+        log = CallLog(works_in_place=self.log.works_in_place, layout=self.log.layout)
+        return replace(self, function=copied, convention=self.convention.of_steps(steps), log=log)
 
     def step(self, q: AnyNumber, v: AnyNumber, h: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
         """One step of its own system, or of the oscillator where it takes a force or a right-hand side."""
@@ -144,7 +160,7 @@ class ForeignStepper:
         if CARRIED in self.convention.order:
             roles[CARRIED] = write(rate(t, list(y)))
         if GRID in self.convention.order:
-            roles[GRID] = np.array([t, t + h])
+            roles[GRID] = np.array([t + n * h for n in range(self.convention.steps + 1)])
         answer = self._call(roles, f"t={t!r}, y={list(y)!r}, h={h!r}", y)
         return self._finite(self._read_state(answer, size, t + h), [*y, h])
 
@@ -242,12 +258,14 @@ class ForeignStepper:
         """What stands at the end of the step: of a run its last state, of a generator the one after the start."""
         if CARRIED in self.convention.order and isinstance(answer, tuple) and len(answer) > 1:
             self.log.carried, answer = answer[-1], answer[:-1] if len(answer) > 2 else answer[0]
+        steps = self.convention.steps
         if is_generator(answer):
-            end, self.log.layout = end_of_generator(answer, start, self.log.layout)
+            self.log.states, self.log.layout = states_of_generator(answer, start, self.log.layout, steps)
         elif self.convention.run:
-            end, self.log.layout = end_of_run(answer, start, self.log.layout)
+            self.log.states, self.log.layout = states_of_run(answer, start, self.log.layout, steps)
         else:
             return answer
+        end = self.log.states[-1]
         half = len(start) // 2
         return (end[:half], end[half:]) if POSITION in self.convention.order else end
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from importlib import import_module
 from itertools import product
 from typing import Any, TypeAlias
@@ -24,6 +25,7 @@ from driftproof.blackbox.stepper.array_adapters import (
 )
 from driftproof.blackbox.stepper.calling_conventions import FIELD, MAP, STATE, CallingConvention, conventions_of
 from driftproof.blackbox.stepper.foreign_stepper import CallLog, ForeignStepper
+from driftproof.blackbox.stepper.fresh_copies import fresh_copy
 from driftproof.blackbox.stepper.state_forms import COMPLEX, forms_of
 from driftproof.blackbox.stepper.wrappers import increment_wrapper, wrapper_line
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
@@ -32,6 +34,8 @@ from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
 TRIAL_STATE, TRIAL_STEP = (1.0, 0.75), 0.25
 # A step of 1/4 does not halve the oscillator's state; what it returns with 2^-10 is 0 to O(h) if it is an increment.
 _SUSPICIOUS, _TINY = 0.5, 2.0**-10
+# A run of so many steps is longer than the start of any multistep method in use.
+_LONGER = 8
 # A slope handed on in 11 bits is that at the end to less.
 _AS_CARRIED = 2.0**-8
 # The type that an answer's name ends in, the narrowest first.
@@ -57,14 +61,20 @@ def opened(
     except ValueError as error:
         raise ValueError(f"{error}{wrapper_line(step)}") from None
     failures: list[Misbehaviour] = []
+    pristine = fresh_copy(step)
     for convention in conventions:
         trials = (_one_step, _one_number) if convention.kind == FIELD else (_one_step,)
         for adapters in _adapters(step, convention, array):
             for trial, adapter in product(trials, adapters):
+                subject = ForeignStepper(step, convention, adapter, before=before, after=after, pristine=pristine)
                 try:
-                    return _tried(ForeignStepper(step, convention, adapter, before=before, after=after), trial)
+                    return _tried(subject, trial)
                 except Misbehaviour as failure:
                     failures.append(failure)
+                if convention.run:  # a multistep method's first steps may be more than one
+                    with suppress(Misbehaviour):
+                        longer = _tried(replace(subject, convention=convention.of_steps(_LONGER)), trial)
+                        return replace(longer, convention=convention, shortest=_LONGER)
     raise failures[0]
 
 
@@ -109,6 +119,8 @@ def _tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
         raise Increment(f"as h goes to 0 it returns 0, not the state: an increment{increment_wrapper(subject)}")
     types = subject.log.types
     subject.format = next((fmt for name, fmt in _FORMATS.items() if any(t.endswith(name) for t in types)), BINARY64)
+    if subject.log.layout is not None:  # a generator goes on
+        subject.convention = replace(subject.convention, run=True)
     # At rest a step written into its arguments changes nothing: that it works in place must be known by then.
     subject.log = CallLog(works_in_place=subject.log.works_in_place, layout=subject.log.layout)
     return subject

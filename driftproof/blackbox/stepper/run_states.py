@@ -1,4 +1,4 @@
-"""The state that ends one step, of what a run or a generator returns: rows or columns, with or without its times."""
+"""The states of what a run or a generator returns: rows or columns, with or without its times."""
 
 from __future__ import annotations
 
@@ -21,33 +21,37 @@ def is_generator(answer: Any) -> bool:
     return hasattr(answer, "__next__")
 
 
-def end_of_run(answer: Any, start: Sequence[Any], layout: str | None) -> tuple[Any, str]:
-    """The last of the states that a run of one step returns, and where it stands; told where that is not yet known.
+def states_of_run(answer: Any, start: Sequence[Any], layout: str | None, steps: int) -> tuple[Any, str]:
+    """The states of a run, the start among them, and where they stand; told where that is not yet known.
 
     The states are rows, or columns, the first of them the start; or the last one comes alone. Raises WrongShape.
     """
     size, table = len(start), _table(answer, len(start))
     if table.size == size:
-        return table.ravel(), END
-    if table.shape == (2, size) and (layout == ROWS or (layout is None and _is(start, table[0]))):
-        return table[-1], ROWS
-    if table.shape == (size, 2) and (layout == COLUMNS or _is(start, table[:, 0])):
-        return table[:, -1], COLUMNS
-    raise WrongShape(f"of one step from {list(start)!r} it returns an array of shape {table.shape}, not two states")
+        return [table.ravel()], END
+    if table.shape == (steps + 1, size) and (layout == ROWS or (layout is None and _is(start, table[0]))):
+        return table, ROWS
+    if table.shape == (size, steps + 1) and (layout == COLUMNS or _is(start, table[:, 0])):
+        return table.T, COLUMNS
+    made = "one step" if steps == 1 else f"{steps} steps"
+    wanted = "two" if steps == 1 else steps + 1
+    raise WrongShape(f"of {made} from {list(start)!r} it returns an array of shape {table.shape}, not {wanted} states")
 
 
-def end_of_generator(generator: Any, start: Sequence[Any], layout: str | None) -> tuple[Any, str]:
-    """The state that a generator yields after the start; the first one where it does not yield the start.
+def states_of_generator(
+    generator: Any, start: Sequence[Any], layout: str | None, steps: int
+) -> tuple[Sequence[Any], str]:
+    """The states that a generator yields, the start first, if it yields that.
 
     Raises NotANumber where there is none.
     """
-    states = [as_array(state).ravel()[-len(start) :] for state in islice(generator, 2)]
+    states = [as_array(state).ravel()[-len(start) :] for state in islice(generator, steps + 1)]
     if not states:
         raise NotANumber("the generator ends before it yields a state")
     if len(states) == len(start) and all(state.size == 1 for state in states):  # one state, number by number
-        return np.concatenate(states), END
+        return [np.concatenate(states)], END
     found = layout or (ROWS if _is(start, states[0]) else END)
-    return states[-1 if found == ROWS else 0], found
+    return (states if found == ROWS else [np.array(start), *states[:steps]]), found
 
 
 def _is(start: Sequence[Any], state: np.ndarray[Any, Any]) -> bool:

@@ -1,0 +1,120 @@
+"""A stepper that remembers: which linear multistep method it is, how it starts, and of which order it is so."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass
+
+from driftproof.blackbox.families.multistep_recurrence import RecurrenceReading, read_recurrence
+from driftproof.blackbox.families.multistep_runs import MarkedRuns
+from driftproof.blackbox.families.multistep_start import StartReading, read_start
+from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.report import Criterion
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.methods.multistep import Multistep
+from driftproof.support.plain_text import Json
+
+
+@dataclass(frozen=True)
+class MultistepReading:
+    """The recurrence of a stepper's steps, and its start where that could be run."""
+
+    recurrence: RecurrenceReading
+    start: StartReading | None
+
+    @property
+    def faults(self) -> list[str]:
+        """What is wrong with it, whichever method it is meant to be."""
+        facts, own = self.recurrence.facts, self.recurrence.recurrence
+        found = [self._start_fault] if self._start_fault else []
+        if facts is not None and not facts.zero_stable:
+            found.append(f"it is not zero-stable: {facts.root_condition.reason}")
+        if facts is not None and facts.order < 1:
+            what = ", ".join(f"{name} = {x}" for name, x in facts.inconsistencies.items())
+            found.append(f"it is not consistent: {what}")
+        if self.recurrence.asked and self.recurrence.predictor is None and not own.sigma[-1]:
+            found.append(self.recurrence.asked)
+        return found
+
+    @property
+    def _start_fault(self) -> str:
+        facts = self.recurrence.facts
+        if self.start is None or facts is None or facts.order < 1:
+            return ""
+        return self.start.fault(facts.order, self.recurrence.recurrence.derivative)
+
+    @property
+    def verdict(self) -> str:
+        """What it is, in one line."""
+        started = f", started by {self.start.name}" if self.start is not None and self.start.name else ""
+        return "; ".join([f"it is {self.recurrence.name}{started}", *self.faults])
+
+    @property
+    def method(self) -> str | None:
+        """The key of the method that it is as it stands; None where F is asked elsewhere."""
+        found = self.recurrence
+        return found.method.key if found.method is not None and not found.asked else None
+
+    @property
+    def parts(self) -> list[tuple[str, list[str]]]:
+        """The evidence, by title."""
+        facts, orders = self.recurrence.facts, []
+        if facts is not None:
+            power, left = facts.order_fails
+            orders = [f"order {facts.order} of the recurrence: on y = t^{power}/{power}! it leaves {left}"]
+        return [
+            ("Recurrence", self.recurrence.lines),
+            ("Order", orders),
+            ("Start", [_NO_START] if self.start is None else self.start.lines),
+        ]
+
+    @property
+    def data(self) -> dict[str, Json]:
+        """The same for programs."""
+        own, facts = self.recurrence.recurrence, self.recurrence.facts
+        return {
+            "method": self.method,
+            "rho": [repr(x) for x in own.rho],
+            "sigma": [repr(x) for x in own.sigma],
+            "derivative": own.derivative,
+            "order": None if facts is None else facts.order,
+            "start": None if self.start is None else list(self.start.methods),
+            "measured_order": None if self.start is None else self.start.order,
+        }
+
+    def criteria(self, method: Multistep) -> list[Criterion]:
+        """How it holds to a method: its recurrence, the places of F, the start, the order of whole runs."""
+        found, start = self.recurrence, self.start
+        same = found.method is not None and (found.method.rho, found.method.sigma) == (method.rho, method.sigma)
+        near = found.recurrence.differences(method) if not same else None
+        differences = [f"not that of {method.key}", *(near or ())]
+        checks = [Criterion("Recurrence", same, tuple(found.lines if same else [*differences, *found.lines]), {})]
+        if same:
+            at = found.asked or "F is asked at the states that it returns"
+            checks.append(Criterion("Right-hand side", not found.asked, (at,), {}))
+        if not same:
+            return checks
+        if start is None:
+            return [*checks, Criterion("Start", None, (_NO_START,), {}, _WITH_START)]
+        fault, order, needed = self._start_fault, method.claimed_order, "smaller rounding"
+        lines = (fault, *start.lines) if fault else tuple(start.lines)
+        begun = False if fault else None if start.power is None else True
+        reached = None if start.order is None else start.order >= order
+        line = f"{method.key} has order {order}; in whole runs order {start.order} is seen"
+        ends = Criterion("Order", reached, (line,), {"measured": start.order}, needed)
+        return [*checks, Criterion("Start", begun, lines, {}, needed), ends]
+
+
+# What is said where copies share what they remember, so that none begins anew.
+_NO_START = "its start was not seen: what it remembers outlives a copy of it, as in a module, or it cannot begin anew"
+_WITH_START = "a stepper that keeps what it remembers in an object of its own"
+
+
+def read_multistep(subject: ForeignStepper, asked: Multistep | None = None) -> MultistepReading:
+    """The recurrence and the start of a stepper. Raises NotReadable, UnsupportedCall, Misbehaviour."""
+    runs = MarkedRuns.of(subject)
+    recurrence = read_recurrence(runs, asked)
+    start = None
+    with suppress(Misbehaviour):
+        start = read_start(runs, recurrence) if runs.begins_anew() else None
+    return MultistepReading(recurrence, start)

@@ -1,0 +1,270 @@
+"""The recurrence of a stepper that remembers: rho and sigma, read from a run on marked slopes, and which they are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+
+from driftproof.blackbox.families.multistep_runs import MarkedRuns, SteadyRun
+from driftproof.blackbox.matching.tables import Array
+from driftproof.blackbox.probes.coefficients import coefficient_difference, coefficient_text, simple_rational
+from driftproof.blackbox.probes.scripted_answers import NotReadable, Rounding
+from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.multistep import Multistep
+from driftproof.methods.schemes import MethodError
+from driftproof.symbolic.linear.multistep import MultistepFacts
+from driftproof.symbolic.rounding.formats import FloatFormat
+
+# The recurrence is looked for in the second half of so many steps: by then every start in use is over.
+RUN_LENGTH = 40
+# More than any method in use remembers.
+_MOST_STEPS = 8
+# Solvers in use stop at 1e-6 or below of numbers of size 1; an explicit recurrence holds to rounding. What is left of
+# one by a solver that stops earlier is less than the second, by other places of F more.
+_SOLVED, _UNSOLVED = 1e-6, 2.0**-10
+# Where coefficients are sought: as late as that; where errors grow, before one of them is all there is.
+_WINDOWS = (slice(RUN_LENGTH // 2, None), slice(_MOST_STEPS, 2 * _MOST_STEPS + 1))
+# A method that differs in more coefficients than so many is another one.
+_FEW_DIFFERENCES = 2
+FORWARD_EULER = Multistep(
+    "forward_euler", "Forward Euler", 1, "", rho=(Fraction(-1), Fraction(1)), sigma=(Fraction(1), Fraction(0))
+)
+
+
+class NoRecurrence(NotReadable):
+    """The steps keep no linear recurrence, whichever its coefficients."""
+
+    kind = "no_recurrence"
+
+
+@dataclass(frozen=True)
+class Recurrence:
+    """Σⱼ ρⱼ yₙ₊ⱼ = hᵈ Σⱼ σⱼ F(yₙ₊ⱼ) with ρₖ = 1, as floats, oldest first; `error` is what each may be off by."""
+
+    rho: tuple[float, ...]
+    sigma: tuple[float, ...]
+    derivative: int
+    format: FloatFormat
+    error: float = 0.0
+
+    @classmethod
+    def of(cls, method: Multistep, fmt: FloatFormat) -> Recurrence:
+        """That of a method."""
+        rho, sigma = ([float(x / method.rho[-1]) for x in row] for row in (method.rho, method.sigma))
+        return cls(tuple(rho), tuple(sigma), method.derivative, fmt)
+
+    @property
+    def steps(self) -> int:
+        """k."""
+        return len(self.rho) - 1
+
+    @property
+    def rounding(self) -> float:
+        """What rounding may leave of it, relative to its terms."""
+        return Rounding(self.format, self.steps + 1).of(1.0)
+
+    def left(self, run: SteadyRun) -> Array:
+        """What each step of a run that ends k or more after the start leaves of it, relative to its terms."""
+        rows = len(run.states) - self.steps
+        terms = [x * run.states[j : rows + j] for j, x in enumerate(self.rho)]
+        terms += [-x * run.slopes[j : rows + j] for j, x in enumerate(self.sigma)]
+        sizes = np.sum(np.abs(terms), axis=0) + float(self.format.eta) / float(self.format.u)
+        return np.asarray((np.abs(np.sum(terms, axis=0)) / sizes).max(axis=1))
+
+    def kept(self, run: SteadyRun, tolerance: float = 0.0) -> bool:
+        """Whether the second half of a run keeps it, to the tolerance, or to rounding where that is more."""
+        return bool((self.left(run)[RUN_LENGTH // 2 :] <= max(self.rounding, tolerance)).all())
+
+    @property
+    def lines(self) -> list[str]:
+        """ρ and σ, each as the fraction that it is the rounding of where there is a telling one."""
+        rows = (("rho", self.rho), ("sigma", self.sigma))
+        return [
+            f"{name} = {', '.join(coefficient_text(x, self.format, self.error) for x in row)}" for name, row in rows
+        ]
+
+    def off(self, x: float) -> float:
+        """What a coefficient may be off by, a few roundings at least: codes divide by what multiplies the new value."""
+        return max(self.error, 4 * float(self.format.u) * max(1.0, abs(x)))
+
+    @property
+    def exact(self) -> Multistep | None:
+        """The method of the simple fractions that these are the roundings of; None where one is not."""
+        rows = [[simple_rational(x, self.off(x)) for x in row] for row in (self.rho, self.sigma)]
+        if any(x is None for row in rows for x in row):
+            return None
+        rho, sigma = (tuple(x for x in row if x is not None) for row in rows)
+        try:
+            return Multistep("read", "read", 0, "", rho=rho, sigma=sigma, derivative=self.derivative)
+        except MethodError:
+            return None
+
+    def differences(self, method: Multistep) -> tuple[str, ...] | None:
+        """The few coefficients that are another method's, in words; None where they are more, or k is another."""
+        if (method.steps, method.derivative) != (self.steps, self.derivative):
+            return None
+        found = []
+        for name, seen, exact in (("rho", self.rho, method.rho), ("sigma", self.sigma, method.sigma)):
+            for j, (x, y) in enumerate(zip(seen, exact, strict=True)):
+                if abs(x - y / method.rho[-1]) > self.off(x):
+                    told = coefficient_difference(f"{name}[{j}]", x, y / method.rho[-1], self.format, self.error)
+                    found.append(told)
+        return tuple(found) if len(found) <= _FEW_DIFFERENCES else None
+
+
+@dataclass(frozen=True)
+class RecurrenceReading:
+    """The recurrence of a stepper, the method that it is, if it is one, and where its right-hand side is asked.
+
+    `late` counts the steps after the first k - 1 that do not keep it yet. `left` is what implicit steps leave of it,
+    relative to its terms, 0 where that is rounding. `asked` says where F is asked where that is not at the states it
+    returns: `predictor` is then the explicit method whose values are taken, and `corrections` how often, if that is
+    what was seen.
+    """
+
+    recurrence: Recurrence
+    method: Multistep | None
+    late: int
+    left: float = 0.0
+    predictor: Multistep | None = None
+    corrections: int = 0
+    asked: str = ""
+
+    @property
+    def near(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
+        """The methods that it is but for few coefficients, with these."""
+        if self.method is not None:
+            return ()
+        found = [(m.key, self.recurrence.differences(m)) for m in candidates(self.recurrence.derivative)]
+        told = [(key, words) for key, words in found if words]
+        fewest = min((len(words) for _, words in told), default=0)
+        return tuple(each for each in told if len(each[1]) == fewest)
+
+    @property
+    def name(self) -> str:
+        """What it is."""
+        k = self.recurrence.steps
+        if self.method is not None and self.predictor is not None:
+            often = "once" if self.corrections == 1 else f"{self.corrections} times"
+            mode = f"P{'EC' * self.corrections}E"
+            return f"{self.method.key}, corrected {often} from what {self.predictor.key} predicts ({mode})"
+        if self.method is not None:
+            return self.method.key + (f", but {self.asked}" if self.asked else "")
+        if self.near:
+            return f"a multistep method of {k} steps, {self.near[0][0]} but for {'; '.join(self.near[0][1])}"
+        if k == 1:
+            return "no multistep method: each step is made of the state before alone"
+        return f"a multistep method of {k} steps that is not known here"
+
+    @cached_property
+    def facts(self) -> MultistepFacts | None:
+        """Of the method, or of the fractions read."""
+        method = self.method or self.recurrence.exact
+        return None if method is None else MultistepFacts(method)
+
+    @property
+    def lines(self) -> list[str]:
+        """What it is, in words."""
+        held = f"to {self.left:.1e}, as its equations are solved," if self.left else "to rounding"
+        named = "no multistep method of the catalogue"
+        if self.method is not None:
+            named = f"{self.method.key}: kept {held} in runs of {RUN_LENGTH} steps, after the start"
+        nearest = [f"nearest: {key} but for {'; '.join(words)}" for key, words in self.near]
+        asked = [self.asked] if self.asked else []
+        late = [f"the first {self.recurrence.steps - 1 + self.late} steps are others"] if self.late else []
+        return [named, *nearest, *self.recurrence.lines, *asked, *late, "steps of one length were looked at, no others"]
+
+
+def candidates(derivative: int) -> Iterator[Multistep]:
+    """The multistep methods of the catalogue for y' = F, or for y'' = F."""
+    return (m for m in FACTS_ONLY.values() if isinstance(m, Multistep) and m.derivative == derivative)
+
+
+def tolerance_of(method: Multistep) -> float:
+    """What a solver may leave of the recurrence: nothing of an explicit one."""
+    return 0.0 if method.explicit else _SOLVED
+
+
+def read_recurrence(runs: MarkedRuns, asked: Multistep | None = None) -> RecurrenceReading:
+    """The recurrence that a long run keeps, its slopes being marks; `asked` is one more method that it may be.
+
+    Raises NoRecurrence where there is none of up to _MOST_STEPS steps, or where other runs do not keep it.
+    """
+    marked, fmt = runs.run(RUN_LENGTH), runs.subject.format
+    read = _solved(marked, runs.derivative, fmt)
+    own = [asked] if asked is not None and asked.derivative == runs.derivative else []
+    known = [(Recurrence.of(m, fmt), m) for m in (*own, *candidates(runs.derivative))]
+    kept = [(r.left(marked)[RUN_LENGTH // 2 :].max(), r, m) for r, m in known if r.kept(marked, tolerance_of(m))]
+    _, exact, method = min(kept, key=lambda each: float(each[0]), default=(0.0, read, None))
+    # Of one that is not known, coefficients are off by what was read wrongly.
+    tolerance = tolerance_of(method) if method is not None else 2 * (len(read.rho) + len(read.sigma)) * read.error
+    for h, t in ((0.5, 3.0), (0.75, 1.0)):
+        if not exact.kept(runs.run(RUN_LENGTH, h=h, t=t), tolerance):
+            raise NoRecurrence(f"with h = {h:g}, steps do not keep the recurrence that they keep with h = 1")
+    late = int(np.flatnonzero(exact.left(marked) > max(exact.rounding, tolerance)).max(initial=-1)) + 1
+    reading = RecurrenceReading(replace(exact, error=read.error), method, late)
+    return reading if runs.by_place else _with_places(reading, runs, tolerance)
+
+
+def _solved(run: SteadyRun, derivative: int, fmt: FloatFormat) -> Recurrence:
+    """The shortest recurrence that a part of the run keeps, to rounding, or else as solvers leave it.
+
+    Raises NoRecurrence.
+    """
+    for window, tolerance, k in product(_WINDOWS, (0.0, _SOLVED), range(1, _MOST_STEPS + 1)):
+        states, slopes = run.states[window], run.slopes[window]
+        rows = len(states) - k
+        columns = [-states[j : rows + j].ravel() for j in range(k)]
+        columns += [slopes[j : rows + j].ravel() for j in range(k + 1)]
+        matrix, ends = np.array(columns).T, states[k:].ravel()
+        if len(ends) < len(columns):
+            continue
+        sizes = np.abs(matrix).max(axis=1) + np.abs(ends)
+        scaled, sought = matrix / sizes[:, None], ends / sizes
+        found, _, rank, _ = np.linalg.lstsq(scaled, sought, rcond=None)
+        left, rounding = float(np.abs(scaled @ found - sought).max()), Rounding(fmt, k + 1)
+        each = max(left, rounding.of(float(np.abs(found).sum())))
+        if rank == len(found) and left <= max(tolerance, rounding.of(float(np.abs(found).sum()))):
+            # What least squares make of errors of this size in each row.
+            error = float(np.abs(np.linalg.pinv(scaled)).sum(axis=1).max()) * each
+            clean = [0.0 if abs(x) <= error else float(x) for x in found]
+            return Recurrence((*clean[:k], 1.0), tuple(clean[k:]), derivative, fmt, error)
+    raise NoRecurrence(f"its steps keep no recurrence of up to {_MOST_STEPS} steps: no linear multistep method")
+
+
+def _with_places(reading: RecurrenceReading, runs: MarkedRuns, tolerance: float) -> RecurrenceReading:
+    """The reading with where F is asked, which a run shows whose slopes are of the place, too."""
+    run, exact = runs.run(RUN_LENGTH, bent=True), reading.recurrence
+    left = float(exact.left(run)[RUN_LENGTH // 2 :].max())
+    if left <= max(exact.rounding, tolerance):
+        return replace(reading, left=left if left > exact.rounding and reading.method is not None else 0.0)
+    implicit = exact.sigma[-1] != 0
+    for predictor in (FORWARD_EULER, *(m for m in candidates(runs.derivative) if m.explicit)) if implicit else ():
+        for corrections in (1, 2):
+            if _is_corrected(run, runs, exact, Recurrence.of(predictor, exact.format), corrections):
+                told = f"F is asked at what {predictor.key} predicts, and at the states that it returns"
+                return replace(reading, predictor=predictor, corrections=corrections, asked=told)
+    if implicit and left < _UNSOLVED:
+        return replace(reading, asked=f"its equations are solved to {left:.1e} only")
+    return replace(reading, asked="its right-hand side is not asked at the states that it returns")
+
+
+def _is_corrected(run: SteadyRun, runs: MarkedRuns, exact: Recurrence, predictor: Recurrence, corrections: int) -> bool:
+    """Whether each yₙ₊ₖ is what the explicit method predicts, put into the recurrence so many times."""
+    k, problem = exact.steps, runs.problem(1.0, 0.0, bent=True)
+    allowed = Rounding(exact.format, 2 * (k + 2))
+    for n in range(RUN_LENGTH // 2, RUN_LENGTH):
+        before, at = slice(n + 1 - k, n + 1), slice(n + 1 - predictor.steps, n + 1)
+        value = -np.dot(predictor.rho[:-1], run.states[at]) + np.dot(predictor.sigma[:-1], run.slopes[at])
+        known = -np.dot(exact.rho[:-1], run.states[before]) + np.dot(exact.sigma[:-1], run.slopes[before])
+        for _ in range(corrections):
+            clocked = [*value, *([float(n + 1)] if runs.clock else [])]
+            value = known + exact.sigma[-1] * np.array(runs.slopes(problem, float(n + 1), clocked))
+        if np.abs(value - run.states[n + 1]).max() > allowed.of(float(np.abs(run.states[before]).sum()) + k):
+            return False
+    return True

@@ -1,0 +1,153 @@
+"""How a stepper that remembers begins: which method makes its first steps, and what their errors cost a run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from flint import arb
+
+from driftproof.blackbox.families.multistep_recurrence import (
+    FORWARD_EULER,
+    Recurrence,
+    RecurrenceReading,
+    candidates,
+    tolerance_of,
+)
+from driftproof.blackbox.families.multistep_runs import MarkedRuns, course
+from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
+from driftproof.blackbox.judging.measured_order import CLEARANCE, power_of_errors
+from driftproof.blackbox.judging.nonlinear_problems import START, NonlinearProblem, field_problem, force_problem
+from driftproof.blackbox.matching.match import matched
+from driftproof.blackbox.probes.questions import read_coefficients
+from driftproof.blackbox.probes.scripted_answers import NotReadable
+from driftproof.blackbox.stepper.array_adapters import AnyNumber, as_array
+from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, STANDARD_ORDER, CallingConvention
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.methods.catalogue import METHODS
+
+# Lengths of the first steps, and of those of whole runs of a length of 1/2: h = 2**-k.
+_FIRST, _WHOLE, _LENGTH = range(2, 10), range(4, 10), 0.5
+
+
+@dataclass(frozen=True)
+class StartReading:
+    """The methods of the first steps, "" for one that is not known, and the powers of h that errors fall with.
+
+    `power` is of the error of the values that the first recurrence begins with, `order` of the end of whole runs; None
+    where none is seen. What a method of order p needs is the power p of both, for y'' = F(y) p + 1 of the first.
+    """
+
+    methods: tuple[str, ...]
+    power: int | None
+    slopes: tuple[float, ...]
+    order: int | None
+    order_slopes: tuple[float, ...]
+    problem: str
+
+    @property
+    def name(self) -> str:
+        """Who makes the first steps."""
+        named = list(dict.fromkeys(self.methods))
+        return " and ".join(named) if named and all(named) else ""
+
+    @property
+    def lines(self) -> list[str]:
+        """In words."""
+        steps = [f"step {i} is {name or 'of no method that is known here'}" for i, name in enumerate(self.methods, 1)]
+        power = "no power of h" if self.power is None else f"like h^{self.power}"
+        order = "no order is seen" if self.order is None else f"order {self.order} is seen"
+        return [
+            *steps,
+            f"the errors of its first values fall {power} (slopes: {_listed(self.slopes)})",
+            f"{order} in whole runs, the start included, on {self.problem} (slopes: {_listed(self.order_slopes)})",
+        ]
+
+    def fault(self, order: int, derivative: int) -> str:
+        """What is wrong with it for a method of that order, if anything is."""
+        if self.power is None or self.power >= order + derivative - 1:
+            return ""
+        whole = f"whole runs have order {self.order}" if self.order is not None else "that limits whole runs"
+        return f"its start is not good enough: first values are off like h^{self.power}, and {whole}, not {order}"
+
+
+def read_start(runs: MarkedRuns, reading: RecurrenceReading) -> StartReading:
+    """The first steps of runs that keep this recurrence later, beside methods known here, and the errors they leave.
+
+    Raises the Misbehaviour that comes instead of a step.
+    """
+    length = reading.recurrence.steps - 1 + reading.late
+    subject = runs.subject
+    trial = subject.fresh(subject.shortest)
+    problem = force_problem(trial) if subject.convention.kind == FORCE else field_problem(trial)
+    noise = CLEARANCE * float(subject.format.u)
+    firsts = [_error(subject, problem, 2.0**-k, max(length, 1)) for k in _FIRST]
+    ends = [_error(subject, problem, 2.0**-k, round(_LENGTH * 2**k)) for k in _WHOLE]
+    power, slopes = power_of_errors(firsts, [noise] * len(firsts))
+    order, order_slopes = power_of_errors(ends, [noise] * len(ends))
+    return StartReading(_methods(runs, length), power, slopes, order, order_slopes, problem.words)
+
+
+def _methods(runs: MarkedRuns, length: int) -> tuple[str, ...]:
+    """The method of each of the first steps: one of the first kept on, or a multistep method of fewer steps."""
+    first, steps = _one_step(runs.subject), runs.run(max(length + 1, runs.subject.shortest), bent=not runs.by_place)
+    problem, found = runs.problem(1.0, 0.0, bent=not runs.by_place), [first]
+    for n in range(1, length):
+        shorter = [m for m in (FORWARD_EULER, *candidates(runs.derivative)) if m.steps == n + 1]
+        left = [(Recurrence.of(m, runs.subject.format), m) for m in shorter]
+        kept = [m.key for r, m in left if r.left(steps)[0] <= max(r.rounding, tolerance_of(m))]
+        if kept:
+            found.append(kept[0])
+            continue
+        state = [*steps.states[n], *([float(n)] if runs.clock else [])]
+        again = runs.derivative == 1 and _same_step(runs.subject, problem, float(n), state, steps.states[n + 1])
+        found.append(first if again else "")
+    return tuple(found[:length])
+
+
+def _one_step(subject: ForeignStepper) -> str:
+    """The method of the first step of a copy that remembers nothing; "" where it is none that is known."""
+    steps = subject.shortest
+
+    def first(*arguments: Any, **named: Any) -> Any:
+        return subject.fresh().function(*arguments, **named)
+
+    def begun(f: Callable[..., Any], t: AnyNumber, y: Any, h: AnyNumber) -> Any:
+        fresh, adapter, size = subject.fresh(steps), subject.adapter, as_array(y).size
+        fresh.step_field(lambda at, z: adapter.read(f(at, adapter.write(z)), size), t, adapter.read(y, size), h)
+        return adapter.write(fresh.log.states[1])
+
+    alone = replace(subject, function=first)
+    if steps > 1:
+        alone = replace(subject, function=begun, convention=CallingConvention(FIELD, STANDARD_ORDER[FIELD]))
+    try:
+        found = matched(read_coefficients(alone)).matches
+        # Of methods that take the same step, the one with the fewest stages: a call may be made for later steps.
+        return min(found, key=lambda match: getattr(METHODS[match.key], "stages", 0)).name if found else ""
+    except (NotReadable, UnsupportedCall, Misbehaviour):
+        return ""
+
+
+def _same_step(
+    subject: ForeignStepper, problem: NonlinearProblem, t: float, state: Sequence[float], after: Sequence[float]
+) -> bool:
+    try:
+        alone = course(subject, problem, t, list(state), 1.0, subject.shortest)[1]
+    except Misbehaviour:
+        return False
+    allowed = CLEARANCE * float(subject.format.u)
+    return all(abs(float(x) - y) <= allowed * max(1.0, abs(y)) for x, y in zip(alone, after, strict=False))
+
+
+def _error(subject: ForeignStepper, problem: NonlinearProblem, h: float, steps: int) -> float:
+    """The error of the numbers, of y'' = F of the positions, after so many steps."""
+    start = [float(x.mid()) for x in problem.solution(arb(START))]
+    end = course(subject, problem, START, start, h, max(steps, subject.shortest))[steps]
+    exact = problem.solution(arb(START) + h * steps)
+    numbers = problem.positions or len(exact)
+    return max(abs(float(x) - float(y.mid())) for x, y in list(zip(end, exact, strict=True))[:numbers])
+
+
+def _listed(slopes: Sequence[float]) -> str:
+    return ", ".join(f"{slope:.2f}" for slope in slopes) or "none above the noise"

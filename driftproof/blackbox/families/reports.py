@@ -1,0 +1,122 @@
+"""Reports on steppers that no single tableau describes: which method of a family they are, and whether it is that."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from typing import Any, Protocol
+
+from driftproof.blackbox.families.multistep import read_multistep
+from driftproof.blackbox.families.multistep_recurrence import NoRecurrence
+from driftproof.blackbox.families.multistep_runs import remembers
+from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall
+from driftproof.blackbox.isolation import IsolatedRunner
+from driftproof.blackbox.probes.questions import Introduction
+from driftproof.blackbox.probes.scripted_answers import NotReadable
+from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Criterion, Report, criteria_parts, sections
+from driftproof.blackbox.stepper.calling_conventions import MAP, SIGNATURES
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.methods.catalogue import FactsOnly
+from driftproof.methods.multistep import Multistep
+from driftproof.support.plain_text import Json
+
+# What a stepper of each kind of method has to look like.
+_NEEDED: dict[type, str] = {
+    Multistep: "a stepper that takes a right-hand side or a force, and a copy of which remembers nothing",
+}
+
+
+class FamilyReading(Protocol):
+    """What was read of a stepper: in one line, with the evidence by title, and beside a method."""
+
+    @property
+    def verdict(self) -> str:
+        """What it is, in one line."""
+
+    @property
+    def method(self) -> str | None:
+        """The key of the method that it is as it stands."""
+
+    @property
+    def faults(self) -> list[str]:
+        """What is wrong with it, whichever method it is meant to be."""
+
+    @property
+    def parts(self) -> Sequence[tuple[str, Sequence[str]]]:
+        """The evidence."""
+
+    @property
+    def data(self) -> dict[str, Json]:
+        """The same for programs."""
+
+    def criteria(self, method: Any) -> list[Criterion]:
+        """How it holds to a method of its family."""
+
+
+def read_family(
+    subject: ForeignStepper, asked: FactsOnly | None = None, *, runs_only: bool = False
+) -> FamilyReading | None:
+    """What the stepper is among the families, if its steps remember; None where they do not.
+
+    With `runs_only`, nothing is asked of single steps. Raises NotReadable, UnsupportedCall, Misbehaviour.
+    """
+    if isinstance(asked, Multistep):
+        return read_multistep(subject, asked)
+    if subject.convention.kind == MAP or (runs_only and not subject.convention.run) or not remembers(subject):
+        return None
+    return read_multistep(subject)
+
+
+def family_report(name: str, introduced: Introduction, read: FamilyReading) -> Report:
+    """The report of `identify`."""
+    held = f"driftproof verify {name} --method"
+    to_do = f"if it should be {read.method}, hold it there: {held} {read.method}" if read.method else ""
+    first = "see to the faults first" if read.faults else ""
+    opened = [SIGNATURES[introduced.calls], f"takes {introduced.numbers}, works in {introduced.format}"]
+    parts = sections(
+        ("What to do", [*filter(None, [first, to_do or f"say what it should be: {held} METHOD"])]),
+        ("Faults", read.faults),
+        *read.parts,
+        ("Stepper", opened),
+    )
+    data = {"calls": introduced.calls, "format": introduced.format, "faults": list(read.faults), **read.data}
+    return Report(name, read.verdict, None, parts, data)
+
+
+def verify_family(runner: IsolatedRunner, method: FactsOnly) -> Report:
+    """The report of `verify` for a method of a family. Raises ValueError where the stepper cannot be imported."""
+    outcome = runner.run([partial(read_family, asked=method)])[0]
+    if outcome.kind == "bad_input":
+        raise ValueError(outcome.seen)
+    name = runner.target.name
+    if outcome.failed:
+        return _not_read(name, outcome, method)
+    read: FamilyReading = outcome.result
+    checks = read.criteria(method)
+    open_ones = [check for check in checks if check.passed is None]
+    decided = all(check.passed for check in checks[:2]) and any(check.passed for check in checks[2:])
+    passed = False if any(check.passed is False for check in checks) else True if decided else None
+    parts, data = criteria_parts(checks, passed)
+    if passed is False:
+        failed = next(check for check in checks if check.passed is False)
+        other = read.verdict if checks[0].passed is False else failed.lines[0]
+        verdict = f"is not {method.key}{'; ' if checks[0].passed is False else ': '}{other}"
+        data["instead"] = read.data
+    elif passed is None:
+        verdict = f"{UNDECIDED} whether it is {method.key}: {open_ones[0].lines[-1]}"
+    else:
+        verdict = f"is {method.key}{read.verdict.removeprefix(f'it is {method.key}')}"
+    return Report(name, verdict, passed, sections(*parts), data)
+
+
+def _not_read(name: str, outcome: Outcome, method: FactsOnly) -> Report:
+    """What comes of a stepper that no reading was made of: it gives no answer, or it is undecided, and why."""
+    if outcome.kind == NoRecurrence.kind:
+        return Report(name, f"is not {method.key}: {outcome.seen}", False, (), {"not_answered": outcome.seen})
+    open_kinds = (NotReadable.kind, UnsupportedCall.kind, *NO_EVIDENCE)
+    if outcome.kind not in open_kinds:
+        return Report(name, f"{NO_ANSWER}: {outcome.seen}", False, (), {"not_answered": outcome.seen})
+    needed = "a longer time limit" if outcome.kind in NO_EVIDENCE else _NEEDED[type(method)]
+    parts = sections(("Not answered", [f"{outcome.kind}: {outcome.seen}"]), ("What would decide it", [needed]))
+    verdict = f"{UNDECIDED} whether it is {method.key}: {outcome.seen}"
+    return Report(name, verdict, None, parts, {"not_answered": outcome.seen})

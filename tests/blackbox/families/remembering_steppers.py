@@ -1,0 +1,132 @@
+"""Multistep methods as people write them: objects with a history, runs, generators; right ones, and wrong twins."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from driftproof.methods.catalogue import FACTS_ONLY
+from tests.blackbox.implicit_steppers import newton
+
+
+def euler(f, t, y, h):
+    return y + h * f(t, y)
+
+
+def rk4_step(f, t, y, h):
+    k1 = f(t, y)
+    k2 = f(t + h / 2, y + h / 2 * k1)
+    k3 = f(t + h / 2, y + h / 2 * k2)
+    return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + f(t + h, y + h * k3))
+
+
+def implicit_euler(f, t, y, h):
+    return newton(lambda x: x - y - h * f(t + h, x), y)
+
+
+class Remembering:
+    """Σ ρⱼ y = h Σ σⱼ F of a method of the catalogue, or with other numbers; `begin` makes the first steps."""
+
+    def __init__(self, key, begin, *, sigma=None, most=50):
+        """Nothing remembered yet."""
+        method = FACTS_ONLY[key]
+        self.rho = [float(x / method.rho[-1]) for x in method.rho]
+        self.sigma = [float(x / method.rho[-1]) for x in method.sigma] if sigma is None else sigma
+        self.begin, self.most = begin, most
+        self.states, self.slopes = [], []
+
+    def step(self, f, t, y, h):
+        """One step."""
+        self.states.append(y)
+        self.slopes.append(f(t, y))
+        k = len(self.rho) - 1
+        if len(self.states) < k:
+            return self.begin(f, t, y, h)
+        last = zip(self.rho, self.sigma, self.states[-k:], self.slopes[-k:], strict=False)
+        known = sum((h * s * slope - r * state for r, s, state, slope in last), 0 * y)
+        if not self.sigma[-1]:
+            return known
+        return newton(lambda x: x - known - h * self.sigma[-1] * f(t + h, x), y, most=self.most, tolerance=1e-14)
+
+
+class Corrected(Remembering):
+    """A predictor, corrected once, its slopes taken at the states that are returned."""
+
+    def step(self, f, t, y, h):
+        """One step."""
+        before = len(self.states)
+        after = super().step(f, t, y, h)
+        if before < 3:
+            return after
+        f4, f3, f2, f1 = self.slopes[-4:]
+        guess = y + h / 24 * (55 * f1 - 59 * f2 + 37 * f3 - 9 * f4)
+        return y + h / 24 * (9 * f(t + h, guess) + 19 * f1 - 5 * f2 + f3)
+
+
+class Stormer:
+    """q' = v, v' = force(q) by differences of positions; its first step is right, or leaves the force out."""
+
+    def __init__(self, right=True):
+        """Nothing remembered yet."""
+        self.right, self.before = right, None
+
+    def step(self, force, q, v, h):
+        """One step."""
+        push = h * h * force(q)
+        after = q + h * v + self.right * push / 2 if self.before is None else 2 * q - self.before + push
+        self.before = q
+        return after, (after - q) / h
+
+
+def run_of_adams_bashforth3(f, y0, ts):
+    """A run, written so that it has three times at least."""
+    h, ys = ts[1] - ts[0], np.zeros((len(ts), len(y0)))
+    ys[0] = y0
+    for n in range(2):
+        ys[n + 1] = rk4_step(f, ts[n], ys[n], h)
+    for n in range(2, len(ts) - 1):
+        slopes = [f(ts[m], ys[m]) for m in (n, n - 1, n - 2)]
+        ys[n + 1] = ys[n] + h / 12 * (23 * slopes[0] - 16 * slopes[1] + 5 * slopes[2])
+    return ys
+
+
+def run_of_adams_bashforth2(f, y0, ts):
+    """A run whose first step is Euler's."""
+    ys, old = [np.array(y0)], None
+    for t, after in pairwise(ts):
+        slope = f(t, ys[-1])
+        ys.append(ys[-1] + (after - t) * (slope if old is None else 1.5 * slope - 0.5 * old))
+        old = slope
+    return np.array(ys)
+
+
+def generated_adams_bashforth2(f, t, y, h):
+    """A generator of states."""
+    y, old = np.array(y), None
+    yield y
+    while True:
+        slope = f(t, y)
+        y, t, old = y + h * (slope if old is None else 1.5 * slope - 0.5 * old), t + h, slope
+        yield y
+
+
+def in_a_closure():
+    """A function that remembers, of y alone."""
+    before = []
+
+    def step(y, f, h):
+        before.append(f(y))
+        return y + h * (1.5 * before[-1] - 0.5 * before[-2] if len(before) > 1 else before[-1])
+
+    return step
+
+
+_outside: list = []
+
+
+def in_the_module(f, t, y, h):
+    """A function that remembers in its module, out of the reach of copies."""
+    _outside.append(f(t, y))
+    known = len(_outside) > 1 and np.shape(_outside[-2]) == np.shape(_outside[-1])
+    return y + h * (1.5 * _outside[-1] - 0.5 * _outside[-2] if known else _outside[-1])

@@ -1,0 +1,117 @@
+"""Which multistep method a stepper is, by key or by what is wrong; planted twins fail, right ones do not."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import pytest
+
+from driftproof.blackbox.identify import identify
+from driftproof.blackbox.verify import verify
+from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.multistep import Multistep
+from tests.blackbox.families import remembering_steppers as planted
+from tests.blackbox.families.remembering_steppers import Corrected, Remembering, Stormer, euler, rk4_step
+
+EXPLICIT = [key for key, m in FACTS_ONLY.items() if isinstance(m, Multistep) and m.explicit and m.derivative == 1]
+IMPLICIT = ["adams_moulton2", "adams_moulton4", "bdf2", "bdf3", "bdf6", "milne_simpson"]
+
+NAMED = {
+    "adams_bashforth2, started by forward_euler": lambda: Remembering("adams_bashforth2", euler).step,
+    "adams_bashforth3, started by rk4": lambda: planted.run_of_adams_bashforth3,
+    "bdf2, started by backward_euler": lambda: Remembering("bdf2", planted.implicit_euler).step,
+    "two_step_leapfrog, started by forward_euler": lambda: Remembering("two_step_leapfrog", euler).step,
+    "adams_moulton3, corrected once from what adams_bashforth4 predicts (PECE), started by rk4": (
+        lambda: Corrected("adams_moulton3", rk4_step).step
+    ),
+}
+
+
+@pytest.mark.parametrize("key", [*EXPLICIT, *IMPLICIT])
+def test_a_method_that_is_started_well_enough_passes_as_itself(key):
+    report = verify(Remembering(key, rk4_step).step, key, isolate=False)
+    assert report.passed is (FACTS_ONLY[key].claimed_order <= 5), report.text()
+    assert report.passed or "its start is not good enough: first values are off like h^5" in report.verdict
+
+
+@pytest.mark.parametrize(("words", "make"), NAMED.items())
+def test_a_stepper_is_named_with_its_start(words, make):
+    assert identify(make(), isolate=False).verdict == f"it is {words}"
+
+
+@pytest.mark.parametrize(
+    "step", [planted.in_a_closure(), planted.generated_adams_bashforth2, planted.run_of_adams_bashforth2]
+)
+def test_what_remembers_is_read_in_every_form(step):
+    assert identify(step, isolate=False).verdict == "it is adams_bashforth2, started by forward_euler"
+
+
+@pytest.mark.parametrize(
+    ("step", "key", "words"),
+    [
+        (
+            Remembering("adams_bashforth2", euler, sigma=[-1 / 3, 3 / 2, 0.0]).step,
+            "adams_bashforth2",
+            "adams_bashforth2 but for sigma[0]: -1/3 instead of -1/2",
+        ),
+        (
+            Remembering("adams_bashforth4", euler).step,
+            "adams_bashforth4",
+            "its start is not good enough: first values are off like h^2, and whole runs have order 2, not 4",
+        ),
+        (Remembering("adams_bashforth2", euler).step, "adams_bashforth3", "it is adams_bashforth2"),
+        (Corrected("adams_moulton3", rk4_step).step, "adams_moulton3", "asked at what adams_bashforth4 predicts"),
+        (Remembering("bdf2", euler, most=1).step, "bdf2", "its equations are solved to"),
+        (Stormer(right=False).step, "stormer2", "first values are off like h^2"),
+        (rk4_step, "adams_bashforth4", "its steps keep no recurrence of up to 8 steps"),
+    ],
+)
+def test_a_wrong_one_fails_with_its_cause(step, key, words):
+    report = verify(step, key, isolate=False)
+    assert report.passed is False, report.text()
+    assert words in report.verdict
+
+
+def test_a_weight_off_by_1e_13_is_no_longer_the_method():
+    step = Remembering("adams_bashforth2", euler, sigma=[-0.5, 1.5 + 1e-13, 0.0]).step
+    assert verify(step, "adams_bashforth2", isolate=False).passed is False
+
+
+def test_stormers_positions_are_told_from_velocity_verlets_velocities():
+    assert verify(Stormer().step, "stormer2", isolate=False).passed
+    assert "it is stormer2" in identify(Stormer().step, isolate=False).verdict
+
+
+def test_a_start_that_cannot_be_seen_leaves_it_undecided():
+    report = verify(planted.in_the_module, "adams_bashforth2", isolate=False)
+    assert report.passed is None
+    assert report.section("What would decide it").lines[0].startswith("start: a stepper that keeps what it remembers")
+
+
+def test_a_run_that_begins_as_another_method_is_not_that_one():
+    report = verify(planted.run_of_adams_bashforth2, "forward_euler", isolate=False)
+    assert report.verdict.startswith("is forward_euler for its first step only")
+    assert report.passed is False
+
+
+def test_a_run_of_a_one_step_method_stays_one():
+    def run(f, y0, ts):
+        states = [y0]
+        for t, after in pairwise(ts):
+            states.append(euler(f, t, states[-1], after - t))
+        return states
+
+    assert identify(run, isolate=False).verdict == "it is forward_euler"
+    assert verify(run, "forward_euler", isolate=False).passed
+
+
+def test_a_recurrence_that_grows_is_said_to_be_unstable():
+    step = Remembering("adams_bashforth2", euler)
+    step.rho, step.sigma = [-5.0, 4.0, 1.0], [2.0, 4.0, 0.0]  # order 3, with a root at -5
+    assert "it is not zero-stable" in identify(step.step, isolate=False).verdict
+
+
+def test_a_stepper_with_its_system_built_in_leaves_it_undecided():
+    report = verify(lambda q, v, h: (q + h * v, v - h * q), "bdf2", isolate=False)
+    assert report.passed is None
+    assert "its system is built in" in report.verdict

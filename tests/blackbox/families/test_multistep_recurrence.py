@@ -1,0 +1,42 @@
+"""rho and sigma are read to rounding, from objects and runs, of either kind of equation."""
+
+import pytest
+
+from driftproof.blackbox.families.multistep_recurrence import NoRecurrence, Recurrence, read_recurrence
+from driftproof.blackbox.families.multistep_runs import MarkedRuns
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.symbolic.linear.multistep import MultistepFacts
+from driftproof.symbolic.rounding.formats import BINARY64
+from tests.blackbox.families.remembering_steppers import Remembering, rk4_step
+from tests.looping import some
+
+
+@pytest.mark.parametrize("key", ["adams_bashforth5", "adams_moulton3", "bdf4"])
+def test_coefficients_are_read_that_no_method_of_the_catalogue_has(key):
+    sigma = [float(x / FACTS_ONLY[key].rho[-1]) for x in FACTS_ONLY[key].sigma]
+    sigma[0] += 1 / 64
+    reading = read_recurrence(MarkedRuns.of(opened(Remembering(key, rk4_step, sigma=sigma).step)))
+    assert reading.method is None
+    for seen, right in some(zip(reading.recurrence.sigma, sigma, strict=True)):
+        assert abs(seen - right) <= reading.recurrence.error < 1e-7
+    assert reading.near[0][0] == key
+
+
+def test_exact_fractions_lead_to_exact_facts():
+    step = Remembering("adams_bashforth2", rk4_step, sigma=[-1 / 4, 5 / 4, 0.0]).step
+    facts = read_recurrence(MarkedRuns.of(opened(step))).facts
+    assert (facts.order, str(facts.error_constant)) == (1, "1/4")
+
+
+def test_the_floats_of_a_method_are_its_own_fractions():
+    for key in some(["adams_bashforth6", "bdf6", "cowell4"]):
+        method = FACTS_ONLY[key]
+        exact = Recurrence.of(method, BINARY64).exact
+        assert MultistepFacts(exact).order == method.claimed_order
+        assert Recurrence.of(method, BINARY64).differences(method) == ()
+
+
+def test_a_one_step_method_of_several_stages_keeps_no_recurrence():
+    with pytest.raises(NoRecurrence, match="of up to 8 steps"):
+        read_recurrence(MarkedRuns.of(opened(rk4_step)))

@@ -1,0 +1,39 @@
+"""Runs of marked slopes: as many steps as asked for, of one copy, and marks that tell the places in a step apart."""
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.families.multistep_runs import MarkedRuns, later_steps, remembers
+from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.stepper.opening import opened
+from tests.blackbox.families import remembering_steppers as planted
+from tests.blackbox.families.remembering_steppers import Remembering, Stormer, euler
+
+STEPS = [
+    (euler, False),
+    (Remembering("adams_bashforth2", euler).step, True),
+    (planted.in_a_closure(), True),
+    (planted.run_of_adams_bashforth3, True),
+    (Stormer().step, True),
+    (lambda force, q, v, h: (q + h * (v - h * q), v - h * q), False),
+    (lambda q, v, h: (q + h * v, v - h * q), False),
+]
+
+
+@pytest.mark.parametrize(("step", "does"), STEPS, ids=range(len(STEPS)))
+def test_a_stepper_remembers_or_not(step, does):
+    assert remembers(opened(step)) is does
+
+
+def test_the_states_of_a_run_follow_from_the_slopes_that_come_with_them():
+    for step in (euler, lambda y, f, h: y + h * f(y)):
+        run = MarkedRuns.of(opened(step)).run(12, h=0.5, t=3.0, bent=True)
+        assert np.array_equal(run.states[1:], run.states[:-1] + run.slopes[:-1])
+        assert len({*run.slopes[:, 0]}) == 13
+
+
+def test_single_steps_and_built_in_systems_are_no_runs():
+    assert later_steps(opened(euler))[0] is None
+    assert later_steps(opened(planted.run_of_adams_bashforth2))[0] is False
+    with pytest.raises(UnsupportedCall, match="built in"):
+        MarkedRuns.of(opened(lambda q, v, h: (q + h * v, v - h * q)))

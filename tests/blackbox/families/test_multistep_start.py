@@ -1,0 +1,32 @@
+"""First steps are named one by one, and their errors measured."""
+
+import pytest
+
+from driftproof.blackbox.families.multistep_recurrence import read_recurrence
+from driftproof.blackbox.families.multistep_runs import MarkedRuns
+from driftproof.blackbox.families.multistep_start import read_start
+from driftproof.blackbox.stepper.opening import opened
+from tests.blackbox.families import remembering_steppers as planted
+from tests.blackbox.families.remembering_steppers import Remembering, Stormer, euler, rk4_step
+
+
+def ramped(f, t, y, h):
+    """A step of BDF3's start that is none known here: twice Euler's with half the length."""
+    return euler(f, t + h / 2, euler(f, t, y, h / 2), h / 2)
+
+
+@pytest.mark.parametrize(
+    ("step", "methods", "power", "order"),
+    [
+        (Remembering("adams_bashforth2", euler).step, ("forward_euler",), 2, 2),
+        (Remembering("adams_bashforth4", rk4_step).step, ("rk4",) * 3, 5, 4),
+        (Remembering("bdf3", planted.implicit_euler).step, ("backward_euler",) * 2, 2, 2),
+        (Remembering("adams_bashforth3", ramped).step, ("forward_euler, 2 steps of h/2",) * 2, 2, 2),
+        (planted.run_of_adams_bashforth3, ("rk4",) * 2, 5, 3),
+        (Stormer(right=False).step, ("",), 2, 1),
+    ],
+)
+def test_a_start_is_named_and_measured(step, methods, power, order):
+    runs = MarkedRuns.of(opened(step))
+    start = read_start(runs, read_recurrence(runs))
+    assert (start.methods, start.power, start.order) == (methods, power, order)

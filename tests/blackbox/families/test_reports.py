@@ -1,0 +1,44 @@
+"""Reports on families: what is not read is undecided or no answer, and programs are told what people are."""
+
+import json
+import re
+
+from driftproof.blackbox.identify import identify
+from driftproof.blackbox.verify import verify
+from tests.blackbox import broken_steppers
+from tests.blackbox.families.remembering_steppers import Remembering, euler
+from tests.blackbox.stepper.styles import PAGE, defined
+from tests.looping import exactly
+
+
+def _raising(f, t, y, h):
+    raise RuntimeError("no")
+
+
+def test_a_program_is_told_the_coefficients_the_order_and_the_faults():
+    data = json.loads(identify(Remembering("adams_bashforth3", euler).step, isolate=False).json())
+    assert data["method"] == "adams_bashforth3"
+    assert (data["order"], data["measured_order"]) == (3, 2)
+    assert [float(x) for x in data["sigma"]] == [5 / 12, -4 / 3, 23 / 12, 0.0]
+    assert data["faults"] == [
+        "its start is not good enough: first values are off like h^2, and whole runs have order 2, not 3"
+    ]
+
+
+def test_a_report_says_what_to_do_and_how_it_was_called():
+    report = identify(Remembering("adams_bashforth2", euler).step, isolate=False)
+    assert report.section("What to do").lines[0].endswith("--method adams_bashforth2")
+    assert report.section("Stepper").lines[0].startswith("step(f, t, y, h)")
+
+
+def test_a_stepper_that_hangs_is_undecided_and_one_that_raises_gives_no_answer():
+    assert verify(broken_steppers.hangs, "bdf2", time_limit=2.0).passed is None
+    report = verify(_raising, "bdf2", isolate=False)
+    assert report.passed is False
+    assert report.verdict.startswith("gives no answer")
+
+
+def test_each_example_of_the_page_gets_the_verdict_that_stands_below_it():
+    examples = re.findall(r"```python\n([^`]*)```\n\nVerdict: (.*)", PAGE.read_text(encoding="utf-8"))
+    for code, verdict in exactly(2, examples):
+        assert identify(defined(code), isolate=False).verdict == verdict

@@ -1,0 +1,39 @@
+"""A fresh copy remembers nothing, and shares nothing with the original that is in its reach."""
+
+import threading
+
+from driftproof.blackbox.stepper.fresh_copies import fresh_copy
+
+
+class Counter:
+    """Counts its steps."""
+
+    def __init__(self):
+        """None yet."""
+        self.steps = 0
+
+    def step(self, by=1):
+        """One more."""
+        self.steps += by
+        return self.steps
+
+
+def counter_in_a_default(seen=[]):  # noqa: B006
+    seen.append(0)
+    return len(seen)
+
+
+def counting():
+    seen = []
+    return lambda: seen.append(0) or len(seen)
+
+
+def test_a_method_a_closure_and_a_default_are_copied_with_what_they_hold():
+    for step in (Counter().step, counter_in_a_default, counting()):
+        first = fresh_copy(step)
+        assert [first(), first(), fresh_copy(step)(), step()] == [1, 2, 1, 1]
+
+
+def test_what_refuses_to_be_copied_is_none():
+    lock = threading.Lock()
+    assert fresh_copy(lambda: lock.locked()) is None
