@@ -9,34 +9,8 @@ import os
 import sys
 from contextlib import suppress
 
-from driftproof import TYPE_CHECKING, __version__
-
-if TYPE_CHECKING:
-    from driftproof.commands.arguments import Command
-
-# Command -> the module of driftproof.commands that has it, and what it is for.
-COMMANDS = {
-    "methods": ("methods", "list the methods, and the families with a free parameter"),
-    "facts": ("methods", "every exact fact of a method or of a family of methods"),
-    "derive": ("methods", "how they come about on the oscillator, step by step, as text or TeX"),
-    "step": ("oscillator", "one step, exactly"),
-    "run": ("oscillator", "a whole run, certified to any number of digits"),
-    "roundoff": ("oscillator", "the rounding bound of one step, derived by running it"),
-    "stability": ("problems", "which steps a method can take on a problem: proved, and seen"),
-    "identify": ("steppers", "which method a float stepper really is"),
-    "verify": ("steppers", "whether a float stepper is the method its name says, to roundoff"),
-    "certify": ("certify", "the true error of a float trajectory, from any solver"),
-    "scenes": ("scenes", "list the lesson's scenes"),
-    "scene": ("scenes", "run a scene in floats and show what it asks for"),
-    "sweep": ("scenes", "run a scene at every point of a grid of steps, times, starts and methods"),
-    "report": ("scenes", "write scenes as a page of HTML"),
-    "work-precision": ("problems", "error against evaluations and against run time"),
-    "value": ("values", "a number for a text, asked for in a small language"),
-    "values": ("values", "the numbers of the lesson, proved"),
-    "render": ("texts", "a text from its template, with proved values in it"),
-    "check": ("texts", "whether the numbers of a text are right, and which nobody claims"),
-    "diff": ("values", "what changed between two files of values: value, digits or wording"),
-}
+from driftproof import __version__
+from driftproof.commands.listing import ALIASES, COMMANDS, command_named
 
 # Exit statuses, beside those in `commands.arguments`: no answer, as an answer that did not arrive is none; those of
 # a shell for Ctrl-C, and for a reader that has gone (128 + SIGPIPE).
@@ -65,7 +39,7 @@ examples:
   driftproof scene default                         the lesson's readouts and its table
   driftproof work-precision                        error against evaluations and against run time
   driftproof report -o report.html                 the same as a page, with figures
-  driftproof values --only 'rk4.*' --format md     proved values, ready for a text
+  driftproof value --only 'rk4.*' --format md      proved values, ready for a text
 
 Numbers are read exactly: 0.1 is 1/10, and 1/4 is a quarter. `driftproof COMMAND --help` teaches each command.
 """
@@ -77,7 +51,8 @@ def main(arguments: list[str] | tuple[str, ...] | None = None) -> int:
     An answer that could not be written is none.
     """
     name, *words = (sys.argv[1:] if arguments is None else arguments) or ("",)
-    prog = f"driftproof {name}" if name in COMMANDS else "driftproof"
+    prog = f"driftproof {name}" if name in COMMANDS or name in ALIASES else "driftproof"
+    name, *words = (*ALIASES.get(name, (name,)), *words)
     try:
         if name in ("-h", "--help"):
             listed = "\n".join(f"  {command:14}  {what}" for command, (_, what) in COMMANDS.items())
@@ -107,22 +82,6 @@ def _answer(prog: str, name: str, words: list[str]) -> int:
     except ArithmeticError as error:
         return _complain(prog, str(error), NO_ANSWER)
     return _print(printable(answer), prog) or status
-
-
-def command_named(name: str) -> Command:
-    """The command, its module imported now. Raises ValueError, with the names nearest to it, if there is none."""
-    from importlib import import_module
-
-    from driftproof.support.plain_text import did_you_mean
-
-    if not name or name.startswith("-"):
-        wrong = f"unrecognized arguments: {name}" if name else "the following arguments are required: COMMAND"
-        raise ValueError(f"{wrong} (`driftproof --help` shows how)")
-    if name not in COMMANDS:
-        raise ValueError(f"unknown command {name[:60]!r}{did_you_mean(name, COMMANDS)} (`driftproof --help` lists all)")
-    module = import_module(f"driftproof.commands.{COMMANDS[name][0]}")
-    command: Command = getattr(module, f"{name.replace('-', '_')}_command")
-    return command
 
 
 def _print(text: str, prog: str) -> int:

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from driftproof.cli import COMMANDS, main
+from driftproof.cli import main
+from driftproof.commands.listing import ALIASES, COMMANDS
 
 ROOT = Path(__file__).parents[1]
 
@@ -48,7 +49,8 @@ def refusal(run: Callable[..., tuple[int, str, str]]) -> Callable[..., str]:
     def call(*arguments: str) -> str:
         status, out, err = run(*arguments)
         assert (status, out) == (2, "")
-        assert err.startswith(f"driftproof {arguments[0]}: " if set(arguments[:1]) & set(COMMANDS) else "driftproof: ")
+        known = {*arguments[:1]} & {*COMMANDS, *ALIASES}
+        assert err.startswith(f"driftproof {arguments[0]}: " if known else "driftproof: ")
         assert err.count("\n") == 1
         assert err.endswith("\n")
         assert len(err) < 1000

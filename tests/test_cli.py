@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 
 from driftproof import __version__
-from driftproof.cli import COMMANDS, CUT_SHORT, INTERRUPTED, LOST, command_named
+from driftproof.cli import CUT_SHORT, INTERRUPTED, LOST
 from driftproof.commands.arguments import BAD_INPUT, NO_ANSWER
+from driftproof.commands.listing import COMMANDS, command_named
 from driftproof.support import plain_text
 from driftproof.texts.values.published import VALUES_FILE
 from tests.looping import some
@@ -88,7 +89,7 @@ def test_answer_that_is_lost_is_no_success(words, to, why):
     assert why in done.stderr
 
 
-@pytest.mark.parametrize("module", ["driftproof.commands.arguments", "driftproof.texts.writing.answers"])
+@pytest.mark.parametrize("module", ["driftproof.commands.arguments", "driftproof.symbolic.derivation.derive"])
 def test_interrupt_while_something_is_imported_gets_one_line(module, run, monkeypatch):
     real = __import__
 
@@ -98,9 +99,9 @@ def test_interrupt_while_something_is_imported_gets_one_line(module, run, monkey
         return real(name, *more, **named)
 
     monkeypatch.setattr("builtins.__import__", interrupted)
-    found = run("run", "rk4", "--h", "1/4", "--t", "1")
+    found = run("derive", "rk4")
     monkeypatch.undo()
-    assert found == (INTERRUPTED, "", "driftproof run: interrupted\n")
+    assert found == (INTERRUPTED, "", "driftproof derive: interrupted\n")
 
 
 def test_links_in_a_circle_are_refused_by_name(refusal, tmp_path):
@@ -252,10 +253,13 @@ def test_version_is_the_package_version(answer):
 HEAVY = {"sympy", "flint", "numpy", "numba", "matplotlib", "hypothesis", "tqdm", "jinja2", "mpmath", "distributed"}
 
 
+HELP_LOADS = {"driftproof", "driftproof.cli", "driftproof.commands", "driftproof.commands.listing"}
+
+
 @pytest.mark.parametrize("words", ["--version", "--help"])
 def test_version_and_help_load_no_parser_and_no_command(words, modules_after):
     loaded = modules_after(f"from driftproof.cli import main; main([{words!r}])")
-    assert {name for name in loaded if name.startswith("driftproof")} == {"driftproof", "driftproof.cli"}
+    assert {name for name in loaded if name.startswith("driftproof")} == HELP_LOADS
     assert not loaded & {"argparse", "typing", "fractions", "dataclasses", *HEAVY}
 
 
@@ -264,14 +268,14 @@ def test_help_of_a_command_loads_that_command_alone(command, modules_after):
     start = "import contextlib; from driftproof.cli import main"
     loaded = modules_after(f"{start}\n    with contextlib.suppress(SystemExit): main([{command!r}, '--help'])")
     mine = {name for name in loaded if name.startswith("driftproof.commands.")}
-    assert mine == {"driftproof.commands.arguments", f"driftproof.commands.{COMMANDS[command][0]}"}
+    assert mine == {f"driftproof.commands.{name}" for name in ("listing", "arguments", COMMANDS[command][0])}
     assert not loaded & HEAVY
 
 
 # What an answer may need of the heavy libraries, and no more.
 NEEDED = {
     "methods": {"flint"},
-    "scenes": set(),
+    "scenes": {"flint", "numpy"},
     "values --only rk4.first_step.q": set(),
     "step rk4 --h 1/2": {"flint"},
     "run rk4 --h 1/4 --t 10": {"flint"},

@@ -1,4 +1,4 @@
-"""`driftproof scenes`, `scene`, `sweep` and `report`: float runs as a scene describes them, one or many, or a page."""
+"""`driftproof scene`, `sweep` and `report`: float runs as a scene describes them, one or many, or a page."""
 
 from __future__ import annotations
 
@@ -11,23 +11,8 @@ MOST_WORKERS = 1024
 CERTIFIED_DIGITS = cli.digits_option("digits of certified readouts (default 15)", default=15)
 
 
-@cli.command()
-def scenes_command(options: Namespace) -> str:
-    """List the lesson's presets: the method shown, h, t and the number of steps.
-
-    example:
-      driftproof scenes
-    """
-    from driftproof.numeric.scenes import PRESETS
-    from driftproof.support.plain_text import table
-
-    rows = [["scene", "selected method", "h", "t", "steps"]]
-    rows += [[scene.name, scene.selected, str(scene.h), str(scene.t), str(scene.steps)] for scene in PRESETS.values()]
-    return table(rows, right=(2, 3, 4))
-
-
 @cli.command(
-    cli.option("name", "a preset that `driftproof scenes` lists, or a file that ends in .toml"),
+    cli.option("name", "a preset, or a file that ends in .toml; without one the presets are listed", nargs="?"),
     CERTIFIED_DIGITS,
     cli.option("--figures", "also draw the scene's figures, as SVG", type=Path, metavar="FOLDER"),
     cli.TEXT_OR_JSON,
@@ -36,6 +21,7 @@ def scene_command(options: Namespace) -> str:
     """Run a preset, or a scene of your own from a TOML file, in floats.
 
     examples:
+      driftproof scene                                lists the presets
       driftproof scene default
       driftproof scene stability_boundary --format json
       driftproof scene default --figures pictures/
@@ -55,7 +41,7 @@ def scene_command(options: Namespace) -> str:
 
 
 @cli.command(
-    cli.option("scene", "a preset that `driftproof scenes` lists, or a file that ends in .toml"),
+    cli.option("scene", "a preset that `driftproof scene` lists, or a file that ends in .toml"),
     cli.methods_option("keys that `driftproof methods` lists"),
     cli.option("--state", "start as position,velocity; repeatable", type=cli.initial_state, action="append"),
     cli.list_option("--t", "final times", type=cli.several(cli.exactly("t")), metavar="T,T"),

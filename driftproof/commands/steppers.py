@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from functools import partial
+from typing import TYPE_CHECKING
 
 from driftproof.commands import arguments as cli
+
+if TYPE_CHECKING:
+    from driftproof.blackbox.report import Report
 
 MOST_EXAMPLES = 10**6
 TARGET = (
@@ -13,13 +18,29 @@ TARGET = (
     cli.option("--array", "what makes its numbers of floats, e.g. torch:tensor", metavar="MODULE:MAKER"),
     cli.time_limit_option("seconds for the whole run (default 120)", default=120.0),
     cli.format_option("text json markdown", "markdown is ready for an issue"),
+    cli.flag("--all", "show each check, not only the faults"),
+    cli.option("--examples", "steps to try (default 1000)", type=cli.integer_in(1, MOST_EXAMPLES, "examples")),
+    cli.option("--largest-step", "0 < h <= this (default 2)", type=cli.positive_number("h"), default=2.0),
+    cli.option("--largest-state", "|q|, |v| <= this (default 1000)", type=cli.positive_number("state"), default=1000.0),
+    cli.flag("--extremes", "try the smallest floats, too, down to subnormal ones"),
+    cli.flag("--step-in-binary32", "allow that h is rounded to binary32 first"),
+    cli.flag("--velocity-from-positions", "allow for v formed as (q1 - q)/h: u (|q| + |q1|)/h"),
+    cli.flag("--flush-to-zero", "allow that subnormal numbers become 0"),
+    cli.option(
+        "--solver-tolerance", "how well implicit stages are solved, e.g. 1e-10", type=cli.exactly("solver tolerance")
+    ),
 )
+HELD_TO = partial(cli.option, "--method")
+# What only a stepper that is held to a method is asked for.
+WITH_A_METHOD = ("examples", "extremes", "step_in_binary32", "velocity_from_positions", "flush_to_zero")
 
 
 @cli.command(
     *TARGET,
-    cli.flag("--all", "show each check, not only the faults"),
-    cli.flag("--solver", "it is a whole solver, solve(f, t_span, y0, rtol, atol) -> (t, y)"),
+    cli.one_of(
+        cli.flag("--solver", "it is a whole solver, solve(f, t_span, y0, rtol, atol) -> (t, y)"),
+        HELD_TO("as verify: hold it to this method"),
+    ),
 )
 def identify_command(options: Namespace) -> str:
     """Read a stepper from outside and say which method it is, of which order, and what it does besides.
@@ -42,38 +63,19 @@ def identify_command(options: Namespace) -> str:
     in a function of two lines.
     It runs in an isolated process: a crash is a finding, a hang is told.
 
+    With --method it is held to that method: `driftproof verify --help` says what is looked at, and what is allowed for.
+
     exit status: 1 if it gives no answer, 3 if the time is over before anything is decided.
     """
-    if options.solver:
-        from driftproof.blackbox.solvers.identify_solver import identify_solver
+    if not options.solver:
+        return _examined(options)
+    from driftproof.blackbox.solvers.identify_solver import identify_solver
 
-        report = identify_solver(options.step, time_limit=options.time_limit)
-    else:
-        from driftproof.blackbox.identify import identify
-
-        report = identify(options.step, calls=options.calls, array=options.array, time_limit=options.time_limit)
-    words = report.written(options.format, options.all)
-    if not report.answered:
-        raise cli.Undecided(words) if report.answered is None else cli.Refuted(words)
-    return words
+    report = identify_solver(options.step, time_limit=options.time_limit)
+    return _told(report, report.answered, options)
 
 
-@cli.command(
-    *TARGET,
-    cli.option("--method", "a key that `driftproof methods` lists, or a .toml file", required=True),
-    cli.option(
-        "--examples", "steps to try (default 1000)", type=cli.integer_in(1, MOST_EXAMPLES, "examples"), default=1000
-    ),
-    cli.option("--largest-step", "0 < h <= this (default 2)", type=cli.positive_number("h"), default=2.0),
-    cli.option("--largest-state", "|q|, |v| <= this (default 1000)", type=cli.positive_number("state"), default=1000.0),
-    cli.flag("--extremes", "try the smallest floats, too, down to subnormal ones"),
-    cli.flag("--step-in-binary32", "allow that h is rounded to binary32 first"),
-    cli.flag("--velocity-from-positions", "allow for v formed as (q1 - q)/h: u (|q| + |q1|)/h"),
-    cli.flag("--flush-to-zero", "allow that subnormal numbers become 0"),
-    cli.option(
-        "--solver-tolerance", "how well implicit stages are solved, e.g. 1e-10", type=cli.exactly("solver tolerance")
-    ),
-)
+@cli.command(*TARGET, HELD_TO("a key that `driftproof methods` lists, or a .toml file", required=True))
 def verify_command(options: Namespace) -> str:
     """Hold a stepper to a method: its coefficients, its rounding errors against a derived bound, its order.
     The bound holds for the definition's sums and products in any order, fused or not. Of a step(q, v, h) that has its
@@ -89,27 +91,37 @@ def verify_command(options: Namespace) -> str:
     seen, and what would decide it, stands in the report.
     `driftproof identify --help` says what a stepper may look like.
     """
-    from driftproof.blackbox.judging.agreement import Domain
+    return _examined(options)
+
+
+def _examined(options: Namespace) -> str:
+    """What the stepper is; or whether it is the method, where one is named. Raises Refuted, Undecided, ValueError."""
+    from driftproof.blackbox.identify import identify
+    from driftproof.blackbox.judging.agreement import EXAMPLES, Domain
     from driftproof.blackbox.judging.tolerance import Allowance
     from driftproof.blackbox.verify import verify
 
+    how = {name: getattr(options, name) for name in ("calls", "array", "time_limit")}
+    if options.method is None:
+        if asked := [name for name in WITH_A_METHOD if getattr(options, name)]:
+            raise ValueError(f"--{asked[0].replace('_', '-')} is for a stepper that is held to a method: --method")
+        report = identify(options.step, **how)
+        return _told(report, report.answered, options)
     if options.solver_tolerance is not None and options.solver_tolerance < 0:
         raise ValueError(f"solver tolerance {options.solver_tolerance} is below zero")
     smallest = {"smallest_step": 0.0, "smallest_state": 0.0} if options.extremes else {}
-    report = verify(
-        options.step,
-        options.method,
-        calls=options.calls,
-        array=options.array,
-        examples=options.examples,
-        domain=Domain(options.largest_step, options.largest_state, **smallest),
-        allowance=Allowance(
-            options.step_in_binary32, options.velocity_from_positions, options.flush_to_zero, options.solver_tolerance
-        ),
-        time_limit=options.time_limit,
+    domain = Domain(options.largest_step, options.largest_state, **smallest)
+    allowance = Allowance(
+        options.step_in_binary32, options.velocity_from_positions, options.flush_to_zero, options.solver_tolerance
     )
-    if report.passed is None:
-        raise cli.Undecided(report.written(options.format))
-    if not report.passed:
-        raise cli.Refuted(report.written(options.format))
-    return report.written(options.format)
+    examples = options.examples or EXAMPLES
+    report = verify(options.step, options.method, examples=examples, domain=domain, allowance=allowance, **how)
+    return _told(report, report.passed, options)
+
+
+def _told(report: Report, good: bool | None, options: Namespace) -> str:
+    """The report. Raises Refuted where the outcome is not good, Undecided where nothing was decided."""
+    words = report.written(options.format, options.all)
+    if not good:
+        raise cli.Undecided(words) if good is None else cli.Refuted(words)
+    return words

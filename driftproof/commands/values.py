@@ -1,4 +1,4 @@
-"""`driftproof value`, `values` and `diff`: numbers for a text, asked for, published, and compared with older ones."""
+"""`driftproof value` and `diff`: numbers for a text, asked for, published, and compared with older ones."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from pathlib import Path
 
 from driftproof.commands import arguments as cli
 
-FORMATS_OF_VALUES = cli.names_in("driftproof.texts.values.published", "VALUE_FORMATS")
+# The formats of one answer, and those that only a table of published values has.
+OF_ONE, OF_SEVERAL = ("text", "json", "tex", "mathml", "md"), ("csv", "js")
 
 
 @cli.command(
@@ -17,11 +18,12 @@ FORMATS_OF_VALUES = cli.names_in("driftproof.texts.values.published", "VALUE_FOR
     ),
     cli.rounding_option("the policy (default half-even, ties refused)"),
     cli.option("--style", "-6.7e-5 or −6.7×10⁻⁵", choices=("plain", "printed"), default="plain"),
-    cli.format_option("text json tex mathml md", None),
+    cli.option("--format", "of one value text, json, ...; of several json, ...", choices=(*OF_ONE, *OF_SEVERAL)),
     cli.flag("--list", "list what can be asked"),
+    cli.option("--only", "print the published values whose ids match", metavar="PATTERN"),
 )
 def value_command(options: Namespace) -> str:
-    """Answer one question exactly, and print the number as a text wants it: digits, rounding, style.
+    r"""Answer one question exactly, and print the number as a text wants it: digits, rounding, style.
 
     what can be asked, with [optional parts] and any of a|b:
       ID                                                       a published value, as `driftproof values` lists them
@@ -43,7 +45,10 @@ def value_command(options: Namespace) -> str:
       driftproof value 'one_step_matrix rk4 h=1/2 : M_qq'
       driftproof value 'ratio(run rk4 h=1/2 t=10 : state_error, run rk4 h=1/4 t=10 : state_error)' --digits 3
       driftproof value 'order sdirk_order_2 at (1/2 + sqrt(3)/6)'
-      driftproof value --list      every head, readout, fact, function and id
+      driftproof value --list                          every head, readout, fact, function and id
+      driftproof value --only 'rk4.*' --format md      what the lesson prints, by id, as the last green run proved it
+      driftproof value --only '*' --format js          a module for web pages: save it as driftproof.mjs; also csv
+      driftproof value --only '*' --format tex         definitions for \driftproof{id}: save it as values.tex
 
     With --digits or --places only the number is printed, ready for a text. A tie is refused unless --rounding says what
     it becomes; tofixed does what JavaScript's toFixed does, away is for bounds. docs/language.md has the whole of it.
@@ -57,31 +62,27 @@ def value_command(options: Namespace) -> str:
 
     if options.list:
         return vocabulary()
+    if options.only is not None:
+        return _published(options)
     if options.question is None:
-        raise ValueError("no question is asked; write one in quotes, or --list to see what can be asked")
+        raise ValueError("no question is asked; write one in quotes, --only PATTERN for published values, or --list")
+    if options.format in OF_SEVERAL:
+        raise ValueError(f"--format {options.format} is for the published values of --only PATTERN")
     style = replace(PRINTED if options.style == "printed" else PLAIN, rounding=options.rounding)
     output = OutputOptions(options.digits, options.places, style)
     with time_limit(options.question, QUESTION_SECONDS):
-        return format_answer(value(options.question), output, options.format)
+        return format_answer(value(options.question), output, options.format or "text")
 
 
-@cli.command(
-    cli.option("--only", "ids that match this shell pattern", default="*", metavar="PATTERN"),
-    cli.option("--format", "json is canonical", choices=FORMATS_OF_VALUES, default="json"),
-)
-def values_command(options: Namespace) -> str:
-    r"""Print every number that the lesson prints, by id, as the last green run of the proofs wrote it.
+def _published(options: Namespace) -> str:
+    from driftproof.texts.values.published import VALUE_FORMATS, published_values, render_values
 
-    examples:
-      driftproof values
-      driftproof values --only 'rk4.*' --format md
-      driftproof values --only '*.state_error' --format csv
-      driftproof values --format js       a module for web pages: save it as driftproof.mjs
-      driftproof values --format tex      definitions for \driftproof{id}: save it as values.tex
-    """
-    from driftproof.texts.values.published import published_values, render_values
-
-    return render_values(published_values(options.only), options.format)
+    form = options.format or "json"
+    if options.question is not None:
+        raise ValueError("--only is for published values; leave out the question")
+    if form not in VALUE_FORMATS:
+        raise ValueError(f"--format {form} is for one value; of several there are {', '.join(VALUE_FORMATS)}")
+    return render_values(published_values(options.only), form)
 
 
 @cli.command(

@@ -11,12 +11,14 @@ from driftproof.reports.page.trajectory import write_figures
 from driftproof.reports.progress import count_steps
 from driftproof.reports.scene_view import scene_json, scene_text, show_scene
 from driftproof.support.files import atomic_write, require_file, require_folder
-from driftproof.support.plain_text import as_json
+from driftproof.support.plain_text import as_json, table
 from driftproof.support.results import Answered, Printable
 
 
-def scene(name: str | Path | Scene, *, digits: int = 15, figures: str | Path | None = None) -> Answered:
+def scene(name: str | Path | Scene | None = None, *, digits: int = 15, figures: str | Path | None = None) -> Answered:
     """A preset, or a scene of your own, run in floats: the readouts, certified readouts and table that it asks for.
+
+    Without a name, the presets: the method shown, h, t and the number of steps.
 
     `found` has them as numbers. `figures` names a folder for the scene's figures, as SVG. Raises ValueError.
 
@@ -24,6 +26,11 @@ def scene(name: str | Path | Scene, *, digits: int = 15, figures: str | Path | N
     >>> scene("stability_boundary").found["readouts"]["final_state"]
     (-11.0, -10.0)
     """
+    if name is None:
+        header = ("scene", "selected", "h", "t", "steps")
+        rows = [[x.name, x.selected, str(x.h), str(x.t), str(x.steps)] for x in PRESETS.values()]
+        listed = [dict(zip(header, row, strict=True)) for row in rows]
+        return Answered(listed, lambda _: table([header, *rows], right=(2, 3, 4)))
     about = scene_named(name)
     if figures is not None:
         require_folder(Path(figures))

@@ -10,8 +10,7 @@ import pytest
 
 import driftproof
 from driftproof import FAMILIES, METHODS, PRESETS
-from driftproof.cli import COMMANDS, command_named
-from tests.looping import some
+from driftproof.commands.listing import COMMANDS, command_named
 
 ROOT = Path(__file__).parents[2]
 RUN = str(ROOT / "examples" / "trajectories" / "pendulum_RK45.csv")
@@ -32,6 +31,7 @@ SAME = {
     "roundoff rk4 --h 1/4,1/8 --float binary32": "roundoff(METHODS['rk4'], [Q(1, 4), 0.125], float='binary32')",
     "stability": "stability()",
     "stability dahlquist_1e3 --methods rk4 --h 1/500": "stability('dahlquist_1e3', METHODS['rk4'], '1/500')",
+    "scene": "scene()",
     "scene default": "scene(PRESETS['default'])",
     "scene compare --digits 3": "scene('compare', digits=3)",
     "sweep default --methods rk4,heun2 --h 1/4,1/8": "sweep('default', methods=[METHODS['rk4'], 'heun2'], "
@@ -47,18 +47,20 @@ NAMES = {
     **{name: getattr(driftproof, name) for name in driftproof.__all__},
     **{"Q": Q, "Path": Path, "FAMILIES": FAMILIES, "METHODS": METHODS, "PRESETS": PRESETS, "RUN": RUN},
 }
-# Commands whose function has another name: `methods` and `scenes` list tables, `values` is a part of `value`.
-ELSEWHERE = {"methods": "METHODS", "scenes": "PRESETS", "values": "published_values"}
+# Commands that are no question: `methods` lists a table, `completion` is for a shell.
+NO_FUNCTION = {"methods", "completion"}
 # Times differ from run to run, and a page and a rendered text are files.
-TESTED_ELSEWHERE = {"work-precision", "report", "render", *ELSEWHERE}
+TESTED_ELSEWHERE = {"work-precision", "report", "render", *NO_FUNCTION}
 # What a command only has because it writes to a terminal or to files, and what it calls otherwise.
 OF_THE_COMMAND = {"help", "format", "all", "plot", "picture", "figure", "tolerance", "solver", "check", "list"}
+OF_A_CLAIM = {"examples", "largest_step", "largest_state", "extremes", "solver_tolerance"} | {
+    *("step_in_binary32", "velocity_from_positions", "flush_to_zero")
+}
 OTHERWISE = {
-    "identify": {"step"},
-    "verify": {"step", "largest_step", "largest_state", "extremes", "solver_tolerance"}
-    | {"step_in_binary32", "velocity_from_positions", "flush_to_zero"},
+    "identify": {"method", *OF_A_CLAIM},
+    "verify": OF_A_CLAIM - {"examples"},
     "certify": {"function", "run", "invariant"},
-    "value": {"digits", "places", "rounding", "style"},
+    "value": {"only", "digits", "places", "rounding", "style"},
     "render": {"templates"},
 }
 
@@ -101,7 +103,7 @@ def test_every_command_is_held_or_has_its_reason():
     assert held | TESTED_ELSEWHERE == set(COMMANDS)
 
 
-@pytest.mark.parametrize("name", [name for name in COMMANDS if name not in ELSEWHERE])
+@pytest.mark.parametrize("name", [name for name in COMMANDS if name not in NO_FUNCTION])
 def test_words_are_the_same(name):
     """Each option of a command is a parameter of its function; and a function has no other needs."""
     command, function = command_named(name), getattr(driftproof, name.replace("-", "_"))
@@ -110,10 +112,14 @@ def test_words_are_the_same(name):
     assert options - OTHERWISE.get(name, set()) <= parameters
 
 
-def test_values_and_methods_have_their_tables(answer):
-    shown = json.loads(answer("values", "--only", "rk4.*"))
-    assert shown["values"] == driftproof.published_values("rk4.*")
-    assert all(hasattr(driftproof, table) for table in some(ELSEWHERE.values(), 3))
+def test_commands_that_were_merged_keep_their_names(answer):
+    shown = answer("values", "--only", "rk4.*")
+    assert shown == answer("value", "--only", "rk4.*")
+    assert json.loads(shown)["values"] == driftproof.published_values("rk4.*")
+    assert answer("values").startswith("{")
+    assert answer("scenes") == answer("scene")
+    held = answer("identify", "tests.commands.test_one_api:euler", "--method", "Euler")
+    assert held == answer("verify", "tests.commands.test_one_api:euler", "--method", "Euler")
 
 
 REFUSED = {

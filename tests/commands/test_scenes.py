@@ -106,7 +106,6 @@ def test_report_says_where_it_is(answer, tmp_path):
 REFUSED = {
     ("scene", "defualt"): "unknown scene 'defualt'; did you mean default?",
     ("scene", "none.toml"): "none.toml: No such file or directory",
-    ("scene",): "required: name",
     ("scene", "default", "--figures", "pyproject.toml"): "pyproject.toml is a file; name a folder",
     ("sweep", "default", "--workers", "0"): "'0' is not a number of processes from 1 to 1024",
     ("sweep", "default", "--workers", "1", "--cluster", "tcp://x:1"): "not allowed with argument --workers",

@@ -41,6 +41,8 @@ def test_report_is_in_the_format_asked_for(command, run, monkeypatch):
     monkeypatch.setattr(module, command, lambda *_, **__: Report)
     words = ("--method", "rk4") if command == "verify" else ()
     assert run(command, "mine:step", *words, "--format", "markdown") == (not Report.passed, "as markdown\n", "")
+    if words:
+        assert run("identify", "mine:step", *words) == (1, "as text\n", "")
 
 
 @pytest.mark.parametrize(("answered", "status"), [(True, 0), (False, 1), (None, 3)])
@@ -54,6 +56,8 @@ REFUSED = {
     ("identify",): "required: MODULE:STEP",
     ("identify", "os"): "'os' names no stepper; write package.module:function",
     ("verify", "os:getcwd"): "required: --method",
+    ("identify", "os:getcwd", "--solver", "--method", "rk4"): "not allowed with argument --solver",
+    ("identify", "os:getcwd", "--flush-to-zero"): "--flush-to-zero is for a stepper that is held to a method: --method",
     ("verify", "os:getcwd", "--method", "rk5"): "unknown method 'rk5'; did you mean rk4 or rk38?",
     ("verify", "os:getcwd", "--method", "rk4", "--examples", "0"): "'0' is not a number of examples from 1 to 1000000",
     ("verify", "os:getcwd", "--method", "rk4", "--largest-step", "-1"): "'-1' is no h; write a number above 0",

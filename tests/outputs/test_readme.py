@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from docs.pages import CONSOLE, TUTORIALS, printed
-from driftproof.cli import COMMANDS
+from driftproof.commands.listing import COMMANDS
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.work_precision.curves import curves
 from tests.looping import exactly

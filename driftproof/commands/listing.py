@@ -1,0 +1,49 @@
+"""Every command: its module here, what it is for, and what a script may call it."""
+
+from __future__ import annotations
+
+from driftproof import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from driftproof.commands.arguments import Command
+
+# Command -> the module of driftproof.commands that has it, and what it is for.
+COMMANDS = {
+    "methods": ("methods", "list the methods, and the families with a free parameter"),
+    "facts": ("methods", "every exact fact of a method or of a family of methods"),
+    "derive": ("methods", "how they come about on the oscillator, step by step, as text or TeX"),
+    "step": ("oscillator", "one step, exactly"),
+    "run": ("oscillator", "a whole run, certified to any number of digits"),
+    "roundoff": ("oscillator", "the rounding bound of one step, derived by running it"),
+    "stability": ("problems", "which steps a method can take on a problem: proved, and seen"),
+    "identify": ("steppers", "which method a float stepper really is; with --method, the same as verify"),
+    "verify": ("steppers", "whether a float stepper is the method its name says, to roundoff"),
+    "certify": ("certify", "the true error of a float trajectory, from any solver"),
+    "scene": ("scenes", "run a scene in floats and show what it asks for; or list them"),
+    "sweep": ("scenes", "run a scene at every point of a grid of steps, times, starts and methods"),
+    "report": ("scenes", "write scenes as a page of HTML"),
+    "work-precision": ("problems", "error against evaluations and against run time"),
+    "value": ("values", "a number for a text, asked for in a small language; or those of the lesson"),
+    "render": ("texts", "a text from its template, with proved values in it"),
+    "check": ("texts", "whether the numbers of a text are right, and which nobody claims"),
+    "diff": ("values", "what changed between two files of values: value, digits or wording"),
+    "completion": ("completion", "a script that completes commands and options in bash, zsh or fish"),
+}
+# What a script may call a command: the command, and the words that come first.
+ALIASES = {"scenes": ("scene",), "values": ("value", "--only", "*")}
+
+
+def command_named(name: str) -> Command:
+    """The command, its module imported now. Raises ValueError, with the names nearest to it, if there is none."""
+    from importlib import import_module
+
+    from driftproof.support.plain_text import did_you_mean
+
+    if not name or name.startswith("-"):
+        wrong = f"unrecognized arguments: {name}" if name else "the following arguments are required: COMMAND"
+        raise ValueError(f"{wrong} (`driftproof --help` shows how)")
+    if name not in COMMANDS:
+        raise ValueError(f"unknown command {name[:60]!r}{did_you_mean(name, COMMANDS)} (`driftproof --help` lists all)")
+    module = import_module(f"driftproof.commands.{COMMANDS[name][0]}")
+    command: Command = getattr(module, f"{name.replace('-', '_')}_command")
+    return command
