@@ -60,6 +60,7 @@ def render_command(options: Namespace) -> str:
         cli.flag("--init", "draft the claims from the text instead"),
         required=True,
     ),
+    cli.option("--ask", "with --init: a question whose value the text has", action="append", default=[]),
     cli.flag("--coverage", "list the numbers no claim covers, with suggestions"),
     cli.flag("--run", "run the Python listings and compare what they print"),
     cli.time_limit_option("seconds for --run (default 10)", default=10.0),
@@ -71,6 +72,7 @@ def check_command(options: Namespace) -> str:
 
     examples:
       driftproof check chapter.md --init                     claims drafted from the text, to be read and completed
+      driftproof check chapter.md --init --ask 'run rk4 rates=(-y0) from 1 h=0.1 N={1..10} : {y0,state_error}'
       driftproof check chapter.md --claims claims.toml
       driftproof check chapter.md --claims claims.toml --coverage
       driftproof check chapter.md --claims claims.toml --run --format github
@@ -83,6 +85,9 @@ def check_command(options: Namespace) -> str:
     words for numbers and growth are counted apart, and held where a claim says spelled. Labels by themselves are whole
     numbers after a letter (RK4), indices (q₁), what follows Section, Figure and the like, versions, dates, numbers of
     items, [1], addresses and formats such as :.6f. MyST roles and directives and macros of TeX are read as set.
+
+    --init drafts what looks like our values, or like those that --ask names, each brace standing for its choices: a
+    number beside those that were chosen is the likelier. What it may only guess is a comment.
 
     --run runs the Python listings of the text, in order, in one process without a shell, within the time limit and
     2 GiB, and compares what each prints with the block that follows it, or with the lines under "Expected output:".
@@ -122,8 +127,8 @@ def check_command(options: Namespace) -> str:
     if options.init and (options.run or options.coverage or options.format != "text"):
         raise ValueError("--init drafts claims; --run, --coverage and --format need --claims")
     if options.init:
-        return str(check(options.text, init=True))
-    how = {name: getattr(options, name) for name in ("coverage", "run", "time_limit")}
+        return str(check(options.text, init=True, ask=options.ask))
+    how = {name: getattr(options, name) for name in ("ask", "coverage", "run", "time_limit")}
     report: TextReport = check(options.text, options.claims, **how)
     if not report.passed:
         raise cli.Refuted(report.written(options.format))

@@ -1,4 +1,4 @@
-"""What the numbers of a text might be, of our values written as they are; and claims drafted from that."""
+"""Claims drafted from a text, of what its numbers look like: to be read and completed."""
 
 from __future__ import annotations
 
@@ -6,168 +6,21 @@ import json
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from contextlib import suppress
 from dataclasses import dataclass
-from fractions import Fraction
-from functools import cached_property
 from typing import TypeAlias
 
-from driftproof.methods.catalogue import METHODS
-from driftproof.methods.names import also_known_as
 from driftproof.texts.claims.claims import MOST_CLAIMS
 from driftproof.texts.claims.phrases import NumberForm, Phrase
-from driftproof.texts.questions.answer import Answer
-from driftproof.texts.questions.evaluate import value
+from driftproof.texts.claims.suggestions import LookAlike, Suggestions
 from driftproof.texts.readers.document import Document
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
-from driftproof.texts.values.published import published_values
-
-# What is asked, of the methods of which a text is taken to speak where it names none that we know.
-_USUAL_METHODS = ("forward_euler", "symplectic_euler", "velocity_verlet", "rk4")
-_USUAL_STEPS = ("1/4", "1/2", "1/10")
-_RUN_READOUTS = ("state_error", "energy", "energy_change", "phase_error", "q", "v", "steps", "evaluations")
-_STEP_READOUTS = ("q", "v", "energy")
-_USUAL_FACTS = ("imaginary_limit", "real_limit", "order", "error_constant")
-# A few hundred questions, which take a second or two; runs of more steps are not cheap.
-_MOST_METHODS, _MOST_SIZES, _MOST_TIMES = 6, 4, 2
-_LONGEST_RUN = 10_000
-# Of so many numbers with these digits one at most, drawn at random, would look like a value whose names stand as near.
-_ODDS = 100
-# Characters on each side of a number in which the names of a value are looked for: about a line.
-_NEIGHBOURHOOD = 100
-
-_H, _T = (re.compile(rf"\b{letter} ?= ?([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?![\w./])") for letter in "ht")
-
-
-@dataclass(frozen=True)
-class LookAlike:
-    """A value that looks like a number when written in `form`: its id or question.
-
-    It is `strong`, no guess, where chance would make so few numbers of as many digits look like a value as near by
-    its names, or where the number is the value itself and all its names are near.
-    """
-
-    question: str
-    form: NumberForm
-    strong: bool
-
-
-@dataclass(frozen=True)
-class _Known:
-    """A value that a number might be: its question, or its id where it is published, and the answer."""
-
-    question: str
-    published: bool
-    answer: Answer
-
-    @cached_property
-    def names(self) -> list[str]:
-        """What the value is called, but for single letters and what is said of every value."""
-        words = re.split(r"[^a-z0-9]+", re.sub(r"\b(?:run|step|from) |[htN]=\S+", "", self.question))
-        return [word for word in dict.fromkeys(words) if len(word) > 1 and not word.isdigit()]
-
-
-class Suggestions:
-    """What the numbers of a text might be."""
-
-    def __init__(self, text: str) -> None:
-        """The text is in canonical spelling."""
-        self.text = text
-        self._spelled: dict[NumberForm, dict[str, list[_Known]]] = {}
-
-    def of(self, number: TextNumber) -> list[LookAlike]:
-        """Every value that is written like the number, the best first: its names stand nearby, or it is equal."""
-        try:
-            x = number.value
-        except (ValueError, ZeroDivisionError):
-            return []
-        fits = self._fits(self.text[max(0, number.start - _NEIGHBOURHOOD) : number.end + _NEIGHBOURHOOD].lower())
-        digits = _digits(re.split(r"[eE]| ?[×·]", number.text)[0])
-        spelled = re.sub(r" ?[×·] ?10\^\{?(-?[0-9]+)\}?", r"e\1", number.text.replace(",", "").lstrip("+"))
-        form, found = _form_of(number), []
-        for known in self._written(form).get(spelled, ()):
-            fit = fits[known.question]
-            rivals = sum(other >= fit for other in fits.values())
-            strong = rivals * _ODDS <= 9 * 10 ** (digits - 1) if digits else False
-            strong = strong or (known.answer.exact == x and fit == len(known.names) > 1)
-            order = (-fit, known.answer.exact != x, not known.published, len(known.question), known.question)
-            found.append((order, LookAlike(known.question, form, strong)))
-        return [alike for _, alike in sorted(found, key=lambda pair: pair[0])]
-
-    def _fits(self, near: str) -> dict[str, int]:
-        """Of every value, how many of its names stand in `near`."""
-        stand = {name for name in self._all_names if re.search(rf"(?<![a-z]){name}", near)}
-        return {known.question: sum(name in stand for name in known.names) for known in self._known}
-
-    @cached_property
-    def _all_names(self) -> set[str]:
-        return {name for known in self._known for name in known.names}
-
-    def _written(self, form: NumberForm) -> dict[str, list[_Known]]:
-        """The values by their spellings in this form; one that cannot be written so, as a tie, is left out."""
-        if form not in self._spelled:
-            table = self._spelled[form] = {}
-            for known in self._known:
-                with suppress(ValueError):
-                    for spelling in form.spellings(known.answer):
-                        table.setdefault(spelling, []).append(known)
-        return self._spelled[form]
-
-    @cached_property
-    def _known(self) -> list[_Known]:
-        """The published values, and those of the usual questions about the methods, steps and times of the text."""
-        found = []
-        for question in (ids := published_values()) | dict.fromkeys(self._questions()):
-            with suppress(ValueError):  # of a question that a method has no answer to
-                found.append(_Known(question, question in ids, value(question)))
-        return found
-
-    def _questions(self) -> Iterator[str]:
-        sizes, times = _given(_H, self.text, _USUAL_STEPS)[:_MOST_SIZES], _given(_T, self.text, ("10",))[:_MOST_TIMES]
-        for method in _methods_in(self.text):
-            yield from (f"{fact} {method}" for fact in _USUAL_FACTS)
-            for h in sizes:
-                yield from (f"step {method} h={h} : {readout}" for readout in _STEP_READOUTS)
-                for t in times:
-                    if (n := Fraction(t) / Fraction(h)).denominator == 1 and n <= _LONGEST_RUN:
-                        yield from (f"run {method} h={h} t={t} : {readout}" for readout in _RUN_READOUTS)
-        yield from (f"exact t={t} : {readout}" for t in (*times, *sizes) for readout in "qv")
-
-
-def _methods_in(text: str) -> list[str]:
-    """The methods whose keys, titles or other names stand in the text, or else the usual ones."""
-    flat = text.lower().replace("\n", " ").replace("-", " ")
-    called = {key: (key, method.title, *also_known_as(key)) for key, method in METHODS.items()}
-    spoken = {
-        key: "|".join(re.escape(name.lower().replace("-", " ")) for name in names) for key, names in called.items()
-    }
-    named = [key for key, names in spoken.items() if re.search(rf"\b(?:{names})\b", flat)]
-    usual = [key for key in _USUAL_METHODS if key in named or key.replace("_", " ") in flat]
-    return (list(dict.fromkeys([*usual, *named])) or list(_USUAL_METHODS))[:_MOST_METHODS]
-
-
-def _given(pattern: re.Pattern[str], text: str, default: Iterable[str]) -> list[str]:
-    """The positive numbers that the text gives to a letter, then the default ones, each once."""
-    spelled = [number for number in (*pattern.findall(text), *default) if len(number) < 20]
-    return [str(x) for x in dict.fromkeys(map(Fraction, spelled)) if x]
-
-
-def _form_of(number: TextNumber) -> NumberForm:
-    """The form in which the number stands."""
-    if "/" in number.text:
-        return NumberForm(exact=True)
-    if number.places is None:
-        return NumberForm(digits=max(1, _digits(re.split(r"[eE]| ?[×·]", number.text)[0])))
-    return NumberForm(places=number.places or None)
-
-
-def _digits(text: str) -> int:
-    """How many digits it has from the first that is not 0."""
-    return len(re.sub(r"[^0-9]", "", text).lstrip("0"))
-
 
 # Words of a phrase before its first number: enough to say in a table or a sentence which number is meant.
 _WORDS = 3
+# A claim whose questions are longer is called by its place.
+_LONGEST_ID = 150
+# Digits of a value that the text does not have.
+_SHOWN_DIGITS = 8
 # Numbers on one line that are no further apart stand in one phrase.
 _WIDEST_GAP, _MOST_IN_PHRASE = 25, 8
 
@@ -202,43 +55,59 @@ class _Member:
 _Group: TypeAlias = list[_Member]
 
 
-def draft(document: Document, name: str) -> str:
+def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     """The text of a claims file for a text called `name`: one claim for each group of numbers that none before covers.
 
-    Raises ValueError where that would be more claims than a file may have.
+    Of the questions that are `asked`, those whose values stand nowhere are named at its end. Raises ValueError where
+    that would be more claims than a file may have, and for a question without an answer.
     """
     text = document.text.text
-    suggestions, search = Suggestions(text), _Search(text)
+    suggestions, search = Suggestions(text, asked), _Search(text)
     members = [_Member(number, suggestions.of(number)) for number in search.numbers if number.label is None]
     drafted, covered, named = [_HEADER.format(name=" ".join(name.split()))], set[int](), Counter[str]()
     groups = [*_groups(text, members)]
     ends = [0, *(group[-1].number.end for group in groups)]
     starts = [*(group[0].number.start for group in groups[1:]), len(text)]
-    for *room, group in zip(ends, starts, groups, strict=False):
-        first = group[0].number
-        if first.start in covered:
-            continue
-        if len(drafted) > MOST_CLAIMS:
-            raise ValueError(f"claims for more than {MOST_CLAIMS} groups of numbers are not drafted")
-        place = "line {}, column {}".format(*document.position(first.start))
-        phrase, stands = search.phrase(room, group)
-        covered.update(stands)
-        if not stands:
-            drafted.append(f"# {place}: no phrase can be drafted for {first.text}\n")
-            continue
-        if group[0].strong:
-            place = ", ".join(member.alike[0].question for member in group)
-            named[place] += 1
-            place += f" ({named[place]})" if named[place] > 1 else ""
-        lines = [f"id = {_quoted(place)}", f"phrase = {_quoted(phrase)}"]
-        lines += [f"count = {len(stands)}"] if len(stands) > 1 else []
-        if group[0].strong:
-            lines = ["[[claim]]", *lines, *_values(group)]
-        else:
-            lines = [f"# {line}" for line in ("TODO", "[[claim]]", *lines, 'given = "TODO: why"')]
-        remarks = dict.fromkeys(member.remark() for member in group)
-        drafted.append("".join([*remarks, *(f"{line}\n" for line in lines)]))
+    for before, after, group in zip(ends, starts, groups, strict=False):
+        for *room, part in _uncovered(before, after, group, covered):
+            if len(drafted) > MOST_CLAIMS:
+                raise ValueError(f"claims for more than {MOST_CLAIMS} groups of numbers are not drafted")
+            first = part[0].number.start
+            place = "line {}, column {}".format(*document.position(first))
+            phrase, stands = search.phrase(room, part)
+            covered |= {at + member.number.start - first for at in stands | {first} for member in part}
+            if not stands:
+                drafted.append(f"# {place}: no phrase can be drafted for {part[0].number.text}\n")
+                continue
+            asked = ", ".join(member.alike[0].question for member in part if member.strong)
+            if part[0].strong and len(asked) <= _LONGEST_ID:
+                place = asked
+                named[place] += 1
+                place += f" ({named[place]})" if named[place] > 1 else ""
+            lines = [f"id = {_quoted(place)}", f"phrase = {_quoted(phrase)}"]
+            lines += [f"count = {len(stands)}"] if len(stands) > 1 else []
+            if part[0].strong:
+                lines = ["[[claim]]", *lines, *_values(part)]
+            else:
+                lines = [f"# {line}" for line in ("TODO", "[[claim]]", *lines, 'given = "TODO: why"')]
+            remarks = dict.fromkeys(member.remark() for member in part)
+            drafted.append("".join([*remarks, *(f"{line}\n" for line in lines)]))
+    nowhere = [f"#   {question}, {answer.digits(_SHOWN_DIGITS)}\n" for question, answer in suggestions.nowhere()]
+    drafted += ["# Asked for, and no number of the text:\n" + "".join(nowhere)] * bool(nowhere)
     return "\n".join(drafted)
+
+
+def _uncovered(before: int, after: int, group: _Group, covered: set[int]) -> Iterator[tuple[int, int, _Group]]:
+    """The parts of a group that no phrase drafted so far covers, each between what stands before it and after it."""
+    edges = [before, *(member.number.end for member in group)], [*(member.number.start for member in group), after]
+    start = 0
+    while start < len(group):
+        end = start
+        while end < len(group) and group[end].number.start not in covered:
+            end += 1
+        if end > start:
+            yield edges[0][start], edges[1][end], group[start:end]
+        start = end + 1
 
 
 def _groups(text: str, members: list[_Member]) -> Iterator[_Group]:

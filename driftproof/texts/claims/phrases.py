@@ -133,7 +133,7 @@ def _spelling_pattern(spelling: str) -> str:
         return text
     sign, raised = ("-", exponent) if exponent.startswith("-") else (r"\+?", exponent)
     raised = raised if len(raised) == 1 else rf"\{{{raised}\}}"
-    return text + rf"(?:[eE]{sign}0?{exponent.lstrip('-')}| ?[×·] ?10\^{raised})"
+    return text + rf"(?:[eE]{sign}0{{0,2}}{exponent.lstrip('-')}| ?[×·] ?10\^{raised})"
 
 
 def _literal_pattern(text: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -13,8 +13,9 @@ from driftproof.support.plain_text import annotation, as_json
 from driftproof.support.results import Answered, Printable
 from driftproof.texts.claims.checking import Accounted, CheckedClaim, Coverage, Finding, check_claims, coverage
 from driftproof.texts.claims.claims import Claims, read_claims
-from driftproof.texts.claims.drafting import Suggestions, draft
+from driftproof.texts.claims.drafting import draft
 from driftproof.texts.claims.listings import Ran, run_listings
+from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.readers.document import Document, read_document
 from driftproof.texts.readers.numbers import TextNumber
 
@@ -139,7 +140,7 @@ class TextReport(Printable):
 
 
 @overload
-def check(text: str | Path, *, init: Literal[True]) -> Answered: ...
+def check(text: str | Path, *, init: Literal[True], ask: Sequence[str] = ()) -> Answered: ...
 @overload
 def check(
     text: str | Path, claims: str | Path, *, coverage: bool = False, run: bool = False, time_limit: float = 10.0
@@ -149,12 +150,14 @@ def check(
     claims: str | Path | None = None,
     *,
     init: bool = False,
+    ask: Sequence[str] = (),
     coverage: bool = False,
     run: bool = False,
     time_limit: float = 10.0,
 ) -> TextReport | Answered:
     """A text held to a file of claims, which is drafted with `init`: each phrase stands as often as it says.
 
+    Of the questions in `ask`, braces in them, a draft looks for the values, and names those that the text has not.
     With `coverage` the numbers that no claim covers are listed, with suggestions; with `run` the Python listings of the
     text are run within the time limit, with your rights. Raises ValueError for claims or a text that make no sense.
 
@@ -170,10 +173,12 @@ def check(
     """
     if init == (claims is not None) or (init and (coverage or run)):
         raise ValueError("--init drafts claims; --run, --coverage and --format need --claims")
+    if ask and not init:
+        raise ValueError("--ask is for --init; a claims file has its questions already")
     held = Claims() if claims is None else read_claims(claims)
     document = read_document(text, held.form)
     if init:
-        return Answered({"claims": draft(document, str(text))}, lambda drafted: str(drafted["claims"]))
+        return Answered({"claims": draft(document, str(text), ask)}, lambda drafted: str(drafted["claims"]))
     ran = run_listings(document, time_limit) if run else None
     return TextReport.of(str(text), document, held, ran, coverage)
 

@@ -20,12 +20,14 @@ from driftproof.methods.rationals import parse_rational
 from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
 from driftproof.methods.vector_fields import VectorField
 from driftproof.support.toml_tables import TomlTable, as_list, demand_keys, read_toml
-from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
+from driftproof.symbolic.algebra.certified import CertifiableReal, Uncertified, enclose
 from driftproof.texts.questions.answer import CERTIFIED, Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS, OPERATIONS, raised
 
 # Some minutes in balls of a few hundred bits.
 MOST_STEPS_OF_PROBLEM = 10**5
+# A number beyond these, some 300 digits, takes minutes; a solution that is a whole number is undecided at any.
+_MOST_BITS_OF_SOLUTION = 1024
 # A state in Fractions is kept while its numbers are below so many bits: those of y' = y² double with every step.
 _LONGEST_EXACT = 4096
 # What may be read of a run, with any index for 0, and of explicit Runge-Kutta methods any stage for 1.
@@ -71,6 +73,8 @@ class ProblemRun:
     def true(self, steps: range) -> list[_Row]:
         """The solution after each of these numbers of steps, which increase, enclosed."""
         bits, times = max(ctx.prec, BITS_AT_FIRST), [Fraction(0), *(n * self.h for n in steps if n)]
+        if bits > _MOST_BITS_OF_SOLUTION:
+            raise Uncertified(f"undecided at {_MOST_BITS_OF_SOLUTION} bits: too many digits of a solution, or a tie")
 
         def solved() -> list[_Row]:
             return [*enclose_solution(self._function, self.start, times, bits).states]
@@ -232,8 +236,8 @@ def decay_readouts(factor: Answer, rate: Fraction, h: Fraction, steps: int) -> d
 
 
 def problem_of_rates(rates: Sequence[str]) -> FieldAndStart:
-    """What is written out, without a start. Raises ValueError."""
-    return field_of_text(rates), ()
+    """What is written out, without a start; of it only balls are asked for, which know pi. Raises ValueError."""
+    return field_of_text(rates, {"pi": arb.pi}), ()
 
 
 def problem_of_name(name: str) -> FieldAndStart:

@@ -1,4 +1,4 @@
-"""What a number might be is suggested, the best first, and drafted claims hold of the text they are drafted from."""
+"""Drafted claims hold of the text they are drafted from, and cover what they say."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import sys
 import tomllib
 from collections import Counter
 from collections.abc import Callable
-from fractions import Fraction as Q
 from pathlib import Path
 from types import FrameType
 
@@ -15,86 +14,14 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from driftproof.methods.catalogue import METHODS
 from driftproof.texts.claims import drafting
 from driftproof.texts.claims.checking import GIVEN, UNCOVERED, WORKED_OUT, check_claims, coverage
 from driftproof.texts.claims.claims import parse_claims
-from driftproof.texts.claims.drafting import LookAlike, Suggestions, draft
-from driftproof.texts.questions.evaluate import value
+from driftproof.texts.claims.drafting import draft
 from driftproof.texts.readers.document import Document, document_of, read_document
-from driftproof.texts.readers.numbers import numbers_in
-from tests.looping import exactly
 
 ROOT = Path(__file__).parents[3]
 SPRING = ROOT / "examples" / "text" / "spring.md"
-
-
-def suggested(text: str) -> list[list[LookAlike]]:
-    suggestions = Suggestions(text)
-    return [suggestions.of(number) for number in numbers_in(text) if number.label is None]
-
-
-@pytest.mark.parametrize(
-    ("text", "best"),
-    [
-        ("one step of RK4 leads to the position 337/384", "rk4.first_step.q"),
-        ("one step of RK4 leads to 0.877604", "rk4.first_step.q"),
-        ("forward Euler's state error is 2.390 at the end", "forward_euler.default.state_error"),
-        ("with RK4, h = 1/8 and t = 2: energy change -1.26e-7", None),
-        ("RK4, h = 1/5, t = 2: the state error is 2.7e-5", "run rk4 h=1/5 t=2 : state_error"),
-        ("RK4 is stable up to 2.828", "imaginary_limit rk4"),
-        (
-            "the Crank-Nicolson method, h = 1/5 and t = 2: the state error is 6.63e-3",
-            "run trapezoid h=1/5 t=2 : state_error",
-        ),
-        ("nothing like it: 0.123456", None),
-        ("not a number 1/0", None),
-    ],
-)
-def test_best_suggestion_is_the_value_whose_names_are_near(text: str, best: str | None) -> None:
-    *_, last = suggested(text)
-    assert (last[0].question if last else None) == best
-
-
-def test_suggestion_is_strong_only_where_the_digits_or_the_names_say_so() -> None:
-    assert [candidate.strong for candidate in suggested("about 0.877604")[0]] == [True, True]
-    for text, strong in (("0.5", False), ("2.4", False), ("2.39", False), ("0.090", False)):
-        assert {candidate.strong for candidate in suggested(f"about {text}")[0]} == {strong}, text
-    assert suggested("forward Euler's state error is 2.390 at the end")[-1][0].strong
-    exact = [value(candidate.question).exact == Q(1, 2) for candidate in suggested("about 0.5")[0]]
-    assert exact == sorted(exact, reverse=True), "what is equal stands before what is rounded"
-    assert {*exact} == {True, False}
-    (candidates,) = suggested("the exact energy is 0.5")
-    assert (candidates[0].question, candidates[0].strong) == ("exact.energy", True)
-
-
-def test_names_of_a_value_are_near_within_a_line_of_the_number() -> None:
-    near = lambda spaces: [
-        one.strong for one in suggested(f"order rk4{' ' * spaces}4")[-1] if one.question == "order rk4"
-    ]
-    assert (near(91), near(92)) == ([True], [False])  # the number, and 100 characters before it
-
-
-def test_so_many_methods_steps_and_times_are_asked_of_and_no_more() -> None:
-    given = ["h = 1/123456789012345678", "h = 1/12345678901234567"]  # of 20 characters, and of 19
-    given += [f"{letter} = {'1/' * (letter == 'h')}{n}" for letter in "ht" for n in range(2, 9)]
-    text = " ".join([*METHODS, *given])
-    asked = [question.split() for question in Suggestions(text)._questions()]
-    assert len({words[1] for words in asked if words[0] == "run"}) == 6
-    assert {words[2] for words in asked if words[0] == "step"} == {"h=1/12345678901234567", "h=1/2", "h=1/3", "h=1/4"}
-    assert {words[3] for words in asked if words[0] == "run"} == {"t=2", "t=3"}
-    runs = {
-        question.split()[2] for question in Suggestions("h = 1/2000, h = 3/10")._questions() if question[:3] == "run"
-    }
-    assert runs == {"h=1/4", "h=1/2"}, "neither long ones, nor those that end beside t"
-
-
-def test_suggested_value_is_spelled_as_the_number_is() -> None:
-    text = "RK4 and forward Euler: 2.390, 3.3e-4, 337/384, 160, 0.8776"
-    numbers = [n for n in numbers_in(text) if n.label is None]
-    for number, candidates in exactly(5, zip(numbers, suggested(text), strict=True)):
-        assert candidates
-        assert all(number.text in candidate.form.spellings(value(candidate.question)) for candidate in candidates)
 
 
 TODO = re.compile(r"(?m)^# (?:TODO\n)?(?=\[\[claim|id =|phrase =|count =|given =)|^# TODO\n")
@@ -154,6 +81,22 @@ def test_numbers_of_one_line_that_are_near_stand_in_one_phrase(text: str, phrase
     assert re.findall(r'phrase = "(.*)"', draft(document_of(text), "a")) == phrases
 
 
+def test_second_number_of_a_group_is_drafted_where_only_the_first_stands_in_an_earlier_phrase() -> None:
+    text = "at 44.001\nat 44.001 | 59.727"
+    phrases = re.findall(r'phrase = "(.*)"', draft(document_of(text), "a"))
+    assert phrases == ["at 44.001", "| 59.727"]
+
+
+def test_draft_says_what_was_asked_for_and_is_nowhere_and_its_ids_are_short() -> None:
+    asked = "run forward_euler rates=(t+y0+0*(t+y0+t+y0+t+y0)) from 0 h=0.2 t={0.4,0.6,1.0} : {y0,state_error}"
+    document = document_of("| 0.4 | 0.04 | 0.052 |\n| 0.6 | 0.128 | 0.094 |\n| 1.0 | 0.489 | 0.229 |\n")
+    text = draft(document, "a", [asked])
+    assert held(document, text)[WORKED_OUT] == 3
+    assert 'id = "line 2, column 9"' in text, "two such questions are too long for an id"
+    assert text.rpartition("# Asked for, and no number of the text:\n")[2].count("t=1.0 : ") == 2
+    assert "Asked for" not in draft(document, "a")
+
+
 def test_name_of_the_text_cannot_break_the_draft() -> None:
     assert tomllib.loads(draft(document_of("7"), 'a\nb = 1\n"')) == {}
 
@@ -208,3 +151,6 @@ def test_command_drafts_in_the_format_of_the_text(
     Path("a.html").write_text("<table><tr><td>RK4<td>0.877604<td>337/384</table>", encoding="utf-8")
     Path("c.toml").write_text(answer("check", "a.html", "--init"), encoding="utf-8")
     assert "100% of 2 numbers covered: 2 by values" in answer("check", "a.html", "--claims", "c.toml")
+    assert "lambda=1 h=1/3 : y, 1.3955" in answer(
+        "check", "a.html", "--init", "--ask", "step rk4 lambda=1 h=1/{2..3} : y"
+    )

@@ -1,0 +1,268 @@
+"""What the numbers of a text might be: our values, and those an author asks for, written as the numbers are."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from itertools import product
+from math import prod
+
+from flint import arb, ctx
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.names import also_known_as
+from driftproof.symbolic.algebra.certified import Uncertified, enclose
+from driftproof.texts.claims.phrases import NumberForm
+from driftproof.texts.questions.answer import Answer
+from driftproof.texts.questions.evaluate import value
+from driftproof.texts.readers.numbers import TextNumber, numbers_in
+from driftproof.texts.values.published import published_values
+
+# What is asked, of the methods of which a text is taken to speak where it names none that we know.
+_USUAL_METHODS = ("forward_euler", "symplectic_euler", "velocity_verlet", "rk4")
+_USUAL_STEPS = ("1/4", "1/2", "1/10")
+_RUN_READOUTS = ("state_error", "energy", "energy_change", "phase_error", "q", "v", "steps", "evaluations")
+_STEP_READOUTS = ("q", "v", "energy")
+_USUAL_FACTS = ("imaginary_limit", "real_limit", "order", "error_constant")
+# A few hundred questions, which take a second or two; runs of more steps are not cheap.
+_MOST_METHODS, _MOST_SIZES, _MOST_TIMES = 6, 4, 2
+_LONGEST_RUN = 10_000
+# Of so many numbers with these digits one at most, drawn at random, would look like a value whose names stand as near.
+_ODDS = 100
+# And of such values as an author says that the text has, so that chance is the less likely.
+_ODDS_OF_ASKED = 20
+# Questions that an author may ask for at once, in braces; a run for each.
+_MOST_ASKED = 2000
+# Enough for the digits of any number of a text.
+_MOST_BITS = 256
+_BRACES = re.compile(r"\{([^{}]*)\}")
+# Characters on each side of a number in which the names of a value are looked for: about a line.
+_NEIGHBOURHOOD = 100
+
+_H, _T = (re.compile(rf"\b{letter} ?= ?([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?![\w./])") for letter in "ht")
+
+
+@dataclass(frozen=True)
+class LookAlike:
+    """A value that looks like a number when written in `form`: its id or question.
+
+    It is `strong`, no guess, where chance would make so few numbers of as many digits look like a value as near by
+    its names, or where the number is the value itself and all its names are near.
+    """
+
+    question: str
+    form: NumberForm
+    strong: bool
+
+
+def questions_in(asked: str) -> dict[str, tuple[str, ...]]:
+    """Each question that stands for one choice from every pair of braces, alike where they are, with what was chosen.
+
+    Raises ValueError for more than 2000 of them.
+
+    >>> questions_in("step rk4 h=1/{2,4} N={1..2} : q - {1..2}")["step rk4 h=1/4 N=2 : q - 2"]
+    ('4', '2')
+    """
+    choices = dict[str, list[str]]()
+    for brace in _BRACES.findall(asked):
+        ends = re.fullmatch(r"([0-9]{1,6})\.\.([0-9]{1,6})", brace)
+        choices[brace] = [*map(str, range(int(ends[1]), int(ends[2]) + 1))] if ends else brace.split(",")
+    if (count := prod(map(len, choices.values()))) > _MOST_ASKED:
+        raise ValueError(f"{asked[:60]!r} asks for {count} values; at most {_MOST_ASKED} are asked for at once")
+    found = {}
+    for chosen in product(*choices.values()):
+        chosen_for = dict(zip(choices, chosen, strict=True))
+        found[_BRACES.sub(lambda brace, chosen_for=chosen_for: chosen_for[brace[1]], asked)] = chosen  # type: ignore[misc]
+    return found
+
+
+@dataclass(frozen=True)
+class _Known:
+    """A value that a number might be: its question, or its id where it is published, and the answer.
+
+    Of a value that an author asked for, `chosen` is what stood in braces: what tells the value from the others.
+    """
+
+    question: str
+    published: bool
+    answer: Answer
+    chosen: tuple[str, ...] | None = None
+
+    @cached_property
+    def numbers(self) -> list[Fraction]:
+        """The numbers that were chosen for it, which stand beside it in a table."""
+        return [number.value for text in self.chosen or () for number in numbers_in(text) if number.text == text]
+
+    @cached_property
+    def names(self) -> list[str]:
+        """What the value is called, but for single letters and what is said of every value."""
+        if self.chosen is not None:
+            return [word for text in self.chosen for word in text.lower().split("_") if re.fullmatch("[a-z]{2,}", word)]
+        words = re.split(r"[^a-z0-9]+", re.sub(r"\b(?:run|step|from) |[htN]=\S+", "", self.question))
+        return [word for word in dict.fromkeys(words) if len(word) > 1 and not word.isdigit()]
+
+
+class Suggestions:
+    """What the numbers of a text might be."""
+
+    def __init__(self, text: str, asked: Iterable[str] = ()) -> None:
+        """The text is in canonical spelling; `asked` are questions, braces in them, of which its author knows that it
+        has their values."""
+        self.text = text
+        self.asked = {question: chosen for one in asked for question, chosen in questions_in(one).items()}
+        self._spelled: dict[NumberForm, dict[str, list[_Known]]] = {}
+
+    def of(self, number: TextNumber) -> list[LookAlike]:
+        """Every value that is written like the number, the best first: its names stand nearby, or it is equal."""
+        try:
+            x = number.value
+        except (ValueError, ZeroDivisionError):
+            return []
+        fits = self._fits(number)
+        digits = _telling_digits(re.split(r"[eE]| ?[×·]", number.text)[0])
+        spelled = re.sub(r" ?[×·] ?10\^\{?(-?[0-9]+)\}?", r"e\1", number.text.replace(",", "").lstrip("+"))
+        spelled = re.sub(r"[eE](-?)\+?0*(?=[0-9])", r"e\1", spelled)
+        form, found = _form_of(number), []
+        for known in self._written(form).get(spelled, ()):
+            fit, asked = fits[known.question], known.chosen is not None
+            rivals = sum(fits[other.question] >= fit for other in self._known if (other.chosen is not None) >= asked)
+            strong = rivals * (_ODDS_OF_ASKED if asked else _ODDS) <= 9 * 10 ** (digits - 1) if digits else False
+            named = fit == len(known.names) + len(known.numbers)
+            strong = strong or (known.answer.exact == x and named and fit > (digits < 2 or not asked))
+            order = (not asked, -fit, known.answer.exact != x, not known.published, len(known.question), known.question)
+            found.append((order, LookAlike(known.question, form, strong)))
+        return [alike for _, alike in sorted(found, key=lambda pair: pair[0])]
+
+    def nowhere(self) -> list[tuple[str, Answer]]:
+        """What was asked for, and is no number of the text, nor one on a line with the numbers chosen for it."""
+        asked = {known.question: known for known in self._known if known.chosen is not None}
+        for number in numbers_in(self.text) if asked else ():
+            beside = self._beside(number)
+            for alike in self.of(number) if number.label is None else ():
+                if alike.question in asked and (alike.strong or beside.issuperset(asked[alike.question].numbers)):
+                    del asked[alike.question]
+        return [(known.question, known.answer) for known in asked.values()]
+
+    def _fits(self, number: TextNumber) -> dict[str, int]:
+        """Of every value, how many of its names stand near the number, and of its numbers on the number's line."""
+        near = self.text[max(0, number.start - _NEIGHBOURHOOD) : number.end + _NEIGHBOURHOOD].lower()
+        stand = {name for name in self._all_names if re.search(rf"(?<![a-z]){name}", near)}
+        line = self._beside(number) if self.asked else set()
+        return {
+            known.question: sum(name in stand for name in known.names) + sum(x in line for x in known.numbers)
+            for known in self._known
+        }
+
+    def _beside(self, number: TextNumber) -> set[Fraction]:
+        """The other numbers of the line."""
+        return {x for start, x in self._lines[self.text.count("\n", 0, number.start)] if start != number.start}
+
+    @cached_property
+    def _lines(self) -> list[list[tuple[int, Fraction]]]:
+        """Of each line its numbers, each with its place."""
+        lines, at = list[list[tuple[int, Fraction]]](), 0
+        for line in self.text.split("\n"):
+            lines.append([])
+            for number in numbers_in(line):
+                with suppress(ValueError, ZeroDivisionError):
+                    lines[-1].append((at + number.start, number.value))
+            at += len(line) + 1
+        return lines
+
+    @cached_property
+    def _all_names(self) -> set[str]:
+        return {name for known in self._known for name in known.names}
+
+    def _written(self, form: NumberForm) -> dict[str, list[_Known]]:
+        """The values by their spellings in this form; one that cannot be written so, as a tie, is left out."""
+        if form not in self._spelled:
+            table = self._spelled[form] = {}
+            for known in self._known:
+                with suppress(ValueError):
+                    for spelling in form.spellings(known.answer):
+                        table.setdefault(spelling, []).append(known)
+        return self._spelled[form]
+
+    @cached_property
+    def _known(self) -> list[_Known]:
+        """The published values, those of the usual questions about methods, steps and times of the text, those asked.
+
+        Raises QuestionError for one that the author asks for, and that has no answer.
+        """
+        found = []
+        for question in (ids := published_values()) | dict.fromkeys(self._questions()):
+            with suppress(ValueError):  # of a question that a method has no answer to
+                found.append(_Known(question, question in ids, value(question)))
+        return [
+            *found,
+            *(
+                _Known(question, False, _of_few_bits(value(question)), chosen)
+                for question, chosen in self.asked.items()
+            ),
+        ]
+
+    def _questions(self) -> Iterator[str]:
+        sizes, times = _given(_H, self.text, _USUAL_STEPS)[:_MOST_SIZES], _given(_T, self.text, ("10",))[:_MOST_TIMES]
+        for method in _methods_in(self.text):
+            yield from (f"{fact} {method}" for fact in _USUAL_FACTS)
+            for h in sizes:
+                yield from (f"step {method} h={h} : {readout}" for readout in _STEP_READOUTS)
+                for t in times:
+                    if (n := Fraction(t) / Fraction(h)).denominator == 1 and n <= _LONGEST_RUN:
+                        yield from (f"run {method} h={h} t={t} : {readout}" for readout in _RUN_READOUTS)
+        yield from (f"exact t={t} : {readout}" for t in (*times, *sizes) for readout in "qv")
+
+
+def _of_few_bits(answer: Answer) -> Answer:
+    """The answer, without one that needs many: a tie, which is no suggestion."""
+    x = answer.exact
+    if x is None or not callable(x):
+        return answer
+
+    def ball() -> arb:
+        if ctx.prec > _MOST_BITS:
+            raise Uncertified("a tie")
+        return enclose(x)
+
+    return replace(answer, exact=ball)
+
+
+def _methods_in(text: str) -> list[str]:
+    """The methods whose keys, titles or other names stand in the text, or else the usual ones."""
+    flat = text.lower().replace("\n", " ").replace("-", " ")
+    called = {key: (key, method.title, *also_known_as(key)) for key, method in METHODS.items()}
+    spoken = {
+        key: "|".join(re.escape(name.lower().replace("-", " ")) for name in names) for key, names in called.items()
+    }
+    named = [key for key, names in spoken.items() if re.search(rf"\b(?:{names})\b", flat)]
+    usual = [key for key in _USUAL_METHODS if key in named or key.replace("_", " ") in flat]
+    return (list(dict.fromkeys([*usual, *named])) or list(_USUAL_METHODS))[:_MOST_METHODS]
+
+
+def _given(pattern: re.Pattern[str], text: str, default: Iterable[str]) -> list[str]:
+    """The positive numbers that the text gives to a letter, then the default ones, each once."""
+    spelled = [number for number in (*pattern.findall(text), *default) if len(number) < 20]
+    return [str(x) for x in dict.fromkeys(map(Fraction, spelled)) if x]
+
+
+def _form_of(number: TextNumber) -> NumberForm:
+    """The form in which the number stands."""
+    if "/" in number.text:
+        return NumberForm(exact=True)
+    if number.places is None:
+        return NumberForm(digits=max(1, _digits(re.split(r"[eE]| ?[×·]", number.text)[0])))
+    return NumberForm(places=number.places or None)
+
+
+def _digits(text: str) -> int:
+    """How many digits it has from the first that is not 0."""
+    return len(re.sub(r"[^0-9]", "", text).lstrip("0"))
+
+
+def _telling_digits(text: str) -> int:
+    """How many of them tell a number drawn at random: 4.000 is a round number, which is likelier than one in 9000."""
+    return _digits(text.rstrip("0") if "." in text else text)

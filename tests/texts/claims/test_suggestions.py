@@ -1,0 +1,138 @@
+"""What a number might be is suggested, the best first; an author's questions go before ours."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction as Q
+
+import pytest
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.texts.claims.suggestions import LookAlike, Suggestions, questions_in
+from driftproof.texts.questions.errors import QuestionError
+from driftproof.texts.questions.evaluate import value
+from driftproof.texts.readers.numbers import numbers_in
+from tests.looping import exactly
+
+
+def suggested(text: str) -> list[list[LookAlike]]:
+    suggestions = Suggestions(text)
+    return [suggestions.of(number) for number in numbers_in(text) if number.label is None]
+
+
+@pytest.mark.parametrize(
+    ("text", "best"),
+    [
+        ("one step of RK4 leads to the position 337/384", "rk4.first_step.q"),
+        ("one step of RK4 leads to 0.877604", "rk4.first_step.q"),
+        ("forward Euler's state error is 2.390 at the end", "forward_euler.default.state_error"),
+        ("with RK4, h = 1/8 and t = 2: energy change -1.26e-7", None),
+        ("RK4, h = 1/5, t = 2: the state error is 2.7e-5", "run rk4 h=1/5 t=2 : state_error"),
+        ("RK4 is stable up to 2.828", "imaginary_limit rk4"),
+        (
+            "the Crank-Nicolson method, h = 1/5 and t = 2: the state error is 6.63e-3",
+            "run trapezoid h=1/5 t=2 : state_error",
+        ),
+        ("nothing like it: 0.123456", None),
+        ("not a number 1/0", None),
+    ],
+)
+def test_best_suggestion_is_the_value_whose_names_are_near(text: str, best: str | None) -> None:
+    *_, last = suggested(text)
+    assert (last[0].question if last else None) == best
+
+
+def test_suggestion_is_strong_only_where_the_digits_or_the_names_say_so() -> None:
+    assert [candidate.strong for candidate in suggested("about 0.877604")[0]] == [True, True]
+    for text, strong in (("0.5", False), ("2.4", False), ("2.39", False), ("0.090", False)):
+        assert {candidate.strong for candidate in suggested(f"about {text}")[0]} == {strong}, text
+    assert suggested("forward Euler's state error is 2.390 at the end")[-1][0].strong
+    exact = [value(candidate.question).exact == Q(1, 2) for candidate in suggested("about 0.5")[0]]
+    assert exact == sorted(exact, reverse=True), "what is equal stands before what is rounded"
+    assert {*exact} == {True, False}
+    (candidates,) = suggested("the exact energy is 0.5")
+    assert (candidates[0].question, candidates[0].strong) == ("exact.energy", True)
+
+
+def test_names_of_a_value_are_near_within_a_line_of_the_number() -> None:
+    near = lambda spaces: [
+        one.strong for one in suggested(f"order rk4{' ' * spaces}4")[-1] if one.question == "order rk4"
+    ]
+    assert (near(91), near(92)) == ([True], [False])  # the number, and 100 characters before it
+
+
+def test_so_many_methods_steps_and_times_are_asked_of_and_no_more() -> None:
+    given = ["h = 1/123456789012345678", "h = 1/12345678901234567"]  # of 20 characters, and of 19
+    given += [f"{letter} = {'1/' * (letter == 'h')}{n}" for letter in "ht" for n in range(2, 9)]
+    text = " ".join([*METHODS, *given])
+    asked = [question.split() for question in Suggestions(text)._questions()]
+    assert len({words[1] for words in asked if words[0] == "run"}) == 6
+    assert {words[2] for words in asked if words[0] == "step"} == {"h=1/12345678901234567", "h=1/2", "h=1/3", "h=1/4"}
+    assert {words[3] for words in asked if words[0] == "run"} == {"t=2", "t=3"}
+    runs = {
+        question.split()[2] for question in Suggestions("h = 1/2000, h = 3/10")._questions() if question[:3] == "run"
+    }
+    assert runs == {"h=1/4", "h=1/2"}, "neither long ones, nor those that end beside t"
+
+
+def test_suggested_value_is_spelled_as_the_number_is() -> None:
+    text = "RK4 and forward Euler: 2.390, 3.3e-4, 337/384, 160, 0.8776"
+    numbers = [n for n in numbers_in(text) if n.label is None]
+    for number, candidates in exactly(5, zip(numbers, suggested(text), strict=True)):
+        assert candidates
+        assert all(number.text in candidate.form.spellings(value(candidate.question)) for candidate in candidates)
+
+
+def test_round_numbers_say_no_more_than_their_digits_before_the_zeros() -> None:
+    assert not any(one.strong for text in ("1.000000", "4.0000000", "40.00") for one in suggested(f"| {text} |")[0])
+    assert suggested("RK4: the order is 4")[-1][0].strong
+
+
+TABLE = """
+| n | t   | y     | error |
+| 2 | 0.4 | 0.04  | 0.052 |
+| 3 | 0.6 | 0.128 | 0.094 |
+| 5 | 1.0 | 0.489 | 0.229 |
+"""
+ASKED = ["run forward_euler rates=(t+y0) from 0 h=0.2 t={0.4,0.6,1.0} : {y0,state_error}"]
+
+
+def test_values_that_the_author_asks_for_are_strong_on_the_line_of_what_was_chosen() -> None:
+    suggestions = Suggestions(TABLE, ASKED)
+    found = {n.text: suggestions.of(n) for n in numbers_in(TABLE)}
+    run = "run forward_euler rates=(t+y0) from 0 h=0.2"
+    assert not found["0.04"][0].strong, "one digit, and one number of the line"
+    for number, question in {"0.128": "t=0.6 : y0", "0.094": "t=0.6 : state_error"}.items():
+        assert (found[number][0].question, found[number][0].strong) == (f"{run} {question}", True), number
+    assert not found["0.489"], "0.48832 is 0.488"
+    assert [q.rpartition("t=")[2] for q, _ in suggestions.nowhere()] == ["1.0 : y0", "1.0 : state_error"]
+    alone = Suggestions("0.128 and 0.052", ASKED)
+    assert [one.strong for n in numbers_in(alone.text) for one in alone.of(n)[:1]] == [True, False]
+
+
+def test_braces_are_chosen_from_in_every_way_and_equal_braces_alike() -> None:
+    assert [*questions_in("step rk4 h=1/{2,4} N={1..2} : q")] == [
+        f"step rk4 h=1/{h} N={n} : q" for h in (2, 4) for n in (1, 2)
+    ]
+    assert questions_in("{1..2} - {1..2} + {a_b}") == {"1 - 1 + a_b": ("1", "a_b"), "2 - 2 + a_b": ("2", "a_b")}
+    assert questions_in("1/3") == {"1/3": ()}
+    with pytest.raises(ValueError, match="asks for 2001 values"):
+        questions_in("{1..2001}")
+    with pytest.raises(QuestionError, match="unknown method"):
+        Suggestions("1.5", ["step {nope} h=1 : q"]).of(numbers_in("1.5")[0])
+
+
+def test_tie_of_a_solution_is_no_suggestion_and_takes_no_time() -> None:
+    """y' = t sqrt(y), y(0) = 1 is 25/16 at t = 1, which balls do not tell from 1.562 or 1.563."""
+    suggestions = Suggestions("1.563 or 1.5625", ["exact rates=(t*sqrt(y0)) from 1 t=1 : y0"])
+    assert [len(suggestions.of(n)) for n in numbers_in(suggestions.text)] == [0, 1]
+
+
+@pytest.mark.parametrize("spelled", ["1.45722e-07", "1.45722E-7", "1.45722e-007", "1.45722×10^{-7}"])
+def test_exponents_of_any_program_are_read(spelled: str) -> None:
+    suggestions = Suggestions(spelled, ["run rk4 rates=(t*sqrt(y0)) from 1 h=1/10 t=1 : state_error"])
+    assert suggestions.of(numbers_in(spelled)[0])[0].strong
+
+
+def test_questions_are_asked_of_a_draft_only(refusal: Callable[..., str]) -> None:
+    assert "--ask is for --init" in refusal("check", "a.md", "--claims", "c.toml", "--ask", "pi")
