@@ -100,3 +100,5 @@ def test_hooks_are_commands_that_the_page_names() -> None:
         "driftproof check",
     ]
     assert all(f"`{name}`" in PAGE for name in names)
+    dependencies = re.findall(r"^  additional_dependencies: (\S+)", hooks, re.MULTILINE)
+    assert dependencies == ["&same", "*same"], "or pre-commit makes two environments"
