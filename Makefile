@@ -61,9 +61,10 @@ $(PEERS): requirements.lock benchmarks/peers.txt
 	touch $(PEERS)
 
 .venv: requirements.lock pyproject.toml
+	@echo "making .venv with what the proofs and tests need, once: a minute or two"
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --no-deps -e .
+	$(BIN)/python -m pip install --disable-pip-version-check --require-hashes -r requirements.lock
+	$(BIN)/python -m pip install --disable-pip-version-check --no-build-isolation --no-deps -e .
 	touch .venv
 
 clean:

@@ -67,12 +67,14 @@ def main(arguments: list[str] | tuple[str, ...] | None = None) -> int:
 def _answer(prog: str, name: str, words: list[str]) -> int:
     """Parse the words of one command, print its answer or one line of complaint."""
     from driftproof.commands.arguments import BAD_INPUT, NO_ANSWER, Help, Refuted
+    from driftproof.reports.progress import working
     from driftproof.support.plain_text import printable
 
     try:
         command = command_named(name)
         options = command.parser(prog).parse_args(words)
-        answer, status = command.answer(options), 0
+        with working(prog):
+            answer, status = command.answer(options), 0
     except (Help, Refuted) as shown:
         answer, status = str(shown), shown.status if isinstance(shown, Refuted) else 0
     except OSError as error:
