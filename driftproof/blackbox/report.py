@@ -108,8 +108,17 @@ class Criterion:
 def criteria_parts(
     checks: Sequence[Criterion], passed: bool | None
 ) -> tuple[list[tuple[str, Sequence[str]]], dict[str, Json]]:
-    """The criteria as titles with lines, with what would decide it where that is open; and the same for programs."""
-    parts: list[tuple[str, Sequence[str]]] = [(f"{check.title}: {check.mark}", check.lines) for check in checks]
+    """The criteria as titles with lines, with what would decide it where that is open; and the same for programs.
+
+    Those that were not decided for one and the same reason stand together.
+    """
+    alike: dict[tuple[str, object], list[Criterion]] = {}
+    for check in checks:
+        alike.setdefault((check.mark, check.lines if check.passed is None else check.title), []).append(check)
+    parts: list[tuple[str, Sequence[str]]] = [
+        (f"{', '.join([first.title, *(check.title.lower() for check in rest)])}: {first.mark}", first.lines)
+        for first, *rest in alike.values()
+    ]
     if passed is None:
         missing = [f"{check.title.lower()}: {check.missing}" for check in checks if check.mark == "undecided"]
         parts.append(("What would decide it", missing))
