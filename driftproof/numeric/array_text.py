@@ -10,6 +10,7 @@ import ast
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from driftproof.methods.program_text import indented, maker_text
 from driftproof.methods.stepping import Source
@@ -125,11 +126,10 @@ def _occurs(name: str, lines: Sequence[str]) -> bool:
     return name in STATE.values() or any(re.search(rf"\b{name}\b", line.partition(" = ")[2]) for line in lines)
 
 
-def _operation(tree: ast.expr) -> tuple[str, list[ast.expr]]:
+def _operation(tree: Any) -> tuple[str, list[ast.expr]]:
+    """What a step is written of: a + b and its like, -a, and f(a)."""
     if isinstance(tree, ast.BinOp):
         return UFUNCS[type(tree.op)], [tree.left, tree.right]
-    if isinstance(tree, ast.UnaryOp) and isinstance(tree.op, ast.USub):
+    if isinstance(tree, ast.UnaryOp):
         return "negative", [tree.operand]
-    if isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name):
-        return tree.func.id, list(tree.args)
-    raise ValueError(f"{ast.unparse(tree)!r} is no operation of arrays")
+    return tree.func.id, tree.args

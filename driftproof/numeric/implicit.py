@@ -26,7 +26,7 @@ u² are left out: they are 10⁻¹³ of these.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, NamedTuple, TypeAlias
 
@@ -116,13 +116,11 @@ def _units(shifts: _Vector) -> Any:
 
 @dataclass
 class _Stages:
-    """The stages of one step: moves Z and slopes h f of those that are solved."""
+    """The stages of one step: moves Z and slopes h f of those that are solved, and the equations that were."""
 
     moves: _Vector
     slopes: _Vector
-    residual: float = 0.0
-    over_floor: float = 0.0
-    iterations: int = 0
+    equations: list[_Equations] = field(default_factory=list)
 
 
 def _step(problem: _Problem, t: float, y: Any, h: float) -> ImplicitStep:
@@ -136,7 +134,8 @@ def _step(problem: _Problem, t: float, y: Any, h: float) -> ImplicitStep:
     if not np.isfinite(moved).all():
         where, reason = f"{problem.key}: the step from t = {t:g} by h = {h:g}", "overflows binary64"
         raise StageEquationsUnsolved(f"{where} {reason}", reason)
-    return ImplicitStep(moved, stages.residual, stages.over_floor, stages.iterations)
+    residual, over_floor = (max(getattr(x, name) for x in stages.equations) for name in ("residual", "over_floor"))
+    return ImplicitStep(moved, residual, over_floor, sum(x.iterations for x in stages.equations))
 
 
 def _groups(table: FloatTableau) -> list[slice]:
@@ -172,9 +171,7 @@ def _solve(problem: _Problem, stages: _Stages, group: slice, start: tuple[float,
     stages.moves[group] = moves
     if len(a) == 1:  # h f, for the stages to come; not evaluated again, which in a stiff problem magnifies rounding
         stages.slopes[group] = (moves - known) / a if a.any() else h * problem.slope(times[0], y + moves[0])
-    stages.residual = max(stages.residual, equations.residual)
-    stages.over_floor = max(stages.over_floor, equations.over_floor)
-    stages.iterations += equations.iterations
+    stages.equations.append(equations)
 
 
 class _Equations:

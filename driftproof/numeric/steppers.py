@@ -64,7 +64,7 @@ def evaluations_per_step(method: Method | str) -> int:
     every step.
     """
     force = CountedForce(oscillator)
-    float_stepper(method)(force, 1.0, 0.0, 1.0)
+    float_stepper(method)(force, *map(float, range(3)))
     return force.calls
 
 

@@ -135,7 +135,7 @@ class Workers(ProcessPoolExecutor):
 
 def processes(workers: int | None = None) -> Workers:
     """So many processes, by default one for each processor."""
-    return Workers(workers or os.cpu_count(), mp_context=get_context("spawn"))
+    return Workers(workers, mp_context=get_context("spawn"))
 
 
 def _spread(scene: Scene, points: list[Values], left: deque[int], executor: Executor | None) -> Iterator[Batch]:

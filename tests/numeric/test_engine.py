@@ -98,6 +98,11 @@ def test_a_coefficient_reaches_a_wide_format_with_all_its_bits():
     assert np.longdouble(1 / 6) != lifted(Q(1, 6), np.longdouble)
 
 
+def test_a_coefficient_in_binary64_is_a_python_float_and_the_nearest_one():
+    assert (type(lifted(Q(1, 3), np.float64)), lifted(Q(1, 3), np.float64)) == (float, 1 / 3)
+    assert (type(lifted(Q(1, 3), np.float32)), lifted(Q(1, 3), np.float32)) == (np.float32, np.float32(1 / 3))
+
+
 def test_a_compiled_ensemble_refuses_formats_that_the_compiler_lacks():
     with pytest.raises(ValueError, match="float16"):
         compiled_ensemble_runner(METHODS["rk4"])(*ensemble(3, np.float16), 0.1, 1)

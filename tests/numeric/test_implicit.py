@@ -11,7 +11,8 @@ import pytest
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
-from driftproof.numeric.implicit import StageEquationsUnsolved, implicit_stepper
+from driftproof.numeric.implicit import StageEquationsUnsolved, _Equations, _groups, implicit_stepper
+from driftproof.numeric.tableaux import float_tableau
 from driftproof.symbolic.runs import exact_matrix_at
 from tests.numeric.implicit_runs import U, implicit_run, oscillator, rounding_of_a_step
 
@@ -85,6 +86,69 @@ def test_residual_is_what_is_left_in_the_equation_and_is_measured_by_its_floor()
     assert 0 < two.over_floor <= 1
 
 
+def test_floor_of_several_stages_is_8e_plus_4r_by_its_formula():
+    """Of two stages and three components, written out in loops; of what is 0, whole numbers of eta are left."""
+    a, y = np.array([[0.25, -0.5], [1.5, 0.75]]), np.array([3.0, -2.0, 0.5])
+    moves, known, slopes = (np.arange(6.0).reshape(2, 3) * x + 1 for x in (0.3, -0.7, 1.1))
+    jacobians, h, u = np.arange(18.0).reshape(2, 3, 3) - 7, -0.75, 2.0**-53
+    found = _Equations(None, a, np.zeros(2), y, h, known).floor(moves, y + moves, slopes, jacobians)
+    for i in range(2):
+        for k in range(3):
+            flow = sum(abs(h * a[i, j] * slopes[j, k]) for j in range(2))
+            at_places, at_moves = (
+                sum(abs(h * a[i, j] * jacobians[j, k, n] * x[j, n]) for j in range(2) for n in range(3))
+                for x in (y + moves, moves)
+            )
+            e = u * (2 * abs(moves[i, k]) + 2 * abs(known[i, k]) + (2 + 4 + 16) * flow + 17 * at_places)
+            r = u * (abs(moves[i, k]) + at_moves)
+            assert found[i, k] == pytest.approx(8 * e + 4 * r, rel=1e-14)
+    nothing, unit = np.zeros((2, 1)), np.ones((2, 1, 1))
+    least = _Equations(None, np.eye(2), np.zeros(2), np.zeros(1), 2.0, nothing).floor(nothing, nothing, nothing, unit)
+    assert (least == (8 * 3 * 3 + 4 * (1 + 2)) * 5e-324).all()
+
+
+def test_stages_are_solved_one_by_one_where_none_waits_for_a_later_one():
+    cut = {"sdirk2": [1, 1], "tr_bdf2": [1, 1, 1], "lobatto_iiia4": [1, 3], "gauss2": [2], "rk4": [1, 1, 1, 1]}
+    for key, sizes in cut.items():
+        groups = _groups(float_tableau(METHODS[key]))
+        assert [group.stop - group.start for group in groups] == sizes
+        assert [group.start for group in groups] == [sum(sizes[:i]) for i in range(len(sizes))]
+
+
+# y' = -y by backward Euler with h = 1, where an iteration with a wrong J leaves |1 - 2/(1 - J)| of the residual.
+@pytest.mark.parametrize(("left", "goes_on", "made_anew"), [(0.1, True, False), (0.2, True, True), (0.55, False, True)])
+def test_iterations_go_on_while_they_halve_and_make_the_matrix_anew_unless_they_leave_an_eighth(
+    left, goes_on, made_anew
+):
+    made = []
+    jacobian = lambda t, y: made.append(t) or [[1 - 2 / (1 - left)]]
+    found = implicit_stepper(BACKWARD_EULER, lambda t, y: -y, jacobian)(0.0, [1.0], 1.0)
+    assert (found.over_floor < 0.1) is goes_on
+    assert (len(made) > 3) is made_anew
+
+
+def test_differences_are_of_the_size_of_what_moves():
+    """Far below 1, f bends: at 0 its slope is 0, and over a shift of 1e-8 it is -10. A start at rest is at rest."""
+    rate = lambda t, y: 1e-9 * (1 - (1e9 * y) ** 2)
+    given, formed = (
+        implicit_stepper(MIDPOINT, rate, jacobian)(0.0, [0.0], 1.0) for jacobian in (lambda t, y: [[-2e9 * y[0]]], None)
+    )
+    assert formed.iterations <= given.iterations + 1
+    assert implicit_stepper(MIDPOINT, oscillator)(0.0, [0.0, 0.0], 0.5).y.tolist() == [0, 0]
+
+
+def test_an_explicit_method_has_no_equations_and_leaves_nothing():
+    assert implicit_stepper(METHODS["rk4"], oscillator)(0.0, [1.0, 0.0], 0.5)[1:] == (0, 0, 0)
+
+
+def test_a_step_that_overflows_after_its_stages_is_refused():
+    """The stage is at 1.775e308, and the step leads to 1.85e308."""
+    with pytest.raises(StageEquationsUnsolved) as caught:
+        implicit_stepper(MIDPOINT, lambda t, y: [0.15e308])(2.0, [1.7e308], 1.0)
+    assert str(caught.value) == "implicit_midpoint: the step from t = 2 by h = 1 overflows binary64"
+    assert caught.value.reason == "overflows binary64"
+
+
 def test_stages_that_do_not_exist_are_an_error_in_one_line():
     """y₁ = y + h y₁² has a real root for 4hy <= 1 only."""
     step = implicit_stepper(BACKWARD_EULER, lambda t, y: y * y)
@@ -93,6 +157,8 @@ def test_stages_that_do_not_exist_are_an_error_in_one_line():
         step(0.0, [1.0], 0.26)
     assert "\n" not in str(caught.value)
     assert caught.value.reason == "not solved after 128 iterations"
+    with pytest.raises(StageEquationsUnsolved, match=r"radau_iia3: the step by h = 5 to t = 7 is .* residual \d"):
+        implicit_stepper(METHODS["radau_iia3"], lambda t, y: y * y)(2.0, [1.0], 5.0)
     copied = pickle.loads(pickle.dumps(caught.value))  # as between processes
     assert (str(copied), copied.reason) == (str(caught.value), caught.value.reason)
 
@@ -153,6 +219,7 @@ def test_a_jacobian_changes_the_iterations_and_not_the_result():
     for run in runs[1:]:
         assert np.abs(run.y - runs[0].y).max() < 20 * 1000 * float(U)
     assert runs[2].iterations > 1.5 * runs[0].iterations
+    assert runs[1].iterations <= 1.1 * runs[0].iterations
 
 
 def test_a_jacobian_that_is_far_off_converges_slowly_or_is_refused():

@@ -14,6 +14,7 @@ from driftproof.methods.schemes import MethodError
 from driftproof.numeric.advance import Advance, State, advance, float_start
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.stability import (
+    DECIMALS,
     GROWTH,
     SQUARINGS,
     fewest_steps,
@@ -46,6 +47,7 @@ def test_overflow_is_found_at_the_very_step(h: float) -> None:
         y, count = euler(y, h), count + 1
     seen = observe(on("forward_euler", "stiff_oscillator"), float_start(STIFF), h, 10**5)
     assert (seen.failed_after, seen.remark) == (count, "not finite")
+    assert (seen.h, seen.steps, seen.largest) == (h, 10**5, inf)
     short = observe(on("forward_euler", "stiff_oscillator"), float_start(STIFF), h, count - 1)
     assert short.failed_after is None
 
@@ -58,6 +60,7 @@ def test_a_run_that_raises_says_after_which_step() -> None:
 
     seen = observe(fragile, (1.0,), 0.1, 10**4)
     assert (seen.failed_after, seen.remark) == (1235, "float division by zero")
+    assert (seen.h, seen.steps, seen.largest, seen.state) == (0.1, 10**4, 1.0, (1.0,))
     assert observe(fragile, (1.0,), 0.1, 1234).failed_after is None
 
 
@@ -70,9 +73,17 @@ def test_the_largest_size_is_kept_and_a_run_that_is_large_enough_ends() -> None:
     assert observe(pulse, (1.0,), 0.1, 7, 5.0).state == observe(pulse, (1.0,), 0.1, 1000, 4.9).state == (5.0,)
 
 
-def test_looks_do_not_change_the_state() -> None:
-    runs = on("rk4", "harmonic_oscillator")
-    assert observe(runs, (1.0, 0.0), 0.1, 12345).state == runs((1.0, 0.0), 0.1, 0, 12345)
+def test_looks_do_not_change_the_state_and_are_at_most_4096_steps_apart() -> None:
+    runs, looks = on("rk4", "harmonic_oscillator"), list[int]()
+
+    def noted(y: State, h: float, first: int, last: int) -> State:
+        looks.append(last - first)
+        return runs(y, h, first, last)
+
+    seen = observe(noted, (1.0, 0.0), 0.1, 12345)
+    assert seen.state == runs((1.0, 0.0), 0.1, 0, 12345)
+    assert (seen.h, seen.steps) == (0.1, 12345)
+    assert looks == [*(2**i for i in range(13)), 4096, 58]
 
 
 def test_an_l_stable_step_falls_through_subnormals_to_zero() -> None:
@@ -145,6 +156,8 @@ def test_powers_of_numbers() -> None:
 
 def test_growth_is_seen_from_its_resolution_on() -> None:
     resolution = log(GROWTH) / 2**SQUARINGS
+    assert 7e-14 < resolution < 8e-14
+    assert Q(GROWTH) ** 2 / 10**DECIMALS == Q(1, 10**27)
     assert not powers_stay_bounded(diagonal(1 + 2 * resolution))
     assert powers_stay_bounded(diagonal(1 + resolution / 2))
 

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import os
+import re
+import signal
 from collections.abc import Iterator
-from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor, wait
 from dataclasses import replace
 from fractions import Fraction as Q
 from math import inf
 from random import Random
+from types import SimpleNamespace
 
 import pytest
 
+from driftproof import __version__
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric import sweep as sweeping
 from driftproof.numeric.engine import runner
@@ -109,6 +114,70 @@ def test_a_worker_hands_back_what_it_has_no_time_for(monkeypatch):
     assert run_points(SCENE, [{"h": Q(1)}, {"h": Q(2)}])[0] == [run_method(SCENE_AT_1, "rk4")]
 
 
+@pytest.mark.parametrize(
+    ("seconds", "batches"),
+    [
+        (0.01, [1, 1, 2, 2, 4, 4, 8, 8, 8, 2]),  # 4 take less than 0.05 s, and 8 take more
+        (0.0625, [1] * 40),
+        (0.25, [1] * 40),
+    ],
+)
+def test_batches_are_as_long_as_the_clock_says(seconds, batches, monkeypatch):
+    now = [0.0]
+
+    def run(scene, key):
+        now[0] += seconds
+        return {"steps": 1}
+
+    monkeypatch.setattr(sweeping, "run_method", run)
+    monkeypatch.setattr(sweeping, "perf_counter", lambda: now[0])
+    monkeypatch.setattr(sweeping, "WAITING", 2)
+    inline, came = Inline(), []
+    run_grid(SCENE, {"h": [Q(1, n) for n in range(1, 41)]}, inline, answered=came.append)
+    assert [len(batch) for batch in inline.sweep_batches] == came == batches
+    now[0] = 128.0
+    found, took = run_points(SCENE, [{"h": Q(1)}] * 200)
+    assert (len(found), took) == {0.25: (5, 1.25)}.get(seconds, (len(found), took))
+    assert 1 < took <= 1 + seconds + 1e-9
+
+
+def test_64_batches_are_under_way_at_a_time(monkeypatch):
+    under_way = []
+    monkeypatch.setattr(sweeping, "wait", lambda running, **how: under_way.append(len(running)) or wait(running, **how))
+    run_grid(SCENE, {"h": [Q(1, n) for n in range(1, 101)]}, Inline())
+    assert under_way[0] == 64
+
+
+def test_what_is_left_of_an_abandoned_sweep_is_cancelled():
+    given: list[Future] = []
+
+    class Slow(Executor):
+        def submit(self, task, scene, points):
+            given.append(Future())
+            if len(given) == 1:
+                given[0].set_result(task(scene, points))
+            return given[-1]
+
+    batches = sweeping.sweep_batches(SCENE, GRID, Slow())
+    assert len(next(batches)) == 1
+    batches.close()
+    assert [future.cancelled() for future in given] == [False] + [True] * 11
+
+
+def test_processes_of_an_abandoned_sweep_are_killed_and_hear_no_interrupt(monkeypatch):
+    mask, pools = signal.pthread_sigmask(signal.SIG_BLOCK, []), []
+    monkeypatch.setattr(sweeping, "LONGEST", -1)
+    monkeypatch.setattr(sweeping, "processes", lambda make=sweeping.processes: pools.append(make(1)) or pools[0])
+    batches = sweeping.sweep_batches(SCENE, GRID)
+    assert [len(next(batches)), len(next(batches))] == [1, 1]
+    (process,) = pools[0]._processes.values()
+    os.kill(process.pid, signal.SIGINT)
+    assert len(next(batches)) == 1
+    batches.close()
+    assert process.exitcode == -signal.SIGKILL
+    assert signal.pthread_sigmask(signal.SIG_BLOCK, []) == mask
+
+
 SCENE_AT_1 = Scene("short", "rk4", Q(1), Q(2), readouts=SCENE.readouts)
 
 
@@ -131,6 +200,20 @@ def test_a_defect_of_the_program_is_no_answer(monkeypatch):
 
 
 # Files
+
+
+def test_a_file_says_what_it_is_of_and_has_every_line_on_the_disk_before_the_next(tmp_path, monkeypatch):
+    path, sizes = tmp_path / "new" / "folder" / "answers.jsonl", []
+    synchronise = lambda file: sizes.append(path.stat().st_size)
+    monkeypatch.setattr(sweeping, "os", SimpleNamespace(fsync=synchronise))
+    run_grid(replace(SCENE, name="é", readouts=("steps",)), {"h": [Q(1, 2)]}, Inline(), path)
+    head, line = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    assert head == (
+        f'{{"sweep": "é", "driftproof": "{__version__}", "selected": "rk4", "h": "1/4", "t": "2", '
+        '"start": ["1", "0"], "readouts": ["steps"], "grid": [["h", ["1/2"]]]}\n'
+    )
+    assert re.fullmatch(r'\{"point": 0, "h": "1/2", "readouts": \{"steps": 4\}, "checksum": "[0-9a-f]{16}"\}\n', line)
+    assert sizes[:2] == [len(head.encode()), len((head + line).encode())]
 
 
 def test_a_sweep_cut_off_anywhere_goes_on_and_leaves_the_same_bytes(expected, tmp_path):
@@ -269,6 +352,8 @@ def test_a_file_that_is_not_of_this_sweep_is_refused_and_left_as_it_is(tmp_path)
         ({"selected": ["rk5"]}, "unknown method 'rk5'"),
         ({"start": [Q(1)]}, "write pairs of Fractions"),
         ({"start": [(1.0, Q(0))]}, "write pairs of Fractions"),
+        ({"start": [(Q(1), Q(0), Q(0))]}, "write pairs of Fractions"),
+        ({"start": [[Q(1), Q(0)]]}, "write pairs of Fractions"),
     ],
 )
 def test_a_grid_that_is_none_is_refused_in_one_line(grid, message):

@@ -12,15 +12,15 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from decimal import Decimal, localcontext
 from fractions import Fraction
 from math import degrees, isfinite
-from typing import NamedTuple, TypeAlias
+from operator import add, mul, sub, truediv
+from typing import Any, NamedTuple, TypeAlias
 
 from driftproof.methods.number_field import Algebraic, Exact
-from driftproof.methods.vector_fields import VectorField
+from driftproof.methods.vector_fields import VectorField, partial_derivative
 from driftproof.numeric.problems.problem import Digits, Problem
 from driftproof.numeric.readouts import phase_error
 
 _DIGITS = 60
-_STEP = Fraction(1, 10**20)
 U = Fraction(1, 2**53)
 STATE, ENERGY, PHASE = "state", "energy", "phase"
 QUANTITIES = (STATE, ENERGY, PHASE)
@@ -79,19 +79,12 @@ def floors(problem: Problem) -> dict[str, float]:
     y = [Fraction(text) for text in problem.reference.states[-1]]
     found = {STATE: _length(U * x for x in y)}
     if problem.energy is not None:
-        found[ENERGY] = float(sum(map(abs, _energy_moves(problem, y))) * _decimal(U))
+        slopes = (partial_derivative(problem.energy, name) for name in problem.field.components)
+        moves = (abs(_evaluated(problem, slope, y) * _decimal(x)) for slope, x in zip(slopes, y, strict=True))
+        found[ENERGY] = float(sum(moves) * _decimal(U))
     if has_phase(problem):
         found[PHASE] = degrees(U)
     return found
-
-
-def _energy_moves(problem: Problem, y: Sequence[Fraction]) -> list[Decimal]:
-    """yᵢ ∂E/∂yᵢ by central differences, whose error is of the order of _STEP²."""
-
-    def moved(i: int, factor: Fraction) -> Decimal:
-        return decimal_energy(problem, [x * factor if i == j else x for j, x in enumerate(y)])
-
-    return [(moved(i, 1 + _STEP) - moved(i, 1 - _STEP)) / (2 * _decimal(_STEP)) for i in range(len(y))]
 
 
 def largest_state_size(problem: Problem) -> float:
@@ -113,7 +106,10 @@ def doubt(problem: Problem, steps: int, speed: float) -> float:
 
 def decimal_energy(problem: Problem, state: Iterable[float | Fraction]) -> Decimal:
     """E of a state of floats or fractions. Raises ArithmeticError where a function of it is undefined."""
-    text = problem.energy or "0"
+    return _evaluated(problem, problem.energy or "0", state)
+
+
+def _evaluated(problem: Problem, text: str, state: Iterable[float | Fraction]) -> Decimal:
     VectorField((text,) * len(problem.start), problem.field.parameters)  # refuses what an expression may not hold
     with localcontext(prec=_DIGITS):
         names = {f"y{i}": _decimal(Fraction(x)) for i, x in enumerate(state)}
@@ -139,8 +135,8 @@ def _decimal(x: Exact) -> Decimal:
     return Decimal(x.numerator) / Decimal(x.denominator)
 
 
-def _value(node: ast.expr, names: Mapping[str, Decimal]) -> Decimal:
-    """An expression of `VectorField` in Decimals."""
+def _value(node: Any, names: Mapping[str, Decimal]) -> Decimal:
+    """An expression of `VectorField` in Decimals: a number, a name, -x, an operation or a function."""
     match node:
         case ast.Constant(value=int(number)):
             return Decimal(number)
@@ -149,15 +145,8 @@ def _value(node: ast.expr, names: Mapping[str, Decimal]) -> Decimal:
         case ast.UnaryOp(operand=operand):
             return -_value(operand, names)
         case ast.BinOp(left=left, op=op, right=right):
-            a, b = _value(left, names), _value(right, names)
-            return a + b if isinstance(op, ast.Add) else a - b if isinstance(op, ast.Sub) else _product(a, op, b)
-        case ast.Call(func=ast.Name(id=name), args=[argument]):
-            return _FUNCTIONS[name](_value(argument, names))
-    raise ValueError(f"an energy holds {ast.unparse(node)!r}")
-
-
-def _product(a: Decimal, op: ast.operator, b: Decimal) -> Decimal:
-    return a * b if isinstance(op, ast.Mult) else a / b
+            return _OPERATIONS[type(op)](_value(left, names), _value(right, names))
+    return _FUNCTIONS[node.func.id](_value(node.args[0], names))
 
 
 def _sin(x: Decimal) -> Decimal:
@@ -166,7 +155,7 @@ def _sin(x: Decimal) -> Decimal:
         third = _sin(x / 3)
         return 3 * third - 4 * third * third * third
     term, total, n = x, Decimal(0), 1
-    while abs(term) > Decimal(10) ** -(_DIGITS + 5):
+    while total + term != total:
         total, n = total + term, n + 2
         term = -term * x * x / (n * (n - 1))
     return total
@@ -178,6 +167,12 @@ def _cos(x: Decimal) -> Decimal:
     return 1 - 2 * half * half
 
 
+_OPERATIONS: dict[type[ast.operator], Callable[[Decimal, Decimal], Decimal]] = {
+    ast.Add: add,
+    ast.Sub: sub,
+    ast.Mult: mul,
+    ast.Div: truediv,
+}
 _FUNCTIONS: dict[str, Callable[[Decimal], Decimal]] = {
     "sin": _sin,
     "cos": _cos,

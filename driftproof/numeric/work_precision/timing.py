@@ -52,7 +52,7 @@ TimeSource = Callable[[], float]
 def started(call: Callable[[], object], clock: TimeSource = perf_counter) -> tuple[Timing, float]:
     """A timing without samples yet, its batch chosen by a call that is not kept; and what that call took."""
     seconds = _seconds(call, 1, clock)
-    batch = 1 if seconds >= SHORT else max(1, round(BATCH / max(seconds, SHORT / 100)))
+    batch = 1 if seconds >= SHORT else round(BATCH / max(seconds, SHORT / 100))
     return Timing(batch), seconds
 
 

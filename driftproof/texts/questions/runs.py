@@ -56,15 +56,12 @@ def _phase_error(run: OscillatorRun) -> Answer:
 
 def _evaluations(run: OscillatorRun) -> Answer:
     """Calls of the acceleration, counted on a real step; only where the method says by itself how many it makes."""
-    from driftproof.methods.stepping import oscillator
-    from driftproof.numeric.steppers import CountedForce, float_stepper
+    from driftproof.numeric.steppers import evaluations_per_step
 
     method = run.method
     if not method.explicit:
         raise ValueError(f"{method.key} is implicit: its evaluations depend on how its equations are solved")
-    force = CountedForce(oscillator)
-    float_stepper(method)(force, 1.0, 0.0, 1.0)
-    return Answer("", Fraction(run.steps * force.calls), COUNTED)
+    return Answer("", Fraction(run.steps * evaluations_per_step(method)), COUNTED)
 
 
 RUN_READOUTS: dict[str, Callable[[OscillatorRun], Answer]] = {

@@ -14,6 +14,7 @@ from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.problems.problem import EXACT, Problem, Reference
+from driftproof.numeric.work_precision import curves as curves_module
 from driftproof.numeric.work_precision.curves import (
     FLOOR_POINTS,
     Curve,
@@ -44,6 +45,11 @@ def test_ladder_lands_on_the_references_times_and_only_on_the_last_where_that_wo
     assert step_counts(awkward, 64) == (8, 16, 32, 64)
     thirds = dataclasses.replace(_decay(), reference=Reference((Q(1, 3), Q(1)), (("1",), ("1",)), EXACT, ""))
     assert step_counts(thirds, 64) == (9, 18, 36)
+    assert step_counts(awkward, 64, 9) == (9, 18, 36)
+    for unit, first in ((64, 64), (65, 8)):
+        times = Reference((Q(1, unit), Q(1)), (("1",), ("1",)), EXACT, "")
+        found = step_counts(dataclasses.replace(_decay(), reference=times))
+        assert (found[0], found[-1]) == (first, 2**20)
     assert set(integrator(METHODS["rk4"], HARMONIC).run(8).states) == set(HARMONIC.reference.times)
     assert set(integrator(METHODS["rk4"], HARMONIC).run(9).states) == {T}
 
@@ -65,15 +71,37 @@ def test_a_method_with_one_coefficient_wrong_is_flagged() -> None:
     assert curve_of(modest, HARMONIC, RUNGS).verdict == "above the order 3 claimed"
 
 
-def test_slopes_a_whole_order_apart_are_not_settled() -> None:
-    curve = Curve("a", "A", 2, [_point(n, e) for n, e in ((8, 1.0), (16, 0.25), (32, 0.2), (64, 0.001))])
-    assert curve.verdict == "not settled"
+# Orders of neighbouring points; where one is None, the finer point does not count.
+@pytest.mark.parametrize(
+    ("orders", "verdict", "slopes"),
+    [
+        ((2, 0.3, 7.6), "not settled", 3),
+        ((2, 1), "not settled", 2),
+        ((1.5, 2.25), "", 2),
+        ((9, 9, 2, 2, 2), "", 3),
+        ((3, 3), "above the order 2 claimed", 2),
+        ((2, 2, None), "", 2),
+        ((2, None, 7), "", 1),
+        ((None,), "", 0),
+    ],
+)
+def test_order_is_of_the_three_finest_slopes_unless_they_lie_a_whole_order_apart(
+    orders: tuple[float | None, ...], verdict: str, slopes: int
+) -> None:
+    points = [_point(8, 1.0)]
+    for order in orders:
+        finer = _point(2 * (points[-1].steps or 0), points[-1].error * 2.0 ** -(order or 0))
+        points.append(finer if order else dataclasses.replace(finer, scale=0.0))
+    curve = Curve("a", "A", 2, points)
+    assert (curve.verdict, curve.order.slopes if curve.order else 0) == (verdict, slopes)
+    assert Curve("a", "A", 2, [dataclasses.replace(point, steps=None) for point in points]).order is None
 
 
 def test_points_as_large_as_the_solution_or_near_the_floor_tell_no_order() -> None:
     assert counts(_point(8, 0.5))
-    assert not counts(dataclasses.replace(_point(8, 0.5), scale=0.4))
-    assert not counts(dataclasses.replace(_point(8, 0.5), doubt=0.1))
+    assert not counts(dataclasses.replace(_point(8, 0.5), scale=0.5))
+    assert not counts(dataclasses.replace(_point(8, 0.5), doubt=0.5 / 32))
+    assert counts(dataclasses.replace(_point(8, 0.5), scale=0.51, doubt=0.49 / 32))
     assert not counts(Point("8", None, remark="not finite", steps=8))
     (curve,) = curves(problem_named("stiff_pair"), ["rk4"], [8, 16, 32, 64])
     assert curve.order is None
@@ -102,6 +130,12 @@ def test_climb_ends_at_the_floor() -> None:
     at_floor = [point for point in curve.points if point.error <= point.doubt]
     assert len(at_floor) == FLOOR_POINTS == 3
     assert curve.points[-1] is at_floor[-1]
+
+
+def test_an_implicit_method_climbs_to_1024_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(curves_module, "measure_curve", lambda problem, runs, steps, most: steps)
+    ends = [curve_of(METHODS[key], HARMONIC).points[-1] for key in ("implicit_midpoint", "rk4")]
+    assert ends == [2**10, 2**20]
 
 
 def test_climb_marks_a_run_of_too_many_evaluations_and_makes_none_after_it() -> None:

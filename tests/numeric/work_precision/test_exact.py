@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction as Q
-from math import cos, inf, sin
+from math import cos, hypot, inf, sin
 
 import pytest
 
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.number_field import square_root
 from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import VectorField
+from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.problems.problem import EXACT, Problem, Reference
 from driftproof.numeric.work_precision.curves import measure_curve
@@ -78,6 +81,20 @@ def test_energy_computes_functions_far_below_rounding(name: str, function: objec
     assert abs(square - 1) < Decimal("1e-50")
 
 
+def test_floor_of_an_energy_is_a_rounding_of_each_component_times_its_derivative() -> None:
+    kepler = PROBLEMS["kepler"]
+    x, y, v, w = map(float, kepler.reference.states[-1])
+    mass, r = float(kepler.field.parameters[0][1]), hypot(x, y)
+    wanted = v * v + w * w + mass * (x * x + y * y) / r**3
+    assert floors(kepler)[ENERGY] == pytest.approx(2.0**-53 * wanted, rel=1e-12)
+    assert set(floors(kepler)) == {STATE, ENERGY}
+
+
+def test_energy_reads_an_irrational_parameter_to_all_its_digits() -> None:
+    problem = replace(_decay(energy="rate * rate * y0"), field=VectorField(("y0",), (("rate", square_root(2)),)))
+    assert abs(decimal_energy(problem, [1.0]) - 2) < Decimal("1e-57")
+
+
 def test_energy_reads_parameters_division_and_signs() -> None:
     problem = _decay(energy="-rate * y0 / 2 + exp(log(3)) - sqrt(4)")
     assert abs(6 * Q(decimal_energy(problem, [Q(1, 3)])) - 7) < Q(1, 10**50)
@@ -99,3 +116,10 @@ def test_doubt_grows_with_the_steps_and_covers_the_rounding_of_a_run_whose_metho
     found = measure_curve(HARMONIC, integrator(METHODS["dop853"], HARMONIC), (256, 512, 1024))
     assert all(0 < point.error < point.doubt for point in found)
     assert doubt(HARMONIC, 1024, 1.0) > 1.9 * doubt(HARMONIC, 512, 1.0) > float(512 * U)
+
+
+def test_doubt_is_of_the_steps_the_times_and_the_last_digit() -> None:
+    """(N + 1) u Q, Q the largest size at the start or later, u t times the speed, and half a unit of the digits."""
+    for start, state, largest in ((Q(3), "0.5", 3), (Q(1, 4), "2.5", 2.5)):
+        problem = replace(_decay(), start=(start,), reference=Reference((Q(2),), ((state,),), EXACT, ""))
+        assert doubt(problem, 2**50, 2.0**52) == pytest.approx((2**50 + 1) * 2.0**-53 * largest + 1 + 0.05, rel=1e-15)

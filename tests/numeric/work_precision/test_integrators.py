@@ -33,6 +33,7 @@ T = Q(10)
 def test_evaluations_are_counted_on_the_program_that_runs(key: str, a_step: int) -> None:
     assert counted_evaluations(METHODS[key], HARMONIC, 100) == 100 * a_step
     assert curves(HARMONIC, [key], [16])[0].points[0].evaluations == 16 * a_step
+    assert counted_evaluations(METHODS[key], problem_named("kepler"), 7) == 7 * a_step
 
 
 def test_evaluations_of_an_implicit_method_are_the_calls_that_it_makes() -> None:
