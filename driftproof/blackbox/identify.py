@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from driftproof.blackbox.checks.suite import CHECKS, checks_of
 from driftproof.blackbox.checks.trials import TRAITS, CheckResult
-from driftproof.blackbox.families.reports import family_report, read_family
+from driftproof.blackbox.families.reports import family_report, read_family, unread_report
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import ORDINARY_DOMAIN
@@ -27,7 +27,7 @@ from driftproof.blackbox.probes.linear_steps import LINEAR
 from driftproof.blackbox.probes.questions import CoefficientReading, Introduction, introduction, read_coefficients
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Report, Section, each_once, sections
-from driftproof.blackbox.stepper.calling_conventions import SIGNATURES
+from driftproof.blackbox.stepper.calling_conventions import OF_TWO_FUNCTIONS, SIGNATURES
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Method, RungeKutta
@@ -64,8 +64,12 @@ def identify(
         read, order, dense, family = runner.run([read_coefficients, measured_orders, judged_dense, of_run])
         if read.failed and read.kind not in (UnsupportedCall.kind, *NO_EVIDENCE):
             family = runner.run([read_family])[0]
-        if family.result is not None:
-            return family_report(runner.target.name, runner.run([introduction])[0].result, family.result)
+        if family.result is not None or read.kind == UnsupportedCall.kind:
+            opened = runner.run([introduction])[0].result
+            if family.result is not None:
+                return family_report(runner.target.name, opened, family.result)
+            if opened is not None and opened.calls in OF_TWO_FUNCTIONS:
+                return unread_report(runner.target.name, family)
         return identified(runner, read, order, dense)
 
 

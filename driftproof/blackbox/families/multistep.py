@@ -50,7 +50,7 @@ class MultistepReading:
         return "; ".join([f"it is {self.recurrence.name}{started}", *self.faults])
 
     @property
-    def method(self) -> str | None:
+    def key(self) -> str | None:
         """The key of the method that it is as it stands; None where F is asked elsewhere."""
         found = self.recurrence
         return found.method.key if found.method is not None and not found.asked else None
@@ -73,7 +73,7 @@ class MultistepReading:
         """The same for programs."""
         own, facts = self.recurrence.recurrence, self.recurrence.facts
         return {
-            "method": self.method,
+            "method": self.key,
             "rho": [repr(x) for x in own.rho],
             "sigma": [repr(x) for x in own.sigma],
             "derivative": own.derivative,

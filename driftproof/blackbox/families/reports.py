@@ -9,20 +9,23 @@ from typing import Any, Protocol
 from driftproof.blackbox.families.multistep import read_multistep
 from driftproof.blackbox.families.multistep_recurrence import NoRecurrence
 from driftproof.blackbox.families.multistep_runs import remembers
+from driftproof.blackbox.families.rosenbrock import read_rosenbrock
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall
 from driftproof.blackbox.isolation import IsolatedRunner
 from driftproof.blackbox.probes.questions import Introduction
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Criterion, Report, criteria_parts, sections
-from driftproof.blackbox.stepper.calling_conventions import MAP, SIGNATURES
+from driftproof.blackbox.stepper.calling_conventions import MAP, ROSENBROCK, SIGNATURES
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.catalogue import FactsOnly
 from driftproof.methods.multistep import Multistep
+from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.support.plain_text import Json
 
 # What a stepper of each kind of method has to look like.
 _NEEDED: dict[type, str] = {
     Multistep: "a stepper that takes a right-hand side or a force, and a copy of which remembers nothing",
+    Rosenbrock: "a stepper that takes a Jacobian, step(f, jac, t, y, h)",
 }
 
 
@@ -34,7 +37,7 @@ class FamilyReading(Protocol):
         """What it is, in one line."""
 
     @property
-    def method(self) -> str | None:
+    def key(self) -> str | None:
         """The key of the method that it is as it stands."""
 
     @property
@@ -62,6 +65,8 @@ def read_family(
     """
     if isinstance(asked, Multistep):
         return read_multistep(subject, asked)
+    if isinstance(asked, Rosenbrock) or (asked is None and subject.convention.kind == ROSENBROCK):
+        return read_rosenbrock(subject, asked)
     if subject.convention.kind == MAP or (runs_only and not subject.convention.run) or not remembers(subject):
         return None
     return read_multistep(subject)
@@ -70,7 +75,7 @@ def read_family(
 def family_report(name: str, introduced: Introduction, read: FamilyReading) -> Report:
     """The report of `identify`."""
     held = f"driftproof verify {name} --method"
-    to_do = f"if it should be {read.method}, hold it there: {held} {read.method}" if read.method else ""
+    to_do = f"if it should be {read.key}, hold it there: {held} {read.key}" if read.key else ""
     first = "see to the faults first" if read.faults else ""
     opened = [SIGNATURES[introduced.calls], f"takes {introduced.numbers}, works in {introduced.format}"]
     parts = sections(
@@ -81,6 +86,13 @@ def family_report(name: str, introduced: Introduction, read: FamilyReading) -> R
     )
     data = {"calls": introduced.calls, "format": introduced.format, "faults": list(read.faults), **read.data}
     return Report(name, read.verdict, None, parts, data)
+
+
+def unread_report(name: str, outcome: Outcome) -> Report:
+    """The report of `identify` on a stepper of two functions that was not read, and why."""
+    words = {NotReadable.kind: "it is no method that is known here", **dict.fromkeys(NO_EVIDENCE, UNDECIDED)}
+    verdict = f"{words.get(outcome.kind or '', NO_ANSWER)}: {outcome.seen}"
+    return Report(name, verdict, None, (), {"not_answered": [{"kind": outcome.kind, "seen": outcome.seen}]})
 
 
 def verify_family(runner: IsolatedRunner, method: FactsOnly) -> Report:
@@ -94,7 +106,9 @@ def verify_family(runner: IsolatedRunner, method: FactsOnly) -> Report:
     read: FamilyReading = outcome.result
     checks = read.criteria(method)
     open_ones = [check for check in checks if check.passed is None]
-    decided = all(check.passed for check in checks[:2]) and any(check.passed for check in checks[2:])
+    others = checks[2:]
+    seen = any(check.passed for check in others) or all(check.mark == "not asked" for check in others)
+    decided = seen and all(check.passed for check in checks[:2])
     passed = False if any(check.passed is False for check in checks) else True if decided else None
     parts, data = criteria_parts(checks, passed)
     if passed is False:

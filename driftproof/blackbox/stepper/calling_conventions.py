@@ -1,4 +1,4 @@
-"""Three calling conventions, told by the names of a stepper's parameters: its map alone, a force, a right-hand side."""
+"""Calling conventions, told by the names of a stepper's parameters: its map alone, a force, one function or two."""
 
 from __future__ import annotations
 
@@ -7,17 +7,22 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-MAP, FORCE, FIELD = "map", "force", "field"
+MAP, FORCE, FIELD, ROSENBROCK, IMEX = "map", "force", "field", "rosenbrock", "imex"
+OF_TWO_FUNCTIONS = (ROSENBROCK, IMEX)
 # What a stepper of each is, as a reader writes it down.
 SIGNATURES = {
     MAP: "step(q, v, h) -> (q1, v1), or step(state, h) with state = [q, v]: the system is built in",
     FORCE: "step(force, q, v, h) -> (q1, v1): q' = v, v' = force(q)",
     FIELD: "step(f, t, y, h) -> y1: y' = f(t, y)",
+    ROSENBROCK: "step(f, jac, t, y, h) -> y1: y' = f(t, y) with its Jacobian jac(t, y); also with dfdt(t, y)",
+    IMEX: "step(f_explicit, f_implicit, t, y, h) -> y1: y' = f_explicit(t, y) + f_implicit(t, y)",
 }
 FUNCTION, POSITION, VELOCITY, STATE, TIME, STEP = "function", "position", "velocity", "state", "time", "step"
 # The times at which a run is wanted, the first and the last of one step; and the slope that a step is handed, and
 # hands on: the force at q, or f(t, y).
 GRID, CARRIED = "grid", "carried"
+# Functions beside the right-hand side: its Jacobian, its derivative by t; or the part that is solved for.
+JACOBIAN, TIME_SLOPE, IMPLICIT = "jacobian", "time_slope", "implicit"
 # The roles of the arguments, one by one; the time may be missing, and may be asked for anywhere.
 VARIANTS = (
     (MAP, (POSITION, VELOCITY, STEP)),
@@ -28,17 +33,23 @@ VARIANTS = (
     (MAP, (POSITION, VELOCITY, CARRIED, STEP)),
     (FIELD, (FUNCTION, STATE, CARRIED, STEP)),
     (FIELD, (FUNCTION, STATE, GRID)),
+    (ROSENBROCK, (FUNCTION, JACOBIAN, STATE, STEP)),
+    (ROSENBROCK, (FUNCTION, JACOBIAN, TIME_SLOPE, STATE, STEP)),
+    (IMEX, (FUNCTION, IMPLICIT, STATE, STEP)),
 )
 # The order in which a stepper takes its arguments if their names do not tell.
 STANDARD_ORDER = {
     MAP: (POSITION, VELOCITY, STEP),
     FORCE: (FUNCTION, POSITION, VELOCITY, STEP),
     FIELD: (FUNCTION, TIME, STATE, STEP),
+    ROSENBROCK: (FUNCTION, JACOBIAN, TIME, STATE, STEP),
+    IMEX: (FUNCTION, IMPLICIT, TIME, STATE, STEP),
 }
 _FUNCTIONS = (
     *("f", "fun", "func", "function", "rhs", "field", "vector_field", "force", "forces", "acc", "accel"),
     *("acceleration", "a", "deriv", "derivs", "derivative", "derivatives", "dydt", "dxdt", "ode", "system"),
     *("dynamics", "get_force", "get_acceleration"),
+    *("f_explicit", "f_exp", "f_ex", "fex", "fe", "f_e", "explicit", "f_nonstiff", "nonstiff", "f1", "f_slow"),
 )
 # Of a potential: the force is minus what they return.
 _GRADIENTS = (
@@ -60,6 +71,12 @@ ROLES: dict[str, tuple[str, ...]] = {
     TIME: ("t", "time", "t0", "tn", "ti"),
     STEP: ("h", "dt", "step", "step_size", "stepsize", "timestep", "time_step", "delta_t", "tau", "delta"),
     GRID: ("t", "ts", "times", "grid", "t_grid", "tgrid", "time_grid", "t_eval", "tlist"),
+    JACOBIAN: ("jac", "jacobian", "j", "dfdy", "df_dy", "dfdx", "df_dx", "fy", "df", "fprime", "jac_f"),
+    TIME_SLOPE: ("dfdt", "df_dt", "ft", "f_t", "dt_f"),
+    IMPLICIT: (
+        *("f_implicit", "f_imp", "f_im", "fim", "fi", "f_i", "implicit", "f_stiff", "stiff", "f2", "f_fast"),
+        *("g", "linear", "l"),
+    ),
     CARRIED: ("a", "acc", "accel", "acceleration", "a0", "an", "f0", "force0", "k1", "k0", "fsal", "dydt0"),
 }
 # Further parameters of a built-in oscillator, set to what makes it q'' = -q.

@@ -142,11 +142,22 @@ class ForeignStepper:
         if self.convention.kind != FIELD:
             raise UnsupportedCall(f"the stepper is called by {self.convention.kind!r}, which takes no right-hand side")
         size, write = len(y), self.adapter.write
-        time_first = TIME not in self.convention.order or self.convention.order.index(
-            TIME
-        ) < self.convention.order.index(STATE)
+        roles = {FUNCTION: self.callback(rate, t, size, write), TIME: t, STATE: write(y), STEP: h}
+        if CARRIED in self.convention.order:
+            roles[CARRIED] = write(rate(t, list(y)))
+        if GRID in self.convention.order:
+            roles[GRID] = np.array([t + n * h for n in range(self.convention.steps + 1)])
+        answer = self._call(roles, f"t={t!r}, y={list(y)!r}, h={h!r}", y)
+        return self._finite(self._read_state(answer, size, t + h), [*y, h])
 
-        def callback(*arguments: Foreign) -> Foreign:
+    def callback(
+        self, rate: FieldFunction, t: AnyNumber, size: int, write: Callable[[Any], Foreign]
+    ) -> Callable[..., Foreign]:
+        """What the code calls for rate(t, y), as it calls it: f(t, y), f(y, t), or f(y), of which t is the time."""
+        order = self.convention.order
+        time_first = TIME not in order or order.index(TIME) < order.index(STATE)
+
+        def called(*arguments: Foreign) -> Foreign:
             state, time = (-1, 0) if time_first else (0, -1)
             try:
                 asked = self.adapter.read(arguments[state], size)
@@ -156,13 +167,7 @@ class ForeignStepper:
             at = self.adapter.read(arguments[time], 1)[0] if len(arguments) > 1 else t
             return write(rate(at, asked))
 
-        roles = {FUNCTION: self.adapter.function(callback), TIME: t, STATE: write(y), STEP: h}
-        if CARRIED in self.convention.order:
-            roles[CARRIED] = write(rate(t, list(y)))
-        if GRID in self.convention.order:
-            roles[GRID] = np.array([t + n * h for n in range(self.convention.steps + 1)])
-        answer = self._call(roles, f"t={t!r}, y={list(y)!r}, h={h!r}", y)
-        return self._finite(self._read_state(answer, size, t + h), [*y, h])
+        return self.adapter.function(called)
 
     def step_batch(self, qs: Sequence[float], vs: Sequence[float], h: float) -> list[tuple[float, float]]:
         """One step of several states at once, as arrays; under the force -q where it takes one.

@@ -23,9 +23,21 @@ from driftproof.blackbox.stepper.array_adapters import (
     as_array,
     scalar_adapter_of,
 )
-from driftproof.blackbox.stepper.calling_conventions import FIELD, MAP, STATE, CallingConvention, conventions_of
+from driftproof.blackbox.stepper.calling_conventions import (
+    FIELD,
+    IMEX,
+    IMPLICIT,
+    JACOBIAN,
+    MAP,
+    ROSENBROCK,
+    STATE,
+    TIME_SLOPE,
+    CallingConvention,
+    conventions_of,
+)
 from driftproof.blackbox.stepper.foreign_stepper import CallLog, ForeignStepper
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
+from driftproof.blackbox.stepper.second_functions import beside, zeros
 from driftproof.blackbox.stepper.state_forms import COMPLEX, forms_of
 from driftproof.blackbox.stepper.wrappers import increment_wrapper, wrapper_line
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
@@ -63,7 +75,7 @@ def opened(
     failures: list[Misbehaviour] = []
     pristine = fresh_copy(step)
     for convention in conventions:
-        trials = (_one_step, _one_number) if convention.kind == FIELD else (_one_step,)
+        trials = _TRIALS.get(convention.kind, (_one_step,))
         for adapters in _adapters(step, convention, array):
             for trial, adapter in product(trials, adapters):
                 subject = ForeignStepper(step, convention, adapter, before=before, after=after, pristine=pristine)
@@ -85,7 +97,7 @@ def _adapters(
     if array is not None:
         yield adapter_of(array), scalar_adapter_of(array)
         return
-    vectors = convention.kind == FIELD or (convention.kind == MAP and STATE in convention.order)
+    vectors = convention.kind in _TRIALS or (convention.kind == MAP and STATE in convention.order)
     yield (ARRAYS, LISTS, SCALARS) if vectors else (SCALARS, ARRAYS)
     yield list(forms_of(step, convention))
 
@@ -101,6 +113,15 @@ def _one_step(subject: ForeignStepper, h: float) -> Sequence[float]:
 def _one_number(subject: ForeignStepper, h: float) -> Sequence[float]:
     """A step of y' = -y, for a stepper that takes no more than one number."""
     return subject.step_field(lambda t, y: [-x for x in y], 0.0, TRIAL_STATE[:1], h)
+
+
+def _with_jacobian(subject: ForeignStepper, h: float) -> Sequence[float]:
+    """A step of the oscillator with its Jacobian, or with nothing left to be solved for."""
+    functions = {JACOBIAN: lambda t, y: [[0.0, 1.0], [-1.0, 0.0]], TIME_SLOPE: zeros, IMPLICIT: zeros}
+    return beside(subject, functions).step(*TRIAL_STATE, h)
+
+
+_TRIALS = {FIELD: (_one_step, _one_number), ROSENBROCK: (_with_jacobian,), IMEX: (_with_jacobian,)}
 
 
 def _tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:

@@ -1,0 +1,333 @@
+"""A step that takes a Jacobian: which Rosenbrock method it is, what it does with df/dt, and of which order it is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from flint import arb, ctx
+
+from driftproof.blackbox.families.rosenbrock_step import RosenbrockReading, read_rosenbrock_step
+from driftproof.blackbox.judging.measured_order import CLEARANCE, power_of_errors
+from driftproof.blackbox.judging.nonlinear_problems import START, NonlinearProblem, field_problem
+from driftproof.blackbox.matching.tables import Array
+from driftproof.blackbox.probes.coefficients import coefficient_text, exact_shown
+from driftproof.blackbox.probes.scripted_answers import Rounding
+from driftproof.blackbox.report import Criterion
+from driftproof.blackbox.stepper.array_adapters import AnyNumber
+from driftproof.blackbox.stepper.calling_conventions import JACOBIAN, TIME_SLOPE
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.second_functions import beside
+from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.number_field import Exact
+from driftproof.methods.rosenbrock import Rosenbrock
+from driftproof.support.plain_text import Json
+from driftproof.symbolic.rosenbrock import RosenbrockFacts
+
+# Lengths of the steps whose errors are measured: h = 2**-k.
+_HALVINGS = range(1, 9)
+# Derivatives by differences in balls of so many bits are right to half of them.
+_BITS, _STEP = 256, 2.0**-100
+# A difference quotient of df/dt in floats is off by some roots of u.
+_DIFFERENCES = 4
+# Of decimals, as the orders of a printed table are told: digits that are printed leave less.
+_PRINTED = Fraction(1, 10**9)
+
+
+class _Products:
+    """C Γᶜ E and C Γᶜ γ of a method, as a reading has them, with the sizes of the terms that they are sums of."""
+
+    def __init__(self, alpha: Array, gamma: Array, b: Array, powers: int) -> None:
+        places = list(dict.fromkeys(map(tuple, alpha)))
+        stage = [[1.0 * (tuple(row) == place) for place in places] for row in alpha]
+        self.nodes = [sum(place) for place in places]
+        self.table = np.array([*places, b]), gamma
+        sums = gamma.sum(axis=1)
+        self.weights, self.sizes = self._levels(np.array(stage), powers)
+        self.time_slope, self.time_sizes = self._levels(sums[:, None], powers)
+
+    @classmethod
+    def of(cls, method: Rosenbrock, powers: int) -> _Products:
+        """Those of a method."""
+        return cls(*_floats(method), powers)
+
+    def _levels(self, entering: Array, powers: int) -> tuple[list[Array], list[Array]]:
+        """C Γᶜ times what enters, and the sizes of the terms of programs that store αΓ⁻¹, I/γᵢᵢ - Γ⁻¹ and bΓ⁻¹.
+
+        Their stages are sums with |terms| up to W = (I - |D| |I/γᵢᵢ - Γ⁻¹|)⁻¹ |D|, D the diagonal of Γ.
+        """
+        c, gamma = self.table
+        inverse = np.linalg.pinv(gamma)
+        diagonal = np.diag(np.abs(np.diag(gamma)))
+        below = np.abs(inverse - np.diag(np.diag(inverse)))
+        stored = np.linalg.inv(np.eye(len(gamma)) - diagonal @ below) @ diagonal
+        plain, level, size = np.abs(gamma), entering, stored @ np.abs(entering)
+        direct, found, sizes = np.abs(entering), [], []
+        for _ in range(powers):
+            found.append(c @ level)
+            sizes.append(np.maximum(np.abs(c @ inverse) @ size, np.abs(c) @ direct))
+            level, size, direct = gamma @ level, stored @ size, plain @ direct
+        return found, sizes
+
+    def differences(self, reading: RosenbrockReading) -> list[str] | None:
+        """The products that are others than the method's, in words; None where it asks f at other numbers of places."""
+        if reading.calls != len(self.nodes):
+            return None
+        rounding = Rounding(reading.format, len(self.table[1]) + reading.calls)
+        names = [*(f"the place of call {i}" for i in range(reading.calls)), "the result"]
+        found = []
+        for power, level in enumerate(reading.weights):
+            through = "" if not power else f"J^{power} h^{power + 1} times " if power > 1 else "J h^2 times "
+            for (r, g), x in np.ndenumerate(np.array(level)):
+                said, size = self.weights[power][r, g], self.sizes[power][r, g]
+                if abs(x - said) > (allowed := rounding.of(float(size))):
+                    seen = coefficient_text(float(x), reading.format, allowed)
+                    found.append(f"{through}the slope of call {g} enters {names[r]} with {seen} instead of {said:.6g}")
+        for i, (seen_node, node) in enumerate(zip(reading.nodes or (), self.nodes, strict=False)):
+            if abs(seen_node - node) > rounding.of(1 + abs(node)):
+                found.append(f"call {i} is made at t + {seen_node:.6g} h instead of t + {node:.6g} h")
+        return found
+
+    def time_slope_differs(self, reading: RosenbrockReading) -> bool:
+        """Whether df/dt enters otherwise: to rounding where a function gives it, to that of differences else."""
+        if reading.time_slope is None:
+            return False
+        rounding = Rounding(reading.format, len(self.table[1]) + reading.calls)
+        slack = 0.0 if reading.by == "a function" else float(reading.format.u) ** 0.5
+        levels = zip(reading.time_slope, self.time_slope, self.time_sizes, strict=True)
+        return any(
+            abs(x - float(z)) > rounding.of(float(size)) + slack
+            for seen, said, sizes in levels
+            for x, z, size in zip(seen, said[:, 0], sizes[:, 0], strict=True)
+        )
+
+
+def _floats(method: Rosenbrock) -> tuple[Array, Array, Array]:
+    alpha, gamma, b = ([[float(x) for x in row] for row in rows] for rows in (method.alpha, method.gamma, [method.b]))
+    return np.array(alpha), np.array(gamma), np.array(b[0])
+
+
+def _near(reading: RosenbrockReading, method: Rosenbrock) -> Iterator[str]:
+    """The entries of a method that alone, with other values, give what was read: the products are affine in each.
+
+    A path through a triangular matrix takes each entry below the diagonal once at most.
+    """
+    names, floats, powers = ("alpha", "gamma", "b"), _floats(method), len(reading.weights)
+    if len(_Products(*floats, powers).nodes) != reading.calls:
+        return
+    seen = np.array(reading.weights)
+    for which, entries in enumerate(floats):
+        for place in np.ndindex(entries.shape):
+            if which < 2 and place[0] <= place[1]:
+                continue
+
+            def changed(by: float, which: int = which, place: tuple[int, ...] = place) -> _Products:
+                moved = [part.copy() for part in floats]
+                moved[which][place] += by
+                return _Products(moved[0], moved[1], moved[2], powers)
+
+            here, there = changed(0.0), changed(1.0)
+            if len(there.nodes) != reading.calls or not (turn := np.array(there.weights) - here.weights).any():
+                continue
+            by = float((turn * (seen - here.weights)).sum() / (turn * turn).sum())
+            if by and changed(by).differences(reading) == []:
+                name = names[which] + "".join(f"[{i}]" for i in place)
+                slack = Rounding(reading.format, 4 * reading.calls).of(4.0)
+                value = coefficient_text(float(entries[place] + by), reading.format, slack)
+                yield f"{name}: {value} instead of {exact_shown(_entry(method, which, place))}"
+
+
+def _entry(method: Rosenbrock, which: int, place: tuple[int, ...]) -> Exact:
+    rows = (method.alpha, method.gamma)
+    return method.b[place[0]] if which == len(rows) else rows[which][place[0]][place[1]]
+
+
+@dataclass(frozen=True)
+class RosenbrockIdentity:
+    """The products of a step, the method that has them, and the orders measured with f' and with half of it as J.
+
+    `known` is its key in the catalogue, "" where it has none; `near` is a method that has them but for one entry, in
+    words; `own` is a method of somebody's that has them.
+    """
+
+    reading: RosenbrockReading
+    known: str
+    near: str
+    order: int | None
+    slopes: tuple[float, ...]
+    w_order: int | None
+    problem: str
+    own: Rosenbrock | None = None
+
+    @property
+    def method(self) -> Rosenbrock | None:
+        """The method that has them, if there is one."""
+        found = FACTS_ONLY[self.known] if self.known else self.own
+        return found if isinstance(found, Rosenbrock) else None
+
+    @cached_property
+    def _products(self) -> _Products | None:
+        return None if self.method is None else _Products.of(self.method, len(self.reading.weights))
+
+    @property
+    def faults(self) -> list[str]:
+        """What is wrong with it, whichever method it is meant to be."""
+        reading, known = self.reading, self._products
+        found = []
+        claimed = 0 if self.method is None else self.method.claimed_order
+        if reading.nodes is not None and not reading.by and self.order is not None and self.order < claimed:
+            found.append(f"df/dt is left out: order {self.order} is seen where f depends on t, not {claimed}")
+        if known is not None and known.time_slope_differs(reading):
+            found.append("df/dt enters with other weights than the row sums of gamma")
+        at, place = reading.jacobian_at
+        if at or place:
+            found.append(f"the Jacobian is asked for at t + {at:.6g} h, and {place:.3g} from y, not at the start")
+        return found
+
+    @property
+    def verdict(self) -> str:
+        """What it is, in one line."""
+        name = self.method.key if self.method is not None else self.near or "no Rosenbrock method that is known here"
+        measured = f", of order {self.order} as measured" if self.method is None and self.order is not None else ""
+        return "; ".join([f"it is {name}{measured}", *self.faults])
+
+    @property
+    def key(self) -> str | None:
+        """The key of the method that it is without a fault."""
+        return self.method.key if self.method is not None and not self.faults else None
+
+    @property
+    def parts(self) -> list[tuple[str, list[str]]]:
+        """The evidence, by title."""
+        return [("Coefficients", self._coefficients), ("Order", self._orders)]
+
+    @property
+    def _coefficients(self) -> list[str]:
+        reading, powers = self.reading, len(self.reading.weights)
+        named = "no Rosenbrock method of the catalogue"
+        if self.method is not None:
+            named = f"{self.method.key}: products of alpha and b with gamma up to its power {powers - 1}, to rounding"
+        used = {"a function": "a function of its own", "differences": "differences of f"}.get(reading.by, "")
+        clock = "f is given no time" if reading.nodes is None else f"df/dt is from {used}" if used else "no df/dt"
+        nearest = [f"nearest: {self.near}"] if self.near else []
+        return [named, *nearest, *self._table, clock]
+
+    @property
+    def _table(self) -> list[str]:
+        if self.method is not None or self.reading.table is None:
+            return []
+        fmt, slack = self.reading.format, Rounding(self.reading.format, 4 * self.reading.calls).of(4.0)
+        alpha, gamma, b = self.reading.table
+        rows = [(f"alpha[{i}]", alpha[i, :i]) for i in range(1, len(alpha))]
+        rows += [*((f"gamma[{i}]", gamma[i, : i + 1]) for i in range(len(gamma))), ("b", b)]
+        return [f"{name} = {', '.join(coefficient_text(float(x), fmt, slack) for x in row)}" for name, row in rows]
+
+    @property
+    def _orders(self) -> list[str]:
+        lines = []
+        if self.method is not None:
+            facts = RosenbrockFacts(self.method)
+            if self.method.decimal:
+                orders = facts.orders_within(_PRINTED)
+                lines.append(f"order {orders.order} with J = f', {orders.w_order} with any matrix, as its digits tell")
+            else:
+                lines.append(f"order {facts.order} with J = f', {facts.w_order} with any matrix")
+        for order, with_what in ((self.order, "J = f'"), (self.w_order, "half of f' as J")):
+            seen = "no order is seen" if order is None else f"order {order} is seen"
+            slopes = f" (slopes of the local error: {', '.join(f'{x:.2f}' for x in self.slopes)})"
+            lines.append(f"{seen} with {with_what} on {self.problem}{slopes if with_what[0] == 'J' else ''}")
+        return lines
+
+    @property
+    def data(self) -> dict[str, Json]:
+        """The same for programs."""
+        return {
+            "method": self.key,
+            "products": [[[repr(x) for x in row] for row in level] for level in self.reading.weights],
+            "time_slope": self.reading.by or None,
+            "measured_order": self.order,
+            "measured_w_order": self.w_order,
+        }
+
+    def criteria(self, method: Rosenbrock) -> list[Criterion]:
+        """How it holds to a method: its products, what it does with df/dt and the Jacobian, its order."""
+        products = _Products.of(method, len(self.reading.weights))
+        differences = products.differences(self.reading)
+        if differences is None:
+            asked = f"{method.key} asks f at {len(products.nodes)} places, this one at {self.reading.calls}"
+            return [Criterion("Coefficients", False, (asked,), {})]
+        if not differences and self.method is None:
+            return replace(self, own=method).criteria(method)
+        same = not differences
+        shown = self._coefficients if same else [f"not those of {method.key}", *differences[:_MOST_SHOWN]]
+        if self.near.startswith(f"{method.key} but for "):
+            shown.insert(1, self.near)
+        checks = [Criterion("Coefficients", same, tuple(shown), {"differences": list(differences)})]
+        faults = self.faults if same else []
+        checks.append(
+            Criterion("Derivatives", not faults, tuple(faults or ["J at the start", self._coefficients[-1]]), {})
+        )
+        reached = None if self.order is None else self.order >= method.claimed_order
+        checks.append(Criterion("Order", reached, tuple(self._orders), {"measured": self.order}))
+        return checks
+
+
+# Differences that a reader takes in.
+_MOST_SHOWN = 6
+
+
+def read_rosenbrock(subject: ForeignStepper, asked: Rosenbrock | None = None) -> RosenbrockIdentity:
+    """What a step with a Jacobian is. Raises NotReadable, and the Misbehaviour that comes instead of a step."""
+    reading = read_rosenbrock_step(subject)
+    known = [*_methods(), *([asked] if asked is not None else [])]
+    key = next((m.key for m in _methods() if _Products.of(m, len(reading.weights)).differences(reading) == []), "")
+    near = "" if key else next((f"{m.key} but for {x}" for m in known for x in _near(reading, m)), "")
+    by_differences = float(reading.format.u) ** 0.5 if reading.by == "differences" else 0.0
+    order, slopes, problem = _measured(subject, 1.0, by_differences)
+    w_order, _, _ = _measured(subject, 0.5, by_differences)
+    return RosenbrockIdentity(reading, key, near, order, slopes, w_order, problem)
+
+
+def _methods() -> Iterator[Rosenbrock]:
+    return (m for m in FACTS_ONLY.values() if isinstance(m, Rosenbrock))
+
+
+def _measured(subject: ForeignStepper, factor: float, slack: float) -> tuple[int | None, tuple[float, ...], str]:
+    """The order of a step with so much of f' as J, from its errors on a problem whose solution is known.
+
+    The noise is that of rounding, and of h² df/dt that is off by `slack`.
+    """
+    zero: dict[str, Any] = {JACOBIAN: lambda t, y: np.zeros((len(y), len(y))), TIME_SLOPE: lambda t, y: [0.0] * len(y)}
+    problem = field_problem(beside(subject, zero))
+    functions: dict[str, Any] = {
+        JACOBIAN: lambda t, y: factor * np.array(_derivatives(problem, t, y)[0]),
+        TIME_SLOPE: lambda t, y: _derivatives(problem, t, y)[1],
+    }
+    errors, steps = [], [2.0**-k for k in _HALVINGS]
+    with ctx.workprec(_BITS):
+        start = [float(x.mid()) for x in problem.solution(arb(START))]
+        for h in steps:
+            end = problem.stepped(beside(subject, functions), START, start, h)
+            exact = problem.solution(arb(START) + h)
+            errors.append(max(abs(float(x) - float(y.mid())) for x, y in zip(end, exact, strict=True)))
+    noise = CLEARANCE * float(subject.format.u)
+    power, slopes = power_of_errors(errors, [noise + _DIFFERENCES * slack * h * h for h in steps])
+    return (None if power is None else power - 1), slopes, problem.words
+
+
+def _derivatives(problem: NonlinearProblem, t: AnyNumber, y: Any) -> tuple[list[list[float]], list[float]]:
+    """∂f/∂y and ∂f/∂t, by differences in balls, so small that they are right to the last bit of a float."""
+    at, state = arb(float(t)), [arb(float(x)) for x in y]
+    here = problem.rate(at, state)
+
+    def slope(moved: Sequence[AnyNumber]) -> list[float]:
+        return [float(((x - z) / _STEP).mid()) for x, z in zip(moved, here, strict=True)]
+
+    columns = []
+    for j in range(len(state)):
+        columns.append(slope(problem.rate(at, [x + _STEP * (i == j) for i, x in enumerate(state)])))
+    return [list(row) for row in zip(*columns, strict=True)], slope(problem.rate(at + _STEP, state))

@@ -1,0 +1,195 @@
+"""What a step with a Jacobian makes of marked slopes and of a nilpotent matrix: the products of alpha, gamma and b."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
+from driftproof.blackbox.matching.tables import Array
+from driftproof.blackbox.probes.scripted_answers import Listener, NotReadable, demand_calls, performed, varied
+from driftproof.blackbox.stepper.calling_conventions import JACOBIAN, TIME_SLOPE
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.second_functions import beside
+from driftproof.symbolic.rounding.formats import FloatFormat
+
+# Numbers of y, the most first: with a chain of so many, gamma counts up to that power less one.
+_SIZES = (4, 3, 2, 1)
+# Calls nearer in time to the start than this part of h, from the same place, are differences for df/dt.
+_DIFFERENCE = 2.0**-6
+# Two calls this near in places and times are of one stage: rounding parts them by less, stages by more.
+_SAME = 2.0**-30
+
+
+@dataclass(frozen=True)
+class RosenbrockReading:
+    """C Γᶜ E, for c = 0, 1, ...: how hᶜ⁺¹ Jᶜ times the slope of each call enters the place of each, and the result.
+
+    Stages at one place are one call. Row i of C is that of α of call i, the last one b; E adds stages up that share a
+    call, so that E = 1 where there are none; `nodes` are the times of the calls, None where f is given none.
+    `time_slope` is C Γᶜ γ, with γ the row sums of Γ, as ∂f/∂t enters, `by` how it is had: "a function", "differences",
+    or "" where it is not asked for. `jacobian_at` are the node and the place, in h, at which the Jacobian is asked.
+    """
+
+    weights: tuple[tuple[tuple[float, ...], ...], ...]
+    nodes: tuple[float, ...] | None
+    time_slope: tuple[tuple[float, ...], ...] | None
+    by: str
+    jacobian_at: tuple[float, float]
+    format: FloatFormat
+
+    @property
+    def calls(self) -> int:
+        """The number of different places at which f is asked."""
+        return len(self.weights[0]) - 1
+
+    @property
+    def table(self) -> tuple[Array, Array, Array] | None:
+        """α, Γ and b by least squares, where each stage has a call of its own and shows; else None."""
+        levels = [np.array(level) for level in self.weights]
+        if len(levels) < 2:
+            return None
+        seen, moved = np.vstack(levels[:-1]), np.vstack(levels[1:])
+        gamma, _, rank, _ = np.linalg.lstsq(seen, moved, rcond=_SAME)
+        if rank < self.calls or np.abs(seen @ gamma - moved).max() > _SAME:
+            return None
+        return levels[0][:-1], gamma, levels[0][-1]
+
+
+def read_rosenbrock_step(subject: ForeignStepper) -> RosenbrockReading:
+    """The products, by steps from t = 0, y = 0 with h = 1, in which one call at a time is answered by 1.
+
+    The Jacobian is y₁ -> y₂ -> y₃ -> y₄, whatever f is: so it tells a W method's products. Raises NotReadable.
+    """
+    if JACOBIAN not in subject.convention.order:
+        raise UnsupportedCall(f"the stepper is called by {subject.convention.kind!r}, which takes no Jacobian")
+    return _Probe(subject).reading()
+
+
+class _Step:
+    """One step: where it asked f and its Jacobian, and what it returned."""
+
+    def __init__(self, subject: ForeignStepper, answer: Callable[[int, float, Array], Sequence[float]], **given: Any):
+        rows: Sequence[Any] = given["jacobian"]
+        time_slope, self.size = given["time_slope"], len(given["start"])
+        heard = Listener(lambda asked: answer(len(heard.calls) - 1, *asked))
+        self.jacobian_at: list[tuple[float, Array]] = []
+
+        def matrix(t: float, y: Sequence[float]) -> Sequence[Any]:
+            self.jacobian_at.append((t, np.array(y)))
+            return rows
+
+        functions = {JACOBIAN: matrix, TIME_SLOPE: lambda t, y: time_slope}
+        clock = float(given["t"])
+
+        def rate(t: float, y: Sequence[float]) -> Sequence[float]:
+            slopes: Sequence[float] = heard((clock if t is clock else t, np.array(y)))
+            self.timed |= t is not clock
+            return slopes
+
+        self.timed = False
+        stepped = beside(subject, functions)
+        end = performed(lambda: stepped.step_field(rate, clock, given["start"], given["h"]))
+        self.times, self.places = [t for t, _ in heard.calls], [y for _, y in heard.calls]
+        self.result = np.array(end)
+
+
+class _Probe:
+    def __init__(self, subject: ForeignStepper) -> None:
+        """A first step on so many numbers as it takes, which tells its calls apart."""
+        self.subject = subject
+        failures: list[Misbehaviour] = []
+        for self.size in _SIZES:
+            try:
+                self.first = self._generic()
+                break
+            except Misbehaviour as failure:
+                failures.append(failure)
+        else:
+            raise failures[0]
+        if not self.first.places or not self.first.jacobian_at:
+            raise NotReadable("it never asks for its right-hand side, or for its Jacobian")
+        self.calls = len(self.first.places)
+        start, self.groups, self.differences = self.first.places[0], list[list[int]](), list[int]()
+        for i, (t, y) in enumerate(zip(self.first.times, self.first.places, strict=True)):
+            if 0 < abs(t) < _DIFFERENCE and np.abs(y - start).max() <= _SAME:
+                self.differences.append(i)
+                continue
+            same = [group for group in self.groups if self._alike(group[0], t, y)]
+            (same[0] if same else self._new_group()).append(i)
+
+    def _new_group(self) -> list[int]:
+        self.groups.append([])
+        return self.groups[-1]
+
+    def _alike(self, i: int, t: float, y: Array) -> bool:
+        return abs(t - self.first.times[i]) <= _SAME and bool(np.abs(y - self.first.places[i]).max() <= _SAME)
+
+    def _generic(self) -> _Step:
+        """A step in which no two stages lie at one place by chance."""
+        matrix = [[0.25 / (1 + i + 2 * j) - 0.5 * (i == j) for j in range(self.size)] for i in range(self.size)]
+
+        def answer(_: int, t: float, y: Array) -> list[float]:
+            return [(1 + i) / (2 + t + float(np.dot(y, y)) + float(y[i])) for i in range(self.size)]
+
+        return self._step(answer, jacobian=matrix, start=varied(self.size, 3))
+
+    def _step(self, answer: Callable[[int, float, Array], Sequence[float]], **given: Any) -> _Step:
+        chain = [[float(i == j + 1) for j in range(self.size)] for i in range(self.size)]
+        usual = {"jacobian": chain, "time_slope": [0.0] * self.size, "start": [0.0] * self.size, "t": 0.0, "h": 1.0}
+        return _Step(self.subject, answer, **{**usual, **given})
+
+    def _seen(self, answer: Callable[[int, float, Array], Sequence[float]], **given: Any) -> Array:
+        """All numbers of a step from 0: a row for the place of each group, and one for the result."""
+        step = self._step(answer, **given)
+        demand_calls(self.calls, len(step.places))
+        return np.array([*(step.places[group[0]] for group in self.groups), step.result])
+
+    def reading(self) -> RosenbrockReading:
+        """The products of all groups that move anything, controlled by a step with other answers, h and t."""
+        zero = [0.0] * self.size
+        one = [1.0, *zero[1:]]
+        if np.abs(self._seen(lambda i, t, y: zero)).max() > 0:
+            raise NotReadable("with all slopes 0, y = 0 does not stay")
+        columns = []
+        for number, group in enumerate(self.groups):
+            marked = {*group, *(self.differences if number == 0 else ())}
+            columns.append(self._seen(lambda i, t, y, marked=marked: one if i in marked else zero))  # type: ignore[misc]
+        by, slope = "", None
+        if TIME_SLOPE in self.subject.convention.order:
+            by, slope = "a function", self._seen(lambda i, t, y: zero, time_slope=one)
+        elif self.differences:
+            late = {i: [self.first.times[i], *zero[1:]] for i in self.differences}
+            by, slope = "differences", self._seen(lambda i, t, y: late.get(i, zero))
+        used = [g for g, column in enumerate(columns) if np.abs(column).max() > 0]
+        if not used:
+            raise NotReadable("no call moves the step in which it is made")
+        self._control(np.array(columns))
+        rows = [*used, len(self.groups)]
+        at, place = self.first.jacobian_at[0]
+        return RosenbrockReading(
+            tuple(tuple(tuple(float(columns[g][r][c]) for g in used) for r in rows) for c in range(self.size)),
+            tuple(self.first.times[self.groups[g][0]] for g in used) if self.first.timed else None,
+            None if slope is None else tuple(tuple(float(slope[r][c]) for r in rows) for c in range(self.size)),
+            by,
+            (at, float(np.abs(place - np.array(varied(self.size, 3))).max())),
+            self.subject.format,
+        )
+
+    def _control(self, columns: Array) -> None:
+        """A step with other answers, another h, t and start, which must go as the products say. Raises NotReadable."""
+        h, t = 0.5, 2.0
+        slopes, start = varied(len(self.groups), 2), varied(self.size, 1)
+        answers = {i: slopes[g] for g, group in enumerate(self.groups) for i in group}
+        answers |= dict.fromkeys(self.differences, slopes[0])
+        step = self._step(lambda i, t, y: [answers[i], *[0.0] * (self.size - 1)], start=start, t=t, h=h)
+        demand_calls(self.calls, len(step.places))
+        said = np.tensordot(np.array(slopes), columns[:, -1, :], axes=1) * h ** np.arange(1, self.size + 1) + start
+        if np.abs(step.result - said).max() > _SAME * (1 + np.abs(said).max()):
+            raise NotReadable(
+                f"with other slopes and h = {h:g} it ends at {step.result[0]:.6g}, where the coefficients read say "
+                f"{said[0]:.6g}: it is not linear in its slopes, or does not scale with h"
+            )

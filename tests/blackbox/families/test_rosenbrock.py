@@ -1,0 +1,71 @@
+"""Which Rosenbrock method a step is; one entry, a missing df/dt and a late Jacobian are told, right ones pass."""
+
+import pytest
+
+from driftproof.blackbox.identify import identify
+from driftproof.blackbox.verify import verify
+from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.rosenbrock import Rosenbrock
+from tests.blackbox.families.linearised_steppers import linearly_implicit_euler, ros2_by_hand, rosenbrock
+
+KEYS = [key for key, method in FACTS_ONLY.items() if isinstance(method, Rosenbrock)]
+
+
+@pytest.mark.parametrize("key", KEYS)
+@pytest.mark.parametrize(
+    "how",
+    [{}, {"reuse": True}, {"stored": True}, {"time_slope": "differences"}],
+    ids=["k", "reuse", "u", "differences"],
+)
+def test_a_method_passes_however_it_is_written(key, how):
+    report = verify(rosenbrock(key, **how), key, isolate=False)
+    assert report.passed, report.text()
+    assert report.verdict == f"is {key}"
+
+
+def test_a_paper_s_own_form_is_the_same_method():
+    assert identify(ros2_by_hand, isolate=False).verdict == "it is ros2"
+
+
+@pytest.mark.parametrize(
+    ("key", "how", "words"),
+    [
+        ("ros3p", {"gamma": ((1, 0), 1.0), "reuse": True}, "it is ros3p but for gamma[1][0]: 1 instead of -1"),
+        ("ros2", {"b": (0, 2 / 3)}, "it is ros2 but for b[0]: 2/3 instead of 1/2"),
+        ("rodas3", {"alpha": ((2, 0), 0.5)}, "it is rodas3 but for alpha[2][0]: 1/2 instead of 1"),
+        (
+            "grk4t",
+            {"gamma": ((3, 2), -0.1112)},
+            "it is grk4t but for gamma[3][2]: -139/1250 instead of -0.111208333333",
+        ),
+        ("grk4t", {"time_slope": "none"}, "df/dt is left out: order 1 is seen where f depends on t, not 4"),
+        ("ros3p", {"at_end": True}, "the Jacobian is asked for at t + 1 h, and 0 from y, not at the start"),
+    ],
+)
+def test_a_wrong_one_fails_with_its_cause(key, how, words):
+    report = verify(rosenbrock(key, **how), key, isolate=False)
+    assert report.passed is False
+    assert words in report.verdict
+
+
+def test_an_entry_off_by_1e_13_is_no_longer_the_method():
+    step = rosenbrock("ros2", gamma=((1, 0), -2 + 2**0.5 + 1e-13))
+    assert verify(step, "ros2", isolate=False).passed is False
+
+
+def test_a_w_method_may_leave_out_the_derivative_by_t():
+    assert verify(rosenbrock("ros2", time_slope="none"), "ros2", isolate=False).passed
+
+
+def test_an_unknown_one_is_shown_with_its_coefficients_and_what_it_needs():
+    report = identify(linearly_implicit_euler, isolate=False)
+    assert report.verdict == "it is no Rosenbrock method that is known here, of order 1 as measured"
+    assert "gamma[0] = 1" in report.section("Coefficients").lines
+    assert "order 1 is seen with half of f' as J" in report.section("Order").lines[1]
+
+
+def test_another_method_and_a_step_without_a_jacobian_are_not_it():
+    assert "is not ros3p; it is ros2" in verify(rosenbrock("ros2"), "ros3p", isolate=False).verdict
+    report = verify(lambda f, t, y, h: y + h * f(t, y), "ros2", isolate=False)
+    assert report.passed is None
+    assert report.section("What would decide it").lines == ("a stepper that takes a Jacobian, step(f, jac, t, y, h)",)

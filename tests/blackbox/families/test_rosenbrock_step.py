@@ -1,0 +1,51 @@
+"""What a step with a Jacobian makes of marks: its own gamma, its differences, and refusals in words."""
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.families.rosenbrock_step import read_rosenbrock_step
+from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.probes.scripted_answers import NotReadable
+from driftproof.blackbox.stepper.opening import opened
+from tests.blackbox.families.linearised_steppers import floats, linearly_implicit_euler, ros2_by_hand, rosenbrock
+from tests.looping import some
+
+
+@pytest.mark.parametrize("key", ["ros2", "rodas4"])
+def test_alpha_gamma_and_b_are_read_where_each_stage_has_a_call(key):
+    from driftproof.methods.catalogue import FACTS_ONLY
+
+    method = FACTS_ONLY[key]
+    read = read_rosenbrock_step(opened(rosenbrock(key))).table
+    for seen, exact in some(zip(read, (method.alpha, method.gamma, [method.b]), strict=True)):
+        assert np.allclose(seen, floats(exact), rtol=0, atol=1e-11)  # least squares of some dozen numbers up to 10
+
+
+@pytest.mark.parametrize(("way", "by"), [("function", "a function"), ("differences", "differences"), ("none", "")])
+def test_how_the_derivative_by_t_is_had_is_seen(way, by):
+    reading = read_rosenbrock_step(opened(rosenbrock("ros3p", time_slope=way)))
+    assert (reading.by, reading.time_slope is None) == (by, by == "")
+
+
+def test_no_time_is_no_node_and_the_place_of_the_jacobian_is_told():
+    assert read_rosenbrock_step(opened(ros2_by_hand)).nodes is None
+    assert read_rosenbrock_step(opened(linearly_implicit_euler)).jacobian_at == (0.0, 0.0)
+    late = read_rosenbrock_step(opened(rosenbrock("ros2", at_end=True)))
+    assert late.jacobian_at == (1.0, 0.0)
+
+
+def test_what_is_no_such_step_is_refused_in_words():
+    def limited(f, jac, t, y, h):
+        return y + h * np.clip(f(t, y) + h * np.asarray(jac(t, y)) @ f(t, y), -0.5, 0.5)
+
+    for step, words in some(
+        [
+            (limited, "not linear in its slopes"),
+            (lambda f, jac, t, y, h: y + h * f(t, y), "never asks for"),
+            (lambda f, jac, t, y, h: y + h * (f(t, y) + 0 * jac(t, y)[0] + 1), "y = 0 does not stay"),
+        ]
+    ):
+        with pytest.raises(NotReadable, match=words):
+            read_rosenbrock_step(opened(step))
+    with pytest.raises(UnsupportedCall, match="takes no Jacobian"):
+        read_rosenbrock_step(opened(lambda f, t, y, h: y + h * f(t, y)))
