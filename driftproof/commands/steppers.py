@@ -57,12 +57,12 @@ def identify_command(options: Namespace) -> str:
       step(q, v, h) -> (q1, v1)            its system is built in; also step(state, h), and with m, k, t
       step(force, q, v, h) -> (q1, v1)     q'' = force(q)
       step(f, t, y, h) -> y1               y' = f(t, y); also without t; or (y1, error), (y1, y1_hat), (y1, dense)
+      step(f, jac, t, y, h) -> y1          a Rosenbrock method; step(f_explicit, f_implicit, t, y, h): an IMEX one
     An object with a state, a method that advances it and a force that it calls, or that is given to it, is made one by
       from driftproof import stepper_of
       step = stepper_of(lambda force: Body(acceleration=force), position="x", velocity="v", advance="update")
       step = stepper_of(Body, position="x", velocity="v", push="apply_force", advance="update")
-    (field_stepper_of for y' = f(t, y)). What remembers is read from runs: rho, sigma, the start. Wrap anything else
-    in a function of two lines.
+    (field_stepper_of for y' = f(t, y)). What remembers is read from runs. Wrap anything else in two lines.
     It runs in an isolated process: a crash is a finding, a hang is told.
 
     With --method it is held to that method: `driftproof verify --help` says what is looked at, and what is allowed for.

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any, Protocol
 
+from driftproof.blackbox.families.imex import read_imex
 from driftproof.blackbox.families.multistep import read_multistep
 from driftproof.blackbox.families.multistep_recurrence import NoRecurrence
 from driftproof.blackbox.families.multistep_runs import remembers
@@ -15,8 +16,9 @@ from driftproof.blackbox.isolation import IsolatedRunner
 from driftproof.blackbox.probes.questions import Introduction
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Criterion, Report, criteria_parts, sections
-from driftproof.blackbox.stepper.calling_conventions import MAP, ROSENBROCK, SIGNATURES
+from driftproof.blackbox.stepper.calling_conventions import IMEX, MAP, ROSENBROCK, SIGNATURES
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import FactsOnly
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.rosenbrock import Rosenbrock
@@ -26,6 +28,7 @@ from driftproof.support.plain_text import Json
 _NEEDED: dict[type, str] = {
     Multistep: "a stepper that takes a right-hand side or a force, and a copy of which remembers nothing",
     Rosenbrock: "a stepper that takes a Jacobian, step(f, jac, t, y, h)",
+    Additive: "a stepper that takes two right-hand sides, step(f_explicit, f_implicit, t, y, h)",
 }
 
 
@@ -67,6 +70,8 @@ def read_family(
         return read_multistep(subject, asked)
     if isinstance(asked, Rosenbrock) or (asked is None and subject.convention.kind == ROSENBROCK):
         return read_rosenbrock(subject, asked)
+    if isinstance(asked, Additive) or (asked is None and subject.convention.kind == IMEX):
+        return read_imex(subject)
     if subject.convention.kind == MAP or (runs_only and not subject.convention.run) or not remembers(subject):
         return None
     return read_multistep(subject)
@@ -119,7 +124,8 @@ def verify_family(runner: IsolatedRunner, method: FactsOnly) -> Report:
     elif passed is None:
         verdict = f"{UNDECIDED} whether it is {method.key}: {open_ones[0].lines[-1]}"
     else:
-        verdict = f"is {method.key}{read.verdict.removeprefix(f'it is {method.key}')}"
+        _, named, more = read.verdict.partition(f"it is {method.key}")
+        verdict = f"is {method.key}" + (more if named else "")
     return Report(name, verdict, passed, sections(*parts), data)
 
 

@@ -21,7 +21,7 @@ from driftproof.blackbox.report import Criterion
 from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import JACOBIAN, TIME_SLOPE
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.second_functions import beside
+from driftproof.blackbox.stepper.second_functions import with_functions
 from driftproof.methods.catalogue import FACTS_ONLY
 from driftproof.methods.number_field import Exact
 from driftproof.methods.rosenbrock import Rosenbrock
@@ -302,7 +302,7 @@ def _measured(subject: ForeignStepper, factor: float, slack: float) -> tuple[int
     The noise is that of rounding, and of h² df/dt that is off by `slack`.
     """
     zero: dict[str, Any] = {JACOBIAN: lambda t, y: np.zeros((len(y), len(y))), TIME_SLOPE: lambda t, y: [0.0] * len(y)}
-    problem = field_problem(beside(subject, zero))
+    problem = field_problem(with_functions(subject, zero))
     functions: dict[str, Any] = {
         JACOBIAN: lambda t, y: factor * np.array(_derivatives(problem, t, y)[0]),
         TIME_SLOPE: lambda t, y: _derivatives(problem, t, y)[1],
@@ -311,7 +311,7 @@ def _measured(subject: ForeignStepper, factor: float, slack: float) -> tuple[int
     with ctx.workprec(_BITS):
         start = [float(x.mid()) for x in problem.solution(arb(START))]
         for h in steps:
-            end = problem.stepped(beside(subject, functions), START, start, h)
+            end = problem.stepped(with_functions(subject, functions), START, start, h)
             exact = problem.solution(arb(START) + h)
             errors.append(max(abs(float(x) - float(y.mid())) for x, y in zip(end, exact, strict=True)))
     noise = CLEARANCE * float(subject.format.u)

@@ -13,7 +13,7 @@ from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.probes.scripted_answers import Listener, NotReadable, demand_calls, performed, varied
 from driftproof.blackbox.stepper.calling_conventions import JACOBIAN, TIME_SLOPE
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.second_functions import beside
+from driftproof.blackbox.stepper.second_functions import with_functions
 from driftproof.symbolic.rounding.formats import FloatFormat
 
 # Numbers of y, the most first: with a chain of so many, gamma counts up to that power less one.
@@ -91,7 +91,7 @@ class _Step:
             return slopes
 
         self.timed = False
-        stepped = beside(subject, functions)
+        stepped = with_functions(subject, functions)
         end = performed(lambda: stepped.step_field(rate, clock, given["start"], given["h"]))
         self.times, self.places = [t for t, _ in heard.calls], [y for _, y in heard.calls]
         self.result = np.array(end)

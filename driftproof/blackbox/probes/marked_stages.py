@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeAlias
 
 from driftproof.blackbox.findings import Misbehaviour, NoAnswer
 from driftproof.blackbox.probes.scripted_answers import Listener, NotReadable, performed
-from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.foreign_stepper import FieldFunction, ForeignStepper
 
 # A stage: the number of its time, then of what each clock shows there, each in the order of the first call.
 StageLabel: TypeAlias = tuple[int, ...]
@@ -104,11 +104,13 @@ def clock_slopes(shares: Sequence[StageShares]) -> list[float]:
 
 
 class MarkedSteps:
-    """Steps of one subject on right-hand sides that know the stage."""
+    """Steps of one subject on right-hand sides that know the stage; and `part`, which of its functions they are."""
+
+    parts = 1
 
     def __init__(self, subject: ForeignStepper) -> None:
         """Raises NotReadable where it takes no two numbers, or never calls its right-hand side."""
-        self.subject = subject
+        self.subject, self.part = subject, 0
         self.size, first = self._opened()
         times = [node for node in first.nodes if node is not None]
         if not first.nodes:
@@ -165,7 +167,7 @@ class MarkedSteps:
             return answer
 
         try:
-            y1 = performed(lambda: self.subject.step_field(rate, clock, [start] * (size or self.size), h))
+            y1 = performed(lambda: self.step(rate, clock, [start] * (size or self.size), h))
         except NoAnswer:
             raise
         except _OtherTime as seen:
@@ -173,6 +175,10 @@ class MarkedSteps:
         except Misbehaviour as failure:
             raise NotReadable(f"with its stages marked, {failure}") from failure
         return MarkedRun([node for node, _ in heard.calls], [y for _, y in heard.calls], y1)
+
+    def step(self, rate: FieldFunction, t: float, y: list[float], h: float) -> list[float]:
+        """One step of the subject."""
+        return self.subject.step_field(rate, t, y, h)
 
     def _place(self, node: float | None) -> int:
         """The number of the node. Raises NotReadable for one that was not seen before."""

@@ -37,7 +37,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
 )
 from driftproof.blackbox.stepper.foreign_stepper import CallLog, ForeignStepper
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
-from driftproof.blackbox.stepper.second_functions import beside, zeros
+from driftproof.blackbox.stepper.second_functions import with_functions, zeros
 from driftproof.blackbox.stepper.state_forms import COMPLEX, forms_of
 from driftproof.blackbox.stepper.wrappers import increment_wrapper, wrapper_line
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
@@ -118,7 +118,7 @@ def _one_number(subject: ForeignStepper, h: float) -> Sequence[float]:
 def _with_jacobian(subject: ForeignStepper, h: float) -> Sequence[float]:
     """A step of the oscillator with its Jacobian, or with nothing left to be solved for."""
     functions = {JACOBIAN: lambda t, y: [[0.0, 1.0], [-1.0, 0.0]], TIME_SLOPE: zeros, IMPLICIT: zeros}
-    return beside(subject, functions).step(*TRIAL_STATE, h)
+    return with_functions(subject, functions).step(*TRIAL_STATE, h)
 
 
 _TRIALS = {FIELD: (_one_step, _one_number), ROSENBROCK: (_with_jacobian,), IMEX: (_with_jacobian,)}

@@ -22,8 +22,13 @@ def zeros(t: AnyNumber, y: Sequence[AnyNumber]) -> list[AnyNumber]:
     return [0.0 * x for x in y]
 
 
-def beside(subject: ForeignStepper, functions: Mapping[str, SecondFunction]) -> ForeignStepper:
-    """The subject as a step(f, t, y, h), its other functions being these, by role; a role it lacks is ignored."""
+def with_functions(
+    subject: ForeignStepper, functions: Mapping[str, SecondFunction], untimed: AnyNumber = 0.0
+) -> ForeignStepper:
+    """The subject as a step(f, t, y, h), its other functions being these, by role; a role it lacks is ignored.
+
+    Where the subject is given no time, the second functions are asked at the time `untimed`.
+    """
     order, names = subject.convention.order, subject.convention.names
     kept = [place for place, role in enumerate(order) if role not in functions]
     state = order.index(STATE)
@@ -33,7 +38,7 @@ def beside(subject: ForeignStepper, functions: Mapping[str, SecondFunction]) -> 
         if names:
             given = {place: named.pop(names[place]) for place in kept}
         size = as_array(given[state]).size
-        t = given[order.index(TIME)] if TIME in order else 0.0
+        t = given[order.index(TIME)] if TIME in order else untimed
         for place, role in enumerate(order):
             if place not in given:
                 write = partial(_matrix, subject) if role == JACOBIAN else subject.adapter.write

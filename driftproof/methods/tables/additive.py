@@ -1,4 +1,4 @@
-"""IMEX Runge-Kutta methods: the Euler pair, ARS(2,2,2), ARS(4,4,3), and ARK3(2)4L[2]SA."""
+"""IMEX Runge-Kutta methods: the Euler pair, ARS(2,2,2), ARS(4,4,3), ARK3(2)4L[2]SA and ARK4(3)6L[2]SA."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ _ARK3_EMBEDDED = row(
     "2756255671327/12835298489170 -10771552573575/22201958757719 9247589265047/10645013368117"
     " 2193209047091/5459859503100"
 )
+_ARK4 = row("82889/524892 0 15625/83664 69875/102672 -2260/8211 1/4")
+_ARK4_EMBEDDED = row("4586570599/29645900160 0 178811875/945068544 814220225/1159782912 -3700637/11593932 61727/225920")
 
 ENTRIES: tuple[Additive, ...] = (
     Additive(
@@ -67,6 +69,34 @@ ENTRIES: tuple[Additive, ...] = (
         b_explicit_embedded=_ARK3_EMBEDDED,
         b_implicit_embedded=_ARK3_EMBEDDED,
         embedded_order=2,
+        decimal=True,
+    ),
+    Additive(
+        "ark436",
+        "ARK4(3)6L[2]SA",
+        4,
+        "kennedy-carpenter-2003, Appendix C",
+        a_explicit=square(
+            "0\n 1/2\n 13861/62500 6889/62500\n"
+            " -116923316275/2393684061468 -2731218467317/15368042101831 9408046702089/11113171139209\n"
+            " -451086348788/2902428689909 -2682348792572/7519795681897 12662868775082/11960479115383"
+            " 3355817975965/11060851509271\n"
+            " 647845179188/3216320057751 73281519250/8382639484533 552539513391/3454668386233"
+            " 3354512671639/8306763924573 4040/17871"
+        ),
+        a_implicit=padded(
+            (),
+            row("1/4 1/4"),
+            row("8611/62500 -1743/31250 1/4"),
+            row("5012029/34652500 -654441/2922500 174375/388108 1/4"),
+            row("15267082809/155376265600 -71443401/120774400 730878875/902184768 2285395/8070912 1/4"),
+            _ARK4,
+        ),
+        b_explicit=_ARK4,
+        b_implicit=_ARK4,
+        b_explicit_embedded=_ARK4_EMBEDDED,
+        b_implicit_embedded=_ARK4_EMBEDDED,
+        embedded_order=3,
         decimal=True,
     ),
 )

@@ -131,8 +131,8 @@ def test_without_a_time_the_stages_are_told_apart_by_the_sums_of_their_rows(key)
 def test_guesses_that_are_no_stages_are_left_out_of_what_the_clocks_show():
     steps = MarkedSteps(opened(one_by_one(BOTH_AT_START)))
     probe = _Probe(steps, steps.marks(1))
-    assert len(probe.marks.labels) == 3
-    assert probe.reading().calls == len(probe.marks.labels) == 2
+    assert len(probe.chains.marks.labels) == 3
+    assert probe.reading().calls == len(probe.chains.marks.labels) == 2
 
 
 def test_stages_that_are_equal_on_every_problem_are_one():

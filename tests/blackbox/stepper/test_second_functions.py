@@ -5,7 +5,7 @@ import pytest
 
 from driftproof.blackbox.stepper.calling_conventions import IMPLICIT, JACOBIAN
 from driftproof.blackbox.stepper.opening import opened
-from driftproof.blackbox.stepper.second_functions import beside, zeros
+from driftproof.blackbox.stepper.second_functions import with_functions, zeros
 
 
 def by_name(y, t, *, fun, jac, h):
@@ -20,10 +20,10 @@ def on_lists(f, jac, t, y, h):
 
 @pytest.mark.parametrize("step", [by_name, on_lists])
 def test_a_jacobian_is_given_as_a_matrix_of_the_stepper_s_own_kind(step):
-    field = beside(opened(step), {JACOBIAN: lambda t, y: [[0.0, 0.0], [1.0, 0.0]]})
+    field = with_functions(opened(step), {JACOBIAN: lambda t, y: [[0.0, 0.0], [1.0, 0.0]]})
     assert field.step_field(lambda t, y: [1.0, 0.0], 0.0, [0.0, 0.0], 0.5) == [0.5, 0.25]
 
 
 def test_a_second_right_hand_side_is_given():
     split = opened(lambda f_explicit, f_implicit, t, y, h: y + h * f_explicit(t, y) + 2 * h * f_implicit(t, y))
-    assert beside(split, {IMPLICIT: lambda t, y: [4.0]}).step_field(zeros, 0.0, [1.0], 0.5) == [5.0]
+    assert with_functions(split, {IMPLICIT: lambda t, y: [4.0]}).step_field(zeros, 0.0, [1.0], 0.5) == [5.0]

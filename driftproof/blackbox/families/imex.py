@@ -1,0 +1,246 @@
+"""A step of two right-hand sides, one of them solved for: which IMEX method it is, and of which order on their sum."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from flint import arb
+
+from driftproof.blackbox.families.imex_step import IMEX_PARTS, ImexReading, read_imex_step
+from driftproof.blackbox.judging.measured_order import CLEARANCE, power_of_errors
+from driftproof.blackbox.judging.nonlinear_problems import START, field_problem
+from driftproof.blackbox.probes.coefficients import coefficient_difference, coefficient_text
+from driftproof.blackbox.probes.scripted_answers import CoefficientRow
+from driftproof.blackbox.report import Criterion
+from driftproof.blackbox.stepper.array_adapters import AnyNumber
+from driftproof.blackbox.stepper.calling_conventions import IMPLICIT
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.second_functions import with_functions, zeros
+from driftproof.methods.additive import Additive
+from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.number_field import Exact
+from driftproof.support.plain_text import Json
+from driftproof.symbolic.additive import AdditiveFacts
+
+# Lengths of the steps whose errors are measured: h = 2**-k.
+_HALVINGS = range(2, 9)
+# Of coefficients as they are read, and of printed ones, order conditions leave no more.
+_READ = Fraction(1, 10**9)
+# A method that differs in more entries than so many is another one.
+_FEW_DIFFERENCES = 2
+# Differences that a reader takes in.
+_MOST_SHOWN = 6
+_Entry = tuple[str, Exact]
+
+
+@dataclass(frozen=True)
+class ImexIdentity:
+    """Both tables of a step, the method of the catalogue that has them, "" for none, and the order measured."""
+
+    reading: ImexReading
+    known: str
+    order: int | None
+    slopes: tuple[float, ...]
+    problem: str
+
+    @property
+    def faults(self) -> list[str]:
+        """What is wrong with it, whichever method it is meant to be: times that are not those of its stages."""
+        reading, rounding = self.reading, self.reading.rounding
+        if reading.c is None:
+            return []
+        found = []
+        for i, (c, *rows) in enumerate(zip(reading.c, *reading.a, strict=True)):
+            sums = [sum(row) for row in rows]
+            if all(abs(x - c) > rounding.of(1 + sum(map(abs, row))) for x, row in zip(sums, rows, strict=True)):
+                asked = [name for name, row in zip(IMEX_PARTS, self._columns(i), strict=True) if any(row)]
+                which = f"the {asked[0]} function" if len(asked) == 1 else "stage"
+                told = " and ".join(f"{x:.6g}" for x in dict.fromkeys(sums))
+                found.append(f"{which} is asked at t + {c:.6g} h in stage {i}, whose rows add up to {told}")
+        return found
+
+    def _columns(self, j: int) -> Iterator[list[float]]:
+        """Of either part, what multiplies the slope of stage j."""
+        return ([*(row[j] for row in a), b[j]] for a, b in zip(self.reading.a, self.reading.b, strict=True))
+
+    @property
+    def near(self) -> str:
+        """The method that it is but for few entries, with these; "" for none."""
+        told = [(m.key, _differences(m, self.reading)) for m in _methods()]
+        few = [(key, found) for key, found in told if found and len(found) <= _FEW_DIFFERENCES]
+        key, found = min(few, key=lambda each: len(each[1] or ()), default=("", None))
+        return f"{key} but for {'; '.join(found)}" if found else ""
+
+    @property
+    def key(self) -> str | None:
+        """The key of the method that it is without a fault."""
+        return self.known if self.known and not self.faults else None
+
+    @property
+    def verdict(self) -> str:
+        """What it is, in one line."""
+        unknown = f"an IMEX method of {self.reading.stages} stages that is not known here"
+        name = self.known or self.near or unknown
+        return "; ".join([f"it is {name}" + ("" if self.known else f", {self._orders[0]}"), *self.faults])
+
+    @property
+    def parts(self) -> list[tuple[str, list[str]]]:
+        """The evidence, by title."""
+        return [("Coefficients", self._coefficients(self.known)), ("Order", self._orders)]
+
+    def _coefficients(self, key: str) -> list[str]:
+        """Both tables, which are those of this method, if it is one."""
+        reading, slack = self.reading, self.reading.rounding.of(1.0)
+        named = f"{key}: every entry within {slack:.1e}, as its stages are solved"
+        nearest = [f"nearest: {self.near}"] if not key and self.near else []
+        rows: list[tuple[str, CoefficientRow]] = []
+        for part, a, b in zip(IMEX_PARTS, reading.a, reading.b, strict=True):
+            rows += [(f"a_{part}[{i}]", row[: i + 1]) for i, row in enumerate(a) if any(row)]
+            rows.append((f"b_{part}", b))
+        clock = ("c", reading.c)
+        shown = [clock, *rows] if reading.c is not None else rows
+        texts = [
+            f"{name} = {', '.join(coefficient_text(x, reading.format, slack) for x in row or ())}"
+            for name, row in shown
+        ]
+        curved = f"a step on nonlinear functions is these stages to {reading.curved:.1e}"
+        first = named if key else "no IMEX method of the catalogue"
+        return [first, *nearest, *texts, curved, *([] if reading.c else ["it is given no time"])]
+
+    @property
+    def _orders(self) -> list[str]:
+        """Of the method, or of the floats read: of both tables together, then of each."""
+        facts = AdditiveFacts(_method(self.known) if self.known else _as_read(self.reading))
+        if self.known and not facts.method.decimal:
+            orders = (facts.order, facts.explicit_order, facts.implicit_order)
+        else:
+            found = facts.orders_within(_READ)
+            orders = (found.order, found.explicit_order, found.implicit_order)
+        words = f"of order {orders[0]} on f + g, its tables alone of order {orders[1]} and {orders[2]}"
+        if not self.known or facts.method.decimal:
+            words += ", as its digits tell"
+        seen = "no order is seen" if self.order is None else f"order {self.order} is seen"
+        slopes = ", ".join(f"{x:.2f}" for x in self.slopes)
+        return [words, f"{seen} on {self.problem}, split in two (slopes of the local error: {slopes})"]
+
+    @property
+    def data(self) -> dict[str, Json]:
+        """The same for programs."""
+        reading, tables = self.reading, dict[str, Json]()
+        for part, a, b in zip(IMEX_PARTS, reading.a, reading.b, strict=True):
+            tables |= {f"a_{part}": [[repr(x) for x in row] for row in a], f"b_{part}": [repr(x) for x in b]}
+        return {"method": self.key, **tables, "measured_order": self.order}
+
+    def criteria(self, method: Additive) -> list[Criterion]:
+        """How it holds to a method: both tables, the times, the order."""
+        found = _differences(method, self.reading)
+        shown = (
+            self._coefficients(method.key)
+            if found == []
+            else [f"not those of {method.key}", *(found or [])[:_MOST_SHOWN]]
+        )
+        if found is None:
+            shown.append(f"{method.key} has {len(_used(method))} stages that count, this one {self.reading.stages}")
+        data: dict[str, Json] = {"differences": list(found or [])}
+        reached = None if self.order is None else self.order >= method.claimed_order
+        return [
+            Criterion("Coefficients", found == [], tuple(shown), data),
+            Criterion("Times", not self.faults, tuple(self.faults or ["those of its stages"]), {}),
+            Criterion("Order", reached, tuple(self._orders), {"measured": self.order}),
+        ]
+
+
+def read_imex(subject: ForeignStepper) -> ImexIdentity:
+    """What a step of two right-hand sides is. Raises NotReadable, UnsupportedCall, and a Misbehaviour of its own."""
+    reading = _in_order(read_imex_step(subject))
+    known = next((m.key for m in _methods() if _differences(m, reading) == []), "")
+    return ImexIdentity(reading, known, *_measured(subject))
+
+
+def _methods() -> Iterator[Additive]:
+    return (m for m in FACTS_ONLY.values() if isinstance(m, Additive))
+
+
+def _method(key: str) -> Additive:
+    found = FACTS_ONLY[key]
+    assert isinstance(found, Additive)
+    return found
+
+
+def _used(method: Additive) -> list[int]:
+    """The stages that count in y₁, by way of whichever others."""
+    used = {j for j in range(method.stages) if method.b_explicit[j] != 0 or method.b_implicit[j] != 0}
+    tables = (method.a_explicit, method.a_implicit)
+    while more := {j for i in used for a in tables for j, x in enumerate(a[i]) if x != 0} - used:
+        used |= more
+    return sorted(used)
+
+
+def _differences(method: Additive, reading: ImexReading) -> list[str] | None:
+    """The entries and times that are not the method's, in words; None where the stages that count are more or fewer."""
+    used = _used(method)
+    if len(used) != reading.stages:
+        return None
+    pairs: list[tuple[str, float, Exact]] = []
+    parts = ((method.a_explicit, method.b_explicit), (method.a_implicit, method.b_implicit))
+    for part, (a, b), seen_a, seen_b in zip(IMEX_PARTS, parts, reading.a, reading.b, strict=True):
+        for i, row in zip(used, seen_a, strict=True):
+            pairs += [(f"a_{part}[{i}][{j}]", x, a[i][j]) for j, x in zip(used, row, strict=True)]
+        pairs += [(f"b_{part}[{j}]", x, b[j]) for j, x in zip(used, seen_b, strict=True)]
+    rounding, fmt = reading.rounding, reading.format
+    return [
+        coefficient_difference(name, x, exact, fmt, rounding.of(1.0))
+        for name, x, exact in pairs
+        if abs(x - float(exact)) > rounding.of(max(1.0, abs(float(exact))))
+    ]
+
+
+def _in_order(reading: ImexReading) -> ImexReading:
+    """The stages so that each comes after those that it needs, else as they were first asked."""
+    order: list[int] = []
+    left = list(range(reading.stages))
+    while left:
+        ready = [i for i in left if not any(a[i][j] for a in reading.a for j in left if j != i)]
+        order.append(ready[0] if ready else left[0])
+        left.remove(order[-1])
+
+    def sorted_row(row: Sequence[float]) -> CoefficientRow:
+        return tuple(row[j] for j in order)
+
+    a, a_implicit = (tuple(sorted_row(table[i]) for i in order) for table in reading.a)
+    b, b_implicit = map(sorted_row, reading.b)
+    c = None if reading.c is None else sorted_row(reading.c)
+    return ImexReading((a, a_implicit), (b, b_implicit), c, reading.format, reading.stage_error, reading.curved)
+
+
+def _as_read(reading: ImexReading) -> Additive:
+    """The method of the very floats that were read: what a table must not have is 0 there, to rounding."""
+    (a, a_implicit), (b, b_implicit) = reading.a, reading.b
+    exact = [
+        [[Fraction(x) if j < i + diagonal else Fraction(0) for j, x in enumerate(row)] for i, row in enumerate(table)]
+        for diagonal, table in enumerate((a, a_implicit))
+    ]
+    tables = [tuple(map(tuple, rows)) for rows in exact]
+    weights = [tuple(map(Fraction, row)) for row in (b, b_implicit)]
+    return Additive("read", "read", 0, "", tables[0], tables[1], weights[0], weights[1], decimal=True)
+
+
+def _measured(subject: ForeignStepper) -> tuple[int | None, tuple[float, ...], str]:
+    """The order from errors of steps on a problem whose solution is known, a damping of each number being g."""
+    problem = field_problem(with_functions(subject, {IMPLICIT: zeros}))
+
+    def damping(t: AnyNumber, y: Sequence[AnyNumber]) -> list[AnyNumber]:
+        return [-x * (1 + z * z) for x, z in zip(y, [*y[1:], y[0]], strict=True)]
+
+    def rest(t: AnyNumber, y: Sequence[AnyNumber]) -> list[AnyNumber]:
+        return [a - b for a, b in zip(problem.rate(t, list(y)), damping(t, y), strict=True)]
+
+    split, errors = with_functions(subject, {IMPLICIT: damping}, START), []
+    start = [float(x.mid()) for x in problem.solution(arb(START))]
+    for k in _HALVINGS:
+        end, exact = split.step_field(rest, START, start, 2.0**-k), problem.solution(arb(START) + 2.0**-k)
+        errors.append(max(abs(float(x) - float(y.mid())) for x, y in zip(end, exact, strict=True)))
+    power, slopes = power_of_errors(errors, [CLEARANCE * float(subject.format.u)] * len(errors))
+    return (None if power is None else power - 1), slopes, problem.words

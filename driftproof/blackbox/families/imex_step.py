@@ -1,0 +1,128 @@
+"""Both tables of a step of two right-hand sides, one of them solved for, read by marking its stages in each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import fsum
+
+from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.probes.marked_stages import MarkedSteps, Setting
+from driftproof.blackbox.probes.scripted_answers import CoefficientRow, NotReadable, Rounding
+from driftproof.blackbox.probes.stage_chains import StageChains, StageTable
+from driftproof.blackbox.stepper.calling_conventions import IMEX, IMPLICIT
+from driftproof.blackbox.stepper.foreign_stepper import FieldFunction, ForeignStepper
+from driftproof.blackbox.stepper.second_functions import SecondFunction, with_functions
+from driftproof.symbolic.rounding.formats import FloatFormat
+
+IMEX_PARTS = ("explicit", "implicit")
+# Where two clocks tell no stages apart that one does not, more of them do not either but in contrived tables.
+_MOST_CLOCKS = 2
+# Of h times f' and g', so that our own iteration contracts; and rounds after which it has, below 2**-80.
+_BEND, _ROUNDS = 0.125, 80
+# A solver that is worth its name leaves less of bent equations, and other stages leave more.
+_UNSOLVED = 2.0**-14
+
+
+@dataclass(frozen=True)
+class ImexReading:
+    """aᵢⱼ and bⱼ of f, which is explicit, and of g, which is solved for, for stages at t + cᵢh that they share.
+
+    `c` is None where they are given no time. `stage_error` is what entries may be off by, as the stages are solved, and
+    `curved` what a step on nonlinear f and g was off by.
+    """
+
+    a: tuple[StageTable, StageTable]
+    b: tuple[CoefficientRow, CoefficientRow]
+    c: CoefficientRow | None
+    format: FloatFormat
+    stage_error: float
+    curved: float = 0.0
+
+    @property
+    def stages(self) -> int:
+        """How many stages count."""
+        return len(self.b[0])
+
+    @property
+    def rounding(self) -> Rounding:
+        """How far entries may be off: four times what two readings differ by."""
+        return Rounding(self.format, self.stages, 4 * self.stage_error)
+
+
+class _SplitSteps(MarkedSteps):
+    """Steps of y' = f + g: `part` is 0 while f is asked, 1 while g is."""
+
+    parts = 2
+
+    def step(self, rate: FieldFunction, t: float, y: list[float], h: float) -> list[float]:
+        """One step, in which both functions answer by `rate`."""
+
+        def asked(part: int) -> SecondFunction:
+            def answered(at: float, z: Sequence[float]) -> Sequence[float]:
+                self.part = part
+                slopes: Sequence[float] = rate(at, list(z))
+                return slopes
+
+            return answered
+
+        return with_functions(self.subject, {IMPLICIT: asked(1)}, t).step_field(asked(0), t, y, h)
+
+
+def read_imex_step(subject: ForeignStepper) -> ImexReading:
+    """Both tables of a step(f_explicit, f_implicit, t, y, h), as near as its solver comes to them.
+
+    As of implicit stages (`probes.implicit_tableau`), each link of a chain being in f or in g: so the entries of one
+    table show in stages that only the other one weighs. Raises NotReadable, UnsupportedCall.
+    """
+    if subject.convention.kind != IMEX:
+        raise UnsupportedCall(f"the stepper is called by {subject.convention.kind!r}, which takes one right-hand side")
+    steps = _SplitSteps(subject)
+    refusals: list[NotReadable] = []
+    for clocks in range(not steps.timed, min(_MOST_CLOCKS, steps.size - 1) + 1):
+        try:
+            return _read(steps, clocks)
+        except NotReadable as refusal:
+            refusals.append(refusal)
+    raise refusals[0]
+
+
+def _read(steps: _SplitSteps, clocks: int) -> ImexReading:
+    chains = StageChains(steps, steps.marks(clocks))
+    (a, a_implicit), (b, b_implicit), c = chains.tables()
+    reading = ImexReading((a, a_implicit), (b, b_implicit), c, steps.subject.format, chains.left)
+    chains.demand_chain(reading.a, reading.b, reading.rounding)
+    curved = max(_bent(steps, reading, Setting(0.5, t, h)) for t, h in ((0.0, 1.0), (2.0, 0.5)))
+    if curved > _UNSOLVED:
+        raise NotReadable(
+            f"on nonlinear problems the step is off by {curved:.1e} of what its coefficients say: a solver that stops "
+            "too early, or other stages"
+        )
+    return ImexReading(reading.a, reading.b, c, reading.format, reading.stage_error, curved)
+
+
+def _bent(steps: _SplitSteps, reading: ImexReading, setting: Setting) -> float:
+    """By how much a step on nonlinear f and g is off our own iteration of its stages."""
+    h = setting.h
+
+    def rates(node: float | None, moved: Sequence[float], part: int) -> list[float]:
+        clock, following = 1 / (2 + (node or 0.0)), [*moved[1:], moved[0]]
+        pairs = enumerate(zip(moved, following, strict=True))
+        drawn = [(x - 2 * z) / (1 + x * x + z * z + i) for i, (x, z) in pairs]
+        return [(1 - 2 * part) * (0.5 + clock * i) + _BEND / h * x * (1 + part) for i, x in enumerate(drawn)]
+
+    run = steps.smooth(setting, lambda node, moved: rates(node, moved, steps.part))
+    nodes = reading.c or (None,) * reading.stages
+    slopes = [[[0.0] * steps.size for _ in nodes] for _ in IMEX_PARTS]
+
+    def summed(rows: Sequence[CoefficientRow]) -> list[float]:
+        columns = [list(zip(*slopes[part], strict=True)) for part in range(len(IMEX_PARTS))]
+        return [
+            h * fsum(x * k for p, row in enumerate(rows) for x, k in zip(row, columns[p][i], strict=True))
+            for i in range(steps.size)
+        ]
+
+    for _ in range(_ROUNDS):
+        places = [summed((reading.a[0][i], reading.a[1][i])) for i in range(reading.stages)]
+        slopes = [[rates(c, y, part) for c, y in zip(nodes, places, strict=True)] for part in range(len(IMEX_PARTS))]
+    return max(abs(x - setting.start - y) for x, y in zip(run.result, summed(reading.b), strict=True))

@@ -1,0 +1,30 @@
+"""Chains of marks lead to every stage that counts, in the order of first calls, and control what they tell."""
+
+import pytest
+
+from driftproof.blackbox.probes.marked_stages import MarkedSteps
+from driftproof.blackbox.probes.scripted_answers import NotReadable, Rounding
+from driftproof.blackbox.probes.stage_chains import StageChains
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.symbolic.rounding.formats import BINARY64
+from tests.blackbox.implicit_steppers import all_at_once, table
+
+
+def chains_of(key):
+    steps = MarkedSteps(opened(all_at_once(table(key))))
+    return StageChains(steps, steps.marks(0))
+
+
+def test_a_table_is_read_of_one_function_and_holds_its_own_control():
+    chains = chains_of("radau_iia2")
+    (a,), (b,), c = chains.tables()
+    assert [round(12 * x) for row in a for x in row] == [5, -1, 9, 3]
+    assert (round(4 * b[0]), round(4 * b[1]), c) == (3, 1, (1 / 3, 1.0))
+    chains.demand_chain((a,), (b,), Rounding(BINARY64, 2, 4 * chains.left))
+
+
+def test_another_table_is_refused_by_a_chain_through_all_stages():
+    chains = chains_of("radau_iia2")
+    (a,), (b,), _ = chains.tables()
+    with pytest.raises(NotReadable, match="another step than of these stages"):
+        chains.demand_chain((a[::-1],), (b,), Rounding(BINARY64, 2, 4 * chains.left))
