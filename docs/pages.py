@@ -1,11 +1,11 @@
 """Pages that are held true: their commands, their Python sessions and their tables are written anew and compared.
 
-`python docs/pages.py` rewrites docs/differences.md, certify.md, language.md and lesson.md in place. In a page, a block
-that opens with ```console and `$ driftproof ...` shows what the command prints; a block that opens with ```python holds
-a session with `>>>`; and a table follows the comment <!-- table: NAME -->, NAME in TABLES of the page's own
-module, which makes it from the rows that stand there. A tutorial is run in an empty folder, from its first line to its
-last: a block after a line that ends in a file's name and a colon is that file, and commands of a console block are run
-one after the other.
+`python docs/pages.py` rewrites docs/differences.md, certify.md, language.md, lesson.md and public_texts.md in place.
+In a page, a block that opens with ```console and `$ driftproof ...` shows what the command prints; a block that opens
+with ```python holds a session with `>>>`; and a table follows the comment <!-- table: NAME -->, NAME in TABLES of the
+page's own module, which makes it from the rows that stand there. A tutorial is run in an empty folder, from its first
+line to its last: a block after a line that ends in a file's name and a colon is that file, and commands of a console
+block are run one after the other.
 """
 
 from __future__ import annotations
@@ -135,10 +135,11 @@ def refreshed(page: str, tables: Mapping[str, Table]) -> str:
 
 def main() -> None:
     """Rewrite the pages."""
-    from docs import language_tables, lesson_tables, tables
+    from docs import language_tables, lesson_tables, public_text_tables, tables
 
     pages: dict[str, Mapping[str, Table]] = {"differences.md": tables.TABLES, "certify.md": {}}
     pages |= {"language.md": language_tables.TABLES, "lesson.md": lesson_tables.TABLES}
+    pages["public_texts.md"] = public_text_tables.TABLES
     for name, of_page in pages.items():
         path = ROOT / "docs" / name
         path.write_text(refreshed(path.read_text(encoding="utf-8"), of_page), encoding="utf-8")

@@ -33,14 +33,22 @@ def printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capt
             out, err = capsys.readouterr()
             assert err == ""
         else:
-            out = {"cat": lambda: Path(arguments[-1]).read_text(encoding="utf-8"), "sed": lambda: sed(*arguments)}[
-                program
-            ]()
+            programs = {
+                "cat": Path.read_text,
+                "sed": lambda _: sed(*arguments),
+                "tail": lambda path: tail(path, arguments),
+            }
+            out = programs[program](Path(arguments[-1]))
         if target:
             Path(target).write_text(out, encoding="utf-8")
         return "" if target else out
 
     return run
+
+
+def tail(path: Path, arguments: list[str]) -> str:
+    """tail -N FILE."""
+    return "".join(path.read_text(encoding="utf-8").splitlines(keepends=True)[int(arguments[0]) :])
 
 
 def sed(option: str, command: str, file: str) -> str:
@@ -62,9 +70,9 @@ def sessions(page: str) -> list[tuple[str, str]]:
 def test_page_shows_what_its_commands_print(printed: Print, tmp_path: Path) -> None:
     template = next(text for kind, text in BLOCK.findall(PAGE) if kind == "jinja")
     (tmp_path / "lesson.md.j2").write_text(template, encoding="utf-8")
-    for name, content in exactly(2, re.findall(r"`(calls[.]\w+)`:\n\n```\w+\n(.*?)```", PAGE, re.DOTALL)):
+    for name, content in exactly(3, re.findall(r"`((?:calls|euler)[.]\w+)`:\n\n```\w+\n(.*?)```", PAGE, re.DOTALL)):
         (tmp_path / name).write_text(content, encoding="utf-8")
-    for command, shown in exactly(12, sessions(PAGE)):
+    for command, shown in exactly(15, sessions(PAGE)):
         assert printed(command) == shown, command
 
 
@@ -88,7 +96,7 @@ def test_table_of_methods_is_as_the_page_shows_it(tmp_path: Path) -> None:
 
 def test_links_lead_to_files() -> None:
     links = re.findall(r"\]\((.*?)\)", PAGE)
-    assert len(links) == 2
+    assert len(links) == 3
     assert all((ROOT / "docs" / link).is_file() for link in links)
 
 

@@ -94,7 +94,7 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
             drafted.append("".join([*remarks, *(f"{line}\n" for line in lines)]))
     nowhere = [f"#   {question}, {answer.digits(_SHOWN_DIGITS)}\n" for question, answer in suggestions.nowhere()]
     drafted += ["# Asked for, and no number of the text:\n" + "".join(nowhere)] * bool(nowhere)
-    return "\n".join(drafted)
+    return "\n".join(drafted).rstrip("\n")
 
 
 def _uncovered(before: int, after: int, group: _Group, covered: set[int]) -> Iterator[tuple[int, int, _Group]]:

@@ -119,7 +119,7 @@ def _decimal_spellings(decimal: str) -> list[str]:
 
 
 def _spelling_pattern(spelling: str) -> str:
-    """A regular expression for one spelling: groups of three digits may be set apart, × or · stand for e."""
+    """A regular expression for one spelling: groups of three digits may be set apart, × or · stand for e, .5 is 0.5."""
     match = _DECIMAL.fullmatch(spelling)
     if match is None:
         return _literal_pattern(spelling)
@@ -128,6 +128,7 @@ def _spelling_pattern(spelling: str) -> str:
         head = len(whole) % 3 or 3
         groups = [whole[:head], *(whole[i : i + 3] for i in range(head, len(whole), 3))]
         whole = f"(?:{whole}|{','.join(groups)}|{chr(39).join(groups)})"
+    whole = "0?" if whole == "0" and rest else whole
     text = f"{match['sign']}{whole}" + (rf"\.{rest}" if rest else "")
     if exponent is None:
         return text

@@ -125,8 +125,8 @@ class Suggestions:
         fits = self._fits(number)
         digits = _telling_digits(re.split(r"[eE]| ?[×·]", number.text)[0])
         spelled = re.sub(r" ?[×·] ?10\^\{?(-?[0-9]+)\}?", r"e\1", number.text.replace(",", "").lstrip("+"))
-        spelled = re.sub(r"[eE](-?)\+?0*(?=[0-9])", r"e\1", spelled)
-        form, found = _form_of(number), []
+        spelled = re.sub(r"^(-?)\.", r"\g<1>0.", re.sub(r"[eE](-?)\+?0*(?=[0-9])", r"e\1", spelled))
+        form, found = form_of(number), []
         for known in self._written(form).get(spelled, ()):
             fit, asked = fits[known.question], known.chosen is not None
             rivals = sum(fits[other.question] >= fit for other in self._known if (other.chosen is not None) >= asked)
@@ -249,7 +249,7 @@ def _given(pattern: re.Pattern[str], text: str, default: Iterable[str]) -> list[
     return [str(x) for x in dict.fromkeys(map(Fraction, spelled)) if x]
 
 
-def _form_of(number: TextNumber) -> NumberForm:
+def form_of(number: TextNumber) -> NumberForm:
     """The form in which the number stands."""
     if "/" in number.text:
         return NumberForm(exact=True)
@@ -265,4 +265,4 @@ def _digits(text: str) -> int:
 
 def _telling_digits(text: str) -> int:
     """How many of them tell a number drawn at random: 4.000 is a round number, which is likelier than one in 9000."""
-    return _digits(text.rstrip("0") if "." in text else text)
+    return _digits(re.sub(r"(?<=\.)0$|00+$", "", text) if "." in text else text)
