@@ -22,6 +22,7 @@ from driftproof.cli import main
 from driftproof.methods.catalogue import METHODS
 from driftproof.support.processes import Session
 from tests.blackbox import handwritten_steppers as codes
+from tests.blackbox.extension_steppers import extension_step, first_and_last_exchanged
 from tests.blackbox.handwritten_steppers import rk4 as rk4_in_a_field
 from tests.blackbox.implicit_steppers import (
     G,
@@ -34,9 +35,17 @@ from tests.blackbox.implicit_steppers import (
     table,
     with_entry,
 )
+from tests.blackbox.pair_steppers import pair_step
 from tests.blackbox.test_identify import rk4, rk38, velocity_verlet
+from tests.blackbox.transcripts import Asked, checksum
 
 FEW = 50
+
+
+def replaced_weight(key, place, value):
+    """The table of a method in floats, with another weight."""
+    rows, weights, nodes = codes.floats(METHODS[key])
+    return rows, [value if i == place else x for i, x in enumerate(weights)], nodes
 
 
 def symplectic_euler(q, v, h):
@@ -408,6 +417,53 @@ def velocity_verlet_of_the_oscillator(q, v, h):
     v = v - h / 2 * q
     q = q + h * v
     return q, v - h / 2 * q
+
+
+def first_of_two(f, t, y, h):
+    """RK4 whose second number is stepped by Euler's method."""
+    return np.array([rk4_in_a_field(f, t, y, h)[0], *(y + h * f(t, y))[1:]])
+
+
+def later_by_half(f, t, y, h):
+    return rk4_in_a_field(lambda s, z: f(t + 0.5 if s == t + h / 2 else s, z), t, y, h)
+
+
+SHORT = Domain(largest_step=0.5, largest_state=1.0)
+SOLVED = Allowance(solver_tolerance=1e-9)
+EXPLAINED = {
+    "right": (rk4_in_a_field, "rk4", {}),
+    "with another key": (codes.rk38, "rk4", {}),
+    "of its force": (codes.velocity_verlet, "velocity_verlet", {}),
+    "half moved": (codes.half_moved, "symplectic_euler", {}),
+    "in the other order": (codes.symplectic_euler, "symplectic_euler_position_first", {}),
+    "of the oscillator": (velocity_verlet_of_the_oscillator, "velocity_verlet", {"domain": SHORT}),
+    "solved at once": (backward_euler, "backward_euler", {"allowance": SOLVED}),
+    "of another map": (symplectic_euler, "backward_euler", {"allowance": SOLVED}),
+    "called too late": (later_by_half, "rk4", {}),
+    "called at t only": (codes.rk4_on_a_stopped_clock, "rk4", {}),
+    "in one number": (first_of_two, "rk4", {}),
+    "without a time": (codes.rk4_without_time, "zonneveld43", {}),
+    "with a weight off": (codes.tableau(*replaced_weight("rk4", 1, 0.25)), "rk4", {}),
+    "with a weight off by 1e-9": (codes.tableau(*replaced_weight("rk38", 1, 0.375 + 1e-9)), "rk38", {}),
+    "in narrow floats": (codes.in_precision(codes.rk4, np.float32), "rk4", {}),
+    "with the other row": (pair_step("fehlberg45_embedded"), "fehlberg45", {}),
+    "with twice its estimate": (pair_step("fehlberg45", lambda y1, error, h, y: (y1, 2 * error)), "fehlberg45", {}),
+    "with a dense output": (extension_step("dormand_prince54_shampine"), "dormand_prince54", {}),
+    "with a wrong one": (
+        extension_step("dormand_prince54_shampine", weights=first_and_last_exchanged), "dormand_prince54", {},
+    ),
+    "without its last stage": (codes.tableau([[0, 0], [0.5, 0]], [0, 1], [0, 0.5]), "heun3", {}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", EXPLAINED)
+def test_all_that_is_reported_is_as_before(name, as_before):
+    step, method, how = EXPLAINED[name]
+    asked = Asked(step)
+    held = verify(asked.code, method, examples=FEW, isolate=False, **how)
+    named = identify(asked.code, isolate=False)
+    reports = [line for report in (held, named) for line in (report.text().partition("\n")[2], checksum(report.json()))]
+    as_before(held.passed, *reports, asked)
 
 
 def test_no_verdict_hangs_on_assert_statements():

@@ -12,6 +12,8 @@ from driftproof.blackbox.findings import Outcome
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.steppers import float_stepper
+from tests.blackbox import handwritten_steppers as codes
+from tests.blackbox.checks import habits
 from tests.blackbox.checks.habits import (
     ABSOLUTE_STEP,
     ADDS_INTO_ITS_ARGUMENTS,
@@ -37,6 +39,7 @@ from tests.blackbox.checks.habits import (
     results_of,
     then,
 )
+from tests.blackbox.transcripts import Asked
 from tests.looping import some
 
 ALL_FAULTS = [
@@ -151,3 +154,29 @@ def test_outcomes_without_result_are_clauses_of_their_own():
     assert (third.key, third.holds, third.words) == ("types", None, "types: not asked: 3 came out")
     assert rest[-1].words == "nothing else was asked: not twice"
     assert [check.key for check in checks_of([crash] * len(CHECKS))] == ["answers"]
+
+
+def said_of(step, **how):
+    return [
+        line
+        for seen in results_of(step, **how)
+        for line in (f"{seen.key} {seen.holds}: {seen.words}", *(f"    {trial.line}" for trial in seen.example))
+    ]
+
+
+ORDINARY = set(said_of(plain))
+HABITS = {name: step for name, step in vars(habits).items() if name.isupper() and callable(step)} | {"plain": plain}
+HABITS |= {f"the {name} of others": vars(codes)[name] for name in ("rk4", "velocity_verlet", "rk4_in_lists")}
+UNREPEATABLE = HABITS.pop("UNREPEATABLE")
+
+
+IN_BINARY32 = ("plain", "SPEED_CAPPED", "WRAPPED", "FORCE_LIMITED", "SUB_STEPS", "ITERATES", "the rk4 of others")
+
+
+@pytest.mark.parametrize(
+    ("name", "array"), [*((name, None) for name in HABITS), *((name, np.float32) for name in IN_BINARY32)]
+)
+def test_all_that_is_asked_and_said_of_a_planted_habit_is_as_before(name, array, as_before):
+    asked = Asked(HABITS[name])
+    said = [line for line in said_of(asked.code, array=array) if line not in ORDINARY or name == "plain"]
+    as_before(*said, asked)

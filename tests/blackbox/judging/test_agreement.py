@@ -1,13 +1,22 @@
 """A stepper beside a method: right ones agree, wrong ones give the simplest example, on every run the same."""
 
+from contextlib import suppress
 from math import inf, nan
+from operator import attrgetter
 
 import numpy as np
 import pytest
 
-from driftproof.blackbox.judging.agreement import Domain, agreement
+from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, Domain, agreement, rows_together, steps_back
+from driftproof.blackbox.judging.measured_order import measured_orders
+from driftproof.blackbox.judging.nonlinear_step import nonlinear_agreement
+from driftproof.blackbox.judging.single_mistakes import single_mistakes
+from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
+from tests.blackbox import handwritten_steppers as codes
+from tests.blackbox.transcripts import Asked
 
 FEW = 100
 
@@ -105,3 +114,56 @@ def test_binary32_steppers_are_tried_at_numbers_of_binary32():
 def test_a_domain_without_steps_or_states_is_refused(bad):
     with pytest.raises(ValueError, match="sizes go from 0 or more up"):
         Domain(**bad)
+
+
+def backwards_another(q, v, h):
+    return symplectic_euler(q, v, h if h > 0 else h / 2)
+
+
+def rows_mixed(q, v, h):
+    q1, v1 = symplectic_euler(q, v, h)
+    return (q1, v1) if np.size(q) == 1 else (q1[::-1], v1)
+
+
+def solved(q, v, h):
+    q1 = (q + h * v) / (1 + h * h)
+    return q1 + 1e-10 * abs(q1), v - h * q1
+
+
+NARROW = Domain(largest_step=0.5, largest_state=0.75, smallest_step=0.01, smallest_state=0.125)
+LOOSE = Allowance(solver_tolerance=1e-9)
+TRIED = {
+    "symplectic Euler": (symplectic_euler, "symplectic_euler", {}),
+    "in a narrow domain": (symplectic_euler, "symplectic_euler", {"domain": NARROW}),
+    "another method": (symplectic_euler, "velocity_verlet", {"domain": NARROW}),
+    "one coefficient off": (slightly_off, "symplectic_euler", {}),
+    "capped": (capped, "symplectic_euler", {}),
+    "refusing": (refuses_large_steps, "symplectic_euler", {}),
+    "another step back": (backwards_another, "symplectic_euler", {}),
+    "rows mixed": (rows_mixed, "symplectic_euler", {"domain": NARROW}),
+    "solved loosely": (solved, "backward_euler", {"allowance": LOOSE}),
+    "solved too loosely": (solved, "backward_euler", {"allowance": Allowance(solver_tolerance=1e-12)}),
+    "h in binary32": (symplectic_euler, "symplectic_euler", {"allowance": Allowance(step_in_binary32=True)}),
+    "flushed": (symplectic_euler, "symplectic_euler", {"allowance": Allowance(flush_to_zero=True)}),
+    "v from positions": (codes.velocity_from_positions, "symplectic_euler", {}),
+    "v from positions, allowed": (
+        codes.velocity_from_positions, "symplectic_euler", {"allowance": Allowance(velocity_from_positions=True)},
+    ),
+    "rk4": (codes.rk4, "rk4", {}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TRIED)
+@pytest.mark.parametrize("array", [None, np.float32, np.float16])
+def test_all_that_is_asked_and_said_of_steps_is_as_before(name, array, as_before):
+    step, key, how = TRIED[name]
+    asked = Asked(step)
+    subject, method = opened(asked.code, array=array), METHODS[key]
+    found = agreement(subject, method, examples=FEW, **how)
+    said = [*found.lines, found.data, str(asked), steps_back(subject, method, **how)]
+    with suppress(UnsupportedCall):
+        said.append(rows_together(subject, method, **how))
+    if step is codes.rk4:
+        said += [single_mistakes(subject, METHODS["rk38"]), *map(attrgetter("words"), measured_orders(subject))]
+        said += [nonlinear_agreement(subject, METHODS[other], NO_ALLOWANCE) for other in ("rk4", "rk38")]
+    as_before(*said, asked)

@@ -10,6 +10,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
 from driftproof.methods.stepping import stepper
 from tests.blackbox import handwritten_steppers as codes
+from tests.blackbox.transcripts import Asked
 
 ORDERS = {"forward_euler": 1, "symplectic_euler": 1, "velocity_verlet": 2, "heun3": 3, "rk4": 4, "yoshida4": 4}
 ORDERS |= {"dormand_prince54": 5, "yoshida6": 6}
@@ -92,15 +93,18 @@ def with_its_third_number_left(f, t, y, h):
         (with_its_third_number_left, 0),
     ],
 )
-def test_wrong_times_and_a_number_left_out_cost_the_order(step, most):
-    general = measured_orders(opened(step))[0]
+def test_wrong_times_and_a_number_left_out_cost_the_order(step, most, as_before):
+    asked = Asked(step)
+    general, *others = measured_orders(opened(asked.code))
+    as_before(general.words, *others, asked)
     assert general.order is not None
     assert general.order <= most
     assert "a nonlinear problem of 4 numbers, with t" in general.words
 
 
-def test_a_code_of_one_number_is_measured_on_one():
+def test_a_code_of_one_number_is_measured_on_one(as_before):
     (found,) = measured_orders(opened(codes.rk4_of_one_number))
+    as_before(found.words)
     assert (found.order, found.problem) == (4, "a nonlinear problem of 1 number, with t")
 
 
@@ -108,10 +112,12 @@ EXPLICIT = [key for key, method in METHODS.items() if isinstance(method, RungeKu
 
 
 @pytest.mark.parametrize("method", EXPLICIT)
-def test_no_method_is_seen_with_a_lower_order_than_its_own(method):
+def test_no_method_is_seen_with_a_lower_order_than_its_own(method, as_before):
     field = opened(codes.tableau(*codes.floats(METHODS[method])), "field")
     force = opened(stepper(METHODS[method], float), "force")
-    orders = [found.order for found in (*measured_orders(field), *measured_orders(force))]
+    seen = (*measured_orders(field), *measured_orders(force))
+    orders = [found.order for found in seen]
+    as_before(*(found.words for found in seen))
     assert len(orders) == 3
     assert min(order for order in (*orders, 99) if order is not None) >= METHODS[method].claimed_order
 

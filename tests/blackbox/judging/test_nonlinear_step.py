@@ -15,6 +15,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
 from driftproof.methods.stepping import stepper
 from tests.blackbox import handwritten_steppers as codes
+from tests.blackbox.transcripts import Asked
 
 SOLVED = Allowance(solver_tolerance=Fraction(1, 10**12))
 
@@ -38,17 +39,19 @@ def iterated(method):
 
 
 @pytest.mark.parametrize("key", ["rk4", "dormand_prince54", "ssprk104", "velocity_verlet", "yoshida6", "nystrom5"])
-def test_an_explicit_method_agrees_with_itself_by_its_force(key):
+def test_an_explicit_method_agrees_with_itself_by_its_force(key, as_before):
     found = nonlinear_agreement(opened(stepper(METHODS[key], float), "force"), METHODS[key], NO_ALLOWANCE)
+    as_before(found.words)
     assert found.holds, found.words
     assert "the method's own step on a nonlinear q'' = F(q) of 3 positions" in found.words
 
 
 @pytest.mark.parametrize("key", ["rk4", "dormand_prince54", "fehlberg78"])
-def test_an_explicit_method_agrees_with_itself_by_its_right_hand_side(key):
+def test_an_explicit_method_agrees_with_itself_by_its_right_hand_side(key, as_before):
     found = nonlinear_agreement(opened(codes.tableau(*codes.floats(METHODS[key])), "field"), METHODS[key], NO_ALLOWANCE)
     assert found.holds, found.words
     assert found.steps == 6
+    as_before(found.words)
 
 
 IMPLICIT = [key for key, method in METHODS.items() if not method.explicit and type(method).__name__ != "Nystrom"]
@@ -74,8 +77,9 @@ def test_a_solver_may_be_off_by_four_times_its_tolerance(times, holds):
     assert nonlinear_agreement(opened(off, "field"), method, allowed).holds == holds
 
 
-def test_the_worst_place_is_shown():
+def test_the_worst_place_is_shown(as_before):
     found = nonlinear_agreement(opened(codes.rk38), METHODS["rk4"], NO_ALLOWANCE)
+    as_before(found.words, found)
     assert not found.holds
     assert "in a step of 0.0625 from t = " in found.words
     assert "of rk4" in found.words
@@ -159,8 +163,10 @@ OF_SEVERAL = {
 
 
 @pytest.mark.parametrize(("step", "wrong"), OF_SEVERAL.values(), ids=OF_SEVERAL)
-def test_no_position_and_no_time_of_a_splitting_is_left_out(step, wrong):
-    found = nonlinear_agreement(opened(step), METHODS["velocity_verlet"], NO_ALLOWANCE)
+def test_no_position_and_no_time_of_a_splitting_is_left_out(step, wrong, as_before):
+    asked = Asked(step)
+    found = nonlinear_agreement(opened(asked.code), METHODS["velocity_verlet"], NO_ALLOWANCE)
+    as_before(found, found.words, asked)
     assert found.holds == (not wrong), found.words
     assert set(wrong) <= set(found.wrong), found.words
 

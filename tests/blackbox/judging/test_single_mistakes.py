@@ -7,6 +7,7 @@ from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import oscillator, stepper
 from tests.blackbox import handwritten_steppers as codes
+from tests.blackbox.transcripts import Asked
 from tests.looping import some
 
 EXPLICIT = [key for key, method in METHODS.items() if method.explicit]
@@ -101,10 +102,12 @@ WRONG = {
 
 
 @pytest.mark.parametrize(("step", "key", "words"), WRONG.values(), ids=WRONG)
-def test_the_mistake_is_among_those_that_take_the_same_steps(step, key, words):
-    found = single_mistakes(opened(step), METHODS[key])
+def test_the_mistake_is_among_those_that_take_the_same_steps(step, key, words, as_before):
+    asked = Asked(step)
+    found = single_mistakes(opened(asked.code), METHODS[key])
     assert any(words in each for each in found), found
     assert len(found) <= MOST_TOLD
+    as_before(*found, asked)
 
 
 def gives_up(q, v, h):

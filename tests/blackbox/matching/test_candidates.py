@@ -33,7 +33,8 @@ RELATIVES = [
 
 
 @pytest.mark.parametrize(("step", "name"), RELATIVES)
-def test_a_variant_is_named_through_both_conventions(step, name):
+def test_a_variant_is_named_through_both_conventions(step, name, as_before):
+    as_before(*in_field(step).lines, *match_forces(read_forces(opened(step, "field"))).lines)
     for identity in (in_field(step), match_forces(read_forces(opened(step, "field")))):
         assert identity.keys == (("fehlberg45_embedded",) if name.startswith("fehlberg45,") else ())
         assert [match.name.startswith(name) for match in identity.matches] == [True]
@@ -60,8 +61,9 @@ RELATIVES_ON_FORCES = [
 
 
 @pytest.mark.parametrize(("step", "name"), RELATIVES_ON_FORCES)
-def test_a_variant_of_a_splitting_is_named(step, name):
+def test_a_variant_of_a_splitting_is_named(step, name, as_before):
     identity = on_force(step)
+    as_before(*identity.lines)
     assert identity.keys == ()
     assert identity.matches[0].name.startswith(name)
 

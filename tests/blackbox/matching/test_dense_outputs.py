@@ -21,11 +21,12 @@ def judged(step):
 
 
 @pytest.mark.parametrize("key", EXTENSIONS)
-def test_every_extension_of_the_catalogue_is_named(key):
+def test_every_extension_of_the_catalogue_is_named(key, as_before):
     found, table = judged(extension_step(key)), EXTENSIONS[key]
     assert (found.extension, found.degree, found.order) == (key, table.degree, table.claimed_order)
     assert found.faults == ()
     assert SMOOTH in found.lines[-1]
+    as_before(*found.lines)
 
 
 def test_the_cubic_of_any_method_is_named():
@@ -48,11 +49,12 @@ WRONG = {
 
 
 @pytest.mark.parametrize("name", WRONG)
-def test_what_does_not_fit_is_at_fault(name):
+def test_what_does_not_fit_is_at_fault(name, as_before):
     weights, fault = WRONG[name]
     found = judged(extension_step("dormand_prince54_shampine", weights=weights))
     assert any(fault in words for words in some(found.faults, 1))
     assert found.extension is None
+    as_before(found.order, found.degree, *found.lines, *found.faults)
 
 
 def test_a_kink_is_said_and_is_no_fault():

@@ -10,6 +10,7 @@ from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from tests.blackbox.pair_steppers import but_one, pair_step
 from tests.blackbox.probes.test_estimate import FORMS, relative
+from tests.blackbox.transcripts import Asked
 from tests.looping import some
 
 PAIRS = [key for key, m in METHODS.items() if getattr(m, "b_embedded", None) is not None and m.explicit]
@@ -30,8 +31,9 @@ def test_every_pair_of_the_catalogue_is_named_with_both_its_rows(key):
 
 
 @pytest.mark.parametrize("name", FORMS)
-def test_no_form_of_a_right_estimate_is_at_fault(name):
+def test_no_form_of_a_right_estimate_is_at_fault(name, as_before):
     found = judged(pair_step("dormand_prince54", FORMS[name][0]))
+    as_before(*found.lines)
     assert (found.pair, found.faults, found.order, found.other_order) == ("dormand_prince54", (), 4, 4)
 
 
@@ -49,9 +51,12 @@ WRONG = [
 
 
 @pytest.mark.parametrize("case", range(len(WRONG)))
-def test_a_wrong_estimate_says_what_is_wrong(case):
+def test_a_wrong_estimate_says_what_is_wrong(case, as_before):
     spoiled, fault = WRONG[case]
-    assert any(fault in words for words in some(judged(pair_step("dormand_prince54", **spoiled)).faults, 1))
+    asked = Asked(pair_step("dormand_prince54", **spoiled))
+    found = judged(asked.code)
+    assert any(fault in words for words in some(found.faults, 1))
+    as_before(found.data, asked)
 
 
 def test_reports_name_both_rows_and_the_fault():

@@ -14,6 +14,7 @@ from driftproof.methods.schemes import Collocation
 from driftproof.numeric.steppers import rk4
 from tests.blackbox.catalogue_steppers import float_subject, with_one_changed
 from tests.blackbox.matching.linear_fits import VARIANTS, fit
+from tests.blackbox.transcripts import Asked
 
 CHANGES = {"off by 1e-10": lambda c: c + Q(1, 10**10), "sign flipped": lambda c: -c}
 # Nodes that change sign are no nodes of a collocation method.
@@ -26,11 +27,12 @@ CHANGED = [
 
 
 @pytest.mark.parametrize(("key", "change"), CHANGED)
-def test_a_method_with_one_coefficient_wrong_is_not_named_that_method(key, change):
+def test_a_method_with_one_coefficient_wrong_is_not_named_that_method(key, change, as_before):
     reading = read_linear_steps(float_subject(with_one_changed(METHODS[key], change)))
     each = next(each for each in equivalent_methods() if key in each.keys)
     explained = explained_by(each, reading, *rates_of(reading), known=True)
     assert explained.error.in_bounds > 1 or explained.restriction or not explained.rates_are_right
+    as_before(explained.words, f"{explained.error.in_bounds:.3g} bounds")
 
 
 def test_a_stepper_with_another_step_backwards_is_named_for_steps_forward_only():
@@ -40,8 +42,10 @@ def test_a_stepper_with_another_step_backwards_is_named_for_steps_forward_only()
 
 
 @pytest.mark.parametrize(("step", "words"), VARIANTS, ids=[words for _, words in VARIANTS])
-def test_a_method_with_its_step_or_its_rates_wrong_is_named(step, words):
-    found = fit(step)
+def test_a_method_with_its_step_or_its_rates_wrong_is_named(step, words, as_before):
+    asked = Asked(step)
+    found = fit(asked.code)
+    as_before(*found.lines, asked)
     assert (found.best.words, found.best.extras) == (words, 1)
     assert found.best.error.in_bounds <= 1
 

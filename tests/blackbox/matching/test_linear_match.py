@@ -21,7 +21,7 @@ from tests.blackbox.matching.linear_fits import alike, fit
 
 
 @pytest.mark.parametrize("key", METHODS)
-def test_each_method_is_named_up_to_those_with_the_same_matrix(key):
+def test_each_method_is_named_up_to_those_with_the_same_matrix(key, as_before):
     found = linear_fit(float_subject(METHODS[key]))
     assert found.kind == LINEAR
     assert found.best is not None
@@ -30,6 +30,7 @@ def test_each_method_is_named_up_to_those_with_the_same_matrix(key):
     assert found.best.error.in_bounds <= 1
     assert (found.best.position, found.best.stiffness, found.damping) == (1, 1, 0)
     assert found.facts.linear_order == METHODS[key].claimed_order
+    as_before(*found.lines, f"{found.best.error.in_bounds:.3g} bounds")
 
 
 @pytest.mark.parametrize("key", ["velocity_verlet", "rk4", "yoshida6", "cash_karp54", "nystrom5"])

@@ -9,20 +9,24 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import stepper
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.matching.readings import EXPLICIT, TABLEAUX, TIES, in_field, on_force, ties_of
+from tests.blackbox.transcripts import Asked
 
 TIES += [{"dop853", "dop853_third"}]
 
 
 @pytest.mark.parametrize("key", EXPLICIT)
-def test_every_method_is_recognised_by_its_forces_and_none_is_taken_for_another(key):
-    assert set(on_force(stepper(METHODS[key], float)).keys) == ties_of(key)
+def test_every_method_is_recognised_by_its_forces_and_none_is_taken_for_another(key, as_before):
+    identity = on_force(stepper(METHODS[key], float))
+    assert set(identity.keys) == ties_of(key)
+    as_before(*identity.lines)
 
 
 @pytest.mark.parametrize("key", TABLEAUX)
-def test_every_tableau_is_recognised_by_its_slopes_and_none_is_taken_for_another(key):
+def test_every_tableau_is_recognised_by_its_slopes_and_none_is_taken_for_another(key, as_before):
     identity = in_field(codes.tableau(*codes.floats(METHODS[key])))
     assert set(identity.keys) == ties_of(key)
     assert identity.matches[0].closeness == "every coefficient correctly rounded"
+    as_before(*identity.lines)
 
 
 BY_HAND = [
@@ -42,8 +46,10 @@ BY_HAND = [
 
 
 @pytest.mark.parametrize(("step", "keys"), BY_HAND)
-def test_a_code_written_by_hand_is_recognised(step, keys):
-    identity = in_field(step)
+def test_a_code_written_by_hand_is_recognised(step, keys, as_before):
+    asked = Asked(step)
+    identity = in_field(asked.code)
+    as_before(*identity.lines, asked)
     assert set(identity.keys) == keys
     assert identity.lines[0].startswith("called in this way" if len(keys) > 1 else min(keys))
 
@@ -59,8 +65,11 @@ BY_HAND_ON_FORCES = [
 
 
 @pytest.mark.parametrize(("step", "key"), BY_HAND_ON_FORCES)
-def test_a_splitting_written_by_hand_is_recognised(step, key):
-    assert on_force(step).keys == (key,)
+def test_a_splitting_written_by_hand_is_recognised(step, key, as_before):
+    asked = Asked(step)
+    identity = on_force(asked.code)
+    assert identity.keys == (key,)
+    as_before(*identity.lines, asked)
 
 
 @pytest.mark.parametrize("kind", [np.float32, np.float16])

@@ -85,11 +85,12 @@ def sample(changed, key):
 
 
 @pytest.mark.parametrize("key", SHORT[::3])
-def test_a_wrong_coefficient_is_named_through_both_conventions(key):
+def test_a_wrong_coefficient_is_named_through_both_conventions(key, as_before):
     name, wrong = sample(changed_tableaux(METHODS[key]), key)
     step = codes.tableau(*codes.floats(wrong))
     demand_that_it_is_named(in_field(step), key, name)
     demand_that_it_is_named(match_forces(read_forces(opened(step, "field"))), key, name)
+    as_before(*in_field(step).lines, *match_forces(read_forces(opened(step, "field"))).lines)
 
 
 @pytest.mark.long

@@ -42,11 +42,12 @@ def test_the_forces_of_a_method_give_its_order(key):
 
 
 @pytest.mark.parametrize("key", TABLEAUX)
-def test_the_slopes_of_a_method_give_its_order_and_the_tree_that_fails(key):
+def test_the_slopes_of_a_method_give_its_order_and_the_tree_that_fails(key, as_before):
     method = METHODS[key]
     reading = read_tableau(opened(codes.tableau(*codes.floats(method)), "field"))
     unknown, known = read_order(reading), read_order(reading, match_tableau(reading).matches[0])
     assert unknown.order == known.order == known.untimed_order == method.claimed_order
+    as_before(*unknown.lines, *known.lines, unknown.linear_order, known.linear_order)
     if not method.decimal:
         exact = order(method)
         for found in (unknown, known):
@@ -55,8 +56,9 @@ def test_the_slopes_of_a_method_give_its_order_and_the_tree_that_fails(key):
 
 
 @pytest.mark.parametrize("step", [codes.rk4, codes.rk38, codes.rk4_in_lists, codes.rk4_without_time])
-def test_codes_written_by_hand_have_the_order_of_their_method(step):
+def test_codes_written_by_hand_have_the_order_of_their_method(step, as_before):
     assert in_field(step).order == 4
+    as_before(in_field(step))
 
 
 def rk4_with(change):
@@ -118,7 +120,9 @@ def test_a_position_that_moves_by_half_has_order_0():
 
 
 @pytest.mark.parametrize("key", [key for key in EXPLICIT if isinstance(METHODS[key], Splitting)][::4])
-def test_a_splitting_with_a_wrong_sub_step_loses_its_order(key):
+def test_a_splitting_with_a_wrong_sub_step_loses_its_order(key, as_before):
     parts = [(kind, float(x)) for kind, x in METHODS[key].parts]
     parts[1] = (parts[1][0], parts[1][1] + 1e-9)
-    assert on_force(codes.composed(parts)).order == 0
+    found = on_force(codes.composed(parts))
+    assert found.order == 0
+    as_before(*found.lines, found.linear_order)

@@ -13,6 +13,7 @@ from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import EXTENSIONS
 from tests.blackbox.extension_steppers import extension_step
 from tests.blackbox.handwritten_steppers import rk4
+from tests.blackbox.transcripts import Asked
 
 
 def read(step):
@@ -20,8 +21,10 @@ def read(step):
 
 
 @pytest.mark.parametrize("of_time", [False, True])
-def test_rows_are_the_polynomials_at_their_thetas(of_time):
-    reading, table = read(extension_step("dormand_prince54_shampine", of_time=of_time)), EXTENSIONS
+def test_rows_are_the_polynomials_at_their_thetas(of_time, as_before):
+    asked = Asked(extension_step("dormand_prince54_shampine", of_time=of_time))
+    reading, table = read(asked.code), EXTENSIONS
+    as_before(*reading.rows, asked)
     assert reading.argument == ("the time" if of_time else "theta")
     assert (len(reading.rows), reading.step.calls) == (17, 7)
     weights = table["dormand_prince54_shampine"].weights

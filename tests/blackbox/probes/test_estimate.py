@@ -15,6 +15,7 @@ from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from tests.blackbox.handwritten_steppers import rk4
 from tests.blackbox.pair_steppers import pair_step
+from tests.blackbox.transcripts import Asked
 from tests.looping import exactly
 
 
@@ -38,9 +39,11 @@ FORMS = {
 
 @pytest.mark.parametrize("key", ["bogacki_shampine32", "fehlberg45", "dop853"])
 @pytest.mark.parametrize("name", FORMS)
-def test_the_row_comes_out_as_it_went_in(key, name):
+def test_the_row_comes_out_as_it_went_in(key, name, as_before):
     answer, form, sign = FORMS[name]
-    reading, pair = read(pair_step(key, answer)), METHODS[key]
+    asked = Asked(pair_step(key, answer))
+    reading, pair = read(asked.code), METHODS[key]
+    as_before([float(e) for e in reading.row], reading.sizes, asked)
     assert (reading.form, reading.power, reading.relative) == (form, 1, False)
     signs = (1, -1) if sign < 0 and form != DIFFERENCE else (sign,)  # of absolute values up to a common one
     exact = [x - y for x, y in zip(pair.b, pair.b_embedded, strict=True)]

@@ -12,6 +12,7 @@ from driftproof.blackbox.probes.force import read_forces
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox import handwritten_steppers as codes
+from tests.blackbox.transcripts import Asked
 
 
 def read(step):
@@ -32,8 +33,10 @@ SPLITTINGS = [
 
 
 @pytest.mark.parametrize(("step", "parts"), SPLITTINGS)
-def test_sub_steps_are_seen_however_they_are_written(step, parts):
-    reading = read(step)
+def test_sub_steps_are_seen_however_they_are_written(step, parts, as_before):
+    asked = Asked(step)
+    reading = read(asked.code)
+    as_before(reading, *reading.lines, asked)
     assert reading.parts == parts
     assert reading.drift == 1
     assert reading.remarks == ()
@@ -173,23 +176,25 @@ NOT_READABLE = [
 
 
 @pytest.mark.parametrize(("step", "words"), NOT_READABLE)
-def test_what_is_no_method_for_forces_is_refused_with_what_was_seen(step, words):
-    subject = opened(codes.symplectic_euler)
-    subject.function = step
-    with pytest.raises(NotReadable, match=words):
+def test_what_is_no_method_for_forces_is_refused_with_what_was_seen(step, words, as_before):
+    subject, asked = opened(codes.symplectic_euler), Asked(step)
+    subject.function = asked.code
+    with pytest.raises(NotReadable, match=words) as refused:
         read_forces(subject)
+    as_before(refused.value, asked)
 
 
 @pytest.mark.parametrize("step", [limited, wrapped])
-def test_a_step_with_a_limit_is_read_below_it_with_a_remark(step):
-    subject = opened(codes.symplectic_euler)
-    subject.function = step
+def test_a_step_with_a_limit_is_read_below_it_with_a_remark(step, as_before):
+    subject, asked = opened(codes.symplectic_euler), Asked(step)
+    subject.function = asked.code
     reading, free = read_forces(subject), read_forces(opened(codes.symplectic_euler))
     assert (reading.a, reading.b_velocity, reading.drift) == (free.a, free.b_velocity, free.drift)
     assert reading.amplitude < 1 == free.amplitude
     assert "of size 1, with" in reading.remarks[0]
     assert "where the coefficients read say" in reading.remarks[0]
     assert free.remarks == ()
+    as_before(reading, asked)
 
 
 def test_a_step_that_does_not_go_back_is_read_with_a_remark():
@@ -218,7 +223,7 @@ def test_a_map_has_no_force():
         ),
     ],
 )
-def test_a_force_that_is_asked_at_another_time_than_its_position_has_is_told(times, wrong):
+def test_a_force_that_is_asked_at_another_time_than_its_position_has_is_told(times, wrong, as_before):
     def of_a_field(f, t, y, h):
         (q, v), (first, last) = y, times(t, h)
         v = v + h / 2 * f(first, [q, v])[1]
@@ -239,3 +244,5 @@ def test_a_force_that_is_asked_at_another_time_than_its_position_has_is_told(tim
         assert reading.wrong_time == wrong
         assert reading.parts == HALVES
         assert any("wrong times: " in line for line in reading.lines) == bool(wrong)
+    asked = Asked(of_a_force)
+    as_before(*read(asked.code).lines, asked)

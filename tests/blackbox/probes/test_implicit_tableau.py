@@ -25,6 +25,7 @@ from tests.blackbox.implicit_steppers import (
     table,
     untimed,
 )
+from tests.blackbox.transcripts import Asked
 from tests.looping import some
 
 # Up to six stages, of every family; larger ones take seconds.
@@ -223,9 +224,11 @@ REFUSED = {
 
 
 @pytest.mark.parametrize(("step", "seen"), REFUSED.values(), ids=REFUSED)
-def test_what_is_no_implicit_step_is_refused(step, seen):
-    with pytest.raises(NotReadable, match=seen):
-        read(step)
+def test_what_is_no_implicit_step_is_refused(step, seen, as_before):
+    asked = Asked(step)
+    with pytest.raises(NotReadable, match=seen) as refused:
+        read(asked.code)
+    as_before(refused.value, asked)
 
 
 def test_a_call_that_does_not_come_back_is_not_taken_for_a_refusal():

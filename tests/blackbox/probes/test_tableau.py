@@ -13,6 +13,7 @@ from driftproof.blackbox.probes.tableau import read_tableau
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32
 from tests.blackbox import handwritten_steppers as codes
+from tests.blackbox.transcripts import Asked
 
 
 def read(step):
@@ -23,8 +24,10 @@ THREE_WAYS = [codes.rk4, codes.rk4_in_lists, codes.rk4_of_one_number]
 
 
 @pytest.mark.parametrize("step", THREE_WAYS)
-def test_rk4_shows_the_quotients_that_its_code_forms(step):
-    reading = read(step)
+def test_rk4_shows_the_quotients_that_its_code_forms(step, as_before):
+    asked = Asked(step)
+    reading = read(asked.code)
+    as_before(reading, asked)
     assert reading.c == (0.0, 0.5, 0.5, 1.0)
     assert reading.a == ((0.0,) * 4, (0.5, 0.0, 0.0, 0.0), (0.0, 0.5, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))
     assert reading.b == (1 / 6, 2 / 6, 2 / 6, 1 / 6)
@@ -74,8 +77,10 @@ def test_the_call_for_the_next_step_is_seen_to_be_unused():
 
 
 @pytest.mark.parametrize(("kind", "fmt"), [(np.float32, BINARY32), (np.float16, BINARY16)])
-def test_narrow_floats_are_read_as_they_are(kind, fmt):
-    reading = read(codes.in_precision(codes.rk4, kind))
+def test_narrow_floats_are_read_as_they_are(kind, fmt, as_before):
+    asked = Asked(codes.in_precision(codes.rk4, kind))
+    reading = read(asked.code)
+    as_before(reading, asked)
     assert reading.format == fmt
     assert reading.b == tuple(float(kind(x) / kind(6)) for x in (1, 2, 2, 1))
     assert "b = 1/6, 1/3, 1/3, 1/6" in reading.lines
@@ -164,17 +169,19 @@ NOT_READABLE = [
 
 
 @pytest.mark.parametrize(("step", "words"), NOT_READABLE)
-def test_what_is_no_runge_kutta_step_is_refused_with_what_was_seen(step, words):
-    subject = opened(codes.euler)
-    subject.function = step  # as `opened` would have it, without its trial step
-    with pytest.raises(NotReadable, match=words):
+def test_what_is_no_runge_kutta_step_is_refused_with_what_was_seen(step, words, as_before):
+    subject, asked = opened(codes.euler), Asked(step)
+    subject.function = asked.code  # as `opened` would have it, without its trial step
+    with pytest.raises(NotReadable, match=words) as refused:
         read_tableau(subject)
+    as_before(refused.value, asked)
 
 
-def test_a_step_with_a_limit_is_read_below_it_with_a_remark():
-    subject = opened(codes.euler)
-    subject.function = limited
+def test_a_step_with_a_limit_is_read_below_it_with_a_remark(as_before):
+    subject, asked = opened(codes.euler), Asked(limited)
+    subject.function = asked.code
     reading = read_tableau(subject)
+    as_before(reading, asked)
     assert (reading.a, reading.b, reading.c) == (((0.0,),), (1.0,), (0.0,))
     assert reading.amplitude < 1
     assert "of size 1, with" in reading.remarks[0]

@@ -11,6 +11,7 @@ from driftproof.blackbox.solvers.controller import bumps, read_controller
 from driftproof.blackbox.solvers.foreign_solver import ForeignSolver
 from driftproof.blackbox.solvers.steps import read_steps
 from tests.blackbox.solvers.planted_solvers import adaptive, fixed
+from tests.blackbox.transcripts import Asked
 from tests.looping import some
 
 
@@ -31,9 +32,11 @@ LAWS = {
 
 
 @pytest.mark.parametrize("name", LAWS)
-def test_the_law_comes_out_as_it_went_in(name):
+def test_the_law_comes_out_as_it_went_in(name, as_before):
     switches, (safety, exponent, memory, least, most) = LAWS[name]
-    found = read(adaptive(**switches))
+    asked = Asked(adaptive(**switches))
+    found = read(asked.code)
+    as_before(*found.lines, *found.faults, found.rejected, asked)
     law = found.law
     assert (law.estimate, law.exponent, law.memory) == (switches.get("key", "bogacki_shampine32"), exponent, memory)
     # The scale of errors is known to a part in 10^6, of which a cube root is taken or so, by a least squares fit.
@@ -60,9 +63,10 @@ def test_an_estimate_that_is_none_of_the_pair_has_no_law_in_it():
     assert found.lines[0] == "no law in the estimate of bogacki_shampine32 gives the step sizes"
 
 
-def test_first_slopes_of_rejected_attempts_leave_traces():
+def test_first_slopes_of_rejected_attempts_leave_traces(as_before):
     found = read(adaptive(stale=True))
     (fault,) = some(found.faults, 1)
+    as_before(*found.lines, fault)
     assert fault.startswith("a rejected step leaves traces")
     assert fault.endswith("its first slope is the last one of the rejected attempt")
     assert found.law is not None

@@ -8,6 +8,7 @@ import pytest
 from driftproof.blackbox.solvers.foreign_solver import ForeignSolver
 from driftproof.blackbox.solvers.runs import read_runs
 from tests.blackbox.solvers.planted_solvers import adaptive, fixed
+from tests.blackbox.transcripts import Asked
 from tests.looping import some
 
 
@@ -16,12 +17,13 @@ def read(solve):
 
 
 @pytest.mark.parametrize("key", ["bogacki_shampine32", "fehlberg45", "dormand_prince54"])
-def test_a_right_solver_is_at_fault_in_nothing(key):
+def test_a_right_solver_is_at_fault_in_nothing(key, as_before):
     found = read(adaptive(key, exponent=0.2))
     assert found.faults == ()
     assert list(found.seen) == ["Constant slopes", "Clock", "Backward", "NaN", "A jump", "Tolerance"]
     assert found.seen["Clock"] == ("the last step ends at the end, to the last bit",)
     assert found.seen["NaN"][0].endswith("says: the error is not finite")
+    as_before(*found.seen.items())
 
 
 WRONG = {
@@ -44,9 +46,12 @@ WRONG = {
 
 
 @pytest.mark.parametrize("name", WRONG)
-def test_what_is_wrong_is_said(name):
+def test_what_is_wrong_is_said(name, as_before):
     solve, fault = WRONG[name]
-    assert any(fault in words for words in some(read(solve).faults, 1))
+    asked = Asked(solve)
+    found = read(asked.code)
+    assert any(fault in words for words in some(found.faults, 1))
+    as_before(*found.seen.items(), *found.faults, asked)
 
 
 def test_a_clock_that_accumulates_is_told_and_is_no_fault():

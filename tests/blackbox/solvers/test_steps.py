@@ -9,13 +9,16 @@ from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, SolverTarg
 from driftproof.blackbox.solvers.steps import read_steps
 from driftproof.methods.catalogue import METHODS
 from tests.blackbox.solvers.planted_solvers import adaptive, fixed
+from tests.blackbox.transcripts import Asked
 
 PAIRS = ["heun_euler21", "bogacki_shampine32", "fehlberg45", "cash_karp54", "dormand_prince54", "tsitouras54", "dop853"]
 
 
 @pytest.mark.parametrize("key", [*PAIRS, "fehlberg45_embedded", "dormand_prince54_embedded"])
-def test_the_pair_and_its_row_are_named(key):
-    steps = read_steps(ForeignSolver(adaptive(key)))
+def test_the_pair_and_its_row_are_named(key, as_before):
+    asked = Asked(adaptive(key))
+    steps = read_steps(ForeignSolver(asked.code))
+    as_before(*steps.lines, steps.reading, asked)
     assert steps.name == key
     assert key in [pair.key for pair in steps.pairs]
     assert steps.order.order == METHODS[key].claimed_order
@@ -77,9 +80,11 @@ def adams_bashforth(f, t_span, y0, rtol, atol):
     ],
     ids=["multistep", "only the end", "no times", "implicit"],
 )
-def test_what_has_no_table_says_what_was_seen(solve, seen):
-    with pytest.raises(NotReadable, match=seen):
-        read_steps(ForeignSolver(solve))
+def test_what_has_no_table_says_what_was_seen(solve, seen, as_before):
+    asked = Asked(solve)
+    with pytest.raises(NotReadable, match=seen) as refused:
+        read_steps(ForeignSolver(asked.code))
+    as_before(refused.value, asked)
 
 
 @pytest.mark.parametrize(

@@ -12,11 +12,13 @@ from tests.blackbox.stepper.styles import STYLES, defined, keys_of, namespace
 
 
 @pytest.mark.parametrize("style", [s for s in STYLES if not s.wrapper], ids=lambda style: style.title)
-def test_a_style_is_opened_as_it_is_written_and_named(style):
+def test_a_style_is_opened_as_it_is_written_and_named(style, as_before):
     for package in style.needs:
         pytest.skip(f"{package} is not installed")
     step = defined(style.code)
     assert style.key in keys_of(step)
+    subject = opened(step)
+    as_before(subject.adapter.name, subject.convention, call_text(subject, 1.0, 0.75, 0.25))
 
 
 @pytest.mark.parametrize("title", ["A dataclass", "A named tuple", "A dict", "A complex number", "Bodies in space"])

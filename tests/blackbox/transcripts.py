@@ -1,0 +1,70 @@
+"""What is asked of a code and what is said of it, word for word, held to what it was: the transcripts beside the tests.
+
+An answer depends on every question before it: so the questions are held, too, by their number and a checksum. Where a
+change is meant, WRITE_TRANSCRIPTS=1 in the environment writes the new ones, to be read before they are committed.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Iterable
+from functools import wraps
+from pathlib import Path
+from typing import Any
+from zlib import crc32
+
+import numpy as np
+
+_TITLE = re.compile(r"(?m)^== (.*)\n")
+
+
+class Asked:
+    """The questions that a code is asked: `code` is the code itself, but for that they are noted."""
+
+    def __init__(self, code: Callable[..., Any]) -> None:
+        """Note what it is given, and what the functions that it is given are asked in turn."""
+        self.count, self.checksum = 0, 0
+
+        def noted(function: Callable[..., Any]) -> Callable[..., Any]:
+            @wraps(function)
+            def asked(*given: Any, **named: Any) -> Any:
+                shown = [_shown(x) for x in (*given, *named.values())]
+                self.count, self.checksum = self.count + 1, crc32(" ".join(shown).encode(), self.checksum)
+                return function(*(noted(x) if _is_function(x) else x for x in given), **named)
+
+            return asked
+
+        self.code = noted(code)
+
+    def __str__(self) -> str:
+        return f"asked {self.count} times, {self.checksum:08x}"
+
+
+def _is_function(x: Any) -> bool:
+    return callable(x) and not isinstance(x, type) and not hasattr(x, "__array__")
+
+
+def _shown(x: Any) -> str:
+    """Numbers to the last bit; of a ball, whose last digits are nobody's promise, only what it is."""
+    if isinstance(x, int | float | np.floating | np.integer):
+        return f"{type(x).__name__} {float(x)!r}"
+    if isinstance(x, list | tuple | np.ndarray):
+        return f"{type(x).__name__}[{' '.join(map(_shown, x if np.ndim(x) else [x.item()]))}]"
+    return type(x).__name__
+
+
+def checksum(text: str) -> str:
+    """Of what is too long to be read."""
+    return f"{len(text)} letters, {crc32(text.encode()):08x}"
+
+
+def assert_as_before(place: Path, title: str, said: Iterable[object]) -> None:
+    """The lines are those that stand under the title in the file."""
+    parts = _TITLE.split(place.read_text(encoding="utf-8") if place.exists() else "")[1:]
+    kept = dict(zip(parts[::2], parts[1::2], strict=True))
+    text = "".join(f"{line}\n" for line in "\n".join(map(str, said)).splitlines())
+    if os.environ.get("WRITE_TRANSCRIPTS"):
+        kept[title] = text
+        place.write_text("".join(f"== {name}\n{kept[name]}" for name in kept), encoding="utf-8")
+    assert kept.get(title) == text
