@@ -36,7 +36,13 @@ STATE, H = (1.0, 0.75), 0.25
 def test_every_way_to_write_forward_euler_is_forward_euler(step, as_before):
     asked = Asked(step)
     subject = opened(asked.code)
-    as_before(subject.adapter.name, subject.convention, call_text(subject, 1.0, 0.75, 0.25), asked)
+    as_before(
+        subject.adapter.name,
+        subject.convention.kind,
+        subject.convention.order,
+        call_text(subject, 1.0, 0.75, 0.25),
+        asked,
+    )
     assert subject.step(*STATE, H) == EULER
     assert all(type(x) is float for x in subject.step(*STATE, H))
     assert subject.format is BINARY64

@@ -18,7 +18,9 @@ def test_a_style_is_opened_as_it_is_written_and_named(style, as_before):
     step = defined(style.code)
     assert style.key in keys_of(step)
     subject = opened(step)
-    as_before(subject.adapter.name, subject.convention, call_text(subject, 1.0, 0.75, 0.25))
+    as_before(
+        subject.adapter.name, subject.convention.kind, subject.convention.order, call_text(subject, 1.0, 0.75, 0.25)
+    )
 
 
 @pytest.mark.parametrize("title", ["A dataclass", "A named tuple", "A dict", "A complex number", "Bodies in space"])
