@@ -30,6 +30,7 @@ WRITTEN: dict[str, Callable[[], str]] = {
 ORDER = (
     *("Methods", "Runs", "Readouts", "Arithmetic", "Identities", "Tables", "Values", "Programs"),
     *("OneStep", "Energy", "ExactFlow", "Stability", "Phase", "Trees", "Orders", "OrdersOfTables", "Convergence"),
+    *("Problems", "Jets", "OneStepErrors", "GlobalErrors", "LeadingErrors"),
     *("LeftHalfPlane", "Contraction", "AStability", "Floats", "FloatRuns", "Halving", "Rounding"),
 )
 

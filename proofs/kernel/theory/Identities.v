@@ -21,7 +21,15 @@ Ltac by_ring :=
 
 (** An equation of numbers that Coquelicot calls elements of a module. *)
 Ltac real_field := match goal with |- @eq _ ?x ?y => change (@eq R x y) end; field.
+Ltac real_ring := match goal with |- @eq _ ?x ?y => change (@eq R x y) end; ring.
 
 (** A sign that an identity shows: squares and products of what is positive. *)
 Lemma square_pos x : x <> 0 -> 0 < x * x.
 Proof. intros. nra. Qed.
+
+Lemma pow_le_exp x n : 0 <= x -> (1 + x) ^ n <= exp (INR n * x).
+Proof.
+  intros positive. apply Rle_trans with (exp x ^ n); [apply pow_incr; split; [lra | apply exp_ineq1_le]|].
+  apply Req_le. induction n as [|n IH]; cbn [pow]; [cbn; now rewrite Rmult_0_l, exp_0|].
+  rewrite IH, <- exp_plus, S_INR. f_equal. ring.
+Qed.

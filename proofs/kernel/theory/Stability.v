@@ -92,6 +92,28 @@ Proof.
   generalize (Rmax_l B 0). lra.
 Qed.
 
+(** Below its limit symplectic Euler stays bounded, and beyond it does not. *)
+Lemma symplectic_bounded h : 0 < h < 2 -> bounded symplectic_euler h.
+Proof.
+  intros inside [q v]. set (I := modified_energy h (q, v)). exists (2 * I / (1 - h ^ 2 / 4)). intros n.
+  generalize (modified_energy_of_run h (q, v) n). fold I. destruct (run symplectic_euler h n (q, v)) as [x y]. intros kept.
+  destruct (L055 h x y) as (_ & _ & _ & Q & V & _); [lra|]. rewrite kept in Q, V.
+  replace (energy (x, y)) with ((x ^ 2 + y ^ 2) / 2) by by_ring. lra.
+Qed.
+Lemma symplectic_unbounded h : 2 < h -> ~ bounded symplectic_euler h.
+Proof.
+  intros large all. destruct (all (1, 0)) as [B within]. destruct (L174 h large) as (_ & _ & _ & l & _ & _ & grows).
+  set (c := 1 - h ^ 2 - l) in grows. set (w := h ^ 2 + c ^ 2).
+  assert (w0 : 0 < w) by (unfold w; generalize (pow2_ge_0 c); nra).
+  destruct (grows (Rabs B + 2 * w + 1)) as [n above]. specialize (within n).
+  destruct (run symplectic_euler h n (1, 0)) as [q v]. cbn [fst snd] in above. set (f := h * q + c * v) in above.
+  assert (F : f ^ 2 <= 2 * w * energy (q, v)).
+  { replace (2 * w * energy (q, v)) with (f ^ 2 + (h * v - c * q) ^ 2) by (unfold f, w; by_ring).
+    generalize (pow2_ge_0 (h * v - c * q)). lra. }
+  rewrite <- pow2_abs in F. assert (B1 := Rle_abs B). assert (B2 := Rabs_pos B).
+  assert (2 * w * energy (q, v) <= 2 * w * Rabs B) by (apply Rmult_le_compat_l; lra). nra.
+Qed.
+
 (** RK4's multiplier of the energy. *)
 Definition damping (h : R) : R := 1 - h ^ 6 / 72 + h ^ 8 / 576.
 
@@ -199,18 +221,10 @@ Theorem L182 : 4 < (5 / 2) ^ 2 < 8 /\ bounded rk4 (5 / 2) /\ ~ bounded symplecti
   /\ forall l, l ^ 2 - (2 - (5 / 2) ^ 2) * l + 1 = 0 <-> l = -4 \/ l = - (1 / 4).
 Proof.
   destruct two_roots_of_two as [positive eight].
-  split; [lra | split; [apply L175; [lra | nra] | split; [|split; [unfold damping; field|]]]].
-  - intros all. destruct (all (1, 0)) as [B within].
-    destruct (L174 (5 / 2)) as (_ & _ & _ & l & root & small & large); [lra|].
-    assert (-4 - l = 0 \/ -1 / 4 - l = 0) as [E|E] by (apply Rmult_integral; lra); [|lra].
-    replace l with (-4) in large by lra. clear l root small E.
-    destruct (large (10 * (Rabs B + 1))) as [n above]. specialize (within n).
-    destruct (run symplectic_euler (5 / 2) n (1, 0)) as [q v]. cbn [fst snd] in above.
-    set (f := 5 / 2 * q + (1 - (5 / 2) ^ 2 - -4) * v) in above.
-    assert (f ^ 2 <= 16 * energy (q, v)) by (unfold f; expose; generalize (pow2_ge_0 (q + 2 * v)); nra).
-    rewrite <- pow2_abs in H. generalize (Rle_abs B), (Rabs_pos B). nra.
-  - intros l. split; [intros root | intros [-> | ->]; field].
-    assert (-4 - l = 0 \/ -1 / 4 - l = 0) as [E|E] by (apply Rmult_integral; lra); lra.
+  split; [lra | split; [apply L175; [lra | nra] |]].
+  split; [apply symplectic_unbounded; lra | split; [unfold damping; field|]].
+  intros l. split; [intros root | intros [-> | ->]; field].
+  assert (-4 - l = 0 \/ -1 / 4 - l = 0) as [E|E] by (apply Rmult_integral; lra); lra.
 Qed.
 
 (** With the force -w^2 q the step of size h is that of size w h, with v measured in units of w. *)
