@@ -66,7 +66,7 @@ def raised(a: Answer, exponent: Fraction) -> Answer:
     if callable(x):
         return Answer("", lambda: enclose(x) ** n, a.evidence, a.unit)
     if _bits(x) * abs(n) > LARGEST_BINARY_EXPONENT:
-        if x and abs(enclose(x)).log() / arb(2).log() * abs(n) < LARGEST_BINARY_EXPONENT:
+        if abs(enclose(x)).log() / arb(2).log() * abs(n) < LARGEST_BINARY_EXPONENT:
             return Answer("", lambda: enclose(x) ** n, CERTIFIED, a.unit)
         raise ValueError(f"the power is too long to write out: more than {LARGEST_BINARY_EXPONENT} bits")
     return Answer("", _short(x**n), a.evidence, a.unit)

@@ -55,11 +55,6 @@ class Query:
     problem: Token | None = None
     rates: tuple[Token, ...] = ()
 
-    @property
-    def column(self) -> int:
-        """Where it begins."""
-        return self.head.column
-
 
 Node: TypeAlias = ExpressionNode | Query
 

@@ -79,8 +79,7 @@ class ProblemRun:
         def solved() -> list[_Row]:
             return [*enclose_solution(self._function, self.start, times, bits).states]
 
-        start: _Row = [enclose(x) for x in self.start]
-        return self._kept(str(steps), solved)[-len(steps) :] if len(times) > 1 else [start]
+        return self._kept(str(steps), solved)[-len(steps) :]
 
     @cached_property
     def exactly(self) -> _Row | None:

@@ -77,6 +77,23 @@ def test_phrase_stands_exactly_as_often_as_the_claim_says() -> None:
     assert len(findings(text, claim("is {value}", "count = 0"))) == 2
 
 
+def test_three_findings_of_a_kind_are_named_and_2000_places_compared() -> None:
+    one = claim("at {value} after 5 steps", "given = true\ncount = 0")
+    assert len(findings("at 0.33 after 5 steps\n" * 5, one)) == 3
+    assert (
+        len(findings("at 0.34 after 5 steps\n" * 5, claim("at {value} after 5 steps", "given = true\ncount = 5"))) == 3
+    )
+    one = claim("at {value} after 5 steps", "given = true")
+    for before, line in ((1999, 2000), (2000, 1)):
+        text = "at 0.34 after 6 steps\n" * before + "at 0.34 after 5 steps"
+        assert findings(text, one) == [(line, 4, "0.33", "0.34")]
+
+
+def test_what_stands_where_a_phrase_begins_is_shown_up_to_60_characters() -> None:
+    (found_at,) = findings("the error of it " + "x" * 60, claim("the error of it is {value} " + "y" * 60))
+    assert found_at[3] == "the error of it " + "x" * 44
+
+
 def test_number_right_but_part_of_more_is_said_to_be() -> None:
     (outcome,) = check_claims(document_of("is 0.33 %"), [claim("is {value}")])
     assert "stands nowhere" in outcome.findings[0].message

@@ -48,6 +48,17 @@ def test_reason_of_what_is_given_has_200_characters_at_most() -> None:
         parse_claims(with_reason(CLAIM, "x" * 201).encode())
 
 
+def test_limits_are_within_what_is_read() -> None:
+    long = f"{{given = '{'1' * 200}'}}", f"{{ask = 'order rk4', written = '{'x' * 400}'}}"
+    text = "\n".join(CLAIM.replace('"a"', f'"{i}"').replace('"rk4.first_step.q"', one) for i, one in enumerate(long))
+    given, written = parse_claims(f"{text}\ncount = 10000\n[text]\ncoverage = '100%'".encode()).claims
+    assert given.spellings() == {"value": ["1" * 200]}
+    assert written.count == 10_000
+    assert written.values["value"].form.exact
+    label = parse_claims(f"[[label]]\nphrase = '{{n}}'\nwhy = '{'x' * 200}'".encode())
+    assert (len(label.labels[0].why), label.coverage) == (200, 0)
+
+
 BAD = [
     ("x = 1", "the file has no key 'x'; there are text, claim, label"),
     ("claim = 1", "claim is 1; write a list"),
@@ -61,6 +72,17 @@ BAD = [
     (CLAIM + "places = true", "places is True; write a whole number"),
     (CLAIM + "places = 2.5", "places is '2.5'; write a whole number"),
     (CLAIM + "count = -1", "count is -1; write a whole number from 0"),
+    (CLAIM + "count = 10001", "count is 10001; write a whole number from 0 to 10000"),
+    (CLAIM + "given = ''", "given is true, or says in a few words why"),
+    (CLAIM.replace('"rk4.first_step.q"', "{ask = 3}"), "a question is a text"),
+    (CLAIM.replace('"rk4.first_step.q"', "{ask = '1', written = ''}"), "written is a formula as it stands in the text"),
+    (CLAIM.replace('"rk4.first_step.q"', f"{{ask = '1', written = '{'x' * 401}'}}"), "written is a formula"),
+    (CLAIM.replace('"rk4.first_step.q"', f"{{given = '{'1' * 201}'}}"), "given is one number"),
+    (f"[[claim]]\nid = 'a'\nphrase = 'is 5'\nvalues.{'v' * 41} = '1'", f"its values name '{'v' * 40}', which"),
+    ("claim = [1]", "claim is a list of tables; begin each with [[claim]]"),
+    ("[[label]]\nphrase = '{n}'\nwhy = ''", "label 1: why says"),
+    (f"[[label]]\nphrase = '{{n}}'\nwhy = '{'x' * 201}'", "label 1: why says"),
+    ("[text]\ncoverage = '100.001%'", "coverage of text is a percentage"),
     (CLAIM + "rounding = 'up'", "rounding is 'up'; write 'half-even' or"),
     (CLAIM + "exact = 1", "exact is 1; write true or false"),
     (CLAIM + "values = {}", "both value and values"),

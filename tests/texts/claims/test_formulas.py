@@ -17,6 +17,7 @@ SAME = [
     ("q**2/2 - h*q*v/2 + v**2/2", "(q² − hqv + v²)/2".replace("hqv", "h q v"), ["(q² + h q v + v²)/2", "(q² + v²)/2"]),
     ("(1 - 2*gamma)/(1 - gamma*z)**2", "(1 − 2γ)(1 − γ z)^{-2}", ["(1 − 2γ)/(1 − γ z)", "(1 - 2γ)(1 - z)^{-2}"]),
     ("h**2", "h h", ["2h", "h^{12}"]),
+    ("-h**2 + 1/h", "(1 - h^3)/h", ["-(h**2 + 1/h)", "h**2 + 1/h", "-(h**2) - 1/h"]),
 ]
 
 
@@ -28,11 +29,20 @@ def test_formula_is_the_same_however_it_is_written(ours: str, theirs: str, other
 
 @pytest.mark.parametrize(
     ("text", "why"),
-    [("sqrt(h)", "only rational functions"), ("1 +", "is no formula"), ("h^{900} z^{900}", "too long to compare")],
+    [
+        ("sqrt(h)", "sqrt stands in it; only rational functions"),
+        ("h^(1/2)", "a root stands in it; only rational"),
+        ("1 +", "is no formula"),
+        ("w^2 h^{58} z^{112}", "too long to compare: 20001 points"),
+    ],
 )
 def test_what_is_not_compared_is_refused(text: str, why: str) -> None:
     with pytest.raises(ValueError, match=why):
         same_formula("h", text)
+
+
+def test_formulas_are_compared_at_20000_points_at_most() -> None:
+    assert not same_formula("h**199*z**99", "1 + h^199*z^99")
 
 
 def test_formula_of_a_text_is_held_as_it_is_written() -> None:

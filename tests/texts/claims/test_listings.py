@@ -146,6 +146,29 @@ def test_listing_that_lies_about_its_outcome_is_not_believed_to_have_run() -> No
     assert "the code wrote into our pipe" in outcome(program)
 
 
+@pytest.mark.parametrize(("between", "shown"), [("x" * 296, True), ("x" * 297, False)])
+def test_output_stands_within_300_characters_ends_of_lines_among_them(between: str, shown: bool) -> None:
+    (one,) = listings_in(document_of(f"```python\nprint(1)\n```\n\n{between}\n\n```\n1\n```\n", "markdown"))
+    assert (one.printed is not None) is shown
+
+
+def test_200_listings_are_run_and_60_first_lines_tried() -> None:
+    many = lambda count: document_of("```python\n1\n```\n" * count, "markdown")
+    assert len(listings_in(many(200))) == 200
+    with pytest.raises(ValueError, match="the text has 201 listings; at most 200 are run"):
+        listings_in(many(201))
+    for lines in (60, 61):
+        (one,) = listings_in(document_of("x = 1\n" * lines + "Output:\n\n1\n"))
+        assert one.program.count("\n") == 60
+
+
+def test_a_listing_prints_a_mebibyte_and_writes_64_mebibytes_at_most() -> None:
+    assert "prints more" not in outcome("print('x' * (2**20 - 1), end='\\n')")
+    assert "prints more" in outcome("print('x' * 2**20)")
+    assert outcome("print(open('a', 'wb').write(bytes(2**26)))", str(2**26)) == ""
+    assert "OSError" in outcome("with open('a', 'wb') as f: f.write(bytes(2**26 + 1))")
+
+
 def test_names_are_shared_and_order_is_kept() -> None:
     assert run_listings(document_of(MARKDOWN, "markdown")).findings == ()
     alone = run_listings(document_of(MARKDOWN.replace("x = 3\nprint(f", "print(f"), "markdown"))

@@ -5,13 +5,16 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from fractions import Fraction
+from inspect import signature
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from driftproof.texts.claims.checking import UNCOVERED
 from driftproof.texts.claims.claims import Claims
-from driftproof.texts.claims.report import TextReport
+from driftproof.texts.claims.listings import run_listings
+from driftproof.texts.claims.report import TextReport, check
 from driftproof.texts.readers.document import document_of
 from tests.texts.claims.sample import CLAIMS, TEXT, claim
 
@@ -67,6 +70,32 @@ def test_least_coverage_fails_a_text_with_new_numbers() -> None:
     assert report.findings[0].claim == "coverage"
     assert (report.findings[0].line, report.findings[0].column) == (2, 56), "the first number that is not covered"
     assert not TextReport.of("a", document_of("5 min"), Claims((), CLAIMS.labels, coverage=Fraction(1))).findings
+
+
+def test_report_shows_24_characters_three_values_five_words_and_5000_numbers() -> None:
+    text = "a" * 30 + " 40 " + "b" * 30 + "\ntwo three four five six seven"
+    report = TextReport.of("a.txt", document_of(text), Claims(), suggest=True).written("text").splitlines()
+    assert report[0].startswith(f"a.txt:1:32: not covered: '{'a' * 23} 40 {'b' * 23}'; looks like ")
+    assert report[0].partition("; looks like ")[2].count(", ") == 2
+    assert " more" in report[0]
+    assert report[-1] == "not held: 6 words for numbers or growth (two, three, four, five, six, ...)"
+    five = TextReport.of("a.txt", document_of("two three four five six"), Claims()).written("text")
+    assert five.endswith("(two, three, four, five, six)")
+    assert TextReport.of("a.txt", document_of("7 " * 5000), Claims(), suggest=True).coverage.counts[UNCOVERED] == 5000
+    with pytest.raises(ValueError, match="5001 numbers are not covered; at most 5000 are listed"):
+        TextReport.of("a.txt", document_of("7 " * 5001), Claims(), suggest=True)
+
+
+@pytest.mark.parametrize(
+    "asked", [{}, {"claims": "c.toml", "init": True}, {"init": True, "run": True}, {"init": True, "coverage": True}]
+)
+def test_claims_are_drafted_or_held(asked: dict[str, Any], files: Path) -> None:
+    with pytest.raises(ValueError, match="--init drafts claims"):
+        check("a.md", **asked)
+
+
+def test_listings_have_ten_seconds_unless_told() -> None:
+    assert {signature(f).parameters["time_limit"].default for f in (check, run_listings)} == {10}
 
 
 @pytest.fixture

@@ -69,6 +69,16 @@ def test_units_follow_the_arithmetic() -> None:
     assert value(f"percent({angle}, {angle})").unit == "%"
     assert value(f"-({angle} rad)").unit == "radians"
     assert value("roundoff rk4 h=1/4 : qq").unit == "u"
+    assert value(f"({angle}) ** 1").unit == "degrees"
+
+
+def test_roots_of_different_fields_are_enclosed() -> None:
+    for question, wanted in {
+        "sqrt(2) + 2**(1/3)": 2.6741346,
+        "5**(1/5)": 1.3797297,
+        "sqrt(2) * sqrt(3)": 2.4494897,
+    }.items():
+        assert (value(question).evidence, value(question).digits(8)) == ("CERTIFIED", str(wanted))
 
 
 def test_evidence_is_the_weakest_of_the_parts() -> None:

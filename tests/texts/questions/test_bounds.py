@@ -33,6 +33,14 @@ def test_rounding_bound_holds_for_a_float_step_and_is_rounded_up() -> None:
         assert found.unit == "u"
 
 
+def test_growth_of_a_step_is_the_largest_size_of_its_bound() -> None:
+    """c of E(h), in the Euclidean norm: at least every entry, and at most the sum of all."""
+    entries = [value(f"roundoff rk4 h=1/4 : {x}").exact for x in ("qq", "qv", "vq", "vv")]
+    growth = value("roundoff rk4 h=1/4 : c").exact
+    assert max(entries) < growth < sum(entries)
+    assert growth < value("roundoff rk4 h=1/2 : c").exact
+
+
 def test_sharp_bounds_are_smaller_where_cancellation_is_seen() -> None:
     for readout in ("qq", "q"):
         plain, sharp = (value(f"roundoff symplectic_euler h=1/4 {word} : {readout}").exact for word in ("", "sharp"))

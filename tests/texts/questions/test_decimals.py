@@ -130,7 +130,8 @@ def test_to_fixed_of_an_enclosed_number_goes_through_its_nearest_double() -> Non
 
 
 @pytest.mark.parametrize(
-    ("question", "places"), [("10**21", 2), ("1/3", 101), ("10**60 * 10**60 * 10**60 * 10**60 * 10**60 * 10**60", 1)]
+    ("question", "places"),
+    [("10**21", 2), ("-10**21", 2), ("1/3", 101), ("10**60 * 10**60 * 10**60 * 10**60 * 10**60 * 10**60", 1)],
 )
 def test_to_fixed_is_refused_where_javascript_has_no_such_text(question: str, places: int) -> None:
     with pytest.raises(QuestionError, match="toFixed"):

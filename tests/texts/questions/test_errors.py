@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import signal
+import threading
 
 import pytest
 
-from driftproof.texts.questions.errors import QuestionError, time_limit
+from driftproof.texts.questions.errors import QUESTION_SECONDS, QuestionError, time_limit
 from driftproof.texts.questions.evaluate import value
 
 
@@ -24,6 +25,20 @@ def test_time_limit_ends_what_does_not_end_and_leaves_the_rest_alone() -> None:
     with pytest.raises(QuestionError, match=r"no answer within 0\.05 seconds"):
         for_ever()
     assert signal.getsignal(signal.SIGALRM) == signal.SIG_DFL
+
+
+def test_time_is_not_limited_beside_the_main_thread() -> None:
+    found: list[object] = []
+
+    def limited() -> None:
+        with time_limit("long", 60):
+            found.append(signal.getitimer(signal.ITIMER_REAL))
+
+    thread = threading.Thread(target=limited)
+    thread.start()
+    thread.join()
+    assert found == [(0, 0)]
+    assert QUESTION_SECONDS == 60, "as docs/language.md says"
 
 
 def test_error_is_one_line_that_quotes_no_more_than_it_must() -> None:

@@ -19,6 +19,12 @@ def test_energy_multiplier_is_what_a_step_does_to_the_energy() -> None:
     assert not value("energy_multiplier rk4").is_number
 
 
+def test_leading_term_with_a_root_is_exact() -> None:
+    """C = 1/6 - gamma + gamma**2/2 times -1 for two stages (hairer-wanner-1996, IV.6), gamma = 1 - sqrt(1/2)."""
+    found = value("error_constant sdirk2")
+    assert (found.exact_text, found.evidence) == ("-2/3 + 1/2*sqrt(2)", "PROVED")
+
+
 def test_one_step_matrix_has_the_images_of_the_axes_for_columns() -> None:
     h = Q(3, 7)
     for key in BY_HAND:

@@ -98,11 +98,18 @@ def test_start_of_the_question_goes_before_that_of_the_problem() -> None:
     assert value("exact rates=(y0) from 3 t=0 : y0").digits(3) == "3.00"
 
 
+def test_states_are_fractions_up_to_4096_bits() -> None:
+    """Numerators and denominators of both components: 2047 + 1 + 2047 + 1 bits, and one more."""
+    for power, evidence in ((2046, "PROVED"), (2047, "CERTIFIED")):
+        run = f"run rk4 rates=(0*y0, 0*y1) from {2**2046},{2**power} h=1 t=1"
+        assert value(f"{run} : y0").evidence == evidence
+
+
 # Question -> the beginning of its decimal, to the digits that a float has surely.
 KNOWN = {
     "pi": math.pi, "e": math.e, "2*pi/3": 2 * math.pi / 3, "exp(-1/4)": math.exp(-0.25), "exp(0)": 1.0, "ln(1)": 0.0,
     "ln(exp(2))": 2.0, "cos(pi/3)": 0.5, "(17/16)**1000": (17 / 16) ** 1000,
-    "run rk4 h=1/1000 1000 steps : steps": 1000.0,
+    "run rk4 h=1/1000 1000 steps : steps": 1000.0, "run rk4 problem=pendulum h=1e-5 t=1 : steps": 100000.0,
 }  # fmt: skip
 
 
@@ -134,7 +141,8 @@ REFUSED = [
     ("order rk4 rates=(y0)", 18, "about no problem"),
     ("run rk4 problem=pendulum lambda=1 h=1/4 t=1 : y0", 17, "two problems"),
     ("run rk4 problem=pendulum h=1/4 t=1 : y7", 38, "no readout of run; there are y0"),
-    ("run rk4 problem=pendulum h=1e-9 t=1 : y0", 17, "at most 100000"),
+    ("run rk4 problem=pendulum h=1/100001 t=1 : y0", 17, "100001 steps; on a problem at most 100000 are made"),
+    ("run rk4 rates=(y0) from 3 h=1 t=0 : y0", 16, "h = 1 does not divide t = 0: t / h = 0"),
     ("run velocity_verlet problem=kaps h=1/4 t=1 : y0", 29, "second-order"),
     ("order rk4 problem=pendulum", 19, "about no problem"),
     ("run rk4 lambda=-1 h=1/3 t=1/2 : y", 1, "does not divide"),

@@ -76,6 +76,14 @@ REFUSED = [
     ("sqrt(run rk4 h=1 N=1 : phase_error)", 1, "a function of degrees is not defined"),
     ("1 / run rk4 h=1 N=1 : phase_error", 3, "has no unit of its own"),
     ("(run rk4 h=1 N=1 : phase_error) ** 2", 1, "powers of degrees are no unit"),
+    ("(run rk4 h=1 N=1 : phase_error) * run rk4 h=1 N=1 : phase_error", 33, "degrees times degrees has no unit"),
+    ("(run rk4 h=1 N=1 : phase_error) / roundoff rk4 h=1 : qq", 33, "degrees over u has no unit of its own"),
+    ("percent(run rk4 h=1 N=1 : phase_error, 2)", 1, "percent compares two numbers of one unit; degrees is left"),
+    ("7**80000 * 7**80000", 10, "too long to write out: more than 262144 bits"),
+    ("invariant symplectic_euler : q", 30, "it has"),
+    ("exact t=1 : q deg", 15, "'deg' has no place; only angles have units"),
+    ("run rk4 lambda=-1 h=1/4 t=0 : y", 1, "h = 1/4 does not divide t = 0 (t / h = 0)"),
+    ("run rk4 lambda=-1 h=-1/4 t=1 : y", 1, "h = -1/4 does not divide t = 1 (t / h = -4)"),
 ]
 
 
