@@ -44,6 +44,8 @@ SWAPS: dict[type[ast.AST], type[ast.AST]] = {
     **{ast.Or: ast.And, ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq},
     **{ast.NotEq: ast.Eq, ast.Is: ast.IsNot, ast.IsNot: ast.Is, ast.In: ast.NotIn, ast.NotIn: ast.In},
 }
+# Functions that do not know the order of their arguments.
+SYMMETRIC = ("max", "min", "maximum", "minimum", "hypot", "gcd", "lcm")
 # Keywords that declare an intent: no answer of a program that is right changes with them.
 DECLARED = {"zip": ("strict",), "dataclass": ("frozen", "slots")}
 
@@ -103,7 +105,7 @@ def variants(node: ast.AST, digits: bool) -> Iterator[str]:
         for match in list(re.finditer(r"\.\d*(\d)", str(node.value)))[-1:]:  # its last digit after the point
             at, text = match.start(1), str(node.value)
             yield repr(f"{text[:at]}{(int(text[at]) + 1) % 10}{text[at + 1 :]}")
-    elif isinstance(node, ast.Call) and len(node.args) > 1 and ast.unparse(node.func) not in ("max", "min"):
+    elif isinstance(node, ast.Call) and len(node.args) > 1 and ast.unparse(node.func).split(".")[-1] not in SYMMETRIC:
         if not any(isinstance(x, ast.Starred) for x in node.args):
             yield ast.unparse(ast.Call(node.func, [node.args[1], node.args[0], *node.args[2:]], node.keywords))
     elif isinstance(node, ast.AugAssign | ast.Raise | ast.Break | ast.Continue | ast.Expr | ast.Assign):

@@ -84,7 +84,7 @@ class Problem:
     def __post_init__(self) -> None:
         """Refuse a start or a reference of another length than the field."""
         components = len(self.field.rates)
-        if len(self.start) != components or len(self.reference.states[0]) != components:
+        if any(len(state) != components for state in (self.start, *self.reference.states)):
             raise ValueError(f"{self.key}: {components} rates need a start and a reference of {components} components")
 
     @property

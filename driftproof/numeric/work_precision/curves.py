@@ -150,14 +150,14 @@ def measure_curve(problem: Problem, runs: Integrator, steps_of_runs: Sequence[in
     its point says so. Nothing is decided by a clock, so that every machine, busy or not, has the same points.
     """
     found: list[Point] = []
-    at_floor = 0
+    at_floor, of_a_step = 0, 0.0
     for steps in steps_of_runs:
-        expected = (found[-1].evaluations or 0) * steps / (found[-1].steps or 1) if found else 0.0
-        if expected > most:
+        if (expected := of_a_step * steps) > most:
             remark = f"not run: would take about {expected:.2g} evaluations, limit {most:.2g}"
             found.append(Point(str(steps), None, remark=remark, steps=steps))
             break
         found.append(measured(problem, runs, steps))
+        of_a_step = (found[-1].evaluations or 0) / steps
         at_floor += found[-1].error <= found[-1].doubt
         if at_floor == FLOOR_POINTS:
             break

@@ -123,7 +123,7 @@ def _ensemble(method: Method, problem: Problem, *, fast: bool) -> TimedCall | st
         def integrate() -> State:
             q[:], v[:] = start
             run(q, v, h, steps)
-            return float(q[-1]), float(v[-1])
+            return float(q.max()), float(v.max())  # all are alike
 
         return integrate
 

@@ -141,7 +141,7 @@ def problem_run(
     rates, start = problem[0], given or problem[1]
     if len(start) != len(rates.rates):
         raise ValueError(f"the start has {len(start)} entries, {len(rates.rates)} are needed: from 1, from 1,0, ...")
-    steps = t / h if t else Fraction(0)
+    steps = t / h if h else t
     if steps.denominator != 1 or steps < (method is not None):
         raise ValueError(f"h = {h} does not divide t = {t}: t / h = {steps}")
     if steps > MOST_STEPS_OF_PROBLEM:

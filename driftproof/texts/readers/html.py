@@ -63,7 +63,7 @@ class _Page:
     pieces: list[SourceText | Insertion] = field(default_factory=list)
     schemes: list[_Open] = field(default_factory=list)
     hidden: str = ""  # the element in which nothing is seen, and how many of its name are open
-    hidden_depth: int = 0
+    hidden_depth: int = field(init=False)
     language: str = ""
     listing: bool = False
     first_cell: bool = True

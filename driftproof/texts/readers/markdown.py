@@ -48,8 +48,8 @@ _DEEPEST = 8
 _MATHEMATICS = ("display", "bracket", "paren", "inline")
 # Punctuation that is not to be taken for markup is moved out of the way meanwhile, to characters of no other use.
 _PUNCTUATION = re.compile(r"[!-/:-@\[-`{-~]")
-_FIRST_SHIELD = 0xE100
-_SHIELDED = re.compile(f"[{chr(_FIRST_SHIELD)}-{chr(_FIRST_SHIELD + 127)}]")
+_FIRST_SHIELD = ord("\ue100")
+_SHIELDED = re.compile(f"[{chr(_FIRST_SHIELD)}-{chr(_FIRST_SHIELD + ord('~'))}]")
 
 # Its first run gives nothing back: tried at each of n marks, the look ahead to the end of the line would be n² steps.
 _DELIMITER_ROW = re.compile(r"^[ \t>]*+\|?(?=[^\n]*\|)[ \t]*:?-{2,}[-:| \t]*$\n?", re.MULTILINE)

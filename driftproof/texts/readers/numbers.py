@@ -22,7 +22,7 @@ _REFERENCE = re.compile(
     r"versions?|volumes?|vol\.|no\.|issues?|cells?|footnotes?)[ \n]?\(?|[§#] ?)$",
     re.IGNORECASE,
 )
-_LONGEST_REFERENCE, _BEFORE_REFERENCE = 16, tuple(" \n(§#")
+_LONGEST_REFERENCE, _BEFORE_REFERENCE = len("propositions ("), tuple(" \n(§#")
 # Why a number in one of these is a label, as coverage says it; the first that holds counts.
 _LABELS = {
     re.compile(r"_\{[^{}]{0,40}\}"): "an index",

@@ -145,9 +145,9 @@ class Sandbox(SandboxedEnvironment):
         for call in source.find_all(nodes.Call):
             called = getattr(call.node, "name", None)
             if called in self.placed:
-                asks = called == "value" and bool(call.args) and isinstance(call.args[0], nodes.Const)
-                at = call.args[0].lineno + 1 if asks else _first(call)  # after the quotation mark
-                call.kwargs.append(_told(name, at, asks))
+                question = next((x for x in call.args if called == "value" and isinstance(x, nodes.Const)), None)
+                at = question.lineno + 1 if question else _first(call)  # after the quotation mark
+                call.kwargs.append(_told(name, at, question is not None))
         for applied in source.find_all(nodes.Filter):
             if applied.name not in self.filters:
                 unknown = f"there is no filter {applied.name[:40]!r}; there are {', '.join(self.filters)}"

@@ -119,6 +119,13 @@ def test_stiff_are_all_but_these() -> None:
     assert sorted(problem.key for problem in PROBLEMS.values() if not problem.stiff) == sorted(gentle)
 
 
+def test_those_of_second_order_and_those_that_conserve_an_energy_are_these() -> None:
+    mechanics = ["harmonic_oscillator", "stiff_oscillator", "separated_oscillators", "fermi_pasta_ulam", "henon_heiles"]
+    mechanics += ["kepler", "kepler_eccentric", "kepler_extreme", "pendulum", "pendulum_near_separatrix"]
+    for chosen in (SECOND_ORDER, CONSERVATIVE):
+        assert sorted(map(key, chosen)) == sorted(mechanics)
+
+
 def test_digits_file_holds_the_problems_and_no_others() -> None:
     text = (Path(__file__).parents[3] / "driftproof/numeric/problems/digits.json").read_text(encoding="utf-8")
     assert set(json.loads(text)) == set(PROBLEMS)

@@ -150,3 +150,10 @@ def test_climb_marks_a_run_of_too_many_evaluations_and_makes_none_after_it() -> 
     assert found[-1].remark == "not run: would take about 1.3e+02 evaluations, limit 64"
     assert made == [8, 16]
     assert measure_curve(HARMONIC, Integrator(run, {}, {}), (), most=1) == []
+    assert [point.remark for point in measure_curve(HARMONIC, Integrator(run, {}, {}), (8,), most=1)] == [""]
+
+    def failing(steps: int) -> CountedRun:
+        raise ArithmeticError("not finite")
+
+    ended = measure_curve(HARMONIC, Integrator(failing, {}, {}), (8, 16, 32), most=1)
+    assert [point.remark for point in ended] == ["not finite"] * 3

@@ -62,7 +62,7 @@ def test_samples_are_seconds_of_one_call_and_their_minimum_median_and_spread_are
     timing = timings["a"]
     assert timing.samples == [1, 4, 2, 3, 9]
     assert (timing.best, timing.median, timing.spread) == (1, 3, (4 - 2) / 3)
-    assert Timing(samples=[1.0]).spread is None
+    assert (Timing().batch, Timing(samples=[1.0]).spread) == (1, None)
     assert Timing(samples=[1.0, 3.0]).spread == 0.5
 
 

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from driftproof.support.processes import Limits
 from driftproof.texts.claims import listings
 from driftproof.texts.claims.listings import listings_in, run_listings
 from driftproof.texts.readers.document import Document, document_of
@@ -162,11 +163,19 @@ def test_200_listings_are_run_and_60_first_lines_tried() -> None:
         assert one.program.count("\n") == 60
 
 
-def test_a_listing_prints_a_mebibyte_and_writes_64_mebibytes_at_most() -> None:
-    assert "prints more" not in outcome("print('x' * (2**20 - 1), end='\\n')")
+def test_limits_of_what_listings_take_write_and_print(monkeypatch: pytest.MonkeyPatch) -> None:
+    given: list[Limits] = []
+
+    def refuse(what: str, limits: Limits, **_: object) -> None:
+        given.append(limits)
+        raise LookupError
+
+    assert "prints more" not in outcome("print('x' * (2**20 - 1))")
     assert "prints more" in outcome("print('x' * 2**20)")
-    assert outcome("print(open('a', 'wb').write(bytes(2**26)))", str(2**26)) == ""
-    assert "OSError" in outcome("with open('a', 'wb') as f: f.write(bytes(2**26 + 1))")
+    monkeypatch.setattr(listings, "Session", refuse)
+    with pytest.raises(LookupError):
+        outcome("1")
+    assert given == [Limits(seconds=10, memory=2 * 2**30, file=64 * 2**20)]
 
 
 def test_names_are_shared_and_order_is_kept() -> None:

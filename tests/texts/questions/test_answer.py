@@ -105,3 +105,9 @@ def test_number_that_no_enclosure_decides_is_an_error_and_not_a_guess() -> None:
     nothing = value("(run rk4 h=1/4 t=10 : state_error) - (run rk4 h=1/4 t=10 : state_error)")
     with pytest.raises(QuestionError, match="undecided at 131072 bits"):
         nothing.digits(3)
+
+
+def test_an_exact_form_of_24_characters_is_shown_beside_its_decimal_and_15_digits_unasked() -> None:
+    for digits, shown in ((22, True), (23, False)):
+        assert (", exactly 1/3" in value(f"1/{'3' * digits}").written("text")) is shown
+    assert value("1/7").written("text").startswith("0.142857142857143,")

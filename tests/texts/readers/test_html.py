@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from driftproof.texts.readers.html import html_blocks
+from driftproof.texts.readers.source_text import SourceText
 from tests.texts.readers.reading import blocks, read, standing
 
 READ = [
@@ -14,6 +16,7 @@ READ = [
     ("<math><mfrac><mrow><mi>a</mi><mo>+</mo><mn>1</mn></mrow><mn>2</mn></mfrac></math>", "(a+1)/2"),
     ("<math><msup><mi>h</mi><mn>6</mn></msup><msqrt><mn>2</mn></msqrt></math>", "h^6√(2)"),
     ("<span class='katex-html'>9<span>8</span>7</span>6<template>5</template>", "6"),
+    ("<td>1<td>2", "1 | 2"),
     ("<math><msubsup><mi>q</mi><mn>1</mn><mn>2</mn></msubsup></math>", "q_1^2"),
 ]
 
@@ -31,6 +34,11 @@ def test_number_stands_where_the_file_has_it() -> None:
     assert standing("html", "<p>one\n<b>two</b> &amp; &#8722;42.5</p>", "42.5").startswith("42.5")
 
 
+def test_markup_is_followed_a_hundred_levels_deep() -> None:
+    assert [html_blocks(SourceText.of("<sup>" * n))[0].text.text.count("^{") for n in (99, 100, 101)] == [99, 100, 100]
+
+
 def test_preformatted_text_is_a_listing_in_the_language_of_its_class() -> None:
     source = '<div class="highlight-python"><pre><span>x</span></pre></div><pre>y</pre>'
     assert blocks("html", source) == [("listing", "python", "x"), ("listing", "", "y")]
+    assert blocks("html", "<pre>a<b>1</b> c</pre>") == [("listing", "", "a1 c")]

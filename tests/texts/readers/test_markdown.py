@@ -33,6 +33,13 @@ def test_directives_are_prose_listings_or_for_the_machine() -> None:
     ]  # fmt: skip
 
 
+def test_directives_are_read_eight_levels_deep() -> None:
+    for deep, kinds in ((8, {"prose"}), (9, {"listing"})):
+        ends = ["`" * (deep + 3 - i) for i in range(deep)]
+        source = "\n".join([*(f"{end}{{note}}" for end in ends), "x 5", *reversed(ends)])
+        assert {kind for kind, *_ in blocks("markdown", source)} == kinds, deep
+
+
 def test_number_stands_where_the_file_has_it() -> None:
     source = "# x\n\n> *one* [two](three) **\u221242.5** and `1/2`"
     assert standing("markdown", source, "42.5").startswith("42.5")

@@ -71,3 +71,19 @@ def test_every_digit_belongs_to_one_number(text: str) -> None:
     covered = {i for number in found for i in range(number.start, number.end)}
     assert {i for i, character in enumerate(text) if character.isdigit()} <= covered
     assert all(a.end <= b.start for a, b in pairwise(found))
+
+
+@pytest.mark.parametrize(
+    ("text", "read"), [("1" * 1000, True), ("1" * 1001, False), ("1e999", True), ("1e1000", False)]
+)
+def test_numbers_that_nobody_writes_are_refused(text: str, read: bool) -> None:
+    (number,) = numbers_in(text)
+    if read:
+        assert number.value == Fraction(text)
+    else:
+        with pytest.raises(ValueError, match="is too long"):
+            _ = number.value
+
+
+def test_a_reference_is_known_by_the_longest_of_its_words() -> None:
+    assert [number.label for number in numbers_in("Propositions (5) and (6")] == ["a reference", None]

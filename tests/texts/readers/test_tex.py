@@ -31,6 +31,16 @@ def test_macros_that_grow_without_end_are_left_at_four_times_the_text() -> None:
     assert standing("tex", source, "42.5") == "42.5}"
 
 
+def test_macros_are_put_in_five_times_and_braces_opened_twenty_times() -> None:
+    """\\a is \\b, and so on: one round puts in all that were defined before, so these are defined backwards."""
+    for rounds, read_as in ((5, "7"), (6, "")):
+        names = "abcdefg"[: rounds + 1]
+        chain = "".join(f"\\def\\{a}{{\\{b}}}" for a, b in reversed([*pairwise(names)])) + f"\\def\\{names[-1]}{{7}}"
+        assert read("tex", f"{chain}x \\a y" + " z" * 99).split()[1] == (read_as or "y"), rounds
+    deep = lambda n: "\\emph{" * n + "x" + "}" * n
+    assert read("tex", deep(20)) == "x"
+
+
 def test_number_stands_where_the_file_has_it() -> None:
     assert standing("tex", "% 1\none $\\frac{x}{y} \\num{-42.5}$", "42.5").startswith("42.5")
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from driftproof.commands.arguments import BAD_INPUT, REFUTED
-from driftproof.support.processes import ProcessEnded
+from driftproof.support.processes import Limits, ProcessEnded
 from driftproof.texts.templates import rendering
 
 Run = Callable[..., tuple[int, str, str]]
@@ -126,3 +126,14 @@ def test_without_jinja_one_line_says_what_to_install(lesson: Path, run: Run, mon
 
 def test_command_line_without_render_loads_no_jinja(modules_after: Callable[[str], set[str]]) -> None:
     assert "jinja2" not in modules_after("from driftproof.cli import main; main(['scenes'])")
+
+
+def test_a_template_has_two_minutes_two_gigabytes_and_ten_million_characters(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given: list[Limits] = []
+    answer = {"text": "", "asked": 0}
+    monkeypatch.setattr(rendering, "ask_once", lambda what, order, limits: given.append(limits) or answer)
+    (tmp_path / "a.md.j2").touch()
+    rendering.render(tmp_path / "a.md.j2")
+    assert given == [Limits(seconds=120, memory=2_000_000_000, answer=10_000_000)]

@@ -6,8 +6,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from jinja2 import Environment
 
-from driftproof.texts.templates.sandbox import FILTERS, TemplateProblem
+from driftproof.texts.templates.sandbox import FILTERS, FolderLoader, TemplateProblem
 from driftproof.texts.templates.text_kinds import HTML, LATEX
 
 Become = Callable[..., str]
@@ -56,3 +57,14 @@ def test_arguments_and_comment_signs_of_tex_stay_what_they_are(become: Become) -
 
 def test_no_filter_of_jinja_turns_what_is_missing_into_a_blank() -> None:
     assert not {"default", "d", "format", "center", "indent", "attr", "map", "safe", "tojson"} & set(FILTERS)
+
+
+def test_a_template_has_ten_million_bytes_at_most(tmp_path: Path) -> None:
+    path = tmp_path / "t.j2"
+    for size, read in ((10**7, True), (10**7 + 1, False)):
+        path.write_bytes(b" " * size)
+        if read:
+            assert len(FolderLoader(path).get_source(Environment(), "t.j2")[0]) == size
+        else:
+            with pytest.raises(ValueError, match="longer than 10000000 bytes"):
+                FolderLoader(path).get_source(Environment(), "t.j2")

@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 import pytest
 
-from driftproof.texts.templates.sandbox import TemplateProblem
+from driftproof.texts.templates.sandbox import Refusal, TemplateProblem
+from driftproof.texts.templates.template_values import NumberStyle, TemplateValue, methods_table
 from driftproof.texts.templates.text_kinds import HTML, LATEX, MARKDOWN
 
 Become = Callable[..., str]
@@ -68,3 +69,16 @@ def test_style_and_rounding_are_set_once_in_a_template_or_by_the_command(become:
     macro = '{% macro m() %}{{ value("-1/2") | places(1) }}{% endmacro %}'
     imported = '{% set style = "printed" %}{% import "m.j2" as m with context %}{{ m.m() }}'
     assert become(imported, m_j2=macro) == "−0.5"
+
+
+def test_a_table_has_ten_thousand_cells_at_most() -> None:
+    style = NumberStyle(MARKDOWN, "plain", None)
+
+    def ask(question: str) -> TemplateValue:
+        raise LookupError(question)
+
+    with pytest.raises(LookupError, match="order rk4"):
+        methods_table(style, ask, ["rk4"] * 100, ["order"] * 100)
+    for methods, columns in ((["rk4"] * 10_001, ["order"]), ([], ["order"]), (["rk4"], [])):
+        with pytest.raises(Refusal, match="a table of methods has from 1 to 10000 cells"):
+            methods_table(style, ask, methods, columns)

@@ -217,3 +217,21 @@ def test_exact_forms_of_irrational_and_of_long_numbers_are_read(exact: str | Non
     path = tmp_path / "new.json"
     path.write_text(json.dumps({"values": {"a": {"exact": exact, "decimal": "0.5"}}}), encoding="utf-8")
     assert read_values(path)["values"]["a"]["exact"] == exact
+
+
+def test_limits_of_exponents_texts_and_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    value = lambda decimal: {"values": {"a": {"decimal": decimal}}}
+    assert changes(value("1e100000"), value("10e99999"))[0].kind == "digits"
+    path = tmp_path / "values.json"
+    for exponent, wrong in ((100000, False), (100001, True), (-100001, True)):
+        path.write_text(json.dumps(value(f"1e{exponent}")), encoding="utf-8")
+        if wrong:
+            with pytest.raises(ValueError, match="which is no number"):
+                read_values(path)
+        else:
+            assert read_values(path)
+    for length, shown in ((40, "x" * 40), (41, "x" * 18 + "..." + "x" * 18)):
+        assert str(module.Change("added", "a", "", None, "x" * length)) == shown
+    limits: list[int] = []
+    monkeypatch.setattr(module, "read_utf8", lambda path, most: limits.append(most) or "{}")
+    assert (read_values(path), limits) == ({}, [64_000_000])

@@ -18,7 +18,7 @@ from driftproof.symbolic.linear.facts import ExactFunction, Formula, TruncatedSe
 from driftproof.symbolic.linear.families import Interval, ParameterSet
 from driftproof.symbolic.linear.stability_limits import INFINITY
 from driftproof.texts.writing.facts import fact_tex, fact_text, facts_tex, facts_text
-from driftproof.texts.writing.records import record
+from driftproof.texts.writing.records import is_long, record
 from tests.symbolic.linear.family_examples import SDIRK_3
 from tests.symbolic.linear.linear_examples import pade
 
@@ -126,3 +126,20 @@ def test_number_of_thousands_of_characters_is_its_decimal_alone() -> None:
     assert fact_text(Q(1, 3)) == "1/3"
     assert fact_text((Q(1, 3), number)).startswith("[1/3, 2.0802")
     assert fact_text(Formula("x" * 500)) == "a formula of 500 characters"
+
+
+def test_twelve_items_400_characters_and_17_digits_are_shown() -> None:
+    for count, last in ((12, "12"), (13, "and 1 more (--format json has all)")):
+        assert facts_text({"x": [str(i) for i in range(1, count + 1)]}).splitlines()[-1].strip() == last
+        shown = fact_text({f"k{i}": i for i in range(1, count + 1)})
+        assert shown.endswith("k12: 12" if count == 12 else "k12: 12, and 1 more (--format json has all)")
+    assert fact_text(Formula("x" * 400)) == "x" * 400
+    assert fact_text(Formula("x" * 401)) == "a formula of 401 characters"
+    assert not is_long(Q(1, 10**57))
+    assert is_long(Q(1, 10**58))
+    for size, exact in ((395, True), (396, False)):  # with "/" and the denominator 401 characters
+        text = fact_text(Q(10**size + 1, 10**2))
+        assert text.startswith(f"{10**size + 1}/100" if exact else f"a number of {size + 5} characters")
+    long = [Q(1, 3), Q(10**395, 3)]
+    assert fact_text(long) == f"[1/3, {'3' * 1}.{'3' * 16}e394...]"
+    assert fact_text([Q(1, 3), Q(10**394, 3)]) == f"[1/3, {10**394}/3]"

@@ -13,9 +13,10 @@ from driftproof import strategies
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.families import FAMILIES
 from driftproof.methods.schemes import RungeKutta
-from driftproof.symbolic.facts import FACTS
+from driftproof.symbolic.facts import FACTS, Facts
 from driftproof.symbolic.family_facts import FAMILY_FACTS
-from driftproof.texts.writing.records import facts_of, family_facts
+from driftproof.symbolic.trees.order_conditions import PrincipalError
+from driftproof.texts.writing.records import facts_of, family_facts, record
 from tests.looping import exactly
 from tests.symbolic.linear.family_examples import THETA
 
@@ -96,3 +97,11 @@ def test_coefficients_of_thousands_of_trees_are_counted_and_not_listed() -> None
     assert found["coefficients"] == "of 12486 trees, too many to list; Facts(method).principal_error has them"
     assert found["squared_norm"] == "89604046740749/2355414106012061154379038720000"
     assert len(short["coefficients"]) == 1842
+
+
+def test_2000_trees_are_read_and_no_more() -> None:
+    tree = next(iter(Facts(METHODS["rk4"]).principal_error.coefficients))
+    for count in (2000, 2001):
+        found = record(PrincipalError(5, (tree,) * count, Q(1)))
+        assert isinstance(found, dict)
+        assert isinstance(found["coefficients"], dict) is (count == 2000)
