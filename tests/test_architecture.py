@@ -67,7 +67,7 @@ BUDGETS = {
     "numeric": 3010,
     "blackbox": 14050,
     "enclosure": 3000,
-    "texts": 6687,
+    "texts": 6697,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5255
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

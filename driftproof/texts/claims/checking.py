@@ -179,17 +179,21 @@ def coverage(
     """Every number of the text; `ran` are the spans of what listings print and were seen to print.
 
     A number counts for the value it stands in, else as a label by rule, else for what it stands in first: the phrase of
-    a claim, which gives it, that of a label, or what was run. Raises ValueError for a label that stands nowhere.
+    a claim, which gives it, that of a label, or what was run. A word for a number or for growth that stands in a phrase
+    is held only where it is a value, or the claim says why its numbers are given: nobody worked it out otherwise.
+    Raises ValueError for a label that stands nowhere.
     """
     text = document.text.text
     values: dict[Span, tuple[str, str]] = {}
     holders: list[tuple[int, int, str, str]] = []
+    unheld: list[Span] = []
     for one in checked:
         claim = one.claim
         for occurrence in one.occurrences:
             for name, span in zip(claim.phrase.names, occurrence.values, strict=True):
                 values.setdefault(span, (WORKED_OUT if claim.values[name].given is None else GIVEN, claim.id))
             holders.append((occurrence.start, occurrence.end, GIVEN, claim.id))
+            unheld += [(occurrence.start, occurrence.end)] if claim.given is None else []
     for label in labels:
         found = [match.span() for match in label.phrase.any_numbers().finditer(text)]
         if not found:
@@ -198,10 +202,10 @@ def coverage(
     holders += [(*span, RUN, "running the listing") for span in ran]
     numbers = [number for span, how in values.items() for number in _of_value(text, span, *how)]
     numbers += _of_rest(_masked(text, values), holders)
-    held = [False] * len(text)
-    for start, end, *_ in holders:
-        held[start:end] = [True] * (end - start)
-    unread = tuple(word for word in words_in(text) if not held[word.start])
+    held = set[int]()
+    for start, end in {(start, end) for start, end, *_ in holders}.difference(unheld) | values.keys():
+        held.update(range(start, end))
+    unread = tuple(word for word in words_in(text) if word.start not in held)
     return Coverage(tuple(sorted(numbers, key=lambda accounted: accounted.number.start)), unread)
 
 

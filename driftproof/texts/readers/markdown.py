@@ -20,8 +20,8 @@ _DIRECTIVE = re.compile(r"[ \t]*\{(?P<name>[A-Za-z][\w:.-]*)\}[ \t]*")
 _OPTIONS = re.compile(
     r"(?:[ \t]*---[ \t]*\n.*?\n[ \t]*---[ \t]*(?:\n|\Z)|(?:[ \t]*:[\w-]+:[^\n]*(?:\n|\Z))+)", re.DOTALL
 )
-# Directives whose argument is no title but the name of a file; of which nothing is read; whose body is read.
-_ABOUT_FILES = {"figure", "image", "csv-table", "literalinclude", "include", "video", "iframe", "download"}
+# Directives whose argument is no title but a number of columns or a file; of which nothing is read; whose body is read.
+_NO_TITLES = {"grid", "figure", "image", "csv-table", "literalinclude", "include", "video", "iframe", "download"}
 _UNREAD = {"image", "literalinclude", "include", "toctree", "tableofcontents", "contents", "bibliography", "raw"} | {
     "index", "video", "iframe", "mermaid", "glue:figure", "bokeh-plot", "footbibliography", "tags",
 }  # fmt: skip
@@ -32,12 +32,18 @@ example versionadded versionchanged deprecated glossary container div
 """
 _READ = frozenset(_OF_PROSE.split())
 # Roles whose text is a key of the machine's, unless a text stands before it: {ref}`the figure <fig-1>`.
-_KEYS = {"ref", "numref", "eq", "doc", "label", "download", "footcite", "footcitet", "eval", "glue"}
-_TARGET = re.compile(r"^\([\w:.-]+\)=[ \t]*$\n?|^% [^\n]*$\n?|\{\{ [^{}\n]{1,200} \}\}", re.MULTILINE)
+_KEYS = {"ref", "numref", "eq", "doc", "label", "download", "nb-download", "footcite", "footcitet", "eval", "glue"}
+# And targets, comments, substitutions, breaks between blocks, and the name of an equation after its dollar signs.
+_TARGET = re.compile(
+    r"^\([\w:.-]+\)=[ \t]*$\n?|^% [^\n]*$\n?|\{\{ [^{}\n]{1,200} \}\}|^\+\+\+(?: [^\n]*)?$\n?"
+    r"|(?<=\$\$) \([\w:.-]+\)[ \t]*$",
+    re.MULTILINE,
+)
 # What is not read as Markdown: code, mathematics, comments.
 _KEPT = re.compile(
     r"(?P<gone><!--.*?(?:-->|\Z)|<(?P<tag>script|style)\b.*?(?:</(?P=tag)\s*>|\Z))"
     r"|(?:\{(?P<role>[A-Za-z][\w:.+-]*)\})?(?<!`)(?P<ticks>`++)(?P<code>[^`]{1,2000}?)(?<!`)(?P=ticks)(?!`)"
+    r"|\\begin\{(?P<env>(?:equation|align|gather|multline|eqnarray)\*?)\}(?P<amsmath>.{1,5000}?)\\end\{(?P=env)\}"
     r"|\$\$(?P<display>[^$]{1,5000})\$\$|\\\[(?P<bracket>.{1,5000}?)\\\]|\\\((?P<paren>[^\n]{1,500}?)\\\)"
     r"|(?<![\\$\w])\$(?P<inline>(?! )[^$\n]{1,500}(?:\n[^$\n]{1,500})?(?<! ))\$(?![\w$])",
     re.DOTALL | re.IGNORECASE,
@@ -45,7 +51,7 @@ _KEPT = re.compile(
 _SHOWN = re.compile(r"(?P<a>[^<]*\S)\s*<[^<>]*>\Z")
 # Directives inside directives: grids of cards of tabs are no deeper.
 _DEEPEST = 8
-_MATHEMATICS = ("display", "bracket", "paren", "inline")
+_MATHEMATICS = ("amsmath", "display", "bracket", "paren", "inline")
 # Punctuation that is not to be taken for markup is moved out of the way meanwhile, to characters of no other use.
 _PUNCTUATION = re.compile(r"[!-/:-@\[-`{-~]")
 _FIRST_SHIELD = ord("\ue100")
@@ -99,7 +105,7 @@ def _fenced(source: SourceText, match: re.Match[str], depth: int) -> list[Block]
         return []
     if depth < _DEEPEST and (name in _READ or name.startswith(("prf:", "proof:")) or match["fence"][0] == ":"):
         title = source[match.start("info") + (directive.end() if directive else 0) : match.end("info")]
-        read = [] if name in _ABOUT_FILES or not directive else [Block(PROSE, markdown_prose(title))]
+        read = [] if name in _NO_TITLES or not directive else [Block(PROSE, markdown_prose(title))]
         return [*read, *_parts(body, depth + 1)]
     language = next((name for name in names if name not in ("code-cell", "code-block", "code", "sourcecode")), "")
     return [Block(LISTING, body, language.lower())]
@@ -129,7 +135,7 @@ def _code_and_mathematics_shielded(text: SourceText) -> SourceText:
             continue
         name, role = next((name for name in _MATHEMATICS if match[name]), "code"), (match["role"] or "").lower()
         kept = text[match.start(name) : match.end(name)]
-        if role in _KEYS or role.startswith("cite"):
+        if not _KEYS.isdisjoint(role.split(":")) or role.startswith("cite"):
             shown = _SHOWN.match(kept.text)
             kept = kept[slice(*shown.span("a"))] if shown else kept[:0]
         kept = kept if name == "code" and role != "math" else tex_prose(kept)

@@ -17,7 +17,8 @@ _PARTS = dict(enumerate(("half", "third", "quarter", "fifth", "sixth", "seventh"
 # What says the sign of a change; the first of each is the plainest.
 _TRENDS = {
     1: "grows grow grew growing increases increase increased increasing rises rise rose rising gains gain gained",
-    -1: "shrinks shrink shrank shrinking decreases decrease decreased decreasing falls fall fell falling loses lose",
+    -1: "shrinks shrink shrank shrinking decreases decrease decreased decreasing falls fall fell falling loses lose "
+    "lost losing decays decayed drops dropped",
     0: "stays stay stayed staying keeps keep kept keeping",
 }
 _UNIT = "|".join(sorted(_SMALL, key=len, reverse=True))

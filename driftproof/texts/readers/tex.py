@@ -21,11 +21,13 @@ _LANGUAGE = re.compile(r"language\s*=\s*(\w+)|\{(\w+)\}")
 _COMMENT = re.compile(r"(?<!\\)(?P<a>(?:\\\\)*)%[^\n]*\n?[ \t]*")
 # Commands whose argument is for the machine.
 _UNSEEN = re.compile(
-    r"\\(?:begin|end|label|ref|eqref|autoref|[Cc]ref|pageref|cite[a-z]*|includegraphics|usepackage|documentclass|input|"
-    r"include|bibliography(?:style)?|driftproof|hspace|vspace|setlength|color|textcolor|href|url)\*?"
+    r"\\(?:begin|end|label|[A-Za-z]*ref|cite[a-z]*|includegraphics|usepackage|documentclass|input|"
+    r"include|bibliography(?:style)?|driftproof|hspace|vspace|setlength|color|textcolor|url)\*?"
     r"(?:\s*\[[^\]\n]{0,200}\])*\s*\{[^{}]*\}(?:\[[^\]\n]{0,200}\]|(?<=tabular\})\{[^{}]*\}|(?<=array\})\{[^{}]*\})?"
 )
-_FRACTION = re.compile(r"\\[dtc]?frac\s*(?:\{(?P<a>[^{}]*)\}|(?P<c>[0-9]))\s*(?:\{(?P<b>[^{}]*)\}|(?P<d>[0-9]))")
+_FRACTION = re.compile(
+    r"\\(?:[dtcs]?frac|nicefrac|xfrac|flatfrac)\s*(?:\{(?P<a>[^{}]*)\}|(?P<c>[0-9]))\s*(?:\{(?P<b>[^{}]*)\}|(?P<d>[0-9]))"
+)
 _ROOT = re.compile(r"\\sqrt\s*(?:\{(?P<a>[^{}]*)\}|(?P<c>\w))")
 _NUMBER = re.compile(
     r"\\(?:num|ang|qty|SI|text[a-z]*|math[a-z]+|operatorname|emph|mbox|boxed|underline|section|subsection|"

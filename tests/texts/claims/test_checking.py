@@ -149,6 +149,9 @@ def test_words_that_no_phrase_holds_are_told() -> None:
     one = claim("two of sixteen. It uses one, {value}", "given = true", "0.5")
     assert [word.text for word in coverage(document, []).unread] == ["two", "sixteen", "one", "grows"]
     assert [word.text for word in coverage(document, check_claims(document, [one])).unread] == ["grows"]
+    ours = claim("two of sixteen. It uses one, {value}", "", "0.5")
+    unread = coverage(document, check_claims(document, [ours])).unread
+    assert [word.text for word in unread] == ["two", "sixteen", "one", "grows"], "nobody worked these out, or gave them"
 
 
 def test_label_that_stands_nowhere_is_refused() -> None:

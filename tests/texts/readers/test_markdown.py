@@ -13,7 +13,9 @@ READ = [
     ("| a | b |\n|:--|--:|\n| 1 | 2 |\n\n[r]: http://x/8\n> quoted\n- 5", "| a | b |\n| 1 | 2 |\nquoted\n5"),
     ("0 < h < 2, a<b", "0 < h < 2, a<b"),
     ("{ref}`fig-1`, {ref}`the 3 <fig-1>`, {cite:p}`hairer1993` {eq}`e-2` {sup}`4` {kbd}`5`", ", the 3, ^4 5"),
-    ("(sec-1)=\n# A\n% todo 2\nb {{ x7 }}", "A\nb"),
+    ('(sec-1)=\n# A\n% todo 2\nb {{ x7 }}\n+++ {"a": 7}\n$$c = 1$$ (eq-8)', "A\nb\nc = 1"),
+    ("{math:numref}`e-3` {glue:text}`x:.3f` {eval}`2+2` {nb-download}`n7.ipynb`.\n:::{grid} 2\n4\n:::", ".\n4"),
+    ("\\begin{align*}\ny &= \\frac{1}{4} \\label{eq:8} \\\\\n\\end{align*}", "y | = 1/4"),
     ("$\\newcommand{\\half}{\\frac{1}{2}}\\def\\o#1{O(h^{#1})}\\half$ $\\o{4}$", "1/2 O(h^4)"),
 ]
 
