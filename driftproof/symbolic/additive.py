@@ -10,10 +10,11 @@ from typing import NamedTuple
 from driftproof.methods.additive import Additive
 from driftproof.methods.number_field import Exact, total
 from driftproof.symbolic.linear.facts import LinearFacts, fact_names
-from driftproof.symbolic.rosenbrock import fact_of_twin
+from driftproof.symbolic.rosenbrock import MOST_VERTICES, fact_of_twin
 from driftproof.symbolic.trees.elementary_weights import EXACT, TableauStages
 from driftproof.symbolic.trees.order_conditions import OrderFact, order, order_of, order_to_tolerance
 from driftproof.symbolic.trees.order_conditions import runge_kutta_conditions as conditions_of_one
+from driftproof.symbolic.trees.order_in_balls import RoundedOrder, rounded_order
 from driftproof.symbolic.trees.partitioned_trees import ColouredConditions
 from driftproof.symbolic.trees.rooted_trees import ColouredTree
 
@@ -75,6 +76,15 @@ class AdditiveFacts:
         return order_of(self._conditions(self.method.b_explicit, self.method.b_implicit))
 
     @cached_property
+    def order_but_for_rounding(self) -> RoundedOrder | None:
+        """The order that decimal coefficients miss by their digits alone; None where they are exact."""
+        return (
+            rounded_order(self._conditions(self.method.b_explicit, self.method.b_implicit), MOST_VERTICES)
+            if self.method.decimal
+            else None
+        )
+
+    @cached_property
     def explicit_order(self) -> int:
         """The order of the explicit table alone."""
         return order(self.method.table("explicit")).order
@@ -96,6 +106,7 @@ class AdditiveFacts:
     implicit_stability_function = fact_of_twin("_implicit", "stability_function")
     implicit_a_stable = fact_of_twin("_implicit", "a_stable")
     implicit_l_stable = fact_of_twin("_implicit", "l_stable")
+    implicit_stability_within_digits = fact_of_twin("_implicit", "stability_within_digits")
     implicit_limit_at_infinity = fact_of_twin("_implicit", "limit_at_infinity")
     implicit_stiffly_accurate = fact_of_twin("_implicit", "stiffly_accurate")
 

@@ -20,10 +20,13 @@ from driftproof.symbolic.trees.order_conditions import (
     order_of,
     order_to_tolerance,
 )
+from driftproof.symbolic.trees.order_in_balls import RoundedOrder, rounded_order
 from driftproof.symbolic.trees.partitioned_trees import ColouredConditions
 from driftproof.symbolic.trees.rooted_trees import ColouredTree, Tree, coloured_shapes
 
 F, J = "f", "J"
+# Beyond the order of every method of these families, so that a jump of the residuals is seen.
+MOST_VERTICES = 8
 
 
 class RosenbrockStages:
@@ -175,6 +178,11 @@ class RosenbrockFacts:
     def order_fails(self) -> OrderFact[Tree]:
         """Why the order is no higher: the first tree with a residual, and the residual."""
         return order_of(self._conditions(self.method.b))
+
+    @cached_property
+    def order_but_for_rounding(self) -> RoundedOrder | None:
+        """The order that decimal coefficients miss by their digits alone; None where they are exact."""
+        return rounded_order(self._conditions(self.method.b), MOST_VERTICES) if self.method.decimal else None
 
     @cached_property
     def w_order(self) -> int:

@@ -106,6 +106,12 @@ def test_each_part_has_the_facts_of_its_table():
     assert [key for key, facts in found.items() if facts.weights_agree] == ["ark324", "ark436"]
 
 
+def test_digits_alone_keep_decimal_tables_from_their_order_and_stability():
+    found = {key: AdditiveFacts(method) for key, method in some(EVERY.items()) if method.decimal}
+    assert [facts.order_but_for_rounding.order for facts in found.values()] == exactly(2, [3, 4])
+    assert all(facts.implicit_stability_within_digits.l_stable for facts in found.values())
+
+
 def test_facts_are_written_and_files_read(answer, refusal, tmp_path):
     assert facts_of(EVERY["ars222"], ["nodes"])["nodes"] == ["0", "1 - 1/2*sqrt(2)", "1"]
     text = answer("facts", "ARS(4,4,3)")

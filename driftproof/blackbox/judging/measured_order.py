@@ -24,7 +24,7 @@ HALVINGS = range(-1, 9)  # h = 2**-k
 # An error counts where it is this many times u: the rounding of some dozens of operations of ordinary size is below.
 CLEARANCE = 128
 # Slopes this near to a whole number show it, half way to the next being 0.5: for the methods of the catalogue the last
-# are within 0.2. The last two have to agree where there are two.
+# are within 0.2. The last two have to agree.
 SLACK = 0.3
 
 
@@ -102,11 +102,14 @@ def _fitted(
 
 
 def power_of_errors(errors: Sequence[float], noise: Sequence[float]) -> tuple[int | None, tuple[float, ...]]:
-    """The power of h that errors at halved steps show, None for none; and the slopes down to the first in the noise."""
+    """The power of h that errors at halved steps show, None for none; and the slopes down to the first in the noise.
+
+    One slope alone shows none: between two long steps it may be anything.
+    """
     clear = next((i for i, (e, n) in enumerate(zip(errors, noise, strict=True)) if e <= n), len(errors))
     slopes = tuple(log2(a / b) for a, b in pairwise(errors[:clear]))
     powers = {round(slope) if abs(slope - round(slope)) <= SLACK else None for slope in slopes[-2:]}
-    return (powers.pop() if len(powers) == 1 else None), slopes
+    return (powers.pop() if len(powers) == 1 < len(slopes) else None), slopes
 
 
 def _balls_in(value: Any, size: int) -> list[AnyNumber]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import factorial
@@ -125,13 +125,7 @@ def linear_ball_order(method: BallTableau | BallNystrom, limit: int) -> int:
 
 
 def order_but_for_rounding(method: RungeKutta | Splitting | Nystrom, limit: int) -> RoundedOrder | None:
-    """The order p of which the conditions fail by rounded coefficients alone: by far less than one of p + 1 vertices.
-
-    Residuals of that kind are sums of rounding errors, much alike for every number of vertices; the first that is more
-    than `JUMP` times as large as all before is the method's own. None where there is no such jump up to `limit`
-    vertices, and for a method that no rounding keeps from its order. On the problems of the family; the coefficients
-    are rational.
-    """
+    """`rounded_order` on the problems of the family; the coefficients are rational."""
     conditions: Conditions[Any]
     with ctx.workprec(BALL_BITS):
         if isinstance(method, RungeKutta):
@@ -140,15 +134,30 @@ def order_but_for_rounding(method: RungeKutta | Splitting | Nystrom, limit: int)
             conditions = separable_conditions(method, Balls())
         else:
             conditions = nystrom_conditions(method, Balls())
+        return rounded_order(conditions, limit)
+
+
+def rounded_order(conditions: Conditions[Any], limit: int) -> RoundedOrder | None:
+    """The order p of which the conditions fail by rounded coefficients alone: by far less than one of p + 1 vertices.
+
+    Residuals of that kind are sums of rounding errors, much alike for every number of vertices; the first that is more
+    than `JUMP` times as large as all before is the method's own. None where there is no such jump up to `limit`
+    vertices, and for a method that no rounding keeps from its order. Residuals are balls, or rational.
+    """
+    with ctx.workprec(BALL_BITS):
         largest, n = arb(0), 0
         while JUMP * largest < 1 and n <= min(limit, conditions.bound):  # weights, and so residuals, are about 1
             n += 1
-            sizes = [x.abs_upper() for _, x in conditions.residuals(n) if not x.contains(0)]
+            sizes = [x.abs_upper() for _, x in _in_balls(conditions.residuals(n)) if not x.contains(0)]
             found = max(sizes, default=arb(0))
             if largest > 0 and JUMP * largest < found:
                 return RoundedOrder(n - 1, *(scientific(endpoints(x)[1], RESIDUAL_DIGITS) for x in (largest, found)))
             largest = max(largest, found)
     return None
+
+
+def _in_balls(residuals: Sequence[tuple[Any, RingElement]]) -> Iterator[tuple[Any, arb]]:
+    return ((label, x if isinstance(x, arb) else arb(x)) for label, x in residuals)
 
 
 def vanishing_order(method: BallTableau, limit: int) -> ProvableFailure[Tree]:

@@ -59,6 +59,7 @@ explicit_real_limit | real limit of the explicit part alone
 explicit_imaginary_limit | imaginary limit of the explicit part alone
 implicit_a_stable | implicit part alone: A-stable
 implicit_l_stable | implicit part alone: L-stable
+implicit_stability_within_digits | implicit part alone: stability that rounded coefficients do not exclude
 ssp_coefficient | SSP coefficient: keeps what Euler keeps, at h so often as large
 
 Structure
