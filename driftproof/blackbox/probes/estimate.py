@@ -54,9 +54,15 @@ def read_estimate(subject: ForeignStepper) -> EstimateReading:
 
     Raises NotReadable, saying what was seen; UnsupportedCall where nothing is returned beside y1.
     """
-    probe = _EstimateProbe(subject, 1.0)
+    nothing = UnsupportedCall("the stepper returns nothing beside y1: no error estimate is seen")
+    try:
+        probe = _EstimateProbe(subject, 1.0)
+    except NotReadable:
+        if subject.log.beside is None:  # of what is not there, nothing was not readable
+            raise nothing from None
+        raise
     if subject.log.beside is None:
-        raise UnsupportedCall("the stepper returns nothing beside y1: no error estimate is seen")
+        raise nothing
     return probe.estimate()
 
 

@@ -67,7 +67,7 @@ def _verdict(steps: Outcome, controller: Outcome, runs: Outcome) -> str:
         return f"{word}: {steps.seen}"
     found: SolverSteps | None = steps.result
     name = (
-        f"its steps are not read: {steps.seen}"
+        f"its steps are not read: {steps.seen}{_implicit(runs)}"
         if found is None
         else f"it advances {found.name}, of order {found.order.order}"
     )
@@ -78,6 +78,12 @@ def _verdict(steps: Outcome, controller: Outcome, runs: Outcome) -> str:
     elif control is not None and control.law:
         measured = f"; its step sizes: {control.law.words}"
     return "; ".join([name + measured, *_faults(controller, runs)])
+
+
+def _implicit(runs: Outcome) -> str:
+    """What is seen of an implicit solver, whose steps no explicit tableau tells."""
+    lines = () if runs.failed else runs.result.seen.get("Stiffness", ())
+    return "".join(f"; {line}" for line in lines if line.startswith("it solves"))
 
 
 def _sections(steps: Outcome, controller: Outcome, runs: Outcome) -> Any:

@@ -20,6 +20,10 @@ _TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6)
 _OF_A_JUMP = 1e3
 # What a clock of 24 bits may cost in some thousand steps is no error of the method.
 _GROSS = 2.0**-12
+# A decay so fast that an explicit method of s stages is stable up to 2 s^2/1000 at most: one of seven below the second.
+_STIFF, _EXPLICIT = 1000.0, 100.0
+# A difference for a Jacobian is some roots of u long.
+_NEARBY = 2.0**-23
 # Of a step that is no step: so small a part of the run.
 _TINY = 1e-9
 
@@ -181,6 +185,22 @@ def _tolerance(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     return [*lines, f"the largest error over rtol is {worst:.3g}"], []
 
 
+def _stiffness(subject: ForeignSolver) -> tuple[list[str], list[str]]:
+    """y' = -1000 (y - cos t) - sin t from cos t: an explicit method follows it in steps of some thousandths only."""
+    try:
+        run = subject.solve(lambda n, t, y: [-_STIFF * (y[0] - cos(t)) - sin(t)], _SPAN, (cos(_SPAN[0]),), 1e-3, 1e-6)
+    except DoesNotEnd as failure:
+        return [f"on y' = -1000 (y - cos t) - sin t it does not end: {failure}"], []
+    longest = _STIFF * max((b - a for a, b in pairwise(run.t)), default=0.0)
+    off = abs(run.y[-1][0] - cos(run.t[-1]))
+    pairs = pairwise(run.calls)
+    apart = sum(a.t == b.t and 0 < abs(a.y[0] - b.y[0]) < _NEARBY * (1 + abs(a.y[0])) for a, b in pairs)
+    seen = f"on y' = -1000 (y - cos t) - sin t its longest step is {longest:.3g}/1000, off by {off:.2g} at the end"
+    kind = "it solves for its steps: no explicit method of up to 7 stages is stable so" if longest > _EXPLICIT else ""
+    differences = [f"it asks for differences of f in y, {apart} times, as for a Jacobian"] if apart > 1 else []
+    return [seen, *filter(None, [kind]), *differences], []
+
+
 _QUESTIONS = {
     "Constant slopes": _constant_slopes,
     "Clock": _clock,
@@ -188,4 +208,5 @@ _QUESTIONS = {
     "NaN": _nan,
     "A jump": _jump,
     "Tolerance": _tolerance,
+    "Stiffness": _stiffness,
 }

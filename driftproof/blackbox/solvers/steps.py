@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from math import fsum
 
 from driftproof.blackbox.matching.match import Identity, match_tableau
@@ -73,6 +74,11 @@ def read_steps(subject: ForeignSolver) -> SolverSteps:
     return SolverSteps(reading, identity, read_order(reading, next(iter(identity.matches), None)), marked.nodes)
 
 
+def _bent(_: int, t: float, y: Sequence[float]) -> list[float]:
+    """A slope of both t and y, of size 1, and smooth."""
+    return [(1 - 2 * y[0] * y[0]) / (1 + t + y[0] * y[0])]
+
+
 class _Marked:
     """Runs of y' = f with f = 0 but for marked calls, and the one step of them that is looked at."""
 
@@ -136,6 +142,7 @@ class _Marked:
         c = tuple((calls[n].t - self.start) / self.h for n in stages)
         reading = TableauReading(a, tuple(weights[n] for n in stages), c, self.format)
         self._control(reading, stages)
+        self._control_bent(reading)
         return reading
 
     def _demand_no_memory(self, runs: Sequence[Solution]) -> None:
@@ -158,6 +165,22 @@ class _Marked:
                 f"with other answers a step ends at {seen:.6g} where the coefficients read say {said:.6g}: "
                 "it is not linear in its slopes: an iteration, or a limiter"
             )
+
+    def _control_bent(self, reading: TableauReading) -> None:
+        """A run of a nonlinear problem, all of whose steps must be those of the stages read, and no others' iterate."""
+        run, rounding = self.subject.solve(_bent, _SPAN, (0.25,), **_LAX), Rounding(reading.format, reading.calls)
+        for (t, end), (before, after) in zip(pairwise(run.t), pairwise(run.y), strict=True):
+            h, slopes, y = end - t, list[float](), before[0]
+            for row, c in zip(reading.a, reading.c or (), strict=True):
+                at = y + h * fsum(x * k for x, k in zip(row, slopes, strict=False))
+                slopes.append(_bent(0, t + c * h, (at,))[0])
+            said = y + h * fsum(x * k for x, k in zip(reading.b, slopes, strict=True))
+            size = 1 + abs(y) + abs(h) * fsum(abs(x) for row in (*reading.a, reading.b) for x in row)
+            if not abs(after[0] - said) <= rounding.of(4 * size):
+                raise NotReadable(
+                    f"on a nonlinear problem a step ends at {after[0]:.9g} where the explicit stages read say "
+                    f"{said:.9g}: it iterates, or takes other stages than with slopes of ours"
+                )
 
     def _run(self, answers: dict[int, float]) -> Solution:
         run = self.subject.solve(lambda n, t, y: [_MARK * answers.get(n, 0.0), 0.0], _SPAN, (0.0, 0.0), **_LAX)

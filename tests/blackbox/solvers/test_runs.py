@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.solvers.foreign_solver import ForeignSolver
+from driftproof.blackbox.solvers.identify_solver import identify_solver
 from driftproof.blackbox.solvers.runs import read_runs
 from tests.blackbox.solvers.planted_solvers import adaptive, fixed
 from tests.blackbox.transcripts import Asked
@@ -20,7 +21,8 @@ def read(solve):
 def test_a_right_solver_is_at_fault_in_nothing(key, as_before):
     found = read(adaptive(key, exponent=0.2))
     assert found.faults == ()
-    assert list(found.seen) == ["Constant slopes", "Clock", "Backward", "NaN", "A jump", "Tolerance"]
+    assert list(found.seen) == ["Constant slopes", "Clock", "Backward", "NaN", "A jump", "Tolerance", "Stiffness"]
+    assert len(found.seen["Stiffness"]) == 1
     assert found.seen["Clock"] == ("the last step ends at the end, to the last bit",)
     assert found.seen["NaN"][0].endswith("says: the error is not finite")
     as_before(*found.seen.items())
@@ -52,6 +54,19 @@ def test_what_is_wrong_is_said(name, as_before):
     found = read(asked.code)
     assert any(fault in words for words in some(found.faults, 1))
     as_before(*found.seen.items(), *found.faults, asked)
+
+
+@pytest.mark.parametrize("method", ["Radau", "BDF", "LSODA"])
+def test_what_solves_for_its_steps_is_told_from_what_does_not(method):
+    solve_ivp = pytest.importorskip("scipy.integrate").solve_ivp
+
+    def solve(f, t_span, y0, rtol, atol):
+        return solve_ivp(f, t_span, y0, method=method, rtol=rtol, atol=atol)
+
+    found = read(solve)
+    assert found.seen["Stiffness"][1].startswith("it solves for its steps")
+    assert "differences of f in y" in found.seen["Stiffness"][2]
+    assert "it solves for its steps" in identify_solver(solve, isolate=False).verdict
 
 
 def test_a_clock_that_accumulates_is_told_and_is_no_fault():

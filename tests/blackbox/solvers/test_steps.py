@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from driftproof.blackbox.probes.scripted_answers import NotReadable
@@ -70,15 +71,21 @@ def adams_bashforth(f, t_span, y0, rtol, atol):
     return times, states
 
 
+def limited(f, t_span, y0, rtol, atol):
+    """Small slopes are taken as they are, so that marks are; larger ones are cut."""
+    return adaptive()(lambda t, y: np.clip(f(t, y), -0.5, 0.5), t_span, y0, rtol, atol)
+
+
 @pytest.mark.parametrize(
     ("solve", "seen"),
     [
+        (limited, "on a nonlinear problem a step ends at"),
         (adams_bashforth, "moves the next, too, by -0.5 h: it is a multistep method"),
         (only_the_end, "calls fall in one step: an iteration, or it does not return its steps"),
         (lambda f, t_span, y0, rtol, atol: ([1.0], [y0]), "does not return the times of its steps"),
         (implicit, "with other slopes it makes other steps|depends on the answer to a later one|not linear"),
     ],
-    ids=["multistep", "only the end", "no times", "implicit"],
+    ids=["limited", "multistep", "only the end", "no times", "implicit"],
 )
 def test_what_has_no_table_says_what_was_seen(solve, seen, as_before):
     asked = Asked(solve)
