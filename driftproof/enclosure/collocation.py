@@ -18,10 +18,12 @@ from driftproof.enclosure.numbers import Enclosed, Evaluation
 from driftproof.enclosure.steps import linearised
 
 MOST_CORRECTIONS = 16
+# From the third correction on each has to be half of the one before at most.
+FREE_CORRECTIONS = 2
 # The Jacobians are evaluated anew until corrections are this small: then they are right to the digits of a double.
-FROZEN = 1e-10
+FROZEN = 1e-7
 # And a correction gains as many digits, a few being lost where components are of different sizes.
-GAINED = 1e-7
+GAINED = 1e-8
 # Components are accurate relative to their sizes, or to this much of the largest one or of what they have been.
 NEGLIGIBLE = 2.0**-40
 
@@ -101,7 +103,7 @@ def solved_stages(
     m, n = len(method.stages), len(guess[0])
     slopes = np.kron(np.array([[float(x) for x in row[1:]] for row in method.slopes.tolist()]), np.eye(n))
     values, before, found = arb_mat([list(row) for row in guess]), 1.0, None
-    for _ in range(MOST_CORRECTIONS):
+    for k in range(MOST_CORRECTIONS):
         at_stages = [
             linearised(f, Enclosed(Evaluation(), t + step * (1 + arb(sigma)) / 2), row, slopes=before > FROZEN)
             for sigma, row in zip(method.stages, values.tolist()[1:], strict=True)
@@ -127,7 +129,7 @@ def solved_stages(
             return None
         values = (values - arb_mat([[0.0] * n, *correction.tolist()])).mid()
         moved = float(np.max(np.abs(correction).max(axis=0) / np.maximum(scale[:n], _largest(values))))
-        if not moved <= 2 * before:
+        if not moved <= before * (2 if k < FREE_CORRECTIONS else 0.5):
             return None
         if moved * max(moved / before, GAINED) < accuracy:  # the next correction will not be larger
             return Stages(method, values, found)

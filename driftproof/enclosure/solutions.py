@@ -15,8 +15,17 @@ import numpy as np
 from flint import arb, arb_mat, ctx
 
 from driftproof.enclosure.fields import RightHandSide, rebound
-from driftproof.enclosure.numbers import Refused, Stiff
-from driftproof.enclosure.steps import SHORTEST_PART, EnclosedStep, Expansion, decisions, size
+from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, Stiff
+from driftproof.enclosure.steps import (
+    SHORTEST_PART,
+    EnclosedStep,
+    Expansion,
+    Weights,
+    balanced,
+    decisions,
+    jacobian_of,
+    size,
+)
 from driftproof.enclosure.stiff import StiffPath
 from driftproof.symbolic.algebra.certified import enclose
 
@@ -68,7 +77,7 @@ def enclose_solution(
         try:
             states = [explicit.states_at(t) for t in times]
         except Stiff:
-            path = StiffPath(function, balls, times[0], times[-1])
+            path = StiffPath(function, balls, times[0], times[-1], 16 * explicit.lengths[-1])
             states = [path.states_at(t) for t in times]
         return Enclosure(tuple(times), tuple(states), bits, path.steps, tuple(sorted(explicit.doubles | path.doubles)))
 
@@ -98,8 +107,8 @@ class _Path:
         values, near = self.step.at(s)
         if s == 0:
             return tuple(x + e for x, e in zip(self.point_before, self.error_before, strict=True))
-        reach = near + self.spread * self.step.tube.growth(enclose(s))
-        return tuple(x + arb(0, reach.upper()) for x in values)
+        reach = near + self.step.spread * self.step.tube.growth(enclose(s))
+        return tuple(x + ball for x, ball in zip(values, self.step.around(reach), strict=True))
 
     def _advance(self) -> None:
         if self.step is not None:
@@ -107,10 +116,13 @@ class _Path:
         self.steps += 1
         error = (self.basis * self.box).entries()
         self.point_before, self.error_before = self.point, error
-        self.spread = size(error)
         decided = decisions(self.f, self.t, self.point, self.doubles)
-        longest = 4 * self.step.h if self.step is not None else LONGEST_STEP
-        self.step = Expansion(self.f, self.t, self.point, self.length, decided).step(longest, self.spread)
+        if self.step is not None:
+            longest, weights = 4 * self.step.h, self.step.next_weights
+        else:
+            time = Enclosed(Evaluation(), enclose(self.t))
+            longest, weights = LONGEST_STEP, balanced(jacobian_of(self.f, time, self.point), [arb(1)] * len(error))
+        self.step = Expansion(self.f, self.t, self.point, self.length, decided, weights).step(longest, error)
         self._refuse_what_does_not_end(self.step)
 
     def _refuse_what_does_not_end(self, step: EnclosedStep) -> None:
@@ -131,26 +143,32 @@ class _Path:
     def _carry(self, step: EnclosedStep) -> None:
         """From the start of the step to its end: the thin point, and the set of errors around it."""
         values, near = step.at(step.h)
-        wide = arb(0, near.upper())
         self.point = [x.mid() for x in values]
-        made = arb_mat([[x - m + wide] for x, m in zip(values, self.point, strict=True)])
+        made = arb_mat([[x - m + e] for x, m, e in zip(values, self.point, step.around(near), strict=True)])
         image = step.flow * self.basis
-        basis = _near_orthogonal(image, self.box)
+        basis = _near_orthogonal(image, self.box, step.weights)
         inverse = basis.inv()
         self.box = (inverse * image) * self.box + inverse * made
         self.basis, self.t = basis, step.t + step.h
 
 
-def _near_orthogonal(image: arb_mat, box: arb_mat) -> arb_mat:
-    """The Q of the QR factors of the middle of `image`, longest columns first; thin, and only nearly orthogonal."""
-    widths = np.array([float(x.rad()) for x in box.entries()])
-    scale = widths.max()
-    middle = np.array([[float(x.mid()) for x in row] for row in image.tolist()])
-    columns = middle * (widths / scale if scale > 0 else 1.0)
+def _near_orthogonal(image: arb_mat, box: arb_mat, weights: Weights) -> arb_mat:
+    """The Q of the QR factors of the middle of `image`, longest columns first; thin, and only nearly orthogonal.
+
+    In units of the weights.
+    """
+    widest = size(x.rad() for x in box.entries())
+    widths = [float(x.rad() / widest) if widest > 0 else 1.0 for x in box.entries()]
+    columns = np.array(
+        [
+            [float(x.mid() / d) * w for x, w in zip(row, widths, strict=True)]
+            for row, d in zip(image.tolist(), weights, strict=True)
+        ]
+    )
     order = np.argsort(-np.linalg.norm(columns, axis=0), kind="stable")
     q, _ = np.linalg.qr(columns[:, order] + 1e-300 * np.eye(len(columns)))
     q = q if np.isfinite(q).all() and abs(np.linalg.det(q)) > 0.5 else np.eye(len(q))
-    return arb_mat([[float(x) for x in row] for row in q])
+    return arb_mat([[float(x) * d for x in row] for row, d in zip(q, weights, strict=True)])
 
 
 def _shrinks(flow: arb_mat) -> bool:

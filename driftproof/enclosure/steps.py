@@ -4,7 +4,7 @@ From a thin point y0 a polynomial p with thin coefficients is made, in σ = s/h.
 run as a Taylor model: its norm bounds |g| on the step. Gronwall's inequality with the logarithmic norm μ of the
 Jacobian on a tube then bounds |y - p| by s δ exp(max(μ, 0) s); the tube is checked to be wide enough for this after the
 fact, so that no a-priori box is needed. The variational equation, whose solution carries along the errors made so far,
-is enclosed in the same way.
+is enclosed in the same way. Norms are max |e_i|/d_i with weights d, so that of a spring's q'' = -ω² q μ is ω, not ω².
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import frexp
-from typing import Any
+from typing import Any, TypeAlias
 
+import numpy as np
 from flint import arb, arb_mat, arb_poly, ctx
 
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates
@@ -34,11 +35,16 @@ BITS_OF_A_STEP = Fraction(7, 8)
 SHORTEST_PART = Fraction(1, 2**40)
 # A tube is tried at four times the error that it must hold, then at twice what the first shows to be needed.
 FIRST_TUBE, WIDEST_TUBE = 4, arb(2) ** 12
+# The first step needs a few sweeps; each step begins from the weights of the one before.
+SWEEPS = 2
+
+# d, each a power of two: |e| = max |e_i|/d_i.
+Weights: TypeAlias = Sequence[arb]
 
 
 @dataclass(frozen=True)
 class Tube:
-    """Solutions stay within `radius` of p over the step; `norm` is max(μ, 0) there."""
+    """Solutions stay within `radius` of p over the step, in the weighted norm; `norm` is max(μ, 0) there."""
 
     radius: arb
     norm: arb
@@ -52,20 +58,28 @@ class Tube:
 class EnclosedStep:
     """[t, t + h]: p as polynomials in σ = s/h, the defect's bound δ, and the tube in which all this holds.
 
-    `flow` encloses the derivative of the solution at t + h with respect to its start, for all starts in the tube.
+    Starts are within `spread` of p(0). `flow` encloses the derivative of the solution at t + h with respect to its
+    start, for all starts in the tube; `next_weights` would have been the best for this step.
     """
 
     t: Fraction
     h: Fraction
     polynomials: Sequence[arb_poly]
+    spread: arb
     defect: arb
     tube: Tube
     flow: arb_mat
+    weights: Weights
+    next_weights: Weights
 
     def at(self, s: Fraction) -> tuple[list[arb], arb]:
         """p(s), and how far the solution from the step's own start is from it at most, for 0 <= s <= h."""
         ball = enclose(s)
         return [arb(p(enclose(s / self.h))) for p in self.polynomials], ball * self.defect * self.tube.growth(ball)
+
+    def around(self, distance: arb) -> list[arb]:
+        """Balls around 0 of what is within the distance."""
+        return [arb(0, (distance * d).upper()) for d in self.weights]
 
 
 def size(values: Iterable[arb]) -> arb:
@@ -88,20 +102,22 @@ def decisions(f: RightHandSide, t: Fraction, y: Sequence[arb], seen: set[float])
 class Expansion:
     """The solution from a thin point, expanded; and steps of any length made of it."""
 
-    def __init__(self, f: RightHandSide, t: Fraction, y: Sequence[arb], length: int, decided: Sequence[bool]) -> None:
-        """So many coefficients of p in s, thin, each from those before it."""
-        self.f, self.t, self.length, self.decided = f, t, length, decided
+    def __init__(
+        self, f: RightHandSide, t: Fraction, y: Sequence[arb], length: int, decided: Sequence[bool], weights: Weights
+    ) -> None:
+        """So many coefficients of p in s, thin, each from those before it; whatever the weights, what is said holds."""
+        self.f, self.t, self.length, self.decided, self.weights = f, t, length, decided, weights
         self.rows = [[x] for x in y]
         for k in range(1, length):
             for row, rate in zip(self.rows, self._on_series(k), strict=True):
                 row.append((_coefficient(rate.value, k - 1) / k).mid())
 
-    def step(self, longest: Fraction, spread: arb) -> EnclosedStep:
-        """A step of `longest` at most that holds for every start within `spread` of the point.
+    def step(self, longest: Fraction, errors: Sequence[arb]) -> EnclosedStep:
+        """A step of `longest` at most that holds for every start of the point and its errors.
 
         Raises Refused where no disc is found on which f is analytic, or no tube.
         """
-        h = min(longest, self._first_length())
+        h, spread = min(longest, self._first_length()), self._size(errors)
         reason = "a pole is ahead, or f is not smooth there"
         for _ in range(MOST_SHORTENINGS):
             try:
@@ -112,17 +128,18 @@ class Expansion:
             h *= SHORTER
         raise Refused(f"no step from t = {float(self.t):.9g} is found, however short: {reason}", self.t)
 
-    def _scale(self) -> arb:
-        return size(row[0] for row in self.rows).max(arb(1))
+    def _size(self, values: Iterable[arb]) -> arb:
+        """The weighted norm."""
+        return size(x / d for x, d in zip(values, self.weights, strict=True))
 
     def _tolerance(self) -> arb:
-        return self._scale() * arb(2) ** -int(BITS_OF_A_STEP * ctx.prec)
+        return self._size(abs(row[0]).max(arb(1)) for row in self.rows) * arb(2) ** -int(BITS_OF_A_STEP * ctx.prec)
 
     def _first_length(self) -> Fraction:
         """Eight bits of the length at which the last coefficients come down to the tolerance."""
         lengths, wanted = [1e12], self._tolerance()
         for k in (self.length - 2, self.length - 1):
-            most = size(row[k] for row in self.rows)
+            most = self._size(row[k] for row in self.rows)
             if most > 0:
                 lengths.append(2.0 ** (float((wanted / most).log() / arb(2).log()) / k))
         mantissa, exponent = frexp(min(lengths))
@@ -142,10 +159,14 @@ class Expansion:
         while multiple < WIDEST_TUBE:
             radius = arb((multiple * error + arb(2) ** -ctx.prec).upper())
             jacobian = self._jacobian(step, polynomials, radius)
-            tube = Tube(radius, _logarithmic_norm([[x.range() for x in row] for row in jacobian]))
+            ranges = [[x.range() for x in row] for row in jacobian]
+            tube = Tube(radius, _logarithmic_norm(ranges))
             if tube.growth(step) * error < radius:
-                flow = _flow(jacobian, step, tube)
-                return None if flow is None else EnclosedStep(self.t, h, polynomials, defect, tube, flow)
+                if (flow := _flow(jacobian, step, tube)) is None:
+                    return None
+                flow = arb_mat(self._scaled(flow.tolist(), -1))
+                after = balanced(ranges, self.weights)
+                return EnclosedStep(self.t, h, polynomials, spread, defect, tube, flow, self.weights, after)
             multiple = arb((2 * multiple.max(tube.growth(step))).upper())
         return None
 
@@ -167,17 +188,29 @@ class Expansion:
         state = [Enclosed(evaluation, TaylorModel(p, length)) for p in polynomials]
         rates = enclosed_rates(self.f, self._time(evaluation, step, length), state)
         slopes = [TaylorModel(p.derivative() * (1 / step), length) for p in polynomials]
-        return size((rate.value - slope).norm for rate, slope in zip(rates, slopes, strict=True))
+        return self._size((rate.value - slope).norm for rate, slope in zip(rates, slopes, strict=True))
 
     def _jacobian(self, step: arb, polynomials: Sequence[arb_poly], radius: arb) -> list[list[TaylorModel]]:
         """∂f/∂y along p + b, a model for every constant b of the tube: at each time b may be the true distance there.
 
-        f decides its comparisons here on the whole tube, and so as it did on p, which is part of it.
+        In units of the weights. f decides its comparisons here on the whole tube, and so as it did on p, part of it.
         """
         evaluation, length = Evaluation(), VARIATIONAL_LENGTH
-        box = [TaylorModel(p, length) + arb(0, radius) for p in polynomials]
+        box = [
+            TaylorModel(p, length) + arb(0, (radius * d).upper())
+            for p, d in zip(polynomials, self.weights, strict=True)
+        ]
         rows = jacobian_of(self.f, self._time(evaluation, step, length), box)
-        return [[x if isinstance(x, TaylorModel) else TaylorModel([x], length) for x in row] for row in rows]
+        return self._scaled(
+            [[x if isinstance(x, TaylorModel) else TaylorModel([x], length) for x in row] for row in rows], 1
+        )
+
+    def _scaled(self, rows: list[list[Any]], power: int) -> list[list[Any]]:
+        """Entry (i, j) times d_j/d_i, or by its inverse; exact, these being powers of two."""
+        d = self.weights
+        return [
+            [x * (d[j] / d[i]) ** power if d[i] != d[j] else x for j, x in enumerate(row)] for i, row in enumerate(rows)
+        ]
 
 
 def _flow(jacobian: Sequence[Sequence[TaylorModel]], step: arb, tube: Tube) -> arb_mat | None:
@@ -230,6 +263,24 @@ def linearised(
     rates = enclosed_rates(f, time, state)
     rows = [rate.partials or (0,) * n for rate in rates]
     return [rate.value for rate in rates], [[arb(x) if isinstance(x, int) else x for x in row] for row in rows]
+
+
+def balanced(jacobian: Sequence[Sequence[arb]], before: Weights) -> Weights:
+    """Powers of two by which rows and columns of the Jacobian, which is in units of those before, become as large.
+
+    By Osborne's sweeps (osborne-1960); what is coupled one way only stays as it was.
+    """
+    sizes = np.array([[float(x.abs_upper()) for x in row] for row in jacobian])
+    np.fill_diagonal(sizes, 0)
+    exponents = np.zeros(len(sizes), dtype=int)
+    for i in [*range(len(sizes))] * SWEEPS:
+        row, column = sizes[i].sum(), sizes[:, i].sum()
+        if 0 < row < np.inf and 0 < column < np.inf:
+            change = int(np.rint(np.log2(row / column) / 2))
+            exponents[i] += change
+            sizes[i] *= 2.0**-change
+            sizes[:, i] *= 2.0**change
+    return [d * arb(2) ** int(k) for d, k in zip(before, exponents, strict=True)]
 
 
 def _logarithmic_norm(jacobian: Sequence[Sequence[arb]]) -> arb:

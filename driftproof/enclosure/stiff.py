@@ -23,7 +23,7 @@ from driftproof.enclosure.coordinates import Coordinates, basis_around, nearly_d
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates
 from driftproof.enclosure.models import TaylorModel, bounds, coefficients_of, ranges, value_at
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
-from driftproof.enclosure.steps import SHORTEST_PART, jacobian_of
+from driftproof.enclosure.steps import jacobian_of
 from driftproof.symbolic.algebra.certified import enclose
 
 # Bits for each stage: with 18 stages of 128 bits, steps are about as long as from the singularity nearest to them.
@@ -31,8 +31,10 @@ BITS_PER_STAGE = 7
 # What a step adds is below 2⁻⁸⁰ of 128 bits, relative to the components; what it carries grows by 2⁻⁸ too much at most.
 BITS_OF_A_STEP, LOOSEST = Fraction(5, 8), 2.0**-8
 MOST_STEPS, MOST_TRIES = 5000, 60
-# The tube is so many times what a first look says that it has to be.
-TUBES = (2, 8, 32)
+# The tube is so many times what the step before needed, then what the look before says that it has to be.
+TUBE_AHEAD, TUBES = 8, (2, 2, 8, 32)
+# Shorter steps, relative to the time gone by, are those of a pole; van der Pol's, mu = 10^6, are of 2⁻⁴⁵.
+SHORTEST_STIFF_PART = Fraction(1, 2**64)
 # Steps change by these factors at most.
 SHORTEN, LENGTHEN = 0.25, 4.0
 
@@ -69,8 +71,10 @@ class StiffStep:
 class StiffPath:
     """Implicit steps from the first time to the last, each beginning where the one before ends."""
 
-    def __init__(self, f: RightHandSide, start: Sequence[arb], first: Fraction, last: Fraction) -> None:
-        """Work with Arb's present precision."""
+    def __init__(
+        self, f: RightHandSide, start: Sequence[arb], first: Fraction, last: Fraction, step: Fraction | None = None
+    ) -> None:
+        """Work with Arb's present precision; `step` is a guess of the first one."""
         self.f, self.t, self.last, self.steps, self.n = f, first, last, 0, len(start)
         m = ctx.prec // BITS_PER_STAGE
         self.length = 2 * m + 2
@@ -78,8 +82,9 @@ class StiffPath:
         self.tolerance = 2.0 ** -float(BITS_OF_A_STEP * ctx.prec)
         self.set = ErrorSet([x.mid() for x in start], _identity(self.n), arb_mat([[arb(x.rad())] for x in start]))
         self.first, self.start, self.largest = first, tuple(start), [0.0] * self.n
-        self.h = (last - first) / 1024
+        self.h = (last - first) / 1024 if step is None else step
         self.step: StiffStep | None = None
+        self.tube = arb_mat(self.n, 1)
         self.doubles: set[float] = set()
 
     def states_at(self, t: Fraction) -> tuple[arb, ...]:
@@ -106,7 +111,7 @@ class StiffPath:
             self.h = h * Fraction(min(max(0.9 * ratio, SHORTEN), LENGTHEN))
             if added <= self.tolerance and self.step is not None:
                 self.t = self.step.t + self.step.h
-                if h < SHORTEST_PART * (self.t - self.first) and self.t < self.last:
+                if h < SHORTEST_STIFF_PART * (self.t - self.first) and self.t < self.last:
                     raise Refused(f"a pole, or a point where f is not smooth, is ahead near t = {float(self.t):.9g}")
                 return self.step
         raise Refused(f"no implicit step from t = {float(self.t):.9g} is found, however short: {reason}", self.t)
@@ -129,18 +134,20 @@ class StiffPath:
         start = sizes_of(T * (self.set.basis - value_at(flow, arb(-1)))) * widths + sizes_of(T * jump)
         defect = self._defect(step, polynomials, T)
         carried = bounds(self.method.chebyshev, flow) * widths
-        box = arb_mat(self.n, 1)
-        for multiple in (0, *TUBES):
-            box = box * multiple
+        box = self.tube
+        for multiple in TUBES:
             M, source = self._comparison(step, polynomials, (T, inverse), flow, box)
             source = source * widths
             around = along_the_step(M, start, defect + source, step)
+            if around is None and box is self.tube:  # a guess that may be too wide
+                box = arb_mat(self.n, 1)
+                continue
             if around is None:
                 raise Refused("what is known of f around the step does not bound the errors")
             needed = carried + sizes_of(inverse) * around
-            if multiple and all(x < y for x, y in zip(needed.entries(), box.entries(), strict=True)):
+            if all(x < y for x, y in zip(needed.entries(), box.entries(), strict=True)):
                 break
-            box = box if multiple else needed
+            box = needed * multiple
         else:
             raise Refused("no tube around the step is wide enough")
         grown, added = at_the_end(M, _beside(defect, source), step)
@@ -154,6 +161,7 @@ class StiffPath:
         if _relative(lost, allowed) > 1:
             return inf
         if relative <= self.tolerance:
+            self.tube = needed * TUBE_AHEAD
             last = own + old
             self.step = StiffStep(
                 self.t, h, polynomials, flow, widths, sizes_of(inverse) * around, sizes_of(inverse) * last

@@ -147,13 +147,13 @@ def holds_growth(module):
 
 
 WRONG = {
-    "a radius halved": (holds_neighbours, ("arb(0, reach.upper())", "arb(0, reach.upper() / 2)")),
+    "a radius halved": (holds_neighbours, ("self.step.around(reach)", "self.step.around(reach / 2)")),
     "carried errors halved": (
         holds_neighbours,
         ("self.box = (inverse * image) * self.box", "self.box = inverse * image * self.box / 2"),
     ),
     "errors carried without the flow": (holds_neighbours, ("image = step.flow * self.basis", "image = self.basis")),
-    "a step's own error dropped": (holds_growth, ("wide = arb(0, near.upper())", "wide = arb(0)")),
+    "a step's own error dropped": (holds_growth, ("step.around(near)", "step.around(near * 0)")),
 }  # fmt: skip
 
 

@@ -14,9 +14,10 @@ from driftproof.symbolic.algebra.certified import enclose
 from tests.enclosure.mutants import mutant
 
 
-def made(module, f, start, spread, length=42, longest=Fraction(2)):
+def made(module, f, start, spread, length=42, longest=Fraction(2), weights=None):
     decided = module.decisions(f, Fraction(0), start, set())
-    return module.Expansion(f, Fraction(0), start, length, decided).step(longest, spread)
+    weights = [arb(1)] * len(start) if weights is None else weights
+    return module.Expansion(f, Fraction(0), start, length, decided, weights).step(longest, [spread] * len(start))
 
 
 def dense_holds_growth(module):
@@ -39,14 +40,19 @@ def dense_holds_neighbours(module):
         return distance <= bound * (1 + arb(2) ** -60) and bound < 1.01 * distance
 
 
-def tube_is_wide_enough(module):
+def tube_is_wide_enough(module, first=2, weight=1):
     """y' = y + 200 y^41 beside y = 0: a solution leaves the tube of twice its distance, and grows faster."""
-    c, spread, module.FIRST_TUBE = 200.0, arb(2) ** -2, 2
+    c, spread, module.FIRST_TUBE = 200.0, arb(2) ** -2, first
     with ctx.workprec(128):
-        step = made(module, lambda t, y: y + c * y**41, [arb(0)], spread)
+        step = made(module, lambda t, y: y + c * y**41, [arb(0)], spread, weights=[arb(weight)])
         h = enclose(step.h)
         distance = (-((spread**-40 + c) * (-40 * h).exp() - c).log() / 40).exp()
         return distance <= spread * step.tube.growth(h)
+
+
+def weighted_tube_is_wide_enough(module):
+    """The same in units of 4: a tube that is not may be 4 times too narrow."""
+    return tube_is_wide_enough(module, first=4, weight=4)
 
 
 def flow_holds_growth(module):
@@ -63,9 +69,26 @@ def no_branch_is_crossed(module):
         return made(module, f, [arb(-1) / 1024], arb(1) / 8192, longest=longest).h <= Fraction(7, 8192)
 
 
-CHECKS = (dense_holds_growth, dense_holds_neighbours, tube_is_wide_enough, flow_holds_growth, no_branch_is_crossed)
+def spring_is_weighted(module):
+    """q'' = -2^20 q, in units 1 and 2^10: Gronwall's constant is 2^10; a solution that starts 2^-40 off lies within."""
+    with ctx.workprec(128):
+        f, spread, weights = (lambda t, y: [y[1], -(2**20) * y[0]]), arb(2) ** -40, [arb(1), arb(2) ** 10]
+        step = made(module, f, [arb(1), arb(0)], spread, longest=Fraction(1, 2**9), weights=weights)
+        angle = 2**10 * enclose(step.h)
+        distances = (spread * angle.sin(), 2**10 * spread * angle.cos())  # from (0, 2^10 2^-40)
+        wide = [x.rad() for x in step.around(step.spread * step.tube.growth(enclose(step.h)))]
+        held = all(abs(x) <= r for x, r in zip(distances, wide, strict=True))
+        turned = [angle.cos(), angle.sin() / 2**10, -(2**10) * angle.sin(), angle.cos()]
+        flow = all(x.contains(y.mid()) for x, y in zip(step.flow.entries(), turned, strict=True))
+        return held and flow and step.tube.norm == 2**10 and step.next_weights == weights
+
+
+CHECKS = (
+    *(dense_holds_growth, dense_holds_neighbours, tube_is_wide_enough, flow_holds_growth, no_branch_is_crossed),
+    *(weighted_tube_is_wide_enough, spring_is_weighted),
+)
 GROWTH = "return (self.norm * s).exp()"
-DEFECT = "return size((rate.value - slope).norm for rate, slope in zip(rates, slopes, strict=True))"
+DEFECT = "return self._size((rate.value - slope).norm for rate, slope in zip(rates, slopes, strict=True))"
 FLOW = "error = (defect * tube.growth(step)).upper()"
 BRANCH = ("evaluation, length = Evaluation(), VARIATIONAL_LENGTH", "evaluation, length = Evaluation(self.decided), 12")
 WRONG = {
@@ -76,6 +99,10 @@ WRONG = {
     "the tube not checked": (tube_is_wide_enough, ("if tube.growth(step) * error < radius:", "if True:")),
     "the flow's error omitted": (flow_holds_growth, (FLOW, "error = arb(0)")),
     "branches on the tube not looked at": (no_branch_is_crossed, BRANCH),
+    "the tube without weights": (weighted_tube_is_wide_enough, ("(radius * d).upper()", "radius")),
+    "a radius without weights": (spring_is_weighted, ("(distance * d).upper()", "distance")),
+    "weights the wrong way": (spring_is_weighted, ("(d[j] / d[i]) ** power", "(d[i] / d[j]) ** power")),
+    "the flow left in other units": (spring_is_weighted, ("self._scaled(flow.tolist(), -1)", "flow.tolist()")),
 }
 
 
