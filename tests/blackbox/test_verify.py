@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 
 import driftproof
-from driftproof import blackbox
 from driftproof.blackbox.identify import identify
 from driftproof.blackbox.judging.agreement import Domain
 from driftproof.blackbox.judging.tolerance import Allowance
@@ -38,7 +37,7 @@ from tests.blackbox.implicit_steppers import (
 )
 from tests.blackbox.pair_steppers import pair_step
 from tests.blackbox.test_identify import rk4, rk38, velocity_verlet
-from tests.blackbox.transcripts import checksum, choices_of
+from tests.blackbox.transcripts import checksum
 
 FEW = 50
 
@@ -512,7 +511,3 @@ def test_a_question_without_sense_is_refused_in_one_line(arguments, message, cap
     error = capsys.readouterr().err
     assert message in error
     assert error.count("\n") == 1
-
-
-def test_what_was_chosen_is_what_it_was(as_before):
-    as_before(*choices_of(blackbox))

@@ -6,15 +6,11 @@ change is meant, WRITE_TRANSCRIPTS=1 in the environment writes the new ones, to 
 
 from __future__ import annotations
 
-import ast
-import importlib
 import os
-import pkgutil
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from functools import wraps
 from pathlib import Path
-from types import FunctionType, ModuleType
 from typing import Any
 from zlib import crc32
 
@@ -72,21 +68,3 @@ def assert_as_before(place: Path, title: str, said: Iterable[object]) -> None:
         kept[title] = text
         place.write_text("".join(f"== {name}\n{kept[name]}" for name in kept), encoding="utf-8")
     assert kept.get(title) == text
-
-
-def choices_of(package: ModuleType) -> Iterator[str]:
-    """The numbers that somebody chose in the modules of a package: constants, and defaults of fields and parameters."""
-    for found in pkgutil.iter_modules(package.__path__, f"{package.__name__}."):
-        module, short = importlib.import_module(found.name), found.name.rpartition(".")[2]
-        own = ast.parse(Path(str(module.__file__)).read_text(encoding="utf-8")).body
-        targets = [x for node in own if isinstance(node, ast.Assign | ast.AnnAssign) for x in ast.walk(node)]
-        names = [x.id for x in targets if isinstance(x, ast.Name) and isinstance(x.ctx, ast.Store)]
-        values = [(name, getattr(module, name)) for name in dict.fromkeys(names) if hasattr(module, name)]
-        for name, value in vars(module).items():
-            if getattr(value, "__module__", "") == module.__name__ and isinstance(value, type | FunctionType):
-                inside = vars(value).values() if isinstance(value, type) else [value]
-                functions = [x for x in inside if isinstance(x, FunctionType)]
-                values += [(f"{name}.{x.__name__}", (x.__defaults__, x.__kwdefaults__)) for x in functions]
-        for name, value in values:
-            if re.search(r"\d|True|False", repr(value)) and not re.search(r" at 0x|\{'|frozenset", repr(value)):
-                yield f"{short}: {name} = {value!r}"

@@ -6,7 +6,6 @@ import warnings
 import numpy as np
 import pytest
 
-from driftproof.blackbox import checks
 from driftproof.blackbox.checks.suite import CHECKS, checks_of
 from driftproof.blackbox.checks.trials import CheckResult
 from driftproof.blackbox.findings import Outcome
@@ -40,7 +39,7 @@ from tests.blackbox.checks.habits import (
     results_of,
     then,
 )
-from tests.blackbox.transcripts import Asked, choices_of
+from tests.blackbox.transcripts import Asked
 from tests.looping import some
 
 ALL_FAULTS = [
@@ -181,7 +180,3 @@ def test_all_that_is_asked_and_said_of_a_planted_habit_is_as_before(name, array,
     asked = Asked(HABITS[name])
     said = [line for line in said_of(asked.code, array=array) if line not in ORDINARY or name == "plain"]
     as_before(*said, asked)
-
-
-def test_what_was_chosen_is_what_it_was(as_before):
-    as_before(*choices_of(checks))

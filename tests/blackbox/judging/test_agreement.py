@@ -7,7 +7,6 @@ from operator import attrgetter
 import numpy as np
 import pytest
 
-from driftproof.blackbox import judging
 from driftproof.blackbox.findings import UnsupportedCall
 from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, Domain, agreement, rows_together, steps_back
 from driftproof.blackbox.judging.measured_order import measured_orders
@@ -17,7 +16,7 @@ from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from tests.blackbox import handwritten_steppers as codes
-from tests.blackbox.transcripts import Asked, choices_of
+from tests.blackbox.transcripts import Asked
 
 FEW = 100
 
@@ -168,7 +167,3 @@ def test_all_that_is_asked_and_said_of_steps_is_as_before(name, array, as_before
         said += [single_mistakes(subject, METHODS["rk38"]), *map(attrgetter("words"), measured_orders(subject))]
         said += [nonlinear_agreement(subject, METHODS[other], NO_ALLOWANCE) for other in ("rk4", "rk38")]
     as_before(*said, asked)
-
-
-def test_what_was_chosen_is_what_it_was(as_before):
-    as_before(*choices_of(judging))

@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from driftproof.blackbox import matching
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import stepper
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.matching.readings import EXPLICIT, TABLEAUX, TIES, in_field, on_force, ties_of
-from tests.blackbox.transcripts import Asked, choices_of
+from tests.blackbox.transcripts import Asked
 
 TIES += [{"dop853", "dop853_third"}]
 
@@ -121,7 +120,3 @@ def test_a_wrong_stage_of_an_error_estimate_is_said_beside_the_step():
     assert set(identity.keys) == ties_of("ralston3")
     beside = "bogacki_shampine32: in a call whose answer is not used, a[3][2]: -4/9 instead of 4/9"
     assert beside in identity.lines
-
-
-def test_what_was_chosen_is_what_it_was(as_before):
-    as_before(*choices_of(matching))

@@ -2,7 +2,6 @@
 
 import pytest
 
-from driftproof.blackbox import probes
 from driftproof.blackbox.findings import UnsupportedCall
 from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.questions import introduction, read_coefficients
@@ -10,7 +9,6 @@ from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox import handwritten_steppers as codes
-from tests.blackbox.transcripts import choices_of
 
 
 def symplectic(f, t, y, h):
@@ -37,7 +35,3 @@ def test_what_has_none_is_refused():
         read_coefficients(opened(adaptive))
     with pytest.raises(UnsupportedCall):
         read_coefficients(opened(lambda q, v, h: (q + h * v, v - h * q)))
-
-
-def test_what_was_chosen_is_what_it_was(as_before):
-    as_before(*choices_of(probes))

@@ -7,9 +7,8 @@ import json
 import pytest
 
 from driftproof import identify_solver
-from driftproof.blackbox import solvers
 from tests.blackbox.solvers.planted_solvers import adaptive, fixed
-from tests.blackbox.transcripts import checksum, choices_of
+from tests.blackbox.transcripts import checksum
 
 LAW = "its step sizes: h_next/h = 0.8 r^(-1/3), at least 0.25, at most 4 (not PI)"
 
@@ -61,7 +60,3 @@ def test_a_hang_and_a_refusal_are_told():
     assert identify_solver(lambda *_: 7, isolate=False).verdict.startswith("gives no answer: it returns int")
     with pytest.raises(ValueError, match="cannot be imported"):
         identify_solver("no.such:solver")
-
-
-def test_what_was_chosen_is_what_it_was(as_before):
-    as_before(*choices_of(solvers))

@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from driftproof.blackbox import stepper
 from driftproof.blackbox.stepper.opening import Target, imported
 from driftproof.symbolic.rounding.formats import BINARY32
-from tests.blackbox.transcripts import choices_of
 
 
 def local_step(q, v, h):
@@ -48,7 +46,3 @@ def test_a_name_without_a_stepper_is_refused_in_one_line(name, message):
         Target(name).open()
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
-
-
-def test_what_was_chosen_is_what_it_was(as_before):
-    as_before(*choices_of(stepper))
