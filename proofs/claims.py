@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable
+
 import pytest
 
 # The kinds of evidence, strongest first.
@@ -38,10 +41,24 @@ NOT_VERIFIABLE = {
     "L249": "heading of the sources",
 }
 
+# The statements of the lesson as it is. A proof of L250 adds one, a proof of T06 a claim of the toolkit about itself.
 STATEMENTS = tuple(f"L{number:03}" for number in range(1, 250))
 REQUIRED = tuple(key for key in STATEMENTS if key not in NOT_VERIFIABLE)
-# What the toolkit claims about itself; these stand in a part of the ledger of their own.
-TOOLKIT = ("T01", "T02", "T03", "T04", "T05")
+_CLAIM = re.compile(r"L\d{3}|T\d{2}")
+HOW_TO_ADD = "a claim is a function in the file of its subject in proofs/, marked @claim(id, evidence=..., by=...)"
+
+
+def required_claims(proved: Iterable[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """What has to be proved, of the lesson and of the toolkit, where these ids are claimed: all up to the last of each.
+
+    >>> required_claims(["L250", "T02"]) == ((*REQUIRED, "L250"), ("T01", "T02"))
+    True
+    """
+    last = {"L": len(STATEMENTS), "T": 0}
+    for key in proved:
+        last[key[0]] = max(last[key[0]], int(key[1:]))
+    lesson = (f"L{number:03}" for number in range(1, last["L"] + 1))
+    return tuple(key for key in lesson if key not in NOT_VERIFIABLE), tuple(f"T{n:02}" for n in range(1, last["T"] + 1))
 
 
 def claim(*ids: str, evidence: str, by: str) -> pytest.MarkDecorator:
@@ -52,6 +69,11 @@ def claim(*ids: str, evidence: str, by: str) -> pytest.MarkDecorator:
     if evidence not in EVIDENCE:
         raise ValueError(f"evidence {evidence!r} is none of {', '.join(EVIDENCE)}")
     for key in ids:
-        if key not in (*REQUIRED, *TOOLKIT):
-            raise ValueError(f"{key} is not a claim to prove: see proofs/claims.py")
+        if key in NOT_VERIFIABLE:
+            raise ValueError(
+                f"{key} is not a claim to prove: {NOT_VERIFIABLE[key]} (NOT_VERIFIABLE in proofs/claims.py)"
+            )
+        if not _CLAIM.fullmatch(key):
+            what = "L and three digits are a statement of the lesson, T and two digits one about the toolkit"
+            raise ValueError(f"{key} is no id of a claim: {what}; a new one takes the next number")
     return pytest.mark.claim(*ids, evidence=evidence, by=by)

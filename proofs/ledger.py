@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from driftproof.support.plain_text import as_json, table
-from proofs.claims import EVIDENCE, REQUIRED, TOOLKIT
+from proofs.claims import EVIDENCE, HOW_TO_ADD, required_claims
 from proofs.kernel.certificates import technique
 
 NOT_RUN = "not run"
@@ -63,14 +63,16 @@ class Ledger:
 
         A test without a claim may be skipped: two compare with the lesson's own list, which a clone may lack.
         """
-        return all(self.standing(claim) in EVIDENCE for claim in (*REQUIRED, *TOOLKIT)) and all(
+        lesson, toolkit = required_claims(self.entries)
+        return all(self.standing(claim) in EVIDENCE for claim in (*lesson, *toolkit)) and all(
             self.outcomes.get(test) in ("passed", "skipped") for test in self.tests
         )
 
     def totals(self) -> str:
         """One line: how many claims of the lesson, and how many about the toolkit, stand how."""
-        lesson, toolkit = (f"{len(claims)} %s: {self._counts(claims)}" for claims in (REQUIRED, TOOLKIT))
-        return f"{lesson % 'claims'}; {toolkit % 'about the toolkit'}"
+        lesson, toolkit = (f"{len(claims)} %s: {self._counts(claims)}" for claims in required_claims(self.entries))
+        about_itself = f"; {toolkit % 'about the toolkit'}" if required_claims(self.entries)[1] else ""
+        return f"{lesson % 'claims'}{about_itself}"
 
     def _counts(self, claims: Iterable[str]) -> str:
         counts = Counter(self.standing(claim) for claim in claims)
@@ -81,18 +83,20 @@ class Ledger:
         """The table for a terminal of `width` columns, then what was not run, and the totals."""
         rows = [["claim", "evidence", "technique", "statement"]]
         used = max(len(entry.technique) for entry in self.entries.values()) + 23  # the other columns and the gaps
-        for claim in (*REQUIRED, *TOOLKIT):
+        required = [claim for claims in required_claims(self.entries) for claim in claims]
+        for claim in required:
             if entry := self.entries.get(claim):
                 statement = textwrap.shorten(entry.statement, max(width - used, SHORTEST), placeholder=" …")
                 rows.append([claim, self.standing(claim), entry.technique, statement])
-        missing = [claim for claim in (*REQUIRED, *TOOLKIT) if claim not in self.entries]
+        missing = [claim for claim in required if claim not in self.entries]
         lines = [table(rows)]
         if missing:
-            lines.append(textwrap.fill(f"not run: {', '.join(missing)}", width))
+            lines.append(textwrap.fill(f"not run, or without a proof: {', '.join(missing)}; {HOW_TO_ADD}", width))
         return "\n".join([*lines, self.totals()])
 
     def markdown(self) -> str:
         """The same table, statements in full, for a file that is read in a browser."""
+        lesson, toolkit = required_claims(self.entries)
         lines = [
             "# Ledger",
             "",
@@ -101,13 +105,13 @@ class Ledger:
             "",
             self.totals() + ".",
             "",
-            *self._rows(REQUIRED),
+            *self._rows(lesson),
             "",
             "## The toolkit",
             "",
             "What it claims about itself.",
             "",
-            *self._rows(TOOLKIT),
+            *self._rows(toolkit),
         ]
         return "\n".join(lines) + "\n"
 

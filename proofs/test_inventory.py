@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from driftproof.symbolic.algebra.certified import CertifiableReal, significant
-from proofs.claims import NOT_VERIFIABLE, REQUIRED, STATEMENTS, claim
+from proofs.claims import HOW_TO_ADD, NOT_VERIFIABLE, REQUIRED, STATEMENTS, claim
 from proofs.ledger import Entry, Ledger
 from proofs.printed import ROWS
 
@@ -66,9 +66,11 @@ def _rounded_as(theirs: str, value: CertifiableReal) -> Fraction:
 
 def test_claim_refuses_an_unknown_id_and_unknown_evidence() -> None:
     """A proof cannot be marked with a claim that does not exist, nor with evidence of no known kind."""
-    with pytest.raises(ValueError, match="L999 is not a claim"):
-        claim("L999", evidence="PROVED", by="nothing")
-    with pytest.raises(ValueError, match="L001 is not a claim"):
+    with pytest.raises(
+        ValueError, match=r"L52 is no id of a claim: L and three digits .* a new one takes the next number"
+    ):
+        claim("L52", evidence="PROVED", by="nothing")
+    with pytest.raises(ValueError, match="L001 is not a claim to prove: title"):
         claim("L001", evidence="PROVED", by="nothing")
     with pytest.raises(ValueError, match="none of PROVED"):
         claim("L010", evidence="BELIEVED", by="nothing")
@@ -88,6 +90,21 @@ def test_ledger_tells_failed_and_not_run_from_proved() -> None:
     assert not ledger.complete
     with pytest.raises(ValueError, match="claimed by both"):
         ledger.add(["c"], [Entry("L010", "c", "again", "PROVED", "how")])
+
+
+def test_new_claim_needs_its_proof_alone_and_one_that_is_missing_says_what_to_do() -> None:
+    """A proof of a statement beyond the list adds it to the ledger, and what lies between waits for proofs."""
+    ledger = Ledger()
+    proofs = [Entry(key, key, "a statement", "PROVED", "how") for key in (*REQUIRED, "L250", "T01", "T02")]
+    ledger.add([entry.test for entry in proofs], proofs)
+    for entry in proofs:
+        ledger.record(entry.test, "passed")
+    assert ledger.complete
+    assert "| L250 | a statement |" in ledger.markdown()
+    assert "229 claims: 229 PROVED; 2 about the toolkit" in ledger.totals()
+    ledger.add([], [Entry("L252", "L252", "a statement", "PROVED", "how")])
+    assert not ledger.complete
+    assert f"without a proof: L251; {HOW_TO_ADD}" in " ".join(ledger.text(200).split())
 
 
 def test_ledger_refuses_two_values_under_one_id() -> None:
