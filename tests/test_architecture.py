@@ -66,7 +66,7 @@ BUDGETS = {
     "symbolic": 10681,
     "numeric": 3010,
     "blackbox": 14120,
-    "enclosure": 3068,
+    "enclosure": 3108,
     "texts": 6697,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5255

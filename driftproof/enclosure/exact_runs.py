@@ -80,9 +80,12 @@ def plan_of(f: RightHandSide, run: Trajectory, method: str | Path | Method, h: E
         counts, sizes = [1] * (len(times) - 1), [b - a for a, b in pairwise(times)]
         starts = times
     else:
-        exact = Fraction(h)
+        try:
+            exact = Fraction(h)
+        except (ValueError, OverflowError, ZeroDivisionError):  # NaN, infinity, other words
+            exact = Fraction(0)
         if exact <= 0:
-            raise Refused(f"h is {h}; a step is above 0")
+            raise Refused(f"h is {h}; a step is above 0, and finite")
         at = [round((t - times[0]) / exact) for t in times]
         starts = [times[0] + n * exact for n in at]
         for i, (t, given) in enumerate(zip(starts, times, strict=True)):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Sequence
 from types import BuiltinFunctionType, CellType, FunctionType, MethodType, ModuleType
 from typing import Any
@@ -20,6 +21,8 @@ _OTHER = {"atan": "arctan", "asin": "arcsin", "acos": "arccos", "atan2": "arctan
 _MATH = {name: name for name in (*_SAME, "hypot", "degrees", "radians")} | _OTHER
 _FILLED_WITH_FLOATS = ("ones", "empty", "full", "zeros_like", "ones_like", "empty_like", "full_like")
 _REPLACED = ("array", "asarray", "zeros", *_FILLED_WITH_FLOATS)
+# Of numbers; what is not finite in balls is refused elsewhere.
+_OF_FINITE = {"isnan": False, "isinf": False, "isfinite": True}
 # Functions that call each other are followed to this depth, which no right-hand side needs.
 _DEEPEST_CALLS = 50
 
@@ -30,10 +33,12 @@ def enclosed_rates(f: RightHandSide, t: Enclosed, y: Sequence[Enclosed]) -> list
     state[:] = y
     try:
         rates = np.asarray(f(t, state), dtype=object).ravel()
-    except (TypeError, AttributeError) as error:
-        raise Refused(f"f does something that has no enclosure: {error}") from None
-    except (ZeroDivisionError, IndexError, ValueError) as error:
-        raise Refused(f"f fails on enclosed numbers: {type(error).__name__}: {error}") from None
+    except Refused:
+        raise
+    except Exception as error:  # a user's function raises what it likes
+        if function := re.match(r"ufunc '(\w+)' not supported", str(error)):
+            raise Refused(f"f uses {function[1]}, which has no enclosure") from None
+        raise Refused(f"f fails on enclosed numbers: {type(error).__name__}: {' '.join(str(error).split())}") from None
     if len(rates) != len(y):
         raise Refused(f"f returns {len(rates)} rates for {len(y)} components")
     return [_lifted(rate, t.evaluation) for rate in rates]
@@ -94,6 +99,10 @@ def _names_of(code: Any) -> set[str]:
     return set(code.co_names).union(*(_names_of(each) for each in inner))
 
 
+def _holds_enclosed(values: Any) -> bool:
+    return any(isinstance(x, Enclosed) for x in np.ravel(values))
+
+
 class _Math(ModuleType):
     """math, whose functions take enclosed numbers, too."""
 
@@ -103,12 +112,16 @@ class _Math(ModuleType):
             return plain
         if name == "pow":
             return lambda x, y: x**y
+        if name == "fsum":
+            return sum
 
         def function(*arguments: Any) -> Any:
             evaluations = [x.evaluation for x in arguments if isinstance(x, Enclosed)]
             if not evaluations:
                 return plain(*arguments)
             arguments = tuple(_lifted(x, evaluations[0]) for x in arguments)
+            if name in _OF_FINITE:
+                return _OF_FINITE[name]
             if name not in _MATH:
                 raise Refused(f"f uses math.{name}, which has no enclosure")
             if name == "log" and len(arguments) == 2:
@@ -123,6 +136,8 @@ class _Numpy(ModuleType):
 
     def __getattr__(self, name: str) -> Any:
         value = getattr(np, name)
+        if name in _OF_FINITE:
+            return lambda x: np.full(np.shape(x), _OF_FINITE[name])[()] if _holds_enclosed(x) else value(x)
         if name not in _FILLED_WITH_FLOATS:
             return value
 
@@ -136,8 +151,7 @@ class _Numpy(ModuleType):
     def array(values: Any, dtype: Any = None, **options: Any) -> Any:
         """numpy.array, of objects where there are enclosed numbers among them."""
         made = np.array(values, dtype=object)
-        enclosed = any(isinstance(x, Enclosed) for x in made.ravel())
-        return made if enclosed else np.array(values, dtype=dtype, **options)
+        return made if _holds_enclosed(made) else np.array(values, dtype=dtype, **options)
 
     asarray = array
 
@@ -146,15 +160,20 @@ class _Numpy(ModuleType):
         """numpy.zeros, of objects unless another type than float is asked for."""
         return np.zeros(shape, dtype=object if dtype in (None, float, np.float64) else dtype, **options)
 
-    class linalg:  # noqa: N801 -- the name that users write
-        """The part of numpy.linalg that a right-hand side uses."""
+    class _Linalg(ModuleType):
+        """numpy.linalg; of enclosed numbers the length of a vector."""
+
+        def __getattr__(self, name: str) -> Any:
+            return getattr(np.linalg, name)
 
         @staticmethod
         def norm(x: Any, *arguments: Any, **options: Any) -> Any:
             """The Euclidean length of a vector."""
-            if arguments or options or not any(isinstance(each, Enclosed) for each in np.ravel(x)):
+            if arguments or options or not _holds_enclosed(x):
                 return np.linalg.norm(x, *arguments, **options)
             return np.sqrt(sum(each * each for each in np.ravel(x)))
+
+    linalg = _Linalg("numpy.linalg")
 
 
 _MODULE_MATH, _MODULE_NUMPY = _Math("math"), _Numpy("numpy")

@@ -217,9 +217,9 @@ class Enclosed:
         """x or -x, by the sign that it has on the whole box."""
         return self if self > 0 else -self
 
-    def __float__(self) -> float:
+    def __float__(self, *_: object) -> float:
         """Refused: an enclosure is no float."""
-        raise Refused("f turns a number into a float; use NumPy's functions, or math's by name")
+        raise Refused("f turns a number into a float; use NumPy's functions, or math's by name, and make arrays in f")
 
     __int__ = __index__ = __round__ = __floor__ = __ceil__ = __trunc__ = __complex__ = __float__
 
@@ -345,8 +345,8 @@ class Enclosed:
 def _function(name: str, x: Value) -> Value:
     try:
         return getattr(x, name)()
-    except (ValueError, ZeroDivisionError) as error:
-        raise Refused(f"f takes {name} where it is not defined: {error}") from None
+    except (ValueError, ZeroDivisionError):
+        raise Refused(f"f takes {name} where it is not analytic") from None
 
 
 def _power(x: Value, n: int) -> Value:

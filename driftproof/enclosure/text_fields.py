@@ -31,8 +31,10 @@ def right_hand_side(f: GivenField) -> RightHandSide:
         return f
     try:
         return field_function(f if isinstance(f, VectorField) else field_of_text(f))
-    except (ValueError, TypeError, AttributeError) as error:
+    except ValueError as error:
         raise Refused(f"f is no right-hand side: {error}") from None
+    except (TypeError, AttributeError):
+        raise Refused(f"f is no right-hand side: {type(f).__name__}; give a function f(t, y), or its text") from None
 
 
 def field_function(field: VectorField, expressions: Sequence[str] | None = None) -> RightHandSide:

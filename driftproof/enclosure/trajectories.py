@@ -74,7 +74,10 @@ def _unfilled(ts: Any, ys: Any) -> tuple[Any, Any]:
 
 
 def _floats(name: str, values: Any) -> Any:
-    found = np.asarray(values)
+    try:
+        found = np.asarray(values)
+    except ValueError:
+        raise Refused(f"{name} is no table of numbers: its rows differ in length") from None
     if found.dtype.kind not in "fiu" or found.dtype.itemsize > 8:
         raise Refused(f"{name} holds {found.dtype}; floats of at most 64 bits are taken")
     if not np.isfinite(found).all():

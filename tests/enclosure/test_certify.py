@@ -81,7 +81,7 @@ def test_text_stands_for_a_function_with_exact_numbers():
 def test_accuracy_is_asserted_with_the_worst_point():
     y = classical(decay, TIMES, [1.0])
     y[3] += 1e-6
-    assert_accurate((TIMES, y), decay, 1.1e-6)
+    assert_accurate([TIMES, y], decay, 1.1e-6)
     with pytest.raises(AssertionError, match=r"off by 9\.99\d+e-7|off by 1\.0000\d+e-6") as caught:
         assert_accurate((TIMES, y), decay, 9e-7)
     assert "component 0 at t = 1.5, point 3 of 5 (proved)" in str(caught.value)
@@ -123,6 +123,9 @@ REFUSED = {
     r"y holds complex128; floats of at most 64 bits are taken": (decay, [0, 1], [[1j], [1.0]]),
     r"list has neither \.t and \.y nor \.ts and \.ys; give t and y apart": (decay, [0, 1], None),
     r"f in floats is 0\.5 at t = 0\.0, component 0; in balls it is 1": (smooth_in_floats_only, [0, 1], [[1.0], [1.5]]),
+    r"y is no table of numbers: its rows differ in length": (decay, [0, 1], [[1], [1, 2]]),
+    r"f is no right-hand side: NoneType; give a function f\(t, y\), or its text": (None, [0, 1], [[1], [1]]),
+    r"f fails in floats at t = 0\.0: KeyError: 'k'": (lambda t, y: {}["k"], [0, 1], [[1.0], [1.0]]),
     r"f returns 2 rates for 1 components": (lambda t, y: [1.0, 2.0], [0, 1], [[1.0], [1.0]]),
     r"f fails in floats at t = 0\.0: ZeroDivisionError": (lambda t, y: [1 / int(t)], [0, 1], [[1.0], [1.0]]),
     r"f compares numbers that the enclosure cannot tell apart": (lambda t, y: np.abs(y), [0, 1], [[0.0], [0.0]]),
@@ -139,7 +142,7 @@ def test_what_cannot_be_proved_is_refused_in_one_line(said):
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("tolerance", [-1.0, float("nan")])
+@pytest.mark.parametrize("tolerance", [-1.0, float("nan"), "1e-3", np.array([1e-3, 1e-3])], ids=str)
 def test_tolerance_has_to_be_a_size(tolerance):
     with pytest.raises(ValueError, match="has to be a number that is not negative"):
         assert_accurate((TIMES, TIMES), decay, tolerance)

@@ -191,6 +191,7 @@ REFUSED = {
     r"y\[1\] is not 2 steps of rk38 from y\[0\]": (pendulum, TIMES[::2], STATES[::2], "rk38", 1 / 8),
     r"t\[1\] = 0\.125 is no multiple of h = 0\.09": (pendulum, TIMES, STATES, "rk4", 0.09),
     r"h is -1; a step is above 0": (pendulum, TIMES, STATES, "rk4", -1),
+    r"h is nan; a step is above 0, and finite": (pendulum, TIMES, STATES, "rk4", float("nan")),
     r"; at most 1000000 are run exactly": (pendulum, TIMES, STATES, "rk4", 2.0**-23),
 }  # fmt: skip
 

@@ -56,6 +56,45 @@ def of_many_functions(t, y):
     return [math.atan2(y[0], y[1]) + math.log(y[0], 10), math.hypot(*y) - math.fabs(y[0]) + math.degrees(y[1])]
 
 
+def guarded(t, y):
+    if np.isnan(y).any() or not np.all(np.isfinite(y)) or math.isnan(y[0]) or math.isinf(t):
+        raise ValueError("no numbers")
+    return y[::-1] * len(y) / y.size
+
+
+def in_place(t, y):
+    rates = y.copy()
+    rates[0], rates[1] = y[1], -y[0]
+    rates *= 2
+    rates -= np.zeros_like(y) + np.copy(y)
+    other = np.zeros(2)
+    np.multiply(rates, -1.0, out=other)
+    return other
+
+
+def out_of_pieces(t, y):
+    q, v = np.split(y, 2)
+    return np.hstack([v, -q]) + np.append(y[1:], y[:1]) * np.roll(y, 1) - np.flip(y) + y[[1, 0]]
+
+
+def of_a_matrix(t, y):
+    products = np.einsum("ij,j->i", MATRIX, y) + MATRIX.dot(y) + (MATRIX @ y.reshape(2, 1)).ravel()
+    return products + np.linalg.inv(MATRIX) @ y + np.inner(y, [1.0, 0.5]) * np.cross([y[0], y[1], 0], [0, 0, 1.0])[:2]
+
+
+def by_axes(t, y):
+    return y * np.linalg.norm(y.reshape(1, 2), axis=1) + np.cumsum(y) / y.mean() + np.prod(y) * np.diff(y)[0]
+
+
+def lists(t, y):
+    a, *rest = y.tolist()
+    return [math.fsum([a, 2.0]) + math.prod(rest), max(sorted([a, *rest])) + min(a, 5.0) * (rest[0] != 0)]
+
+
+def clipped(t, y):
+    return np.clip(y, 0.75, 10.0) * np.sign(y) + np.where(y[0] > 0, y, 0.0) + np.vectorize(lambda x: -x)(y)
+
+
 FIELDS = [
     *(filled, filled_by_name, through_helpers, of_many_functions, Oscillator().field, Oscillator()),
     lambda t, y: MATRIX @ y + np.cos(t),
@@ -64,6 +103,8 @@ FIELDS = [
     lambda t, y: np.concatenate([y[1:], y[:1]]) * np.exp(-np.sum(y)),
     lambda t, y: np.maximum(y, 0.1) + np.empty_like(y).size,
     lambda t, y: [y[1] if t < 1 else y[0], 0],
+    # As strangers write them.
+    *(guarded, in_place, out_of_pieces, of_a_matrix, by_axes, lists, clipped),
 ]
 
 
@@ -84,11 +125,23 @@ def caught(f, t=0.75, y=(0.625, 1.5)):
     return str(refusal.value)
 
 
+def into_a_buffer(t, y):
+    MATRIX[0] = y
+    return MATRIX[0]
+
+
 @pytest.mark.parametrize(
     ("f", "said"),
     [
         (lambda t, y: [math.gamma(y[0]), 0], "f uses math.gamma, which has no enclosure"),
-        (lambda t, y: [y[0] % 1, 0], "f does something that has no enclosure"),
+        (lambda t, y: [y[0] % 1, 0], "f fails on enclosed numbers: TypeError: unsupported operand type(s) for %"),
+        (lambda t, y: [np.heaviside(y[0], 1), 0], "f uses heaviside, which has no enclosure"),
+        (lambda t, y: [round(y[0], 3), 0], "f turns a number into a float; use NumPy's functions"),
+        (lambda t, y: [1j * y[0], 0], "f uses complex as a number"),
+        (lambda t, y: [float("nan") * y[0], 0], "f uses the constant nan"),
+        (lambda t, y: {}["k"], "f fails on enclosed numbers: KeyError"),
+        (lambda t, y: [f"{y[0]:.3f}", 0], "f fails on enclosed numbers: TypeError: unsupported format string"),
+        (into_a_buffer, "and make arrays in f"),
         (lambda t, y: y.astype(float), "f turns a number into a float"),
         (lambda t, y: [y[0]], "f returns 1 rates for 2 components"),
         (lambda t, y: [y[5], 0], "f fails on enclosed numbers: IndexError"),
@@ -98,6 +151,7 @@ def caught(f, t=0.75, y=(0.625, 1.5)):
 )
 def test_field_without_enclosure_is_refused(f, said):
     assert said in caught(f)
+    assert "\n" not in caught(f)
 
 
 def test_rebound_leaves_the_given_function_as_it_was():
