@@ -54,7 +54,8 @@ WORLD: dict[str, tuple[str, ...]] = {
 NOT_ELSEWHERE = "sympy"
 
 # Room -> the most lines it may have, blank ones and docstrings too. Raised on purpose only, in a commit that says why.
-# One function for each command, and answers that print, are 500 lines in support, methods, symbolic, texts and reports.
+# One function for each command, and answers that print, are 500 lines in support, methods, symbolic, texts and reports;
+# Tab completion, lines against silence, problems and stiff verdicts on the page are 300 more of the front.
 # The goals are 400, 3500, 7300, 3000, 7500 and 4600, and 4200 for reports with the front. What stands above them:
 # support holds the one runner of isolated processes, its messages and the one reader of TOML, which stood thrice;
 # methods the one grammar of expressions, the one number field and fields with several roots; symbolic the front door
@@ -69,7 +70,7 @@ BUDGETS = {
     "enclosure": 3108,
     "texts": 6697,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5255
+BUDGET_OF_REPORTS_AND_FRONT = 5453
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 

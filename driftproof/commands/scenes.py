@@ -74,22 +74,27 @@ def sweep_command(options: Namespace) -> str:
 
 
 @cli.command(
-    cli.option("scenes", "a preset, or a file that ends in .toml (default: all presets)", nargs="*", metavar="SCENE"),
+    cli.option("scenes", "presets, problems, .toml files, or stiff (default: all presets)", nargs="*", metavar="SCENE"),
     cli.output_option("the page to write", required=True),
     CERTIFIED_DIGITS,
+    cli.methods_option("on problems: keys or .toml files (default: those of `driftproof stability`)"),
 )
 def report_command(options: Namespace) -> str:
-    """Write presets, or scenes of your own from TOML files, as one page of HTML.
+    """Write presets, problems, or scenes and problems of your own from TOML files, as one page of HTML.
 
     examples:
       driftproof report -o report.html                  the lesson's presets
       driftproof report default -o report.html
       driftproof report mine.toml compare -o report.html
+      driftproof report kepler --methods rk4,velocity_verlet -o report.html
+      driftproof report stiff -o report.html            stiff problems, and which steps methods can take on each
 
     The page is one file that loads nothing, with figures, tables and the numbers behind them; it runs no script. It has
     the panels that the scenes name: table, position, phase_plane, work_precision, stability (`driftproof scene --help`
-    shows a scene). The same scenes make the same bytes.
+    shows a scene). A problem (`driftproof stability --help` shows one) has the errors of methods against their work,
+    and the steps that they can take. The same scenes make the same bytes; printed, everything is shown.
     """
     import driftproof
 
-    return str(driftproof.report(*options.scenes, output=options.output, digits=options.digits))
+    about = {name: getattr(options, name) for name in ("output", "digits", "methods")}
+    return str(driftproof.report(*options.scenes, **about))

@@ -25,7 +25,7 @@ import re
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import METHODS, FactsOnly, entry_named, of_one_state
@@ -61,6 +61,8 @@ _NAME = re.compile(r"[A-Za-z_]\w{0,30}", re.ASCII)
 _RADICAL = re.compile(r"\s*(sqrt|cbrt)\s*\(\s*(\d{1,40})\s*\)\s*")
 _COMMON = ("family", "key", "title", "source", "claimed_order", "decimal", "roots")
 
+# Methods as users name them: a key or name, a file, the method itself; one or several.
+GivenMethods: TypeAlias = str | Path | Method | Sequence[str | Path | Method]
 # From an expression, and where it stands, to the number that it spells.
 Read = Callable[[str, str], Any]
 
@@ -312,7 +314,7 @@ def method_of(given: str | Path | Method | Family | FactsOnly) -> Method:
     return of_one_state(subject)
 
 
-def methods_of(given: str | Path | Method | Sequence[str | Path | Method]) -> list[Method]:
+def methods_of(given: GivenMethods) -> list[Method]:
     """One method or several, keys also in one text: "rk4,heun2". Raises ValueError."""
     if isinstance(given, str):
         given = [name.strip() for name in given.split(",")]

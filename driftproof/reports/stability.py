@@ -11,7 +11,7 @@ from flint import ctx
 
 from driftproof.methods.rationals import ExactNumber, brief, step_count, steps_of
 from driftproof.methods.schemes import Method, MethodError
-from driftproof.methods.tableau_file import methods_of
+from driftproof.methods.tableau_file import GivenMethods, methods_of
 from driftproof.numeric.advance import Advance, advance, float_start, step_times
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
@@ -46,7 +46,7 @@ _LOST = 1e6
 
 def stability(
     problem: str | Path | Problem | None = None,
-    methods: str | Path | Method | Sequence[str | Path | Method] = (),
+    methods: GivenMethods = (),
     h: ExactNumber | Sequence[ExactNumber] = (),
 ) -> Answered:
     """Which steps methods can take on a problem, where their runs end, and what is expected; without one, the problems.
@@ -87,9 +87,34 @@ def _method_answer(problem: Problem, method: Method, counts: Sequence[int]) -> J
     found = None if problem.matrix is None else SystemFacts(method, problem.matrix)
     return {
         **header,
-        "expected": problem.expected.get(behaviour(method, problem), ""),
+        "expected": expected_of(problem, method),
         **(_nonlinear_part(problem, method, runs) if found is None else _linear_part(problem, found, runs)),
         "runs": [_run_answer(problem, runs, found, steps) for steps in counts],
+    }
+
+
+def expected_of(problem: Problem, method: Method) -> str:
+    """What is said of methods of this kind on the problem, if anything is."""
+    return problem.expected.get(behaviour(method, problem), "")
+
+
+def steps_in_words(problem: Problem, method: Method) -> str:
+    """Which steps the method can take: proved on a linear problem, else how many follow the solution to its end."""
+    try:
+        runs = advance(method, problem)
+    except MethodError as reason:
+        return f"does not apply: {reason}"
+    if problem.matrix is not None:
+        return _limit_text(_proved_limit(SystemFacts(method, problem.matrix)))
+    seen = _nonlinear_part(problem, method, runs)
+    fewest, most = seen["fewest_steps"], seen["looked_up_to"]
+    return f"not with {most} steps" if fewest is None else f"from {fewest} step{'s' * (fewest > 1)} on"
+
+
+def _proved_limit(found: SystemFacts) -> Json:
+    return {
+        "limit": record(SYSTEM_FACTS["step_limit"](found)),
+        "attained": SYSTEM_FACTS["step_limit_attained"](found),
     }
 
 
@@ -107,8 +132,7 @@ def _linear_part(problem: Problem, found: SystemFacts, runs: Advance) -> Json:
     r = stability_function_of(found.method)
     at_infinity = None if r is None else r.at_infinity()
     return {
-        "limit": record(SYSTEM_FACTS["step_limit"](found)),
-        "attained": SYSTEM_FACTS["step_limit_attained"](found),
+        **_proved_limit(found),
         "at_infinity": None if r is None else "oo" if at_infinity is None else str(at_infinity),
         "seen": {"bounded": repr(low), "grows": repr(high)},
     }

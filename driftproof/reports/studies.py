@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
-from driftproof.methods.schemes import Method
-from driftproof.methods.tableau_file import methods_of
+from driftproof.methods.tableau_file import GivenMethods, methods_of
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.work_precision.exact import floors
 from driftproof.reports.progress import progress_bar
@@ -30,7 +29,7 @@ WORK_PRECISION_METHODS = (
 
 def work_precision(
     problem: str | Path | Problem = "harmonic_oscillator",
-    methods: str | Path | Method | Sequence[str | Path | Method] = (),
+    methods: GivenMethods = (),
     *,
     peers: Sequence[str] = (),
     time_limit: float = 0.1,

@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from driftproof.methods.rationals import ExactNumber, GivenState, exact_numbers, state_of, steps_of
-from driftproof.methods.schemes import Method
-from driftproof.methods.tableau_file import name_of
+from driftproof.methods.tableau_file import GivenMethods, name_of
 from driftproof.numeric.run import Readouts
 from driftproof.numeric.scenes import Scene, scene_named
 from driftproof.numeric.sweep import SweepAnswer, points_of, processes, run_grid, strings
@@ -36,7 +35,7 @@ _PATIENCE = 10
 def sweep(
     scene: str | Path | Scene,
     *,
-    methods: str | Path | Method | Sequence[str | Path | Method] = (),
+    methods: GivenMethods = (),
     state: Sequence[GivenState] = (),
     t: ExactNumber | Sequence[ExactNumber] = (),
     h: ExactNumber | Sequence[ExactNumber] = (),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from itertools import combinations
 from pathlib import Path
@@ -13,10 +14,13 @@ from playwright.sync_api import Browser, Page
 from driftproof.numeric.scenes import PRESETS
 from driftproof.reports.page.document import document
 from tests.browser import opened, started
+from tests.looping import some
 
 SMALLEST_TEXT = 10.5  # CSS pixels
 CONTRAST = 4.5  # WCAG 2.2, 1.4.3, of text; 1.4.11 asks 3 of marks
 MARK_CONTRAST = 3
+# CSS pixels of an A4 sheet between its margins of 12 mm.
+SHEET = (297 - 2 * 12) / 25.4 * 96
 # Of two scenes with three methods each: two figures a method, one of work, two of growth.
 FIGURES = 2 * 3 * 2 + 1 + 2
 
@@ -134,7 +138,7 @@ def test_scene_and_method_are_selected_with_and_without_script(chromium: Browser
         assert shown_figures(shown.page) == euler + own
         shown.page.locator("label:visible", has_text="Classical RK4").click()
         assert shown_figures(shown.page) == [name.replace("forward_euler", "rk4") for name in euler] + own
-        shown.page.locator("label:visible", has_text="stability_boundary").click()
+        shown.page.locator("label:visible", has_text="Stability boundary").click()
         boundary = [f"scene-2-symplectic_euler-{panel}" for panel in ("position", "phase_plane")]
         assert shown_figures(shown.page) == [*boundary, "scene-2-growth"]
 
@@ -145,7 +149,7 @@ def test_selection_works_from_the_keyboard(chromium: Browser, page: Path) -> Non
         shown.page.keyboard.press("ArrowRight")
         assert shown_figures(shown.page)[0] == "scene-2-symplectic_euler-position"
         outline = "label => getComputedStyle(label).outlineStyle"
-        assert shown.page.locator("label", has_text="stability_boundary").evaluate(outline) == "solid"
+        assert shown.page.locator("label", has_text="Stability boundary").evaluate(outline) == "solid"
 
 
 def test_print_shows_every_scene_and_every_method_and_the_schemes_differ(chromium: Browser, page: Path) -> None:
@@ -251,3 +255,16 @@ def test_missing_browser_skips_and_fails_where_it_is_required(monkeypatch: pytes
     monkeypatch.setenv("DRIFTPROOF_BROWSER", "required")
     with pytest.raises(pytest.fail.Exception, match="no Chromium"), started():
         pass
+
+
+def test_all_presets_print_on_at_most_twelve_pages_without_a_split_box(chromium: Browser, tmp_path: Path) -> None:
+    path = tmp_path / "all.html"
+    path.write_text(document([*PRESETS.values()], 15), encoding="utf-8")
+    with opened(chromium, path) as shown:
+        pages = re.findall(rb"/Type\s*/Page[^s]", shown.page.pdf(prefer_css_page_size=True))
+        shown.page.emulate_media(media="print")
+        inside = "box => [getComputedStyle(box).breakInside, box.offsetHeight]"
+        boxes = [shown.page.locator(kind).evaluate_all(f"all => all.map({inside})") for kind in ("figure", "dl", "tr")]
+    assert 4 <= len(pages) <= 12
+    for kept, height in some([box for kind in boxes for box in kind if box[1]], 40):
+        assert (kept, height < SHEET) == ("avoid", True)

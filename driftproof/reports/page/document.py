@@ -25,21 +25,39 @@ from driftproof.reports.scene_view import (
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 
 
-def document(scenes: Sequence[Scene], digits: int, counter: Counter = range) -> str:
+@dataclass(frozen=True)
+class Part:
+    """A part of the page that is no scene: its title, and its content from what begins the ids in it."""
+
+    title: str
+    content: Callable[[str], str]
+
+
+def document(parts: Sequence[Scene | Part], digits: int, counter: Counter = range) -> str:
     """The page as HTML, the same bytes for the same scenes.
 
     Raises ValueError for a scene that cannot be shown.
     """
-    options = [
-        Option(f"scene-{i}", scene.name, scene_section(scene, f"scene-{i}", digits, counter))
-        for i, scene in enumerate(scenes, 1)
-    ]
-    title = f"driftproof: {', '.join(scene.name for scene in scenes)}"
-    equations = "<i>q</i>′ = <i>v</i>, <i>v</i>′ = −<i>q</i>"
-    about = element("p", f"{equations}: what each method computes, beside the exact motion.")
-    header = element("header", element("h1", "An oscillator, step by step"), about)
+    options = []
+    for i, part in enumerate(parts, 1):
+        if isinstance(part, Scene):
+            content = scene_section(part, f"scene-{i}", digits, counter)
+            options.append(Option(f"scene-{i}", scene_title(part), content))
+        else:
+            head = element("h2", escaped(part.title))
+            content = element("section", head, part.content(f"scene-{i}"), class_="scene")
+            options.append(Option(f"scene-{i}", part.title, content))
+    if all(isinstance(part, Scene) for part in parts):
+        equations = "<i>q</i>′ = <i>v</i>, <i>v</i>′ = −<i>q</i>"
+        about = element("p", f"{equations}: what each method computes, beside the exact motion.")
+        head = element("h1", "An oscillator, step by step")
+    else:
+        about = element("p", "What each method computes, beside the solution, which is exact or enclosed.")
+        head = element("h1", "Methods, step by step")
+    title = f"driftproof: {', '.join(option.label for option in options)}"
     words = "Runs are in binary64. What is called proved, and every limit, is exact. Written by driftproof report."
-    body = element("body", header, element("main", choice(options, "Scene")), element("footer", element("p", words)))
+    main = element("main", choice(options, "Scene"))
+    body = element("body", element("header", head, about), main, element("footer", element("p", words)))
     return f"<!DOCTYPE html>\n{element('html', _head(title), body, lang='en')}\n"
 
 
@@ -98,17 +116,23 @@ class _Shown:
 def scene_section(scene: Scene, identity: str, digits: int, counter: Counter = range) -> str:
     """The scene under a heading: readouts and figures of each of its methods, then the panels that are about all."""
     shown = _Shown(scene, identity, digits, _runs(scene, counter))
-    parts = [element("h2", escaped(scene.name)), element("p", escaped(setting(scene)), class_="setting")]
+    parts = [element("h2", escaped(scene_title(scene))), element("p", escaped(setting(scene)), class_="setting")]
     if scene.readouts or scene.certified or set(FIGURES) & set(scene.panels):
         options = [
             Option(shown.identity_of(key), method_of(key).title, _method(shown, key)) for key in scene.every_method
         ]
         first = scene.every_method.index(scene.selected)
-        parts.append(choice(options, f"Method shown, {scene.name}", first))
+        parts.append(choice(options, f"Method shown, {scene_title(scene)}", first))
     for panel, (title, content) in _PANELS.items():
         if panel in scene.panels:
             parts.append(element("section", element("h3", escaped(title)), content(shown), class_="panel"))
     return element("section", *parts, class_="scene")
+
+
+def scene_title(scene: Scene) -> str:
+    """What a scene is called on the page: its name in words."""
+    words = scene.name.replace("_", " ")
+    return words[:1].upper() + words[1:]
 
 
 def _runs(scene: Scene, counter: Counter) -> dict[str, Readouts | str]:
@@ -157,7 +181,7 @@ def _work_precision(shown: _Shown) -> str:
     from driftproof.reports.page.work import work_curves, work_figure, work_table
 
     found = work_curves(shown.scene)
-    figure = work_figure(shown.scene, found, shown.identity).markup()
+    figure = work_figure(found, shown.identity, shown.scene.t, shown.scene.steps).markup()
     return element("div", figure, work_table(found), class_="beside")
 
 

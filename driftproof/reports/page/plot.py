@@ -18,8 +18,8 @@ from driftproof.reports.page.markup import element, escaped
 # Mantissas of the distances between ticks, and of the ends of a symmetric axis; each is at most twice the one before.
 TICK_STEPS = (1, 2, 4, 5)
 AXIS_ENDS = tuple(Fraction(m, 4) for m in (4, 5, 6, 8, 10, 12, 16, 20, 24, 32))
-# Two ticks do not show whether an axis is linear.
-FEWEST_TICKS = 3
+# Two ticks do not show whether an axis is linear, and between three one reads off badly.
+FEWEST_TICKS = 4
 # Numbers of these decades are written out, others with a power of ten.
 _WRITTEN_OUT = range(-4, 6)
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -71,7 +71,7 @@ def symmetric_limit(largest: Fraction) -> Fraction:
 def ticks(low: Fraction, high: Fraction) -> list[Fraction]:
     """The multiples in [low, high] of the coarsest m 10ᵏ, m in TICK_STEPS, of which there are at least FEWEST_TICKS.
 
-    There are at most 6: the next coarser step is at most twice as long, and fewer than three of its multiples fit.
+    There are at most 7: the next coarser step is at most twice as long, and fewer than four of its multiples fit.
     Raises ValueError for an interval without length.
     """
     if not low < high:

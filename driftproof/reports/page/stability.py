@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -78,8 +79,18 @@ def _limit(limit: Limit) -> tuple[str, str]:
         return ("all h" if isinstance(limit, Infinity) else "none"), "–"
     known = number_record(limit, LIMIT_DIGITS)
     radicals, decimal = known["exact"], known["decimal"]
-    words = radicals or f"a root of degree {len(limit.minimal) - 1}"
-    return words, radicals if words.isdigit() else decimal
+    words = (radicals and with_roots(radicals)) or f"a root of degree {len(limit.minimal) - 1}"
+    return words, words if words.isdigit() else decimal
+
+
+def with_roots(text: str) -> str:
+    """A number in SymPy's syntax as it is set: "2*sqrt(2)" as 2√2.
+
+    >>> with_roots("2*sqrt(6)/3 - sqrt(2*sqrt(3) - 3)")
+    '2√6/3 − √(2√3 − 3)'
+    """
+    short = re.sub(r"sqrt\((\d+)\)", r"√\1", text)
+    return short.replace("sqrt(", "√(").replace("*", "").replace("-", "−")
 
 
 def beside(limit: Limit, h: Fraction) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
 from math import ceil, floor, isfinite, log10
 
 from driftproof.methods.tableau_file import method_of
@@ -22,7 +23,7 @@ from driftproof.symbolic.runs import OscillatorRun
 # solved in Python, to FINEST_IMPLICIT of them.
 COARSEST, FINEST, FINEST_IMPLICIT = 5, 10_000, 600
 REFERENCE_DIGITS = 30
-_COST = "calls of the acceleration"
+ACCELERATIONS = "calls of the acceleration"
 # Errors to be reached, as powers of ten.
 _GOALS = (-3, -6)
 
@@ -68,30 +69,32 @@ def problem_of(scene: Scene) -> Problem:
     )
 
 
-def work_figure(scene: Scene, found: Sequence[Curve], identity: str) -> Figure:
-    """Error at t against evaluations, both logarithmic; a ring around the points at the scene's own h."""
+def work_figure(
+    found: Sequence[Curve], identity: str, t: Fraction, own: int | None = None, cost: str = ACCELERATIONS
+) -> Figure:
+    """Error at t against evaluations, both logarithmic; a ring around the points of `own` steps, if there is one."""
     places = {curve.key: _places(curve) for curve in found}
     every = [place for points in places.values() for place in points.values()] or [(0.0, 0.0)]
-    x, y = (_axis([place[i] for place in every], i) for i in (0, 1))
-    plot = Plot(x, y)
+    x, y = (_axis([place[i] for place in every], i, cost) for i in (0, 1))
+    plot, ringed = Plot(x, y), "" if own is None else f"h = {t / own}"
     for i, curve in enumerate(found):
         points = places[curve.key]
         if points:
             plot.line(points.values(), f"path m{i % LINE_STYLES}")
             plot.dots(points.values(), f"dots m{i % LINE_STYLES}")
-        if scene.steps in points:
-            plot.disc(points[scene.steps], 6, f"own m{i % LINE_STYLES}", f"{curve.title} at h = {scene.h}")
+        if own in points:
+            plot.disc(points[own], 6, f"own m{i % LINE_STYLES}", f"{curve.title} at {ringed}")
     return Figure(
         identity=f"{identity}-work",
         kind="wide",
         title="Error against work",
-        description=f"Distance from the exact state at t = {scene.t} against {_COST}, both axes logarithmic. "
-        f"Rings: h = {scene.h}. {' '.join(map(_sentence, found))}",
+        description=f"Distance from the exact state at t = {t} against {cost}, both axes logarithmic. "
+        f"{f'Rings: {ringed}. ' if ringed else ''}{' '.join(map(_sentence, found))}",
         plot=plot,
         legend=[(f"line path m{i % LINE_STYLES}", curve.title) for i, curve in enumerate(found)],
-        note=f"Ringed: h = {scene.h}. Along a line each point has half the step of the one before.",
-        data=_data(found),
-        data_title=f"Error and {_COST}",
+        note=f"{f'Ringed: {ringed}. ' if ringed else ''}Along a line each point has half the step of the one before.",
+        data=_data(found, cost),
+        data_title=f"Error and {cost}",
     )
 
 
@@ -105,9 +108,9 @@ def _places(curve: Curve) -> dict[int | None, tuple[float, float]]:
     return {point.steps: (log10(spent), log10(point.error)) for point, spent in _paid(curve)}
 
 
-def _axis(values: Sequence[float], i: int) -> Axis:
+def _axis(values: Sequence[float], i: int, cost: str) -> Axis:
     low = floor(min(values))
-    return decades(low, max(ceil(max(values)), low + 2), (_COST, "error at the end")[i], WIDE[i])
+    return decades(low, max(ceil(max(values)), low + 2), (cost, "error at the end")[i], WIDE[i])
 
 
 def _sentence(curve: Curve) -> str:
@@ -130,12 +133,12 @@ def work_table(found: Sequence[Curve]) -> str:
         measured = f"{order.median:.3f} ({order.least:.3f} to {order.largest:.3f})" if order else "–"
         enough = [[p.evaluations for p in curve.points if 0 <= p.error <= 10.0**g and p.evaluations] for g in _GOALS]
         fewest = [str(min(calls)) if calls else "not reached" for calls in enough]
-        rows.append([curve.title, str(curve.claimed_order), measured, *fewest])
+        rows.append([curve.title, str(curve.claimed_order or "–"), measured, *fewest])
     return html_table([header, *rows], "Orders, and the least work seen", "orders")
 
 
-def _data(found: Sequence[Curve]) -> list[list[str]]:
-    rows = [["Method", "steps", _COST, "error"]]
+def _data(found: Sequence[Curve], cost: str) -> list[list[str]]:
+    rows = [["Method", "steps", cost, "error"]]
     for curve in found:
         for point in curve.points:
             spent = "–" if point.evaluations is None else str(point.evaluations)

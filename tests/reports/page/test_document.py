@@ -256,7 +256,7 @@ def test_command_takes_scenes_by_name_and_from_files(answer: Callable[..., str],
     mine = tmp_path / "mine.toml"
     mine.write_text('selected = "heun2"\nh = 0.1\nt = 1\nreadouts = ["energy"]\n', encoding="utf-8")
     answer("report", str(mine), "compare", "-o", str(tmp_path / "r.html"))
-    assert re.findall("<h2>(.*?)</h2>", (tmp_path / "r.html").read_text(encoding="utf-8")) == ["mine", "compare"]
+    assert re.findall("<h2>(.*?)</h2>", (tmp_path / "r.html").read_text(encoding="utf-8")) == ["Mine", "Compare"]
     assert escape(METHODS["heun2"].title) in (tmp_path / "r.html").read_text(encoding="utf-8")
 
 

@@ -1,0 +1,69 @@
+"""Problems on the page: what error methods reach on one, which steps they can take; and all stiff ones in a table."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+from driftproof.methods.schemes import Method
+from driftproof.methods.tableau_file import methods_of
+from driftproof.numeric.problems.catalogue import PROBLEMS
+from driftproof.numeric.problems.problem import Problem
+from driftproof.numeric.work_precision.curves import curve_of, step_counts
+from driftproof.reports.page.document import Part
+from driftproof.reports.page.markup import element, escaped, html_table
+from driftproof.reports.page.stability import with_roots
+from driftproof.reports.page.work import FINEST, FINEST_IMPLICIT, work_figure, work_table
+from driftproof.reports.progress import with_progress
+from driftproof.reports.stability import expected_of, steps_in_words
+
+# One explicit method, and implicit ones that are L-stable, A-stable alone, and L-stable of a higher order.
+STIFF_METHODS = ("rk4", "backward_euler", "trapezoid", "radau_iia2")
+_EVALUATIONS = "evaluations of f"
+
+
+def problem_part(problem: Problem, methods: Sequence[Method]) -> Part:
+    """A problem with the errors of some methods against their work, and the steps that each of them can take."""
+    return Part(problem.title, partial(_problem, problem, methods))
+
+
+def stiff_part() -> Part:
+    """The stiff problems of the catalogue, and which steps methods can take on each."""
+    return Part("Stiff problems", lambda _: _stiff())
+
+
+def _problem(problem: Problem, methods: Sequence[Method], identity: str) -> str:
+    asked = with_progress(methods, "method")
+    counts = {explicit: step_counts(problem, FINEST if explicit else FINEST_IMPLICIT) for explicit in (True, False)}
+    found = [curve_of(method, problem, counts[method.explicit]) for method in asked]
+    figure = work_figure(found, identity, problem.t, cost=_EVALUATIONS).markup()
+    work = element("div", figure, work_table(found), class_="beside")
+    rows = [[each.title, _steps(problem, each), expected_of(problem, each)] for each in methods]
+    told = slice(None) if any(row[-1] for row in rows) else slice(-1)
+    rows = [row[told] for row in (["Method", "Steps that it can take", "Expected"], *rows)]
+    table = html_table(rows, _about(problem), "words")
+    return "".join(
+        [
+            element("p", escaped(f"to t = {problem.t}; {problem.source}"), class_="setting"),
+            element("section", element("h3", "Work"), work, class_="panel"),
+            element("section", element("h3", "Stability"), table, class_="panel"),
+        ]
+    )
+
+
+def _about(problem: Problem) -> str:
+    if problem.matrix is not None:
+        return "Proved: the h whose powers stay bounded"
+    return "Observed: with so many steps, and with twice as many, ..., the error at the end is a tenth of the solution"
+
+
+def _steps(problem: Problem, method: Method) -> str:
+    return with_roots(steps_in_words(problem, method)).replace("<=", "≤")
+
+
+def _stiff() -> str:
+    methods, rows = methods_of(STIFF_METHODS), list[list[str]]()
+    for problem in with_progress([each for each in PROBLEMS.values() if each.stiff], "problem"):
+        rows.append([problem.title, *(_steps(problem, method) for method in methods)])
+    words = "Proved where linear: the h whose powers stay bounded. Elsewhere, seen: how many steps follow the solution"
+    return html_table([["Problem", *(method.title for method in methods)], *rows], words, "words")

@@ -1,0 +1,63 @@
+"""Problems on the page: an own one with an own method, a linear one with proved limits, the stiff ones in a table."""
+
+import re
+
+import pytest
+
+from driftproof import METHODS, report
+from driftproof.numeric.problems.catalogue import PROBLEMS
+from driftproof.reports.page import problem as page
+from driftproof.reports.page.stability import with_roots
+from tests.looping import exactly
+
+PENDULUM = """
+title = "A pendulum"
+rates = ["y1", "-sin(y0)"]
+start = ["1/2", "0"]
+end = "1"
+"""
+RALSTON = 'family = "runge_kutta"\ntitle = "Mine"\nA = [[0, 0], ["2/3", 0]]\nb = ["1/4", "3/4"]\n'
+
+
+@pytest.fixture(autouse=True)
+def few(monkeypatch):
+    monkeypatch.setattr(page, "FINEST", 100)
+    monkeypatch.setattr(page, "FINEST_IMPLICIT", 20)
+
+
+def cells(html):
+    return [re.findall("<t[dh][^>]*>(.*?)</t[dh]>", row) for row in re.findall("<tr>(.*?)</tr>", html)]
+
+
+def test_own_problem_and_own_method_are_shown_by_their_titles(tmp_path):
+    (tmp_path / "pendulum.toml").write_text(PENDULUM)
+    (tmp_path / "mine.toml").write_text(RALSTON)
+    shown = report(tmp_path / "pendulum.toml", methods=["rk4", tmp_path / "mine.toml"]).html
+    assert "<h2>A pendulum</h2>" in shown
+    rows = {row[0]: row[1:] for row in cells(shown) if len(row) == 2}
+    assert rows["Method"] == ["Steps that it can take"], "nothing is expected of it, so no column says so"
+    assert rows.keys() == {"Method", "Classical RK4", "Mine"}
+    assert re.fullmatch(r"from \d+ steps? on", rows["Mine"][0])
+    orders = next(row for row in cells(shown) if row[0] == "Mine" and row[1] == "–")
+    assert orders[2].startswith(("1.9", "2.0"))
+
+
+def test_linear_problem_has_its_proved_limits():
+    part = page.problem_part(PROBLEMS["stiff_oscillator"], [METHODS["rk4"], METHODS["backward_euler"]])
+    rows = {row[0]: row[1:] for row in cells(part.content("p")) if len(row) == 3}
+    assert rows["Classical RK4"][0] == "h ≤ √2/500 = 0.0028284271..."
+    assert rows["Backward Euler"][0] == "every h &gt; 0"
+
+
+def test_stiff_problems_stand_in_a_table_with_verdicts(monkeypatch):
+    few = {key: PROBLEMS[key] for key in ("dahlquist_1e3", "kepler", "prothero_robinson")}
+    monkeypatch.setattr(page, "PROBLEMS", few)
+    head, *rows = cells(report("stiff").html)
+    assert head == ["Problem", "Classical RK4", "Backward Euler", "Trapezoidal rule", "Radau IIA, two stages"]
+    linear, other = exactly(2, rows)
+    assert linear[1:3] == ["h ≤ 0.0027852935...", "every h &gt; 0"]
+    assert other[1:3] == ["not with 16384 steps", "from 1 step on"]
+
+
+def test_roots_are_set_as_such():
+    assert [with_roots(x) for x in ("2*sqrt(2)", "2", "sqrt(6)/3")] == ["2√2", "2", "√6/3"]
