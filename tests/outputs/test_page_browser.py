@@ -19,8 +19,8 @@ from tests.looping import some
 SMALLEST_TEXT = 10.5  # CSS pixels
 CONTRAST = 4.5  # WCAG 2.2, 1.4.3, of text; 1.4.11 asks 3 of marks
 MARK_CONTRAST = 3
-# CSS pixels of an A4 sheet between its margins of 12 mm.
-SHEET = (297 - 2 * 12) / 25.4 * 96
+# CSS pixels of an A4 sheet between its margins of 12 and 13 mm.
+SHEET, SHEET_WIDTH = (297 - 2 * 12) / 25.4 * 96, int((210 - 2 * 13) / 25.4 * 96)
 # Of two scenes with three methods each: two figures a method, one of work, two of growth.
 FIGURES = 2 * 3 * 2 + 1 + 2
 
@@ -260,11 +260,15 @@ def test_missing_browser_skips_and_fails_where_it_is_required(monkeypatch: pytes
 def test_all_presets_print_on_at_most_twelve_pages_without_a_split_box(chromium: Browser, tmp_path: Path) -> None:
     path = tmp_path / "all.html"
     path.write_text(document([*PRESETS.values()], 15), encoding="utf-8")
-    with opened(chromium, path) as shown:
+    with opened(chromium, path, width=SHEET_WIDTH) as shown:
         pages = re.findall(rb"/Type\s*/Page[^s]", shown.page.pdf(prefer_css_page_size=True))
         shown.page.emulate_media(media="print")
         inside = "box => [getComputedStyle(box).breakInside, box.offsetHeight]"
         boxes = [shown.page.locator(kind).evaluate_all(f"all => all.map({inside})") for kind in ("figure", "dl", "tr")]
+        cut = shown.page.locator(".scroll:visible").evaluate_all(
+            "all => all.map(box => box.scrollWidth - box.clientWidth)"
+        )
     assert 4 <= len(pages) <= 12
+    assert max(some(cut, 8)) <= 0
     for kept, height in some([box for kind in boxes for box in kind if box[1]], 40):
         assert (kept, height < SHEET) == ("avoid", True)

@@ -18,8 +18,10 @@ from driftproof.reports.page.markup import element, escaped
 # Mantissas of the distances between ticks, and of the ends of a symmetric axis; each is at most twice the one before.
 TICK_STEPS = (1, 2, 4, 5)
 AXIS_ENDS = tuple(Fraction(m, 4) for m in (4, 5, 6, 8, 10, 12, 16, 20, 24, 32))
-# Two ticks do not show whether an axis is linear, and between three one reads off badly.
-FEWEST_TICKS = 4
+# Two ticks do not show whether an axis is linear; on a logarithmic one, between three of them one reads off badly.
+FEWEST_TICKS, FEWEST_DECADES = 3, 4
+# Mantissa of the distance between ticks -> the parts into which marks without a label divide it; and their length.
+_PARTS, _MARK = {1: 5, 2: 2, 4: 4, 5: 5}, 4
 # Numbers of these decades are written out, others with a power of ten.
 _WRITTEN_OUT = range(-4, 6)
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -68,19 +70,19 @@ def symmetric_limit(largest: Fraction) -> Fraction:
     return next((m * power for m in AXIS_ENDS if m * power >= wanted), 10 * power)
 
 
-def ticks(low: Fraction, high: Fraction) -> list[Fraction]:
-    """The multiples in [low, high] of the coarsest m 10ᵏ, m in TICK_STEPS, of which there are at least FEWEST_TICKS.
+def ticks(low: Fraction, high: Fraction, fewest: int = FEWEST_TICKS) -> list[Fraction]:
+    """The multiples in [low, high] of the coarsest m 10ᵏ, m in TICK_STEPS, of which there are at least `fewest`.
 
-    There are at most 7: the next coarser step is at most twice as long, and fewer than four of its multiples fit.
+    There are at most twice as many: the next coarser step is at most twice as long, and too few of its multiples fit.
     Raises ValueError for an interval without length.
     """
     if not low < high:
         raise ValueError(f"an axis from {low} to {high} has no length")
     for step in _steps_down(high - low):
         found = [i * step for i in range(ceil(low / step), floor(high / step) + 1)]
-        if len(found) >= FEWEST_TICKS:
+        if len(found) >= fewest:
             return found
-    raise AssertionError("three multiples of s fit into an interval of length 3 s")
+    raise AssertionError("n multiples of s fit into an interval of length n s")
 
 
 def _steps_down(span: Fraction) -> Iterator[Fraction]:
@@ -132,6 +134,14 @@ class Axis:
         """The ticks with what stands at them."""
         return zip(self.ticks, self.labels or [label(tick) for tick in self.ticks], strict=True)
 
+    def marks(self) -> list[Fraction]:
+        """Where the marks without a label are: at every power of ten of a logarithmic axis, else between the ticks."""
+        step = self.ticks[1] - self.ticks[0]
+        parts = step if self.labels else _PARTS[int(step / Fraction(10) ** decade(step))]
+        unit, (low, high) = step / parts, (self.scale.low, self.scale.high)
+        every = (n * unit for n in range(ceil(low / unit), floor(high / unit) + 1))
+        return [x for x in every if x not in self.ticks]
+
     def line_at(self, tick: Fraction) -> str:
         """What the line through a tick is: part of the grid, or where the other axis runs."""
         return "grid" if tick or self.labels else "axis"
@@ -140,7 +150,7 @@ class Axis:
 def decades(low: int, high: int, name: str, places: tuple[Fraction, Fraction]) -> Axis:
     """A logarithmic axis: exponents of ten from `low` to `high`, which is larger by two at least."""
     scale = Scale(Fraction(low), Fraction(high), *places)
-    at = ticks(scale.low, scale.high)
+    at = ticks(scale.low, scale.high, min(FEWEST_DECADES, high - low + 1))
     return Axis(scale, name, at, [ten_to(int(tick)) for tick in at])
 
 
@@ -206,6 +216,10 @@ class Plot:
             at = place(x(tick))
             yield element("path", class_=self.x.line_at(tick), d=f"M{at} {bottom}V{top}")
             yield element("text", escaped(words), class_="tick x", x=at, y=place(y.start + 19))
+        for mark in self.x.marks():
+            yield element("path", class_="mark", d=f"M{place(x(mark))} {bottom}v{-_MARK}")
+        for mark in self.y.marks():
+            yield element("path", class_="mark", d=f"M{left} {place(y(mark))}h{_MARK}")
         for tick, words in self.y.labelled():
             at = place(y(tick))
             yield element("path", class_=self.y.line_at(tick), d=f"M{left} {at}H{right}")

@@ -16,6 +16,8 @@ from driftproof.reports.page.plot import (
     Plot,
     Scale,
     decade,
+    decades,
+    frame,
     label,
     place,
     symmetric_limit,
@@ -29,12 +31,12 @@ positive = st.fractions(min_value=Q(1, 10**12), max_value=10**12, max_denominato
 
 
 @given(low=fractions, high=fractions)
-def test_ticks_are_four_to_seven_multiples_of_one_round_step_inside(low: Q, high: Q) -> None:
+def test_ticks_are_three_to_six_multiples_of_one_round_step_inside(low: Q, high: Q) -> None:
     assume(low < high)
     found = ticks(low, high)
     steps = {b - a for a, b in pairwise(found)}
     (step,) = steps
-    assert 4 <= len(found) <= 7
+    assert 3 <= len(found) <= 6
     assert low <= found[0] < found[-1] <= high
     assert found[0] - step < low
     assert found[-1] + step > high
@@ -43,7 +45,7 @@ def test_ticks_are_four_to_seven_multiples_of_one_round_step_inside(low: Q, high
 
 
 @given(low=fractions, high=fractions)
-def test_no_coarser_round_step_has_four_ticks(low: Q, high: Q) -> None:
+def test_no_coarser_round_step_has_three_ticks(low: Q, high: Q) -> None:
     """The coarsest: twice the step, which is round or between two round ones, is not reached by any round one."""
     assume(low < high)
     found = ticks(low, high)
@@ -51,21 +53,21 @@ def test_no_coarser_round_step_has_four_ticks(low: Q, high: Q) -> None:
     coarser = min(
         m * Q(10) ** (decade(step) + k) for m in TICK_STEPS for k in (0, 1) if m * Q(10) ** (decade(step) + k) > step
     )
-    assert len([i for i in range(int(low // coarser), int(high // coarser) + 2) if low <= i * coarser <= high]) < 4
+    assert len([i for i in range(int(low // coarser), int(high // coarser) + 2) if low <= i * coarser <= high]) < 3
 
 
 @pytest.mark.parametrize(
     ("low", "high", "expected"),
     [
-        (-4, 4, [-4, -2, 0, 2, 4]),
-        (0, 10, [0, 2, 4, 6, 8, 10]),
-        (Q(-5, 4), Q(5, 4), [-1, Q(-1, 2), 0, Q(1, 2), 1]),
-        (Q(-25, 2), Q(25, 2), [-10, -5, 0, 5, 10]),
-        (-3, 3, [-3, -2, -1, 0, 1, 2, 3]),
+        (-4, 4, [-4, 0, 4]),
+        (0, 10, [0, 5, 10]),
+        (Q(-5, 4), Q(5, 4), [-1, 0, 1]),
+        (Q(-25, 2), Q(25, 2), [-10, 0, 10]),
+        (-3, 3, [-2, 0, 2]),
         (0, 7, [0, 2, 4, 6]),
-        (-13, 1, [-12, -8, -4, 0]),
-        (0, Q(1, 10**300), [i * Q(1, 10**301) for i in (0, 2, 4, 6, 8, 10)]),
-        (0, Q(10) ** 308, [i * Q(10) ** 307 for i in (0, 2, 4, 6, 8, 10)]),
+        (-10, 0, [-10, -5, 0]),
+        (0, Q(1, 10**300), [0, Q(5, 10**301), Q(1, 10**300)]),
+        (0, Q(10) ** 308, [0, 5 * Q(10) ** 307, Q(10) ** 308]),
     ],
 )
 def test_ticks_of_known_axes(low: Q, high: Q, expected: list[Q]) -> None:
@@ -172,3 +174,16 @@ def test_marks_are_where_their_numbers_are() -> None:
         '<circle class="c" cx="66.67" cy="50" r="5"><title>third</title></circle>',
         '<circle class="d" cx="50" cy="50" r="25"></circle>',
     ]
+
+
+def test_marks_part_the_distances_between_labels() -> None:
+    (left, right), _ = frame(100, 100)
+    for low, high, marks in ((0, 10, 8), (-4, 4, 6), (0, 2, 8), (-6, 6, 10)):
+        axis = Axis(Scale(Q(low), Q(high), left, right), "x", ticks(Q(low), Q(high)))
+        found = axis.marks()
+        assert len(found) == marks
+        assert len({b - a for a, b in pairwise(sorted([*found, *axis.ticks]))}) == 1
+    axis = decades(-13, 1, "error", (left, right))
+    assert next(iter(axis.labelled())) == (-12, "10⁻¹²")
+    assert len(axis.marks()) + len(axis.ticks) == 15, "every power of ten"
+    assert decades(0, 2, "x", (left, right)).marks() == []
