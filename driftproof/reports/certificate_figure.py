@@ -47,7 +47,7 @@ def certificate_figure(found: Certificate, title: str) -> Figure:
     low, high = max(floor(min(every)), ceil(max(every)) - _DEEPEST), ceil(max(every))
     low = min(low, high - 2)
     times = [Fraction(t) for t in (found.t[0], found.t[-1])]
-    t = Axis(Scale(times[0], times[1], *WIDE[0]), "t", ticks(*times))
+    t = Axis(Scale(times[0], times[1], *WIDE[0]), "t", ticks(times[0], times[1]))
     plot = Plot(t, decades(low, high, "error, the largest component", WIDE[1]))
     for (name, _), mark in zip(parts, _MARKS, strict=False):
         for side in (0, 1):
