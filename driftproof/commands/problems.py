@@ -34,7 +34,7 @@ def stability_command(options: Namespace) -> str:
       end = "10"
       energy = "y1^2/2 - g * cos(y0)"       may be left out, as may the title
       parameters.g = "9.81"
-    in the place of rates and parameters: function = "mylib.models:pendulum", your own f(t, y)
+    in the place of rates: function = "mylib.models:pendulum", your own f(t, y), parameters being its keywords
     """
     return cli.answer_of("stability", options)
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from flint import arb, ctx
 
 from driftproof.blackbox.stepper.opening import imported
+from driftproof.enclosure.fields import rebound
 from driftproof.enclosure.numbers import Refused
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.text_fields import field_function
@@ -19,7 +20,16 @@ from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.problem import CERTIFIED, Problem, Reference
-from driftproof.support.toml_tables import TomlTable, as_line, as_list, as_text, demand_keys, quoted, read_toml
+from driftproof.support.toml_tables import (
+    TomlTable,
+    as_line,
+    as_list,
+    as_table,
+    as_text,
+    demand_keys,
+    quoted,
+    read_toml,
+)
 from driftproof.symbolic.algebra.certified import Uncertified, significant
 
 # As the references of our own problems have them.
@@ -35,7 +45,7 @@ def problem_given(given: str | Path | Problem) -> Problem:
     """A problem by its key, or by a .toml file of its equations. Raises ValueError in one line, and Refused.
 
     The file has start and end, rates or in their place a Python function, "module:f", which is run once on names; and,
-    if you like, parameters, a title and an energy:
+    if you like, parameters, of a function its keywords as doubles, a title and an energy:
 
     rates = ["y1", "-g * sin(y0)"]
     start = ["2", "0"]
@@ -72,9 +82,12 @@ def problem_given(given: str | Path | Problem) -> Problem:
 
 def _field(table: TomlTable, components: int) -> VectorField:
     if "function" in table:
-        if "rates" in table or "parameters" in table:
-            raise ValueError("function stands in the place of rates and parameters; give one of them")
-        return field_of_function(imported(as_text(table["function"], "function"), "function"), components)
+        if "rates" in table:
+            raise ValueError("function stands in the place of rates; give one of them")
+        function = rebound(imported(as_text(table["function"], "function"), "function"))
+        given = as_table(table.get("parameters", {}), "parameters")
+        parameters = {name: float(_rational(x, f"parameters.{name}")) for name, x in given.items()}
+        return field_of_function(lambda t, y: function(t, y, **parameters), components)
     field = field_of_table(table)
     if len(field.rates) != components:
         raise ValueError(f"start has {components} entries, {len(field.rates)} are needed")

@@ -89,6 +89,21 @@ def test_function_stands_in_the_place_of_rates(tmp_path, monkeypatch):
     )
 
 
+def test_parameters_of_a_function_are_its_keywords(tmp_path, monkeypatch):
+    (tmp_path / "keyed_model.py").write_text(
+        "import math\ndef f(t, y, g=1.0, c=0.0):\n    return [y[1], -g*y[0] - c]\n"
+    )
+    file = tmp_path / "mine.toml"
+    file.write_text('function = "keyed_model:f"\nstart = [1, 0]\nend = 1\nparameters.g = "9/4"\nparameters.c = 0.5\n')
+    monkeypatch.syspath_prepend(tmp_path)
+    found = problem_given(str(file))
+    text = enclosed_reference(field_of_text("y1; -9/4*y0 - 1/2"), found.start, found.reference.times)
+    assert differing(found.reference, text) == []
+    file.write_text(file.read_text().replace("parameters.c", "parameters.k"))
+    with pytest.raises(Refused, match="unexpected keyword argument 'k'"):
+        problem_given(str(file))
+
+
 def test_key_is_a_problem_of_ours():
     assert problem_given("kepler") is PROBLEMS["kepler"]
 

@@ -249,6 +249,8 @@ def problem_of_name(name: str) -> FieldAndStart:
 
     def read(table: TomlTable) -> FieldAndStart:
         demand_keys(table, PROBLEM_KEYS, "a problem")
+        if "function" in table:
+            raise ValueError('function is Python code, which no question runs; write its rates, as in rates = ["-y0"]')
         rates = field_of_table(table)
         start = tuple(parse_rational(str(x), f"start[{i}]") for i, x in enumerate(as_list(table.get("start"), "start")))
         if len(start) != len(rates.rates):

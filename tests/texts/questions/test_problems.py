@@ -58,6 +58,12 @@ def test_run_on_decay_is_the_power_of_the_stability_function(key: str) -> None:
     assert METHODS[key].key == key
 
 
+def test_question_runs_no_code_of_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("mine.toml").write_text('function = "os:abort"\nstart = ["1"]\nend = "2"\n', encoding="utf-8")
+    demand_refusal("run rk4 problem=mine.toml h=1/4 t=1 : y0", 17, "function is Python code, which no question runs")
+
+
 def test_rates_that_are_written_out_are_those_of_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("mine.toml").write_text(MINE, encoding="utf-8")
