@@ -102,6 +102,15 @@ def test_value_is_spelled_in_every_way_that_means_the_same(
     assert form.spellings(value(question)) == spellings
 
 
+def test_exact_form_has_400_characters_at_most() -> None:
+    from driftproof.texts.questions.evaluate import value
+
+    form = NumberForm(exact=True)
+    assert form.spellings(value("1/" + "3" * 398)) == ["1/" + "3" * 398]
+    with pytest.raises(ValueError, match="the exact form has 401 characters; say places or digits"):
+        form.spellings(value("1/" + "3" * 399))
+
+
 @given(st.text(max_size=60))
 def test_no_phrase_crashes_its_reader(text: str) -> None:
     try:

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from driftproof.texts.readers import document
 from driftproof.texts.readers.document import LARGEST_DOCUMENT, READERS, document_of, read_document
 from driftproof.texts.readers.numbers import numbers_in
 from tests.texts.readers.reading import standing
@@ -65,6 +66,16 @@ ENDLESS = [
     *("**", "{", "^{", "_{", "\\frac{", "\\cite[", "\\(", "\\begin{verbatim}", "```\n", "~~~", "- ", "1/"),
     *("1,", "²"),
 ]
+
+
+def test_a_document_has_four_mebibytes_at_most_and_one_of_five_formats(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    limits: list[int] = []
+    monkeypatch.setattr(document, "read_utf8", lambda path, most: limits.append(most) or "x")
+    assert (read_document(tmp_path / "a").text.text, limits) == ("x", [4_194_304])
+    with pytest.raises(ValueError, match="a: format: 'word' is unknown; choose one of plain, markdown"):
+        read_document(tmp_path / "a", "word")
 
 
 @pytest.mark.parametrize("form", sorted({*READERS} - {"notebook"}))
