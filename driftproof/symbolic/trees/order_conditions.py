@@ -45,11 +45,9 @@ def collocation_order(nodes: Sequence[Exact]) -> QuadratureFact:
     """
     polynomial = distinct_nodes(nodes)
     power = fmpq_poly([0, 1])
-    for k in count():  # ends at k = s, since M is not orthogonal to itself
-        moment = (polynomial * power**k).integral()(1)
-        if moment != 0:
-            return QuadratureFact(int(polynomial.degree()) + k, as_fraction(moment / polynomial.leading_coefficient()))
-    raise AssertionError("unreachable: count has no end")
+    moments = ((k, (polynomial * power**k).integral()(1)) for k in count())
+    k, moment = next(found for found in moments if found[1] != 0)  # at k = s, since M is not orthogonal to itself
+    return QuadratureFact(int(polynomial.degree()) + k, as_fraction(moment / polynomial.leading_coefficient()))
 
 
 TreeType = TypeVar("TreeType", bound=AnyTree)
@@ -156,11 +154,9 @@ def embedded_conditions(method: TreeMethod) -> RungeKuttaConditions | None:
 def order_of(conditions: Conditions[TreeType]) -> OrderFact[TreeType]:
     """The largest p such that all conditions of at most p vertices hold exactly, and the first that then fails."""
     # Ends: bushes are conditions on a quadrature formula with finitely many nodes, whose order is finite.
-    for n in count(1):
-        for label, residual in conditions.residuals(n):
-            if residual:
-                return OrderFact(n - 1, conditions.tree(n, label), conditions.scalars.exact(residual))
-    raise AssertionError("unreachable: count has no end")
+    fails = ((n, label, residual) for n in count(1) for label, residual in conditions.residuals(n) if residual)
+    n, label, residual = next(fails)
+    return OrderFact(n - 1, conditions.tree(n, label), conditions.scalars.exact(residual))
 
 
 def order_to_tolerance(conditions: Conditions[AnyTree], tolerance: Fraction | int, limit: int = 12) -> int:
@@ -241,8 +237,7 @@ def simplifying_assumptions(method: TreeMethod) -> Simplifying:
     # Polynomials of degree 2s tell all s nodes apart from integrals: whoever passes 2s + 1 conditions passes all.
     last = 2 * len(method.b) + 1
     b, c, d = (_degree(condition, last) for condition in (conditions.b, conditions.c, conditions.d))
-    if b is None:
-        raise AssertionError(f"a quadrature formula with {len(method.b)} nodes and order {last}")
+    assert b is not None  # no quadrature formula with s nodes is of an order above 2s
     return Simplifying(b, c, d)
 
 

@@ -64,6 +64,15 @@ def test_two_roots_that_differ_by_a_tiny_amount_are_told_apart() -> None:
     assert len(twins) == 2
 
 
+def test_ends_of_roots_that_nearly_coincide_lie_between_them() -> None:
+    """(x - 1)² = 2⁻¹⁹⁹, which 64 bits do not tell from a double root."""
+    size = 2**199
+    low, high = (RealRoot((size - 1, -2 * size, size), k).interval() for k in (0, 1))
+    assert low[0] < low[1] <= 1 <= high[0] < high[1]
+    for left, right in (low, high):
+        assert ((left - 1) ** 2 * size - 1) * ((right - 1) ** 2 * size - 1) < 0
+
+
 def test_square_root_of_an_algebraic_number() -> None:
     golden = positive_roots([X**2 - X - 1])[0]
     assert golden.square_root().minimal == (-1, 0, -1, 0, 1)

@@ -6,11 +6,11 @@ from typing import Any
 
 import pytest
 import sympy
-from flint import acb_poly, ctx
+from flint import acb_poly, arb, ctx
 
 from driftproof.methods.expressions import parse_system
 from driftproof.symbolic.algebra.real_roots import RealRoot
-from driftproof.symbolic.linear.eigenvalues import Imaginary, eigenvalues, root_places
+from driftproof.symbolic.linear.eigenvalues import Complex, Imaginary, eigenvalues, root_places
 from driftproof.texts.writing.records import record
 from tests.symbolic.linear.linear_examples import DAMPED, SPRINGS, STUCK
 
@@ -26,6 +26,22 @@ BLOCKS = {
     "1 2; 3 4": [("5/2 - sqrt(33)/2", 1, 1), ("5/2 + sqrt(33)/2", 1, 1)],
     "-4 4 0 0; -9 8 0 0; 0 0 2 0; 0 0 0 1/2": [("2", 3, 2), ("1/2", 1, 1)],
 }
+
+
+@pytest.mark.parametrize("linear", [0, 1])
+def test_pairs_that_nearly_coincide_are_told_apart_at_any_precision(linear: int) -> None:
+    """(x² + 1)² + 2⁻²⁰⁰ (1 + x): two pairs that are 2⁻¹⁰⁰ apart, on either side of the imaginary axis."""
+    size = 2**200
+    minimal = (size + 1, linear, 2 * size, 0, size)
+    left, right = root_places(minimal)
+    assert isinstance(left, Complex)
+    assert isinstance(right, Complex)
+    with ctx.workprec(300):
+        assert left.ball().real < 0 < right.ball().real
+        for root in (left, right):
+            assert abs(sum(c * root.ball() ** k for k, c in enumerate(minimal)) / size) < arb(2) ** -250
+    with pytest.raises(ValueError, match="are not rational"):
+        left.sum_and_product()
 
 
 @pytest.mark.parametrize("text", BLOCKS)

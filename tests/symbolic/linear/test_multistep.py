@@ -53,6 +53,24 @@ def test_orders_and_error_constants_are_those_in_the_books():
         assert of(key).error_constant == Q(printed), key
 
 
+def test_facts_of_first_order_equations_are_none_of_second_order_ones():
+    for key in some(SECOND):
+        assert [getattr(of(key), name) for name in ("first_barrier", "a_stability", "sector", "real_limit")] == [
+            None
+        ] * 4
+
+
+def test_what_contradicts_a_barrier_of_dahlquists_is_no_answer():
+    for order, name, barrier in (
+        (5, "first_barrier", "order 5 is above Dahlquist's barrier 4"),
+        (3, "a_stability", "second"),
+    ):
+        found = of("bdf2")
+        found.__dict__["order"] = order
+        with pytest.raises(AssertionError, match=barrier):
+            getattr(found, name)
+
+
 def test_the_tables_are_what_interpolation_makes():
     for k in exactly(5, range(2, 7)):
         for key, made in {

@@ -384,6 +384,15 @@ def test_what_is_not_decided_is_refused() -> None:
     stuck = SystemFacts(METHODS["symplectic_euler"], parse_system("0 0 1 0; 0 0 0 1; -1 1 0 0; 0 -1 0 0"))
     with pytest.raises(UndecidedLimitError, match="only simple"):
         bounded_at(stuck, Q(1, 2))
+    blocks = "0 1 0 1 0 0; 0 0 1 0 1 0; -1 -1 -1/2 0 0 1; 0 0 0 0 1 0; 0 0 0 0 0 1; 0 0 0 -1 -1 -1/2"
+    with pytest.raises(UndecidedLimitError, match="Jordan block is not decided"):
+        bounded_at(facts("rk4", blocks), Q(1, 2))
+
+
+def test_a_splitting_grows_on_a_saddle() -> None:
+    """q' = v, v' = q has the solution e^t."""
+    assert not bounded_at(facts("velocity_verlet", "0 1; 1 0"), Q(1, 2))
+    assert bounded_at(facts("velocity_verlet", "0 1; -1 0"), Q(1, 2))
 
 
 def test_blocks_of_three_end_where_the_derivative_is_all_that_vanishes() -> None:

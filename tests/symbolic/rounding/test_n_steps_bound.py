@@ -18,7 +18,13 @@ from driftproof.symbolic.algebra.certified import enclose, endpoints, is_less
 from driftproof.symbolic.error_budget import ErrorOfRun
 from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound
 from driftproof.symbolic.rounding.formats import BFLOAT16, BINARY16, BINARY32, BINARY64
-from driftproof.symbolic.rounding.n_steps_bound import HypothesisFails, RunBound, largest_safe_state, run_bound
+from driftproof.symbolic.rounding.n_steps_bound import (
+    HypothesisFails,
+    RunBound,
+    largest_safe_state,
+    run_bound,
+    safe_state_text,
+)
 from driftproof.symbolic.rounding.step_bound import LinearBound, step_bound
 from driftproof.symbolic.runs import apply, exact_matrix_at, power
 from tests.changes import first_weight, moved
@@ -199,3 +205,11 @@ def test_a_step_size_that_overflows_by_itself_leaves_no_safe_state():
     bound = step_bound(leapfrog, BINARY16)
     assert not bound.is_safe(huge, Q(0), Q(0))
     assert bound.is_safe(Q(1), Q(0), Q(0))
+    huge = Q(BINARY64.largest)
+    with pytest.raises(OverflowError, match="overflows binary64 from every state"):
+        largest_safe_state(lambda force, q, v, h: (q + huge + huge, v), Q(1))
+
+
+def test_a_safe_state_is_told_as_a_power_of_ten_below_it():
+    shown = {Q(0): "0", Q(1): "1e0", Q(999, 1000): "1e-1", Q(99, 10): "1e0", Q(10): "1e1", Q(995 * 10**304): "1e306"}
+    assert {x: safe_state_text(x) for x in shown} == shown

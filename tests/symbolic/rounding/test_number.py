@@ -108,6 +108,22 @@ REFUSED = {
 }
 
 
+def test_arithmetic_of_constants_is_that_of_floats():
+    c = constant(Q(1, 3), BINARY64)
+    pairs = (
+        (2 / c, 2 / (1 / 3)),
+        (-c, -(1 / 3)),
+        (c - 1, 1 / 3 - 1),
+        (1 - c, 1 - 1 / 3),
+        (+c, 1 / 3),
+        (c * c, (1 / 3) ** 2),
+    )
+    for x, wanted in pairs:
+        assert x.stored_value == Q(wanted)
+    with pytest.raises(AttributeError, match="__array__"):
+        _ = c.__array__
+
+
 @pytest.mark.parametrize("what", REFUSED)
 def test_what_cannot_be_bounded_is_refused_with_the_line_that_does_it(what):
     with pytest.raises(RefusedOperation) as refusal:

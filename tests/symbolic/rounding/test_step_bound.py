@@ -101,6 +101,8 @@ def test_a_step_with_another_polynomial_is_reported_with_the_coefficient():
     (line,) = step_bound(rk4_with_a_fifth).differences(oscillator_matrix(NINE["rk4"]))
     assert line == "M_qv, coefficient of h**3: the program has -2/15, the definition -1/6"
     assert len(step_bound(forward_euler).differences(oscillator_matrix(NINE["symplectic_euler"]))) == 1
+    implicit = step_bound(forward_euler).differences(oscillator_matrix(METHODS["backward_euler"]))
+    assert implicit == [f"M_{x}: the definition's is no polynomial in h" for x in ("qq", "qv", "vq", "vv")]
 
 
 def test_a_decimal_constant_is_the_double_that_it_is_and_not_the_fraction_that_it_means():
