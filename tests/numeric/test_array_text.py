@@ -104,3 +104,4 @@ def test_arrays_that_are_no_ensemble_are_refused_in_one_line(q, v):
         with pytest.raises(ValueError, match="two one-dimensional arrays of floats") as caught:
             build(METHODS["rk4"])(q, v, 0.1, 1)
         assert "\n" not in str(caught.value)
+        assert str(caught.value).startswith(f"q and v are {q.dtype}{list(q.shape)} and {v.dtype}{list(v.shape)}; an")

@@ -101,7 +101,7 @@ def test_floor_of_several_stages_is_8e_plus_4r_by_its_formula():
             )
             e = u * (2 * abs(moves[i, k]) + 2 * abs(known[i, k]) + (2 + 4 + 16) * flow + 17 * at_places)
             r = u * (abs(moves[i, k]) + at_moves)
-            assert found[i, k] == pytest.approx(8 * e + 4 * r, rel=1e-14)
+            assert found[i, k] == pytest.approx(8 * e + 4 * r, rel=1e-14, abs=0)
     nothing, unit = np.zeros((2, 1)), np.ones((2, 1, 1))
     least = _Equations(None, np.eye(2), np.zeros(2), np.zeros(1), 2.0, nothing).floor(nothing, nothing, nothing, unit)
     assert (least == (8 * 3 * 3 + 4 * (1 + 2)) * 5e-324).all()

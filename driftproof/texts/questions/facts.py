@@ -25,7 +25,7 @@ from driftproof.texts.questions.query_context import QueryContext
 from driftproof.texts.writing.facts import fact_tex, fact_text
 from driftproof.texts.writing.records import parts
 
-FACT_NAMES = (*FACTS, *ON_REQUEST, *(name for name in FAMILY_FACTS if name not in FACTS))
+FACT_NAMES = tuple(dict.fromkeys((*FACTS, *ON_REQUEST, *FAMILY_FACTS)))
 # Facts that were counted, and those that are only what the source says: the others are derived.
 _EVIDENCE = {"stages": COUNTED} | dict.fromkeys(("method", "title", "family", "source", "claimed_order"), STATED)
 # Leading terms that are written with their power of h; of others the coefficient is asked for.

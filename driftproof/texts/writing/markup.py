@@ -179,7 +179,7 @@ class _Formula:
 
 
 def _is_sum(node: ExpressionNode) -> bool:
-    return isinstance(node, ChainNode) and node.rest[0][0].text in "+-"
+    return isinstance(node, ChainNode) and any(sign.text in "+-" for sign, _ in node.rest)
 
 
 def _is_negative(node: ExpressionNode) -> bool:

@@ -83,6 +83,8 @@ def test_three_findings_of_a_kind_are_named_and_2000_places_compared() -> None:
     assert (
         len(findings("at 0.34 after 5 steps\n" * 5, claim("at {value} after 5 steps", "given = true\ncount = 5"))) == 3
     )
+    twice = claim("at {value} after 5 steps", "given = true\ncount = 2")
+    assert len(findings("at 0.33 after 5 steps\n" + "at 0.34 after 5 steps\n" * 3, twice)) == 1
     one = claim("at {value} after 5 steps", "given = true")
     for before, line in ((1999, 2000), (2000, 1)):
         text = "at 0.34 after 6 steps\n" * before + "at 0.34 after 5 steps"

@@ -62,6 +62,7 @@ def test_phrase_has_three_words_before_its_numbers_and_after_them_what_belongs_t
         ("again. That is 0.33 %", 1),
     ]
     assert (found[0]["value"], found[0]["id"]) == ("rk4.first_step.q", "rk4.first_step.q")
+    assert "count = 1" not in drafted
     again = document_of(f"{text} Then q is 0.877604.")
     assert held(again, draft(again, "a"))[UNCOVERED] == 0
     assert 'id = "rk4.first_step.q (2)"' in draft(again, "a")

@@ -94,6 +94,10 @@ def test_number_of_digits_has_its_bounds(n: int, reason: str) -> None:
         value("1/3").digits(n)
 
 
+def test_ten_thousand_digits_are_answered() -> None:
+    assert value("1/3").digits(10_000) == "0." + "3" * 10_000
+
+
 def test_what_is_no_number_has_no_decimals() -> None:
     for question in ("energy_multiplier rk4", "a_stable rk4", "real_limit backward_euler"):
         assert not value(question).is_number
