@@ -1,10 +1,18 @@
 """A stepper by its name or as a callable: what is imported, and what is refused in one line."""
 
+import sys
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from driftproof.blackbox.stepper.opening import Target, imported
+from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.stepper.foreign_stepper import call_text
+from driftproof.blackbox.stepper.opening import Target, imported, opened
+from driftproof.blackbox.stepper.wrappers import wrapper_line
 from driftproof.symbolic.rounding.formats import BINARY32
+from tests.blackbox.stepper.euler_steps import Tensor
+from tests.blackbox.stepper.odd_steppers import ODD
 
 
 def local_step(q, v, h):
@@ -46,3 +54,21 @@ def test_a_name_without_a_stepper_is_refused_in_one_line(name, message):
         Target(name).open()
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ODD)
+def test_what_is_seldom_met_is_opened_or_refused_as_before(name, as_before, monkeypatch):
+    monkeypatch.setitem(sys.modules, "torch", SimpleNamespace(tensor=lambda x, dtype: Tensor(x), float64="double"))
+    try:
+        subject = opened(ODD[name])
+    except (ValueError, Misbehaviour) as refusal:
+        as_before(type(refusal).__name__, str(refusal).partition(" is not one of these")[0], wrapper_line(ODD[name]))
+    else:
+        steps = [subject.step(1.0, 0.75, 0.25), subject.step(-3.0, 0.5, 1.5)]
+        as_before(
+            subject.adapter.name,
+            call_text(subject, 1.0, 0.75, 0.25),
+            *steps,
+            subject.log.changes_its_arguments,
+            *subject.log.types,
+        )

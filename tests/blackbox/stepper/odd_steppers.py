@@ -1,0 +1,214 @@
+"""Steppers whose states, arguments or answers are seldom met: some are opened, others are refused with a wrapper."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple, TypedDict
+
+import numpy as np
+
+from tests.blackbox.stepper.euler_steps import Tensor
+
+
+@dataclass
+class Clocked:
+    pos: float
+    vel: float
+    time: float
+    mass: float
+    note: str = ""
+    moved: int = field(default=0, init=False)
+
+
+class Pair(NamedTuple):
+    a: float
+    b: float
+
+
+class Sided(NamedTuple):
+    x: float
+    v: float
+    extra: float = 0.0
+
+
+class Keyed(TypedDict):
+    q: float
+    p: float
+
+
+@dataclass
+class Colour:
+    red: float
+    green: float
+    blue: float
+
+
+def of_clocked(state: Clocked, dt):
+    return Clocked(state.pos + dt * state.vel, state.vel - dt * state.pos, state.time + dt, state.mass)
+
+
+def of_pair(state: Pair, dt):
+    return Pair(state.a + dt * state.b, state.b - dt * state.a)
+
+
+def of_sided(state: Sided, dt):
+    return state._replace(x=state.x + dt * state.v, v=state.v - dt * state.x)
+
+
+def of_keyed(state: Keyed, dt):
+    return {"p": state["p"] - dt * state["q"], "q": state["q"] + dt * state["p"]}
+
+
+def of_colour(state: Colour, dt):
+    return Colour(state.red + dt, state.green, state.blue)
+
+
+def of_nobody(state: Nobody, dt):  # noqa: F821
+    return {"x": state["x"] + dt * state["v"], "v": state["v"] - dt * state["x"]}
+
+
+def of_attributes(state, dt):
+    state.x, state.v = state.x + dt * state.v, state.v - dt * state.x
+    return state
+
+
+def of_another_order(state, dt):
+    return {
+        "velocity": state["velocity"] - dt * state["position"],
+        "position": state["position"] + dt * state["velocity"],
+    }
+
+
+def of_numbered_keys(state, dt):
+    return {0: state[0] + dt * state[1], 1: state[1] - dt * state[0]}
+
+
+def of_private(state, dt):
+    return state._q + dt * state._v, state._v - dt * state._q
+
+
+def of_three_keys(state, dt):
+    return {"x": state["x"] + dt * state["v"], "v": state["v"] - dt * state["x"], "colour": state["colour"]}
+
+
+def of_tensors(y, dt):
+    assert isinstance(y, Tensor)
+    return y + dt * Tensor([y.data[1], -y.data[0]])
+
+
+def of_scalar_tensors(force, q, v, h):
+    assert isinstance(q, Tensor)
+    assert q.data.shape == ()
+    return q + h * v, v + h * force(q)
+
+
+def of_two_bodies(force, q, v, h):
+    assert np.shape(q) == (1, 3)
+    return q + h * v, v + h * force(q)
+
+
+def of_rows(f, t, y, h):
+    assert np.ndim(y) == 2
+    return y + h * f(t, y)
+
+
+def increment_of_a_state(y, h):
+    return h * np.array([y[1], -y[0]])
+
+
+def increment_of_a_field(f, t, y, h):
+    return h * f(t, y)
+
+
+class Stepper:
+    """Made of nothing, holds a state."""
+
+    def __init__(self):
+        self.y, self._hidden = [0.0, 0.0], 1
+
+    def advance(self, dt):
+        self.y = [self.y[0] + dt * self.y[1], self.y[1] - dt * self.y[0]]
+
+
+class OfTwo:
+    """Made of two, holds a position and a velocity."""
+
+    def __init__(self, force, mass):
+        self.x, self.v, self.force = 0.0, 0.0, force
+
+    def tick(self, dt):
+        self.x += dt * self.v
+
+
+class WithoutAttributes:
+    __slots__ = ()
+
+    def do_step(self, dt):
+        return None
+
+
+class WithArguments:
+    def step(self, a, b, c):
+        return None
+
+
+def leapfrog_of(grad_q, grad_p, x, p, dt, extra):
+    return x, p
+
+
+def of_gradients(dHdq, dHdp, q, p, t, h, omega_):
+    return q, p
+
+
+def maker(f, h):
+    def step(y):
+        return y + h * f(0.0, y)
+
+    return step
+
+
+def maker_of_forces(acceleration):
+    def inner(x, v, dt, unknown):
+        return x, v
+
+    return inner
+
+
+def maker_of_steps(dt):
+    return lambda q, v, w: (q + dt * v, v - dt * q)
+
+
+def maker_of_nothing(f):
+    return 7
+
+
+def maker_that_fails(rhs, dt):
+    raise ValueError("no")
+
+
+def solver_with_a_step(f, t_span, y0, dt, mode, other):
+    return None
+
+
+def state_twice(state, y, dt):
+    return y
+
+
+def unknown(alpha, beta, gamma):
+    return alpha
+
+
+ODD = {name: step for name, step in vars().items() if getattr(step, "__module__", "") == __name__}
+for _name in ("Clocked", "Pair", "Sided", "Keyed", "Colour"):
+    del ODD[_name]
+ODD |= {
+    "a method of an object": Stepper().advance,
+    "a method of two": OfTwo(abs, 1.0).tick,
+    "a method without attributes": WithoutAttributes().do_step,
+    "a method of other arguments": WithArguments().step,
+    "no name": type("Odd", (), {"__call__": lambda self, alpha, beta: None})(),
+    "None": lambda q, v, h: None,
+    "strings": lambda q, v, h: ("a", "b"),
+    "three of a field": lambda f, t, y, h: [1.0, 2.0, 3.0],
+    "another type": lambda f, t, y, h: object,
+}
