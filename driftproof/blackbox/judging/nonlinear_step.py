@@ -124,7 +124,7 @@ def _runge_kutta_step(
     Explicit stages are there after as many rounds as there are stages. Raises ArithmeticError where it does not
     converge.
     """
-    tableau: Any = method.tableau(2 * _BITS) if isinstance(method, Collocation) else (method.a, method.b, method.c)
+    tableau: Any = method.tableau(_BITS) if isinstance(method, Collocation) else (method.a, method.b, method.c)
     a = [[enclose(x) for x in row] for row in tableau[0]]
     b, c = ([enclose(x) for x in row] for row in tableau[1:])
     slopes = [[arb(0) for _ in y] for _ in b]

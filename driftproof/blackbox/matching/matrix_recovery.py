@@ -39,10 +39,6 @@ class Coefficient:
     value: Fraction
     error: Fraction
 
-    def differs(self, other: Fraction) -> bool:
-        """True when it is certainly not the other number."""
-        return abs(self.value - other) > self.error
-
     def __str__(self) -> str:
         """The number, with its error unless it is taken to be exact."""
         if self.error == 0:

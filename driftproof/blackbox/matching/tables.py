@@ -28,7 +28,7 @@ LiftedTableau: TypeAlias = tuple[Sequence[TableRow], TableRow, TableRow]
 Induced: TypeAlias = tuple[StageCoefficients, _Number]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class BoundedCoefficient:
     """An exact number, with the sum of the sizes of the terms that it was made of: what rounding errors scale with."""
 
@@ -55,10 +55,6 @@ class BoundedCoefficient:
     def __eq__(self, other: object) -> bool:
         """Equal values."""
         return bool(self.value == bounded(other).value)
-
-    def __hash__(self) -> int:
-        """Of the value."""
-        return hash(self.value)
 
     def __bool__(self) -> bool:
         """False for the value zero."""

@@ -79,3 +79,24 @@ def test_verify_holds_a_pair_to_both_rows():
         False,
         "is bogacki_shampine32, but the error estimate is 2 times that of bogacki_shampine32",
     )
+
+
+SPOILED = {
+    "two other weights": but_one(1, 1 / 7),
+    "another row": lambda e: [1 / 3, -1 / 3, *[0.0] * (len(e) - 2)],
+    "a third": lambda e: [x / 3 for x in e],
+    "pi times": lambda e: [3.14159 * x for x in e],
+    "backwards": lambda e: [-x for x in e],
+    "three weights off": lambda e: [e[0] + 0.1, e[1], e[2] + 0.1, e[3] - 0.1, *e[4:6], e[6] - 0.1],
+}
+
+
+@pytest.mark.parametrize("name", SPOILED)
+@pytest.mark.parametrize("form", ["a difference", "absolute", "the largest"])
+def test_all_that_is_said_of_an_estimate_is_what_it_was(name, form, as_before):
+    step = pair_step("dormand_prince54", FORMS[form][0], estimate=SPOILED[name])
+    for held in (None, METHODS["dormand_prince54"], METHODS["fehlberg45"]):
+        found = judged_estimate(opened(step, "field"), held)
+        assert found.lines
+    own = judged_estimate(opened(step, "field"))
+    as_before(own.data, found.data)

@@ -18,6 +18,7 @@ from driftproof.numeric.steppers import rk4
 from driftproof.support.messages import decode, encode
 from tests.blackbox.catalogue_steppers import float_subject
 from tests.blackbox.matching.linear_fits import alike, fit
+from tests.blackbox.transcripts import Asked
 
 
 @pytest.mark.parametrize("key", METHODS)
@@ -169,3 +170,61 @@ def test_a_step_that_is_all_but_exact_is_no_method_of_high_order(off, shown):
 def test_a_step_that_is_off_by_more_is_not_called_exact():
     found = fit(lambda q, v, h: (cos(h) * q + sin(h) * v, cos(h) * v - (1 + 1e-6) * sin(h) * q))
     assert found.best is None or "the exact solution, to" not in found.best.words
+
+
+def damped(q, v, h):
+    v = v + h * (-4 * q - 0.25 * v)
+    return q + 2 * h * v, v
+
+
+def short_only(q, v, h):
+    if abs(h) > 0.6:
+        raise ValueError("unstable")
+    return q + h * v, v - h * q
+
+
+def capped(q, v, h):
+    v = max(-8.0, min(8.0, v - h * q))
+    return q + h * v, v
+
+
+def cubic(q, v, h):
+    return q + h * v, v - h * q**3
+
+
+def sloppy(q, v, h):
+    return round(q + h * v, 9), round(v - h * q, 9)
+
+
+def still(q, v, h):
+    return q + h * v, v
+
+
+def growing(q, v, h):
+    return q + h * v, v + 2 * h * q
+
+
+def turned(q, v, h):
+    return q - h * v, v + h * q
+
+
+def moved(q, v, h):
+    return 2 * q + h * v, v - h * q
+
+
+def near_rk4(q, v, h):
+    s = h * h
+    return (1 - s / 2 + s * s / 23) * q + h * v, v - h * q * (1 - s / 6 * (1 + 2.0**-30))
+
+
+LINEAR_STEPS = [damped, short_only, capped, cubic, sloppy, still, growing, turned, moved, near_rk4, forwards_only]
+
+
+@pytest.mark.parametrize("step", LINEAR_STEPS)
+@pytest.mark.parametrize("array", [None, np.float32])
+def test_all_that_linear_steps_say_is_what_it_was(step, array, as_before):
+    asked = Asked(step)
+    found = linear_fit(opened(asked.code, array=array))
+    rates, state = (found.position, found.stiffness, found.damping), (found.kind, found.doubts, found.is_disturbed)
+    told = [(c.words, c.extras, c.restriction, f"{c.error.in_bounds:.3g}") for c in found.candidates]
+    as_before(*found.lines, found.amplitude, state, rates, found.nearest, *told, asked)
