@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import fsum
+from math import fsum, inf
 
 from driftproof.blackbox.matching.match import Identity, match_tableau
 from driftproof.blackbox.matching.read_order import ReadOrder, read_order
@@ -94,7 +94,7 @@ class _Marked:
             raise NotReadable("with all slopes 0, y = 0 does not stay")
         # Not the last, which is cut to the end, nor the first, which has no step before it, if there are others.
         inner = range(1, len(t) - 2) if len(t) > 3 else range(len(t) - 1)
-        self.place = max(inner, key=lambda n: (t[n + 1] - t[n]) / t[n + 1])
+        self.place = max(inner, key=lambda n: (t[n + 1] - t[n]) / (t[n + 1] or inf))
         self.start, self.end = t[self.place], t[self.place + 1]
         self.h = self.end - self.start
         if not self.h > 0:

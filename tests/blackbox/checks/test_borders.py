@@ -116,3 +116,22 @@ def test_a_negligible_step_is_found(step, slack):
 
 def test_a_step_that_is_always_taken_has_none():
     assert negligible_step(steady_runner(opened(FIXED_STEP))) is None
+
+
+def test_names_edges_and_short_steps_are_what_they_were(as_before):
+    numbers = [
+        0.1 * 3,
+        2 / 3,
+        1e22,
+        6.1e-5,
+        -0.3,
+        100.00000000000001,
+        float(np.float32(1e30)),
+        65504.0,
+        65536.0,
+        1.5e-7,
+    ]
+    limits = [(0.3, 1e-8, 1e8), (7.25, 1.0, 1e3), (1 / 3, 1e-3, 2.0), (6.02e23, 1.0, 1e30), (2.0**-1060, 5e-324, 1.0)]
+    found = [(count, len(tried), ends) for count, ends, tried in (tries_and_edge(*each) for each in limits)]
+    short = [negligible_step(steady_runner(opened(step))) for step in (plain, CAR_IN_A_VALLEY, WRAPPED, DIVIDES_BY_H)]
+    as_before(*map(named, numbers), *found, *((each.h, each.state, each.slack) for each in short))

@@ -104,3 +104,41 @@ def test_states_that_mix_are_a_fault():
 def test_a_state_in_one_array_is_no_batch():
     assert check(lambda state, h: [state[0] + h * state[1], state[1] - h * state[0]]) is None
     assert check(lambda f, t, y, h: y + h * f(t, y)) is None
+
+
+class Uncopied(Multistep):
+    """Holds what nobody can copy."""
+
+    def __deepcopy__(self, memo):
+        raise TypeError("a lock")
+
+
+class LastBit:
+    """Every other answer is an ulp, or a few, away."""
+
+    def __init__(self, ulps):
+        self.calls, self.ulps = 0, ulps
+
+    def __call__(self, q, v, h):
+        self.calls += 1
+        return (q + h * v) * (1 + self.ulps * 2.0**-52 * (self.calls % 2)), v - h * q
+
+
+UNSTEADY = {
+    "memory": lambda: Multistep().step,
+    "shared memory": lambda: SharedMultistep().step,
+    "memory that is not copied": lambda: Uncopied().step,
+    "a counter": lambda: Counter().step,
+    "a bit": lambda: LastBit(1),
+    "a few bits": lambda: LastBit(12),
+    "some digits": lambda: LastBit(1e6),
+    "Python's random numbers": lambda: lambda q, v, h: (q + h * v + 1e-9 * random.random(), v - h * q),
+    "NumPy's": lambda: lambda q, v, h: (q + h * v + 1e-9 * np.random.rand(), v - h * q),
+}
+
+
+@pytest.mark.parametrize("name", UNSTEADY)
+def test_all_that_is_said_of_a_step_that_varies_is_as_before(name, as_before):
+    random.seed(5)
+    np.random.seed(5)
+    as_before(*((seen.key, seen.holds, seen.words, len(seen.example)) for seen in repeats(opened(UNSTEADY[name]()))))

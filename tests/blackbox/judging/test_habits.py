@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
-from driftproof.blackbox.judging.habits import explained
+from driftproof.blackbox.judging.habits import _of_few_digits, explained
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.verify import verify
 from driftproof.methods.catalogue import METHODS
 from driftproof.symbolic.algebra.certified import fixed, significant
+from tests.blackbox import handwritten_steppers as codes
+from tests.blackbox.transcripts import Asked, checksum
 
 FEW = 200
 
@@ -59,3 +62,43 @@ def test_another_method_has_no_such_excuse():
     found = explained(opened(as_map(yoshida(float))), METHODS["velocity_verlet"], examples=FEW)
     assert (found.holds, found.but_for) == (False, "")
     assert explained(opened(as_map(yoshida(float))), METHODS["yoshida4"], examples=FEW).holds
+
+
+def in_binary32_first(q, v, h):
+    h = float(np.float32(h))
+    v = v - h * q
+    return q + h * v, v
+
+
+EXPLAINED = {
+    "h in binary32": (in_binary32_first, "symplectic_euler"),
+    "a velocity from positions": (verlet_by_positions, "velocity_verlet"),
+    "few digits": (as_map(yoshida(lambda x: fixed(x, 6))), "yoshida4"),
+    "too few": (as_map(yoshida(lambda x: fixed(x, 3))), "yoshida4"),
+    "all digits": (as_map(yoshida(lambda x: significant(x, 17))), "yoshida4"),
+    "digits of another": (as_map(yoshida(lambda x: fixed(x, 6))), "ruth3"),
+    "Nystrom's": (lambda q, v, h: nystrom_in_decimals(lambda q: -q, q, v, h), "nystrom5"),
+}
+
+
+def nystrom_in_decimals(force, q, v, h):
+    table = METHODS["nystrom5"]
+    near = lambda row: [float(fixed(x, 7)) for x in row]
+    step = codes.nystrom(near(table.c), [near(row) for row in table.a], near(table.b_position), near(table.b_velocity))
+    return step(force, q, v, h)
+
+
+@pytest.mark.parametrize("name", EXPLAINED)
+def test_what_explains_a_step_is_what_it_was(name, as_before):
+    step, key = EXPLAINED[name]
+    asked = Asked(step)
+    found = explained(opened(asked.code), METHODS[key], examples=60)
+    as_before(found.holds, found.but_for, *found.lines, asked)
+
+
+@pytest.mark.parametrize("key", ["yoshida4", "rk4", "nystrom5", "dormand_prince54", "gauss2"])
+def test_the_digits_that_are_tried_are_what_they_were(key, as_before):
+    errors = [0.0, 1e-3, 1e-5, 3e-9, 1e-14, 1e-16, float("inf"), 2.0]
+    tried = [[words for words, _ in _of_few_digits(METHODS[key], error)] for error in errors]
+    sizes = [[str(method)[-300:] for _, method in _of_few_digits(METHODS[key], error)] for error in errors]
+    as_before(*tried, checksum(str(sizes)))

@@ -7,6 +7,7 @@ import pytest
 
 from driftproof.blackbox.judging.sampled_steps import Sizes, simplest_step, steps_within
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FORMATS
+from tests.blackbox.transcripts import Asked, checksum
 from tests.looping import exactly
 
 STEPS, STATES = Sizes(2.0**-20, 2.0, BINARY64), Sizes(2.0**-60, 1000.0, BINARY64)
@@ -83,3 +84,39 @@ def test_the_simplest_step_that_fails_is_of_few_short_numbers(fails, failing, si
 def test_the_simplest_step_lies_in_a_small_domain():
     small = Sizes(0.01, 0.1, BINARY64), Sizes(1e-3, 0.7, BINARY64)
     assert simplest_step(lambda step: step[0] != 0, (0.6, 0.3, 0.05), *small) == (0.5, 0.0, 0.0625)
+
+
+FAILING = {
+    "large": lambda q, v, h: abs(q) + abs(v) > 417.3,
+    "steep": lambda q, v, h: abs(v) > 3.7 * abs(q) + 0.01,
+    "short": lambda q, v, h: h < 0.013,
+    "long": lambda q, v, h: h > 1.371 and q < -0.3,
+    "narrow": lambda q, v, h: 0.2913 < h < 0.2917 and v > 0,
+    "tiny": lambda q, v, h: 0 < abs(q) < 1e-9,
+    "odd": lambda q, v, h: q != int(q) and v < 0,
+    "just so": lambda q, v, h: abs(q * h - v) < 1e-4 < abs(v),
+}
+STARTS = [
+    (0.3, -0.7, 0.2915),
+    (612.7, -3.25, 0.0123),
+    (-0.75, 0.1, 1.9),
+    (7.7e-12, 2.2, 0.29155),
+    (2.5, 0.71, 0.2840001),
+]
+
+
+@pytest.mark.parametrize("name", FAILING)
+def test_the_steps_that_are_asked_for_before_the_simplest_are_what_they_were(name, as_before):
+    found, fails = [], FAILING[name]
+    for start in [*STARTS, *(step for step in DRAWN if fails(*step))][:9]:
+        asked = Asked(lambda q, v, h: fails(q, v, h))
+        found.append((simplest_step(lambda step, asked=asked: asked.code(*step), start, STEPS, STATES), str(asked)))
+    as_before(*found)
+
+
+def test_the_steps_that_are_drawn_are_what_they_were(as_before):
+    ends = [(a, b, f) for a, b in ((0.0, 0.0), (1e-3, 0.1)) for f in FORMATS.values()]
+    domains = [(STEPS, STATES), *((Sizes(a, 0.3, f), Sizes(b, 70.0, f)) for a, b, f in ends)]
+    drawn = [list(islice(steps_within(*each), 300)) for each in domains]
+    corners = [(s.least, s.most, s.corners, s.simple(1.0, 2.0, 0.25)) for each in domains for s in each]
+    as_before(*(steps[7] for steps in drawn), checksum(str(drawn)), checksum(str(corners)))

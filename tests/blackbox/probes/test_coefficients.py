@@ -96,3 +96,31 @@ def test_half_the_spacing_is_u_at_one_and_the_next_float_is_twice_as_far():
 def test_a_long_exact_number_is_shown_as_a_decimal():
     assert exact_shown(Q(1, 3)) == "1/3"
     assert exact_shown(Q(10**30 + 1, 3 * 10**30)) == "0.3333333333333333"
+
+
+NUMBERS = [
+    1 / 3,
+    -2 / 7,
+    0.1,
+    1e-300,
+    5e-324,
+    1e22,
+    0.30000000000000004,
+    1 / 3 + 1e-12,
+    19 / 6561,
+    2**0.5,
+    0.0,
+    -4.0,
+    1e-9,
+]
+
+
+@pytest.mark.parametrize("fmt", [BINARY64, BINARY32, BINARY16], ids=lambda fmt: fmt.name)
+def test_what_numbers_are_read_as_is_what_it_was(fmt, as_before):
+    seen = [float(fmt.nearest(Q(x))) if abs(x) < 6e4 else x for x in NUMBERS]
+    texts = [[coefficient_text(x, fmt, slack) for slack in (0.0, 1e-12, 1e-5)] for x in seen]
+    read = [[simple_rational(x, error) for error in (0.0, 1e-16, 1e-9, 1e-4, 0.003, 0.2)] for x in NUMBERS]
+    shown = [
+        (str(half_spacing(x, fmt)), short_rational(Q(x)), exact_shown(Q(x)), is_nearest(x, Q(1, 3), fmt)) for x in seen
+    ]
+    as_before(*texts, *([str(y) for y in each] for each in read), *shown)

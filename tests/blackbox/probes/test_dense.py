@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.probes.dense import THETAS, read_dense
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.stepper.objects import field_stepper_of
@@ -72,3 +72,37 @@ def test_what_is_no_dense_output_is_said():
         read(rk4)
     with pytest.raises(NotReadable, match="is right neither half-way nor at the end"):
         read(lambda f, t, y, h: (y + h * f(t, y), lambda theta: 0 * y))
+
+
+def of_another_kind(change):
+    """Heun's method, its dense output linear and then changed."""
+
+    def step(f, t, y, h):
+        y1 = y + h / 2 * (f(t, y) + f(t + h, y + h * f(t, y)))
+        return y1, change(lambda place: y + (place - t) * (y1 - y) / h, f, t, y, h)
+
+    return step
+
+
+KINDS = {
+    "of the time": of_another_kind(lambda linear, f, t, y, h: linear),
+    "of theta": of_another_kind(lambda linear, f, t, y, h: lambda theta: linear(t + theta * h)),
+    "nowhere right": of_another_kind(lambda linear, f, t, y, h: lambda theta: 0 * y),
+    "right at the end": of_another_kind(lambda linear, f, t, y, h: lambda theta: linear(t + h)),
+    "only inside": of_another_kind(lambda linear, f, t, y, h: lambda at: linear(at) if t <= at < t + h else 1 / 0),
+    "with calls at some": of_another_kind(
+        lambda linear, f, t, y, h: lambda theta: linear(t + theta * h) + (0 * f(t, y) if theta > 0.5 else 0 * y)
+    ),
+    "of one number": lambda f, t, y, h: (float(y) + h * f(t, y), lambda theta: float(y) + theta * h * f(t, y)),
+    "raising": of_another_kind(lambda linear, f, t, y, h: lambda theta: 1 / 0),
+}
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_what_is_read_of_a_dense_output_is_what_it_was(name, as_before):
+    asked = Asked(KINDS[name])
+    try:
+        found = read(asked.code)
+        as_before(found.argument, found.own, *found.rows[::5], asked)
+    except (NotReadable, Misbehaviour) as refusal:
+        as_before(type(refusal).__name__, refusal, asked)

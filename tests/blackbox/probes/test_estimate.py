@@ -87,3 +87,26 @@ def test_an_object_keeps_its_estimate_in_an_attribute():
 
     step = field_stepper_of(Solver, state="y", time="t", error="estimate")
     assert read(step).row == read(pair_step("bogacki_shampine32")).row
+
+
+NO_ROWS = {
+    "shifted": lambda e: e + 1.0,
+    "exchanged": lambda e: e[..., ::-1],
+    "limited": lambda e: np.minimum(e, 0.01),
+    "squared": lambda e: e**2,
+}
+
+
+@pytest.mark.parametrize("name", FORMS)
+@pytest.mark.parametrize("spoiled", NO_ROWS)
+def test_what_is_not_read_is_said_as_before(name, spoiled, as_before):
+    def answer(y1, error, h, y):
+        end, beside = FORMS[name][0](y1, error, h, y)
+        return end, NO_ROWS[spoiled](np.atleast_1d(beside))
+
+    asked = Asked(pair_step("bogacki_shampine32", answer))
+    try:
+        found = read(asked.code)
+        as_before(found.form, found.power, found.relative, [float(x) for x in found.row], asked)
+    except NotReadable as refusal:
+        as_before(refusal, asked)

@@ -6,12 +6,21 @@ from fractions import Fraction as Q
 from math import sin
 
 import numpy as np
+import pytest
 
+from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.matching.linear_match import linear_fit
-from driftproof.blackbox.probes.linear_steps import LINEARISED, NOT_AT_REST, NOT_LINEAR, NOT_REPEATABLE
+from driftproof.blackbox.probes.linear_steps import (
+    LINEARISED,
+    NOT_AT_REST,
+    NOT_LINEAR,
+    NOT_REPEATABLE,
+    read_linear_steps,
+)
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.numeric.steppers import rk4, symplectic_euler
 from tests.blackbox.matching.linear_fits import alike, fit
+from tests.blackbox.transcripts import Asked
 
 
 def test_half_precision_is_read_too():
@@ -102,3 +111,79 @@ def at_rest_below_a_speed(q, v, h):
 def test_a_method_behind_a_rule_of_rest_is_read_at_large_states():
     found = linear_fit(opened(at_rest_below_a_speed))
     assert (found.best.methods, found.amplitude) == (("symplectic_euler",), 2.0**20)
+
+
+def cubic_far_out(q, v, h):
+    v = v - h * (q + 1e-3 * q**3)
+    return q + h * v, v
+
+
+def pendulum(q, v, h):
+    v = v - h * 9.75 * (q - q**3 / 6)
+    return q + h * v, v
+
+
+def stops_at_long_steps(q, v, h):
+    if abs(h) > 0.6:
+        raise ValueError("unstable")
+    return q + h * v, v - h * q
+
+
+def stops_backwards(q, v, h):
+    if h <= 0:
+        raise ValueError("forwards only")
+    return q + h * v, v - h * q
+
+
+def stops_at_short_steps(q, v, h):
+    if 0 < abs(h) < 1e-4:
+        raise ValueError("too short")
+    return q + h * v, v - h * q
+
+
+def rests(q, v, h):
+    v = v - h * q if abs(v) > 1e-3 else 0.0
+    return q + h * v, v
+
+
+def fast(q, v, h):
+    return q + h * v, v - 1e6 * h * q
+
+
+def limited_far_out(q, v, h):
+    v = max(-1e4, min(1e4, v - h * q))
+    return q + h * v, v
+
+
+def falls(q, v, h):
+    return q + h * v, v - h
+
+
+def bent(q, v, h):
+    return q + h * v * abs(v), v - h * q * q
+
+
+def bent_in_h(q, v, h):
+    return q + h * v, v - abs(h) ** 0.5 * q
+
+
+def stays(q, v, h):
+    return q, v
+
+
+READ = [cubic_far_out, pendulum, stops_at_long_steps, stops_backwards, stops_at_short_steps, rests, fast]
+READ += [limited_far_out, falls, bent, bent_in_h, stays]
+
+
+@pytest.mark.parametrize("step", READ)
+@pytest.mark.parametrize(("array", "size"), [(None, 1.0), (None, 2.0**-5), (np.float32, 1.0), (np.float16, 1.0)])
+def test_what_is_read_of_linear_steps_is_what_it_was(step, array, size, as_before):
+    asked = Asked(step)
+    try:
+        found = read_linear_steps(opened(asked.code, array=array), size)
+    except Misbehaviour as refusal:
+        as_before(refusal, asked)
+        return
+    rates = [f"{x:.9g}" for x in found.at_zero or ()]
+    shown = found.kind, found.amplitude, found.unit, found.tiny, found.identifiable, found.starts_at_identity
+    as_before(*shown, rates, found.ordinary, len(found.steps), *found.steps[::6], *found.remarks, asked)

@@ -107,3 +107,31 @@ def test_scipy_has_the_law_that_its_source_says(method, estimate, exponent):
     assert (law.estimate, law.exponent, law.memory, law.after_rejection) == (estimate, Fraction(1, exponent), 0, True)
     assert (law.safety, law.largest) == pytest.approx((0.9, 10.0), rel=1e-4)
     assert found.faults == ()
+
+
+OTHERS = {
+    "cut at 2": adaptive(most=2.0),
+    "cut at a half": adaptive(least=0.5, safety=0.9),
+    "cautious": adaptive("dormand_prince54", safety=0.5, exponent=0.2),
+    "PI of another": adaptive("cash_karp54", exponent=0.14, memory=0.08),
+    "of the other order": adaptive("fehlberg45", exponent=0.25),
+    "grows after a rejection": adaptive(grows_after_rejection=True),
+    "doubles at 0": adaptive(growth_at_zero=2.0),
+    "begins with a long step": adaptive(first_step=0.5),
+    "stale": adaptive("fehlberg45", stale=True, exponent=0.2),
+    "deaf": adaptive(tolerances=lambda rtol, atol: (1e-5, 1e-8)),
+    "another scale": adaptive(estimate=lambda e: [1.5 * x for x in e]),
+    "of a blend": adaptive(estimate=lambda e: [e[0], 2 * e[1] + e[0], *e[2:-1], e[-1] - e[1] - e[0]]),
+    "of one length": fixed(40),
+    "beyond the end": adaptive(ending="beyond"),
+}
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_all_that_is_read_of_step_sizes_is_what_it_was(name, as_before):
+    asked = Asked(OTHERS[name])
+    try:
+        found = read(asked.code)
+        as_before(*found.lines, *found.faults, found.rejected, found.law, asked)
+    except NotReadable as refusal:
+        as_before(refusal, asked)

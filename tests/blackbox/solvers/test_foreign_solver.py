@@ -86,3 +86,57 @@ def test_a_solver_of_lists_is_opened_with_lists():
 def test_numbers_of_binary32_are_told():
     assert in_binary32([float(np.float32(x)) for x in (0.1, 0.2)])
     assert not in_binary32([0.1, 0.5])
+
+
+ANSWERS = {
+    "nothing": None,
+    "a string": "done",
+    "text inside": ("a", "b"),
+    "one time": ([0.0], [[1.0, 2.0]]),
+    "a longer start": ([0.0, 1.0], [[1.0, 2.0, 3.0], [3.0, 4.0, 5.0]]),
+    "another start": ([0.0, 0.5, 1.0], [[9.0, 2.0], [3.0, 4.0], [5.0, 6.0]]),
+    "NaN": ([0.0, 1.0], [[1.0, 2.0], [float("nan"), 4.0]]),
+    "flat": (T, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]),
+    "a status": {"t": T, "y": Y, "status": 1, "message": "an event"},
+    "a failure": {"t": T, "y": Y, "status": -1, "message": "step size"},
+    "no message": {"t": T, "y": Y, "success": False},
+    "a return code": SimpleNamespace(t=T, u=Y, retcode="MaxIters"),
+    "times behind": {"states": Y, "times": T},
+    "complex": (T, [[1j, 2.0], [3.0, 4.0], [5.0, 6.0]]),
+}
+
+
+@pytest.mark.parametrize("name", ANSWERS)
+def test_what_is_made_of_an_answer_is_what_it_was(name, as_before):
+    for span in ((0.0, 1.0), (1.0, 0.0)):
+        try:
+            found = ForeignSolver(lambda *_: ANSWERS[name]).solve(lambda n, t, y: y, span, (1.0, 2.0))
+            said = found.t, found.y, found.complaint, found.format.name
+        except Misbehaviour as refusal:
+            said = type(refusal).__name__, str(refusal)
+        assert said
+    as_before(*said)
+
+
+def stubborn(f, t_span, y0, rtol, atol):
+    raise TypeError("no arrays, no lists")
+
+
+def not_finite(f, t_span, y0, rtol, atol):
+    return [*t_span], [y0, y0 * float("inf")]
+
+
+class Made:
+    def __call__(self, f, t_span, y0, rtol, atol):
+        return adaptive()(f, t_span, y0, rtol, atol)
+
+
+def test_targets_are_named_and_opened_as_before(as_before):
+    said = []
+    for solver in (stubborn, not_finite, Made(), "tests.blackbox.solvers.planted_solvers:no", "math:sqrt", adaptive()):
+        target = SolverTarget(solver)
+        try:
+            said.append((target.name, target.by_name, target.open().adapter.name))
+        except (Misbehaviour, ValueError) as refusal:
+            said.append((target.name, target.by_name, type(refusal).__name__, str(refusal)))
+    as_before(*said)

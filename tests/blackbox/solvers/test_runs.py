@@ -81,3 +81,63 @@ def test_backward_in_time_is_looked_at():
 
     assert read(adaptive()).seen["Backward"] == ("it integrates backward in time",)
     assert any("backward in time" in fault for fault in some(read(forward_only).faults, 1))
+
+
+def refuses_backward(f, t_span, y0, rtol, atol):
+    if t_span[1] < t_span[0]:
+        raise ValueError("the end lies before the start")
+    return adaptive()(f, t_span, y0, rtol, atol)
+
+
+def raises_at_nan(f, t_span, y0, rtol, atol):
+    def checked(t, y):
+        slopes = f(t, y)
+        if not np.all(np.isfinite(slopes)):
+            raise FloatingPointError("not finite")
+        return slopes
+
+    return adaptive()(checked, t_span, y0, rtol, atol)
+
+
+def gives_up_at_a_jump(f, t_span, y0, rtol, atol):
+    times, states, *_ = adaptive()(f, t_span, y0, rtol, atol)
+    ok = len(times) < 40
+    return {"t": times, "y": states, "success": ok, "message": "too many steps" * (not ok)}
+
+
+def not_sorted(f, t_span, y0, rtol, atol):
+    times, states = fixed(20)(f, t_span, y0, rtol, atol)
+    return [*times[:5], times[4], *times[5:]], [*states[:5], states[4], *states[5:]]
+
+
+def nan_at_the_end(f, t_span, y0, rtol, atol):
+    times, states = fixed(20)(f, t_span, y0, rtol, atol)
+    return times, [*states[:-1], states[-1] * float("nan")]
+
+
+def loses_a_state(f, t_span, y0, rtol, atol):
+    times, states = fixed(20)(f, t_span, y0, rtol, atol)
+    return times, states[1:]
+
+
+def always_raises(f, t_span, y0, rtol, atol):
+    raise RuntimeError("no")
+
+
+OTHERS = {
+    **{each.__name__: each for each in (refuses_backward, raises_at_nan, gives_up_at_a_jump, not_sorted)},
+    **{each.__name__: each for each in (nan_at_the_end, loses_a_state, always_raises)},
+    "Euler": fixed(50, order="euler"),
+    "few steps": fixed(3),
+    "binary32 and one too many": fixed(60, extra=1, clock=np.float32),
+    "asks beyond": adaptive("fehlberg45", ending="beyond"),
+    "coarse": adaptive(tolerances=lambda rtol, atol: (max(rtol, 1e-3), atol)),
+    "retries": adaptive(on_nan="accept"),
+}
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_all_that_runs_show_is_what_it_was(name, as_before):
+    asked = Asked(OTHERS[name])
+    found = read(asked.code)
+    as_before(*found.seen.items(), *found.faults, asked)

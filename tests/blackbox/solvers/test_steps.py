@@ -104,3 +104,42 @@ def test_scipy_advances_what_it_says(method, name):
         return solve_ivp(f, t_span, y0, method=method, rtol=max(rtol, 1e-12), atol=atol)
 
     assert read_steps(SolverTarget(solve).open()).name == name
+
+
+def of_slopes(change):
+    """Heun's method with twenty steps, its slopes changed."""
+    return lambda f, t_span, y0, rtol, atol: fixed(20)(lambda t, y: change(f, t, y), t_span, y0, rtol, atol)
+
+
+def with_calls_around(f, t_span, y0, rtol, atol):
+    f(t_span[0], y0), f(t_span[0] + 1e-3, y0)
+    found = fixed(20)(f, t_span, y0, rtol, atol)
+    f(t_span[1], y0)
+    return found
+
+
+OTHERS = {
+    "at times that stand": lambda f, t_span, y0, rtol, atol: ([t_span[0]] * 3, [y0] * 3),
+    "at rest elsewhere": lambda f, t_span, y0, rtol, atol: ([t_span[0], t_span[1]], [y0, y0 + 1.0]),
+    "of no calls": lambda f, t_span, y0, rtol, atol: ([*np.linspace(*t_span, 5)], [y0] * 5),
+    "limited": of_slopes(lambda f, t, y: np.clip(f(t, y), -1.5, 1.5)),
+    "bent": of_slopes(lambda f, t, y: np.asarray(f(t, y)) ** 3),
+    "with a Jacobian": of_slopes(lambda f, t, y: np.asarray(f(t, y)) + 0 * np.asarray(f(t, y + 1e-8))),
+    "in binary32": fixed(20, clock=np.float32),
+    "one step": fixed(1),
+    "two steps": fixed(2),
+    "three": fixed(3, order="euler"),
+    "beyond": adaptive("cash_karp54", ending="beyond"),
+    "tiny": adaptive(ending="tiny"),
+    "with calls around": with_calls_around,
+}
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_all_that_is_read_of_steps_is_what_it_was(name, as_before):
+    asked = Asked(OTHERS[name])
+    try:
+        found = read_steps(ForeignSolver(asked.code))
+        as_before(found.name, *found.lines, found.reading, asked)
+    except NotReadable as refusal:
+        as_before(refusal, asked)
