@@ -67,4 +67,6 @@ def assert_as_before(place: Path, title: str, said: Iterable[object]) -> None:
     if os.environ.get("WRITE_TRANSCRIPTS"):
         kept[title] = text
         place.write_text("".join(f"== {name}\n{kept[name]}" for name in kept), encoding="utf-8")
-    assert kept.get(title) == text, f"not as in {place.name}; where that is meant: WRITE_TRANSCRIPTS=1 pytest, and read it"
+    assert kept.get(title) == text, (
+        f"not as in {place.name}; where it is meant: WRITE_TRANSCRIPTS=1, and read the change"
+    )
