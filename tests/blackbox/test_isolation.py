@@ -13,9 +13,10 @@ import pytest
 from driftproof.blackbox.checks.special_arguments import negative_step, zero_step
 from driftproof.blackbox.checks.suite import CHECKS, all_checks, checks_of
 from driftproof.blackbox.checks.trials import TrialRunner
-from driftproof.blackbox.findings import Outcome, StepRaised
-from driftproof.blackbox.isolation import IsolatedRunner
+from driftproof.blackbox.findings import NoAnswer, Outcome, StepRaised
+from driftproof.blackbox.isolation import IsolatedRunner, Serving, _CallLog, _not_again, _of_end
 from driftproof.blackbox.stepper.opening import Target
+from driftproof.support.processes import ProcessEnded
 from tests.blackbox import broken_steppers
 
 # A hang is waited for; everything else is over long before its limit.
@@ -230,3 +231,68 @@ def test_our_command_alone_forks_and_with_modules_of_others_a_new_interpreter_is
         [sys.executable, "-c", command], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60
     )
     assert f"who:step cannot be imported: ImportError: {forked}" in run.stderr
+
+
+HUNG = {
+    "q=1.0, v=0.75, h=0.25": "q=1.0, v=0.75, h=0.25",
+    "q=1.0, v=0.75, h=5e-324": "h=5e-324",
+    "q=1.0, v=0.75, h=-1e300": "h=-1e300",
+    "q=1.0, h=nan": "h=nan",
+    "y=[1.0], h=256.0": "y=[1.0], h=256.0",
+    "y=[1.0], h=256.5": "h=256.5",
+    f"q=1.0, h={2.0**-40!r}": f"q=1.0, h={2.0**-40!r}",
+    f"q=1.0, h={2.0**-40 * 0.999!r}": f"h={2.0**-40 * 0.999!r}",
+    "q=1.0, h=[1 +/- 0.1]": "q=1.0, h=[1 +/- 0.1]",
+}
+
+
+@pytest.mark.parametrize("call", HUNG)
+def test_a_call_that_hung_is_not_made_again_and_at_the_ends_of_floats_its_h_is_not(call):
+    assert _not_again(call) == HUNG[call]
+
+
+def steps_of(subject):
+    found = []
+    for q, h in ((1.0, 0.25), (2.0, 0.25), (1.0, 5e-324), (1.0, 0.5)):
+        try:
+            found.append(subject.step(q, 0.75, h)[0])
+        except NoAnswer as refusal:
+            found.append(str(refusal))
+    return found
+
+
+def test_what_hung_is_refused_on_the_far_side_and_nothing_else():
+    serving = Serving(Target(broken_steppers.hangs_at_zero), [steps_of], hung=["q=2.0, v=0.75, h=0.25", "h=5e-324"])
+    refused = "step({}) is not made: it did not come back before"
+    expected = [refused.format("q=2.0, v=0.75, h=0.25"), refused.format("q=1.0, v=0.75, h=5e-324")]
+    assert serving.outcome(0).result == [1.1875, *expected, 1.375]
+
+
+def test_here_too_one_stepper_is_opened_for_all_questions_of_a_with_statement():
+    calls = []
+
+    def step(q, v, h):
+        calls.append(h)
+        return q + h * v, v - h * q
+
+    with IsolatedRunner(Target(step), isolate=False) as kept:
+        assert [kept.run([answer])[0].kind for _ in range(3)] == [None] * 3
+    assert len(calls) == 4
+    apart = IsolatedRunner(Target(step), isolate=False)
+    assert [apart.run([answer])[0].kind for _ in range(3)] == [None] * 3
+    assert len(calls) == 10
+
+
+def test_the_file_of_calls_says_which_is_made_and_whether_it_is_back(tmp_path):
+    log = _CallLog(tmp_path / "last_call")
+    assert (log.now(), log.call) == ("", "")
+    seen = []
+    serving = Serving(Target(broken_steppers.returns_integers), [lambda subject: seen.append(log.now())], log.path)
+    serving.outcome(0)
+    assert seen == ["back 1: q=1.0, v=0.75, h=0.25"]
+    assert log.call == "q=1.0, v=0.75, h=0.25"
+    for cause, kind in (("time", "time_limit"), ("exit", "crashes")):
+        found = _of_end(ProcessEnded(cause, "why"), log)
+        assert (found.kind, found.seen) == (kind, "why in step(q=1.0, v=0.75, h=0.25)")
+    log.path.write_text("", encoding="utf-8")
+    assert _of_end(ProcessEnded("exit", "why"), log).seen == "why while the stepper was imported"

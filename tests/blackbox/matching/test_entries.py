@@ -8,10 +8,12 @@ from fractions import Fraction as Q
 import pytest
 
 from driftproof.blackbox.matching.entries import mended, rational_method, side_by_side
-from driftproof.blackbox.probes.tableau import read_tableau
+from driftproof.blackbox.matching.tables import exact_tableau
+from driftproof.blackbox.probes.tableau import TableauReading, read_tableau
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.verify import verify
 from driftproof.methods.catalogue import METHODS
+from driftproof.symbolic.rounding.formats import BINARY64
 from driftproof.symbolic.trees.order_conditions import order
 from tests.blackbox import handwritten_steppers as codes
 
@@ -59,3 +61,23 @@ def test_a_row_whose_sum_is_not_its_time_is_told():
     reading = read_tableau(opened(codes.tableau(rows, weights, [0.0, 0.25, 0.5, 1.0])))
     assert side_by_side(reading, RK4)[-1] == "row 1 of A sums to 1/2, its time c is 1/4"
     assert rational_method(reading, "read").b == RK4.b
+
+
+def shifted(method, by, *, timed=True, every=1):
+    """What is read of a method whose entries are off, every so many of them."""
+    a, b, c = exact_tableau(method)
+    moved = [[float(x) + by * ((i + j) % every == 0 and bool(x)) for j, x in enumerate(row)] for i, row in enumerate(a)]
+    rows = tuple(map(tuple, moved))
+    weights = tuple(float(x) + (by if j % every == 0 else 0.0) for j, x in enumerate(b))
+    return TableauReading(rows, weights, tuple(map(float, c)) if timed else None, BINARY64)
+
+
+@pytest.mark.parametrize("key", ["rk4", "dormand_prince54", "sdirk2", "gauss2", "forward_euler"])
+@pytest.mark.parametrize("other", ["rk4", "dormand_prince54", "sdirk2", "gauss2", "forward_euler"])
+def test_what_stands_side_by_side_is_what_it_was(key, other, as_before):
+    kinds = [(0.0, True, 1), (0.125, True, 1), (1e-9, False, 2)]
+    readings = [shifted(METHODS[key], by, timed=timed, every=n) for by, timed, n in kinds]
+    shown = [side_by_side(each, METHODS[other]) for each in readings]
+    read = [rational_method(each, "mine") for each in readings if not each.implicit]
+    repaired = [mended(each, order) for each in read if each is not None for order in (1, 2, 4)]
+    as_before(*(line for each in shown for line in ("--", *each)), *[each and each.b for each in read], *repaired)

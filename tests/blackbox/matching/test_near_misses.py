@@ -9,7 +9,7 @@ from time import sleep
 
 import pytest
 
-from driftproof.blackbox.matching.match import match_forces, matched
+from driftproof.blackbox.matching.match import match_forces, match_method, matched
 from driftproof.blackbox.probes.force import read_forces
 from driftproof.blackbox.probes.tableau import read_tableau
 from driftproof.blackbox.stepper.opening import opened
@@ -147,3 +147,32 @@ def test_two_weights_exchanged_are_named_both(key):
     else:
         assert not identity.matches
         assert [d.split(":")[0] for n in identity.near if n.key == key for d in n.differences] == [f"b[{i}]", f"b[{j}]"]
+
+
+@pytest.mark.parametrize("key", ["ralston4", "gill4", "rk38", "fehlberg45"])
+def test_what_is_said_of_rounded_tables_is_what_it_was(key, as_before):
+    rows, weights, nodes = codes.floats(METHODS[key])
+    said = []
+    for digits in (3, 4, 8, 14):
+        for more in (0.0, 2.0):
+            rounded = [[round(x, digits) for x in row] for row in rows], [round(x, digits) for x in weights]
+            rounded[1][0] = round(rounded[1][0] + more * 10.0**-digits, digits)
+            reading = read_tableau(opened(codes.tableau(*rounded, [round(x, digits) for x in nodes]), "field"))
+            identity = match_method(reading, METHODS[key])
+            said.append((digits, more, *identity.lines, *(n.key for n in identity.near)))
+    as_before(*said)
+
+
+@pytest.mark.parametrize("key", ["ruth3", "velocity_verlet", "nystrom4", "rk4", "heun3"])
+@pytest.mark.parametrize("off", [1e-12, 0.1])
+def test_what_is_said_of_forces_that_are_off_is_what_it_was(key, off, as_before):
+    method = METHODS[key]
+    name = "parts" if hasattr(method, "parts") else "b_velocity" if hasattr(method, "b_velocity") else "b"
+    row = list(getattr(method, name))
+    said = []
+    for place in range(len(row)):
+        wrong = [(x[0], x[1] + Q(off)) if name == "parts" else x + Q(off) for x in row[place : place + 1]]
+        changed = replace(method, **{name: (*row[:place], *wrong, *row[place + 1 :])})
+        identity = match_forces(read_forces(opened(stepper(changed, float), "force")))
+        said += [*identity.lines, *(near.key for near in identity.near)]
+    as_before(*said)

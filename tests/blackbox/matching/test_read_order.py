@@ -126,3 +126,28 @@ def test_a_splitting_with_a_wrong_sub_step_loses_its_order(key, as_before):
     found = on_force(codes.composed(parts))
     assert found.order == 0
     as_before(*found.lines, found.linear_order)
+
+
+def a_third_of_fifteen_digits():
+    rows, weights, nodes = codes.floats(METHODS["rk38"])
+    rows[1][0] = nodes[1] = 0.333333333333333
+    return codes.tableau(rows, weights, nodes)
+
+
+def a_third_of_thirteen_digits(f, t, y, h):
+    rows, weights, nodes = codes.floats(METHODS["rk38"])
+    rows[1][0] = nodes[1] = 0.3333333333333
+    return codes.tableau(rows, weights, nodes)(f, t, y, h)
+
+
+AS_SUMS = [a_third_of_fifteen_digits(), codes.ssprk104_in_two_registers, codes.ssprk33_in_convex_combinations]
+AS_SUMS += [codes.dopri5, a_third_of_thirteen_digits, codes.jameson, codes.rk4_on_a_stopped_clock]
+
+
+@pytest.mark.parametrize("place", range(len(AS_SUMS)))
+def test_the_order_of_what_sums_make_is_what_it_was(place, as_before):
+    reading = read_tableau(opened(AS_SUMS[place], "field"))
+    matches = [None, *match_tableau(reading).matches]
+    found = [read_order(reading, match) for match in matches]
+    widths = [None if each.residual is None else f"{float(each.residual[1] - each.residual[0]):.6g}" for each in found]
+    as_before(*(line for each in found for line in each.lines), *widths, *(match and match.summed for match in matches))
