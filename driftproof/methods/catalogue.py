@@ -106,8 +106,8 @@ def of_one_state(method: Method | FactsOnly) -> Method:
     """The method itself. Raises ValueError for one that has facts only."""
     if isinstance(method, FactsOnly):
         raise ValueError(
-            f"{method.key} is {method.kind}: there are facts of it (`driftproof facts`), but no runs, checks or "
-            "derivations; a method whose step takes one state and f is needed"
+            f"{method.key} is {method.kind}: there are facts of it (`driftproof facts`), and steppers are held to it "
+            "(`driftproof verify`), but no runs or derivations; a method whose step takes one state and f is needed"
         )
     return method
 

@@ -8,10 +8,11 @@ from __future__ import annotations
 import sys
 from typing import NamedTuple
 
+from tests.campaigns.public_family_bugs import FAMILIES
 from tests.campaigns.public_solver_bugs import REPLAYS, Replay
 from tests.campaigns.public_step_bugs import STEPS
 
-ALL = (*REPLAYS, *STEPS)
+ALL = (*REPLAYS, *STEPS, *FAMILIES)
 HEAD = """# Public bugs, replayed
 
 What driftproof says of mistakes that stood in public integrators: each is a small twin in our own words, with the

@@ -6,15 +6,17 @@ from pathlib import Path
 import pytest
 
 from tests.campaigns.public_bugs import ALL, Outcome, outcome, page
+from tests.campaigns.public_family_bugs import FAMILIES
 from tests.campaigns.public_step_bugs import STEPS
 from tests.looping import some
 
 PAGE = Path(__file__).parents[2] / "docs" / "public_bugs.md"
+EACH = (*STEPS, *FAMILIES)
 # Three that are not caught: turns that are no rotation of our systems.
 NOT_CAUGHT = {"gbogopolsky/boris-method#1", "BLAST-WarpX/warpx#6886", "sofa-framework/sofa#172"}
 
 
-@pytest.mark.parametrize("replay", STEPS, ids=[f"{replay.reference}: {replay.about}" for replay in STEPS])
+@pytest.mark.parametrize("replay", EACH, ids=[f"{replay.reference}: {replay.about}" for replay in EACH])
 def test_the_bug_is_caught_its_cause_is_named_and_its_mended_twin_raises_no_alarm(replay):
     found = outcome(replay)
     missed = replay.reference in NOT_CAUGHT

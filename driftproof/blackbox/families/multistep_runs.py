@@ -148,23 +148,32 @@ def _mark(number: int, place: AnyNumber) -> float:
 
 def remembers(subject: ForeignStepper) -> bool:
     """Whether a step after others is another one than from the same state at once; False where that cannot be told."""
-    if subject.shortest > 1:
-        return True
     try:
-        runs = MarkedRuns.of(subject)
-        problem = runs.problem(1.0, 0.0, bent=True)
-        states = course(subject, problem, 0.0, runs.start(0.0), 1.0, _LOOKED_AT)
-        anew = [problem.stepped(subject.fresh(), float(n), y, 1.0) for n, y in enumerate(states[:-1])]
+        return _departs(subject)
     except (UnsupportedCall, Misbehaviour):
         return False
+
+
+def _departs(subject: ForeignStepper) -> bool:
+    """As `remembers`. Raises UnsupportedCall, or the Misbehaviour that comes instead of a step."""
+    if subject.shortest > 1:
+        return True
+    runs = MarkedRuns.of(subject)
+    problem = runs.problem(1.0, 0.0, bent=True)
+    states = course(subject, problem, 0.0, runs.start(0.0), 1.0, _LOOKED_AT)
+    anew = [problem.stepped(subject.fresh(), float(n), y, 1.0) for n, y in enumerate(states[:-1])]
     off = np.abs(np.array(states[1:], dtype=float) - np.array(anew, dtype=float)).max()
     return bool(off > _ALIKE * np.abs(states).max())
 
 
 def later_steps(subject: ForeignStepper) -> tuple[bool | None, str, str]:
-    """Whether a run goes on as it begins, in words; None of what makes single steps. Raises UnsupportedCall."""
+    """Whether a run goes on as it begins, in words; None of what makes single steps, or no longer run."""
     if not subject.convention.run:
         return None, "single steps are made, not runs", ""
-    if remembers(subject):
-        return False, "a step after others is another one than from the same state at once: a multistep method", ""
+    try:
+        departs = _departs(subject)
+    except (UnsupportedCall, Misbehaviour) as refusal:
+        return None, f"no run of {_LOOKED_AT} steps is seen: {refusal}", ""
+    if departs:
+        return False, "a step after others is another one than from the same state at once: it remembers, or varies", ""
     return True, f"{_LOOKED_AT} steps of a run, each as from its state at once", ""

@@ -19,9 +19,10 @@ from driftproof.blackbox.families.multistep_runs import MarkedRuns, course
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.judging.measured_order import CLEARANCE, power_of_errors
 from driftproof.blackbox.judging.nonlinear_problems import START, NonlinearProblem, field_problem, force_problem
-from driftproof.blackbox.matching.match import matched
+from driftproof.blackbox.matching.match import match_tableau, matched
 from driftproof.blackbox.probes.questions import read_coefficients
 from driftproof.blackbox.probes.scripted_answers import NotReadable
+from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, as_array
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, STANDARD_ORDER, CallingConvention
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
@@ -122,9 +123,12 @@ def _one_step(subject: ForeignStepper) -> str:
     if steps > 1:
         alone = replace(subject, function=begun, convention=CallingConvention(FIELD, STANDARD_ORDER[FIELD]))
     try:
-        found = matched(read_coefficients(alone)).matches
+        reading = read_coefficients(alone)
+        found, times = matched(reading).matches, ""
+        if not found and isinstance(reading, TableauReading) and reading.c is not None:
+            found, times = match_tableau(replace(reading, c=None)).matches, " called at wrong times"
         # Of methods that take the same step, the one with the fewest stages: a call may be made for later steps.
-        return min(found, key=lambda match: getattr(METHODS[match.key], "stages", 0)).name if found else ""
+        return min(found, key=lambda m: getattr(METHODS[m.key], "stages", 0)).name + times if found else ""
     except (NotReadable, UnsupportedCall, Misbehaviour):
         return ""
 

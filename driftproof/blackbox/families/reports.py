@@ -122,7 +122,7 @@ def verify_family(runner: IsolatedRunner, method: FactsOnly) -> Report:
         verdict = f"is not {method.key}{'; ' if checks[0].passed is False else ': '}{other}"
         data["instead"] = read.data
     elif passed is None:
-        verdict = f"{UNDECIDED} whether it is {method.key}: {open_ones[0].lines[-1]}"
+        verdict = f"{UNDECIDED} whether it is {method.key}: {open_ones[0].lines[0]}"
     else:
         _, named, more = read.verdict.partition(f"it is {method.key}")
         verdict = f"is {method.key}" + (more if named else "")

@@ -193,7 +193,10 @@ class RosenbrockIdentity:
         """What it is, in one line."""
         name = self.method.key if self.method is not None else self.near or "no Rosenbrock method that is known here"
         measured = f", of order {self.order} as measured" if self.method is None and self.order is not None else ""
-        return "; ".join([f"it is {name}{measured}", *self.faults])
+        powers = len(self.reading.weights)
+        partly = self.method is not None and powers < self.method.stages
+        told = f", as far as {powers} numbers tell," if partly else ""
+        return "; ".join([f"it is{told} {name}{measured}", *self.faults])
 
     @property
     def key(self) -> str | None:
@@ -266,7 +269,10 @@ class RosenbrockIdentity:
         shown = self._coefficients if same else [f"not those of {method.key}", *differences[:_MOST_SHOWN]]
         if self.near.startswith(f"{method.key} but for "):
             shown.insert(1, self.near)
-        checks = [Criterion("Coefficients", same, tuple(shown), {"differences": list(differences)})]
+        whole = len(self.reading.weights) >= method.stages  # by Cayley and Hamilton, higher powers tell no more
+        told = "" if whole else f"a stepper of {method.stages} numbers, as many as there are stages"
+        passed = same if whole or not same else None
+        checks = [Criterion("Coefficients", passed, tuple(shown), {"differences": list(differences)}, told)]
         faults = self.faults if same else []
         checks.append(
             Criterion("Derivatives", not faults, tuple(faults or ["J at the start", self._coefficients[-1]]), {})

@@ -17,7 +17,7 @@ from driftproof.blackbox.stepper.second_functions import with_functions
 from driftproof.symbolic.rounding.formats import FloatFormat
 
 # Numbers of y, the most first: with a chain of so many, gamma counts up to that power less one.
-_SIZES = (4, 3, 2, 1)
+_SIZES = (8, 4, 3, 2)
 # Calls nearer in time to the start than this part of h, from the same place, are differences for df/dt.
 _DIFFERENCE = 2.0**-6
 # Two calls this near in places and times are of one stage: rounding parts them by less, stages by more.
@@ -62,7 +62,7 @@ class RosenbrockReading:
 def read_rosenbrock_step(subject: ForeignStepper) -> RosenbrockReading:
     """The products, by steps from t = 0, y = 0 with h = 1, in which one call at a time is answered by 1.
 
-    The Jacobian is y₁ -> y₂ -> y₃ -> y₄, whatever f is: so it tells a W method's products. Raises NotReadable.
+    The Jacobian is y₁ -> y₂ -> y₃ -> ..., whatever f is: so it tells a W method's products. Raises NotReadable.
     """
     if JACOBIAN not in subject.convention.order:
         raise UnsupportedCall(f"the stepper is called by {subject.convention.kind!r}, which takes no Jacobian")

@@ -45,7 +45,11 @@ class JudgedDense:
 
 def judged_dense(subject: ForeignStepper) -> JudgedDense:
     """The dense output of a step that returns one. Raises NotReadable, UnsupportedCall."""
-    reading = read_dense(subject)
+    return judged_reading(read_dense(subject))
+
+
+def judged_reading(reading: DenseReading) -> JudgedDense:
+    """What a dense output is that was read."""
     polynomials = _Polynomials.of(reading)
     key = next((each.key for each in _candidates(reading) if _is(reading, each)), None)
     order = min(read_order(reading.step_to(theta)).order for theta in _INSIDE)

@@ -46,7 +46,7 @@ def identify_solver(solve: Callable[..., Any] | str, *, time_limit: float = TIME
             "steps": None if steps.failed else {"name": steps.result.name, "order": steps.result.order.order},
             "controller": None if controller.failed else list(controller.result.lines),
             "runs": None if runs.failed else {title: list(lines) for title, lines in runs.result.seen.items()},
-            "faults": list(_faults(controller, runs)),
+            "faults": list(_faults(steps, controller, runs)),
             "not_answered": [{"kind": o.kind, "seen": o.seen} for o in (steps, controller, runs) if o.failed],
         },
     )
@@ -57,8 +57,10 @@ def _controlled(subject: ForeignSolver) -> ControllerReading:
     return read_controller(subject, read_steps(subject))
 
 
-def _faults(controller: Outcome, runs: Outcome) -> tuple[str, ...]:
-    return tuple(fault for outcome in (controller, runs) if not outcome.failed for fault in outcome.result.faults)
+def _faults(steps: Outcome, controller: Outcome, runs: Outcome) -> tuple[str, ...]:
+    found = [outcome.result for outcome in (controller, runs) if not outcome.failed]
+    dense = None if steps.failed else steps.result.dense
+    return tuple(fault for each in (*filter(None, [dense]), *found) for fault in each.faults)
 
 
 def _verdict(steps: Outcome, controller: Outcome, runs: Outcome) -> str:
@@ -77,7 +79,7 @@ def _verdict(steps: Outcome, controller: Outcome, runs: Outcome) -> str:
         measured = f"; its step sizes: {control.law.words if control.law else control.lines[0]}"
     elif control is not None and control.law:
         measured = f"; its step sizes: {control.law.words}"
-    return "; ".join([name + measured, *_faults(controller, runs)])
+    return "; ".join([name + measured, *_faults(steps, controller, runs)])
 
 
 def _implicit(runs: Outcome) -> str:
@@ -92,8 +94,9 @@ def _sections(steps: Outcome, controller: Outcome, runs: Outcome) -> Any:
     unanswered = [f"{o.kind}: {o.seen}" for o in (steps, controller, runs) if o.failed]
     return sections(
         ("Steps", [] if steps.failed else steps.result.lines),
+        ("Dense output", () if steps.failed or steps.result.dense is None else steps.result.dense.lines),
         ("Step size control", [] if controller.failed else controller.result.lines),
         *found,
-        ("Faults", _faults(controller, runs)),
+        ("Faults", _faults(steps, controller, runs)),
         ("Not answered", each_once(unanswered)),
     )

@@ -7,12 +7,15 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import fsum, inf
 
+from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_reading
 from driftproof.blackbox.matching.match import Identity, match_tableau
 from driftproof.blackbox.matching.read_order import ReadOrder, read_order
 from driftproof.blackbox.probes.coefficients import coefficient_text
+from driftproof.blackbox.probes.dense import THETAS, DenseReading
 from driftproof.blackbox.probes.scripted_answers import MOST_CALLS, NotReadable, Rounding, varied
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.solvers.foreign_solver import Call, ForeignSolver, Solution, in_binary32
+from driftproof.blackbox.stepper.array_adapters import as_array
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.rounding.formats import BINARY32
@@ -34,12 +37,14 @@ class SolverSteps:
 
     The numbers are quotients by the length of the step: within a few roundings of the code's own. `nodes` are the
     places of all calls that an attempt makes after its start, in turn, without those at its end that follow all others.
+    `dense` is the dense output of that step, where one is returned.
     """
 
     reading: TableauReading
     identity: Identity
     order: ReadOrder
     nodes: tuple[float, ...]
+    dense: JudgedDense | None = None
 
     @property
     def pairs(self) -> tuple[RungeKutta, ...]:
@@ -71,7 +76,9 @@ def read_steps(subject: ForeignSolver) -> SolverSteps:
     marked = _Marked(subject)
     reading = marked.reading()
     identity = match_tableau(reading)
-    return SolverSteps(reading, identity, read_order(reading, next(iter(identity.matches), None)), marked.nodes)
+    order = read_order(reading, next(iter(identity.matches), None))
+    dense = marked.dense()
+    return SolverSteps(reading, identity, order, marked.nodes, None if dense is None else judged_reading(dense))
 
 
 def _bent(_: int, t: float, y: Sequence[float]) -> list[float]:
@@ -102,7 +109,9 @@ class _Marked:
         calls = self.silent.calls
         # Calls for the first step size are made before those of the steps, and may lie in this one.
         since = max((n for n, call in enumerate(calls) if call.t < self.start), default=-1)
-        self.near = [n for n, call in enumerate(calls) if n > since and self.start <= call.t <= self.end]
+        # The slope at the start may be asked for before what the dense output of the step before asks for.
+        within = [n for n, call in enumerate(calls) if self.start <= call.t <= self.end]
+        self.near = [n for n in within if n > since or calls[n].t == self.start]
         earlier = self.silent.t[max(self.place - 1, 0)]
         self.earlier = [n for n, call in enumerate(self.silent.calls) if earlier <= call.t < self.start]
         elsewhere = next((call for n in self.near if any((call := self.silent.calls[n]).y)), None)
@@ -122,7 +131,7 @@ class _Marked:
 
     def reading(self) -> TableauReading:
         """The tableau of the calls that move the end of the step and not its start, directly or through others."""
-        runs = {n: self._run({n: 1.0}) for n in self.near}
+        self.runs = runs = {n: self._run({n: 1.0}) for n in self.near}
         self._demand_no_memory([*(self._run({n: 1.0}) for n in self.earlier), *runs.values()])
         weights = {n: run.y[self.place + 1][0] / self.h for n, run in runs.items() if not run.y[self.place][0]}
         entries = {
@@ -134,6 +143,7 @@ class _Marked:
         stages = sorted(used)
         if not stages:
             raise NotReadable("no call moves the step in which it is made")
+        self.weights, self.entries = weights, entries
         calls = self.silent.calls
         self.first = next((n for n in stages if calls[n].t > self.start), self.near[-1])
         a = tuple(tuple(entries[n].get(m, 0.0) if m < n else 0.0 for m in stages) for n in stages)
@@ -144,6 +154,25 @@ class _Marked:
         self._control(reading, stages)
         self._control_bent(reading)
         return reading
+
+    def dense(self) -> DenseReading | None:
+        """The dense output within the step, after `reading`: as a function of the time; None where there is none."""
+        rows: dict[int, list[float]] = {}
+        for n in self.weights:
+            found = self.runs[n].dense
+            if found is None:
+                return None
+            values = [as_array(found(self.start + float(theta) * self.h)).ravel()[0] for theta in THETAS]
+            rows[n] = [float(x) / _MARK / self.h for x in values]
+        calls, used = self.silent.calls, {n for n, row in rows.items() if any(row) or self.weights[n]}
+        while not used >= (further := {m for n in used for m in self.entries[n]}):
+            used |= further
+        stages = sorted(used)
+        a = tuple(tuple(self.entries[n].get(m, 0.0) if m < n else 0.0 for m in stages) for n in stages)
+        c = tuple((calls[n].t - self.start) / self.h for n in stages)
+        columns = tuple(tuple(rows[n][k] for n in stages) for k in range(len(THETAS)))
+        step = TableauReading(a, columns[-1], c, self.format)
+        return DenseReading("the time", step, columns, tuple(self.weights[n] for n in stages))
 
     def _demand_no_memory(self, runs: Sequence[Solution]) -> None:
         """Raises NotReadable if an answer that moves the start of the step moves its end by another amount."""

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from copy import deepcopy
-from types import CellType, FunctionType
+from types import CellType, FunctionType, ModuleType
 from typing import Any
 
 
@@ -23,18 +24,32 @@ def fresh_copy(function: Callable[..., Any]) -> Callable[..., Any] | None:
     (1, 2, 1)
     """
     try:
-        return _function_copy(function) if isinstance(function, FunctionType) else deepcopy(function)
+        made: Callable[..., Any] = _copied(function, {})
     except Exception:  # objects of others may refuse in any way: locks, open files, handles of libraries
         return None
+    return made
 
 
-def _function_copy(function: FunctionType) -> FunctionType:
-    """A function of the same code and names, with cells and defaults of its own."""
-    enclosed, memo = function.__closure__ or (), dict[int, Any]()
-    cells = tuple(CellType(deepcopy(cell.cell_contents, memo)) for cell in enclosed)
-    defaults = deepcopy(function.__defaults__, memo)
-    copied = FunctionType(function.__code__, function.__globals__, function.__name__, defaults, cells)
-    copied.__kwdefaults__ = deepcopy(function.__kwdefaults__, memo)
-    copied.__dict__.update(function.__dict__)
-    copied.__qualname__, copied.__module__ = function.__qualname__, function.__module__
-    return copied
+def _copied(x: Any, memo: dict[int, Any]) -> Any:
+    """A copy in which what was one object, or one variable of several functions, is one again."""
+    if isinstance(x, ModuleType):
+        return x
+    if not isinstance(x, FunctionType):
+        return deepcopy(x, memo)
+    if id(x) not in memo:
+        cells = tuple(_cell(cell, memo) for cell in x.__closure__ or ())
+        memo[id(x)] = made = FunctionType(x.__code__, x.__globals__, x.__name__, deepcopy(x.__defaults__, memo), cells)
+        made.__kwdefaults__ = deepcopy(x.__kwdefaults__, memo)
+        made.__dict__.update(x.__dict__)
+        made.__qualname__, made.__module__ = x.__qualname__, x.__module__
+    return memo[id(x)]
+
+
+def _cell(cell: CellType, memo: dict[int, Any]) -> CellType:
+    """An enclosed variable of its own, which may be the function itself."""
+    if id(cell) not in memo:
+        memo[id(cell)] = made = CellType()
+        with suppress(ValueError):  # of a variable that has no value yet
+            made.cell_contents = _copied(cell.cell_contents, memo)
+    found: CellType = memo[id(cell)]
+    return found

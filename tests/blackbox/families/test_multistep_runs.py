@@ -37,3 +37,13 @@ def test_single_steps_and_built_in_systems_are_no_runs():
     assert later_steps(opened(planted.run_of_adams_bashforth2))[0] is False
     with pytest.raises(UnsupportedCall, match="built in"):
         MarkedRuns.of(opened(lambda q, v, h: (q + h * v, v - h * q)))
+
+
+def test_a_run_that_cannot_go_on_is_not_said_to_go_on_as_it_begins():
+    def once(f, y0, ts):
+        if len(ts) > 2:
+            raise RuntimeError("one step only")
+        return [y0, y0 + (ts[1] - ts[0]) * f(ts[0], y0)]
+
+    assert later_steps(opened(once))[:2][0] is None
+    assert "no run of 8 steps is seen" in later_steps(opened(once))[1]

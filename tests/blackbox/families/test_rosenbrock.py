@@ -57,6 +57,20 @@ def test_a_w_method_may_leave_out_the_derivative_by_t():
     assert verify(rosenbrock("ros2", time_slope="none"), "ros2", isolate=False).passed
 
 
+def test_two_numbers_tell_no_more_than_the_first_power_of_gamma():
+    whole = rosenbrock("ros3p")
+
+    def of_two(f, jac, dfdt, t, y, h):
+        if len(y) != 2:
+            raise ValueError("two numbers")
+        return whole(f, jac, dfdt, t, y, h)
+
+    assert identify(of_two, isolate=False).verdict == "it is, as far as 2 numbers tell, ros3p"
+    report = verify(of_two, "ros3p", isolate=False)
+    assert report.passed is None
+    assert "a stepper of 3 numbers" in report.section("What would decide it").lines[0]
+
+
 def test_an_unknown_one_is_shown_with_its_coefficients_and_what_it_needs():
     report = identify(linearly_implicit_euler, isolate=False)
     assert report.verdict == "it is no Rosenbrock method that is known here, of order 1 as measured"

@@ -141,3 +141,8 @@ def test_all_that_runs_show_is_what_it_was(name, as_before):
     asked = Asked(OTHERS[name])
     found = read(asked.code)
     as_before(*found.seen.items(), *found.faults, asked)
+
+
+def test_an_explicit_solver_that_is_deaf_to_its_error_is_not_taken_for_an_implicit_one():
+    found = read(adaptive(growth_at_zero=4.0, estimate=lambda e: [0.0] * 4))
+    assert len(found.seen["Stiffness"]) == 1

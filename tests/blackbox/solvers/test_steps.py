@@ -143,3 +143,29 @@ def test_all_that_is_read_of_steps_is_what_it_was(name, as_before):
         as_before(found.name, *found.lines, found.reading, asked)
     except NotReadable as refusal:
         as_before(refusal, asked)
+
+
+@pytest.mark.parametrize(
+    ("method", "extension", "order"),
+    [
+        ("RK23", "bogacki_shampine32_hermite", 3),
+        ("RK45", "dormand_prince54_shampine", 4),
+        ("DOP853", "dop853_dense", 7),
+    ],
+)
+def test_the_dense_output_of_scipy_s_solvers_is_read(method, extension, order):
+    solve_ivp = pytest.importorskip("scipy.integrate").solve_ivp
+
+    def solve(f, t_span, y0, rtol, atol):
+        return solve_ivp(f, t_span, y0, method=method, rtol=rtol, atol=atol, dense_output=True)
+
+    dense = read_steps(ForeignSolver(solve)).dense
+    assert (dense.extension, dense.order, dense.faults) == (extension, order, ())
+
+
+def test_a_dense_output_of_straight_lines_is_a_fault():
+    def solve(f, t_span, y0, rtol, atol):
+        t, y, *_ = adaptive()(f, t_span, y0, rtol, atol)
+        return t, y, lambda at: np.array([np.interp(at, t, column) for column in np.array(y).T])
+
+    assert "the dense output has order 1 only, the steps have order 3" in read_steps(ForeignSolver(solve)).dense.faults

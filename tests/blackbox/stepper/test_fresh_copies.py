@@ -37,3 +37,20 @@ def test_a_method_a_closure_and_a_default_are_copied_with_what_they_hold():
 def test_what_refuses_to_be_copied_is_none():
     lock = threading.Lock()
     assert fresh_copy(lambda: lock.locked()) is None
+
+
+def test_functions_that_share_a_variable_share_that_of_the_copy():
+    import math
+
+    seen = 0
+
+    def more():
+        nonlocal seen
+        seen += 1
+
+    def step(again=True):
+        more()
+        return (math.floor(seen), step(again=False)[0]) if again else (seen,)
+
+    first, second = fresh_copy(step), fresh_copy(step)
+    assert (first(), second(), first()) == ((1, 2), (1, 2), (3, 4))

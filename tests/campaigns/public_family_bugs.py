@@ -1,0 +1,68 @@
+"""Public bugs of steps that remember or take a Jacobian: starts, values that are used too early, a missing df/dt.
+
+Each is a small twin in our own words, with its mistake and mended, as in `public_solver_bugs`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from driftproof import verify
+from tests.blackbox.families.linearised_steppers import rosenbrock
+from tests.blackbox.families.remembering_steppers import Remembering, euler, implicit_euler, rk4_step
+from tests.blackbox.implicit_steppers import newton
+from tests.campaigns.public_solver_bugs import Replay, Said
+
+
+def of_key(key: str) -> Callable[[Any], Said]:
+    """What `verify` says of a step that is to be this multistep or Rosenbrock method."""
+
+    def examine(step: Any) -> Said:
+        report = verify(step, key, isolate=False)
+        words = "; ".join([report.verdict, *(line for section in report.sections for line in section.lines)])
+        return Said(words, [] if report.passed else [report.verdict])
+
+    return examine
+
+
+class Early(Remembering):
+    """A three-step formula from the second step on, the value that is not there yet being the first one."""
+
+    def step(self, f, t, y, h):
+        """One step."""
+        if not self.states:
+            self.states, self.slopes = [y], [0 * y]
+        return super().step(f, t, y, h)
+
+
+def repeated(f, t, y, h):
+    """The formula of BDF2 with the first value for the one before it: 2/3 h of backward Euler."""
+    return newton(lambda x: x - y - 2 / 3 * h * f(t + h, x), y)
+
+
+def without_before(f, t, y, h):
+    """The formula of Adams-Bashforth with the slope 0 before the first one."""
+    return y + 1.5 * h * f(t, y)
+
+
+def at_one_time(f, t, y, h):
+    """A start whose clock stands still: the stages of a step are all asked at its start."""
+    return rk4_step(lambda _, z: f(t, z), t, y, h)
+
+
+_START = "its start is not good enough: first values are off like h^1"
+FAMILIES = (
+    Replay("CliMA/Oceananigans.jl#127", "Adams-Bashforth from the first step on, the slope before it 0",
+           of_key("adams_bashforth2"), Remembering("adams_bashforth2", without_before).step,
+           Remembering("adams_bashforth2", euler).step, _START),
+    Replay("KratosMultiphysics/Kratos#5515", "BDF2 from the first step on, the value before it the first one",
+           of_key("bdf2"), Remembering("bdf2", repeated).step, Remembering("bdf2", implicit_euler).step, _START),
+    Replay("SciML/OrdinaryDiffEq.jl#4329", "a three-step formula before there are three values",
+           of_key("bdf3"), Early("bdf3", rk4_step).step, Remembering("bdf3", rk4_step).step, _START),
+    Replay("headmyshoulder/odeint-v2#215", "the time does not advance in the stepper that starts it",
+           of_key("adams_bashforth4"), Remembering("adams_bashforth4", at_one_time).step,
+           Remembering("adams_bashforth4", rk4_step).step, "called at wrong times"),
+    Replay("AMReX-Astro/Microphysics#2061", "a Rosenbrock method without df/dt", of_key("rodas4"),
+           rosenbrock("rodas4", time_slope="none"), rosenbrock("rodas4"), "df/dt is left out"),
+)  # fmt: skip
