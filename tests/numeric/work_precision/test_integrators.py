@@ -20,6 +20,7 @@ from driftproof.numeric.work_precision.integrators import (
     COMPILED,
     KINDS,
     PYTHON,
+    Counted,
     counted_evaluations,
     integrator,
 )
@@ -41,6 +42,8 @@ def test_evaluations_of_an_implicit_method_are_the_calls_that_it_makes() -> None
     assert few.evaluations is not None
     assert more.evaluations is not None
     assert 64 < few.evaluations < more.evaluations
+    counted = Counted(lambda t, y: y)
+    assert (counted(0.0, 3.0), counted.calls) == (3.0, 1)
 
 
 def test_timed_calls_reach_the_state_whose_error_is_measured() -> None:

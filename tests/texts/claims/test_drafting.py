@@ -98,6 +98,15 @@ def test_draft_says_what_was_asked_for_and_is_nowhere_and_its_ids_are_short() ->
     assert "Asked for" not in draft(document, "a")
 
 
+def test_an_id_has_150_characters_at_most_and_what_is_nowhere_8_digits() -> None:
+    for length, shown in ((150, True), (151, False)):
+        question = f"0.123457 +{' ' * (length - 11)}0"
+        text = draft(document_of("is 0.123457"), "a", [question])
+        assert (f'id = "{question}"' in text) is shown
+        assert ('id = "line 1, column 4"' in text) is not shown
+    assert draft(document_of("7"), "a", ["1/3"]).endswith("#   1/3, 0.33333333")
+
+
 def test_name_of_the_text_cannot_break_the_draft() -> None:
     assert tomllib.loads(draft(document_of("7"), 'a\nb = 1\n"')) == {}
 
