@@ -46,6 +46,7 @@ ARITHMETIC = {
     "energy_multiplier forward_euler h=1/4 / 2": Q(17, 32),
     "2*step forward_euler h=1/2:q": Q(2),
     "0 ** 0": Q(1),
+    "(2**64) ** (1/64)": Q(2),
     "run rk4 rates=((y0)*(y1), (-y0)) from 1,1 h=1/4 t=1/4 : y1": Q(2262647, 3145728),
 }
 
