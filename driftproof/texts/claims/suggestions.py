@@ -17,7 +17,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.names import also_known_as
 from driftproof.symbolic.algebra.certified import Uncertified, enclose
 from driftproof.texts.claims.phrases import NumberForm
-from driftproof.texts.questions.answer import Answer
+from driftproof.texts.questions.answer import GIVEN, Answer
 from driftproof.texts.questions.evaluate import value
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 from driftproof.texts.values.published import published_values
@@ -133,6 +133,7 @@ class Suggestions:
             strong = rivals * (_ODDS_OF_ASKED if asked else _ODDS) <= 9 * 10 ** (digits - 1) if digits else False
             named = fit == len(known.names) + len(known.numbers)
             strong = strong or (known.answer.exact == x and named and fit > (digits < 2 or not asked))
+            strong = strong and known.answer.evidence != GIVEN  # what a text of ours chose, another may choose, too
             order = (not asked, -fit, known.answer.exact != x, not known.published, len(known.question), known.question)
             found.append((order, LookAlike(known.question, form, strong)))
         return [alike for _, alike in sorted(found, key=lambda pair: pair[0])]

@@ -86,6 +86,7 @@ def test_suggested_value_is_spelled_as_the_number_is() -> None:
 def test_round_numbers_say_no_more_than_their_digits_before_the_zeros() -> None:
     assert not any(one.strong for text in ("1.000000", "4.0000000", "40.00") for one in suggested(f"| {text} |")[0])
     assert suggested("RK4: the order is 4")[-1][0].strong
+    assert not suggested("the first step: y + 0.5 k")[0][0].strong, "a step size of ours, which is no value"
 
 
 TABLE = """
