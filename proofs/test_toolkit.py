@@ -12,20 +12,17 @@ from flint import arb
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from driftproof.methods.catalogue import METHODS
-from driftproof.methods.schemes import Collocation
 from driftproof.methods.stepping import oscillator
 from driftproof.numeric import readouts
 from driftproof.numeric.steppers import HAND_WRITTEN
 from driftproof.symbolic.algebra.certified import Uncertified, enclose, fixed, significant
 from driftproof.symbolic.derivation.one_step import entries, matrix_at, numerator_and_denominator
 from driftproof.symbolic.derivation.stability import AtStep
-from driftproof.symbolic.derivation.stages import derived_matrix
-from driftproof.symbolic.linear.oscillator import oscillator_matrix as flint_matrix
 from driftproof.symbolic.rounding.n_steps_bound import HypothesisFails, RunBound, run_bound
 from driftproof.symbolic.rounding.step_bound import step_bound
 from driftproof.symbolic.runs import apply, power
 from proofs.claims import CERTIFIED, COUNTED, FUZZED, PROVED, claim
+from proofs.kernel.engines import ascending, both_matrices, rational_methods
 from proofs.setting import EULER, LESSON_METHODS, RK4, SYMPLECTIC, M
 
 # How far below its bound the worst rounding error may be that SAMPLES random steps show; they show half of it and more.
@@ -34,34 +31,21 @@ SAMPLES = 300
 floats = st.floats(allow_nan=False, allow_infinity=False, width=32)
 
 
-def is_rational(key: str) -> bool:
-    """True for a method whose every coefficient is a fraction; a collocation method has none before it has nodes."""
-    return not isinstance(METHODS[key], Collocation) and METHODS[key].field is None
-
-
 @claim("T01", evidence=PROVED, by="cross-multiplied")
 def test_both_exact_engines_have_the_same_matrix_of_every_rational_method() -> None:
     """SymPy's derivation and FLINT's algebra give one matrix M(h) of every rational method of the catalogue."""
-    compared = [key for key in METHODS if is_rational(key)]
+    compared = rational_methods()
     assert len(compared) > 60
     for key in compared:
-        derived, _ = derived_matrix(METHODS[key])
-        for mine, theirs in zip(entries(derived), (x for row in flint_matrix(METHODS[key]) for x in row), strict=True):
-            top, bottom = (_ascending(p) for p in numerator_and_denominator(mine))
-            num, den = ([Q(int(c.p), int(c.q)) for c in p.coeffs()] for p in (theirs.num, theirs.den))
+        for (top, bottom), (num, den) in both_matrices(key):
             assert _product(top, den) == _product(bottom, num), key
 
 
 def test_engines_that_differ_would_be_told_apart() -> None:
     """The comparison is of polynomials: RK4's entries are not those of the 3/8 rule with one sign changed."""
-    top, bottom = (_ascending(p) for p in numerator_and_denominator(entries(M(RK4))[0]))
+    top, bottom = (ascending(p) for p in numerator_and_denominator(entries(M(RK4))[0]))
     assert _product(top, [Q(1)]) == top
     assert _product(top, [Q(1)]) != _product(bottom, [*top[:-1], -top[-1]])
-
-
-def _ascending(polynomial: sympy.polys.rings.PolyElement) -> list[Q]:
-    found = {power: Q(int(c.numerator), int(c.denominator)) for (power,), c in polynomial.terms()}
-    return [found.get(power, Q(0)) for power in range(max(found, default=0) + 1)]
 
 
 def _product(a: list[Q], b: list[Q]) -> list[Q]:

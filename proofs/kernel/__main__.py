@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import re
+import resource
 import sys
+import time
 from pathlib import Path
 
 from proofs.claims import EVIDENCE
@@ -19,6 +21,7 @@ from proofs.kernel.compiling import (
 )
 from proofs.kernel.mutants import mutants
 
+START = time.perf_counter()
 LEDGER = Path(__file__).parents[1] / "ledger.md"
 _ROW = re.compile(r"^\| ([LT]\d+) \| (.*) \| (\w+) \| ([^|]*) \| ([^|]*) \|$", re.M)
 
@@ -59,6 +62,7 @@ def _beside(claim: str, sentence: str) -> str:
 
 def _check(rows: dict[str, tuple[str, str]]) -> int:
     compile_all()
+    print(f"compiled in {_seconds()}")
     foreign, planted = foreign_axioms(), mutants()
     passed = accepted_mutants(planted)
     for evidence in EVIDENCE:
@@ -71,6 +75,12 @@ def _check(rows: dict[str, tuple[str, str]]) -> int:
     for axiom in foreign:
         print(f"rests on an axiom that is none of Coq's own: {axiom}", file=sys.stderr)
     return 1 if passed or foreign else 0
+
+
+def _seconds() -> str:
+    """The seconds since the start: of the processor in Coq, and on the clock."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return f"{used.ru_utime + used.ru_stime:.0f} CPU seconds, {time.perf_counter() - START:.0f} on the clock"
 
 
 if __name__ == "__main__":

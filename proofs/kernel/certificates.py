@@ -9,6 +9,7 @@ from pathlib import Path
 
 from proofs.kernel.a_stability import a_stability
 from proofs.kernel.coq import Theorem, theorems
+from proofs.kernel.engines import engines
 from proofs.kernel.float_runs import float_runs
 from proofs.kernel.orders import orders
 from proofs.kernel.programs import programs
@@ -26,12 +27,14 @@ WRITTEN: dict[str, Callable[[], str]] = {
     "OrdersOfTables": orders,
     "AStability": a_stability,
     "FloatRuns": float_runs,
+    "Engines": engines,
 }
 ORDER = (
     *("Methods", "Runs", "Readouts", "Arithmetic", "Identities", "Tables", "Values", "Programs"),
     *("OneStep", "Energy", "ExactFlow", "Stability", "Phase", "Trees", "Orders", "OrdersOfTables", "Convergence"),
     *("Problems", "Jets", "OneStepErrors", "GlobalErrors", "LeadingErrors"),
-    *("LeftHalfPlane", "Contraction", "AStability", "Floats", "FloatRuns", "Halving", "Rounding"),
+    *("LeftHalfPlane", "Contraction", "AStability", "Floats", "FloatRuns", "Halving", "Rounding", "ManySteps"),
+    "Engines",
 )
 
 

@@ -1,0 +1,81 @@
+"""Engines.v: the one-step matrices of both exact engines, entry by entry, of every rational method."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction as Q
+from typing import Any
+
+import sympy
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import Collocation
+from driftproof.symbolic.derivation.one_step import entries, numerator_and_denominator
+from driftproof.symbolic.derivation.stages import derived_matrix
+from driftproof.symbolic.linear.oscillator import oscillator_matrix as flint_matrix
+from proofs.kernel.coq import Theorem, coq_list, file_text, rational
+
+IMPORTS = """\
+From Coq Require Import QArith List.
+Import ListNotations.
+Open Scope Q_scope.
+
+(** A quotient of polynomials in h: numerator and denominator, constant term first; the denominator begins with 1. *)
+Definition fraction : Type := list Q * list Q."""
+
+# Numbers of up to so many characters stand where they belong.
+SHORT = 6
+
+Fraction = tuple[list[Q], list[Q]]
+
+
+def rational_methods() -> list[str]:
+    """The methods whose every coefficient is a fraction; a collocation method has none before it has nodes."""
+    return [key for key, method in METHODS.items() if not isinstance(method, Collocation) and method.field is None]
+
+
+def both_matrices(key: str) -> Iterator[tuple[Fraction, Fraction]]:
+    """SymPy's and FLINT's entry, row by row: numerator and denominator, polynomials in h, constant term first."""
+    derived, _ = derived_matrix(METHODS[key])
+    for mine, theirs in zip(entries(derived), (x for row in flint_matrix(METHODS[key]) for x in row), strict=True):
+        top, bottom = map(ascending, numerator_and_denominator(mine))
+        yield (top, bottom), (_fractions(theirs.num), _fractions(theirs.den))
+
+
+def ascending(polynomial: sympy.polys.rings.PolyElement) -> list[Q]:
+    """The coefficients of a polynomial of SymPy's, constant term first."""
+    found = {power: Q(int(c.numerator), int(c.denominator)) for (power,), c in polynomial.terms()}
+    return [found.get(power, Q(0)) for power in range(max(found, default=0) + 1)]
+
+
+def _fractions(polynomial: Any) -> list[Q]:
+    return [Q(int(c.p), int(c.q)) for c in polynomial.coeffs()]
+
+
+def engines() -> str:
+    """The text of Engines.v."""
+    pairs = [list(both_matrices(key)) for key in rational_methods()]
+    names: dict[str, str] = {}
+    written = [[coq_list(_entry(pair[i], names) for pair in row) for row in pairs] for i in (0, 1)]
+    numbers = (f"Definition {name} : Q := {number}.\n" for number, name in names.items())
+    tables = (
+        f"Definition {engine} : list (list fraction) :=\n  {coq_list(rows)}.\n"
+        for engine, rows in zip(("sympy", "flint"), written, strict=True)
+    )
+    claim = Theorem("T01", f"(length sympy = {len(pairs)})%nat /\\ sympy = flint", "split; reflexivity.")
+    purpose = "The matrices M(h) of the rational methods, as SymPy derives them and as FLINT does."
+    return file_text(purpose, IMPORTS, [*numbers, *tables, claim.text()])
+
+
+def _entry(fraction: Fraction, names: dict[str, str]) -> str:
+    """Numerator and denominator divided by the constant term of the denominator, long numbers by their names."""
+    top, bottom = ([x / fraction[1][0] for x in polynomial] for polynomial in fraction)
+    return f"({coq_list(_number(x, names) for x in top)}, {coq_list(_number(x, names) for x in bottom)})"
+
+
+def _number(x: Q, names: dict[str, str]) -> str:
+    """A short number as it is; a long one once, in hexadecimal, which Coq reads faster."""
+    if len(short := rational(x)) <= SHORT:
+        return short
+    sign = "-" if x < 0 else ""
+    return names.setdefault(f"{sign}{abs(x.numerator):#x}#{x.denominator:#x}", f"number_{len(names) + 1}")
