@@ -24,6 +24,12 @@ SEEN = {
     "stability_function_of": "-> driftproof.symbolic.algebra.rational_functions.RationalFunction | None",
     "published_values": "def (pattern: str =) -> dict[str, dict[str, Any]]",
     "verify": "-> driftproof.blackbox.report.Report",
+    "facts": "-> driftproof.reports.fact_sheet.MethodFacts",
+    "facts('rk4').order": '"int"',
+    "facts('rk4', system='-1')": "driftproof.reports.fact_sheet.FactSheet",
+    "run('rk4', '1/4', 10).state_error": "driftproof.symbolic.algebra.certified.EnclosedReal",
+    "step": "h: fractions.Fraction | int | float | str",
+    "check('a.md', 'claims.toml')": "driftproof.texts.claims.report.TextReport",
     "assert_verified": "examples: int =",
 }
 # Wrong uses, and the kind of error that each is.
@@ -37,6 +43,10 @@ WRONG = {
     "driftproof.verify(str, 'rk4', exampels=3)": "call-arg",
     "driftproof.assert_verified(str, 'rk4', exampels=3)": "call-arg",
     "driftproof.value(3)": "arg-type",
+    "driftproof.facts('rk4').no_such_fact": "attr-defined",
+    "driftproof.step('rk4', None)": "arg-type",
+    "driftproof.sweep('default', steps=[1])": "call-arg",
+    "driftproof.check('a.md')": "call-overload",
 }
 
 
@@ -44,7 +54,11 @@ WRONG = {
 def checked(tmp_path_factory):
     """What mypy --strict says of a user's file: line -> words. It reads the package, once: three seconds."""
     folder = tmp_path_factory.mktemp("user")
-    lines = ["import driftproof", *(f"reveal_type(driftproof.{name})" for name in NAMES), *WRONG]
+    lines = [
+        "import driftproof",
+        *(f"reveal_type(driftproof.{name})" for name in {**dict.fromkeys(NAMES), **SEEN}),
+        *WRONG,
+    ]
     (folder / "user.py").write_text("\n".join(lines) + "\n", encoding="utf-8")
     (folder / "mypy.ini").write_text("[mypy]\nstrict = true\nfollow_imports = silent\n", encoding="utf-8")
     (folder / "driftproof").symlink_to(ROOT / "driftproof")
@@ -64,7 +78,7 @@ def checked(tmp_path_factory):
 
 def test_type_checkers_see_every_name(checked):
     assert (ROOT / "driftproof" / "py.typed").exists()
-    for name in NAMES:
+    for name in {**dict.fromkeys(NAMES), **SEEN}:
         (words,) = checked[f"reveal_type(driftproof.{name})"]
         assert words.startswith("note: Revealed type is ")
         assert words != 'note: Revealed type is "Any"', name

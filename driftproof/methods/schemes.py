@@ -326,11 +326,11 @@ class Collocation:
 Method: TypeAlias = RungeKutta | Splitting | Nystrom | Collocation
 
 
-def demand_method(given: object) -> None:
-    """Raises TypeError, with what to write, for the name of a method where the method itself is meant."""
+def demand_method(given: object, table: str = "METHODS") -> None:
+    """Raises TypeError, with what to write, for the name of a method, or of a family, where itself is meant."""
     if isinstance(given, str):
         raise TypeError(
-            f"{given[:60]!r} is a string, and a method is needed: METHODS[...], or read_method(...) of a .toml file"
+            f"{given[:60]!r} is a string, and a method is needed: {table}[...], or read_method(...) of a .toml file"
         )
 
 

@@ -142,6 +142,7 @@ MEANT = {
     "stability_function_of('rk4')": "a method is needed",
     "order_within('rk4', Q(1))": "a method is needed",
     "facts_of('rk4')": "a method is needed",
+    "family_facts('sdirk_order_2')": "a method is needed: FAMILIES[...]",
     "system_facts('rk4', [[Q(1)]])": "a method is needed",
 }
 
