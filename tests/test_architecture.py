@@ -63,14 +63,14 @@ NOT_ELSEWHERE = "sympy"
 # stages, and its own sampler of steps, 100 lines; texts what docs and help show.
 BUDGETS = {
     "support": 1097,
-    "methods": 5296,
+    "methods": 5298,
     "symbolic": 10681,
     "numeric": 3010,
     "blackbox": 14190,
     "enclosure": 3108,
     "texts": 6697,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5469
+BUDGET_OF_REPORTS_AND_FRONT = 5478
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 
