@@ -82,7 +82,7 @@ class _EstimateProbe(TableauProbe):
         if len(self._beside) < self.size:
             form = NORM
         row = tuple(Fraction(b) - Fraction(e) if offset else Fraction(e) for b, e in zip(weights, signed, strict=True))
-        sizes = tuple(max(abs(b), abs(e)) for b, e in zip(weights, signed, strict=True))
+        sizes = tuple(map(max, map(abs, weights), map(abs, signed)))
         reading = EstimateReading(form, row, sizes, self.subject.format)
         return self._controlled_reading(reading, signed, offset)
 
