@@ -60,9 +60,9 @@ class Claim:
     id: str
     phrase: Phrase
     values: Mapping[str, Expected]
-    count: int = 1
-    given: str | None = None
-    ignore_case: bool = False
+    count: int
+    given: str | None
+    ignore_case: bool
 
     def spellings(self) -> dict[str, list[str]]:
         """Every way to write each value. Raises ValueError, in one line that names the claim."""

@@ -163,7 +163,8 @@ def problem_readouts(run: ProblemRun) -> dict[str, Callable[[ProblemRun], Answer
     y0, y1, ..., exact.y0, ...; and where a method steps, slope.y0, ..., f(t, y) after the last step; state_error;
     largest_error, of all steps; steps; and k1.y0, k2.y0, ..., of the first step of an explicit Runge-Kutta method.
     """
-    end, all_steps = range(run.steps, run.steps + 1), range(run.steps + 1)
+    all_steps = range(run.steps + 1)
+    end = all_steps[-1:]
     exact = "exact." if run.method is not None else ""
     solution = {f"{exact}y{i}": partial(_solution, end, i) for i in range(len(run.start))}
     if run.method is None:
