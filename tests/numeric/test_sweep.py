@@ -244,9 +244,12 @@ def test_answers_are_kept_as_they_come(expected, tmp_path, monkeypatch):
     with pytest.raises(MemoryError):
         run_grid(SCENE, GRID, Failing(), path)
     assert path.read_bytes().count(b"\n") == 1 + 5
+    path.write_bytes(path.read_bytes()[:-9])  # the last line is cut off, and what comes next stands in its place
+    with pytest.raises(MemoryError):
+        run_grid(SCENE, GRID, Failing(), path)
     inline = Inline()
     assert run_grid(SCENE, GRID, inline, path) == expected
-    assert sum(map(len, inline.sweep_batches)) == len(expected) - 5
+    assert sum(map(len, inline.sweep_batches)) == len(expected) - 4 - 5
 
 
 def test_lines_in_any_order_are_read_and_put_in_the_order_of_the_grid(expected, tmp_path):
