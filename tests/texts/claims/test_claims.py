@@ -44,6 +44,7 @@ def test_claims_file_says_phrases_values_forms_and_labels() -> None:
 def test_reason_of_what_is_given_has_200_characters_at_most() -> None:
     with_reason = "{}given = '{}'".format
     assert parse_claims(with_reason(CLAIM, "x" * 200).encode()).claims[0].given == "x" * 200
+    assert parse_claims(f"{CLAIM}given = true".encode()).claims[0].given == "given"
     with pytest.raises(ValueError, match="given is true, or says in a few words why"):
         parse_claims(with_reason(CLAIM, "x" * 201).encode())
 
