@@ -10,12 +10,14 @@ Section Problem.
   Context {P : problem}.
 
   (** Slopes of a step of size h from z that are limited, and Lipschitz in z, on each ball. *)
-  Definition controlled (k : R -> vector -> vector) : Prop := forall B, exists B' L, 0 <= L /\ forall h z, 0 <= h <= 1 ->
+  Definition controlled (k : R -> vector -> vector) : Prop := forall B, exists B' L, 0 <= L /\ forall h z,
+    0 <= h <= 1 ->
     in_ball d B z -> in_ball d B' (k h z)
     /\ forall w delta, in_ball d B w -> (forall j, (j < d)%nat -> Rabs (z j - w j) <= delta) ->
          forall i, (i < d)%nat -> Rabs (k h z i - k h w i) <= L * delta.
 
-  Lemma delta_pos (z w : vector) delta i : (i < d)%nat -> (forall j, (j < d)%nat -> Rabs (z j - w j) <= delta) -> 0 <= delta.
+  Lemma delta_pos (z w : vector) delta i : (i < d)%nat -> (forall j,
+    (j < d)%nat -> Rabs (z j - w j) <= delta) -> 0 <= delta.
   Proof. intros I near. generalize (near i I), (Rabs_pos (z i - w i)). lra. Qed.
 
   Lemma field_lipschitz B : exists B' L, 0 <= L /\ forall z, in_ball d B z -> in_ball d B' (D [] z)
@@ -23,7 +25,8 @@ Section Problem.
          forall i, (i < d)%nat -> Rabs (D [] z i - D [] w i) <= L * delta.
   Proof.
     destruct (bounded_on_balls d D smooth_D [] B) as [B' bound].
-    destruct (finite_bound d (fun j M => forall z i, (i < d)%nat -> in_ball d B z -> Rabs (D [j] z i) <= M)) as (M & pos & small).
+    destruct (finite_bound d (fun j M => forall z i,
+      (i < d)%nat -> in_ball d B z -> Rabs (D [j] z i) <= M)) as (M & pos & small).
     { intros j ? ? S ? z i I Z. specialize (S z i I Z). lra. }
     { intros j _. destruct (bounded_on_balls d D smooth_D [j] B) as [M small]. now exists M. }
     exists B', (INR d * M). assert (0 <= INR d) by apply pos_INR. split; [nra|]. intros z Z.
@@ -34,7 +37,8 @@ Section Problem.
     replace (D [] w i) with (D [] (c 0) i).
     2: { f_equal. f_equal. apply functional_extensionality. intros j. unfold c. ring. }
     replace (INR d * M * delta) with (INR d * (M * delta) * (1 - 0)) by ring.
-    apply (mean_value_bound (fun s => D [] (c s) i) (fun s => total d (fun j => D [j] (c s) i * (z j - w j)))); [lra | |].
+    apply (mean_value_bound (fun s => D [] (c s) i) (fun s => total d (fun j => D [j] (c s) i * (z j - w j))));
+      [lra | |].
     - intros s S. apply (chain_rule d D smooth_D [] c (fun j => z j - w j)); [exact I|]. intros j J. unfold c.
       auto_derive; trivial. ring.
     - intros s S. apply total_bound. intros j J. rewrite Rabs_mult. apply Rmult_le_compat; auto using Rabs_pos.
@@ -77,7 +81,8 @@ Section Problem.
       eapply Rle_trans; [apply Rabs_triang|]. rewrite !Rabs_mult, Rmult_plus_distr_r, !Rmult_assoc.
       apply Rplus_le_compat; apply Rmult_le_compat_l; auto.
   Qed.
-  Lemma controlled_where k g : controlled k -> controlled g -> controlled (fun h z i => if velocity i then k h z i else g h z i).
+  Lemma controlled_where k g : controlled k -> controlled g ->
+    controlled (fun h z i => if velocity i then k h z i else g h z i).
   Proof.
     intros K G B. destruct (K B) as (B1 & L1 & P1 & K1), (G B) as (B2 & L2 & P2 & G1).
     exists (Rabs B1 + Rabs B2), (L1 + L2). split; [lra|]. intros h z H Z.
@@ -95,7 +100,8 @@ Section Problem.
     exists M h0, 0 < h0 /\ forall h n i, 0 < h <= h0 -> INR n * h <= T -> (i < d)%nat ->
       Rabs (Nat.iter n (step h) (y 0) i - y (INR n * h) i) <= M * h ^ p.
   Proof.
-    intros p1 C0 form K local. assert (T0 := T_pos). destruct solution_bounded as (B & B0 & all). destruct (K (B + 1)) as (B' & L & L0 & near).
+    intros p1 C0 form K local. assert (T0 := T_pos). destruct solution_bounded as (B & B0 & all).
+    destruct (K (B + 1)) as (B' & L & L0 & near).
     set (M := T * C * exp (L * T)). assert (M0 : 0 <= M).
     { unfold M. apply Rmult_le_pos; [nra | apply Rlt_le, exp_pos]. }
     exists M, (/ (M + 1)). split; [apply Rinv_0_lt_compat; lra|].
@@ -185,10 +191,14 @@ Section Problem.
     - set (k2 h z := D [] (fun i => z i + 1 / 2 * h * euler_slope h z i)).
       set (k3 h z := D [] (fun i => z i + 1 / 2 * h * k2 h z i)).
       set (k4 h z := D [] (fun i => z i + 1 * h * k3 h z i)).
-      assert (K2 : controlled k2) by (apply (controlled_field (fun h z i => z i + 1 / 2 * h * euler_slope h z i)), controlled_stage, E).
-      assert (K3 : controlled k3) by (apply (controlled_field (fun h z i => z i + 1 / 2 * h * k2 h z i)), controlled_stage, K2).
-      assert (K4 : controlled k4) by (apply (controlled_field (fun h z i => z i + 1 * h * k3 h z i)), controlled_stage, K3).
-      apply controlled_ext with (g := fun h z i => 1 * (1 / 6 * euler_slope h z i + 1 / 3 * k2 h z i) + 1 * (1 / 3 * k3 h z i + 1 / 6 * k4 h z i)).
+      assert (K2 : controlled k2) by (apply (controlled_field (fun h z i => z i + 1 / 2 * h * euler_slope h z i)),
+        controlled_stage, E).
+      assert (K3 : controlled k3) by (apply (controlled_field (fun h z i => z i + 1 / 2 * h * k2 h z i)),
+        controlled_stage, K2).
+      assert (K4 : controlled k4) by (apply (controlled_field (fun h z i => z i + 1 * h * k3 h z i)), controlled_stage,
+        K3).
+      apply controlled_ext with (g := fun h z i => 1 * (1 / 6 * euler_slope h z i + 1 / 3 * k2 h z i)
+                                             + 1 * (1 / 3 * k3 h z i + 1 / 6 * k4 h z i)).
       + intros h z i. unfold rk4_slope, k4, k3, k2, euler_slope. field.
       + apply (controlled_plus 1 1 (fun h z i => 1 / 6 * euler_slope h z i + 1 / 3 * k2 h z i)
           (fun h z i => 1 / 3 * k3 h z i + 1 / 6 * k4 h z i)); now apply controlled_plus.

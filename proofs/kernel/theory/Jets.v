@@ -1,4 +1,4 @@
-(** Functions of a step h with bounded derivatives of all orders, for any smooth problem, and curves with the first three. *)
+(** Functions of a step h with bounded derivatives of all orders, on any smooth problem; curves with the first three. *)
 
 From Coq Require Import QArith Qreals Reals Lra Lia List FunctionalExtensionality.
 From Coquelicot Require Import Coquelicot.
@@ -21,7 +21,8 @@ Proof.
   { clear IH below. assert (all : forall j, (j < d)%nat -> 0 <= x j) by (intros; apply positive; lia).
     clear positive. induction d; cbn [total]; [lra|]. generalize (all d ltac:(lia)).
     assert (0 <= total d x) by (apply IHd; intros; apply all; lia). lra. }
-  destruct (Nat.eq_dec i d) as [->|]; [lra|]. generalize (IH i ltac:(lia) ltac:(intros; apply positive; lia)), (positive d ltac:(lia)). lra.
+  destruct (Nat.eq_dec i d) as [->|]; [lra|].
+  generalize (IH i ltac:(lia) ltac:(intros; apply positive; lia)), (positive d ltac:(lia)). lra.
 Qed.
 
 (** One bound for finitely many. *)
@@ -85,7 +86,8 @@ Section Problem.
   Proof. now destruct n; intros []. Qed.
   Lemma tame_less n : forall g, tame (S n) g -> tame n g.
   Proof. induction n as [|n IH]; intros g [B (g' & G & N)]; split; trivial. exists g'. auto. Qed.
-  Lemma tame_const n : forall c : R -> R, (exists C, forall x, 0 <= x <= T -> Rabs (c x) <= C) -> tame n (fun x _ => c x).
+  Lemma tame_const n : forall c : R -> R, (exists C, forall x,
+    0 <= x <= T -> Rabs (c x) <= C) -> tame n (fun x _ => c x).
   Proof.
     induction n as [|n IH]; intros c [C B]; (split; [exists C; intros x h (? & ? & ?); apply B; lra|]); trivial.
     exists (fun _ _ => 0). split; [intros x h _; apply (is_derive_const (K := R_AbsRing) (V := R_NormedModule))|].
@@ -125,7 +127,8 @@ Section Problem.
     induction m as [|m IH]; intros all; cbn [total]; [apply tame_number|].
     apply tame_plus; [apply IH; intros; apply all; lia | apply all; lia].
   Qed.
-  Lemma tame_D n : forall l (c : R -> R -> vector) i, (i < d)%nat -> (forall j, (j < d)%nat -> tame n (fun x h => c x h j)) ->
+  Lemma tame_D n : forall l (c : R -> R -> vector) i, (i < d)%nat -> (forall j,
+    (j < d)%nat -> tame n (fun x h => c x h j)) ->
     tame n (fun x h => D l (c x h) i).
   Proof.
     induction n as [|n IH]; intros l c i below C.
@@ -168,7 +171,8 @@ Section Problem.
     apply (chain_rule d D smooth_D _ (c x) (c' x h)); trivial. intros k K. now apply C.
   Qed.
 
-  Lemma field_derives c c1 : vector_derives c c1 -> vector_derives (fun x h => D [] (c x h)) (fun x h => first (c x h) (c1 x h)).
+  Lemma field_derives c c1 : vector_derives c c1 ->
+    vector_derives (fun x h => D [] (c x h)) (fun x h => first (c x h) (c1 x h)).
   Proof. intros C i I x h H. apply (chain_rule d D smooth_D [] (c x) (c1 x h)); trivial. intros j J. now apply C. Qed.
   Lemma first_derives c c1 c2 : vector_derives c c1 -> vector_derives c1 c2 ->
     vector_derives (fun x h => first (c x h) (c1 x h)) (fun x h => second (c x h) (c1 x h) (c2 x h)).
@@ -238,8 +242,8 @@ Section Problem.
   Qed.
 
   (** y + a h k. *)
-  Definition stage_of (start : R -> vector) (a : R) (k : nat -> R -> R -> vector) (n : nat) : R -> R -> vector := fun x h i =>
-    match n with
+  Definition stage_of (start : R -> vector) (a : R) (k : nat -> R -> R -> vector) (n : nat) : R -> R -> vector :=
+    fun x h i => match n with
     | O => start x i + a * h * k 0%nat x h i
     | S m => a * (INR n * k m x h i + h * k n x h i)
     end.
@@ -248,7 +252,8 @@ Section Problem.
     intros S [K N]. split; intros n low m.
     - intros I x h H. destruct n as [|n].
       + apply (derive_stage (fun h => k 0%nat x h m) (fun h => k 1%nat x h m)). now apply K.
-      + apply (derive_next (INR (Datatypes.S n)) (fun h => k n x h m) (fun h => k (Datatypes.S n) x h m) (fun h => k (Datatypes.S (Datatypes.S n)) x h m)).
+      + apply (derive_next (INR (Datatypes.S n)) (fun h => k n x h m) (fun h => k (Datatypes.S n) x h m)
+                 (fun h => k (Datatypes.S (Datatypes.S n)) x h m)).
         1-2: apply K; trivial; lia.
         apply S_INR.
     - intros i I. destruct n as [|n].

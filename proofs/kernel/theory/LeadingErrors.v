@@ -1,7 +1,8 @@
 (** The oscillator as a smooth problem, and the leading terms of its errors: none of the orders is higher. *)
 
 From Coq Require Import QArith Qreals Reals Lra Lia Psatz List FunctionalExtensionality.
-From driftproof Require Import Identities Tables OneStep Energy Stability ExactFlow Phase Convergence Problems Jets GlobalErrors.
+From driftproof Require Import Identities Tables OneStep Energy Stability
+  ExactFlow Phase Convergence Problems Jets GlobalErrors.
 Import ListNotations.
 Open Scope R_scope.
 
@@ -96,10 +97,12 @@ Proof.
   destruct M as [<- | [<- | [<- | []]]].
   - split.
     + replace (_ - _) with (1 * (q - x) + h * (v - y)) by by_ring. apply combine. rewrite !Rabs_pos_eq; lra.
-    + replace (_ - _) with (- h * (q - x) + 1 * (v - y)) by by_ring. apply combine. rewrite Rabs_Ropp, !Rabs_pos_eq; lra.
+    + replace (_ - _) with (- h * (q - x) + 1 * (v - y)) by by_ring. apply combine.
+      rewrite Rabs_Ropp, !Rabs_pos_eq; lra.
   - split.
     + replace (_ - _) with ((1 - h ^ 2) * (q - x) + h * (v - y)) by by_ring. apply combine. rewrite !Rabs_pos_eq; lra.
-    + replace (_ - _) with (- h * (q - x) + 1 * (v - y)) by by_ring. apply combine. rewrite Rabs_Ropp, !Rabs_pos_eq; lra.
+    + replace (_ - _) with (- h * (q - x) + 1 * (v - y)) by by_ring. apply combine.
+      rewrite Rabs_Ropp, !Rabs_pos_eq; lra.
   - split.
     + replace (_ - _) with ((1 - h ^ 2 / 2 + h ^ 4 / 24) * (q - x) + (h - h ^ 3 / 6) * (v - y)) by by_ring.
       apply combine. rewrite !Rabs_pos_eq; lra.
@@ -110,14 +113,16 @@ Qed.
 Lemma of_cos_sin t a b e : Rabs a + Rabs b <= e -> Rabs (a * cos t + b * sin t) <= e.
 Proof.
   intros small. generalize (COS_bound t), (SIN_bound t). intros C S. eapply Rle_trans; [apply Rabs_triang|].
-  rewrite !Rabs_mult. assert (Rabs (cos t) <= 1) by (apply Rabs_le; lra). assert (Rabs (sin t) <= 1) by (apply Rabs_le; lra).
+  rewrite !Rabs_mult. assert (Rabs (cos t) <= 1) by (apply Rabs_le; lra).
+  assert (Rabs (sin t) <= 1) by (apply Rabs_le; lra).
   generalize (Rabs_pos a), (Rabs_pos b), (Rabs_pos (cos t)), (Rabs_pos (sin t)). nra.
 Qed.
 
 (** The flow, and the first term of the error. *)
 Definition with_error (p : nat) (w : R -> state R) (h t : R) : state R :=
   (fst (flow t) + h ^ p * fst (w t), snd (flow t) + h ^ p * snd (w t)).
-Definition misses (m : method) (p : nat) (w : R -> state R) : Prop := exists K, 0 <= K /\ forall h t, 0 < h <= 1 -> 0 <= t <= 10 ->
+Definition misses (m : method) (p : nat) (w : R -> state R) : Prop := exists K, 0 <= K /\ forall h t,
+  0 < h <= 1 -> 0 <= t <= 10 ->
   near (step m h (with_error p w h t)) (with_error p w h (t + h)) (K * h ^ (p + 2)).
 
 Ltac series h :=
@@ -131,10 +136,12 @@ Proof.
   rewrite cos_plus, sin_plus. generalize dependent (cos h). intros C. generalize dependent (sin h). intros S. intros.
   assert (0 < h ^ 2 <= h) by (split; nra). assert (0 < h ^ 3 <= h ^ 2) by (split; cbn [pow] in *; nra).
   assert (0 < h ^ 4 <= h ^ 3) by (split; cbn [pow] in *; nra).
-  assert (0 <= h * t * (1 - C) <= h * 10 * (h ^ 2 / 2)) by (split; [|apply Rmult_le_compat]; repeat apply Rmult_le_pos; nra).
+  assert (0 <= h * t * (1 - C) <= h * 10 * (h ^ 2 / 2)) by (split; [|apply Rmult_le_compat]; repeat apply Rmult_le_pos;
+    nra).
   assert (0 <= h ^ 2 * (1 - C) <= h ^ 2 * (h ^ 2 / 2)) by (split; nra).
   assert (X : Rabs ((1 + h * t / 2) * (1 - C) - h ^ 2 / 2 * C) <= 4 * h ^ 3) by (apply Rabs_le; split; lra).
-  assert (0 <= h * t * (h - S) <= h * 10 * (h ^ 3 / 6)) by (split; [|apply Rmult_le_compat]; repeat apply Rmult_le_pos; nra).
+  assert (0 <= h * t * (h - S) <= h * 10 * (h ^ 3 / 6)) by (split; [|apply Rmult_le_compat]; repeat apply Rmult_le_pos;
+    nra).
   assert (0 <= h ^ 2 * S <= h ^ 2 * h) by (split; nra).
   assert (Y : Rabs ((1 + h * t / 2) * (h - S) - h ^ 2 / 2 * S) <= 4 * h ^ 3) by (apply Rabs_le; split; lra).
   split.
@@ -153,7 +160,8 @@ Proof.
   assert (0 < h ^ 2 <= h) by (split; nra). assert (0 < h ^ 3 <= h ^ 2) by (split; cbn [pow] in *; nra).
   assert (0 < h ^ 4 <= h ^ 3) by (split; cbn [pow] in *; nra).
   split.
-  - replace (_ - _) with ((1 - h ^ 2 - C + h / 2 * S) * cos t + (h ^ 3 / 2 - 3 / 2 * h + S + h / 2 * C) * sin t) by by_ring.
+  - replace (_ - _) with ((1 - h ^ 2 - C + h / 2 * S) * cos t + (h ^ 3 / 2 - 3 / 2 * h + S + h / 2 * C) * sin t)
+      by by_ring.
     apply of_cos_sin. change (1 + 2)%nat with 3%nat.
     assert (Rabs (1 - h ^ 2 - C + h / 2 * S) <= 3 * h ^ 3) by (apply Rabs_le; split; nra).
     assert (Rabs (h ^ 3 / 2 - 3 / 2 * h + S + h / 2 * C) <= 3 * h ^ 3) by (apply Rabs_le; split; nra). lra.
@@ -187,8 +195,10 @@ Proof.
   assert (Y : Rabs (S - b + h ^ 4 / 120 * (t * a - (t + h) * C)) <= 2 * h ^ 6).
   { replace (S - b + h ^ 4 / 120 * (t * a - (t + h) * C))
       with (S - b - h ^ 5 / 120 + h ^ 4 / 120 * (t * (a - C)) + h ^ 5 / 120 * (1 - C)) by field.
-    assert (0 <= h ^ 4 / 120 * (t * (a - C)) <= 1 * (10 * (h ^ 6 / 720))) by (split; [apply Rmult_le_pos | apply Rmult_le_compat]; lra).
-    assert (0 <= h ^ 5 / 120 * (1 - C) <= h ^ 5 / 120 * (h ^ 2 / 2)) by (split; [apply Rmult_le_pos | apply Rmult_le_compat_l]; lra).
+    assert (0 <= h ^ 4 / 120 * (t * (a - C)) <= 1 * (10 * (h ^ 6 / 720))) by (split;
+      [apply Rmult_le_pos | apply Rmult_le_compat]; lra).
+    assert (0 <= h ^ 5 / 120 * (1 - C) <= h ^ 5 / 120 * (h ^ 2 / 2)) by (split;
+      [apply Rmult_le_pos | apply Rmult_le_compat_l]; lra).
     replace (h ^ 5 / 120 * (h ^ 2 / 2)) with (h ^ 7 / 240) in * by field.
     assert (- (h ^ 7 / 5040) <= S - b - h ^ 5 / 120) by (unfold b; lra). apply Rabs_le. lra. }
   split.
@@ -221,7 +231,8 @@ Proof.
       apply follows; try lra; [now apply steps_stretch|]. intros t I. now apply miss.
     - unfold with_error, flow. rewrite zero, cos_0, sin_0. cbn [fst snd].
       replace (1 + h ^ p * 0, - 0 + h ^ p * 0) with (1, 0) by (f_equal; ring).
-      clear. induction n as [|n IH]; [reflexivity|]. cbn [Nat.iter nat_rect run]. unfold Nat.iter in IH. now rewrite IH. }
+      clear. induction n as [|n IH]; [reflexivity|]. cbn [Nat.iter nat_rect run]. unfold Nat.iter in IH.
+      now rewrite IH. }
   destruct close as [Q V]. unfold with_error in Q, V. cbn [fst snd] in Q, V.
   unfold final_error. destruct (run m h n (1, 0)) as [q v], (flow 10) as [x y]. cbn [fst snd] in Q, V.
   change (distance (q, v) (x, y)) with (Cmod (q - x, v - y)).
@@ -233,7 +244,8 @@ Proof.
     assert (T := Cmod_triangle (h ^ p * fst (w 10), h ^ p * snd (w 10))
                    (q - x - h ^ p * fst (w 10), v - y - h ^ p * snd (w 10))).
     assert (T' := Cmod_triangle (q - x, v - y) (- (q - x - h ^ p * fst (w 10)), - (v - y - h ^ p * snd (w 10)))).
-    assert (O := Cmod_opp (q - x - h ^ p * fst (w 10), v - y - h ^ p * snd (w 10))). unfold Copp in O; cbn [fst snd] in O.
+    assert (O := Cmod_opp (q - x - h ^ p * fst (w 10), v - y - h ^ p * snd (w 10))).
+    unfold Copp in O; cbn [fst snd] in O.
     unfold Cplus in T, T'; cbn [fst snd] in T, T'.
     replace (h ^ p * fst (w 10) + (q - x - h ^ p * fst (w 10)), h ^ p * snd (w 10) + (v - y - h ^ p * snd (w 10)))
       with (q - x, v - y) in T by (f_equal; ring).
@@ -260,32 +272,40 @@ Proof.
   assert (B0 : 0 < B) by (unfold B; generalize (Rabs_pos K), (Rabs_pos C); lra).
   destruct (large_n (Rmin (Rmin h0 1) (c / (2 * B)))) as (n & [h_pos small] & E).
   { repeat apply Rmin_glb_lt; try lra. apply Rdiv_lt_0_compat; lra. }
-  set (h := 10 / INR (S n)) in *. assert (h <= h0) by (eapply Rle_trans; [exact small|]; eapply Rle_trans; [apply Rmin_l | apply Rmin_l]).
+  set (h := 10 / INR (S n)) in *.
+  assert (h <= h0) by (eapply Rle_trans; [exact small|]; eapply Rle_trans; [apply Rmin_l | apply Rmin_l]).
   assert (h <= 1) by (eapply Rle_trans; [exact small|]; eapply Rle_trans; [apply Rmin_l | apply Rmin_r]).
   assert (hB : h <= c / (2 * B)) by (eapply Rle_trans; [exact small | apply Rmin_r]).
   specialize (lead h (S n) ltac:(lra) E). specialize (all h (S n) ltac:(lra) E).
   apply Rabs_le_between in lead. destruct lead as [lead _]. rewrite Nat.add_1_r in *. cbn [pow] in *.
   assert (0 < h ^ p) by (apply pow_lt; lra).
-  assert (h * B <= c / 2). { apply Rmult_le_compat_r with (r := B) in hB; [|lra]. replace (c / (2 * B) * B) with (c / 2) in hB by (field; lra). lra. }
+  assert (h * B <= c / 2). { apply Rmult_le_compat_r with (r := B) in hB;
+    [|lra]. replace (c / (2 * B) * B) with (c / 2) in hB by (field; lra). lra. }
   assert (K <= Rabs K) by apply Rle_abs. assert (C <= Rabs C) by apply Rle_abs.
   assert (c * h ^ p <= (C + K) * (h * h ^ p)) by lra.
   assert ((C + K) * (h * h ^ p) <= B * (h * h ^ p)) by (apply Rmult_le_compat_r; [nra | unfold B; lra]).
   nra.
 Qed.
 
-Theorem leading_errors : leading forward_euler 1 5 /\ leading symplectic_euler 1 (- sin 10 / 2) /\ leading rk4 4 (1 / 12)
+Theorem leading_errors : leading forward_euler 1 5 /\ leading symplectic_euler 1 (- sin 10 / 2)
+  /\ leading rk4 4 (1 / 12)
   /\ 0 < - sin 10 / 2.
 Proof.
-  assert (s : sin 10 < 0) by (interval). assert (unit : cos 10 ^ 2 + sin 10 ^ 2 = 1) by (generalize (sin2_cos2 10); unfold Rsqr; lra).
+  assert (s : sin 10 < 0) by (interval).
+  assert (unit : cos 10 ^ 2 + sin 10 ^ 2 = 1) by (generalize (sin2_cos2 10); unfold Rsqr; lra).
   split; [|split; [|split; [|lra]]].
   - replace 5 with (Cmod (10 / 2 * cos 10, - (10 / 2 * sin 10))).
-    + apply (leading_of_misses _ _ (fun t => (t / 2 * cos t, - (t / 2 * sin t)))); [cbn; auto | apply forward_euler_misses | f_equal; field].
+    + apply (leading_of_misses _ _ (fun t => (t / 2 * cos t, - (t / 2 * sin t)))); [cbn;
+        auto | apply forward_euler_misses | f_equal; field].
     + unfold Cmod; cbn [fst snd]. replace (_ + _) with (5 * 5) by nra. apply sqrt_square; lra.
   - replace (- sin 10 / 2) with (Cmod (- (sin 10 / 2), 0)).
-    + apply (leading_of_misses _ _ (fun t => (- (sin t / 2), 0))); [cbn; auto | apply symplectic_euler_misses | rewrite sin_0; f_equal; field].
-    + unfold Cmod; cbn [fst snd]. replace (_ + _) with ((- sin 10 / 2) * (- sin 10 / 2)) by field. apply sqrt_square; lra.
+    + apply (leading_of_misses _ _ (fun t => (- (sin t / 2), 0))); [cbn;
+        auto | apply symplectic_euler_misses | rewrite sin_0; f_equal; field].
+    + unfold Cmod; cbn [fst snd]. replace (_ + _) with ((- sin 10 / 2) * (- sin 10 / 2)) by field.
+      apply sqrt_square; lra.
   - replace (1 / 12) with (Cmod (10 / 120 * sin 10, 10 / 120 * cos 10)).
-    + apply (leading_of_misses _ _ (fun t => (t / 120 * sin t, t / 120 * cos t))); [cbn; auto | apply rk4_misses | f_equal; field].
+    + apply (leading_of_misses _ _ (fun t => (t / 120 * sin t, t / 120 * cos t))); [cbn;
+        auto | apply rk4_misses | f_equal; field].
     + unfold Cmod; cbn [fst snd]. replace (_ + _) with (1 / 12 * (1 / 12)) by nra. apply sqrt_square; lra.
 Qed.
 
@@ -293,7 +313,8 @@ Theorem L186 : converges forward_euler 1 /\ converges symplectic_euler 1
   /\ ~ errs_by forward_euler 2 /\ ~ errs_by symplectic_euler 2.
 Proof.
   destruct methods_converge as (A & B & _), leading_errors as (E & S & _ & pos).
-  split; [exact A | split; [exact B|]]. split; [apply (not_higher _ 1 5) | apply (not_higher _ 1 (- sin 10 / 2))]; trivial; lra.
+  split; [exact A | split; [exact B|]].
+  split; [apply (not_higher _ 1 5) | apply (not_higher _ 1 (- sin 10 / 2))]; trivial; lra.
 Qed.
 
 Theorem L187 : converges rk4 4 /\ ~ errs_by rk4 5.
@@ -311,7 +332,8 @@ Theorem L008 :
   /\ (forall h, 0 <= h -> (bounded rk4 h <-> h <= 2 * sqrt 2))
   /\ forall h, 0 < h -> ~ bounded forward_euler h.
 Proof.
-  split; [apply leading_errors | split; [|split; [repeat split | split; [apply symplectic_bounded | split; [|split; [apply L175|]]]]]].
+  split; [apply leading_errors | split; [|split; [repeat split | split; [apply symplectic_bounded | split; [|split;
+    [apply L175|]]]]]].
   - intros m h n pos E. assert (N : INR n = 10 / h) by (rewrite <- E; field; lra).
     split; [exact N | rewrite mult_INR, N; ring].
   - intros h [large | <-]; [now apply symplectic_unbounded | apply T04].
@@ -336,7 +358,8 @@ Qed.
 
 Theorem L064 :
   (converges forward_euler 1 /\ converges symplectic_euler 1 /\ converges rk4 4)
-  /\ (leading forward_euler 1 5 /\ leading symplectic_euler 1 (- sin 10 / 2) /\ leading rk4 4 (1 / 12) /\ 0 < - sin 10 / 2)
+  /\ (leading forward_euler 1 5 /\ leading symplectic_euler 1 (- sin 10 / 2) /\ leading rk4 4 (1 / 12)
+    /\ 0 < - sin 10 / 2)
   /\ (exists K h0, 0 < h0 /\ forall h n, 0 < h <= h0 -> INR n * h = 10 ->
         final_error rk4 h n <= K * h ^ 3 * final_error forward_euler h n)
   /\ forall A b velocity h y i, length A = length b -> (fold_right Qplus 0 b == 1)%Q ->
@@ -349,7 +372,8 @@ Proof.
     assert (h * (Rabs K1 + 1) <= 1).
     { apply Rmult_le_compat_r with (r := Rabs K1 + 1) in small; [|lra]. rewrite Rinv_l in small; lra. }
     assert (h <= 1) by nra. specialize (E h n ltac:(lra) T). specialize (R h n ltac:(lra) T).
-    apply Rabs_le_between in E, R. cbn [Nat.add pow] in E. change (4 + 1)%nat with 5%nat in R. assert (A1 := Rle_abs K1). assert (A4 := Rle_abs K4).
+    apply Rabs_le_between in E, R. cbn [Nat.add pow] in E. change (4 + 1)%nat with 5%nat in R.
+    assert (A1 := Rle_abs K1). assert (A4 := Rle_abs K4).
     assert (h <= final_error forward_euler h n) by nra.
     assert (h3 : 0 < h ^ 3) by (apply pow_lt; lra).
     assert (h4 : 0 < h ^ 4) by (apply pow_lt; lra). assert (h5 : 0 < h ^ 5 <= h ^ 4) by (split; cbn [pow] in *; nra).

@@ -19,7 +19,8 @@ Section Problem.
   Proof.
     assert (V : vector_derives exact (fun x h => D [] (exact x h))) by (intros i I; now apply exact_derives).
     assert (N := exact_tame). assert (N1 := field_tame _ N). assert (V1 := field_derives _ _ V).
-    assert (N2 := first_tame _ _ N N1). assert (V2 := first_derives _ _ _ V V1). assert (N3 := second_tame _ _ _ N N1 N2).
+    assert (N2 := first_tame _ _ N N1). assert (V2 := first_derives _ _ _ V V1).
+    assert (N3 := second_tame _ _ _ N N1 N2).
     split; intros [|[|[|[|n]]]] low; try lia; assumption.
   Qed.
 
@@ -57,7 +58,8 @@ Section Problem.
   Proof. unfold along, times. rewrite <- total_scal. apply total_ext. intros. ring. Qed.
   Lemma along_sum l c u v i : along l c (sum u v) i = along l c u i + along l c v i.
   Proof. unfold along, sum. rewrite <- total_plus. apply total_ext. intros. ring. Qed.
-  Lemma second_times c a u b v : second c (times a u) (times b v) = sum (times (a ^ 2) (square c u)) (times b (first c v)).
+  Lemma second_times c a u b v : second c (times a u) (times b v)
+    = sum (times (a ^ 2) (square c u)) (times b (first c v)).
   Proof.
     apply functional_extensionality. intros i.
     change (total d (fun j => along [j] c (times a u) i * times a u j + D [j] c i * times b v j)
@@ -130,7 +132,8 @@ Section Problem.
     repeat apply tame_plus; auto; apply tame_mult; auto using tame_number.
   Qed.
 
-  (** y + h K - X with K = K_0, X = X_0 and their derivatives: it vanishes to the order to which n K_(n-1) = X_n at 0. *)
+  (** y + h K - X with K = K_0, X = X_0 and their derivatives: it vanishes to the order to which
+      n K_(n-1) = X_n at 0. *)
   Lemma error_vanishes p (K X : nat -> R -> R -> R) (start : R -> R) :
     (forall n, (n <= p)%nat -> derives (K n) (K (S n)) /\ derives (X n) (X (S n))) ->
     tame 1 (K p) -> tame 1 (K (S p)) -> tame 1 (X (S p)) ->
@@ -145,7 +148,8 @@ Section Problem.
           replace (Derive (fun h => f h) h) with f' by (symmetry; now apply is_derive_unique);
           replace (Derive (fun h => f1 h) h) with f1' by (symmetry; now apply is_derive_unique);
           replace (Derive (fun h => g h) h) with g' by (symmetry; now apply is_derive_unique); ring).
-    assert (all : forall r n, (n + r = p)%nat -> vanishes (S r) (fun x h => INR (S n) * K n x h + h * K (S n) x h - X (S n) x h)).
+    assert (all : forall r n, (n + r = p)%nat ->
+      vanishes (S r) (fun x h => INR (S n) * K n x h + h * K (S n) x h - X (S n) x h)).
     { induction r as [|r IH]; intros n E; (split; [intros x I; rewrite equal by (trivial; lia); ring|]).
       - replace n with p by lia.
         assert (M : tame 1 (fun x h => INR (S p) * K p x h + h * K (S p) x h + -1 * X (S p) x h)).
@@ -153,7 +157,8 @@ Section Problem.
         destruct M as [_ (e & De & Be & _)]. exists e. split; [|exact Be]. intros x h I.
         apply is_derive_ext with (2 := De x h I). intros t. real_ring.
       - exists (fun x h => INR (S (S n)) * K (S n) x h + h * K (S (S n)) x h - X (S (S n)) x h).
-        split; [|apply IH; lia]. intros x h I. destruct (DKX n ltac:(lia)) as [A _]. destruct (DKX (S n) ltac:(lia)) as [B C].
+        split; [|apply IH; lia]. intros x h I. destruct (DKX n ltac:(lia)) as [A _].
+        destruct (DKX (S n) ltac:(lia)) as [B C].
         evar_last; [apply is_derive_ext with (2 := step (INR (S n)) 0 _ _ _ h _ _ _ (A x h I) (B x h I) (C x h I)) |].
         + intros t. cbn beta. real_ring.
         + rewrite (S_INR (S n)). real_ring. }
@@ -188,7 +193,8 @@ Section Problem.
   (** The derivatives at h = 0, in elementary differentials. *)
   Section AtZero.
     Variable x : R.
-    Let F := D [] (y x). Let G := first (y x) F. Let Q := square (y x) F. Let C := cube (y x) F. Let M := mixed (y x) F G.
+    Let F := D [] (y x). Let G := first (y x) F. Let Q := square (y x) F. Let C := cube (y x) F.
+    Let M := mixed (y x) F G.
     Ltac by_components :=
       rewrite ?first_sum, ?first_times; apply functional_extensionality; intros i; unfold sum, times; cbn [INR]; field.
     Lemma times_times a b u : times a (times b u) = times (a * b) u.
@@ -223,7 +229,8 @@ Section Problem.
       - rewrite third_times. fold C M. by_components.
     Qed.
     Lemma k4_at_0 : k4_of 0 x 0 = F /\ k4_of 1 x 0 = G /\ k4_of 2 x 0 = sum Q (first (y x) G)
-      /\ k4_of 3 x 0 = sum C (sum M (sum (times (3 / 4) (first (y x) Q)) (times (3 / 2) (first (y x) (first (y x) G))))).
+      /\ k4_of 3 x 0 = sum C (sum M (sum (times (3 / 4) (first (y x) Q))
+                                (times (3 / 2) (first (y x) (first (y x) G))))).
     Proof.
       destruct k3_at_0 as (E0 & E1 & E2 & _).
       split; [|split; [|split]]; unfold k4_of; expand; rewrite ?E0, ?E1, ?E2, ?times_times.
@@ -246,25 +253,31 @@ Section Problem.
   Proof.
     intros I. destruct slopes_jets as ([D2 N2] & [D3 N3] & [D4 N4]). destruct slope_jet as [D1 N1].
     destruct exact_jet as [DX NX].
-    destruct (average_tame _ _ _ _ (N1 3%nat ltac:(lia)) (N2 3%nat ltac:(lia)) (N3 3%nat ltac:(lia)) (N4 3%nat ltac:(lia)) 2%nat i I)
+    destruct (average_tame _ _ _ _ (N1 3%nat ltac:(lia)) (N2 3%nat ltac:(lia)) (N3 3%nat ltac:(lia))
+                (N4 3%nat ltac:(lia)) 2%nat i I)
       as [_ (last & D_last & N_last)].
     assert (DA : forall n, (n < 3)%nat -> vector_derives (slope_average n) (slope_average (S n)))
       by (intros n low; apply average_derives; auto).
     set (K n x h := match n with 4%nat => last x h | _ => slope_average n x h i end).
     set (X n x h := match n with
-      | 4%nat => third (exact_of 0 x h) (exact_of 1 x h) (exact_of 2 x h) (exact_of 3 x h) i | _ => exact_of n x h i end).
+      | 4%nat => third (exact_of 0 x h) (exact_of 1 x h) (exact_of 2 x h) (exact_of 3 x h) i
+      | _ => exact_of n x h i end).
     apply (error_vanishes 3 K X (fun x => y x i)).
     - intros n low. split.
-      + destruct n as [|[|[|[|n]]]]; try lia; [apply (DA 0%nat) | apply (DA 1%nat) | apply (DA 2%nat) | exact D_last]; trivial; lia.
-      + destruct n as [|[|[|[|n]]]]; try lia; [apply (DX 0%nat) | apply (DX 1%nat) | apply (DX 2%nat) |]; trivial; try lia.
+      + destruct n as [|[|[|[|n]]]]; try lia; [apply (DA 0%nat) | apply (DA 1%nat) | apply (DA 2%nat) | exact D_last];
+          trivial; lia.
+      + destruct n as [|[|[|[|n]]]]; try lia; [apply (DX 0%nat) | apply (DX 1%nat) | apply (DX 2%nat) |]; trivial;
+          try lia.
         apply (second_derives (exact_of 0) (exact_of 1) (exact_of 2) (exact_of 3)); trivial; apply DX; lia.
-    - apply (average_tame _ _ _ _ (N1 3%nat ltac:(lia)) (N2 3%nat ltac:(lia)) (N3 3%nat ltac:(lia)) (N4 3%nat ltac:(lia)) 1%nat i I).
+    - apply (average_tame _ _ _ _ (N1 3%nat ltac:(lia)) (N2 3%nat ltac:(lia)) (N3 3%nat ltac:(lia))
+               (N4 3%nat ltac:(lia)) 1%nat i I).
     - exact N_last.
     - apply third_tame; trivial; apply NX; lia.
     - intros x _. unfold X, exact_of. now rewrite Rplus_0_r.
     - intros n x _ low. destruct (k2_at_0 x) as (A0 & A1 & A2 & A3). destruct (k3_at_0 x) as (B0 & B1 & B2 & B3).
       destruct (k4_at_0 x) as (C0 & C1 & C2 & C3). set (F := D [] (y x)) in *.
-      destruct n as [|[|[|[|n]]]]; try lia; unfold K, X, slope_average, average, slope_of, exact_of, exact; rewrite Rplus_0_r.
+      destruct n as [|[|[|[|n]]]]; try lia; unfold K, X, slope_average, average, slope_of, exact_of, exact;
+        rewrite Rplus_0_r.
       + rewrite A0, B0, C0. fold F. cbn [INR]. field.
       + rewrite A1, B1, C1. fold F. unfold times. cbn [INR]. field.
       + rewrite A2, B2, C2, second_value. fold F. unfold times, sum. cbn [INR]. field.
@@ -301,7 +314,8 @@ Section Problem.
     { intros n j J. unfold kicked'. destruct (velocity j).
       - assert (M := N1 1%nat ltac:(lia) n j J). unfold stage_of, slope_of in M. cbn [INR] in M. exact M.
       - apply (tame_number n 0). }
-    apply (error_vanishes 0 (fun n x h => match n with O => D [] (kicked x h) i | _ => first (kicked x h) (kicked' x h) i end)
+    apply (error_vanishes 0 (fun n x h => match n
+      with O => D [] (kicked x h) i | _ => first (kicked x h) (kicked' x h) i end)
       (fun n x h => exact_of n x h i) (fun x => y x i)).
     - intros [|n] low; [|lia]. split; [now apply field_derives | apply DX; trivial; lia].
     - now apply field_tame.
