@@ -162,6 +162,16 @@ def test_step_over_a_branch_is_refused():
         enclosed(f, [1.0], [Fraction(0), Fraction(2)], 64)
 
 
+@pytest.mark.parametrize(
+    ("limit", "said"),
+    [("MOST_STEPS", "3 implicit steps lead to t = .* only"), ("MOST_TRIES", "no implicit step from t = .* is found")],
+)
+def test_too_many_steps_or_tries_are_refused(monkeypatch, limit, said):
+    monkeypatch.setattr(stiff, limit, 3)
+    with pytest.raises(Refused, match=said):
+        enclosed(lambda t, y: -1000 * (y - np.cos(t)), [1.0], [Fraction(0), Fraction(2000)], 64)
+
+
 def test_stiff_pole_is_refused(monkeypatch):
     monkeypatch.setattr(stiff, "SHORTEST_STIFF_PART", Fraction(1, 2**8))
     with pytest.raises(Refused, match=r"a pole, .* is ahead near t = 0\.9"):
