@@ -1,4 +1,4 @@
-"""Exact facts and float runs of one-step integrators, from Python and from the command line.
+"""Verification of numerical integration: any method, any code, any run, any text; from Python and the command line.
 
 Everything heavy is imported when it is first asked for, so `import driftproof` costs next to nothing.
 """
@@ -34,8 +34,8 @@ if TYPE_CHECKING:
     from driftproof.reports.fact_sheet import facts as facts
     from driftproof.reports.oscillator import run as run
     from driftproof.reports.oscillator import step as step
+    from driftproof.reports.pages import report as report
     from driftproof.reports.rounding import roundoff as roundoff
-    from driftproof.reports.scenes import report as report
     from driftproof.reports.scenes import scene as scene
     from driftproof.reports.stability import stability as stability
     from driftproof.reports.studies import work_precision as work_precision

@@ -1,26 +1,15 @@
-"""Scenes run in floats: one shown; or several, and problems, as a page."""
+"""A scene, run and shown: only what it names is computed, and only what that needs is imported."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
-from driftproof.methods.field_text import LONGEST_PROBLEM
-from driftproof.methods.tableau_file import GivenMethods, methods_of
-from driftproof.numeric.problems.catalogue import PROBLEMS
-from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.scenes import PRESETS, Scene, scene_named
-from driftproof.reports.page.document import Part, document, scene_title
-from driftproof.reports.page.problem import problem_part, stiff_part
-from driftproof.reports.page.trajectory import write_figures
 from driftproof.reports.progress import count_steps
 from driftproof.reports.scene_view import scene_json, scene_text, show_scene
-from driftproof.reports.stability import STABILITY_METHODS
-from driftproof.reports.user_problem import problem_given
-from driftproof.support.files import atomic_write, require_file, require_folder
-from driftproof.support.plain_text import as_json, table
-from driftproof.support.results import Answered, Printable
-from driftproof.support.toml_tables import read_toml
+from driftproof.support.files import require_folder
+from driftproof.support.plain_text import table
+from driftproof.support.results import Answered
 
 
 def scene(name: str | Path | Scene | None = None, *, digits: int = 15, figures: str | Path | None = None) -> Answered:
@@ -44,70 +33,8 @@ def scene(name: str | Path | Scene | None = None, *, digits: int = 15, figures: 
         require_folder(Path(figures))
     shown, wrote = show_scene(about, digits, count_steps), ""
     if figures is not None:
+        from driftproof.reports.page.trajectory import write_figures
+
         wrote = "\n".join(f"wrote {path}" for path in write_figures(about, Path(figures)))
     text = "\n\n".join(filter(None, [scene_text(about, shown), wrote]))
     return Answered(scene_json(about, shown), lambda _: text, shown)
-
-
-@dataclass(frozen=True, repr=False)
-class Page(Printable):
-    """A page of HTML about some scenes, and the file that it was written to, if there is one."""
-
-    html: str
-    scenes: tuple[str, ...]
-    output: Path | None = None
-
-    def written(self, form: str) -> str:
-        """The page as "html"; as "text" or "json" where it is."""
-        if form == "html":
-            return self.html
-        if form == "json":
-            return as_json({"scenes": self.scenes, "output": None if self.output is None else str(self.output)})
-        return f"wrote {self.output}" if self.output else f"a page of {', '.join(self.scenes)}; .html has it"
-
-    def _repr_html_(self) -> str:
-        """The page itself, in a frame of its own."""
-        from html import escape
-
-        return f'<iframe srcdoc="{escape(self.html)}" width="100%" height="800"></iframe>'
-
-
-def report(
-    *scenes: str | Path | Scene | Problem,
-    output: str | Path | None = None,
-    digits: int = 15,
-    methods: GivenMethods = (),
-) -> Page:
-    """Scenes and problems as one page of HTML, written to `output`; the presets where none is named.
-
-    A scene is a preset or a .toml file, a problem one of ours, or a .toml file of your own, shown with `methods`;
-    "stiff" is a table of all stiff problems. Raises ValueError for what cannot be shown.
-
-    >>> from driftproof import report
-    >>> print(report("default"))
-    a page of Default; .html has it
-    """
-    path = None if output is None else Path(output)
-    if path is not None:
-        require_file(path)
-    parts = [_part(each, methods or STABILITY_METHODS) for each in scenes or PRESETS]
-    titles = tuple(scene_title(part) if isinstance(part, Scene) else part.title for part in parts)
-    page = Page(document(parts, digits, count_steps), titles, path)
-    if path is not None:
-        with atomic_write(path) as draft:
-            Path(draft).write_text(page.html, encoding="utf-8", newline="\n")
-    return page
-
-
-def _part(given: str | Path | Scene | Problem, methods: GivenMethods) -> Scene | Part:
-    """Of a file, a scene says what it shows, and a problem when it ends."""
-    if isinstance(given, Problem):
-        return problem_part(given, methods_of(methods))
-    if isinstance(given, Scene):
-        return given
-    if (name := str(given)) == "stiff":
-        return stiff_part()
-    own = name.endswith(".toml") and read_toml(name, LONGEST_PROBLEM, lambda table: "end" in table)
-    if own or (name in PROBLEMS and name not in PRESETS):
-        return problem_part(problem_given(name), methods_of(methods))
-    return scene_named(name)

@@ -1,20 +1,6 @@
-"""A scene and a page from Python: numbers, figures where asked, a file or none."""
+"""A scene from Python: numbers, figures where asked."""
 
-import json
-
-from driftproof import PRESETS, report, scene
-
-
-def test_a_page_is_written_where_it_is_asked_for_and_shown_in_a_frame(tmp_path):
-    page = report("compare", PRESETS["compare"], digits=3)
-    assert str(page) == "a page of Compare, Compare; .html has it"
-    assert page.written("html") == page.html
-    assert page._repr_html_().startswith('<iframe srcdoc="&lt;!DOCTYPE html&gt;')
-    path = tmp_path / "page.html"
-    written = report("compare", "compare", output=path, digits=3)
-    assert str(written) == f"wrote {path}"
-    assert path.read_text(encoding="utf-8") == page.html
-    assert json.loads(written.json()) == {"scenes": ["Compare", "Compare"], "output": str(path)}
+from driftproof import scene
 
 
 def test_a_scene_has_its_numbers_as_numbers(tmp_path):

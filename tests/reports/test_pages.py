@@ -1,0 +1,17 @@
+"""A page from Python: a file or none."""
+
+import json
+
+from driftproof import PRESETS, report
+
+
+def test_a_page_is_written_where_it_is_asked_for_and_shown_in_a_frame(tmp_path):
+    page = report("compare", PRESETS["compare"], digits=3)
+    assert str(page) == "a page of Compare, Compare; .html has it"
+    assert page.written("html") == page.html
+    assert page._repr_html_().startswith('<iframe srcdoc="&lt;!DOCTYPE html&gt;')
+    path = tmp_path / "page.html"
+    written = report("compare", "compare", output=path, digits=3)
+    assert str(written) == f"wrote {path}"
+    assert path.read_text(encoding="utf-8") == page.html
+    assert json.loads(written.json()) == {"scenes": ["Compare", "Compare"], "output": str(path)}
