@@ -204,7 +204,7 @@ RK4 makes four calls, takes 40 steps of h = 0.25 and is off by 3.3×10⁻⁴ at 
 # The files that a command's --help shows.
 SHOWN_FILES = {"scene": "mine.toml", "facts": "tableau.toml", "render": "lesson.md.j2", "check": "claims.toml"}
 # Seconds each: all are parsed, and run with -m long; one of each is run by tests/commands.
-SLOW = {"identify", "verify", "work-precision"}
+SLOW = {"identify", "report", "verify", "work-precision"}
 
 
 def parser_of(command):
