@@ -9,7 +9,7 @@ PEERS := build/peers
 proofs: .venv
 	$(BIN)/python -m pytest proofs
 
-# What Coq accepts of the ledger: a minute, and Coq with its interval and Flocq libraries from Debian's packages.
+# What Coq accepts of the ledger: minutes, and Coq with libraries from Debian's packages, which it names if they are missing.
 kernel: .venv
 	$(BIN)/python -m proofs.kernel
 

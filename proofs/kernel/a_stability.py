@@ -1,4 +1,4 @@
-"""AStability.v: the A-stability of the implicit methods, stated of their tables or of the polynomial of their nodes."""
+"""AStability.v: which implicit methods are A-stable, stated of their tables or of the polynomial of their nodes."""
 
 from __future__ import annotations
 
@@ -19,16 +19,18 @@ Open Scope Z_scope."""
 
 def a_stability() -> str:
     """The text of AStability.v."""
-    theorems = (Theorem(f"a_stable_{key}", statement, "by_sign.").text() for key, statement in statements())
-    return file_text("A-stability of the implicit methods.", IMPORTS, theorems)
+    text = (theorem.text() for theorem in verdicts())
+    return file_text("Which of the implicit methods are A-stable.", IMPORTS, text)
 
 
-def statements() -> Iterator[tuple[str, str]]:
-    """Key and statement of every A-stable method; a table is the one whose order OrdersOfTables.v states."""
+def verdicts() -> Iterator[Theorem]:
+    """The verdict on every implicit method; a table is the one whose order OrdersOfTables.v states."""
     for key, method in METHODS.items():
-        if isinstance(method, RungeKutta | Collocation) and not method.explicit and Facts(method).a_stable:
+        if isinstance(method, RungeKutta | Collocation) and not method.explicit:
+            words, proof = ("a_stable", "by_sign.") if Facts(method).a_stable else ("not_a_stable", "by_growth.")
             collocation = isinstance(method, Collocation)
-            yield key, f"collocation_is_a_stable {_nodes(method)}" if collocation else f"a_stable {key}"
+            statement = f"collocation_is_{words} {_nodes(method)}" if collocation else f"{words} {key}"
+            yield Theorem(f"{words}_{key}", statement, proof)
 
 
 def _nodes(method: Collocation) -> str:

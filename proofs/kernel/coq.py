@@ -15,6 +15,7 @@ TECHNIQUES = {
     "by_run": VM,
     "by_order": VM,
     "by_bits": VM,
+    "by_growth": VM,
     "by_sign": SIGN,
     "by_gappa": INTERVAL,
     "by_interval": INTERVAL,

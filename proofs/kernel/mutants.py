@@ -69,6 +69,9 @@ PLANTED: tuple[tuple[str, str, str], ...] = (
     ("a_stable_alexander3", "a_stable alexander3", f"a_stable {ANOTHER_ROOT}"),
     ("a_stable_sdirk4", "a_stable sdirk4", "a_stable sdirk4_embedded"),
     ("a_stable_gauss4", "70]", "71]"),
+    # a method that is A-stable in place of one that is not
+    ("not_a_stable_radau_i2", "[0; -2; 3]", "[1; -4; 3]"),
+    ("not_a_stable_radau_i3", "[0; 3; -12; 10]", "[-1; 9; -18; 10]"),
     # a rounding bound that is one unit roundoff too small
     ("rounding_of_forward_euler_position", "fst 6", "fst 5"),
     ("rounding_of_forward_euler_velocity", "snd 6", "snd 5"),

@@ -1,5 +1,5 @@
-(** How A-stability is checked: Q y1 = P y0 with polynomials P and Q in z = x + iy over a number field, and the signs of
-    |Q|^2 - |P|^2, a polynomial in -x and y. *)
+(** How A-stability is checked, and that there is none: Q y1 = P y0 with polynomials P and Q in z = x + iy over a number
+    field, and the signs of |Q|^2 - |P|^2, a polynomial in -x and y. *)
 
 From Coq Require Import QArith Qreals Reals Lra Lia List Bool.
 From Bignums Require Import BigZ.
@@ -296,6 +296,43 @@ Section Check.
       apply Rmult_le_compat_r; [apply Cmod_ge_0 | exact smaller].
   Qed.
 
+  (** At z/D = i both |Q|^2 and |P|^2 - |Q|^2 are at least 1. *)
+  Definition at_i : list (list K) -> K := fold_right (fun c => plus K (hd (of_Z K 0) c)) (of_Z K 0).
+  Definition at_least_1 (p : list (list K)) : bool := nonneg (plus K (at_i p) (of_Z K (-1))).
+  Definition expansion_is_checked (Q : list K) (V u : list (list K)) : bool :=
+    are_stages Q V && are_multipliers Q u && at_least_1 (squared Q)
+    && at_least_1 (minus (squared (numerator Q u)) (squared Q)).
+
+  Lemma at_i_value p : value K (at_i p) = at2 p 0 1.
+  Proof.
+    induction p as [|[|x c] p IH]; cbn [at_i fold_right hd at2 at1]; rewrite ?value_plus, ?value_of_Z; [trivial| |];
+      fold (at_i p); rewrite IH; ring.
+  Qed.
+  Lemma at_least_1_at_i p : at_least_1 p = true -> 1 <= at2 p 0 1.
+  Proof. intros E. apply value_nonneg in E. rewrite value_plus, value_of_Z, at_i_value in E. lra. Qed.
+
+  Theorem expansive_of_check Q V u : expansion_is_checked Q V u = true ->
+    expansive (map (map (over K D)) A) (map (over K D) b) (map IZR e).
+  Proof.
+    intros E. do 3 apply andb_prop in E as [E ?]. apply at_least_1_at_i in H, H0.
+    assert (L : length e = length A).
+    { unfold are_stages in E; do 2 apply andb_prop in E as [E ?]; now apply Nat.eqb_eq. }
+    assert (D_not : IZR D <> 0) by (apply not_0_IZR; lia).
+    set (z := (0, IZR D) : C). set (i := (0, 1) : C).
+    assert (W : (z / RtoC (IZR D))%C = i).
+    { unfold z, i, Cdiv, Cinv, Cmult, RtoC. cbn [fst snd]. f_equal; field; exact D_not. }
+    rewrite at_minus, <- !at_squared, Ropp_0 in H. rewrite <- at_squared, Ropp_0 in H0. fold i in H, H0.
+    destruct (step_exists Q V z E (at_complex Q i)) as (Y & y1 & steps).
+    { rewrite W. intros Z. rewrite Z, Cmod_0 in H0. lra. }
+    exists z, (at_complex Q i), Y, y1. split; [cbn; lra | split; [exact steps|]].
+    apply (numerator_of_step Q u z H1) in steps; [|exact L]. rewrite W in steps. apply (f_equal Cmod) in steps.
+    rewrite !Cmod_mult in steps.
+    generalize (Cmod_ge_0 y1), (Cmod_ge_0 (at_complex Q i)), (Cmod_ge_0 (at_complex (numerator Q u) i)). intros.
+    assert (Cmod y1 = Cmod (at_complex (numerator Q u) i)) as ->
+      by (apply Rmult_eq_reg_l with (Cmod (at_complex Q i)); nra).
+    nra.
+  Qed.
+
   (** Where the certificate comes from; nothing is proved of it. adj(I - zA) = sum B_k z^k and det(I - zA) = sum q_k z^k
       with B_0 = I, q_k = - tr(A B_(k-1))/k, B_k = A B_(k-1) + q_k I (Faddeev, Le Verrier). *)
   Definition plain (A : list (list K)) (B : list (list K)) : list (list K) :=
@@ -323,10 +360,14 @@ Section Check.
         else (mult K (of_Z K 4) c, repeat [] (before - 1) ++ [[q]; []; [mult K (of_Z K 2) c]])
     | _ => (of_Z K 1, [])
     end.
+  Definition certificate : list K * list (list K) * list (list K) :=
+    let known := le_verrier (length A) in
+    (rev (map snd known),
+     transposed (map (fun B => map (hd (of_Z K 0)) (plain (fst B) (map (fun x => [x]) e_K))) (tl known)),
+     transposed (map (fun B => hd [] (plain [b] (fst B))) (tl known))).
+  Definition expansion_check : bool := let '(Q, V, u) := certificate in expansion_is_checked Q V u.
   Definition contraction_check : bool :=
-    let known := le_verrier (length A) in let Q := rev (map snd known) in
-    let V := transposed (map (fun B => map (hd (of_Z K 0)) (plain (fst B) (map (fun x => [x]) e_K))) (tl known)) in
-    let u := transposed (map (fun B => hd [] (plain [b] (fst B))) (tl known)) in
+    let '(Q, V, u) := certificate in
     let difference := minus (squared Q) (squared (numerator Q u)) in
     let (m, w) := square_of (map (hd (of_Z K 0)) difference) 0 in
     contraction_is_checked Q V u m w.
@@ -335,21 +376,43 @@ End Check.
 Definition field_nonneg (l h : Q) (x : list bigZ) : bool := zero x || Qle_bool 0 (fst (bounds l h x)).
 Definition field_divided (x : list bigZ) (k : Z) : list bigZ := map (fun c => BigZ.div c (BigZ.of_Z k)) x.
 
-Theorem contracts_of_check e t :
-  (crosses t && (0 <? denominator t)%Z = true) ->
-  (forall a root, contraction_check (field_integers (relation t) a root) (field_nonneg (low t) (high t)) field_divided
-     (matrix t) (weights t) e = true) -> contracts e t.
+Lemma field_value_nonneg t a : crosses t = true -> is_root t a ->
+  forall x, field_nonneg (low t) (high t) x = true -> 0 <= at_root a x.
 Proof.
-  intros easy hard. apply andb_prop in easy as [easy D_pos]. apply Z.ltb_lt in D_pos.
-  split; [now apply root_exists|]. intros a [inside root]. specialize (hard a root). unfold contraction_check in hard.
-  destruct (square_of _ _ _ _) as [m w] in hard.
-  refine (contractive_of_check (field_integers (relation t) a root) (field_nonneg (low t) (high t)) _ _ _ e _ D_pos
-            _ _ _ m w hard).
-  intros x E. apply orb_prop in E as [E|E]; [apply Req_le; symmetry; now apply at_zero|].
+  intros easy [inside _] x E. apply orb_prop in E as [E|E]; [apply Req_le; symmetry; now apply at_zero|].
   apply Qle_bool_iff, Qle_Rle in E. unfold crosses in easy. do 2 apply andb_prop in easy as [easy ?].
   apply Qle_bool_iff, Qle_Rle in easy. replace (Q2R 0) with 0 in * by (unfold Q2R; cbn; lra).
-  generalize (bounds_hold (low t) (high t) a (conj easy (proj1 inside)) (proj2 inside) x).
-  cbn [value field_integers]. lra.
+  generalize (bounds_hold (low t) (high t) a (conj easy (proj1 inside)) (proj2 inside) x). lra.
 Qed.
 
-Ltac by_sign := apply contracts_of_check; [|intros a root]; vm_compute; reflexivity.
+(** What is computed of a table, over its field. *)
+Definition is_checked
+  (check : forall K : ring, (K -> bool) -> (K -> Z -> K) -> list (list K) -> list K -> list Z -> bool)
+  (e : list Z) (t : table) : Prop :=
+  (crosses t && (0 <? denominator t)%Z = true)
+  /\ forall a root, check (field_integers (relation t) a root) (field_nonneg (low t) (high t)) field_divided
+                      (matrix t) (weights t) e = true.
+
+Theorem contractive_of_table e t : is_checked contraction_check e t -> of_table contractive e t.
+Proof.
+  intros [easy hard]. apply andb_prop in easy as [easy D_pos]. apply Z.ltb_lt in D_pos.
+  split; [now apply root_exists|]. intros a inside. specialize (hard a (proj2 inside)).
+  unfold contraction_check in hard.
+  destruct (certificate _ _ _ _ _) as [[Q V] u] in hard. destruct (square_of _ _ _ _) as [m w] in hard.
+  exact (contractive_of_check (field_integers (relation t) a (proj2 inside)) _ (field_value_nonneg t a easy inside)
+           _ _ e _ D_pos _ _ _ m w hard).
+Qed.
+
+Theorem expansive_of_table e t : is_checked (fun K nonneg => expansion_check K nonneg) e t -> of_table expansive e t.
+Proof.
+  intros [easy hard]. apply andb_prop in easy as [easy D_pos]. apply Z.ltb_lt in D_pos.
+  split; [now apply root_exists|]. intros a inside. specialize (hard a (proj2 inside)).
+  unfold expansion_check in hard.
+  destruct (certificate _ _ _ _ _) as [[Q V] u] in hard.
+  exact (expansive_of_check (field_integers (relation t) a (proj2 inside)) _ (field_value_nonneg t a easy inside)
+           _ _ e _ D_pos _ _ _ hard).
+Qed.
+
+Ltac by_check theorem := apply theorem; split; [|intros a root]; vm_compute; reflexivity.
+Ltac by_sign := by_check contractive_of_table.
+Ltac by_growth := by_check expansive_of_table.
