@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction as Q
+from math import lcm
 from typing import Any
 
 import sympy
@@ -13,18 +14,21 @@ from driftproof.methods.schemes import Collocation
 from driftproof.symbolic.derivation.one_step import entries, numerator_and_denominator
 from driftproof.symbolic.derivation.stages import derived_matrix
 from driftproof.symbolic.linear.oscillator import oscillator_matrix as flint_matrix
-from proofs.kernel.coq import Theorem, coq_list, file_text, rational
+from proofs.kernel.coq import Theorem, coq_list, file_text
 
 IMPORTS = """\
-From Coq Require Import QArith List.
+From Coq Require Import ZArith Uint63 List.
 Import ListNotations.
-Open Scope Q_scope.
+Open Scope Z_scope.
 
-(** A quotient of polynomials in h: numerator and denominator, constant term first; the denominator begins with 1. *)
-Definition fraction : Type := list Q * list Q."""
+(** A quotient of polynomials in h: numerator and denominator, constant term first; the denominator begins above 0, and
+    no integer but 1 divides all coefficients. *)
+Definition fraction : Type := list Z * list Z.
+(** A number by its digits to the base 2^60, the last one first: Coq reads the processor's integers fastest. *)
+Definition long (digits : list int) : Z := fold_right (fun digit number => to_Z digit + 2 ^ 60 * number) 0 digits."""
 
-# Numbers of up to so many characters stand where they belong.
-SHORT = 6
+# Numbers of up to so many characters stand where they belong; of others so many hexadecimal characters are a digit.
+SHORT, DIGIT = 12, 15
 
 Fraction = tuple[list[Q], list[Q]]
 
@@ -57,7 +61,7 @@ def engines() -> str:
     pairs = [list(both_matrices(key)) for key in rational_methods()]
     names: dict[str, str] = {}
     written = [[coq_list(_entry(pair[i], names) for pair in row) for row in pairs] for i in (0, 1)]
-    numbers = (f"Definition {name} : Q := {number}.\n" for number, name in names.items())
+    numbers = (f"Definition {name} : Z := {number}.\n" for number, name in names.items())
     tables = (
         f"Definition {engine} : list (list fraction) :=\n  {coq_list(rows)}.\n"
         for engine, rows in zip(("sympy", "flint"), written, strict=True)
@@ -68,14 +72,16 @@ def engines() -> str:
 
 
 def _entry(fraction: Fraction, names: dict[str, str]) -> str:
-    """Numerator and denominator divided by the constant term of the denominator, long numbers by their names."""
+    """Numerator and denominator in integers without a common factor, long ones by their names."""
     top, bottom = ([x / fraction[1][0] for x in polynomial] for polynomial in fraction)
-    return f"({coq_list(_number(x, names) for x in top)}, {coq_list(_number(x, names) for x in bottom)})"
+    common = lcm(*(x.denominator for x in (*top, *bottom)))
+    return "({}, {})".format(*(coq_list(_number(int(x * common), names) for x in part) for part in (top, bottom)))
 
 
-def _number(x: Q, names: dict[str, str]) -> str:
-    """A short number as it is; a long one once, in hexadecimal, which Coq reads faster."""
-    if len(short := rational(x)) <= SHORT:
-        return short
-    sign = "-" if x < 0 else ""
-    return names.setdefault(f"{sign}{abs(x.numerator):#x}#{x.denominator:#x}", f"number_{len(names) + 1}")
+def _number(x: int, names: dict[str, str]) -> str:
+    """A short number as it is; a long one once, digit by digit."""
+    if len(str(x)) <= SHORT:
+        return str(x)
+    written = f"{abs(x):x}"
+    digits = coq_list(f"0x{written[max(end - DIGIT, 0) : end]}" for end in range(len(written), 0, -DIGIT))
+    return names.setdefault(f"{'- ' if x < 0 else ''}long {digits}%uint63", f"number_{len(names) + 1}")

@@ -413,6 +413,5 @@ Proof.
            _ _ e _ D_pos _ _ _ hard).
 Qed.
 
-Ltac by_check theorem := apply theorem; split; [|intros a root]; vm_compute; reflexivity.
-Ltac by_sign := by_check contractive_of_table.
-Ltac by_growth := by_check expansive_of_table.
+Ltac by_sign := apply contractive_of_table; split; [|intros a root]; by_check.
+Ltac by_growth := apply expansive_of_table; split; [|intros a root]; by_check.

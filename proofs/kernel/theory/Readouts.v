@@ -79,7 +79,7 @@ Ltac box_runs :=
       let z := eval vm_compute in (computed_run m h n) in
       let a := eval vm_compute in (below (fst z)) in let b := eval vm_compute in (above (fst z)) in
       let c := eval vm_compute in (below (snd z)) in let d := eval vm_compute in (above (snd z)) in
-      pattern (to_R (run m h n start)); apply (of_run_in_box _ m h n a b c d); [by_vm|];
+      pattern (to_R (run m h n start)); apply (of_run_in_box _ m h n a b c d); [vm_cast_no_check (eq_refl true)|];
       let q := fresh "q" in let v := fresh "v" in intros q v; unfold Q2R at 1 2 3 4; cbn [Qnum Qden]; intros
   end.
 Ltac by_interval :=
