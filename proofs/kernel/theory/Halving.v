@@ -32,7 +32,8 @@ Lemma rk4_error n x t : INR n = x -> let h := 10 / x in 0 < 1 - h ^ 2 / 2 + h ^ 
           - 2 * exp (x / 2 * ln (damping h))
             * cos (x * atan ((h - h ^ 3 / 6) / (1 - h ^ 2 / 2 + h ^ 4 / 24)) - t) + 1).
 Proof.
-  intros <-. set (h := 10 / INR n). cbv zeta. intros right. rewrite rk4_polar, flow_polar by assumption. unfold distance, polar; cbn [fst snd].
+  intros <-. set (h := 10 / INR n). cbv zeta. intros right. rewrite rk4_polar, flow_polar by assumption.
+  unfold distance, polar; cbn [fst snd].
   assert (P : 0 < damping h).
   { replace (damping h) with ((1 - h ^ 2 / 2 + h ^ 4 / 24) ^ 2 + (h - h ^ 3 / 6) ^ 2) by (unfold damping; field). nra. }
   assert (E : sqrt (damping h) ^ n = exp (INR n / 2 * ln (damping h))).

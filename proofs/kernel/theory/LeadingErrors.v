@@ -186,11 +186,11 @@ Proof.
   assert (F4 : 0 < h ^ 4 / 120 <= 1) by lra.
   assert (P : 0 <= t * (S - b) <= 10 * (h ^ 5 / 120)) by (split; [apply Rmult_le_pos | apply Rmult_le_compat]; lra).
   assert (P' : 0 <= t * (a - C) <= 10 * (h ^ 6 / 720)) by (split; [apply Rmult_le_pos | apply Rmult_le_compat]; lra).
-  assert (S0 : 0 <= h * S <= h * h) by (split; nra).
+  assert (S0 : 0 <= h * S <= h * h) by (split; [apply Rmult_le_pos | apply Rmult_le_compat_l]; lra).
   assert (X : Rabs (a - C + h ^ 4 / 120 * (t * b - (t + h) * S)) <= 2 * h ^ 6).
   { replace (h ^ 4 / 120 * (t * b - (t + h) * S)) with (- (h ^ 4 / 120 * (t * (S - b) + h * S))) by ring.
     assert (0 <= h ^ 4 / 120 * (t * (S - b) + h * S) <= h ^ 4 / 120 * (h ^ 2 + h ^ 2))
-      by (split; [apply Rmult_le_pos | apply Rmult_le_compat_l]; nra).
+      by (split; [apply Rmult_le_pos | apply Rmult_le_compat_l]; lra).
     replace (h ^ 4 / 120 * (h ^ 2 + h ^ 2)) with (h ^ 6 / 60) in * by field. apply Rabs_le. lra. }
   assert (Y : Rabs (S - b + h ^ 4 / 120 * (t * a - (t + h) * C)) <= 2 * h ^ 6).
   { replace (S - b + h ^ 4 / 120 * (t * a - (t + h) * C))
