@@ -17,16 +17,14 @@ from driftproof.blackbox.matching.equivalent_methods import (
     adjoint_methods,
     all_matrices,
     equivalent_methods,
-    scaled_matrix,
     tallies_of,
 )
 from driftproof.blackbox.probes.linear_steps import LINEARITY_ROUNDINGS, LINEARITY_STEP
 from driftproof.methods.catalogue import METHODS
 from driftproof.symbolic.linear.reduced_tableau import is_symmetric
 from driftproof.symbolic.rounding.any_evaluation_order import any_evaluation_order_bound
-from driftproof.symbolic.rounding.formats import BINARY16, BINARY64
+from driftproof.symbolic.rounding.formats import BINARY64
 from tests.blackbox.matching.readings import EXPLICIT
-from tests.blackbox.transcripts import checksum
 from tests.looping import exactly, some
 
 MAPS = (*equivalent_methods(), *adjoint_methods(), ExactFlowMap())
@@ -120,21 +118,3 @@ def test_methods_with_one_matrix_are_one_class():
     found = [each.keys for each in equivalent_methods() if "rk38" in each.keys]
     assert [keys[0] for keys in found] == ["rk4"]
     assert sorted(key for each in equivalent_methods() for key in each.keys) == sorted(METHODS)
-
-
-RATES = [Rates(0.25, 1.0, 1.0), Rates(-0.75, 1.0, 1.25), Rates(1.5, 2.0, -0.5), Rates(0.125, -3.0, 100.0)]
-
-
-@pytest.mark.parametrize("rates", RATES, ids=str)
-def test_what_a_map_allows_is_what_it_was(rates, as_before):
-    allowed = [each.allowances(rates, fmt) for each in MAPS for fmt in (BINARY64, BINARY16)]
-    lines = [" ".join(f"{x:.4g}" for x in four) for four in allowed]
-    values = [f"{x:.9e}" for row in all_matrices(equivalent_methods(), rates).tolist() for x in row]
-    as_before(*lines[::14], checksum(" ".join(lines)), checksum(" ".join(values)))
-
-
-def test_the_tallies_and_the_matrices_of_other_rates_are_what_they_were(as_before):
-    short = [key for key in EXPLICIT if getattr(METHODS[key], "stages", 3) < 5]
-    tallies = [(key, [(t.count, *t.sizes.tolist()) for t in tallies_of(METHODS[key])]) for key in some(short, 10)]
-    scaled = [scaled_matrix(each.matrix, Q(2), Q(-1, 3)) for each in (*equivalent_methods(), *adjoint_methods())[::9]]
-    as_before(checksum(str(tallies)), *([str(x) for row in m for x in row] for m in scaled))

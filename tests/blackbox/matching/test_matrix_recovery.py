@@ -12,7 +12,6 @@ from driftproof.blackbox.probes.linear_steps import read_linear_steps
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.symbolic.algebra.polynomials import scalar
 from tests.blackbox.matching.linear_fits import fit, like_rk4
-from tests.blackbox.transcripts import Asked
 
 
 def test_the_right_weight_is_rk4():
@@ -62,15 +61,3 @@ def test_what_is_recovered_is_the_matrix_at_steps_that_were_not_read(step):
         assert entry.exact
         exact = Q(str(entry.function(scalar(Q(h)))))
         assert abs(exact - Q(x)) <= Q(1, 2**50)
-
-
-def no_polynomial(q, v, h):
-    return q + sin(h) * v, v
-
-
-@pytest.mark.parametrize("step", [rational, like_rk4(1 / 24 + 1e-10), odd_and_even, no_polynomial])
-def test_what_is_recovered_and_what_is_said_of_it_is_what_it_was(step, as_before):
-    asked = Asked(step)
-    found = recovered(read_linear_steps(opened(asked.code)))
-    parts = [(*map(str, entry.num), "over", *map(str, entry.den), entry.exact) for entry in found or ()]
-    as_before(*parts, *fit(step).lines, asked)

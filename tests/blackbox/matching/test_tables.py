@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction as Q
 
-import pytest
-
-from driftproof.blackbox.matching.candidates import field_methods, field_variants, force_methods, force_variants
+from driftproof.blackbox.matching.candidates import field_methods, force_methods
 from driftproof.blackbox.matching.tables import (
     bounded,
     induced_by_nystrom,
@@ -18,8 +16,7 @@ from driftproof.blackbox.matching.tables import (
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.methods.catalogue import METHODS
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced
-from driftproof.symbolic.rounding.formats import BINARY16, BINARY64
-from tests.blackbox.transcripts import checksum
+from driftproof.symbolic.rounding.formats import BINARY64
 from tests.looping import some
 
 
@@ -63,23 +60,3 @@ def test_the_quick_test_lets_a_method_pass_for_itself_and_for_hardly_any_other()
 def test_the_stages_that_count_are_counted_in_floats_as_they_are_exactly():
     for candidate in some((*field_methods(True), *force_methods()), 100):
         assert candidate.fingerprint.used == candidate.small.calls
-
-
-@pytest.mark.parametrize("methods", [field_methods(True), field_methods(False), force_methods()])
-def test_what_is_compared_of_tables_is_what_it_was(methods, as_before):
-    few = [one for one in some(methods, 40) if one.fingerprint.calls < 5]
-    said = [f"{p.calls} {p.used} {p.length:.12g} {p.scale:.12g}" for p in (one.fingerprint for one in methods)]
-    small = [f"{one.small.scales.tolist()} {one.small.length} {one.raw.calls}" for one in few]
-    sums = [f"{float(x):.12g}" for one in few for sums in one.fingerprint._sums(0.75) for x in sums]
-    half = [(one, Rounding(BINARY16, one.fingerprint.calls)) for one in methods]
-    passed = [[other.key for other in few if one.fingerprint.may_be(other.fingerprint, r)] for one, r in half]
-    as_before(*(checksum(" ".join(map(str, each))) for each in (said, small, sums)), *filter(None, passed[::7]))
-
-
-VARIED = [*field_variants(True, 4, Q(1, 2)), *field_variants(False, 6, Q(1))]
-VARIED += [*field_variants(True, 3, Q(2), implicit=True), *force_variants(3, Q(1, 2)), *force_variants(4, Q(1))]
-
-
-def test_the_variants_that_are_looked_for_are_what_they_were(as_before):
-    shown = [f"{each.key}, {each.relation}: {each.fingerprint.scale:.9g}" for each in some(VARIED, 40)]
-    as_before(*shown[::12], checksum(" ".join(shown)))
