@@ -15,7 +15,18 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from benchmarks import answers, enclosure, engine, exact_facts, import_time, long_runs, peers, peers_time, roundoff
+from benchmarks import (
+    answers,
+    commands,
+    enclosure,
+    engine,
+    exact_facts,
+    import_time,
+    long_runs,
+    peers,
+    peers_time,
+    roundoff,
+)
 from benchmarks.harness import LIMIT, ROUNDS, TURN, Section, goal_rows
 from docs.pages import markdown
 from driftproof.support.environment import machine_description, versions_of
@@ -25,9 +36,10 @@ ROOT = Path(__file__).parents[1]
 # In the order of the page; each is asked for so many rounds, and yields its tables as they are finished.
 BENCHMARKS: dict[str, Callable[[int], Iterator[Section]]] = {
     module.__name__.rpartition(".")[2]: module.sections
-    for module in (exact_facts, import_time, roundoff, engine, enclosure, peers_time, long_runs)
+    for module in (exact_facts, import_time, commands, roundoff, engine, enclosure, peers_time, long_runs)
 }
 HOW = f"""\
+Times are processor seconds of the process, all its threads together, so that a busy machine says little.
 `ours` starts with every cache emptied, before each call; `ours, warm` with what the calls before have left. In a round
 every contestant has one turn, in which a short task is repeated for {1000 * TURN:.0f} ms, so that a busy moment of the
 machine meets all of them; one that has spent {LIMIT:g} s gets no further turn, so that a slow one may have a single

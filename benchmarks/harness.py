@@ -9,7 +9,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from time import perf_counter
+from time import process_time
 from typing import Any
 
 from driftproof.numeric.work_precision.timing import Timing, collector_off
@@ -150,9 +150,9 @@ def _one_turn(contestant: Contestant, turn: float) -> tuple[list[float], str]:
     with quiet(), collector_off():
         while not taken or spent < turn:
             contestant.before()
-            start = perf_counter()
+            start = process_time()
             result = contestant.task()
-            taken.append(perf_counter() - start)
+            taken.append(process_time() - start)
             spent += taken[-1]
         return taken, contestant.read(result)
 

@@ -1,4 +1,4 @@
-"""Import time of the float side and start of the command line, beside numpy's.
+"""Import time of the float side, beside numpy's.
 
 Fresh interpreters, timed from inside, so that the start of Python itself is not counted; a round starts one for each
 subject in turn, so that a busy moment of the machine meets all of them.
@@ -16,7 +16,7 @@ from driftproof.numeric.work_precision.timing import Timing
 
 ROOT = Path(__file__).parents[1]
 # The most that `import driftproof.numeric.run` may take, in imports of numpy.
-MOST = 1.5
+MOST = 1.25
 FLOATS, BASE = "import driftproof.numeric.run", "import numpy"
 # What a new interpreter does.
 SUBJECTS = {
@@ -32,7 +32,7 @@ SUBJECTS = {
     "driftproof --help": "import contextlib, io\nwith contextlib.redirect_stdout(io.StringIO()):\n    "
     "from driftproof.cli import main\n    with contextlib.suppress(SystemExit): main(['--help'])",
 }
-TIMED = "import time\nstart = time.perf_counter()\n{code}\nprint(time.perf_counter() - start)"
+TIMED = "import time\nstart = time.process_time()\n{code}\nprint(time.process_time() - start)"
 LOADED = "import sys\nimport driftproof\nprint('sympy' in sys.modules)"
 
 
