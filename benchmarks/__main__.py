@@ -39,7 +39,7 @@ BENCHMARKS: dict[str, Callable[[int], Iterator[Section]]] = {
     for module in (exact_facts, import_time, commands, roundoff, engine, enclosure, peers_time, long_runs)
 }
 HOW = f"""\
-Times are processor seconds of the process, all its threads together, so that a busy machine says little.
+Imports, commands and enclosures are in processor seconds, everything else in seconds of the clock.
 `ours` starts with every cache emptied, before each call; `ours, warm` with what the calls before have left. In a round
 every contestant has one turn, in which a short task is repeated for {1000 * TURN:.0f} ms, so that a busy moment of the
 machine meets all of them; one that has spent {LIMIT:g} s gets no further turn, so that a slow one may have a single

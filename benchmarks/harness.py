@@ -9,7 +9,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from time import process_time
+from time import perf_counter
 from typing import Any
 
 from driftproof.numeric.work_precision.timing import Timing, collector_off
@@ -150,9 +150,9 @@ def _one_turn(contestant: Contestant, turn: float) -> tuple[list[float], str]:
     with quiet(), collector_off():
         while not taken or spent < turn:
             contestant.before()
-            start = process_time()
+            start = perf_counter()
             result = contestant.task()
-            taken.append(process_time() - start)
+            taken.append(perf_counter() - start)
             spent += taken[-1]
         return taken, contestant.read(result)
 

@@ -37,7 +37,7 @@ def timing(*seconds: float) -> Timing:
 def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     """A clock of one reading, in seconds, that tasks put forward; the harness reads it instead of the machine's."""
     readings = [0.0]
-    monkeypatch.setattr(harness, "process_time", lambda: readings[0])
+    monkeypatch.setattr(harness, "perf_counter", lambda: readings[0])
     return readings
 
 
