@@ -16,7 +16,6 @@ from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta,
 from driftproof.symbolic.additive import ADDITIVE_FACTS, AdditiveFacts
 from driftproof.symbolic.linear.facts import LinearFacts, fact_names, facts_by_name
 from driftproof.symbolic.linear.multistep import MULTISTEP_FACTS, MULTISTEP_ON_REQUEST, MultistepFacts
-from driftproof.symbolic.linear.printed_digits import StabilityWithinDigits, stability_within_digits
 from driftproof.symbolic.linear.reduced_tableau import reduced, stages_of
 from driftproof.symbolic.pairs import EstimateFacts, ExtensionFacts, estimate_facts, extension_facts
 from driftproof.symbolic.rosenbrock import ROSENBROCK_FACTS, RosenbrockFacts
@@ -113,11 +112,10 @@ class Facts(LinearFacts):
             return None
         return order_but_for_rounding(method, TOLERANCE_ORDER)
 
-    @cached_property
-    def stability_within_digits(self) -> StabilityWithinDigits | None:
-        """I-, A- and L-stability as far as rounded coefficients tell, and the R(oo) that their digits allow."""
-        rounded = self.method.decimal or self.order_but_for_rounding is not None
-        return stability_within_digits(self.method) if rounded and isinstance(self.method, RungeKutta) else None
+    @property
+    def _rounded(self) -> bool:
+        """As the source says, or as the residuals of the order conditions show."""
+        return super()._rounded or self.order_but_for_rounding is not None
 
     @cached_property
     def order_second_order_problems(self) -> int | None:

@@ -219,7 +219,12 @@ class LinearFacts:
     def stability_within_digits(self) -> StabilityWithinDigits | None:
         """I-, A- and L-stability as far as rounded coefficients tell, and the R(oo) that their digits allow."""
         method = self.method
-        return stability_within_digits(method) if isinstance(method, RungeKutta) and method.decimal else None
+        return stability_within_digits(method) if isinstance(method, RungeKutta) and self._rounded else None
+
+    @property
+    def _rounded(self) -> bool:
+        """Whether the coefficients stand for others, which they round."""
+        return self.method.decimal
 
     @cached_property
     def sector(self) -> Sector | None:
