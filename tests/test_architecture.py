@@ -65,12 +65,12 @@ BUDGETS = {
     "support": 1097,
     "methods": 5298,
     "symbolic": 10681,
-    "numeric": 3010,
+    "numeric": 3113,
     "blackbox": 14190,
     "enclosure": 3108,
     "texts": 6697,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5490
+BUDGET_OF_REPORTS_AND_FRONT = 5538
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 

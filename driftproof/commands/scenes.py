@@ -36,6 +36,8 @@ def scene_command(options: Namespace) -> str:
       certified = ["phase_error"]       to any number of --digits, by the exact side
       methods = ["rk4", "velocity_verlet"]
       panels = ["table"]                table, position, phase_plane; for a report also work_precision, stability
+      problem = "kepler"                instead of start and certified: a problem that `driftproof stability` lists, or
+                                        a .toml file of your own (`driftproof stability --help` shows one)
     """
     return cli.answer_of("scene", options)
 

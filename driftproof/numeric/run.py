@@ -27,13 +27,17 @@ MOST_FLOAT_STEPS = 10**8
 COARSEST_TIME = Fraction(1, 2**30)
 
 
-class NonFiniteState(ArithmeticError):
+class RunEnded(ArithmeticError):
+    """A float run that did not come to its end, or of which a readout is no float; in one line."""
+
+
+class NonFiniteState(RunEnded):
     """The float range ended at step `step`. That is overflow of the number format; it says nothing of stability.
 
     Step 0 is the start, which was not finite before anything was computed.
     """
 
-    def __init__(self, step: int, state: FloatState) -> None:
+    def __init__(self, step: int, state: tuple[FloatOrArray, ...]) -> None:
         """Say at which step the first non-finite state appeared."""
         overflow = f"overflow: the state is no longer finite after step {step}"
         super().__init__(overflow if step else "the start itself is not finite")
@@ -41,7 +45,7 @@ class NonFiniteState(ArithmeticError):
         self.state = state
 
 
-class NonFiniteReadout(ArithmeticError):
+class NonFiniteReadout(RunEnded):
     """The state is finite, but a readout of it overflows the number format, or underflows to 0 that is not 0."""
 
 

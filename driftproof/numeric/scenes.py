@@ -7,6 +7,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from difflib import get_close_matches
 from fractions import Fraction
@@ -14,6 +15,7 @@ from pathlib import Path
 
 from driftproof.methods.rationals import parse_rational, step_count
 from driftproof.methods.tableau_file import method_of
+from driftproof.numeric.problems.problem import Problem
 from driftproof.support.toml_tables import TomlTable, as_list, as_text, as_texts, demand_keys, quoted, read_toml
 
 TRAJECTORY = "trajectory"
@@ -39,6 +41,7 @@ PANELS = (TABLE, *FIGURES, WORK_PRECISION, STABILITY)
 # The largest step that the lesson's slider offers. Scenes of a user's own may exceed it.
 LARGEST_LESSON_H = Fraction(5, 2)
 LONGEST_FILE = 65_536
+_LESSON_START = (Fraction(1), Fraction(0))
 
 
 class SceneError(ValueError):
@@ -47,11 +50,12 @@ class SceneError(ValueError):
 
 @dataclass(frozen=True)
 class Scene:
-    """N = t/h steps of each method on q' = v, v' = -q from `start`, and what to show of it.
+    """N = t/h steps of each method on q' = v, v' = -q from `start`, or on a problem from its own, and what to show.
 
     `selected` is the method whose readouts and figures are shown; `methods` are those compared in the table panel.
     Everything is exact: h, t and start are Fractions. `readouts` are computed in floats, `certified` ones to any
-    number of digits by the exact side; `panels` are drawn. What is not named is not computed. Raises SceneError.
+    number of digits by the exact side; `panels` are drawn. What is not named is not computed. With a `problem`, t is
+    one of its reference's times, and certified readouts, phases and drawn panels there are none. Raises SceneError.
 
     >>> from fractions import Fraction
     >>> from driftproof import Scene
@@ -63,11 +67,12 @@ class Scene:
     selected: str
     h: Fraction
     t: Fraction
-    start: tuple[Fraction, Fraction] = (Fraction(1), Fraction(0))
+    start: tuple[Fraction, Fraction] = _LESSON_START
     methods: tuple[str, ...] = ()
     readouts: tuple[str, ...] = ()
     certified: tuple[str, ...] = ()
     panels: tuple[str, ...] = ()
+    problem: Problem | None = None
 
     def __post_init__(self) -> None:
         """Refuse unknown names, an empty request and an h that does not divide t."""
@@ -80,12 +85,29 @@ class Scene:
         _check_names(self.name, "panel", self.panels, PANELS)
         if TABLE in self.panels and not self.methods:
             raise SceneError(f"scene {self.name!r} has a table but names no methods to compare")
+        if self.problem is not None:
+            self._check_problem(self.problem)
         try:
             for key in (self.selected, *self.methods):
                 method_of(key)
             step_count(self.t, self.h)
         except ValueError as error:
             raise SceneError(f"scene {self.name!r}: {error}") from None
+
+    def _check_problem(self, problem: Problem) -> None:
+        """Refuse what only the oscillator has, and a time at which the problem's solution is not at hand."""
+        if self.start != _LESSON_START:
+            raise SceneError(f"scene {self.name!r}: the start is the problem's; leave start away")
+        if self.certified:
+            raise SceneError(f"scene {self.name!r}: certified readouts are of the oscillator; use `driftproof certify`")
+        energies = () if problem.energy else ("energy", "energy_change")
+        for names, left_out in ((self.readouts, ("phase_error", *energies)), (self.panels, set(PANELS) - {TABLE})):
+            for name in names:
+                if name in left_out:
+                    raise SceneError(f"scene {self.name!r}: there is no {name} of the problem {problem.key}")
+        if self.t not in (times := problem.reference.times):
+            known = ", ".join(map(str, times))
+            raise SceneError(f"scene {self.name!r}: the solution of {problem.key} is at hand at t = {known}")
 
     @property
     def steps(self) -> int:
@@ -128,21 +150,32 @@ PRESETS: dict[str, Scene] = {
 }
 
 
-def scene_named(given: str | Path | Scene) -> Scene:
-    """The preset of this name, or the scene in the TOML file if it ends in .toml. Raises SceneError."""
+def _problem_of_ours(key: str) -> Problem:
+    from driftproof.numeric.problems.catalogue import problem_named
+
+    return problem_named(key)
+
+
+def scene_named(given: str | Path | Scene, problem_of: Callable[[str], Problem] = _problem_of_ours) -> Scene:
+    """The preset of this name, or the scene in the TOML file if it ends in .toml. Raises SceneError.
+
+    `problem_of` makes a problem of what a file names as its problem: by default, its key.
+    """
     if isinstance(given, Scene):
         return given
     name = str(given)
     if name.endswith(".toml"):
-        return read_scene(Path(name))
+        return read_scene(Path(name), problem_of)
     if name in PRESETS:
         return PRESETS[name]
     close = get_close_matches(name, PRESETS, n=1, cutoff=0.4) or sorted(PRESETS)
     raise SceneError(f"unknown scene {name!r}; did you mean {' or '.join(close)}? (or a file that ends in .toml)")
 
 
-def read_scene(path: Path) -> Scene:
+def read_scene(path: Path, problem_of: Callable[[str], Problem] = _problem_of_ours) -> Scene:
     """The scene described by a TOML file, decimals read exactly. Raises SceneError with one line that says where.
+
+    `problem_of`: as of `scene_named`.
 
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
@@ -153,12 +186,13 @@ def read_scene(path: Path) -> Scene:
     ...     read_scene(path).h
     Fraction(1, 10)
     """
-    return read_toml(path, LONGEST_FILE, lambda table: _scene(table, path.stem), SceneError)
+    return read_toml(path, LONGEST_FILE, lambda table: _scene(table, path.stem, problem_of), SceneError)
 
 
-def _scene(table: TomlTable, name: str) -> Scene:
+def _scene(table: TomlTable, name: str, problem_of: Callable[[str], Problem]) -> Scene:
     demand_keys(table, tuple(field.name for field in fields(Scene)), "a scene")
-    for key in ("selected", "h", "t"):
+    problem = problem_of(as_text(table["problem"], "problem")) if "problem" in table else None
+    for key in ("selected", "h", *(() if problem else ("t",))):
         if key not in table:
             raise SceneError(f"{key!r} is missing")
     start = as_list(table.get("start", [1, 0]), "start", 2)
@@ -166,9 +200,10 @@ def _scene(table: TomlTable, name: str) -> Scene:
         name=as_text(table.get("name", name), "name"),
         selected=as_text(table["selected"], "selected"),
         h=_rational(table["h"], "h"),
-        t=_rational(table["t"], "t"),
+        t=problem.t if problem and "t" not in table else _rational(table["t"], "t"),
         start=(_rational(start[0], "start[0]"), _rational(start[1], "start[1]")),
         **{key: as_texts(table.get(key, []), key) for key in ("methods", "readouts", "certified", "panels")},
+        problem=problem,
     )
 
 

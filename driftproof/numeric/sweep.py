@@ -28,7 +28,9 @@ from typing import Any, NamedTuple, TypeAlias
 
 from driftproof import __version__
 from driftproof.methods.tableau_file import method_of
-from driftproof.numeric.run import Readouts, run_method
+from driftproof.numeric.problem_run import run_scene
+from driftproof.numeric.problems.problem import Problem
+from driftproof.numeric.run import Readouts
 from driftproof.numeric.scenes import TRAJECTORY, Scene
 from driftproof.support.files import atomic_write, naming, require_file, sole_writer
 
@@ -71,6 +73,9 @@ def run_grid(
     without readouts, and a file that is not of this sweep; OSError where a process ends.
 
     >>> from fractions import Fraction
+    >>> from driftproof import PRESETS, run_grid
+    >>> [answer.found["steps"] for answer in run_grid(PRESETS["default"], {"h": [Fraction(1, 4), Fraction(1, 8)]})]
+    [40, 80]
     """
     points, found = points_of(scene, grid), dict[int, Found]()
     for batch in sweep_batches(scene, grid, executor, checkpoint):
@@ -86,6 +91,8 @@ def points_of(scene: Scene, grid: Grid) -> list[Values]:
     for name, values in grid.items():
         if name not in AXES:
             raise ValueError(f"the grid has no axis {name!r}; choose from {', '.join(AXES)}")
+        if name == "start" and scene.problem is not None:
+            raise ValueError(f"scene {scene.name!r}: the start is the problem's")
         if isinstance(values, str) or not values:
             raise ValueError(f"the axis {name!r} is {values!r}; write a list of at least one value")
         for value in values:
@@ -189,7 +196,7 @@ def run_points(scene: Scene, points: Sequence[Values]) -> tuple[list[Found], flo
 def _run_point(scene: Scene, values: Values) -> Found:
     try:
         at = replace(scene, **values, methods=(), certified=(), panels=())
-        return run_method(at, at.selected)
+        return run_scene(at, at.selected)
     except (ValueError, ArithmeticError) as stopped:
         return str(stopped)
 
@@ -218,6 +225,7 @@ class Checkpoint:
                 "sweep": scene.name,
                 "driftproof": __version__,
                 **{name: strings(getattr(scene, name)) for name in ("selected", "h", "t", "start", "readouts")},
+                **({} if scene.problem is None else {"problem": strings(_equations(scene.problem))}),
                 "grid": [[name, strings(values)] for name, values in grid.items()],
             }
         )
@@ -274,6 +282,10 @@ class Checkpoint:
         if not right:
             raise ValueError(f"{self.path}, line {number}: not an answer of this sweep, or one for the second time")
         self.found[i] = found
+
+
+def _equations(problem: Problem) -> list[Any]:
+    return [problem.key, problem.field.rates, [(name, str(x)) for name, x in problem.field.parameters], problem.start]
 
 
 def _line(entry: dict[str, Any]) -> bytes:

@@ -9,10 +9,11 @@ from driftproof.methods.field_text import LONGEST_PROBLEM
 from driftproof.methods.tableau_file import GivenMethods, methods_of
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.scenes import PRESETS, Scene, scene_named
+from driftproof.numeric.scenes import PRESETS, Scene
 from driftproof.reports.page.document import Part, document, scene_title
 from driftproof.reports.page.problem import problem_part, stiff_part
 from driftproof.reports.progress import count_steps
+from driftproof.reports.scenes import scene_given
 from driftproof.reports.stability import STABILITY_METHODS
 from driftproof.reports.user_problem import problem_given
 from driftproof.support.files import atomic_write, require_file
@@ -82,4 +83,6 @@ def _part(given: str | Path | Scene | Problem, methods: GivenMethods) -> Scene |
     own = name.endswith(".toml") and read_toml(name, LONGEST_PROBLEM, lambda table: "end" in table)
     if own or (name in PROBLEMS and name not in PRESETS):
         return problem_part(problem_given(name), methods_of(methods))
-    return scene_named(name)
+    if (found := scene_given(name)).problem is not None:
+        raise ValueError(f"scene {found.name!r}: the page shows a problem by its own name, {found.problem.key}")
+    return found

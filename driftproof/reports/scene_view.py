@@ -3,22 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from typing import Any
 
+from driftproof.methods.schemes import MethodError
 from driftproof.methods.tableau_file import method_of
-from driftproof.numeric.run import Counter, NonFiniteReadout, NonFiniteState, Readouts, run_method
+from driftproof.numeric.problem_run import run_scene
+from driftproof.numeric.problems.problem import Problem
+from driftproof.numeric.run import Counter, Readouts, RunEnded
 from driftproof.numeric.scenes import TABLE, Scene
 from driftproof.numeric.sweep import strings
-from driftproof.support.plain_text import LARGEST_PLAIN, short, table
+from driftproof.support.plain_text import LARGEST_PLAIN, short, table, with_digits
 
-COMPARED_READOUTS = ("state_error", "energy_change", "evaluations")
+_COMPARED = {"state_error": "State error", "energy_change": "Energy change", "evaluations": "Calls"}
+COMPARED_READOUTS = tuple(_COMPARED)
+# Of the components of a problem's state.
+_DIGITS = 6
 UNDEFINED = "undefined at the origin"
 
 
 def show_scene(scene: Scene, digits: int, counter: Counter = range) -> dict[str, Any]:
     """{"readouts", "certified", "table"} of the scene, each present only if the scene asks for it.
 
-    A method whose run overflows has the message in place of its readouts; the others are still shown.
+    A method whose run overflows, or that a problem has no steps for, has the message in place of its readouts; the
+    others are still shown.
     """
     shown: dict[str, Any] = {}
     if scene.readouts:
@@ -26,7 +34,9 @@ def show_scene(scene: Scene, digits: int, counter: Counter = range) -> dict[str,
     if scene.certified:
         shown["certified"] = certified(scene, digits)
     if TABLE in scene.panels:
-        shown["table"] = runs_of(scene, COMPARED_READOUTS, scene.methods, counter)
+        left_out = ("energy_change",) if scene.problem and not scene.problem.energy else ()
+        names = [name for name in COMPARED_READOUTS if name not in left_out]
+        shown["table"] = runs_of(scene, names, scene.methods, counter)
     return shown
 
 
@@ -37,25 +47,27 @@ def runs_of(
     asked, found = asking_for(scene, readouts), dict[str, Readouts | str]()
     for key in keys:
         try:
-            found[key] = run_method(asked, key, counter)
-        except (NonFiniteState, NonFiniteReadout) as stopped:
+            found[key] = run_scene(asked, key, counter)
+        except (RunEnded, MethodError) as stopped:
             found[key] = str(stopped)
     return found
 
 
 def scene_json(scene: Scene, shown: dict[str, Any]) -> dict[str, Any]:
     """The shown scene with every number a string: repr for floats, so that they read back to the same bits."""
-    header = {name: getattr(scene, name) for name in ("selected", "h", "t", "start")}
+    header: dict[str, Any] = {name: getattr(scene, name) for name in ("selected", "h", "t")}
+    header |= {"start": scene.start} if scene.problem is None else {"problem": scene.problem.key}
     return dict(strings({"scene": scene.name, **header, **shown}))
 
 
 def scene_text(scene: Scene, shown: dict[str, Any]) -> str:
     """The readouts with the lesson's labels and digits, then the table of methods."""
-    title = f"{method_of(scene.selected).title}, h = {scene.h}, t = {scene.t}"
+    of = f" on {scene.problem.title}" if scene.problem else ""
+    title = f"{method_of(scene.selected).title}{of}, h = {scene.h}, t = {scene.t}"
     parts = [f"{scene.name}: {title}"]
     if "readouts" in shown:
         readouts = shown["readouts"]
-        parts.append(readouts if isinstance(readouts, str) else table(readout_rows(readouts)))
+        parts.append(readouts if isinstance(readouts, str) else table(readout_rows(readouts, scene.problem)))
     if "certified" in shown:
         parts.append("Certified\n\n" + table(certified_rows(shown["certified"])))
     if "table" in shown:
@@ -66,7 +78,7 @@ def scene_text(scene: Scene, shown: dict[str, Any]) -> str:
 
 def asking_for(scene: Scene, readouts: Iterable[str]) -> Scene:
     """The same run with other readouts, and no panels."""
-    return Scene(scene.name, scene.selected, scene.h, scene.t, scene.start, readouts=tuple(readouts))
+    return replace(scene, methods=(), readouts=tuple(readouts), certified=(), panels=())
 
 
 def certified(scene: Scene, digits: int) -> dict[str, Any]:
@@ -103,9 +115,25 @@ _SHOWN: dict[str, tuple[str, Callable[[Any], str]]] = {
 }
 
 
-def readout_rows(readouts: Readouts) -> list[list[str]]:
-    """Label and value of each readout."""
-    shown = ((*_SHOWN[name], value) for name, value in readouts.items())
+def _components(y: tuple[float, ...]) -> str:
+    return f"({', '.join(with_digits(x, _DIGITS) for x in y)})"
+
+
+# Those of a problem, whose components may be of any size.
+_SHOWN_OF_PROBLEM: dict[str, tuple[str, Callable[[Any], str]]] = {
+    "final_state": ("Numerical y", _components),
+    "exact_state": ("Exact y", _components),
+    "state_error": ("State error", short),
+    "energy": ("Final energy", short),
+    "energy_change": ("Energy change", short),
+    "evaluations": ("Evaluations of f", str),
+}
+
+
+def readout_rows(readouts: Readouts, problem: Problem | None = None) -> list[list[str]]:
+    """Label and value of each readout, of the oscillator or of a problem."""
+    known = _SHOWN | (_SHOWN_OF_PROBLEM if problem else {})
+    shown = ((*known[name], value) for name, value in readouts.items())
     return [[label, UNDEFINED if value is None else show(value)] for label, show, value in shown]
 
 
@@ -122,11 +150,13 @@ def certified_rows(certified: dict[str, Any]) -> list[list[str]]:
 
 def comparison_rows(rows: dict[str, Readouts | str]) -> list[list[str]]:
     """The header of the table of methods, and a row for each; a run that overflowed has its message in cell two."""
-    lines = [["Method", "State error", "Energy change", "Calls"]]
+    given = [readouts for readouts in rows.values() if not isinstance(readouts, str)]
+    names = [name for name in _COMPARED if not given or name in given[0]]
+    lines = [["Method", *(_COMPARED[name] for name in names)]]
     for key, readouts in rows.items():
         if isinstance(readouts, str):
-            lines.append([method_of(key).title, readouts, "", ""])
+            lines.append([method_of(key).title, readouts, *[""] * (len(names) - 1)])
         else:
-            error, change, calls = (readouts[name] for name in COMPARED_READOUTS)
-            lines.append([method_of(key).title, short(error), short(change), str(calls)])
+            cells = [x if isinstance(x := readouts[name], int) else short(x) for name in names]
+            lines.append([method_of(key).title, *map(str, cells)])
     return lines

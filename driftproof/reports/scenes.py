@@ -4,12 +4,24 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.scenes import PRESETS, Scene, scene_named
 from driftproof.reports.progress import count_steps
 from driftproof.reports.scene_view import scene_json, scene_text, show_scene
 from driftproof.support.files import require_folder
 from driftproof.support.plain_text import table
 from driftproof.support.results import Answered
+
+
+def scene_given(given: str | Path | Scene) -> Scene:
+    """A preset, or the scene in a .toml file, whose problem is ours or your own. Raises ValueError."""
+
+    def problem(name: str) -> Problem:
+        from driftproof.reports.user_problem import problem_given
+
+        return problem_given(name)
+
+    return scene_named(given, problem)
 
 
 def scene(name: str | Path | Scene | None = None, *, digits: int = 15, figures: str | Path | None = None) -> Answered:
@@ -28,7 +40,7 @@ def scene(name: str | Path | Scene | None = None, *, digits: int = 15, figures: 
         rows = [[x.name, x.selected, str(x.h), str(x.t), str(x.steps)] for x in PRESETS.values()]
         listed = [dict(zip(header, row, strict=True)) for row in rows]
         return Answered(listed, lambda _: table([header, *rows], right=(2, 3, 4)))
-    about = scene_named(name)
+    about = scene_given(name)
     if figures is not None:
         require_folder(Path(figures))
     shown, wrote = show_scene(about, digits, count_steps), ""

@@ -15,8 +15,8 @@ from driftproof.methods.tableau_file import GivenMethods, methods_of
 from driftproof.numeric.advance import Advance, advance, float_start, step_times
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
+from driftproof.numeric.reference_errors import distance_from_digits
 from driftproof.numeric.stability import Observed, euclidean_norm, fewest_steps, largest_bounded, observe, stays_bounded
-from driftproof.numeric.work_precision.exact import distance_from_digits
 from driftproof.reports.progress import with_progress
 from driftproof.reports.user_problem import problem_given
 from driftproof.support.plain_text import Json, table, with_digits

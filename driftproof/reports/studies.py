@@ -9,7 +9,7 @@ from pathlib import Path
 
 from driftproof.methods.tableau_file import GivenMethods, methods_of
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.work_precision.exact import floors
+from driftproof.numeric.reference_errors import floors
 from driftproof.reports.progress import progress_bar
 from driftproof.reports.user_problem import problem_given
 from driftproof.reports.work_precision.peers import peers_named

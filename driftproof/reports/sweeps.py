@@ -13,10 +13,11 @@ from typing import Any
 from driftproof.methods.rationals import ExactNumber, GivenState, exact_numbers, state_of, steps_of
 from driftproof.methods.tableau_file import GivenMethods, name_of
 from driftproof.numeric.run import Readouts
-from driftproof.numeric.scenes import Scene, scene_named
+from driftproof.numeric.scenes import Scene
 from driftproof.numeric.sweep import SweepAnswer, points_of, processes, run_grid, strings
 from driftproof.reports.progress import progress_bar
 from driftproof.reports.scene_view import scene_json
+from driftproof.reports.scenes import scene_given
 from driftproof.support.environment import require_package
 from driftproof.support.plain_text import table, with_digits
 from driftproof.support.results import Answered
@@ -53,7 +54,7 @@ def sweep(
     >>> [answer.found["final_state"] for answer in sweep("stability_boundary", h=[1, 2]).found]
     [(0.0, 1.0), (-11.0, -10.0)]
     """
-    about = scene_named(scene)
+    about = scene_given(scene)
     times, states = exact_numbers(t, "t"), [state_of(each) for each in state or ()]
     keys = methods.split(",") if isinstance(methods, str) else methods if isinstance(methods, Sequence) else [methods]
     axes: dict[str, Sequence[Any]] = {

@@ -129,7 +129,7 @@ def test_batches_are_as_long_as_the_clock_says(seconds, batches, monkeypatch):
         now[0] += seconds
         return {"steps": 1}
 
-    monkeypatch.setattr(sweeping, "run_method", run)
+    monkeypatch.setattr(sweeping, "run_scene", run)
     monkeypatch.setattr(sweeping, "perf_counter", lambda: now[0])
     monkeypatch.setattr(sweeping, "WAITING", 2)
     inline, came = Inline(), []
@@ -194,7 +194,7 @@ def test_a_worker_that_dies_is_told_of_in_one_line():
 
 
 def test_a_defect_of_the_program_is_no_answer(monkeypatch):
-    monkeypatch.setattr(sweeping, "run_method", None)
+    monkeypatch.setattr(sweeping, "run_scene", None)
     with pytest.raises(TypeError):
         run_grid(SCENE, GRID, Inline())
 

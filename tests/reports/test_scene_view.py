@@ -128,7 +128,7 @@ def test_certified_scene_is_answered_without_any_float_run(monkeypatch: pytest.M
     def forbidden(*_: Any) -> Any:
         raise AssertionError("a float run was made")
 
-    monkeypatch.setattr(scene_view, "run_method", forbidden)
+    monkeypatch.setattr(scene_view, "run_scene", forbidden)
     scene = Scene("s", "rk4", Q(1, 4), Q(10), certified=("state_error",))
     assert show_scene(scene, 5)["certified"]["state_error"]["decimal"] == "0.00032531"
     with pytest.raises(AssertionError, match="float run"):

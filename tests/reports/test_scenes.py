@@ -1,6 +1,9 @@
 """A scene from Python: numbers, figures where asked."""
 
-from driftproof import scene
+import pytest
+
+from driftproof import report, scene, sweep
+from tests.looping import some
 
 
 def test_a_scene_has_its_numbers_as_numbers(tmp_path):
@@ -8,3 +11,42 @@ def test_a_scene_has_its_numbers_as_numbers(tmp_path):
     assert shown.found["readouts"]["final_state"] == (-11.0, -10.0)
     assert shown["readouts"]["final_state"] == ["-11.0", "-10.0"]
     assert all(f"wrote {path}" in str(shown) for path in sorted(tmp_path.iterdir()))
+
+
+OWN = 'rates = ["y1", "-y0"]\nstart = ["1", "0"]\nend = "10"\nenergy = "(y0^2 + y1^2)/2"\n'
+ABOUT = 'selected = "rk4"\nh = "1/4"\nreadouts = ["state_error", "energy_change", "evaluations"]\n'
+
+
+def test_a_scene_and_a_sweep_of_ones_own_problem_are_those_of_the_oscillator_that_it_is(tmp_path):
+    (tmp_path / "own.toml").write_text(OWN)
+    path = tmp_path / "mine.toml"
+    path.write_text(f'problem = "{tmp_path}/own.toml"\n{ABOUT}methods = ["rk4", "gauss4"]\npanels = ["table"]')
+    shown, lesson = scene(path).found, sweep("default", methods="rk4", h=["1/4", "1/8"]).found
+    swept = sweep(path, h=["1/4", "1/8"], output=tmp_path / "kept.jsonl").found
+    for found, known in some(zip([x.found for x in swept], [x.found for x in lesson], strict=True)):
+        # The oscillator's readouts round some ten times, the problem's once.
+        assert found["state_error"] == pytest.approx(known["state_error"], rel=1e-9)
+        assert found["energy_change"] == pytest.approx(known["energy_change"], rel=1e-9)
+        assert found["evaluations"] == known["evaluations"]
+    assert shown["readouts"] == swept[0].found
+    assert all(word in str(scene(path)) for word in ("own.toml", "Gauss"))
+    (tmp_path / "own.toml").write_text(OWN.replace("-y0", "-2*y0"))
+    with pytest.raises(ValueError, match="is no file of this sweep"):
+        sweep(path, h=["1/4", "1/8"], output=tmp_path / "kept.jsonl")
+    with pytest.raises(ValueError, match="the start is the problem's"):
+        sweep(path, state=[(0, 1)])
+
+
+def test_a_page_shows_a_problem_by_its_own_name(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(f'problem = "kepler"\n{ABOUT}')
+    with pytest.raises(ValueError, match="the page shows a problem by its own name, kepler"):
+        report(path)
+
+
+def test_a_method_that_does_not_apply_says_so_in_its_row(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(
+        'problem = "robertson"\nselected = "rk4"\nh = 100000000000\nmethods = ["velocity_verlet"]\npanels = ["table"]'
+    )
+    assert "a second-order system is positions and as many velocities" in str(scene(path))

@@ -11,7 +11,7 @@ from driftproof.methods.schemes import Method, MethodError
 from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.advance import error_summary, field_rate
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.work_precision.exact import STATE, Size, doubt, errors, largest_state_size
+from driftproof.numeric.reference_errors import STATE, Size, doubt, errors, largest_state_size
 from driftproof.numeric.work_precision.integrators import Integrator, integrator
 
 # Numbers of steps double; implicit methods, in Python, get less far.
@@ -31,8 +31,8 @@ SLOPES = 3
 class Point:
     """One run of `steps` steps, or of an adaptive method at tolerance `setting`.
 
-    `errors` by the names of `exact.QUANTITIES`; empty where `remark` says why there are none: not finite, not solved,
-    or not run because it would take too long. `doubt` and `scale`: see there in `exact`.
+    `errors` by the names of `reference_errors.QUANTITIES`; empty where `remark` says why there are none: not finite,
+    not solved, or not run because it would take too long. `doubt` and `scale`: see there in `reference_errors`.
     """
 
     setting: str

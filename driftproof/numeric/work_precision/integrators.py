@@ -5,17 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache, partial
+from functools import partial
 from importlib.util import find_spec
 from itertools import pairwise
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
-from driftproof.methods.program_text import maker
 from driftproof.methods.schemes import Method
-from driftproof.methods.vector_fields import VectorField, field_source
-from driftproof.numeric.advance import State, advance, field_rate, float_start, step_times
+from driftproof.numeric.advance import (
+    Counted,
+    State,
+    advance,
+    counted_evaluations,
+    field_rate,
+    float_start,
+    step_times,
+)
 from driftproof.numeric.engine import (
     BLOCK,
     FieldRun,
@@ -23,7 +29,6 @@ from driftproof.numeric.engine import (
     compiled_field_runner,
     ensemble_runner,
     field_runner,
-    lifted,
 )
 from driftproof.numeric.problems.problem import Problem
 
@@ -154,43 +159,3 @@ def _implicit(method: Method, problem: Problem) -> Integrator:
         return partial(plain, start, step_times(problem.t, steps).h, 0, steps)
 
     return Integrator(run, {PYTHON: call}, dict.fromkeys((COMPILED, ENSEMBLE), "implicit: in Python only"))
-
-
-class Counted:
-    """A rate that counts its calls, whatever they are for: stages, and Jacobian matrices formed by differences."""
-
-    def __init__(self, rate: Callable[[float, Any], Any]) -> None:
-        """Start at zero calls."""
-        self.rate = rate
-        self.calls = 0
-
-    def __call__(self, t: float, y: Any) -> Any:
-        """rate(t, y), counted."""
-        self.calls += 1
-        return self.rate(t, y)
-
-
-def counted_evaluations(method: Method, problem: Problem, steps: int) -> int:
-    """How often a run of so many steps computes f, or the accelerations, counted on the very text that is run.
-
-    The text is a loop over straight lines, so that one step, in which a function stands where the last rate was and
-    counts, tells those of N.
-    """
-    return steps * _calls_of_a_step(method, len(problem.start), problem.second_order)
-
-
-@cache
-def _calls_of_a_step(method: Method, components: int, second_order: bool) -> int:
-    half = components // 2
-    rates = [f"y{half + i}" if second_order and i < half else "-y0" for i in range(components)]
-    source = field_source(method, VectorField((*rates[:-1], "sin(y0)")))
-    calls = 0
-
-    def counting(x: float) -> float:
-        nonlocal calls
-        calls += 1
-        return x
-
-    run = maker(source.run(), method.key, {"sin": counting})(*[lifted(c, np.float64) for _, c in source.coefficients])
-    run((0.0,) * components, 0.0, 0, 1)
-    return calls

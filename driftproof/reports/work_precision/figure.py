@@ -9,8 +9,8 @@ from typing import Any
 import matplotlib
 from matplotlib.figure import Figure
 
+from driftproof.numeric.reference_errors import ENERGY, PHASE, STATE, U, floors, half_unit, largest_state_size
 from driftproof.numeric.work_precision.curves import Curve
-from driftproof.numeric.work_precision.exact import ENERGY, PHASE, STATE, U, floors, half_unit, largest_state_size
 from driftproof.numeric.work_precision.integrators import COMPILED, ENSEMBLE, PYTHON
 from driftproof.reports.method_figures import save_picture
 from driftproof.reports.work_precision.study import EVALUATIONS, Measured, Study

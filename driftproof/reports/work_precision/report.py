@@ -10,9 +10,9 @@ from pathlib import Path
 from statistics import median
 from typing import Any, TypeAlias, TypeVar
 
+from driftproof.numeric.reference_errors import QUANTITIES, floors, half_unit
 from driftproof.numeric.sweep import strings
 from driftproof.numeric.work_precision.curves import Curve, Point
-from driftproof.numeric.work_precision.exact import QUANTITIES, floors, half_unit
 from driftproof.numeric.work_precision.integrators import ENSEMBLE, MEMBERS
 from driftproof.numeric.work_precision.timing import ROUNDS, Timing
 from driftproof.numeric.work_precision.verdicts import GOALS, Priced, cheapest, dominators

@@ -18,8 +18,8 @@ from driftproof import __version__
 from driftproof.methods.schemes import Method, MethodError
 from driftproof.numeric.advance import State
 from driftproof.numeric.problems.problem import Problem
+from driftproof.numeric.reference_errors import Size, distance_from_digits, doubt, errors, largest_state_size
 from driftproof.numeric.work_precision.curves import Curve, Point, curve_of, speed
-from driftproof.numeric.work_precision.exact import Size, distance_from_digits, doubt, errors, largest_state_size
 from driftproof.numeric.work_precision.integrators import ENSEMBLE, KINDS, MEMBERS, integrator
 from driftproof.numeric.work_precision.timing import ROUNDS, SEED, Timing, interleave, needs_more_samples, started
 from driftproof.reports.work_precision.peers import TOLERANCES, Peer, Solver

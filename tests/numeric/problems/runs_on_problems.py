@@ -9,8 +9,8 @@ from itertools import pairwise
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.advance import State, advance, float_start, step_times
 from driftproof.numeric.problems.catalogue import PROBLEMS
+from driftproof.numeric.reference_errors import decimal_energy, distance_from_digits, largest_state_size
 from driftproof.numeric.stability import observe
-from driftproof.numeric.work_precision.exact import decimal_energy, distance_from_digits, largest_state_size
 
 RIGHT, WRONG, ENDED = "right", "wrong", "ended"
 

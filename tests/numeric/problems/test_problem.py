@@ -13,7 +13,7 @@ from flint import arb, ctx
 
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import CERTIFIED, EXACT, TWICE, Problem
-from driftproof.numeric.work_precision.exact import decimal_energy
+from driftproof.numeric.reference_errors import decimal_energy
 from driftproof.symbolic.algebra.certified import endpoints
 from tests.looping import exactly, some
 from tests.witnesses.references.closed_forms import CLOSED_FORMS, ball

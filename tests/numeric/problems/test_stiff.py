@@ -13,8 +13,8 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.numeric.advance import advance, float_start
 from driftproof.numeric.problems.catalogue import PROBLEMS
+from driftproof.numeric.reference_errors import distance_from_digits
 from driftproof.numeric.stability import observe
-from driftproof.numeric.work_precision.exact import distance_from_digits
 from tests.numeric.problems.runs_on_problems import ENDED, RIGHT, WRONG, fate, states
 from tests.witnesses.stiff_error import stiff_error
 

@@ -14,6 +14,7 @@ from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.problems.problem import EXACT, Problem, Reference
+from driftproof.numeric.reference_errors import STATE, Size
 from driftproof.numeric.work_precision import curves as curves_module
 from driftproof.numeric.work_precision.curves import (
     FLOOR_POINTS,
@@ -25,7 +26,6 @@ from driftproof.numeric.work_precision.curves import (
     measure_curve,
     step_counts,
 )
-from driftproof.numeric.work_precision.exact import STATE, Size
 from driftproof.numeric.work_precision.integrators import CountedRun, Integrator, integrator
 
 T = Q(10)

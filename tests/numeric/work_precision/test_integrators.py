@@ -9,7 +9,7 @@ import pytest
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.vector_fields import VectorField
-from driftproof.numeric.advance import field_rate
+from driftproof.numeric.advance import Counted, counted_evaluations, field_rate
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.work_precision import integrators
@@ -20,8 +20,6 @@ from driftproof.numeric.work_precision.integrators import (
     COMPILED,
     KINDS,
     PYTHON,
-    Counted,
-    counted_evaluations,
     integrator,
 )
 

@@ -166,7 +166,7 @@ def test_nothing_is_run_for_a_scene_that_asks_for_no_run(monkeypatch: pytest.Mon
     def forbidden(*_: object) -> None:
         raise AssertionError("a float run was made")
 
-    monkeypatch.setattr(scene_view, "run_method", forbidden)
+    monkeypatch.setattr(scene_view, "run_scene", forbidden)
     assert "bounded" in document([Scene("s", "rk4", Q(1), Q(1), panels=("stability",))], 15)
     assert "0.877" in document([Scene("c", "rk4", Q(1, 2), Q(1, 2), certified=("final_state",))], 15)
     with pytest.raises(AssertionError, match="float run"):
@@ -190,7 +190,7 @@ def test_runs_are_made_once_and_yield_what_is_named_and_no_more(
         made.append((key, set(scene.readouts)))
         return run_method(scene, key, *rest)
 
-    monkeypatch.setattr(scene_view, "run_method", recorded)
+    monkeypatch.setattr(scene_view, "run_scene", recorded)
     document([Scene("s", "rk4", Q(1, 4), Q(1), **asked)], 15)
     assert made == list(expected.items())
 

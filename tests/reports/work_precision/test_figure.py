@@ -9,8 +9,8 @@ from xml.etree import ElementTree
 
 import pytest
 
+from driftproof.numeric.reference_errors import Size
 from driftproof.numeric.work_precision.curves import Curve, Point
-from driftproof.numeric.work_precision.exact import Size
 from driftproof.reports.work_precision import figure as drawing
 from driftproof.reports.work_precision.figure import draw_study
 from driftproof.reports.work_precision.study import Measured, measure

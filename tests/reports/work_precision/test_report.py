@@ -9,8 +9,8 @@ import re
 from math import inf
 from pathlib import Path
 
+from driftproof.numeric.reference_errors import Size
 from driftproof.numeric.work_precision.curves import Curve, Point
-from driftproof.numeric.work_precision.exact import Size
 from driftproof.numeric.work_precision.timing import Timing
 from driftproof.numeric.work_precision.verdicts import Priced, dominators
 from driftproof.reports.work_precision.report import goal_rows, priced, study_text, write_study

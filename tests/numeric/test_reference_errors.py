@@ -16,8 +16,7 @@ from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.problems.problem import EXACT, Problem, Reference
-from driftproof.numeric.work_precision.curves import measure_curve
-from driftproof.numeric.work_precision.exact import (
+from driftproof.numeric.reference_errors import (
     ENERGY,
     PHASE,
     STATE,
@@ -29,6 +28,7 @@ from driftproof.numeric.work_precision.exact import (
     floors,
     half_unit,
 )
+from driftproof.numeric.work_precision.curves import measure_curve
 from driftproof.numeric.work_precision.integrators import integrator
 
 T = Q(10)

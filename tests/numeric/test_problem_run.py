@@ -1,0 +1,96 @@
+"""A scene of a problem: its readouts beside a run written out by hand, its refusals, and where a run ends."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+from math import hypot
+
+import pytest
+
+from driftproof import PROBLEMS, Scene
+from driftproof.numeric.problem_run import run_scene
+from driftproof.numeric.run import RunEnded, run_method
+from driftproof.numeric.scenes import PRESETS, READOUTS
+
+KEPLER = PROBLEMS["kepler"]
+OF_PROBLEM = tuple(name for name in READOUTS if name != "phase_error")
+
+
+def of_kepler(h: Q = Q(1, 50), selected: str = "velocity_verlet", readouts: tuple[str, ...] = OF_PROBLEM) -> Scene:
+    return Scene("mine", selected, h, Q(20), readouts=readouts, problem=KEPLER)
+
+
+def kepler_by_hand(steps: int, h: float) -> tuple[list[list[float]], int]:
+    """Kick, drift, kick around a centre of mass 16/25, at pericentre; and how often the force was computed."""
+    y, calls = [float(x) for x in KEPLER.start], 0
+    path = [y]
+    for _ in range(steps):
+        x, y_, u, v = path[-1]
+        r = hypot(x, y_) ** 3 / 0.64
+        u, v = u - h / 2 * x / r, v - h / 2 * y_ / r
+        x, y_ = x + h * u, y_ + h * v
+        r = hypot(x, y_) ** 3 / 0.64
+        path.append([x, y_, u - h / 2 * x / r, v - h / 2 * y_ / r])
+        calls += 2
+    return path, calls
+
+
+def test_readouts_of_a_problem_are_those_of_a_run_by_hand() -> None:
+    found = run_scene(of_kepler(), "velocity_verlet")
+    path, calls = kepler_by_hand(1000, 0.02)
+    # Both round some ten times a step, each by u of numbers of size 2; three orbits enlarge that some 100 times.
+    close = pytest.approx(path[-1], abs=1000 * 10 * 2 * 2**-53 * 100, rel=0)
+    assert list(found["final_state"]) == close
+    assert list(found["exact_state"]) == [float(x) for x in KEPLER.reference.states[-1]]
+    off = hypot(*(x - y for x, y in zip(found["final_state"], found["exact_state"], strict=True)))
+    assert found["state_error"] == pytest.approx(off, rel=1e-12)
+    assert off > 0.01
+    energies = [(u * u + v * v) / 2 - 0.64 / hypot(x, y) for x, y, u, v in (path[0], found["final_state"])]
+    assert found["energy_change"] == pytest.approx(energies[1] - energies[0], abs=1e-14)
+    assert found["energy"] == pytest.approx(energies[1], abs=1e-14)
+    assert (found["steps"], found["evaluations"]) == (1000, calls)
+    times, states = found["trajectory"]
+    assert (len(times), times[-1], tuple(states[-1])) == (1001, 20.0, found["final_state"])
+
+
+def test_only_what_is_asked_for_is_answered_and_implicit_stages_are_counted() -> None:
+    found = run_scene(of_kepler(selected="gauss4", readouts=("state_error", "evaluations")), "gauss4")
+    assert set(found) == {"state_error", "evaluations"}
+    assert found["state_error"] < 1e-11
+    assert found["evaluations"] > 4 * 1000
+
+
+def test_without_a_problem_it_is_the_oscillator() -> None:
+    assert run_scene(PRESETS["compare"], "rk4") == run_method(PRESETS["compare"], "rk4")
+
+
+def test_a_run_that_ends_early_says_at_which_step_and_why() -> None:
+    stiff = PROBLEMS["robertson"]
+    scene = Scene("far", "forward_euler", stiff.t / 100, stiff.t, readouts=("state_error",), problem=stiff)
+    with pytest.raises(RunEnded, match=r"step \d+"):
+        run_scene(scene, "forward_euler")
+    with pytest.raises(ValueError, match="a second-order system"):
+        run_scene(scene, "velocity_verlet")
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"start": (Q(0), Q(1))}, "the start is the problem's; leave start away"),
+        ({"certified": ("energy",)}, "certified readouts are of the oscillator; use `driftproof certify`"),
+        ({"readouts": ("phase_error",)}, "there is no phase_error of the problem kepler"),
+        ({"panels": ("position",)}, "there is no position of the problem kepler"),
+        ({"t": Q(7, 3), "h": Q(1, 3)}, "the solution of kepler is at hand at t = "),
+    ],
+)
+def test_what_a_problem_has_not_is_refused_in_one_line(changed: dict[str, object], message: str) -> None:
+    about = {"readouts": ("state_error",), "problem": KEPLER, **changed}
+    with pytest.raises(ValueError, match=message) as refused:
+        Scene("mine", "rk4", **({"h": Q(1, 2), "t": Q(20)} | about))  # type: ignore[arg-type]
+    assert "\n" not in str(refused.value)
+
+
+def test_an_energy_is_shown_where_the_problem_has_one() -> None:
+    without = PROBLEMS["robertson"]
+    with pytest.raises(ValueError, match="there is no energy of the problem robertson"):
+        Scene("mine", "rk4", without.t, without.t, readouts=("energy",), problem=without)
