@@ -102,6 +102,8 @@ class Facts(LinearFacts):
     @cached_property
     def order_fails(self) -> OrderFact[Any]:
         """Why the order is no higher: the first tree with a residual, and the residual."""
+        if isinstance(self.method, RungeKutta):
+            return order_conditions.order_of(self._conditions)
         return general_order(self.method)
 
     @cached_property
@@ -155,7 +157,7 @@ class Facts(LinearFacts):
         if self._tableau is None:
             return None
         try:
-            return order_conditions.principal_error(order_conditions.runge_kutta_conditions(self._tableau))
+            return order_conditions.principal_error(self._conditions, self.order)
         except TooManyTrees as refusal:
             return refusal
 
@@ -170,6 +172,12 @@ class Facts(LinearFacts):
         if self._tableau is None:
             return None
         return {tree: c for tree, c in modified_equation(self._tableau, MODIFIED_ORDER).items() if c != 0}
+
+    @cached_property
+    def _conditions(self) -> order_conditions.RungeKuttaConditions:
+        """Those of the order and of the principal error: the stages of each tree are made once for both."""
+        assert self._tableau is not None
+        return order_conditions.runge_kutta_conditions(self._tableau)
 
     @property
     def _tableau(self) -> RungeKutta | Collocation | None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
+from functools import cache
 from itertools import count
 from typing import NamedTuple
 
@@ -15,7 +16,7 @@ from driftproof.symbolic.algebra.real_roots import RealRoot, rational_root
 from driftproof.symbolic.linear.facts import ExactFunction
 from driftproof.symbolic.linear.stability_function import stability_function
 from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity
-from driftproof.symbolic.trees.elementary_weights import TableauStages
+from driftproof.symbolic.trees.elementary_weights import EXACT, tableau_stages
 from driftproof.symbolic.trees.order_conditions import RungeKuttaConditions, order, residuals
 from driftproof.symbolic.trees.rooted_trees import tree_table
 
@@ -61,7 +62,7 @@ def estimate_facts(method: RungeKutta) -> EstimateFacts | None:
         return None
     other = method.embedded(EMBEDDED_SUFFIX)
     row = [x - y for x, y in zip(method.b, method.b_embedded, strict=True)]
-    conditions = RungeKuttaConditions(TableauStages(method.a, row))
+    conditions = RungeKuttaConditions(*tableau_stages(method.a, row))
     vanishing = next(n for n in count(1) if any(conditions.of_order(n))) - 1
     function = ExactFunction(stability_function(method) - stability_function(other))
     limit = function.f.at_infinity()
@@ -83,7 +84,7 @@ def _ratios(method: RungeKutta, other: RungeKutta) -> tuple[RealRoot, RealRoot]:
 
 def _error_coefficients(method: RungeKutta, vertices: int) -> list[Fraction]:
     """τ = (Φ - 1/γ)/σ of all trees with so many vertices."""
-    conditions = RungeKuttaConditions(TableauStages(method.a, method.b))
+    conditions = RungeKuttaConditions(*tableau_stages(method.a, method.b))
     found = residuals(conditions, vertices)
     table = tree_table(vertices)
     symmetries = [table.symmetry[label] for label in table.ids(vertices)]
@@ -100,28 +101,35 @@ def facts_of_extension(extension: ContinuousExtension) -> ExtensionFacts:
     method = extension.method
     at_one = [sum(weight, Fraction(0)) for weight in extension.weights]
     own = [*method.b, *[Fraction(0)] * (len(at_one) - method.stages)]
+    of_order = _theta_residuals(extension)
     return ExtensionFacts(
         extension.key,
         extension.source,
         len(extension.a),
         extension.degree,
         extension.claimed_order,
-        next(n for n in count(1) if any(_theta_residuals(extension, n))) - 1,
-        max(_size(x) for n in range(1, extension.claimed_order + 1) for x in _theta_residuals(extension, n)),
+        next(n for n in count(1) if any(of_order(n))) - 1,
+        max(_size(x) for n in range(1, extension.claimed_order + 1) for x in of_order(n)),
         max(_size(x - y) for x, y in zip(at_one, own, strict=True)),
         _slope_residual(extension, own),
     )
 
 
-def _theta_residuals(extension: ContinuousExtension, vertices: int) -> Iterator[Exact]:
-    """Σ bᵢ(θ) Φᵢ(t) = θⁿ/γ(t) for each tree of n vertices, as what is not 0 in each coefficient of a power of θ."""
-    for power, column in enumerate(extension.columns):
-        conditions = RungeKuttaConditions(TableauStages(extension.a, column))
-        exact = conditions.scalars.exact
-        if power == vertices:
-            yield from (exact(x) for _, x in conditions.residuals(vertices))
-        else:
-            yield from map(exact, conditions.of_order(vertices))
+def _theta_residuals(extension: ContinuousExtension) -> Callable[[int], Sequence[Exact]]:
+    """Σ bᵢ(θ) Φᵢ(t) = θⁿ/γ(t) for each tree of n vertices, as what is left in each coefficient of a power of θ."""
+    constant, *others = tableau_stages(extension.a, *extension.columns)
+    stages = RungeKuttaConditions(constant)
+    powers = [stages, *map(stages.weighed_by, others)]
+
+    @cache
+    def of_order(n: int) -> Sequence[Exact]:
+        found = (
+            [x for _, x in conditions.residuals(n)] if power == n else conditions.of_order(n)
+            for power, conditions in enumerate(powers)
+        )
+        return [EXACT.exact(x) for row in found for x in row]
+
+    return of_order
 
 
 def _slope_residual(extension: ContinuousExtension, own: Sequence[Exact]) -> Exact | None:

@@ -92,6 +92,8 @@ def _merged(stages: StageCoefficients) -> StageCoefficients:
     on the class of i only (for Nyström methods, c too).
     """
     labels = _coarsest_partition(stages)
+    if len({*labels}) == len(labels):
+        return stages
     firsts = [i for i, k in enumerate(labels) if k == i]
     members = [[j for j, k in enumerate(labels) if k == i] for i in firsts]
     return StageCoefficients(
@@ -108,8 +110,8 @@ def _coarsest_partition(stages: StageCoefficients) -> list[int]:
         classes = [[j for j, k in enumerate(labels) if k == first] for first in sorted({*labels})]
         sums = [tuple(total(row[j] for j in group) for group in classes) for row in stages.a]
         refined = _labels(list(zip(labels, sums, strict=True)))
-        if refined == labels:
-            return labels
+        if refined == labels or len({*refined}) == len(refined):
+            return refined
         labels = refined
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import lcm
 from operator import mul
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Protocol, Self, TypeAlias
 
-from flint import fmpq, fmpq_poly
+from flint import fmpq, fmpq_poly, fmpz
 
 from driftproof.methods.number_field import Algebraic, Exact, as_fmpq, as_fraction
 from driftproof.methods.schemes import Collocation, RungeKutta
@@ -39,7 +40,22 @@ class ExactScalars:
         """The number as a Fraction where it is rational."""
         if isinstance(x, Algebraic):
             return x.as_fraction() if x.is_rational else x
-        return as_fraction(as_fmpq(x))
+        return as_fraction(x if isinstance(x, fmpq) else as_fmpq(x))
+
+
+@dataclass(frozen=True)
+class IntegerScalars(ExactScalars):
+    """Integers, FLINT's fmpz, for A and b times `unit`: their sums need no common denominator."""
+
+    unit: int
+
+    def lift(self, x: Exact | int) -> RingElement:
+        """The integer as it computes."""
+        return fmpz(int(x))  # type: ignore[arg-type]
+
+    def weight(self, x: RingElement, vertices: int) -> RingElement:
+        """Φ of so many vertices, homogeneous of that degree in A and b."""
+        return fmpq(x, self.unit**vertices)
 
 
 EXACT: Scalars = ExactScalars()
@@ -151,7 +167,17 @@ def stage_algebra(method: TreeMethod) -> StageAlgebra:
     """The stages of a method that is given by its node polynomial, or else by its tableau."""
     if isinstance(method, Collocation):
         return NodeStages(method.node_polynomial)
-    return TableauStages(method.a, method.b)
+    return tableau_stages(method.a, method.b)[0]
+
+
+def tableau_stages(a: Sequence[Sequence[Exact]], *weights: Sequence[Exact]) -> list[TableauStages]:
+    """A with each of the rows of weights; where all are rational in integers, times their least common denominator."""
+    numbers = [x for row in (*a, *weights) for x in row]
+    if any(isinstance(x, Algebraic) for x in numbers):
+        return [TableauStages(a, row) for row in weights]
+    unit = lcm(*(x.denominator for x in numbers))  # type: ignore[union-attr]
+    rows = [[int(x * unit) for x in row] for row in (*a, *weights)]  # type: ignore[arg-type]
+    return [TableauStages(rows[: len(a)], row, IntegerScalars(unit)) for row in rows[len(a) :]]
 
 
 class ElementaryWeights:
@@ -170,16 +196,23 @@ class ElementaryWeights:
 
     def of_order(self, vertices: int) -> list[RingElement]:
         """Φ of the trees with so many vertices, in the order of the table."""
-        table = self.table(vertices)
+        table, scalars = self.table(vertices), self.colours[0].scalars
         for n in range(1, vertices + 1):
             self._extend(table, n)
-        return [self.colours[table.kind[t]].weigh(self._products[t]) for t in table.ids(vertices)]
+        weights = [self.colours[table.kind[t]].weigh(self._products[t]) for t in table.ids(vertices)]
+        return [scalars.weight(x, vertices) for x in weights] if isinstance(scalars, IntegerScalars) else weights
 
     def residuals(self, vertices: int) -> list[tuple[int, RingElement]]:
         """The number of each tree with so many vertices, and its Φ - 1/γ."""
         table = self.table(vertices)
         weights = zip(table.ids(vertices), self.of_order(vertices), strict=True)
         return [(t, weight - fmpq(1, table.density[t])) for t, weight in weights]
+
+    def weighed_by(self, algebra: StageAlgebra) -> Self:
+        """The same of ordinary trees with another b, and the same A: the stages of each tree are made once for both."""
+        other = type(self)(algebra)
+        other._products, other._inner = self._products, self._inner
+        return other
 
     def table(self, order: int) -> TreeTable:
         """The table of the trees with these colours."""

@@ -9,9 +9,9 @@ from flint import fmpq
 
 from driftproof.methods.number_field import Exact
 from driftproof.symbolic.trees.elementary_weights import (
+    EXACT,
     ElementaryWeights,
     RingElement,
-    Scalars,
     TreeMethod,
     stage_algebra,
 )
@@ -23,29 +23,28 @@ class BSeries:
     """Σ h^r(t)/σ(t) a(t) F(t)(y) for trees of at most `order` vertices, exact; what stands before y is left out.
 
     The normalisation is that of hairer-lubich-wanner-2006, III.1.1 Definition 1.8: the exact flow has a(t) = 1/γ(t).
-    `coefficients` are numbers of `scalars`, in the numbering of the tables; `coefficient` reads one as it is written.
+    `coefficients` are in the numbering of the tables, as they compute; `coefficient` reads one as it is written.
     """
 
     order: int
     coefficients: tuple[RingElement, ...]
-    scalars: Scalars
 
     def coefficient(self, tree: Tree) -> Exact:
         """a(t). Raises KeyError for a tree with more than `order` vertices."""
         if vertices(tree) > self.order:
             raise KeyError(f"a tree of {vertices(tree)} vertices in a B-series of order {self.order}")
-        return self.scalars.exact(self.coefficients[tree_number(tree)])
+        return EXACT.exact(self.coefficients[tree_number(tree)])
 
     def items(self) -> Iterator[tuple[Tree, Exact]]:
         """The pairs (t, a(t)), smallest trees first."""
-        return zip(shapes(self.order), map(self.scalars.exact, self.coefficients), strict=True)
+        return zip(shapes(self.order), map(EXACT.exact, self.coefficients), strict=True)
 
 
 def method_series(method: TreeMethod, order: int) -> BSeries:
     """The B-series y + Σ ... of one step of a Runge-Kutta method: a(t) = Φ(t) (hairer-lubich-wanner-2006, III.1.1)."""
     weights = ElementaryWeights(stage_algebra(method))
     coefficients = [x for n in range(1, order + 1) for x in weights.of_order(n)]
-    return BSeries(order, tuple(coefficients), weights.colours[0].scalars)
+    return BSeries(order, tuple(coefficients))
 
 
 def modified_equation(method: TreeMethod, order: int) -> BSeries:
@@ -60,7 +59,7 @@ def modified_equation(method: TreeMethod, order: int) -> BSeries:
         higher = derivatives.higher(t)
         found.append(a - _exponential_sum(higher))
         derivatives.append(found[-1], higher)
-    return BSeries(order, tuple(found), series.scalars)
+    return BSeries(order, tuple(found))
 
 
 class _LieDerivatives:

@@ -18,10 +18,10 @@ from driftproof.symbolic.trees.elementary_weights import (
     RingElement,
     Scalars,
     StageAlgebra,
-    TableauStages,
     TreeMethod,
     distinct_nodes,
     stage_algebra,
+    tableau_stages,
 )
 from driftproof.symbolic.trees.rooted_trees import AnyTree, Tree, bush, shapes, tree_number, tree_table, vertices
 
@@ -148,7 +148,7 @@ def embedded_conditions(method: TreeMethod) -> RungeKuttaConditions | None:
     """The conditions of the method with its second row of weights; None for a method that has none."""
     if isinstance(method, Collocation) or method.b_embedded is None:
         return None
-    return RungeKuttaConditions(TableauStages(method.a, method.b_embedded))
+    return RungeKuttaConditions(*tableau_stages(method.a, method.b_embedded))
 
 
 def order_of(conditions: Conditions[TreeType]) -> OrderFact[TreeType]:
@@ -183,10 +183,14 @@ def residuals(conditions: Conditions[TreeType], vertices: int) -> tuple[tuple[Tr
     return tuple((conditions.tree(vertices, label), exact(x)) for label, x in conditions.residuals(vertices))
 
 
-def principal_error(conditions: Conditions[TreeType]) -> PrincipalError[TreeType]:
-    """The leading error coefficients: those of the trees with p + 1 vertices, p the order."""
-    n = next(n for n in count(1) if any(x for _, x in conditions.residuals(n)))
-    errors = [(label, x * fmpq(1, conditions.symmetry(n, label))) for label, x in conditions.residuals(n)]
+def principal_error(conditions: Conditions[TreeType], order: int = 0) -> PrincipalError[TreeType]:
+    """The leading error coefficients: those of the trees with p + 1 vertices, p the order, known to be `order` or more.
+
+    Raises TooManyTrees.
+    """
+    found = ((n, conditions.residuals(n)) for n in count(order + 1))
+    n, left = next((n, left) for n, left in found if any(x for _, x in left))
+    errors = [(label, x * fmpq(1, conditions.symmetry(n, label))) for label, x in left]
     exact, squared = conditions.scalars.exact, sum((x * x for _, x in errors), fmpq(0))
     return PrincipalError(n, tuple((conditions.tree(n, label), exact(x)) for label, x in errors), exact(squared))
 
