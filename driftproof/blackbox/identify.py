@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from driftproof.blackbox.checks.suite import CHECKS, checks_of
 from driftproof.blackbox.checks.trials import TRAITS, CheckResult
+from driftproof.blackbox.families.damping import Damping, read_damping
 from driftproof.blackbox.families.reports import family_report, read_family, unread_report
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
@@ -81,7 +82,8 @@ def identified(runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Out
         [introduction, linear_fit, judged_estimate, *CHECKS.values()]
     )
     checks, arithmetic = checks_of(answers), arithmetic_of([read, order, dense, *outcomes])
-    seen = Seen(introduced, read, fit, order, estimate, dense, tuple(checks), arithmetic)
+    damping = runner.run([read_damping])[0] if read.failed and not introduced.failed else Outcome()
+    seen = Seen(introduced, read, fit, order, estimate, dense, damping, tuple(checks), arithmetic)
     explicit = METHODS[seen.key] if seen.key is not None and METHODS[seen.key].explicit else None
     rounding = None if explicit is None else _rounding(runner, explicit, seen.size)
     verdict = "; ".join(filter(None, [seen.verdict, arithmetic]))
@@ -108,6 +110,7 @@ class Seen:
     order: Outcome
     estimate: Outcome
     dense: Outcome
+    damping: Outcome
     checks: tuple[CheckResult, ...]
     arithmetic: str = ""  # who changed the rounding mode, or what becomes of subnormal numbers
 
@@ -161,7 +164,8 @@ class Seen:
         if self.read is not None and self.read.identity.matches:
             first, *others = [match.name for match in self.read.identity.matches]
             name = f"it is {first}" + (f", the same step as {', '.join(others)}" if others else "") + _at(self.size)
-            return name + self._row + self._solved + self._refused + self._wrong_time + self._beside_at_fault
+            beyond = self._refused + self._wrong_time + self.of_velocities
+            return name + self._row + self._solved + beyond + self._beside_at_fault
         if self.read is not None and self.read.untimed is not None and self.read.untimed.matches:
             name, order = self.read.untimed.matches[0].name, self.read.order.order
             return f"it is {name} called at wrong times: order {order} where the right-hand side depends on t"
@@ -172,7 +176,13 @@ class Seen:
         if self.read is not None and self.read.identity.near:
             return f"it is {self.read.identity.near[0].name}"
         open_questions = [o for o in (self.coefficients, self.linear) if o.kind in NO_EVIDENCE]
-        return f"{UNDECIDED}: {open_questions[0].seen}" if open_questions else "it is no method that is known here"
+        return f"{UNDECIDED}: {open_questions[0].seen}" if open_questions else self._unknown
+
+    @property
+    def _unknown(self) -> str:
+        """No method of the catalogue; or what it takes from v, which a method does not."""
+        found: Damping | None = self.damping.result
+        return "it is no method that is known here" if found is None else found.verdict
 
     @property
     def _row(self) -> str:
@@ -224,6 +234,23 @@ class Seen:
         return f" called at wrong times: {wrong}" if wrong else ""
 
     @property
+    def of_velocities(self) -> str:
+        """The order on forces of velocity where it is lower than on q'' = F(q), and which velocities are to blame."""
+        reading = None if self.read is None else self.read.reading
+        if self.read is None or not isinstance(reading, ForceReading) or reading.a_velocity is None:
+            return ""
+        if reading.wrong_time:  # costs orders by itself
+            return ""
+        seen = next((found.order for found in self.measured), None)
+        order = 1 if reading.velocities_limit_order else seen
+        if order is None or order >= self.read.order.order:
+            return ""
+        lost = f"order {order} where the force depends on the velocity, not {self.read.order.order}"
+        first, *rest = reading.stale_velocities or [""]
+        why = f": {first}" + (f", and {len(rest)} more" if rest else "") if first else ""
+        return f" on q'' = F(q), but of {lost}{why}"
+
+    @property
     def measured(self) -> tuple[MeasuredOrder, ...]:
         """The orders measured, if there are any, first the one on problems of the kind that it is read on."""
         orders: tuple[MeasuredOrder, ...] = self.order.result or ()
@@ -253,7 +280,8 @@ def _rounding(runner: IsolatedRunner, method: Method, size: float) -> Outcome:
 
 def _sections(name: str, seen: Seen, rounding: Outcome | None) -> tuple[Section, ...]:
     """What to do, then the evidence, the weightiest first."""
-    faults = [check.words for check in seen.checks if check.is_fault]
+    damping: Damping | None = seen.damping.result
+    faults = [*(damping.faults if damping else ()), *(check.words for check in seen.checks if check.is_fault)]
     failed = [o for o in _questions(seen, rounding) if o.failed and o.kind != "unsupported_call"]
     evidence = sections(
         ("What to do", _what_to_do(name, seen)),
@@ -261,6 +289,7 @@ def _sections(name: str, seen: Seen, rounding: Outcome | None) -> tuple[Section,
         ("Coefficients", [] if seen.read is None else [*seen.read.identity.lines, *seen.read.reading.lines]),
         ("Order", _orders(seen)),
         ("One-step matrix", [] if seen.fit is None else seen.fit.lines),
+        ("Damping", damping.lines if damping and not damping.faults else []),
         ("Error estimate", _beside(seen.estimate)),
         ("Dense output", _beside(seen.dense)),
         ("Rounding", [] if rounding is None or rounding.failed else rounding.result.lines),
@@ -320,7 +349,8 @@ def _beside(outcome: Outcome) -> list[str]:
 
 def _orders(seen: Seen) -> list[str]:
     by_trees = [] if seen.read is None else seen.read.order.lines
-    measured = [found.words for found in seen.measured]
+    damped: MeasuredOrder | None = None if seen.damping.result is None else seen.damping.result.order
+    measured = [found.words for found in (seen.measured if damped is None else (damped,))]
     linear_only = seen.order.kind == "unsupported_call"
     return [*by_trees, *measured, *(["on other than linear problems the order is not known"] if linear_only else [])]
 
@@ -342,6 +372,7 @@ def _data(seen: Seen, rounding: Outcome | None) -> dict[str, Json]:
         "estimate": None if seen.estimate.result is None else seen.estimate.result.data,
         "dense": None if seen.dense.result is None else seen.dense.result.data,
         "rounding": None if rounding is None or rounding.failed else rounding.result.data,
+        "damping": None if seen.damping.result is None else seen.damping.result.data,
         "checks": [check.as_dict() for check in seen.checks],
         "not_answered": [{"kind": o.kind, "seen": o.seen} for o in _questions(seen, rounding) if o.failed],
     }

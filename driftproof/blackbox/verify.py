@@ -27,7 +27,7 @@ from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_o
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE, NonlinearAgreement, nonlinear_agreement
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
-from driftproof.blackbox.matching.entries import mended, rational_method, side_by_side
+from driftproof.blackbox.matching.entries import mended, other_velocities, rational_method, side_by_side
 from driftproof.blackbox.matching.estimates import JudgedEstimate, judged_estimate
 from driftproof.blackbox.matching.match import Identity, match_method
 from driftproof.blackbox.probes.force import NO_TABLEAU, ForceReading
@@ -196,6 +196,13 @@ def _check_coefficients(method: Method, outcome: Outcome) -> Criterion:
         return Criterion("Coefficients", None, lines, {}, UNDECIDING["not_readable"])
     if isinstance(reading, ForceReading) and reading.wrong_time:
         return Criterion("Coefficients", False, (f"called at wrong times: {reading.wrong_time}",), {})
+    if isinstance(reading, ForceReading) and reading.a_velocity is not None:
+        if isinstance(method, RungeKutta):
+            found = other_velocities(method, reading)
+            return Criterion("Coefficients", False, tuple(found), {"differences": found})
+        if reading.velocities_limit_order and _claimed_order(method) > 1:
+            lost = "order 1 where the force depends on the velocity"
+            return Criterion("Coefficients", False, (lost, *reading.stale_velocities), {})
     if solved is not None:  # a solver that does not look has the method's coefficients, but not its step
         missing = "a solver that looks at what is left of its equations" if solved.power else ""
         lines = (*identity.lines, solved.words)
@@ -239,7 +246,7 @@ def _check_order(method: Method, outcome: Outcome) -> Criterion:
         return _unanswered("Order", outcome)
     measured: tuple[MeasuredOrder, ...] = outcome.result
     found = measured[-1 if isinstance(method, Splitting | Nystrom) else 0]
-    order = method.claimed_order or _derived_order(method)
+    order = _claimed_order(method)
     passed = None if found.order is None else found.order >= order
     lines = (f"{method.key} has order {order}", found.words)
     return Criterion("Order", passed, lines, {"measured": found.order}, "" if passed is False else "smaller rounding")
@@ -275,11 +282,11 @@ def _check_calls(title: str, method: Method, outcome: Outcome) -> Criterion:
     return Criterion(title, passed, (words, *again), {})
 
 
-def _derived_order(method: Method) -> int:
-    """Of a method for which nobody claims one."""
+def _claimed_order(method: Method) -> int:
+    """The order claimed; where nobody claims one, the one derived."""
     from driftproof.symbolic.facts import general_order
 
-    return general_order(method).order
+    return method.claimed_order or general_order(method).order
 
 
 CRITERIA: Sequence[Callable[[Method, Outcome], Criterion]] = (
@@ -339,7 +346,7 @@ def _refuted(
         wrong = f"{', '.join(seen.wrong)} {'is' if len(seen.wrong) == 1 else 'are'} not what they say"
         return f"is not {method.key}: its coefficients are, but on {seen.problem}, {wrong}"
     linear = coefficients.passed is False and "as far as linear steps tell" in instead.verdict
-    vague = linear or re.search(rf"\b{method.key}\b|it is no method|, but |\bnearly ", instead.verdict)
+    vague = linear or re.search(rf"\b{method.key}\b|it is no method|, but |\bnearly |with a drag", instead.verdict)
     reading = outcomes[1].result
     if coefficients.passed is None and isinstance(reading, ForceReading) and reading.refused:
         return f"is not {method.key}: it is on q'' = F(q), but not on y' = f(t, y): {reading.refused}"

@@ -36,7 +36,7 @@ def two_half_steps(q, v, h):
         (rk4, "it is rk4"),
         (rk38, "it is rk38"),
         (velocity_verlet, "it is velocity_verlet"),
-        (with_drag, "it is no method that is known here"),
+        (with_drag, "with a drag: areas in phase space are multiplied by 1 - 1/25 h"),
         (half_moved, "the position moves by 0.5 h v"),
         (two_half_steps, "it is no method that is known here"),
     ],

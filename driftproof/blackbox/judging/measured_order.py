@@ -13,7 +13,13 @@ import numpy as np
 from flint import arb, ctx
 
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, WrongShape
-from driftproof.blackbox.judging.nonlinear_problems import START, NonlinearProblem, field_problem, force_problem
+from driftproof.blackbox.judging.nonlinear_problems import (
+    START,
+    NonlinearProblem,
+    dragged_problem,
+    field_problem,
+    force_problem,
+)
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter
 from driftproof.blackbox.stepper.calling_conventions import FIELD
 from driftproof.blackbox.stepper.foreign_stepper import CallLog, ForeignStepper
@@ -49,21 +55,24 @@ class MeasuredOrder:
 
 
 def measured_orders(subject: ForeignStepper) -> tuple[MeasuredOrder, ...]:
-    """The order on y' = f(t, y), where the stepper takes a right-hand side; and the order on q'' = F(q).
+    """The order on y' = f(t, y), where the stepper takes a right-hand side; and the order on q'' = F(q), or
+    on q'' = F(q, v) where its force is given velocities.
 
     In balls where it runs on them, then only its own constants are rounded; else in its own floats. A splitting that is
     written for a right-hand side has the second order, and seldom the first. Raises UnsupportedCall where the system is
     built in.
     """
     if subject.convention.kind != FIELD:
-        return (_measured(subject, force_problem(subject)),)
-    found = [_measured(subject, field_problem(subject))]
+        problem = dragged_problem(subject) if subject.gives_velocities else force_problem(subject)
+        return (measured_on(subject, problem),)
+    found = [measured_on(subject, field_problem(subject))]
     with suppress(Misbehaviour):  # of a code that takes one number only
-        found.append(_measured(subject, force_problem(subject)))
+        found.append(measured_on(subject, force_problem(subject)))
     return tuple(found)
 
 
-def _measured(subject: ForeignStepper, problem: NonlinearProblem) -> MeasuredOrder:
+def measured_on(subject: ForeignStepper, problem: NonlinearProblem) -> MeasuredOrder:
+    """The order on a problem. Raises a Misbehaviour, and UnsupportedCall where the problem cannot be given."""
     steps = [2.0**-k for k in HALVINGS]
     with ctx.workprec(_BITS):
         for adapter in (BALLS, ARRAYS_OF_BALLS):

@@ -31,7 +31,7 @@ class NonlinearProblem:
     """y' = rate(t, y), over floats and over balls, and its solution in balls.
 
     With `positions`, it is q'' = F(t, q) of so many, y being [q..., v...]; a stepper of a right-hand side is given
-    [q, v, q, v, ...] where `interleaved`.
+    [q, v, q, v, ...] where `interleaved`. Where it is `dragged`, it is q'' = F(t, q, v).
     """
 
     words: str
@@ -39,6 +39,7 @@ class NonlinearProblem:
     solution: Callable[[arb], list[arb]]
     positions: int = 0
     interleaved: bool = False
+    dragged: bool = False
 
     @property
     def names(self) -> list[str]:
@@ -53,6 +54,8 @@ class NonlinearProblem:
     def stepped(self, subject: ForeignStepper, t: float, y: Sequence[AnyNumber], h: float) -> _State:
         """One step of the stepper, from numbers of its adapter."""
         at, size, n = subject.adapter.number(t), subject.adapter.number(h), self.positions
+        if self.dragged:
+            return subject.step_dragged(lambda at, q, v: self.rate(at, [*q, *v])[n:], at, y[:n], y[n:], size)
         if n:
             return subject.step_forced(self.force, at, y[:n], y[n:], size, interleaved=self.interleaved)
         return subject.step_field(self.rate, at, y, size)
@@ -82,6 +85,32 @@ def field_problem(subject: ForeignStepper) -> NonlinearProblem:
 def force_problem(subject: ForeignStepper) -> NonlinearProblem:
     """Of one position: a q'' = F(t, q) where times are handed on, else q'' = exp(-2q) with q = log cosh t."""
     return pushed(1, timed=True) if gives_force_times(subject) else walls(1)
+
+
+def dragged_problem(subject: ForeignStepper) -> NonlinearProblem:
+    """Of one position: q'' = F(t, q, v) where times are handed on, else q'' = exp(-2q) (exp(-2q) + v²).
+
+    Solved by 1/(1 + t²), and by log cosh t.
+    """
+    if not gives_force_times(subject):
+        still = walls(1)
+
+        def drag(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
+            wall = _exp(-2 * y[0])
+            return [y[1], wall * (wall + y[1] * y[1])]
+
+        return replace(still, words="a nonlinear q'' = F(q, v)", rate=drag, dragged=True)
+    pushing = pushed(1, timed=True)
+
+    def pull(q: AnyNumber, v: AnyNumber) -> AnyNumber:
+        return (1 + v) * (1 + v) / (1 + q * q)
+
+    def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
+        x, bell = _bell(0, t)
+        own = 8 * x * x * bell**3 - 2 * bell * bell
+        return [y[1], own + pull(y[0], y[1]) - pull(bell, -2 * x * bell * bell)]
+
+    return replace(pushing, words="a nonlinear q'' = F(t, q, v)", rate=rate, dragged=True)
 
 
 def force_problems(subject: ForeignStepper) -> list[NonlinearProblem]:

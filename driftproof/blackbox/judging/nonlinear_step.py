@@ -11,7 +11,13 @@ from typing import Any
 import numpy as np
 from flint import arb, ctx
 
-from driftproof.blackbox.judging.nonlinear_problems import START, NonlinearProblem, field_problem, force_problems
+from driftproof.blackbox.judging.nonlinear_problems import (
+    START,
+    NonlinearProblem,
+    dragged_problem,
+    field_problem,
+    force_problems,
+)
 from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.stepper.calling_conventions import FIELD
@@ -64,12 +70,16 @@ def nonlinear_agreement(subject: ForeignStepper, method: Method, allowance: Allo
     """The stepper beside the method, from states near the solution of a problem whose every derivative counts.
 
     A splitting or a Nyström method is compared on q'' = F(t, q), of more than one position where the stepper takes
-    them, in the order of y that fits; its times move as its positions do. Raises UnsupportedCall where the system is
+    them, in the order of y that fits; its times move as its positions do. A Runge-Kutta method whose force is given
+    velocities is on a force of them. Raises UnsupportedCall where the system is
     built in.
     """
     partitioned = isinstance(method, Splitting | Nystrom)
     general = subject.convention.kind == FIELD and not partitioned
-    problems = [field_problem(subject)] if general else force_problems(subject)
+    if subject.gives_velocities and not partitioned:
+        problems = [dragged_problem(subject)]
+    else:
+        problems = [field_problem(subject)] if general else force_problems(subject)
     found = [_beside(subject, method, allowance, problem) for problem in problems]
     return next((each for each in found if each.holds), min(found, key=lambda each: each.largest))
 

@@ -9,7 +9,13 @@ from math import factorial
 from typing import Any
 
 from driftproof.blackbox.matching.tables import exact_tableau
-from driftproof.blackbox.probes.coefficients import coefficient_text, exact_shown, simple_rational
+from driftproof.blackbox.probes.coefficients import (
+    coefficient_difference,
+    coefficient_text,
+    exact_shown,
+    simple_rational,
+)
+from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.methods.number_field import Exact
@@ -39,6 +45,19 @@ def side_by_side(reading: TableauReading, method: RungeKutta | Collocation) -> l
     shown = table(rows[: _MOST_SHOWN + 1], right=(3,)).splitlines() if len(rows) > 1 else []
     more = [f"and {len(rows) - 1 - _MOST_SHOWN} more"] if len(rows) > _MOST_SHOWN + 1 else []
     return [*shown, *more, *_row_sums(reading, rounding)]
+
+
+def other_velocities(method: RungeKutta, reading: ForceReading) -> list[str]:
+    """Which velocities are not those of the stages, where there are as many calls; else that they are not."""
+    rows, rounding = reading.a_velocity or (), reading.rounding
+    if len(rows) != method.stages:
+        return [f"the velocities that its force is given are not those of the stages of {method.key}"]
+    return [
+        f"the velocity of call {i} holds {coefficient_difference(f'F[{j}]', x, method.a[i][j], reading.format)}"
+        for i, row in enumerate(rows)
+        for j, x in enumerate(row[:i])
+        if abs(x - float(method.a[i][j])) > rounding.of(1 + abs(x))
+    ] or [f"its positions are not those that the stages of {method.key} have with its velocities"]
 
 
 def _entries(a: Sequence[Sequence[Any]], b: Sequence[Any], c: Sequence[Any], *, full: bool) -> list[tuple[str, Any]]:

@@ -45,7 +45,8 @@ class ForceReading:
 
     The step's own float coefficients, calls being stages, in the order in which they are made; drift is 1 in a method.
     `amplitude` is the size of the numbers that went in. `refused` is why there is no tableau, where one was asked for;
-    `wrong_time` tells a call that is given another time than t + cᵢh, where times are given.
+    `wrong_time` tells a call that is given another time than t + cᵢh, where times are given. Of a force of position and
+    velocity, `a_velocity` are the rows ãᵢⱼ of the velocities that it is given, v + h Σ ãᵢⱼ Fⱼ.
     """
 
     c: CoefficientRow
@@ -58,6 +59,7 @@ class ForceReading:
     amplitude: float = 1.0
     refused: str = ""
     wrong_time: str = ""
+    a_velocity: tuple[CoefficientRow, ...] | None = None
 
     @property
     def calls(self) -> int:
@@ -103,8 +105,41 @@ class ForceReading:
             lines.append(
                 f"without a force the position moves by {coefficient_text(self.drift, self.format)} h v, not by h v"
             )
+        lines += [f"call {i} is given the velocity {self._velocity(i)}" for i, _ in enumerate(self.a_velocity or ())]
         lines += [f"wrong times: {self.wrong_time}"] if self.wrong_time else []
         return [*lines, *self.remarks, *([f"{NO_TABLEAU}: {self.refused}"] if self.refused else [])]
+
+    def _velocity(self, i: int) -> str:
+        """The velocity that call i is given, as "v + 1/2 h F[0]"."""
+        row = enumerate(self.a_velocity[i] if self.a_velocity else ())
+        terms = [f"{coefficient_text(x, self.format)} h F[{j}]" for j, x in row if x]
+        return " + ".join(["v", *terms]).replace("+ -", "- ").replace(" 1 h", " h")
+
+    @property
+    def velocities_limit_order(self) -> bool:
+        """True where the order is 1 on forces of velocity, and at least 2 on q'' = F(t, q).
+
+        The conditions of order 2 are Σ b̃ᵢ = 1, Σ b̃ᵢ cᵢ = Σ bᵢ = 1/2, and, of forces of velocity, Σ b̃ᵢ dᵢ = 1/2 with
+        dᵢ = Σ ãᵢⱼ, as the velocity of call i is that of the time t + dᵢh.
+        """
+        if self.a_velocity is None:
+            return False
+        nodes, weights = [fsum(row) for row in self.a_velocity], self.b_velocity
+        sums = [fsum(weights) / 2, _dot(weights, self.c), fsum(self.b_position), _dot(weights, nodes)]
+        allowed = self.rounding.of(1 + sum(map(abs, (*weights, *self.c, *nodes, *self.b_position))))
+        *others, of_velocity = [abs(x - 0.5) <= allowed for x in sums]
+        return all(others) and not of_velocity
+
+    @property
+    def stale_velocities(self) -> list[str]:
+        """The calls whose velocity is of another time than their position."""
+        found = []
+        for i, (row, node) in enumerate(zip(self.a_velocity or (), self.c, strict=False)):
+            if self.b_velocity[i] and abs(fsum(row) - node) > self.rounding.of(1 + abs(node) + sum(map(abs, row))):
+                at = f"t + {coefficient_text(node, self.format)} h" if node else "t"
+                place = at.replace(" 1 h", " h")
+                found.append(f"call {i} is given the position of {place} and the velocity {self._velocity(i)}")
+        return found
 
 
 def read_forces(subject: ForeignStepper) -> ForceReading:
@@ -122,17 +157,21 @@ def read_forces(subject: ForeignStepper) -> ForceReading:
 
 
 class _Run(NamedTuple):
-    """Where one step called the force, and what it returned; times are None where it gave none."""
+    """Where one step called the force, and what it returned; times are None where it gave none.
+
+    `velocities` are those that the force was given, without the one that the step starts with.
+    """
 
     places: list[float]
     q: float
     v: float
     times: list[float | None]
+    velocities: list[float]
 
     @property
     def numbers(self) -> list[float]:
         """All that was seen."""
-        return [*self.places, self.q, self.v]
+        return [*self.places, self.q, self.v, *self.velocities]
 
 
 class _Probe:
@@ -158,7 +197,12 @@ class _Probe:
         b_position, b_velocity = tuple(x.q for x in columns), tuple(x.v for x in columns)
         self._demand_no_memory()
         c, fmt = tuple(moving.places), self.subject.format
-        reading = ForceReading(c, a, b_position, b_velocity, moving.q, fmt, amplitude=self.amplitude)
+        a_velocity = None
+        if self.subject.gives_velocities:
+            a_velocity = tuple(tuple(column.velocities[i] for column in columns) for i in range(self.calls))
+        reading = ForceReading(
+            c, a, b_position, b_velocity, moving.q, fmt, amplitude=self.amplitude, a_velocity=a_velocity
+        )
         for control in CONTROLS:
             self._check(reading, control)
         wrong = (self._wrong_time(reading, control) for control in (AT_REST, *CONTROLS))
@@ -167,16 +211,18 @@ class _Probe:
 
     def _run(self, q: float, v: float, forces: Sequence[float], control: Control = AT_REST) -> _Run:
         size, clock, times = self.amplitude, float(control.time), list[float | None]()
-        script = Script([size * force for force in forces], 0.0)
+        script, velocities = Script([size * force for force in forces], 0.0), list[float]()
 
-        def force(t: float, x: Sequence[float]) -> Sequence[float]:
+        def force(t: float, x: Sequence[float], moving: Sequence[float] = ()) -> Sequence[float]:
             # A callback that is given no time hands on the very object that it was made with.
             times.append(None if t is clock else t)
+            velocities.extend(y / size - v for y in moving[:1])
             return [script(x[0])]
 
-        start = [size * q], [size * v]
-        q1, v1 = performed(lambda: self.subject.step_forced(force, clock, *start, control.h))
-        return _Run([x / size for x in script.calls], q1 / size, v1 / size, times)
+        start, subject = ([size * q], [size * v]), self.subject
+        stepped = subject.step_dragged if subject.gives_velocities else subject.step_forced
+        q1, v1 = performed(lambda: stepped(force, clock, *start, control.h))
+        return _Run([x / size for x in script.calls], q1 / size, v1 / size, times, velocities)
 
     def _answered(self, q: float, v: float, forces: Sequence[float], control: Control = AT_REST) -> _Run:
         run = self._run(q, v, forces, control)
@@ -186,7 +232,7 @@ class _Probe:
     def _column(self, j: int) -> _Run:
         """What the answer 1 to call j adds to the place of each call and to the result."""
         run = self._answered(0.0, 0.0, unit(self.calls, j))
-        if any(run.places[: j + 1]):
+        if any(run.places[: j + 1]) or any(run.velocities[: j + 1]):
             raise NotReadable(f"call {j} or one before depends on the answer to call {j}: the step remembers")
         return run
 
@@ -196,6 +242,7 @@ class _Probe:
         weights = [(f"call {i} is made at", x, "q", 1.0) for i, x in enumerate(still.places)]
         weights += [("the new position is", still.q, "q", 1.0), ("the new velocity holds", still.v, "q", 0.0)]
         weights += [("the new velocity is", moving.v, "v", 1.0)]
+        weights += [(f"call {i} is given the velocity", 1 + x, "v", 1.0) for i, x in enumerate(moving.velocities)]
         found = [f"{what} {x:.6g} {of}, not {said:g} {of}" for what, x, of, said in weights if abs(x - said) > allowed]
         if found:
             raise NotReadable(f"with h = 1 and without a force, {'; '.join(found)}")
@@ -220,6 +267,9 @@ class _Probe:
             demand_as_said(control, name, seen, q + h * (node * v + h * _dot(row, forces)), in_position)
         said = v + h * _dot(reading.b_velocity, forces)
         demand_as_said(control, "the new velocity", run.v, said, in_velocity)
+        for i, row in enumerate(reading.a_velocity or ()):
+            name, added = f"the velocity of call {i}", h * _dot(row, forces)
+            demand_as_said(control, name, run.velocities[i] + v, v + added, in_velocity)
 
     def _wrong_time(self, reading: ForceReading, control: Control) -> str:
         """The first call that is given another time than its position has, if it is given any."""

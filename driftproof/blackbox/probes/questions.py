@@ -11,7 +11,7 @@ from driftproof.blackbox.probes.force import ForceReading, read_forces
 from driftproof.blackbox.probes.implicit_tableau import read_implicit_tableau
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.probes.tableau import TableauReading, read_tableau
-from driftproof.blackbox.stepper.calling_conventions import FIELD
+from driftproof.blackbox.stepper.calling_conventions import FIELD, TIME
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 CoefficientReading: TypeAlias = TableauReading | ForceReading
@@ -38,6 +38,8 @@ def read_coefficients(subject: ForeignStepper) -> CoefficientReading:
     step of y = [q, v] has no tableau, but has coefficients on q'' = F(q): these come with the refusal of the tableau,
     since a force sees neither times nor other numbers.
 
+    A step whose force is given the velocities of a Runge-Kutta method's stages, too, has its tableau.
+
     Raises UnsupportedCall, NotReadable.
     """
     if subject.convention.kind == FIELD:
@@ -47,7 +49,22 @@ def read_coefficients(subject: ForeignStepper) -> CoefficientReading:
             raise
         except (NotReadable, Misbehaviour) as refusal:
             return _otherwise(subject, refusal)
-    return read_forces(subject)
+    reading = read_forces(subject)
+    return _as_tableau(reading, timed=TIME in subject.convention.order and TIME in subject.convention.asks) or reading
+
+
+def _as_tableau(reading: ForceReading, *, timed: bool) -> TableauReading | None:
+    """A, b, c where a call's velocity is v + h Σ aᵢⱼ Fⱼ and its position that of the same stage: with A², and bᵀA."""
+    if reading.a_velocity is None or reading.wrong_time:
+        return None
+    a, b, calls = reading.a_velocity, reading.b_velocity, range(reading.calls)
+    for row, node, seen in [*zip(a, reading.c, reading.a, strict=True), (b, reading.drift, reading.b_position)]:
+        size = sum(abs(x) * (1 + sum(map(abs, a[k]))) for k, x in enumerate(row))
+        allowed = reading.rounding.of(1 + abs(node) + size)
+        said = [sum(row[k] * a[k][j] for k in calls) for j in calls]
+        if any(abs(x - y) > allowed for x, y in zip((sum(row), *said), (node, *seen), strict=True)):
+            return None
+    return TableauReading(a, b, reading.c if timed else None, reading.format, reading.remarks, reading.amplitude)
 
 
 def _otherwise(subject: ForeignStepper, refusal: NotReadable | Misbehaviour) -> CoefficientReading:

@@ -12,7 +12,7 @@ OF_TWO_FUNCTIONS = (ROSENBROCK, IMEX)
 # What a stepper of each is, as a reader writes it down.
 SIGNATURES = {
     MAP: "step(q, v, h) -> (q1, v1), or step(state, h) with state = [q, v]: the system is built in",
-    FORCE: "step(force, q, v, h) -> (q1, v1): q' = v, v' = force(q)",
+    FORCE: "step(force, q, v, h) -> (q1, v1): q' = v, v' = force(q), or force(q, v, t)",
     FIELD: "step(f, t, y, h) -> y1: y' = f(t, y)",
     ROSENBROCK: "step(f, jac, t, y, h) -> y1: y' = f(t, y) with its Jacobian jac(t, y); also with dfdt(t, y)",
     IMEX: "step(f_explicit, f_implicit, t, y, h) -> y1: y' = f_explicit(t, y) + f_implicit(t, y)",
@@ -94,7 +94,7 @@ class CallingConvention:
     `extra` are arguments besides, passed by name: the parameters of its oscillator, all 1; a mass, 2, and the number
     of steps, 1. `names` are those of all others, where they are passed by name, too. What it calls returns `factor`
     times the acceleration: the mass, or -1 where it is the gradient of a potential. A `run` returns the states of so
-    many `steps`, or is a generator of states.
+    many `steps`, or is a generator of states. `asks` are the roles of what a force is called with.
     """
 
     kind: str
@@ -104,6 +104,7 @@ class CallingConvention:
     factor: float = 1.0
     run: bool = False
     steps: int = 1
+    asks: tuple[str, ...] = ()
 
     def of_steps(self, steps: int) -> CallingConvention:
         """The same for a run of so many steps."""

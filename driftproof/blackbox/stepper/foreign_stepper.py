@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, field, is_dataclass, replace
+from itertools import permutations
 from math import isfinite
 from typing import Any, TypeAlias
 
@@ -44,6 +45,8 @@ from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 
 # A force, or a right-hand side of t and y, of ours: on numbers of the adapter.
 ForceFunction: TypeAlias = Callable[[AnyNumber], AnyNumber]
+# Of t, positions and velocities.
+DraggedForce: TypeAlias = Callable[[AnyNumber, list[AnyNumber], list[AnyNumber]], Sequence[AnyNumber]]
 FieldFunction: TypeAlias = Callable[[AnyNumber, list[AnyNumber]], Sequence[AnyNumber]]
 # Longer answers are cut where a message shows them: a line of 120 characters holds one and what is said of it.
 _MOST_SHOWN = 60
@@ -63,6 +66,7 @@ class CallLog:
     dense: Callable[..., Foreign] | None = None  # its dense output, a function of the time, or of theta
     carried: Foreign = None  # the slope that the last step hands on
     layout: str | None = None  # where the end stands in what a run, or a generator, returns
+    asks: tuple[str, ...] = ()  # the roles of what a force was called with first
     states: Sequence[Sequence[AnyNumber]] = ()  # of the last run, the start among them where all are returned
 
 
@@ -124,7 +128,7 @@ class ForeignStepper:
         fewer positions at a time. Raises UnsupportedCall where the system is built in.
         """
         if self.convention.kind == FORCE:
-            return self._forced(force, t, q, v, h)
+            return self._forced(lambda at, x, velocity: force(at, x), t, q, v, h)
         places = [*range(0, 2 * len(q), 2), *range(1, 2 * len(q), 2)] if interleaved else [*range(2 * len(q))]
 
         def as_code(numbers: Sequence[AnyNumber]) -> list[AnyNumber]:
@@ -136,6 +140,22 @@ class ForeignStepper:
 
         stepped = self.step_field(rate, t, as_code([*q, *v]), h)
         return [stepped[i] for i in places]
+
+    def step_dragged(
+        self, force: DraggedForce, t: AnyNumber, q: Sequence[AnyNumber], v: Sequence[AnyNumber], h: AnyNumber
+    ) -> list[AnyNumber]:
+        """One step of q' = v, v' = force(t, q, v), of a code that hands velocities to its force.
+
+        Raises UnsupportedCall for another one.
+        """
+        if not self.gives_velocities:
+            raise UnsupportedCall("its force is given no velocity")
+        return self._forced(force, t, q, v, h)
+
+    @property
+    def gives_velocities(self) -> bool:
+        """True where its force is one of position and velocity."""
+        return VELOCITY in self.convention.asks
 
     def step_field(self, rate: FieldFunction, t: AnyNumber, y: Sequence[AnyNumber], h: AnyNumber) -> list[AnyNumber]:
         """One step of y' = rate(t, y). Raises UnsupportedCall where there is no right-hand side to give."""
@@ -177,9 +197,10 @@ class ForeignStepper:
         if POSITION not in self.convention.order:
             raise UnsupportedCall("position and velocity come in one array, which is one state")
         write = self._of_several.write
-        factor = self.convention.factor
-        roles = {FUNCTION: lambda q, *_: -factor * q, POSITION: write(qs), VELOCITY: write(vs), STEP: h, TIME: 0.0}
-        roles[CARRIED] = write([-q for q in qs])
+        factor, asks = self.convention.factor, self.convention.asks
+        place = asks.index(POSITION) if asks else 0
+        roles = {POSITION: write(qs), VELOCITY: write(vs), STEP: h, TIME: 0.0, CARRIED: write([-q for q in qs])}
+        roles[FUNCTION] = lambda *asked: -factor * asked[place]
         answer = self._call(roles, f"q={list(qs)!r}, v={list(vs)!r}, h={h!r}", [*qs, *vs])
         positions, velocities = self._two_parts(answer)
         return list(zip(*(self.adapter.read(part, len(qs)) for part in (positions, velocities)), strict=True))
@@ -203,21 +224,22 @@ class ForeignStepper:
         return ARRAYS if self.adapter is SCALARS else self.adapter
 
     def _forced(
-        self, force: FieldFunction, t: AnyNumber, q: Sequence[AnyNumber], v: Sequence[AnyNumber], h: AnyNumber
+        self, force: DraggedForce, t: AnyNumber, q: Sequence[AnyNumber], v: Sequence[AnyNumber], h: AnyNumber
     ) -> list[AnyNumber]:
-        """The time that a force is given stands where the step takes it, before the position or behind it."""
+        """What the force is called with beside the position, and in which order, its first call tells."""
         adapter, order = self.adapter if len(q) == 1 else self._of_several, self.convention.order
-        time_first = TIME in order and order.index(TIME) < order.index(POSITION)
 
         def callback(*arguments: Foreign) -> Foreign:
-            timed = TIME in order and len(arguments) == 2
-            position, time = arguments[::-1] if timed and time_first else (*arguments, t)[:2]
-            if timed and len(q) > 1 and _size(position) < _size(time):
-                position, time = time, position
-            at = adapter.read(time, 1)[0] if timed else t
-            asked = adapter.read(position, 1 if _size(position) == 1 else len(q))
+            roles = self.convention.asks or self.log.asks or self._roles_asked(adapter, arguments, q, v, t)
+            self.log.asks = roles
+            given = dict(zip(roles if len(roles) <= len(arguments) else (POSITION,), arguments, strict=False))
+            position = given[POSITION]
+            size = 1 if _size(position) == 1 else len(q)
+            asked = adapter.read(position, size)
+            at = adapter.read(given[TIME], 1)[0] if TIME in order and TIME in given else t
+            moving = adapter.read(given[VELOCITY], size) if VELOCITY in given else []
             answering = SCALARS if adapter is ARRAYS and np.ndim(position) == 0 else adapter
-            return answering.write(scaled(force(at, asked)))
+            return answering.write(scaled(force(at, asked, moving)))
 
         def scaled(answers: Sequence[AnyNumber]) -> Sequence[AnyNumber]:
             return answers if factor == 1 else [factor * x for x in answers]
@@ -225,8 +247,19 @@ class ForeignStepper:
         factor, function = self.convention.factor, adapter.function(callback)
         roles = {FUNCTION: function, POSITION: adapter.write(q), VELOCITY: adapter.write(v), STEP: h, TIME: t}
         if CARRIED in order:
-            roles[CARRIED] = adapter.write(scaled(force(t, list(q))))
+            roles[CARRIED] = adapter.write(scaled(force(t, list(q), list(v))))
         return self._pair(roles, q, v, h)
+
+    def _roles_asked(
+        self, adapter: ArrayAdapter, arguments: Sequence[Foreign], q: AnyNumber, v: AnyNumber, t: AnyNumber
+    ) -> tuple[str, ...]:
+        """What a first call's arguments are: what they are nearest to at the start of the step; one is the position."""
+        starts = {POSITION: q[0], VELOCITY: v[0], TIME: t}
+        if not 1 < len(arguments) <= len(starts):
+            return (POSITION,)
+        firsts = [adapter.read(x, _size(x))[0] for x in arguments]
+        choices = permutations(starts, len(arguments))
+        return min(choices, key=lambda roles: sum(abs(x - starts[role]) for role, x in zip(roles, firsts, strict=True)))
 
     def _pair(
         self, roles: dict[str, Foreign], q: Sequence[AnyNumber], v: Sequence[AnyNumber], h: AnyNumber
@@ -317,8 +350,7 @@ def call_text(stepper: ForeignStepper, q: float, v: float, h: float) -> str:
     calls = stepper.convention
     state_first = {STATE, TIME} <= {*calls.order} and calls.order.index(STATE) < calls.order.index(TIME)
     rates = f"lambda {'y, t' if state_first else 't, y'}: {_as_written(stepper, '[y[1], -y[0]]')}"
-    times = [role for role in calls.order if role in (TIME, POSITION)]
-    asked = "q" if TIME not in times else "t, q" if times[0] == TIME else "q, t"
+    asked = ", ".join({POSITION: "q", VELOCITY: "v", TIME: "t"}[role] for role in calls.asks or (POSITION,))
     force = f"lambda {asked}: {-calls.factor:g} * q" if calls.factor != 1 else f"lambda {asked}: -q"
     function = {FORCE: force, FIELD: rates}.get(calls.kind, "")
     slope = (v, -q) if calls.kind == FIELD else (-calls.factor * q,)

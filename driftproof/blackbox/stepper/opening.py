@@ -140,8 +140,8 @@ def _tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
         raise Increment(f"as h goes to 0 it returns 0, not the state: an increment{increment_wrapper(subject)}")
     types = subject.log.types
     subject.format = next((fmt for name, fmt in _FORMATS.items() if any(t.endswith(name) for t in types)), BINARY64)
-    if subject.log.layout is not None:  # a generator goes on
-        subject.convention = replace(subject.convention, run=True)
+    run = subject.convention.run or subject.log.layout is not None  # a generator goes on
+    subject.convention = replace(subject.convention, run=run, asks=subject.log.asks)
     # At rest a step written into its arguments changes nothing: that it works in place must be known by then.
     subject.log = CallLog(works_in_place=subject.log.works_in_place, layout=subject.log.layout)
     return subject

@@ -1,7 +1,10 @@
 """A stepper is asked how it is called, and which coefficients it has: as a field, else as forces see them."""
 
+import re
+
 import pytest
 
+from driftproof import identify, verify
 from driftproof.blackbox.findings import UnsupportedCall
 from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.questions import introduction, read_coefficients
@@ -9,6 +12,7 @@ from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox import handwritten_steppers as codes
+from tests.blackbox.dragged_steppers import RIGHT, WRONG, gaffer, kicks_of_half, of_stages, semi_implicit
 
 
 def symplectic(f, t, y, h):
@@ -35,3 +39,29 @@ def test_what_has_none_is_refused():
         read_coefficients(opened(adaptive))
     with pytest.raises(UnsupportedCall):
         read_coefficients(opened(lambda q, v, h: (q + h * v, v - h * q)))
+
+
+@pytest.mark.parametrize(("step", "key"), RIGHT, ids=[f"{step.__name__}-{key}" for step, key in RIGHT])
+def test_a_step_whose_force_is_given_right_velocities_is_its_method_and_raises_no_alarm(step, key):
+    found = verify(step, key, examples=20, isolate=False)
+    assert found.passed, found.text()
+    report = identify(step, isolate=False)
+    assert re.match(rf"it is {key}\b(?!.* but )", report.verdict)
+    assert report.section("Faults") is None
+
+
+@pytest.mark.parametrize(("step", "key", "words"), WRONG, ids=[f"{key}: {words}" for _, key, words in WRONG])
+def test_wrong_velocities_fail_and_are_named(step, key, words):
+    found = verify(step, key, examples=20, isolate=False)
+    assert found.passed is False
+    assert words in found.verdict
+
+
+def test_velocities_of_stages_show_the_tableau_with_its_times():
+    timed = read_coefficients(opened(of_stages("rk4")))
+    assert (timed.a[2], timed.b, timed.c) == ((0.0, 0.5, 0.0, 0.0), (1 / 6, 1 / 3, 1 / 3, 1 / 6), (0.0, 0.5, 0.5, 1.0))
+    assert read_coefficients(opened(gaffer)).c is None
+    kicked = read_coefficients(opened(kicks_of_half))
+    assert kicked.a_velocity == ((0.0, 0.0), (0.5, 0.0))
+    assert kicked.velocities_limit_order
+    assert not read_coefficients(opened(semi_implicit)).velocities_limit_order

@@ -1,0 +1,102 @@
+"""What a step takes from v of its own: a loss for each time by its law, a loss for each step as a fault."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import exp
+
+import numpy as np
+import pytest
+
+from driftproof import identify, verify
+from driftproof.blackbox.families.damping import read_damping
+from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.probes.scripted_answers import NotReadable
+from driftproof.blackbox.stepper.opening import opened
+
+
+def damped(factor: Callable[[float], float]):
+    """Symplectic Euler of a force, the velocity multiplied in each step."""
+
+    def step(force, x, v, dt):
+        v = (v + dt * force(x)) * factor(dt)
+        return x + dt * v, v
+
+    return step
+
+
+def of_oscillator(factor: Callable[[float], float]):
+    """The same of the oscillator."""
+    step = damped(factor)
+    return lambda x, v, dt: step(lambda q: -q, x, v, dt)
+
+
+def halves(force, x, v, dt):
+    """Velocity Verlet between two halves of the damping."""
+    loss = np.exp(-0.3 * dt / 2)
+    v = loss * v + dt / 2 * force(x)
+    x = x + dt * v
+    return x, loss * (v + dt / 2 * force(x))
+
+
+LAWS = [
+    (lambda h: np.exp(-0.3 * h), "exp(-3/10 h)", 0.3),
+    (lambda h: 0.5**h, "exp(-0.693147", 0.693147),
+    (lambda h: 1 - 0.3 * h, "1 - 3/10 h", 0.3),
+    (lambda h: 1 / (1 + h / 4), "1/(1 + 1/4 h)", 0.25),
+    (lambda h: (1 - h / 8) / (1 + h / 8), "(1 - 1/4 h/2)/(1 + 1/4 h/2)", 0.25),
+    (lambda h: 1 / (1 + h / 4) ** 2, "a law of h that is none of exp(-c h)", 0.5),
+]
+
+
+@pytest.mark.parametrize(("factor", "law", "rate"), LAWS, ids=[law for _, law, _ in LAWS])
+@pytest.mark.parametrize("made", [damped, of_oscillator])
+def test_a_loss_for_each_time_is_told_by_its_law_and_is_no_fault(made, factor, law, rate):
+    found = read_damping(opened(made(factor)))
+    assert law in found.lines[0]
+    assert f"as by a drag of {rate} v" in found.lines[0]
+    assert found.faults == []
+    assert found.data["rate"] == f"{rate:g}"
+    if made is damped:
+        assert found.order.order == 1
+        assert "with a drag, of order 1 as measured" in found.verdict
+
+
+@pytest.mark.parametrize("made", [damped, of_oscillator])
+@pytest.mark.parametrize(
+    "factor", [lambda h: 0.99, lambda h: 0.5, lambda h: 0.999 * np.exp(-h)], ids=["a percent", "half", "both"]
+)
+def test_a_loss_for_each_step_is_a_fault(made, factor):
+    found = read_damping(opened(made(factor)))
+    (fault,) = found.faults
+    assert f"is multiplied by {factor(0):g} in each step, however short" in fault
+    report = identify(made(factor), isolate=False)
+    assert fault in report.section("Faults").lines
+    assert fault in report.verdict
+
+
+def test_the_order_is_that_beside_the_drag():
+    report = identify(halves, isolate=False)
+    assert report.verdict.startswith("it is a step of a force with a drag, of order 2 as measured")
+    assert report.section("Faults") is None
+    assert "order 2 is seen on q'' = F(q) - 0.3 v" in "".join(report.section("Order").lines)
+    assert verify(halves, "velocity_verlet", examples=20, isolate=False).passed is False
+
+
+def test_what_takes_nothing_from_v_or_no_multiple_of_it_is_refused():
+    for made in (damped, of_oscillator):
+        with pytest.raises(UnsupportedCall, match="takes nothing from v"):
+            read_damping(opened(made(lambda h: 1.0)))
+    with pytest.raises(UnsupportedCall, match="takes nothing from v"):
+        read_damping(opened(lambda x, v, h: (x + h * v, v - h * x)))
+    with pytest.raises(UnsupportedCall, match="is its own"):
+        read_damping(opened(lambda f, t, y, h: y + h * f(t, y)))
+    with pytest.raises(NotReadable, match="no multiple"):
+        read_damping(opened(lambda force, x, v, h: (x + h * v, v + h * (force(x) - v * abs(v)))))
+    with pytest.raises(NotReadable, match="not linear"):
+        read_damping(opened(lambda x, v, h: (x + h * v, v - h * x - h * v**3)))
+    with pytest.raises(NotReadable, match=r"areas grow as 1 \+ 1 h: no drag"):
+        read_damping(opened(of_oscillator(lambda h: 1 + h)))
+    with pytest.raises(NotReadable, match="small steps follow no drag"):
+        read_damping(opened(lambda x, v, h: (x * (1 - h) + h * v, v - h * x)))
+    assert identify(damped(lambda h: exp(0)), isolate=False).data["damping"] is None
