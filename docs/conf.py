@@ -17,6 +17,8 @@ html_theme = "pydata_sphinx_theme"
 html_title = f"driftproof {release}"
 html_theme_options = {"show_toc_level": 2, "navigation_with_keys": False, "secondary_sidebar_items": ["page-toc"]}
 html_show_sourcelink = False
+html_static_path = ["static"]
+html_css_files = ["site.css"]
 myst_heading_anchors = 3
 # Links that lead out of docs/ are to files of the repository; that they are there, tests/outputs/test_docs.py holds.
 suppress_warnings = ["myst.xref_missing"]

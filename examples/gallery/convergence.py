@@ -217,7 +217,7 @@ def seen(run: Run) -> tuple[float, list[float]]:
 def main() -> None:
     """Print the table, a line for each finding whose package is installed."""
     warnings.simplefilter("ignore")
-    print("| package | solver | promised | seen | errors at t = 1 with 4, 8, 16, ... steps | what it is | to see it |")
+    print("| package | solver | promised | seen | what it is | errors at t = 1 with 4, 8, 16, ... steps | to see it |")
     print("| --- | --- | --- | --- | --- | --- | --- |")
     for one in FINDINGS:
         try:
@@ -227,7 +227,7 @@ def main() -> None:
         slope, errors = seen(one.run())
         shown = ", ".join(f"{x:.1e}" for x in errors)
         asked = f"`driftproof identify examples.gallery.on_{one.target}`"
-        cells = (f"{one.package} {at}", one.name, one.promised, f"{slope:.1f}", shown, one.what, asked)
+        cells = (f"{one.package} {at}", one.name, one.promised, f"{slope:.1f}", one.what, shown, asked)
         print(f"| {' | '.join(map(str, cells))} |", flush=True)
 
 
