@@ -69,7 +69,8 @@ def journey(page: str, folder: Path, programs: Path) -> str:
         ran = subprocess.run(
             ["bash", "-c", command], cwd=folder, env=given, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
         )
-        return f"$ {command}\n{SECONDS.sub(' in 1.00s', ran.stdout)}"
+        ended = "" if ran.stdout.endswith("\n") or not ran.stdout else "\n"  # head -c may cut a line
+        return f"$ {command}\n{SECONDS.sub(' in 1.00s', ran.stdout)}{ended}"
 
     return FILE_OR_CONSOLE.sub(done, page)
 
