@@ -8,7 +8,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from driftproof.methods.rationals import LARGEST_EXPONENT, LONGEST_TEXT, parse_rational, step_count
+from driftproof.methods.rationals import LARGEST_EXPONENT, LONGEST_SHOWN, LONGEST_TEXT, brief, parse_rational, step_count
 from driftproof.strategies import finite_floats, rational_steps, rationals
 
 SPELLED = {
@@ -95,6 +95,11 @@ def test_short_text_for_a_huge_number_is_refused_at_once(text: str) -> None:
 def test_refusal_shows_forty_characters_at_most_and_no_line_break() -> None:
     assert len(refusal("x" * 500)) < 200
     refusal("1\n2")
+
+
+def test_number_in_a_message_is_cut_where_it_is_too_long_and_only_there() -> None:
+    longest = Q(10 ** (LONGEST_SHOWN - 1))
+    assert (brief(longest), brief(-longest)) == (str(longest), f"{str(-longest)[: LONGEST_SHOWN - 3]}...")
 
 
 def refusal(text: str) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import cos, sin
+
 import numpy as np
 import pytest
 
@@ -146,3 +148,91 @@ def test_all_that_runs_show_is_what_it_was(name, as_before):
 def test_an_explicit_solver_that_is_deaf_to_its_error_is_not_taken_for_an_implicit_one():
     found = read(adaptive(growth_at_zero=4.0, estimate=lambda e: [0.0] * 4))
     assert len(found.seen["Stiffness"]) == 1
+
+
+def changed(start, change):
+    """Heun's method in 100 steps; where the state begins so, its times and states are changed."""
+
+    def solve(f, t_span, y0, rtol, atol):
+        found = fixed()(f, t_span, y0, rtol, atol)
+        return change(f, rtol, *found) if tuple(y0) == start else found
+
+    return solve
+
+
+def ending(shift=0.0, by=0.0):
+    """The last time and the last state are off by so much."""
+    return lambda f, rtol, t, y: ([*t[:-1], t[-1] + shift], [*y[:-1], y[-1] + by])
+
+
+def ending_at(time):
+    return lambda f, rtol, t, y: ([*t[:-1], time], y)
+
+
+def erring(first, last):
+    """The solution of q'' = -q at t = 6 but for an error that goes from the first to the last with the tolerance."""
+    end = np.array([cos(6.0), -sin(6.0)])
+    return lambda f, rtol, t, y: (
+        [0.0, rtol, 6.0],
+        [y[0], y[0], end + [first if rtol > 1e-5 else last, 0.0]],
+    )
+
+
+def following(steps, off=0.0):
+    """The solution cos t, in so many steps, and off at the end."""
+    times = np.linspace(0.1, 1.8, steps + 1)
+    return lambda f, rtol, t, y: (times, [[cos(t) + off * (t > 1.7)] for t in times])
+
+
+def asking_beyond(by):
+    return lambda f, rtol, t, y: (f(1.8 + by, y[-1]), ending_at(1.8)(f, rtol, t, y))[1]
+
+
+def in_hundredths(f, rtol, t, y):
+    times = [0.1]
+    while times[-1] < 1.8:
+        times.append(times[-1] + 0.01)
+    return times, [[t - 0.1, 0.0] for t in times]
+
+
+CONSTANT, CLOCK, BACKWARD, STIFF, CIRCLE = (0.5,), (0.0, 0.0), (1.0,), (cos(0.1),), (1.0, 0.0)
+LITTLE_BOUGHT = "a tolerance 1000 times smaller"
+# Of a step of 0.017 the last one is cut, or one too many, or something else; a clock of 24 bits is no error.
+SAID = [
+    (CONSTANT, ending(by=4e-4), "u' = 0 ends at u = 0.5004"),
+    (CLOCK, ending_at(1.817), "one step too many, or a last one that is not cut"),
+    (CLOCK, ending_at(1.802), "the last step ends 0.002 from the end"),
+    (CLOCK, ending_at(1.794), "one step too few: it ends 0.006 before"),
+    (CLOCK, ending_at(1.798), "the last step ends -0.002 from the end"),
+    (CLOCK, ending_at(1.79), "the last step ends -0.01 from the end"),
+    (CLOCK, ending_at(1.8 + 2.0**-42), "the last step ends 2.27374e-13 from the end"),
+    (CLOCK, ending_at(1.8 + 2.0**-46), "rounding errors of 100 steps"),
+    (CLOCK, ending(by=1e-12), "drift apart by 1e-12"),
+    (CLOCK, asking_beyond(1e-9), "f is called up to 1e-09 beyond the end"),
+    (CLOCK, in_hundredths, "time is accumulated, t += h in binary64"),
+    (BACKWARD, ending(by=0.2), "backward in time, from 1 to 0, it ends at t = "),
+    (BACKWARD, ending(shift=1e-3), "and does not say so"),
+    (CIRCLE, erring(1e-3, 1.1e-4), LITTLE_BOUGHT),
+    (CIRCLE, erring(2e-12, 2e-12), LITTLE_BOUGHT),
+    (CIRCLE, erring(1e-3, 5e-5), "the largest error over rtol is 50"),
+    (STIFF, following(15), "it solves for its steps"),
+    (STIFF, following(15, off=0.05), "it solves for its steps"),
+]
+NOT_SAID = [
+    (CONSTANT, ending(by=3e-4), "u' = 0 ends at"),
+    (CLOCK, ending_at(1.8 - 1e-15), "f is called up to"),
+    (CLOCK, ending(by=1e-13), "drift apart"),
+    (BACKWARD, ending(shift=1e-4, by=0.05), "backward in time, from"),
+    (CIRCLE, erring(1e-3, 0.9e-4), LITTLE_BOUGHT),
+    (CIRCLE, erring(1e-12, 1e-12), LITTLE_BOUGHT),
+    (STIFF, following(19), "it solves for its steps"),
+    (STIFF, following(15, off=0.2), "it solves for its steps"),
+]
+
+
+@pytest.mark.parametrize("is_said", [True, False])
+def test_what_is_off_by_much_is_said_and_by_little_not(is_said):
+    for start, change, words in some(SAID if is_said else NOT_SAID, 8):
+        found = read(changed(start, change))
+        lines = [*found.faults, *(line for lines in found.seen.values() for line in lines)]
+        assert any(words in line for line in lines) == is_said, words
