@@ -8,7 +8,14 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from driftproof.methods.rationals import LARGEST_EXPONENT, LONGEST_SHOWN, LONGEST_TEXT, brief, parse_rational, step_count
+from driftproof.methods.rationals import (
+    LARGEST_EXPONENT,
+    LONGEST_SHOWN,
+    LONGEST_TEXT,
+    brief,
+    parse_rational,
+    step_count,
+)
 from driftproof.strategies import finite_floats, rational_steps, rationals
 
 SPELLED = {

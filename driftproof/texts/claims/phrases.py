@@ -167,7 +167,7 @@ class Phrase:
             elif len(match[0]) == 1:
                 raise ValueError(f"{match[0]!r} stands alone; a value is {{name}}, a brace itself {{{{ or }}}}")
             else:
-                literals[-1] += match[0][0]
+                literals[-1] += match[0][:1]
         literals[-1] += text[done:]
         if twice := next((name for name in names if names.count(name) > 1), None):
             raise ValueError(f"{{{twice}}} stands in it twice")

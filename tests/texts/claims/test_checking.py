@@ -54,6 +54,14 @@ def test_finding_is_the_place_that_comes_closest() -> None:
     assert findings("from 0.1 to 0.2\nfrom 0.3 to 0.5\nfrom 0.2 to 0.4", one) == [(2, 6, "0.33", "0.3")]
 
 
+def test_phrase_that_is_not_there_is_missed_where_its_longest_beginning_stands() -> None:
+    one = claim("the\nenergy grows by {value}", "given = true")
+    text = "the end of\nthe energy is near, and\nthe energy grows slowly"
+    assert findings(text, one) == [(3, 1, "the\nenergy grows by 0.33", "the energy grows slowly")]
+    assert findings(text.replace("grows", "falls"), one)[0][:2] == (2, 1)
+    assert findings("nothing of it", one) == [(1, 1, "the\nenergy grows by 0.33", "")]
+
+
 def test_finding_in_cells_that_run_together_shows_the_run() -> None:
     assert findings("Euler2.3905.15240", claim("Euler2.390{value}", "given = true", "5.15140")) == [
         (1, 6, "2.3905.15140", "2.3905.15240")

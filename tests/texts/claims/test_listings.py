@@ -207,6 +207,13 @@ def test_text_without_listings_starts_no_process(monkeypatch: pytest.MonkeyPatch
     assert run_listings(document_of("0.5", "markdown")).count == 0
 
 
+def test_answer_of_a_listing_that_is_none_is_no_outcome(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As where a program writes into the pipe through which its outcome comes."""
+    monkeypatch.setattr(listings.Session, "ask", lambda self, *order: {"printed": 7, "error": None})
+    (finding,) = run_listings(document_of("```python\nprint(1)\n```\n", "markdown")).findings
+    assert "an answer that is none" in finding.found
+
+
 @given(
     st.lists(
         st.sampled_from(

@@ -25,6 +25,8 @@ HOSTILE = [
     ("{{ 'a' * 9 }}", 4, "* is not for a template"),
     ("{{ [0] * 10 }}", 4, "* is not for a template"),
     ("{{ '%999999999d' % 1 }}", 4, "% is not for a template"),
+    ("{{ '%d' % 'a' }}", 4, "% is not for a template"),
+    ("{{ [1] + [2] }}", 4, "+ is not for a template"),
     ("{{ 10**10**10 }}", 4, "** is not for a template"),
     ("{{ 1/3 }}", 4, "/ is not for a template; value('1/3 + 1/6') computes exactly"),
     ("{{ 1 // 0 }}", 4, "integer division or modulo by zero"),
