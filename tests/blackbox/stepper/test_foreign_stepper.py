@@ -219,3 +219,59 @@ def test_a_call_is_written_with_the_maker_of_its_numbers():
 def test_nan_and_infinity_are_written_as_python_reads_them():
     subject = opened(plain)
     assert call_text(subject, math.nan, -inf, 0.1) == 'step(float("nan"), float("-inf"), 0.1)'
+
+
+def forward_euler(asked):
+    def step(f, t, y, h):
+        asked.append([float(x) for x in y])
+        return y + h * f(t, y)
+
+    return step
+
+
+@pytest.mark.parametrize(("interleaved", "start"), [(False, [1.0, 2.0, 0.75, 0.5]), (True, [1.0, 0.75, 2.0, 0.5])])
+def test_positions_and_velocities_come_back_apart_in_whichever_order_the_code_has_them(interleaved, start):
+    asked = []
+    subject = opened(forward_euler(asked), "field")
+    spring = lambda t, q: [-4 * q[0] - t, -8 * q[1]]
+    found = subject.step_forced(spring, 8.0, [1.0, 2.0], [0.75, 0.5], H, interleaved=interleaved)
+    assert (found, asked[-1]) == ([1.1875, 2.125, -2.25, -3.5], start)
+
+
+def test_several_states_are_stepped_at_once_where_position_and_velocity_are_apart():
+    def step(force, q, v, t, h):
+        return q + h * v + t, v + h * force(q)
+
+    ends = [(1.1875, 0.5), (2.125, 0.0)]
+    assert opened(step).step_batch([1.0, 2.0], [0.75, 0.5], H) == ends
+    with pytest.raises(UnsupportedCall, match="one array, which is one state"):
+        opened(field).step_batch([1.0, 2.0], [0.75, 0.5], H)
+
+
+def test_each_call_is_said_to_be_over_also_where_it_raises():
+    told = []
+
+    def step(q, v, h):
+        if q > 1:
+            raise RuntimeError("large")
+        return map_of_numbers(q, v, h)
+
+    subject = opened(step, before=lambda call: told.append(1), after=lambda: told.append(-1))
+    with pytest.raises(StepRaised):
+        subject.step(2.0, 0.0, H)
+    assert told == [1, -1, 1, -1]
+
+
+def test_a_copy_remembers_nothing_and_what_cannot_be_copied_is_refused():
+    class Accelerating:
+        pushed = 0.0
+
+        def __call__(self, q, v, h):
+            self.pushed += h
+            return q + h * v, v - self.pushed * q
+
+    subject = opened(Accelerating())
+    first = subject.fresh().step(*STATE, H)
+    assert first == subject.fresh().step(*STATE, H) == EULER != subject.step(*STATE, H)
+    with pytest.raises(UnsupportedCall, match="no copy"):
+        replace(subject, pristine=None).fresh()
