@@ -25,7 +25,7 @@ _SIZES = (3, 2, 1)
 _LOOKED_AT = 8
 # A solver of stages that begins with its last solution leaves less, another method more.
 _ALIKE = 2.0**-10
-# The slopes are bent by less than so much of the state, so that h times that contracts with h up to 1.
+# The slopes are bent by less than so much of the state, so that h times that contracts with the h of 1 of these runs.
 _BEND = 0.125
 
 
@@ -127,7 +127,7 @@ class MarkedRuns:
                 return [_mark(i, x * _PLACES) for i, x in enumerate(state)]
             place = ((y[-1] if self.clock else at) - t) / h * _PLACES
             moved = [*state[1:], state[0]]
-            bend = _BEND / h**self.derivative if bent else 0.0
+            bend = _BEND if bent else 0.0
             pairs = enumerate(zip(state, moved, strict=True))
             return [_mark(i, place) + bend * z / (1 + x * x + z * z) for i, (x, z) in pairs]
 

@@ -64,6 +64,14 @@ class Corrected(Remembering):
         return y + h / 24 * (9 * f(t + h, guess) + 19 * f1 - 5 * f2 + f3)
 
 
+class Displaced(Remembering):
+    """Its right-hand side is asked beside the states that it returns."""
+
+    def step(self, f, t, y, h):
+        """One step."""
+        return super().step(lambda at, x: f(at, x + h / 4), t, y, h)
+
+
 class Stormer:
     """q' = v, v' = force(q) by differences of positions; its first step is right, or leaves the force out."""
 
@@ -98,6 +106,16 @@ def run_of_adams_bashforth2(f, y0, ts):
         slope = f(t, ys[-1])
         ys.append(ys[-1] + (after - t) * (slope if old is None else 1.5 * slope - 0.5 * old))
         old = slope
+    return np.array(ys)
+
+
+def run_of_three_methods(f, y0, ts):
+    """Adams-Bashforth's of three steps, begun by that of two, begun by Euler's."""
+    weights, ys, slopes = ([1.0], [1.5, -0.5], [23 / 12, -16 / 12, 5 / 12]), [np.array(y0)], []
+    for t, after in pairwise(ts):
+        slopes.insert(0, f(t, ys[-1]))
+        row = weights[min(len(slopes), 3) - 1]
+        ys.append(ys[-1] + (after - t) * sum(b * k for b, k in zip(row, slopes, strict=False)))
     return np.array(ys)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from math import pi
 
 import pytest
 
@@ -11,7 +12,7 @@ from driftproof.blackbox.verify import verify
 from driftproof.methods.catalogue import FACTS_ONLY
 from driftproof.methods.multistep import Multistep
 from tests.blackbox.families import remembering_steppers as planted
-from tests.blackbox.families.remembering_steppers import Corrected, Remembering, Stormer, euler, rk4_step
+from tests.blackbox.families.remembering_steppers import Corrected, Displaced, Remembering, Stormer, euler, rk4_step
 
 EXPLICIT = [key for key, m in FACTS_ONLY.items() if isinstance(m, Multistep) and m.explicit and m.derivative == 1]
 IMPLICIT = ["adams_moulton2", "adams_moulton4", "bdf2", "bdf3", "bdf6", "milne_simpson"]
@@ -62,6 +63,16 @@ def test_what_remembers_is_read_in_every_form(step):
         (Remembering("adams_bashforth2", euler).step, "adams_bashforth3", "it is adams_bashforth2"),
         (Corrected("adams_moulton3", rk4_step).step, "adams_moulton3", "asked at what adams_bashforth4 predicts"),
         (Remembering("bdf2", euler, most=1).step, "bdf2", "its equations are solved to"),
+        (
+            Displaced("adams_bashforth2", euler).step,
+            "adams_bashforth2",
+            "its right-hand side is not asked at the states that it returns",
+        ),
+        (
+            lambda f, t, y, h: y + 0.875 * h * f(t, y),
+            "adams_bashforth2",
+            "each step is made of the state before alone; it is not consistent: rho'(1) - sigma(1) = 1/8",
+        ),
         (Stormer(right=False).step, "stormer2", "first values are off like h^2"),
         (rk4_step, "adams_bashforth4", "its steps keep no recurrence of up to 8 steps"),
     ],
@@ -80,6 +91,27 @@ def test_a_weight_off_by_1e_13_is_no_longer_the_method():
 def test_stormers_positions_are_told_from_velocity_verlets_velocities():
     assert verify(Stormer().step, "stormer2", isolate=False).passed
     assert "it is stormer2" in identify(Stormer().step, isolate=False).verdict
+
+
+def test_a_recurrence_of_no_fractions_is_told_by_its_digits():
+    step = Remembering("adams_bashforth2", euler, sigma=[1 - pi / 2, pi / 2, 0.0]).step
+    assert identify(step, isolate=False).verdict == (
+        "it is a multistep method of 2 steps, adams_bashforth2 but for sigma[0]: -0.5707963267948977 instead of -1/2; "
+        "sigma[1]: 1.570796326794896 instead of 3/2, started by forward_euler"
+    )
+
+
+def test_a_start_by_several_methods_is_told_step_by_step():
+    assert identify(planted.run_of_three_methods, isolate=False).verdict == (
+        "it is adams_bashforth3, started by forward_euler and adams_bashforth2; its start is not good enough: first "
+        "values are off like h^2, and whole runs have order 2, not 3"
+    )
+
+
+def test_a_run_that_returns_its_last_state_alone_leaves_it_undecided():
+    report = verify(lambda f, y0, ts: planted.run_of_adams_bashforth2(f, y0, ts)[-1], "adams_bashforth2", isolate=False)
+    assert report.passed is None
+    assert "a run returns no state but its last one" in report.verdict
 
 
 def test_a_start_that_cannot_be_seen_leaves_it_undecided():
