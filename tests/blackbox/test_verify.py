@@ -472,6 +472,21 @@ def test_no_verdict_hangs_on_assert_statements():
     assert (found.returncode, "is not forward_euler" in found.stdout) == (1, True)
 
 
+def test_a_code_runs_in_another_process_unless_told_otherwise():
+    here = []
+
+    def euler(q, v, h):
+        here.append(h)
+        return q + h * v, v - h * q
+
+    verify(euler, "forward_euler", examples=2)
+    assert_verified(euler, "forward_euler", examples=2)
+    identify(euler)
+    assert here == []
+    verify(euler, "forward_euler", examples=2, isolate=False)
+    assert len(here) > 2
+
+
 def test_assert_statements_of_the_package_only_narrow_types():
     statements = [
         (path, node)

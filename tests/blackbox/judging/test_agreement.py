@@ -120,6 +120,18 @@ def backwards_another(q, v, h):
     return symplectic_euler(q, v, h if h > 0 else h / 2)
 
 
+def test_a_step_back_that_is_refused_is_left_open():
+    def forwards(q, v, h):
+        if h < 0:
+            raise ValueError("forwards only")
+        return symplectic_euler(q, v, h)
+
+    passed, words, call = steps_back(opened(forwards), METHODS["symplectic_euler"])
+    assert (passed, call) == (None, "")
+    assert words.startswith("h < 0 is refused: ")
+    assert "forwards only" in words
+
+
 def rows_mixed(q, v, h):
     q1, v1 = symplectic_euler(q, v, h)
     return (q1, v1) if np.size(q) == 1 else (q1[::-1], v1)

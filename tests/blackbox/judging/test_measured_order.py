@@ -1,5 +1,7 @@
 """The order seen on nonlinear problems: right for right methods, lower for wrong ones, in balls and in floats."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -106,6 +108,11 @@ def test_a_code_of_one_number_is_measured_on_one(as_before):
     (found,) = measured_orders(opened(codes.rk4_of_one_number))
     as_before(found.words)
     assert (found.order, found.problem) == (4, "a nonlinear problem of 1 number, with t")
+
+
+def test_of_one_number_and_without_t_an_order_is_measured_as_well():
+    found = measured_orders(opened(lambda f, y, h: math.fsum([y, h * f(y)])))[0]
+    assert (found.order, found.problem) == (1, "y' = exp(-y), without t: the code hands on no time")
 
 
 EXPLICIT = [key for key, method in METHODS.items() if isinstance(method, RungeKutta) and method.explicit]

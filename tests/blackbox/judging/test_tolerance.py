@@ -1,5 +1,6 @@
 """The tolerance of one step: the any-order bound, which right programs keep and a wrong 13th digit does not."""
 
+from contextlib import nullcontext
 from fractions import Fraction
 from math import inf, ldexp, nan
 
@@ -92,6 +93,16 @@ def test_flushing_subnormals_is_allowed_only_where_it_is_asked_for():
     assert max(ratios(EULER, flushed, q, v, h)) > 1
     assert max(ratios(EULER, flushed, q, v, h, flush_to_zero=True)) <= 1
     assert max(ratios(EULER, (1.0, 0.0), 1.0, 1.0, 0.5, flush_to_zero=True)) > 1
+
+
+@pytest.mark.parametrize(
+    ("method", "state", "h", "overflows"),
+    [(EULER, 7e307, 0.25, False), (EULER, 8e307, 0.25, True), (RK4, 1e-300, 1e78, True), (RK4, 1e-300, 1e77, False)],
+)
+def test_sizes_have_room_where_no_sum_and_no_power_of_h_overflows(method, state, h, overflows):
+    refused = pytest.raises(ValueError, match="where binary64 overflows; choose smaller sizes")
+    with refused if overflows else nullcontext():
+        Tolerance(method).demand_room(state, h)
 
 
 def test_a_tolerance_of_the_solver_is_for_implicit_methods_only():

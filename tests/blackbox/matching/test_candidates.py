@@ -28,6 +28,7 @@ RELATIVES = [
     (codes.repeated(codes.midpoint, 3), "midpoint2, 3 steps of h/3"),
     (codes.repeated(codes.dopri5, 2), "dormand_prince54, 2 steps of h/2"),
     (with_step(codes.rk38, 0.5), "rk38, with the step 1/2 h in place of h"),
+    (with_step(codes.rk38, -1), "rk38, with the step -1 h in place of h"),
     (with_step(codes.rk38, 1 / 3), "rk38, with the step 1/3 h in place of h"),
     (embedded("fehlberg45"), "fehlberg45, with the embedded weights propagated"),
     (codes.midpoint_iterated(3), "implicit_midpoint, with 3 fixed-point iterations"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
-from math import cos, sin
+from math import cos, cosh, sin, sinh
 
 import numpy as np
 import pytest
@@ -77,6 +77,16 @@ def test_a_stepper_that_raises_at_long_steps_is_named_by_the_short_ones():
 def test_a_step_to_nowhere_is_no_method():
     assert fit(lambda q, v, h: (0.0, 0.0)).best is None
     assert fit(lambda q, v, h: (v, -q)).best is None
+
+
+def test_the_exact_solution_is_named_where_the_force_repels_too():
+    def repelled(q, v, h):
+        c, s = cosh(h / 2), sinh(h / 2)
+        return q * c + 2 * v * s, q * s / 2 + v * c
+
+    found = fit(repelled)
+    assert (found.best.words, found.stiffness) == ("the exact solution", Q(-1, 4))
+    assert found.lines[-1] == "no difference from the exact solution up to h^23"
 
 
 def test_an_adaptive_stepper_is_not_named():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
-from math import sin
+from math import sin, tanh
 
 import numpy as np
 import pytest
@@ -44,6 +44,18 @@ def test_a_pendulum_is_read_at_tiny_states_where_it_is_linear():
     assert found.amplitude < 1e-17
     assert (found.best.methods, found.stiffness) == (("symplectic_euler",), Q("9.81"))
     assert any("not linear at ordinary size" in line for line in found.lines)
+
+
+def test_a_step_that_bends_at_ordinary_size_is_named_where_it_is_linear_and_compared_where_it_is_not():
+    def bending(force, q, v, h):
+        v = tanh(v + h * force(q))
+        return q + h * v, v
+
+    found = fit(bending)
+    assert (found.kind, found.best.methods) == (LINEARISED, ("symplectic_euler",))
+    # From (0, 1) and (1, 0) by h = 1/4: tanh(1) for 1 is the largest difference, and h of that in the position.
+    assert (found.nearest.h, found.nearest.off) == (0.25, pytest.approx(1 - 0.25**2 - tanh(1.0)))
+    assert found.nearest.methods == ("symplectic_euler_position_first",)
 
 
 def test_a_force_without_a_linear_part_is_not_linearised():

@@ -72,6 +72,19 @@ def test_first_slopes_of_rejected_attempts_leave_traces(as_before):
     assert found.law is not None
 
 
+@pytest.mark.parametrize(("by", "faults"), [(1e-9, 1), (1e-16, 0)])
+def test_a_step_that_ends_elsewhere_is_counted_unless_rounding_explains_it(by, faults):
+    def solve(f, t_span, y0, rtol, atol):
+        found = adaptive()(f, t_span, y0, rtol, atol)
+        found.y[len(found.t) // 2 :] += by * (len(found.t) > 100)  # in the run of many steps alone
+        return found
+
+    words = [fault.partition(" of ")[::2] for fault in read(solve).faults]
+    assert [(count, rest.partition(" ")[2]) for count, rest in words] == [
+        ("1", "steps are not of this method: they do not end where its weights say")
+    ] * faults
+
+
 def test_steps_that_no_error_moves_are_at_fault():
     zero = read(adaptive(estimate=lambda e: [0.0] * len(e)))
     assert zero.faults == ("the step size does not depend on the error: every step is 4 times the one before",)

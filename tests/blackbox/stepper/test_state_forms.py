@@ -60,3 +60,10 @@ def test_a_force_that_is_not_divided_by_its_mass_is_seen():
 def test_a_complex_number_is_read_the_way_it_turns():
     assert opened(lambda z, h: z - 1j * h * z).step(1.0, 0.75, 0.25) == (1.1875, 0.5)
     assert opened(lambda z, h: z + 1j * h * z).step(1.0, 0.75, 0.25) == (1.1875, 0.5)
+
+
+@pytest.mark.parametrize(
+    "answer", [lambda q, v: {"velocity": v, "x": q}, lambda q, v: {"a": q, "b": v}], ids=["names", "order"]
+)
+def test_what_is_returned_is_read_by_its_names_or_in_its_order(answer):
+    assert opened(lambda q, v, h: answer(q + h * v, v - h * q)).step(1.0, 0.75, 0.25) == (1.1875, 0.5)
