@@ -47,7 +47,8 @@ class MultistepReading:
     def verdict(self) -> str:
         """What it is, in one line."""
         started = f", started by {self.start.name}" if self.start is not None and self.start.name else ""
-        return "; ".join([f"it is {self.recurrence.name}{started}", *self.faults])
+        name = self.recurrence.name
+        return "; ".join([f"it is {name}{started}", *(fault for fault in self.faults if not name.endswith(fault))])
 
     @property
     def key(self) -> str | None:

@@ -254,5 +254,5 @@ def prothero_robinson(method: RungeKutta | Collocation, power: int) -> RationalF
     nodes = data.power(power - 1)
     defects = [x / power - y for x, y in zip(data.power(power), data.applied(nodes), strict=True)]
     quadrature = fraction(ONE * (fmpq(1, power) - data.weighed(nodes)))
-    total = quadrature + fraction(X) * resolvent(data, defects) if any(d != 0 for d in defects) else quadrature
+    total = quadrature + fraction(X) * resolvent(data, defects) if any(defects) else quadrature
     return total * fraction(ONE / factorial(power - 1))

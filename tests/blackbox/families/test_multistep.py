@@ -93,6 +93,15 @@ def test_stormers_positions_are_told_from_velocity_verlets_velocities():
     assert "it is stormer2" in identify(Stormer().step, isolate=False).verdict
 
 
+def test_a_right_hand_side_that_is_asked_beside_the_states_is_a_fault_that_is_said_once():
+    beside = "its right-hand side is not asked at the states that it returns"
+    for sigma, end in ((None, f"adams_bashforth2, but {beside}"), ([-1 / 3, 4 / 3, 0.0], f"instead of 3/2; {beside}")):
+        report = identify(Displaced("adams_bashforth2", euler, sigma=sigma).step, isolate=False)
+        assert report.section("Faults").lines == (beside,)
+        assert report.verdict.endswith(end)
+        assert report.verdict.count(beside) == 1
+
+
 def test_a_recurrence_of_no_fractions_is_told_by_its_digits():
     step = Remembering("adams_bashforth2", euler, sigma=[1 - pi / 2, pi / 2, 0.0]).step
     assert identify(step, isolate=False).verdict == (
