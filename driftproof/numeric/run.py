@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from math import isfinite
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -14,8 +14,10 @@ from driftproof.methods.rationals import brief
 from driftproof.methods.stepping import Force, Step, oscillator
 from driftproof.numeric import readouts
 from driftproof.numeric.readouts import FloatOrArray, FloatState
-from driftproof.numeric.scenes import Scene
 from driftproof.numeric.steppers import CountedForce, float_stepper
+
+if TYPE_CHECKING:
+    from driftproof.numeric.scenes import Scene
 
 # Readout name -> value: floats, ints, pairs, arrays (trajectory), or None where undefined.
 Readouts: TypeAlias = dict[str, Any]

@@ -8,10 +8,8 @@ infinities and NaN pass through by the rules of IEEE 754.
 
 from __future__ import annotations
 
-from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Method
 from driftproof.methods.stepping import Force, Number, Step, oscillator, stepper
-from driftproof.methods.tableau_file import method_of
 
 
 def forward_euler(force: Force, q: Number, v: Number, h: Number) -> tuple[Number, Number]:
@@ -49,12 +47,16 @@ HAND_WRITTEN: dict[str, Step] = {
 
 def hand_written(method: Method) -> Step | None:
     """The hand-written step of a method of the catalogue; a method of a user's own that has its key is another."""
+    from driftproof.methods.catalogue import METHODS
+
     written = HAND_WRITTEN.get(method.key)
     return written if written and method is METHODS[method.key] else None
 
 
 def float_stepper(method: Method | str) -> Step:
     """The stepper that float runs of a method use, or of that of this name: the hand-written one where there is one."""
+    from driftproof.methods.tableau_file import method_of  # loads the catalogue and the reader of files
+
     method = method_of(method)
     return hand_written(method) or stepper(method, float)
 

@@ -6,13 +6,12 @@ import re
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from driftproof.methods.rationals import ExactNumber, steps_of
 from driftproof.methods.schemes import Method
 from driftproof.methods.stepping import oscillator
 from driftproof.methods.tableau_file import method_of
-from driftproof.numeric.run import Counter, NonFiniteState, demand_few, integrate, nearest_double
 from driftproof.numeric.steppers import float_stepper, hand_written
 from driftproof.support.plain_text import Json, table
 from driftproof.support.results import Answered
@@ -27,7 +26,10 @@ from driftproof.symbolic.rounding.text import first_order_text, format_text, ful
 from driftproof.symbolic.runs import OscillatorRun, exact_matrix_at
 from driftproof.texts.writing.answers import exact_and_decimal
 
-_State: TypeAlias = tuple[Fraction, Fraction]
+if TYPE_CHECKING:
+    from driftproof.numeric.run import Counter
+
+_DECIMAL = re.compile(r"\d\.\d")
 # Bounds are quoted, not compared: few digits say enough.
 BOUND_DIGITS = 6
 # What is measured of a float run, or null where it overflows.
@@ -109,6 +111,8 @@ def budget_answer(asked: OscillatorRun, digits: int, rounding: str, counter: Cou
     The run uses the double nearest to h, and the state is compared at N times that double: what is reported is
     the error of the numbers that the program really has. A run that overflows has no such error: then only "reason".
     """
+    from driftproof.numeric.run import NonFiniteState, demand_few, integrate, nearest_double  # loads NumPy
+
     method, h, start, steps = asked.method, asked.h, asked.start, asked.steps
     demand_few(steps)
     size, *state = (nearest_double(x, name) for x, name in ((h, "h"), (start[0], "q"), (start[1], "v")))
@@ -135,7 +139,7 @@ def _in_u(value: CertifiableReal) -> CertifiableReal:
     return value / BINARY64.u if isinstance(value, Fraction) else lambda: enclose(value) / enclose(BINARY64.u)
 
 
-def _theorem(method: Method, h: Fraction, steps: int, start: _State) -> Json:
+def _theorem(method: Method, h: Fraction, steps: int, start: tuple[Fraction, Fraction]) -> Json:
     try:
         bound = run_bound(_program(method), h, steps, start).euclidean
     except HypothesisFails as reason:
@@ -149,14 +153,11 @@ def roundoff_text(answer: Json) -> str:
         f"{answer['title']} ({answer['method']}), {answer['program']} step, {answer['format']}",
         "To first order in u, for h >= 0:\n" + "\n".join(f"  {line}" for line in answer["first_order"]),
         "In full, |dz| <= E(h)|z| + r(h):\n" + "\n".join(f"  {line}" for line in answer["full"]),
+        _about(answer),
     ]
-    parts.append(_about(answer))
     if any(_DECIMAL.search(line) for line in (*answer["first_order"], *answer["full"])):
         parts.append("Decimals in the formulas stand for fractions too long to read, and are rounded up.")
     return "\n\n".join([*parts, *(_at_text(at) for at in answer["at"])])
-
-
-_DECIMAL = re.compile(r"\d\.\d")
 
 
 def _about(answer: Json) -> str:
