@@ -63,7 +63,8 @@ def journey(page: str, folder: Path, programs: Path) -> str:
         if name:
             (folder / name).write_text(content, encoding="utf-8")
             return match[0]
-        return f"```console\n{''.join(said(command) for command in COMMAND.findall(console))}```"
+        answers = "\n".join(map(said, COMMAND.findall(console)))  # a blank line before the next command
+        return f"```console\n{answers}```"
 
     def said(command: str) -> str:
         ran = subprocess.run(

@@ -71,6 +71,6 @@ def _block(lines: Sequence[str]) -> str:
     blank = "".join(" " if all(line[i : i + 1] in ("", " ") for line in lines) else "x" for i in columns)
     spans = [match.span() for match in re.finditer(r"x+(?: x+)*", blank)]  # two blanks part columns, one parts words
     if len(spans) < 2:
-        return f"<pre>{escape(chr(10).join(lines))}</pre>"
+        return f'<pre style="white-space: pre-wrap">{escape(chr(10).join(lines))}</pre>'
     rows = ("".join(f"<td>{escape(line[a:b].strip())}</td>" for a, b in spans) for line in lines)
     return f"<table>{''.join(f'<tr>{row}</tr>' for row in rows)}</table>"

@@ -49,5 +49,5 @@ def test_a_wrong_line_is_noticed(programs, tmp_path):
     page = "This is `a.txt`:\n\n```text\none\n```\n\n```console\n$ cat a.txt\ntwo\n$ driftproof --version\n"
     page += "$ head -c 2 a.txt\n```\n"
     told = journey(page, tmp_path, programs)
-    assert "$ cat a.txt\none\n$ driftproof --version\ndriftproof " in told
+    assert "$ cat a.txt\none\n\n$ driftproof --version\ndriftproof " in told
     assert told.endswith("$ head -c 2 a.txt\non\n```\n")  # a line cut off does not take the fence with it
