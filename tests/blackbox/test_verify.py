@@ -472,6 +472,39 @@ def test_no_verdict_hangs_on_assert_statements():
     assert (found.returncode, "is not forward_euler" in found.stdout) == (1, True)
 
 
+def with_estimate(f, t, y, h):
+    y1 = rk4_in_a_field(f, t, y, h)
+    return y1, y1 - y - h * f(t, y)
+
+
+def with_estimate_of_small_states(f, t, y, h):
+    return with_estimate(f, t, y, h) if max(map(abs, y)) < 2 else rk4_in_a_field(f, t, y, h)
+
+
+def iterated_three_times(f, t, y, h):
+    return y + h * f(t + h, y + h * f(t + h, y + h * f(t + h, y)))
+
+
+@pytest.mark.parametrize(
+    ("step", "key", "title", "words"),
+    [
+        (with_estimate, "rk4", "Error estimate: not asked", "rk4 has none"),
+        (
+            with_estimate_of_small_states,
+            "rk4",
+            "Error estimate: not asked",
+            "it returns something beside y1 at some steps only",
+        ),
+        (iterated_three_times, "backward_euler", "Coefficients: undecided", "read as 3 explicit stages"),
+    ],
+)
+def test_what_is_nobody_s_claim_is_said_and_is_no_verdict(step, key, title, words):
+    allowance = Allowance(solver_tolerance=1e-9) if key == "backward_euler" else Allowance()
+    report = verify(step, key, allowance=allowance, examples=20, isolate=False)
+    assert report.section(title).lines[0].startswith(words)
+    assert report.passed is (key == "rk4")
+
+
 def test_a_code_runs_in_another_process_unless_told_otherwise():
     here = []
 

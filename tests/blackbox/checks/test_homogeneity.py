@@ -24,6 +24,11 @@ FAULTS = [
         "subnormals",
         "subnormal numbers become 0: q below 2.37e-308",
     ),
+    (
+        then("q, v = (1.5 * x if abs(x) < 2.0**-1022 else x for x in (q, v))"),
+        "subnormals",
+        "q near 3.2e-311 has another answer",
+    ),
     (WRAPPED_PENDULUM, "small_digits", "small states lose digits: the error stays at up to 4e-16"),
     (
         code("size = np.float64(q * q + v * v)\nq, v = plain(q / size, v / size, h)\nreturn q * size, v * size"),

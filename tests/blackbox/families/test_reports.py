@@ -3,6 +3,8 @@
 import json
 import re
 
+import pytest
+
 from driftproof.blackbox.identify import identify
 from driftproof.blackbox.verify import verify
 from tests.blackbox import broken_steppers
@@ -36,6 +38,17 @@ def test_a_stepper_that_hangs_is_undecided_and_one_that_raises_gives_no_answer()
     report = verify(_raising, "bdf2", isolate=False)
     assert report.passed is False
     assert report.verdict.startswith("gives no answer")
+
+
+def test_two_functions_of_no_known_method_are_said_to_be_none():
+    report = identify(lambda f, g, t, y, h: y + h * abs(f(t, y)) * g(t, y), calls="imex", isolate=False)
+    assert report.verdict == "it is no method that is known here: no stage of it has a weight"
+    assert json.loads(report.json())["not_answered"][0]["kind"] == "not_readable"
+
+
+def test_a_stepper_that_is_not_there_is_refused():
+    with pytest.raises(ValueError, match="no_such_module:step cannot be imported"):
+        verify("no_such_module:step", "ars111", isolate=False)
 
 
 def test_each_example_of_the_page_gets_the_verdict_that_stands_below_it():

@@ -10,7 +10,7 @@ import pytest
 from driftproof.blackbox.solvers.foreign_solver import ForeignSolver
 from driftproof.blackbox.solvers.identify_solver import identify_solver
 from driftproof.blackbox.solvers.runs import read_runs
-from tests.blackbox.solvers.planted_solvers import adaptive, fixed
+from tests.blackbox.solvers.planted_solvers import Answer, adaptive, fixed
 from tests.blackbox.transcripts import Asked
 from tests.looping import some
 
@@ -195,7 +195,16 @@ def in_hundredths(f, rtol, t, y):
     return times, [[t - 0.1, 0.0] for t in times]
 
 
-CONSTANT, CLOCK, BACKWARD, STIFF, CIRCLE = (0.5,), (0.0, 0.0), (1.0,), (cos(0.1),), (1.0, 0.0)
+def endless(f, rtol, t, y):
+    while True:
+        f(t[0], y[0])
+
+
+def complaining(f, rtol, t, y):
+    return Answer(np.array(t), np.array(y), False, "too steep")
+
+
+CONSTANT, CLOCK, BACKWARD, STIFF, CIRCLE, JUMP = (0.5,), (0.0, 0.0), (1.0,), (cos(0.1),), (1.0, 0.0), (0.0,)
 LITTLE_BOUGHT = "a tolerance 1000 times smaller"
 # Of a step of 0.017 the last one is cut, or one too many, or something else; a clock of 24 bits is no error.
 SAID = [
@@ -210,6 +219,10 @@ SAID = [
     (CLOCK, ending(by=1e-12), "drift apart by 1e-12"),
     (CLOCK, asking_beyond(1e-9), "f is called up to 1e-09 beyond the end"),
     (CLOCK, in_hundredths, "time is accumulated, t += h in binary64"),
+    (CLOCK, endless, "clock: does_not_end: after 30000 calls of f it is at t = 0.1 of"),
+    (JUMP, endless, "at a jump of f it does not end: after 30000 calls"),
+    (JUMP, complaining, "it says: too steep"),
+    (STIFF, endless, "on y' = -1000 (y - cos t) - sin t it does not end: after 30000 calls"),
     (BACKWARD, ending(by=0.2), "backward in time, from 1 to 0, it ends at t = "),
     (BACKWARD, ending(shift=1e-3), "and does not say so"),
     (CIRCLE, erring(1e-3, 1.1e-4), LITTLE_BOUGHT),

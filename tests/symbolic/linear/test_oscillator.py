@@ -40,6 +40,10 @@ def test_matrix_of_a_drawn_method_is_what_its_step_is_in_other_arithmetics_and_w
     assert not isinstance(method, Splitting) or area_factor(oscillator_matrix(method)) == ONE
 
 
+def test_polynomial_of_the_square_has_no_odd_powers() -> None:
+    assert inflated(fmpq_poly([1, 2, 3])) == fmpq_poly([1, 0, 2, 0, 3])
+
+
 @pytest.mark.parametrize("key", ["gauss2", "midpoint", "backward", "gauss3"])
 def test_implicit_step_solves_its_equations(key: str) -> None:
     """Q(hJ) M = P(hJ), multiplied out."""
