@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction as Q
 from pathlib import Path
 from typing import Any
@@ -10,9 +11,10 @@ from typing import Any
 import pytest
 
 from driftproof.methods import tableau_file
+from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import cube_root
 from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
-from driftproof.methods.tableau_file import read_method
+from driftproof.methods.tableau_file import name_of, read_method
 from tests.methods.tables.entries import entry
 
 Write = Callable[[str], Path]
@@ -61,6 +63,8 @@ def test_pair_splitting_nystrom_and_collocation_are_read(write: Write) -> None:
     read = read_method(write(pair))
     assert isinstance(read, RungeKutta)
     assert (read.b_embedded, read.embedded_order) == ((1, 0), 1)
+    unclaimed = read_method(write(pair.removesuffix("\nembedded_order = 1")))
+    assert unclaimed == replace(read, embedded_order=0)
     verlet = 'family = "splitting"\nkey = "v"\nparts = [["kick", "1/2"], ["drift", 1], ["kick", 0.5]]\n'
     assert read_method(write(verlet)) == Splitting(
         "v", "v", 0, "given by the user", (("kick", Q(1, 2)), ("drift", Q(1)), ("kick", Q(1, 2)))
@@ -242,3 +246,9 @@ def test_key_is_the_name_of_the_file(tmp_path: Path) -> None:
         path.write_text(ONE, encoding="utf-8")
         assert read_method(path).key == key
         assert read_method(str(path)).key == key
+
+
+def test_scene_names_a_method_by_its_key_or_its_file_and_by_nothing_else() -> None:
+    assert (name_of("rk4"), name_of(Path("mine.toml")), name_of(METHODS["rk4"])) == ("rk4", "mine.toml", "rk4")
+    with pytest.raises(ValueError, match="scenes name methods by keys and"):
+        name_of(replace(METHODS["rk4"], source="mine"))

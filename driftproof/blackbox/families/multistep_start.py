@@ -9,7 +9,6 @@ from typing import Any
 from flint import arb
 
 from driftproof.blackbox.families.multistep_recurrence import (
-    FORWARD_EULER,
     Recurrence,
     RecurrenceReading,
     candidates,
@@ -95,7 +94,7 @@ def _methods(runs: MarkedRuns, length: int) -> tuple[str, ...]:
     first, steps = _one_step(runs.subject), runs.run(max(length + 1, runs.subject.shortest), bent=not runs.by_place)
     problem, found = runs.problem(1.0, 0.0, bent=not runs.by_place), [first]
     for n in range(1, length):
-        shorter = [m for m in (FORWARD_EULER, *candidates(runs.derivative)) if m.steps == n + 1]
+        shorter = [m for m in candidates(runs.derivative) if m.steps == n + 1]
         left = [(Recurrence.of(m, runs.subject.format), m) for m in shorter]
         kept = [m.key for r, m in left if r.left(steps)[0] <= max(r.rounding, tolerance_of(m))]
         if kept:

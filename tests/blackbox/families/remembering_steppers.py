@@ -51,17 +51,23 @@ class Remembering:
 
 
 class Corrected(Remembering):
-    """A predictor, corrected once, its slopes taken at the states that are returned."""
+    """Adams-Moulton, from what an explicit method with these weights predicts, corrected so many times."""
+
+    def __init__(self, key, begin, weights, times=1):
+        """Nothing remembered yet."""
+        super().__init__(key, begin)
+        self.weights, self.times = weights, times
 
     def step(self, f, t, y, h):
-        """One step."""
-        before = len(self.states)
-        after = super().step(f, t, y, h)
-        if before < 3:
+        """One step; the slopes are taken at the states that are returned."""
+        after, k = super().step(f, t, y, h), len(self.rho) - 1
+        if len(self.states) < max(k, len(self.weights)):
             return after
-        f4, f3, f2, f1 = self.slopes[-4:]
-        guess = y + h / 24 * (55 * f1 - 59 * f2 + 37 * f3 - 9 * f4)
-        return y + h / 24 * (9 * f(t + h, guess) + 19 * f1 - 5 * f2 + f3)
+        value = y + h * sum(b * slope for b, slope in zip(self.weights, reversed(self.slopes), strict=False))
+        known = y + h * sum(b * slope for b, slope in zip(self.sigma, self.slopes[-k:], strict=False))
+        for _ in range(self.times):
+            value = known + h * self.sigma[-1] * f(t + h, value)
+        return value
 
 
 class Displaced(Remembering):

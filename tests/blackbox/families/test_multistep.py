@@ -17,13 +17,17 @@ from tests.blackbox.families.remembering_steppers import Corrected, Displaced, R
 EXPLICIT = [key for key, m in FACTS_ONLY.items() if isinstance(m, Multistep) and m.explicit and m.derivative == 1]
 IMPLICIT = ["adams_moulton2", "adams_moulton4", "bdf2", "bdf3", "bdf6", "milne_simpson"]
 
+BASHFORTH4 = [55 / 24, -59 / 24, 37 / 24, -9 / 24]
 NAMED = {
     "adams_bashforth2, started by forward_euler": lambda: Remembering("adams_bashforth2", euler).step,
     "adams_bashforth3, started by rk4": lambda: planted.run_of_adams_bashforth3,
     "bdf2, started by backward_euler": lambda: Remembering("bdf2", planted.implicit_euler).step,
     "two_step_leapfrog, started by forward_euler": lambda: Remembering("two_step_leapfrog", euler).step,
     "adams_moulton3, corrected once from what adams_bashforth4 predicts (PECE), started by rk4": (
-        lambda: Corrected("adams_moulton3", rk4_step).step
+        lambda: Corrected("adams_moulton3", rk4_step, BASHFORTH4).step
+    ),
+    "adams_moulton2, corrected 2 times from what forward_euler predicts (PECECE), started by rk4": (
+        lambda: Corrected("adams_moulton2", rk4_step, [1.0], times=2).step
     ),
 }
 
@@ -61,7 +65,11 @@ def test_what_remembers_is_read_in_every_form(step):
             "its start is not good enough: first values are off like h^2, and whole runs have order 2, not 4",
         ),
         (Remembering("adams_bashforth2", euler).step, "adams_bashforth3", "it is adams_bashforth2"),
-        (Corrected("adams_moulton3", rk4_step).step, "adams_moulton3", "asked at what adams_bashforth4 predicts"),
+        (
+            Corrected("adams_moulton3", rk4_step, BASHFORTH4).step,
+            "adams_moulton3",
+            "asked at what adams_bashforth4 predicts",
+        ),
         (Remembering("bdf2", euler, most=1).step, "bdf2", "its equations are solved to"),
         (
             Displaced("adams_bashforth2", euler).step,
