@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+from driftproof.blackbox.checks.arguments import RETURNS_NOTHING, arguments
+from driftproof.blackbox.checks.determinism import CALL_BEFORE
 from driftproof.blackbox.families.multistep_runs import later_steps
 from driftproof.blackbox.families.reports import verify_family
-from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, arithmetic_of
+from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, Examined, IsolatedRunner
 from driftproof.blackbox.judging.agreement import (
     EXAMPLES,
@@ -20,12 +22,12 @@ from driftproof.blackbox.judging.agreement import (
     Agreement,
     Domain,
     rows_together,
-    steps_back,
 )
 from driftproof.blackbox.judging.habits import ROUNDED, explained
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE, NonlinearAgreement, nonlinear_agreement
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
+from driftproof.blackbox.judging.walks import back_and_on, walked
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
 from driftproof.blackbox.matching.entries import mended, other_velocities, rational_method, side_by_side
 from driftproof.blackbox.matching.estimates import JudgedEstimate, judged_estimate
@@ -33,7 +35,7 @@ from driftproof.blackbox.matching.match import Identity, match_method
 from driftproof.blackbox.probes.force import NO_TABLEAU, ForceReading
 from driftproof.blackbox.probes.questions import CoefficientReading, read_coefficients
 from driftproof.blackbox.probes.tableau import TableauReading
-from driftproof.blackbox.report import Criterion, Report, criteria_parts, sections
+from driftproof.blackbox.report import NO_ANSWER, Criterion, Report, criteria_parts, sections
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import FactsOnly
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
@@ -46,6 +48,13 @@ UNDECIDING = {
     "not_readable": "a step without what refused the reading",
     **{kind: "a longer time limit" if kind == "time_limit" else "a report to us" for kind in NO_EVIDENCE},
 }
+
+
+# Of what a stepper does besides one step, as a verdict says that it was not judged.
+_BESIDES = (
+    *("the error estimate is", "the dense output is", "steps with h < 0 are", "states in arrays are"),
+    *("later steps of a run are", "other sizes and times are"),
+)
 
 
 def verify(
@@ -87,18 +96,20 @@ def verify(
     Tolerance(asked, allowance=allowance)  # a question without sense is refused before anything runs
     agreed = partial(explained, method=asked, allowance=allowance, domain=domain, examples=examples)
     beside = partial(nonlinear_agreement, method=asked, allowance=allowance)
-    back = partial(steps_back, method=asked, allowance=allowance, domain=domain)
+    back = partial(back_and_on, method=asked, allowance=allowance, domain=domain)
     rows = partial(rows_together, method=asked, allowance=allowance, domain=domain)
+    elsewhere = partial(walked, method=asked, allowance=allowance, domain=domain)
     estimate = partial(judged_estimate, method=asked)
     with IsolatedRunner(Target(step, calls, array), time_limit, isolate) as runner:
-        outcomes = runner.run(
-            [agreed, read_coefficients, beside, measured_orders, estimate, judged_dense, back, rows, later_steps]
-        )
+        further: list[Callable[[Any], Any]] = [estimate, judged_dense, back, rows, later_steps, elsewhere, arguments]
+        outcomes = runner.run([agreed, read_coefficients, beside, measured_orders, *further])
         if outcomes[0].kind == "bad_input":
             raise ValueError(outcomes[0].seen)
-        checks = [criterion(asked, outcome) for criterion, outcome in zip(CRITERIA, outcomes, strict=True)]
+        checks = [criterion(asked, outcome) for criterion, outcome in zip(CRITERIA, outcomes, strict=False)]
         checks[1] = _held_to_tolerance(checks[1], outcomes[1], allowance)
-        if not checks[0].passed:  # of another map, or where nothing is known, steps back say no more
+        if (
+            checks[0].passed is False or checks[0].missing
+        ):  # of an unknown map, or another one, further steps say no more
             del checks[6:]
         passed, arithmetic = _decided(checks), arithmetic_of(outcomes)
         if passed is False:
@@ -111,7 +122,17 @@ def verify(
             named = refuted if arithmetic in refuted else f"{refuted}; {arithmetic}"
             return _report(runner.target, named, passed, checks, instead, mistakes)
     verdict = _agreed(asked, outcomes[0].result, checks) if passed else _not_decided(asked, checks)
-    return _report(runner.target, "; ".join(filter(None, [verdict, arithmetic])), passed, checks)
+    besides = [*_besides(outcomes), arithmetic]
+    return _report(runner.target, "; ".join(filter(None, [verdict, *besides])), passed, checks)
+
+
+def _besides(outcomes: Sequence[Outcome]) -> Iterator[str]:
+    """What is not of the step itself, and what of that could not be judged."""
+    found = outcomes[-1].result or ()
+    yield from (check.words for check in found if check.holds is False and not check.words.endswith(RETURNS_NOTHING))
+    for name, outcome in zip(_BESIDES, outcomes[4:], strict=False):
+        if outcome.failed and outcome.kind != UnsupportedCall.kind:
+            yield f"{name} not judged: {outcome.seen}"
 
 
 def assert_verified(
@@ -160,6 +181,8 @@ def _decided(checks: Sequence[Criterion]) -> bool | None:
     rounding, coefficients, nonlinear, *_ = checks
     if any(check.passed is False for check in checks):
         return False
+    if rounding.mark == "not asked":  # of one number only
+        return coefficients.passed and nonlinear.passed
     built_in = not (coefficients.missing or nonlinear.missing)
     seen = rounding.passed and (built_in or coefficients.passed or nonlinear.passed)
     return True if seen else None
@@ -299,10 +322,13 @@ CRITERIA: Sequence[Callable[[Method, Outcome], Criterion]] = (
     partial(_check_calls, "Steps back"),
     partial(_check_calls, "Rows"),
     partial(_check_calls, "Later steps"),
+    partial(_check_calls, "Steps elsewhere"),
 )
 
 
-def _agreed(method: Method, found: Agreement, checks: Sequence[Criterion]) -> str:
+def _agreed(method: Method, found: Agreement | None, checks: Sequence[Criterion]) -> str:
+    if found is None:
+        return f"is {method.key} of one number: its coefficients are, and {checks[2].lines[0]}"
     where = " on q'' = -q" if checks[1].mark == checks[2].mark == "not asked" else ""
     return (
         f"is {method.key}{where} {_how_near(method)}: {found.examples} steps within the derived bound, "
@@ -332,19 +358,26 @@ def _refuted(
     wrong_beside = [str(check.data["faults"][0]) for check in beside if check.passed is False]
     if wrong_beside and coefficients.passed:
         return f"is {method.key}, but {'; '.join(wrong_beside)}"
+    if others and back[3:] and back[3].passed is False:
+        return f"is {method.key}, but not everywhere: {back[3].lines[0]}"
     for check, only in zip(back, ("h > 0", "one state at a time", "its first step"), strict=False):
         if others and check.passed is False:
             return f"is {method.key} for {only} only: {check.lines[0]}"
     if found is not None and found.failing is not None and order.passed is not False:
         if found.but_for and (coefficients.passed is not False or found.but_for.startswith(ROUNDED)):
             return f"is not {method.key} to roundoff; it is, {found.but_for}"
+        faults = instead.section("Faults")
         if coefficients.passed and found.failing.answer is not None:
+            if faults is not None and CALL_BEFORE in faults.lines:
+                return f"is not {method.key}: its coefficients are, but {CALL_BEFORE}"
             off = f"a step is off by {found.failing.error_over_bound:.3g} times the bound"
             return f"is not {method.key} {_how_near(method)}: its coefficients are, but {off}"
     if coefficients.passed and rounding.passed and outcomes[2].result is not None and nonlinear.passed is False:
         seen: NonlinearAgreement = outcomes[2].result
         wrong = f"{', '.join(seen.wrong)} {'is' if len(seen.wrong) == 1 else 'are'} not what they say"
         return f"is not {method.key}: its coefficients are, but on {seen.problem}, {wrong}"
+    if instead.verdict.startswith(NO_ANSWER):
+        return instead.verdict
     linear = coefficients.passed is False and "as far as linear steps tell" in instead.verdict
     vague = linear or re.search(rf"\b{method.key}\b|it is no method|, but |\bnearly |with a drag", instead.verdict)
     reading = outcomes[1].result

@@ -166,6 +166,12 @@ def velocity_verlet(force, q, v, h):
     return q, v + h / 2 * force(q)
 
 
+def velocity_verlet_in_time(force, t, q, v, h):
+    v = v + h / 2 * force(t, q)
+    q = q + h * v
+    return q, v + h / 2 * force(t + h, q)
+
+
 def velocity_verlet_by_acceleration(force, q, v, h):
     a = force(q)
     q1 = q + h * v + h * h / 2 * a

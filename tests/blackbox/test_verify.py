@@ -73,6 +73,76 @@ def test_right_steppers_pass(step, method):
     assert "to roundoff" in report.verdict
 
 
+def in_fractions(f, t, y, h):
+    """RK4 in exact arithmetic, which returns fractions."""
+    exact = lambda at, z: np.array([Fraction(float(x)) for x in f(float(at), [float(x) for x in z])])
+    return codes.rk4(exact, Fraction(t), np.array([Fraction(float(x)) for x in y]), Fraction(h))
+
+
+def generated(f, t, y, h):
+    """A generator of (t, y), the start first."""
+    while True:
+        yield t, y
+        t, y = t + h, codes.rk4(f, t, y, h)
+
+
+@pytest.mark.parametrize(
+    ("step", "method"), [(in_fractions, "rk4"), (generated, "rk4"), (codes.velocity_verlet_in_time, "velocity_verlet")]
+)
+def test_unusual_right_code_is_no_false_alarm(step, method):
+    report = verify(step, method, examples=FEW, isolate=False)
+    assert report.passed, report.text()
+
+
+def test_a_code_of_one_number_passes_as_that():
+    report = verify(codes.rk4_of_one_number, "rk4", examples=FEW, isolate=False)
+    assert report.passed
+    assert report.verdict.startswith("is rk4 of one number: its coefficients are, and the method's own step on a")
+    assert not verify(codes.rk4_of_one_number, "rk38", examples=FEW, isolate=False).passed
+
+
+@pytest.mark.parametrize(
+    ("step", "words"),
+    [
+        (lambda f, t, y, h: {"y": y}, "gives no answer: it returns dict"),
+        (lambda f, t, y, h: f(t, 1j * y), "gives no answer: it asks for its right-hand side at ndarray with entries"),
+    ],
+)
+def test_what_gives_no_answer_is_not_said_to_be_another_method(step, words):
+    assert verify(step, "rk4", examples=FEW, isolate=False).verdict.startswith(words)
+
+
+def test_memory_is_named_where_only_rounding_shows_it():
+    def remembering(f, t, y, h, kept={}):  # noqa: B006
+        moved = h * f(t, y) + (kept["left"] if np.shape(kept.get("left")) == np.shape(y) else 0)
+        kept["left"] = moved - ((y + moved) - y)
+        return y + moved
+
+    report = verify(remembering, "forward_euler", examples=FEW, isolate=False)
+    assert report.verdict == "is not forward_euler: its coefficients are, but the answer depends on the call before"
+
+
+def test_what_becomes_of_arguments_and_answers_is_said_with_the_verdict():
+    kept = np.empty(2)
+
+    def spoiling(f, t, y, h):
+        end = codes.rk4(f, t, y, h)
+        y[:] = 0
+        return end
+
+    def one_buffer(f, t, y, h):
+        end = codes.rk4(f, t, y, h)
+        if len(y) != 2:
+            return end
+        kept[:] = end
+        return kept
+
+    for step, words in ((spoiling, "it changes its arguments"), (one_buffer, "an answer is overwritten by the next")):
+        report = verify(step, "rk4", examples=FEW, isolate=False)
+        assert report.passed
+        assert f"of it; {words}" in report.verdict
+
+
 def test_sizes_that_overflow_are_refused_and_refute_nothing():
     for domain in (Domain(largest_state=1e308), Domain(largest_step=1e300)):
         with pytest.raises(ValueError, match=r"where binary64 overflows; choose smaller sizes"):

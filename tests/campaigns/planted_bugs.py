@@ -1,4 +1,4 @@
-"""Two hundred planted bugs of ten kinds in plain steppers of twenty methods, and what `verify` says of each.
+"""Planted bugs of eleven kinds in plain steppers of twenty methods, twenty of each, and what `verify` says of them.
 
 `python -m tests.campaigns.planted_bugs > docs/planted_bugs.md` runs all of them and their mended twins.
 """
@@ -19,7 +19,7 @@ from driftproof.blackbox.report import Report
 from driftproof.blackbox.verify import verify
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Method, RungeKutta, Splitting
-from tests.campaigns.planted_steppers import Bug, Place, Rates, core, stepper
+from tests.campaigns.planted_steppers import ELSEWHERE, Bug, Place, Rates, core, stepper
 
 KEYS = (
     *("forward_euler", "heun2", "midpoint2", "heun3", "kutta3", "rk4", "rk38", "ralston4", "bogacki_shampine32"),
@@ -37,6 +37,7 @@ KINDS = {
     "sign": "one coefficient has the other sign",
     "missing factor": "a sum lacks its h, or has it twice",
     "component left out": "one component is left out of one update",
+    "elsewhere": "right of few numbers, near t = 0, forward, in one step; not of many, long after, back, or going on",
 }
 PER_KIND = 20
 # More draws than any method has places; what is left then is equivalent or planted already.
@@ -114,12 +115,14 @@ def _changed(kind: str, method: Method, draw: Random) -> tuple[Any, Any]:
 def drawn(kind: str, key: str, draw: Random) -> Bug | None:
     """One bug of the kind in the method, at random; None where the kind makes no sense in it."""
     method: Any = METHODS[key]
-    calls = "field" if kind == "time" else draw.choice(("map", "force", "field", "field"))
+    calls = "field" if kind in ("time", "elsewhere") else draw.choice(("map", "force", "field", "field"))
     bug = Bug(kind, key, calls, method)
     if kind in ("coefficient", "sign", "row sum"):
         changed, places = _changed(kind, method, draw)
         return replace(bug, method=changed, places=places)
     splits = isinstance(method, Splitting)
+    if kind == "elsewhere":
+        return replace(bug, variant=draw.choice(ELSEWHERE))
     if kind == "order of updates" and splits:
         i = draw.randrange(len(method.parts) - 1)
         exchanged = (*method.parts[:i], method.parts[i + 1], method.parts[i], *method.parts[i + 2 :])
@@ -155,7 +158,7 @@ def planted(kind: str) -> Iterator[tuple[Bug, bool]]:
         if bug is None or bug in seen:
             continue
         seen.add(bug)
-        equivalent = is_equivalent(bug)
+        equivalent = kind != "elsewhere" and is_equivalent(bug)
         yield bug, equivalent
         told += not equivalent
         if told == PER_KIND:
@@ -189,6 +192,11 @@ def names_the_cause(bug: Bug, report: Report) -> bool:
         ],
         "stale force": ["remembers", "depends on the call before"],
         "state overwritten": [*matrix, rf"\ba\[\d+\]\[{at}\]: ", rf"after k\[{at}\], stages are formed of"],
+        "elsewhere": [
+            r"but not everywhere: (at t|of \d+|a step that goes on)",
+            r"in a step of \S+ from t",
+            "h > 0 only",
+        ],
         "missing factor": [*matrix, "does not scale with h", rf"h (is missing|stands twice) in {line}"],
         "component left out": [
             *(*matrix, r"\b(drift|c|b_\w+|a)(\[\d+\])*: 0 instead", "not stepped alike", rf"{line}.* is left"),
@@ -262,7 +270,7 @@ def page(tallies: dict[str, Tally]) -> str:
 
 HEAD = """# Planted bugs
 
-What `verify` says of 200 wrong steppers, 20 of each of ten kinds, over 20 methods of the catalogue, and of the right
+What `verify` says of 220 wrong steppers, 20 of each of eleven kinds, over 20 methods of the catalogue, and of the right
 stepper that each of them is but for its bug. They are plain Python floats, written from the catalogue's exact
 coefficients in the three calling conventions, and drawn with a fixed seed in `tests/campaigns/planted_bugs.py`. This
 page is written by
@@ -272,6 +280,7 @@ page is written by
 A draw is **equivalent**, and replaced by another one, when two steps of it end where the right ones do in exact
 rational arithmetic: a wrong node at a stage of weight 0, say. Maps take these steps on the oscillator that they have
 built in, the others with a nonlinear force, or with a nonlinear right-hand side of four components that reads t.
+Those of the last kind are right in such steps, and wrong elsewhere by construction.
 The cause is **named** when the report holds the changed entry or sum, the wrong line of the method's program, the wrong
 times, the memory, the h, the component or the method that the step has become; of a map, a coefficient of its one-step
 matrix beside that of the method. `verify` tries programs that are wrong in these ways itself; what it has not thought

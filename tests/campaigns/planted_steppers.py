@@ -184,9 +184,44 @@ def core(bug: Bug, lift: Lift = float) -> Step:
     return makers[type(bug.method)](bug.method, bug, lift)
 
 
+# What is wrong somewhere only, as a rule about times, as a change of the end, or as what a step that goes on remembers.
+TIMES: dict[str, Callable[[float, float], float]] = {
+    "times in binary32": lambda at, t: float(np.float32(at)),
+    "the clock stands at t = 10": lambda at, t: min(at, 10.0),
+    "no sign of t": lambda at, t: abs(at),
+    "times of 20 bits": lambda at, t: t + round((at - t) * 2**20) / 2**20,
+    "backward with forward times": lambda at, t: t + abs(at - t),
+}
+ENDS: dict[str, Callable[[list[Any], Sequence[Any]], list[Any]]] = {
+    "numbers from the sixth on stay": lambda end, y: [*end[:5], *y[5:]] if len(y) > 5 else end,
+    "of ten numbers the last stays": lambda end, y: [*end[:-1], y[-1]] if len(y) >= 10 else end,
+}
+GOES_ON = "the slope of the step before, where it goes on from it"
+ELSEWHERE = (*TIMES, *ENDS, GOES_ON)
+
+
+def _wrong_elsewhere(bug: Bug, inner: Step) -> Step:
+    """The step, wrong in the bug's way and right where that is not met."""
+    last: dict[str, Any] = {}
+
+    def step(rates: Rates, t: Any, y: list[Any], h: Any) -> list[Any]:
+        asked = list[Slope]()
+
+        def slopes(at: Any, z: list[Any]) -> Slope:
+            kept = bug.variant == GOES_ON and not asked and last.get("end") == list(y)
+            asked.append(last["slope"] if kept else rates(TIMES.get(bug.variant, lambda at, t: at)(at, t), z))
+            return asked[-1]
+
+        end = ENDS.get(bug.variant, lambda end, y: end)(inner(slopes, t, list(y), h), y)
+        last.update(end=list(end), slope=asked[0])
+        return end
+
+    return step
+
+
 def stepper(bug: Bug) -> Callable[..., Any]:
     """The same as somebody writes it, in the bug's calling convention."""
-    inner = core(bug)
+    inner = _wrong_elsewhere(bug, core(bug)) if bug.kind == "elsewhere" else core(bug)
 
     def map_step(q: Any, v: Any, h: Any) -> tuple[Any, Any]:
         q, v = inner(lambda t, y: [y[1], -y[0]], 0.0, [q, v], h)

@@ -21,6 +21,7 @@ from driftproof.blackbox.stepper.array_adapters import (
 )
 from driftproof.blackbox.stepper.foreign_stepper import CallLog, ForeignStepper
 
+RETURNS_NOTHING = "returns nothing"
 _WHOLE = (3, 1)
 
 
@@ -66,7 +67,7 @@ def _keeping(steady: TrialRunner, subject: ForeignStepper) -> tuple[CheckResult,
 def _arguments_check(log: CallLog, trial: Trial) -> CheckResult:
     if log.works_in_place:
         return CheckResult(
-            "keeps_arguments", False, "it writes its answer into its arguments and returns nothing", (trial,)
+            "keeps_arguments", False, f"it writes its answer into its arguments and {RETURNS_NOTHING}", (trial,)
         )
     if log.changes_its_arguments:
         return CheckResult("keeps_arguments", False, "it changes its arguments, besides returning an answer", (trial,))

@@ -30,6 +30,7 @@ _REPETITIONS = 8
 # So many and fewer are those of sums taken in another order: no sum in the catalogue has more than 18 terms.
 _FEW_ULPS = 16
 _THIRD: PhasePoint = (-1.4142135623730951, -0.2360679774997898)
+CALL_BEFORE = "the answer depends on the call before"
 SAME, _MEMORY = "same_answer_twice", "no_memory"
 
 
@@ -60,7 +61,7 @@ def _remembers(runner: TrialRunner) -> tuple[CheckResult, ...]:
     example = tuple(runner.trial(*z, IRREGULAR_STEP) for before in (ANOTHER, _THIRD) for z in (before, ORDINARY_STATE))
     found = (
         CheckResult(SAME, True, "the same call gives the same bits after the same call before"),
-        CheckResult(_MEMORY, False, "the answer depends on the call before", example),
+        CheckResult(_MEMORY, False, CALL_BEFORE, example),
     )
     return found + _memory_of_another(runner)
 

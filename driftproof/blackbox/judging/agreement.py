@@ -9,7 +9,7 @@ from itertools import islice
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.judging.sampled_steps import Arguments, Sizes, simplest_step, steps_within
 from driftproof.blackbox.judging.tolerance import Allowance, Judgement, Tolerance
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper, call_text
@@ -170,9 +170,12 @@ def agreement(
 ) -> Agreement:
     """The stepper against the method on the oscillator, at `examples` floats drawn alike on every run.
 
-    Raises ValueError where the method needs a solver tolerance, or takes none, and for a domain that leads to overflow.
+    Raises ValueError where the method needs a solver tolerance, or takes none, and for a domain that leads to overflow;
+    UnsupportedCall where the stepper takes one number only.
     """
     tolerance = Tolerance(method, subject.format, allowance)
+    if subject.single:
+        raise UnsupportedCall("it takes one number, and q'' = -q is of two")
     if domain != ORDINARY_DOMAIN:
         tolerance.demand_room(domain.largest_state, domain.largest_step)
     steps, states = (Sizes(*ends, subject.format) for ends in domain.ranges)

@@ -31,7 +31,8 @@ class NonlinearProblem:
     """y' = rate(t, y), over floats and over balls, and its solution in balls.
 
     With `positions`, it is q'' = F(t, q) of so many, y being [q..., v...]; a stepper of a right-hand side is given
-    [q, v, q, v, ...] where `interleaved`. Where it is `dragged`, it is q'' = F(t, q, v).
+    [q, v, q, v, ...] where `interleaved`. Where it is `dragged`, it is q'' = F(t, q, v). `scales` are the sizes of the
+    numbers where they are not 1; t counts where it is `timed`.
     """
 
     words: str
@@ -40,6 +41,8 @@ class NonlinearProblem:
     positions: int = 0
     interleaved: bool = False
     dragged: bool = False
+    scales: tuple[float, ...] = ()
+    timed: bool = False
 
     @property
     def names(self) -> list[str]:
@@ -61,6 +64,29 @@ class NonlinearProblem:
         return subject.step_field(self.rate, at, y, size)
 
 
+def moved(problem: NonlinearProblem, sizes: Sequence[float], pace: float, origin: float) -> NonlinearProblem:
+    """The same with numbers of these sizes, over again where there are more, run so many times as fast from the origin.
+
+    y of it is S z(pace (t - origin)), velocities being faster, too. Sizes and pace are powers of two, so that only the
+    time is rounded otherwise.
+    """
+
+    def scales(numbers: int) -> list[float]:
+        of_first = [sizes[i % len(sizes)] for i in range(numbers // 2 if problem.positions else numbers)]
+        return [*of_first, *(pace * x for x in of_first)] if problem.positions else of_first
+
+    def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
+        own = scales(len(y))
+        slopes = problem.rate(pace * (t - origin), [x / s for x, s in zip(y, own, strict=True)])
+        return [pace * s * k for k, s in zip(slopes, own, strict=True)]
+
+    def solution(t: arb) -> list[arb]:
+        state = problem.solution(pace * (t - origin))
+        return [s * x for x, s in zip(state, scales(len(state)), strict=True)]
+
+    return replace(problem, rate=rate, solution=solution, scales=tuple(scales(len(problem.solution(arb(START))))))
+
+
 def field_problem(subject: ForeignStepper) -> NonlinearProblem:
     """The problem of as many numbers as a step(f, t, y, h) takes; with t if it hands on any.
 
@@ -73,13 +99,18 @@ def field_problem(subject: ForeignStepper) -> NonlinearProblem:
         except Misbehaviour as found:
             failure = failure or found
             continue
-        numbers = f"{size} number{'s' * (size > 1)}"
-        if timed or size > 1:
-            words = f"a nonlinear problem of {numbers}, {'with t' if timed else 'without t: the code hands on no time'}"
-            return NonlinearProblem(words, _driven(timed), _solution(size, timed))
-        words = "y' = exp(-y), without t: the code hands on no time"
-        return NonlinearProblem(words, lambda t, y: [_exp(-y[0])], lambda t: [(1 + t).log()])
+        return driven(size, timed=timed)
     raise failure if failure is not None else ValueError("no size of problem is tried")
+
+
+def driven(size: int, *, timed: bool) -> NonlinearProblem:
+    """Of so many numbers, with t or without: then the last number is the clock, of two or more."""
+    if timed or size > 1:
+        numbers = f"{size} number{'s' * (size > 1)}"
+        words = f"a nonlinear problem of {numbers}, {'with t' if timed else 'without t: the code hands on no time'}"
+        return NonlinearProblem(words, _bells(timed), _solution(size, timed), timed=timed)
+    words = "y' = exp(-y), without t: the code hands on no time"
+    return NonlinearProblem(words, lambda t, y: [_exp(-y[0])], lambda t: [(1 + t).log()])
 
 
 def force_problem(subject: ForeignStepper) -> NonlinearProblem:
@@ -171,7 +202,7 @@ def _coupled(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
     return [_STRENGTH * (1 + t) * y[(i + 1) % n] * y[(i + 2) % n] / (1 + y[i] * y[i]) for i in range(n)]
 
 
-def _driven(timed: bool) -> Callable[[AnyNumber, Sequence[AnyNumber]], _State]:
+def _bells(timed: bool) -> Callable[[AnyNumber, Sequence[AnyNumber]], _State]:
     """y' = φ'(t) + G(t, y) - G(t, φ(t)), solved by φ, the bells; without time the last number is the clock."""
 
     def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
@@ -220,7 +251,7 @@ def pushed(positions: int, *, timed: bool) -> NonlinearProblem:
 
     several = "" if positions == 1 else f" of {positions} positions"
     words = f"a nonlinear q'' = {'F(t, q)' if timed else 'F(q)'}{several}{'' if timed else ', the last being the time'}"
-    return NonlinearProblem(words, rate, solution, positions)
+    return NonlinearProblem(words, rate, solution, positions, timed=timed)
 
 
 def _exp(x: AnyNumber) -> AnyNumber:

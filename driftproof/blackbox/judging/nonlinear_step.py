@@ -91,8 +91,8 @@ def _beside(
     with ctx.workprec(_BITS):
         for t, h in product(TIMES, STEPS):
             start = [float(x.mid()) for x in problem.solution(arb(t))]
-            said = _own_step(method, problem, t, start, h)
-            allowed = _allowed(subject, method, allowance, 1 + max(map(abs, start)), h)
+            said = own_step(method, problem, t, start, h)
+            allowed = allowed_off(subject, method, allowance, 1 + max(map(abs, start)), h)
             seen = problem.stepped(subject, t, start, h)
             off = [float(abs(arb(x) - exact).upper()) for x, exact in zip(seen, said, strict=True)]
             wrong = tuple(name for name, x in zip(problem.names, off, strict=True) if not x <= allowed)
@@ -105,14 +105,16 @@ def _beside(
     return found
 
 
-def _allowed(subject: ForeignStepper, method: Method, allowance: Allowance, size: float, h: float) -> float:
+def allowed_off(subject: ForeignStepper, method: Method, allowance: Allowance, size: float, h: float) -> float:
+    """How far a number of a step may be off, where numbers and slopes are of that size."""
     calls = len(method.parts) if isinstance(method, Splitting) else method.stages
     rounding = Rounding(subject.format, calls).of(2 * size)
     by_quotient = 2 * size * float(subject.format.u) / h if allowance.velocity_from_positions else 0.0
     return rounding + by_quotient + BEYOND_TOLERANCE * size * float(allowance.solver_tolerance or 0)
 
 
-def _own_step(method: Method, problem: NonlinearProblem, t: float, y: Sequence[float], h: float) -> list[arb]:
+def own_step(method: Method, problem: NonlinearProblem, t: float, y: Sequence[float], h: float) -> list[arb]:
+    """The method's step from these very floats, in balls."""
     if isinstance(method, RungeKutta | Collocation):
         return _runge_kutta_step(method, problem, arb(t), [arb(x) for x in y], arb(h))
     n = problem.positions

@@ -17,8 +17,6 @@ from driftproof.methods.continuous import ContinuousExtension, hermite
 from driftproof.methods.schemes import MethodError, RungeKutta
 from driftproof.support.plain_text import Json
 
-# Where the order is read: inside, and in no symmetric place alone.
-_INSIDE = (Fraction(1, 4), Fraction(1, 2), Fraction(13, 16))
 _HIGHEST_DEGREE = 12
 
 
@@ -26,8 +24,8 @@ _HIGHEST_DEGREE = 12
 class JudgedDense:
     """What a dense output is, in `lines`, and what is wrong with it, in `faults`.
 
-    `order` is the least at the thetas inside that were looked at, `degree` None where it is no polynomial of a degree
-    that is looked for, `extension` the key of the catalogue's that it is.
+    `order` is the least at the sixteenths inside, `degree` None where it is no polynomial of a degree that is looked
+    for, `extension` the key of the catalogue's that it is.
     """
 
     order: int
@@ -52,7 +50,8 @@ def judged_reading(reading: DenseReading) -> JudgedDense:
     """What a dense output is that was read."""
     polynomials = _Polynomials.of(reading)
     key = next((each.key for each in _candidates(reading) if _is(reading, each)), None)
-    order = min(read_order(reading.step_to(theta)).order for theta in _INSIDE)
+    orders = {theta: read_order(reading.step_to(theta)).order for theta in THETAS[1:-1]}
+    order, where = min(orders.values()), min(orders, key=lambda theta: orders[theta])
     step = read_order(replace(reading.step, b=reading.own)).order
     degree = None if polynomials is None else polynomials.degree
     named = "no continuous extension of the catalogue"
@@ -61,13 +60,15 @@ def judged_reading(reading: DenseReading) -> JudgedDense:
             f"{key}: {EXTENSIONS[key].title if key in EXTENSIONS else 'the cubic through both ends with their slopes'}"
         )
     shape = f"of degree {degree}" if degree is not None else f"no polynomial of degree {_HIGHEST_DEGREE} or less"
-    orders = f"order {order} between the steps, whose order is {step}"
-    lines = [named, f"a function of {reading.argument}, {shape} in theta", orders]
+    between = f"order {order} between the steps, whose order is {step}"
+    lines = [named, f"a function of {reading.argument}, {shape} in theta", between]
     faults = [] if polynomials is None else [*polynomials.misfits(reading)]
     if polynomials is not None and not faults:
         lines.append(polynomials.smoothness(reading))
     if key is None and order < step - 1:
-        faults.append(f"the dense output has order {order} only, the steps have order {step}")
+        only = f"order {order} only{f' at theta = {where}' if len({*orders.values()}) > 1 else ''}"
+        faults.append(f"the dense output has {only}, the steps have order {step}")
+    faults += [f"the dense output is not the same everywhere: {remark}" for remark in reading.step.remarks]
     return JudgedDense(order, degree, key, tuple(lines), tuple(faults))
 
 

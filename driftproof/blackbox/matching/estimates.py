@@ -66,6 +66,8 @@ def judged_estimate(subject: ForeignStepper, method: Method | None = None) -> Ju
     pair, factor, said, faults = _pair_of(estimate, reading, method)
     if not estimate.power:
         faults = ["the error estimate is divided by h: per unit step, of one order less", *faults]
+    if estimate.fault:
+        faults = [f"the error estimate is not the same everywhere: {estimate.fault}", *faults]
     vanishing = vanishing_order(
         BallTableaux(reading, None).tableau(reading)._replace(b=_balls(estimate)), HIGHEST_ORDER
     )

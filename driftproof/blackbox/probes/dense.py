@@ -29,7 +29,7 @@ class DenseReading:
     """y(t + θh) ≈ y + h Σ bⱼ(θ) kⱼ: `rows` are the b(θ) of the THETAS, `step` is the table with b(1).
 
     kⱼ is the answer to call j, those among them that are made for the dense output alone; `argument` says what it is
-    a function of. `own` are the weights of y₁ itself, 0 for such calls.
+    a function of. `own` are the weights of y₁ itself, 0 for such calls. The step's remarks are those not of y₁.
     """
 
     argument: str
@@ -60,7 +60,9 @@ def read_dense(subject: ForeignStepper) -> DenseReading:
     if len({reading.calls for reading in readings}) > 1 or own.calls > readings[-1].calls:
         raise NotReadable("how many calls the dense output makes depends on theta")
     weights = (*own.b, *[0.0] * (readings[-1].calls - own.calls))
-    return DenseReading(argument, readings[-1], tuple(reading.b for reading in readings), weights)
+    remarks = () if own.remarks else next((reading.remarks for reading in readings if reading.remarks), ())
+    step = replace(readings[-1], remarks=remarks)
+    return DenseReading(argument, step, tuple(reading.b for reading in readings), weights)
 
 
 def _trial_state(subject: ForeignStepper) -> list[float]:

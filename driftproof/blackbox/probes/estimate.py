@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import fsum
 
-from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.probes.scripted_answers import (
     AT_REST,
     CONTROLS,
@@ -26,6 +26,14 @@ DIFFERENCE = "an estimate of the error"
 SOLUTION = "the result of the other row"
 ABSOLUTE = "the absolute value of an estimate"
 NORM = "a norm of an estimate, one number"
+# Lengths of steps that rows of weights are told by, besides those of the step itself.
+_LENGTHS = (
+    Control("h = 1/64", "it does not scale with h as an estimate does", h=2.0**-6, salt=3),
+    Control("h = -1/2", "backward in time it is another one", h=-0.5, salt=4),
+)
+_TWICE = next(control for control in CONTROLS if control.h != 1)
+_UNLIKE = "the numbers of y have not the same estimate"
+_TIMED = Control("another time", "", h=0.375, time=7.0)
 _AT_FIVE = Control("another start", "", start=5.0)
 
 
@@ -35,7 +43,8 @@ class EstimateReading:
 
     kⱼ is the answer to call j, as in a `TableauReading`. `form` is what is returned; where that is the other result, e
     is the exact difference of two floats. `sizes` are what the rounding errors of e scale with. `power` is 0 where the
-    estimate is divided by h, else 1; `relative` says that it also depends on the size of y.
+    estimate is divided by h, else 1; `relative` says that it also depends on the size of y, `fault` where it is another
+    one than the row says.
     """
 
     form: str
@@ -44,6 +53,7 @@ class EstimateReading:
     format: FloatFormat
     power: int = 1
     relative: bool = False
+    fault: str = ""
 
 
 def read_estimate(subject: ForeignStepper) -> EstimateReading:
@@ -63,6 +73,9 @@ def read_estimate(subject: ForeignStepper) -> EstimateReading:
         raise
     if subject.log.beside is None:
         raise nothing
+    probe.run(probe.size, [], _TIMED)
+    if subject.log.beside == [_TIMED.time + _TIMED.h]:  # (y1, t1)
+        raise nothing
     return probe.estimate()
 
 
@@ -79,11 +92,12 @@ class _EstimateProbe(TableauProbe):
         if any(signed) and signed == opposite and min(signed) >= 0:
             signed = self._with_signs(signed)
             form = ABSOLUTE
+        fault = ""
         if len(self._beside) < self.size:
-            form = NORM
+            form, fault = NORM, self._left_out()
         row = tuple(Fraction(b) - Fraction(e) if offset else Fraction(e) for b, e in zip(weights, signed, strict=True))
         sizes = tuple(map(max, map(abs, weights), map(abs, signed)))
-        reading = EstimateReading(form, row, sizes, self.subject.format)
+        reading = EstimateReading(form, row, sizes, self.subject.format, fault=fault)
         return self._controlled_reading(reading, signed, offset)
 
     def _offset(self) -> float:
@@ -112,6 +126,17 @@ class _EstimateProbe(TableauProbe):
             raise NotReadable("the slope of one number of y moves the estimate of another one")
         return run.result[0], self._beside[0]
 
+    def _left_out(self) -> str:
+        """The number whose slopes a norm does not see."""
+        for i in range(self.size):
+            seen = False
+            for j in range(self.calls):
+                self.run(self.size, [[x * (m == i) for m in range(self.size)] for x in unit(self.calls, j)], AT_REST)
+                seen |= bool(self._beside[0])
+            if not seen:
+                return f"of {self.size} numbers, y[{i}] does not enter what it returns beside y1"
+        return ""
+
     def _with_signs(self, sizes: Sequence[float]) -> list[float]:
         """The row whose absolute values are known, up to a common sign: |e + e'| tells whether both have the same."""
         first = next(j for j, x in enumerate(sizes) if x)
@@ -124,14 +149,26 @@ class _EstimateProbe(TableauProbe):
 
     def _controlled_reading(self, reading: EstimateReading, row: Sequence[float], offset: float) -> EstimateReading:
         """The reading, with how it scales with h and with y where it does not do so as an estimate does."""
-        for control in CONTROLS:
-            seen, said, allowed = self._prediction(reading, row, offset, control)
-            if abs(seen * control.h - said) <= allowed * abs(control.h) and control.h != 1:
-                reading = replace(reading, power=0)
-                seen, said, allowed = self._prediction(reading, row, offset, control)
+        for control in (*CONTROLS, *_LENGTHS):
+            try:
+                (seen, said, allowed), *others = self._predictions(reading, row, offset, control)
+                if abs(seen * control.h - said) <= allowed * abs(control.h) and control is _TWICE:
+                    reading = replace(reading, power=0)
+                    (seen, said, allowed), *others = self._predictions(reading, row, offset, control)
+            except Misbehaviour:
+                if control.h > 0:
+                    raise
+                break  # who refuses to step back has no estimate there
             if not abs(seen - said) <= allowed and not offset and self._depends_on_y(control):
                 return replace(reading, relative=True)
-            demand_as_said(control, "what it returns beside y1", seen, said, allowed)
+            try:
+                demand_as_said(control, "what it returns beside y1", seen, said, allowed)
+                for i, of_number in enumerate(others, 1):
+                    demand_as_said(control._replace(broken=_UNLIKE), f"what it returns beside y1[{i}]", *of_number)
+            except NotReadable as failure:
+                if control is CONTROLS[0] and abs(seen - said) > allowed:
+                    raise
+                return replace(reading, fault=reading.fault or str(failure))
         return reading
 
     def _depends_on_y(self, control: Control) -> bool:
@@ -140,14 +177,17 @@ class _EstimateProbe(TableauProbe):
         near, far = (self._both(slopes, control._replace(start=start))[1] for start in (0.0, 2.0**20))
         return abs(far) < abs(near) / 2
 
-    def _prediction(
+    def _predictions(
         self, reading: EstimateReading, row: Sequence[float], offset: float, control: Control
-    ) -> tuple[float, float, float]:
-        """What is seen beside y1, what the row says, and how far rounding may carry it."""
-        slopes = self.slopes(control)[0]
-        _, seen = self._both(slopes, control._replace(start=control.start))
-        scale = control.h if reading.power else 1.0
-        said = offset * control.start + scale * fsum(e * k for e, k in zip(row, slopes, strict=True))
-        terms = fsum(x * abs(k) for x, k in zip(reading.sizes, slopes, strict=True))
-        allowed = self.rounding.of(2 * (abs(control.start) + abs(control.h) * terms))
-        return seen, abs(said) if reading.form in (ABSOLUTE, NORM) else said, allowed
+    ) -> list[tuple[float, float, float]]:
+        """What is seen beside each of y1, or once, what the row says, and how far rounding may carry it."""
+        alike, slopes = reading.form == NORM, self.slopes(control)
+        answers = [[k] * self.size for k in slopes[0]] if alike else list(zip(*slopes, strict=True))
+        self.run(self.size, answers, control)
+        scale, found = control.h if reading.power else 1.0, []
+        for seen, y, k in zip(self._beside, self.starts(control), slopes, strict=False):
+            said = offset * y + scale * fsum(e * x for e, x in zip(row, k, strict=True))
+            terms = fsum(size * abs(x) for size, x in zip(reading.sizes, k, strict=True))
+            allowed = self.rounding.of(2 * (abs(y) + abs(control.h) * terms))
+            found.append((seen, abs(said) if reading.form in (ABSOLUTE, NORM) else said, allowed))
+        return found

@@ -226,6 +226,10 @@ class TableauProbe:
         demand_calls(self.calls, len(run.places))
         return run
 
+    def starts(self, control: Control) -> list[float]:
+        """The numbers of y from which a control starts."""
+        return _start(control, self.size)
+
     def slopes(self, control: Control) -> list[list[float]]:
         """The answers of a control: for each number of y, those to all calls."""
         first = varied(self.calls, control.salt)

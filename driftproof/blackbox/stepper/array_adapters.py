@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from decimal import Decimal
+from numbers import Real
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -52,6 +54,8 @@ def as_array(value: Foreign) -> np.ndarray[Any, Any]:
         array = np.asarray(plain)
     except Exception as error:  # other people's arrays raise what they like
         raise NotANumber(f"it returns {type(value).__name__}, which is not read as numbers: {error}") from None
+    if array.dtype == object and all(isinstance(x, Real | Decimal) for x in array.ravel()):
+        array = array.astype(float)  # fractions, decimals, numbers of mpmath
     if array.dtype.kind not in "fiub":
         raise NotANumber(f"it returns {type(value).__name__} with entries of type {array.dtype}, not real numbers")
     return array

@@ -77,7 +77,7 @@ class ForeignStepper:
     `step_with` and `step` take and give numbers of the adapter, floats as a rule. Whatever the stepper does instead of
     answering comes as a `Misbehaviour`. `before` is told each call before it is made, and may refuse it by raising;
     `after` hears when it is over. `pristine` is the code before its first call, None where it cannot be copied; runs of
-    fewer steps than `shortest` are not made.
+    fewer steps than `shortest` are not made. A `single` one takes one number, and no state of q and v.
     """
 
     function: Callable[..., Any]
@@ -89,6 +89,7 @@ class ForeignStepper:
     after: Callable[[], None] = lambda: None
     pristine: Callable[..., Any] | None = None
     shortest: int = 1
+    single: bool = False
 
     def fresh(self, steps: int = 1) -> ForeignStepper:
         """The same, remembering nothing; of a code that makes runs, one that makes runs of so many steps.
@@ -184,6 +185,9 @@ class ForeignStepper:
             except WrongShape:  # it calls f(y, t), whichever way it takes them itself
                 state, time = time, state
                 asked = self.adapter.read(arguments[state], size)
+            except NotANumber as refusal:
+                place = str(refusal).replace("it returns", "it asks for its right-hand side at")
+                raise NotANumber(place) from None
             at = self.adapter.read(arguments[time], 1)[0] if len(arguments) > 1 else t
             return write(rate(at, asked))
 
@@ -198,9 +202,12 @@ class ForeignStepper:
             raise UnsupportedCall("position and velocity come in one array, which is one state")
         write = self._of_several.write
         factor, asks = self.convention.factor, self.convention.asks
-        place = asks.index(POSITION) if asks else 0
+
+        def force(*asked: Foreign) -> Foreign:
+            return -factor * (asked[asks.index(POSITION)] if asks else max(asked, key=_size))  # a time is one number
+
         roles = {POSITION: write(qs), VELOCITY: write(vs), STEP: h, TIME: 0.0, CARRIED: write([-q for q in qs])}
-        roles[FUNCTION] = lambda *asked: -factor * asked[place]
+        roles[FUNCTION] = force
         answer = self._call(roles, f"q={list(qs)!r}, v={list(vs)!r}, h={h!r}", [*qs, *vs])
         positions, velocities = self._two_parts(answer)
         return list(zip(*(self.adapter.read(part, len(qs)) for part in (positions, velocities)), strict=True))

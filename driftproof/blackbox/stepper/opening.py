@@ -80,7 +80,7 @@ def opened(
             for trial, adapter in product(trials, adapters):
                 subject = ForeignStepper(step, convention, adapter, before=before, after=after, pristine=pristine)
                 try:
-                    return _tried(subject, trial)
+                    return replace(_tried(subject, trial), single=trial is _one_number)
                 except Misbehaviour as failure:
                     failures.append(failure)
                 if convention.run:  # a multistep method's first steps may be more than one

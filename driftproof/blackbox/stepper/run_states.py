@@ -45,13 +45,19 @@ def states_of_generator(
 
     Raises NotANumber where there is none.
     """
-    states = [as_array(state).ravel()[-len(start) :] for state in islice(generator, steps + 1)]
+    states = [_numbers_of(state)[-len(start) :] for state in islice(generator, steps + 1)]
     if not states:
         raise NotANumber("the generator ends before it yields a state")
     if len(states) == len(start) and all(state.size == 1 for state in states):  # one state, number by number
         return [np.concatenate(states)], END
     found = layout or (ROWS if _is(start, states[0]) else END)
     return (states if found == ROWS else [np.array(start), *states[:steps]]), found
+
+
+def _numbers_of(state: Any) -> np.ndarray[Any, Any]:
+    """All numbers of a state, in which parts it may come: of (t, y) and (q, v) those of the state are the last."""
+    parts = state if isinstance(state, tuple) else (state,)
+    return np.concatenate([as_array(part).ravel() for part in parts])
 
 
 def _is(start: Sequence[Any], state: np.ndarray[Any, Any]) -> bool:

@@ -57,6 +57,26 @@ def test_what_does_not_fit_is_at_fault(name, as_before):
     as_before(found.order, found.degree, *found.lines, *found.faults)
 
 
+def shampine(change):
+    """The step whose dense output is that of `change(theta, h, right, straight)`."""
+
+    def step(f, t, y, h):
+        y1, dense = extension_step("dormand_prince54_shampine")(f, t, y, h)
+        return y1, lambda theta: change(theta, h, dense(theta), y + theta * (y1 - y))
+
+    return step
+
+
+def test_a_dense_output_that_is_another_somewhere_is_at_fault():
+    late = judged(shampine(lambda theta, h, right, straight: straight if 0.9 < theta < 1 else right))
+    assert "the dense output has order 1 only at theta = 15/16, the steps have order 5" in late.faults
+    back = judged(shampine(lambda theta, h, right, straight: straight if h < 0 else right))
+    assert back.faults[0].startswith("the dense output is not the same everywhere: with h = -1, the result is ")
+    limited = shampine(lambda theta, h, right, straight: np.minimum(right, 1e-3))
+    report = verify(limited, "dormand_prince54", examples=20, isolate=False)
+    assert "; the dense output is not judged: " in report.verdict
+
+
 def test_a_kink_is_said_and_is_no_fault():
     def linear(f, t, y, h):
         slope = f(t, y)

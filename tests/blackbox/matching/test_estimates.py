@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from driftproof import identify, verify
+from driftproof.blackbox.findings import UnsupportedCall
 from driftproof.blackbox.matching.estimates import judged_estimate
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
@@ -79,6 +81,36 @@ def test_verify_holds_a_pair_to_both_rows():
         False,
         "is bogacki_shampine32, but the error estimate is 2 times that of bogacki_shampine32",
     )
+
+
+def second(factor):
+    """A change of the second number alone."""
+    return lambda y1, error, h, y: (y1, np.array([x * (factor if i == 1 else 1) for i, x in enumerate(error)]))
+
+
+ELSEWHERE = [
+    (second(0), "what it returns beside y1[1] is 0 where"),
+    (second(2), "the numbers of y have not the same estimate"),
+    (lambda y1, error, h, y: (y1, abs(error[0])), "of 4 numbers, y[1] does not enter what it returns beside y1"),
+    (lambda y1, error, h, y: (y1, error if h > 0.3 else error / 2), "with h = 1/64"),
+    (lambda y1, error, h, y: (y1, error if h > 0 else -2 * error), "backward in time it is another one"),
+]
+
+
+@pytest.mark.parametrize(("answer", "fault"), ELSEWHERE)
+def test_an_estimate_that_is_not_the_same_everywhere_is_at_fault(answer, fault):
+    (words,) = judged(pair_step("dormand_prince54", answer)).faults
+    assert words.startswith("the error estimate is not the same everywhere: ")
+    assert fault in words
+
+
+def test_a_time_beside_the_state_is_no_estimate_and_what_is_not_read_is_said_in_the_verdict():
+    timed = lambda f, t, y, h: (pair_step("bogacki_shampine32")(f, t, y, h)[0], t + h)
+    with pytest.raises(UnsupportedCall):
+        judged(timed)
+    bent = pair_step("bogacki_shampine32", lambda y1, error, h, y: (y1, np.minimum(error, 1e-3)))
+    report = verify(bent, "bogacki_shampine32", examples=20, isolate=False)
+    assert "; the error estimate is not judged: " in report.verdict
 
 
 SPOILED = {

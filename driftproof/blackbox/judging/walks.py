@@ -1,0 +1,299 @@
+"""A stepper beside the method far from home: step after step, of many numbers, sizes, times and lengths."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from itertools import islice
+from typing import Any
+
+import numpy as np
+from flint import arb, ctx
+
+from driftproof.blackbox.findings import Misbehaviour, NoAnswer, NotANumber, NotFinite, StepRaised, WrongShape
+from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, ORDINARY_DOMAIN, Domain, steps_back
+from driftproof.blackbox.judging.nonlinear_problems import (
+    START,
+    NonlinearProblem,
+    dragged_problem,
+    driven,
+    gives_force_times,
+    hands_on_time,
+    moved,
+    pushed,
+    walls,
+)
+from driftproof.blackbox.judging.nonlinear_step import allowed_off, own_step
+from driftproof.blackbox.judging.tolerance import Allowance
+from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.methods.schemes import Method, Nystrom, Splitting
+
+_BITS = 192
+# One number, as many as a short loop is unrolled by and one more or less, and more than the widest registers hold; of
+# positions fewer, since the forces between them are products of all, and of iterated stages, which take their time.
+_NUMBERS, _POSITIONS, _SOLVED_FOR = (1, 2, 3, 5, 17), (1, 2, 3, 5, 9), (1, 2, 3, 5)
+# In units of the problem's own time, so short that numbers stay of its size; of many bits, one of them taken twice.
+_LENGTHS, _BACK = (0.1, 0.1, 1 / 30, 0.07), (-0.07, -0.03)
+# Another arithmetic, or a convention of the caller's: nothing is said against what is not stepped at all.
+_REFUSALS = (StepRaised, WrongShape, NotANumber)
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Exponents of two of the sizes of numbers, over again, and of the pace; and the time at which the clock is 0."""
+
+    sizes: tuple[int, ...] = (0,)
+    pace: int = 0
+    origin: float = 0.0
+
+    def problem(self, problem: NonlinearProblem) -> NonlinearProblem:
+        """The problem there."""
+        return moved(problem, [2.0**k for k in self.sizes], 2.0**self.pace, self.origin)
+
+    def within(self, domain: Domain, subject: ForeignStepper) -> bool:
+        """True where its numbers, doubled, and its steps are of the domain, and in the middle of the format."""
+        (shortest, longest), (smallest, largest) = domain.ranges
+        room = subject.format.emax // 3
+        lengths = [x * 2.0**-self.pace for x in _LENGTHS]
+        return (
+            all(2 * 2.0**k <= largest and 2.0**k >= smallest for k in self.sizes)
+            and shortest <= min(lengths)
+            and max(lengths) <= longest
+            and max(*map(abs, self.sizes), 2 * abs(self.pace)) <= room
+        )
+
+
+# Short steps with steep slopes, and long ones with flat ones; before the time 0, and long after it, with all bits.
+_PLACES = (
+    _Place(),
+    _Place((-20,), 12, 100.1),
+    _Place((0, 8, -30, 3), 0, -7.3),
+    _Place((8,), -4, 1000.1),
+    _Place((0,), 6, -0.7),
+)
+
+
+@dataclass(frozen=True)
+class _Step:
+    """One step of a walk that is not the method's."""
+
+    place: _Place
+    numbers: int
+    t: float
+    y: tuple[float, ...]
+    h: float
+    first: bool
+    words: str
+
+
+@dataclass(frozen=True)
+class Walker:
+    """A stepper, the method that it should be, and what it is allowed: each family has its own step and problems."""
+
+    subject: ForeignStepper
+    method: Any
+    allowance: Allowance = NO_ALLOWANCE
+    domain: Domain = ORDINARY_DOMAIN
+
+    @property
+    def partitioned(self) -> bool:
+        """True where it is held to y'' = F(t, y)."""
+        return isinstance(self.method, Splitting | Nystrom) or self.subject.convention.kind != FIELD
+
+    @property
+    def what(self) -> str:
+        """What its state is made of."""
+        return "positions" if self.partitioned else "numbers"
+
+    def counted(self, numbers: int) -> str:
+        """So many of what its state is made of."""
+        return f"{numbers} {self.what if numbers > 1 else self.what[:-1]}"
+
+    @property
+    def numbers(self) -> tuple[int, ...]:
+        """Of how many numbers, or positions, problems are tried."""
+        return _POSITIONS if self.partitioned else _NUMBERS if self.method.explicit else _SOLVED_FOR
+
+    @property
+    def places(self) -> list[_Place]:
+        """Those within the domain; an implicit solver has a scale of its own, which is 1."""
+        plain = self.partitioned and self.subject.convention.kind == FORCE and not self._coupled
+        places = _PLACES if self.method.explicit else [replace(place, sizes=(0,)) for place in _PLACES]
+        places = [replace(place, sizes=place.sizes[:1]) for place in places] if plain else places
+        return [place for place in places if place.within(self.domain, self.subject)]
+
+    @property
+    def _coupled(self) -> bool:
+        return bool(self.problems(2)) and "walls" not in self.problems(2)[0].words
+
+    def problems(self, numbers: int) -> list[NonlinearProblem]:
+        """That of so many numbers or positions, in the orders in which y may hold them; none where it takes them not.
+
+        A force that is asked for one position at a time is given walls.
+        """
+        if not self.partitioned:
+            with suppress(*_REFUSALS):
+                return [driven(numbers, timed=hands_on_time(self.subject, numbers))]
+            return []
+        if self.subject.gives_velocities and not isinstance(self.method, Splitting | Nystrom):
+            return [dragged_problem(self.subject)] if numbers == 1 else []
+        timed = gives_force_times(self.subject)
+        found = [pushed(numbers, timed=timed)] if timed or numbers > 1 else []
+        for problem in [*found, *([] if timed or self.subject.convention.kind == FIELD else [walls(numbers)])]:
+            with suppress(*_REFUSALS):
+                problem.stepped(self.subject, START, _start(problem, START), 2.0**-5)
+                orders = (False, True) if self.subject.convention.kind == FIELD and numbers > 1 else (False,)
+                return [replace(problem, interleaved=each) for each in orders]
+        return []
+
+    def walk(self, problem: NonlinearProblem, place: _Place, lengths: Sequence[float]) -> _Step | None:
+        """The first step that is not the method's; None if all are. Raises the Misbehaviour that comes instead."""
+        there, t = place.problem(problem), place.origin + START * 2.0**-place.pace
+        y = _start(there, t)
+        for n, length in enumerate(lengths):
+            h = length * 2.0**-place.pace
+            words, end = self.compared(there, place, t, y, h)
+            if words:
+                return _Step(place, there.positions or len(y), t, tuple(y), h, n == 0, words)
+            t, y = t + h, end
+        return None
+
+    def compared(
+        self, problem: NonlinearProblem, place: _Place, t: float, y: Sequence[float], h: float
+    ) -> tuple[str, list[float]]:
+        """What is wrong with one step, "" for nothing, and where it ends."""
+        seen = [float(x) for x in problem.stepped(self.subject, t, y, h)]
+        taken = float(np.float32(h)) if self.allowance.step_in_binary32 else h
+        said, scales = self.own_step(problem, t, y, taken), problem.scales
+        # Slopes change by about their size in a unit of the problem's own time: so much does a rounded time cost.
+        size = 1 + max(abs(x) / s for x, s in zip(y, scales, strict=True)) + abs(t) * 2.0**place.pace
+        allowed = self.allowed(size, len(y), h * 2.0**place.pace)
+        off = [float(abs(arb(x) - exact).upper()) / s for x, exact, s in zip(seen, said, scales, strict=True)]
+        wrong = [i for i, x in enumerate(off) if not x <= allowed]
+        if not wrong:
+            return "", seen
+        i = max(wrong, key=lambda i: off[i])
+        numbers = f"{problem.names[i]} is {seen[i]!r}, of {self.method.key} {float(said[i].mid())!r}"
+        of = self.counted(problem.positions or len(y))
+        return f"in a step of {h:.6g} from t = {t:.6g}, of {of}, {numbers}", seen
+
+    def own_step(self, problem: NonlinearProblem, t: float, y: Sequence[float], h: float) -> list[arb]:
+        """The method's step."""
+        return own_step(self.method, problem, t, y, h)
+
+    def allowed(self, size: float, numbers: int, h: float) -> float:
+        """How far one of so many numbers of this size may be off."""
+        return allowed_off(self.subject, self.method, self.allowance, size, h)
+
+    def why(self, step: _Step, problem: NonlinearProblem) -> str:
+        """What it takes for a step to be wrong, where that is one thing."""
+        there = step.place.problem(problem)
+        if not step.first:
+            with suppress(Misbehaviour):
+                there.stepped(self.subject, step.t + 1, [x / 2 for x in step.y], step.h)
+                if not self.compared(there, step.place, step.t, step.y, step.h)[0]:
+                    return "a step that goes on from the one before is another than from the same state at once"
+        lengths = _LENGTHS if step.h > 0 else _BACK
+        if self.fails(problem, _Place(), lengths):
+            others = [each for n in (1, 2, 3) if n != step.numbers for each in self.problems(n)[:1]]
+            if others and not any(self.fails(other, _Place(), lengths) for other in others):
+                return f"of {self.counted(step.numbers)} it is another step"
+            return ""
+        alone = {
+            f"at t = {step.t:.6g} it is another step": _Place(origin=step.place.origin),
+            f"with h = {step.h:.6g} it is another step": _Place(pace=step.place.pace),
+            "with numbers of other sizes it is another step": _Place(sizes=step.place.sizes),
+        }
+        return next((words for words, place in alone.items() if self.fails(problem, place, lengths)), "")
+
+    def fails(self, problem: NonlinearProblem, place: _Place, lengths: Sequence[float]) -> bool:
+        """Whether a step of that walk is not the method's."""
+        try:
+            return self.walk(problem, place, lengths) is not None
+        except _REFUSALS:
+            return False
+
+
+def walked(
+    subject: ForeignStepper,
+    method: Method,
+    allowance: Allowance = NO_ALLOWANCE,
+    domain: Domain = ORDINARY_DOMAIN,
+    lengths: Sequence[float] = _LENGTHS,
+    most: int | None = None,
+) -> tuple[bool | None, str, str]:
+    """Whether steps that go on from one another are the method's, of each number of numbers and at each place.
+
+    In words, and as nothing that is seen again in one line; None where it takes no such step. Each place is that of
+    some number of numbers, and each number has a place, `most` of them at most. Raises UnsupportedCall where the system
+    is built in.
+    """
+    return walk_on(Walker(subject, method, allowance, domain), lengths, most)
+
+
+def walk_on(
+    walker: Walker, lengths: Sequence[float] = _LENGTHS, most: int | None = None
+) -> tuple[bool | None, str, str]:
+    """As `walked`, of any family."""
+    with ctx.workprec(_BITS):
+        try:
+            return _walked_on(walker, lengths, most)
+        except NotFinite as failure:
+            return False, str(failure), ""
+
+
+def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> tuple[bool | None, str, str]:
+    taken, times, refused = list[int](), list[float](), ""
+    for place, problems in islice(_settings(walker), most):
+        found: list[_Step] = []
+        for problem in problems:
+            try:
+                step = walker.walk(problem, place, lengths)
+            except NoAnswer:
+                raise
+            except _REFUSALS as refusal:
+                refused = refused or str(refusal)
+                break
+            if step is None:
+                taken.append(problem.positions or len(problem.names))
+                times += [place.origin] * problem.timed
+                break
+            found.append(step)
+        else:
+            cause = walker.why(found[0], problems[0])
+            return False, ": ".join(filter(None, [cause, found[0].words])), ""
+    if not taken:
+        return None, f"no such step is taken: {refused}" if refused else "the domain is too small for it", ""
+    sizes = ", ".join([*map(str, sorted(set(taken) - {max(taken)})), walker.counted(max(taken))])
+    also = f"; not all are taken: {refused}" if refused else ""
+    words = f"{len(taken)} times {len(lengths)} steps, each from the end of the one before, of {sizes}"
+    when = f", at times from {min(times):g} to {max(times):g}" if times else ""
+    return True, f"{words}{when}{also}", ""
+
+
+def _settings(walker: Walker) -> Iterator[tuple[_Place, list[NonlinearProblem]]]:
+    """Places and numbers of numbers side by side, the shorter list over again."""
+    sizes = [problems for n in walker.numbers if (problems := walker.problems(n))]
+    places = walker.places
+    if sizes and places:
+        for i in range(max(len(sizes), len(places))):
+            yield places[i % len(places)], sizes[i % len(sizes)]
+
+
+def _start(problem: NonlinearProblem, t: float) -> list[float]:
+    return [float(x.mid()) for x in problem.solution(arb(t))]
+
+
+def back_and_on(
+    subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
+) -> tuple[bool | None, str, str]:
+    """`steps_back`; and where these are right and the right-hand side is ours, on nonlinear problems, too."""
+    found = steps_back(subject, method, allowance, domain)
+    if not found[0] or subject.convention.kind not in (FIELD, FORCE):
+        return found
+    passed, words, again = walked(subject, method, allowance, domain, _BACK, 2)
+    if passed is None:
+        return found
+    return passed, f"{found[1]}; {words}" if passed else f"h < 0 is no step back: {words}", again

@@ -1,0 +1,145 @@
+"""Steps far from home: right code passes there, and what is wrong there alone is caught and said to be."""
+
+import numpy as np
+import pytest
+
+from driftproof import verify
+from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, ORDINARY_DOMAIN, Domain
+from driftproof.blackbox.judging.tolerance import Allowance
+from driftproof.blackbox.judging.walks import back_and_on, walked
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.stepping import stepper
+from tests.blackbox import handwritten_steppers as codes
+from tests.blackbox.judging.test_nonlinear_step import SOLVED, iterated
+
+RK4, VERLET = METHODS["rk4"], METHODS["velocity_verlet"]
+
+
+def rk4_at(times):
+    """RK4 whose right-hand side is asked at other times."""
+    return lambda f, t, y, h: codes.rk4(lambda at, z: f(times(at, t), z), t, y, h)
+
+
+def rk4_ending(end):
+    """RK4 that ends elsewhere, of the end, the start and h."""
+    return lambda f, t, y, h: end(np.array(codes.rk4(f, t, y, h)), y, h)
+
+
+def going_on(f, t, y, h, last={}):  # noqa: B006
+    """RK4 whose first slope, where a step goes on, is the last one of the step before, which is at another place."""
+    k1 = last["slope"] if last.get("t") == t and len(last["slope"]) == len(y) else f(t, y)
+    k2 = f(t + h / 2, y + h * k1 / 2)
+    k3 = f(t + h / 2, y + h * k2 / 2)
+    k4 = f(t + h, y + h * k3)
+    last.update(t=t + h, slope=k4)
+    return y + h * (k1 + 2 * k2 + 2 * k3 + k4) / 6
+
+
+def positions_from_the_fourth_stay(force, q, v, h):
+    end, speed = codes.velocity_verlet(force, q, v, h)
+    return np.append(end[:3], q[3:]) if np.size(q) > 3 else end, speed
+
+
+WRONG = {
+    "times in binary32": (rk4_at(lambda at, t: float(np.float32(at))), RK4, "in a step of 0.1 from t = "),
+    "a clock that stands": (rk4_at(lambda at, t: min(at, 10)), RK4, "at t = 100.1 it is another step"),
+    "no sign of t": (rk4_at(lambda at, t: abs(at)), RK4, "at t = -7.05 it is another step"),
+    "the last of five": (
+        rk4_ending(lambda end, y, h: np.append(end[:4], y[4:]) if len(y) > 4 else end),
+        *(RK4, "of 5 numbers it is another step"),
+    ),
+    "no small slopes": (
+        rk4_ending(lambda end, y, h: np.where(abs(end - y) < 1e-8, y, end) if len(y) > 2 else end),
+        *(RK4, "with numbers of other sizes it is another step"),
+    ),
+    "a stale slope": (going_on, RK4, "a step that goes on from the one before is another than from the same state"),
+    "the fourth position": (positions_from_the_fourth_stay, VERLET, "of 5 positions it is another step"),
+    "NaN": (rk4_ending(lambda end, y, h: end * (np.nan if len(y) == 3 else 1)), RK4, "it returns nan"),
+}
+
+
+@pytest.mark.parametrize(("step", "method", "cause"), WRONG.values(), ids=WRONG)
+def test_what_is_wrong_elsewhere_alone_is_caught_and_named(step, method, cause):
+    passed, words, _ = walked(opened(step), method)
+    assert passed is False
+    assert cause in words
+
+
+@pytest.mark.parametrize("key", ["forward_euler", "rk4", "dormand_prince54", "yoshida6", "nystrom5", "ssprk104"])
+def test_explicit_methods_are_themselves_everywhere_by_their_force(key):
+    passed, words, _ = walked(opened(stepper(METHODS[key], float), "force"), METHODS[key])
+    assert (passed, words) == (
+        True,
+        "5 times 4 steps, each from the end of the one before, of 1, 2, 3, 5, 9 positions",
+    )
+
+
+@pytest.mark.parametrize(
+    ("step", "method", "seen"),
+    [
+        (codes.rk4, RK4, "of 1, 2, 3, 5, 17 numbers"),
+        (codes.rk4_without_time, RK4, "of 1, 2, 3, 5, 17 numbers"),
+        (codes.rk4_of_one_number, RK4, "before, of 1 number, at times from -7.3 to 1000.1"),
+        (codes.in_precision(codes.rk4, np.float32), RK4, "of 1, 2, 3, 5, 17 numbers"),
+        (codes.velocity_verlet_in_time, VERLET, "of 1, 2, 3, 5, 9 positions"),
+        (iterated(METHODS["gauss2"]), METHODS["gauss2"], "of 1, 2, 3, 5 numbers"),
+    ],
+)
+def test_right_codes_are_right_everywhere_and_it_is_said_where(step, method, seen):
+    passed, words, _ = walked(opened(step), method, NO_ALLOWANCE if method.explicit else SOLVED)
+    assert passed is True, words
+    assert seen in words
+
+
+def test_what_is_refused_is_no_fault_and_is_told():
+    def positive(f, t, y, h):
+        if t < 0:
+            raise ValueError("t is negative")
+        return codes.rk4(f, t, y, h)
+
+    passed, words, _ = walked(opened(positive), RK4)
+    assert passed is True
+    assert words.startswith("3 times 4 steps")
+    assert words.endswith("; not all are taken: " + words.partition("not all are taken: ")[2])
+    assert "raises ValueError: t is negative" in words
+
+
+def test_no_step_is_taken_outside_of_the_domain():
+    capped = rk4_ending(lambda end, y, h: np.clip(end, -100, 100))
+    assert walked(opened(capped), RK4)[0] is False
+    assert walked(opened(capped), RK4, NO_ALLOWANCE, Domain(largest_state=90.0))[0] is True
+    short = walked(opened(codes.rk4), RK4, NO_ALLOWANCE, Domain(largest_step=2.0**-19))
+    assert short == (None, "the domain is too small for it", "")
+
+
+def test_allowances_hold_there_too():
+    short = lambda f, t, y, h: codes.rk4(f, t, y, float(np.float32(h)))
+    assert walked(opened(short), RK4)[0] is False
+    assert walked(opened(short), RK4, Allowance(step_in_binary32=True))[0] is True
+    quotient = opened(codes.velocity_from_positions)
+    assert walked(quotient, METHODS["symplectic_euler"], Allowance(velocity_from_positions=True))[0] is True
+
+
+def test_steps_back_are_looked_at_where_the_right_hand_side_is_ours():
+    forward = opened(rk4_at(lambda at, t: t + abs(at - t)))
+    assert walked(forward, RK4)[0] is True
+    passed, words, _ = back_and_on(forward, RK4)
+    assert passed is False
+    assert words.startswith("h < 0 is no step back: in a step of -0.07 from t = 0.25")
+    refused = back_and_on(opened(lambda f, t, y, h: codes.rk4(f, t, y, h if h > 0 else 1 / 0)), RK4)
+    assert refused[0] is None
+    built_in = back_and_on(opened(lambda q, v, h: (q + h * v, v - h * q)), METHODS["forward_euler"])
+    assert built_in == (True, "6 steps with h < 0 within the bound", "")
+
+
+def test_a_built_in_system_is_not_walked():
+    with pytest.raises(UnsupportedCall):
+        walked(opened(lambda q, v, h: (q + h * v, v - h * q)), METHODS["forward_euler"], NO_ALLOWANCE, ORDINARY_DOMAIN)
+
+
+def test_the_verdict_says_that_it_is_the_method_but_not_everywhere():
+    report = verify(WRONG["the last of five"][0], "rk4", examples=20, isolate=False)
+    assert report.passed is False
+    assert report.verdict.startswith("is rk4, but not everywhere: of 5 numbers it is another step: in a step of ")
