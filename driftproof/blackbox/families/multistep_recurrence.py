@@ -142,7 +142,7 @@ class RecurrenceReading:
             return ()
         found = [(m.key, self.recurrence.differences(m)) for m in candidates(self.recurrence.derivative)]
         told = [(key, words) for key, words in found if words]
-        fewest = min((len(words) for _, words in told), default=0)
+        fewest = min((len(words) for _, words in told), default=None)
         return tuple(each for each in told if len(each[1]) == fewest)
 
     @property

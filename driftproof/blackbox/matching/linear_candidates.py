@@ -136,9 +136,10 @@ def linear_candidates(reading: LinearReading, *, known: bool) -> list[LinearCand
         found += [each for each in explained if each.error.in_bounds <= 1]
         if any(not each.restriction for each in found):
             break
+    if not found:
+        return []
     everywhere = [each for each in found if not each.restriction] or found
-    least = min((each.error.relative for each in everywhere), default=0.0)
-    most = MUCH_FARTHER * (least + float(reading.format.u))
+    most = MUCH_FARTHER * (min(each.error.relative for each in everywhere) + float(reading.format.u))
     near = sorted((each for each in everywhere if each.error.relative <= most), key=lambda each: each.extras)
     return [each for each in near if each.extras == near[0].extras][:_MOST]
 
@@ -147,14 +148,13 @@ def nearly_exact(reading: LinearReading, *, known: bool) -> LinearCandidate | No
     """The exact solution, where every step read is near to it, and "to 1e-13" or the like; None where one is not."""
     simple = ((simple_rational(x, abs(x) * Fraction(NEARLY)), x) for x in rates_of(reading))
     position, stiffness = (x if near is None else near for near, x in simple)
-    found = LinearCandidate((), False, position, stiffness, known, Error(inf, 0.0))
     with ctx.workprec(CERTIFYING_BITS):
         errors = [_error(ExactFlowMap(), Fraction(h), m, reading.format, position, stiffness) for h, m in reading.steps]
     worst = max((error.relative for error in errors), default=inf)
     if not worst <= NEARLY:
         return None
     digits = ceil(log10(worst)) if worst > 0 else 0
-    return replace(found, error=Error(inf, worst), restriction=f"to 1e{digits}")
+    return LinearCandidate((), False, position, stiffness, known, Error(inf, worst), f"to 1e{digits}")
 
 
 def _error(

@@ -247,7 +247,7 @@ def _differences(read: _Read, mine: ExactTable, its: ExactTable) -> tuple[str, .
 
 def _nearest(found: list[Near]) -> tuple[Near, ...]:
     """Those with the fewest differences; of several of one method, the first."""
-    fewest = min((len(near.differences) for near in found if near.differences), default=0)
+    fewest = min((len(near.differences) for near in found if near.differences), default=FEW_DIFFERENCES)
     kept: dict[str, Near] = {}
     for near in found:
         if 0 < len(near.differences) == fewest <= FEW_DIFFERENCES:

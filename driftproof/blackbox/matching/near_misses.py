@@ -72,7 +72,7 @@ def _as_tableau(reading: ForceReading, method: RungeKutta, kept: Sequence[int]) 
         changed[i, :i] = row
         if _induces(changed, b, reading):
             # A row is a quotient by its weight, and as much less certain.
-            slack = allowed * max(1.0, 1 / abs(b[i]) if b[i] else 0.0)
+            slack = allowed * max(1.0, 1 / abs(b[i])) if b[i] else allowed
             entries = [(f"a[{kept[i]}][{kept[j]}]", x, method.a[kept[i]][kept[j]]) for j, x in enumerate(row.tolist())]
             rows = [
                 coefficient_difference(*place, fmt, slack)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import isfinite
 from typing import Any, NamedTuple
 
@@ -63,7 +63,6 @@ class ForeignSolver:
     adapter: ArrayAdapter = ARRAYS
     before: Callable[[str], None] = lambda call: None
     after: Callable[[], None] = lambda: None
-    solved: int = field(default=0, init=False)
 
     def solve(
         self,
@@ -85,7 +84,6 @@ class ForeignSolver:
 
         words = f"f, t_span={t_span!r}, y0={list(y0)!r}, rtol={rtol!r}, atol={atol!r}"
         self.before(words)
-        self.solved += 1
         try:
             answer = self.function(slopes, t_span, self.adapter.write(y0), rtol, atol)
         except Misbehaviour:

@@ -66,6 +66,14 @@ def test_finding_in_cells_that_run_together_shows_the_run() -> None:
     assert findings("Euler2.3905.15240", claim("Euler2.390{value}", "given = true", "5.15140")) == [
         (1, 6, "2.3905.15140", "2.3905.15240")
     ]
+    one = claim("0.5: Euler2.390{value}", "given = true", "5.15140")
+    assert findings("0.5: Euler2.3905.15240", one) == [(1, 11, "2.3905.15140", "2.3905.15240")]
+
+
+def test_name_with_another_number_comes_close_where_nothing_comes_closer() -> None:
+    one = claim("RK4 ends at {value}", "given = true")
+    assert findings("RK5 ends at 0.33", one) == [(1, 3, "4", "5")]
+    assert findings("RK5 ends at 0.33\nRK4 ends at 0.34", one) == [(2, 13, "0.33", "0.34")]
 
 
 def test_phrase_that_stands_nowhere_is_looked_for_by_its_beginning() -> None:

@@ -114,6 +114,7 @@ def test_states_are_fractions_up_to_4096_bits() -> None:
 # Question -> the beginning of its decimal, to the digits that a float has surely.
 KNOWN = {
     "pi": math.pi, "e": math.e, "2*pi/3": 2 * math.pi / 3, "exp(-1/4)": math.exp(-0.25), "exp(-1)": math.exp(-1),
+    "pi**(1/3)": math.pi ** (1 / 3), "sqrt(pi)": math.pi**0.5, "pi**(2/5)": math.pi**0.4,
     "ln(2)": math.log(2), "ln(exp(2))": 2.0, "cos(pi/3)": 0.5, "(17/16)**1000": (17 / 16) ** 1000,
     "run rk4 h=1/1000 1000 steps : steps": 1000.0, "run rk4 problem=pendulum h=1e-5 t=1 : steps": 100000.0,
 }  # fmt: skip
