@@ -70,7 +70,7 @@ BUDGETS = {
     "enclosure": 3108,
     "texts": 6697,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5538
+BUDGET_OF_REPORTS_AND_FRONT = 5557
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 
@@ -533,7 +533,7 @@ def test_every_exception_is_still_one() -> None:
     assert all(text_of(ROOT / PACKAGE / path).count("\n") < SMALLEST for path in SMALL)
 
 
-HEAVY = {"sympy", "flint", "matplotlib", "mpmath", "hypothesis", "tqdm", "numba", "jinja2", "distributed", "dask"}
+HEAVY = {"sympy", "flint", "mpmath", "hypothesis", "tqdm", "numba", "jinja2", "distributed", "dask"}
 
 
 def _all_modules(room: str, apart: str = "none") -> str:

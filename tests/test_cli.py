@@ -250,7 +250,7 @@ def test_version_is_the_package_version(answer):
     assert answer("--version") == f"driftproof {__version__}\n"
 
 
-HEAVY = {"sympy", "flint", "numpy", "numba", "matplotlib", "hypothesis", "tqdm", "jinja2", "mpmath", "distributed"}
+HEAVY = {"sympy", "flint", "numpy", "numba", "hypothesis", "tqdm", "jinja2", "mpmath", "distributed"}
 
 
 HELP_LOADS = {"driftproof", "driftproof.cli", "driftproof.commands", "driftproof.commands.listing"}

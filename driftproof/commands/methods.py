@@ -65,7 +65,7 @@ def facts_command(options: Namespace) -> str:
       driftproof facts rk4 --only region_boundary --format json
       driftproof facts bdf3                                    a multistep method: root condition, A(alpha), barriers
       driftproof facts tableau.toml --format tex
-      driftproof facts rk4 --only order --plot region.svg      needs the extra: pip install 'driftproof[report]'
+      driftproof facts rk4 --only order --plot region.svg
 
     A family of your own is a Runge-Kutta tableau with a line parameter = "theta" and entries such as "1 - theta".
 
@@ -80,11 +80,8 @@ def facts_command(options: Namespace) -> str:
     about = {name: getattr(options, name) for name in ("only", "at", "system", "order_tolerance", "terms")}
     sheet = facts(options.method, **about)
     if options.plot:
-        from driftproof.support.environment import require_package
-
         if not isinstance(sheet, MethodFacts):
             raise ValueError("a picture is of one method that takes a step from one state; choose one, and no system")
-        require_package("matplotlib", "report", "pictures need matplotlib")
         from driftproof.reports.method_figures import draw_method
 
         draw_method(options.picture, sheet.method, options.plot)

@@ -76,7 +76,7 @@ def work_precision_command(options: Namespace) -> str:
       errors.json                errors, evaluations, measured orders: the same in every run
       times.json                 all that was measured in seconds, with machine and versions
       work_precision.csv         both, one row a point
-      work_precision_state.svg   the figures: state, energy, phase (needs the extra: pip install 'driftproof[report]')
+      work_precision_state.svg   the figures: state, energy, phase
       points.json                what an interrupted study goes on from
     --peers runs scipy, diffrax, heyoka or torchdiffeq beside ours (extra `peers`), at tolerances from 1e-3 to 1e-13.
     """

@@ -27,6 +27,9 @@ def scene_command(options: Namespace) -> str:
       driftproof scene default --figures pictures/
       driftproof scene mine.toml
 
+    With problem = "kepler", say, a scene is of that problem, one that `driftproof stability` lists or a .toml file of
+    your own (`driftproof stability --help` shows one), in place of start, certified and figures.
+
     mine.toml:
       selected = "rk4"                  the method whose readouts are shown
       h = "1/8"                         0.125 is read exactly, too
@@ -36,8 +39,6 @@ def scene_command(options: Namespace) -> str:
       certified = ["phase_error"]       to any number of --digits, by the exact side
       methods = ["rk4", "velocity_verlet"]
       panels = ["table"]                table, position, phase_plane; for a report also work_precision, stability
-      problem = "kepler"                instead of start and certified: a problem that `driftproof stability` lists, or
-                                        a .toml file of your own (`driftproof stability --help` shows one)
     """
     return cli.answer_of("scene", options)
 

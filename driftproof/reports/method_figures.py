@@ -2,72 +2,108 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
-from matplotlib.figure import Figure
 
 from driftproof.methods.schemes import Method
-from driftproof.support.files import atomic_write
+from driftproof.reports.page.figure import write_picture
+from driftproof.reports.page.markup import element
+from driftproof.reports.page.plot import SQUARE, WIDE, Axis, Plot, Scale, place, ticks
 from driftproof.symbolic.algebra.polynomials import coefficients
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
 from driftproof.symbolic.linear.oscillator import energy_multiplier_of, stability_function_of
 from driftproof.symbolic.linear.region import boundary_points
 
-_INSIDE, _LINE, _POINT = "#cfe3f4", "#1f6fb4", "#c87a00"
 # Certified points on the boundary: 2 count + 1 values of Re R(z).
 _POINTS = 24
-_GRID = 601
+# Rows of a shaded square, a unit of the picture each, and columns, half of one.
+_ROWS, _COLUMNS = 264, 528
+# Values of h at which phase and growth are computed.
+_VALUES = 601
 # The boundary of an A-stable method goes to infinity; the picture does not.
 _FARTHEST = 12
+# What a line of the phase picture may reach; R(ih) may have zeros.
+_DEEPEST = 10.0
+
+_Legend = list[tuple[str, str]]
 
 
 def draw_method(picture: str, method: Method, path: Path) -> Path:
-    """Write the picture of the method to `path` and return it. Raises ValueError for a method without R(z)."""
+    """Write the picture of the method to `path`, an SVG file. Raises ValueError for a method without R(z)."""
     r = stability_function_of(method)
     if r is None:
         raise ValueError(f"{method.key} has no stability function to draw: it is no Runge-Kutta method")
-    with matplotlib.rc_context({"svg.hashsalt": "driftproof", "font.size": 11}):
-        figure = Figure(figsize=(6.4, 5.2), layout="constrained")
-        axes = figure.add_subplot()
-        PICTURES[picture](axes, r)
-        axes.set_title(method.title)
-        axes.grid(alpha=0.3)
-        save_picture(figure, path)
-    return path
+    plot, words, legend = PICTURES[picture](r)
+    return write_picture(path, method.title, words, f"{method.title}: {words}", [plot], legend)
 
 
-def _region(axes: Any, r: RationalFunction) -> None:
+def _region(r: RationalFunction) -> tuple[Plot, str, _Legend]:
     points = np.array([complex(point.z.mid()) for point in boundary_points(r, _POINTS)])
     points = points[np.abs(points) <= _FARTHEST]
-    x, y = _around(points)
-    axes.contourf(x, y, np.abs(_values(r, x + 1j * y)) <= 1, levels=[0.5, 1.5], colors=[_INSIDE])
-    axes.plot(points.real, points.imag, ".", color=_POINT, markersize=4, label="certified: |R(z)| = 1")
-    _complex_plane(axes)
-    axes.figure.legend(loc="outside lower center", frameon=False)
+    ends = [(part.min(), part.max()) for part in (points.real, points.imag)]
+    reach = 0.6 * max(1.0, *(high - low for low, high in ends))
+    plot = _plane([(low + high) / 2 for low, high in ends], reach)
+    _shade(plot, lambda z: np.abs(_values(r, z)) <= 1)
+    plot.dots([(z.real, z.imag) for z in points], "dots m0")
+    return plot, "stability region: |R(z)| <= 1", [("dotted m0", "certified: |R(z)| = 1")]
 
 
-def _order_star(axes: Any, r: RationalFunction) -> None:
-    x, y = np.meshgrid(np.linspace(-5, 5, _GRID), np.linspace(-5, 5, _GRID))
-    z = x + 1j * y
-    axes.contourf(x, y, np.abs(_values(r, z)) > np.abs(np.exp(z)), levels=[0.5, 1.5], colors=[_INSIDE])
-    _complex_plane(axes)
-    axes.set_xlabel("Re z; shaded: |R(z)| > |exp z|")
+def _order_star(r: RationalFunction) -> tuple[Plot, str, _Legend]:
+    plot = _plane([0, 0], 5)
+    _shade(plot, lambda z: np.abs(_values(r, z)) > np.abs(np.exp(z)))
+    return plot, "order star: shaded where |R(z)| > |exp z|", []
 
 
-def _phase(axes: Any, r: RationalFunction) -> None:
-    h = np.linspace(0, 3, _GRID)[1:]
-    value = _values(r, 1j * h)
-    growth = np.sqrt(_values(energy_multiplier_of(r), h * h))
-    axes.plot(h, np.unwrap(np.angle(value)) - h, color=_LINE, label="dispersion: arg R(ih) - h")
-    axes.plot(h, np.log(growth), "--", color=_POINT, label="dissipation: log |R(ih)|")
-    axes.set_xlabel("step h")
-    axes.legend(loc="best")
+def _phase(r: RationalFunction) -> tuple[Plot, str, _Legend]:
+    h = np.linspace(0, 3, _VALUES)[1:]
+    with np.errstate(divide="ignore"):
+        growth = np.log(_values(energy_multiplier_of(r), h * h)) / 2
+    dispersion = np.unwrap(np.angle(_values(r, 1j * h))) - h
+    lines = [np.clip(line, -_DEEPEST, _DEEPEST) for line in (dispersion, growth)]
+    every = np.concatenate([*lines, [0.0]])
+    low, high = (Fraction(float(x)).limit_denominator(1000) for x in (every.min() - 0.05, every.max() + 0.05))
+    plot = Plot(_axis(Fraction(0), Fraction(3), "step h", WIDE[0]), _axis(low, high, "radians; log", WIDE[1]))
+    for line, mark in zip(lines, ("path m3", "path m0"), strict=True):
+        plot.line([(x, y) for x, y in zip(h, line, strict=True) if np.isfinite(y)], mark)
+    legend = [("line path m3", "dispersion: arg R(ih) - h"), ("line path m0", "dissipation: log |R(ih)|")]
+    return plot, "on q' = v, v' = -q", legend
 
 
 PICTURES = {"region": _region, "order-star": _order_star, "phase": _phase}
+
+
+def _axis(low: Fraction, high: Fraction, name: str, places: tuple[Fraction, Fraction]) -> Axis:
+    return Axis(Scale(low, high, *places), name, ticks(low, high))
+
+
+def _plane(middle: Sequence[float], reach: float) -> Plot:
+    """A square of the complex plane around a point."""
+    (left, right), (low, high) = ([Fraction(float(c + d)) for d in (-reach, reach)] for c in middle)
+    return Plot(_axis(left, right, "Re z", SQUARE[0]), _axis(low, high, "Im z", SQUARE[1]))
+
+
+def _shade(plot: Plot, inside: Any) -> None:
+    """Strokes side by side over the points of the square that are `inside`, and the axes of the plane upon them."""
+    x, y = (
+        np.linspace(float(axis.scale.low), float(axis.scale.high), n)
+        for axis, n in ((plot.x, _COLUMNS), (plot.y, _ROWS))
+    )
+    strokes = []
+    for im in y:
+        edges = np.flatnonzero(np.diff(inside(x + 1j * im).astype(int), prepend=0, append=0))
+        for start, end in edges.reshape(-1, 2):
+            left, at = plot.at((x[start], im))
+            strokes.append(f"M{left} {at}H{place(plot.x.scale(x[end - 1]))}")
+    plot.drawn.append(element("path", class_="shade", d="".join(strokes)))
+    across, up = plot.x.scale, plot.y.scale
+    if up.low < 0 < up.high:
+        plot.line([(across.low, 0), (across.high, 0)], "axis")
+    if across.low < 0 < across.high:
+        plot.line([(0, up.low), (0, up.high)], "axis")
 
 
 def _values(r: RationalFunction, z: Any) -> Any:
@@ -75,29 +111,3 @@ def _values(r: RationalFunction, z: Any) -> Any:
     top, bottom = ([float(c) for c in coefficients(p)] for p in (r.num, r.den))
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.polynomial.polynomial.polyval(z, top) / np.polynomial.polynomial.polyval(z, bottom)
-
-
-def _around(points: Any) -> tuple[Any, Any]:
-    """A square grid around the points, a fifth wider than they need."""
-    ends = [(part.min(), part.max()) for part in (points.real, points.imag)]
-    reach = 0.6 * max(1.0, *(high - low for low, high in ends))
-    lines = [np.linspace((low + high) / 2 - reach, (low + high) / 2 + reach, _GRID) for low, high in ends]
-    x, y = np.meshgrid(*lines)
-    return x, y
-
-
-def _complex_plane(axes: Any) -> None:
-    axes.axhline(0, color="black", linewidth=0.6)
-    axes.axvline(0, color="black", linewidth=0.6)
-    axes.set_aspect("equal")
-    axes.set_xlabel("Re z")
-    axes.set_ylabel("Im z")
-
-
-def save_picture(figure: Figure, path: Path) -> None:
-    """Write the figure whole or not at all, as the kind that the suffix names. Raises ValueError for any other name."""
-    known = figure.canvas.get_supported_filetypes()
-    if path.suffix[1:].lower() not in known:
-        raise ValueError(f"{path}: the name of a picture ends in one of {', '.join(f'.{kind}' for kind in known)}")
-    with atomic_write(path) as draft:
-        figure.savefig(draft, metadata={"Date": None})

@@ -15,7 +15,6 @@ from driftproof.reports.user_problem import problem_given
 from driftproof.reports.work_precision.peers import peers_named
 from driftproof.reports.work_precision.report import errors_json, study_text, times_json, write_study
 from driftproof.reports.work_precision.study import Measured, Study, measure
-from driftproof.support.environment import how_to_install, installed
 from driftproof.support.files import require_folder, sole_writer
 from driftproof.support.plain_text import printable
 from driftproof.support.results import Answered
@@ -67,13 +66,11 @@ def work_precision(
 
 
 def _write(study: Study, measured: Measured, folder: Path) -> list[str]:
-    """A line for each file; the figures are left out, with the reason, where nothing can be drawn."""
-    lines = [f"wrote {path}" for path in write_study(study, measured, folder)]
-    if not installed("matplotlib"):
-        return [*lines, f"no figures: matplotlib is not installed; {how_to_install('report')}"]
+    """A line for each file."""
     from driftproof.reports.work_precision.figure import draw_study
 
-    return [*lines, *(f"wrote {draw_study(study, measured, quantity, folder)}" for quantity in floors(study.problem))]
+    figures = [draw_study(study, measured, quantity, folder) for quantity in floors(study.problem)]
+    return [f"wrote {path}" for path in (*write_study(study, measured, folder), *figures)]
 
 
 def _say(line: str) -> None:

@@ -2,7 +2,6 @@
 
 import json
 import re
-import sys
 from pathlib import Path
 
 import pytest
@@ -52,14 +51,6 @@ def test_work_precision_writes_its_files_and_names_them(answer, tmp_path):
 @pytest.mark.usefixtures("quick")
 def test_work_precision_answers_in_json_too(answer):
     assert set(json.loads(answer("work-precision", "--methods", "rk4", "--format", "json"))) == {"errors", "times"}
-
-
-@pytest.mark.usefixtures("quick")
-def test_without_matplotlib_everything_but_the_figures_is_written(answer, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    out = answer("work-precision", "dahlquist_1", "--methods", "rk4", "-o", str(tmp_path))
-    assert out.endswith("no figures: matplotlib is not installed; pip install 'driftproof[report]'\n")
-    assert set(contents(tmp_path)) == {"errors.json", "times.json", "work_precision.csv", "points.json"}
 
 
 REFUSED = {

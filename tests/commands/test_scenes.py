@@ -73,7 +73,7 @@ def test_a_sweep_shows_what_the_function_finds_and_keeps_it_in_a_file(answer, re
 def test_a_sweep_needs_distributed_for_a_cluster_only(refusal, modules_after, monkeypatch):
     loaded = modules_after("from driftproof.cli import main; main(['sweep', 'default', '--h', '1/4'])")
     assert "driftproof.numeric.sweep" in loaded
-    assert loaded & {"distributed", "dask", "numba", "sympy", "matplotlib"} == set()
+    assert loaded & {"distributed", "dask", "numba", "sympy"} == set()
     monkeypatch.setitem(sys.modules, "distributed", None)
     assert "pip install 'driftproof[cluster]'" in refusal("sweep", "default", "--cluster", "tcp://localhost:1")
 

@@ -112,11 +112,6 @@ def runs_scene(tmp_path: Path) -> SceneFile:
 Modules = Callable[[str], set[str]]
 
 
-def test_scene_never_imports_a_plotting_library(runs_scene: SceneFile, modules_after: Modules) -> None:
-    text = 'readouts = ["energy", "trajectory"]\nmethods = ["rk4"]\npanels = ["table", "position", "phase_plane"]'
-    assert "matplotlib" not in modules_after(runs_scene(text))
-
-
 def test_scene_without_exact_readouts_never_imports_sympy(runs_scene: SceneFile, modules_after: Modules) -> None:
     every = 'readouts = ["final_state", "state_error", "energy", "phase_error", "evaluations"]'
     loaded = modules_after(runs_scene(every))

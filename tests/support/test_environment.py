@@ -11,9 +11,9 @@ from driftproof.support.environment import installed, machine_description, requi
 def test_missing_package_says_what_to_install(monkeypatch):
     assert installed("json")
     require_package("json", "text", "templates need json")
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(ValueError, match=r"matplotlib; install it with pip install 'driftproof\[report\]'$"):
-        require_package("matplotlib", "report", "pictures need matplotlib")
+    monkeypatch.setitem(sys.modules, "jinja2", None)
+    with pytest.raises(ValueError, match=r"Jinja2; install it with pip install 'driftproof\[text\]'$"):
+        require_package("jinja2", "text", "templates need Jinja2")
 
 
 def test_description_names_processor_and_system_and_no_machine():

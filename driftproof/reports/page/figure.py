@@ -1,4 +1,4 @@
-"""A figure: a plot with its heading, legend, note and numbers, as part of a page and as an SVG file of its own."""
+"""A figure: a plot with its heading, legend, note and numbers, as part of a page; plots as files of SVG."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from importlib.resources import files
+from itertools import chain
 from pathlib import Path
 
 from driftproof.reports.page.markup import details, element, escaped, html_table
@@ -55,45 +56,57 @@ class Figure:
             aria_labelledby=f"{self.identity}-heading",
         )
 
-    def file(self, setting: str) -> str:
-        """The same picture as an SVG file of its own: heading and `setting` above, the legend below, light colours."""
-        width, height = self.plot.size
-        below, column = height + _LEGEND_ROW * -(-len(self.legend) // 2) + _FOOT, (width - LEFT) / 2
-        legend = [
-            element(
-                "g",
-                _swatch(mark),
-                element("text", escaped(words), x=36, y=11),
-                transform=f"translate({place(LEFT + i % 2 * column)} {place(height + i // 2 * _LEGEND_ROW)})",
-            )
-            for i, (mark, words) in enumerate(self.legend)
-        ]
-        size = {"width": place(width), "height": place(below + _HEADING)}
-        return element(
-            "svg",
-            element("title", escaped(self.title)),
-            element("desc", escaped(self.description)),
-            element("style", _style_of_pictures()),
-            element("rect", y=-_HEADING, fill="#ffffff", **size),
-            element("text", escaped(self.title), class_="name", x=LEFT, y=-24, style="font-size: 14px"),
-            element("text", escaped(setting), x=LEFT, y=-7),
-            *self.plot.axes(),
-            *self.plot.drawn,
-            *legend,
-            xmlns="http://www.w3.org/2000/svg",
-            viewBox=f"0 {-_HEADING} {size['width']} {size['height']}",
-            font_family="Segoe UI, Noto Sans, DejaVu Sans, sans-serif",
-            **{
-                name: place(length * Fraction(3, 2))
-                for name, length in (("width", width), ("height", below + _HEADING))
-            },
-        )
-
     def write(self, path: Path, setting: str) -> Path:
-        """Write the `file` to `path`, whole or not at all, and return it."""
-        with atomic_write(path) as draft:
-            Path(draft).write_text(self.file(setting) + "\n", encoding="utf-8", newline="\n")
-        return path
+        """Write the same picture as a file, `setting` below its title; as `write_picture`."""
+        return write_picture(path, self.title, setting, self.description, [self.plot], self.legend)
+
+
+def write_picture(
+    path: Path, title: str, setting: str, description: str, plots: Sequence[Plot], legend: Sequence[tuple[str, str]]
+) -> Path:
+    """Write the plots, all of one size, two in a row, as an SVG file, whole or not at all; return its path.
+
+    Title and `setting` stand above, the legend below, in light colours. Raises ValueError for another kind of file.
+    """
+    if path.suffix.lower() != ".svg":
+        raise ValueError(f"{path}: the name of a picture ends in .svg")
+    with atomic_write(path) as draft:
+        content = _file(title, setting, description, plots, legend)
+        Path(draft).write_text(f"{content}\n", encoding="utf-8", newline="\n")
+    return path
+
+
+def _file(title: str, setting: str, description: str, plots: Sequence[Plot], legend: Sequence[tuple[str, str]]) -> str:
+    across, (one, high) = min(2, len(plots)), plots[0].size
+    width, height, entries = across * one, -(-len(plots) // across) * high, 2 * across
+    below = height + _LEGEND_ROW * -(-len(legend) // entries) + _FOOT
+    shown = [_moved(i % across * one, i // across * high, [*plot.axes(), *plot.drawn]) for i, plot in enumerate(plots)]
+    for i, (mark, words) in enumerate(legend):
+        x, y = LEFT + i % entries * (width - LEFT) / entries, height + i // entries * _LEGEND_ROW
+        shown.append([_group(x, y, [_swatch(mark), element("text", escaped(words), x=36, y=11)])])
+    size = {"width": place(width), "height": place(below + _HEADING)}
+    return element(
+        "svg",
+        element("title", escaped(title)),
+        element("desc", escaped(description)),
+        element("style", _style_of_pictures()),
+        element("rect", y=-_HEADING, fill="#ffffff", **size),
+        element("text", escaped(title), class_="name", x=LEFT, y=-24, style="font-size: 14px"),
+        element("text", escaped(setting), x=LEFT, y=-7),
+        *chain.from_iterable(shown),
+        xmlns="http://www.w3.org/2000/svg",
+        viewBox=f"0 {-_HEADING} {size['width']} {size['height']}",
+        font_family="Segoe UI, Noto Sans, DejaVu Sans, sans-serif",
+        **{name: place(length * Fraction(3, 2)) for name, length in (("width", width), ("height", below + _HEADING))},
+    )
+
+
+def _moved(x: Fraction, y: Fraction, parts: list[str]) -> list[str]:
+    return [_group(x, y, parts)] if x or y else parts
+
+
+def _group(x: Fraction, y: Fraction, parts: list[str]) -> str:
+    return element("g", *parts, transform=f"translate({place(x)} {place(y)})")
 
 
 def _swatch(mark: str) -> str:

@@ -187,6 +187,11 @@ class Plot:
         cx, cy = self.at(centre)
         self.drawn.append(element("circle", element("title", escaped(title)), class_=class_, cx=cx, cy=cy, r=radius))
 
+    def words(self, text: str) -> None:
+        """A line of text in the middle, where there is nothing to draw."""
+        x, y = ((scale.start + scale.end) / 2 for scale in (self.x.scale, self.y.scale))
+        self.drawn.append(element("text", escaped(text), class_="name x", x=place(x), y=place(y)))
+
     def circle(self, radius: float | Fraction, class_: str) -> None:
         """The circle around the origin with this radius, in units of the axes: both scales have to be equal."""
         cx, cy = self.at((0, 0))

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from math import ceil, floor, log10
 from pathlib import Path
-from textwrap import fill
-from typing import Any
-
-import matplotlib
-from matplotlib.figure import Figure
+from textwrap import shorten
 
 from driftproof.numeric.reference_errors import ENERGY, PHASE, STATE, U, floors, half_unit, largest_state_size
 from driftproof.numeric.work_precision.curves import Curve
 from driftproof.numeric.work_precision.integrators import COMPILED, ENSEMBLE, PYTHON
-from driftproof.reports.method_figures import save_picture
+from driftproof.reports.page.figure import write_picture
+from driftproof.reports.page.plot import WIDE, Axis, Plot, decades
+from driftproof.reports.page.stability import LINE_STYLES
 from driftproof.reports.work_precision.study import EVALUATIONS, Measured, Study
 
 _WHAT = {STATE: "error of the state", ENERGY: "error of the energy", PHASE: "error of the phase, degrees"}
@@ -22,89 +22,83 @@ _COSTS = {
     PYTHON: "seconds, Python",
     ENSEMBLE: "seconds a state, ensemble",
 }
-# Eight hues that stay apart for most eyes (Okabe and Ito's, black last), and what tells their repetitions apart.
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c510a", "#000000")
-_MARKERS, _DASHES = "os^Dv<>P", ("-", "--", ":")
+# What leaves at the top has blown up, to so many times the size of the solution.
 _FARTHEST = 1000
 # What fits above a panel.
-_CHARACTERS = 55
-_FLOOR = {"color": "#555555", "linewidth": 1.2, "linestyle": (0, (6, 2, 1, 2))}
+_CHARACTERS = 66
+_NO_RUN = "no run to show here"
+_THIN = ("line thin mark", "thin: the largest on the way")
 
 
 def draw_study(study: Study, measured: Measured, quantity: str, folder: Path) -> Path:
     """Write the figure of the quantity as an SVG file and return its path. Points without error or cost have no place.
 
-    Lines with markers are errors at the end, thin ones the largest at the reference's times. The floor is what rounding
-    the exact result may cost, `exact.floors`; where the reference's own digits say less than that, they are the floor.
+    Lines with dots are errors at the end, thin ones the largest at the reference's times. The floor is what rounding
+    the exact result may cost, `reference_errors.floors`; where the reference's own digits say less than that, they are
+    the floor.
     """
-    costs = [EVALUATIONS, *measured.kinds]
-    columns = min(2, len(costs))
-    rows = -(-len(costs) // columns)
-    with matplotlib.rc_context({"svg.hashsalt": "driftproof", "font.size": 11}):
-        figure = Figure(figsize=(5.4 * columns, 4.2 * rows + 0.9), layout="constrained")
-        grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
-        for axes, cost in zip(grid.flat, costs, strict=False):
-            _panel(axes, study, measured, quantity, cost)
-        for axes in list(grid.flat)[len(costs) :]:
-            axes.remove()
-        for row in grid:
-            row[0].set_ylabel(_WHAT[quantity])
-        figure.suptitle(fill(study.problem.title.replace("to t = ", "to\u00a0t\u00a0=\u00a0"), _CHARACTERS * columns))
-        _legend(figure, [*measured.curves])
-        path = folder / f"work_precision_{quantity}.svg"
-        save_picture(figure, path)
-    return path
+    limits, lines = _limits(study, measured, quantity), _floors(study, quantity)
+    plots = [_panel(measured, quantity, cost, limits, lines) for cost in (EVALUATIONS, *measured.kinds)]
+    keys = [key for key, curve in measured.curves.items() if any(_places(measured, curve, quantity, c) for c in _COSTS)]
+    legend = [(f"line path {_style(measured, key)}", key) for key in keys]
+    legend += [_THIN, *((f"line {mark}", words) for mark, words, _ in lines)]
+    what = _WHAT[quantity]
+    return write_picture(
+        folder / f"work_precision_{quantity}.svg",
+        f"{what.capitalize()} against work",
+        shorten(study.problem.title, _CHARACTERS * min(2, len(plots)), placeholder=" …"),
+        f"The {what} against {', '.join(_COSTS[c] for c in (EVALUATIONS, *measured.kinds))}; all axes logarithmic.",
+        plots,
+        legend,
+    )
 
 
-def _legend(figure: Figure, keys: list[str]) -> None:
-    """One legend for all panels: heyoka, say, has times and no evaluations. Lines that are no curves come last."""
-    found: dict[str, Any] = {}
-    for axes in figure.axes:
-        found |= {label: handle for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
-    labels = [*(key for key in keys if key in found), *(label for label in found if label not in keys)]
-    figure.legend([found[x] for x in labels], labels, loc="outside lower center", ncols=4, frameon=False)
+def _panel(
+    measured: Measured, quantity: str, cost: str, limits: tuple[int, int], lines: list[tuple[str, str, float]]
+) -> Plot:
+    low, high = limits
+    places = {key: _places(measured, curve, quantity, cost) for key, curve in measured.curves.items()}
+    shown = {key: [p for p in found if low <= p[1] <= high] for key, found in places.items()}
+    costs = [x for found in shown.values() for x, _, _ in found]
+    plot = Plot(_decades(costs or [0.0], _COSTS[cost], 0), _decades(limits, _WHAT[quantity], 1))
+    for key, found in shown.items():
+        if found:
+            style = _style(measured, key)
+            plot.line(((x, min(largest, high)) for x, _, largest in found), f"path {style} thin")
+            plot.line(((x, final) for x, final, _ in found), f"path {style}")
+            plot.dots(((x, final) for x, final, _ in found), f"dots {style}")
+    if not costs:
+        plot.words(_NO_RUN)
+    for mark, _, at in lines:
+        if low <= at <= high:
+            ends = (plot.x.scale.low, plot.x.scale.high)
+            plot.line([(x, at) for x in ends], mark)
+    return plot
 
 
-def _panel(axes: Any, study: Study, measured: Measured, quantity: str, cost: str) -> None:
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    drawn: list[tuple[float, float, float]] = []
-    for i, (key, curve) in enumerate(measured.curves.items()):
-        again, hue = divmod(i, len(_COLOURS))
-        marker = _MARKERS[(hue + 3 * again) % len(_MARKERS)]
-        style = {"color": _COLOURS[hue], "linestyle": _DASHES[again % len(_DASHES)]}
-        places = _places(measured, curve, quantity, cost)
-        if places:
-            drawn += places
-            x, final, largest = zip(*places, strict=True)
-            axes.plot(x, largest, **style, linewidth=0.6, alpha=0.6)
-            axes.plot(x, final, **style, marker=marker, markersize=4, linewidth=1.4, label=key)
-    _limits(axes, study, measured, quantity)
-    _width(axes, drawn)
-    axes.plot([], [], color="#555555", linewidth=0.6, label="thin: the largest on the way")
-    _floor(axes, study, quantity)
-    axes.set_xlabel(_COSTS[cost])
-    axes.grid(alpha=0.3)
+def _style(measured: Measured, key: str) -> str:
+    """A colour and dashes; those of the seventh curve are the first's again, broader and paler."""
+    again, hue = divmod(list(measured.curves).index(key), LINE_STYLES)
+    return f"m{hue}{' again' if again else ''}"
 
 
-def _limits(axes: Any, study: Study, measured: Measured, quantity: str) -> None:
-    """What leaves at the top has blown up, to _FARTHEST times the scale, and at the bottom decayed below u² of it."""
+def _decades(values: Iterable[float], name: str, i: int) -> Axis:
+    found = list(values)
+    low = floor(min(found))
+    return decades(low, max(ceil(max(found)), low + 2), name, WIDE[i])
+
+
+def _limits(study: Study, measured: Measured, quantity: str) -> tuple[int, int]:
+    """Powers of ten: what leaves at the bottom has decayed below u² of the solution's size."""
     found = [point.errors[quantity] for c in measured.curves.values() for point in c.points if point.errors]
     lows = [x for x in (*(size.final for size in found), floors(study.problem)[quantity]) if x > 0]
-    if lows and found:
-        whole = _scale(study, quantity)
-        low = min(whole, max(min(lows), whole * float(U) ** 2))
-        axes.set_ylim(low / 2, 2 * max(low, min(_FARTHEST * whole, max(size.largest for size in found))))
-
-
-def _width(axes: Any, places: list[tuple[float, float, float]]) -> None:
-    """As wide as the points that the panel is high enough for; words where there are none."""
-    _, top = axes.get_ylim()
-    shown = [x for x, final, _ in places if final <= top]
-    if shown:
-        axes.set_xlim(min(shown) / 2, 2 * max(shown))
-    else:
-        axes.text(0.5, 0.5, "no run to show here", transform=axes.transAxes, ha="center")
+    whole = _scale(study, quantity)
+    if not (lows and found and whole > 0):
+        return -16, 0
+    low = min(whole, max(min(lows), whole * float(U) ** 2))
+    high = max(low, min(_FARTHEST * whole, max(size.largest for size in found)))
+    bottom = floor(log10(low))
+    return bottom, max(ceil(log10(high)), bottom + 2)
 
 
 def _scale(study: Study, quantity: str) -> float:
@@ -115,18 +109,21 @@ def _scale(study: Study, quantity: str) -> float:
 
 
 def _places(measured: Measured, curve: Curve, quantity: str, cost: str) -> list[tuple[float, float, float]]:
-    """Cost, final and largest error of the points that have a place on logarithmic axes."""
+    """log₁₀ of cost, final and largest error of the points that have a place on logarithmic axes."""
     costs, found = measured.costs(curve, cost), []
     for point in curve.points:
         size, x = point.errors.get(quantity), costs.get(point.setting)
         if size is not None and x and size.final > 0:
-            found.append((x, size.final, size.largest))
+            found.append((log10(x), log10(size.final), log10(size.largest)))
     return found
 
 
-def _floor(axes: Any, study: Study, quantity: str) -> None:
-    floor, digits = floors(study.problem).get(quantity, 0.0), half_unit(study.problem.reference.states[-1])
-    if floor > 0:
-        axes.axhline(floor, **_FLOOR, label="rounding the exact result")
-    if quantity == STATE and digits > floor:
-        axes.axhline(digits, color="#555555", linewidth=1.2, label="the reference's last digit")
+def _floors(study: Study, quantity: str) -> list[tuple[str, str, float]]:
+    """Mark, words and log₁₀ of what no method is below but by luck."""
+    rounding, digits = floors(study.problem).get(quantity, 0.0), half_unit(study.problem.reference.states[-1])
+    found = []
+    if rounding > 0:
+        found.append(("floor", "rounding the exact result", log10(rounding)))
+    if quantity == STATE and digits > rounding:
+        found.append(("digit", "the reference's last digit", log10(digits)))
+    return found

@@ -205,7 +205,7 @@ def test_page_without_stability_or_certified_numbers_imports_no_sympy(modules_af
     code += "from driftproof.numeric.scenes import Scene; "
     asked = "document([Scene('s', 'rk4', Q(1, 4), Q(1), methods=('rk4',), readouts=('energy',), panels={})], 5)"
     loaded = modules_after(code + asked.format("('table', 'position', 'phase_plane')"))
-    assert loaded & {"sympy", "flint", "matplotlib", "numba", "hypothesis"} == set()
+    assert loaded & {"sympy", "flint", "numba", "hypothesis"} == set()
     assert "flint" in modules_after(code + asked.format("('stability',)"))
 
 

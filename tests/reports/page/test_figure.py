@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from fractions import Fraction as Q
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
@@ -21,6 +22,10 @@ def figure(request: pytest.FixtureRequest) -> Figure:
     return Figure("id", "wide", "A & B", "what is seen", plot, legend, "a note", [["x"], ["1"]], "the numbers")
 
 
+def written(figure: Figure, folder: Path) -> str:
+    return figure.write(folder / "figure.svg", "h = 1/4").read_text(encoding="utf-8")
+
+
 def test_figure_of_a_page_has_heading_legend_picture_note_and_numbers(figure: Figure) -> None:
     root = ElementTree.fromstring(figure.markup())
     assert [child.tag for child in root] == ["figcaption", "svg", "p", "details"]
@@ -30,19 +35,19 @@ def test_figure_of_a_page_has_heading_legend_picture_note_and_numbers(figure: Fi
     assert [cell.text for cell in root.iter("th")] == ["x", "1"]
 
 
-def test_file_holds_the_same_marks_in_light_colours_and_asks_for_nothing(figure: Figure) -> None:
-    written = figure.file("h = 1/4")
-    root = ElementTree.fromstring(written)
-    assert all(mark in written for mark in figure.plot.drawn)
+def test_file_holds_the_same_marks_in_light_colours_and_asks_for_nothing(figure: Figure, tmp_path: Path) -> None:
+    shown = written(figure, tmp_path)
+    root = ElementTree.fromstring(shown)
+    assert all(mark in shown for mark in figure.plot.drawn)
     assert [text.text for text in root if text.tag.endswith("text")][:2] == ["A & B", "h = 1/4"]
-    assert "svg .samples.path { stroke: #a85400;" in written
-    assert not re.search(r"var\(|href|url\(|@import", written)
+    assert "svg .samples.path { stroke: #a85400;" in shown
+    assert not re.search(r"var\(|href|url\(|@import", shown)
 
 
-def test_file_is_as_large_as_what_stands_in_it(figure: Figure) -> None:
-    root = ElementTree.fromstring(figure.file("h = 1/4"))
+def test_file_is_as_large_as_what_stands_in_it(figure: Figure, tmp_path: Path) -> None:
+    root = ElementTree.fromstring(written(figure, tmp_path))
     _, top, width, height = map(float, str(root.get("viewBox")).split())
     assert (float(root.get("width", 0)), float(root.get("height", 0))) == (1.5 * width, 1.5 * height)
-    rows = [float(y) for y in re.findall(r"translate\(\S+ (\S+)\)", figure.file("h = 1/4"))]
+    rows = [float(y) for y in re.findall(r"translate\(\S+ (\S+)\)", written(figure, tmp_path))]
     assert len(rows) == 3
     assert top + height >= rows[-1] + 14  # as high as a swatch

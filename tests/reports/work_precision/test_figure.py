@@ -1,55 +1,72 @@
-"""Figures of error against work: legible where runs blow up, titles broken, words where there is nothing to draw."""
+"""Figures of error against work: legible where runs blow up, words where there is nothing to draw, a legend for all."""
 
 from __future__ import annotations
 
 import re
+from math import log10
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
 import pytest
 
 from driftproof.numeric.reference_errors import Size
 from driftproof.numeric.work_precision.curves import Curve, Point
-from driftproof.reports.work_precision import figure as drawing
+from driftproof.reports.page.plot import WIDE, Scale
 from driftproof.reports.work_precision.figure import draw_study
 from driftproof.reports.work_precision.study import Measured, measure
+from tests.looping import exactly
 from tests.reports.studies import study, unheard
 
+SVG = "{http://www.w3.org/2000/svg}"
 
-def test_figure_of_runs_that_blow_up_keeps_the_others_legible(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    figures: list[Any] = []
-    monkeypatch.setattr(drawing, "save_picture", lambda figure, path: figures.append(figure))
 
-    def points(*errors: tuple[int, float]) -> list[Point]:
-        return [Point(str(n), n, {"state": Size(e, e)}, scale=1.0) for n, e in errors]
+def points(*errors: tuple[int, float]) -> list[Point]:
+    return [Point(str(n), n, {"state": Size(e, 2 * e)}, scale=1.0) for n, e in errors]
 
+
+def texts(path: Path) -> list[str]:
+    return [text.text or "" for text in ElementTree.parse(path).iter(f"{SVG}text")]
+
+
+def places(path: Path, class_: str) -> list[tuple[float, float]]:
+    """Of the lines of that class, the samples in the legend left out."""
+    found = [x.get("d", "") for x in ElementTree.parse(path).iter(f"{SVG}path") if x.get("class") == class_]
+    return [(float(x), float(y)) for d in found for x, y in re.findall(r"[ML]([\d.]+) ([\d.]+)", d) if "H" not in d]
+
+
+def test_runs_that_blow_up_keep_the_others_legible(tmp_path: Path) -> None:
     blown = Curve("rk4", "", 4, points((8, 1e90), (64, 1e60)))
     good = Curve("gauss2", "", 4, points((512, 1e-3), (1024, 1e-5)))
     asked = study(problem="dahlquist_1e3")
-    for curves_of in ([blown, good], [blown]):
-        draw_study(asked, Measured({curve.key: curve for curve in curves_of}), "state", tmp_path)
-    (both,), (lost,) = (figure.axes for figure in figures)
-    assert both.get_ylim()[1] < 1e4
-    assert (both.get_xlim(), list(both.texts)) == ((256, 2048), [])
-    assert [text.get_text() for text in lost.texts] == ["no run to show here"]
-
-
-def test_title_of_one_panel_is_broken_where_it_is_longer(tmp_path: Path) -> None:
-    asked = study(problem="robertson")
-    shown = draw_study(asked, Measured({"rk4": Curve("rk4", "", 4)}), "state", tmp_path).read_text(encoding="utf-8")
-    assert f"<!-- {asked.problem.title} -->" not in shown
-    assert all(len(line) < 60 for line in re.findall("<!-- (.*) -->", shown))
+    both = draw_study(asked, Measured({"rk4": blown, "gauss2": good}), "state", tmp_path)
+    assert not {"10⁶⁰", "10⁹⁰", "no run to show here"} & set(texts(both))
+    # From 10² to 10⁴ evaluations, and from 10⁻⁵ to 1000 times the size of the solution, 1.
+    x, y = Scale(2, 4, *WIDE[0]), Scale(-5, 3, *WIDE[1])  # type: ignore[arg-type]
+    wanted = [(float(x(log10(n))), float(y(log10(e)))) for n, e in ((512, 1e-3), (1024, 1e-5))]
+    for drawn, place in exactly(2, zip(places(both, "path m1"), wanted, strict=True)):
+        assert drawn == pytest.approx(place, abs=0.006)  # hundredths, rounded
+    thin = [(float(x(log10(n))), float(y(log10(2 * e)))) for n, e in ((512, 1e-3), (1024, 1e-5))]
+    for drawn, place in exactly(2, zip(places(both, "path m1 thin"), thin, strict=True)):
+        assert drawn == pytest.approx(place, abs=0.006)
+    assert places(both, "path m0") == []
+    lost = draw_study(asked, Measured({"rk4": blown}), "state", tmp_path)
+    assert "no run to show here" in texts(lost)
 
 
 def test_figure_has_a_panel_for_every_cost_and_a_legend_of_all_curves(tmp_path: Path) -> None:
     asked = study("rk4", "heun3", "gauss2")
     measured = measure(asked, None, unheard)
     drawn = draw_study(asked, measured, "state", tmp_path)
-    ElementTree.parse(drawn)
-    before, shown = drawn.read_bytes(), drawn.read_text(encoding="utf-8")
-    for words in ("evaluations of f", "seconds, Python", "seconds a state, ensemble", "rk4", "heun3", "gauss2"):
-        assert f"<!-- {words} -->" in shown
-    assert "<!-- rounding the exact result -->" in shown
-    assert "<!-- seconds, compiled -->" not in shown
+    shown, before = texts(drawn), drawn.read_bytes()
+    named = ("evaluations of f", "seconds, Python", "seconds a state, ensemble", "rk4", "heun3", "gauss2")
+    assert {*named, "rounding the exact result", asked.problem.title} <= set(shown)
+    assert "seconds, compiled" not in shown
     assert draw_study(asked, measured, "state", tmp_path).read_bytes() == before
+    size = ElementTree.parse(drawn).getroot().get("viewBox", "").split()
+    assert float(size[2]) == 2 * float(WIDE[0][1] + 16)  # two in a row, and a third below
+
+
+def test_the_seventh_curve_is_the_first_again_broader(tmp_path: Path) -> None:
+    curves = {str(i): Curve(str(i), "", 4, points((8 << i, 1e-3), (16 << i, 1e-5))) for i in range(7)}
+    drawn = draw_study(study(problem="dahlquist_1e3"), Measured(curves), "state", tmp_path)
+    assert [len(places(drawn, f"path m0{again}")) for again in ("", " again")] == [2, 2]
