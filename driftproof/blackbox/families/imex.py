@@ -8,9 +8,11 @@ from fractions import Fraction
 
 from flint import arb
 
+from driftproof.blackbox.families.family_walks import ImexWalker
 from driftproof.blackbox.families.imex_step import IMEX_PARTS, ImexReading, read_imex_step
 from driftproof.blackbox.judging.measured_order import CLEARANCE, power_of_errors
 from driftproof.blackbox.judging.nonlinear_problems import START, field_problem
+from driftproof.blackbox.judging.walks import Walked, there_and_back
 from driftproof.blackbox.probes.coefficients import coefficient_difference, coefficient_text
 from driftproof.blackbox.probes.scripted_answers import CoefficientRow
 from driftproof.blackbox.report import Criterion
@@ -32,6 +34,11 @@ _READ = Fraction(1, 10**9)
 _FEW_DIFFERENCES = 2
 # Differences that a reader takes in.
 _MOST_SHOWN = 6
+# Solvers in use stop at 1e-6 or below of numbers of size 1.
+_SOLVED = 1e-6
+# Below the second nobody minds what a solver leaves; what it leaves elsewhere is so many times as much at most, since
+# it stops by the same change or residual.
+_SOLVER, _WELL_SOLVED = 64, 2.0**-30
 _Entry = tuple[str, Exact]
 
 
@@ -44,6 +51,7 @@ class ImexIdentity:
     order: int | None
     slopes: tuple[float, ...]
     problem: str
+    walked: Walked | None = None
 
     @property
     def faults(self) -> list[str]:
@@ -83,7 +91,8 @@ class ImexIdentity:
         """What it is, in one line."""
         unknown = f"an IMEX method of {self.reading.stages} stages that is not known here"
         name = self.known or self.near or unknown
-        return "; ".join([f"it is {name}" + ("" if self.known else f", {self._orders[0]}"), *self.faults])
+        solved = f", its stages solved to {self.reading.curved:.1e}" if self.reading.curved > _WELL_SOLVED else ""
+        return "; ".join([f"it is {name}" + (solved if self.known else f", {self._orders[0]}"), *self.faults])
 
     @property
     def parts(self) -> list[tuple[str, list[str]]]:
@@ -149,14 +158,25 @@ class ImexIdentity:
             Criterion("Coefficients", found == [], tuple(shown), data),
             Criterion("Times", not self.faults, tuple(self.faults or ["those of its stages"]), {}),
             Criterion("Order", reached, tuple(self._orders), {"measured": self.order}),
+            *self._steps(found == []),
         ]
 
+    def _steps(self, same: bool) -> Iterator[Criterion]:
+        """Of a step that has the tables: how well its stages are solved, and whether it is the method's elsewhere."""
+        if same and self.reading.curved > _SOLVED:
+            yield Criterion("Stages", False, (f"its equations are solved to {self.reading.curved:.1e} only",), {})
+        elif same and not self.faults and self.walked is not None:
+            yield Criterion("Steps", self.walked[0], (self.walked[1],), {})
 
-def read_imex(subject: ForeignStepper) -> ImexIdentity:
+
+def read_imex(subject: ForeignStepper, asked: Additive | None = None) -> ImexIdentity:
     """What a step of two right-hand sides is. Raises NotReadable, UnsupportedCall, and a Misbehaviour of its own."""
     reading = _in_order(read_imex_step(subject))
     known = next((m.key for m in _methods() if _differences(m, reading) == []), "")
-    return ImexIdentity(reading, known, *_measured(subject))
+    method, walked = asked or FACTS_ONLY.get(known), None
+    if isinstance(method, Additive) and _differences(method, reading) == []:
+        walked = there_and_back(ImexWalker(subject, method, solved=max(_SOLVER * reading.curved, _WELL_SOLVED)))
+    return ImexIdentity(reading, known, *_measured(subject), walked)
 
 
 def _methods() -> Iterator[Additive]:

@@ -27,6 +27,11 @@ _MOST_STEPS = 8
 # Solvers in use stop at 1e-6 or below of numbers of size 1; an explicit recurrence holds to rounding. What is left of
 # one by a solver that stops earlier is less than the second, by other places of F more.
 _SOLVED, _UNSOLVED = 1e-6, 2.0**-10
+# Runs that keep a recurrence, too: h, the start, and how many steps. All times are exact, since h may be a difference.
+_OTHER_RUNS = (
+    *((0.5, 3.0, RUN_LENGTH), (0.75, 1.0, RUN_LENGTH), (0.75, 1.0, 5 * RUN_LENGTH)),
+    *((-0.5, 2.0, RUN_LENGTH), (2.0**-12, 117.5, RUN_LENGTH)),
+)
 # Where coefficients are sought: as late as that; where errors grow, before one of them is all there is.
 _WINDOWS = (slice(RUN_LENGTH // 2, None), slice(_MOST_STEPS, 2 * _MOST_STEPS + 1))
 # A method that differs in more coefficients than so many is another one.
@@ -203,9 +208,16 @@ def read_recurrence(runs: MarkedRuns, asked: Multistep | None = None) -> Recurre
     _, exact, method = min(kept, key=lambda each: float(each[0]), default=(0.0, read, None))
     # Of one that is not known, coefficients are off by what was read wrongly.
     tolerance = tolerance_of(method) if method is not None else 2 * (len(read.rho) + len(read.sigma)) * read.error
-    for h, t in ((0.5, 3.0), (0.75, 1.0)):
-        if not exact.kept(runs.run(RUN_LENGTH, h=h, t=t), tolerance):
-            raise NoRecurrence(f"with h = {h:g}, steps do not keep the recurrence that they keep with h = 1")
+    for h, t, steps in _OTHER_RUNS:
+        try:
+            other = runs.run(steps, h=h, t=t)
+        except NotReadable:
+            if steps > RUN_LENGTH or h < 0:  # where numbers grow, or who refuses to step back
+                continue
+            raise
+        if not exact.kept(other, tolerance):
+            where = f"with h = {h:g} from t = {t:g}, in a run of {steps} steps"
+            raise NoRecurrence(f"{where}, steps do not keep the recurrence that they keep with h = 1")
     late = int(np.flatnonzero(exact.left(marked) > max(exact.rounding, tolerance)).max(initial=-1)) + 1
     reading = RecurrenceReading(replace(exact, error=read.error), method, late)
     return reading if runs.by_place else _with_places(reading, runs, tolerance)

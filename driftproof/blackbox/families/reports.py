@@ -71,7 +71,7 @@ def read_family(
     if isinstance(asked, Rosenbrock) or (asked is None and subject.convention.kind == ROSENBROCK):
         return read_rosenbrock(subject, asked)
     if isinstance(asked, Additive) or (asked is None and subject.convention.kind == IMEX):
-        return read_imex(subject)
+        return read_imex(subject, asked)
     if subject.convention.kind == MAP or (runs_only and not subject.convention.run) or not remembers(subject):
         return None
     return read_multistep(subject)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -11,14 +11,15 @@ from typing import Any
 import numpy as np
 from flint import arb, ctx
 
+from driftproof.blackbox.families.family_walks import DIFFERENCES, RosenbrockWalker, derivatives
 from driftproof.blackbox.families.rosenbrock_step import RosenbrockReading, read_rosenbrock_step
 from driftproof.blackbox.judging.measured_order import CLEARANCE, power_of_errors
-from driftproof.blackbox.judging.nonlinear_problems import START, NonlinearProblem, field_problem
+from driftproof.blackbox.judging.nonlinear_problems import START, field_problem
+from driftproof.blackbox.judging.walks import Walked, there_and_back
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.probes.coefficients import coefficient_text, exact_shown
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.report import Criterion
-from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import JACOBIAN, TIME_SLOPE
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.second_functions import with_functions
@@ -30,10 +31,8 @@ from driftproof.symbolic.rosenbrock import RosenbrockFacts
 
 # Lengths of the steps whose errors are measured: h = 2**-k.
 _HALVINGS = range(1, 9)
-# Derivatives by differences in balls of so many bits are right to half of them.
-_BITS, _STEP = 256, 2.0**-100
-# A difference quotient of df/dt in floats is off by some roots of u.
-_DIFFERENCES = 4
+# Derivatives by differences in balls of so many bits are right to a third of them.
+_BITS = 256
 # Of decimals, as the orders of a printed table are told: digits that are printed leave less.
 _PRINTED = Fraction(1, 10**9)
 
@@ -97,7 +96,7 @@ class _Products:
         if reading.time_slope is None:
             return False
         rounding = Rounding(reading.format, len(self.table[1]) + reading.calls)
-        slack = 0.0 if reading.by == "a function" else float(reading.format.u) ** 0.5
+        slack = float(reading.format.u) ** 0.5 if reading.by == "differences" else 0.0
         levels = zip(reading.time_slope, self.time_slope, self.time_sizes, strict=True)
         return any(
             abs(x - float(z)) > rounding.of(float(size)) + slack
@@ -162,6 +161,7 @@ class RosenbrockIdentity:
     w_order: int | None
     problem: str
     own: Rosenbrock | None = None
+    walked: Walked | None = None
 
     @property
     def method(self) -> Rosenbrock | None:
@@ -279,6 +279,8 @@ class RosenbrockIdentity:
         )
         reached = None if self.order is None else self.order >= method.claimed_order
         checks.append(Criterion("Order", reached, tuple(self._orders), {"measured": self.order}))
+        if same and not faults and self.walked is not None:
+            checks.append(Criterion("Steps", self.walked[0], (self.walked[1],), {}))
         return checks
 
 
@@ -295,7 +297,11 @@ def read_rosenbrock(subject: ForeignStepper, asked: Rosenbrock | None = None) ->
     by_differences = float(reading.format.u) ** 0.5 if reading.by == "differences" else 0.0
     order, slopes, problem = _measured(subject, 1.0, by_differences)
     w_order, _, _ = _measured(subject, 0.5, by_differences)
-    return RosenbrockIdentity(reading, key, near, order, slopes, w_order, problem)
+    method, walked = asked or FACTS_ONLY.get(key), None
+    if isinstance(method, Rosenbrock):
+        slack = float(reading.format.u) ** 0.5 if reading.by == "differences" else 0.0
+        walked = there_and_back(RosenbrockWalker(subject, method, slack=slack, autonomous=not reading.by))
+    return RosenbrockIdentity(reading, key, near, order, slopes, w_order, problem, walked=walked)
 
 
 def _methods() -> Iterator[Rosenbrock]:
@@ -310,8 +316,8 @@ def _measured(subject: ForeignStepper, factor: float, slack: float) -> tuple[int
     zero: dict[str, Any] = {JACOBIAN: lambda t, y: np.zeros((len(y), len(y))), TIME_SLOPE: lambda t, y: [0.0] * len(y)}
     problem = field_problem(with_functions(subject, zero))
     functions: dict[str, Any] = {
-        JACOBIAN: lambda t, y: factor * np.array(_derivatives(problem, t, y)[0]),
-        TIME_SLOPE: lambda t, y: _derivatives(problem, t, y)[1],
+        JACOBIAN: lambda t, y: factor * np.array(derivatives(problem, t, y)[0]),
+        TIME_SLOPE: lambda t, y: derivatives(problem, t, y)[1],
     }
     errors, steps = [], [2.0**-k for k in _HALVINGS]
     with ctx.workprec(_BITS):
@@ -321,19 +327,5 @@ def _measured(subject: ForeignStepper, factor: float, slack: float) -> tuple[int
             exact = problem.solution(arb(START) + h)
             errors.append(max(abs(float(x) - float(y.mid())) for x, y in zip(end, exact, strict=True)))
     noise = CLEARANCE * float(subject.format.u)
-    power, slopes = power_of_errors(errors, [noise + _DIFFERENCES * slack * h * h for h in steps])
+    power, slopes = power_of_errors(errors, [noise + DIFFERENCES * slack * h * h for h in steps])
     return (None if power is None else power - 1), slopes, problem.words
-
-
-def _derivatives(problem: NonlinearProblem, t: AnyNumber, y: Any) -> tuple[list[list[float]], list[float]]:
-    """∂f/∂y and ∂f/∂t, by differences in balls, so small that they are right to the last bit of a float."""
-    at, state = arb(float(t)), [arb(float(x)) for x in y]
-    here = problem.rate(at, state)
-
-    def slope(moved: Sequence[AnyNumber]) -> list[float]:
-        return [float(((x - z) / _STEP).mid()) for x, z in zip(moved, here, strict=True)]
-
-    columns = []
-    for j in range(len(state)):
-        columns.append(slope(problem.rate(at, [x + _STEP * (i == j) for i, x in enumerate(state)])))
-    return [list(row) for row in zip(*columns, strict=True)], slope(problem.rate(at + _STEP, state))

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import islice
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from flint import arb, ctx
@@ -38,6 +38,10 @@ _NUMBERS, _POSITIONS, _SOLVED_FOR = (1, 2, 3, 5, 17), (1, 2, 3, 5, 9), (1, 2, 3,
 _LENGTHS, _BACK = (0.1, 0.1, 1 / 30, 0.07), (-0.07, -0.03)
 # Another arithmetic, or a convention of the caller's: nothing is said against what is not stepped at all.
 _REFUSALS = (StepRaised, WrongShape, NotANumber)
+
+
+# Whether all steps are the method's, in words, and a call that shows it, where one line does.
+Walked: TypeAlias = tuple[bool | None, str, str]
 
 
 @dataclass(frozen=True)
@@ -223,7 +227,7 @@ def walked(
     domain: Domain = ORDINARY_DOMAIN,
     lengths: Sequence[float] = _LENGTHS,
     most: int | None = None,
-) -> tuple[bool | None, str, str]:
+) -> Walked:
     """Whether steps that go on from one another are the method's, of each number of numbers and at each place.
 
     In words, and as nothing that is seen again in one line; None where it takes no such step. Each place is that of
@@ -233,9 +237,7 @@ def walked(
     return walk_on(Walker(subject, method, allowance, domain), lengths, most)
 
 
-def walk_on(
-    walker: Walker, lengths: Sequence[float] = _LENGTHS, most: int | None = None
-) -> tuple[bool | None, str, str]:
+def walk_on(walker: Walker, lengths: Sequence[float] = _LENGTHS, most: int | None = None) -> Walked:
     """As `walked`, of any family."""
     with ctx.workprec(_BITS):
         try:
@@ -244,7 +246,14 @@ def walk_on(
             return False, str(failure), ""
 
 
-def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> tuple[bool | None, str, str]:
+def there_and_back(walker: Walker) -> Walked:
+    """As `walk_on`; and, of few numbers, where those are right and it steps back at all, with h < 0."""
+    found = walk_on(walker)
+    passed, words, again = walk_on(walker, _BACK, 2) if found[0] else found
+    return (False, f"h < 0 is no step back: {words}", again) if found[0] and passed is False else found
+
+
+def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> Walked:
     taken, times, refused = list[int](), list[float](), ""
     for place, problems in islice(_settings(walker), most):
         found: list[_Step] = []
@@ -288,7 +297,7 @@ def _start(problem: NonlinearProblem, t: float) -> list[float]:
 
 def back_and_on(
     subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
-) -> tuple[bool | None, str, str]:
+) -> Walked:
     """`steps_back`; and where these are right and the right-hand side is ours, on nonlinear problems, too."""
     found = steps_back(subject, method, allowance, domain)
     if not found[0] or subject.convention.kind not in (FIELD, FORCE):

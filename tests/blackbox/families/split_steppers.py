@@ -9,8 +9,8 @@ from tests.blackbox.families.linearised_steppers import floats
 from tests.blackbox.implicit_steppers import newton
 
 
-def imex(key, *, implicit_times=None, **changed):
-    """The step of a method of the catalogue; `changed` gives entries of its tables other values."""
+def imex(key, *, implicit_times=None, most=50, **changed):
+    """The step of a method of the catalogue; `changed` gives entries of its tables other values, `most` iterations."""
     method = FACTS_ONLY[key]
     table = {name: floats(getattr(method, name)) for name in ("a_explicit", "a_implicit")}
     table |= {name: floats([getattr(method, name)])[0] for name in ("b_explicit", "b_implicit")}
@@ -27,7 +27,9 @@ def imex(key, *, implicit_times=None, **changed):
             known = y + h * sum((x * p + z * q for x, z, p, q in pairs), 0 * y)
             place, at, diagonal = known, t + times[i] * h, a_implicit[i, i]
             if diagonal:
-                place = newton(lambda x, w=h * diagonal, at=at, known=known: x - known - w * f_implicit(at, x), known)
+                place = newton(
+                    lambda x, w=h * diagonal, at=at, known=known: x - known - w * f_implicit(at, x), known, most=most
+                )
             k.append(f_explicit(t + c[i] * h, place))
             m.append(f_implicit(at, place))
         return y + h * sum(x * p + z * q for x, z, p, q in zip(b, b_implicit, k, m, strict=True))

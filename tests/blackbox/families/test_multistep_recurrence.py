@@ -8,7 +8,7 @@ from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import FACTS_ONLY
 from driftproof.symbolic.linear.multistep import MultistepFacts
 from driftproof.symbolic.rounding.formats import BINARY64
-from tests.blackbox.families.remembering_steppers import Remembering, rk4_step
+from tests.blackbox.families.remembering_steppers import Remembering, euler, rk4_step
 from tests.looping import some
 
 
@@ -40,3 +40,22 @@ def test_the_floats_of_a_method_are_its_own_fractions():
 def test_a_one_step_method_of_several_stages_keeps_no_recurrence():
     with pytest.raises(NoRecurrence, match="of up to 8 steps"):
         read_recurrence(MarkedRuns.of(opened(rk4_step)))
+
+
+CHANGES = {
+    "after fifty steps": lambda step, t, h: len(step.states) > 50,
+    "in steps back": lambda step, t, h: h < 0,
+    "in short steps": lambda step, t, h: abs(h) < 1e-3,
+    "long after 0": lambda step, t, h: t > 100,
+}
+
+
+@pytest.mark.parametrize("when", CHANGES.values(), ids=CHANGES)
+def test_a_recurrence_that_is_left_somewhere_is_none(when):
+    class Leaving(Remembering):
+        def step(self, f, t, y, h):
+            after = super().step(f, t, y, h)
+            return euler(f, t, y, h) if when(self, t, h) else after
+
+    with pytest.raises(NoRecurrence, match="in a run of"):
+        read_recurrence(MarkedRuns.of(opened(Leaving("adams_bashforth2", rk4_step).step)))

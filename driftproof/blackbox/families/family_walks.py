@@ -1,0 +1,168 @@
+"""Steps far from home of two families: with a Jacobian, and of two right-hand sides, beside the method's own step."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from math import inf
+from typing import Any
+
+import numpy as np
+from flint import arb, arb_mat, ctx
+
+from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem
+from driftproof.blackbox.judging.walks import Walker
+from driftproof.blackbox.probes.scripted_answers import Rounding
+from driftproof.blackbox.stepper.array_adapters import AnyNumber
+from driftproof.blackbox.stepper.calling_conventions import IMPLICIT, JACOBIAN, TIME_SLOPE
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.second_functions import SecondFunction, with_functions, zeros
+from driftproof.symbolic.algebra.certified import enclose
+
+# A difference in balls, so short that in floats the quotient is right to the last bit where numbers are of size 1.
+_BITS, _STEP = 256, 2.0**-100
+# Slopes of stages settle by a bit a round at least, as h times those of g contracts.
+_ROUNDS, _SETTLED = 400, 2.0**-150
+# A difference quotient of df/dt in floats is off by some roots of u.
+DIFFERENCES = 4
+
+
+def derivatives(problem: NonlinearProblem, t: AnyNumber, y: Any) -> tuple[list[list[float]], list[float]]:
+    """∂f/∂y and ∂f/∂t, by differences in balls, so small that they are right to the last bit of a float."""
+    with ctx.workprec(_BITS):
+        at, state = arb(float(t)), [arb(float(x)) for x in y]
+        here = problem.rate(at, state)
+
+        def slope(moved: Sequence[AnyNumber]) -> list[float]:
+            return [float(((x - z) / _STEP).mid()) for x, z in zip(moved, here, strict=True)]
+
+        columns = []
+        for j in range(len(state)):
+            columns.append(slope(problem.rate(at, [x + _STEP * (i == j) for i, x in enumerate(state)])))
+        return [list(row) for row in zip(*columns, strict=True)], slope(problem.rate(at + _STEP, state))
+
+
+class _WithJacobian(NonlinearProblem):
+    """The same for a step that takes f' and df/dt."""
+
+    def stepped(self, subject: ForeignStepper, t: float, y: Sequence[AnyNumber], h: float) -> list[AnyNumber]:
+        functions: dict[str, SecondFunction] = {
+            JACOBIAN: lambda t, y: derivatives(self, t, y)[0],
+            TIME_SLOPE: lambda t, y: derivatives(self, t, y)[1],
+        }
+        return super().stepped(with_functions(subject, functions), t, y, h)
+
+
+class _InTwoParts(NonlinearProblem):
+    """The same for a step of f + g: of each number, a part of its slope is solved for."""
+
+    def part(self, t: AnyNumber, y: Sequence[AnyNumber], implicit: bool) -> list[AnyNumber]:
+        """The slopes of g, or those of f."""
+        shares = [0.25 * (1 + i % 3) for i in range(len(y))]
+        return [(s if implicit else 1 - s) * k for s, k in zip(shares, self.rate(t, [*y]), strict=True)]
+
+    def stepped(self, subject: ForeignStepper, t: float, y: Sequence[AnyNumber], h: float) -> list[AnyNumber]:
+        split = with_functions(subject, {IMPLICIT: lambda at, z: self.part(at, z, True)}, t)
+        return split.step_field(lambda at, z: self.part(at, z, False), t, y, h)
+
+
+def _made(kind: type[NonlinearProblem], problem: NonlinearProblem) -> NonlinearProblem:
+    return kind(**{field.name: getattr(problem, field.name) for field in fields(problem)})
+
+
+class _OfTwoFunctions(Walker):
+    """Held to y' = f(t, y), of few and of many numbers."""
+
+    @property
+    def partitioned(self) -> bool:
+        return False
+
+    @property
+    def numbers(self) -> tuple[int, ...]:
+        return (1, 2, 3, 5, 9)
+
+
+@dataclass(frozen=True)
+class RosenbrockWalker(_OfTwoFunctions):
+    """Beside a Rosenbrock method; df/dt is off by the slack where it is had by differences, or left out."""
+
+    slack: float = 0.0
+    autonomous: bool = False
+
+    def problems(self, numbers: int) -> list[NonlinearProblem]:
+        """With a Jacobian."""
+        functions: dict[str, Any] = {JACOBIAN: lambda t, y: np.zeros((len(y), len(y))), TIME_SLOPE: zeros}
+        alone = Walker(with_functions(self.subject, functions), self.method)
+        return [_made(_WithJacobian, problem) for problem in alone.problems(numbers)]
+
+    def allowed(self, size: float, numbers: int, h: float) -> float:
+        """Systems of so many numbers are solved, whose rounding grows with these."""
+        rounding = Rounding(self.subject.format, self.method.stages * (1 + numbers))
+        return rounding.of(2 * size) + DIFFERENCES * self.slack * h * h * size
+
+    def own_step(self, problem: NonlinearProblem, t: float, y: Sequence[float], h: float) -> list[arb]:
+        """kᵢ = f(t + αᵢh, y + h Σ αᵢⱼ kⱼ) + h J Σ γᵢⱼ kⱼ + h γᵢ df/dt, with the J and the df/dt that are given."""
+        rows, slopes = derivatives(problem, t, y)
+        slopes = [0.0] * len(y) if self.autonomous else slopes
+        jacobian, time_slope, n = arb_mat(rows), arb_mat([[x] for x in slopes]), len(y)
+        one = arb_mat([[float(i == j) for j in range(n)] for i in range(n)])
+        alpha, gamma = (
+            [[enclose(x) for x in row] for row in table] for table in (self.method.alpha, self.method.gamma)
+        )
+        stages: list[arb_mat] = []
+
+        def moved(weights: Sequence[arb]) -> arb_mat:
+            return sum((w * k for w, k in zip(weights, stages, strict=False)), arb_mat(n, 1))
+
+        for a, g, i in zip(alpha, gamma, range(n * len(alpha)), strict=False):
+            place = arb_mat([[arb(x)] for x in y]) + h * moved(a)
+            asked = problem.rate(arb(t) + h * sum(a, arb(0)), [place[m, 0] for m in range(n)])
+            right = arb_mat([[k] for k in asked]) + h * (jacobian * moved(g)) + h * sum(g, arb(0)) * time_slope
+            stages.append((one - h * g[i] * jacobian).solve(right))
+        end = moved([enclose(x) for x in self.method.b])
+        return [arb(x) + h * end[m, 0] for m, x in enumerate(y)]
+
+
+@dataclass(frozen=True)
+class ImexWalker(_OfTwoFunctions):
+    """Beside an IMEX method, whose stages are solved to this."""
+
+    solved: float = inf
+
+    def problems(self, numbers: int) -> list[NonlinearProblem]:
+        """Split in two."""
+        alone = Walker(with_functions(self.subject, {IMPLICIT: zeros}), self.method)
+        return [_made(_InTwoParts, problem) for problem in alone.problems(numbers)]
+
+    def allowed(self, size: float, numbers: int, h: float) -> float:
+        """What its solver leaves, and the rounding."""
+        return Rounding(self.subject.format, 2 * self.method.stages).of(2 * size) + self.solved * size
+
+    def own_step(self, problem: NonlinearProblem, t: float, y: Sequence[float], h: float) -> list[arb]:
+        """y + h Σ (bᵢ f(Yᵢ) + b̂ᵢ g(Yᵢ)), the stages iterated. Raises ArithmeticError where that does not converge."""
+        assert isinstance(problem, _InTwoParts)
+        method, parts = self.method, (False, True)
+        tables = [[[enclose(x) for x in row] for row in a] for a in (method.a_explicit, method.a_implicit)]
+        weights = [[enclose(x) for x in b] for b in (method.b_explicit, method.b_implicit)]
+        nodes = [sum(row, arb(0)) for row in tables[0]]
+        slopes = [[[arb(0)] * len(y) for _ in nodes] for _ in parts]
+
+        def moved(rows: Sequence[Sequence[arb]]) -> list[arb]:
+            found = [arb(x) for x in y]
+            for row, part in zip(rows, slopes, strict=True):
+                found = [
+                    x + h * sum((w * k[m] for w, k in zip(row, part, strict=True)), arb(0)) for m, x in enumerate(found)
+                ]
+            return found
+
+        for _ in range(_ROUNDS):
+            before = slopes
+            places = [moved([table[i] for table in tables]) for i in range(len(nodes))]
+            slopes = [
+                [[k.mid() for k in problem.part(t + c * h, z, part)] for c, z in zip(nodes, places, strict=True)]
+                for part in parts
+            ]
+            flat = zip(np.ravel(np.array(slopes, dtype=object)), np.ravel(np.array(before, dtype=object)), strict=True)
+            if all(abs(x - old) <= _SETTLED * (1 + abs(x)) for x, old in flat):
+                return moved(weights)
+        raise ArithmeticError(f"the stages of {method.key} do not converge")

@@ -1,0 +1,88 @@
+"""Rosenbrock and IMEX steps far from home: right codes pass there, and what is wrong there alone is caught."""
+
+import numpy as np
+import pytest
+
+from driftproof import verify
+from driftproof.blackbox.families.family_walks import derivatives
+from driftproof.blackbox.judging.nonlinear_problems import driven
+from tests.blackbox.families.linearised_steppers import rosenbrock
+from tests.blackbox.families.split_steppers import imex
+
+
+def of_matrix(change):
+    """ROS2 with another matrix in place of its Jacobian."""
+    step = rosenbrock("ros2")
+    return lambda f, jac, dfdt, t, y, h: step(f, lambda t, y: change(np.array(jac(t, y))), dfdt, t, y, h)
+
+
+def of_times(change):
+    """ROS2 that asks its right-hand side at other times."""
+    step = rosenbrock("ros2")
+    return lambda f, jac, dfdt, t, y, h: step(lambda at, y: f(change(at), y), jac, dfdt, t, y, h)
+
+
+def of_split_times(change):
+    """ARS(2,2,2) that asks f at other times."""
+    step = imex("ars222")
+    return lambda f_explicit, f_implicit, t, y, h: step(lambda at, y: f_explicit(change(at), y), f_implicit, t, y, h)
+
+
+def back(f, jac, dfdt, t, y, h):
+    """ROS2 whose df/dt has the other sign in steps back."""
+    return rosenbrock("ros2")(f, jac, lambda t, y: np.sign(h) * np.array(dfdt(t, y)), t, y, h)
+
+
+WRONG = {
+    "a diagonal that is off": (of_matrix(lambda j: j * (1 + 1e-7 * np.eye(len(j)))), "ros2", "in a step of 0.1"),
+    "a triangle of the matrix": (of_matrix(np.tril), "ros2", "y[1] is"),
+    "times in binary32": (of_times(lambda at: float(np.float32(at))), "ros2", "in a step of 0.1 from t = 0.25"),
+    "no sign of h": (back, "ros2", "h < 0 is no step back: in a step of -0.07"),
+    "a clock that stands": (of_split_times(lambda at: min(at, 10)), "ars222", "at t = 100.1 it is another step"),
+}
+
+
+@pytest.mark.parametrize(("step", "key", "words"), WRONG.values(), ids=WRONG)
+def test_what_is_wrong_elsewhere_alone_is_caught(step, key, words):
+    report = verify(step, key, isolate=False)
+    assert report.passed is False
+    assert report.verdict.startswith(f"is not {key}: ")
+    assert words in report.verdict
+
+
+@pytest.mark.parametrize(
+    ("step", "key"),
+    [
+        (rosenbrock("rodas3", stored=True), "rodas3"),
+        (rosenbrock("rodas4", time_slope="differences"), "rodas4"),
+        (rosenbrock("ros2", time_slope="none"), "ros2"),
+        (imex("ars443"), "ars443"),
+        (imex("ark324"), "ark324"),
+    ],
+)
+def test_right_codes_are_right_everywhere_and_the_report_says_where(step, key):
+    report = verify(step, key, isolate=False)
+    assert report.passed, report.text()
+    (line,) = report.section("Steps: passed").lines
+    assert line.startswith("5 times 4 steps, each from the end of the one before, of 1, 2, 3, 5, 9 numbers, at times")
+
+
+def test_derivatives_are_those_of_the_problem_to_the_last_bit():
+    rows, slopes = derivatives(driven(1, timed=True), 0.5, [0.25])
+    # f' of 4 (1 + t) y^2/(1 + y^2) at t = 1/2, y = 1/4; and φ'' + 4 y^2/(1 + y^2) - d/dt (4 (1 + t) φ^2/(1 + φ^2)).
+    assert rows == [[6 * 2 * 0.25 / (1 + 0.25**2) ** 2]]
+    bell, turned = 0.8, -2 * 0.5 * 0.8**2
+    curved = 8 * 0.5**2 * bell**3 - 2 * bell**2
+    pulled = 4 * bell**2 / (1 + bell**2) + 6 * 2 * bell * turned / (1 + bell**2) ** 2
+    assert slopes[0] == pytest.approx(curved + 4 * 0.0625 / 1.0625 - pulled, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("key", "most", "words"),
+    [
+        ("ars222", 2, "is ars222, its stages solved to 2.3e-08"),
+        ("ars443", 2, "is not ars443: its equations are solved to 1.7e-06 only"),
+    ],
+)
+def test_how_well_stages_are_solved_is_told(key, most, words):
+    assert verify(imex(key, most=most), key, isolate=False).verdict == words
