@@ -66,7 +66,7 @@ BUDGETS = {
     "methods": 5298,
     "symbolic": 10733,
     "numeric": 3117,
-    "blackbox": 15170,
+    "blackbox": 15990,
     "enclosure": 3108,
     "texts": 6697,
 }

@@ -28,7 +28,7 @@ from driftproof.blackbox.probes.linear_steps import LINEAR
 from driftproof.blackbox.probes.questions import CoefficientReading, Introduction, introduction, read_coefficients
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Report, Section, each_once, sections
-from driftproof.blackbox.stepper.calling_conventions import OF_TWO_FUNCTIONS, SIGNATURES
+from driftproof.blackbox.stepper.calling_conventions import OF_FAMILIES, SIGNATURES
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Method, RungeKutta
@@ -69,7 +69,7 @@ def identify(
             opened = runner.run([introduction])[0].result
             if family.result is not None:
                 return family_report(runner.target.name, opened, family.result)
-            if opened is not None and opened.calls in OF_TWO_FUNCTIONS:
+            if opened is not None and opened.calls in OF_FAMILIES:
                 return unread_report(runner.target.name, family)
         return identified(runner, read, order, dense)
 

@@ -12,11 +12,10 @@ if TYPE_CHECKING:
     from driftproof.blackbox.report import Report
 
 MOST_EXAMPLES = 10**6
+CALLS = ("map", "force", "field", "rosenbrock", "imex", "magnetic", "rotation")
 TARGET = (
     cli.option("step", "where the stepper is imported from, e.g. mylib.ode:step", metavar="MODULE:STEP"),
-    cli.option(
-        "--calls", "if the names of its parameters do not tell", choices=("map", "force", "field", "rosenbrock", "imex")
-    ),
+    cli.option("--calls", "if the names of its parameters do not tell", choices=CALLS),
     cli.option("--array", "what makes its numbers of floats, e.g. torch:tensor", metavar="MODULE:MAKER"),
     cli.time_limit_option("seconds for the whole run (default 120)", default=120.0),
     cli.format_option("text json markdown", "markdown is ready for an issue"),

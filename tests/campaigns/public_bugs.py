@@ -20,9 +20,9 @@ mistake and mended; the code of the threads is not used. This page is written by
 
     python -m tests.campaigns.public_bugs > docs/public_bugs.md
 
-A bug is **caught** when a fault is found, or when `verify` says that it is not its method; the cause is **named** when
-the report holds the words that a maintainer needs, which the report on the mended twin does not hold. An **alarm** is a
-fault that is found in a mended twin.
+A bug is **caught** when a fault is found, when `verify` says that it is not its method, or when `identify` says that it
+is what it should not be; the cause is **named** when the report holds the words that a maintainer needs, which that on
+the mended twin does not hold. An **alarm** is a fault that is found in a mended twin.
 """
 
 
@@ -53,6 +53,8 @@ def page(outcomes: list[Outcome]) -> str:
     """The page of docs."""
     counts = [sum(column) for column in zip(*(each[:3] for each in outcomes), strict=True)]
     summary = f"Of {len(ALL)} bugs, {counts[0]} are caught, {counts[1]} with the cause named; {counts[2]} alarms."
+    without = sum(found.caught and found.said == replay.cause for replay, found in zip(ALL, outcomes, strict=True))
+    summary += f" Of {without} no fault is told: what they are said to be is not what they should be."
     rows = [
         f"| {link(replay.reference)} | {replay.about} | {'yes' if found.caught else '**no**'} | "
         f"{'yes' if found.named else '**no**'} | {found.said.replace('|', ' ')[:160]} |"

@@ -13,7 +13,10 @@ import numpy as np
 from driftproof import identify, verify
 from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.methods.catalogue import METHODS
+from tests.blackbox.dragged_steppers import of_stages
+from tests.blackbox.dragged_steppers import verlet as moved
 from tests.blackbox.extension_steppers import extension_step
+from tests.blackbox.families.turning_steppers import body, boris, product, quaternion, space, turned_by
 from tests.blackbox.implicit_steppers import one_by_one, table
 from tests.blackbox.pair_steppers import but_one, pair_step
 from tests.blackbox.solvers.planted_solvers import adaptive
@@ -119,46 +122,39 @@ def forced_damped(factor: Callable[[float], float]):
     return step
 
 
-# An oblique field of size 1, and the plane that it turns, in which a velocity is (q, v).
-FIELD = np.array([1.0, 1.0, 1.0]) / np.sqrt(3.0)
-FIRST = np.array([1.0, -1.0, 0.0]) / np.sqrt(2.0)
-SECOND = np.cross(FIRST, FIELD)
+def half_of_half(b: Any, h: float) -> Any:
+    """t of two rotations of half the angle each, which make one of Boris' step."""
+    size = np.linalg.norm(b)
+    return np.tan(np.arctan(h / 2 * size) / 2) * b / size if size else 0 * b
 
 
-def boris(
-    vector: Callable[[float], Any] = lambda h: h / 2 * FIELD,
-    size: Callable[[Any], Any] = lambda t: t @ t,
-    turns: int = 1,
-):
-    """Boris' rotation of a velocity in the plane of the field: it is the implicit midpoint rule of the oscillator."""
+def first_order(real: Callable[[Any], float]):
+    """A quaternion moved by the product with (real, omega) dt/2, and made one of length 1."""
 
-    def step(q, v, h):
-        u, t = q * FIRST + v * SECOND, vector(h)
-        for _ in range(turns):
-            u = u + np.cross(u + np.cross(u, t), 2 * t / (1 + size(t)))
-        return u @ FIRST, u @ SECOND
+    def step(q, omega, dt):
+        q = q + dt / 2 * product([real(q), *omega], q)
+        return q / np.linalg.norm(q)
 
     return step
 
 
-def quaternion(half: float, ends: Callable[[float, float, float], tuple[float, float]] = lambda w, z, h: (w, z)):
-    """Midpoint steps of a quaternion about one axis, angular velocity -2: w' = z, z' = -w with the factor 1/2."""
+def of_matrix(order: Sequence[int]):
+    """Euler's step of a quaternion by a matrix for the scalar last, the numbers taken in this order."""
 
-    def step(q, v, h):
-        rate = lambda w, z: (half * 2 * z, -half * 2 * w)
-        dw, dz = rate(q, v)
-        dw, dz = rate(q + h / 2 * dw, v + h / 2 * dz)
-        return ends(q + h * dw, v + h * dz, h)
+    def step(q, omega, dt):
+        x, y, z = omega
+        m = np.array([[0, z, -y, x], [-z, 0, x, y], [y, -x, 0, z], [-x, -y, -z, 0]])[np.ix_(order, order)]
+        return q + dt / 2 * m @ np.array(q)
 
     return step
 
 
-def rotated(turned: Callable[[float], float]):
-    """A quaternion about one axis, turned by an angle that is a function of h."""
+def assigned(keep: float):
+    """Symplectic Euler, so much of the old velocity kept."""
 
-    def step(q, v, h):
-        c, s = np.cos(turned(h)), np.sin(turned(h))
-        return c * q + s * v, c * v - s * q
+    def step(force, x, v, dt):
+        v = keep * v + dt * force(x)
+        return x + dt * v, v
 
     return step
 
@@ -294,22 +290,46 @@ STEPS = (
     Replay("concord-consortium/lab#7", "divided by the mass twice", of_method(SE), with_mass(2), with_mass(1),
            "kick 0: 1/2 instead of 1"),
     Replay("gbogopolsky/boris-method#1", "the size of the rotation by components", of_step,
-           boris(size=lambda t: t * t), boris(), ""),
-    Replay("OPALX-project/OPAL#1584", "the rotation without its step", of_step, boris(lambda h: FIELD / 2), boris(),
-           "h = 0 moves the state"),
+           boris(size=lambda t: t * t), boris(), "the rotation depends on the direction of B"),
+    Replay("OPALX-project/OPAL#1584", "the rotation without its step", of_step, boris(lambda b, h: b / 2), boris(),
+           "the rotation is not one by h B"),
     Replay("BLAST-WarpX/warpx#6886", "two half rotations are not the whole one", of_step,
-           boris(lambda h: h / 4 * FIELD, turns=2), boris(lambda h: np.tan(np.arctan(h / 2) / 2) * FIELD, turns=2),
-           ""),
+           boris(lambda b, h: h / 4 * b, turns=2), boris(half_of_half, turns=2), "implicit_midpoint in 2 equal parts"),
+    Replay("fmihpc/vlasiator#368", "every charge turns in one sense", of_step, boris(lambda b, h: -h / 2 * b), boris(),
+           "it turns the other way"),
     Replay("phaserjs/phaser#5356", "a drag for each step", of_step, damped(lambda h: 0.99),
-           damped(lambda h: 0.99 ** (60 * h)), "h = 0 moves the state"),
+           damped(lambda h: 0.99 ** (60 * h)), "a damping for each step"),
     Replay("pafuhana1213/KawaiiPhysics#81", "world damping in each frame", of_step, damped_drift(lambda h: 0.9),
-           damped_drift(lambda h: np.exp(-6 * h)), "h = 0 moves the state"),
+           damped_drift(lambda h: np.exp(-6 * h)), "a damping for each step"),
     Replay("dhewm/dhewm3#585", "half of the momentum in each frame", of_step, forced_damped(lambda h: 0.5),
-           forced_damped(lambda h: 0.5 ** (60 * h)), "h = 0 moves the state"),
-    Replay("mit-aera/FlightGoggles#67", "a quaternion's rate without 1/2", of_method("midpoint2"), quaternion(1.0),
-           quaternion(0.5), "the position moves by 2 h v"),
-    Replay("sofa-framework/sofa#172", "a turn by arctan of the angle", of_step, rotated(np.arctan),
-           rotated(lambda h: h), ""),
+           forced_damped(lambda h: 0.5 ** (60 * h)), "multiplied by 0.5 in each step"),
+    Replay("avianphysics/avian#818", "a character's damping in each frame", of_step, forced_damped(lambda h: 0.92),
+           forced_damped(lambda h: 1 / (1 + 5 * h)), "multiplied by 0.92 in each step"),
+    Replay("NVIDIAGameWorks/PhysX-3.4#43", "a damping of first order in the step", of_step,
+           forced_damped(lambda h: 1 - h / 4), forced_damped(lambda h: 0.75**h), "v is multiplied by 1 - 1/4 h"),
+    Replay("cb-geo/mpm#204", "the velocity is assigned, not updated", of_method(SE), assigned(0.0), assigned(1.0),
+           "the velocity is multiplied by 0 in each step"),
+    Replay("GDS-Education-Community-of-Practice/DSECOP#15", "the second force is asked at a velocity that is not there "
+           "yet", V1, moved(lambda v, a, dt: 0 * v), moved(lambda v, a, dt: v + dt * a),
+           "call 1 is given the velocity 0 v, not 1 v"),
+    Replay("espressomd/espresso#4930", "the second force is asked at the velocity in the middle", V1,
+           moved(lambda v, a, dt: v + dt / 2 * a), moved(lambda v, a, dt: v + dt * a),
+           "the position of t + h and the velocity v + 1/2 h F[0]"),
+    Replay("o-murphy/py-ballisticcalc#350", "the drag of the start is kept for all stages", of_method("rk4"),
+           of_stages("rk4", lambda i, stage, v: v), of_stages("rk4"), "order 1 where the force depends on the"),
+    Replay("mit-aera/FlightGoggles#67", "a quaternion's rate without 1/2", of_step,
+           quaternion("forward_euler", lambda q, w: 2 * body(q, w)), quaternion("forward_euler"),
+           "the factor 1/2 is missing"),
+    Replay("sofa-framework/sofa#172", "a turn by arctan of the angle", of_step, turned_by(np.arctan),
+           turned_by(lambda x: x), "it turns by atan(phi) = phi - phi^3/3"),
+    Replay("w0rm/elm-physics#69", "half of the angle about the axis", of_step, turned_by(lambda x: x / 2),
+           turned_by(lambda x: x), "the factor 1/2 stands twice"),
+    Replay("avianphysics/avian#488", "a real part beside the angular velocity", of_step, first_order(lambda q: q[0]),
+           first_order(lambda q: 0.0), "is not linear in q"),
+    Replay("avianphysics/avian#747", "the product in the other order", of_step, quaternion("midpoint2"),
+           quaternion("midpoint2", space), "of q' = q omega/2"),
+    Replay("sksat/trochia#55", "the matrix for a scalar last, the scalar being first", of_step,
+           of_matrix([0, 1, 2, 3]), of_matrix([3, 0, 1, 2]), "(scalar last)"),
     Replay("ben-cassese/jorbit#85", "every step goes forward", V1, absolute(verlet()), verlet(),
            "h < 0 is no step back"),
     Replay("firedrakeproject/gusto#78", "t < end + h/2", of_solver, counting(lambda t, end, h: t < end + h / 2),

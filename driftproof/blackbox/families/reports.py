@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, Protocol
 
 from driftproof.blackbox.families.imex import read_imex
+from driftproof.blackbox.families.magnetic import read_magnetic
 from driftproof.blackbox.families.multistep import read_multistep
 from driftproof.blackbox.families.multistep_recurrence import NoRecurrence
 from driftproof.blackbox.families.multistep_runs import remembers
+from driftproof.blackbox.families.quaternions import read_quaternion
 from driftproof.blackbox.families.rosenbrock import read_rosenbrock
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall
 from driftproof.blackbox.isolation import IsolatedRunner
 from driftproof.blackbox.probes.questions import Introduction
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Criterion, Report, criteria_parts, sections
-from driftproof.blackbox.stepper.calling_conventions import IMEX, MAP, ROSENBROCK, SIGNATURES
+from driftproof.blackbox.stepper.calling_conventions import IMEX, MAGNETIC, MAP, ROSENBROCK, ROTATION, SIGNATURES
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import FactsOnly
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.rosenbrock import Rosenbrock
+from driftproof.methods.schemes import Method
 from driftproof.support.plain_text import Json
 
 # What a stepper of each kind of method has to look like.
@@ -30,6 +33,10 @@ _NEEDED: dict[type, str] = {
     Rosenbrock: "a stepper that takes a Jacobian, step(f, jac, t, y, h)",
     Additive: "a stepper that takes two right-hand sides, step(f_explicit, f_implicit, t, y, h)",
 }
+_TURNING_NEEDED = "a stepper that remembers nothing, and is linear in what it turns"
+
+
+_TURNING: dict[str, Callable[[ForeignStepper], FamilyReading]] = {MAGNETIC: read_magnetic, ROTATION: read_quaternion}
 
 
 class FamilyReading(Protocol):
@@ -60,7 +67,7 @@ class FamilyReading(Protocol):
 
 
 def read_family(
-    subject: ForeignStepper, asked: FactsOnly | None = None, *, runs_only: bool = False
+    subject: ForeignStepper, asked: Method | FactsOnly | None = None, *, runs_only: bool = False
 ) -> FamilyReading | None:
     """What the stepper is among the families, if its steps remember; None where they do not.
 
@@ -72,6 +79,8 @@ def read_family(
         return read_rosenbrock(subject, asked)
     if isinstance(asked, Additive) or (asked is None and subject.convention.kind == IMEX):
         return read_imex(subject, asked)
+    if subject.convention.kind in _TURNING:
+        return _TURNING[subject.convention.kind](subject)
     if subject.convention.kind == MAP or (runs_only and not subject.convention.run) or not remembers(subject):
         return None
     return read_multistep(subject)
@@ -100,7 +109,12 @@ def unread_report(name: str, outcome: Outcome) -> Report:
     return Report(name, verdict, None, (), {"not_answered": [{"kind": outcome.kind, "seen": outcome.seen}]})
 
 
-def verify_family(runner: IsolatedRunner, method: FactsOnly) -> Report:
+def turns(subject: ForeignStepper) -> bool:
+    """True of a step of a quaternion, or of a velocity in a magnetic field."""
+    return subject.convention.kind in _TURNING
+
+
+def verify_family(runner: IsolatedRunner, method: Method | FactsOnly) -> Report:
     """The report of `verify` for a method of a family. Raises ValueError where the stepper cannot be imported."""
     outcome = runner.run([partial(read_family, asked=method)])[0]
     if outcome.kind == "bad_input":
@@ -129,14 +143,14 @@ def verify_family(runner: IsolatedRunner, method: FactsOnly) -> Report:
     return Report(name, verdict, passed, sections(*parts), data)
 
 
-def _not_read(name: str, outcome: Outcome, method: FactsOnly) -> Report:
+def _not_read(name: str, outcome: Outcome, method: Method | FactsOnly) -> Report:
     """What comes of a stepper that no reading was made of: it gives no answer, or it is undecided, and why."""
     if outcome.kind == NoRecurrence.kind:
         return Report(name, f"is not {method.key}: {outcome.seen}", False, (), {"not_answered": outcome.seen})
     open_kinds = (NotReadable.kind, UnsupportedCall.kind, *NO_EVIDENCE)
     if outcome.kind not in open_kinds:
         return Report(name, f"{NO_ANSWER}: {outcome.seen}", False, (), {"not_answered": outcome.seen})
-    needed = "a longer time limit" if outcome.kind in NO_EVIDENCE else _NEEDED[type(method)]
+    needed = "a longer time limit" if outcome.kind in NO_EVIDENCE else _NEEDED.get(type(method), _TURNING_NEEDED)
     parts = sections(("Not answered", [f"{outcome.kind}: {outcome.seen}"]), ("What would decide it", [needed]))
     verdict = f"{UNDECIDED} whether it is {method.key}: {outcome.seen}"
     return Report(name, verdict, None, parts, {"not_answered": outcome.seen})

@@ -8,7 +8,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 MAP, FORCE, FIELD, ROSENBROCK, IMEX = "map", "force", "field", "rosenbrock", "imex"
-OF_TWO_FUNCTIONS = (ROSENBROCK, IMEX)
+MAGNETIC, ROTATION = "magnetic", "rotation"
+# Whose steps are none of y' = f(t, y) alone: they are read each in a way of their own.
+OF_FAMILIES = (ROSENBROCK, IMEX, MAGNETIC, ROTATION)
 # What a stepper of each is, as a reader writes it down.
 SIGNATURES = {
     MAP: "step(q, v, h) -> (q1, v1), or step(state, h) with state = [q, v]: the system is built in",
@@ -16,6 +18,8 @@ SIGNATURES = {
     FIELD: "step(f, t, y, h) -> y1: y' = f(t, y)",
     ROSENBROCK: "step(f, jac, t, y, h) -> y1: y' = f(t, y) with its Jacobian jac(t, y); also with dfdt(t, y)",
     IMEX: "step(f_explicit, f_implicit, t, y, h) -> y1: y' = f_explicit(t, y) + f_implicit(t, y)",
+    MAGNETIC: "step(x, v, E, B, h) -> (x1, v1), or step(v, E, B, h) -> v1: x' = v, v' = E + v x B",
+    ROTATION: "step(q, omega, h) -> q1: a quaternion, q' = q omega/2 or omega q/2",
 }
 FUNCTION, POSITION, VELOCITY, STATE, TIME, STEP = "function", "position", "velocity", "state", "time", "step"
 # The times at which a run is wanted, the first and the last of one step; and the slope that a step is handed, and
@@ -23,6 +27,8 @@ FUNCTION, POSITION, VELOCITY, STATE, TIME, STEP = "function", "position", "veloc
 GRID, CARRIED = "grid", "carried"
 # Functions beside the right-hand side: its Jacobian, its derivative by t; or the part that is solved for.
 JACOBIAN, TIME_SLOPE, IMPLICIT = "jacobian", "time_slope", "implicit"
+# Fields at the position, as vectors or as functions of it; a quaternion, and the angular velocity.
+ELECTRIC, MAGNETIC_FIELD, QUATERNION, ANGULAR = "electric", "magnetic_field", "quaternion", "angular"
 # The roles of the arguments, one by one; the time may be missing, and may be asked for anywhere.
 VARIANTS = (
     (MAP, (POSITION, VELOCITY, STEP)),
@@ -36,6 +42,11 @@ VARIANTS = (
     (ROSENBROCK, (FUNCTION, JACOBIAN, STATE, STEP)),
     (ROSENBROCK, (FUNCTION, JACOBIAN, TIME_SLOPE, STATE, STEP)),
     (IMEX, (FUNCTION, IMPLICIT, STATE, STEP)),
+    (MAGNETIC, (POSITION, VELOCITY, ELECTRIC, MAGNETIC_FIELD, STEP)),
+    (MAGNETIC, (POSITION, VELOCITY, MAGNETIC_FIELD, STEP)),
+    (MAGNETIC, (VELOCITY, ELECTRIC, MAGNETIC_FIELD, STEP)),
+    (MAGNETIC, (VELOCITY, MAGNETIC_FIELD, STEP)),
+    (ROTATION, (QUATERNION, ANGULAR, STEP)),
 )
 # The order in which a stepper takes its arguments if their names do not tell.
 STANDARD_ORDER = {
@@ -44,6 +55,8 @@ STANDARD_ORDER = {
     FIELD: (FUNCTION, TIME, STATE, STEP),
     ROSENBROCK: (FUNCTION, JACOBIAN, TIME, STATE, STEP),
     IMEX: (FUNCTION, IMPLICIT, TIME, STATE, STEP),
+    MAGNETIC: (POSITION, VELOCITY, ELECTRIC, MAGNETIC_FIELD, STEP),
+    ROTATION: (QUATERNION, ANGULAR, STEP),
 }
 _FUNCTIONS = (
     *("f", "fun", "func", "function", "rhs", "field", "vector_field", "force", "forces", "acc", "accel"),
@@ -77,6 +90,13 @@ ROLES: dict[str, tuple[str, ...]] = {
         *("f_implicit", "f_imp", "f_im", "fim", "fi", "f_i", "implicit", "f_stiff", "stiff", "f2", "f_fast"),
         *("g", "linear", "l"),
     ),
+    ELECTRIC: ("e", "e_field", "efield", "electric", "electric_field", "field_e", "get_e", "evec"),
+    MAGNETIC_FIELD: ("b", "b_field", "bfield", "magnetic", "magnetic_field", "field_b", "get_b", "bvec"),
+    QUATERNION: ("q", "quat", "quaternion", "q0", "orientation", "attitude", "rotation", "qk", "q_n"),
+    ANGULAR: (
+        *("omega", "w", "gyro", "gyr", "angular_velocity", "ang_vel", "angvel", "rate", "rates", "body_rates"),
+        *("omega_body", "wb", "av"),
+    ),
     CARRIED: ("a", "acc", "accel", "acceleration", "a0", "an", "f0", "force0", "k1", "k0", "fsal", "dydt0"),
 }
 # Further parameters of a built-in oscillator, set to what makes it q'' = -q.
@@ -85,16 +105,19 @@ UNIT_PARAMETERS = ("m", "mass", "k", "stiffness", "omega", "omega0", "w", "w0")
 _COUNTS = ("n", "steps", "n_steps", "nsteps", "num_steps", "number_of_steps", "nt", "n_iter", "iterations")
 # A mass that is not 1 shows whether the force is divided by it, a power of two exactly so.
 _MASSES, _MASS = ("m", "mass", "masses"), 2.0
+# A charge likewise, or one over the mass: fields are given so much smaller.
+_CHARGES, _CHARGE = ("q", "charge", "qm", "q_m", "q_over_m", "qom", "charge_to_mass", "z"), 8.0
 
 
 @dataclass(frozen=True)
 class CallingConvention:
     """How a stepper is called, and the roles of its arguments in the order in which it takes them.
 
-    `extra` are arguments besides, passed by name: the parameters of its oscillator, all 1; a mass, 2, and the number
-    of steps, 1. `names` are those of all others, where they are passed by name, too. What it calls returns `factor`
-    times the acceleration: the mass, or -1 where it is the gradient of a potential. A `run` returns the states of so
-    many `steps`, or is a generator of states. `asks` are the roles of what a force is called with.
+    `extra` are arguments besides, passed by name: the parameters of its oscillator, all 1; a mass, 2, a charge, 8, and
+    the number of steps, 1. `names` are those of all others, where they are passed by name, too. What it calls returns
+    `factor` times the acceleration: the mass, -1 where it is the gradient of a potential, the mass over the charge. A
+    `run` returns the states of so many `steps`, or is a generator of states. `asks` are the roles of what a force is
+    called with.
     """
 
     kind: str
@@ -171,6 +194,10 @@ def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingCon
     factor, run = 1.0, GRID in roles
     for name in names:
         word = _word(name)
+        if kind == MAGNETIC and word in (*_CHARGES, *_MASSES):
+            extra[name] = _MASS if word in _MASSES else _CHARGE
+            factor *= 1 / _CHARGE if word in _CHARGES else _MASS
+            continue
         role = next((role for role in open_roles if word in ROLES[role]), None)
         if role is not None:
             open_roles.remove(role)

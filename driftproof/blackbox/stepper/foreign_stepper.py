@@ -31,6 +31,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     GRID,
     MAP,
     POSITION,
+    QUATERNION,
     STATE,
     STEP,
     TIME,
@@ -50,6 +51,8 @@ DraggedForce: TypeAlias = Callable[[AnyNumber, list[AnyNumber], list[AnyNumber]]
 FieldFunction: TypeAlias = Callable[[AnyNumber, list[AnyNumber]], Sequence[AnyNumber]]
 # Longer answers are cut where a message shows them: a line of 120 characters holds one and what is said of it.
 _MOST_SHOWN = 60
+# What a step moves, position before velocity.
+_MOVED = (POSITION, VELOCITY, STATE, QUATERNION)
 # A sum of times in the narrowest format, with 8 bits after the first, is nearer than this to the true one.
 _ABOUT = 2.0**-6
 
@@ -168,7 +171,7 @@ class ForeignStepper:
             roles[CARRIED] = write(rate(t, list(y)))
         if GRID in self.convention.order:
             roles[GRID] = np.array([t + n * h for n in range(self.convention.steps + 1)])
-        answer = self._call(roles, f"t={t!r}, y={list(y)!r}, h={h!r}", y)
+        answer = self.called(roles, f"t={t!r}, y={list(y)!r}, h={h!r}", y)
         return self._finite(self._read_state(answer, size, t + h), [*y, h])
 
     def callback(
@@ -208,15 +211,15 @@ class ForeignStepper:
 
         roles = {POSITION: write(qs), VELOCITY: write(vs), STEP: h, TIME: 0.0, CARRIED: write([-q for q in qs])}
         roles[FUNCTION] = force
-        answer = self._call(roles, f"q={list(qs)!r}, v={list(vs)!r}, h={h!r}", [*qs, *vs])
-        positions, velocities = self._two_parts(answer)
+        answer = self.called(roles, f"q={list(qs)!r}, v={list(vs)!r}, h={h!r}", [*qs, *vs])
+        positions, velocities = self.two_parts(answer)
         return list(zip(*(self.adapter.read(part, len(qs)) for part in (positions, velocities)), strict=True))
 
     def _map(self, q: AnyNumber, v: AnyNumber, h: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
         write = self.adapter.write
         if STATE in self.convention.order:
             words = f"state=[{q!r}, {v!r}], h={h!r}"
-            answer = self._call({STATE: write([q, v]), STEP: h, TIME: 0.0}, words, [q, v])
+            answer = self.called({STATE: write([q, v]), STEP: h, TIME: 0.0}, words, [q, v])
             q1, v1 = self._finite(self._read_state(answer, 2, h), [q, v, h])
             return q1, v1
         roles = {POSITION: write([q]), VELOCITY: write([v]), STEP: h, TIME: 0.0}
@@ -272,23 +275,28 @@ class ForeignStepper:
         self, roles: dict[str, Foreign], q: Sequence[AnyNumber], v: Sequence[AnyNumber], h: AnyNumber
     ) -> list[AnyNumber]:
         shown = [x[0] if len(x) == 1 else list(x) for x in (q, v)]
-        answer = self._call(roles, f"q={shown[0]!r}, v={shown[1]!r}, h={h!r}", [*q, *v])
-        return self._finite([x for part in self._two_parts(answer) for x in self._read(part, len(q))], [*q, *v, h])
+        answer = self.called(roles, f"q={shown[0]!r}, v={shown[1]!r}, h={h!r}", [*q, *v])
+        return self._finite([x for part in self.two_parts(answer) for x in self._read(part, len(q))], [*q, *v, h])
 
-    def _two_parts(self, answer: Foreign) -> tuple[Foreign, Foreign]:
+    def two_parts(self, answer: Foreign) -> tuple[Foreign, Foreign]:
+        """Position and velocity of an answer. Raises WrongShape."""
         try:
             position, velocity = part_pair(answer)
         except (TypeError, ValueError):
             raise WrongShape(f"it returns {_shown(answer)}, not a pair (q1, v1)") from None
         return position, velocity
 
-    def _call(self, roles: dict[str, Foreign], words: str, start: Sequence[AnyNumber]) -> Foreign:
+    def called(self, roles: dict[str, Foreign], words: str, start: Sequence[AnyNumber]) -> Foreign:
+        """What the code returns for these arguments, by role; `words` tell them, `start` are the numbers to be moved.
+
+        Raises a Misbehaviour.
+        """
         self.before(words)
         self.log.calls += 1
         values = [roles[role] for role in self.convention.order]
         named = dict(zip(self.convention.names, values, strict=False))  # all of them, or none
         arguments = () if named else values
-        kept = {role: _copied(x) for role, x in roles.items() if role in (POSITION, VELOCITY, STATE)}
+        kept = {role: _copied(roles[role]) for role in _MOVED if role in roles}
         try:
             answer = self._ended(self.function(*arguments, **named, **self.convention.extra), start)
         except Misbehaviour:
@@ -321,7 +329,8 @@ class ForeignStepper:
         if answer is not None or not (changed or self.log.works_in_place):
             return answer
         self.log.works_in_place = True
-        return roles[STATE] if STATE in self.convention.order else (roles[POSITION], roles[VELOCITY])
+        parts = tuple(roles[role] for role in kept if role in self.convention.order)
+        return parts if len(parts) > 1 else parts[0]
 
     def _read(self, answer: Foreign, size: int) -> list[AnyNumber]:
         self.log.types.add(type_of(answer))

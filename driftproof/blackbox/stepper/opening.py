@@ -28,8 +28,10 @@ from driftproof.blackbox.stepper.calling_conventions import (
     IMEX,
     IMPLICIT,
     JACOBIAN,
+    MAGNETIC,
     MAP,
     ROSENBROCK,
+    ROTATION,
     STATE,
     TIME_SLOPE,
     CallingConvention,
@@ -39,6 +41,7 @@ from driftproof.blackbox.stepper.foreign_stepper import CallLog, ForeignStepper
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
 from driftproof.blackbox.stepper.second_functions import with_functions, zeros
 from driftproof.blackbox.stepper.state_forms import COMPLEX, forms_of
+from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quaternion
 from driftproof.blackbox.stepper.wrappers import increment_wrapper, wrapper_line
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
 
@@ -121,7 +124,30 @@ def _with_jacobian(subject: ForeignStepper, h: float) -> Sequence[float]:
     return with_functions(subject, functions).step(*TRIAL_STATE, h)
 
 
-_TRIALS = {FIELD: (_one_step, _one_number), ROSENBROCK: (_with_jacobian,), IMEX: (_with_jacobian,)}
+def _in_space(subject: ForeignStepper, h: float) -> Sequence[float]:
+    """A velocity in fields that have three numbers."""
+    found = step_in_fields(subject, Push((1.0, 0.5, 0.25), (0.75, 1.0, 0.5), (0.5, 0.25, 1.0), (0.25, 1.0, 0.5), h))
+    return [*(found.x or ()), *found.v]
+
+
+def _in_plane(subject: ForeignStepper, h: float) -> Sequence[float]:
+    """The same where B is one number."""
+    found = step_in_fields(subject, Push((1.0, 0.5), (0.75, 1.0), (0.5, 0.25), (0.25,), h))
+    return [*(found.x or ()), *found.v]
+
+
+def _turning(subject: ForeignStepper, h: float) -> Sequence[float]:
+    """A quaternion of length 1 at an angular velocity of three numbers."""
+    return turn_quaternion(subject, (0.5, 0.5, 0.5, 0.5), (1.0, 0.5, 0.25), h)
+
+
+_TRIALS = {
+    FIELD: (_one_step, _one_number),
+    ROSENBROCK: (_with_jacobian,),
+    IMEX: (_with_jacobian,),
+    MAGNETIC: (_in_space, _in_plane),
+    ROTATION: (_turning,),
+}
 
 
 def _tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:

@@ -53,5 +53,5 @@ def test_a_stepper_that_is_not_there_is_refused():
 
 def test_each_example_of_the_page_gets_the_verdict_that_stands_below_it():
     examples = re.findall(r"```python\n([^`]*)```\n\nVerdict: (.*)", PAGE.read_text(encoding="utf-8"))
-    for code, verdict in exactly(5, examples):
+    for code, verdict in exactly(7, examples):
         assert identify(defined(code), isolate=False).verdict == verdict

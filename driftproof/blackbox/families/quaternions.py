@@ -1,0 +1,170 @@
+"""A step of a quaternion at an angular velocity: the factor 1/2, the length, the order, and which product it takes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from driftproof.blackbox.families.rotations import TURN_ANGLES, Turn, turn_of
+from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.matching.tables import Array
+from driftproof.blackbox.probes.scripted_answers import NotReadable, Rounding
+from driftproof.blackbox.report import Criterion
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.turning import turn_quaternion
+from driftproof.support.plain_text import Json
+
+# Of length 1 in floats but for one rounding, no two components alike; and one more, to see that none is preferred.
+_AXES = (np.array([2.0, 3.0, 6.0]) / 7, np.array([-6.0, 2.0, 3.0]) / 7)
+# A step in which the rate shows: its own error is O(h).
+_SHORT = 2.0**-20
+# By how much a rate may be off there, as part of it.
+_NEAR = 2.0**-10
+
+
+def _matrix(omega: Array, *, body: bool, last: bool) -> Array:
+    """q -> q omega, or omega q, as a matrix; the scalar of q is its first number, or its last."""
+    x, y, z = omega
+    sign = 1 if body else -1
+    rows = [[0, -x, -y, -z], [x, 0, sign * z, -sign * y], [y, -sign * z, 0, sign * x], [z, sign * y, -sign * x, 0]]
+    place = [1, 2, 3, 0] if last else [0, 1, 2, 3]
+    return np.array(rows, dtype=np.float64)[np.ix_(place, place)]
+
+
+# The products with omega, in words.
+_PRODUCTS: Mapping[str, tuple[bool, bool]] = {
+    "q omega (scalar first)": (True, False),
+    "omega q (scalar first)": (False, False),
+    "q omega (scalar last)": (True, True),
+    "omega q (scalar last)": (False, True),
+}
+
+
+@dataclass(frozen=True)
+class QuaternionReading:
+    """A step is a + b G with G the matrix of a `product` with omega of length 1; a + ib is `turn`, at h |omega|/2.
+
+    `product` is "" where the rate is none. `normalised` is true where the length of what comes out is always 1;
+    `at_rest` tells a step with omega = 0 that moves.
+    """
+
+    product: str
+    turn: Turn
+    normalised: bool
+    uneven: str
+    at_rest: str = ""
+
+    @property
+    def faults(self) -> list[str]:
+        """What is wrong with it, whichever method it is meant to be."""
+        found, scale = [*filter(None, [self.uneven, self.at_rest])], self.turn.scale
+        if not self.uneven and abs(scale - 1) > TURN_ANGLES[-1]:
+            half = {2.0: ": the factor 1/2 is missing", 0.5: ": the factor 1/2 stands twice"}.get(scale, "")
+            found.append(f"it turns {scale:.4g} times as fast as omega{half}")
+        return found
+
+    @property
+    def key(self) -> str | None:
+        """The key of the method that it is, where there is one of the catalogue."""
+        known = self.turn.known and not self.turn.normalised and self.turn.parts == 1 and self.turn.method != "exact"
+        return self.turn.method if known and not self.faults else None
+
+    @property
+    def verdict(self) -> str:
+        """What it is, in one line."""
+        if not self.product:
+            return f"it is no step of a quaternion that is known here; {self.uneven}"
+        rate = f"q' = {self.product.replace(' (', '/2 (')}"
+        name = {"exact": "the exact rotation"}.get(self.turn.name, self.turn.name)
+        name += "," * self.turn.normalised
+        order = self.turn.order
+        measured = f", of order {order}" if order and not self.turn.known else ""
+        return "; ".join([f"it is {name} of {rate}{measured}", *self.faults])
+
+    @property
+    def parts(self) -> list[tuple[str, list[str]]]:
+        """The evidence, by title."""
+        if not self.product:
+            return []
+        turn, order = self.turn.lines("phi"), self.turn.order
+        length = (
+            "what comes out has length 1, whatever goes in" if self.normalised else turn[1].replace("size", "length")
+        )
+        shown = "no error" if order is None else f"order {order} at a constant omega"
+        return [("Rotation", [f"{self.turn.name}: {turn[0]}, phi = h |omega|/2", length, shown])]
+
+    @property
+    def data(self) -> dict[str, Json]:
+        """The same for programs."""
+        turn = self.turn
+        told = {"rotation": turn.name, "order": turn.order, "normalised": self.normalised, "scale": f"{turn.scale:.6g}"}
+        return {"method": self.key, "product": self.product or None, **told}
+
+    def criteria(self, method: object) -> list[Criterion]:
+        """Its rotation, and whether there is a fault."""
+        rate = tuple(self.faults) or (f"that of q' = {self.product.replace(' (', '/2 (')}",)
+        return [self.turn.held_to(method), Criterion("Rate", not self.faults, rate, {})]
+
+
+def read_quaternion(subject: ForeignStepper) -> QuaternionReading:
+    """What a step of a quaternion is, at constant angular velocities. Raises NotReadable, and a Misbehaviour."""
+    rounding = Rounding(subject.format, 12)  # some 60 operations
+    normalised = _normalised(subject, rounding)
+    rate = (_columns(subject, _AXES[0], _SHORT) - np.eye(4)) / _SHORT
+    tables = {words: _matrix(_AXES[0], body=b, last=n) for words, (b, n) in _PRODUCTS.items()}
+    product = max(tables, key=lambda words: abs(float((rate * tables[words]).sum())))
+    found, said = _PRODUCTS[product], tables[product]
+    scale = float(np.median((rate / np.where(said, said, 1))[said != 0]))
+    off = rate - scale * said
+    if np.max(np.abs(off)) > _NEAR * (1 + abs(scale)):
+        i, j = np.unravel_index(int(np.argmax(np.abs(off))), off.shape)
+        uneven = (
+            f"its rate is no product of q and omega: at omega = (2, 3, 6)/7 the rate of q[{i}] takes "
+            f"{rate[i, j]:.3g} q[{j}], that of {product} {(rate - off)[i, j]:.3g} q[{j}]"
+        )
+        return QuaternionReading("", turn_of([1.0 + 0j] * len(TURN_ANGLES), rounding), normalised, uneven)
+    factors, uneven = [], ""
+    for angle in TURN_ANGLES:
+        for axis, h in ((_AXES[0], 1.0), (_AXES[1], 0.25)):
+            turning, step = _matrix(axis, body=found[0], last=found[1]), _columns(subject, 2 * angle * axis / h, h)
+            a, b = float(np.trace(step)) / 4, float((step * turning).sum()) / 4
+            if np.max(np.abs(step - a * np.eye(4) - b * turning)) > rounding.of(8.0 * (1 + abs(complex(a, b)))):
+                uneven = uneven or f"a step of h |omega| = {2 * angle:g} is no rotation about omega"
+            if axis is _AXES[0]:
+                factors.append(complex(a, b))
+            elif abs(complex(a, b) - factors[-1]) > rounding.of(8.0 * (1 + abs(factors[-1]))):
+                uneven = uneven or "its angle depends on more than h |omega|: on the step or on the direction"
+    if scale < 0:
+        product, factors = f"-{product}", [r.conjugate() for r in factors]
+    return QuaternionReading(product, turn_of(factors, rounding), normalised, uneven, _at_rest(subject))
+
+
+def _at_rest(subject: ForeignStepper) -> str:
+    """What a step with omega = 0 does where it does not leave q as it is."""
+    with np.errstate(all="ignore"):
+        try:
+            seen = turn_quaternion(subject, (0.5, 0.5, 0.5, 0.5), (0.0, 0.0, 0.0), 0.5)
+        except Misbehaviour as failure:
+            return f"with omega = 0, {failure}"
+    moved = any(not abs(x - 0.5) <= _NEAR for x in seen)
+    return f"with omega = 0, (0.5, 0.5, 0.5, 0.5) becomes ({', '.join(f'{x:g}' for x in seen)})" if moved else ""
+
+
+def _columns(subject: ForeignStepper, omega: Array, h: float) -> Array:
+    """The step of each of the four units."""
+    return np.array([turn_quaternion(subject, unit.tolist(), omega.tolist(), h) for unit in np.eye(4)]).T
+
+
+def _normalised(subject: ForeignStepper, rounding: Rounding) -> bool:
+    """Whether the length is made 1. Raises NotReadable where the step is not linear but for that, or remembers."""
+    q, omega = [0.5, -0.5, 0.5, 0.5], [0.5, 1.0, -0.25]
+    one, two, again = (np.array(turn_quaternion(subject, [k * x for x in q], omega, 0.5)) for k in (1, 2, 1))
+    if (one != again).any():
+        raise NotReadable("the same step taken twice is not the same")
+    if np.max(np.abs(two - 2 * one)) <= rounding.of(8.0):
+        return False
+    if np.max(np.abs(two - one)) <= rounding.of(8.0) and abs(np.linalg.norm(one) - 1) <= rounding.of(4.0):
+        return True
+    raise NotReadable("the step is not linear in q, and does not make its length 1")

@@ -1,0 +1,167 @@
+"""What a step turns by, as a complex factor R(θ) of the angle θ that is meant: its name, its angle, its size."""
+
+from __future__ import annotations
+
+import cmath
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from math import log2
+from typing import TypeAlias
+
+import numpy as np
+
+from driftproof.blackbox.matching.tables import exact_tableau
+from driftproof.blackbox.probes.scripted_answers import Rounding
+from driftproof.blackbox.report import Criterion
+from driftproof.methods.schemes import Collocation, RungeKutta
+
+# R as a function of z, which is i θ in steps of z' = iz.
+_Factor: TypeAlias = Callable[[complex], complex]
+# Angles that a factor is compared at; the short ones show leading powers, with an error O(θ²).
+TURN_ANGLES = (2.0, 1.0, 0.5, 0.25, 2.0**-3, 2.0**-4, 2.0**-5, 2.0**-6, 2.0**-7)
+_METHODS: dict[str, _Factor] = {
+    "exact": cmath.exp,
+    "implicit_midpoint": lambda z: (1 + z / 2) / (1 - z / 2),
+    "forward_euler": lambda z: 1 + z,
+    "backward_euler": lambda z: 1 / (1 - z),
+    "midpoint2": lambda z: 1 + z + z * z / 2,
+    "kutta3": lambda z: 1 + z + z * z / 2 + z**3 / 6,
+    "rk4": lambda z: 1 + z + z * z / 2 + z**3 / 6 + z**4 / 24,
+}
+# How often the angle a mistake turns by, as words.
+_TIMES = {1.0: "", 2.0: "twice the angle", 0.5: "half the angle", 4.0: "four times the angle", -1.0: "the other way"}
+_TIMES |= {-2.0: "twice the angle the other way", -0.5: "half the angle the other way"}
+
+
+@dataclass(frozen=True)
+class Turn:
+    """The `method` of z' = iz whose factor it is at `times` the angle, in so many `parts`, its size made 1 or not.
+
+    `method` is "" where it is none that is known here. `angle` is arg R/θ - 1 and `growth` |R| - 1 to leading order, as
+    (power of θ, coefficient), None where they are 0 to rounding; `scale` is arg R/θ for small θ. `factors` are R
+    itself, at TURN_ANGLES.
+    """
+
+    method: str
+    times: float
+    parts: int
+    normalised: bool
+    scale: float
+    angle: tuple[int, float] | None
+    growth: tuple[int, float] | None
+    factors: tuple[complex, ...]
+    rounding: Rounding
+
+    @property
+    def known(self) -> bool:
+        """True where it is a method at the right angle."""
+        return bool(self.method) and self.times == 1
+
+    @property
+    def order(self) -> int | None:
+        """The order on z' = iz; None for all."""
+        if abs(self.scale - 1) > TURN_ANGLES[-1]:
+            return 0
+        powers = [p for p in (self.angle and self.angle[0], self.growth and self.growth[0] - 1) if p is not None]
+        return min(powers, default=None)
+
+    @property
+    def name(self) -> str:
+        """In words."""
+        if not self.method:
+            return "no rotation that is known here"
+        made = f"{self.method}{', made one of length 1 again' if self.normalised else ''}"
+        made += f" in {self.parts} equal parts" if self.parts > 1 else ""
+        return f"{made} at {_TIMES[self.times]}" if self.times not in (1.0, -1.0) else made
+
+    def held_to(self, method: object) -> Criterion:
+        """Whether R is 1 + z b (1 - zA)⁻¹ 1 of a Runge-Kutta method at every angle."""
+        if not isinstance(method, RungeKutta | Collocation):
+            words = "a splitting or a Nyström method turns no vector"
+            return Criterion("Rotation", False, (words,), {})
+        a, b, _ = (np.array(part, dtype=np.float64) for part in exact_tableau(method))
+        one = np.ones(len(b))
+        said = [1 + 1j * x * (b @ np.linalg.solve(np.eye(len(b)) - 1j * x * a, one)) for x in TURN_ANGLES]
+        off = [abs(r - s) / (1 + abs(s)) for r, s in zip(self.factors, said, strict=True)]
+        worst = int(np.argmax(off))
+        same = bool(off[worst] <= Rounding(self.rounding.format, len(b) + self.rounding.calls).of(4.0))
+        words = f"{method.key}'s factor at all of {len(TURN_ANGLES)} angles, off by {off[worst]:.1e} at most"
+        other = f"{self.name}: off the factor of {method.key} by {off[worst]:.2g} at the angle {TURN_ANGLES[worst]:g}"
+        return Criterion("Rotation", same, (words if same else other,), {})
+
+    def lines(self, angle: str) -> list[str]:
+        """Angle and size, for an angle of that name."""
+        if abs(self.scale - 1) > TURN_ANGLES[-1]:
+            turns = f"it turns by {_multiple(self.scale)} {angle} for short steps, not by {angle}"
+        else:
+            law = {"implicit_midpoint": f"2 atan({angle}/2) = ", "forward_euler": f"atan({angle}) = "}
+            named = law.get(self.method, "") if self.known and self.parts == 1 else ""
+            turns = f"it turns by {named}{_series(angle, self.angle, 1)}"
+        size = (
+            "its size is kept to rounding"
+            if self.growth is None
+            else f"its size is multiplied by 1{_term(angle, self.growth)}"
+        )
+        return [turns, size]
+
+
+def turn_of(factors: Sequence[complex], rounding: Rounding) -> Turn:
+    """What the factors at TURN_ANGLES are: the first candidate that fits at all of them."""
+    allowed = rounding.of(4.0)
+    found = next(
+        (
+            (method, times, parts, normalised)
+            for method, times, parts, normalised, made in _candidates()
+            if all(abs(made(1j * x) - r) <= allowed * (1 + abs(r)) for x, r in zip(TURN_ANGLES, factors, strict=True))
+        ),
+        ("", 1.0, 1, False),
+    )
+    turns = [cmath.phase(r) / x for x, r in zip(TURN_ANGLES, factors, strict=True)]
+    near = round(2 * turns[-1]) / 2
+    scale = near if abs(turns[-1] - near) < TURN_ANGLES[-1] else turns[-1]
+    angle = _leading([x / (scale or 1.0) - 1 for x in turns], [allowed / x for x in TURN_ANGLES])
+    growth = _leading([abs(r) - 1 for r in factors], [allowed] * len(TURN_ANGLES))
+    return Turn(*found, scale, angle, growth, tuple(factors), rounding)
+
+
+def _candidates() -> Iterator[tuple[str, float, int, bool, _Factor]]:
+    """The methods; then with their size made 1; in two equal parts; and each at another angle."""
+    for times in _TIMES:
+        for parts in (1, 2):
+            for normalised in (False, True):
+                for key, factor in _METHODS.items():
+
+                    def made(z: complex, factor: _Factor = factor, k: float = times / parts, n: int = parts) -> complex:
+                        return factor(k * z) ** n
+
+                    def of_length_one(z: complex, made: _Factor = made) -> complex:
+                        return made(z) / abs(made(z))
+
+                    yield key, times, parts, normalised, of_length_one if normalised else made
+
+
+def _leading(errors: Sequence[float], noise: Sequence[float]) -> tuple[int, float] | None:
+    """Power and coefficient of what errors at halved angles are to leading order, from the last two above the noise."""
+    seen = [(x, e) for x, e, n in zip(TURN_ANGLES, errors, noise, strict=True) if abs(e) > 64 * n]
+    if len(seen) < 2:
+        return None
+    (_, before), (x, last) = seen[-2:]
+    power = round(log2(abs(before / last)))
+    return power, last / x**power
+
+
+def _series(angle: str, error: tuple[int, float] | None, more: int) -> str:
+    return angle if error is None else f"{angle}{_term(angle, (error[0] + more, error[1]))}"
+
+
+def _term(angle: str, error: tuple[int, float]) -> str:
+    power, coefficient = error
+    bare = f"({angle})" if " " in angle else angle
+    part = round(1 / abs(coefficient))
+    told = abs(part * abs(coefficient) - 1) < TURN_ANGLES[-1]
+    size = f"{bare}^{power}{f'/{part}' * (part != 1)}" if told else f"{abs(coefficient):.3g} {bare}^{power}"
+    return f" {'-' if coefficient < 0 else '+'} {size} + ..."
+
+
+def _multiple(scale: float) -> str:
+    return f"{scale:.4g} times"

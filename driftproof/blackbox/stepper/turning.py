@@ -1,0 +1,104 @@
+"""Steps that turn a vector: a velocity in an electric and a magnetic field, and a quaternion at an angular velocity."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.stepper.array_adapters import Foreign, as_array
+from driftproof.blackbox.stepper.calling_conventions import (
+    ANGULAR,
+    ELECTRIC,
+    MAGNETIC,
+    MAGNETIC_FIELD,
+    POSITION,
+    QUATERNION,
+    ROTATION,
+    STEP,
+    TIME,
+    VELOCITY,
+)
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+
+
+@dataclass(frozen=True)
+class Push:
+    """A step in constant fields, from x and v; in the plane these have two numbers, and B has one."""
+
+    x: Sequence[float]
+    v: Sequence[float]
+    electric: Sequence[float]
+    magnetic: Sequence[float]
+    h: float
+    t: float = 0.0
+
+
+@dataclass(frozen=True)
+class Pushed:
+    """The new x, None where a step has none, and v; and the places at which it called E or B, if it did."""
+
+    x: list[float] | None
+    v: list[float]
+    places: list[list[float]] = field(default_factory=list)
+
+
+def step_in_fields(subject: ForeignStepper, push: Push) -> Pushed:
+    """The step of v' = E + v x B. Raises UnsupportedCall for a stepper that takes no magnetic field."""
+    if subject.convention.kind != MAGNETIC:
+        raise UnsupportedCall("it takes no magnetic field")
+    order, factor, write, size = subject.convention.order, subject.convention.factor, subject.adapter.write, len(push.v)
+    asked: list[list[float]] = []
+    roles: dict[str, Foreign] = {POSITION: write(push.x), VELOCITY: write(push.v), STEP: push.h, TIME: push.t}
+    for role, numbers in ((ELECTRIC, push.electric), (MAGNETIC_FIELD, push.magnetic)):
+        scaled = np.multiply(factor, numbers)
+        made = _Field(as_array(write(scaled.tolist())) if len(numbers) > 1 else scaled[0])
+        made.asked, made.size_of_place = asked, size
+        roles[role] = made
+    words = (
+        f"x={list(push.x)!r}, v={list(push.v)!r}, E={list(push.electric)!r}, B={list(push.magnetic)!r}, h={push.h!r}"
+    )
+    answer = subject.called(roles, words, [*push.x, *push.v])
+    if POSITION not in order:
+        return Pushed(None, subject.adapter.read(answer, size), asked)
+    x, v = (subject.adapter.read(part, size) for part in subject.two_parts(answer))
+    return Pushed(x, v, asked)
+
+
+def turn_quaternion(subject: ForeignStepper, q: Sequence[float], omega: Sequence[float], h: float) -> list[float]:
+    """The step of a quaternion. Raises UnsupportedCall for a stepper that takes none."""
+    if subject.convention.kind != ROTATION:
+        raise UnsupportedCall("it takes no quaternion")
+    write = subject.adapter.write
+    roles = {QUATERNION: write(q), ANGULAR: write(omega), STEP: h, TIME: 0.0}
+    answer = subject.called(roles, f"q={list(q)!r}, omega={list(omega)!r}, h={h!r}", q)
+    return subject.adapter.read(answer, len(q))
+
+
+class _Field(np.ndarray[Any, Any]):
+    """A vector that is also the constant function with that value; it keeps the places that it is asked at."""
+
+    asked: list[list[float]]
+    size_of_place: int
+
+    def __new__(cls, value: Any) -> _Field:
+        """Of the numbers."""
+        return np.array(value, dtype=np.float64).view(cls)
+
+    def __call__(self, *arguments: Foreign) -> Foreign:
+        """The value, wherever it is asked."""
+        places = [as_array(x).ravel() for x in arguments]
+        found = next((x for x in places if x.size == self.size_of_place), None)
+        if found is None and len(places) >= self.size_of_place:  # E(x, y, z)
+            found = np.concatenate(places[: self.size_of_place])
+        if found is not None:
+            self.asked.append([float(x) for x in found])
+        return np.array(self)
+
+    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **named: Any) -> Any:
+        """As of a plain array."""
+        plain = (np.asarray(x).view(np.ndarray) if isinstance(x, _Field) else x for x in inputs)
+        return getattr(ufunc, method)(*plain, **named)

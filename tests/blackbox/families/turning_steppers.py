@@ -1,0 +1,285 @@
+"""Steps of a velocity in a magnetic field, and of quaternions, in styles in use, right and wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from driftproof.methods.catalogue import METHODS
+
+
+def boris(
+    vector: Callable[[Any, float], Any] = lambda b, h: h / 2 * b,
+    size: Callable[[Any], Any] = lambda t: t @ t,
+    *,
+    kicks: tuple[float, float] = (0.5, 0.5),
+    turns: int = 1,
+    drift: tuple[float, float] = (0.0, 1.0),
+):
+    """Boris' step with these parts: t of B and h, |t|² of t, both kicks, and how much of either velocity moves x."""
+
+    def step(x, v, E, B, dt):
+        u, t = v + kicks[0] * dt * E, vector(B, dt)
+        for _ in range(turns):
+            u = u + np.cross(u + np.cross(u, t), 2 * t / (1 + size(t)))
+        u = u + kicks[1] * dt * E
+        return x + dt * (drift[0] * v + drift[1] * u), u
+
+    return step
+
+
+def kinetic(v, E, B, q, m, dt):
+    """The velocity alone, with charge and mass."""
+    half = q * dt / (2 * m)
+    u, t = v + half * E, half * B
+    u = u + np.cross(u + np.cross(u, t), 2 * t / (1 + np.dot(t, t)))
+    return u + half * E
+
+
+def charge_forgotten(v, E, B, q, m, dt):
+    """The same, but for the charge at the magnetic field."""
+    half = q * dt / (2 * m)
+    u, t = v + half * E, dt / (2 * m) * B
+    return u + np.cross(u + np.cross(u, t), 2 * t / (1 + np.dot(t, t))) + half * E
+
+
+def mass_squared(v, E, B, m, dt):
+    """Divided by the mass twice."""
+    return boris()(0 * v, v, E / m**2, B / m**2, dt)[1]
+
+
+def by_ratio(pos, vel, e_field, b_field, q_over_m, dt):
+    """Lists of numbers, and products written out."""
+    a, (bx, by, bz) = q_over_m * dt / 2, b_field
+    u, v, w = (x + a * e for x, e in zip(vel, e_field, strict=True))
+    t, s = [a * bx, a * by, a * bz], 2 * a / (1 + a * a * (bx * bx + by * by + bz * bz))
+    p, q, r = u + v * t[2] - w * t[1], v + w * t[0] - u * t[2], w + u * t[1] - v * t[0]
+    u, v, w = u + s * (q * bz - r * by), v + s * (r * bx - p * bz), w + s * (p * by - q * bx)
+    new = [x + a * e for x, e in zip((u, v, w), e_field, strict=True)]
+    return [x + dt * y for x, y in zip(pos, new, strict=True)], new
+
+
+def drifting(x, v, E, B, dt):
+    """Half drifts on either side of the push, the fields being functions that are asked in the middle."""
+    x = x + dt / 2 * v
+    v = boris()(x, v, E(x), B(x), dt)[1]
+    return x + dt / 2 * v, v
+
+
+def solved(x, v, E, B, dt):
+    """The implicit midpoint rule of the velocity, by a linear system: Boris' velocities."""
+    turn = np.array([[0, B[2], -B[1]], [-B[2], 0, B[0]], [B[1], -B[0], 0]])
+    new = np.linalg.solve(np.eye(3) - dt / 2 * turn, v + dt / 2 * turn @ v + dt * E)
+    return x + dt * new, new
+
+
+def in_place(x, v, E, B, dt):
+    """Both arrays written into."""
+    x1, v1 = boris()(x, v, E, B, dt)
+    x[:], v[:] = x1, v1
+
+
+def in_rows(x, v, E, B, dt):
+    """Of a row for each particle."""
+    v = v + dt / 2 * E
+    t = dt / 2 * np.atleast_2d(B)
+    v = v + np.cross(v + np.cross(v, t), 2 * t / (1 + (t * t).sum(axis=1, keepdims=True)))
+    v = v + dt / 2 * E
+    return x + dt * v, v
+
+
+def in_plane(x, v, E, B, dt):
+    """Two numbers across a B of one number."""
+    u, w = v[0] + dt / 2 * E[0], v[1] + dt / 2 * E[1]
+    t = dt / 2 * B
+    p, q, s = u + w * t, w - u * t, 2 * t / (1 + t * t)
+    u, w = u + q * s + dt / 2 * E[0], w - p * s + dt / 2 * E[1]
+    return (x[0] + dt * u, x[1] + dt * w), (u, w)
+
+
+def runge_kutta(key: str):
+    """A Runge-Kutta method of x' = v, v' = E(x) + v x B(x)."""
+    method: Any = METHODS[key]
+
+    def step(x, v, E, B, dt):
+        slopes: list[Any] = []
+        for row in method.a:
+            y, u = (
+                z + dt * sum(float(a) * k[n] for a, k in zip(row, slopes, strict=False)) for n, z in ((0, x), (1, v))
+            )
+            slopes.append((u, E(y) + np.cross(u, B(y))))
+        return tuple(
+            z + dt * sum(float(b) * k[n] for b, k in zip(method.b, slopes, strict=True)) for n, z in ((0, x), (1, v))
+        )
+
+    return step
+
+
+def tangent(b: Any, h: float):
+    """t that makes Boris' rotation exact."""
+    size = np.linalg.norm(b)
+    return np.tan(h / 2 * size) * b / size if size else 0 * b
+
+
+def without_field(x, v, B, dt):
+    """A rotation with no electric field."""
+    return boris()(x, v, np.zeros(3), B, dt)
+
+
+def relativistic(x, v, E, B, dt):
+    """With the factor of a velocity near that of light, 10."""
+    return boris()(x, v, E, B / np.sqrt(1 + v @ v / 100), dt)
+
+
+def flat(x, v, E, B, dt):
+    """The electric field along the third axis left out."""
+    return boris()(x, v, E * np.array([1.0, 1.0, 0.0]), B, dt)
+
+
+def moved_by_field(x, v, E, B, dt):
+    """The position moved by the electric field once more."""
+    x1, v1 = boris()(x, v, E, B, dt)
+    return x1 + dt**2 / 2 * E, v1
+
+
+LEAPFROG = "v stands half a step behind x"
+# With the verdict of `identify`; none of them has a fault.
+RIGHT_PUSHES = [
+    (boris(), f"it is boris; {LEAPFROG}"), (kinetic, "it is boris"), (by_ratio, f"it is boris; {LEAPFROG}"),
+    (drifting, "it is boris"), (solved, f"it is boris; {LEAPFROG}"), (in_place, f"it is boris; {LEAPFROG}"),
+    (in_rows, f"it is boris; {LEAPFROG}"), (in_plane, f"it is boris; {LEAPFROG}"),
+    (boris(drift=(0.5, 0.5)), "it is boris"),
+    *((runge_kutta(key), f"it is {key} of v' = E + v x B") for key in ("rk4", "midpoint2", "kutta3")),
+    (boris(tangent), f"it is boris but for its rotation, which is exact; {LEAPFROG}"),
+    (boris(lambda b, h: h / 4 * b, turns=2),
+     f"it is boris but for its rotation, which is implicit_midpoint in 2 equal parts; {LEAPFROG}"),
+    (without_field, f"it is the rotation of boris; {LEAPFROG}"),
+    (boris(kicks=(1.0, 0.0)), f"it is the rotation of boris, with the whole kick before it; {LEAPFROG}"),
+]  # fmt: skip
+# With a fault that names the mistake.
+WRONG_PUSHES = [
+    (boris(lambda b, h: h * b), "by 2 times h B for short steps, not by h B: of Boris' step, as with t = h B in place"),
+    (boris(lambda b, h: h / 4 * b), "it turns by 0.5 times h B"),
+    (boris(size=lambda t: 0.0), "|v| is not kept without an electric field, as in Boris' step without 1/(1 + t^2)"),
+    (boris(size=lambda t: t * t), "the rotation depends on the direction of B: for B along (1, 2, 2)"),
+    (boris(size=lambda t: np.sqrt(t @ t)), "|v| is not kept without an electric field"),
+    (boris(lambda b, h: -h / 2 * b), "it turns the other way: by B x v, not by v x B"),
+    (boris(lambda b, h: b / 2), "the rotation is not one by h B"),
+    (boris(kicks=(0.5, 0.0)), "gives h E times 1/2: one of two half kicks is missing"),
+    (boris(kicks=(0.0, 0.5)), "gives h E times 1/2: one of two half kicks is missing"),
+    (boris(kicks=(1.0, 1.0)), "gives h E times 2"),
+    (boris(drift=(1.0, 0.0)), "the position moves with the old velocity"),
+    (boris(drift=(0.0, 0.5)), "without fields the position moves by 1/2 h v"),
+    (boris(turns=2), "it turns by 2 times h B"),
+    (charge_forgotten, "it turns by 0.125 times h B"), (mass_squared, "gives h E times 1/2"),
+    (boris(lambda b, h: np.tan(h / 2 * np.sqrt(b @ b)) * b / np.sqrt(b @ b)), "with B = 0, the velocity 1 becomes nan"),
+    (flat, "with both fields, and elsewhere, the step is not made of these kicks and this rotation"),
+    (moved_by_field, "the position moves in another way than without E"),
+]  # fmt: skip
+
+
+def product(a, b):
+    """Of quaternions, scalar first."""
+    return np.array([a[0] * b[0] - np.dot(a[1:], b[1:]), *(a[0] * np.array(b[1:]) + b[0] * np.array(a[1:])
+                     + np.cross(a[1:], b[1:]))])  # fmt: skip
+
+
+def body(q, w):
+    """q' = q omega/2."""
+    return 0.5 * product(q, [0.0, *w])
+
+
+def space(q, w):
+    """q' = omega q/2."""
+    return 0.5 * product([0.0, *w], q)
+
+
+def quaternion(key: str, rate: Callable[[Any, Any], Any] = body, *, unit: bool = False):
+    """A Runge-Kutta method of a quaternion, made one of length 1 or not."""
+    method: Any = METHODS[key]
+
+    def step(q, omega, dt):
+        slopes: list[Any] = []
+        for row in method.a:
+            slopes.append(rate(q + dt * sum(float(a) * k for a, k in zip(row, slopes, strict=False)), omega))
+        q = q + dt * sum(float(b) * k for b, k in zip(method.b, slopes, strict=True))
+        return q / np.linalg.norm(q) if unit else q
+
+    return step
+
+
+def turned_by(angle: Callable[[float], float], *, guarded: bool = True):
+    """A rotation by a function of the angle |omega| dt/2; unguarded, it divides by the length 0."""
+
+    def step(quat, gyro, dt):
+        size = np.linalg.norm(gyro)
+        phi = angle(size * dt / 2)
+        axis = np.array(gyro) / size if size or not guarded else np.zeros(3)
+        return product(quat, [np.cos(phi), *(np.sin(phi) * axis)])
+
+    return step
+
+
+def scalar_last(q, omega, dt):
+    """Euler's step with the scalar behind."""
+    w = body([q[3], *q[:3]], omega)
+    return np.array([*q[:3], q[3]]) + dt * np.array([*w[1:], w[0]])
+
+
+def by_matrix(orientation, rates, dt):
+    """Two halves of the implicit midpoint rule as a linear system."""
+    p, q, r = rates
+    m = 0.5 * np.array([[0, -p, -q, -r], [p, 0, r, -q], [q, -r, 0, p], [r, q, -p, 0]])
+    return np.linalg.solve(np.eye(4) - dt / 2 * m, orientation + dt / 2 * m @ orientation)
+
+
+def into(q, w, dt):
+    """Written into the array."""
+    q += dt * body(q, w)
+
+
+def one_sign(q, omega, dt):
+    """Euler's step written out, one sign wrong."""
+    w, x, y, z = q
+    a, b, c = omega
+    rate = [-x * a - y * b - z * c, w * a + y * c - z * b, w * b - x * c + z * a, w * c + x * b + y * a]
+    return np.array(q) + dt / 2 * np.array(rate)
+
+
+def axis_by_axis(q, omega, dt):
+    """Turned about x, then y, then z."""
+    for i in range(3):
+        part = [np.cos(omega[i] * dt / 2), 0.0, 0.0, 0.0]
+        part[i + 1] = np.sin(omega[i] * dt / 2)
+        q = product(q, part)
+    return q
+
+
+RIGHT_QUATERNIONS = [
+    (quaternion("forward_euler"), "it is forward_euler of q' = q omega/2 (scalar first)"),
+    (quaternion("rk4"), "it is rk4 of q' = q omega/2 (scalar first)"),
+    (quaternion("midpoint2", space), "it is midpoint2 of q' = omega q/2 (scalar first)"),
+    (quaternion("kutta3", lambda q, w: -space(q, w)), "it is kutta3 of q' = -omega q/2 (scalar first)"),
+    (quaternion("forward_euler", unit=True),
+     "it is forward_euler, made one of length 1 again, of q' = q omega/2 (scalar first)"),
+    (quaternion("rk4", unit=True), "it is rk4, made one of length 1 again, of q' = q omega/2 (scalar first)"),
+    (turned_by(lambda x: x), "it is the exact rotation of q' = q omega/2 (scalar first)"),
+    (turned_by(lambda x: 2 * np.arctan(x / 2)), "it is implicit_midpoint of q' = q omega/2 (scalar first)"),
+    (turned_by(np.arctan), "it is forward_euler, made one of length 1 again, of q' = q omega/2 (scalar first)"),
+    (scalar_last, "it is forward_euler of q' = q omega/2 (scalar last)"),
+    (by_matrix, "it is implicit_midpoint of q' = q omega/2 (scalar first)"),
+    (into, "it is forward_euler of q' = q omega/2 (scalar first)"),
+    (turned_by(np.sin), "it is no rotation that is known here of q' = q omega/2 (scalar first), of order 2"),
+]  # fmt: skip
+WRONG_QUATERNIONS = [
+    (quaternion("forward_euler", lambda q, w: 2 * body(q, w)), "2 times as fast as omega: the factor 1/2 is missing"),
+    (quaternion("rk4", lambda q, w: body(q, w) / 2), "0.5 times as fast as omega: the factor 1/2 stands twice"),
+    (turned_by(lambda x: 2 * x), "the factor 1/2 is missing"),
+    (turned_by(lambda x: 3 * x), "it turns 3 times as fast as omega"),
+    (one_sign, "its rate is no product of q and omega: at omega = (2, 3, 6)/7 the rate of q[3] takes 0.143 q[2]"),
+    (turned_by(lambda x: x, guarded=False), "with omega = 0, (0.5, 0.5, 0.5, 0.5) becomes (nan, nan, nan, nan)"),
+    (axis_by_axis, "is no rotation about omega"),
+    (turned_by(lambda x: x * x), "it turns 0 times as fast as omega"),
+]  # fmt: skip

@@ -1,0 +1,46 @@
+"""Steps that turn a vector are called as they want it: fields as vectors and as functions, charges and masses."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quaternion
+from tests.blackbox.families import turning_steppers as codes
+
+PUSH = Push((1.0, 2.0, 3.0), (0.0, 1.0, -1.0), (0.5, 0.0, 1.0), (0.0, 2.0, 1.0), 0.5)
+
+
+@pytest.mark.parametrize("step", [codes.by_ratio, codes.solved, codes.in_place, codes.in_rows])
+def test_every_style_moves_as_the_plain_one(step):
+    said, seen = step_in_fields(opened(codes.boris()), PUSH), step_in_fields(opened(step), PUSH)
+    assert (seen.x, seen.v) == (pytest.approx(said.x, abs=1e-14), pytest.approx(said.v, abs=1e-14))
+
+
+def test_a_charge_and_a_mass_are_made_good_by_the_fields():
+    assert step_in_fields(opened(codes.kinetic), PUSH).v == pytest.approx(
+        step_in_fields(opened(codes.boris()), PUSH).v, abs=1e-14
+    )
+
+
+def test_fields_are_functions_of_a_place_or_of_its_numbers():
+    assert step_in_fields(opened(codes.drifting), PUSH).places == [pytest.approx((1.0, 2.25, 2.75))] * 2
+
+    def by_numbers(x, v, E, B, dt):
+        return codes.boris()(x, v, E(*x), B(*x, 0.0), dt)
+
+    found = step_in_fields(opened(by_numbers), PUSH)
+    assert found.places == [[1.0, 2.0, 3.0]] * 2
+    assert found.v == step_in_fields(opened(codes.boris()), PUSH).v
+
+
+def test_other_steppers_are_refused():
+    with pytest.raises(UnsupportedCall, match="no magnetic field"):
+        step_in_fields(opened(codes.quaternion("rk4")), PUSH)
+    with pytest.raises(UnsupportedCall, match="no quaternion"):
+        turn_quaternion(opened(codes.boris()), [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0], 0.5)
+    assert turn_quaternion(opened(codes.turned_by(lambda x: x)), [1, 0, 0, 0], [0, 0, np.pi], 1.0) == pytest.approx(
+        [0, 0, 0, 1]
+    )
