@@ -65,7 +65,7 @@ BUDGETS = {
     "support": 1097,
     "methods": 5298,
     "symbolic": 10733,
-    "numeric": 3117,
+    "numeric": 3348,
     "blackbox": 15990,
     "enclosure": 3108,
     "texts": 6697,

@@ -11,9 +11,9 @@ import numpy as np
 
 from driftproof.methods.program_text import indented, maker, maker_text
 from driftproof.methods.schemes import Method
-from driftproof.methods.vector_fields import VectorField, field_source, jacobian_matrix
-from driftproof.numeric.engine import OF_FLOATS, field_runner, lifted
-from driftproof.numeric.implicit import Jacobian, implicit_stepper
+from driftproof.methods.vector_fields import VectorField, field_source
+from driftproof.numeric.engine import OF_FLOATS, compiled_field_runner, field_runner, lifted
+from driftproof.numeric.implicit import ImplicitRun, compiled_implicit_runner, implicit_runner
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.run import nearest_double
 
@@ -23,24 +23,20 @@ Rate: TypeAlias = Callable[[float, Any], list[float]]
 Advance: TypeAlias = Callable[[State, float, int, int], State]
 
 
-def advance(method: Method, problem: Problem, rate: Rate | None = None) -> Advance:
-    """advance(y, h, first, last) -> y of the method on the problem, in Python floats.
+def advance(method: Method, problem: Problem, *, compiled: bool = False) -> Advance:
+    """advance(y, h, first, last) -> y of the method on the problem, in floats: Python's, or compiled by numba.
 
-    `rate` stands in for the problem's own, to count its calls say; only stages that are equations call it, and their
-    Jacobian matrices are written out of the problem's text. Raises MethodError where the method does not apply: a
-    splitting where the problem is of first order. What it returns may raise ArithmeticError or ValueError where floats
-    end or stages are not found.
+    Raises MethodError where the method does not apply: a splitting where the problem is of first order. What it returns
+    may raise ArithmeticError or ValueError where floats end or stages are not found.
     """
     if method.explicit:
-        return field_runner(method, problem.field)
-    step = implicit_stepper(method, rate or field_rate(problem.field), field_jacobian(problem.field))
+        return (compiled_field_runner if compiled else field_runner)(method, problem.field)
+    return (compiled_implicit_runner if compiled else implicit_runner)(method, problem.field)
 
-    def run(y: State, h: float, first: int, last: int) -> State:
-        for i in range(first, last):
-            y = tuple(map(float, step(i * h, y, h).y))
-        return y
 
-    return run
+def evaluations_of(run: Advance, method: Method, problem: Problem, steps: int) -> int:
+    """How often such a run, new before its so many steps, has evaluated f."""
+    return run.calls if isinstance(run, ImplicitRun) else counted_evaluations(method, problem, steps)
 
 
 def error_summary(error: Exception) -> str:
@@ -79,39 +75,13 @@ def field_rate(field: VectorField, functions: Mapping[str, Any] | None = None) -
     `functions` are those of the numbers, by the names in `fields.FUNCTIONS`. Without them the numbers are taken as
     Python floats, whose overflows and divisions by zero raise.
     """
-    rate: Rate = _function(field, f"[{', '.join(field.at({}))}]", functions)
-    return rate
-
-
-def field_jacobian(field: VectorField) -> Jacobian:
-    """(t, y) -> the n x n matrix with ∂fᵢ/∂yⱼ in row i and column j, by exact formulas, in Python floats."""
-    rows = ", ".join(f"[{', '.join(row)}]" for row in jacobian_matrix(field))
-    return _function(field, f"[{rows}]", None)
-
-
-def _function(field: VectorField, value: str, functions: Mapping[str, Any] | None) -> Callable[[float, Any], Any]:
-    """(t, y) -> the value that the text spells. In its text it is called run, as no parameter may be."""
     names = [name for name, _ in field.parameters]
     numbers = "map(float, y)" if functions is None else "y"
-    lines = [f"{''.join(f'{y}, ' for y in field.components)}= {numbers}", f"return {value}"]
-    text = maker_text(names, "run", ["def run(t, y):", *indented(lines)])
+    lines = [f"{''.join(f'{y}, ' for y in field.components)}= {numbers}", f"return [{', '.join(field.at({}))}]"]
+    text = maker_text(names, "run", ["def run(t, y):", *indented(lines)])  # called run, as no parameter may be
     known = OF_FLOATS if functions is None else dict(functions)
-    made: Callable[[float, Any], Any] = maker(text, "run", known)(*[lifted(c, np.float64) for _, c in field.parameters])
-    return made
-
-
-class Counted:
-    """A rate that counts its calls, whatever they are for: stages, and Jacobian matrices formed by differences."""
-
-    def __init__(self, rate: Callable[[float, Any], Any]) -> None:
-        """Start at zero calls."""
-        self.rate = rate
-        self.calls = 0
-
-    def __call__(self, t: float, y: Any) -> Any:
-        """rate(t, y), counted."""
-        self.calls += 1
-        return self.rate(t, y)
+    rate: Rate = maker(text, "run", known)(*[lifted(c, np.float64) for _, c in field.parameters])
+    return rate
 
 
 def counted_evaluations(method: Method, problem: Problem, steps: int) -> int:

@@ -66,7 +66,7 @@ def compiled_runner(method: Method, force: str = OSCILLATOR, *, compensated: boo
     The first call compiles, which takes from half a second to some seconds; `compiled_runner(m)(0.0, 0.0, 0.0, 0)`
     does nothing else. Raises ImportError without numba.
     """
-    return _compiled(runner(method, force, compensated=compensated))
+    return compiled_function(runner(method, force, compensated=compensated))
 
 
 def ensemble_runner(method: Method, force: str = OSCILLATOR, *, compensated: bool = False) -> EnsembleRun:
@@ -123,7 +123,7 @@ def field_runner(method: Method, field: VectorField, *, compensated: bool = Fals
 @cache
 def compiled_field_runner(method: Method, field: VectorField, *, compensated: bool = False) -> FieldRun:
     """The same loop compiled by numba, the same bits. Needs the extra `fast`."""
-    return _compiled(field_runner(method, field, compensated=compensated))
+    return compiled_function(field_runner(method, field, compensated=compensated))
 
 
 def lifted(c: Exact, number: Format) -> Any:
@@ -158,7 +158,7 @@ def _array_run(source: Source, number: Format) -> tuple[Callable[..., None], int
 
 @cache
 def _compiled_blocks(source: Source, number: Format) -> Callable[..., Any]:
-    return _compiled(maker(_blocks_text(source), "ensemble", OF_FLOATS)(*_lifted(source.coefficients, number)))
+    return compiled_function(maker(_blocks_text(source), "ensemble", OF_FLOATS)(*_lifted(source.coefficients, number)))
 
 
 def _blocks_text(source: Source) -> str:
@@ -181,7 +181,11 @@ def _blocks_text(source: Source) -> str:
     return maker_text(source.names, "run", ["def run(qs, vs, h, steps):", *indented(lines)])
 
 
-def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
+def compiled_function(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function compiled by numba, in its order of operations and with IEEE 754's divisions by zero.
+
+    Raises ImportError without numba.
+    """
     try:
         from numba import njit
     except ImportError:

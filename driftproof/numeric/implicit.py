@@ -10,7 +10,9 @@ size of I - G'M⁻¹. Let κ ≤ 1/2. As long as |ĝ| > 8E + 4R, the next is at 
     solved        |ĝ| ≤ 8E + 4R in every component, which an iteration with κ ≤ 1/2 reaches;
     simplified    M is made of one Jacobian matrix, where the iteration starts, as long as |ĝ| shrinks to 1/8;
     full          else M is made anew at the present stages, which costs less than slow iterations;
-    failed        after 128 iterations: (3/4)¹²⁸ < 2⁻⁵³, or where something is no longer finite.
+    damped        after 128 iterations, for (3/4)¹²⁸ < 2⁻⁵³, or where something is no longer finite, all starts again,
+                  full, and with corrections in part where the next one would not be shorter;
+    failed        after so many more.
 
 A solved step goes on while the residual still halves, and keeps the best. Where the equations have several solutions,
 it is one of them; as h tends to 0, the one near the start. Norms are of ĝ divided by 8E + 4R.
@@ -26,26 +28,25 @@ u² are left out: they are 10⁻¹³ of these.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from functools import partial
+from dataclasses import dataclass
+from functools import cache
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from driftproof.methods.program_text import indented, maker, maker_text
 from driftproof.methods.schemes import Method
+from driftproof.methods.vector_fields import VectorField, jacobian_matrix
+from driftproof.numeric import newton
+from driftproof.numeric.engine import OF_FLOATS, compiled_function, lifted
+from driftproof.numeric.newton import NumberKind, RateWriter, Steps, StepTable, implicit_steps
 from driftproof.numeric.tableaux import FloatTableau, float_tableau
 
 _Vector: TypeAlias = NDArray[np.float64]
 _Rate: TypeAlias = Callable[[float, _Vector], Any]
 # (t, y) -> the n x n matrix of the derivatives of the rate.
 Jacobian: TypeAlias = Callable[[float, _Vector], Any]
-
-_UNIT = float(np.finfo(np.float64).epsneg)  # u = 2⁻⁵³
-_ETA = float(np.finfo(np.float64).smallest_subnormal)
-_RATE_ROUNDINGS = 16
-MOST_ITERATIONS = 128
-SHRINKS, HALVES = 0.125, 0.5
 
 
 class StageEquationsUnsolved(ArithmeticError):
@@ -84,61 +85,128 @@ def implicit_stepper(method: Method, rate: _Rate, jacobian: Jacobian | None = No
     what is not solved to rounding, and ValueError for a rate of another length. Raises MethodError for a splitting and
     for a Nyström method.
     """
-    return partial(_step, _Problem(method.key, float_tableau(method), rate, jacobian))
+    given = _Given(rate, jacobian)
+    steps, table = implicit_steps(given.write_rate, given.write_derivatives), _table(method)
+
+    def step(t: float, y: Any, h: float) -> ImplicitStep:
+        state, report, given.h = np.array(y, np.float64).tolist(), _report(), h
+        with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+            steps(t, state, h, 0, 1, table, report)
+        _demand_done(method, report, t, h)
+        residual, over_floor = report[newton.RESIDUAL], report[newton.OVER_FLOOR]
+        return ImplicitStep(np.array(state), residual, over_floor, int(report[newton.ITERATIONS]))
+
+    return step
 
 
-@dataclass(frozen=True)
-class _Problem:
-    key: str
-    tableau: FloatTableau
+@dataclass
+class _Given:
+    """Somebody's functions as the loops call them; h is that of the step."""
+
     rate: _Rate
     jacobian: Jacobian | None
+    h: float = 0.0
 
-    def slope(self, t: float, y: _Vector) -> _Vector:
+    def write_rate(self, t: float, y: list[float], f: list[float]) -> None:
+        f[:] = self._slope(t, np.array(y)).tolist()
+
+    def write_derivatives(self, t: float, y: list[float], matrix: list[list[float]]) -> None:
+        at = np.array(y)
+        found = self._differences(t, at) if self.jacobian is None else self.jacobian(t, at)
+        matrix[:] = np.asarray(found, np.float64).tolist()
+
+    def _slope(self, t: float, y: _Vector) -> _Vector:
         found = np.asarray(self.rate(t, y), np.float64)
         if found.shape != y.shape:
             raise ValueError(f"the rate returns shape {found.shape} at a state of {len(y)} components")
         return found
 
-    def derivative(self, t: float, y: _Vector, h: float) -> _Vector:
-        if self.jacobian is not None:
-            return np.asarray(self.jacobian(t, y), np.float64)
-        base = self.slope(t, y)
-        sizes = np.maximum(np.abs(y), np.abs(h * base))
-        shifts = np.sqrt(_UNIT) * np.where(sizes > 0, sizes, 1.0)
-        columns = [(self.slope(t, y + shift * unit) - base) / shift for shift, unit in _units(shifts)]
+    def _differences(self, t: float, y: _Vector) -> _Vector:
+        base = self._slope(t, y)
+        sizes = np.maximum(np.abs(y), np.abs(self.h * base))
+        shifts = np.sqrt(newton.UNIT) * np.where(sizes > 0, sizes, 1.0)
+        columns = [
+            (self._slope(t, y + shift * unit) - base) / shift
+            for shift, unit in zip(shifts, np.eye(len(y)), strict=True)
+        ]
         return np.array(columns).T
 
 
-def _units(shifts: _Vector) -> Any:
-    return zip(shifts, np.eye(len(shifts)), strict=True)
-
-
 @dataclass
-class _Stages:
-    """The stages of one step: moves Z and slopes h f of those that are solved, and the equations that were."""
+class ImplicitRun:
+    """run(y, h, first, last) -> y of an implicit method for y' = f(t, y): steps first to last - 1, from times i h.
 
-    moves: _Vector
-    slopes: _Vector
-    equations: list[_Equations] = field(default_factory=list)
+    `calls` counts the evaluations of f so far. Raises StageEquationsUnsolved.
+    """
 
+    method: Method
+    steps: Steps
+    table: StepTable
+    made: Callable[[Any], Any]
+    calls: int = 0
 
-def _step(problem: _Problem, t: float, y: Any, h: float) -> ImplicitStep:
-    y = np.array(y, np.float64)
-    table = problem.tableau
-    stages = _Stages(np.zeros((table.stages, len(y))), np.zeros((table.stages, len(y))))
-    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
-        for group in _groups(table):
-            _solve(problem, stages, group, (t, y, h))
-        moved = _moved(problem, stages, (t, y, h))
-    if not np.isfinite(moved).all():
-        where, reason = f"{problem.key}: the step from t = {t:g} by h = {h:g}", "overflows binary64"
-        raise StageEquationsUnsolved(f"{where} {reason}", reason)
-    residual, over_floor = (max(getattr(x, name) for x in stages.equations) for name in ("residual", "over_floor"))
-    return ImplicitStep(moved, residual, over_floor, sum(x.iterations for x in stages.equations))
+    def __call__(self, y: tuple[float, ...], h: float, first: int, last: int) -> tuple[float, ...]:
+        """The state after these steps."""
+        state, report = self.made(y), self.made(_report())
+        self.steps(0.0, state, h, first, last, self.table, report)
+        self.calls += int(report[newton.EVALUATIONS])
+        _demand_done(self.method, report, 0.0, h)
+        return tuple(map(float, state))
 
 
-def _groups(table: FloatTableau) -> list[slice]:
+def implicit_runner(method: Method, field: VectorField) -> ImplicitRun:
+    """The loop of an implicit method in plain Python, on floats; Jacobian matrices by exact formulas."""
+    return ImplicitRun(method, _steps_on(field, compiled=False), _table(method), list)
+
+
+def compiled_implicit_runner(method: Method, field: VectorField) -> ImplicitRun:
+    """The same loop compiled by numba, the same bits. Needs the extra `fast`.
+
+    The first call of the first method on a field compiles, which takes some ten seconds; other methods need no more.
+    """
+    table = _table(method)
+    a, weights, c, groups = map(np.array, table[:4])
+    arrays = StepTable(a, weights, c, groups, table.way)
+    return ImplicitRun(method, _steps_on(field, compiled=True), arrays, lambda x: np.array(x, np.float64))
+
+
+@cache
+def _steps_on(field: VectorField, *, compiled: bool) -> Steps:
+    rate, jacobian = _writers(field)
+    if not compiled:
+        return implicit_steps(rate, jacobian)
+    made = compiled_function
+    arrays = NumberKind(
+        made,
+        made(lambda n, m: np.zeros((n, m))),
+        made(lambda k, n, m: np.zeros((k, n, m))),
+        made(lambda n: np.arange(n)),
+    )
+    return implicit_steps(made(rate), made(jacobian), arrays)
+
+
+def _writers(field: VectorField) -> list[RateWriter]:
+    """f and its derivatives as functions that write into what they are given, called last, as no parameter may be."""
+    rows = jacobian_matrix(field)
+    bodies = (
+        [f"last[{i}] = {rate}" for i, rate in enumerate(field.rates)],
+        [f"last[{i}][{j}] = {entry}" for i, row in enumerate(rows) for j, entry in enumerate(row)],
+    )
+    state = [f"{name} = y[{i}]" for i, name in enumerate(field.components)]
+    names, values = [name for name, _ in field.parameters], [lifted(c, np.float64) for _, c in field.parameters]
+    texts = (maker_text(names, "run", ["def run(t, y, last):", *indented([*state, *body])]) for body in bodies)
+    return [maker(text, "field", OF_FLOATS)(*values) for text in texts]
+
+
+@cache
+def _table(method: Method) -> StepTable:
+    table = float_tableau(method)
+    way = newton.LAST if table.stiffly_accurate else newton.SLOPES if table.d is None else newton.MOVES
+    weights = table.b if table.d is None else table.d
+    return StepTable(table.a.tolist(), weights.tolist(), table.c.tolist(), _groups(table), way)
+
+
+def _groups(table: FloatTableau) -> tuple[tuple[int, int], ...]:
     """The stages that are solved together: explicit ones at the head, and all of a lower triangular A, one by one.
 
     An explicit stage among others would be an equation without any rounding, which no elimination solves exactly.
@@ -146,104 +214,21 @@ def _groups(table: FloatTableau) -> list[slice]:
     ahead = next((i for i, row in enumerate(table.a) if row[i:].any()), table.stages)
     if not np.triu(table.a, 1).any():
         ahead = table.stages
-    rest = [slice(ahead, table.stages)] if ahead < table.stages else []
-    return [*(slice(i, i + 1) for i in range(ahead)), *rest]
+    rest = [(ahead, table.stages)] if ahead < table.stages else []
+    return (*((i, i + 1) for i in range(ahead)), *rest)
 
 
-def _moved(problem: _Problem, stages: _Stages, start: tuple[float, _Vector, float]) -> _Vector:
-    """y₁: the last stage if that is the result, else from the moves; from slopes only where A is singular."""
-    (t, y, h), table = start, problem.tableau
-    if table.stiffly_accurate:
-        return np.asarray(y + stages.moves[-1])
-    if table.d is not None:
-        return np.asarray(y + table.d @ stages.moves)
-    slopes = [problem.slope(t + c * h, y + move) for c, move in zip(table.c, stages.moves, strict=True)]
-    return np.asarray(y + h * (table.b @ np.array(slopes)))
+def _report() -> list[float]:
+    return [0.0] * (newton.TIME + 1)
 
 
-def _solve(problem: _Problem, stages: _Stages, group: slice, start: tuple[float, _Vector, float]) -> None:
-    """Newton's method for the stages of one group; those before it are solved."""
-    (t, y, h), table = start, problem.tableau
-    a, times = table.a[group, group], t + table.c[group] * h
-    known = table.a[group, : group.start] @ stages.slopes[: group.start]
-    equations = _Equations(problem, a, times, y, h, known)
-    moves = equations.solved() if a.any() else known
-    stages.moves[group] = moves
-    if len(a) == 1:  # h f, for the stages to come; not evaluated again, which in a stiff problem magnifies rounding
-        stages.slopes[group] = (moves - known) / a if a.any() else h * problem.slope(times[0], y + moves[0])
-    stages.equations.append(equations)
-
-
-class _Equations:
-    """g(Z) = Z - known - h A f(t + c h, y + Z) = 0."""
-
-    def __init__(self, problem: _Problem, a: _Vector, times: _Vector, y: _Vector, h: float, known: _Vector) -> None:
-        self.problem, self.a, self.times, self.y, self.h, self.known = problem, a, times, y, h, known
-        self.residual = self.over_floor = 0.0
-        self.iterations = 0
-
-    def solved(self) -> _Vector:
-        """Z. Raises StageEquationsUnsolved."""
-        moves = self.known
-        at_start = self.problem.derivative(self.times[0], self.y + moves[0], self.h)
-        jacobians = np.array([at_start] * len(self.a))
-        g, ratio = self.at(moves, jacobians)
-        best = (moves, g, ratio)
-        while self.iterations < MOST_ITERATIONS and np.isfinite(ratio):
-            self.iterations += 1
-            moves = moves - self.correction(g, jacobians)
-            before = ratio
-            g, ratio = self.at(moves, jacobians)
-            if ratio < best[2]:
-                best = (moves, g, ratio)
-            if best[2] <= 1 and not ratio < HALVES * before:
-                break
-            if ratio > SHRINKS * before:
-                jacobians = self.jacobians(moves)
-        if not best[2] <= 1:
-            raise self.unsolved(best[1], best[2])
-        self.residual, self.over_floor = float(np.abs(best[1]).max()), float(best[2])
-        return best[0]
-
-    def at(self, moves: _Vector, jacobians: _Vector) -> tuple[_Vector, float]:
-        """The residual, and the largest part of it over its floor; infinite for what is not finite."""
-        places = self.y + moves
-        slopes = np.array([self.problem.slope(t, place) for t, place in zip(self.times, places, strict=True)])
-        g = moves - self.known - self.h * (self.a @ slopes)
-        ratio = float((np.abs(g) / self.floor(moves, places, slopes, jacobians)).max())
-        return g, ratio if np.isfinite(ratio) and np.isfinite(g).all() else np.inf
-
-    def floor(self, moves: _Vector, places: _Vector, slopes: _Vector, jacobians: _Vector) -> _Vector:
-        """8E + 4R of the head of this file."""
-        stages, m, size = len(self.a), _RATE_ROUNDINGS, np.abs(self.h)
-        weights, matrices = np.abs(self.a), np.abs(jacobians)
-
-        def mapped(x: _Vector) -> _Vector:
-            return np.asarray(size * (weights @ np.einsum("jkl,jl->jk", matrices, np.abs(x))))
-
-        flow = (stages + 4 + m) * size * (weights @ np.abs(slopes))
-        e = _UNIT * (2 * np.abs(moves) + 2 * np.abs(self.known) + flow + (m + 1) * mapped(places))
-        r = _UNIT * (np.abs(moves) + mapped(moves)) + _ETA * (1 + mapped(np.ones_like(moves)))
-        return np.asarray(8 * (e + (stages + 1) * (1 + size) * _ETA) + 4 * r)
-
-    def correction(self, g: _Vector, jacobians: _Vector) -> _Vector:
-        """M⁻¹ g with M = I - h (aᵢⱼ Jⱼ). Raises StageEquationsUnsolved for a singular M."""
-        (stages, _), n = self.a.shape, len(self.y)
-        blocks = self.h * np.einsum("ij,jkl->ikjl", self.a, jacobians)
-        matrix = np.eye(stages * n) - blocks.reshape(stages * n, stages * n)
-        try:
-            return np.linalg.solve(matrix, g.reshape(-1)).reshape(g.shape)
-        except np.linalg.LinAlgError:
-            raise self.unsolved(g, np.inf) from None
-
-    def jacobians(self, moves: _Vector) -> _Vector:
-        """f' at each stage."""
-        pairs = zip(self.times, self.y + moves, strict=True)
-        return np.array([self.problem.derivative(t, place, self.h) for t, place in pairs])
-
-    def unsolved(self, g: _Vector, ratio: float) -> StageEquationsUnsolved:
-        """The error, in one line."""
-        left = f"residual {float(np.abs(g).max()):.3g}, {ratio:.3g} times what rounding explains"
-        where = f"{self.problem.key}: the step by h = {self.h:g} to t = {float(self.times[-1]):g}"
-        reason = f"not solved after {self.iterations} iterations"
-        return StageEquationsUnsolved(f"{where} is {reason}: {left}", reason)
+def _demand_done(method: Method, report: Any, t: float, h: float) -> None:
+    """Raise the error of a step that failed, in one line."""
+    if report[newton.STATE] == newton.OVERFLOWS:
+        where, reason = f"the step from t = {t + report[newton.STEP] * h:g} by h = {h:g}", "overflows binary64"
+        raise StageEquationsUnsolved(f"{method.key}: {where} {reason}", reason)
+    if report[newton.STATE] == newton.UNSOLVED:
+        left = f"residual {report[newton.LEFT]:.3g}, {report[newton.LEFT_OVER_FLOOR]:.3g} times what rounding explains"
+        where = f"{method.key}: the step by h = {h:g} to t = {report[newton.TIME]:g}"
+        reason = f"not solved after {int(report[newton.TRIED])} iterations"
+        raise StageEquationsUnsolved(f"{where} is {reason}: {left}", reason)

@@ -38,18 +38,16 @@ def run_scene(scene: Scene, key: str, counter: Counter = range) -> Readouts:
 
 def _run_problem(scene: Scene, problem: Problem, key: str, counter: Counter) -> Readouts:
     from driftproof.numeric.advance import (
-        Counted,
         advance,
-        counted_evaluations,
         error_summary,
-        field_rate,
+        evaluations_of,
         float_start,
         step_times,
     )
     from driftproof.numeric.reference_errors import decimal_energy, distance_from_digits
 
-    method, rate = method_of(key), Counted(field_rate(problem.field))
-    run, (h, _) = advance(method, problem, rate), step_times(scene.t, scene.steps)
+    method = method_of(key)
+    run, (h, _) = advance(method, problem), step_times(scene.t, scene.steps)
     y = float_start(problem)
     path = [y]
     for i in counter(scene.steps):
@@ -70,7 +68,7 @@ def _run_problem(scene: Scene, problem: Problem, key: str, counter: Counter) -> 
         "energy": lambda: float(energy(y)),
         "energy_change": lambda: float(energy(y) - energy(problem.start)),
         "steps": lambda: scene.steps,
-        "evaluations": lambda: counted_evaluations(method, problem, scene.steps) if method.explicit else rate.calls,
+        "evaluations": lambda: evaluations_of(run, method, problem, scene.steps),
         TRAJECTORY: lambda: (times_of_steps(scene.h, scene.steps), np.array(path)),
     }
     return {name: _finite(name, read[name]()) for name in scene.readouts}

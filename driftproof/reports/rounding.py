@@ -162,8 +162,7 @@ def roundoff_text(answer: Json) -> str:
 
 def _about(answer: Json) -> str:
     """What the bounds are about: whose polynomial the program evaluates."""
-    different = answer["differences_from_definition"]
-    if different:
+    if different := answer["differences_from_definition"]:
         return "\n".join(["The program is NOT the definition:", *different])
     if not answer["rounds_coefficients"]:
         return "The program's polynomial is the definition's."

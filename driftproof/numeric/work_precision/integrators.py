@@ -13,23 +13,8 @@ from typing import TypeAlias
 import numpy as np
 
 from driftproof.methods.schemes import Method
-from driftproof.numeric.advance import (
-    Counted,
-    State,
-    advance,
-    counted_evaluations,
-    field_rate,
-    float_start,
-    step_times,
-)
-from driftproof.numeric.engine import (
-    BLOCK,
-    FieldRun,
-    compiled_ensemble_runner,
-    compiled_field_runner,
-    ensemble_runner,
-    field_runner,
-)
+from driftproof.numeric.advance import Advance, State, advance, evaluations_of, float_start, step_times
+from driftproof.numeric.engine import BLOCK, compiled_ensemble_runner, ensemble_runner
 from driftproof.numeric.problems.problem import Problem
 
 # What is timed: one trajectory, compiled and in plain Python, and a state of an ensemble of MEMBERS.
@@ -71,34 +56,22 @@ def has_numba() -> bool:
 def integrator(method: Method, problem: Problem, *, compiled: bool = False) -> Integrator:
     """The method as it runs on the problem; `compiled` also prepares what numba compiles, and takes errors from that.
 
-    Explicit methods run by the program text of their step, implicit ones by Newton's method, in Python only. Raises
+    Of implicit methods errors are taken from Python, which is done with them before they are compiled. Raises
     MethodError with the reason where the method does not apply: a splitting where the problem is of first order.
     """
-    if not method.explicit:
-        return _implicit(method, problem)
-    return _explicit(method, problem, compiled=compiled)
-
-
-def landed(problem: Problem, steps: int) -> list[tuple[Fraction, int]]:
-    """Those of the reference's times that are whole numbers of steps, and these numbers."""
-    parts = [(t, t / problem.t * steps) for t in problem.reference.times]
-    return [(t, int(part)) for t, part in parts if part.denominator == 1]
-
-
-def _explicit(method: Method, problem: Problem, *, compiled: bool) -> Integrator:
     fast = compiled and has_numba()
-    plain = field_runner(method, problem.field)
-    runs = {PYTHON: plain, **({COMPILED: compiled_field_runner(method, problem.field)} if fast else {})}
-    best, start = runs.get(COMPILED, plain), float_start(problem)
+    runs = {PYTHON: advance(method, problem), **({COMPILED: advance(method, problem, compiled=True)} if fast else {})}
+    start = float_start(problem)
 
     def run(steps: int) -> CountedRun:
+        best = advance(method, problem, compiled=fast and method.explicit)
         states, y, (h, _) = dict[Fraction, State](), start, step_times(problem.t, steps)
         stops = [(Fraction(0), 0), *landed(problem, steps)]
         for (_, first), (t, last) in pairwise(stops):
             y = states[t] = best(y, h, first, last)
-        return CountedRun(states, counted_evaluations(method, problem, steps))
+        return CountedRun(states, evaluations_of(best, method, problem, steps))
 
-    def call(run: FieldRun, steps: int) -> Callable[[], State]:
+    def call(run: Advance, steps: int) -> Callable[[], State]:
         return partial(run, start, step_times(problem.t, steps).h, 0, steps)
 
     calls: dict[str, TimedCall] = {kind: partial(call, run) for kind, run in runs.items()}
@@ -113,9 +86,17 @@ def _explicit(method: Method, problem: Problem, *, compiled: bool) -> Integrator
     return Integrator(run, calls, absent)
 
 
+def landed(problem: Problem, steps: int) -> list[tuple[Fraction, int]]:
+    """Those of the reference's times that are whole numbers of steps, and these numbers."""
+    parts = [(t, t / problem.t * steps) for t in problem.reference.times]
+    return [(t, int(part)) for t, part in parts if part.denominator == 1]
+
+
 def _ensemble(method: Method, problem: Problem, *, fast: bool) -> TimedCall | str:
     """The call for MEMBERS states, or why there is none."""
     force = _force_text(problem)
+    if not method.explicit:
+        return "implicit: one system at a time"
     if force is None:
         return "ensembles are of q'' = F(q) with one position and no parameter"
     run = (compiled_ensemble_runner if fast else ensemble_runner)(method, force)
@@ -141,21 +122,3 @@ def _force_text(problem: Problem) -> str | None:
     if not (problem.second_order and len(field.rates) == 2 and field.autonomous) or field.parameters:
         return None
     return f"({field.at({'y0': '_q_'})[1].replace('_q_', '{}')})"
-
-
-def _implicit(method: Method, problem: Problem) -> Integrator:
-    start, plain = float_start(problem), advance(method, problem)
-
-    def run(steps: int) -> CountedRun:
-        counted = Counted(field_rate(problem.field))
-        counting, (h, _) = advance(method, problem, counted), step_times(problem.t, steps)
-        states, y = dict[Fraction, State](), start
-        stops = [(Fraction(0), 0), *landed(problem, steps)]
-        for (_, first), (t, last) in pairwise(stops):
-            y = states[t] = counting(y, h, first, last)
-        return CountedRun(states, counted.calls)
-
-    def call(steps: int) -> Callable[[], State]:
-        return partial(plain, start, step_times(problem.t, steps).h, 0, steps)
-
-    return Integrator(run, {PYTHON: call}, dict.fromkeys((COMPILED, ENSEMBLE), "implicit: in Python only"))

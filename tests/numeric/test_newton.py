@@ -1,0 +1,96 @@
+"""The loops of Newton's method: the same bits compiled, rows exchanged, damped where they would fail, floors."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.vector_fields import VectorField
+from driftproof.numeric.advance import field_rate, float_start
+from driftproof.numeric.implicit import (
+    StageEquationsUnsolved,
+    compiled_implicit_runner,
+    implicit_runner,
+    implicit_stepper,
+)
+from driftproof.numeric.newton import MOST_ITERATIONS, residual_of
+from driftproof.numeric.problems.catalogue import PROBLEMS
+
+
+@pytest.mark.long  # compiling takes ten seconds
+def test_compiled_steps_have_the_same_bits_and_count_the_same_evaluations():
+    """Fully implicit, stage by stage, with explicit stages, by a singular A, from the moves; and where both refuse."""
+    pytest.importorskip("numba")
+    problem = PROBLEMS["oregonator"]
+    start = float_start(problem)
+    for key in ("radau_iia3", "sdirk2", "lobatto_iiia4", "lobatto_iiib4", "trapezoid", "gauss2", "rk4"):
+        plain, compiled = (make(METHODS[key], problem.field) for make in (implicit_runner, compiled_implicit_runner))
+        assert plain(start, 0.01, 3, 40) == compiled(start, 0.01, 3, 40)
+        assert plain.calls == compiled.calls > 37
+    errors = []
+    for make in (implicit_runner, compiled_implicit_runner):
+        with pytest.raises(StageEquationsUnsolved) as caught:
+            make(METHODS["radau_iia3"], problem.field)(start, 45.0, 0, 8)
+        errors.append(str(caught.value))
+    assert errors[0] == errors[1]
+
+
+def test_evaluations_are_the_calls_of_the_rate():
+    problem, calls = PROBLEMS["robertson"], []
+    rate = field_rate(problem.field)
+
+    def jacobian(t, y):
+        back, fast = 1e4 * y[2], 6e7 * y[1]
+        return [[-0.04, back, 1e4 * y[1]], [0.04, -back - fast, -1e4 * y[1]], [0, fast, 0]]
+
+    for key in ("radau_iia3", "trapezoid", "lobatto_iiib4"):
+        calls.clear()
+        step = implicit_stepper(METHODS[key], lambda t, y: calls.append(t) or rate(t, y), jacobian)
+        run, start = implicit_runner(METHODS[key], problem.field), float_start(problem)
+        found = step(0.0, start, 1 / 64).y
+        assert run(start, 1 / 64, 0, 1) == pytest.approx(found, rel=1e-12)
+        assert run.calls == len(calls)
+
+
+def test_rows_are_exchanged_where_the_diagonal_is_zero():
+    """y' = (y0 + y1, y0), h = 1: M = [[0, -1], [-1, 1]], and backward Euler leads from (3, 5) to (-8, -3)."""
+    run = implicit_runner(METHODS["backward_euler"], VectorField(("y0 + y1", "y0")))
+    assert run((3.0, 5.0), 1.0, 0, 1) == (-8.0, -3.0)
+
+
+def test_damping_solves_what_newtons_method_alone_does_not():
+    """HIRES by Radau IIA with seven stages, h = t/64: more than 128 iterations, of which some in part, lead there."""
+    problem = PROBLEMS["hires"]
+    run = implicit_runner(METHODS["radau_iia7"], problem.field)
+    found = run(float_start(problem), 321.8122 / 64, 0, 1)
+    assert run.calls > 7 * MOST_ITERATIONS
+    assert 0 < min(found) < max(found) < 1
+
+
+def test_floor_of_several_stages_is_8e_plus_4r_by_its_formula():
+    """Of two stages and three components, written out in loops; of what is 0, whole numbers of eta are left."""
+    a, y, h, u = [[0.25, -0.5], [1.5, 0.75]], [3.0, -2.0, 0.5], -0.75, 2.0**-53
+    moves, known, slopes = (np.arange(6.0).reshape(2, 3) * x + 1 for x in (0.3, -0.7, 1.1))
+    jacobians = np.arange(18.0).reshape(2, 3, 3) - 7
+    largest = 0.0
+    for i in range(2):
+        for k in range(3):
+            flow = sum(abs(h * a[i][j] * slopes[j, k]) for j in range(2))
+            at_places, at_moves = (
+                sum(abs(h * a[i][j] * jacobians[j, k, n] * x[j, n]) for j in range(2) for n in range(3))
+                for x in (y + moves, moves)
+            )
+            e = u * (2 * abs(moves[i, k]) + 2 * abs(known[i, k]) + (2 + 4 + 16) * flow + 17 * at_places)
+            r = u * (abs(moves[i, k]) + at_moves)
+            left = moves[i, k] - known[i, k] - h * sum(a[i][j] * slopes[j, k] for j in range(2))
+            largest = max(largest, abs(left) / (8 * e + 4 * r))
+    given, rest = iter(slopes.tolist()), np.zeros((2, 3))
+    residual = residual_of(lambda t, y, f: f.__setitem__(slice(None), next(given)))
+    found = residual(0.0, y, h, a, [0.0, 0.0], moves.tolist(), known.tolist(), jacobians.tolist(), rest)
+    assert found == pytest.approx(largest, rel=1e-14, abs=0)
+    assert rest[1, 2] == pytest.approx(left, rel=1e-14, abs=0)
+    still, one = [[0.0], [0.0]], [[5e-324], [0.0]]  # of what is 0, whole numbers of eta are left
+    nothing, eye = residual_of(lambda t, y, f: None), [[1.0, 0.0], [0.0, 1.0]]
+    units = [[[1.0]], [[1.0]]]
+    assert nothing(0.0, [0.0], 2.0, eye, [0.0, 0.0], still, one, units, [[0.0], [0.0]]) == 1 / (8 * 3 * 3 + 4 * (1 + 2))
