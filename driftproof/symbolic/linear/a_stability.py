@@ -194,8 +194,7 @@ def positive_in_balls(balls: list[arb]) -> bool | None:
         roots = acb_poly(balls).roots(tol=arb(2) ** (-ctx.prec // 4))
     except ValueError:  # the balls of the coefficients are too wide
         return None
-    near = sorted((z.real.mid() for z in roots if z.imag.contains(0) and not z.real < 0), key=dyadic)
-    near = [x for x in near if x > 0]
+    near = sorted((x for z in roots if z.imag.contains(0) and (x := z.real.mid()) > 0), key=dyadic)
     if not near and not any(z.imag.contains(0) and not z.real < 0 for z in roots):
         return bool(balls[-1] > 0)
     p = arb_poly(balls)
