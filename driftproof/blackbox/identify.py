@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 from driftproof.blackbox.checks.suite import CHECKS, checks_of
 from driftproof.blackbox.checks.trials import TRAITS, CheckResult
 from driftproof.blackbox.families.damping import Damping, read_damping
+from driftproof.blackbox.families.multistep_recurrence import NoRecurrence
 from driftproof.blackbox.families.reports import family_report, read_family, unread_report
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
@@ -26,6 +27,7 @@ from driftproof.blackbox.matching.read_order import ReadOrder, read_order
 from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.linear_steps import LINEAR
 from driftproof.blackbox.probes.questions import CoefficientReading, Introduction, introduction, read_coefficients
+from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Report, Section, each_once, sections
 from driftproof.blackbox.stepper.calling_conventions import OF_FAMILIES, SIGNATURES
@@ -71,10 +73,14 @@ def identify(
                 return family_report(runner.target.name, opened, family.result)
             if opened is not None and opened.calls in OF_FAMILIES:
                 return unread_report(runner.target.name, family)
-        return identified(runner, read, order, dense)
+        # A run whose later steps remember, but keep no recurrence: what was read is its first step.
+        remembering = family.kind in (NotReadable.kind, NoRecurrence.kind)
+        return identified(
+            runner, read, order, dense, f"that is its first step only: {family.seen}" if remembering else ""
+        )
 
 
-def identified(runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Outcome) -> Report:
+def identified(runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Outcome, later: str = "") -> Report:
     """The report on the runner's stepper, of which some questions are answered, in the time that it has left."""
     if read.kind == "bad_input":
         raise ValueError(read.seen)
@@ -86,7 +92,7 @@ def identified(runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Out
     seen = Seen(introduced, read, fit, order, estimate, dense, damping, tuple(checks), arithmetic)
     explicit = METHODS[seen.key] if seen.key is not None and METHODS[seen.key].explicit else None
     rounding = None if explicit is None else _rounding(runner, explicit, seen.size)
-    verdict = "; ".join(filter(None, [seen.verdict, arithmetic]))
+    verdict = "; ".join(filter(None, [seen.verdict, later, arithmetic]))
     name = runner.target.name
     return Report(name, verdict, None, _sections(name, seen, rounding), _data(seen, rounding))
 
