@@ -12,7 +12,7 @@ import driftproof
 from driftproof.cli import main
 from driftproof.methods.catalogue import METHODS
 from driftproof.symbolic.derivation.derive import DERIVED, derive
-from driftproof.symbolic.derivation.formulas import COSINE, DET, DISCRIMINANT, TANGENT, TRACE
+from driftproof.symbolic.derivation.formulas import AREA_FORM, COSINE, DET, DISCRIMINANT, TANGENT, TRACE
 from driftproof.symbolic.facts import Facts
 from tests.looping import exactly
 
@@ -80,7 +80,16 @@ def test_numbers_put_into_the_formulas_satisfy_what_they_say(key: str) -> None:
 def test_every_result_has_steps_and_the_last_of_a_value_ends_in_it(key: str) -> None:
     """What stands in one chain is equal, at h = 3/7, where trace, determinant and angle are those of the matrix."""
     m = derive(key).one_step_matrix.value.subs(AT)
-    known = {**AT, TRACE: m.trace(), DET: m.det(), DISCRIMINANT: m.trace() ** 2 - 4 * m.det()}
+    known = {
+        **AT,
+        q: sympy.Rational(2, 5),
+        v: sympy.Rational(7, 11),
+        TRACE: m.trace(),
+        DET: m.det(),
+        DISCRIMINANT: m.trace() ** 2 - 4 * m.det(),
+    }
+    z = sympy.Matrix([q, v])
+    known[AREA_FORM] = z.row_join(m * z).det().subs(known)
     known |= {COSINE: m.trace() / 2 / sympy.sqrt(m.det()), TANGENT: sympy.sqrt(-known[DISCRIMINANT]) / m.trace()}
     for derived in exactly(9, derive(key).chosen()):
         assert derived.steps or derived.missing
