@@ -136,7 +136,7 @@ def linear_fit(subject: ForeignStepper) -> LinearFit:
 def fitted(reading: LinearReading, *, known: bool) -> LinearFit:
     """A reading explained; `known`: of the oscillator, q' = v, v' = -q."""
     start = LinearFit(reading.kind, reading.amplitude, reading.format.name, remarks=reading.remarks)
-    if reading.at_zero is None or not reading.steps:
+    if reading.at_zero is None:  # else some steps were read, too
         return start
     position, stiffness = rates_of(reading)
     rates = (1.0, 1.0) if known else (float(position), float(stiffness))
