@@ -63,12 +63,12 @@ NOT_ELSEWHERE = "sympy"
 # stages, and its own sampler of steps, 100 lines; texts what docs and help show.
 BUDGETS = {
     "support": 1097,
-    "methods": 5298,
+    "methods": 5415,
     "symbolic": 10733,
     "numeric": 3348,
     "blackbox": 15990,
     "enclosure": 3108,
-    "texts": 6697,
+    "texts": 6889,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5557
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

@@ -29,11 +29,12 @@ def stability_command(options: Namespace) -> str:
 
     your own problem, in mine.toml, whose true solution is enclosed to 20 digits:
       title = "A pendulum of 1 m"
-      rates = ["y1", "-g * sin(y0)"]        in t, y0, y1, ...; sin, cos, exp, log, sqrt; powers; 0.1 is 1/10
+      rates = ["y1", "-g * sin(y0)"]        in t, y0, y1, ..., pi; sin, cos, exp, log, sqrt; powers; 0.1 is 1/10
       start = ["1/2", "0"]                  at t = 0
       end = "10"
       energy = "y1^2/2 - g * cos(y0)"       may be left out, as may the title
-      parameters.g = "9.81"
+      parameters.g = "9.81"                 a number, or an expression such as "2*pi*f" in pi and parameters before it
+    or by names: rates.x = "v", rates.v = "-g * sin(x)", start.x = "1/2", start.v = 0; a single unknown is also called y
     in the place of rates: function = "mylib.models:pendulum", your own f(t, y), parameters being its keywords
     """
     return cli.answer_of("stability", options)

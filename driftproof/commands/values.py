@@ -32,10 +32,13 @@ def value_command(options: Namespace) -> str:
       exact t=10 [from q,v] : q|v|energy                       the solution itself
       run METHOD problem=NAME h=1/4 1000 steps : READOUT       y0 y1 ... exact.y0 ... slope.y0 ... k1.y0 ... state_error
       run METHOD rates=(t*sqrt(y0)) from 1 h=1/4 t=1 : READOUT largest_error steps; of a problem, a .toml, your own y'
+      run METHOD y'=-2*y y(0)=1 h=1/4 t=1 : READOUT            x'=v, v'=-sin(x), x(0)=2, v(0)=0: with names, x exact.x
       run METHOD lambda=-2 h=1/4 t=1 : READOUT                 y exact.y state_error, of y' = lambda y, y(0) = 1
       FACT METHOD [at VALUE] [h=1/4] [: PART]                  order, energy_multiplier, imaginary_limit, a_stable, ...
       roundoff METHOD h=1/4 [sharp] [from q,v] : READOUT       q v qq qv vq vv c, bounds in units of u
       + - * / ** ( ) pi e abs sqrt exp ln log2 log10 cos sin   on all of these; ratio(a, b) = |a|/|b|, percent(a, b)
+    METHOD is a key, a .toml file or what people call it: Heun, velocity Verlet. "error of Heun with h=0.1 at t=1 on
+    y'=-y, y(0)=1", "local error of", "amplification factor of RK4 at z=-2" are understood, and error for state_error.
     Of h, t and N (or steps), two make a run. A start not given is 1,0. phase_error may end in deg, rad or turns.
 
     examples:
@@ -44,6 +47,7 @@ def value_command(options: Namespace) -> str:
       driftproof value 'energy_multiplier rk4' --format tex
       driftproof value 'one_step_matrix rk4 h=1/2 : M_qq'
       driftproof value 'ratio(run rk4 h=1/2 t=10 : state_error, run rk4 h=1/4 t=10 : state_error)' --digits 3
+      driftproof value "error of Heun with h=0.1 at t=1 on y'=-y, y(0)=1" --digits 3
       driftproof value 'order sdirk_order_2 at (1/2 + sqrt(3)/6)'
       driftproof value --list                          every head, readout, fact, function and id
       driftproof value --only 'rk4.*' --format md      what the lesson prints, by id, as the last green run proved it

@@ -114,9 +114,7 @@ def of_one_state(method: Method | FactsOnly) -> Method:
 
 def entry_named(name: str) -> Method | FactsOnly:
     """The method that `method_named` finds, or one that has facts only. Raises ValueError."""
-    if name in METHODS:
-        return METHODS[name]
-    keys = (name,) if name in FACTS_ONLY else keys_called(name) or tuple(_keys_by_title(plain_name(name)))
+    keys = keys_of_name(name)
     entries: list[Method | FactsOnly] = [METHODS[key] if key in METHODS else FACTS_ONLY[key] for key in keys]
     if len(entries) == 1:
         return entries[0]
@@ -125,6 +123,13 @@ def entry_named(name: str) -> Method | FactsOnly:
         raise ValueError(f"{name[:60]!r} may mean {meant}: say which")
     near = did_you_mean(name, (*METHODS, *FACTS_ONLY))
     raise ValueError(f"unknown method {name[:60]!r}{near} (`driftproof methods` lists all)")
+
+
+def keys_of_name(name: str) -> tuple[str, ...]:
+    """The keys of the entries that a key, a title or another name may mean: none for a name that is unknown."""
+    if name in METHODS or name in FACTS_ONLY:
+        return (name,)
+    return keys_called(name) or tuple(_keys_by_title(plain_name(name)))
 
 
 def _keys_by_title(plain: str) -> Iterator[str]:

@@ -4,7 +4,7 @@ sum      = product (("+" | "-") product)*
 product  = factor (("*" | "/") factor)*
 factor   = ("-" | "+") factor | power
 power    = atom [("**" | "^") (exponent | "(" exponent ["/" exponent] ")")]
-exponent = ["-"] integer
+exponent = ["-"] (integer | decimal)
 atom     = number | name | name "(" sum ("," sum)* ")" | "(" sum ")"
 
 The entries of a tableau, of a system and of a family are such expressions; questions extend the grammar.
@@ -128,6 +128,7 @@ class ExpressionParser:
     what: ClassVar[str] = "an expression"
     example: ClassVar[str] = "write a number such as 1/4"
     refusal: ClassVar[type[ExpressionError]] = ExpressionError
+    tokens_are: ClassVar[re.Pattern[str]] = _TOKEN
 
     def __init__(self, text: str, longest: int = LONGEST_EXPRESSION, largest_power: int = LARGEST_POWER) -> None:
         """Cut the text into tokens. Raises a `refusal` for a character that has no place, and for too long a text."""
@@ -146,7 +147,7 @@ class ExpressionParser:
             if text[at].isspace():
                 at += 1
                 continue
-            match = _TOKEN.match(text, at)
+            match = self.tokens_are.match(text, at)
             if match is None:
                 raise self.refusal(self.text, at + 1, f"{text[at]!r} has no place in {self.what}")
             found.append(Token(str(match.lastgroup), match[0], at + 1))
@@ -213,20 +214,26 @@ class ExpressionParser:
         if not self.accept("**", "^"):
             return base
         if not self.accept("("):
-            return PowerNode(column, base, Fraction(self._exponent()))
-        numerator = self._exponent()
-        denominator = self._exponent() if self.accept("/") else 1
-        if denominator < 1:
-            raise self.error(self.next, "an exponent is an integer or a fraction of two")
+            return PowerNode(column, base, self._exponent())
+        exponent = self._exponent()
+        if self.accept("/"):
+            divisor = self._exponent()
+            if divisor < 1:
+                raise self.error(self.next, "an exponent is an integer or a fraction of two")
+            exponent /= divisor
         self.expect(")", "the bracket of the exponent is not closed")
-        return PowerNode(column, base, Fraction(numerator, denominator))
+        return PowerNode(column, base, exponent)
 
-    def _exponent(self) -> int:
+    def _exponent(self) -> Fraction:
+        """An integer, or a decimal such as 0.5, of numerator and denominator within the largest power."""
         negative, token = self.accept("-"), self.take()
-        most = len(str(self.largest_power))
-        if not token.text.isdigit() or len(token.text) > most or int(token.text) > self.largest_power:
-            raise self.error(token, f"an exponent is an integer from -{self.largest_power} to {self.largest_power}")
-        return -int(token.text) if negative else int(token.text)
+        shown = f"an exponent is an integer from -{self.largest_power} to {self.largest_power}, or a decimal"
+        if token.kind != NUMBER or len(token.text) > len(str(self.largest_power)) + 1:
+            raise self.error(token, shown)
+        number = self.rational(token.text, token)
+        if number > self.largest_power or number.denominator > self.largest_power:
+            raise self.error(token, shown)
+        return -number if negative else number
 
     def _atom(self) -> Any:
         """A number, what a name stands for, a function, or a sum in brackets."""

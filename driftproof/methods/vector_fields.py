@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -40,7 +40,7 @@ class VectorField:
         """Refuse an empty system, and a rate that holds what the text of a step may not."""
         if not self.rates:
             raise MethodError("a field has at least one rate")
-        known = {"t", *self.components, *(name for name, _ in self.parameters)}
+        known = dict.fromkeys(("t", *self.components, *(name for name, _ in self.parameters)))
         for i, rate in enumerate(self.rates):
             for found in _out_of_place(_parsed(rate, i), known):
                 raise MethodError(f"rate {i}, {rate!r}: {found} has no place; write + - * / with {', '.join(known)}")
@@ -223,7 +223,7 @@ def _names(tree: ast.AST) -> set[str]:
     return {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
 
 
-def _out_of_place(tree: ast.Expression, known: set[str]) -> Iterator[str]:
+def _out_of_place(tree: ast.Expression, known: Collection[str]) -> Iterator[str]:
     """What a rate may not hold: unknown names, calls of anything but `FUNCTIONS`, numbers that are not whole."""
     called = {node.func for node in ast.walk(tree) if isinstance(node, ast.Call)}
     for node in ast.walk(tree):

@@ -15,7 +15,7 @@ from math import degrees, isfinite
 from operator import add, mul, sub, truediv
 from typing import Any, NamedTuple, TypeAlias
 
-from driftproof.methods.number_field import Algebraic, Exact
+from driftproof.methods.number_field import Exact
 from driftproof.methods.vector_fields import VectorField, partial_derivative
 from driftproof.numeric.problems.problem import Digits, Problem
 from driftproof.numeric.readouts import phase_error
@@ -130,7 +130,7 @@ def _length(parts: Iterable[Fraction]) -> float:
 
 
 def _decimal(x: Exact) -> Decimal:
-    if isinstance(x, Algebraic):
+    if not isinstance(x, Fraction):  # algebraic, or pi
         x, _ = x.enclosure(4 * _DIGITS)  # 4 > log2(10) bits a digit
     return Decimal(x.numerator) / Decimal(x.denominator)
 

@@ -15,7 +15,7 @@ from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.text_fields import field_function
 from driftproof.enclosure.traced_fields import field_of_function
 from driftproof.methods.expressions import parse_number
-from driftproof.methods.field_text import LONGEST_PROBLEM, PROBLEM_KEYS, field_of_table, rate_of_text
+from driftproof.methods.field_text import LONGEST_PROBLEM, PROBLEM_KEYS, energy_of_table, field_of_table, start_of_table
 from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.catalogue import problem_named
@@ -23,7 +23,6 @@ from driftproof.numeric.problems.problem import CERTIFIED, Problem, Reference
 from driftproof.support.toml_tables import (
     TomlTable,
     as_line,
-    as_list,
     as_table,
     as_text,
     demand_keys,
@@ -60,8 +59,8 @@ def problem_given(given: str | Path | Problem) -> Problem:
 
     def read(table: TomlTable) -> Problem:
         demand_keys(table, PROBLEM_KEYS, "a problem")
-        given, end = as_list(table.get("start"), "start"), _rational(table.get("end"), "end")
-        start = tuple(_rational(x, f"start[{i}]") for i, x in enumerate(given))
+        start = tuple(_rational(x, f"start[{i}]") for i, x in enumerate(start_of_table(table)))
+        end = _rational(table.get("end"), "end")
         field = _field(table, len(start))
         if end <= 0:
             raise ValueError(f"end is {end}; problems run from 0 to a time above it")
@@ -73,7 +72,7 @@ def problem_given(given: str | Path | Problem) -> Problem:
             start=start,
             reference=enclosed_reference(field, start, [end * k / PARTS for k in range(1, PARTS + 1)]),
             source=name,
-            energy=rate_of_text(as_text(table["energy"], "energy")) if "energy" in table else None,
+            energy=energy_of_table(table),
             second_order=_is_second_order(field),
         )
 

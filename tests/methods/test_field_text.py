@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 
 import pytest
+from flint import arb, ctx
 
-from driftproof.methods.field_text import field_of_table, field_of_text, rate_of_text
+from driftproof.methods.field_text import (
+    PI,
+    energy_of_table,
+    field_of_table,
+    field_of_text,
+    rate_of_text,
+    start_of_table,
+)
 
 WRITTEN = {
     "-sin(y0)": "-sin(y0)",
@@ -55,3 +64,50 @@ def test_table_holds_rates_and_exact_parameters():
     for wrong, said in (({}, "rates is missing"), ({"rates": ["y0"], "parameters": {"k": "x"}}, "parameters.k")):
         with pytest.raises(ValueError, match=said):
             field_of_table(wrong)
+
+
+def test_pi_is_enclosed_in_balls_and_the_nearest_double_in_floats():
+    assert (float(PI), str(PI)) == (math.pi, "pi")
+    assert PI().overlaps(arb.pi())
+    low, high = PI.enclosure(200)
+    assert 0 < high - low < Fraction(1, 2**190)
+    with ctx.workprec(300):
+        assert arb(low.numerator) / low.denominator < arb.pi() < arb(high.numerator) / high.denominator
+
+
+def test_unknowns_have_names_and_parameters_may_be_expressions():
+    """As lists and as tables; a name or an expression is set in the place of what it stands for."""
+    plain = field_of_table({"rates": ["y1", "-(2*pi*f)^2*y0"], "parameters": {"f": 3}})
+    named = {"x": "v", "v": "-w^2*x"}
+    table = {"rates": named, "start": {"v": 0, "x": 1}, "parameters": {"f": 3, "w": "2*pi*f"}, "energy": "v^2/2"}
+    assert field_of_table(table) == plain == field_of_table({**table, "rates": dict(named)})
+    assert plain.parameters == (("f", 3), ("pi", PI))
+    assert (start_of_table(table), energy_of_table(table)) == ([1, 0], "(y1 * y1) / 2")
+    assert field_of_text("-50*(y - cos(t))").rates == field_of_text("-50*(y0 - cos(t))").rates
+    assert (start_of_table({"start": 0}), start_of_table({"start": ["1", 2]})) == ([0], ["1", 2])
+    assert field_of_table({"rates": "y1; -y0"}).rates == ("y1", "-y0")
+    of_energy = {"rates": ["-y"], "energy": "pi * y"}
+    assert (field_of_table(of_energy).parameters, energy_of_table(of_energy)) == ((("pi", PI),), "pi * y0")
+    assert field_of_table({"rates": ["-pi*y"], "parameters": {"pi": 3}}).parameters == (("pi", 3),)
+
+
+REFUSED_TABLES = [
+    ({"rates": ["-e*y"]}, r"'e' has no place; write \+ - \* / with t, y0$"),
+    ({"rates": {"x": "-x", "t": "1"}}, "rates: 't' is no name for an unknown"),
+    ({"rates": {"x": "-a*x", "a": "1"}, "parameters": {"a": 2}}, "rates: 'a' is no name for an unknown"),
+    ({"rates": {"x y": "1"}}, "rates: 'x y' is no name"),
+    ({"rates": ["y"], "parameters": {"w": "2*pie"}}, "parameters.w"),
+    ({"rates": ["w*y"], "parameters": {"w": "2*v", "v": "pi"}}, "parameters.w"),
+]
+
+
+@pytest.mark.parametrize(("table", "said"), REFUSED_TABLES)
+def test_table_that_names_wrongly_is_refused(table, said):
+    with pytest.raises(ValueError, match=said):
+        field_of_table(table)
+
+
+def test_start_by_names_needs_the_names_of_the_rates():
+    for wrong in ({"start": {"x": 1}, "rates": ["y1"]}, {"start": {"x": 1}, "rates": {"v": "1"}}):
+        with pytest.raises(ValueError, match="start has the names x; rates have to have the same"):
+            start_of_table(wrong)

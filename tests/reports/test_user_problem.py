@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
@@ -9,9 +10,12 @@ from fractions import Fraction
 import pytest
 
 from driftproof.enclosure.numbers import Refused
+from driftproof.methods.catalogue import METHODS
 from driftproof.methods.field_text import field_of_text
+from driftproof.numeric.engine import field_runner
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import CERTIFIED, Reference
+from driftproof.numeric.reference_errors import decimal_energy
 from driftproof.reports.user_problem import ENCLOSED_DIGITS, PARTS, enclosed_reference, problem_given
 from tests.looping import exactly
 
@@ -138,3 +142,20 @@ def test_pole_before_the_end_is_refused(tmp_path):
     (tmp_path / "mine.toml").write_text('rates = ["1 + y0^2"]\nstart = [0]\nend = 2\n')
     with pytest.raises(Refused, match=r"a pole, or a point where f is not smooth, is ahead near t = 1\.57"):
         problem_given(str(tmp_path / "mine.toml"))
+
+
+def test_pi_of_a_file_is_itself_in_the_reference_and_a_double_in_runs(tmp_path):
+    """x'' = -w^2 x with w = 2 pi: at t = 1/2 it is at -1, at rest, and its energy is 2 pi^2."""
+    path = tmp_path / "spring.toml"
+    path.write_text(
+        'end = 0.5\nrates.x = "v"\nrates.v = "-w^2*x"\nstart.v = 0\nstart.x = 1\nparameters.w = "2*pi"\n'
+        'energy = "v^2/2 + w^2*x^2/2"\n'
+    )
+    problem = problem_given(str(path))
+    x, v = problem.reference.states[-1]
+    assert Decimal(x) == -1
+    assert abs(Decimal(v)) < Decimal("1e-19")
+    assert decimal_energy(problem, problem.start) == pytest.approx(Decimal(str(2 * math.pi**2)))
+    made = METHODS["rk4"]
+    ended = field_runner(made, problem.field)((1.0, 0.0), 1 / 128, 0, 64)
+    assert ended == pytest.approx((-1, 0), abs=1e-5)  # (2 pi)^5 h^4 t / 120 is 1e-7 a component

@@ -148,6 +148,7 @@ NUMBER_FUNCTIONS: dict[str, tuple[Callable[..., Answer], int]] = {
     "sqrt": (lambda a: _root(a, 2), 1),
     "exp": (_exponential, 1),
     "ln": (_natural_logarithm, 1),
+    "log": (_natural_logarithm, 1),
     "log2": (lambda a: _logarithm(a, 2), 1),
     "log10": (lambda a: _logarithm(a, 10), 1),
     "cos": (lambda a: _trigonometric(a, "cos"), 1),

@@ -13,6 +13,7 @@ from driftproof.texts.questions.answer import Answer, as_printed
 from driftproof.texts.questions.errors import QuestionError, refused_at
 from driftproof.texts.questions.parser import Node, Query, parse_question
 from driftproof.texts.questions.query_context import QueryContext
+from driftproof.texts.questions.wording import AMBIGUOUS_FACTS
 
 if TYPE_CHECKING:
     from driftproof.methods.schemes import Method
@@ -173,10 +174,14 @@ def _of_problem(context: QueryContext, method: Method | None, h: Fraction, t: Fr
     if "lambda" in query.settings or (query.problem and query.rates):
         raise context.error(named, "a problem, rates and lambda are two problems; leave one out")
     with context.refused(named):
-        problem = problem_of_name(named.text) if query.problem else problem_of_rates([r.text for r in query.rates])
+        problem = (
+            problem_of_name(named.text)
+            if query.problem
+            else problem_of_rates([r.text for r in query.rates], query.unknowns)
+        )
         run = problem_run(method, problem, query.start, h, t)
     with context.refused(query.readout):
-        return context.readout(problem_readouts(run))(run)
+        return context.readout(problem_readouts(run, problem[2]))(run)
 
 
 def _exact(context: QueryContext) -> Answer:
@@ -201,6 +206,8 @@ def _roundoff(context: QueryContext) -> Answer:
 def _fact(context: QueryContext) -> Answer:
     from driftproof.texts.questions.facts import FACT_NAMES, fact
 
+    if context.head in AMBIGUOUS_FACTS:
+        raise context.error(None, f"{context.head} may mean {AMBIGUOUS_FACTS[context.head]}: say which")
     if context.head not in FACT_NAMES:
         hint = f"{did_you_mean(context.head, [*_QUERY_KINDS, *FACT_NAMES])} (`driftproof value --list` shows what can)"
         raise context.error(None, f"{context.head[:40]!r} is nothing that can be asked{hint}")

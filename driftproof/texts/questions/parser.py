@@ -3,19 +3,25 @@
 The grammar of `driftproof.methods.expression_tree`, in which a name may begin a query:
 
 query   = head part* [":" readout [unit]]
-part    = subject | "at" value | name "=" (literal | name | rates) | number "steps" | start | "sharp"
+part    = subject | "at" value | name "=" (literal | name | rates) | number "steps" | start | "sharp" | equation
 start   = "from" literal ("," literal)*
 rates   = "(" sum ("," sum)* ")"
+equation = name "'" "=" sum | name "(" "0" ")" "=" literal
 literal = ["-" | "+"] number ["/" number]
 value   = literal | "(" expression of driftproof.methods.expressions ")"
+
+A head and a subject may have several words, "stability function of forward Euler"; a comma may stand before an equation
+and a setting, and words such as "with" between any parts; "error of rk4 ..." asks for "run rk4 ... : error".
 """
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, TypeAlias
 
+from driftproof.methods.catalogue import keys_of_name
 from driftproof.methods.expression_tree import (
     END,
     NAME,
@@ -27,11 +33,20 @@ from driftproof.methods.expression_tree import (
     Token,
 )
 from driftproof.texts.questions.errors import QuestionError
+from driftproof.texts.questions.wording import (
+    AMBIGUOUS_FACTS,
+    FACT_WORDS,
+    LOCAL,
+    OTHER_SETTINGS,
+    READOUT_WORDS,
+    SAY_NOTHING,
+)
 
 # Words that may stand alone between head and readout.
 WORDS = ("sharp",)
 SETTINGS = ("h", "t", "N", "steps", "z", "lambda")
 PROBLEM, RATES = ("problem", "rates")
+_HEADS = ("step", "run", "exact", "roundoff")
 # (17/16)**1000 is a growth that texts have; what is too long to write out is enclosed.
 LARGEST_POWER_ASKED = 10**6
 
@@ -41,7 +56,8 @@ class Query:
     """HEAD SUBJECT [at VALUE] [NAME=NUMBER ...] [from q,v] [: READOUT [UNIT]]; subject and parts None where absent.
 
     `at` is the text of the parameter's value, which `driftproof.methods.expressions` reads; `rates` are the texts of
-    the components of y', which `driftproof.methods.field_text` reads.
+    the components of y', which `driftproof.methods.field_text` reads; `unknowns` are their names where y' = ... says
+    them, and else y0, y1, ...
     """
 
     head: Token
@@ -54,6 +70,7 @@ class Query:
     unit: Token | None = None
     problem: Token | None = None
     rates: tuple[Token, ...] = ()
+    unknowns: tuple[str, ...] = ()
 
 
 Node: TypeAlias = ExpressionNode | Query
@@ -71,44 +88,158 @@ class _QuestionParser(ExpressionParser):
     what = "a question"
     example = "ask for example: step rk4 h=1/2 : q"
     refusal = QuestionError
+    # The prime of y' is a sign, π and λ are names.
+    tokens_are = re.compile(
+        f"(?P<prime>')|{ExpressionParser.tokens_are.pattern.replace('[A-Za-z_]', '[A-Za-z_πλ]')}", re.ASCII
+    )
+    in_rate = False
 
     def named(self, name: Token) -> Node:
         """A published value by its id, or a query from after its head on."""
-        if self.next.kind != NAME and self.next.text != ":":
-            return NameNode(name.column, name.text)
-        parts: dict[str, Any] = {"settings": {}, "words": {}}
-        while self.next.kind == NAME or (self.next.kind == NUMBER and self.tokens[self.at + 1].text == "steps"):
+        of_somebody = self.next.text == "'" and self._after(self.at).text == "s"
+        if self.in_rate or not (self.next.kind == NAME or self.next.text == ":" or of_somebody):
+            return NameNode(name.column, "pi" if name.text == "π" else name.text)
+        parts: dict[str, Any] = {"settings": {}, "words": {}, "rates": {}, "start": {}}
+        head = self.head(name, parts)
+        while self._another_part():
             self.part(self.take(), parts)
         if self.accept(":"):
             parts["readout"] = self.readout()
             if self.next.kind == NAME:
                 parts["unit"] = self.take()
-        return Query(name, **parts)
+        elif head.text in READOUT_WORDS:
+            parts["readout"] = head._replace(text=READOUT_WORDS[head.text])
+            head = head._replace(text="step" if head.text in LOCAL else "run")
+        return Query(head, **self.with_unknowns(name, parts))
+
+    def head(self, name: Token, parts: dict[str, Any]) -> Token:
+        """The head that begins with this name, of several words: "real limit of"; before a method's name, run."""
+        if name.text in _HEADS or self.next.text == ":":
+            return name._replace(text=FACT_WORDS.get(name.text, name.text))
+        from driftproof.symbolic.facts import FACTS, ON_REQUEST
+        from driftproof.symbolic.family_facts import FAMILY_FACTS
+
+        known = {*FACTS, *ON_REQUEST, *FAMILY_FACTS, *FACT_WORDS, *AMBIGUOUS_FACTS, *READOUT_WORDS}
+        words = [name.text, *(token.text for token in self.tokens[self.at : self.at + 2])]
+        while len(words) > 1 and "_".join(words) not in known:
+            words.pop()
+        self.at += len(words) - 1
+        text = "_".join(words)
+        if text not in known and keys_of_name((method := self.method_name(name)).text):
+            parts["subject"], text = method, "run"
+        return name._replace(text=FACT_WORDS.get(text, text))
+
+    def _another_part(self) -> bool:
+        """Whether a part comes next. A comma before an equation or a setting, where no list goes on, is used up."""
+        if self.next.text == ",":
+            name, *after = (token.text for token in self.tokens[self.at + 1 : self.at + 4])
+            if after[:1] == ["="] or after in (["'", "="], ["(", "0"]) or name == "from":
+                self.take()
+        return self.next.kind == NAME or (self.next.kind == NUMBER and self.tokens[self.at + 1].text == "steps")
+
+    def with_unknowns(self, head: Token, parts: dict[str, Any]) -> dict[str, Any]:
+        """The parts of a query, its equations as rates and a start in the order of their unknowns."""
+        rates, start, names = parts["rates"], parts["start"], tuple(parts["rates"])
+        if isinstance(rates, tuple):
+            names = ()
+        elif isinstance(start, dict) and (names or start):
+            if missing := [name for name in (*names, *start) if name not in start or name not in names]:
+                lacks = f"{missing[0]}(0)" if missing[0] in names else f"{missing[0]}'"
+                raise self.error(head, f"{lacks} = ... is missing, as in y'=-y, y(0)=1")
+            start = tuple(start[name] for name in names)
+        rates = tuple(rates.values()) if isinstance(rates, dict) else rates
+        return {**parts, "rates": rates, "start": start or None, "unknowns": names}
 
     def part(self, token: Token, parts: dict[str, Any]) -> None:
         """One part between head and readout."""
+        after = self._after(self.at)
         key = {"at": "at", "from": "start"}.get(token.text, "subject")
         if token.kind == NUMBER:
             self.put(parts["settings"], self.take(), "N", NumberNode(token.column, self.rational(token.text, token)))
+        elif token.text in SAY_NOTHING or (key == "at" and self.next.kind == NAME and after.text in "='"):
+            pass
+        elif self.next.text == "'" and after.text == "=":
+            self.put(self._equations(token, parts, "rates"), token, token.text, self.rate())
+        elif self.next.text == "(" and after.text == "0":
+            self.take(), self.take(), self.expect(")", "a bracket is not closed")
+            self.expect("=", f"{token.text}(0) is a number, as in {token.text}(0)=1")
+            self.put(self._equations(token, parts, "start"), token, token.text, self.literal("start"))
         elif token.text == PROBLEM and self.accept("="):
-            self.put(parts, token, PROBLEM, self.take())
+            self.put(parts, token, PROBLEM, self.adjacent(self.take()))
         elif token.text == RATES and self.accept("="):
-            self.put(parts, token, RATES, self.rates())
+            parts[RATES] = self._once(token, parts[RATES], self.rates)
         elif key != "at" and self.next.text == "=":
             self.setting(token, parts["settings"])
         elif token.text in WORDS:
             parts["words"][token.text] = token
+        elif key == "start":
+            parts[key] = self._once(token, parts[key], self.start)
         elif key in parts:
-            raise self.error(token, f"{token.shown} has no place here; a colon and a readout may follow")
+            raise self.error(token, f"{token.shown} has no place here; a colon and a readout may follow{self._hint()}")
         else:
-            parts[key] = token if key == "subject" else self.start() if key == "start" else self.value()
+            parts[key] = self.method_name(token) if key == "subject" else self.value()
+
+    def _hint(self) -> str:
+        """What a question looks like, for whoever wrote a sentence."""
+        return "" if ":" in self.text else ", as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"
+
+    def _equations(self, token: Token, parts: dict[str, Any], which: str) -> dict[str, Any]:
+        """The rates or the starts by their unknowns. Refuses them beside rates= and from."""
+        found = parts[which]
+        if not isinstance(found, dict):
+            raise self.error(token, f"{token.shown} is given twice")
+        return found
+
+    def _once(self, token: Token, before: Any, read: Any) -> Any:
+        if before != {}:
+            raise self.error(token, f"{token.shown} is given twice")
+        return read()
+
+    def rate(self) -> Token:
+        """The text after "'=", in which a name is no query."""
+        self.take(), self.take()
+        first, self.in_rate = self.next, True
+        self.sum()
+        self.in_rate = False
+        return self.piece(first.column, self.tokens[self.at - 1].end)
+
+    def method_name(self, first: Token) -> Token:
+        """The longest name of a method that begins here, of words, hyphens and numbers; a file; else the one word."""
+        found, at = self.adjacent(first), self.at
+        alone, last = keys_of_name(first.text), first
+        for i in range(at, len(self.tokens)):
+            token, after = self.tokens[i], self._after(i)
+            if token.text in "=:,()" or after.text == "=" or token.text in (*SAY_NOTHING, *WORDS, "at", "from"):
+                break
+            if token.kind not in (NAME, NUMBER) and token.text != "'" and (len(alone) == 1 or token.column > last.end):
+                break
+            last = token
+            piece = self.piece(first.column, token.end)
+            if keys_of_name(piece.text):
+                found, self.at = piece, i + 1
+        return found
+
+    def _after(self, at: int) -> Token:
+        return self.tokens[min(at + 1, len(self.tokens) - 1)]
+
+    def adjacent(self, first: Token) -> Token:
+        """The name of a .toml file that begins here, with its folders and hyphens; else the one word."""
+        last = first
+        for i in range(self.at, len(self.tokens)):
+            if first.text.endswith(".toml") or self.tokens[i].column != last.end or self.tokens[i].kind == END:
+                break
+            last = self.tokens[i]
+            if last.text.endswith(".toml"):
+                self.at = i + 1
+                return self.piece(first.column, last.end)
+        return first
 
     def setting(self, name: Token, settings: dict[str, NumberNode]) -> None:
         """NAME=LITERAL, from the equals sign on; steps is another word for N."""
         self.take()
-        if name.text not in SETTINGS:
+        key = OTHER_SETTINGS.get(name.text, name.text)
+        if key not in SETTINGS:
             raise self.error(name, f"{name.shown} is no setting; there are {', '.join((*SETTINGS, PROBLEM, RATES))}")
-        key = "N" if name.text == "steps" else name.text
         self.put(settings, name, key, NumberNode(name.column, self.literal(name.text)))
 
     def put(self, settings: dict[str, Any], name: Token, key: str, given: Any) -> None:
@@ -179,8 +310,12 @@ class _QuestionParser(ExpressionParser):
         return self.rational(text, first)
 
     def readout(self) -> Token:
-        """The name of a readout, used up."""
+        """The name of a readout, used up, of two words where they are one: "phase error"."""
         if self.next.kind != NAME:
             what = "the name of a readout, such as q, comes after the colon"
             raise self.error(self.next, f"{what}; {self.next.shown} stands there")
-        return self.take()
+        first = self.take()
+        if (both := f"{first.text}_{self.next.text}") in READOUT_WORDS:
+            self.take()
+            first = first._replace(text=both)
+        return first._replace(text=READOUT_WORDS.get(first.text, first.text))

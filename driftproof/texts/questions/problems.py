@@ -15,11 +15,11 @@ from driftproof.enclosure.fields import RightHandSide, enclosed_rates, rebound
 from driftproof.enclosure.numbers import Enclosed, Evaluation
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.text_fields import field_function
-from driftproof.methods.field_text import LONGEST_PROBLEM, PROBLEM_KEYS, field_of_table, field_of_text
+from driftproof.methods.field_text import LONGEST_PROBLEM, PROBLEM_KEYS, field_of_table, field_of_text, start_of_table
 from driftproof.methods.rationals import parse_rational
 from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
 from driftproof.methods.vector_fields import VectorField
-from driftproof.support.toml_tables import TomlTable, as_list, demand_keys, read_toml
+from driftproof.support.toml_tables import TomlTable, demand_keys, read_toml
 from driftproof.symbolic.algebra.certified import CertifiableReal, Uncertified, enclose
 from driftproof.texts.questions.answer import CERTIFIED, Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS, OPERATIONS, raised
@@ -32,8 +32,8 @@ _MOST_BITS_OF_SOLUTION = 1024
 _LONGEST_EXACT = 4096
 # What may be read of a run, with any index for 0, and of explicit Runge-Kutta methods any stage for 1.
 PROBLEM_READOUTS = ("y0", "exact.y0", "slope.y0", "k1.y0", "state_error", "largest_error", "steps")
-# Field and start.
-FieldAndStart = tuple[VectorField, tuple[Fraction, ...]]
+# Field and start, and the names of its unknowns where they are not y0, y1, ...
+FieldAndStart = tuple[VectorField, tuple[Fraction, ...], tuple[str, ...]]
 # Of balls, or of Fractions.
 _Row = Sequence[Any]
 
@@ -140,7 +140,9 @@ def problem_run(
     """
     rates, start = problem[0], given or problem[1]
     if len(start) != len(rates.rates):
-        raise ValueError(f"the start has {len(start)} entries, {len(rates.rates)} are needed: from 1, from 1,0, ...")
+        raise ValueError(
+            f"the start has {len(start)} entries, {len(rates.rates)} are needed: y(0)=1, from 1, from 1,0, ..."
+        )
     steps = t / h if h else t
     if steps.denominator != 1 or steps < (method is not None):
         raise ValueError(f"h = {h} does not divide t = {t}: t / h = {steps}")
@@ -157,8 +159,8 @@ def _remembered(run: ProblemRun) -> ProblemRun:
     return run
 
 
-def problem_readouts(run: ProblemRun) -> dict[str, Callable[[ProblemRun], Answer]]:
-    """By name, what can be read of the run.
+def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str, Callable[[ProblemRun], Answer]]:
+    """By name, what can be read of the run, with the names of its unknowns in the place of y0, y1, ...
 
     y0, y1, ..., exact.y0, ...; and where a method steps, slope.y0, ..., f(t, y) after the last step; state_error;
     largest_error, of all steps; steps; and k1.y0, k2.y0, ..., of the first step of an explicit Runge-Kutta method.
@@ -166,20 +168,20 @@ def problem_readouts(run: ProblemRun) -> dict[str, Callable[[ProblemRun], Answer
     all_steps = range(run.steps + 1)
     end = all_steps[-1:]
     exact = "exact." if run.method is not None else ""
-    solution = {f"{exact}y{i}": partial(_solution, end, i) for i in range(len(run.start))}
+    components = [(i, unknowns[i] if unknowns else f"y{i}") for i in range(len(run.start))]
+    solution = {f"{exact}{y}": partial(_solution, end, i) for i, y in components}
     if run.method is None:
         return {**solution}
-    read: dict[str, _OfLastState] = {"slope.y": lambda run, end: run.rate(run.t, end)}
+    read: dict[str, _OfLastState] = {"slope": lambda run, end: run.rate(run.t, end)}
     if isinstance(run.method, RungeKutta) and run.method.explicit:
-        read |= {f"k{j}.y": partial(_slope, j - 1) for j in range(1, len(run.method.b) + 1)}
-    components = range(len(run.start))
+        read |= {f"k{j}": partial(_slope, j - 1) for j in range(1, len(run.method.b) + 1)}
     return {
-        **{f"y{i}": partial(_component, lambda run, end: end, i) for i in components},
+        **{y: partial(_component, lambda run, end: end, i) for i, y in components},
         **solution,
         "state_error": lambda run: _enclosed(lambda: _distance(run.numerical()[-1], run.true(end)[0])),
         "largest_error": lambda run: _enclosed(lambda: _largest(run.numerical(), run.true(all_steps))),
         "steps": lambda run: Answer("", Fraction(run.steps)),
-        **{f"{name}{i}": partial(_component, state, i) for name, state in read.items() for i in components},
+        **{f"{name}.{y}": partial(_component, state, i) for name, state in read.items() for i, y in components},
     }
 
 
@@ -235,9 +237,9 @@ def decay_readouts(factor: Answer, rate: Fraction, h: Fraction, steps: int) -> d
     }
 
 
-def problem_of_rates(rates: Sequence[str]) -> FieldAndStart:
-    """What is written out, without a start; of it only balls are asked for, which know pi. Raises ValueError."""
-    return field_of_text(rates, {"pi": arb.pi}), ()
+def problem_of_rates(rates: Sequence[str], unknowns: Sequence[str] = ()) -> FieldAndStart:
+    """What is written out, of y0, y1, ... or of unknowns with names, without a start. Raises ValueError."""
+    return field_of_text(rates, names={name: f"y{i}" for i, name in enumerate(unknowns)}), (), tuple(unknowns)
 
 
 def problem_of_name(name: str) -> FieldAndStart:
@@ -246,16 +248,16 @@ def problem_of_name(name: str) -> FieldAndStart:
         from driftproof.numeric.problems.catalogue import problem_named
 
         problem = problem_named(name)
-        return problem.field, problem.start
+        return problem.field, problem.start, ()
 
     def read(table: TomlTable) -> FieldAndStart:
         demand_keys(table, PROBLEM_KEYS, "a problem")
         if "function" in table:
             raise ValueError('function is Python code, which no question runs; write its rates, as in rates = ["-y0"]')
         rates = field_of_table(table)
-        start = tuple(parse_rational(str(x), f"start[{i}]") for i, x in enumerate(as_list(table.get("start"), "start")))
+        start = tuple(parse_rational(str(x), f"start[{i}]") for i, x in enumerate(start_of_table(table)))
         if len(start) != len(rates.rates):
             raise ValueError(f"start has {len(start)} entries, {len(rates.rates)} are needed")
-        return rates, start
+        return rates, start, tuple(table["rates"]) if isinstance(table["rates"], dict) else ()
 
     return read_toml(name, LONGEST_PROBLEM, read)

@@ -120,6 +120,8 @@ class QueryContext:
         names = f"there are {', '.join(table)}{more}"
         if token is None:
             raise self.error(None, f"{self.head} needs a readout after a colon; {names}")
+        if token.text.rpartition(".")[2] == "y" and f"{token.text}0" in table and f"{token.text}1" not in table:
+            token = token._replace(text=f"{token.text}0")  # a single unknown
         if token.text not in table:
             hint = did_you_mean(token.text, table)
             raise self.error(token, f"{token.text[:40]!r} is no readout of {self.head}; {names}{hint}")

@@ -1,0 +1,76 @@
+"""A question in the words of people asks what the plain one asks; a word that may mean two things is answered so."""
+
+from __future__ import annotations
+
+import pytest
+
+from driftproof.symbolic.facts import FACTS
+from driftproof.texts.questions.evaluate import value
+from driftproof.texts.questions.runs import RUN_READOUTS
+from driftproof.texts.questions.wording import AMBIGUOUS_FACTS, FACT_WORDS, READOUT_WORDS
+from tests.looping import some
+from tests.texts.questions.refusals import demand_refusal
+
+DECAY = "run heun2 rates=(-y0) from 1 h=1/10 t=1 : state_error"
+SAME = {
+    "error of Heun with h=0.1 at t=1 on y'=-y, y(0)=1": DECAY,
+    "Heun's method y'=-y, y(0)=1, h=0.1, t=1 : error": DECAY,
+    "run Heun y' = -y y(0) = 1 dt=0.1 T=1 : global error": DECAY,
+    "run heun2 rates=(-y) from 1 h=0.1 10 steps : error": DECAY,
+    "run heun2 x'=-x, x(0)=1, h=1/10, t=1 : x": "run heun2 rates=(-y0) from 1 h=1/10 t=1 : y0",
+    "run heun2 y'=-y, y(0)=1, h=1/10, t=1 : exact.y": "exact rates=(-y0) from 1 t=1 : y0",
+    "exact y'=-2*y, y(0)=1, t=1 : y": "exact rates=(-2*y0) from 1 t=1 : y0",
+    "RK4 x'=v, v'=-sin(x), v(0)=1/2, x(0)=2, h=1/4, t=1 : v": "run rk4 rates=(y1, -sin(y0)) from 2,1/2 h=1/4 t=1 : y1",
+    "local error of Euler h=0.1": "step forward_euler h=1/10 : state_error",
+    "energy after 1000 steps of forward Euler with h=0.01": "run forward_euler h=1/100 N=1000 : energy",
+    "phase error of velocity Verlet h=1/10 t=10": "run velocity_verlet h=1/10 t=10 : phase_error",
+    "steps of Dormand-Prince to t=10 with h=0.01": "run dormand_prince54 h=1/100 t=10 : steps",
+    "run velocity Verlet n=10 dt=1/4 : position": "run velocity_verlet N=10 h=1/4 : q",
+    "amplification factor of RK4 at z=-2": "stability_function rk4 z=-2",
+    "stability function of Crank-Nicolson": "stability_function trapezoid",
+    "real limit RK4": "real_limit rk4",
+    "imaginary_limit velocity Verlet": "imaginary_limit velocity_verlet",
+    "order of Bogacki-Shampine": "order bogacki_shampine32",
+    "order RK4-3/8": "order rk4 - 3/8",
+    "ratio(order of RK4, order of Heun)": "ratio(order rk4, order heun2)",
+    "order sdirk_order_2 at 1/4": "order sdirk_order_2 at (1/4)",
+    "2*π": "2*pi",
+    "run rk4 λ=-2 h=1/4 t=1 : y": "run rk4 lambda=-2 h=1/4 t=1 : y",
+    "log(2)": "ln(2)",
+    "e^-0.5": "e ** (-1/2)",
+}
+
+
+@pytest.mark.parametrize("question", SAME)
+def test_question_in_other_words_has_the_same_answer(question):
+    found, plain = value(question), value(SAME[question])
+    assert (found.exact_text, found.unit) == (plain.exact_text, plain.unit)
+    if found.is_number:
+        assert found.digits(20) == plain.digits(20)
+
+
+REFUSED = [
+    ("stability limit of RK4", 1, "stability_limit may mean real_limit (y' = -λy, hλ at most) or imaginary_limit"),
+    ("error of Heun with h=0.1 at t=1 on y'=-y", 1, "y(0) = ... is missing, as in y'=-y, y(0)=1"),
+    ("run rk4 y(0)=1 h=1 t=1 : y", 1, "y' = ... is missing"),
+    ("run rk4 y'=-y y'=-y y(0)=1 h=1 t=1 : y", 15, "'y' is given twice"),
+    ("run rk4 rates=(-y) y'=-y y(0)=1 h=1 t=1 : y", 20, "'y' is given twice"),
+    ("run rk4 y'=-y y(0)=x h=1 t=1 : y", 20, "start: a number like 1/4"),
+    ("run rk4 y'=-k*y y(0)=1 h=1 t=1 : y", 12, "'k' has no place"),
+    ("run leapfrog h=0.1 t=1 : q", 5, "'leapfrog' may mean velocity_verlet"),
+    ("RK4 order", 5, "as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"),
+    ("period of pendulum", 1, "'period' is nothing that can be asked"),
+    ("y' = 2", 2, '"\'" has no place here'),
+]
+
+
+@pytest.mark.parametrize(("question", "column", "reason"), REFUSED)
+def test_what_is_said_of_a_question_that_lacks_something(question, column, reason):
+    demand_refusal(question, column, reason)
+
+
+def test_other_words_lead_to_names_that_there_are_and_hide_none():
+    readouts = {*RUN_READOUTS, "largest_error"}
+    assert [name for name in some(READOUT_WORDS.values()) if name not in readouts] == []
+    assert [name for name in some(FACT_WORDS.values()) if name not in FACTS] == []
+    assert [name for name in some([*FACT_WORDS, *AMBIGUOUS_FACTS, *READOUT_WORDS]) if name in FACTS] == []
