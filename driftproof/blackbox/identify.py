@@ -17,6 +17,7 @@ from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import ORDINARY_DOMAIN
 from driftproof.blackbox.judging.habits import explained
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
+from driftproof.blackbox.judging.nonlinear_step import nonlinear_twins
 from driftproof.blackbox.matching.candidates import EMBEDDED
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
 from driftproof.blackbox.matching.estimates import JudgedEstimate, judged_estimate
@@ -89,7 +90,10 @@ def identified(runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Out
     )
     checks, arithmetic = checks_of(answers), arithmetic_of([read, order, dense, *outcomes])
     damping = runner.run([read_damping])[0] if read.failed and not introduced.failed else Outcome()
-    seen = Seen(introduced, read, fit, order, estimate, dense, damping, tuple(checks), arithmetic)
+    best = None if fit.failed or isinstance(read.result, TableauReading) else fit.result.best
+    implicit = [key for key in (best.methods if best is not None else ()) if not METHODS[key].explicit]
+    twins = runner.run([partial(nonlinear_twins, keys=implicit)])[0] if implicit else Outcome()
+    seen = Seen(introduced, read, fit, order, estimate, dense, damping, twins, tuple(checks), arithmetic)
     explicit = METHODS[seen.key] if seen.key is not None and METHODS[seen.key].explicit else None
     rounding = None if explicit is None else _rounding(runner, explicit, seen.size)
     verdict = "; ".join(filter(None, [seen.verdict, later, arithmetic]))
@@ -108,7 +112,7 @@ class _Recognised(NamedTuple):
 
 @dataclass(frozen=True)
 class Seen:
-    """What came of each question."""
+    """What came of each question; `damping` and `twins` are asked only of what is no tableau."""
 
     introduction: Outcome
     coefficients: Outcome
@@ -117,6 +121,7 @@ class Seen:
     estimate: Outcome
     dense: Outcome
     damping: Outcome
+    twins: Outcome
     checks: tuple[CheckResult, ...]
     arithmetic: str = ""  # who changed the rounding mode, or what becomes of subnormal numbers
 
@@ -178,7 +183,8 @@ class Seen:
         if self.read is not None and self._implicit:
             return f"it is {self._unknown_stages(self.read)}{self._solved}"
         if self.fit is not None and self.fit.best is not None:
-            return f"it is, as far as linear steps tell, {_in_words(self.fit, self.fit.best)}"
+            alike = f"; its nonlinear steps are those of {', '.join(self.twins.result)}" if self.twins.result else ""
+            return f"it is, as far as linear steps tell, {_in_words(self.fit, self.fit.best)}{alike}"
         if self.read is not None and self.read.identity.near:
             return f"it is {self.read.identity.near[0].name}"
         open_questions = [o for o in (self.coefficients, self.linear) if o.kind in NO_EVIDENCE]

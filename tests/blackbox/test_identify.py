@@ -30,6 +30,48 @@ def two_half_steps(q, v, h):
     return q, v
 
 
+def of_average(force, q, v, h):
+    """The implicit midpoint rule, iterated for its one force."""
+    a = force(q)
+    for _ in range(60):
+        a = force(q + h / 2 * v + h * h / 4 * a)
+    return q + h * v + h * h / 2 * a, v + h * a
+
+
+def newmark(force, q, v, h):
+    """Newmark's average acceleration, iterated until it stands: the trapezoidal rule."""
+    a = last = force(q)
+    for _ in range(60):
+        before, last = last, force(q + h * v + h * h / 4 * (a + last))
+        if before == last:
+            break
+    return q + h * v + h * h / 4 * (a + last), v + h / 2 * (a + last)
+
+
+def backward(force, q, v, h):
+    """Backward Euler, iterated so that it stands at once where the force is -q."""
+    a = force(q)
+    for _ in range(100):
+        before, a = a, a + (force(q + h * v + h * h * a) - a) / (1 + h * h)
+        if before == a:
+            break
+    return q + h * v + h * h * a, v + h * a
+
+
+@pytest.mark.parametrize(
+    ("step", "said"),
+    [
+        (of_average, "those of implicit_midpoint, lobatto_iiib2"),
+        (newmark, "those of trapezoid"),
+        (backward, "those of backward_euler"),
+    ],
+)
+def test_implicit_steps_of_a_force_with_one_linear_step_are_told_apart_by_nonlinear_ones(step, said):
+    verdict = identify(step, isolate=False).verdict
+    assert verdict.startswith("it is, as far as linear steps tell, ")
+    assert verdict.endswith(f"; its nonlinear steps are {said}")
+
+
 @pytest.mark.parametrize(
     ("step", "words"),
     [

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import log2
+from math import inf, log2
 from typing import Any
 
 import numpy as np
@@ -115,7 +115,7 @@ def power_of_errors(errors: Sequence[float], noise: Sequence[float]) -> tuple[in
 
     One slope alone shows none: between two long steps it may be anything.
     """
-    clear = next((i for i, (e, n) in enumerate(zip(errors, noise, strict=True)) if e <= n), len(errors))
+    clear = next((i for i, (e, n) in enumerate(zip(errors, noise, strict=True)) if not n < e < inf), len(errors))
     slopes = tuple(log2(a / b) for a, b in pairwise(errors[:clear]))
     powers = {round(slope) if abs(slope - round(slope)) <= SLACK else None for slope in slopes[-2:]}
     return (powers.pop() if len(powers) == 1 < len(slopes) else None), slopes

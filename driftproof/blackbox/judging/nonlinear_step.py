@@ -22,6 +22,7 @@ from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.stepper.calling_conventions import FIELD
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.methods.stepping import stepper
 from driftproof.symbolic.algebra.certified import enclose
@@ -34,6 +35,8 @@ STEPS, TIMES = (2.0**-4, 2.0**-5, 2.0**-7), (START, 1.5)
 _ROUNDS = 2 * _BITS
 # A change of the slopes below this is that of the balls' own rounding.
 _SETTLED = 2.0**-160
+# Twins differ by 1e-6 and more at those steps, and solvers in use leave less than this.
+_SOLVED = 1e-8
 # How much more than its tolerance a solver's stages may be off: it stops by a change or a residual, and an error is
 # larger than these by 1/(1 - h L) at most, h L being up to 3/4 here.
 BEYOND_TOLERANCE = 4
@@ -82,6 +85,15 @@ def nonlinear_agreement(subject: ForeignStepper, method: Method, allowance: Allo
         problems = [field_problem(subject)] if general else force_problems(subject)
     found = [_beside(subject, method, allowance, problem) for problem in problems]
     return next((each for each in found if each.holds), min(found, key=lambda each: each.largest))
+
+
+def nonlinear_twins(subject: ForeignStepper, keys: Sequence[str]) -> tuple[str, ...]:
+    """Those of some implicit methods with one linear step whose nonlinear steps it takes, as solvers come to them.
+
+    Raises UnsupportedCall where the system is built in.
+    """
+    allowance = Allowance(solver_tolerance=_SOLVED)
+    return tuple(key for key in keys if nonlinear_agreement(subject, METHODS[key], allowance).holds)
 
 
 def _beside(

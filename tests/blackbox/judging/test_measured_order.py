@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.findings import UnsupportedCall
-from driftproof.blackbox.judging.measured_order import measured_orders
+from driftproof.blackbox.judging.measured_order import measured_orders, power_of_errors
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
@@ -132,3 +132,8 @@ def test_no_method_is_seen_with_a_lower_order_than_its_own(method, as_before):
 def test_a_built_in_system_is_not_asked():
     with pytest.raises(UnsupportedCall):
         measured_orders(opened(lambda q, v, h: (q + h * v, v - h * q)))
+
+
+@pytest.mark.parametrize("wrong", [math.nan, math.inf])
+def test_errors_that_are_no_numbers_end_the_slopes(wrong):
+    assert power_of_errors([1.0, 0.5, wrong, 0.1], [0.0] * 4) == (None, (1.0,))

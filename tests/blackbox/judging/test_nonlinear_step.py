@@ -8,7 +8,7 @@ import pytest
 
 from driftproof.blackbox.findings import UnsupportedCall
 from driftproof.blackbox.judging.agreement import NO_ALLOWANCE
-from driftproof.blackbox.judging.nonlinear_step import nonlinear_agreement
+from driftproof.blackbox.judging.nonlinear_step import nonlinear_agreement, nonlinear_twins
 from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
@@ -182,3 +182,9 @@ def test_the_time_of_a_kick_is_that_of_the_drifts_before_it():
 def test_a_built_in_system_is_not_asked():
     with pytest.raises(UnsupportedCall):
         nonlinear_agreement(opened(lambda q, v, h: (q + h * v, v - h * q)), METHODS["rk4"], NO_ALLOWANCE)
+
+
+def test_of_methods_with_one_linear_step_those_are_kept_whose_nonlinear_steps_it_takes():
+    keys = ("implicit_midpoint", "trapezoid", "lobatto_iiib2")
+    assert nonlinear_twins(opened(iterated(METHODS["trapezoid"]), "field"), keys) == ("trapezoid",)
+    assert nonlinear_twins(opened(iterated(METHODS["backward_euler"]), "field"), keys) == ()
