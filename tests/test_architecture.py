@@ -65,7 +65,7 @@ BUDGETS = {
     "support": 1097,
     "methods": 5415,
     "symbolic": 10733,
-    "numeric": 3348,
+    "numeric": 3395,
     "blackbox": 16011,
     "enclosure": 3108,
     "texts": 6889,

@@ -198,10 +198,10 @@ def _second_order(method: Splitting | Nystrom, field: VectorField | _ArrayField,
 def _demand_new_names(field: VectorField | _ArrayField, text: ProgramText) -> None:
     """Refuse a parameter that is called like something in the text, such as h."""
     taken = {"t", "h", "i", "y", "first", "last", "range", "make", "run", "step", *FUNCTIONS, *field.components}
+    taken |= {"start_", "end_", "begin_", "member_", *(f"{y}_block" for y in field.components)}
     taken |= {*text.coefficients, *(line.partition(" = ")[0] for line in text.lines)}
-    for name, _ in field.parameters:
-        if name in taken:
-            raise MethodError(f"a parameter may not be called {name!r}: the text of the step has that name")
+    for name in sorted(taken.intersection(dict(field.parameters))):
+        raise MethodError(f"a parameter may not be called {name!r}: the text of the step has that name")
 
 
 class _Renamed(ast.NodeTransformer):

@@ -10,7 +10,7 @@ and arrays go on with infinities and NaN.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from functools import cache
 from typing import Any, TypeAlias
@@ -22,7 +22,7 @@ from driftproof.methods.number_field import Exact
 from driftproof.methods.program_text import indented, maker, maker_text
 from driftproof.methods.schemes import Method
 from driftproof.methods.stepping import Source, step_source
-from driftproof.methods.vector_fields import FUNCTIONS, VectorField, field_source
+from driftproof.methods.vector_fields import FUNCTIONS, FieldSource, VectorField, field_source
 from driftproof.numeric.array_text import UFUNCS, array_run
 
 # The force -q, as text with the place to be filled in.
@@ -34,6 +34,8 @@ Format: TypeAlias = Any
 Run: TypeAlias = Callable[[Any, Any, Any, int], tuple[Any, Any]]
 # run(q, v, h, steps): the arrays q and v become those after so many steps.
 EnsembleRun: TypeAlias = Callable[[FloatArray, FloatArray, float, int], None]
+# run(y, h, first, last): the array y becomes that after steps first to last - 1.
+FieldEnsembleRun: TypeAlias = Callable[[FloatArray, float, int, int], None]
 # run(y, h, first, last) -> y: steps first to last - 1.
 FieldRun: TypeAlias = Callable[[tuple[float, ...], float, int, int], tuple[float, ...]]
 
@@ -101,9 +103,47 @@ def compiled_ensemble_runner(method: Method, force: str = OSCILLATOR, *, compens
         number = _format_of(q, v)
         if number not in COMPILED:
             raise ValueError(f"compiled runs are in float32 and float64, not in {q.dtype}; use ensemble_runner")
-        _compiled_blocks(source, number)(q, v, number(h), steps)
+        _compiled_blocks(source, number)(q, v, number(h), steps, 0, len(q))
 
     return run_blocks
+
+
+def compiled_field_ensemble_runner(method: Method, field: VectorField, *, threads: int = 1) -> FieldEnsembleRun:
+    """run(y, h, first, last) on many systems at once: a row of y for each component, a column for each system.
+
+    y, of binary64, becomes the states after steps first to last - 1, from times i h, with the bits of `field_runner`.
+    So many threads take blocks of systems in turn. Needs the extra `fast`. Raises ValueError for another y.
+    """
+    source = field_source(method, field)
+
+    def run_blocks(y: FloatArray, h: float, first: int, last: int) -> None:
+        rows = len(source.components)
+        if y.ndim != 2 or len(y) != rows or y.dtype != np.float64 or not y.flags.c_contiguous:
+            raise ValueError(f"y is {y.dtype}{list(y.shape)}; an ensemble is {rows} rows of float64, one after another")
+        run, members = _compiled_field_blocks(source), y.shape[1]
+        part = BLOCK * max(1, -(-members // (BLOCK * threads)))
+        if part >= members:
+            run(y, h, first, last, 0, members)
+            return
+        from concurrent.futures import ThreadPoolExecutor
+
+        with ThreadPoolExecutor(threads) as pool:
+            starts = range(0, members, part)
+            list(pool.map(lambda start: run(y, h, first, last, start, min(start + part, members)), starts))
+
+    return run_blocks
+
+
+def array_field_runner(method: Method, field: VectorField, library: Any) -> FieldRun:
+    """run(y, h, first, last) with a tuple of arrays of any library that has the functions of the array API standard.
+
+    The text of `field_runner`, an operation at a time on whole arrays, of binary64 or whatever they hold; where the
+    library fuses products into sums its bits are others, within the bound that is derived for the step.
+    """
+    source = field_source(method, field)
+    functions = {name: getattr(library, name) for name in FUNCTIONS}
+    run: FieldRun = maker(source.run(), method.key, functions)(*_lifted(source.coefficients, np.float64))
+    return run
 
 
 @cache
@@ -162,23 +202,38 @@ def _compiled_blocks(source: Source, number: Format) -> Callable[..., Any]:
 
 
 def _blocks_text(source: Source) -> str:
-    """make(coefficients...) -> run(qs, vs, h, steps): the text of a step between reading and writing one state.
-
-    The inner loop counts from zero over a slice: over part of the whole array it would not be vectorised.
-    """
-    arrays = [("q", "qs"), ("v", "vs")]
+    """make(coefficients...) -> run(qs, vs, h, steps, begin, end), on the members from `begin` to before `end`."""
+    arrays = {"q": ("qs", "q1"), "v": ("vs", "v1")}
     prepare = []
     if source.compensated:
-        arrays += [("e_q", "lost_q"), ("e_v", "lost_v")]
+        arrays |= {"e_q": ("lost_q", "e_q"), "e_v": ("lost_v", "e_v")}
         prepare = ["lost_q, lost_v = qs - qs, vs - vs"]
-    ends = {"q": "q1", "v": "v1"}
-    cut = [f"{x}_block = {array}[start:start + {BLOCK}]" for x, array in arrays]
-    read = [f"{x} = {x}_block[i]" for x, _ in arrays]
-    write = [f"{x}_block[i] = {ends.get(x, x)}" for x, _ in arrays]
-    one = ["for i in range(len(q_block)):", *indented([*read, *source.lines, *write])]
-    block = [*cut, "for _ in range(steps):", *indented(one)]
-    lines = [*prepare, f"for start in range(0, len(qs), {BLOCK}):", *indented(block)]
-    return maker_text(source.names, "run", ["def run(qs, vs, h, steps):", *indented(lines)])
+    lines = [*prepare, *_blocks_lines(arrays, ["for _ in range(steps):"], source.lines)]
+    return maker_text(source.names, "run", ["def run(qs, vs, h, steps, begin_, end_):", *indented(lines)])
+
+
+@cache
+def _compiled_field_blocks(source: FieldSource) -> Callable[..., Any]:
+    """run(y, h, first, last, begin, end), on the columns of y from `begin` to before `end`."""
+    arrays = {name: (f"y[{k}]", f"{name}_new") for k, name in enumerate(source.components)}
+    lines = _blocks_lines(arrays, ["for i in range(first, last):", *indented(["t = i * h"])], source.lines)
+    names = [name for name, _ in source.coefficients]
+    text = maker_text(names, "run", ["def run(y, h, first, last, begin_, end_):", *indented(lines)])
+    return compiled_function(maker(text, "ensemble", OF_FLOATS)(*_lifted(source.coefficients, np.float64)))
+
+
+def _blocks_lines(arrays: Mapping[str, tuple[str, str]], steps: Sequence[str], lines: Iterable[str]) -> list[str]:
+    """The loop over blocks: in each, all steps; in a step, the lines between reading and writing one member.
+
+    `arrays` has for each name of the lines the array and the name of what it becomes. The inner loop counts from zero
+    over a slice: over part of the whole array it would not be vectorised.
+    """
+    stop = f"min(start_ + {BLOCK}, end_)"
+    cut = [f"{x}_block = {array}[start_:{stop}]" for x, (array, _) in arrays.items()]
+    read = [f"{x} = {x}_block[member_]" for x in arrays]
+    write = [f"{x}_block[member_] = {end}" for x, (_, end) in arrays.items()]
+    one = [f"for member_ in range(len({next(iter(arrays))}_block)):", *indented([*read, *lines, *write])]
+    return [f"for start_ in range(begin_, end_, {BLOCK}):", *indented([*cut, *steps, *indented(one)])]
 
 
 def compiled_function(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -190,5 +245,5 @@ def compiled_function(function: Callable[..., Any]) -> Callable[..., Any]:
         from numba import njit
     except ImportError:
         raise ImportError("compiled runs need numba; install the extra: pip install 'driftproof[fast]'") from None
-    compiled: Callable[..., Any] = njit(fastmath=False, error_model="numpy")(function)
+    compiled: Callable[..., Any] = njit(fastmath=False, error_model="numpy", nogil=True)(function)
     return compiled

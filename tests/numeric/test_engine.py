@@ -13,8 +13,20 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import square_root
 from driftproof.methods.schemes import MethodError, RungeKutta
 from driftproof.methods.stepping import oscillator, step_source
+from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import engine
-from driftproof.numeric.engine import BLOCK, compiled_ensemble_runner, compiled_runner, ensemble_runner, lifted, runner
+from driftproof.numeric.engine import (
+    BLOCK,
+    array_field_runner,
+    compiled_ensemble_runner,
+    compiled_field_ensemble_runner,
+    compiled_runner,
+    ensemble_runner,
+    field_runner,
+    lifted,
+    runner,
+)
+from driftproof.numeric.problems.catalogue import problem_named
 from tests.float_bits import bits
 from tests.looping import exactly, some
 from tests.numeric.engine_runs import ensemble, step_by_step
@@ -119,9 +131,9 @@ def test_the_loop_that_is_compiled_is_the_text_of_the_step():
     for method in some(EXPLICIT, 80):
         source = step_source(method, engine.OSCILLATOR)
         text = [line.strip() for line in engine._blocks_text(source).splitlines()]
-        at = text.index("v = v_block[i]") + 1
+        at = text.index("v = v_block[member_]") + 1
         assert tuple(text[at : at + len(source.lines)]) == source.lines
-        assert text[at + len(source.lines) :] == ["q_block[i] = q1", "v_block[i] = v1", "return run"]
+        assert text[at + len(source.lines) :] == ["q_block[member_] = q1", "v_block[member_] = v1", "return run"]
 
 
 @pytest.mark.parametrize("method", [METHODS["rk4"], METHODS["yoshida4"]], ids=lambda m: m.key)
@@ -135,3 +147,26 @@ def test_a_compiled_compensated_run_has_the_same_bits(method):
     compiled_ensemble_runner(method, compensated=True)(q, v, 0.01, 500)
     assert (q[-1], v[-1]) == runner(method, compensated=True)(*start, 0.01, 500)
     assert kept != runner(method)(0.3, -0.7, 0.01, 500)
+
+
+KEPLER = problem_named("kepler").field
+
+
+def test_an_ensemble_of_systems_has_the_bits_of_each_system():
+    """Two blocks and a part of one, in two threads; on arrays of NumPy, too. In steps from the third: rates read t."""
+    pytest.importorskip("numba")
+    forced = VectorField(("y1", "sin(t) - mass * y0"), (("mass", Q(1, 3)),))
+    start = np.array([np.linspace(0.4 + k, 1.1, 2 * BLOCK + 17) for k in range(2)])
+    alone, found = field_runner(METHODS["rk4"], forced), start.copy()
+    compiled_field_ensemble_runner(METHODS["rk4"], forced, threads=2)(found, 0.01, 3, 23)
+    for member in (0, BLOCK - 1, BLOCK, 2 * BLOCK + 16):
+        assert tuple(found[:, member]) == alone(tuple(map(float, start[:, member])), 0.01, 3, 23)
+    arrays = array_field_runner(METHODS["rk4"], KEPLER, np)(tuple(np.ones((4, 9)) / 3), 0.01, 0, 20)
+    assert tuple(x[4] for x in arrays) == field_runner(METHODS["rk4"], KEPLER)((1 / 3,) * 4, 0.01, 0, 20)
+
+
+def test_an_ensemble_of_systems_is_rows_of_doubles():
+    run = compiled_field_ensemble_runner(METHODS["rk4"], KEPLER)
+    for wrong in (np.ones(4), np.ones((3, 8)), np.ones((4, 8), np.float32), np.ones((8, 4)).T):
+        with pytest.raises(ValueError, match=r"an ensemble is 4 rows of float64, one after another"):
+            run(wrong, 0.01, 0, 1)

@@ -14,7 +14,7 @@ import numpy as np
 
 from driftproof.methods.schemes import Method
 from driftproof.numeric.advance import Advance, State, advance, evaluations_of, float_start, step_times
-from driftproof.numeric.engine import BLOCK, compiled_ensemble_runner, ensemble_runner
+from driftproof.numeric.engine import BLOCK, array_field_runner, compiled_field_ensemble_runner
 from driftproof.numeric.problems.problem import Problem
 
 # What is timed: one trajectory, compiled and in plain Python, and a state of an ensemble of MEMBERS.
@@ -94,31 +94,23 @@ def landed(problem: Problem, steps: int) -> list[tuple[Fraction, int]]:
 
 def _ensemble(method: Method, problem: Problem, *, fast: bool) -> TimedCall | str:
     """The call for MEMBERS states, or why there is none."""
-    force = _force_text(problem)
     if not method.explicit:
         return "implicit: one system at a time"
-    if force is None:
-        return "ensembles are of q'' = F(q) with one position and no parameter"
-    run = (compiled_ensemble_runner if fast else ensemble_runner)(method, force)
-    start = float_start(problem)
+    start = np.array(float_start(problem))[:, None]
+    run = compiled_field_ensemble_runner(method, problem.field) if fast else None
+    by_array = array_field_runner(method, problem.field, np)
 
     def call(steps: int) -> Callable[[], State]:
-        q, v = np.empty(MEMBERS), np.empty(MEMBERS)
-        h = step_times(problem.t, steps).h
+        y, h = np.empty((len(start), MEMBERS)), step_times(problem.t, steps).h
 
         def integrate() -> State:
-            q[:], v[:] = start
-            run(q, v, h, steps)
-            return float(q.max()), float(v.max())  # all are alike
+            y[:] = start
+            if run is not None:
+                run(y, h, 0, steps)
+                return tuple(map(float, y.max(axis=1)))  # all are alike
+            with np.errstate(all="ignore"):
+                return tuple(float(np.max(x)) for x in by_array(tuple(y), h, 0, steps))
 
         return integrate
 
     return call
-
-
-def _force_text(problem: Problem) -> str | None:
-    """F(q) with {} for q, as `engine.ensemble_runner` reads it."""
-    field = problem.field
-    if not (problem.second_order and len(field.rates) == 2 and field.autonomous) or field.parameters:
-        return None
-    return f"({field.at({'y0': '_q_'})[1].replace('_q_', '{}')})"
