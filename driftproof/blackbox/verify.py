@@ -396,6 +396,9 @@ def _refuted(
     wrong = "; ".join(differences)
     if linear and wrong:
         return f"is not {method.key}: {wrong}"
+    if re.fullmatch(rf"it is {method.key}(, the same step as [^;]*)?", instead.verdict):
+        failed = next(check for check in checks if check.passed is False)
+        return f"is {method.key}, but not everywhere: {failed.lines[0]}"
     what = f": {wrong}" if wrong and wrong not in instead.verdict else ""
     faults = instead.section("Faults")
     why = [*coefficients.lines] if outcomes[1].kind == "not_readable" else [*(faults.lines if faults else ())]

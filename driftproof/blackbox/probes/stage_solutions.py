@@ -9,7 +9,7 @@ from math import fsum, log2
 
 from driftproof.blackbox.probes.marked_stages import MarkedSteps, MovedSlopes, Setting
 from driftproof.blackbox.probes.scripted_answers import CONTROLS, Control, NotReadable
-from driftproof.blackbox.probes.tableau import StageSolution, TableauReading
+from driftproof.blackbox.probes.tableau import NO_POWER, StageSolution, TableauReading
 
 # Of hA times the derivative of f, which is 1, or where it bends below 3: then iterations contract, ours among them.
 _STRENGTHS = tuple(2.0**-k for k in range(2, 8))
@@ -47,7 +47,8 @@ class StageEquations:
         linear = max(self.demand_solved(control) for control in CONTROLS)
         errors, counted = self._by_strength(curved=True)
         clear = [error for error in errors if error > self.reading.rounding.of(4.0)]
-        return StageSolution(linear, max(errors), _power(clear) if counted else 0)
+        power = _power(clear) or NO_POWER
+        return StageSolution(linear, max(errors), power if counted and clear else 0)
 
     def demand_solved(self, control: Control) -> float:
         """The error that is left in linear equations. Raises NotReadable where it is no error of a solver."""

@@ -32,12 +32,15 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients
 from driftproof.symbolic.rounding.formats import FloatFormat
 
+NO_POWER = -1
+
 
 @dataclass(frozen=True)
 class StageSolution:
     """How far a step is off because its stages are not solved: where f is linear in y, and where it is not.
 
-    `power` is not 0 where as many calls are made however nonlinear f is, and the error is like that power of how much.
+    `power` is not 0 where as many calls are made however nonlinear f is: the error is like that power of how much, and
+    NO_POWER where too little is left to tell.
     """
 
     linear: float
@@ -49,12 +52,13 @@ class StageSolution:
         """The finding in one line."""
         if not self.power:
             return f"its stages are solved to {max(self.linear, self.curved):.1e}, on nonlinear problems, too"
+        early = f"its solver stops early: where f is nonlinear, a step is off by {self.curved:.1e}, and"
+        if self.power == NO_POWER:
+            return f"{early} as many calls are made however nonlinear it is"
         newton = {1: "one iteration of Newton's method", 3: "two iterations of Newton's method"}.get(self.power, "")
         kept = f"{self.power} with one Jacobian" if self.power > 1 else ""
-        return (
-            f"its solver stops early: where f is nonlinear, a step is off by {self.curved:.1e}, and that is like the "
-            f"power {self.power} of the nonlinearity, as after {' or '.join(filter(None, [newton, kept]))}"
-        )
+        after = " or ".join(filter(None, [newton, kept]))
+        return f"{early} that is like the power {self.power} of the nonlinearity, as after {after}"
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from flint import arb, ctx
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.names import also_known_as
 from driftproof.symbolic.algebra.certified import Uncertified, enclose
+from driftproof.texts.claims.contradictions import contradicted
 from driftproof.texts.claims.phrases import NumberForm
 from driftproof.texts.questions.answer import GIVEN, Answer
 from driftproof.texts.questions.evaluate import value
@@ -51,7 +52,8 @@ class LookAlike:
     """A value that looks like a number when written in `form`: its id or question.
 
     It is `strong`, no guess, where chance would make so few numbers of as many digits look like a value as near by
-    its names, or where the number is the value itself and all its names are near.
+    its names, or where the number is the value itself and all its names are near; and where its sentence names no other
+    method, step or quantity.
     """
 
     question: str
@@ -112,7 +114,7 @@ class Suggestions:
     def __init__(self, text: str, asked: Iterable[str] = ()) -> None:
         """The text is in canonical spelling; `asked` are questions, braces in them, of which its author knows that it
         has their values."""
-        self.text = text
+        self.text, self._lower = text, text.lower()
         self.asked = {question: chosen for one in asked for question, chosen in questions_in(one).items()}
         self._spelled: dict[NumberForm, dict[str, list[_Known]]] = {}
 
@@ -134,7 +136,19 @@ class Suggestions:
             named = fit == len(known.names) + len(known.numbers)
             strong = strong or (known.answer.exact == x and named and fit > (digits < 2 or not asked))
             strong = strong and known.answer.evidence != GIVEN  # what a text of ours chose, another may choose, too
-            order = (not asked, -fit, known.answer.exact != x, not known.published, len(known.question), known.question)
+            # Roots of small numbers are no random digits; and what the sentence denies is not meant, however it looks.
+            strong = strong and (asked or fit > 0 or isinstance(known.answer.exact, Fraction))
+            denied = not asked and contradicted(known.question, self._lower, number.start, number.end)
+            strong = strong and not denied
+            order = (
+                not asked,
+                denied,
+                -fit,
+                known.answer.exact != x,
+                not known.published,
+                len(known.question),
+                known.question,
+            )
             found.append((order, LookAlike(known.question, form, strong)))
         return [alike for _, alike in sorted(found, key=lambda pair: pair[0])]
 

@@ -9,7 +9,7 @@ from driftproof.blackbox.probes.implicit_tableau import read_implicit_tableau
 from driftproof.blackbox.probes.marked_stages import MarkedSteps
 from driftproof.blackbox.probes.scripted_answers import BACKWARD, CONTROLS, NotReadable
 from driftproof.blackbox.probes.stage_solutions import StageEquations
-from driftproof.blackbox.probes.tableau import StageSolution
+from driftproof.blackbox.probes.tableau import NO_POWER, StageSolution
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox.implicit_steppers import all_at_once, fixed_point, newton, one_by_one, simplified, table
 from tests.looping import some
@@ -42,6 +42,12 @@ ITERATIONS = {
     "kept 2": (partial(simplified, most=2, tolerance=0), 2),
     "kept 4": (partial(simplified, most=4, tolerance=0), 4),
 }
+
+
+def test_iterations_that_are_fixed_are_told_where_too_little_is_left_for_a_power():
+    seen = equations(one_by_one(table("backward_euler"), partial(newton, most=3, tolerance=0))).solved()
+    assert seen.power == NO_POWER
+    assert seen.words.endswith("and as many calls are made however nonlinear it is")
 
 
 @pytest.mark.parametrize(("solver", "power"), ITERATIONS.values(), ids=ITERATIONS)

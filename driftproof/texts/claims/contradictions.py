@@ -1,0 +1,127 @@
+"""What a sentence says of a number that a value denies: another method, another step, another quantity."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from fractions import Fraction
+from functools import cache
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.names import also_known_as
+from driftproof.texts.values.published import published_values
+
+# Words of a quantity, and of those that it is taken for.
+_QUANTITIES = {
+    "imaginary_limit": ("imaginary", "real"),
+    "real_limit": ("real", "imaginary"),
+    "error_constant": ("error constant", "dispersion|dissipation|limit"),
+    "state_error": ("state|distance|off", "phase|energy|angle"),
+    "phase_error": ("phase|angle", "state|distance|energy"),
+    "energy": ("energy", "phase|imaginary|error"),
+    "energy_change": ("energy", "phase|imaginary|error"),
+    "steps": ("steps?", "calls?|evaluations?"),
+    "evaluations": ("calls?|evaluations?", "steps?"),
+}
+# Right before a number, which component it is.
+_COMPONENT = re.compile(r"(?:(?<![a-z])([qxvp])|(position)|(velocity))(?: is| of| to)?\s*[=≈:]?\s*\Z")
+_ENDS = re.compile(r"[.;?!]\s|\n")
+# Longer than a sentence is not looked at.
+_LONGEST = 400
+_GIVEN = {
+    letter: re.compile(rf"(?<![a-z]){letter}\s?=\s?([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?![\w/])") for letter in "ht"
+}
+
+
+def contradicted(question: str, text: str, start: int, end: int) -> bool:
+    """Whether the sentence around the number from `start` to `end` speaks of another value than the question's.
+
+    Of another method, length of step, time, component or quantity: the last one before the number that is named, and
+    where none is, the first behind it. Where several are listed before any number, nothing is denied. The text is in
+    lower case.
+
+    >>> contradicted("real_limit rk4", text := "rk4's imaginary limit is 2.785", text.index("2."), len(text))
+    True
+    """
+    before = _ENDS.split(text[max(0, start - _LONGEST) : start])[-1]
+    after = _ENDS.split(text[end : end + _LONGEST])[0]
+    head, _, readout = question.rpartition(" : ") if " : " in question else (question, "", question.split(" ")[0])
+    quantity = readout.rpartition(".")[2]
+    own, other = _QUANTITIES.get(quantity, ("", ""))
+    if own and _denied(_words(own, before), _words(other, before), before, _words(other, after), _words(own, after)):
+        return True
+    found = _COMPONENT.search(before) if quantity in ("q", "v") else None
+    if found and (quantity == "q") != (found[1] in ("q", "x") or bool(found[2])):
+        return True
+    key = next((word for word in re.split(r"[ .]", head) if word in METHODS), "")
+    if key:
+        (own_before, other_before), (own_after, other_after) = (_methods(part, key) for part in (before, after))
+        if _denied(own_before, other_before, before, other_after, own_after):
+            return True
+    return any(_of_another(letter, head, before, after) for letter in "ht")
+
+
+def _denied(
+    own: Sequence[int], other: Sequence[int], before: str, other_after: Sequence[int], own_after: Sequence[int]
+) -> bool:
+    """Where words of the value's own stand, and of others; those behind the number count where none stand before."""
+    if not own and not other:
+        return bool(other_after) and not own_after
+    if not own:
+        return bool(other) and not own_after
+    return bool(other) and other[-1] > own[-1] and bool(re.search("[0-9]", _without_names(before[own[-1] : other[-1]])))
+
+
+def _without_names(text: str) -> str:
+    """The text without the numbers that belong to names: RK4, k1, 3/8 rule."""
+    return _spoken_names().sub("", re.sub(r"[a-z]+[0-9]+", "", text))
+
+
+def _words(pattern: str, text: str) -> list[int]:
+    return [match.start() for match in re.finditer(rf"\b(?:{pattern})\b", text)]
+
+
+def _methods(text: str, key: str) -> tuple[list[int], list[int]]:
+    """Where the method is named, and where others are, whose names are not its own, too."""
+    own, other = list[int](), list[int]()
+    for match in _spoken_names().finditer(_flat(text)):
+        (own if key in _names()[match[0]] else other).append(match.start())
+    return own, other
+
+
+def _flat(text: str) -> str:
+    return text.replace("-", " ").replace("\n", " ")
+
+
+@cache
+def _names() -> dict[str, set[str]]:
+    """The methods of each name."""
+    found: dict[str, set[str]] = {}
+    for key, method in METHODS.items():
+        for name in (key, key.replace("_", " "), method.title, *also_known_as(key)):
+            found.setdefault(_flat(name.lower()), set()).add(key)
+    return found
+
+
+@cache
+def _spoken_names() -> re.Pattern[str]:
+    """The longest name at each place."""
+    return re.compile(rf"\b(?:{'|'.join(map(re.escape, sorted(_names(), key=len, reverse=True)))})\b")
+
+
+def _of_another(letter: str, head: str, before: str, after: str) -> bool:
+    """Whether the sentence gives h, or t, another value than the question has."""
+    said = _GIVEN[letter].findall(before)[-1:] or _GIVEN[letter].findall(after)[:1]
+    asked = re.search(rf"(?<![a-z]){letter}=(\S+)", head)
+    own = asked[1] if asked else _of_id(letter, head)
+    try:
+        return bool(said and own) and Fraction(said[0]) != Fraction(own)
+    except ValueError:
+        return False
+
+
+def _of_id(letter: str, head: str) -> str:
+    """The h with which a published value is run, which is published, too; "" for none."""
+    run = head.split(".")[-2:-1] if letter == "h" else []
+    known = published_values()
+    return str(known[f"{run[0]}.h"]["exact"]) if run and f"{run[0]}.h" in known else ""

@@ -1,0 +1,62 @@
+"""A value is not drafted where its sentence speaks of another method, step or quantity; it is where it may be meant."""
+
+import pytest
+
+from driftproof.texts.claims.contradictions import contradicted
+from driftproof.texts.claims.suggestions import Suggestions
+from driftproof.texts.readers.numbers import numbers_in
+from tests.looping import some
+
+Q, V, ERROR = "rk4.first_step.q", "rk4.first_step.v", "forward_euler.default.state_error"
+REAL, IMAGINARY = "real_limit rk4", "imaginary_limit rk4"
+DENIED = [
+    ("RK4 is stable on the imaginary axis up to {2.785294}", REAL),
+    ("RK4 is stable on the negative real axis up to {2.828427}", IMAGINARY),
+    ("{2.785294} is where RK4 ends on the imaginary axis", REAL),
+    ("The imaginary limit of RK4 is 2.828427 and its real limit {2.828427}", IMAGINARY),
+    ("One step of RK4 gives v = {0.877604}", Q),
+    ("One step of RK4 leads to the position {-0.479167}", V),
+    ("One step of RK4 with h = 1/4 gives q = {0.877604}", Q),
+    ("With Heun's method and h = 1/2, q = {0.877604}", Q),
+    ("RK4 goes to (0.877604, -0.479167), and forward Euler to {0.877604}", Q),
+    ("The phase error of forward Euler with h = 1/4 is {2.390}", ERROR),
+    ("At t = 10, with h = 1/8, forward Euler is off by {2.390}", ERROR),
+    ("At t = 5, forward Euler is off by {2.390}", "run forward_euler h=1/4 t=10 : state_error"),
+]
+MEANT = [
+    ("RK4's real and imaginary limits are {2.785294} and 2.828427", REAL),
+    ("RK4's real and imaginary limits are 2.785294 and {2.828427}", IMAGINARY),
+    ("RK4 reaches (q, v) = ({0.877604}, -0.479167)", Q),
+    ("The position and the velocity after one step of RK4 are {0.877604}", Q),
+    ("Forward Euler's state error is {2.390}, that of RK4 3.28e-4", ERROR),
+    ("Forward Euler and RK4 are off by {2.390} and 3.28e-4", ERROR),
+    ("Forward Euler has another phase. With h = 0.5 RK4 goes to {337/384}", Q),
+    ("{0.877604} is RK4's, 0.875 velocity Verlet's", Q),
+    ("without any word: {0.877604}", Q),
+    ("h = 1/0 is none: {0.877604}", Q),
+]
+
+
+@pytest.mark.parametrize(
+    ("sentence", "question", "denied"), [(*each, True) for each in DENIED] + [(*each, False) for each in MEANT]
+)
+def test_what_the_sentence_denies_is_told_from_what_it_may_mean(sentence, question, denied):
+    start, end = sentence.index("{"), sentence.index("}") - 1
+    assert contradicted(question, sentence.replace("{", "").replace("}", "").lower(), start, end) is denied
+
+
+def test_a_value_that_is_denied_is_a_guess_and_stands_behind_the_others():
+    def best(text):
+        suggestions = Suggestions(text)
+        return [suggestions.of(number)[0] for number in numbers_in(text) if number.text == "0.875"]
+
+    (right,) = best("Velocity Verlet with h = 1/2: q = 0.875")
+    assert (right.question, right.strong) == ("step velocity_verlet h=1/2 : q", True)
+    (other,) = best("Position Verlet with h = 1/2: q = 0.875, and not velocity Verlet")
+    assert other.question == "step position_verlet h=1/2 : q"
+
+
+def test_a_root_that_nothing_near_names_is_a_guess():
+    text = "the gain is 2.828427124746190 dB"
+    (number,) = numbers_in(text)
+    assert not any(alike.strong for alike in some(Suggestions(text).of(number)))
