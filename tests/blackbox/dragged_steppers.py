@@ -85,6 +85,23 @@ def in_arrays(accel, pos, vel, dt):
     return new, np.array(vel) + 0.5 * dt * (a + np.asarray(accel(new, vel + dt * a)))
 
 
+def with_parameters(more: tuple[Any, ...], *, moving: bool = False):
+    """Symplectic Euler whose force is given more than it is asked for here, a velocity among it or none."""
+
+    def step(force, x, v, dt):
+        v = v + dt * (force(x, v, *more) if moving else force(x, *more))
+        return x + dt * v, v
+
+    return step
+
+
+def carrying(force, x, v, a, dt):
+    """Velocity Verlet that is handed its acceleration, and predicts the velocity."""
+    x = x + dt * v + dt * dt / 2 * a
+    new = force(x, v + dt * a)
+    return x, v + dt / 2 * (a + new), new
+
+
 def drifting(force, x, v, h):
     """Position Verlet, the force in the middle being asked at the velocity of the start."""
     x = x + h / 2 * v
@@ -119,7 +136,9 @@ RIGHT = [
     *((of_stages(key), key) for key in ("forward_euler", "heun2", "midpoint2", "kutta3", "ssprk33", "rk4", "rk38")),
     (verlet(lambda v, a, dt: v + dt * a), VV), (gaffer, "rk4"), (semi_implicit, "symplectic_euler"),
     (position_first, "symplectic_euler_position_first"), (velocity_before_position, "forward_euler"),
-    (time_before_both, "midpoint2"), (with_mass, "heun2"), (in_arrays, VV), (drifting_predicted, PV),
+    (time_before_both, "midpoint2"), (with_mass, "heun2"), (in_arrays, VV), (drifting_predicted, PV), (carrying, VV),
+    *((with_parameters(more), "symplectic_euler") for more in ((None,), ({"k": 1.0},), (1.0,), (0.75,), (2.0, 1.0))),
+    *((with_parameters(more, moving=True), "symplectic_euler") for more in ((), ({"k": 1.0},), (0.0, None), (2.0,))),
 ]  # fmt: skip
 # With the words of the verdict that name the mistake.
 _STALE = "order 1 where the force depends on the velocity, not {}: call {}"

@@ -18,10 +18,8 @@ from driftproof.support.plain_text import Json
 
 # Of length 1 in floats but for one rounding, no two components alike; and one more, to see that none is preferred.
 _AXES = (np.array([2.0, 3.0, 6.0]) / 7, np.array([-6.0, 2.0, 3.0]) / 7)
-# A step in which the rate shows: its own error is O(h).
-_SHORT = 2.0**-20
-# By how much a rate may be off there, as part of it.
-_NEAR = 2.0**-10
+# By how much a rate may be off, as part of it, where it is read from a short step: that errs by O(h), and by u/h.
+_NEAR = 2.0**-6
 
 
 def _matrix(omega: Array, *, body: bool, last: bool) -> Array:
@@ -112,7 +110,8 @@ def read_quaternion(subject: ForeignStepper) -> QuaternionReading:
     """What a step of a quaternion is, at constant angular velocities. Raises NotReadable, and a Misbehaviour."""
     rounding = Rounding(subject.format, 12)  # some 60 operations
     normalised = _normalised(subject, rounding)
-    rate = (_columns(subject, _AXES[0], _SHORT) - np.eye(4)) / _SHORT
+    short = float(subject.format.u) ** 0.5
+    rate = (_columns(subject, _AXES[0], short) - np.eye(4)) / short
     tables = {words: _matrix(_AXES[0], body=b, last=n) for words, (b, n) in _PRODUCTS.items()}
     product = max(tables, key=lambda words: abs(float((rate * tables[words]).sum())))
     found, said = _PRODUCTS[product], tables[product]

@@ -25,6 +25,8 @@ FUNCTION, POSITION, VELOCITY, STATE, TIME, STEP = "function", "position", "veloc
 # The times at which a run is wanted, the first and the last of one step; and the slope that a step is handed, and
 # hands on: the force at q, or f(t, y).
 GRID, CARRIED = "grid", "carried"
+# Something else that a force is called with.
+BESIDES = "besides"
 # Functions beside the right-hand side: its Jacobian, its derivative by t; or the part that is solved for.
 JACOBIAN, TIME_SLOPE, IMPLICIT = "jacobian", "time_slope", "implicit"
 # Fields at the position, as vectors or as functions of it; a quaternion, and the angular velocity.

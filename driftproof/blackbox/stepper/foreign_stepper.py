@@ -7,7 +7,7 @@ from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, field, is_dataclass, replace
 from itertools import permutations
-from math import isfinite
+from math import inf, isfinite
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -24,6 +24,7 @@ from driftproof.blackbox.stepper.array_adapters import (
     type_of,
 )
 from driftproof.blackbox.stepper.calling_conventions import (
+    BESIDES,
     CARRIED,
     FIELD,
     FORCE,
@@ -53,6 +54,8 @@ FieldFunction: TypeAlias = Callable[[AnyNumber, list[AnyNumber]], Sequence[AnyNu
 _MOST_SHOWN = 60
 # What a step moves, position before velocity.
 _MOVED = (POSITION, VELOCITY, STATE, QUATERNION)
+# What is farther than this from a position of 1, a velocity of 3/4 and a time of 0, in a step of 1/4, is none of them.
+_UNLIKE, _MOST_ASKED = 0.3, 4
 # A sum of times in the narrowest format, with 8 bits after the first, is nearer than this to the true one.
 _ABOUT = 2.0**-6
 
@@ -263,20 +266,26 @@ class ForeignStepper:
     def _roles_asked(
         self, adapter: ArrayAdapter, arguments: Sequence[Foreign], q: AnyNumber, v: AnyNumber, t: AnyNumber
     ) -> tuple[str, ...]:
-        """What a first call's arguments are: what they are nearest to at the start of the step; one is the position."""
-        starts = {POSITION: q[0], VELOCITY: v[0], TIME: t}
-        if not 1 < len(arguments) <= len(starts):
+        """What a first call's arguments are: what they are nearest to at the start of the step, or of no concern."""
+        starts, many = {POSITION: q[0], VELOCITY: v[0], TIME: t}, len(arguments)
+        if not 1 < many <= _MOST_ASKED:
             return (POSITION,)
-        firsts = [adapter.read(x, _size(x))[0] for x in arguments]
-        choices = permutations(starts, len(arguments))
-        return min(choices, key=lambda roles: sum(abs(x - starts[role]) for role, x in zip(roles, firsts, strict=True)))
+
+        def off(role: str, asked: Foreign) -> float:
+            try:
+                return _UNLIKE if role == BESIDES else float(abs(adapter.read(asked, _size(asked))[0] - starts[role]))
+            except (NotANumber, WrongShape):
+                return inf
+
+        choices = (roles for roles in permutations((*starts, *[BESIDES] * many), many) if POSITION in roles)
+        return min(choices, key=lambda roles: sum(map(off, roles, arguments)))
 
     def _pair(
         self, roles: dict[str, Foreign], q: Sequence[AnyNumber], v: Sequence[AnyNumber], h: AnyNumber
     ) -> list[AnyNumber]:
         shown = [x[0] if len(x) == 1 else list(x) for x in (q, v)]
         answer = self.called(roles, f"q={shown[0]!r}, v={shown[1]!r}, h={h!r}", [*q, *v])
-        return self._finite([x for part in self.two_parts(answer) for x in self._read(part, len(q))], [*q, *v, h])
+        return self._finite([x for part in self.two_parts(answer) for x in self.read(part, len(q))], [*q, *v, h])
 
     def two_parts(self, answer: Foreign) -> tuple[Foreign, Foreign]:
         """Position and velocity of an answer. Raises WrongShape."""
@@ -332,7 +341,8 @@ class ForeignStepper:
         parts = tuple(roles[role] for role in kept if role in self.convention.order)
         return parts if len(parts) > 1 else parts[0]
 
-    def _read(self, answer: Foreign, size: int) -> list[AnyNumber]:
+    def read(self, answer: Foreign, size: int) -> list[AnyNumber]:
+        """The numbers of an answer; its type is kept in the log. Raises WrongShape, NotANumber."""
         self.log.types.add(type_of(answer))
         return self.adapter.read(answer, size)
 
@@ -348,11 +358,11 @@ class ForeignStepper:
         if sizes[:2] == [1, size] and (size > 1 or abs(self.adapter.read(parts[0], 1)[0] - end) <= _ABOUT * abs(end)):
             parts, sizes = parts[1:], sizes[1:]
         if sizes[:1] != [size]:
-            return self._read(answer, size)
+            return self.read(answer, size)
         if len(sizes) > 1 and sizes[1] in (1, size):
             with suppress(NotANumber):
                 self.log.beside = self.adapter.read(parts[1], sizes[1])
-        return self._read(parts[0], size)
+        return self.read(parts[0], size)
 
     def _finite(self, answer: list[AnyNumber], given: Sequence[AnyNumber]) -> list[AnyNumber]:
         if all(map(_is_finite, given)) and not all(map(_is_finite, answer)):
@@ -366,7 +376,9 @@ def call_text(stepper: ForeignStepper, q: float, v: float, h: float) -> str:
     calls = stepper.convention
     state_first = {STATE, TIME} <= {*calls.order} and calls.order.index(STATE) < calls.order.index(TIME)
     rates = f"lambda {'y, t' if state_first else 't, y'}: {_as_written(stepper, '[y[1], -y[0]]')}"
-    asked = ", ".join({POSITION: "q", VELOCITY: "v", TIME: "t"}[role] for role in calls.asks or (POSITION,))
+    asked = ", ".join(
+        {POSITION: "q", VELOCITY: "v", TIME: "t", BESIDES: "_"}[role] for role in calls.asks or (POSITION,)
+    )
     force = f"lambda {asked}: {-calls.factor:g} * q" if calls.factor != 1 else f"lambda {asked}: -q"
     function = {FORCE: force, FIELD: rates}.get(calls.kind, "")
     slope = (v, -q) if calls.kind == FIELD else (-calls.factor * q,)

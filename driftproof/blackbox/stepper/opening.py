@@ -24,6 +24,7 @@ from driftproof.blackbox.stepper.array_adapters import (
     scalar_adapter_of,
 )
 from driftproof.blackbox.stepper.calling_conventions import (
+    BESIDES,
     FIELD,
     IMEX,
     IMPLICIT,
@@ -34,6 +35,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     ROTATION,
     STATE,
     TIME_SLOPE,
+    VELOCITY,
     CallingConvention,
     conventions_of,
 )
@@ -168,9 +170,25 @@ def _tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     subject.format = next((fmt for name, fmt in _FORMATS.items() if any(t.endswith(name) for t in types)), BINARY64)
     run = subject.convention.run or subject.log.layout is not None  # a generator goes on
     subject.convention = replace(subject.convention, run=run, asks=subject.log.asks)
+    if subject.gives_velocities and not _moves_along(subject):
+        subject.convention = replace(
+            subject.convention, asks=tuple(BESIDES if role == VELOCITY else role for role in subject.log.asks)
+        )
     # At rest a step written into its arguments changes nothing: that it works in place must be known by then.
     subject.log = CallLog(works_in_place=subject.log.works_in_place, layout=subject.log.layout)
     return subject
+
+
+def _moves_along(subject: ForeignStepper) -> bool:
+    """Whether what looks like the velocity that a force is given is that of another state, too: no constant."""
+    seen: list[float] = []
+
+    def force(t: float, q: Sequence[float], v: Sequence[float]) -> Sequence[float]:
+        seen.extend((*q, *v))
+        return [0.0]
+
+    subject.step_dragged(force, 0.0, [3.0], [-2.0], _TINY)
+    return np.allclose(seen[:2], [3.0, -2.0], rtol=0, atol=_AS_CARRIED)
 
 
 def _held_to_its_end(carried: Any, end: Sequence[float], convention: CallingConvention) -> None:

@@ -194,7 +194,7 @@ def part_pair(answer: Foreign) -> Foreign:
         return answer
     parts: Mapping[str, Foreign] = answer if isinstance(answer, Mapping) else vars(answer)
     named = [next((x for name, x in parts.items() if _role(name) == role), None) for role in (POSITION, VELOCITY)]
-    return list(parts.values()) if None in named else named
+    return list(parts.values()) if any(part is None for part in named) else named
 
 
 def _role(name: str) -> str | None:

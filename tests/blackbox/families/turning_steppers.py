@@ -99,6 +99,15 @@ def in_plane(x, v, E, B, dt):
     return (x[0] + dt * u, x[1] + dt * w), (u, w)
 
 
+def shown_as(form: Callable[[Any, Any], Any], dtype: type = np.float64):
+    """Boris' step that works in this format, and returns position and velocity in this form."""
+
+    def step(x, v, E, B, dt):
+        return form(*boris()(*(np.asarray(part, dtype) for part in (x, v, E, B)), dtype(dt)))
+
+    return step
+
+
 def runge_kutta(key: str):
     """A Runge-Kutta method of x' = v, v' = E(x) + v x B(x)."""
     method: Any = METHODS[key]
@@ -149,6 +158,8 @@ LEAPFROG = "v stands half a step behind x"
 RIGHT_PUSHES = [
     (boris(), f"it is boris; {LEAPFROG}"), (kinetic, "it is boris"), (by_ratio, f"it is boris; {LEAPFROG}"),
     (drifting, "it is boris"), (solved, f"it is boris; {LEAPFROG}"), (in_place, f"it is boris; {LEAPFROG}"),
+    *((shown_as(form), f"it is boris; {LEAPFROG}") for form in (lambda *parts: np.concatenate(parts),
+      lambda x, v: {"x": x, "v": v})), (shown_as(lambda *parts: parts, np.float32), f"it is boris; {LEAPFROG}"),
     (in_rows, f"it is boris; {LEAPFROG}"), (in_plane, f"it is boris; {LEAPFROG}"),
     (boris(drift=(0.5, 0.5)), "it is boris"),
     *((runge_kutta(key), f"it is {key} of v' = E + v x B") for key in ("rk4", "midpoint2", "kutta3")),
@@ -240,6 +251,11 @@ def into(q, w, dt):
     q += dt * body(q, w)
 
 
+def single(q, omega, dt):
+    """Euler's step in binary32."""
+    return (np.asarray(q, np.float32) + np.float32(dt) * body(q, omega).astype(np.float32)).astype(np.float32)
+
+
 def one_sign(q, omega, dt):
     """Euler's step written out, one sign wrong."""
     w, x, y, z = q
@@ -270,7 +286,7 @@ RIGHT_QUATERNIONS = [
     (turned_by(np.arctan), "it is forward_euler, made one of length 1 again, of q' = q omega/2 (scalar first)"),
     (scalar_last, "it is forward_euler of q' = q omega/2 (scalar last)"),
     (by_matrix, "it is implicit_midpoint of q' = q omega/2 (scalar first)"),
-    (into, "it is forward_euler of q' = q omega/2 (scalar first)"),
+    *((step, "it is forward_euler of q' = q omega/2 (scalar first)") for step in (into, single)),
     (turned_by(np.sin), "it is no rotation that is known here of q' = q omega/2 (scalar first), of order 2"),
 ]  # fmt: skip
 WRONG_QUATERNIONS = [

@@ -41,7 +41,7 @@ def test_what_has_none_is_refused():
         read_coefficients(opened(lambda q, v, h: (q + h * v, v - h * q)))
 
 
-@pytest.mark.parametrize(("step", "key"), RIGHT, ids=[f"{step.__name__}-{key}" for step, key in RIGHT])
+@pytest.mark.parametrize(("step", "key"), RIGHT, ids=range(len(RIGHT)))
 def test_a_step_whose_force_is_given_right_velocities_is_its_method_and_raises_no_alarm(step, key):
     found = verify(step, key, examples=20, isolate=False)
     assert found.passed, found.text()
