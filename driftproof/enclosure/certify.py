@@ -12,11 +12,11 @@ from flint import arb, ctx
 
 from driftproof.enclosure.certificate import BallRows, Certificate, Split, decimal, right_digits
 from driftproof.enclosure.exact_runs import Row, StepPlan, plan_of
-from driftproof.enclosure.fields import RightHandSide, enclosed_rates, rebound
+from driftproof.enclosure.fields import RightHandSide, rebound
 from driftproof.enclosure.invariants import GivenInvariants, drift_of, invariants_of
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
 from driftproof.enclosure.solutions import BITS_AT_FIRST, Enclosure, enclose_solution
-from driftproof.enclosure.steps import jacobian_of, size
+from driftproof.enclosure.steps import linearised, size
 from driftproof.enclosure.text_fields import GivenField, right_hand_side
 from driftproof.enclosure.trajectories import Trajectory, has_trajectory, read_trajectory, trajectory_of
 from driftproof.methods.field_text import field_of_file
@@ -198,26 +198,37 @@ def within(found: Certificate, tolerance: float) -> bool:
 
 
 def _require_reproduced(f: RightHandSide, times: list[float], states: list[list[float]]) -> None:
-    """f in floats has to be f in balls, up to what rounding does, at points of the trajectory."""
-    ours = rebound(f)
-    for i in sorted({len(times) * k // MOST_REPRODUCED for k in range(MOST_REPRODUCED)}):
+    """f in floats has to be f in balls, up to what rounding does, at points of the trajectory.
+
+    It is called there and back, so that what has a memory, a switch say, is noticed.
+    """
+    ours, looked_at = rebound(f), sorted({len(times) * k // MOST_REPRODUCED for k in range(MOST_REPRODUCED)})
+    there = [_rates_in_floats(f, times[i], states[i]) for i in looked_at]
+    back = [_rates_in_floats(f, times[i], states[i]) for i in reversed(looked_at)]
+    for i, given, once_more in zip(looked_at, there, reversed(back), strict=True):
         t, y = times[i], states[i]
-        try:
-            given = np.asarray(f(t, np.array(y)), dtype=float).ravel()
-        except Exception as error:  # a user's function raises what it likes
-            said = " ".join(str(error).split())
-            raise Refused(f"f fails in floats at t = {t}: {type(error).__name__}: {said}") from None
-        evaluation = Evaluation()
-        time, balls = Enclosed(evaluation, arb(t)), [arb(x) for x in y]
-        rates = [arb(rate.value) for rate in enclosed_rates(ours, time, [Enclosed(evaluation, x) for x in balls])]
+        balls = [arb(x) for x in y]
+        rates, slopes = linearised(ours, Enclosed(Evaluation(), arb(t)), balls)
         if len(given) != len(rates):
             raise Refused(f"f returns {len(given)} rates for {len(rates)} components")
-        slopes = jacobian_of(ours, Enclosed(Evaluation(), arb(t)), balls)
         moved = [sum((abs(J * x) for J, x in zip(row, balls, strict=True)), arb(0)) for row in slopes]
         allowed = REPRODUCED * (size(rates) + size(moved))
-        for j, (a, b) in enumerate(zip(given.tolist(), rates, strict=True)):
+        if not allowed.is_finite():
+            raise Refused(f"f or its derivative is not finite at t = {t}")
+        for j, (a, again, b) in enumerate(zip(given, once_more, rates, strict=True)):
+            if abs(arb(a) - again) > 2 * allowed:
+                raise Refused(f"f is {a!r} at t = {t}, component {j}, and {again!r} when it is called again")
             if not abs(arb(a) - b) <= allowed:
                 raise Refused(f"f in floats is {a!r} at t = {t}, component {j}; in balls it is {decimal(b)}")
+
+
+def _rates_in_floats(f: RightHandSide, t: float, y: list[float]) -> list[float]:
+    try:
+        rates: list[float] = np.asarray(f(t, np.array(y)), dtype=float).ravel().tolist()
+    except Exception as error:  # a user's function raises what it likes
+        said = " ".join(str(error).split())
+        raise Refused(f"f fails in floats at t = {t}: {type(error).__name__}: {said}") from None
+    return rates
 
 
 def _errors(run: Trajectory, enclosed: Enclosure) -> BallRows:

@@ -19,7 +19,7 @@ FAST = 2.0
 # An eigenvalue of which less is imaginary is taken for real.
 REAL = 1e-12
 # Directions with this condition number, and above, are nearly dependent.
-DEPENDENT = 1e3
+DEPENDENT = 30
 
 
 @dataclass(frozen=True)
@@ -34,6 +34,12 @@ class Coordinates:
         """T⁻¹ m without what belongs to the fast directions."""
         rows = m.tolist()
         return self.inverse * arb_mat([row if i < self.slow else [0] * len(row) for i, row in enumerate(rows)])
+
+    @property
+    def fast(self) -> arb_mat:
+        """The fast directions, as columns."""
+        columns = self.inverse.transpose().tolist()[self.slow :]
+        return arb_mat(columns).transpose() if columns else arb_mat(self.inverse.nrows(), 0)
 
 
 def nearly_diagonal(jacobian: Sequence[Sequence[arb]], step: arb, sizes: Sequence[float]) -> Coordinates:
@@ -89,29 +95,33 @@ def _orthogonal(column: Sequence[arb], others: Sequence[Sequence[arb]]) -> list[
     return rest
 
 
-def basis_around(image: arb_mat, widths: arb_mat, at_end: Coordinates, sizes: Sequence[float]) -> arb_mat:
-    """For a set image·z, |z| <= widths, of as many dimensions as are slow: its longest directions, and the fast ones.
+def basis_around(image: arb_mat, widths: arb_mat, fast: arb_mat, sizes: Sequence[float | arb]) -> arb_mat:
+    """For a set image·z, |z| <= widths: its longest directions, as many as are slow, and the fast ones.
 
-    Where these are nearly dependent: the orthogonal ones of QR factors, the longest first (lohner-1987).
+    What only turns stays as it is so. Orthogonal directions, of QR factors, would widen it by |R| step after step: they
+    are for directions that are nearly dependent, the longest first (lohner-1987).
     """
-    lengths = np.array([float(x) for x in widths.entries()])
-    weighted = _floats(image, sizes) * (lengths / lengths.max() if lengths.max() > 0 else 1.0)
+    widest = max(widths.entries(), key=arb.mid)
+    lengths = np.array([float(x / widest) if widest > 0 else 1.0 for x in widths.entries()])
+    directions = _floats(image, sizes)
+    weighted = directions * lengths
     if not np.isfinite(weighted).all():
         raise Refused("the bound of the errors is not finite")
     rest, chosen = weighted.copy(), list[int]()
-    for _ in range(at_end.slow):
+    for _ in range(len(sizes) - fast.ncols()):
         norms = np.linalg.norm(rest, axis=0)
+        norms[chosen] = -1
         chosen.append(int(np.argmax(norms)))
         along = rest[:, chosen[-1]] / max(norms.max(), 1e-300)
         rest = rest - np.outer(along, along @ rest)
-    found = np.column_stack([weighted[:, chosen], _floats(at_end.inverse, sizes)[:, at_end.slow :]])
+    found = np.column_stack([directions[:, chosen], _floats(fast, sizes)])
     found = found / np.maximum(np.linalg.norm(found, axis=0), 1e-300)
     if not np.linalg.cond(found) < DEPENDENT:
         order = np.argsort(-np.linalg.norm(weighted, axis=0), kind="stable")
         found, _ = np.linalg.qr(weighted[:, order] + 1e-300 * np.eye(len(sizes)))
-    return arb_mat([[float(x) * a for x in row] for row, a in zip(found, sizes, strict=True)])
+    return arb_mat([[arb(x) * a for x in row] for row, a in zip(found.tolist(), sizes, strict=True)])
 
 
-def _floats(m: arb_mat, sizes: Sequence[float]) -> Any:
+def _floats(m: arb_mat, sizes: Sequence[float | arb]) -> Any:
     """Rows in units of the sizes."""
-    return np.array([[float(x) / a for x in row] for row, a in zip(m.tolist(), sizes, strict=True)])
+    return np.array([[float(x / a) for x in row] for row, a in zip(m.tolist(), sizes, strict=True)])

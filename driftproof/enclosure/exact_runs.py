@@ -15,7 +15,7 @@ from flint import arb, ctx
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates, rebound
 from driftproof.enclosure.implicit_runs import implicit_step
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
-from driftproof.enclosure.steps import jacobian_of, size
+from driftproof.enclosure.steps import linearised, size
 from driftproof.enclosure.trajectories import Trajectory
 from driftproof.methods.number_field import Exact
 from driftproof.methods.rationals import ExactNumber
@@ -164,10 +164,7 @@ def _require_steps_of_method(plan: StepPlan, run: Trajectory) -> None:
     most = max(1, MOST_LOOKED_AT // max(plan.counts))
     for i in sorted({len(plan.counts) * k // most for k in range(most)}):
         t, n, h, y = plan.starts[i], plan.counts[i], plan.sizes[i], tuple(arb(x) for x in run.states[i])
-        slopes = jacobian_of(plan.f, Enclosed(Evaluation(), enclose(t)), y)
-        evaluation = Evaluation()
-        enclosed = enclosed_rates(plan.f, Enclosed(evaluation, enclose(t)), [Enclosed(evaluation, x) for x in y])
-        rates = [arb(x.value) for x in enclosed]
+        rates, slopes = linearised(plan.f, Enclosed(Evaluation(), enclose(t)), y)
         if isinstance(plan.method, Splitting | Nystrom):
             _require_second_order(plan.method, y, rates, slopes)
         if n > MOST_LOOKED_AT:

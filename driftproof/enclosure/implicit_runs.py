@@ -14,9 +14,9 @@ from typing import Any, TypeAlias
 
 from flint import arb, arb_mat, arb_poly, ctx
 
-from driftproof.enclosure.fields import RightHandSide, enclosed_rates
+from driftproof.enclosure.fields import RightHandSide
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
-from driftproof.enclosure.steps import size
+from driftproof.enclosure.steps import linearised, size
 from driftproof.methods.number_field import real_root_balls
 from driftproof.methods.schemes import Collocation, Method, RungeKutta
 from driftproof.symbolic.algebra.certified import enclose
@@ -60,7 +60,8 @@ def implicit_step(method: Method, f: RightHandSide, n: int) -> Callable[[_Row, F
             found, slopes = [], arb_mat(len(K), len(K))
             for i in stages:
                 moved = [sum((a[i][j] * K[j * n + m] for j in stages), arb(0)) for m in range(n)]
-                rates, rows = _rates_and_slopes(f, times[i], [x + width * d for x, d in zip(start, moved, strict=True)])
+                at_stage = [x + width * d for x, d in zip(start, moved, strict=True)]
+                rates, rows = linearised(f, Enclosed(Evaluation(), times[i]), at_stage)
                 found += [[K[i * n + m] - rates[m]] for m in range(n)]
                 for j in stages:
                     for m in range(n):
@@ -83,7 +84,7 @@ def implicit_step(method: Method, f: RightHandSide, n: int) -> Callable[[_Row, F
 
 def _newton(equations: Any, f: RightHandSide, t: arb, y: _Row, stages: int) -> list[arb]:
     """A point near a solution; ZeroDivisionError where a matrix is singular, or it does not come to rest."""
-    rates, _ = _rates_and_slopes(f, t, y)
+    rates, _ = linearised(f, Enclosed(Evaluation(), t), y, slopes=False)
     K = [x.mid() for x in rates] * stages
     for _ in range(_MOST_ITERATIONS):
         value, slopes = equations(K, y)
@@ -115,11 +116,3 @@ def _proved(equations: Any, y: _Row, point: list[arb]) -> list[arb]:
 
 def _middle(matrix: arb_mat) -> arb_mat:
     return arb_mat([[x.mid() for x in row] for row in matrix.tolist()])
-
-
-def _rates_and_slopes(f: RightHandSide, t: arb, y: _Row) -> tuple[list[arb], list[list[arb]]]:
-    """f(t, y) and its derivatives with respect to y, by rows."""
-    evaluation, n = Evaluation(), len(y)
-    state = [Enclosed(evaluation, x, tuple(int(i == j) for j in range(n))) for i, x in enumerate(y)]
-    rates = enclosed_rates(f, Enclosed(evaluation, t), state)
-    return [arb(x.value) for x in rates], [[arb(d) for d in x.partials or (0,) * n] for x in rates]

@@ -14,16 +14,17 @@ from fractions import Fraction
 import numpy as np
 from flint import arb, arb_mat, ctx
 
+from driftproof.enclosure.coordinates import basis_around
 from driftproof.enclosure.fields import RightHandSide, rebound
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, Stiff
 from driftproof.enclosure.steps import (
     SHORTEST_PART,
     EnclosedStep,
     Expansion,
-    Weights,
     balanced,
     decisions,
-    jacobian_of,
+    fewer_steps,
+    linearised,
     size,
 )
 from driftproof.enclosure.stiff import StiffPath
@@ -33,16 +34,20 @@ from driftproof.symbolic.algebra.certified import enclose
 BITS_AT_FIRST = 128
 # Each coefficient gains 7/8 of them: h is 2^(-21/8) of the radius of convergence, near the e⁻² that costs least.
 BITS_PER_COEFFICIENT = 3
-# Some minutes. A problem that needs more is stiff, or too long.
+# Some minutes with the bits of the first attempt. A problem that needs more is stiff, or too long.
 MOST_STEPS = 20_000
-# Steps after which it is looked at how many there will be, all being as the last, or as all so far.
-STEPS_OF_STIFF, STEPS_OF_LONG = 20, 1000
+# With more than these, a few steps take as long.
+MOST_COMPONENTS = 150
+# Steps after which it is looked at how many there will be, all being as the last; parts of those allowed after which
+# they are too many, all being as those so far, and ten times too many in both ways.
+STEPS_OF_STIFF, PART_OF_LONG, PART_OF_FAR_TOO_LONG = 20, Fraction(1, 20), Fraction(1, 200)
 # A stiff problem with fewer left is done explicitly: implicit steps are as long as fifty to a thousand of those.
 MOST_STIFF_STEPS = 2000
 # What is stiff: some direction shrinks to less than this in a step, and steps do not get shorter, as before a pole.
-SHRUNK = 0.6
-# No problem needs a longer one; shorter are found by trying.
-LONGEST_STEP = Fraction(2) ** 20
+SHRUNK = 0.4
+# No problem needs a longer first one; shorter are found by trying. Further ones are a sixth of the radius of
+# convergence, which becomes larger by no more than the step's length.
+LONGEST_STEP, LONGER = Fraction(2) ** 20, Fraction(5, 4)
 
 
 @dataclass(frozen=True)
@@ -70,15 +75,18 @@ def enclose_solution(
 
     Raises Refused where nothing rigorous can be said: see `driftproof.enclosure.numbers`.
     """
-    with ctx.workprec(bits):
+    with ctx.workprec(bits), np.errstate(all="ignore"):
         function, balls = rebound(f), [x if isinstance(x, arb) else enclose(x) for x in start]
         explicit = _Path(function, balls, times, bits)
         path: _Path | StiffPath = explicit
         try:
-            states = [explicit.states_at(t) for t in times]
-        except Stiff:
-            path = StiffPath(function, balls, times[0], times[-1], 16 * explicit.lengths[-1])
-            states = [path.states_at(t) for t in times]
+            try:
+                states = [explicit.states_at(t) for t in times]
+            except Stiff:
+                path = StiffPath(function, balls, times[0], times[-1], 16 * explicit.lengths[-1])
+                states = [path.states_at(t) for t in times]
+        except (OverflowError, ZeroDivisionError, np.linalg.LinAlgError):  # in what is guessed, not in what is proved
+            raise Refused("f or the solution has sizes beyond those of doubles") from None
         return Enclosure(tuple(times), tuple(states), bits, path.steps, tuple(sorted(explicit.doubles | path.doubles)))
 
 
@@ -91,7 +99,10 @@ class _Path:
         self.length = bits // BITS_PER_COEFFICIENT
         self.doubles: set[float] = set()
         n = len(balls)
-        self.point = [x.mid() for x in balls]
+        if n > MOST_COMPONENTS:
+            raise Refused(f"{n} components are too many; at most {MOST_COMPONENTS} are enclosed")
+        self.most = fewer_steps(MOST_STEPS, n)
+        self.point = [(x + 0).mid() for x in balls]  # of no more bits than a step's polynomial has
         self.basis = arb_mat([[int(i == j) for j in range(n)] for i in range(n)])
         self.box = arb_mat([[x - m] for x, m in zip(balls, self.point, strict=True)])
         self.step: EnclosedStep | None = None
@@ -118,10 +129,11 @@ class _Path:
         self.point_before, self.error_before = self.point, error
         decided = decisions(self.f, self.t, self.point, self.doubles)
         if self.step is not None:
-            longest, weights = 4 * self.step.h, self.step.next_weights
+            longest, weights = LONGER * self.step.h, self.step.next_weights
         else:
             time = Enclosed(Evaluation(), enclose(self.t))
-            longest, weights = LONGEST_STEP, balanced(jacobian_of(self.f, time, self.point), [arb(1)] * len(error))
+            _, jacobian = linearised(self.f, time, self.point)
+            longest, weights = LONGEST_STEP, balanced(jacobian, [arb(1)] * len(error))
         self.step = Expansion(self.f, self.t, self.point, self.length, decided, weights).step(longest, error)
         self._refuse_what_does_not_end(self.step)
 
@@ -134,11 +146,11 @@ class _Path:
         self.lengths.append(step.h)
         lasting = self.steps >= STEPS_OF_STIFF and 2 * step.h > self.lengths[-STEPS_OF_STIFF // 2]
         if lasting and left > MOST_STIFF_STEPS * step.h and _shrinks(step.flow):
-            raise Stiff(
-                f"stiff: {float(left / step.h):.1g} explicit steps would lead from t = {float(self.t):.4g} to the end"
-            )
-        if self.steps >= STEPS_OF_LONG and left * self.steps > MOST_STEPS * gone:
-            raise Refused(f"too long: {self.steps} steps lead to t = {float(self.t):.6g}, {MOST_STEPS} will not do")
+            raise Stiff(f"stiff: steps from t = {float(self.t):.4g} to the end would be too many")
+        part, as_all, as_last = Fraction(self.steps, self.most), left * self.steps / gone, left / step.h
+        far_too_long = lasting and part >= PART_OF_FAR_TOO_LONG and min(as_all, as_last) > 10 * self.most
+        if far_too_long or (part >= PART_OF_LONG and as_all > self.most):
+            raise Refused(f"too long: {self.steps} steps lead to t = {float(self.t):.6g}, {self.most} will not do")
 
     def _carry(self, step: EnclosedStep) -> None:
         """From the start of the step to its end: the thin point, and the set of errors around it."""
@@ -146,29 +158,12 @@ class _Path:
         self.point = [x.mid() for x in values]
         made = arb_mat([[x - m + e] for x, m, e in zip(values, self.point, step.around(near), strict=True)])
         image = step.flow * self.basis
-        basis = _near_orthogonal(image, self.box, step.weights)
+        no_fast_ones = arb_mat(len(self.point), 0)
+        widths = arb_mat([[arb(x.rad())] for x in self.box.entries()])
+        basis = basis_around(image, widths, no_fast_ones, step.weights)
         inverse = basis.inv()
         self.box = (inverse * image) * self.box + inverse * made
         self.basis, self.t = basis, step.t + step.h
-
-
-def _near_orthogonal(image: arb_mat, box: arb_mat, weights: Weights) -> arb_mat:
-    """The Q of the QR factors of the middle of `image`, longest columns first; thin, and only nearly orthogonal.
-
-    In units of the weights.
-    """
-    widest = size(x.rad() for x in box.entries())
-    widths = [float(x.rad() / widest) if widest > 0 else 1.0 for x in box.entries()]
-    columns = np.array(
-        [
-            [float(x.mid() / d) * w for x, w in zip(row, widths, strict=True)]
-            for row, d in zip(image.tolist(), weights, strict=True)
-        ]
-    )
-    order = np.argsort(-np.linalg.norm(columns, axis=0), kind="stable")
-    q, _ = np.linalg.qr(columns[:, order] + 1e-300 * np.eye(len(columns)))
-    q = q if np.isfinite(q).all() and abs(np.linalg.det(q)) > 0.5 else np.eye(len(q))
-    return arb_mat([[float(x) * d for x in row] for row, d in zip(q, weights, strict=True)])
 
 
 def _shrinks(flow: arb_mat) -> bool:

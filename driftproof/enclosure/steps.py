@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import frexp
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -24,7 +23,7 @@ from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, series
 from driftproof.symbolic.algebra.certified import enclose
 
 # Coefficients of the variational equation, whose relative accuracy of some 2⁻³⁰ is ample: it multiplies what is tiny.
-VARIATIONAL_LENGTH = 12
+VARIATIONAL_LENGTH = 14
 # A step that fails is made shorter, at most so often: from any sensible first length to below 2⁻⁶⁰ of it.
 SHORTER, MOST_SHORTENINGS = Fraction(5, 8), 90
 # A step is shortened until what it adds is this small, relative to the state and to the derivative of the flow: 2⁻¹⁶ of
@@ -90,6 +89,11 @@ def size(values: Iterable[arb]) -> arb:
     return largest
 
 
+def fewer_steps(most: int, components: int) -> int:
+    """As many as take about as long as `most` of 128 bits and twelve components."""
+    return int(most * min(1, 128 / ctx.prec) * min(1, (12 / components) ** 2))
+
+
 def decisions(f: RightHandSide, t: Fraction, y: Sequence[arb], seen: set[float]) -> list[bool]:
     """Which branches f takes at a point; the doubles that it reads are added to `seen`."""
     evaluation = Evaluation(doubles=seen)
@@ -136,14 +140,14 @@ class Expansion:
         return self._size(abs(row[0]).max(arb(1)) for row in self.rows) * arb(2) ** -int(BITS_OF_A_STEP * ctx.prec)
 
     def _first_length(self) -> Fraction:
-        """Eight bits of the length at which the last coefficients come down to the tolerance."""
-        lengths, wanted = [1e12], self._tolerance()
+        """Eight bits of the length at which the last coefficients come below the tolerance, which most steps keep."""
+        logarithms, wanted = [40.0], self._tolerance() / 8
         for k in (self.length - 2, self.length - 1):
             most = self._size(row[k] for row in self.rows)
             if most > 0:
-                lengths.append(2.0 ** (float((wanted / most).log() / arb(2).log()) / k))
-        mantissa, exponent = frexp(min(lengths))
-        return int(mantissa * 256) * Fraction(2) ** (exponent - 8)
+                logarithms.append(float((wanted / most).log() / arb(2).log()) / k)
+        exponent, part = divmod(min(logarithms), 1)
+        return int(2**part * 256) * Fraction(2) ** int(exponent - 8)
 
     def _attempt(self, h: Fraction, spread: arb) -> EnclosedStep | None:
         step = enclose(h)
@@ -200,7 +204,7 @@ class Expansion:
             TaylorModel(p, length) + arb(0, (radius * d).upper())
             for p, d in zip(polynomials, self.weights, strict=True)
         ]
-        rows = jacobian_of(self.f, self._time(evaluation, step, length), box)
+        _, rows = linearised(self.f, self._time(evaluation, step, length), box)
         return self._scaled(
             [[x if isinstance(x, TaylorModel) else TaylorModel([x], length) for x in row] for row in rows], 1
         )
@@ -248,15 +252,10 @@ def _coefficient(value: Any, k: int) -> arb:
     return arb(value[k])
 
 
-def jacobian_of(f: RightHandSide, time: Enclosed, y: Sequence[Any]) -> list[list[Any]]:
-    """∂f/∂y by rows, in the arithmetic of y; constant entries are balls."""
-    return linearised(f, time, y)[1]
-
-
 def linearised(
     f: RightHandSide, time: Enclosed, y: Sequence[Any], *, slopes: bool = True
 ) -> tuple[list[Any], list[list[Any]]]:
-    """f and, unless it is not asked for, ∂f/∂y by rows."""
+    """f and, unless it is not asked for, ∂f/∂y by rows, in the arithmetic of y; constant entries are balls."""
     n = len(y)
     seeds = [tuple(int(i == j) for j in range(n)) if slopes else None for i in range(n)]
     state = [Enclosed(time.evaluation, value, seed) for value, seed in zip(y, seeds, strict=True)]

@@ -23,7 +23,7 @@ from driftproof.enclosure.coordinates import Coordinates, basis_around, nearly_d
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates
 from driftproof.enclosure.models import TaylorModel, bounds, coefficients_of, ranges, value_at
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
-from driftproof.enclosure.steps import jacobian_of
+from driftproof.enclosure.steps import fewer_steps, linearised
 from driftproof.symbolic.algebra.certified import enclose
 
 # Bits for each stage: with 18 stages of 128 bits, steps are about as long as from the singularity nearest to them.
@@ -76,7 +76,7 @@ class StiffPath:
     ) -> None:
         """Work with Arb's present precision; `step` is a guess of the first one."""
         self.f, self.t, self.last, self.steps, self.n = f, first, last, 0, len(start)
-        m = ctx.prec // BITS_PER_STAGE
+        self.most, m = fewer_steps(MOST_STEPS, self.n), ctx.prec // BITS_PER_STAGE
         self.length = 2 * m + 2
         self.method = collocation(m, ctx.prec, self.length)
         self.tolerance = 2.0 ** -float(BITS_OF_A_STEP * ctx.prec)
@@ -98,8 +98,8 @@ class StiffPath:
     def advance(self) -> StiffStep:
         """The next step. Raises Refused where none is found."""
         self.steps += 1
-        if self.steps > MOST_STEPS:
-            raise Refused(f"{MOST_STEPS} implicit steps lead to t = {float(self.t):.9g} only")
+        if self.steps > self.most:
+            raise Refused(f"{self.most} implicit steps lead to t = {float(self.t):.9g} only")
         reason = "the errors so far grow too fast"
         for _ in range(MOST_TRIES):
             h = min(_short(self.h), self.last - self.t)
@@ -172,7 +172,7 @@ class StiffPath:
     def _carry(self, step: StiffStep, middle: Coordinates, last: arb_mat, sizes: Sequence[float]) -> None:
         """The set of errors at the end, in a new basis."""
         image = value_at(step.flow, arb(1))
-        basis = basis_around(image, step.widths, middle, sizes)
+        basis = basis_around(image, step.widths, middle.fast, sizes)
         back = basis.inv()
         widths = sizes_of(back * image) * step.widths + sizes_of(back * middle.inverse) * last
         self.set = ErrorSet([arb(p(1)) for p in step.polynomials], basis, sizes_of(widths))
@@ -199,7 +199,7 @@ class StiffPath:
         self, step: arb, polynomials: Sequence[arb_poly], sizes: Sequence[float], sigma: int
     ) -> Coordinates:
         time = Enclosed(Evaluation(), enclose(self.t) + step * (1 + sigma) / 2)
-        return nearly_diagonal(jacobian_of(self.f, time, [arb(p(sigma)) for p in polynomials]), step, sizes)
+        return nearly_diagonal(linearised(self.f, time, [arb(p(sigma)) for p in polynomials])[1], step, sizes)
 
     def _time(self, step: arb) -> Enclosed:
         time = TaylorModel([enclose(self.t) + step / 2, step / 2], self.length)
@@ -226,9 +226,8 @@ class StiffPath:
         """M of T J̄ T⁻¹, and a bound of T (J̄V - V'), for all mean Jacobians J̄ between v and the box around it."""
         (T, inverse), length, n = coordinates, self.length, self.n
         state = [TaylorModel(p, length) + arb(0, b.upper()) for p, b in zip(polynomials, box.entries(), strict=True)]
-        rows = [
-            [TaylorModel([arb(0)], length) + x for x in row] for row in jacobian_of(self.f, self._time(step), state)
-        ]
+        _, rows = linearised(self.f, self._time(step), state)
+        rows = [[TaylorModel([arb(0)], length) + x for x in row] for row in rows]
         coefficients, tails = coefficients_of(rows, length)
         TJ, tails = [T * c for c in coefficients], sizes_of(T) * tails
         J = ranges(self.method.chebyshev, [c * inverse for c in TJ])

@@ -111,6 +111,16 @@ def test_trajectory_without_error_has_every_digit():
     assert (found.digits, float(found.largest_error)) == (17, 0.0)
 
 
+class Thermostat:
+    """A heater that goes on below 1 and off above 2: between them its rate depends on the past."""
+
+    heats = False
+
+    def __call__(self, t, y):
+        self.heats = y[0] < 2 if self.heats else y[0] < 1
+        return [3.0 - y[0] if self.heats else -y[0]]
+
+
 def smooth_in_floats_only(t, y):
     return np.asarray(y * 0.5) if isinstance(y[0], float) else y
 
@@ -130,6 +140,10 @@ REFUSED = {
     r"f fails in floats at t = 0\.0: ZeroDivisionError": (lambda t, y: [1 / int(t)], [0, 1], [[1.0], [1.0]]),
     r"f compares numbers that the enclosure cannot tell apart": (lambda t, y: np.abs(y), [0, 1], [[0.0], [0.0]]),
     r"a pole, or .* is ahead near t = 1": (lambda t, y: y**2, [0.0, 1.5], [[1.0], [5.0]]),
+    r"f is 1\.5 at t = 1\.0, component 0, and -1\.5 when it is called again": (
+        Thermostat(), [0, 1, 2], [[0.5], [1.5], [2.5]]),
+    r"f or its derivative is not finite at t = 0": (lambda t, y: -np.arcsin(y), [0, 1], [[1.0], [0.5]]),
+    r"151 components are too many; at most 150 are enclosed": (lambda t, y: -y, [0, 1], np.ones((2, 151))),
     r"math\.floor, which has no enclosure|turns a number into a float": (
         lambda t, y: [np.floor(y[0])], [0, 1], [[1.0], [2.0]]),
 }  # fmt: skip

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from math import cos, sin
+
 import pytest
 from flint import arb, arb_mat
 
+from driftproof.enclosure import coordinates
+from driftproof.enclosure.comparison import sizes_of
 from driftproof.enclosure.coordinates import Coordinates, basis_around, nearly_diagonal
 from driftproof.enclosure.numbers import Refused
 
@@ -53,7 +57,7 @@ def test_slow_directions_need_no_eigenvectors():
 )
 def test_basis_is_near_to_the_set(image, slow, wanted):
     end = Coordinates(arb_mat([[1, 0], [0, 1]]), arb_mat([[1, 0], [0, 1]]), slow)
-    basis = basis_around(arb_mat(image), arb_mat([[1], [2]]), end, [1.0, 1.0])
+    basis = basis_around(arb_mat(image), arb_mat([[1], [2]]), end.fast, [1.0, 1.0])
     columns = basis.transpose().tolist()
     if wanted is None:
         assert abs(sum((x * y for x, y in zip(*columns, strict=True)), arb(0))) < 1e-12
@@ -64,3 +68,25 @@ def test_basis_is_near_to_the_set(image, slow, wanted):
         for row in (back * arb_mat(image)).tolist()
     ]
     assert max(widths) < 5
+
+
+def widened(steps):
+    """How wide the unit box becomes that turns in three skewed planes, by the angles 1, 2 and 3 in each step."""
+    turn = arb_mat([[0] * 6 for _ in range(6)])
+    for k, angle in enumerate((1, 2, 3)):
+        for i, row in enumerate([(cos(angle), -sin(angle)), (sin(angle), cos(angle))]):
+            turn[2 * k + i, 2 * k], turn[2 * k + i, 2 * k + 1] = row
+    skew = arb_mat([[1 / (1 + abs(i - j)) for j in range(6)] for i in range(6)])
+    flow, no_fast_ones = skew * turn * skew.inv(), arb_mat(6, 0)
+    basis, widths = arb_mat([[int(i == j) for j in range(6)] for i in range(6)]), arb_mat([[1]] * 6)
+    for _ in range(steps):
+        image = flow * basis
+        basis = basis_around(image, widths, no_fast_ones, [1.0] * 6)
+        widths = sizes_of(basis.inv() * image) * widths
+    return max(float(x) for x in (sizes_of(basis) * widths).entries())
+
+
+def test_what_only_turns_is_not_widened_as_orthogonal_bases_would(monkeypatch):
+    assert widened(200) < 20
+    monkeypatch.setattr(coordinates, "DEPENDENT", 1)
+    assert widened(200) > 1e4

@@ -87,10 +87,28 @@ def test_stiff_problem_is_done_by_implicit_steps():
     assert found.doubles == ()
 
 
-def test_fast_oscillation_for_long_is_refused(monkeypatch):
-    monkeypatch.setattr(solutions, "STEPS_OF_LONG", 30)
-    with pytest.raises(Refused, match=r"too long: 30 steps lead to t = .*, 20000 will not do"):
-        enclose_solution(lambda t, y: [y[1], -y[0]], [Fraction(1), Fraction(0)], [Fraction(0), Fraction(10**7)], 64)
+@pytest.mark.parametrize(("end", "looked_at"), [(20_000, 300), (10**300, 30)], ids=str)
+def test_fast_oscillation_for_long_is_refused_and_for_far_too_long_at_once(end, looked_at, monkeypatch):
+    monkeypatch.setattr(solutions, "MOST_STEPS", 6000)
+    with pytest.raises(Refused, match=rf"too long: {looked_at} steps lead to t = .*, 6000 will not do"):
+        enclose_solution(lambda t, y: [y[1], -y[0]], [Fraction(1), Fraction(0)], [Fraction(0), Fraction(end)], 64)
+
+
+def test_sizes_beyond_doubles_are_refused():
+    with pytest.raises(Refused, match="f or the solution has sizes beyond those of doubles"):
+        enclose_solution(
+            lambda t, y: [10**200 * y[1] - 1000 * y[0], -(10**-200) * y[0] - 1000 * y[1]],
+            [Fraction(1), Fraction(1, 10**200)],
+            [Fraction(0), Fraction(100)],
+        )
+
+
+def test_start_of_more_bits_than_are_worked_with_is_enclosed():
+    with ctx.workprec(400):
+        start = [arb(1).exp()]
+    found = enclose_solution(lambda t, y: -y, start, [Fraction(0), Fraction(1)], 64)
+    with ctx.workprec(400):
+        assert found.states[-1][0].contains(1)
 
 
 def test_pendulum_agrees_with_jacobi_functions():
@@ -124,7 +142,7 @@ def test_rational_start_is_no_double():
 
 def holds_neighbours(module):
     """y' = y from [1 - r, 1 + r]: both ends' solutions lie within, and the radius is theirs up to 1 %."""
-    r, times = arb(2) ** -40, [Fraction(k, 3) for k in range(12)]
+    r, times = arb(2) ** -40, [Fraction(k, 3) for k in range(15)]
     with ctx.workprec(128):
         found = module.enclose_solution(lambda t, y: y, [arb(1, r)], times)
         for t, (x,) in zip(times, found.states, strict=True):
