@@ -67,7 +67,7 @@ BUDGETS = {
     "symbolic": 10733,
     "numeric": 3395,
     "blackbox": 16042,
-    "enclosure": 3108,
+    "enclosure": 3130,
     "texts": 6889,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5557

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Sequence
+from contextlib import suppress
+from functools import partial
 from types import BuiltinFunctionType, CellType, FunctionType, MethodType, ModuleType
 from typing import Any
 
@@ -31,6 +33,7 @@ def enclosed_rates(f: RightHandSide, t: Enclosed, y: Sequence[Enclosed]) -> list
     """f(t, y) in the arithmetic of its arguments, one number a component. Raises Refused where f cannot be run so."""
     state = np.empty(len(y), dtype=object)
     state[:] = y
+    refusals = Refused.made
     try:
         rates = np.asarray(f(t, state), dtype=object).ravel()
     except Refused:
@@ -39,6 +42,8 @@ def enclosed_rates(f: RightHandSide, t: Enclosed, y: Sequence[Enclosed]) -> list
         if function := re.match(r"ufunc '(\w+)' not supported", str(error)):
             raise Refused(f"f uses {function[1]}, which has no enclosure") from None
         raise Refused(f"f fails on enclosed numbers: {type(error).__name__}: {' '.join(str(error).split())}") from None
+    if Refused.made > refusals:  # what f does instead need not be what it does in floats
+        raise Refused("f catches the exception that refuses what it computes; let it pass")
     if len(rates) != len(y):
         raise Refused(f"f returns {len(rates)} rates for {len(y)} components")
     return [_lifted(rate, t.evaluation) for rate in rates]
@@ -51,7 +56,7 @@ def _lifted(rate: object, evaluation: Evaluation) -> Enclosed:
 def rebound(f: RightHandSide) -> RightHandSide:
     """f with the same text, whose names for math's functions and for arrays of floats mean ours.
 
-    A plain function, a method, or an object that is called; whatever it calls of its own module is treated alike.
+    A plain function, a method, a partial, or an object that is called; what it calls of its module is treated alike.
     What is of another kind (compiled code, say) is returned as it is, and is refused where it does not run.
     """
     result: RightHandSide = _rebound(f, {}, 0)
@@ -72,6 +77,8 @@ def _rebound(value: Any, known: dict[int, Any], depth: int) -> Any:
         return getattr(_MODULE_NUMPY, name)
     if isinstance(value, MethodType):
         return MethodType(_rebound(value.__func__, known, depth), value.__self__)
+    if isinstance(value, partial):
+        return partial(_rebound(value.func, known, depth), *value.args, **value.keywords)
     if isinstance(value, FunctionType):
         foreign = (value.__module__ or "").partition(".")[0] in ("numpy", "driftproof")
         return value if foreign or depth > _DEEPEST_CALLS else _rebound_function(value, known, depth)
@@ -83,10 +90,13 @@ def _rebound(value: Any, known: dict[int, Any], depth: int) -> Any:
 
 def _rebound_function(f: FunctionType, known: dict[int, Any], depth: int) -> FunctionType:
     names = dict(f.__globals__)
-    cells = tuple(CellType(_rebound(cell.cell_contents, known, depth + 1)) for cell in f.__closure__ or ())
+    cells = tuple(CellType() for _ in f.__closure__ or ())
     copy = FunctionType(f.__code__, names, f.__name__, f.__defaults__, cells or None)
     copy.__kwdefaults__ = f.__kwdefaults__
-    known[id(f)] = copy
+    known[id(f)] = copy  # before what it calls, which may call it
+    for cell, given in zip(cells, f.__closure__ or (), strict=True):
+        with suppress(ValueError):  # nothing is in it yet
+            cell.cell_contents = _rebound(given.cell_contents, known, depth + 1)
     for name in _names_of(f.__code__):
         if name in names:
             names[name] = _rebound(names[name], known, depth + 1)
@@ -149,9 +159,13 @@ class _Numpy(ModuleType):
 
     @staticmethod
     def array(values: Any, dtype: Any = None, **options: Any) -> Any:
-        """numpy.array, of objects where there are enclosed numbers among them."""
-        made = np.array(values, dtype=object)
-        return made if _holds_enclosed(made) else np.array(values, dtype=dtype, **options)
+        """numpy.array, of objects where there are enclosed numbers among them, which are not cut to shorter ones."""
+        made = np.array(values, dtype=object, **options)
+        if not _holds_enclosed(made):
+            return np.array(values, dtype=dtype, **options)
+        if dtype is not None and np.dtype(dtype) not in (np.dtype(float), np.dtype(object)):
+            raise Refused(f"f makes an array of {np.dtype(dtype)}, which has no enclosure")
+        return made
 
     asarray = array
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from numbers import Rational
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 from flint import arb, arb_series, fmpq
@@ -30,13 +30,17 @@ class Refused(ArithmeticError):
     ...     print(refusal)
     times have to increase: t[2] = 0.5 is not above t[1] = 1.0
 
-    `t` is the time that an enclosure came to, where more bits may lead further; None where they do not.
+    `t` is the time that an enclosure came to, where more bits may lead further; None where they do not. `made` counts
+    all refusals, so that one that f catches is noticed.
     """
+
+    made: ClassVar[int] = 0
 
     def __init__(self, message: str, t: Fraction | None = None) -> None:
         """Take the one line that says why."""
         super().__init__(message)
         self.t = t
+        Refused.made += 1
 
 
 class Stiff(Refused):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from math import exp as exponential
 from math import sin
 
@@ -95,6 +96,20 @@ def clipped(t, y):
     return np.clip(y, 0.75, 10.0) * np.sign(y) + np.where(y[0] > 0, y, 0.0) + np.vectorize(lambda x: -x)(y)
 
 
+def calling_each_other(t, y):
+    def rise(x, depth):
+        return fall(x, depth - 1) + fall(x, 0) if depth else math.sin(x)
+
+    def fall(x, depth):
+        return -rise(x, depth - 1) - rise(x, 0) if depth else math.exp(x)
+
+    return [rise(y[0], 3), fall(y[1], 2)]
+
+
+def scaled(t, y, factor):
+    return [math.cos(x) * factor for x in y]
+
+
 FIELDS = [
     *(filled, filled_by_name, through_helpers, of_many_functions, Oscillator().field, Oscillator()),
     lambda t, y: MATRIX @ y + np.cos(t),
@@ -104,6 +119,7 @@ FIELDS = [
     lambda t, y: np.maximum(y, 0.1) + np.empty_like(y).size,
     lambda t, y: [y[1] if t < 1 else y[0], 0],
     # As strangers write them.
+    *(calling_each_other, partial(scaled, factor=0.5)),
     *(guarded, in_place, out_of_pieces, of_a_matrix, by_axes, lists, clipped),
 ]
 
@@ -125,6 +141,13 @@ def caught(f, t=0.75, y=(0.625, 1.5)):
     return str(refusal.value)
 
 
+def catching(t, y):
+    try:
+        return [float(y[0]), 0]
+    except Exception:
+        return [1.0, 0]
+
+
 def into_a_buffer(t, y):
     MATRIX[0] = y
     return MATRIX[0]
@@ -141,6 +164,9 @@ def into_a_buffer(t, y):
         (lambda t, y: [float("nan") * y[0], 0], "f uses the constant nan"),
         (lambda t, y: {}["k"], "f fails on enclosed numbers: KeyError"),
         (lambda t, y: [f"{y[0]:.3f}", 0], "f fails on enclosed numbers: TypeError: unsupported format string"),
+        (catching, "f catches the exception that refuses what it computes; let it pass"),
+        (lambda t, y: np.array([y[1], 0], dtype=int), "f makes an array of int64, which has no enclosure"),
+        (lambda t, y: np.asarray(y, dtype="f4"), "f makes an array of float32, which has no enclosure"),
         (into_a_buffer, "and make arrays in f"),
         (lambda t, y: y.astype(float), "f turns a number into a float"),
         (lambda t, y: [y[0]], "f returns 1 rates for 2 components"),
