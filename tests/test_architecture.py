@@ -62,15 +62,15 @@ NOT_ELSEWHERE = "sympy"
 # of `derive` and facts as typed properties; blackbox verdicts that say what was seen, and implicit
 # stages, and its own sampler of steps, 100 lines; texts what docs and help show.
 BUDGETS = {
-    "support": 1097,
-    "methods": 5415,
+    "support": 1103,
+    "methods": 5424,
     "symbolic": 10733,
     "numeric": 3395,
-    "blackbox": 16042,
+    "blackbox": 16063,
     "enclosure": 3130,
-    "texts": 6889,
+    "texts": 6890,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5557
+BUDGET_OF_REPORTS_AND_FRONT = 5562
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 

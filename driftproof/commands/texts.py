@@ -58,7 +58,6 @@ def render_command(options: Namespace) -> str:
     cli.one_of(
         cli.option("--claims", "the claims, in TOML", metavar="FILE"),
         cli.flag("--init", "draft the claims from the text instead"),
-        required=True,
     ),
     cli.option("--ask", "with --init: a question whose value the text has", action="append", default=[]),
     cli.flag("--coverage", "list the numbers no claim covers, with suggestions"),
@@ -87,7 +86,8 @@ def check_command(options: Namespace) -> str:
     items, [1], addresses and formats such as :.6f. MyST roles and directives and macros of TeX are read as set.
 
     --init drafts what looks like our values, or like those that --ask names, each brace standing for its choices: a
-    number beside those that were chosen is the likelier. What it may only guess is a comment.
+    number beside those that were chosen is the likelier. What it may only guess is a comment. Of a problem that the
+    text solves itself only --ask knows: --ask "error of Heun with h={1/10,1/20} at t=1 on y'=-y, y(0)=1".
 
     --run runs the Python listings of the text, in order, in one process without a shell, within the time limit and
     2 GiB, and compares what each prints with the block that follows it, or with the lines under "Expected output:".
@@ -126,6 +126,9 @@ def check_command(options: Namespace) -> str:
 
     if options.init and (options.run or options.coverage or options.format != "text"):
         raise ValueError("--init drafts claims; --run, --coverage and --format need --claims")
+    if not options.init and options.claims is None:
+        draft = f"draft them with: driftproof check {options.text} --init > claims.toml"
+        raise ValueError(f"a text is held to its claims, --claims FILE; where there are none yet, {draft}")
     if options.init:
         return str(check(options.text, init=True, ask=options.ask))
     how = {name: getattr(options, name) for name in ("ask", "coverage", "run", "time_limit")}

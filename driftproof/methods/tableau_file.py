@@ -84,12 +84,19 @@ def read_method(path: str | Path) -> Method | Family | FactsOnly:
     return read_toml(path, LARGEST_FILE, lambda table: _method(table, Path(path).stem), MethodError)
 
 
+# What the weights of an estimate are called elsewhere.
+_OF_PAIR = ("b_hat", "bhat", "b_star", "b_err", "b2", "b_tilde", "be")
+
+
 def _method(table: TomlTable, name: str) -> Method | Family | FactsOnly:
     """The method or family that a TOML table defines, `name` its key where it has none. Raises ValueError."""
     family = as_choice(table.get("family"), "family", _FAMILIES)
     parametric = "parameter" in table and family == "runge_kutta"
     entries, build = _PARAMETRIC if parametric else _FAMILIES[family]
-    demand_keys(table, (*_COMMON, *entries), f"a {family}")
+    meant = next((key for key in table if key in _OF_PAIR and "b_embedded" in entries), None)
+    if meant is not None:
+        raise MethodError(f"{quoted(meant)} is called b_embedded here, with embedded_order beside it")
+    demand_keys(table, (*_COMMON, *entries), f"a {family}", "`driftproof facts --help` shows one")
     common, read = _common(table, name), _reader(table)
     seen: list[Exact] = []
 
@@ -191,9 +198,12 @@ def _number(value: object, where: str, read: Read) -> Any:
 
 
 def _square(table: TomlTable, read: Read, stages: int, name: str = "A") -> tuple[tuple[Any, ...], ...]:
-    rows = as_list(_entry(table, name), name, most=MOST_STAGES)
+    rows = [as_list(row, name, most=MOST_STAGES) for row in as_list(_entry(table, name), name, most=MOST_STAGES)]
+    for diagonal in (0, 1):  # only what stands below it, or below and on it
+        if len(rows) > 1 and all(len(row) == i + diagonal for i, row in enumerate(rows)):
+            rows = [[*row, *[0] * (len(rows) - len(row))] for row in rows]
     for i, row in enumerate(rows):
-        if len(as_list(row, f"{name}[{i}]", most=MOST_STAGES)) != len(rows):
+        if len(row) != len(rows):
             raise MethodError(f"{name} is not square: {name}[{i}] has {len(row)} entries, {name} has {len(rows)} rows")
     if len(rows) != stages:
         raise MethodError(f"{name} has {len(rows)} rows, the weights are {stages}; they must agree")

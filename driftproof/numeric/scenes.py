@@ -190,6 +190,8 @@ def read_scene(path: Path, problem_of: Callable[[str], Problem] = _problem_of_ou
 
 
 def _scene(table: TomlTable, name: str, problem_of: Callable[[str], Problem]) -> Scene:
+    if "rates" in table or "function" in table:
+        raise SceneError('it is a problem; a scene names it, problem = "FILE.toml", with selected, h and readouts')
     demand_keys(table, tuple(field.name for field in fields(Scene)), "a scene")
     problem = problem_of(as_text(table["problem"], "problem")) if "problem" in table else None
     for key in ("selected", "h", *(() if problem else ("t",))):

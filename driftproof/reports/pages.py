@@ -84,5 +84,5 @@ def _part(given: str | Path | Scene | Problem, methods: GivenMethods) -> Scene |
     if own or (name in PROBLEMS and name not in PRESETS):
         return problem_part(problem_given(name), methods_of(methods))
     if (found := scene_given(name)).problem is not None:
-        raise ValueError(f"scene {found.name!r}: the page shows a problem by its own name, {found.problem.key}")
+        return problem_part(found.problem, methods_of(found.methods or methods))
     return found

@@ -53,7 +53,12 @@ def parse_toml(content: bytes, longest: int) -> TomlTable:
         raise ValueError("nested too deeply") from None
     except ValueError as error:
         reason = str(error).replace("Cannot overwrite a value", "a key is given twice")
-        raise ValueError(f"not TOML: {reason}") from None
+        hint = '; a fraction stands in quotes, "1/2"' if _BARE_FRACTION.search(content) else ""
+        raise ValueError(f"not TOML: {reason}{hint}") from None
+
+
+# An entry such as [1/2, ...
+_BARE_FRACTION = re.compile(rb"[\[,=]\s*-?\d+\s*/\s*\d")
 
 
 def quoted(value: object) -> str:
@@ -65,10 +70,11 @@ def quoted(value: object) -> str:
     return text if len(text) <= LONGEST_QUOTED else text[: LONGEST_QUOTED - 3] + "..."
 
 
-def demand_keys(table: TomlTable, allowed: Collection[str], what: str) -> None:
-    """Refuse a key that is not among those allowed in `what`."""
+def demand_keys(table: TomlTable, allowed: Collection[str], what: str, more: str = "") -> None:
+    """Refuse a key that is not among those allowed in `what`; `more` says where one is shown."""
     if unknown := next((key for key in table if key not in allowed), None):
-        raise ValueError(f"{what} has no key {quoted(unknown)}; there are {', '.join(allowed)}")
+        shown = f" ({more})" if more else ""
+        raise ValueError(f"{what} has no key {quoted(unknown)}; there are {', '.join(allowed)}{shown}")
 
 
 def as_text(value: object, where: str) -> str:

@@ -8,7 +8,7 @@ REFUSED = {
     ("render", "a.md", "-o", "a.md"): "a.md is already a template or an output here; name another with -o",
     ("render", "a.md.j2", "b.md.j2", "-o", "c.md"): "--output names one file, and there are several templates",
     ("render", "a.md.j2", "a.md.j2"): "a.md is already a template or an output here; name another with -o",
-    ("check", "none.md"): "one of the arguments --claims --init is required",
+    ("check", "none.md"): "where there are none yet, draft them with: driftproof check none.md --init > claims.toml",
     ("check", "none.md", "--init"): "none.md: No such file or directory",
     ("check", "none.md", "--init", "--claims", "x.toml"): "not allowed with argument --init",
     ("check", "none.md", "--init", "--run"): "--init drafts claims; --run, --coverage and --format need --claims",

@@ -109,6 +109,9 @@ WRONG: list[tuple[str | bytes, str]] = [
     ("", "family is missing; write 'runge_kutta' or 'splitting' or 'nystrom' or 'collocation'"),
     ('family = "rosenbrocks"', "family is 'rosenbrocks'; write 'runge_kutta'"),
     (HEAD + "b = [1]", "A is missing"),
+    (HEAD + "A = [[1/2]]\nb = [1]", 'Unclosed array (at line 2, column 8); a fraction stands in quotes, "1/2"'),
+    (HEAD + "A = [[0, 0], [1, 0]]\nb = [1, 0]\nb_hat = [1, 0]", "'b_hat' is called b_embedded here"),
+    (HEAD + "A = [[0, 0], [1, 0]]\nw = [1, 0]", "(`driftproof facts --help` shows one)"),
     (HEAD + "A = [[0, 0], [1]]\nb = [1, 0]", "A is not square: A[1] has 1 entries, A has 2 rows"),
     (HEAD + "A = [[0, 0]]\nb = [1]", "A is not square: A[0] has 2 entries, A has 1 rows"),
     (HEAD + "A = [[0]]\nb = [1, 0]", "A has 1 rows, the weights are 2; they must agree"),
@@ -149,7 +152,7 @@ WRONG: list[tuple[str | bytes, str]] = [
     (HEAD + "A = [['1)']]\nb = [1]", "A[0][0]: '1)', column 2: ')' has no place here"),
     (HEAD + "A = [['*2']]\nb = [1]", "A[0][0]: '*2', column 1: '*' stands where a number, a name or a bracket should"),
     (HEAD + "A = [['2**99']]\nb = [1]", "column 4: an exponent is an integer from -64 to 64"),
-    (HEAD + "A = [['2**0.5']]\nb = [1]", "column 4: an exponent is an integer from -64 to 64"),
+    (HEAD + "A = [['2**0.123']]\nb = [1]", "column 4: an exponent is an integer from -64 to 64"),
     (HEAD + "A = [['(-2)**(1/2)']]\nb = [1]", "column 1: a fractional power is taken of a positive rational number"),
     (HEAD + "A = [['0**-1']]\nb = [1]", "A[0][0]: '0**-1', column 1: it divides by zero"),
     (HEAD + f"A = [['{DEEP}']]\nb = [1]", "it is nested deeper than 40 levels"),
@@ -252,3 +255,11 @@ def test_scene_names_a_method_by_its_key_or_its_file_and_by_nothing_else() -> No
     assert (name_of("rk4"), name_of(Path("mine.toml")), name_of(METHODS["rk4"])) == ("rk4", "mine.toml", "rk4")
     with pytest.raises(ValueError, match="scenes name methods by keys and"):
         name_of(replace(METHODS["rk4"], source="mine"))
+
+
+def test_rows_may_end_at_the_diagonal(write: Write) -> None:
+    """Below it for an explicit table, on it for one that is solved stage by stage."""
+    square = 'A = [[0, 0, 0], ["1/2", 0, 0], [-1, 2, 0]]'
+    for rows in ('A = [[], ["1/2"], [-1, 2]]', 'A = [[0], ["1/2", 0], [-1, 2, 0]]'):
+        full, short = (read_method(write(f"{HEAD}{text}\nb = [0, 0, 1]\n")) for text in (square, rows))
+        assert full == short

@@ -37,11 +37,13 @@ def test_a_scene_and_a_sweep_of_ones_own_problem_are_those_of_the_oscillator_tha
         sweep(path, state=[(0, 1)])
 
 
-def test_a_page_shows_a_problem_by_its_own_name(tmp_path):
+def test_a_page_of_a_scene_on_a_problem_shows_the_problem_and_a_problem_is_no_scene(tmp_path):
     path = tmp_path / "mine.toml"
-    path.write_text(f'problem = "kepler"\n{ABOUT}')
-    with pytest.raises(ValueError, match="the page shows a problem by its own name, kepler"):
-        report(path)
+    path.write_text('problem = "dahlquist_1"\nselected = "rk4"\nh = 0.1\nmethods = ["rk4"]\npanels = ["table"]')
+    assert report(path).scenes == report("dahlquist_1", methods="rk4").scenes
+    path.write_text('rates = ["-y"]\nstart = 1\nend = 1')
+    with pytest.raises(ValueError, match="it is a problem; a scene names it, problem = "):
+        scene(path)
 
 
 def test_a_method_that_does_not_apply_says_so_in_its_row(tmp_path):

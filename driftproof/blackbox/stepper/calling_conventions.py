@@ -160,10 +160,16 @@ def conventions_of(step: Callable[..., Any], kind: str | None = None) -> list[Ca
             return found
     if kind is not None and (names is None or len(names) == len(STANDARD_ORDER[kind])):
         return [CallingConvention(kind, STANDARD_ORDER[kind])]
-    name = getattr(step, "__qualname__", type(step).__name__)
-    shown = "(?)" if names is None else f"({', '.join(names)})"
     choices = "; ".join(f"{kind}: {words}" for kind, words in SIGNATURES.items())
-    raise ValueError(f"{name}{shown} is not one of these: {choices}. Name the calling convention, or write a wrapper")
+    shown = signature_text(step)
+    raise ValueError(f"{shown} is not one of these: {choices}. Name the calling convention, or write a wrapper")
+
+
+def signature_text(step: Callable[..., Any]) -> str:
+    """The name of a stepper and those of its parameters that have no default."""
+    names = required_names(step)
+    shown = "?" if names is None else ", ".join(names)
+    return f"{getattr(step, '__qualname__', type(step).__name__)}({shown})"
 
 
 def required_names(step: Callable[..., Any]) -> list[str] | None:

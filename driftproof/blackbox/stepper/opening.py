@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -38,6 +39,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     VELOCITY,
     CallingConvention,
     conventions_of,
+    signature_text,
 )
 from driftproof.blackbox.stepper.foreign_stepper import CallLog, ForeignStepper
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
@@ -76,7 +78,8 @@ def opened(
     try:
         conventions = conventions_of(step, calls)
     except ValueError as error:
-        raise ValueError(f"{error}{wrapper_line(step)}") from None
+        line = wrapper_line(step)
+        raise ValueError(f"{_unfitting(step)}{line}" if line and calls is None else f"{error}{line}") from None
     failures: list[Misbehaviour] = []
     pristine = fresh_copy(step)
     for convention in conventions:
@@ -92,7 +95,14 @@ def opened(
                     with suppress(Misbehaviour):
                         longer = _tried(replace(subject, convention=convention.of_steps(_LONGER)), trial)
                         return replace(longer, convention=convention, shortest=_LONGER)
+    if inspect.isclass(step) and (line := wrapper_line(step)):
+        raise ValueError(f"{_unfitting(step)}{line}")
     raise failures[0]
+
+
+def _unfitting(step: Callable[..., Any]) -> str:
+    """What is said before a wrapper: little, because a summary of tests cuts the line."""
+    return f"{signature_text(step)} fits no calling convention of `driftproof verify --help`; write"
 
 
 def _adapters(
@@ -244,6 +254,8 @@ def imported(named: Callable[..., Any] | str, what: str = "stepper") -> Callable
     if not isinstance(named, str):
         return named
     module, colon, path = named.partition(":")
+    if module.endswith(".py") and colon:
+        raise ValueError(f"{named!r} names a file; write {module[:-3].replace('/', '.').strip('.')}:{path}")
     if not (colon and all(part.isidentifier() for part in (*module.split("."), *path.split(".")))):
         raise ValueError(f"{named!r} names no {what}; write package.module:function")
     if os.getcwd() not in sys.path:

@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Any
 
+import numpy as np
+
 from driftproof.blackbox.stepper.calling_conventions import (
     FIELD,
     FORCE,
@@ -29,6 +31,9 @@ _ADVANCES = ("step", "update", "advance", "integrate", "move", "tick", "do_step"
 # Gradients of an energy by the positions and by the momenta: H(q, p) = p^2/2 + V(q).
 _BY_POSITION = ("dhdq", "dh_dq", "grad_q", "dhdx", "dh_dx", "gradq")
 _BY_MOMENTUM = ("dhdp", "dh_dp", "grad_p", "dtdp", "dt_dp", "gradp")
+# Of a solver that takes so many steps: where they end, and how many.
+_ENDS = ("t1", "tend", "t_end", "tf", "t_final", "tmax", "t_max", "t_stop", "tstop")
+_COUNTED = ("n", "steps", "n_steps", "nsteps", "num_steps", "nt", "n_iter")
 _SPANS = ("t_span", "tspan", "interval", "t_bound", "t_end", "tf", "t_final")
 
 
@@ -55,6 +60,8 @@ def _name(step: Callable[..., Any]) -> str:
 def _of_object(step: Callable[..., Any]) -> str:
     """Of a class, or of the method of an object, that takes the step size alone: `stepper_of`."""
     names = required_names(step)
+    if inspect.isclass(step) and (line := _of_class(step)):
+        return line
     owner = step if inspect.isclass(step) else getattr(step, "__self__", None)
     if owner is None or (not inspect.isclass(step) and (names is None or [*map(_role, names)] not in ([STEP], []))):
         return ""
@@ -73,6 +80,32 @@ def _of_object(step: Callable[..., Any]) -> str:
     return f'from driftproof import stepper_of; wrapped = stepper_of({make}, {where}, advance="{advance}")'
 
 
+def _of_class(cls: type) -> str:
+    """Of a class that is made of f: its method takes the state and gives it back, or the object keeps the state."""
+    names = required_names(cls) or []
+    advance = next((each for each in _ADVANCES if hasattr(cls, each)), None)
+    taken = required_names(getattr(cls, advance)) if advance else None
+    given = _by_role(names, FIELD)
+    if not taken or len(given) < len(names) or not {"f", *_ARGUMENTS.values()}.issuperset(given.values()):
+        return ""
+    of_step = _by_role(taken[1:], FIELD)
+    if "f" not in given.values() or len(of_step) < len(taken) - 1:
+        return ""
+    arguments = ", ".join(given[each] for each in names)
+    call = f"{advance}({', '.join(of_step[each] for each in taken[1:])})"
+    if "y" in of_step.values():
+        return f"def wrapped(f, t, y, h): return {cls.__name__}({arguments}).{call}"
+    if "y" not in given.values():
+        return ""
+    with suppress(Exception):
+        values = {"f": lambda *x: 0 * x[-1], "t": 0.0, "y": np.array([1.0, 0.5]), "h": 0.25}
+        kept = [*vars(cls(*[values[given[each]] for each in names]))]
+        state = next(name for name in kept if _is(STATE, name))
+        time = next((f"made.{name} = t; " for name in kept if _is(TIME, name) and "t" not in given.values()), "")
+        return f"def wrapped(f, t, y, h): made = {cls.__name__}({arguments}); {time}made.{call}; return made.{state}"
+    return ""
+
+
 def _of_names(step: Callable[..., Any]) -> str:
     """Of a function: a maker of steppers, gradients of an energy, a solver; else what is known of its arguments."""
     names, name = required_names(step), _name(step)
@@ -83,15 +116,35 @@ def _of_names(step: Callable[..., Any]) -> str:
         return f"a whole solver is examined by identify_solver({name})"
     by_position = next((each for each, word in zip(names, words, strict=True) if word in _BY_POSITION), None)
     by_momentum = next((each for each, word in zip(names, words, strict=True) if word in _BY_MOMENTUM), None)
-    given = {by_position: "lambda q, *p: -force(q)", by_momentum: "lambda *p: p[-1]"}
     if by_position is not None and by_momentum is not None:
-        rest = [each for each in names if each not in given]
-        return _call(name, names, {**given, **_by_role(rest, FORCE)}, FORCE)
+        gradients = {by_position: "lambda q, *p: -force(q)", by_momentum: "lambda *p: p[-1]"}
+        rest = [each for each in names if each not in gradients]
+        return _call(name, names, {**gradients, **_by_role(rest, FORCE)}, FORCE)
     roles = {*map(_role, names)}
     if roles <= {FUNCTION, STEP} and roles:
         return _of_maker(step, names, name)
-    kind = FIELD if FUNCTION in roles and POSITION not in roles else FORCE if FUNCTION in roles else MAP
-    return _call(name, names, _by_role(names, kind), kind)
+    of_state = POSITION not in roles or (VELOCITY not in roles and TIME in roles)
+    kind = MAP if FUNCTION not in roles else FIELD if of_state else FORCE
+    if not (given := _by_role(names, kind)):
+        return ""
+    ends = [each for each, word in zip(names, words, strict=True) if word in _ENDS]
+    counts = [each for each, word in zip(names, words, strict=True) if word in _COUNTED]
+    if kind == FIELD and ends and counts and "h" not in given.values():
+        given |= {ends[0]: "t + h", counts[0]: "1"}
+        return f"{_call(name, names, given, kind)}{_last_state(step, names, given)}"
+    return _call(name, names, given, kind)
+
+
+def _last_state(step: Callable[..., Any], names: Sequence[str], given: dict[Any, str]) -> str:
+    """What takes the last state out of what a solver returns: of (times, states), or of states; nothing if unknown."""
+    values = {"f": lambda *x: 0 * x[-1], "t": 0.0, "y": np.array([1.0, 0.5]), "t + h": 0.25, "1": 1}
+    with suppress(Exception):
+        found = step(*[values[given[each]] for each in names])
+        parts = [1] if isinstance(found, tuple) and len(found) == 2 else []
+        states = np.asarray(found[1] if parts else found)
+        if states.ndim == 2:
+            return f"{'[1]' if parts else ''}[-1]"
+    return ""
 
 
 def _of_maker(step: Callable[..., Any], names: Sequence[str], name: str) -> str:

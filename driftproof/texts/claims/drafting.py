@@ -28,7 +28,8 @@ _HEADER = """\
 # Claims drafted by `driftproof check --init {name}`. Every phrase stands in the text as often as it says.
 # That a value looks like a number is no proof that the text means it: read each claim. What looks like no value, or so
 # little like one that it may be chance, is a comment; ask for its value (`driftproof value --help` teaches how), or say
-# why it is given.
+# why it is given. The numbers of a problem that the text solves itself are drafted where you say which it is:
+# --ask "run heun2 y'=-y, y(0)=1, h=0.1, t=1 : {{y,exact.y,error}}", as often as you like.
 """
 
 

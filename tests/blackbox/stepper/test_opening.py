@@ -1,5 +1,6 @@
 """A stepper by its name or as a callable: what is imported, and what is refused in one line."""
 
+import re
 import sys
 from types import SimpleNamespace
 
@@ -39,7 +40,8 @@ def test_a_target_is_imported_by_its_name():
         ),
         ("driftproof.numeric.steppers:", "names no stepper"),
         (":rk4", "names no stepper"),
-        ("driftproof/numeric/steppers.py:rk4", "names no stepper"),
+        ("driftproof/numeric/steppers.py:rk4", "names a file; write driftproof.numeric.steppers:rk4"),
+        ("./mine.py:step", "names a file; write mine:step"),
         ("driftproof.numeric.steppers:rk4(1)", "names no stepper"),
         ("driftproof.numeric.steppers:rk5", "driftproof.numeric.steppers:rk5 cannot be imported: AttributeError"),
         ("no_such_module_here:step", "cannot be imported: ModuleNotFoundError"),
@@ -62,7 +64,11 @@ def test_what_is_seldom_met_is_opened_or_refused_as_before(name, as_before, monk
     try:
         subject = opened(ODD[name])
     except (ValueError, Misbehaviour) as refusal:
-        as_before(type(refusal).__name__, str(refusal).partition(" is not one of these")[0], wrapper_line(ODD[name]))
+        as_before(
+            type(refusal).__name__,
+            re.split(" is not one of these| fits no calling", str(refusal))[0],
+            wrapper_line(ODD[name]),
+        )
     else:
         steps = [subject.step(1.0, 0.75, 0.25), subject.step(-3.0, 0.5, 1.5)]
         as_before(

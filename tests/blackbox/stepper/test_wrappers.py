@@ -34,3 +34,50 @@ def test_a_whole_solver_is_sent_to_its_own_command_and_nothing_is_said_of_the_un
 
     assert wrapper_line(solve) == ": a whole solver is examined by identify_solver(solve)"
     assert wrapper_line(max) == ""
+
+
+CLASSES = """
+import numpy as np
+
+class Heun:
+    def __init__(self, f, h):
+        self.f, self.h = f, h
+    def step(self, t, y):
+        k = self.f(t, y)
+        return y + self.h / 2 * (k + self.f(t + self.h, y + self.h * k))
+
+class Kept:
+    def __init__(self, f, y0, dt):
+        self.f, self.y, self.t, self.dt = f, np.array(y0, float), 0.0, dt
+    def advance(self):
+        k = self.f(self.t, self.y)
+        self.y = self.y + self.dt / 2 * (k + self.f(self.t + self.dt, self.y + self.dt * k))
+        self.t += self.dt
+
+def pairs(f, y0, t0, t1, n):
+    y, t, h = np.array(y0, float), t0, (t1 - t0) / n
+    found = [y]
+    for _ in range(n):
+        k = f(t, y)
+        y, t = y + h / 2 * (k + f(t + h, y + h * k)), t + h
+        found.append(y)
+    return np.linspace(t0, t1, n + 1), np.array(found)
+
+def states(f, y0, t0, t1, n):
+    return pairs(f, y0, t0, t1, n)[1]
+"""
+WRAPPED = {
+    "Heun": "def wrapped(f, t, y, h): return Heun(f, h).step(t, y)",
+    "Kept": "def wrapped(f, t, y, h): made = Kept(f, y, h); made.t = t; made.advance(); return made.y",
+    "pairs": "def wrapped(f, t, y, h): return pairs(f, y, t, t + h, 1)[1][-1]",
+    "states": "def wrapped(f, t, y, h): return states(f, y, t, t + h, 1)[-1]",
+}
+
+
+@pytest.mark.parametrize("name", WRAPPED)
+def test_a_class_and_a_solver_of_n_steps_are_refused_with_a_wrapper_first_that_works(name):
+    names = namespace(CLASSES)
+    with pytest.raises(ValueError, match=re.escape(f"`driftproof verify --help`; write: {WRAPPED[name]}")):
+        opened(names[name])
+    exec(WRAPPED[name], names)
+    assert keys_of(names["wrapped"])[0] == "heun2"
