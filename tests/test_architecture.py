@@ -66,9 +66,9 @@ BUDGETS = {
     "methods": 5424,
     "symbolic": 10733,
     "numeric": 3395,
-    "blackbox": 16063,
+    "blackbox": 16095,
     "enclosure": 3130,
-    "texts": 6890,
+    "texts": 7030,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5562
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

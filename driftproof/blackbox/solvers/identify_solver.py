@@ -58,7 +58,7 @@ def _controlled(subject: ForeignSolver) -> ControllerReading:
 
 
 def _faults(steps: Outcome, controller: Outcome, runs: Outcome) -> tuple[str, ...]:
-    found = [outcome.result for outcome in (controller, runs) if not outcome.failed]
+    found = [outcome.result for outcome in (steps, controller, runs) if not outcome.failed]
     dense = None if steps.failed else steps.result.dense
     return tuple(fault for each in (*filter(None, [dense]), *found) for fault in each.faults)
 

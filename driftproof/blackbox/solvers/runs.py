@@ -28,6 +28,8 @@ _FOLLOWED = 0.1
 _NEARBY = 2.0**-23
 # Of a step that is no step: so small a part of the run.
 _TINY = 1e-9
+# One more than the widest of short loops that are written out.
+_NUMBERS = 5
 
 
 @dataclass(frozen=True)
@@ -131,6 +133,26 @@ def _backward(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     return [], [f"backward in time, from 1 to 0, it ends at t = {run.t[-1]:.6g}, off by {off:.3g}, and does not say so"]
 
 
+def _numbers(subject: ForeignSolver) -> tuple[list[str], list[str]]:
+    """Runs in which one of five numbers has a bump, and the others rest: the step sizes are the same for each."""
+    times = []
+    for place in range(_NUMBERS):
+        slopes = lambda n, t, y, place=place: [_bump(t) * (i == place) for i in range(_NUMBERS)]
+        times.append(subject.solve(slopes, _SPAN, (0.0,) * _NUMBERS, _RTOL, _ATOL).t)
+    for place, found in enumerate(times[1:], 1):
+        pairs = zip(found, times[0], strict=False)
+        if len(found) != len(times[0]) or any(abs(a - b) > _TINY for a, b in pairs):
+            seen = (
+                f"where y[{place}] has a bump, it makes {len(found) - 1} steps, where y[0] has it, {len(times[0]) - 1}"
+            )
+            return [], [f"the errors of all numbers do not count alike: {seen}"]
+    return [f"a bump in any of {_NUMBERS} numbers makes the same {len(times[0]) - 1} steps"], []
+
+
+def _bump(t: float) -> float:
+    return 1 / (1 + (8 * (t - 1)) ** 2)
+
+
 def _nan(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     """A right-hand side that is NaN from the middle on: an answer that ends there, or refuses, is one."""
     middle = sum(_SPAN) / 2
@@ -204,6 +226,7 @@ _QUESTIONS = {
     "Constant slopes": _constant_slopes,
     "Clock": _clock,
     "Backward": _backward,
+    "Numbers": _numbers,
     "NaN": _nan,
     "A jump": _jump,
     "Tolerance": _tolerance,

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import fsum, inf
 
+from flint import arb
+
+from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.judging.nonlinear_problems import driven, moved
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_reading
 from driftproof.blackbox.matching.match import Identity, match_tableau
 from driftproof.blackbox.matching.read_order import ReadOrder, read_order
@@ -20,6 +24,15 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.rounding.formats import BINARY32
 
+# Runs of a problem whose numbers are of all signs and sizes: in words, from where its time counts, from when to when,
+# and of how many numbers.
+_RUNS = (
+    ("of five numbers", 0.0, (-1.0, 2.0), 5),
+    ("before the time 0", -7.3, (0.25, 2.0), 2),
+    ("long after the time 0", 100.1, (-0.5, 1.5), 3),
+    ("backward in time", 0.0, (1.5, -0.5), 3),
+)
+_SIZES, _TOLERANCE = (1.0, -8.0, 2.0**-10), 1e-6
 # With these no slope of size 1 makes an error: every step is accepted, and as long as it may be.
 _LAX = {"rtol": 1.0, "atol": 2.0**100}
 _SPAN = (0.0, 1.0)
@@ -37,7 +50,7 @@ class SolverSteps:
 
     The numbers are quotients by the length of the step: within a few roundings of the code's own. `nodes` are the
     places of all calls that an attempt makes after its start, in turn, without those at its end that follow all others.
-    `dense` is the dense output of that step, where one is returned.
+    `dense` is the dense output of that step, where one is returned; `faults` tell where steps are others than these.
     """
 
     reading: TableauReading
@@ -45,6 +58,7 @@ class SolverSteps:
     order: ReadOrder
     nodes: tuple[float, ...]
     dense: JudgedDense | None = None
+    faults: tuple[str, ...] = ()
 
     @property
     def pairs(self) -> tuple[RungeKutta, ...]:
@@ -78,7 +92,44 @@ def read_steps(subject: ForeignSolver) -> SolverSteps:
     identity = match_tableau(reading)
     order = read_order(reading, next(iter(identity.matches), None))
     dense = marked.dense()
-    return SolverSteps(reading, identity, order, marked.nodes, None if dense is None else judged_reading(dense))
+    judged = None if dense is None else judged_reading(dense)
+    return SolverSteps(reading, identity, order, marked.nodes, judged, tuple(_elsewhere(subject, reading)))
+
+
+def _elsewhere(subject: ForeignSolver, reading: TableauReading) -> Iterator[str]:
+    """Steps that are not those of the stages read: of several numbers, before the time 0 and long after, and backward.
+
+    At a tolerance in use, so that some are rejected.
+    """
+    rounding = Rounding(reading.format, reading.calls)
+    for words, origin, ends, numbers in _RUNS:
+        problem = moved(driven(numbers, timed=True), _SIZES, 1.0, origin)
+        start, end = (origin + x for x in ends)
+        y0 = [float(x.mid()) for x in problem.solution(arb(start))]
+        try:
+            run = subject.solve(lambda n, t, y, problem=problem: problem.rate(t, list(y)), (start, end), y0, _TOLERANCE)  # type: ignore[misc]
+        except Misbehaviour:  # who cannot do this says so, or is told of it elsewhere
+            continue
+        for (t, after), (y, y1) in zip(pairwise(run.t), pairwise(run.y), strict=True):
+            h, slopes = after - t, list[list[float]]()
+            for row, c in zip(reading.a, reading.c or (), strict=True):
+                slopes.append([*problem.rate(t + c * h, _moved(y, h, row, slopes))])
+            said = _moved(y, h, reading.b, slopes)
+            wrong = [
+                i
+                for i, (x, z, s) in enumerate(zip(y1, said, problem.scales, strict=True))
+                # Slopes are up to some 16 times the numbers, and a time is rounded to u t.
+                if not abs(x - z) <= 16 * rounding.of(abs(s) * (2 + abs(h) * 16 + abs(t)))
+            ]
+            if wrong:
+                i = wrong[0]
+                seen = f"from t = {t:.6g}, y[{i}] goes to {y1[i]!r} where the stages read say {said[i]!r}"
+                yield f"{words}, steps are others: {seen}"
+                break
+
+
+def _moved(y: Sequence[float], h: float, row: Sequence[float], slopes: Sequence[Sequence[float]]) -> list[float]:
+    return [x + h * fsum(w * k[i] for w, k in zip(row, slopes, strict=False)) for i, x in enumerate(y)]
 
 
 def _bent(_: int, t: float, y: Sequence[float]) -> list[float]:

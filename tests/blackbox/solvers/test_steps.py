@@ -169,3 +169,31 @@ def test_a_dense_output_of_straight_lines_is_a_fault():
         return t, y, lambda at: np.array([np.interp(at, t, column) for column in np.array(y).T])
 
     assert "the dense output has order 1 only, the steps have order 3" in read_steps(ForeignSolver(solve)).dense.faults
+
+
+def spoiled(when):
+    """A solver that is right but for its slopes where `when(t, y, backward)`."""
+
+    def solve(f, t_span, y0, rtol, atol):
+        back = t_span[1] < t_span[0]
+        slopes = lambda t, y: np.array(f(t, y)) * (1 + 1e-4 * when(t, np.array(y), back))
+        return adaptive("dormand_prince54")(slopes, t_span, y0, rtol, atol)
+
+    return solve
+
+
+@pytest.mark.parametrize(
+    ("when", "words"),
+    [
+        (lambda t, y, back: back, ["backward in time"]),
+        (lambda t, y, back: t > 20, ["long after the time 0"]),
+        (lambda t, y, back: t < -5, ["before the time 0"]),
+        (lambda t, y, back: len(y) > 4, ["of five numbers"]),
+        (lambda t, y, back: 0, []),
+    ],
+)
+def test_steps_that_are_others_elsewhere_are_at_fault(when, words):
+    found = read_steps(ForeignSolver(spoiled(when)))
+    assert found.name == "dormand_prince54"
+    assert [fault.partition(",")[0] for fault in found.faults] == words
+    assert all("where the stages read say" in fault for fault in found.faults)
