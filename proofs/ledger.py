@@ -101,7 +101,8 @@ class Ledger:
             "# Ledger",
             "",
             "What each statement of the lesson is worth. Written by `pytest proofs/` when every proof passes.",
-            "Coq: how its kernel accepts the claim, - where it does not; see [docs/kernel.md](../docs/kernel.md).",
+            "Coq: how its kernel accepts the claim, or a part of it, - where it does not; see "
+            "[docs/kernel.md](../docs/kernel.md).",
             "",
             self.totals() + ".",
             "",

@@ -11,9 +11,11 @@ RING, VM, SIGN, INTERVAL, SCRIPT = "ring", "vm", "sign", "interval", "script"
 # The tactic that ends a proof by itself, once words are unfolded -> the way in which it is right; others are scripts.
 TECHNIQUES = {
     "by_ring": RING,
+    "by_circle": RING,
     "by_vm": VM,
     "by_run": VM,
     "by_order": VM,
+    "by_rounded_order": VM,
     "by_bits": VM,
     "by_growth": VM,
     "by_sign": SIGN,

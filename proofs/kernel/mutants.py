@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import re
 from collections.abc import Iterator
+from decimal import Decimal
 
 from proofs.kernel.certificates import Certificate, all_theorems
 from proofs.kernel.coq import Theorem
@@ -35,8 +36,12 @@ PLANTED: tuple[tuple[str, str, str], ...] = (
     ("L176", "h ^ 6 / 72 + h ^ 8 / 576) * energy", "h ^ 6 / 72 + h ^ 8 / 575) * energy"),
     ("L183", "- (w ^ 2) * x", "- w * x"),
     # a bound or a limit that is a little off, a sign that turns
+    ("L040", "1 < sqrt (1 + h ^ 2)", "2 < sqrt (1 + h ^ 2)"),
+    ("L041", "(energy z))", "(2 * energy z))"),
     ("L055", "0 < h < 2", "0 < h < 3"),
     ("L056", "2 < h ->", "1 < h ->"),
+    ("L062", "z <> (0, 0) ->", "z <> (1, 0) ->"),
+    ("L065", "2 * sqrt 2 < h", "2 < h"),
     ("L146", "<= 4 / 3", "<= 13 / 10"),
     ("L163", "0 < h < 2 ->", "0 < h < 3 ->"),
     ("L174", "2 < h ->", "1 < h ->"),
@@ -52,7 +57,9 @@ PLANTED: tuple[tuple[str, str, str], ...] = (
     ("L024", "- k * x tau / m", "k * x tau / m"),
     ("L027", "sqrt (m / k)", "sqrt (k / m)"),
     ("L094", "3 * n <> 10", "5 * n <> 10"),
+    ("L061", "g (t + h)]", "g (t + h / 2)]"),
     ("L135", "< 180", "< 179"),
+    ("L153", "degrees a +", "degrees (2 * a) +"),
     ("L158", "40 * atan", "39 * atan"),
     ("L159", "unwrapped + 360\n", "unwrapped + 180\n"),
     ("L160", "0 < s < PI", "0 < s < 2 * PI"),
@@ -64,6 +71,7 @@ PLANTED: tuple[tuple[str, str, str], ...] = (
     ("order_of_cooper_verner8", "cooper_verner8 8", "cooper_verner8 9"),
     ("order_of_rk4", "rk4", WRONG_WEIGHT),
     ("order_of_implicit_midpoint", "implicit_midpoint 2", "implicit_midpoint 3"),
+    ("L058", "length eight = 8", "length eight = 9"),
     # a method that is not A-stable in place of one that is, a wrong node
     ("a_stable_implicit_midpoint", "a_stable implicit_midpoint", "a_stable rk4"),
     ("a_stable_alexander3", "a_stable alexander3", f"a_stable {ANOTHER_ROOT}"),
@@ -84,6 +92,7 @@ PLANTED: tuple[tuple[str, str, str], ...] = (
     # a convergence that is an order too fast, a leading error that is a little off
     ("L008", "h <= 2 * sqrt 2", "h <= 3"),
     ("L064", "K * h ^ 3 *", "K * h ^ 4 *"),
+    ("L185", "one_step_error m (p + 1)", "one_step_error m p"),
     ("L186", "errs_by symplectic_euler 2", "errs_by symplectic_euler 1"),
     ("L187", "converges rk4 4", "converges rk4 5"),
     ("L188", "one_step_error rk4 5", "one_step_error rk4 6"),
@@ -100,14 +109,14 @@ PLANTED: tuple[tuple[str, str, str], ...] = (
     ("L048", "- (1 / 2) * q", "1 / 2 * q"),
     ("local_errors", "- (v / 120)", "v / 120"),
     ("T01", "length sympy =", "1 + length sympy ="),
-    ("T04", "bounded symplectic_euler (199 / 100)", "bounded symplectic_euler (200 / 100)"),
+    ("T04", "h < 2)", "h < 3)"),
 )
 
 
 def mutants() -> list[tuple[Certificate, Theorem]]:
     """Every right theorem that has one, with each of its mutants."""
     by_name = {certificate.theorem.name: certificate for certificate in all_theorems()}
-    planted = [*PLANTED, *_last_digits()]
+    planted = [*PLANTED, *_last_digits(), *_rounded_orders()]
     return [(by_name[name], _changed(by_name[name].theorem, right, wrong)) for name, right, wrong in planted]
 
 
@@ -130,6 +139,21 @@ def _last_digits() -> Iterator[tuple[str, str, str]]:
                 if f" {relation} {row.text})" in _statement(row.claim):
                     yield row.claim, f" {relation} {row.text})", f" {relation} {wrong})"
                     break
+
+
+def _rounded_orders() -> Iterator[tuple[str, str, str]]:
+    """Each table of decimals with an order one too high, and with either bound one off in its last digit."""
+    for found in all_theorems():
+        if found.theorem.statement.startswith("has_rounded_order"):
+            _, table, order, missed, exceeded = found.theorem.statement.split()
+            yield found.theorem.name, f"{table} {order}", f"{table} {int(order) + 1}"
+            yield found.theorem.name, missed, f"{_neighbour(missed, -1):e}"
+            yield found.theorem.name, exceeded, f"{_neighbour(exceeded, 1):e}"
+
+
+def _neighbour(text: str, units: int) -> Decimal:
+    number = Decimal(text)
+    return number + units * Decimal((0, (1,), int(number.as_tuple().exponent)))
 
 
 def _statement(name: str) -> str:

@@ -1,31 +1,36 @@
-"""OrdersOfTables.v: the order of every exact Runge-Kutta table of the catalogue, embedded ones among them."""
+"""OrdersOfTables.v: the order of every Runge-Kutta table of the catalogue, embedded ones among them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from decimal import ROUND_DOWN, ROUND_UP, Context, Decimal
 from fractions import Fraction
 from math import lcm
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.number_field import Exact, NumberField
+from driftproof.methods.number_field import Exact, NumberField, as_fraction
 from driftproof.methods.schemes import RungeKutta
-from driftproof.symbolic.facts import general_order
+from driftproof.symbolic.facts import Facts, general_order
+from driftproof.symbolic.trees.elementary_weights import RingElement
+from driftproof.symbolic.trees.order_conditions import runge_kutta_conditions
+from driftproof.symbolic.trees.order_in_balls import RESIDUAL_DIGITS
 from driftproof.symbolic.trees.rooted_trees import Tree
 from proofs.kernel.coq import Theorem, coq_list, file_text, rational
+from proofs.kernel.tables import definition
 
 IMPORTS = """\
 From Coq Require Import QArith ZArith List.
-From driftproof Require Import Trees Orders.
+From driftproof Require Import Methods Trees Orders RoundedOrders.
 Import ListNotations.
 Open Scope Z_scope."""
 # How closely the root of a number field is enclosed: enough to tell a residual of the catalogue from zero.
 BITS = 80
 
 
-def exact_tables() -> Iterator[RungeKutta]:
-    """The tables whose coefficients are exact, each followed by the embedded one that it has."""
+def runge_kutta_tables() -> Iterator[RungeKutta]:
+    """The tables of coefficients, each followed by the embedded one that it has."""
     for method in METHODS.values():
-        if isinstance(method, RungeKutta) and not method.decimal:
+        if isinstance(method, RungeKutta):
             yield method
             if method.b_embedded is not None:
                 yield method.embedded("_embedded")
@@ -33,18 +38,40 @@ def exact_tables() -> Iterator[RungeKutta]:
 
 def orders() -> str:
     """The text of OrdersOfTables.v."""
-    return file_text("The orders of the exact tables.", IMPORTS, (_entry(method) for method in exact_tables()))
+    entries = (_rounded_entry(each) if each.decimal else _exact_entry(each) for each in runge_kutta_tables())
+    return file_text("The orders of the tables, exact and rounded.", IMPORTS, entries)
 
 
-def _entry(method: RungeKutta) -> str:
+def _exact_entry(method: RungeKutta) -> str:
     """A table and the theorem on its order."""
     fact = general_order(method)
     proof = f"by_order ({tree_text(fact.failing_tree)})."
     theorem = Theorem(f"order_of_{method.key}", f"has_order {method.key} {fact.order}", proof)
+    return f"{in_integers(method)}\n{theorem.text()}"
+
+
+def _rounded_entry(method: RungeKutta) -> str:
+    """A table of decimals and the theorem on its order but for rounding: what conditions miss."""
+    fact = Facts(method).order_but_for_rounding
+    if fact is None:
+        raise ValueError(f"{method.key} has no order but for rounding")
+    conditions = runge_kutta_conditions(method)
+    found = [max((abs(x), i) for i, x in conditions.residuals(n)) for n in range(1, fact.order + 2)]
+    (*missed, exceeded), (*_, worst) = zip(*found, strict=True)
+    bounds = f"{three_digits(max(missed), ROUND_UP)} {three_digits(exceeded, ROUND_DOWN)}"
+    proof = f"by_rounded_order ({tree_text(conditions.tree(fact.order + 1, worst))})."
+    theorem = Theorem(f"order_of_{method.key}", f"has_rounded_order {method.key} {fact.order} {bounds}", proof)
     return f"{definition(method)}\n{theorem.text()}"
 
 
-def definition(method: RungeKutta) -> str:
+def three_digits(x: RingElement, rounding: str) -> str:
+    """A rational number as a decimal that is no smaller, or no larger: 2.68e-5 and 2.67e-5 of 2.675e-5."""
+    exact = as_fraction(x)
+    context = Context(RESIDUAL_DIGITS, rounding)
+    return f"{context.divide(Decimal(exact.numerator), Decimal(exact.denominator)):e}"
+
+
+def in_integers(method: RungeKutta) -> str:
     """The table as integers of its field over a common denominator."""
     integers = [_integer_coordinates(x, method.field) for x in (*(x for row in method.a for x in row), *method.b)]
     denominator = lcm(*(x.denominator for coordinates in integers for x in coordinates))

@@ -1,4 +1,4 @@
-"""Programs.v: the hand-written steppers and the energy readout, as Coq programs, traced by running them on names."""
+"""The hand-written steppers and the energy readout, as Coq programs in Tables.v, traced by running them on names."""
 
 from __future__ import annotations
 
@@ -7,13 +7,10 @@ from collections.abc import Callable
 from driftproof.methods.stepping import oscillator
 from driftproof.numeric import readouts
 from driftproof.numeric.steppers import HAND_WRITTEN
-from proofs.kernel.coq import file_text
 
 # With the instance in its place from the start: found anew for each of forty operations, it takes Coq minutes.
-IMPORTS = """\
-From Coq Require Import ZArith.
-From driftproof Require Import Arithmetic.
-
+HEAD = """\
+(** The steppers as they are written by hand, operation by operation. *)
 Section Programs.
 Context {T : Type} {A : Arithmetic T}.
 Local Notation "x + y" := (@plus T A x y).
@@ -87,15 +84,11 @@ def program(name: str, arguments: str, run: Callable[..., object]) -> str:
     return "\n".join([head, *trace.lines, f"  {returned}.", ""])
 
 
-def programs() -> str:
-    """The text of Programs.v."""
-    steppers = [
+def programs() -> list[str]:
+    """The section of them."""
+    steppers = (
         program(key, "h q v", lambda h, q, v, step=step: step(oscillator, q, v, h))
         for key, step in HAND_WRITTEN.items()
-    ]
-    energy = program("energy", "q v", lambda q, v: readouts.energy((q, v)))
-    return file_text(
-        "The steppers as they are written by hand, operation by operation.",
-        IMPORTS,
-        [*steppers, energy, "End Programs.\n"],
     )
+    energy = program("energy", "q v", lambda q, v: readouts.energy((q, v)))
+    return [HEAD, *steppers, energy, "End Programs.\n"]

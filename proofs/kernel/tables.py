@@ -1,4 +1,4 @@
-"""Tables.v: the lesson's methods as Coq data, from the tables that the steppers read."""
+"""Tables.v: the lesson's methods as Coq data, from the tables that the steppers read; and the steppers as programs."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ from fractions import Fraction
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import Exact
-from driftproof.methods.schemes import RungeKutta, Splitting
+from driftproof.methods.schemes import Method, RungeKutta, Splitting
 from driftproof.numeric.scenes import PRESETS
 from proofs.kernel.coq import argument, coq_list, file_text, rational
+from proofs.kernel.programs import programs
 
 IMPORTS = """\
 From Coq Require Import QArith List.
@@ -25,9 +26,8 @@ def explicit_rows(method: RungeKutta) -> list[list[Fraction]]:
     return [_rational(row[:i]) for i, row in enumerate(method.a)]
 
 
-def definition(key: str) -> str:
-    """A method of the catalogue as a definition of the same name."""
-    method = METHODS[key]
+def definition(method: Method) -> str:
+    """A method as a definition of the same name."""
     if isinstance(method, RungeKutta):
         rows = coq_list(coq_list(map(rational, row)) for row in explicit_rows(method))
         body = f"RungeKutta {rows} {coq_list(map(rational, _rational(method.b)))}"
@@ -36,8 +36,8 @@ def definition(key: str) -> str:
         kinds = (kind for kind, _ in method.parts)
         body = f"Splitting {coq_list(f'{kind} {argument(c)}' for kind, c in zip(kinds, cs, strict=True))}"
     else:
-        raise ValueError(f"{key} is of no family that the kernel has a step of")
-    return f"Definition {key} := {body}.\n"
+        raise ValueError(f"{method.key} is of no family that the kernel has a step of")
+    return f"Definition {method.key} := ({body})%Q.\n"
 
 
 def scenes() -> str:
@@ -52,9 +52,9 @@ def scenes() -> str:
 
 def tables(keys: Iterable[str]) -> str:
     """The text of Tables.v."""
-    return file_text(
-        "The methods of the lesson and those they are compared with.", IMPORTS, [*map(definition, keys), scenes()]
-    )
+    definitions = (definition(METHODS[key]) for key in keys)
+    purpose = "The methods of the lesson, those they are compared with, and the steppers that are written by hand."
+    return file_text(purpose, IMPORTS, [*definitions, scenes(), *programs()])
 
 
 def _rational(coefficients: Iterable[Exact]) -> list[Fraction]:

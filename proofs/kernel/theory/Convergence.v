@@ -1,7 +1,7 @@
 (** How errors fall with the step, and where a smaller step does not help. *)
 
 From Coq Require Import QArith Qabs Qreals Reals Lra Lia Psatz List.
-From driftproof Require Import Identities Tables OneStep Energy Stability ExactFlow Phase Trees Orders OrdersOfTables.
+From driftproof Require Import Runs Tables OneStep Energy Stability ExactFlow Phase Trees Orders OrdersOfTables.
 Open Scope R_scope.
 
 (** A rational table as the method whose steps are taken: the coefficients below the diagonal. *)
@@ -12,15 +12,56 @@ Definition as_method (t : table) : method :=
 
 Definition error (m : method) (h : Q) (n : nat) (t : R) : R := distance (to_R (run m h n start)) (flow t).
 
-Theorem L058 : Tables.rk4 = as_method rk4 /\ evaluations Tables.rk4 = 4%nat /\ has_order rk4 4.
-Proof. split; [reflexivity | split; [reflexivity | exact order_of_rk4]]. Qed.
-
-Theorem L065 : fst (step Tables.rk4 (1 / 2) (1, 0)) <> cos (1 / 2) /\ ~ bounded Tables.rk4 3.
+(** Two drawings of one rooted tree: branches in another order. Those with up to four vertices are of eight trees. *)
+Inductive alike : tree -> tree -> Prop :=
+| the_same t : alike t t
+| branches_change_places t u v : alike (graft (graft t u) v) (graft (graft t v) u)
+| in_their_parts t t' u u' : alike t t' -> alike u u' -> alike (graft t u) (graft t' u')
+| by_way_of t u v : alike t u -> alike u v -> alike t v.
+Lemma alike_density t u : alike t u -> density t = density u.
 Proof.
-  split.
-  - apply Rgt_not_eq. expose. interval with (i_prec 60).
-  - intros all. apply (L175 3 ltac:(lra)) in all. destruct two_roots_of_two. nra.
+  intros A. enough (vertices t = vertices u /\ branches t = branches u) as [V B] by (unfold density; lia).
+  induction A; cbn [vertices branches]; intuition nia.
 Qed.
+Definition eight : list tree :=
+  let line := graft vertex vertex in let fork := graft line vertex in let path := graft vertex line in
+  (vertex :: line :: fork :: path :: graft fork vertex :: graft line line :: graft vertex fork :: graft vertex path
+    :: nil)%list.
+Ltac one_of_eight := unfold eight; cbn; repeat first [left; reflexivity | right].
+Lemma eight_trees : length eight = 8%nat /\ (forall t, (vertices t <= 4)%nat -> exists u, List.In u eight /\ alike t u)
+  /\ forall t u, List.In t eight -> List.In u eight -> alike t u -> t = u.
+Proof.
+  split; [reflexivity | split].
+  - assert (one : forall t, vertices t = 1%nat -> t = vertex).
+    { intros [|a b] E; [reflexivity|]. cbn in E. generalize (vertices_pos a), (vertices_pos b). lia. }
+    assert (two : forall t, vertices t = 2%nat -> t = graft vertex vertex).
+    { intros [|a b] E; [discriminate|]. cbn in E. generalize (vertices_pos a), (vertices_pos b). intros.
+      f_equal; apply one; lia. }
+    assert (three : forall t, vertices t = 3%nat ->
+      t = graft (graft vertex vertex) vertex \/ t = graft vertex (graft vertex vertex)).
+    { intros [|a b] E; [discriminate|]. cbn in E. generalize (vertices_pos a), (vertices_pos b). intros.
+      assert (vertices a = 2 \/ vertices a = 1)%nat as [A|A] by lia; [left | right]; f_equal;
+        (apply one + apply two); lia. }
+    intros t small. assert (vertices t = 1 \/ vertices t = 2 \/ vertices t = 3 \/ vertices t = 4)%nat as [E|[E|[E|E]]]
+      by (generalize (vertices_pos t); lia).
+    1: apply one in E; subst t. 2: apply two in E; subst t. 3: apply three in E as [-> | ->].
+    1-4: eexists; split; [|apply the_same]; one_of_eight.
+    destruct t as [|a b]; [discriminate|]. cbn in E. generalize (vertices_pos a), (vertices_pos b). intros.
+    assert (vertices a = 3 \/ vertices a = 2 \/ vertices a = 1)%nat as [A|[A|A]] by lia.
+    + rewrite (one b) by lia. apply three in A as [-> | ->]; eexists; split.
+      2: apply the_same. 3: apply branches_change_places. all: one_of_eight.
+    + rewrite (two a), (two b) by lia. eexists; split; [|apply the_same]. one_of_eight.
+    + rewrite (one a) by lia. assert (B : vertices b = 3%nat) by lia.
+      apply three in B as [-> | ->]; eexists; (split; [|apply the_same]); one_of_eight.
+  - intros t u T U A. apply alike_density in A. cbn in T, U.
+    repeat (destruct T as [<- | T]; [repeat (destruct U as [<- | U]; [reflexivity || discriminate|]); destruct U|]).
+    destruct T.
+Qed.
+
+Theorem L058 : Tables.rk4 = as_method rk4 /\ evaluations Tables.rk4 = 4%nat /\ has_order rk4 4
+  /\ length eight = 8%nat /\ (forall t, (vertices t <= 4)%nat -> exists u, List.In u eight /\ alike t u)
+  /\ forall t u, List.In t eight -> List.In u eight -> alike t u -> t = u.
+Proof. split; [reflexivity | split; [reflexivity | split; [exact order_of_rk4 | exact eight_trees]]]. Qed.
 
 Theorem L143 :
   let energy_error m h n := Rabs (energy (to_R (run m h n start)) - 1 / 2) in
@@ -51,24 +92,25 @@ Theorem L244 : (100 * evaluations Tables.forward_euler = 25 * evaluations Tables
   /\ error Tables.rk4 (2#5) 25 10 < 0.0022 /\ 0.64 < error Tables.forward_euler (1#10) 100 10.
 Proof. split; [reflexivity|]. unfold error. by_interval. Qed.
 
-(** As h -> 0 at t = 10 the energy of n steps of 10/n goes to 1/2; at a fixed step it exceeds every bound. *)
+(** As h -> 0 at a fixed T the energy of n steps of T/n goes to that of the start, so that E(T)/E0 goes to 1; at a fixed
+    step it exceeds every bound. *)
 Theorem L041 :
-  is_lim_seq (fun n => energy (run Tables.forward_euler (10 / INR (S n)) (S n) (1, 0))) (1 / 2)
+  (forall T z, is_lim_seq (fun n => energy (run Tables.forward_euler (T / INR (S n)) (S n) z)) (energy z))
   /\ forall h B, 0 < h -> exists n, B < energy (run Tables.forward_euler h n (1, 0)).
 Proof.
-  split; [|intros h B positive; apply (proj1 (L040 h 1 0 positive)); injection; lra].
-  apply is_lim_seq_ext with (fun n => (1 + (10 / INR (S n)) ^ 2) ^ S n * (1 / 2)).
-  { intros n. rewrite L038. f_equal. by_ring. }
-  assert (vanishes : is_lim_seq (fun n => 100 * / INR (S n)) (100 * 0)).
+  split; [|intros h B positive; apply (proj1 (L040 h 1 0 positive)); injection; lra]. intros T z.
+  apply is_lim_seq_ext with (fun n => (1 + (T / INR (S n)) ^ 2) ^ S n * energy z); [intros n; now rewrite L038|].
+  assert (vanishes : is_lim_seq (fun n => T ^ 2 * / INR (S n)) (T ^ 2 * 0)).
   { apply is_lim_seq_scal_l with (lu := Finite 0). apply is_lim_seq_inv with (l := p_infty); [|easy].
     apply -> is_lim_seq_incr_1. apply is_lim_seq_INR. }
-  apply is_lim_seq_le_le with (u := fun _ => 1 / 2) (w := fun n => exp (100 * / INR (S n)) * (1 / 2)).
-  - intros n. assert (P : 0 < INR (S n)) by (apply lt_0_INR; lia). assert (Sq := pow2_ge_0 (10 / INR (S n))).
-    generalize (pow_R1_Rle (1 + (10 / INR (S n)) ^ 2) (S n)), (pow_le_exp _ (S n) Sq).
-    replace (INR (S n) * (10 / INR (S n)) ^ 2) with (100 * / INR (S n)) by (field; lra). lra.
+  replace (Finite (energy z)) with (Finite (1 * energy z)) by (f_equal; ring).
+  apply is_lim_seq_mult'; [|apply is_lim_seq_const].
+  apply is_lim_seq_le_le with (u := fun _ => 1) (w := fun n => exp (T ^ 2 * / INR (S n))).
+  - intros n. assert (P : 0 < INR (S n)) by (apply lt_0_INR; lia). assert (Sq := pow2_ge_0 (T / INR (S n))).
+    generalize (pow_R1_Rle (1 + (T / INR (S n)) ^ 2) (S n)), (pow_le_exp _ (S n) Sq).
+    replace (INR (S n) * (T / INR (S n)) ^ 2) with (T ^ 2 * / INR (S n)) by (field; lra). lra.
   - apply is_lim_seq_const.
-  - replace (Finite (1 / 2)) with (Finite (exp (100 * 0) * (1 / 2))) by (rewrite Rmult_0_r, exp_0; f_equal; field).
-    apply is_lim_seq_mult'; [|apply is_lim_seq_const].
+  - replace (Finite 1) with (Finite (exp (T ^ 2 * 0))) by (rewrite Rmult_0_r, exp_0; reflexivity).
     apply (is_lim_seq_continuous exp); [apply derivable_continuous_pt, derivable_pt_exp | exact vanishes].
 Qed.
 
@@ -124,62 +166,35 @@ Proof.
   - lra.
 Qed.
 
-(** y' = 1 from t = 1/3 on and 0 before: by how much RK4 misses y(1) = 2/3 with 2^k steps. *)
-Definition jump_error (k : nat) : Q :=
-  match Tables.rk4 with
-  | RungeKutta A b =>
-      let size := (1 # Pos.of_nat (2 ^ k))%Q in
-      let stage i p := let t := ((inject_Z (Z.of_nat i) + fold_right Qplus 0 (snd p)) * size)%Q in
-                       (if Qle_bool (1 # 3) t then fst p * size else 0)%Q in
-      let sum := fold_right (fun x y => Qred (x + y)) 0%Q (flat_map (fun i => map (stage i) (combine b A)) (seq 0 (2 ^ k))) in
-      Qred (Qabs (sum - (2 # 3)))
-  | Splitting _ => 0%Q
-  end.
-
-(** An error that each step multiplies by at most 1 + h L, and adds C h^(p+1) to, is at most C h^p (exp(L T) - 1)/L; for
-    a rate that jumps it is not, nor over a time that grows. *)
-Theorem L185 :
-  (forall L C h p e, 0 < L -> 0 <= C -> 0 < h -> e 0%nat = 0 ->
-     (forall n, e (S n) <= (1 + h * L) * e n + C * h ^ (p + 1)) ->
-     forall n, e n <= C * h ^ p * ((1 + h * L) ^ n - 1) / L <= C * h ^ p * (exp (L * (INR n * h)) - 1) / L)
-  /\ map jump_error (seq 1 8) = map (fun k => Qred ((1 # 6) * (1 # Pos.of_nat (2 ^ k)))) (seq 1 8)
-  /\ forall h B, 0 < h -> exists n, B < energy (run Tables.forward_euler h n (1, 0)).
+Lemma symplectic_at_2 : ~ bounded symplectic_euler 2.
 Proof.
-  split; [|split; [vm_compute; reflexivity | apply L041]].
-  intros L C h p e L_pos C_pos h_pos start one n.
-  assert (0 <= C * h ^ p) by (apply Rmult_le_pos; [lra | apply pow_le; lra]). split.
-  - induction n as [|n IH]; [rewrite start; cbn [pow]; apply Req_le; field; lra|].
-    eapply Rle_trans; [apply one|].
-    apply Rle_trans with ((1 + h * L) * (C * h ^ p * ((1 + h * L) ^ n - 1) / L) + C * h ^ (p + 1)).
-    + apply Rplus_le_compat_r, Rmult_le_compat_l; [nra | exact IH].
-    + rewrite pow_add. cbn [pow]. apply Req_le. field. lra.
-  - unfold Rdiv. apply Rmult_le_compat_r; [apply Rlt_le, Rinv_0_lt_compat; lra|]. apply Rmult_le_compat_l; [assumption|].
-    assert (0 <= h * L) by nra. generalize (pow_le_exp (h * L) n H0).
-    replace (INR n * (h * L)) with (L * (INR n * h)) by ring. lra.
+  intros all. destruct (all (1, 0)) as [B within].
+  assert (exists n, Rabs B < INR n) as [n above].
+  { exists (Z.to_nat (up (Rabs B))). rewrite INR_IZR_INZ, Z2Nat.id; [apply archimed|].
+    apply le_IZR. generalize (Rabs_pos B), (proj1 (archimed (Rabs B))). lra. }
+  specialize (within n). rewrite (proj1 (L165 n)) in within.
+  assert (One : ((-1) ^ n) * ((-1) ^ n) = 1)
+    by (rewrite <- Rpow_mult_distr; replace (-1 * -1) with 1 by ring; apply pow1).
+  assert (E : energy ((-1) ^ n * (2 * INR n + 1), (-1) ^ n * (2 * INR n))
+              = (-1) ^ n * (-1) ^ n * (4 * INR n * INR n + 2 * INR n + 1 / 2))
+    by (generalize ((-1) ^ n), (INR n); by_ring).
+  rewrite E, One in within. generalize (Rle_abs B), (pos_INR n). nra.
 Qed.
 
-Theorem T04 : bounded symplectic_euler (199 / 100) /\ ~ bounded symplectic_euler 2
-  /\ ~ bounded symplectic_euler (201 / 100) /\ bounded symplectic_euler 0
-  /\ ~ bounded Tables.forward_euler (1 / 1000).
+(** Every step that is not negative: M = I at h = 0, too; forward Euler for comparison. *)
+Theorem T04 : (forall h, 0 <= h -> (bounded symplectic_euler h <-> h < 2))
+  /\ forall h, 0 < h -> ~ bounded Tables.forward_euler h.
 Proof.
-  split; [apply symplectic_bounded; lra | split; [|split; [apply symplectic_unbounded; lra | split]]].
+  split; intros h positive.
+  - split; [intros all; apply Rnot_le_lt; intros [large | <-]|].
+    + now apply (symplectic_unbounded h).
+    + now apply symplectic_at_2.
+    + intros small. destruct positive as [positive | <-]; [now apply symplectic_bounded|].
+    intros [q v]. exists (energy (q, v)). intros n. apply Req_le.
+      induction n as [|n IH]; cbn [run]; [reflexivity|]. rewrite <- IH.
+      destruct (run symplectic_euler 0 n (q, v)) as [x y]. by_ring.
   - intros all. destruct (all (1, 0)) as [B within].
-    assert (exists n, Rabs B < INR n) as [n above].
-    { exists (Z.to_nat (up (Rabs B))). rewrite INR_IZR_INZ, Z2Nat.id; [apply archimed|].
-      apply le_IZR. generalize (Rabs_pos B), (proj1 (archimed (Rabs B))). lra. }
-    specialize (within n). rewrite (proj1 (L165 n)) in within.
-    assert (One : ((-1) ^ n) * ((-1) ^ n) = 1)
-      by (rewrite <- Rpow_mult_distr; replace (-1 * -1) with 1 by ring; apply pow1).
-    assert (E : energy ((-1) ^ n * (2 * INR n + 1), (-1) ^ n * (2 * INR n))
-                = (-1) ^ n * (-1) ^ n * (4 * INR n * INR n + 2 * INR n + 1 / 2))
-      by (generalize ((-1) ^ n), (INR n); by_ring).
-    rewrite E, One in within. generalize (Rle_abs B), (pos_INR n). nra.
-  - intros [q v]. exists (energy (q, v)). intros n. apply Req_le.
-    induction n as [|n IH]; cbn [run]; [reflexivity|]. rewrite <- IH.
-    destruct (run symplectic_euler 0 n (q, v)) as [x y]. by_ring.
-  - intros all. destruct (all (1, 0)) as [B within].
-    destruct (proj1 (L040 (1 / 1000) 1 0 ltac:(lra)) ltac:(injection; lra) B) as [n above].
-    specialize (within n). lra.
+    destruct (proj1 (L040 h 1 0 positive) ltac:(injection; lra) B) as [n above]. specialize (within n). lra.
 Qed.
 
 (** What the series of the cosine and the sine leave, for h >= 0: each by the sign of the one before. *)
@@ -219,6 +234,28 @@ Lemma sin_7 : forall x, 0 <= x -> x - x ^ 3 / 6 + x ^ 5 / 120 - x ^ 7 / 5040 <= 
 Proof.
   by_series (fun x => sin x - (x - x ^ 3 / 6 + x ^ 5 / 120 - x ^ 7 / 5040))
     (fun x => cos x - (1 - x ^ 2 / 2 + x ^ 4 / 24 - x ^ 6 / 720)) cos_6.
+Qed.
+
+Lemma cos_8 : forall x, 0 <= x -> cos x <= 1 - x ^ 2 / 2 + x ^ 4 / 24 - x ^ 6 / 720 + x ^ 8 / 40320.
+Proof.
+  by_series (fun x => 1 - x ^ 2 / 2 + x ^ 4 / 24 - x ^ 6 / 720 + x ^ 8 / 40320 - cos x)
+    (fun x => sin x - (x - x ^ 3 / 6 + x ^ 5 / 120 - x ^ 7 / 5040)) sin_7.
+Qed.
+
+(** RK4's position from (1, 0) is above the cosine, at every step. *)
+Theorem L065 : (forall h, 0 < h -> fst (step Tables.rk4 h (1, 0)) <> cos h)
+  /\ forall h, 2 * sqrt 2 < h -> ~ bounded Tables.rk4 h.
+Proof.
+  split; intros h large.
+  - replace (fst (step Tables.rk4 h (1, 0))) with (1 - h ^ 2 / 2 + h ^ 4 / 24) by by_ring.
+    apply Rgt_not_eq. destruct (Rle_dec h (7 / 2)).
+    + assert (C := cos_8 h (Rlt_le _ _ large)). assert (0 < h ^ 6) by (apply pow_lt; lra).
+      assert (h ^ 8 <= 13 * h ^ 6); [|lra].
+      replace (h ^ 8) with (h ^ 2 * h ^ 6) by ring. apply Rmult_le_compat_r; nra.
+    + assert (C := COS_bound h). assert (12 < h ^ 2) by nra.
+      assert (0 < h ^ 2 * (h ^ 2 - 12)) by (apply Rmult_lt_0_compat; lra).
+      replace (h ^ 4) with (h ^ 2 * h ^ 2) by ring. lra.
+  - intros all. assert (0 < sqrt 2) by (apply sqrt_lt_R0; lra). apply L175 in all; lra.
 Qed.
 
 (** The exact state after h, and how far z + (a, b) is from another state. *)

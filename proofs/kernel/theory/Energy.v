@@ -1,7 +1,7 @@
 (** What a step does to the energy, and what symplectic Euler keeps instead. *)
 
 From Coq Require Import QArith Qreals Reals Lra Lia Psatz.
-From driftproof Require Import Identities Tables OneStep.
+From driftproof Require Import Runs Tables OneStep.
 Open Scope R_scope.
 
 Lemma pow_unbounded x B : 1 < x -> exists n, B < x ^ n.
@@ -51,14 +51,17 @@ Proof. intros. apply energy_of_run, energy_of_forward_euler. Qed.
 
 Theorem L040 : forall h q v : R, 0 < h ->
   ((q, v) <> (0, 0) -> forall B, exists n, B < energy (run forward_euler h n (q, v)))
-  /\ forall n, run forward_euler h n (0, 0) = (0, 0).
+  /\ (forall n, run forward_euler h n (0, 0) = (0, 0))
+  /\ distance (step forward_euler h (q, v)) (0, 0) = sqrt (1 + h ^ 2) * distance (q, v) (0, 0) /\ 1 < sqrt (1 + h ^ 2).
 Proof.
-  intros h q v positive. split.
+  intros h q v positive. split; [|split; [|split]].
   - intros other B. generalize (energy_pos q v other). intros E.
     destruct (pow_unbounded (1 + h ^ 2) (B / energy (q, v))) as [n above]; [nra|].
     exists n. rewrite L038. apply (Rmult_lt_compat_r (energy (q, v))) in above; [|assumption].
     unfold Rdiv in above. rewrite Rmult_assoc, Rinv_l, Rmult_1_r in above; lra.
   - intros n; induction n as [|n IH]; cbn [run]; [reflexivity | rewrite IH; by_ring].
+  - unfold distance. rewrite <- sqrt_mult_alt by nra. f_equal. by_ring.
+  - rewrite <- sqrt_1 at 1. apply sqrt_lt_1_alt. nra.
 Qed.
 
 Theorem L051 :
@@ -113,10 +116,27 @@ Proof.
   - generalize (pow2_ge_0 (q - h * v / 2)), (pow2_ge_0 v); nra.
 Qed.
 
+(** Open: on every curve there are states as far away as one likes. *)
 Theorem L056 :
   (forall q v : R, modified_energy 2 (q, v) = (q - v) ^ 2 / 2)
-  /\ forall h, 2 < h -> modified_energy h (1, 1) < 0 < modified_energy h (1, -1).
-Proof. split; [by_ring|]. intros h large. expose. split; lra. Qed.
+  /\ forall h level B, 2 < h -> exists q v, modified_energy h (q, v) = level /\ B < q ^ 2 + v ^ 2.
+Proof.
+  split; [by_ring|]. intros h level B large. assert (b := Rabs_pos B). assert (l := Rabs_pos level).
+  assert (B <= Rabs B) by apply Rle_abs. assert (- level <= Rabs level) by (rewrite <- Rabs_Ropp; apply Rle_abs).
+  set (k := h ^ 2 - 4). assert (k_pos : 0 < k) by (unfold k; nra).
+  set (v := 1 + Rabs B + 8 * Rabs level / k). set (d := (h * v) ^ 2 - 4 * (v ^ 2 - 2 * level)).
+  assert (0 <= 8 * Rabs level / k) by (apply Rmult_le_pos; [lra | now apply Rlt_le, Rinv_0_lt_compat]).
+  assert (v1 : 1 + Rabs B <= v) by (unfold v; lra).
+  assert (D : 0 <= d).
+  { replace d with (k * v ^ 2 + 8 * level) by (unfold d, k; ring).
+    assert (k * v <= k * v ^ 2) by (apply Rmult_le_compat_l; nra).
+    assert (k * v = k + k * Rabs B + 8 * Rabs level) by (unfold v; field; lra).
+    assert (0 <= k * Rabs B) by (apply Rmult_le_pos; lra). lra. }
+  assert (S : sqrt d * sqrt d = (h * v) ^ 2 - 4 * (v ^ 2 - 2 * level)) by now apply sqrt_sqrt.
+  generalize dependent (sqrt d). intros r S. clear D d. clearbody v. exists ((h * v + r) / 2), v.
+  split; [|generalize (pow2_ge_0 ((h * v + r) / 2)); nra].
+  transitivity ((r * r - (h * v) ^ 2 + 4 * v ^ 2) / 8); [by_ring | lra].
+Qed.
 
 Theorem L090 : (energy (run symplectic_euler (1#2) 1 start) == 13 / 32 /\ ~ 13 / 32 == energy start)%Q
   /\ forall h, determinant symplectic_euler h = 1.
@@ -166,7 +186,8 @@ Proof.
   - assert (1 < h ^ 2) by nra. nra.
 Qed.
 
-Theorem L227 : (energy (run forward_euler (1#2) 1 (0, 1)) == 5 / 8 /\ energy (run symplectic_euler (1#2) 1 (0, 1)) == 5 / 8)%Q.
+Theorem L227 : (energy (run forward_euler (1#2) 1 (0, 1)) == 5 / 8 /\ energy (run symplectic_euler (1#2) 1 (0,
+  1)) == 5 / 8)%Q.
 Proof. by_vm. Qed.
 
 Theorem L235 : (energy (0, 1) == 1 / 2 /\ 1 / 2 < 5 / 8 /\ energy (run symplectic_euler (1#2) 1 (0, 1)) == 5 / 8)%Q.

@@ -1,7 +1,7 @@
 (** The oscillator, its exact solution, its energy, and where its units come from. *)
 
 From Coq Require Import QArith Qreals Reals Lra Lia List.
-From driftproof Require Import Identities Tables OneStep.
+From driftproof Require Import Runs Tables OneStep.
 Open Scope R_scope.
 
 (** q and v move as the oscillator does. *)
@@ -37,21 +37,47 @@ Proof.
   - intros q both t. split; [apply Derive_correct, both | apply both].
 Qed.
 
-Theorem L018 : flow 0 = (1, 0) /\ solves (fun t => fst (flow t)) (fun t => snd (flow t)).
+(** There is no other: turned back by t, what solves the equations and starts there stays where it is. *)
+Theorem L018 : flow 0 = (1, 0) /\ solves (fun t => fst (flow t)) (fun t => snd (flow t))
+  /\ forall q v, solves q v -> (q 0, v 0) = (1, 0) -> forall t, (q t, v t) = flow t.
 Proof.
-  split; [unfold flow; rewrite cos_0, sin_0; f_equal; ring|].
-  intros t. split; unfold flow; cbn [fst snd]; auto_derive; trivial; real_field.
+  split; [unfold flow; rewrite cos_0, sin_0; f_equal; ring|]. split.
+  { intros t. split; unfold flow; cbn [fst snd]; auto_derive; trivial; real_field. }
+  intros q v both start t. injection start; intros v0 q0.
+  assert (same : forall f, (forall s, is_derive f s 0) -> f t = f 0).
+  { intros f D. destruct (MVT_gen f 0 t (fun _ => 0)) as (c & _ & E); [auto | |lra].
+    intros x _. apply derivable_continuous_pt. exists 0. apply is_derive_Reals, D. }
+  assert (Dq : forall s, ex_derive q s /\ Derive (fun x => q x) s = v s)
+    by (intros s; split; [exists (v s) | apply is_derive_unique]; exact (proj1 (both s))).
+  assert (Dv : forall s, ex_derive v s /\ Derive (fun x => v x) s = - q s)
+    by (intros s; split; [exists (- q s) | apply is_derive_unique]; exact (proj2 (both s))).
+  assert (C : q t * cos t - v t * sin t = 1).
+  { rewrite <- q0, <- (Rmult_1_r (q 0)), <- cos_0. replace (q 0 * cos 0) with (q 0 * cos 0 - v 0 * sin 0)
+      by (rewrite sin_0; ring).
+    apply (same (fun s => q s * cos s - v s * sin s)). intros s. destruct (Dq s) as [? E], (Dv s) as [? F].
+    auto_derive; [easy|]. rewrite E, F. real_field. }
+  assert (S : v t * cos t + q t * sin t = 0).
+  { rewrite <- v0. replace (v 0) with (v 0 * cos 0 + q 0 * sin 0) by (rewrite cos_0, sin_0; ring).
+    apply (same (fun s => v s * cos s + q s * sin s)). intros s. destruct (Dq s) as [? E], (Dv s) as [? F].
+    auto_derive; [easy|]. rewrite E, F. real_field. }
+  assert (U := sin2_cos2 t). unfold Rsqr in U. unfold flow. f_equal.
+  - transitivity (q t * (sin t * sin t + cos t * cos t)); [rewrite U; ring|].
+    transitivity (cos t * (q t * cos t - v t * sin t) + sin t * (v t * cos t + q t * sin t)); [ring|].
+    rewrite C, S. ring.
+  - transitivity (v t * (sin t * sin t + cos t * cos t)); [rewrite U; ring|].
+    transitivity (cos t * (v t * cos t + q t * sin t) - sin t * (q t * cos t - v t * sin t)); [ring|].
+    rewrite C, S. ring.
 Qed.
 
 Theorem L019 : forall t, is_derive cos t (- sin t) /\ is_derive (fun s => - sin s) t (- cos t).
 Proof. intros t. split; auto_derive; trivial; real_field. Qed.
 
-(** Radius 1, and the rate q v' - v q' at which the area is swept, counterclockwise, is -1. *)
-Theorem L020_L106 : forall t,
+(** From (1, 0), with radius 1, and the rate q v' - v q' at which the area is swept, counterclockwise, is -1. *)
+Theorem L020_L106 : flow 0 = (1, 0) /\ forall t,
   fst (flow t) ^ 2 + snd (flow t) ^ 2 = 1
   /\ fst (flow t) * Derive (fun s => snd (flow s)) t - snd (flow t) * Derive (fun s => fst (flow s)) t = -1.
 Proof.
-  intros t. assert (C := sin2_cos2 t). unfold Rsqr in C. unfold flow; cbn [fst snd].
+  split; [apply L018|]. intros t. assert (C := sin2_cos2 t). unfold Rsqr in C. unfold flow; cbn [fst snd].
   assert (DC : Derive (fun s => cos s) t = - sin t) by (apply is_derive_unique, L019).
   assert (DS : Derive (fun s => - sin s) t = - cos t) by (apply is_derive_unique, L019).
   rewrite DC, DS. lra.

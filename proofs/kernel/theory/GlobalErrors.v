@@ -2,7 +2,7 @@
 
 From Coq Require Import QArith Qreals Reals Lra Lia List FunctionalExtensionality.
 From Coquelicot Require Import Coquelicot.
-From driftproof Require Import Identities Tables Problems Jets OneStepErrors.
+From driftproof Require Import Readouts Tables Problems Jets OneStepErrors.
 Import ListNotations.
 Open Scope R_scope.
 
@@ -174,34 +174,69 @@ Section Problem.
   Lemma rk4_form h z i : vector_step (D []) velocity h rk4 z i = z i + h * rk4_slope h z i.
   Proof. now rewrite rk4_explicit. Qed.
 
+  (** The slope of any step: a Runge-Kutta method's is a sum of fields at such states, a splitting's one of parts. *)
   Lemma controlled_ext k g : (forall h z i, k h z i = g h z i) -> controlled g -> controlled k.
   Proof.
     intros E G B. destruct (G B) as (B' & L & pos & near). exists B', L. split; [exact pos|]. intros h z H Z.
     destruct (near h z H Z) as [Z' close]. split; [intros i I; rewrite E; now apply Z'|]. intros. rewrite !E. auto.
   Qed.
-  Lemma slopes_controlled : controlled euler_slope /\ controlled symplectic_slope /\ controlled rk4_slope.
+  Fixpoint row_slope (row : list Q) (ks : list (R -> vector -> vector)) (h : R) (z : vector) : vector :=
+    match row, ks with
+    | a :: row, k :: ks => fun i => Q2R a * k h z i + 1 * row_slope row ks h z i
+    | _, _ => fun _ => 0
+    end.
+  Lemma controlled_row row : forall ks, List.Forall controlled ks -> controlled (row_slope row ks).
   Proof.
-    assert (E : controlled euler_slope) by apply (controlled_field _ controlled_start).
-    split; [exact E | split].
-    - apply controlled_where; [exact E|].
-      apply (controlled_field (fun h z j => if velocity j then z j + 1 * h * D [] z j else z j)).
-      apply (controlled_where (fun h z j => z j + 1 * h * D [] z j) (fun _ z => z)).
-      + now apply (controlled_stage 1 euler_slope).
-      + apply controlled_start.
-    - set (k2 h z := D [] (fun i => z i + 1 / 2 * h * euler_slope h z i)).
-      set (k3 h z := D [] (fun i => z i + 1 / 2 * h * k2 h z i)).
-      set (k4 h z := D [] (fun i => z i + 1 * h * k3 h z i)).
-      assert (K2 : controlled k2) by (apply (controlled_field (fun h z i => z i + 1 / 2 * h * euler_slope h z i)),
-        controlled_stage, E).
-      assert (K3 : controlled k3) by (apply (controlled_field (fun h z i => z i + 1 / 2 * h * k2 h z i)),
-        controlled_stage, K2).
-      assert (K4 : controlled k4) by (apply (controlled_field (fun h z i => z i + 1 * h * k3 h z i)), controlled_stage,
-        K3).
-      apply controlled_ext with (g := fun h z i => 1 * (1 / 6 * euler_slope h z i + 1 / 3 * k2 h z i)
-                                             + 1 * (1 / 3 * k3 h z i + 1 / 6 * k4 h z i)).
-      + intros h z i. unfold rk4_slope, k4, k3, k2, euler_slope. field.
-      + apply (controlled_plus 1 1 (fun h z i => 1 / 6 * euler_slope h z i + 1 / 3 * k2 h z i)
-          (fun h z i => 1 / 3 * k3 h z i + 1 / 6 * k4 h z i)); now apply controlled_plus.
+    assert (none : controlled (fun _ _ _ => 0)).
+    { apply controlled_ext with (g := fun h z i => 0 * z i + 0 * z i); [intros; ring|].
+      apply (controlled_plus 0 0 (fun _ z => z) (fun _ z => z)); apply controlled_start. }
+    induction row as [|a row IH]; intros ks all; [exact none|]. destruct all as [|k ks K all]; [exact none|].
+    apply (controlled_plus (Q2R a) 1 k (row_slope row ks)); auto.
+  Qed.
+  Lemma combined_slope h z row : forall ks (y : vector) i,
+    combined h y row (map (fun k => k h z) ks) i = y i + h * row_slope row ks h z i.
+  Proof.
+    induction row as [|a row IH]; intros [|k ks] y i; cbn [combined map row_slope]; try ring. rewrite IH. ring.
+  Qed.
+  Lemma slopes_of_rows rows : forall ks, List.Forall controlled ks -> exists ks', List.Forall controlled ks' /\
+    forall h z, vector_slopes (D []) h z rows (map (fun k => k h z) ks) = map (fun k => k h z) ks'.
+  Proof.
+    induction rows as [|row rows IH]; intros ks all; [now exists ks|].
+    set (k := fun h z => D [] (fun i => z i + 1 * h * row_slope row ks h z i)).
+    destruct (IH (ks ++ [k])) as (ks' & all' & E).
+    - apply List.Forall_app. split; [exact all|]. constructor; [|constructor].
+      apply (controlled_field (fun h z i => z i + 1 * h * row_slope row ks h z i)), controlled_stage, controlled_row,
+        all.
+    - exists ks'. split; [exact all'|]. intros h z. rewrite <- E, map_app. cbn [vector_slopes map]. do 2 f_equal.
+      unfold k. do 2 f_equal. apply functional_extensionality. intros i. rewrite combined_slope. ring.
+  Qed.
+  Lemma slope_of_parts parts : forall k, controlled k -> exists k', controlled k' /\ forall h z i,
+    fold_left (vector_part (D []) velocity h) parts (fun i => z i + h * k h z i) i = z i + h * k' h z i.
+  Proof.
+    induction parts as [|part parts IH]; intros k K; [now exists k|].
+    set (field := fun h z => D [] (fun i => z i + 1 * h * k h z i)).
+    assert (F : controlled field) by (apply (controlled_field (fun h z i => z i + 1 * h * k h z i)), controlled_stage,
+      K).
+    assert (same : forall h z, D [] (fun i => z i + h * k h z i) = field h z).
+    { intros h z. unfold field. f_equal. apply functional_extensionality. intros i. ring. }
+    set (more c := fun h z i => 1 * k h z i + Q2R c * field h z i).
+    assert (M : forall c, controlled (more c)) by (intros; now apply controlled_plus).
+    destruct part as [c|c];
+      [destruct (IH _ (controlled_where _ _ (M c) K)) as (k' & K' & E)
+      |destruct (IH _ (controlled_where _ _ K (M c))) as (k' & K' & E)].
+    all: exists k'; split; [exact K'|]; intros h z i; rewrite <- E; cbn [fold_left vector_part]; rewrite same;
+      apply (f_equal (fun y => fold_left _ parts y i)); apply functional_extensionality; intros j; unfold more;
+      destruct (velocity j); ring.
+  Qed.
+  Lemma slope_of_step m : exists slope, controlled slope
+    /\ forall h z i, vector_step (D []) velocity h m z i = z i + h * slope h z i.
+  Proof.
+    destruct m as [A b|parts]; cbn [vector_step].
+    - destruct (slopes_of_rows A [] (List.Forall_nil _)) as (ks & all & E). exists (row_slope b ks).
+      split; [now apply controlled_row|]. intros h z i. rewrite <- combined_slope. now rewrite <- E.
+    - destruct (slope_of_parts parts (row_slope [] []) (controlled_row [] [] (List.Forall_nil _))) as (k & K & E).
+      exists k. split; [exact K|]. intros h z i. rewrite <- E.
+      apply (f_equal (fun y => fold_left _ parts y i)). apply functional_extensionality. intros j. cbn. ring.
   Qed.
 
   (** Where x and h are inside, one step from y (x) misses y (x + h) by O(h^p). *)
@@ -229,12 +264,11 @@ Section Problem.
   Lemma run_iterates f h m n z : vector_run f velocity h m n z = Nat.iter n (vector_step f velocity h m) z.
   Proof. induction n as [|n IH]; [reflexivity|]. cbn [vector_run]. now rewrite IH. Qed.
 
-  Lemma global_bound m p slope : (1 <= p)%nat -> local_bound m (p + 1) -> controlled slope ->
-    (forall h z i, vector_step (D []) velocity h m z i = z i + h * slope h z i) ->
+  Lemma global_bound m p : (1 <= p)%nat -> local_bound m (p + 1) ->
     exists M h0, 0 < h0 /\ forall h n i, 0 < h <= h0 -> INR n * h <= T -> (i < d)%nat ->
       Rabs (vector_run (D []) velocity h m n (y 0) i - y (INR n * h) i) <= M * h ^ p.
   Proof.
-    intros p1 (C & pos & small) K form.
+    intros p1 (C & pos & small). destruct (slope_of_step m) as (slope & K & form).
     destruct (global_error (fun h => vector_step (D []) velocity h m) slope p C) as (M & h0 & h0_pos & all); auto.
     exists M, h0. split; [exact h0_pos|]. intros. rewrite run_iterates. now apply all.
   Qed.
@@ -250,11 +284,29 @@ Proof.
   all: trivial; unfold inside; cbn; lra.
 Qed.
 
+(** On smooth problems over a fixed interval one order is lost from one step to all, whatever the method. *)
+Theorem converges_of_one_step m p : (1 <= p)%nat -> one_step_error m (p + 1) -> converges m p.
+Proof.
+  intros p1 one d velocity D T y S T_pos Y. set (P := Build_problem d velocity D T y S T_pos Y).
+  destruct (one d velocity D T y S T_pos Y) as [C small]. apply (@global_bound P m p p1).
+  exists (Rabs C). split; [apply Rabs_pos|]. intros x h i (x_pos & H & low) I.
+  eapply Rle_trans; [now apply small|]. apply Rmult_le_compat_r; [apply pow_le, H | apply Rle_abs].
+Qed.
+
 Theorem methods_converge : converges forward_euler 1 /\ converges symplectic_euler 1 /\ converges rk4 4.
 Proof.
-  split; [|split]; intros d velocity D T y S T_pos Y; set (P := Build_problem d velocity D T y S T_pos Y).
-  all: destruct (@local_bounds P) as (E1 & E2 & E3), (@slopes_controlled P) as (K1 & K2 & K3).
-  - apply (@global_bound P _ 1 _ ltac:(lia) E1 K1), forward_euler_form.
-  - apply (@global_bound P _ 1 _ ltac:(lia) E2 K2), symplectic_euler_form.
-  - apply (@global_bound P _ 4 _ ltac:(lia) E3 K3), rk4_form.
+  destruct one_step_errors as (E1 & E2 & E3).
+  split; [|split]; apply converges_of_one_step; trivial; lia.
+Qed.
+
+(** y' = g(t), with t as component 0: RK4 asks at t, t + h/2, t + h/2 and t + h, which are the sums of its rows. *)
+Theorem L061 : exists A b, rk4 = RungeKutta A b
+  /\ map (fold_right Qplus 0%Q) A = [0; (1 # 2); (1 # 2); 1]%Q
+  /\ forall (g : R -> R) h (y : vector), let t := y 0%nat in
+       map (fun k : vector => k 1%nat) (vector_slopes (fun y i => match i
+         with O => 1 | S _ => g (y 0%nat) end) h y A [])
+       = [g t; g (t + h / 2); g (t + h / 2); g (t + h)].
+Proof.
+  repeat eexists. intros g h y t. cbn [vector_slopes combined app map]. unfold Q2R; cbn [Qnum Qden].
+  repeat (apply f_equal2; [f_equal; unfold t; field|]). reflexivity.
 Qed.

@@ -1,8 +1,9 @@
-(** What halving the step does to an error: a ratio of 2^p, and three ways in which it is another. *)
+(** What halving the step does to an error: a ratio of 2^p, and three ways in which it is another; and what an order is
+    for. *)
 
-From Coq Require Import QArith Qabs Qreals Reals Lra Lia Psatz.
-From driftproof Require Import Identities Tables Programs Energy Stability ExactFlow Phase Orders OrdersOfTables
-  Convergence Floats.
+From Coq Require Import QArith Qabs Qreals Reals Lra Lia Psatz List.
+From driftproof Require Import Runs Tables Energy Stability ExactFlow Phase Orders OrdersOfTables
+  Convergence Problems GlobalErrors FloatRuns.
 Open Scope R_scope.
 
 (** RK4 multiplies the radius by the root of its damping, too, and turns by an arctangent. *)
@@ -15,7 +16,8 @@ Proof.
   assert (P : 0 < damping h) by (rewrite D; nra).
   assert (r_pos : 0 < sqrt (damping h)) by (apply sqrt_lt_R0; lra).
   assert (R1 : sqrt (1 + (y / x)²) = sqrt (damping h) / x).
-  { rewrite <- (sqrt_square x) at 2 by lra. rewrite <- sqrt_div_alt by nra. f_equal. rewrite D. unfold Rsqr. field. lra. }
+  { rewrite <- (sqrt_square x) at 2 by lra. rewrite <- sqrt_div_alt by nra. f_equal. rewrite D. unfold Rsqr. field.
+    lra. }
   set (s := sqrt (damping h)) in *. clearbody s. induction n as [|n IH]; cbn [run].
   - unfold polar. cbn [INR]. rewrite Rmult_0_l, cos_0, sin_0. f_equal; ring.
   - rewrite IH, <- tech_pow_Rmult, S_INR, Rmult_plus_distr_r, Rmult_1_l. unfold polar.
@@ -63,18 +65,6 @@ Qed.
 
 (** How far two rational components are from the exact state at t, added up. *)
 Definition missed (z : Q * Q) (t : R) : R := Rabs (Q2R (fst z) - cos t) + Rabs (Q2R (snd z) + sin t).
-(** RK4's run in binary32 from (1, 0) to 10 with n steps of 10/n, which is a binary32 number for 640 and for 1280. *)
-Definition single_rk4 (n : positive) : Q * Q :=
-  let number x := single_of_Z (Zpos x) in
-  let (q, v) := single_run (@rk4_program _ single_arithmetic)
-                  (@Arithmetic.over _ single_arithmetic (number 10%positive) (number n)) (Pos.to_nat n)
-                  (number 1%positive, single_of_Z 0) in
-  (rational_of q, rational_of v).
-
-Ltac compute_single n :=
-  let z := eval vm_compute in (single_rk4 n) in
-  let E := fresh in assert (single_rk4 n = z) as E by (vm_cast_no_check (eq_refl z)); rewrite E; clear E.
-
 (** A leading term that vanishes at T = 4: a ratio of 4, not 2. A coarse step: the error grows from 5/2 to 2. Roundoff:
     RK4's exact error is divided by 16, that of the same runs in binary32 by less than 2. *)
 Theorem L192 :
@@ -89,6 +79,26 @@ Proof.
   - assert (coarse : INR 640 = 640) by (rewrite INR_IZR_INZ; reflexivity).
     assert (fine : INR 1280 = 1280) by (rewrite INR_IZR_INZ; reflexivity).
     cbv beta zeta. rewrite (rk4_error _ _ 10 coarse), (rk4_error _ _ 10 fine) by lra. unfold damping. by_interval.
-  - compute_single 640%positive. compute_single 1280%positive. unfold missed, Q2R. cbn [fst snd Qnum Qden].
+  - rewrite binary32_run_640, binary32_run_1280. unfold missed, Q2R. cbn [fst snd Qnum Qden].
     apply Rlt_le. by_interval.
 Qed.
+
+(** y' = 1 from t = 1/3 on and 0 before: by how much RK4 misses y(1) = 2/3 with 2^k steps. *)
+Definition jump_error (k : nat) : Q :=
+  match Tables.rk4 with
+  | RungeKutta A b =>
+      let size := (1 # Pos.of_nat (2 ^ k))%Q in
+      let stage i p := let t := ((inject_Z (Z.of_nat i) + fold_right Qplus 0 (snd p)) * size)%Q in
+                       (if Qle_bool (1 # 3) t then fst p * size else 0)%Q in
+      let sum := fold_right (fun x y => Qred (x + y)) 0%Q (flat_map (fun i => map (stage i) (combine b A)) (seq 0 (2
+        ^ k))) in
+      Qred (Qabs (sum - (2 # 3)))
+  | Splitting _ => 0%Q
+  end.
+
+(** Of any method, a one-step error O(h^(p+1)) becomes a global error O(h^p). With a rate that jumps RK4's is O(h), at
+    these steps h/6; and over a time that grows forward Euler's energy exceeds every bound. *)
+Theorem L185 : (forall m p, (1 <= p)%nat -> one_step_error m (p + 1) -> converges m p)
+  /\ map jump_error (seq 1 8) = map (fun k => Qred ((1 # 6) * (1 # Pos.of_nat (2 ^ k)))) (seq 1 8)
+  /\ forall h B, 0 < h -> exists n, B < energy (run Tables.forward_euler h n (1, 0)).
+Proof. split; [exact converges_of_one_step | split; [vm_compute; reflexivity | apply L041]]. Qed.

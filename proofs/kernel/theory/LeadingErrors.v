@@ -1,7 +1,7 @@
 (** The oscillator as a smooth problem, and the leading terms of its errors: none of the orders is higher. *)
 
 From Coq Require Import QArith Qreals Reals Lra Lia Psatz List FunctionalExtensionality.
-From driftproof Require Import Identities Tables OneStep Energy Stability
+From driftproof Require Import Runs Tables OneStep Energy Stability
   ExactFlow Phase Convergence Problems Jets GlobalErrors.
 Import ListNotations.
 Open Scope R_scope.
@@ -336,7 +336,7 @@ Proof.
     [apply L175|]]]]]].
   - intros m h n pos E. assert (N : INR n = 10 / h) by (rewrite <- E; field; lra).
     split; [exact N | rewrite mult_INR, N; ring].
-  - intros h [large | <-]; [now apply symplectic_unbounded | apply T04].
+  - intros h [large | <-]; [now apply symplectic_unbounded | apply symplectic_at_2].
   - intros h pos all. destruct (all (1, 0)) as [B within].
     destruct (proj1 (L040 h 1 0 pos) ltac:(injection; lra) B) as [n above]. specialize (within n). lra.
 Qed.

@@ -1,6 +1,7 @@
-(** One-step methods as data, and one step of them, over any scalars: rationals to compute with, reals to prove with. *)
+(** One-step methods as data, and one step of them, over any scalars: rationals to compute with, reals to prove with;
+    and programs, over reals and floats. *)
 
-From Coq Require Import QArith Qreals Reals List.
+From Coq Require Import QArith Qreals Reals Lra Lia List.
 Import ListNotations.
 
 (** What a step needs to know of numbers: where the coefficients go, sums and products. *)
@@ -135,3 +136,47 @@ Proof. induction n as [|n IH]; cbn [run]; [|rewrite to_R_step, IH]; reflexivity.
 
 Lemma to_R_start : to_R start = start.
 Proof. unfold to_R, start. cbn [fst snd]. now rewrite !Q2R_lift. Qed.
+
+(** The integer part of a quotient. *)
+Lemma floor_within n d : (0 < d)%Z -> (IZR (n / d) <= IZR n / IZR d < IZR (n / d) + 1)%R.
+Proof.
+  intros pos. assert (0 < IZR d)%R by now apply IZR_lt. assert (E := Z.div_mod n d ltac:(lia)).
+  assert (B := Z.mod_pos_bound n d pos). apply (f_equal IZR) in E. rewrite plus_IZR, mult_IZR in E.
+  destruct B as [B B']. apply IZR_le in B. apply IZR_lt in B'.
+  replace (IZR n / IZR d)%R with (IZR (n / d) + IZR (n mod d) / IZR d)%R by (rewrite E; field; lra).
+  assert (0 <= IZR (n mod d) / IZR d < 1)%R; [|lra].
+  split; [apply Rmult_le_reg_r with (IZR d) | apply Rmult_lt_reg_r with (IZR d)]; trivial;
+    unfold Rdiv; rewrite Rmult_assoc, Rinv_l; lra.
+Qed.
+
+(** The operations of a program, in the order in which it makes them, over any numbers. *)
+Class Arithmetic (T : Type) :=
+  { plus : T -> T -> T; times : T -> T -> T; over : T -> T -> T; negative : T -> T; integer : Z -> T }.
+#[export] Instance real_arithmetic : Arithmetic R :=
+  {| plus := Rplus; times := Rmult; over := Rdiv; negative := Ropp; integer := IZR |}.
+
+(** Programs in binary64: Coq's primitive floats are the processor's. *)
+From Coq Require Import Floats Uint63.
+Definition float_of_Z (z : Z) : float :=
+  if (z <? 0)%Z then PrimFloat.opp (PrimFloat.of_uint63 (of_Z (- z))) else PrimFloat.of_uint63 (of_Z z).
+#[export] Instance float_arithmetic : Arithmetic float :=
+  {| plus := PrimFloat.add; times := PrimFloat.mul; over := PrimFloat.div; negative := PrimFloat.opp;
+     integer := float_of_Z |}.
+
+(** n steps of a program, each from where the last one ended. *)
+Fixpoint float_run (program : float -> float -> float -> float * float) (h : float) (n : nat) (z : float * float) :=
+  match n with O => z | S n => let (q, v) := float_run program h n z in program h q v end.
+
+(** Binary32, of which the processor's floats are no instance: the operations that Coq specifies, bit for bit. *)
+Definition single_of_Z (z : Z) : spec_float := binary_normalize 24 128 z 0 false.
+Definition single_arithmetic : Arithmetic spec_float :=
+  {| plus := SFadd 24 128; times := SFmul 24 128; over := SFdiv 24 128; negative := SFopp; integer := single_of_Z |}.
+Fixpoint single_run (program : spec_float -> spec_float -> spec_float -> spec_float * spec_float) (h : spec_float)
+  (n : nat) (z : spec_float * spec_float) :=
+  match n with O => z | S n => let (q, v) := single_run program h n z in program h q v end.
+(** The rational number that a finite float is. *)
+Definition rational_of (x : spec_float) : Q :=
+  match x with
+  | S754_finite s m e => Qred (inject_Z (if s then Zneg m else Zpos m) * Qpower 2 e)
+  | _ => 0
+  end.

@@ -1,7 +1,7 @@
 (** What one step of each method is: the formulas of the lesson, true of the tables. *)
 
 From Coq Require Import QArith Qreals Reals Lra List.
-From driftproof Require Import Identities Tables Programs.
+From driftproof Require Import Readouts Tables.
 Import ListNotations.
 Open Scope R_scope.
 
@@ -49,10 +49,10 @@ Theorem L043_L205 : forall h q v : R,
 Proof. by_ring. Qed.
 
 Theorem L044 : (forall h z w, area (step symplectic_euler h z) (step symplectic_euler h w) = area z w)
-  /\ exists h z w, area (step forward_euler h z) (step forward_euler h w) <> area z w.
+  /\ forall h, h <> 0 -> exists z w, area (step forward_euler h z) (step forward_euler h w) <> area z w.
 Proof.
-  split; [intros h [q v] [x y]; by_ring|].
-  exists 1, (1, 0), (0, 1). expose. lra.
+  split; [intros h [q v] [x y]; by_ring|]. intros h other. exists (1, 0), (0, 1). apply Rminus_not_eq.
+  replace (_ - _) with (h * h) by by_ring. generalize (square_pos h other). lra.
 Qed.
 
 (** The force is asked once, at the old position, whatever it is. *)
@@ -88,13 +88,31 @@ Theorem L060 : forall q v : R,
   List.Forall (fun k => k = rate oscillator (q, v)) (rates rk4 0 (q, v)) /\ step rk4 0 (q, v) = (q, v).
 Proof. split; [| by_ring]. expose. repeat (apply Forall_cons || apply Forall_nil); apply f_equal2; field. Qed.
 
-Theorem L061 : exists A b, rk4 = RungeKutta A b
-  /\ map (fold_right Qplus 0%Q) A = [0; (1 # 2); (1 # 2); 1]%Q.
-Proof. repeat eexists. Qed.
-
-(** The states at which RK4 asks are those whose rates it forms: at h = 1/2 none of them is the result. *)
-Theorem L062 : forall z, In z (map (fun k => (- snd k, fst k)) (rates rk4 (1 / 2) (1, 0))) -> z <> step rk4 (1 / 2) (1, 0).
-Proof. expose. intros z H E. rewrite E in H. repeat destruct H as [H|H]; try injection H; intros; lra. Qed.
+(** The states at which RK4 asks are those whose rates it forms: none of them is the result, whatever the step. *)
+Lemma turned a b q v : (q, v) <> (0, 0) -> a <> 0 \/ b <> 0 -> a * q + b * v = 0 -> a * v - b * q = 0 -> False.
+Proof.
+  intros other N E F. assert (0 < a * a + b * b) by (destruct N; nra). apply other.
+  assert (zero : forall x, (a * a + b * b) * x = 0 -> x = 0) by (intros x X; apply Rmult_integral in X as [|]; lra).
+  f_equal; apply zero.
+  - replace (_ * q) with (a * (a * q + b * v) - b * (a * v - b * q)) by ring. rewrite E, F. ring.
+  - replace (_ * v) with (b * (a * q + b * v) + a * (a * v - b * q)) by ring. rewrite E, F. ring.
+Qed.
+Theorem L062 : forall h z w, h <> 0 -> z <> (0, 0) ->
+  In w (map (fun k => (- snd k, fst k)) (rates rk4 h z)) -> w <> step rk4 h z.
+Proof.
+  intros h [q v] w other nonzero. revert w. rewrite <- Forall_forall. assert (0 < h * h) by now apply square_pos.
+  assert (differ : forall a b w, a <> 0 \/ b <> 0 ->
+    step rk4 h (q, v) = (fst w + (a * q + b * v), snd w + (a * v - b * q)) -> w <> step rk4 h (q, v)).
+  { intros a b [x y] N E F. rewrite E in F. injection F; cbn [fst snd]; intros. apply (turned a b q v); trivial; lra. }
+  unfold rates, rk4. cbn [slopes app map]. repeat (apply Forall_cons || apply Forall_nil).
+  - apply (differ (h * h * (h * h / 24 - 1 / 2)) (h * (1 - h * h / 6))); [|by_ring].
+    destruct (Req_dec (h * h) 6) as [-> |]; [left; lra | right; apply Rmult_integral_contrapositive; split; lra].
+  - apply (differ (h * h * (h * h / 24 - 1 / 2)) (h * (1 / 2 - h * h / 6))); [|by_ring].
+    destruct (Req_dec (h * h) 3) as [-> |]; [left; lra | right; apply Rmult_integral_contrapositive; split; lra].
+  - apply (differ (h * h * (h * h / 24 - 1 / 4)) (h * (1 / 2 - h * h / 6))); [|by_ring].
+    destruct (Req_dec (h * h) 3) as [-> |]; [left; lra | right; apply Rmult_integral_contrapositive; split; lra].
+  - apply (differ (h * h * (h * h) / 24) (h * h * h / 12)); [left; nra | by_ring].
+Qed.
 
 Theorem L208 : forall q v : R, energy_program q v = (q ^ 2 + v ^ 2) / 2.
 Proof. by_ring. Qed.

@@ -2,7 +2,7 @@
 
 From Coq Require Import QArith Qreals Reals Lra Lia List FunctionalExtensionality.
 From Coquelicot Require Import Coquelicot.
-From driftproof Require Import Identities Tables Problems Jets.
+From driftproof Require Import Readouts Tables Problems Jets.
 Import ListNotations.
 Open Scope R_scope.
 

@@ -1,26 +1,23 @@
-(** How an order is checked: the weights of all ordered trees of up to so many vertices, in integers of a number field. *)
+(** How an exact order is checked: the weights of all ordered trees, in integers of a number field. *)
 
 From Coq Require Import QArith Qreals Reals Lra Lia List.
 From Bignums Require Import BigZ.
-From driftproof Require Import Trees.
+From driftproof Require Import Methods Trees.
 Import ListNotations.
 Open Scope R_scope.
 
 (** Any ring with a map to the reals; only what it calls equal has to be equal there. *)
 Record ring := {
-  element :> Type;
-  plus : element -> element -> element;
-  mult : element -> element -> element;
-  of_Z : Z -> element;
-  same : element -> element -> bool;
-  value : element -> R;
-  value_plus : forall x y, value (plus x y) = value x + value y;
-  value_mult : forall x y, value (mult x y) = value x * value y;
-  value_of_Z : forall z, value (of_Z z) = IZR z;
+  ring_numbers :> numbers;
+  same : ring_numbers -> ring_numbers -> bool;
+  value : ring_numbers -> R;
+  value_plus : forall x y, value (plus _ x y) = value x + value y;
+  value_mult : forall x y, value (mult _ x y) = value x * value y;
+  value_of_Z : forall z, value (of_Z _ z) = IZR z;
   value_same : forall x y, same x y = true -> value x = value y
 }.
 
-Section Checker.
+Section Exactly.
   Variable K : ring.
   (** The table times a common denominator D. *)
   Variables (A : list (list K)) (b : list K) (D : Z).
@@ -29,56 +26,18 @@ Section Checker.
   Definition real_A := map (map over) A.
   Definition real_b := map over b.
 
-  Fixpoint dot_K (x y : list K) : K :=
-    match x, y with a :: x, c :: y => plus K (mult K a c) (dot_K x y) | _, _ => of_Z K 0 end.
-  Fixpoint times_K (x y : list K) : list K :=
-    match x, y with a :: x, c :: y => mult K a c :: times_K x y | _, _ => [] end.
+  Definition holds (n : Z) (e : entry K) : bool :=
+    same K (mult K (dot_K K b (stages_of K e)) (of_Z K (n * branches_of K e))) (of_Z K (D ^ n)).
 
-  (** Of a tree with n vertices: D^(n-1) times its stages, D^n times A times them, and the product of its branches. *)
-  Record entry := { stages_of : list K; sums_of : list K; branches_of : Z }.
-  Definition with_sums (stages : list K) (branches : Z) : entry :=
-    {| stages_of := stages; sums_of := map (fun row => dot_K row stages) A; branches_of := branches |}.
-  Definition grafted (t : entry) (size_of_u : Z) (u : entry) : entry :=
-    with_sums (times_K (stages_of t) (sums_of u)) (branches_of t * (size_of_u * branches_of u)).
-
-  (** The trees with k + 1 vertices, from those with 1, 2, ..., k: [descending] begins with those of k vertices. *)
-  Fixpoint next (descending ascending : list (list entry)) (size_of_u : Z) : list entry :=
-    match descending, ascending with
-    | ts :: descending, us :: ascending =>
-        flat_map (fun t => map (grafted t size_of_u) us) ts ++ next descending ascending (size_of_u + 1)
-    | _, _ => []
-    end.
-  Fixpoint levels (k : nat) : list (list entry) :=
-    match k with
-    | O => []
-    | S k => let ls := levels k in
-             ls ++ [match k with O => [with_sums (map (fun _ => of_Z K 1) b) 1] | S _ => next (rev ls) ls 1 end]
-    end.
-
-  Definition holds (n : Z) (e : entry) : bool :=
-    same K (mult K (dot_K b (stages_of e)) (of_Z K (n * branches_of e))) (of_Z K (D ^ n)).
-  Fixpoint all_hold (n : Z) (ls : list (list entry)) : bool :=
-    match ls with [] => true | l :: ls => forallb (holds n) l && all_hold (n + 1) ls end.
-
-  (** What an entry stands for. *)
   Let d := IZR D.
-  Definition represents (e : entry) (t : tree) : Prop :=
-    map (value K) (stages_of e) = map (Rmult (d ^ (vertices t - 1))) (stages real_A real_b t)
-    /\ map (value K) (sums_of e)
-       = map (Rmult (d ^ vertices t)) (map (fun row => dot row (stages real_A real_b t)) real_A)
-    /\ IZR (branches_of e) = INR (branches t).
-
   Let d_pos : 0 < d.
   Proof. apply IZR_lt, D_pos. Qed.
-
-  Lemma vertices_pos t : (1 <= vertices t)%nat.
-  Proof. induction t; cbn; lia. Qed.
 
   Lemma power_of_vertices t : d ^ vertices t = d * d ^ (vertices t - 1).
   Proof. destruct (vertices t) as [|n] eqn:E; [generalize (vertices_pos t); lia|]. now rewrite Nat.sub_1_r. Qed.
 
   Lemma value_dot c x : forall row y, map (value K) y = map (Rmult c) x ->
-    value K (dot_K row y) = d * c * dot (map over row) x.
+    value K (dot_K K row y) = d * c * dot (map over row) x.
   Proof.
     revert c. induction x as [|x0 x IH]; intros c [|r row] [|y0 y]; try discriminate; intros E; cbn;
       rewrite ?value_of_Z; try ring.
@@ -88,129 +47,59 @@ Section Checker.
 
   Lemma value_times c c' x : forall x' y y',
     map (value K) y = map (Rmult c) x -> map (value K) y' = map (Rmult c') x' ->
-    map (value K) (times_K y y') = map (Rmult (c * c')) (times x x').
+    map (value K) (times_K K y y') = map (Rmult (c * c')) (times x x').
   Proof.
     induction x as [|x0 x IH]; intros [|x0' x'] [|y0 y] [|y0' y']; try discriminate; intros E E'; cbn; try reflexivity.
     injection E; intros R0 V0. injection E'; intros R1 V1. rewrite value_mult, V0, V1.
     f_equal; [ring | now apply IH].
   Qed.
 
-  Lemma represents_with_sums stages branches t :
-    map (value K) stages = map (Rmult (d ^ (vertices t - 1))) (Trees.stages real_A real_b t) ->
-    IZR branches = INR (Trees.branches t) -> represents (with_sums stages branches) t.
+  Lemma value_sums stages t : map (value K) stages = map (Rmult (d ^ (vertices t - 1))) (Trees.stages real_A real_b
+    t) ->
+    map (value K) (map (fun row => dot_K K row stages) A)
+    = map (Rmult (d ^ vertices t)) (map (fun row => dot row (Trees.stages real_A real_b t)) real_A).
   Proof.
-    intros S B. split; [exact S | split; [|exact B]]. cbn [with_sums sums_of]. unfold real_A at 2.
-    rewrite !map_map. apply map_ext. intros row. rewrite (value_dot _ _ _ _ S).
-    rewrite power_of_vertices. ring.
+    intros E. unfold real_A at 2. rewrite !map_map. apply map_ext. intros row. rewrite (value_dot _ _ _ _ E).
+    now rewrite power_of_vertices.
   Qed.
-
-  Lemma represents_vertex : represents (with_sums (map (fun _ => of_Z K 1) b) 1) vertex.
+  Lemma value_stages t : map (value K) (stages_of K (entry_of K A b t))
+    = map (Rmult (d ^ (vertices t - 1))) (stages real_A real_b t).
   Proof.
-    apply represents_with_sums; [|reflexivity]. cbn [Trees.stages vertices]. unfold real_b. rewrite !map_map.
-    apply map_ext. intros _. rewrite value_of_Z. cbn. ring.
-  Qed.
-
-  Lemma represents_graft e t f u : represents e t -> represents f u ->
-    represents (grafted e (Z.of_nat (vertices u)) f) (graft t u).
-  Proof.
-    intros (S & _ & B) (_ & S' & B'). apply represents_with_sums.
-    - cbn [Trees.stages vertices]. rewrite (value_times _ _ _ _ _ _ S S').
-      rewrite <- pow_add. do 3 f_equal. generalize (vertices_pos t), (vertices_pos u). lia.
-    - cbn [Trees.branches]. rewrite !mult_IZR, !mult_INR, B, B', <- INR_IZR_INZ. reflexivity.
-  Qed.
-
-  Definition complete (ls : list (list entry)) : Prop :=
-    forall t, (vertices t <= length ls)%nat -> exists e, In e (nth (vertices t - 1) ls []) /\ represents e t.
-
-  Lemma in_next : forall ds us e f i first, (i < length ds)%nat -> (i < length us)%nat ->
-    In e (nth i ds []) -> In f (nth i us []) -> In (grafted e (first + Z.of_nat i) f) (next ds us first).
-  Proof.
-    induction ds as [|l ds IH]; intros [|l' us] e f i first Hi Hi' He Hf; cbn in Hi, Hi'; try lia.
-    cbn [next]. apply in_or_app. destruct i as [|i].
-    - left. apply in_flat_map. exists e. split; [exact He|]. rewrite Z.add_0_r. now apply in_map.
-    - right. replace (first + Z.of_nat (Datatypes.S i))%Z with (first + 1 + Z.of_nat i)%Z by lia.
-      apply IH; trivial; lia.
-  Qed.
-
-  Lemma levels_length k : length (levels k) = k.
-  Proof. induction k; [reflexivity|]. cbn [levels]. rewrite app_length, IHk. cbn. lia. Qed.
-
-  Lemma levels_complete k : complete (levels k).
-  Proof.
-    induction k as [|k IH]; intros t size.
-    - generalize (vertices_pos t). cbn in size. lia.
-    - rewrite levels_length in size. cbn [levels].
-      destruct (Nat.eq_dec (vertices t) (Datatypes.S k)) as [E|].
-      + rewrite E, app_nth2, levels_length by (rewrite levels_length; lia).
-        replace (Datatypes.S k - 1 - k)%nat with O by lia. cbn [nth].
-        destruct t as [|t u]; cbn [vertices] in E.
-        * assert (k = 0)%nat by lia. subst k. exists (with_sums (map (fun _ => of_Z K 1) b) 1).
-          split; [now left | apply represents_vertex].
-        * generalize (vertices_pos t), (vertices_pos u). intros.
-          destruct (IH t) as (e & He & Re); [rewrite levels_length; lia|].
-          destruct (IH u) as (f & Hf & Rf); [rewrite levels_length; lia|].
-          destruct k as [|k]; [lia|]. exists (grafted e (Z.of_nat (vertices u)) f).
-          split; [|now apply represents_graft].
-          replace (Z.of_nat (vertices u)) with (1 + Z.of_nat (vertices u - 1))%Z by lia.
-          apply in_next; rewrite ?rev_length, ?levels_length; try lia; [|exact Hf].
-          rewrite rev_nth by (rewrite levels_length; lia). rewrite levels_length.
-          replace (Datatypes.S k - Datatypes.S (vertices u - 1))%nat with (vertices t - 1)%nat by lia. exact He.
-      + destruct (IH t) as (e & He & Re); [rewrite levels_length; lia|]. exists e. split; [|exact Re].
-        rewrite app_nth1; [exact He|]. rewrite levels_length. generalize (vertices_pos t). lia.
-  Qed.
-
-  Lemma holds_meets e t : represents e t -> holds (Z.of_nat (vertices t)) e = true -> meets real_A real_b t.
-  Proof.
-    intros (S & _ & B) H. apply value_same in H. revert H.
-    rewrite value_mult, !value_of_Z, (value_dot _ _ _ _ S), mult_IZR, B, <- INR_IZR_INZ. intros H.
-    unfold meets, weight, density. rewrite mult_INR. fold real_b in H.
-    apply Rmult_eq_reg_l with (d ^ vertices t); [|apply Rgt_not_eq, pow_lt, d_pos].
-    rewrite Rmult_1_r. replace (IZR (D ^ Z.of_nat (vertices t))) with (d ^ vertices t) in H by apply pow_IZR.
-    etransitivity; [|exact H]. rewrite power_of_vertices. ring.
-  Qed.
-
-  Lemma all_hold_nth : forall ls n i e, all_hold n ls = true -> In e (nth i ls []) -> holds (n + Z.of_nat i) e = true.
-  Proof.
-    induction ls as [|l ls IH]; intros n i e H He; [destruct i; destruct He|].
-    cbn in H. apply andb_prop in H as [Hl H]. destruct i as [|i].
-    - rewrite Z.add_0_r. rewrite forallb_forall in Hl. now apply Hl.
-    - replace (n + Z.of_nat (Datatypes.S i))%Z with (n + 1 + Z.of_nat i)%Z by lia. now apply IH.
+    induction t as [|t IH u IH']; cbn [entry_of single grafted kept snd stages_of stages vertices].
+    - unfold real_b. rewrite !map_map. apply map_ext. intros _. rewrite value_of_Z. cbn. ring.
+    - unfold sums. rewrite (value_times _ _ _ _ _ _ IH (value_sums _ _ IH')), <- pow_add. do 3 f_equal.
+      generalize (vertices_pos t), (vertices_pos u). lia.
   Qed.
 
   (** The check: all trees with up to p vertices in integers. *)
-  Theorem order_at_least p : all_hold 1 (levels p) = true -> forall t, (vertices t <= p)%nat -> meets real_A real_b t.
+  Theorem order_at_least p : passes K A b holds p = true ->
+    forall t, (vertices t <= p)%nat -> meets real_A real_b t.
   Proof.
-    intros H t size. destruct (levels_complete p t) as (e & He & Re); [now rewrite levels_length|].
-    refine (holds_meets e t Re _).
-    replace (Z.of_nat (vertices t)) with (1 + Z.of_nat (vertices t - 1))%Z by (generalize (vertices_pos t); lia).
-    exact (all_hold_nth _ _ _ _ H He).
+    intros H t size. apply (tree_passes K A b holds p t H) in size as E. unfold holds in E. apply value_same in E.
+    revert E.
+    rewrite value_mult, !value_of_Z, (value_dot _ _ _ _ (value_stages t)), mult_IZR, branches_of_entry, <- INR_IZR_INZ.
+    intros E. unfold meets, weight, density. rewrite mult_INR. fold real_b in E.
+    apply Rmult_eq_reg_l with (d ^ vertices t); [|apply Rgt_not_eq, pow_lt, d_pos].
+    rewrite Rmult_1_r. replace (IZR (D ^ Z.of_nat (vertices t))) with (d ^ vertices t) in E by apply pow_IZR.
+    etransitivity; [|exact E]. rewrite power_of_vertices. ring.
   Qed.
 
-  (** The entry of one tree, and what its condition misses, times D^n. *)
-  Fixpoint entry_of (t : tree) : entry :=
-    match t with
-    | vertex => with_sums (map (fun _ => of_Z K 1) b) 1
-    | graft t u => grafted (entry_of t) (Z.of_nat (vertices u)) (entry_of u)
-    end.
+  (** What the condition of one tree misses, times D^n. *)
   Definition residual (t : tree) : K :=
-    let e := entry_of t in let n := Z.of_nat (vertices t) in
-    plus K (mult K (dot_K b (stages_of e)) (of_Z K (n * branches_of e))) (of_Z K (- D ^ n)).
-
-  Lemma represents_entry t : represents (entry_of t) t.
-  Proof. induction t; [apply represents_vertex | now apply represents_graft]. Qed.
+    let e := entry_of K A b t in let n := Z.of_nat (vertices t) in
+    plus K (mult K (dot_K K b (stages_of K e)) (of_Z K (n * branches_of K e))) (of_Z K (- D ^ n)).
 
   Theorem residual_not_met t : value K (residual t) <> 0 -> ~ meets real_A real_b t.
   Proof.
-    destruct (represents_entry t) as (S & _ & B). unfold residual. cbv zeta.
-    rewrite value_plus, value_mult, !value_of_Z, (value_dot _ _ _ _ S), mult_IZR, B, <- INR_IZR_INZ, opp_IZR.
+    unfold residual. cbv zeta. rewrite value_plus, value_mult, !value_of_Z, (value_dot _ _ _ _ (value_stages t)).
+    rewrite mult_IZR, branches_of_entry, <- INR_IZR_INZ, opp_IZR.
     intros H E. apply H. unfold meets, weight, density in E. rewrite mult_INR in E.
     replace (IZR (D ^ Z.of_nat (vertices t))) with (d ^ vertices t) by apply pow_IZR.
     rewrite power_of_vertices. fold real_b. apply Rminus_diag_eq in E.
-    transitivity (d * d ^ (vertices t - 1) * (dot real_b (stages real_A real_b t) * (INR (vertices t) * INR (branches t)) - 1)).
-    - ring.
-    - rewrite E. ring.
+    transitivity (d * d ^ (vertices t - 1)
+      * (dot real_b (stages real_A real_b t) * (INR (vertices t) * INR (branches t)) - 1)); [|rewrite E]; ring.
   Qed.
-End Checker.
+End Exactly.
 
 (** The integers of a number field: polynomials of degree below n in a root a of X^n = r_0 + r_1 X + ..., by their
     coefficients, constant term first. For the integers themselves take X = 0. *)
@@ -282,7 +171,8 @@ Section Field.
   Proof. cbn [at_root]. unfold big_value. rewrite BigZ.spec_of_Z. ring. Qed.
 
   Definition field_integers : ring :=
-    {| element := list bigZ; plus := sum; mult := product; of_Z z := [BigZ.of_Z z]; same := equal; value := at_root;
+    {| ring_numbers := {| element := list bigZ; plus := sum; mult := product; of_Z z := [BigZ.of_Z z] |};
+       same := equal; value := at_root;
        value_plus := at_sum; value_mult := at_product; value_of_Z := at_integer; value_same := at_equal |}.
 End Field.
 
@@ -384,8 +274,7 @@ Qed.
 Definition order_is_checked (t : table) (p : nat) (failing : tree) : Prop :=
   (crosses t && (0 <? denominator t)%Z && (vertices failing =? S p)%nat = true)
   /\ forall a root, let K := field_integers (relation t) a root in
-     let levels := levels K (matrix t) (weights t) p in
-     all_hold K (weights t) (denominator t) 1 levels
+     passes K (matrix t) (weights t) (holds K (weights t) (denominator t)) p
      && apart (low t) (high t) (residual K (matrix t) (weights t) (denominator t) failing) = true.
 
 Theorem order_of_check t p failing : order_is_checked t p failing -> has_order t p.

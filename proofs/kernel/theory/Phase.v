@@ -1,7 +1,7 @@
 (** Distance and angle: what the state error, the energy and the wrapped phase each see, and what they cannot. *)
 
 From Coq Require Import QArith Qreals Reals Lra Lia Psatz List.
-From driftproof Require Import Identities Tables OneStep Energy ExactFlow.
+From driftproof Require Import Runs Tables OneStep Energy ExactFlow.
 Open Scope R_scope.
 
 (** The state of radius r at the phase angle a: clockwise, as the motion runs. *)
@@ -121,13 +121,18 @@ Theorem L108 : forall r rho a b, 0 < r -> 0 < rho ->
   /\ exists k : Z, phase_error (polar r a) (polar rho b) = degrees (a - b) + IZR k * 360.
 Proof. intros. split; [rewrite !L152; split; intros; [subst; reflexivity | nra] | now apply wrapped]. Qed.
 
-(** None of the angles that differ by whole turns is shorter; 45 degrees ahead is +45; of -180 and 180 it is -180. *)
-Theorem L135 : forall r rho a b, 0 < r -> 0 < rho ->
+(** None of the angles that differ by whole turns is shorter; 45 degrees ahead is +45; of -180 and 180 it is -180. Every
+    state off the origin has a radius and an angle. *)
+Theorem L135 : (forall z, z <> (0, 0) -> exists r a, 0 < r /\ z = polar r a) /\ forall r rho a b, 0 < r -> 0 < rho ->
   let e := phase_error (polar r a) (polar rho b) in
   -180 <= e < 180 /\ (exists k : Z, e = degrees (a - b) + IZR k * 360)
   /\ (forall k : Z, Rabs e <= Rabs (e + IZR k * 360))
   /\ phase_error (1, -1) (1, 0) = 45 /\ phase_error (-1, 0) (1, 0) = -180.
 Proof.
+  split.
+  { intros [q v] other. destruct (angle_spec (- v) q) as (_ & r & pos & Q & V).
+    - injection 1; intros V Q. apply other. f_equal; lra.
+    - exists r, (angle (- v) q). split; [exact pos|]. unfold polar. f_equal; lra. }
   intros r rho a b r_pos rho_pos e. destruct (wrapped r rho a b r_pos rho_pos) as [range turns].
   fold e in range, turns. assert (P := PI_RGT_0).
   split; [exact range | split; [exact turns | split; [|split]]].
@@ -140,12 +145,13 @@ Proof.
     destruct Rlt_dec; [lra|]. replace ((-1 * 0 - 0 * 1) / (-1 * 1 + 0 * 0)) with 0 by field. rewrite atan_0. field. lra.
 Qed.
 
-Theorem L153 : forall t a,
-  energy (flow (t + a)) = energy (flow t) /\ energy (flow t) = 1 / 2
-  /\ exists k : Z, phase_error (flow (t + a)) (flow t) = degrees a + IZR k * 360.
+(** Turned by a, forwards if a > 0. *)
+Theorem L153 : forall r t a, 0 < r ->
+  energy (polar r (t + a)) = energy (polar r t)
+  /\ exists k : Z, phase_error (polar r (t + a)) (polar r t) = degrees a + IZR k * 360.
 Proof.
-  intros t a. rewrite !flow_polar, !L152. split; [reflexivity | split; [field|]].
-  destruct (wrapped 1 1 (t + a) t) as [_ [k K]]; try lra. exists k. now replace (t + a - t) with a in K by ring.
+  intros r t a pos. rewrite !L152. split; [reflexivity|].
+  destruct (wrapped r r (t + a) t pos pos) as [_ [k K]]. exists k. now replace (t + a - t) with a in K by ring.
 Qed.
 
 Theorem L154 : forall q v : R,
@@ -221,11 +227,19 @@ Proof.
   exists 0%Z. ring.
 Qed.
 
-(** At h = 5/2 the run lags by more than half a turn: what is read out is a lead. *)
-Theorem L159 : let unwrapped := degrees (4 * atan (5 / 2) - 10) in
-  unwrapped < -180 /\ phase_error (run forward_euler (5 / 2) 4 (1, 0)) (flow 10) = unwrapped + 360
-  /\ 0 < unwrapped + 360 < 180.
+(** Any two states; and at h = 5/2 the run lags by more than half a turn: what is read out is a lead. *)
+Theorem L159 :
+  (forall r rho a b, 0 < r -> 0 < rho -> forall k : Z,
+     Rabs (phase_error (polar r a) (polar rho b)) <= Rabs (degrees (a - b) + IZR k * 360))
+  /\ let unwrapped := degrees (4 * atan (5 / 2) - 10) in
+     unwrapped < -180 /\ phase_error (run forward_euler (5 / 2) 4 (1, 0)) (flow 10) = unwrapped + 360
+     /\ 0 < unwrapped + 360 < 180.
 Proof.
+  split.
+  { intros r rho a b r_pos rho_pos k. destruct (proj2 L135 r rho a b r_pos rho_pos) as (_ & [j E] & shortest & _).
+    replace (degrees (a - b) + IZR k * 360) with (phase_error (polar r a) (polar rho b) + IZR (k - j) * 360)
+      by (rewrite minus_IZR; lra).
+    apply shortest. }
   cbv zeta. split; [unfold degrees; by_interval | split; [|unfold degrees; by_interval]].
   rewrite forward_euler_polar, flow_polar. replace (INR 4) with 4 by (cbn; ring).
   apply wrapped_eq; [apply pow_lt, sqrt_lt_R0; lra | lra | unfold degrees; split; by_interval |].
@@ -234,9 +248,11 @@ Qed.
 
 Theorem L240_L245 : forall r a b,
   energy (polar r a) = energy (polar r b)
-  /\ distance (polar r a) (polar r b) ^ 2 = 4 * r ^ 2 * sin ((a - b) / 2) ^ 2.
+  /\ distance (polar r a) (polar r b) ^ 2 = 4 * r ^ 2 * sin ((a - b) / 2) ^ 2
+  /\ forall z, distance z (0, 0) = sqrt (2 * energy z).
 Proof.
-  intros r a b. rewrite !L152. split; [reflexivity|]. rewrite (proj2 (L134 _ _)). unfold polar; cbn [fst snd].
+  intros r a b. rewrite !L152. split; [reflexivity|]. split; [|intros [x y]; unfold distance; f_equal; by_ring].
+  rewrite (proj2 (L134 _ _)). unfold polar; cbn [fst snd].
   assert (C : cos (a - b) = 1 - 2 * sin ((a - b) / 2) * sin ((a - b) / 2))
     by (rewrite <- cos_2a_sin; f_equal; field).
   rewrite cos_minus in C. generalize (sin2_cos2 a), (sin2_cos2 b). unfold Rsqr. nra.
@@ -264,7 +280,9 @@ Theorem L003_L007 :
   /\ (100 * evaluations forward_euler = 25 * evaluations rk4)%nat
   /\ (distance (to_R (run rk4 (2#5) 25 start)) (flow 10)
       < distance (to_R (run forward_euler (1#10) 100 start)) (flow 10)
-      /\ energy (to_R (run rk4 (2#5) 25 start)) < energy (to_R (run forward_euler (1#10) 100 start)))
+      /\ energy (to_R (run rk4 (2#5) 25 start)) < energy (to_R (run forward_euler (1#10) 100 start))
+      /\ phase_error (to_R (run forward_euler (1#10) 100 start)) (flow 10) < -1
+      /\ -1 < phase_error (to_R (run rk4 (2#5) 25 start)) (flow 10))
   /\ (forall h q v : R, step wasteful_euler h (q, v) = step forward_euler h (q, v))
   /\ evaluations wasteful_euler = (2 * evaluations forward_euler)%nat.
 Proof.
@@ -287,6 +305,7 @@ Proof.
   parts; lazymatch goal with
   | |- forall h q v : R, _ => by_ring
   | |- context [evaluations] => reflexivity
+  | |- context [phase_error] => by_angle
   | |- context [run] => by_interval
   | |- context [energy] => expose; lra
   | |- _ => lra

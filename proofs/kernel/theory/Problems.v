@@ -38,7 +38,8 @@ End Step.
 Fixpoint total (d : nat) (x : nat -> R) : R := match d with O => 0 | S d => total d x + x d end.
 Definition in_ball (d : nat) (B : R) (y : vector) : Prop := forall i, (i < d)%nat -> Rabs (y i) <= B.
 
-(** f = D [] has partial derivatives of all orders, D (j :: l) being that of D l in the direction j: the chain rule holds
+(** f = D [] has partial derivatives of all orders, D (j :: l) being that of D l
+    in the direction j: the chain rule holds
     along every curve, and each is bounded on each ball. *)
 Record smooth (d : nat) (D : list nat -> vector -> vector) : Prop := {
   chain_rule : forall l (c : R -> vector) (c' : vector) t i, (i < d)%nat ->

@@ -1,7 +1,7 @@
 (** For which steps the methods stay bounded, and what happens at the boundary and beyond. *)
 
 From Coq Require Import QArith Qreals Reals Lra Lia Psatz.
-From driftproof Require Import Identities Tables OneStep Energy.
+From driftproof Require Import Runs Tables OneStep Energy.
 Open Scope R_scope.
 
 (** Bounded: from no start does the energy of the states leave every bound. *)
@@ -47,7 +47,8 @@ Theorem L165 : forall n,
 Proof.
   induction n as [|n [IH equal]].
   - split; [|intros q]; cbn; f_equal; ring.
-  - rewrite S_INR. cbn [run pow]. rewrite IH. split; [|intros q; rewrite equal]; generalize ((-1) ^ n), (INR n); by_ring.
+  - rewrite S_INR. cbn [run pow]. rewrite IH. split; [|intros q; rewrite equal]; generalize ((-1) ^ n), (INR n);
+    by_ring.
 Qed.
 
 (** l with l^2 - (2 - h^2) l + 1 = 0: a linear form that one step multiplies by l. *)
@@ -96,7 +97,8 @@ Qed.
 Lemma symplectic_bounded h : 0 < h < 2 -> bounded symplectic_euler h.
 Proof.
   intros inside [q v]. set (I := modified_energy h (q, v)). exists (2 * I / (1 - h ^ 2 / 4)). intros n.
-  generalize (modified_energy_of_run h (q, v) n). fold I. destruct (run symplectic_euler h n (q, v)) as [x y]. intros kept.
+  generalize (modified_energy_of_run h (q, v) n). fold I. destruct (run symplectic_euler h n (q, v)) as [x y].
+  intros kept.
   destruct (L055 h x y) as (_ & _ & _ & Q & V & _); [lra|]. rewrite kept in Q, V.
   replace (energy (x, y)) with ((x ^ 2 + y ^ 2) / 2) by by_ring. lra.
 Qed.
@@ -139,7 +141,8 @@ Proof.
   assert (A : 1 - damping h = h ^ 6 * (8 - h ^ 2) / 576) by (unfold damping; field).
   assert (B : damping h - 1 / 4 = (h ^ 2 - 6) ^ 2 * (h ^ 4 + 4 * h ^ 2 + 12) / 576) by (unfold damping; field).
   assert (C : 0 < h ^ 6 * (8 - h ^ 2)) by (apply Rmult_lt_0_compat; [apply pow_lt; lra | nra]).
-  assert (D : 0 <= (h ^ 2 - 6) ^ 2 * (h ^ 4 + 4 * h ^ 2 + 12)) by (apply Rmult_le_pos; [apply pow2_ge_0 | generalize (pow2_ge_0 h), (pow2_ge_0 (h ^ 2)); nra]).
+  assert (D : 0 <= (h ^ 2 - 6) ^ 2 * (h ^ 4 + 4 * h ^ 2 + 12)) by (apply Rmult_le_pos;
+    [apply pow2_ge_0 | generalize (pow2_ge_0 h), (pow2_ge_0 (h ^ 2)); nra]).
   parts; try assumption; lra.
 Qed.
 
@@ -185,10 +188,12 @@ Proof.
     generalize (energy_ge_0 q v), (pow_incr (damping h) 1 n (conj (damping_ge_0 h) small)). rewrite pow1. nra.
 Qed.
 
-(** No double is 2 sqrt 2: at the nearest one the multiplier is above 1, at the one before below. *)
+(** No double is 2 sqrt 2: it lies between neighbours.
+    At the nearest one the multiplier is above 1, at the one before below. *)
 Theorem L179 : damping (2 * sqrt 2) = 1
   /\ let nearest := 6369051672525773 / 2 ^ 51 in let before := 6369051672525772 / 2 ^ 51 in
-     1 < damping nearest /\ damping before < 1 /\ before ^ 2 < 8 < nearest ^ 2.
+     1 < damping nearest /\ damping before < 1 /\ before ^ 2 < 8 < nearest ^ 2
+     /\ nearest - 2 * sqrt 2 < 2 * sqrt 2 - before.
 Proof.
   split.
   - destruct two_roots_of_two as [_ eight]. unfold damping.
