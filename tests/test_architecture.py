@@ -65,10 +65,10 @@ BUDGETS = {
     "support": 1103,
     "methods": 5424,
     "symbolic": 10733,
-    "numeric": 3395,
-    "blackbox": 16095,
+    "numeric": 3397,
+    "blackbox": 16122,
     "enclosure": 3130,
-    "texts": 7030,
+    "texts": 7031,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5562
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
