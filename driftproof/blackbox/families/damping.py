@@ -18,8 +18,10 @@ from driftproof.blackbox.stepper.calling_conventions import FORCE, MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.support.plain_text import Json
 
-# Steps in which a loss is compared, and two in which one for each time is as good as linear in h.
-_STEPS, _SHORT = (1.0, 0.5, 0.25, 2.0**-5, 2.0**-9), (2.0**-20, 2.0**-21)
+# Steps in which a loss is compared; and one in which a loss for each time is as good as linear in h, in binary64.
+_STEPS, _SHORT = (1.0, 0.5, 0.25, 2.0**-5, 2.0**-9), 2.0**-20
+# As far as a limit of short steps is known.
+_DIGITS = 9
 # What a velocity is multiplied by in a step, with the rate c, as text and as the rate that a factor D shows.
 _LAWS: Mapping[str, Callable[[float, float], float]] = {
     "exp(-{c} h)": lambda d, h: -log(d) / h,
@@ -81,20 +83,29 @@ def read_damping(subject: ForeignStepper) -> Damping:
         raise UnsupportedCall("what a right-hand side does to v is its own")
     built_in = subject.convention.kind == MAP
     factor = _area_factor if built_in else _velocity_factor
-    seen = {h: factor(subject, h) for h in (*_STEPS, *_SHORT)}
-    rounding, shorter = Rounding(subject.format, 1), _SHORT[-1]
-    lost = [1 - seen[h] for h in _SHORT]
+    rounding, longer = Rounding(subject.format, 1), _short(subject)
+    shorter = longer / 2
+    seen = {h: factor(subject, h) for h in (*_STEPS, longer, shorter)}
+    lost = [1 - seen[h] for h in (longer, shorter)]
     # Of a loss O(h²), as of a method that keeps no areas, half a step has a quarter.
     if abs(lost[1]) <= max(8 * rounding.of(4.0), 0.375 * abs(lost[0])):
         raise UnsupportedCall("it takes nothing from v")
     if abs(lost[1]) > 0.75 * abs(lost[0]):  # where half a step loses no less, not half as much
-        return Damping("", 0.0, seen[shorter] if len({*seen.values()}) == 1 else 1 - 2 * lost[1] + lost[0], built_in)
+        at_once = seen[shorter] if len({*seen.values()}) == 1 else round(1 - 2 * lost[1] + lost[0], _DIGITS)
+        if not 0 <= at_once < 1:
+            raise NotReadable(f"a step of h = 0 multiplies by {at_once:.6g}: no damping")
+        return Damping("", 0.0, at_once, built_in)
     rate = lost[1] / shorter
     if rate < 0 or (built_in and not _follows_drag(subject, rate)):
         raise NotReadable(f"areas grow as 1 + {-rate:.6g} h: no drag" if rate < 0 else "small steps follow no drag")
     laws = (_told(text, rate_of, seen, rounding) for text, rate_of in _LAWS.items())
     found = Damping(next(filter(None, laws), ""), rate, 1.0, built_in)
     return found if built_in else replace(found, order=measured_on(subject, _with_drag(rate)))
+
+
+def _short(subject: ForeignStepper) -> float:
+    """A step in which half of the digits are left to a loss."""
+    return max(_SHORT, 4 * sqrt(float(subject.format.u)))
 
 
 def _told(text: str, rate_of: Callable[[float, float], float], seen: Mapping[float, float], rounding: Rounding) -> str:
@@ -130,7 +141,7 @@ def _area_factor(subject: ForeignStepper, h: float) -> float:
 
 def _follows_drag(subject: ForeignStepper, rate: float) -> bool:
     """Whether small steps follow q' = v, v' = -k q - c v with any k > 0, as far as h and the digits tell."""
-    h = _SHORT[-1]
+    h = _short(subject)
     (a, c), (b, d) = subject.step(1.0, 0.0, h), subject.step(0.0, 1.0, h)
     slopes = zip((a - 1, b, d - 1), (0.0, 1.0, -rate), strict=True)
     allowed = 8 * (h + float(subject.format.u) / h) * (1 + rate - c / h) ** 2

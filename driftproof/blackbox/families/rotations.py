@@ -92,17 +92,14 @@ class Turn:
     def lines(self, angle: str) -> list[str]:
         """Angle and size, for an angle of that name."""
         if abs(self.scale - 1) > TURN_ANGLES[-1]:
-            turns = f"it turns by {_multiple(self.scale)} {angle} for short steps, not by {angle}"
+            turns = f"it turns by {self.scale:.4g} times {angle} for short steps, not by {angle}"
         else:
             law = {"implicit_midpoint": f"2 atan({angle}/2) = ", "forward_euler": f"atan({angle}) = "}
             named = law.get(self.method, "") if self.known and self.parts == 1 else ""
-            turns = f"it turns by {named}{_series(angle, self.angle, 1)}"
-        size = (
-            "its size is kept to rounding"
-            if self.growth is None
-            else f"its size is multiplied by 1{_term(angle, self.growth)}"
-        )
-        return [turns, size]
+            more = _term(angle, (self.angle[0] + 1, self.angle[1])) if self.angle else ""
+            turns = f"it turns by {named}{angle}{more}"
+        size = f"multiplied by 1{_term(angle, self.growth)}" if self.growth else "kept to rounding"
+        return [turns, f"its size is {size}"]
 
 
 def turn_of(factors: Sequence[complex], rounding: Rounding) -> Turn:
@@ -150,18 +147,11 @@ def _leading(errors: Sequence[float], noise: Sequence[float]) -> tuple[int, floa
     return power, last / x**power
 
 
-def _series(angle: str, error: tuple[int, float] | None, more: int) -> str:
-    return angle if error is None else f"{angle}{_term(angle, (error[0] + more, error[1]))}"
-
-
 def _term(angle: str, error: tuple[int, float]) -> str:
+    """The term of this power and coefficient, as " - x^3/12 + ..."."""
     power, coefficient = error
     bare = f"({angle})" if " " in angle else angle
     part = round(1 / abs(coefficient))
     told = abs(part * abs(coefficient) - 1) < TURN_ANGLES[-1]
     size = f"{bare}^{power}{f'/{part}' * (part != 1)}" if told else f"{abs(coefficient):.3g} {bare}^{power}"
     return f" {'-' if coefficient < 0 else '+'} {size} + ..."
-
-
-def _multiple(scale: float) -> str:
-    return f"{scale:.4g} times"

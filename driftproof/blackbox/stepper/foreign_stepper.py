@@ -175,7 +175,7 @@ class ForeignStepper:
         if GRID in self.convention.order:
             roles[GRID] = np.array([t + n * h for n in range(self.convention.steps + 1)])
         answer = self.called(roles, f"t={t!r}, y={list(y)!r}, h={h!r}", y)
-        return self._finite(self._read_state(answer, size, t + h), [*y, h])
+        return self.finite(self._read_state(answer, size, t + h), [*y, h])
 
     def callback(
         self, rate: FieldFunction, t: AnyNumber, size: int, write: Callable[[Any], Foreign]
@@ -223,7 +223,7 @@ class ForeignStepper:
         if STATE in self.convention.order:
             words = f"state=[{q!r}, {v!r}], h={h!r}"
             answer = self.called({STATE: write([q, v]), STEP: h, TIME: 0.0}, words, [q, v])
-            q1, v1 = self._finite(self._read_state(answer, 2, h), [q, v, h])
+            q1, v1 = self.finite(self._read_state(answer, 2, h), [q, v, h])
             return q1, v1
         roles = {POSITION: write([q]), VELOCITY: write([v]), STEP: h, TIME: 0.0}
         if CARRIED in self.convention.order:
@@ -285,7 +285,7 @@ class ForeignStepper:
     ) -> list[AnyNumber]:
         shown = [x[0] if len(x) == 1 else list(x) for x in (q, v)]
         answer = self.called(roles, f"q={shown[0]!r}, v={shown[1]!r}, h={h!r}", [*q, *v])
-        return self._finite([x for part in self.two_parts(answer) for x in self.read(part, len(q))], [*q, *v, h])
+        return self.finite([x for part in self.two_parts(answer) for x in self.read(part, len(q))], [*q, *v, h])
 
     def two_parts(self, answer: Foreign) -> tuple[Foreign, Foreign]:
         """Position and velocity of an answer. Raises WrongShape."""
@@ -364,7 +364,8 @@ class ForeignStepper:
                 self.log.beside = self.adapter.read(parts[1], sizes[1])
         return self.read(parts[0], size)
 
-    def _finite(self, answer: list[AnyNumber], given: Sequence[AnyNumber]) -> list[AnyNumber]:
+    def finite(self, answer: list[AnyNumber], given: Sequence[AnyNumber]) -> list[AnyNumber]:
+        """The answer. Raises NotFinite where what was given is finite, and the answer is not."""
         if all(map(_is_finite, given)) and not all(map(_is_finite, answer)):
             seen = f"from {', '.join(map(repr, given))} it returns {', '.join(map(repr, answer))}"
             raise NotFinite(seen, tuple(answer))
@@ -376,9 +377,8 @@ def call_text(stepper: ForeignStepper, q: float, v: float, h: float) -> str:
     calls = stepper.convention
     state_first = {STATE, TIME} <= {*calls.order} and calls.order.index(STATE) < calls.order.index(TIME)
     rates = f"lambda {'y, t' if state_first else 't, y'}: {_as_written(stepper, '[y[1], -y[0]]')}"
-    asked = ", ".join(
-        {POSITION: "q", VELOCITY: "v", TIME: "t", BESIDES: "_"}[role] for role in calls.asks or (POSITION,)
-    )
+    names = {POSITION: "q", VELOCITY: "v", TIME: "t"}
+    asked = ", ".join(names.get(role, f"_{place}") for place, role in enumerate(calls.asks or (POSITION,)))
     force = f"lambda {asked}: {-calls.factor:g} * q" if calls.factor != 1 else f"lambda {asked}: -q"
     function = {FORCE: force, FIELD: rates}.get(calls.kind, "")
     slope = (v, -q) if calls.kind == FIELD else (-calls.factor * q,)

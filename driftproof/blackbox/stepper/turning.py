@@ -63,10 +63,11 @@ def step_in_fields(subject: ForeignStepper, push: Push) -> Pushed:
     )
     answer = subject.called(roles, words, [*push.x, *push.v])
     if POSITION not in order:
-        return Pushed(None, subject.read(answer, size), asked)
+        return Pushed(None, subject.finite(subject.read(answer, size), push.v), asked)
     if getattr(answer, "size", 0) == 2 * size and len(answer) > 2:  # one state, the position before the velocity
         answer = answer[:size], answer[size:]
     x, v = (subject.read(part, size) for part in subject.two_parts(answer))
+    subject.finite([*x, *v], [*push.x, *push.v])
     return Pushed(x, v, asked)
 
 
@@ -77,7 +78,7 @@ def turn_quaternion(subject: ForeignStepper, q: Sequence[float], omega: Sequence
     write = subject.adapter.write
     roles = {QUATERNION: write(q), ANGULAR: write(omega), STEP: h, TIME: 0.0}
     answer = subject.called(roles, f"q={list(q)!r}, omega={list(omega)!r}, h={h!r}", q)
-    return subject.read(answer, len(q))
+    return subject.finite(subject.read(answer, len(q)), q)
 
 
 class _Field(np.ndarray[Any, Any]):

@@ -75,6 +75,15 @@ def test_a_loss_for_each_step_is_a_fault(made, factor):
     assert fault in report.verdict
 
 
+def test_a_drag_in_binary32_is_told():
+    def step(force, x, v, dt):
+        x, v, dt = (np.float32(y) for y in (x, v, dt))
+        v = np.float32(np.exp(-dt / 4)) * v + dt * np.float32(force(x))
+        return x + dt * v, v
+
+    assert "multiplied by exp(-1/4 h)" in read_damping(opened(step)).lines[0]
+
+
 def test_the_order_is_that_beside_the_drag():
     report = identify(halves, isolate=False)
     assert report.verdict.startswith("it is a step of a force with a drag, of order 2 as measured")
@@ -99,4 +108,6 @@ def test_what_takes_nothing_from_v_or_no_multiple_of_it_is_refused():
         read_damping(opened(of_oscillator(lambda h: 1 + h)))
     with pytest.raises(NotReadable, match="small steps follow no drag"):
         read_damping(opened(lambda x, v, h: (x * (1 - h) + h * v, v - h * x)))
+    with pytest.raises(NotReadable, match="multiplies by 2: no damping"):
+        read_damping(opened(damped(lambda h: 2.0)))
     assert identify(damped(lambda h: exp(0)), isolate=False).data["damping"] is None

@@ -275,3 +275,10 @@ def test_a_copy_remembers_nothing_and_what_cannot_be_copied_is_refused():
     assert first == subject.fresh().step(*STATE, H) == EULER != subject.step(*STATE, H)
     with pytest.raises(UnsupportedCall, match="no copy"):
         replace(subject, pristine=None).fresh()
+
+
+def test_a_line_that_calls_a_force_of_more_names_each_argument_once():
+    def step(force, q, v, h):
+        return q + h * v, v + h * force(q, 2.0, None)
+
+    assert call_text(opened(step), 1.0, 0.5, 0.25) == "step(lambda q, _1, _2: -q, 1.0, 0.5, 0.25)"
