@@ -26,6 +26,7 @@ from benchmarks import (
     peers,
     peers_time,
     roundoff,
+    stiff,
 )
 from benchmarks.harness import LIMIT, ROUNDS, TURN, Section, goal_rows
 from docs.pages import markdown
@@ -36,7 +37,7 @@ ROOT = Path(__file__).parents[1]
 # In the order of the page; each is asked for so many rounds, and yields its tables as they are finished.
 BENCHMARKS: dict[str, Callable[[int], Iterator[Section]]] = {
     module.__name__.rpartition(".")[2]: module.sections
-    for module in (exact_facts, import_time, commands, roundoff, engine, enclosure, peers_time, long_runs)
+    for module in (exact_facts, import_time, commands, roundoff, engine, stiff, enclosure, peers_time, long_runs)
 }
 HOW = f"""\
 Imports, commands and enclosures are in processor seconds, everything else in seconds of the clock.

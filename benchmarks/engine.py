@@ -12,7 +12,7 @@ import hashlib
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -21,22 +21,25 @@ import numpy as np
 
 from benchmarks.harness import Contestant, Section, Subject, timed
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.vector_fields import VectorField
+from driftproof.methods.vector_fields import FieldSource, VectorField, field_source
 from driftproof.numeric.engine import (
     ARRAY_BLOCK,
     BLOCK,
     compiled_ensemble_runner,
+    compiled_field_ensemble_runner,
     compiled_field_runner,
     compiled_runner,
     ensemble_runner,
     field_runner,
     runner,
 )
+from driftproof.numeric.problems.catalogue import PROBLEMS
 
 RK4, PAIR = METHODS["rk4"], METHODS["dormand_prince54"]
 H, START = 0.01, (0.6, -0.8)
 # Steps of one trajectory in Python and compiled; members and steps of an ensemble.
 FEW, MANY, MEMBERS, ENSEMBLE_STEPS = 2_000, 200_000, 8 * ARRAY_BLOCK, 20
+SYSTEMS, SYSTEM_STEPS = 10_000, 20
 LORENZ = VectorField(("10 * (y1 - y0)", "y0 * (28 - y2) - y1", "y0 * y1 - 8 * y2 / 3"))
 LORENZ_START = (1.0, 1.5, 20.0)
 
@@ -113,14 +116,14 @@ def bits(numbers: Any) -> str:
     return hashlib.sha256(np.asarray(numbers, np.float64).tobytes()).hexdigest()[:12]
 
 
-def compiled_c(*flags: str) -> Any:
-    """The C above as a library; None without a compiler."""
+def compiled_c(*flags: str, text: str = C_SOURCE) -> Any:
+    """The C above, or another, as a library; None without a compiler."""
     compiler = shutil.which("gcc") or shutil.which("cc")
     if compiler is None:
         return None
     folder = Path(tempfile.mkdtemp())
     source, library = folder / "steps.c", folder / "steps.so"
-    source.write_text(f"#define BLOCK {BLOCK}\n{C_SOURCE}", encoding="utf-8")
+    source.write_text(f"#define BLOCK {BLOCK}\n{text}", encoding="utf-8")
     subprocess.run([compiler, "-O3", *flags, "-shared", "-fPIC", "-o", library, source], check=True, timeout=60)
     loaded = ctypes.CDLL(str(library))
     shutil.rmtree(folder)
@@ -196,6 +199,54 @@ def same(task: Callable[[], Any]) -> Contestant:
     return Contestant(task, bits, our_bits=True)
 
 
+def c_text_of(source: FieldSource) -> str:
+    """The program text of a step in C: the same lines, of doubles, around the same blocks."""
+    given = [f"static const double {name} = {float(c).hex()};" for name, c in source.coefficients]
+    read = [f"double {x} = y[{k} * members + i];" for k, x in enumerate(source.components)]
+    write = [f"y[{k} * members + i] = {x}_new;" for k, x in enumerate(source.components)]
+    lines = [
+        *("#include <math.h>", *given),
+        "void systems(double *restrict y, long members, double h, long steps) {",
+        f"for (long start = 0; start < members; start += {BLOCK}) {{",
+        f"long stop = start + {BLOCK} < members ? start + {BLOCK} : members;",
+        "for (long n = 0; n < steps; n++) for (long i = start; i < stop; i++) {",
+        *(*read, *(f"double {line};" for line in source.lines), *write, "} } }"),
+    ]
+    return "\n".join([*lines, ""])
+
+
+def systems(name: str, field: VectorField, start: Sequence[float]) -> Subject:
+    """SYSTEMS of them, each from its own start: ours in one thread, and C, compiled from the same text."""
+    starts = np.ascontiguousarray(np.array(start)[:, None] * np.linspace(1.0, 1.05, SYSTEMS))
+    run, source = compiled_field_ensemble_runner(RK4, field), field_source(RK4, field)
+    run(starts.copy(), H, 0, 0)
+
+    def ours() -> Any:
+        y = starts.copy()
+        run(y, H, 0, SYSTEM_STEPS)
+        return y
+
+    def c_task(library: Any) -> Callable[[], Any]:
+        def task() -> Any:
+            y = starts.copy()
+            place = y.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
+            library.systems(place, ctypes.c_long(SYSTEMS), ctypes.c_double(H), ctypes.c_long(SYSTEM_STEPS))
+            return y
+
+        return task
+
+    text = c_text_of(source)
+    plain, fused = (
+        compiled_c("-march=native", "-fno-math-errno", f"-ffp-contract={contract}", text=text)
+        for contract in ("off", "fast")
+    )
+    contestants = {"ours": Contestant(ours, bits)}
+    if plain is not None:
+        contestants["C"] = same(c_task(plain))
+        contestants["C, fused"] = Contestant(c_task(fused), bits)
+    return Subject(f"rk4, {SYSTEMS} {name}, {SYSTEM_STEPS} steps", contestants, None, {("ours", "C, fused"): 1.6})
+
+
 def subjects() -> Iterator[Subject]:
     """What can be had here, with the most that our minimum may be of another's; numba compiles beforehand."""
     numba = find_spec("numba") is not None
@@ -216,6 +267,8 @@ def subjects() -> Iterator[Subject]:
         together()
         ensembles = {"ours": Contestant(together, bits), **fused_ensemble}
         yield Subject("rk4, ensemble", ensembles, None, {("ours", "C, fused"): 1.6})
+        yield systems("Kepler orbits", PROBLEMS["kepler"].field, (0.4, 0.1, 0.1, 1.6))
+        yield systems("Lorenz systems", LORENZ, LORENZ_START)
     by_numpy = {"ours": Contestant(our_ensemble(ensemble_runner(RK4)), bits), **fused_ensemble}
     yield Subject("rk4, ensemble by NumPy", by_numpy, None, {("ours", "C, fused"): 13.0})
     lorenz = {"ours": by_us(field_runner(RK4, LORENZ), LORENZ_START, H, 0, FEW)}

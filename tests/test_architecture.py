@@ -65,7 +65,7 @@ BUDGETS = {
     "support": 1103,
     "methods": 5424,
     "symbolic": 10733,
-    "numeric": 3397,
+    "numeric": 3464,
     "blackbox": 16198,
     "enclosure": 3130,
     "texts": 7031,

@@ -40,7 +40,7 @@ from driftproof.methods.schemes import Method
 from driftproof.methods.vector_fields import VectorField, jacobian_matrix
 from driftproof.numeric import newton
 from driftproof.numeric.engine import OF_FLOATS, compiled_function, lifted
-from driftproof.numeric.newton import NumberKind, RateWriter, Steps, StepTable, implicit_steps
+from driftproof.numeric.newton import Controlled, NumberKind, RateWriter, Steps, StepTable, Tolerances, implicit_steps
 from driftproof.numeric.tableaux import FloatTableau, float_tableau
 
 _Vector: TypeAlias = NDArray[np.float64]
@@ -86,7 +86,8 @@ def implicit_stepper(method: Method, rate: _Rate, jacobian: Jacobian | None = No
     for a Nyström method.
     """
     given = _Given(rate, jacobian)
-    steps, table = implicit_steps(given.write_rate, given.write_derivatives), _table(method)
+    steps, _ = implicit_steps(given.write_rate, given.write_derivatives)
+    table = _table(method)
 
     def step(t: float, y: Any, h: float) -> ImplicitStep:
         state, report, given.h = np.array(y, np.float64).tolist(), _report(), h
@@ -140,7 +141,7 @@ class ImplicitRun:
     """
 
     method: Method
-    steps: Steps
+    loops: tuple[Steps, Controlled]
     table: StepTable
     made: Callable[[Any], Any]
     calls: int = 0
@@ -148,10 +149,25 @@ class ImplicitRun:
     def __call__(self, y: tuple[float, ...], h: float, first: int, last: int) -> tuple[float, ...]:
         """The state after these steps."""
         state, report = self.made(y), self.made(_report())
-        self.steps(0.0, state, h, first, last, self.table, report)
+        self.loops[0](0.0, state, h, first, last, self.table, report)
         self.calls += int(report[newton.EVALUATIONS])
         _demand_done(self.method, report, 0.0, h)
         return tuple(map(float, state))
+
+    def controlled(
+        self, y: tuple[float, ...], end: float, h: float, relative: float, absolute: float
+    ) -> tuple[tuple[float, ...], int]:
+        """The state at t = end > 0 from t = 0, and in how many steps, their sizes chosen from the first h on.
+
+        A step is taken as two halves; what one whole differs from them over 2ᵖ - 1, p being the order that the method
+        claims, is at most `absolute` + `relative` |y| in every component. That is their error where the order shows;
+        on stiff problems, where it is reduced, the error may be larger. Raises StageEquationsUnsolved.
+        """
+        state, report, p = self.made(y), self.made(_report()), self.method.claimed_order
+        self.loops[1](state, end, h, Tolerances(relative, absolute, 2.0**p - 1, p + 1.0), self.table, report)
+        self.calls += int(report[newton.EVALUATIONS])
+        _demand_done(self.method, report, 0.0, h)
+        return tuple(map(float, state)), int(report[newton.STEP])
 
 
 def implicit_runner(method: Method, field: VectorField) -> ImplicitRun:
@@ -171,7 +187,7 @@ def compiled_implicit_runner(method: Method, field: VectorField) -> ImplicitRun:
 
 
 @cache
-def _steps_on(field: VectorField, *, compiled: bool) -> Steps:
+def _steps_on(field: VectorField, *, compiled: bool) -> tuple[Steps, Controlled]:
     rate, jacobian = _writers(field)
     if not compiled:
         return implicit_steps(rate, jacobian)
@@ -227,6 +243,9 @@ def _demand_done(method: Method, report: Any, t: float, h: float) -> None:
     if report[newton.STATE] == newton.OVERFLOWS:
         where, reason = f"the step from t = {t + report[newton.STEP] * h:g} by h = {h:g}", "overflows binary64"
         raise StageEquationsUnsolved(f"{method.key}: {where} {reason}", reason)
+    if report[newton.STATE] == newton.TOO_SHORT:
+        reason = f"no step from t = {report[newton.TIME]:g} is within the tolerance"
+        raise StageEquationsUnsolved(f"{method.key}: {reason}", reason)
     if report[newton.STATE] == newton.UNSOLVED:
         left = f"residual {report[newton.LEFT]:.3g}, {report[newton.LEFT_OVER_FLOOR]:.3g} times what rounding explains"
         where = f"{method.key}: the step by h = {h:g} to t = {report[newton.TIME]:g}"

@@ -7,7 +7,7 @@ rows are lists of floats, compiled they are arrays; the operations and their ord
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import isfinite
+from math import exp, isfinite, log
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -19,15 +19,20 @@ MOST_ITERATIONS = 128
 SHRINKS, HALVES = 0.125, 0.5
 # A correction of which no more than this part is a step forward leads nowhere.
 SHORTEST = 2.0**-20
+# A step is at most so many times as long or as short as the one before; most are SAFETY of what their error allows
+# (hairer-norsett-wanner-1993, II.4). Of an error below SMALLEST no more is asked than that.
+MOST_LONGER, MOST_SHORTER, SAFETY, SMALLEST = 5.0, 0.2, 0.9, 1e-10
 
 # rate(t, y, f) writes f(t, y) into f, jacobian(t, y, matrix) the derivatives into rows.
 RateWriter: TypeAlias = Callable[[float, Any, Any], None]
 # steps(t, y, h, first, last, table, report): y becomes the state after steps first to last - 1, the i-th from t + i h.
 Steps: TypeAlias = Callable[..., None]
+# controlled(y, end, h, tolerances, table, report): y becomes the state at the end, in steps from t = 0, the first of h.
+Controlled: TypeAlias = Callable[..., None]
 # Places in a report, which holds what steps did: counts of all of them, the worst that was left in an equation, and
 # of a step that fails the state, its number, and of its attempt without damping the iterations, what is left, the time.
 ITERATIONS, EVALUATIONS, RESIDUAL, OVER_FLOOR, STATE, STEP, TRIED, LEFT, LEFT_OVER_FLOOR, TIME = range(10)
-DONE, UNSOLVED, OVERFLOWS = 0.0, 1.0, 2.0
+DONE, UNSOLVED, OVERFLOWS, TOO_SHORT = 0.0, 1.0, 2.0, 3.0
 # How the new state is formed: the last stage, from the moves, or from the slopes.
 LAST, MOVES, SLOPES = 0, 1, 2
 
@@ -40,6 +45,18 @@ class StepTable(NamedTuple):
     c: Any
     groups: Any  # (first, last) of each
     way: int
+
+
+class Tolerances(NamedTuple):
+    """An error of a step is right that is at most `absolute` + `relative` |y| in every component.
+
+    `ratio` is the difference between a step and two halves over the error of these, 2ᵖ - 1, and `power` p + 1.
+    """
+
+    relative: float
+    absolute: float
+    ratio: float
+    power: float
 
 
 class NumberKind(NamedTuple):
@@ -104,8 +121,10 @@ def residual_of(rate: RateWriter, kind: NumberKind = PYTHON_FLOATS) -> Callable[
     return residual  # type: ignore[no-any-return]
 
 
-def implicit_steps(rate: RateWriter, jacobian: RateWriter, kind: NumberKind = PYTHON_FLOATS) -> Steps:
-    """The loop over steps for a problem; the method comes with each call, as a `StepTable`."""
+def implicit_steps(
+    rate: RateWriter, jacobian: RateWriter, kind: NumberKind = PYTHON_FLOATS
+) -> tuple[Steps, Controlled]:
+    """The loops over steps for a problem, given and controlled; the method comes with each call, as a `StepTable`."""
     compiled, rows, blocks, numbers = kind
     residual = residual_of(rate, kind)
 
@@ -308,4 +327,35 @@ def implicit_steps(rate: RateWriter, jacobian: RateWriter, kind: NumberKind = PY
                 report[STEP] = i
                 return
 
-    return steps  # type: ignore[no-any-return]
+    @compiled
+    def controlled(y: Any, end: float, h: float, given: Tolerances, table: StepTable, report: Any) -> None:
+        """Steps from t = 0 to the end, each twice h/2, of which h tells the error; y becomes the last state."""
+        n, t = len(y), 0.0
+        whole, halves = rows(1, n)[0], rows(1, n)[0]
+        while t < end:
+            last = not t + h < end
+            h = end - t if last else h
+            for k in range(n):
+                whole[k] = halves[k] = y[k]
+            state = step(t, whole, h, table, report)
+            for i in range(2):
+                if state == DONE:
+                    state = step(t + i * (h / 2), halves, h / 2, table, report)
+            error = 0.0 if state == DONE else np.inf
+            for k in range(n):
+                size = given.absolute + given.relative * max(abs(y[k]), abs(halves[k]))
+                if state == DONE and not abs(halves[k] - whole[k]) <= error * size:
+                    error = abs(halves[k] - whole[k]) / size
+            if error <= given.ratio:
+                t = end if last else t + h
+                for k in range(n):
+                    y[k] = halves[k]
+                report[STEP] += 1
+            factor = exp(-log(max(error / given.ratio, SMALLEST)) / given.power) if isfinite(error) else 0.0
+            h *= min(MOST_LONGER, max(MOST_SHORTER, SAFETY * factor))
+            if t < end and not t + h > t:
+                report[STATE], report[TIME] = TOO_SHORT, t
+                return
+        report[STATE] = DONE
+
+    return steps, controlled

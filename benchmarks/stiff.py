@@ -1,0 +1,76 @@
+"""Stiff problems to a given error, beside SciPy's Radau and BDF: compiled Radau IIA of order 5 with step size control.
+
+The error is the distance of the last state from the reference's digits. Of everybody the tolerance is the largest that
+reaches it, of those tried, and absolute tolerances are 10⁻⁴ of the relative ones. What is compiled is compiled before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from importlib.util import find_spec
+from typing import Any
+
+from benchmarks.harness import Contestant, Section, Subject, timed
+from driftproof.methods.catalogue import METHODS
+from driftproof.numeric.advance import field_rate, float_start
+from driftproof.numeric.implicit import compiled_implicit_runner
+from driftproof.numeric.problems.catalogue import PROBLEMS
+from driftproof.numeric.problems.problem import Problem
+from driftproof.numeric.reference_errors import distance_from_digits
+
+METHOD = METHODS["radau_iia3"]
+# The errors that are asked for; both problems are of size 1 at most, Robertson's first two components below 1e-7.
+ERRORS = {"robertson": 1e-13, "hires": 1e-9}
+TOLERANCES = tuple(10 ** (-k / 2) for k in range(4, 21))
+FIRST_STEP = 1e-6
+# The most that our time may be of SciPy's Radau's.
+SHARE = 1 / 20
+
+
+def ours(problem: Problem, tolerance: float) -> Callable[[], Any]:
+    """The last state, and the number of steps."""
+    run, start, end = compiled_implicit_runner(METHOD, problem.field), float_start(problem), float(problem.t)
+    return lambda: run.controlled(start, end, FIRST_STEP, tolerance, tolerance * 1e-4)
+
+
+def by_scipy(name: str) -> Callable[[Problem, float], Callable[[], Any]]:
+    """The same of a solver of SciPy."""
+    from scipy.integrate import solve_ivp
+
+    def of(problem: Problem, tolerance: float) -> Callable[[], Any]:
+        rate, start, span = field_rate(problem.field), float_start(problem), (0.0, float(problem.t))
+
+        def task() -> Any:
+            found = solve_ivp(rate, span, start, name, rtol=tolerance, atol=tolerance * 1e-4)
+            return tuple(map(float, found.y[:, -1])), len(found.t) - 1
+
+        return task
+
+    return of
+
+
+def at_its_best(problem: Problem, solver: Callable[[Problem, float], Callable[[], Any]]) -> Contestant:
+    """The solver with the largest tolerance with which it reaches the error; with the smallest if none does."""
+    error = lambda found: distance_from_digits(found[0], problem.reference.states[-1])
+    tasks = (solver(problem, tolerance) for tolerance in TOLERANCES)
+    task = next((task for task in tasks if error(task()) <= ERRORS[problem.key]), solver(problem, TOLERANCES[-1]))
+    return Contestant(task, lambda found: f"{error(found):.1e}, {found[1]} steps")
+
+
+def subjects() -> Iterator[Subject]:
+    """What can be had here."""
+    solvers = {f"scipy, {name}": by_scipy(name) for name in ("Radau", "BDF")} if find_spec("scipy") else {}
+    for key, error in ERRORS.items():
+        contestants = {"ours": ours, **solvers}
+        yield Subject(
+            f"{key}, error {error:.0e}; ours: {METHOD.key}".replace("e-0", "e-"),
+            {who: at_its_best(PROBLEMS[key], solver) for who, solver in contestants.items()},
+            None,
+            {("ours", "scipy, Radau"): SHARE},
+        )
+
+
+def sections(rounds: int) -> Iterator[Section]:
+    """Measured; nothing without numba."""
+    if find_spec("numba") is not None:
+        yield timed("Stiff problems", subjects(), rounds)
