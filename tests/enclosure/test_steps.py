@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 import pytest
-from flint import arb, ctx
+from flint import arb, arb_mat, ctx
 
 from driftproof.enclosure import steps
 from driftproof.enclosure.numbers import Refused
@@ -62,6 +62,22 @@ def flow_holds_growth(module):
         return bool(step.flow[0, 0].contains(enclose(step.h).exp().mid()))
 
 
+def flow_holds_what_its_coefficients_leave_out(module):
+    """y' = t^20 y: a few coefficients see nothing of it; the derivative of the flow is exp(h^21/21)."""
+    with ctx.workprec(128):
+        step = made(module, lambda t, y: y * t**20, [arb(1)], arb(0))
+        return bool(step.flow[0, 0].contains((enclose(step.h) ** 21 / 21).exp().mid()))
+
+
+def distance_is_that_of_the_theorem(module):
+    """e' = me + δ from 0, with m = 2^-30: nearly sδ, and no more than what is said."""
+    m, defect, s = arb(2) ** -30, arb(2) ** -10, Fraction(3, 4)
+    with ctx.workprec(128):
+        tube = module.Tube(arb(1), m)
+        step = module.EnclosedStep(Fraction(0), Fraction(1), [], arb(0), defect, tube, arb_mat(0, 0), [], [])
+        return bool(defect * (m * enclose(s)).expm1() / m <= step.at(s)[1])
+
+
 def no_branch_is_crossed(module):
     """y' = |y| + 1 from -1/1024 ± 1/8192 changes its formula at 7/8192 already for a neighbour."""
     with ctx.workprec(128):
@@ -86,6 +102,7 @@ def spring_is_weighted(module):
 CHECKS = (
     *(dense_holds_growth, dense_holds_neighbours, tube_is_wide_enough, flow_holds_growth, no_branch_is_crossed),
     *(weighted_tube_is_wide_enough, spring_is_weighted),
+    *(flow_holds_what_its_coefficients_leave_out, distance_is_that_of_the_theorem),
 )
 GROWTH = "return (self.norm * s).exp()"
 DEFECT = "return self._size((rate.value - slope).norm for rate, slope in zip(rates, slopes, strict=True))"
@@ -97,6 +114,11 @@ WRONG = {
     "the defect dropped": (dense_holds_growth, (DEFECT, "return arb(0)")),
     "the tail omitted": (dense_holds_growth, (DEFECT, DEFECT.replace(".norm", ".polynomial(1)"))),
     "the tube not checked": (tube_is_wide_enough, ("if tube.growth(step) * error < radius:", "if True:")),
+    "the distance halved": (distance_is_that_of_the_theorem, ("ball * self.defect *", "ball / 2 * self.defect *")),
+    "the tail of the Jacobian omitted": (
+        flow_holds_what_its_coefficients_leave_out,
+        ("defect += tail * sum(of_P, arb(0))", "defect += arb(0)"),
+    ),
     "the flow's error omitted": (flow_holds_growth, (FLOW, "error = arb(0)")),
     "branches on the tube not looked at": (no_branch_is_crossed, BRANCH),
     "the tube without weights": (weighted_tube_is_wide_enough, ("(radius * d).upper()", "radius")),

@@ -7,7 +7,7 @@ from random import Random
 
 import numpy as np
 import pytest
-from flint import arb, ctx
+from flint import arb, arb_mat, arb_poly, ctx
 from tqdm import tqdm
 
 from driftproof import certify
@@ -122,7 +122,16 @@ def holds_what_bends(module):
     return all(x.contains((1 / (1 + 1 / (1 + side * r))).mid()) for side in (-1, 1))
 
 
-CHECKS = (holds_solution, holds_neighbours, holds_what_decays, holds_what_leaves, holds_what_bends)
+def jacobian_is_bounded(module):
+    """y' = t^60 y on [0, 1]: M is no less than the Jacobian at 1, which the first twenty coefficients miss."""
+    one = arb_mat([[1]])
+    with ctx.workprec(64):
+        path = module.StiffPath(lambda t, y: y * t**60, [arb(1)], Fraction(0), Fraction(1))
+        M, _ = path._comparison(arb(1), [arb_poly([1])], (one, one), [one], arb_mat([[0]]))
+        return M[0, 0] >= 1
+
+
+CHECKS = (holds_solution, holds_neighbours, holds_what_decays, holds_what_leaves, holds_what_bends, jacobian_is_bounded)
 DEFECT = "return bounds(self.method.chebyshev, [T * c for c in coefficients]) + sizes_of(T) * tails"
 BOX = "if all(x < y for x, y in zip(needed.entries(), box.entries(), strict=True)):"
 CARRIED, FAST = "sizes_of(back * image) * step.widths", "value_at(flow, arb(-1)))) * widths"
@@ -134,6 +143,11 @@ WRONG = {
     "the fast part of the errors dropped": (holds_what_decays, FAST, f"{FAST} * 0"),
     "the box not checked": (holds_what_leaves, BOX, "if True:"),
     "the Jacobian on v alone": (holds_what_leaves, "arb(0, b.upper()) for p, b", "arb(0) for p, b"),
+    "the Jacobian's tail omitted": (
+        jacobian_is_bounded,
+        "quasi_monotone(J + _around",
+        "quasi_monotone(J + 0 * _around",
+    ),
     "what follows the flow of v alone": (holds_what_bends, "return M, source +", "return M, 0 * source +"),
 }
 
