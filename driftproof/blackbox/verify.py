@@ -396,7 +396,7 @@ def _refuted(
     wrong = "; ".join(differences)
     if linear and wrong:
         return f"is not {method.key}: {wrong}"
-    if re.fullmatch(rf"it is {method.key}(, the same step as [^;]*)?", instead.verdict):
+    if re.fullmatch(rf"it is {method.key}(, the same step as [\w, ]*)?", instead.verdict):
         failed = next(check for check in checks if check.passed is False)
         return f"is {method.key}, but not everywhere: {failed.lines[0]}"
     what = f": {wrong}" if wrong and wrong not in instead.verdict else ""

@@ -54,6 +54,7 @@ def test_a_step_whose_force_is_given_right_velocities_is_its_method_and_raises_n
 def test_wrong_velocities_fail_and_are_named(step, key, words):
     found = verify(step, key, examples=20, isolate=False)
     assert found.passed is False
+    assert found.verdict.startswith(f"is not {key}")
     assert words in found.verdict
 
 
