@@ -68,7 +68,7 @@ BUDGETS = {
     "numeric": 3464,
     "blackbox": 16198,
     "enclosure": 3130,
-    "texts": 7031,
+    "texts": 7068,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5562
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

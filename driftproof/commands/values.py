@@ -30,10 +30,10 @@ def value_command(options: Namespace) -> str:
       step METHOD h=1/2 [N=3] [from q,v] : READOUT             q v energy energy_change state_error phase_error
       run METHOD h=1/4 t=10 [from q,v] : READOUT               exact.q exact.v steps evaluations h t k1.q k1.v ...
       exact t=10 [from q,v] : q|v|energy                       the solution itself
-      run METHOD problem=NAME h=1/4 1000 steps : READOUT       y0 y1 ... exact.y0 ... slope.y0 ... k1.y0 ... state_error
+      run METHOD problem=NAME h=1/4 1000 steps : READOUT       y0 exact.y0 slope.y0 k1.y0 ... state_error relative_error
       run METHOD rates=(t*sqrt(y0)) from 1 h=1/4 t=1 : READOUT largest_error steps; of a problem, a .toml, your own y'
       run METHOD y'=-2*y y(0)=1 h=1/4 t=1 : READOUT            x'=v, v'=-sin(x), x(0)=2, v(0)=0: with names, x exact.x
-      run METHOD lambda=-2 h=1/4 t=1 : READOUT                 y exact.y state_error, of y' = lambda y, y(0) = 1
+      run METHOD lambda=-2 h=1/4 t=1 : READOUT                 the same of y' = lambda y, y(0) = 1, from R(h lambda)
       FACT METHOD [at VALUE] [h=1/4] [: PART]                  order, energy_multiplier, imaginary_limit, a_stable, ...
       roundoff METHOD h=1/4 [sharp] [from q,v] : READOUT       q v qq qv vq vv c, bounds in units of u
       + - * / ** ( ) pi e abs sqrt exp ln log2 log10 cos sin   on all of these; ratio(a, b) = |a|/|b|, percent(a, b)

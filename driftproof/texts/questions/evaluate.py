@@ -232,7 +232,7 @@ def vocabulary() -> str:
         "readouts of step and run": [*RUN_READOUTS, "k1.q", "k1.v", "..."],
         "readouts of exact": [*EXACT_READOUTS],
         "readouts on a problem": [*PROBLEM_READOUTS],
-        "readouts with lambda": ["y", "exact.y", "state_error", "steps"],
+        "readouts with lambda": ["y", "exact.y", "state_error", "relative_error", "steps"],
         "readouts of roundoff": [*OF_STATE, *BOUND_ENTRIES, GROWTH],
         "units of phase_error": [*UNITS],
         "facts": [*FACT_NAMES],

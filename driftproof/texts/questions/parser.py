@@ -158,9 +158,14 @@ class _QuestionParser(ExpressionParser):
             self.put(parts["settings"], self.take(), "N", NumberNode(token.column, self.rational(token.text, token)))
         elif token.text in SAY_NOTHING or (key == "at" and self.next.kind == NAME and after.text in "='"):
             pass
-        elif self.next.text == "'" and after.text == "=":
+        elif self.next.text == "'" and after.text in ("=", "(", "'"):
             self.put(self._equations(token, parts, "rates"), token, token.text, self.rate())
-        elif self.next.text == "(" and after.text == "0":
+        elif token.text[:1] == "d" and (self.next.text, after.text) == ("/", "dt"):
+            self.take()
+            self.put(self._equations(token, parts, "rates"), token, token.text[1:], self.rate())
+        elif key == "subject" and self.next.text == "(" and after.kind == NUMBER:
+            if after.text != "0":
+                raise self.error(after, f"time begins at 0: {token.text}(0) = ... is the start")
             self.take(), self.take(), self.expect(")", "a bracket is not closed")
             self.expect("=", f"{token.text}(0) is a number, as in {token.text}(0)=1")
             self.put(self._equations(token, parts, "start"), token, token.text, self.literal("start"))
@@ -196,11 +201,19 @@ class _QuestionParser(ExpressionParser):
         return read()
 
     def rate(self) -> Token:
-        """The text after "'=", in which a name is no query."""
-        self.take(), self.take()
+        """The text after y' = or y'(t) = or dy/dt =, from the prime or dt on; in it a name is no query."""
+        prime = self.take()
+        if self.next.text == "'":
+            raise self.error(prime, "equations are of first order; y'' = -y is y'=v, v'=-y")
+        if self.accept("("):
+            self.take(), self.expect(")", "a bracket is not closed")
+        self.expect("=", "a rate follows, as in y'=-2*y")
         first, self.in_rate = self.next, True
         self.sum()
         self.in_rate = False
+        last = self.tokens[self.at - 1]
+        if last.kind == NUMBER and self.next.column == last.end and (self.next.kind == NAME or self.next.text == "("):
+            raise self.error(self.next, f"a product has its sign: {last.text}*{self.next.text}")
         return self.piece(first.column, self.tokens[self.at - 1].end)
 
     def method_name(self, first: Token) -> Token:

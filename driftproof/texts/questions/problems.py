@@ -31,7 +31,7 @@ _MOST_BITS_OF_SOLUTION = 1024
 # A state in Fractions is kept while its numbers are below so many bits: those of y' = y² double with every step.
 _LONGEST_EXACT = 4096
 # What may be read of a run, with any index for 0, and of explicit Runge-Kutta methods any stage for 1.
-PROBLEM_READOUTS = ("y0", "exact.y0", "slope.y0", "k1.y0", "state_error", "largest_error", "steps")
+PROBLEM_READOUTS = ("y0", "exact.y0", "slope.y0", "k1.y0", "state_error", "relative_error", "largest_error", "steps")
 # Field and start, and the names of its unknowns where they are not y0, y1, ...
 FieldAndStart = tuple[VectorField, tuple[Fraction, ...], tuple[str, ...]]
 # Of balls, or of Fractions.
@@ -179,6 +179,9 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
         **{y: partial(_component, lambda run, end: end, i) for i, y in components},
         **solution,
         "state_error": lambda run: _enclosed(lambda: _distance(run.numerical()[-1], run.true(end)[0])),
+        "relative_error": lambda run: _enclosed(
+            lambda: _distance(run.numerical()[-1], run.true(end)[0]) / _distance(run.true(end)[0], [0] * len(run.start))
+        ),
         "largest_error": lambda run: _enclosed(lambda: _largest(run.numerical(), run.true(all_steps))),
         "steps": lambda run: Answer("", Fraction(run.steps)),
         **{f"{name}.{y}": partial(_component, state, i) for name, state in read.items() for i, y in components},
@@ -233,6 +236,7 @@ def decay_readouts(factor: Answer, rate: Fraction, h: Fraction, steps: int) -> d
         "y": y,
         "exact.y": exact,
         "state_error": lambda: NUMBER_FUNCTIONS["abs"][0](OPERATIONS["-"](y(), exact())),
+        "relative_error": lambda: NUMBER_FUNCTIONS["ratio"][0](OPERATIONS["-"](y(), exact()), exact()),
         "steps": lambda: Answer("", Fraction(steps)),
     }
 

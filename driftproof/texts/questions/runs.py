@@ -16,6 +16,7 @@ from driftproof.symbolic.algebra.polynomials import polynomial
 from driftproof.symbolic.algebra.rational_functions import polynomial_text, sum_text
 from driftproof.symbolic.runs import OscillatorRun, exact_flow
 from driftproof.texts.questions.answer import CERTIFIED, COUNTED, PROVED, Answer
+from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
 
 _State = tuple[Fraction, Fraction]
 
@@ -54,6 +55,14 @@ def _phase_error(run: OscillatorRun) -> Answer:
     return replace(_of(found), unit=DEGREES)
 
 
+def _relative_error(run: OscillatorRun) -> Answer:
+    """The state error over the distance of the exact state from the origin, which is that of the start."""
+    q, v = run.start
+    if not (q or v):
+        raise ValueError("the exact state is the origin, beside which no error is relative")
+    return NUMBER_FUNCTIONS["ratio"][0](_of(run.state_error), NUMBER_FUNCTIONS["sqrt"][0](Answer("", q**2 + v**2)))
+
+
 def _evaluations(run: OscillatorRun) -> Answer:
     """Calls of the acceleration, counted on a real step; only where the method says by itself how many it makes."""
     from driftproof.numeric.steppers import evaluations_per_step
@@ -70,6 +79,7 @@ RUN_READOUTS: dict[str, Callable[[OscillatorRun], Answer]] = {
     "energy": lambda run: _of(run.energy),
     "energy_change": lambda run: _of(run.energy_change),
     "state_error": lambda run: _of(run.state_error),
+    "relative_error": _relative_error,
     "phase_error": _phase_error,
     "exact.q": lambda run: _exact_component(run.start, run.t, 0),
     "exact.v": lambda run: _exact_component(run.start, run.t, 1),

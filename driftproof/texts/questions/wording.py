@@ -9,7 +9,16 @@ from __future__ import annotations
 LOCAL = ("local_error",)
 _ERRORS = ("error", "global_error", *LOCAL)
 _LARGEST = ("max_error", "maximum_error", "maximal_error")
-_NAMES = ("state_error", "phase_error", "largest_error", "energy", "energy_change", "steps", "evaluations")
+_NAMES = (
+    "state_error",
+    "phase_error",
+    "largest_error",
+    "relative_error",
+    "energy",
+    "energy_change",
+    "steps",
+    "evaluations",
+)
 
 # Name or other name of a readout -> its name. Before "of METHOD" it is what a run is asked for.
 READOUT_WORDS = {
@@ -30,6 +39,7 @@ FACT_WORDS = {
     "real_stability_limit": "real_limit",
     "imaginary_stability_limit": "imaginary_limit",
     "energy_factor": "energy_multiplier",
+    **dict.fromkeys(("order_of_convergence", "convergence_order", "order_of_accuracy"), "order"),
 }
 
 # Word -> the facts that it may mean.
