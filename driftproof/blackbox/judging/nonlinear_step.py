@@ -145,13 +145,16 @@ def _runge_kutta_step(
 ) -> list[arb]:
     """y + h Σ bᵢ kᵢ with the kᵢ = f(t + cᵢh, y + h Σ aᵢⱼ kⱼ) that the iteration from k = 0 comes to.
 
-    Explicit stages are there after as many rounds as there are stages. Raises ArithmeticError where it does not
-    converge.
+    Explicit stages are taken in turn. Raises ArithmeticError where it does not converge.
     """
     tableau: Any = method.tableau(_BITS) if isinstance(method, Collocation) else (method.a, method.b, method.c)
     a = [[enclose(x) for x in row] for row in tableau[0]]
     b, c = ([enclose(x) for x in row] for row in tableau[1:])
     slopes = [[arb(0) for _ in y] for _ in b]
+    if method.explicit:
+        for i, (node, row) in enumerate(zip(c, a, strict=True)):
+            slopes[i] = [x.mid() for x in problem.rate(t + node * h, _moved(y, h, row[:i], slopes[:i]))]
+        return _moved(y, h, b, slopes)
     for _ in range(_ROUNDS):
         places = [(t + node * h, _moved(y, h, row, slopes)) for node, row in zip(c, a, strict=True)]
         before, slopes = slopes, [[x.mid() for x in problem.rate(*place)] for place in places]

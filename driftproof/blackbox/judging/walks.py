@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import islice
+from math import log2
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -46,15 +47,15 @@ Walked: TypeAlias = tuple[bool | None, str, str]
 
 @dataclass(frozen=True)
 class _Place:
-    """Exponents of two of the sizes of numbers, over again, and of the pace; and the time at which the clock is 0."""
+    """Sizes of numbers, over again, signs among them; the exponent of the pace; the time at which the clock is 0."""
 
-    sizes: tuple[int, ...] = (0,)
+    sizes: tuple[float, ...] = (1.0,)
     pace: int = 0
     origin: float = 0.0
 
     def problem(self, problem: NonlinearProblem) -> NonlinearProblem:
         """The problem there."""
-        return moved(problem, [2.0**k for k in self.sizes], 2.0**self.pace, self.origin)
+        return moved(problem, self.sizes, 2.0**self.pace, self.origin)
 
     def within(self, domain: Domain, subject: ForeignStepper) -> bool:
         """True where its numbers, doubled, and its steps are of the domain, and in the middle of the format."""
@@ -62,21 +63,23 @@ class _Place:
         room = subject.format.emax // 3
         lengths = [x * 2.0**-self.pace for x in _LENGTHS]
         return (
-            all(2 * 2.0**k <= largest and 2.0**k >= smallest for k in self.sizes)
+            all(2 * abs(x) <= largest and abs(x) >= smallest for x in self.sizes)
             and shortest <= min(lengths)
             and max(lengths) <= longest
-            and max(*map(abs, self.sizes), 2 * abs(self.pace)) <= room
+            and max(*(abs(log2(abs(x))) for x in self.sizes), 2 * abs(self.pace)) <= room
         )
 
 
 # Short steps with steep slopes, and long ones with flat ones; before the time 0, and long after it, with all bits.
 _PLACES = (
     _Place(),
-    _Place((-20,), 12, 100.1),
-    _Place((0, 8, -30, 3), 0, -7.3),
-    _Place((8,), -4, 1000.1),
-    _Place((0,), 6, -0.7),
+    _Place((2.0**-20,), 12, 100.1),
+    _Place((1.0, -256.0, 2.0**-30, -8.0), 0, -7.3),
+    _Place((256.0,), -4, 1000.1),
+    _Place((-1.0,), 6, -0.7),
 )
+# Where every number of numbers is walked, too.
+_HOME = _Place((1.0, -1.0))
 
 
 @dataclass(frozen=True)
@@ -122,11 +125,15 @@ class Walker:
 
     @property
     def places(self) -> list[_Place]:
-        """Those within the domain; an implicit solver has a scale of its own, which is 1."""
-        plain = self.partitioned and self.subject.convention.kind == FORCE and not self._coupled
-        places = _PLACES if self.method.explicit else [replace(place, sizes=(0,)) for place in _PLACES]
-        places = [replace(place, sizes=place.sizes[:1]) for place in places] if plain else places
-        return [place for place in places if place.within(self.domain, self.subject)]
+        """Those within the domain."""
+        return [place for place in map(self.fitted, _PLACES) if place.within(self.domain, self.subject)]
+
+    def fitted(self, place: _Place) -> _Place:
+        """With sizes that it takes: an implicit solver has a scale of its own; who asks one position after the other
+        does not say which."""
+        apart = self.partitioned and self.subject.convention.kind == FORCE and not self._coupled
+        sizes = place.sizes[:1] if apart else place.sizes
+        return replace(place, sizes=sizes if self.method.explicit else (1.0,))
 
     @property
     def _coupled(self) -> bool:
@@ -156,6 +163,10 @@ class Walker:
         """The first step that is not the method's; None if all are. Raises the Misbehaviour that comes instead."""
         there, t = place.problem(problem), place.origin + START * 2.0**-place.pace
         y = _start(there, t)
+        # Another right-hand side from there: who remembers by t, y and h alone goes wrong.
+        replace(there, rate=lambda t, y: [0.0 * x for x in y]).stepped(
+            self.subject, t, y, lengths[0] * 2.0**-place.pace
+        )
         for n, length in enumerate(lengths):
             h = length * 2.0**-place.pace
             words, end = self.compared(there, place, t, y, h)
@@ -172,9 +183,9 @@ class Walker:
         taken = float(np.float32(h)) if self.allowance.step_in_binary32 else h
         said, scales = self.own_step(problem, t, y, taken), problem.scales
         # Slopes change by about their size in a unit of the problem's own time: so much does a rounded time cost.
-        size = 1 + max(abs(x) / s for x, s in zip(y, scales, strict=True)) + abs(t) * 2.0**place.pace
+        size = 1 + max(abs(x / s) for x, s in zip(y, scales, strict=True)) + abs(t) * 2.0**place.pace
         allowed = self.allowed(size, len(y), h * 2.0**place.pace)
-        off = [float(abs(arb(x) - exact).upper()) / s for x, exact, s in zip(seen, said, scales, strict=True)]
+        off = [float(abs(arb(x) - exact).upper()) / abs(s) for x, exact, s in zip(seen, said, scales, strict=True)]
         wrong = [i for i, x in enumerate(off) if not x <= allowed]
         if not wrong:
             return "", seen
@@ -283,12 +294,16 @@ def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> Wa
 
 
 def _settings(walker: Walker) -> Iterator[tuple[_Place, list[NonlinearProblem]]]:
-    """Places and numbers of numbers side by side, the shorter list over again."""
+    """Places and numbers of numbers side by side, the shorter list over again; then each number at home."""
     sizes = [problems for n in walker.numbers if (problems := walker.problems(n))]
     places = walker.places
     if sizes and places:
         for i in range(max(len(sizes), len(places))):
             yield places[i % len(places)], sizes[i % len(sizes)]
+        if not walker.method.explicit:  # iterated in balls, which takes its time
+            return
+        home = walker.fitted(_HOME)
+        yield from ((home, problems) for problems in sizes[1:] if home.within(walker.domain, walker.subject))
 
 
 def _start(problem: NonlinearProblem, t: float) -> list[float]:
