@@ -65,7 +65,7 @@ BUDGETS = {
     "support": 1103,
     "methods": 5424,
     "symbolic": 10733,
-    "numeric": 3464,
+    "numeric": 3466,
     "blackbox": 16220,
     "enclosure": 3130,
     "texts": 7068,
