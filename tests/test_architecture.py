@@ -63,14 +63,14 @@ NOT_ELSEWHERE = "sympy"
 # stages, and its own sampler of steps, 100 lines; texts what docs and help show.
 BUDGETS = {
     "support": 1103,
-    "methods": 5424,
+    "methods": 5428,
     "symbolic": 10733,
     "numeric": 3466,
     "blackbox": 16220,
     "enclosure": 3130,
     "texts": 7068,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5562
+BUDGET_OF_REPORTS_AND_FRONT = 5575
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 

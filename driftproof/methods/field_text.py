@@ -21,6 +21,7 @@ from driftproof.methods.expression_tree import (
 )
 from driftproof.methods.expressions import parse_number
 from driftproof.methods.number_field import Exact
+from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import FUNCTIONS, VectorField
 from driftproof.support.toml_tables import (
     TomlTable,
@@ -117,7 +118,10 @@ def field_of_table(table: TomlTable) -> VectorField:
     """
     parameters, names = _parameters(table)
     rates = _rates(table)
-    field = field_of_text(rates if isinstance(rates, list) else [*rates.values()], parameters, names)
+    try:
+        field = field_of_text(rates if isinstance(rates, list) else [*rates.values()], parameters, names)
+    except MethodError as error:
+        raise MethodError(f"{error}; names of your own: rates.x = ..., start.x = ..., parameters.k = ...") from None
     if "pi" in _WORD.findall(energy_of_table(table) or "") and "pi" not in dict(field.parameters):
         return VectorField(field.rates, (*field.parameters, ("pi", PI)))
     return field

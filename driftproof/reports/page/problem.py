@@ -20,6 +20,8 @@ from driftproof.reports.stability import expected_of, steps_in_words
 # One explicit method, and implicit ones that are L-stable, A-stable alone, and L-stable of a higher order.
 STIFF_METHODS = ("rk4", "backward_euler", "trapezoid", "radau_iia2")
 _EVALUATIONS = "evaluations of f"
+# Some three lines on the page.
+_LONGEST_EQUATIONS = 300
 
 
 def problem_part(problem: Problem, methods: Sequence[Method]) -> Part:
@@ -44,11 +46,22 @@ def _problem(problem: Problem, methods: Sequence[Method], identity: str) -> str:
     table = html_table(rows, _about(problem), "words")
     return "".join(
         [
-            element("p", escaped(f"to t = {problem.t}; {problem.source}"), class_="setting"),
+            element("p", escaped(_setting(problem)), class_="setting"),
             element("section", element("h3", "Work"), work, class_="panel"),
             element("section", element("h3", "Stability"), table, class_="panel"),
         ]
     )
+
+
+def _setting(problem: Problem) -> str:
+    """Equations, start and parameters where they are short enough to be read; the end; and the source."""
+    field = problem.field
+    rates = [f"{y}′ = {rate}" for y, rate in zip(field.components, field.rates, strict=True)]
+    start = [f"{y}(0) = {x}" for y, x in zip(field.components, problem.start, strict=True)]
+    parameters = [f"{name} = {value}" for name, value in field.parameters if name != "pi"]
+    equations = ", ".join([*rates, *start, *parameters])
+    shown = [equations] if len(equations) <= _LONGEST_EQUATIONS else []
+    return "; ".join([*shown, f"to t = {problem.t}", *([problem.source] if problem.source != problem.title else [])])
 
 
 def _about(problem: Problem) -> str:

@@ -12,9 +12,10 @@ from tests.looping import exactly
 
 PENDULUM = """
 title = "A pendulum"
-rates = ["y1", "-sin(y0)"]
+rates = ["y1", "-g * sin(y0)"]
 start = ["1/2", "0"]
 end = "1"
+parameters.g = "9.8"
 """
 RALSTON = 'family = "runge_kutta"\ntitle = "Mine"\nA = [[0, 0], ["2/3", 0]]\nb = ["1/4", "3/4"]\n'
 
@@ -34,6 +35,7 @@ def test_own_problem_and_own_method_are_shown_by_their_titles(tmp_path):
     (tmp_path / "mine.toml").write_text(RALSTON)
     shown = report(tmp_path / "pendulum.toml", methods=["rk4", tmp_path / "mine.toml"]).html
     assert "<h2>A pendulum</h2>" in shown
+    assert "y0′ = y1, y1′ = -g * sin(y0), y0(0) = 1/2, y1(0) = 0, g = 49/5; to t = 1;" in shown
     rows = {row[0]: row[1:] for row in cells(shown) if len(row) == 2}
     assert rows["Method"] == ["Steps that it can take"], "nothing is expected of it, so no column says so"
     assert rows.keys() == {"Method", "Classical RK4", "Mine"}
