@@ -156,6 +156,11 @@ def test_what_cannot_be_proved_is_refused_in_one_line(said):
     assert "\n" not in str(caught.value)
 
 
+def test_tolerance_within_the_ball_of_the_error_is_refused():
+    with pytest.raises(Refused, match=r"the largest error is 1\.0+, too near the tolerance 1\.0 to tell"):
+        module.within(SimpleNamespace(largest_error=arb(1, 2.0**-40)), 1.0)
+
+
 @pytest.mark.parametrize("tolerance", [-1.0, float("nan"), "1e-3", np.array([1e-3, 1e-3])], ids=str)
 def test_tolerance_has_to_be_a_size(tolerance):
     with pytest.raises(ValueError, match="has to be a number that is not negative"):

@@ -38,6 +38,13 @@ def test_directions_that_grow_fast_are_refused():
         nearly_diagonal(jacobian([[1000, 0], [0, -1]]), arb(1), [1.0, 1.0])
 
 
+def test_directions_that_are_dependent_are_refused():
+    with pytest.raises(Refused, match="no coordinates in which it is nearly diagonal"):
+        nearly_diagonal(jacobian([[-100, 0], [0, -100]]), arb("inf"), [1.0, 1.0])
+    with pytest.raises(Refused, match="the bound of the errors is not finite"):
+        basis_around(arb_mat([["nan"]]), arb_mat([[1]]), arb_mat(1, 0), [1.0])
+
+
 def test_slow_directions_need_no_eigenvectors():
     """A Jordan block of 0 beside what is fast."""
     J = [[0, 1, 0], [0, 0, 0], [1, 1, -1e6]]

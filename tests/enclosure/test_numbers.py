@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from flint import arb, arb_series
 
+from driftproof.enclosure.models import TaylorModel
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, series
 
 
@@ -93,6 +94,13 @@ def test_constants_are_exact_and_doubles_are_kept():
     assert (3 * third - 1).contains(0)
     assert [float(evaluation.constant(x)) for x in (0.1, 2.0, np.float32(0.5), True)] == [0.1, 2.0, 0.5, 1.0]
     assert evaluation.doubles == {0.1, 0.5}
+
+
+def test_function_is_refused_where_it_is_not_analytic():
+    with pytest.raises(Refused, match="f takes sqrt where it is not analytic"):
+        np.sqrt(Enclosed(Evaluation(), TaylorModel([arb(-1), arb(1)], 5)))
+    with pytest.raises(Refused, match="f divides by a number that may be 0"):
+        np.reciprocal(series(Evaluation(), [arb(0), arb(1)], 5))
 
 
 @pytest.mark.parametrize("turned", [float, int, round, math.floor, complex, lambda x: [1, 2][x]])

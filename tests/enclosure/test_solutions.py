@@ -94,6 +94,11 @@ def test_fast_oscillation_for_long_is_refused_and_for_far_too_long_at_once(end, 
         enclose_solution(lambda t, y: [y[1], -y[0]], [Fraction(1), Fraction(0)], [Fraction(0), Fraction(end)], 64)
 
 
+def test_times_that_decrease_are_refused():
+    with pytest.raises(Refused, match="times must not decrease"):
+        enclose_solution(lambda t, y: y, [Fraction(1)], [Fraction(0), Fraction(1), Fraction(-1)], 64)
+
+
 def test_sizes_beyond_doubles_are_refused():
     with pytest.raises(Refused, match="f or the solution has sizes beyond those of doubles"):
         enclose_solution(

@@ -186,6 +186,22 @@ def test_too_many_steps_or_tries_are_refused(monkeypatch, limit, said):
         enclosed(lambda t, y: -1000 * (y - np.cos(t)), [1.0], [Fraction(0), Fraction(2000)], 64)
 
 
+NOT_FINITE = arb_mat([[arb("nan")]])
+REASONS = {
+    "no tube around the step is wide enough": ("TUBES", ()),
+    "Newton's iteration does not converge": ("solved_stages", lambda *_: None),
+    "what is known of f around the step does not bound the errors": ("along_the_step", lambda *_: None),
+    "the bound of the errors is not finite": ("at_the_end", lambda *_: (NOT_FINITE, arb_mat([[1, arb("nan")]]))),
+}
+
+
+@pytest.mark.parametrize("said", REASONS)
+def test_step_that_is_not_found_is_refused_with_the_last_reason(said, monkeypatch):
+    monkeypatch.setattr(stiff, *REASONS[said])
+    with pytest.raises(Refused, match=f"no implicit step from t = 0 is found, however short: {said}"):
+        enclosed(lambda t, y: -1000 * (y - np.cos(t)), [1.0], [Fraction(0), Fraction(1)], 64)
+
+
 def test_stiff_pole_is_refused(monkeypatch):
     monkeypatch.setattr(stiff, "SHORTEST_STIFF_PART", Fraction(1, 2**8))
     with pytest.raises(Refused, match=r"a pole, .* is ahead near t = 0\.9"):
