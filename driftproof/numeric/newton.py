@@ -20,7 +20,7 @@ SHRINKS, HALVES = 0.125, 0.5
 # A correction of which no more than this part is a step forward leads nowhere.
 SHORTEST = 2.0**-20
 # A step is at most so many times as long or as short as the one before; most are SAFETY of what their error allows
-# (hairer-norsett-wanner-1993, II.4). Of an error below SMALLEST no more is asked than that.
+# (hairer-norsett-wanner-1993, II.4). The logarithm is taken of no error below SMALLEST, which makes a step MOST_LONGER.
 MOST_LONGER, MOST_SHORTER, SAFETY, SMALLEST = 5.0, 0.2, 0.9, 1e-10
 
 # rate(t, y, f) writes f(t, y) into f, jacobian(t, y, matrix) the derivatives into rows.
@@ -345,7 +345,7 @@ def implicit_steps(
             for k in range(n):
                 size = given.absolute + given.relative * max(abs(y[k]), abs(halves[k]))
                 if state == DONE and not abs(halves[k] - whole[k]) <= error * size:
-                    error = abs(halves[k] - whole[k]) / size
+                    error = abs(halves[k] - whole[k]) / size if size > 0 else np.inf
             if error <= given.ratio:
                 t = end if last else t + h
                 for k in range(n):
