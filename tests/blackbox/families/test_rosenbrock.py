@@ -48,6 +48,14 @@ def test_a_wrong_one_fails_with_its_cause(key, how, words):
     assert words in report.verdict
 
 
+def test_of_several_wrong_entries_the_products_are_told_in_which_they_stand():
+    report = verify(rosenbrock("rodas3", gamma=((2, 0), 1.5), b=(0, 2 / 3)), "rodas3", isolate=False)
+    wrong = report.section("Coefficients: FAILED").lines
+    assert wrong[1] == "the slope of call 0 enters the result with 1/2 instead of 0.666667"
+    assert wrong[2] == "J h^2 times the slope of call 0 enters the place of call 2 with 5/8 instead of -0.25"
+    assert wrong[4] == "J^2 h^3 times the slope of call 0 enters the place of call 2 with 3/8 instead of -0.5"
+
+
 def test_an_entry_off_by_1e_13_is_no_longer_the_method():
     step = rosenbrock("ros2", gamma=((1, 0), -2 + 2**0.5 + 1e-13))
     assert verify(step, "ros2", isolate=False).passed is False

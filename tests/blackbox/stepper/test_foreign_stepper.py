@@ -141,6 +141,8 @@ def test_of_one_number_too_the_time_is_told_from_the_state():
     subject = replace(opened(with_time), function=lambda f, t, y, h: (y + h * f(t, y), 0.0))
     assert subject.step_field(lambda t, y: [-y[0]], 2.0, [1.0], H) == [0.75]
     assert subject.log.beside == [0.0]
+    near = replace(opened(with_time), function=lambda f, t, y, h: (1.02 * (t + h), 0.5))  # a state, beside its error
+    assert near.step_field(lambda t, y: [-y[0]], 2.0, [1.0], H) == [1.02 * (2 + H)]
 
 
 def test_exceptions_of_the_stepper_come_in_one_line():
