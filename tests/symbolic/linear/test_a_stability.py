@@ -293,6 +293,7 @@ def test_balls_decide_positivity_only_where_they_can() -> None:
         assert positive_in_balls([constant, arb(-2), arb(1)]) is verdict
     assert positive_in_balls([arb(1), arb(0, 1)]) is None, "the degree is not known"
     assert positive_in_balls([arb(-1), arb(0), arb(-1)]) is False
+    assert positive_in_balls([arb(-1), arb(1)]) is False, "below its root alone"
 
 
 def test_pole_inside_the_sector_ends_it() -> None:
