@@ -11,7 +11,7 @@ import pytest
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import MethodError, RungeKutta
-from driftproof.methods.vector_fields import VectorField, array_step
+from driftproof.methods.vector_fields import VectorField, array_step, partial_derivative
 from driftproof.numeric.engine import compiled_field_runner, field_runner, runner
 from tests.float_bits import bits
 
@@ -132,6 +132,14 @@ def test_a_rate_that_is_no_plain_formula_is_refused(rates, parameters, what):
 def test_a_parameter_with_a_name_of_the_text_is_refused(name):
     with pytest.raises(MethodError, match=f"'{name}'"):
         field_runner(METHODS["rk4"], VectorField((f"{name} * y0",), ((name, Q(2)),)))
+
+
+@pytest.mark.parametrize(
+    ("rate", "derivative"),
+    [("y0 * y1", "y1"), ("y1 * y0", "y1"), ("y1 - y0", "-1"), ("sin(y1) * 2", "0"), ("exp(y0)", "exp(y0)")],
+)
+def test_derivatives_are_written_without_ones_and_zeros(rate, derivative):
+    assert partial_derivative(rate, "y0") == derivative
 
 
 def test_an_implicit_method_has_no_run_of_a_system():
