@@ -11,7 +11,7 @@ from typing import Any, Generic, NamedTuple, TypeAlias
 from flint import arb, ctx, fmpq
 
 from driftproof.methods.schemes import Nystrom, RungeKutta, Splitting
-from driftproof.symbolic.algebra.certified import endpoints, scientific
+from driftproof.symbolic.algebra.certified import AWAY, endpoints, scientific
 from driftproof.symbolic.trees.elementary_weights import RingElement, StageValues, TableauStages
 from driftproof.symbolic.trees.order_conditions import Conditions, RungeKuttaConditions, TreeType
 from driftproof.symbolic.trees.partitioned_trees import (
@@ -78,7 +78,7 @@ class ProvableFailure(Generic[TreeType]):
 class RoundedOrder(NamedTuple):
     """An order but for rounding, the largest residual of its conditions, and that of the conditions of one order more.
 
-    Both in three digits.
+    Both in three digits, the first rounded up: no condition misses by more.
     """
 
     order: int
@@ -151,7 +151,8 @@ def rounded_order(conditions: Conditions[Any], limit: int) -> RoundedOrder | Non
             sizes = [x.abs_upper() for _, x in _in_balls(conditions.residuals(n)) if not x.contains(0)]
             found = max(sizes, default=arb(0))
             if largest > 0 and JUMP * largest < found:
-                return RoundedOrder(n - 1, *(scientific(endpoints(x)[1], RESIDUAL_DIGITS) for x in (largest, found)))
+                most = scientific(endpoints(largest)[1], RESIDUAL_DIGITS, AWAY)
+                return RoundedOrder(n - 1, most, scientific(endpoints(found)[1], RESIDUAL_DIGITS))
             largest = max(largest, found)
     return None
 
