@@ -73,7 +73,8 @@ def run_grid(
     without readouts, and a file that is not of this sweep; OSError where a process ends.
 
     >>> from fractions import Fraction
-    >>> from driftproof import PRESETS, run_grid
+    >>> from driftproof import PRESETS
+    >>> from driftproof.numeric.sweep import run_grid
     >>> [answer.found["steps"] for answer in run_grid(PRESETS["default"], {"h": [Fraction(1, 4), Fraction(1, 8)]})]
     [40, 80]
     """
