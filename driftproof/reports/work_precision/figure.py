@@ -27,7 +27,7 @@ _FARTHEST = 1000
 # What fits above a panel.
 _CHARACTERS = 66
 _NO_RUN = "no run to show here"
-_THIN = ("line thin mark", "thin: the largest on the way")
+_THIN = ("line thin mark", "thin: largest on the way")
 
 
 def draw_study(study: Study, measured: Measured, quantity: str, folder: Path) -> Path:
