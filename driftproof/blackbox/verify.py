@@ -109,9 +109,8 @@ def verify(
             return verify_family(runner, asked)
         checks = [criterion(asked, outcome) for criterion, outcome in zip(CRITERIA, outcomes, strict=False)]
         checks[1] = _held_to_tolerance(checks[1], outcomes[1], allowance)
-        if (
-            checks[0].passed is False or checks[0].missing
-        ):  # of an unknown map, or another one, further steps say no more
+        # Of an unknown map, or another one, further steps say no more.
+        if checks[0].passed is False or checks[0].missing:
             del checks[6:]
         passed, arithmetic = _decided(checks), arithmetic_of(outcomes)
         if passed is False:

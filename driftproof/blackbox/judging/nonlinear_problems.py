@@ -32,7 +32,8 @@ class NonlinearProblem:
 
     With `positions`, it is q'' = F(t, q) of so many, y being [q..., v...]; a stepper of a right-hand side is given
     [q, v, q, v, ...] where `interleaved`. Where it is `dragged`, it is q'' = F(t, q, v). `scales` are the sizes of the
-    numbers where they are not 1; t counts where it is `timed`.
+    numbers where they are not 1; t counts where it is `timed`. Positions that are not `coupled` may be asked for one at
+    a time.
     """
 
     words: str
@@ -43,6 +44,7 @@ class NonlinearProblem:
     dragged: bool = False
     scales: tuple[float, ...] = ()
     timed: bool = False
+    coupled: bool = True
 
     @property
     def names(self) -> list[str]:
@@ -270,4 +272,4 @@ def walls(positions: int) -> NonlinearProblem:
         return [*y[half:], *(_exp(-2 * q) for q in y[:half])]
 
     words = "q'' = exp(-2q)" if positions == 1 else f"q'' = exp(-2q) of {positions} positions"
-    return NonlinearProblem(words, rate, solution, positions)
+    return NonlinearProblem(words, rate, solution, positions, coupled=False)

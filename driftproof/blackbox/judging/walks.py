@@ -54,8 +54,8 @@ class _Place:
     origin: float = 0.0
 
     def problem(self, problem: NonlinearProblem) -> NonlinearProblem:
-        """The problem there."""
-        return moved(problem, self.sizes, 2.0**self.pace, self.origin)
+        """The problem there: with positions of one size where a force may be asked for one, and not be told which."""
+        return moved(problem, self.sizes if problem.coupled else self.sizes[:1], 2.0**self.pace, self.origin)
 
     def within(self, domain: Domain, subject: ForeignStepper) -> bool:
         """True where its numbers, doubled, and its steps are of the domain, and in the middle of the format."""
@@ -129,15 +129,8 @@ class Walker:
         return [place for place in map(self.fitted, _PLACES) if place.within(self.domain, self.subject)]
 
     def fitted(self, place: _Place) -> _Place:
-        """With sizes that it takes: an implicit solver has a scale of its own; who asks one position after the other
-        does not say which."""
-        apart = self.partitioned and self.subject.convention.kind == FORCE and not self._coupled
-        sizes = place.sizes[:1] if apart else place.sizes
-        return replace(place, sizes=sizes if self.method.explicit else (1.0,))
-
-    @property
-    def _coupled(self) -> bool:
-        return bool(self.problems(2)) and "walls" not in self.problems(2)[0].words
+        """With sizes that it takes: an implicit solver has a scale of its own."""
+        return place if self.method.explicit else replace(place, sizes=(1.0,))
 
     def problems(self, numbers: int) -> list[NonlinearProblem]:
         """That of so many numbers or positions, in the orders in which y may hold them; none where it takes them not.

@@ -49,6 +49,12 @@ def remembering_all_but_the_function(f, t, y, h, kept={}):  # noqa: B006
     return kept[key]
 
 
+def one_position_after_the_other(force, q, v, h):
+    """Velocity Verlet of lists, whose force takes one position and is not told which."""
+    ends = [codes.velocity_verlet(force, *pair, h) for pair in zip(np.ravel(q), np.ravel(v), strict=True)]
+    return [q1 for q1, _ in ends], [v1 for _, v1 in ends]
+
+
 WRONG = {
     "a cache": (remembering_all_but_the_function, RK4, "in a step of 0.1 from t = 0.25"),
     "times in binary32": (rk4_at(lambda at, t: float(np.float32(at))), RK4, "in a step of 0.1 from t = "),
@@ -92,6 +98,7 @@ def test_explicit_methods_are_themselves_everywhere_by_their_force(key):
         (codes.rk4_of_one_number, RK4, "before, of 1 number, at times from -7.3 to 1000.1"),
         (codes.in_precision(codes.rk4, np.float32), RK4, "of 1, 2, 3, 5, 17 numbers"),
         (codes.velocity_verlet_in_time, VERLET, "of 1, 2, 3, 5, 9 positions"),
+        (one_position_after_the_other, VERLET, "of 1, 2, 3, 5, 9 positions"),
         (iterated(METHODS["gauss2"]), METHODS["gauss2"], "of 1, 2, 3, 5 numbers"),
     ],
 )
