@@ -65,7 +65,7 @@ BUDGETS = {
     "support": 1103,
     "methods": 5428,
     "symbolic": 10733,
-    "numeric": 3467,
+    "numeric": 3468,
     "blackbox": 16220,
     "enclosure": 3130,
     "texts": 7068,

@@ -166,7 +166,8 @@ def _answered(scene: Scene, points: list[Values], left: deque[int], executor: Ex
             while left and len(running) < WAITING:
                 batch = [left.popleft() for _ in range(min(size, len(left)))]
                 running[executor.submit(run_points, scene, [points[i] for i in batch])] = batch
-            for future in wait(running, return_when=FIRST_COMPLETED).done:
+            done = wait(running, return_when=FIRST_COMPLETED).done
+            for future in [each for each in running if each in done]:  # as sent, so that a run can be told again
                 batch = running.pop(future)
                 found, seconds = future.result()
                 if len(found) < len(batch):
