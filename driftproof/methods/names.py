@@ -69,6 +69,7 @@ grk4t | GRK 4T, Kaps-Rentrop
 ars111 | IMEX Euler, forward-backward Euler, ARS(1,1,1)
 ark324 | KenCarp3, ARK324L2SA
 ark436 | KenCarp4, ARK436L2SA
+ark548 | KenCarp5, ARK548L2SA
 """
 
 # Name | the keys of what it may mean. A number is the order to some, and the number of stages to others.
