@@ -65,12 +65,12 @@ BUDGETS = {
     "support": 1103,
     "methods": 5536,
     "symbolic": 10733,
-    "numeric": 3468,
+    "numeric": 3489,
     "blackbox": 16220,
     "enclosure": 3130,
     "texts": 7068,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5575
+BUDGET_OF_REPORTS_AND_FRONT = 5599
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from textwrap import dedent
 from typing import Any, NamedTuple, NoReturn, TypeAlias, TypeVar
 
-from driftproof.methods.rationals import parse_rational, state_of, step_of
+from driftproof.methods.rationals import parse_rational, state_of, step_of, steps_of
 from driftproof.support.plain_text import printable
 
 _T = TypeVar("_T")
@@ -169,7 +169,7 @@ TEXT_OR_JSON = format_option("text json", "json is canonical, text is for you")
 flag = partial(option, action="store_true")
 list_option = partial(option, action="extend", default=[])
 methods_option = partial(list_option, "--methods", type=several(str), metavar="M,M")
-steps_option = partial(list_option, "--h", type=several(nonzero_step), metavar="H,H")
+steps_option = partial(list_option, "--h", type=read_by(steps_of), metavar="H,H")
 digits_option = partial(option, "--digits", type=integer_in(1, _MOST_DIGITS, "digits"))
 places_option = partial(option, "--places", type=integer_in(0, _MOST_DIGITS, "places"))
 rounding_option = partial(

@@ -13,6 +13,7 @@ CERTIFIED_DIGITS = cli.digits_option("digits of certified readouts (default 15)"
 
 @cli.command(
     cli.option("name", "a preset, or a file that ends in .toml; without one the presets are listed", nargs="?"),
+    cli.methods_option("methods in place of the scene's: the first is shown, all are compared"),
     CERTIFIED_DIGITS,
     cli.option("--figures", "also draw the scene's figures, as SVG", type=Path, metavar="FOLDER"),
     cli.TEXT_OR_JSON,
@@ -23,6 +24,7 @@ def scene_command(options: Namespace) -> str:
     examples:
       driftproof scene                                lists the presets
       driftproof scene default
+      driftproof scene default --methods rk4,implicit_midpoint
       driftproof scene stability_boundary --format json
       driftproof scene default --figures pictures/
       driftproof scene mine.toml
@@ -48,7 +50,7 @@ def scene_command(options: Namespace) -> str:
     cli.methods_option("keys that `driftproof methods` lists"),
     cli.option("--state", "start as position,velocity; repeatable", type=cli.initial_state, action="append"),
     cli.list_option("--t", "final times", type=cli.several(cli.exactly("t")), metavar="T,T"),
-    cli.steps_option("step sizes, such as 1/4,1/8"),
+    cli.steps_option("step sizes, such as 1/4,1/8, or 1/4:1/64, halved from one to the other"),
     cli.output_option("keep answers here, as JSON lines, as they come; an interrupted sweep goes on from them"),
     cli.one_of(
         cli.option(

@@ -22,6 +22,9 @@ LARGEST_EXPONENT = 1200
 LONGEST_SHOWN = 40
 
 _EXPONENT = re.compile(r"[eE]([+-]?\d[\d_]*)\s*$")
+_DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+")
+# Of a range of step sizes; 2⁻⁶⁴ of a step is beyond what floats tell from 1.
+MOST_HALVINGS = 64
 
 
 def parse_rational(text: str, what: str = "number") -> Fraction:
@@ -43,6 +46,7 @@ def parse_rational(text: str, what: str = "number") -> Fraction:
     except ZeroDivisionError:
         raise ValueError(f"{what}: {shown!r} divides by zero; {allowed}") from None
     except ValueError:
+        allowed = f"a decimal has a point: {shown.replace(',', '.')}" if _DECIMAL_COMMA.fullmatch(shown) else allowed
         raise ValueError(f"{what}: {shown!r} is not a rational number; {allowed}") from None
 
 
@@ -86,8 +90,23 @@ def exact_numbers(given: ExactNumber | Sequence[ExactNumber], what: str) -> list
 
 
 def steps_of(given: ExactNumber | Sequence[ExactNumber]) -> list[Fraction]:
-    """One step size or several, none of them 0. Raises ValueError."""
-    return [step_of(h) for h in exact_numbers(given, "h")]
+    """One step size or several, none of them 0; "1/4:1/64" halves from one to the other. Raises ValueError."""
+    if not isinstance(given, str):
+        return [step_of(h) for h in exact_numbers(given, "h")]
+    if _DECIMAL_COMMA.fullmatch(given.strip()) and given.strip().startswith("0"):
+        return [parse_rational(given, "h")]  # which says that 0,1 is no list of steps
+    return [h for part in given.split(",") for h in (_halvings(part) if ":" in part else [step_of(part)])]
+
+
+def _halvings(text: str) -> list[Fraction]:
+    """The step sizes of a range such as 1/4:1/64. Raises ValueError."""
+    first, _, last = text.partition(":")
+    found, end = [step_of(first)], step_of(last)
+    while abs(found[-1]) > abs(end) and len(found) <= MOST_HALVINGS:
+        found.append(found[-1] / 2)
+    if found[-1] != end:
+        raise ValueError(f"h: halving {brief(found[0])} does not lead to {brief(end)}; write a range like 1/4:1/64")
+    return found
 
 
 def state_of(given: GivenState) -> tuple[Fraction, Fraction]:

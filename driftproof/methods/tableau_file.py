@@ -343,10 +343,13 @@ def subject_of(given: str | Path | Method | Family | FactsOnly) -> Method | Fami
     return FAMILIES[name] if name in FAMILIES else entry_named(name)
 
 
-def name_of(given: str | Path | Method) -> str:
-    """What names the method to a scene: its key or file. Raises ValueError for a method that only Python has."""
-    if isinstance(given, str | Path):
-        return str(given)
-    if METHODS.get(given.key) != given:
-        raise ValueError(f"scenes name methods by keys and .toml files, and {given.key} is in neither")
-    return given.key
+def names_of(given: GivenMethods) -> list[str]:
+    """What names one method or several to a scene: keys and files. Raises ValueError for one that only Python has."""
+    if isinstance(given, str):
+        given = [name.strip() for name in given.split(",")]
+    named = []
+    for each in given if isinstance(given, Sequence) else [given]:
+        if not isinstance(each, str | Path) and METHODS.get(each.key) != each:
+            raise ValueError(f"scenes name methods by keys and .toml files, and {each.key} is in neither")
+        named.append(str(each) if isinstance(each, str | Path) else each.key)
+    return named

@@ -12,6 +12,7 @@ import numpy as np
 
 from driftproof.methods.rationals import brief
 from driftproof.methods.stepping import Force, Step, oscillator
+from driftproof.methods.tableau_file import method_of
 from driftproof.numeric import readouts
 from driftproof.numeric.readouts import FloatOrArray, FloatState
 from driftproof.numeric.steppers import CountedForce, float_stepper
@@ -102,9 +103,29 @@ def run_method(scene: Scene, key: str, counter: Counter = range) -> Readouts:
     h, t = nearest_double(scene.h, "h"), _nearest_time(scene.t)
     path = [start] if "trajectory" in scene.readouts else None
     record = (lambda q, v: path.append((q, v))) if path is not None else None
-    state = integrate(float_stepper(key), force, start, h, scene.steps, record, counter)
+    state = integrate(_float_step(key), force, start, h, scene.steps, record, counter)
     finished = _Finished(scene, t, start, state, getattr(force, "calls", None), path)
     return {name: _finite_readout(name, finished) for name in scene.readouts}
+
+
+def _float_step(key: str) -> Step:
+    """The method's step; an implicit method has its stages solved by Newton's method, and the force asked as often."""
+    if (method := method_of(key)).explicit:
+        return float_stepper(method)
+    from driftproof.numeric.implicit import StageEquationsUnsolved, implicit_stepper
+
+    def step(force: Force, q: FloatOrArray, v: FloatOrArray, h: FloatOrArray) -> FloatState:
+        def rate(_: float, y: Any) -> Any:
+            return np.array([y[1], force(y[0])])
+
+        # The oscillator's own derivatives: only the number of iterations depends on them.
+        solve = implicit_stepper(method, rate, lambda _, y: [[0.0, 1.0], [-1.0, 0.0]])
+        try:
+            return tuple(solve(0.0, (q, v), h).y.tolist())
+        except StageEquationsUnsolved as error:
+            raise RunEnded(str(error)) from None
+
+    return step
 
 
 def times_of_steps(h: Fraction, steps: int) -> Any:

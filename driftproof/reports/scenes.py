@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
+from driftproof.methods.tableau_file import GivenMethods, names_of
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.scenes import PRESETS, Scene, scene_named
+from driftproof.numeric.scenes import PRESETS, TABLE, Scene, scene_named
 from driftproof.reports.progress import count_steps
 from driftproof.reports.scene_view import scene_json, scene_text, show_scene
 from driftproof.support.files import require_folder
@@ -24,10 +26,17 @@ def scene_given(given: str | Path | Scene) -> Scene:
     return scene_named(given, problem)
 
 
-def scene(name: str | Path | Scene | None = None, *, digits: int = 15, figures: str | Path | None = None) -> Answered:
+def scene(
+    name: str | Path | Scene | None = None,
+    *,
+    methods: GivenMethods = (),
+    digits: int = 15,
+    figures: str | Path | None = None,
+) -> Answered:
     """A preset, or a scene of your own, run in floats: the readouts, certified readouts and table that it asks for.
 
-    Without a name, the presets: the method shown, h, t and the number of steps.
+    Of `methods` the first is shown, and all are compared, in place of the scene's own. Without a name, the presets:
+    the method shown, h, t and the number of steps.
 
     `found` has them as numbers. `figures` names a folder for the scene's figures, as SVG. Raises ValueError.
 
@@ -41,6 +50,8 @@ def scene(name: str | Path | Scene | None = None, *, digits: int = 15, figures: 
         listed = [dict(zip(header, row, strict=True)) for row in rows]
         return Answered(listed, lambda _: table([header, *rows], right=(2, 3, 4)))
     about = scene_given(name)
+    if keys := tuple(names_of(methods)):
+        about = replace(about, selected=keys[0], methods=keys, panels=tuple(dict.fromkeys((*about.panels, TABLE))))
     if figures is not None:
         require_folder(Path(figures))
     shown, wrote = show_scene(about, digits, count_steps), ""

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from driftproof.methods.rationals import ExactNumber, GivenState, exact_numbers, state_of, steps_of
-from driftproof.methods.tableau_file import GivenMethods, name_of
+from driftproof.methods.tableau_file import GivenMethods, names_of
 from driftproof.numeric.run import Readouts
 from driftproof.numeric.scenes import Scene
 from driftproof.numeric.sweep import SweepAnswer, points_of, processes, run_grid, strings
@@ -56,9 +56,8 @@ def sweep(
     """
     about = scene_given(scene)
     times, states = exact_numbers(t, "t"), [state_of(each) for each in state or ()]
-    keys = methods.split(",") if isinstance(methods, str) else methods if isinstance(methods, Sequence) else [methods]
     axes: dict[str, Sequence[Any]] = {
-        "selected": [name_of(key) for key in keys],
+        "selected": names_of(methods),
         "start": states,
         "t": times,
         "h": steps_of(h),

@@ -31,6 +31,12 @@ def test_scene_shows_the_state_after_the_boundary_run(answer):
     assert found["readouts"]["final_state"] == ["-11.0", "-10.0"]
 
 
+def test_scene_compares_the_methods_that_are_named(answer):
+    shown = answer("scene", "default", "--methods", "implicit_midpoint,rk4")
+    assert shown.startswith("default: Implicit midpoint")
+    assert [line.split()[0] for line in shown.splitlines()[-2:]] == ["Implicit", "Classical"]
+
+
 def test_scene_figures_are_written_where_asked(answer, tmp_path):
     folder = tmp_path / "new" / "folder"
     assert answer("scene", "compare", "--figures", str(folder)).endswith(f"wrote {folder}/compare_phase_plane.svg\n")

@@ -15,6 +15,7 @@ from driftproof.methods.rationals import (
     brief,
     parse_rational,
     step_count,
+    steps_of,
 )
 from driftproof.strategies import finite_floats, rational_steps, rationals
 
@@ -68,7 +69,6 @@ MALFORMED = [
     "1//2",
     "1/2/3",
     "1/2.5",
-    "1,5",
     "nan",
     "inf",
     "-inf",
@@ -84,6 +84,26 @@ def test_anything_else_is_refused_in_one_line(text: str) -> None:
     assert refusal(text) == (
         f"h: {text.strip()!r} is not a rational number; write an integer, a fraction like 1/4 or a decimal like 0.25"
     )
+
+
+@pytest.mark.parametrize(("text", "written"), [("0,1", "0.1"), ("-1,25", "-1.25")])
+def test_decimal_comma_is_told_of_the_point(text: str, written: str) -> None:
+    assert refusal(text).endswith(f"is not a rational number; a decimal has a point: {written}")
+    if text.startswith("0"):  # two steps, of which one would be 0
+        with pytest.raises(ValueError, match=r"a decimal has a point: 0\.1"):
+            steps_of(text)
+
+
+def test_step_sizes_are_a_list_or_halved_from_one_to_another() -> None:
+    assert steps_of("1/4:1/16,-1,2:2") == [Q(1, 4), Q(1, 8), Q(1, 16), Q(-1), Q(2)]
+    assert steps_of("-1:-0.5") == steps_of(["-1", "-1/2"]) == [Q(-1), Q(-1, 2)]
+    assert len(steps_of(f"1:{Q(1, 2**64)}")) == 65
+    for wrong in ("1/4:1/10", "1/16:1/4", "1:-1/2", f"1:{Q(1, 2**65)}"):
+        with pytest.raises(ValueError, match=r"does not lead to .*; write a range like 1/4:1/64"):
+            steps_of(wrong)
+    for zero in ("1:0", "0:1", "1/4,0"):
+        with pytest.raises(ValueError, match="a step of size 0"):
+            steps_of(zero)
 
 
 def test_zero_denominator_is_refused() -> None:

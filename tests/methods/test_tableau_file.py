@@ -14,7 +14,7 @@ from driftproof.methods import tableau_file
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import cube_root
 from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
-from driftproof.methods.tableau_file import name_of, read_method
+from driftproof.methods.tableau_file import names_of, read_method
 from tests.methods.tables.entries import entry
 
 Write = Callable[[str], Path]
@@ -252,9 +252,10 @@ def test_key_is_the_name_of_the_file(tmp_path: Path) -> None:
 
 
 def test_scene_names_a_method_by_its_key_or_its_file_and_by_nothing_else() -> None:
-    assert (name_of("rk4"), name_of(Path("mine.toml")), name_of(METHODS["rk4"])) == ("rk4", "mine.toml", "rk4")
+    assert names_of(["rk4", Path("mine.toml"), METHODS["heun2"]]) == ["rk4", "mine.toml", "heun2"]
+    assert names_of("rk4, heun2") == [*names_of(METHODS["rk4"]), *names_of(Path("heun2"))]
     with pytest.raises(ValueError, match="scenes name methods by keys and"):
-        name_of(replace(METHODS["rk4"], source="mine"))
+        names_of(replace(METHODS["rk4"], source="mine"))
 
 
 def test_rows_may_end_at_the_diagonal(write: Write) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from fractions import Fraction as Q
 from math import inf, nan
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from driftproof.numeric import run as run_module
 from driftproof.numeric.run import (
     NonFiniteReadout,
     NonFiniteState,
+    RunEnded,
     demand_few,
     integrate,
     run_method,
@@ -286,6 +288,25 @@ def test_number_that_is_a_double_is_not_refused_however_large() -> None:
     assert run_method(scene(h=Q(10**20), t=Q(2 * 10**20), readouts=("steps",)), "forward_euler") == {"steps": 2}
     halfway = 2**23 + Q(1, 2**30)  # between two doubles, which are 2^-29 apart there
     assert run_method(scene(h=halfway, t=halfway, readouts=("steps",)), "forward_euler") == {"steps": 1}
+
+
+def test_implicit_stages_are_solved_and_the_force_is_counted() -> None:
+    """(1 + h²/4) q₁ = (1 - h²/4) q + h v, and likewise v: the midpoint rule turns the state."""
+    found = run_method(scene(readouts=("final_state", "evaluations")), "implicit_midpoint")
+    c, s = (1 - 1 / 64) / (1 + 1 / 64), (1 / 4) / (1 + 1 / 64)
+    state = complex(c, -s) ** 40
+    # Newton leaves no more than its rounding, some ten units in the last place of the state, at each step.
+    assert found["final_state"] == pytest.approx((state.real, state.imag), abs=40 * 10 * 2**-53)
+    assert found["evaluations"] > 40 * 2
+
+
+def test_implicit_stages_that_there_are_none_of_end_the_run(tmp_path: Path) -> None:
+    """A and the oscillator's matrix both have the eigenvalues ±i: at h = 1 the stage equations are singular."""
+    path = tmp_path / "singular.toml"
+    path.write_text('family = "runge_kutta"\nA = [[0, 1], [-1, 0]]\nb = ["1/2", "1/2"]')
+    assert run_method(scene(selected=str(path)), str(path))
+    with pytest.raises(RunEnded, match="the step by h = 1 "):
+        run_method(scene(selected=str(path), h=Q(1)), str(path))
 
 
 def test_run_of_too_many_steps_is_refused_at_once_and_names_the_way_out() -> None:
