@@ -68,7 +68,7 @@ BUDGETS = {
     "numeric": 3489,
     "blackbox": 16220,
     "enclosure": 3130,
-    "texts": 7068,
+    "texts": 7137,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5599
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

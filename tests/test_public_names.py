@@ -46,7 +46,7 @@ WRONG = {
     "driftproof.facts('rk4').no_such_fact": "attr-defined",
     "driftproof.step('rk4', None)": "arg-type",
     "driftproof.sweep('default', steps=[1])": "call-arg",
-    "driftproof.check('a.md')": "call-overload",
+    "driftproof.check('a.md', init=1)": "call-overload",
 }
 
 

@@ -54,9 +54,15 @@ def render_command(options: Namespace) -> str:
 
 
 @cli.command(
-    cli.option("text", "a text: .txt, .md, .html, .tex, .ipynb; anything else is read as plain text"),
+    cli.option(
+        "texts",
+        "a text: .txt, .md, .html, .tex, .ipynb, another is read as plain text; or a folder of texts with claims",
+        nargs="+",
+        type=Path,
+        metavar="TEXT",
+    ),
     cli.one_of(
-        cli.option("--claims", "the claims, in TOML", metavar="FILE"),
+        cli.option("--claims", "the claims, in TOML (default: TEXT.claims.toml)", metavar="FILE"),
         cli.flag("--init", "draft the claims from the text instead"),
     ),
     cli.option("--ask", "with --init: a question whose value the text has", action="append", default=[]),
@@ -73,6 +79,7 @@ def check_command(options: Namespace) -> str:
       driftproof check chapter.md --init                     claims drafted from the text, to be read and completed
       driftproof check chapter.md --init --ask 'run rk4 rates=(-y0) from 1 h=0.1 N={1..10} : {y0,state_error}'
       driftproof check chapter.md --claims claims.toml
+      driftproof check book/                                  all texts in it that have claims beside them
       driftproof check chapter.md --claims claims.toml --coverage
       driftproof check chapter.md --claims claims.toml --run --format github
 
@@ -122,17 +129,22 @@ def check_command(options: Namespace) -> str:
       phrase = "{n} min read"                       # numbers that belong to names are not counted
       why = "reading time"
     """
-    from driftproof.texts.claims.report import TextReport, check
+    from driftproof.reports.progress import with_progress
+    from driftproof.support.plain_text import as_json
+    from driftproof.texts.claims.report import TextReport, check, texts_with_claims
 
     if options.init and (options.run or options.coverage or options.format != "text"):
         raise ValueError("--init drafts claims; --run, --coverage and --format need --claims")
-    if not options.init and options.claims is None:
-        draft = f"draft them with: driftproof check {options.text} --init > claims.toml"
-        raise ValueError(f"a text is held to its claims, --claims FILE; where there are none yet, {draft}")
+    if len(options.texts) > 1 and (options.init or options.claims):
+        raise ValueError("--init and --claims are for one text; several have their claims beside them")
     if options.init:
-        return str(check(options.text, init=True, ask=options.ask))
+        return str(check(options.texts[0], init=True, ask=options.ask))
     how = {name: getattr(options, name) for name in ("ask", "coverage", "run", "time_limit")}
-    report: TextReport = check(options.text, options.claims, **how)
-    if not report.passed:
-        raise cli.Refuted(report.written(options.format))
-    return report.written(options.format)
+    texts = options.texts if options.claims else [text for given in options.texts for text in texts_with_claims(given)]
+    reports: list[TextReport] = [check(text, options.claims, **how) for text in with_progress(texts, "text")]
+    shown = "\n".join(report.written(options.format) for report in reports)
+    if options.format == "json" and len(reports) > 1:
+        shown = as_json([report.as_dict() for report in reports])
+    if not all(report.passed for report in reports):
+        raise cli.Refuted(shown)
+    return shown

@@ -1,6 +1,10 @@
 """`driftproof render` and `check`: options that contradict each other, and texts that are not there, in one line."""
 
+import json
+
 import pytest
+
+from driftproof import check
 
 REFUSED = {
     ("render", "none.md.j2"): "none.md.j2: No such file or directory",
@@ -8,7 +12,10 @@ REFUSED = {
     ("render", "a.md", "-o", "a.md"): "a.md is already a template or an output here; name another with -o",
     ("render", "a.md.j2", "b.md.j2", "-o", "c.md"): "--output names one file, and there are several templates",
     ("render", "a.md.j2", "a.md.j2"): "a.md is already a template or an output here; name another with -o",
-    ("check", "none.md"): "where there are none yet, draft them with: driftproof check none.md --init > claims.toml",
+    ("check", "none.md"): "draft them with: driftproof check none.md --init > none.md.claims.toml",
+    ("check", "docs"): "no text in docs has claims beside it, chapter.md in chapter.md.claims.toml, say",
+    ("check", "a.md", "b.md", "--claims", "c.toml"): "--init and --claims are for one text",
+    ("check", "a.md", "b.md", "--init"): "--init and --claims are for one text",
     ("check", "none.md", "--init"): "none.md: No such file or directory",
     ("check", "none.md", "--init", "--claims", "x.toml"): "not allowed with argument --init",
     ("check", "none.md", "--init", "--run"): "--init drafts claims; --run, --coverage and --format need --claims",
@@ -34,3 +41,22 @@ def test_numbers_are_rendered_then_drafted_as_claims_that_hold(answer, run, tmp_
     assert answer("check", "a.md", "--claims", "claims.toml")
     (tmp_path / "a.md").write_text("q = 0.877614\n", encoding="utf-8")
     assert run("render", "a.md.j2", "--check")[0] == run("check", "a.md", "--claims", "claims.toml")[0] == 1
+
+
+def test_texts_with_claims_beside_them_are_held_in_one_call(answer, run, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("a.md", "part/b.tex"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text("RK4 needs h at most 2.828.\n", encoding="utf-8")
+        (tmp_path / f"{name}.claims.toml").write_text(answer("check", name, "--init"), encoding="utf-8")
+    (tmp_path / "none.md").write_text("7\n", encoding="utf-8")
+    held = answer("check", ".")
+    assert [line for line in held.splitlines() if "claim" in line] == [
+        "a.md: 1 claim, all hold",
+        "part/b.tex: 1 claim, all hold",
+    ]
+    assert answer("check", "a.md", "part") == held
+    assert check("a.md").passed
+    (tmp_path / "part" / "b.tex").write_text("RK4 needs h at most 2.829.\n", encoding="utf-8")
+    status, out, _ = run("check", ".", "--format", "json")
+    assert (status, [report["passed"] for report in json.loads(out)]) == (1, [True, False])

@@ -21,6 +21,12 @@ _WORDS = 3
 _LONGEST_ID = 150
 # Digits of a value that the text does not have.
 _SHOWN_DIGITS = 8
+# What the author of a text chooses, before its number: nobody works out that h = 0.1.
+_SETTING = re.compile(
+    r"(?<![\w.])(?:(?:h|dt|Δt|[tTNnkλμω]|lambda|mu|omega|[ra]?tol|t_?(?:end|max|final)|n(?:um)?_?steps) ?= ?"
+    r"|step ?size (?:of |= )?)\Z"
+)
+_LONGEST_SETTING = 20
 # Numbers on one line that are no further apart stand in one phrase.
 _WIDEST_GAP, _MOST_IN_PHRASE = 25, 8
 
@@ -28,31 +34,39 @@ _HEADER = """\
 # Claims drafted by `driftproof check --init {name}`. Every phrase stands in the text as often as it says.
 # That a value looks like a number is no proof that the text means it: read each claim. What looks like no value, or so
 # little like one that it may be chance, is a comment; ask for its value (`driftproof value --help` teaches how), or say
-# why it is given. The numbers of a problem that the text solves itself are drafted where you say which it is:
+# why it is given; what the text chooses, as in h = 0.1, is. The numbers of a problem that the text solves itself are
+# drafted where you say which it is:
 # --ask "run heun2 y'=-y, y(0)=1, h=0.1, t=1 : {{y,exact.y,error}}", as often as you like.
 """
 
 
 @dataclass(frozen=True)
 class _Member:
-    """A number, and the values that it looks like."""
+    """A number, the values that it looks like, and where the setting before it begins, such as h in h = 0.1."""
 
     number: TextNumber
     alike: list[LookAlike]
+    setting: int | None
 
     @property
     def strong(self) -> bool:
         return bool(self.alike) and self.alike[0].strong
+
+    @property
+    def chosen(self) -> bool:
+        """Whether the text gives it: a setting that looks like no value."""
+        return self.setting is not None and not self.strong
 
     def remark(self) -> str:
         """What else it looks like, two of them by name."""
         others = [alike.question for alike in self.alike[self.strong :]]
         more = f" and {len(others) - 2} more" if len(others) > 2 else ""
         also = "also " * self.strong
-        return f"# {self.number.text} looks {also}like {', '.join(others[:2])}{more}\n" if others else ""
+        shown = others and not self.chosen
+        return f"# {self.number.text} looks {also}like {', '.join(others[:2])}{more}\n" if shown else ""
 
 
-# Neighbours on one line, all of which look like values, or none of which do.
+# Neighbours on one line, all of which look like values, or none of which do; or one number that is chosen.
 _Group: TypeAlias = list[_Member]
 
 
@@ -64,7 +78,11 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     """
     text = document.text.text
     suggestions, search = Suggestions(text, asked), _Search(text)
-    members = [_Member(number, suggestions.of(number)) for number in search.numbers if number.label is None]
+    members = [
+        _Member(number, suggestions.of(number), _setting_before(text, number))
+        for number in search.numbers
+        if number.label is None
+    ]
     drafted, covered, named = [_HEADER.format(name=" ".join(name.split()))], set[int](), Counter[str]()
     groups = [*_groups(text, members)]
     ends = [0, *(group[-1].number.end for group in groups)]
@@ -81,13 +99,15 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
                 drafted.append(f"# {place}: no phrase can be drafted for {part[0].number.text}\n")
                 continue
             asked = ", ".join(member.alike[0].question for member in part if member.strong)
-            if part[0].strong and len(asked) <= _LONGEST_ID:
-                place = asked
+            if part[0].chosen or (part[0].strong and len(asked) <= _LONGEST_ID):
+                place = asked or phrase
                 named[place] += 1
                 place += f" ({named[place]})" if named[place] > 1 else ""
             lines = [f"id = {_quoted(place)}", f"phrase = {_quoted(phrase)}"]
             lines += [f"count = {len(stands)}"] if len(stands) > 1 else []
-            if part[0].strong:
+            if part[0].chosen:
+                lines = ["[[claim]]", *lines, 'given = "the text chooses it"']
+            elif part[0].strong:
                 lines = ["[[claim]]", *lines, *_values(part)]
             else:
                 lines = [f"# {line}" for line in ("TODO", "[[claim]]", *lines, 'given = "TODO: why"')]
@@ -117,7 +137,8 @@ def _groups(text: str, members: list[_Member]) -> Iterator[_Group]:
         if group:
             between = text[group[-1].number.end : member.number.start]
             together = "\n" not in between and len(between) <= _WIDEST_GAP and not re.search(r"[.;?!] ", between)
-            if not (together and group[-1].strong == member.strong and len(group) < _MOST_IN_PHRASE):
+            alike = group[-1].strong == member.strong and not (group[-1].chosen or member.chosen)
+            if not (together and alike and len(group) < _MOST_IN_PHRASE):
                 yield group
                 group = []
         group.append(member)
@@ -139,13 +160,16 @@ class _Search:
     def phrase(self, room: list[int], group: _Group) -> tuple[str, set[int]]:
         """A phrase with the group's numbers, and where the first of them stands; ("", {}) if none stands there.
 
-        It lies within `room` and begins with _WORDS before the first number; what follows the last is in it only where
-        it belongs to the number, as " %". Numbers are places for values if they are strong, else they stand in it.
+        It lies within `room` and begins with _WORDS before the first number, or with its setting; what follows the last
+        is in it only where it belongs to the number, as " %". Numbers are places for values if they are strong, else
+        they stand in it.
         """
         text, start, end = self.text, group[0].number.start, group[-1].number.end
         words = [room[0] + match.start() for match in re.finditer(r"\S+", text[room[0] : start])]
         words = [at for at in words if not re.match(r"\w\w", text[max(at - 1, 0) : at + 1])][-_WORDS:]
         first = at = words[0] if words else start
+        if group[0].chosen:
+            first = at = max(room[0], group[0].setting or 0)
         phrase = ""
         for member, name in zip(group, _names(group), strict=True):
             number = member.number
@@ -187,6 +211,13 @@ class _Search:
                 if at >= before:
                     places.setdefault(self.flat[at - before : at - before + length], []).append(at)
         return self._alike[shape]
+
+
+def _setting_before(text: str, number: TextNumber) -> int | None:
+    """Where the setting begins that the number is given to."""
+    start = max(0, number.start - _LONGEST_SETTING)
+    found = _SETTING.search(text[start : number.start].replace("\n", " "))
+    return start + found.start() if found else None
 
 
 def _names(group: _Group) -> list[str]:

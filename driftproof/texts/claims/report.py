@@ -143,7 +143,7 @@ class TextReport(Printable):
 def check(text: str | Path, *, init: Literal[True], ask: Sequence[str] = ...) -> Answered: ...
 @overload
 def check(
-    text: str | Path, claims: str | Path, *, coverage: bool = ..., run: bool = ..., time_limit: float = ...
+    text: str | Path, claims: str | Path | None = ..., *, coverage: bool = ..., run: bool = ..., time_limit: float = ...
 ) -> TextReport: ...
 def check(
     text: str | Path,
@@ -156,6 +156,8 @@ def check(
     time_limit: float = 10.0,
 ) -> TextReport | Answered:
     """A text held to a file of claims, which is drafted with `init`: each phrase stands as often as it says.
+
+    Without `claims` they are in the file beside it, chapter.md.claims.toml beside chapter.md.
 
     Of the questions in `ask`, braces in them, a draft looks for the values, and names those that the text has not.
     With `coverage` the numbers that no claim covers are listed, with suggestions; with `run` the Python listings of the
@@ -171,16 +173,37 @@ def check(
     ...     check(text, claims).passed
     True
     """
-    if init == (claims is not None) or (init and (coverage or run)):
+    if init and (claims is not None or coverage or run):
         raise ValueError("--init drafts claims; --run, --coverage and --format need --claims")
     if ask and not init:
         raise ValueError("--ask is for --init; a claims file has its questions already")
-    held = Claims() if claims is None else read_claims(claims)
+    held = Claims() if init else read_claims(claims_beside(text) if claims is None else claims)
     document = read_document(text, held.form)
     if init:
         return Answered({"claims": draft(document, str(text), ask)}, lambda drafted: str(drafted["claims"]))
     ran = run_listings(document, time_limit) if run else None
     return TextReport.of(str(text), document, held, ran, coverage)
+
+
+def claims_beside(text: str | Path) -> Path:
+    """Where the claims of a text are, unless another file is named. Raises ValueError where none are."""
+    path = Path(f"{text}.claims.toml")
+    if not path.is_file():
+        draft = f"draft them with: driftproof check {text} --init > {path}"
+        raise ValueError(
+            f"a text is held to its claims, --claims FILE or {path.name}; where there are none yet, {draft}"
+        )
+    return path
+
+
+def texts_with_claims(given: Path) -> list[Path]:
+    """The text itself; of a folder every text in it that has claims beside it. Raises ValueError where none has."""
+    if not given.is_dir():
+        return [given]
+    found = sorted(path.with_name(path.name.removesuffix(".claims.toml")) for path in given.rglob("*.claims.toml"))
+    if not found:
+        raise ValueError(f"no text in {given} has claims beside it, chapter.md in chapter.md.claims.toml, say")
+    return found
 
 
 def _counted(count: int, noun: str) -> str:

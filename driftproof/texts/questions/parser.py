@@ -100,7 +100,19 @@ class _QuestionParser(ExpressionParser):
         if self.in_rate or not (self.next.kind == NAME or self.next.text == ":" or of_somebody):
             return NameNode(name.column, "pi" if name.text == "π" else name.text)
         parts: dict[str, Any] = {"settings": {}, "words": {}, "rates": {}, "start": {}}
-        head = self.head(name, parts)
+        return self.query(name, self.head(name, parts), parts)
+
+    def _call(self, name: Token) -> Any:
+        """A function from after its bracket on, of which R is that of a method: R(-2) of rk4."""
+        if name.text != "R":
+            return super()._call(name)
+        settings = {} if self.accept("z") else {"z": NumberNode(self.next.column, self.literal("z"))}
+        self.expect(")", "the bracket of R is not closed")
+        parts = {"settings": settings, "words": {}, "rates": {}, "start": {}}
+        return self.query(name, name._replace(text=FACT_WORDS["R"]), parts)
+
+    def query(self, name: Token, head: Token, parts: dict[str, Any]) -> Query:
+        """The query that begins with this name, from after its head on."""
         while self._another_part():
             self.part(self.take(), parts)
         if self.accept(":"):
@@ -254,6 +266,9 @@ class _QuestionParser(ExpressionParser):
         if key not in SETTINGS:
             raise self.error(name, f"{name.shown} is no setting; there are {', '.join((*SETTINGS, PROBLEM, RATES))}")
         self.put(settings, name, key, NumberNode(name.column, self.literal(name.text)))
+        before, after = self.tokens[self.at - 1], self._after(self.at)
+        if (self.next.text, self.next.column, after.kind, after.column) == (",", before.end, NUMBER, self.next.end):
+            raise self.error(self.next, f"a decimal has a point: {before.text}.{after.text}")
 
     def put(self, settings: dict[str, Any], name: Token, key: str, given: Any) -> None:
         """A setting, once."""

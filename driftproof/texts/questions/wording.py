@@ -35,7 +35,7 @@ READOUT_WORDS = {
 
 # Other name of a fact -> its name.
 FACT_WORDS = {
-    **dict.fromkeys(("amplification_factor", "growth_factor", "stability_polynomial"), "stability_function"),
+    **dict.fromkeys(("amplification_factor", "growth_factor", "stability_polynomial", "R"), "stability_function"),
     "real_stability_limit": "real_limit",
     "imaginary_stability_limit": "imaginary_limit",
     "energy_factor": "energy_multiplier",

@@ -87,7 +87,7 @@ def test_report_shows_24_characters_three_values_five_words_and_5000_numbers() -
 
 
 @pytest.mark.parametrize(
-    "asked", [{}, {"claims": "c.toml", "init": True}, {"init": True, "run": True}, {"init": True, "coverage": True}]
+    "asked", [{"claims": "c.toml", "init": True}, {"init": True, "run": True}, {"init": True, "coverage": True}]
 )
 def test_claims_are_drafted_or_held(asked: dict[str, Any], files: Path) -> None:
     with pytest.raises(ValueError, match="--init drafts claims"):

@@ -27,6 +27,7 @@ SAME = {
     "steps of Dormand-Prince to t=10 with h=0.01": "run dormand_prince54 h=1/100 t=10 : steps",
     "run velocity Verlet n=10 dt=1/4 : position": "run velocity_verlet N=10 h=1/4 : q",
     "amplification factor of RK4 at z=-2": "stability_function rk4 z=-2",
+    "R(z) of RK4": "stability_function rk4",
     "stability function of Crank-Nicolson": "stability_function trapezoid",
     "real limit RK4": "real_limit rk4",
     "imaginary_limit velocity Verlet": "imaginary_limit velocity_verlet",
