@@ -66,7 +66,7 @@ BUDGETS = {
     "methods": 5536,
     "symbolic": 10733,
     "numeric": 3489,
-    "blackbox": 16220,
+    "blackbox": 16464,
     "enclosure": 3130,
     "texts": 7137,
 }

@@ -90,7 +90,8 @@ def identified(runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Out
     )
     checks, arithmetic = checks_of(answers), arithmetic_of([read, order, dense, *outcomes])
     damping = runner.run([read_damping])[0] if read.failed and not introduced.failed else Outcome()
-    best = None if fit.failed or isinstance(read.result, TableauReading) else fit.result.best
+    known = isinstance(read.result, TableauReading) or getattr(read.result, "implicit", False)
+    best = None if fit.failed or known else fit.result.best
     implicit = [key for key in (best.methods if best is not None else ()) if not METHODS[key].explicit]
     twins = runner.run([partial(nonlinear_twins, keys=implicit)])[0] if implicit else Outcome()
     seen = Seen(introduced, read, fit, order, estimate, dense, damping, twins, tuple(checks), arithmetic)
@@ -207,8 +208,7 @@ class Seen:
 
     @property
     def _implicit(self) -> bool:
-        reading = None if self.read is None else self.read.reading
-        return isinstance(reading, TableauReading) and reading.implicit
+        return self.read is not None and self.read.reading.implicit
 
     def _unknown_stages(self, read: _Recognised) -> str:
         """What is near to implicit stages of no method known here; or how many they are, and what they are linearly."""
@@ -222,8 +222,7 @@ class Seen:
     @property
     def _solved(self) -> str:
         """How well its implicit stages are solved, where that is not as well as solvers do by default."""
-        reading = None if self.read is None else self.read.reading
-        solved = reading.solved if isinstance(reading, TableauReading) else None
+        solved = None if self.read is None else self.read.reading.solved
         return f", but {solved.words}" if solved is not None and solved.curved > _SOLVED else ""
 
     @property

@@ -208,7 +208,7 @@ def _check_coefficients(method: Method, outcome: Outcome) -> Criterion:
     if outcome.failed:
         return _unanswered("Coefficients", outcome)
     reading: CoefficientReading = outcome.result
-    solved = reading.solved if isinstance(reading, TableauReading) else None
+    solved = reading.solved
     if not method.explicit and solved is None:
         line = f"read as {reading.calls} explicit stages: iterations that are not counted by what they have come to"
         return Criterion("Coefficients", None, (line,), {}, "an iteration that ends where it has converged")
@@ -239,7 +239,8 @@ def _held_to_tolerance(check: Criterion, outcome: Outcome, allowance: Allowance)
 
     It may be off by as much as on the nonlinear problem, numbers being of size 1.
     """
-    solved = outcome.result.solved if isinstance(outcome.result, TableauReading) else None
+    reading: CoefficientReading | None = outcome.result
+    solved = None if reading is None else reading.solved
     if check.passed is not None or solved is None or not solved.power:
         return check
     beyond = solved.curved > BEYOND_TOLERANCE * float(allowance.solver_tolerance or 0)
@@ -249,9 +250,10 @@ def _held_to_tolerance(check: Criterion, outcome: Outcome, allowance: Allowance)
 def _other_coefficients(method: Method, reading: CoefficientReading, identity: Identity) -> Criterion:
     differences = [f"those of {near.key} but for {'; '.join(near.differences)}" for near in identity.near]
     lines = differences or [f"not those of {method.key}"]
-    if isinstance(reading, TableauReading) and isinstance(method, RungeKutta | Collocation):
-        read = rational_method(reading, "read")
+    if isinstance(method, RungeKutta | Collocation) and (reading.implicit or isinstance(reading, TableauReading)):
         lines += side_by_side(reading, method)
+    if isinstance(method, RungeKutta | Collocation) and isinstance(reading, TableauReading):
+        read = rational_method(reading, "read")
         lines += mended(read, method.claimed_order) if read is not None else []
     found = [difference for near in identity.near for difference in near.differences]
     return Criterion("Coefficients", False, tuple(lines), {"differences": list(dict.fromkeys(found))})

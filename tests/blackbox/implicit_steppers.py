@@ -16,6 +16,8 @@ Array: TypeAlias = "np.ndarray[Any, Any]"
 # From a residual and a first guess to where the residual is about 0.
 Solver: TypeAlias = Callable[[Callable[[Array], Array], Array], Array]
 Table: TypeAlias = tuple[Sequence[Sequence[float]], Sequence[float], Sequence[float]]
+# Nodes, A, and the weights of positions and of velocities.
+Nystrom: TypeAlias = tuple[Any, Any, Any, Any]
 G = 1 - 2**-0.5
 
 
@@ -136,3 +138,28 @@ def one_by_one(coefficients: Table, solver: Solver = newton) -> Callable[..., Ar
 def untimed(step: Callable[..., Array]) -> Callable[..., Array]:
     """The same for y' = f(y)."""
     return lambda f, y, h: step(lambda t, x: f(x), 0.0, y, h)
+
+
+def of_force(table: Nystrom, solver: Solver = newton, *, timed: bool = True) -> Callable[..., tuple[Array, Array]]:
+    """One system for the forces of all stages, of a force of position and time."""
+    c, a, b_position, b_velocity = (np.array(x, dtype=float) for x in table)
+
+    def step(force: Callable[..., Any], x: Any, v: Any, t: float, dt: float) -> tuple[Array, Array]:
+        q, w = np.atleast_1d(x), np.atleast_1d(v)
+        shape = (len(c), len(q))
+
+        def residual(k: Array) -> Array:
+            places = q + np.outer(c, dt * w) + dt**2 * (a @ k.reshape(shape))
+            asked = (force(y, t + node * dt) if timed else force(y) for node, y in zip(c, places, strict=True))
+            return k - np.array([*asked]).ravel()
+
+        pushes = solver(residual, np.zeros(shape[0] * shape[1])).reshape(shape)
+        return q + dt * w + dt**2 * (b_position @ pushes), w + dt * (b_velocity @ pushes)
+
+    return step if timed else lambda force, x, v, dt: step(force, x, v, 0.0, dt)
+
+
+def induced(key: str) -> Nystrom:
+    """A Runge-Kutta method as one of q'' = F(t, q)."""
+    a, b, c = (np.array(x) for x in table(key))
+    return c, a @ a, b @ a, b

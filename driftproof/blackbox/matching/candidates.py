@@ -23,14 +23,16 @@ from driftproof.blackbox.matching.tables import (
     induced_by_tableau,
     induced_repeated,
     induced_scaled,
+    stages,
     tableau_iterated,
     tableau_of,
     tableau_repeated,
     tableau_scaled,
     timed_stages,
 )
+from driftproof.blackbox.probes.coefficients import short_rational, simple_rational
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
+from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced
 
 # A table, without a drift where a right-hand side shows it: over the numbers that it is asked for.
@@ -38,6 +40,8 @@ Recipe: TypeAlias = Callable[[FromExact], tuple[StageCoefficients, Any]]
 # More steps of a method in one are not looked for: codes take two halves, as extrapolation does, or three or four
 # sub-steps; each more costs a table for every method.
 MOST_REPEATED = 4
+# As near as a solver comes by default; and denominators that are written as fractions.
+_SOLVED_TO, _WRITTEN_OUT = 2.0**-36, 100
 OTHER_KIND = {"kick": "drift", "drift": "kick"}
 EMBEDDED = "with the embedded weights propagated"
 ADJOINT = "its adjoint"
@@ -131,22 +135,44 @@ def in_field(method: RungeKutta | Collocation, timed: bool) -> Candidate:
 
 
 @cache
-def force_methods() -> tuple[Candidate, ...]:
-    """The explicit methods of the catalogue, of every family."""
+def force_methods(implicit: bool = False) -> tuple[Candidate, ...]:
+    """The explicit methods of the catalogue, of every family; or the implicit ones."""
+    if implicit:
+        return tuple(map(on_force, _implicit()))
     families = (RungeKutta, Splitting, Nystrom)
     ranked = sorted((m for m in METHODS.values() if m.explicit), key=lambda m: families.index(type(m)))
     return tuple(on_force(method) for method in ranked)
 
 
 def on_force(method: Method) -> Candidate:
-    """An explicit method as it is read through a force. Raises MethodError for an implicit one."""
+    """A method as it is read through a force."""
     if isinstance(method, Splitting):
         return Candidate(method.key, "", partial(induced_by_parts, method.parts))
-    if isinstance(method, Nystrom) and method.explicit:
+    if isinstance(method, Nystrom):
         return Candidate(method.key, "", partial(induced_by_nystrom, method))
-    if isinstance(method, RungeKutta) and method.explicit:
-        return Candidate(method.key, "", _on_force(partial(tableau_of, method)))
-    raise MethodError(f"{method.key} is implicit: no coefficients of its stages can be read")
+    return Candidate(method.key, "", _on_force(partial(tableau_of, method)))
+
+
+def newmark(read: ExactTable) -> Iterator[Candidate]:
+    """Newmark's method with the beta and the gamma of a table of two stages, the first of them at the start."""
+    if read.calls != 2 or read.nodes is None:
+        return
+    last = int(np.argmax(read.node_values))
+    beta, gamma = (_told(read.entries[row][last].value) for row in (2, 3))
+    half = Fraction(1, 2)
+
+    def recipe(lift: FromExact) -> tuple[StageCoefficients, Any]:
+        ends = [lift(half - beta), lift(beta)]
+        rows = [[lift(Fraction(0))] * 2, ends]
+        return stages(rows, (ends, [lift(1 - gamma), lift(gamma)]), [lift(Fraction(0)), lift(Fraction(1))]), lift(1)
+
+    shown = (str(x) if x.denominator < _WRITTEN_OUT else short_rational(x) for x in (beta, gamma))
+    yield Candidate("newmark", "with beta = {} and gamma = {}".format(*shown), recipe)
+
+
+def _told(x: Any) -> Fraction:
+    """The simple fraction that a number read is nearest to; itself where that may be a coincidence."""
+    return simple_rational(Fraction(x), _SOLVED_TO) or Fraction(x)
 
 
 def field_variants(timed: bool, calls: int, factor: Fraction, *, implicit: bool = False) -> Iterator[Candidate]:

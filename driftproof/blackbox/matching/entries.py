@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from math import factorial
 from typing import Any
 
-from driftproof.blackbox.matching.tables import exact_tableau
+from driftproof.blackbox.matching.tables import exact_tableau, induced_by_tableau
 from driftproof.blackbox.probes.coefficients import (
     coefficient_difference,
     coefficient_text,
@@ -16,6 +16,7 @@ from driftproof.blackbox.probes.coefficients import (
     simple_rational,
 )
 from driftproof.blackbox.probes.force import ForceReading
+from driftproof.blackbox.probes.questions import CoefficientReading
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.methods.number_field import Exact
@@ -29,22 +30,28 @@ _MOST_SHOWN = 12
 _MOST_STAGES = 7
 
 
-def side_by_side(reading: TableauReading, method: RungeKutta | Collocation) -> list[str]:
+def side_by_side(reading: CoefficientReading, method: RungeKutta | Collocation) -> list[str]:
     """The entries that differ, claimed and read; the rows of A that were read whose sum is not their time."""
     if reading.calls != method.stages:
         return [f"{method.key} has {method.stages} stage{'s' * (method.stages > 1)}, {reading.calls} read"]
     rounding, fmt = reading.rounding, reading.format
     full = reading.implicit or not method.explicit
-    claimed = _entries(*exact_tableau(method), full=full)
-    read = _entries(reading.a, reading.b, reading.c or (), full=full)
+    if isinstance(reading, ForceReading):
+        stages, _ = induced_by_tableau(exact_tableau(method))
+        weights = {"b_position": reading.b_position, "b_velocity": reading.b_velocity}
+        said = _entries(stages.a, dict(zip(weights, stages.weights, strict=True)), stages.c, full=full)
+    else:
+        a, b, c = exact_tableau(method)
+        weights, said = {"b": reading.b}, _entries(a, {"b": b}, c, full=full)
+    read = _entries(reading.a, weights, reading.c or (), full=full)
     rows = [["entry", "claimed", "read", "difference"]]
-    for (name, exact), (_, seen) in zip(claimed, read, strict=False):
+    for (name, exact), (_, seen) in zip(said, read, strict=False):
         off = float(seen) - float(exact)
         if abs(off) > rounding.of(max(1.0, abs(float(exact)))):
             rows.append([name, exact_shown(exact), coefficient_text(float(seen), fmt, rounding.besides), f"{off:.3g}"])
     shown = table(rows[: _MOST_SHOWN + 1], right=(3,)).splitlines() if len(rows) > 1 else []
     more = [f"and {len(rows) - 1 - _MOST_SHOWN} more"] if len(rows) > _MOST_SHOWN + 1 else []
-    return [*shown, *more, *_row_sums(reading, rounding)]
+    return [*shown, *more, *(_row_sums(reading, rounding) if isinstance(reading, TableauReading) else [])]
 
 
 def other_velocities(method: RungeKutta, reading: ForceReading) -> list[str]:
@@ -55,15 +62,17 @@ def other_velocities(method: RungeKutta, reading: ForceReading) -> list[str]:
     return [
         f"the velocity of call {i} holds {coefficient_difference(f'F[{j}]', x, method.a[i][j], reading.format)}"
         for i, row in enumerate(rows)
-        for j, x in enumerate(row[:i])
+        for j, x in enumerate(row if reading.implicit else row[:i])
         if abs(x - float(method.a[i][j])) > rounding.of(1 + abs(x))
     ] or [f"its positions are not those that the stages of {method.key} have with its velocities"]
 
 
-def _entries(a: Sequence[Sequence[Any]], b: Sequence[Any], c: Sequence[Any], *, full: bool) -> list[tuple[str, Any]]:
-    """All of A, or what is below its diagonal, b and c, by name."""
+def _entries(
+    a: Sequence[Sequence[Any]], weights: Mapping[str, Sequence[Any]], c: Sequence[Any], *, full: bool
+) -> list[tuple[str, Any]]:
+    """All of A, or what is below its diagonal, the weights and c, by name."""
     below = [(f"a[{i}][{j}]", x) for i, row in enumerate(a) for j, x in enumerate(row if full else row[:i])]
-    return [*below, *((f"b[{i}]", x) for i, x in enumerate(b)), *((f"c[{i}]", x) for i, x in enumerate(c))]
+    return [*below, *((f"{name}[{i}]", x) for name, row in {**weights, "c": c}.items() for i, x in enumerate(row))]
 
 
 def _row_sums(reading: TableauReading, rounding: Rounding) -> list[str]:

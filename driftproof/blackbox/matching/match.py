@@ -17,6 +17,7 @@ from driftproof.blackbox.matching.candidates import (
     force_methods,
     force_variants,
     in_field,
+    newmark,
     on_force,
 )
 from driftproof.blackbox.matching.comparing import Comparison
@@ -133,10 +134,12 @@ def match_tableau(reading: TableauReading) -> Identity:
 def match_forces(reading: ForceReading) -> Identity:
     """The methods that take the step read on every q'' = F(q), of whichever family: their Nyström tables are compared.
 
-    Every explicit Runge-Kutta method and every splitting has one.
+    Every Runge-Kutta method and every splitting has one.
     """
     drift, rounding = Fraction(reading.drift), reading.rounding
     read = _Read.of(reading.stages, drift, rounding)
+    if reading.implicit:
+        return _identity(read, force_methods(implicit=True), newmark(read.small), ())
     variants = force_variants(read.small.calls, _factor((reading.drift,), rounding))
     near = (Near(found.key, found.differences) for found in near_misses(reading))
     return _identity(read, force_methods(), variants, near)
@@ -155,7 +158,7 @@ def match_method(reading: CoefficientReading, method: Method) -> Identity:
     rounding = reading.rounding
     if isinstance(reading, ForceReading):
         read = _Read.of(reading.stages, Fraction(reading.drift), rounding)
-        return _identity(read, [on_force(method)] if method.explicit else [], [], [])
+        return _identity(read, [on_force(method)] if method.explicit != reading.implicit else [], [], [])
     read = _Read.of(reading.stages, None, rounding)
     timed = reading.c is not None
     candidates = []

@@ -28,6 +28,7 @@ from driftproof.blackbox.probes.scripted_answers import (
     unit,
     varied,
 )
+from driftproof.blackbox.probes.tableau import StageSolution, is_explicit
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced
 from driftproof.symbolic.rounding.formats import FloatFormat
@@ -46,7 +47,8 @@ class ForceReading:
     The step's own float coefficients, calls being stages, in the order in which they are made; drift is 1 in a method.
     `amplitude` is the size of the numbers that went in. `refused` is why there is no tableau, where one was asked for;
     `wrong_time` tells a call that is given another time than t + cᵢh, where times are given. Of a force of position and
-    velocity, `a_velocity` are the rows ãᵢⱼ of the velocities that it is given, v + h Σ ãᵢⱼ Fⱼ.
+    velocity, `a_velocity` are the rows ãᵢⱼ of the velocities that it is given, v + h Σ ãᵢⱼ Fⱼ. `solved` and
+    `stage_error` are those of implicit stages, as in a `TableauReading`.
     """
 
     c: CoefficientRow
@@ -60,6 +62,8 @@ class ForceReading:
     refused: str = ""
     wrong_time: str = ""
     a_velocity: tuple[CoefficientRow, ...] | None = None
+    stage_error: float = 0.0
+    solved: StageSolution | None = None
 
     @property
     def calls(self) -> int:
@@ -69,7 +73,12 @@ class ForceReading:
     @property
     def rounding(self) -> Rounding:
         """How far the coefficients may be off."""
-        return Rounding(self.format, self.calls)
+        return Rounding(self.format, self.calls, 4 * self.stage_error)
+
+    @property
+    def implicit(self) -> bool:
+        """True when positions are solved for; velocities alone may be, too."""
+        return self.solved is not None and not is_explicit(self.a)
 
     @property
     def unused(self) -> tuple[int, ...]:
@@ -89,30 +98,33 @@ class ForceReading:
 
         Neighbours of one kind are one, and what is 0 is left out. The drift after a kick is a quotient of coefficients.
         """
-        return _parts(self)
+        return None if self.implicit else _parts(self)
 
     @property
     def lines(self) -> list[str]:
         """The coefficients, each as the fraction that it is the rounding of where there is a telling one."""
-        rows = [("c", self.c), *((f"a[{i}]", row[:i]) for i, row in enumerate(self.a))]
+        shown = self.a if self.implicit else tuple(row[:i] for i, row in enumerate(self.a))
+        rows = [("c", self.c), *((f"a[{i}]", row) for i, row in enumerate(shown))]
         rows += [("b_position", self.b_position), ("b_velocity", self.b_velocity)]
-        lines = [f"{name} = {', '.join(coefficient_text(x, self.format) for x in row)}" for name, row in rows if row]
+        lines = [f"{name} = {', '.join(map(self._text, row))}" for name, row in rows if row]
         if self.parts is not None:
             steps = ", ".join(f"{kind} {coefficient_text(x, self.format)}" for kind, x in self.parts)
             lines = [f"sub-steps: {steps or 'none'}"]
+        lines += [] if self.solved is None else [self.solved.words]
         lines += [f"call {j} is made, and its answer is not used" for j in self.unused]
         if abs(self.drift - 1) > self.rounding.of(1.0):
-            lines.append(
-                f"without a force the position moves by {coefficient_text(self.drift, self.format)} h v, not by h v"
-            )
+            lines.append(f"without a force the position moves by {self._text(self.drift)} h v, not by h v")
         lines += [f"call {i} is given the velocity {self._velocity(i)}" for i, _ in enumerate(self.a_velocity or ())]
         lines += [f"wrong times: {self.wrong_time}"] if self.wrong_time else []
         return [*lines, *self.remarks, *([f"{NO_TABLEAU}: {self.refused}"] if self.refused else [])]
 
+    def _text(self, x: float) -> str:
+        return coefficient_text(x, self.format, 4 * self.stage_error)
+
     def _velocity(self, i: int) -> str:
         """The velocity that call i is given, as "v + 1/2 h F[0]"."""
         row = enumerate(self.a_velocity[i] if self.a_velocity else ())
-        terms = [f"{coefficient_text(x, self.format)} h F[{j}]" for j, x in row if x]
+        terms = [f"{self._text(x)} h F[{j}]" for j, x in row if x]
         return " + ".join(["v", *terms]).replace("+ -", "- ").replace(" 1 h", " h")
 
     @property
@@ -136,7 +148,7 @@ class ForceReading:
         found = []
         for i, (row, node) in enumerate(zip(self.a_velocity or (), self.c, strict=False)):
             if self.b_velocity[i] and abs(fsum(row) - node) > self.rounding.of(1 + abs(node) + sum(map(abs, row))):
-                at = f"t + {coefficient_text(node, self.format)} h" if node else "t"
+                at = f"t + {self._text(node)} h" if node else "t"
                 place = at.replace(" 1 h", " h")
                 found.append(f"call {i} is given the position of {place} and the velocity {self._velocity(i)}")
         return found

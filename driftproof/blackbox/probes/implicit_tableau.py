@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from driftproof.blackbox.probes.marked_stages import MarkedSteps, StageMarks
+from driftproof.blackbox.probes.marked_stages import MarkedSteps
 from driftproof.blackbox.probes.scripted_answers import BACKWARD, NotReadable, complaints
 from driftproof.blackbox.probes.stage_chains import StageChains
 from driftproof.blackbox.probes.stage_solutions import UNSOLVED, StageEquations
-from driftproof.blackbox.probes.tableau import TableauReading
+from driftproof.blackbox.probes.tableau import TableauReading, is_explicit
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 # Where two clocks tell no stages apart that one does not, more of them do not either but in contrived tables.
@@ -32,65 +32,56 @@ def read_implicit_tableau(subject: ForeignStepper) -> TableauReading:
     Further steps control that the coefficients account for everything, and how well the stages are solved
     (`stage_solutions`). Raises NotReadable, saying what was seen.
     """
-    steps = MarkedSteps(subject)
-    found: list[TableauReading] = []
+    return told_by_chains(MarkedSteps(subject))[0]
+
+
+def told_by_chains(steps: MarkedSteps) -> tuple[TableauReading, StageChains]:
+    """The coefficients of such steps, and the chains that tell them: with as few clocks as tell the stages apart."""
+    found: list[tuple[TableauReading, StageChains]] = []
     refusals: list[NotReadable] = []
     for clocks in range(not steps.timed, min(_MOST_CLOCKS, steps.size - 1) + 1):
         try:
-            found.append(_Probe(steps, steps.marks(clocks)).reading())
+            chains = StageChains(steps, steps.marks(clocks))
+            found.append((_controlled(chains), chains))
         except NotReadable as refusal:
             refusals.append(refusal)
             continue
-        if _curved(found[-1]) <= _DOUBTFUL:
+        if _curved(found[-1][0]) <= _DOUBTFUL:
             break
     if not found:
         raise refusals[0]
     return _best(found)
 
 
-def _best(found: Sequence[TableauReading]) -> TableauReading:
+def _best(found: Sequence[tuple[TableauReading, StageChains]]) -> tuple[TableauReading, StageChains]:
     """The reading with the fewest clocks, unless more of them tell stages apart of which the nonlinear step is made.
 
     Raises NotReadable where none accounts for nonlinear steps, and no solver that stops early does, either.
     """
-    first = found[0]
-    best = next((reading for reading in found if _curved(reading) <= _DOUBTFUL), first)
-    if _curved(best) <= UNSOLVED:
-        return best
-    if best.solved is None or not best.solved.power:
-        raise NotReadable(
-            f"on nonlinear problems the step is off by {_curved(best):.1e} of what its coefficients say: a solver that "
-            "stops too early, or other stages"
-        )
-    return best if len(found) > 1 else replace(best, remarks=(*best.remarks, _AS_ONE))
+    best, chains = next((pair for pair in found if _curved(pair[0]) <= _DOUBTFUL), found[0])
+    if _curved(best) > UNSOLVED:
+        if best.solved is None or not best.solved.power:
+            raise NotReadable(
+                f"on nonlinear problems the step is off by {_curved(best):.1e} of what its coefficients say: a solver "
+                "that stops too early, or other stages"
+            )
+        if len(found) == 1:
+            best = replace(best, remarks=(*best.remarks, _AS_ONE))
+    return best, chains
 
 
 def _curved(reading: TableauReading) -> float:
     return 0.0 if reading.solved is None else reading.solved.curved
 
 
-class _Probe:
-    """The tableau that chains of marked stages tell, with one way to tell the stages apart."""
-
-    def __init__(self, steps: MarkedSteps, marks: StageMarks) -> None:
-        self.steps, self.chains = steps, StageChains(steps, marks)
-
-    def reading(self) -> TableauReading:
-        """The coefficients, controlled."""
-        (a,), (b,), c = self.chains.tables()
-        if _is_explicit(a):
-            raise NotReadable("none of its stages is implicit")
-        reading = TableauReading(a, b, c, self.steps.subject.format, stage_error=self.chains.left)
-        self.chains.demand_chain((reading.a,), (reading.b,), reading.rounding)
-        equations = StageEquations(self.steps, reading)
-        equations.demand_solver()
-        reading = replace(reading, solved=equations.solved())
-        return replace(reading, remarks=complaints(lambda: equations.demand_solved(BACKWARD)))
-
-
-def _is_explicit(a: Sequence[Sequence[float]]) -> bool:
-    """True when no stage depends on itself, by way of whichever others."""
-    left = set(range(len(a)))
-    while ready := {i for i in left if not any(a[i][j] for j in left)}:
-        left -= ready
-    return not left
+def _controlled(chains: StageChains) -> TableauReading:
+    """The tableau that chains of marked stages tell, with one way to tell the stages apart, controlled."""
+    (a,), (b,), c = chains.tables()
+    if is_explicit(a) and not chains.steps.may_be_explicit:
+        raise NotReadable("none of its stages is implicit")
+    reading = TableauReading(a, b, c, chains.steps.subject.format, stage_error=chains.left)
+    chains.demand_chain((reading.a,), (reading.b,), reading.rounding)
+    equations = StageEquations(chains.steps, reading)
+    equations.demand_solver()
+    reading = replace(reading, solved=equations.solved())
+    return replace(reading, remarks=complaints(lambda: equations.demand_solved(BACKWARD)))

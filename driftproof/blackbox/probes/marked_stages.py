@@ -107,6 +107,10 @@ class MarkedSteps:
     """Steps of one subject on right-hand sides that know the stage; and `part`, which of its functions they are."""
 
     parts = 1
+    # True where its numbers are parts of one, whose difference quotients are those of all at once.
+    alone = False
+    # True where stages of another kind, those of velocities, may be implicit, too.
+    may_be_explicit = False
 
     def __init__(self, subject: ForeignStepper) -> None:
         """Raises NotReadable where it takes no two numbers, or never calls its right-hand side."""

@@ -8,6 +8,7 @@ from typing import TypeAlias
 
 from driftproof.blackbox.findings import Misbehaviour, NoAnswer
 from driftproof.blackbox.probes.force import ForceReading, read_forces
+from driftproof.blackbox.probes.implicit_forces import read_implicit_forces
 from driftproof.blackbox.probes.implicit_tableau import read_implicit_tableau
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.probes.tableau import TableauReading, read_tableau
@@ -49,7 +50,12 @@ def read_coefficients(subject: ForeignStepper) -> CoefficientReading:
             raise
         except (NotReadable, Misbehaviour) as refusal:
             return _otherwise(subject, refusal)
-    reading = read_forces(subject)
+    try:
+        reading = read_forces(subject)
+    except NoAnswer:
+        raise
+    except NotReadable as refusal:
+        reading = _implicit_forces(subject, refusal)
     return _as_tableau(reading, timed=TIME in subject.convention.order and TIME in subject.convention.asks) or reading
 
 
@@ -64,7 +70,16 @@ def _as_tableau(reading: ForceReading, *, timed: bool) -> TableauReading | None:
         said = [sum(row[k] * a[k][j] for k in calls) for j in calls]
         if any(abs(x - y) > allowed for x, y in zip((sum(row), *said), (node, *seen), strict=True)):
             return None
-    return TableauReading(a, b, reading.c if timed else None, reading.format, reading.remarks, reading.amplitude)
+    c, solved = reading.c if timed else None, (reading.stage_error, reading.solved)
+    return TableauReading(a, b, c, reading.format, reading.remarks, reading.amplitude, *solved)
+
+
+def _implicit_forces(subject: ForeignStepper, refusal: NotReadable) -> ForceReading:
+    """Of implicit stages. Raises the refusal, with what is against these."""
+    try:
+        return read_implicit_forces(subject)
+    except NotReadable as second:
+        raise NotReadable(f"{refusal}; as one with implicit stages: {second}") from None
 
 
 def _otherwise(subject: ForeignStepper, refusal: NotReadable | Misbehaviour) -> CoefficientReading:

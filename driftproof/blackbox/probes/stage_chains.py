@@ -42,7 +42,7 @@ class StageChains:
     def __init__(self, steps: MarkedSteps, marks: StageMarks) -> None:
         """Nothing asked yet."""
         self.steps, self.marks = steps, marks
-        self._kept: list[StageLabel] = []
+        self.kept: list[StageLabel] = []
         self._off = 0.0
 
     @property
@@ -72,11 +72,15 @@ class StageChains:
             for link, x in row.items():
                 if abs(x) > _LEAST:
                     chains.setdefault(link[0], ([*chain, link], product * x))
-        self._kept = kept = [label for label in labels if label in rows]
+        self.kept = kept = [label for label in labels if label in rows]
         self.marks = self.marks.only(kept)
         a = tuple(tuple(tuple(self._cleaned(rows[i][j, part]) for j in kept) for i in kept) for part in parts)
         b = tuple(tuple(self._cleaned(weights[i, part]) for i in kept) for part in parts)
         return a, b, tuple(self.marks.nodes[label[0]] for label in kept) if self.steps.timed else None
+
+    def weight(self, label: StageLabel) -> float:
+        """That of one stage, as steps come out now."""
+        return self._cleaned(self._chained([(label, 0)], 1.0))
 
     def demand_chain(self, a: Sequence[StageTable], b: StageTable, rounding: Rounding) -> None:
         """Raises NotReadable unless a chain through all stages at once goes as the coefficients say.
@@ -91,7 +95,7 @@ class StageChains:
     def _demand(
         self, a: Sequence[StageTable], b: StageTable, rounding: Rounding, setting: Setting, *, backward: bool
     ) -> None:
-        kept, parts = self._kept, range(self.steps.parts)
+        kept, parts = self.kept, range(self.steps.parts)
         count = self.steps.size - len(self.marks.hands)
         weights = [
             {(label, p): spread((3 * i + 1 + p) * (link + 1)) for i, label in enumerate(kept) for p in parts}

@@ -84,7 +84,7 @@ class StageEquations:
 
         def rates(node: float | None, moved: Sequence[float]) -> list[float]:
             clock = 1 / (1 + (node or 0.0) ** 2)
-            following = [*moved[1:], moved[0]]
+            following = moved if self.steps.alone else [*moved[1:], moved[0]]
             drawn = [0.75 * x - 0.25 * y + curved * x * y for x, y in zip(moved, following, strict=True)]
             return [size * (1 / (1 + i) - clock / 2) + weight * clock * x for i, x in enumerate(drawn)]
 

@@ -140,6 +140,14 @@ def read_tableau(subject: ForeignStepper) -> TableauReading:
     return replace(reading, remarks=(*remarks, *reading.remarks))
 
 
+def is_explicit(a: Sequence[Sequence[float]]) -> bool:
+    """True when no stage depends on itself, by way of whichever others."""
+    left = set(range(len(a)))
+    while ready := {i for i in left if not any(a[i][j] for j in left)}:
+        left -= ready
+    return not left
+
+
 class ScriptedStep(NamedTuple):
     """Where one step called: times (None where it was given none), places; and what it returned."""
 

@@ -74,8 +74,23 @@ def _one(numbers: Sequence[AnyNumber]) -> AnyNumber:
     return numbers[0]
 
 
+class _Parted(np.ndarray[Any, Any]):
+    """Several numbers that pass for one: as large as the largest of them, less than another where all of them are."""
+
+    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **named: Any) -> Any:
+        """As of plain arrays; none is changed in place, since no number is."""
+        plain = [np.asarray(x).view(np.ndarray) if isinstance(x, _Parted) else x for x in inputs]
+        answer = getattr(ufunc, method)(*plain, **{name: x for name, x in named.items() if name != "out"})
+        if ufunc in (np.absolute, np.fabs):
+            return float(np.max(answer))
+        if getattr(answer, "dtype", None) == np.bool_:
+            return bool(np.any(answer) if ufunc in (np.greater, np.greater_equal, np.not_equal) else np.all(answer))
+        return answer.view(_Parted) if np.ndim(answer) else answer
+
+
 SCALARS = ArrayAdapter("Python floats", lambda numbers: float(_one(numbers)), floats_in)
 ARRAYS = ArrayAdapter("NumPy arrays", lambda numbers: np.array(numbers, dtype=np.float64), floats_in)
+PARTED = ArrayAdapter("numbers of parts", lambda numbers: np.array(numbers, float).view(_Parted), floats_in)
 LISTS = ArrayAdapter("lists", lambda numbers: [float(x) for x in numbers], floats_in)
 
 

@@ -9,7 +9,6 @@ from driftproof.blackbox.matching.match import match_forces
 from driftproof.blackbox.probes.force import read_forces
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.schemes import MethodError
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.matching.readings import in_field, on_force
 
@@ -102,9 +101,3 @@ def test_a_method_that_is_none_of_ours_is_not_forced_into_one():
 def test_a_method_as_it_stands_has_its_key_and_no_relation(key):
     found = candidates.on_force(METHODS[key])
     assert (found.key, found.relation) == (key, "")
-
-
-def test_an_implicit_method_has_no_coefficients_to_be_read_by_forces():
-    for key in ("gauss2", "sdirk2", "backward_euler"):
-        with pytest.raises(MethodError, match=f"{key} is implicit: no coefficients"):
-            candidates.on_force(METHODS[key])

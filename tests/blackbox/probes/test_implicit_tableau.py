@@ -8,9 +8,10 @@ import pytest
 
 from driftproof.blackbox.findings import NoAnswer
 from driftproof.blackbox.matching.match import match_method, match_tableau
-from driftproof.blackbox.probes.implicit_tableau import _Probe, read_implicit_tableau
+from driftproof.blackbox.probes.implicit_tableau import read_implicit_tableau
 from driftproof.blackbox.probes.marked_stages import MarkedSteps
 from driftproof.blackbox.probes.scripted_answers import NotReadable
+from driftproof.blackbox.probes.stage_chains import StageChains
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from tests.blackbox import handwritten_steppers as codes
@@ -131,9 +132,10 @@ def test_without_a_time_the_stages_are_told_apart_by_the_sums_of_their_rows(key)
 
 def test_guesses_that_are_no_stages_are_left_out_of_what_the_clocks_show():
     steps = MarkedSteps(opened(one_by_one(BOTH_AT_START)))
-    probe = _Probe(steps, steps.marks(1))
-    assert len(probe.chains.marks.labels) == 3
-    assert probe.reading().calls == len(probe.chains.marks.labels) == 2
+    chains = StageChains(steps, steps.marks(1))
+    assert len(chains.marks.labels) == 3
+    _, (b,), _ = chains.tables()
+    assert len(b) == len(chains.marks.labels) == 2
 
 
 def test_stages_that_are_equal_on_every_problem_are_one():

@@ -1,0 +1,166 @@
+"""The coefficients of somebody's implicit step for q'' = F(q), read as those of implicit steps of y' = f(t, y) are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.probes.force import ForceReading
+from driftproof.blackbox.probes.implicit_tableau import told_by_chains
+from driftproof.blackbox.probes.marked_stages import (
+    MarkedRun,
+    MarkedSlopes,
+    MarkedSteps,
+    Setting,
+    StageLabel,
+    StageMarks,
+    StageShares,
+)
+from driftproof.blackbox.probes.scripted_answers import CoefficientRow, NotReadable, Rounding
+from driftproof.blackbox.probes.stage_chains import StageChains
+from driftproof.blackbox.probes.tableau import is_explicit
+from driftproof.blackbox.stepper.array_adapters import PARTED, SCALARS, AnyNumber
+from driftproof.blackbox.stepper.foreign_stepper import FieldFunction, ForeignStepper
+
+# How much of what moves the position is in what chains are read from: every stage shows, and none of use cancels.
+_OF_POSITION = 0.625
+# A number with this velocity and no force shows the nodes; another start, time and h show whether they are ones.
+_SETTINGS = (Setting(), Setting(1.0, 1.0, 0.5))
+_OTHERWISE = "its velocities are asked for at other stages than its positions"
+
+
+class ForcedSteps(MarkedSteps):
+    """Steps of q'' = F from rest as such of y' = f(t, y) with the same stages: y is q and F = f/h; or y is v and F = f.
+
+    Of y = q, stage i is at y + h Σ aᵢⱼ fⱼ with Nyström's A, and y + h Σ bⱼ fⱼ comes out: `position` is how much of the
+    weights of the position is in b, beside those of the velocity, and None for the former alone. Of y = v, which a
+    force has to be given, A is that of the velocities. The number `moving` starts with the velocity 1, if any does.
+
+    A code that takes no more than one number is given one that stands for several (`PARTED`). Its difference quotients
+    then shift all of them at once: what is marked depends on distances from an idle one, whose shift is the same.
+    """
+
+    def __init__(self, subject: ForeignStepper, *, of_velocity: bool = False) -> None:
+        """Raises NotReadable where it takes no two positions, or never calls its force."""
+        self.of_velocity, self.moving, self._marked = of_velocity, -1, False
+        self.position: float | None = _OF_POSITION
+        self.may_be_explicit = subject.gives_velocities
+        try:
+            super().__init__(subject)
+        except NotReadable:
+            if subject.adapter is not SCALARS:
+                raise
+            self.alone = True
+            super().__init__(replace(subject, adapter=PARTED))
+
+    def run(
+        self, marks: StageMarks, setting: Setting, slopes: MarkedSlopes, *, clocks: int | None = None, size: int = 0
+    ) -> MarkedRun:
+        """As of every stepper."""
+        self._marked = self.alone
+        try:
+            return super().run(marks, setting, slopes, clocks=clocks, size=size)
+        finally:
+            self._marked = False
+
+    def step(self, rate: FieldFunction, t: float, y: list[float], h: float) -> list[float]:
+        """One step of the subject."""
+        idle, count = [y[0]] * self._marked, len(y)
+
+        def force(at: AnyNumber, q: Sequence[AnyNumber], v: Sequence[AnyNumber] = ()) -> Sequence[AnyNumber]:
+            asked = [*(v if self.of_velocity else q)]
+            if len(asked) != count + len(idle):
+                raise Misbehaviour("its force is asked for one position after the other")
+            shift = asked[-1] - y[0] if idle else 0.0
+            slopes = rate(at, [x - shift for x in asked[:count]])
+            return [*(slopes if self.of_velocity else (k / h for k in slopes)), *[0.0] * len(idle)]
+
+        given, rest = [*y, *idle], [float(i == self.moving) for i in range(count + len(idle))]
+        q, v = (rest, given) if self.of_velocity else (given, rest)
+        stepped = self.subject.step_dragged if self.subject.gives_velocities else self.subject.step_forced
+        end = stepped(force, t, q, v, h)
+        q1, v1 = end[:count], end[len(given) :]
+        if self.of_velocity:
+            return v1[:count]
+        if self.position is None:
+            return q1
+        return [x + h * w + self.position * (x1 - x) for x, x1, w in zip(y, q1, v1, strict=False)]
+
+
+def read_implicit_forces(subject: ForeignStepper) -> ForceReading:
+    """The coefficients of a step(force, q, v, h) with implicit stages, as near as its solver comes to them.
+
+    Steps from rest have the stages of one of y' = f(t, y) (`ForcedSteps`), and are read as those are; then either row
+    of weights, and with a velocity and no force the nodes of the positions, and how far that moves them in a step.
+    Velocities that a force is given are read likewise. Raises NotReadable, saying what was seen.
+    """
+    steps = ForcedSteps(subject)
+    read, chains = told_by_chains(steps)
+    weights, drift, nodes = [], 0.0, list[float]()
+    for position in (None, 0.0):
+        steps.position = position
+        weights.append(tuple(chains.weight(label) for label in chains.kept))
+        moved = _moved(chains, None)
+        drift = moved if position is None else drift
+        if position is not None and abs(moved - 1) > read.rounding.of(1.0):
+            raise NotReadable(f"without a force, the new velocity is {moved:.6g} v, not 1 v")
+    b_position, b_velocity = weights
+    for i, label in enumerate(chains.kept):
+        steps.position, weight = (0.0, b_velocity[i]) if b_velocity[i] else (None, b_position[i])
+        if not weight:
+            raise NotReadable("a stage of it has no weight, and its position is not told")
+        nodes.append(_moved(chains, label) / weight)
+    timed = zip(nodes, read.c or (), strict=False)
+    late = [(c, t) for c, t in timed if abs(c - t) > read.rounding.of(1 + abs(c))]
+    wrong = [f"its force is asked at t + {t:.6g} h for the position of t + {c:.6g} h" for c, t in late]
+    velocities = _velocities(subject, b_velocity) if subject.gives_velocities else None
+    if all(map(is_explicit, filter(None, (read.a, velocities)))):
+        raise NotReadable("none of its stages is implicit")
+    return ForceReading(
+        tuple(nodes),
+        read.a,
+        b_position,
+        b_velocity,
+        drift,
+        read.format,
+        read.remarks,
+        wrong_time="; ".join(wrong[:1]),
+        a_velocity=velocities,
+        stage_error=chains.left,
+        solved=read.solved,
+    )
+
+
+def _moved(chains: StageChains, label: StageLabel | None) -> float:
+    """How far a number of velocity 1 moves in a step, or its velocity; with a stage, its node times its weight."""
+    steps, seen = chains.steps, list[float]()
+    assert isinstance(steps, ForcedSteps)
+    clocks = len(chains.marks.hands)
+    steps.moving = clocks
+
+    def slopes(shares: StageShares, moved: Sequence[float]) -> Sequence[float]:
+        pulled = 0.0 if label is None else shares.get(label, 0.0) * moved[0]
+        return [0.0, pulled, *[0.0] * (len(moved) - 2)]
+
+    for setting in _SETTINGS:
+        result = steps.run(chains.marks, setting, slopes, size=2).result[clocks:]
+        power = 1 if label is None else 2
+        seen.append((result[power - 1] - setting.start) / setting.h**power)
+    steps.moving = -1
+    if abs(seen[1] - seen[0]) > Rounding(steps.subject.format, 8, 4 * chains.left).of(1 + abs(seen[0])):
+        raise NotReadable(
+            f"without a force a velocity counts {seen[0]:.6g} times, and {seen[1]:.6g} times with another start and h"
+        )
+    return seen[0]
+
+
+def _velocities(subject: ForeignStepper, weights: CoefficientRow) -> tuple[CoefficientRow, ...]:
+    """The rows of the velocities that a force is given. Raises NotReadable where the stages are not those."""
+    read, _ = told_by_chains(ForcedSteps(subject, of_velocity=True))
+    near = len(read.b) == len(weights) and all(
+        abs(x - y) <= 2 * read.rounding.of(1.0) for x, y in zip(read.b, weights, strict=True)
+    )
+    if not near:
+        raise NotReadable(_OTHERWISE)
+    return read.a
