@@ -36,8 +36,9 @@ def stepper_of(
     where q and v are: an attribute with a number, or with several, of which the first is meant, and the others become
     0. Or both are in `state`, the first two of its numbers. `advance` takes h.
 
-    One object makes all steps, so that it shows if it remembers more than its state; with `anew`, each step is made by
-    a new one. Raises TypeError where `make` takes other arguments.
+    One object makes all steps, so that it shows if it remembers more than its state, until a step is not finite: what
+    is left of that in an object would speak for all later steps. With `anew`, each step is made by a new one.
+    Raises TypeError where `make` takes other arguments.
 
     >>> from driftproof import stepper_of
     >>> class Body:
@@ -156,7 +157,7 @@ class _Held:
         if self.push is not None and force is not None:
             _act(body, self.push, force(q))
         _act(body, self.advance, h)
-        q1, v1 = (x for place in places for x in place.read(body))
+        q1, v1 = self._left([x for place in places for x in place.read(body)])
         return q1, v1
 
     def solved(
@@ -173,7 +174,7 @@ class _Held:
         for accessor, numbers in (*given, (state, y)):
             accessor.write(solver, numbers)
         _act(solver, self.advance, h)
-        y1, others = np.array(state.read(solver)), beside.read(solver)
+        y1, others = np.array(self._left(state.read(solver))), beside.read(solver)
         return (y1, *others) if others else y1
 
     def _ready(self, function: Callable[..., Any] | None) -> Object:
@@ -182,6 +183,12 @@ class _Held:
         if self.made is None or self.anew:
             self.made = self.make(self._answer) if self.takes_function else self.make()
         return self.made
+
+    def _left(self, numbers: list[float]) -> list[float]:
+        """The numbers that a step has left; an object in which they are not finite is used no more."""
+        if not np.isfinite(numbers).all():
+            self.made = None
+        return numbers
 
     def _answer(self, *arguments: Any) -> Any:
         assert self.function is not None

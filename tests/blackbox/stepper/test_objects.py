@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from math import nan
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -67,6 +68,18 @@ class Spring:
         self.state = [q + dt * v, v - dt * q, 0.0]
 
 
+class ForwardSpring(Spring):
+    """Knows no step back: the NaN of one stays in it."""
+
+    def __init__(self):
+        super().__init__()
+        self.scale = 1.0
+
+    def step(self, dt):
+        self.scale *= 1.0 if dt >= 0 else nan
+        super().step(dt * self.scale)
+
+
 class Solver:
     """The explicit midpoint method on arrays."""
 
@@ -107,6 +120,12 @@ def test_an_object_is_named_like_the_step_that_it_makes(name):
     report = identify(step)
     assert report.verdict == verdict
     assert report.section("Faults") is None
+
+
+def test_what_one_step_leaves_that_is_not_finite_does_not_speak_for_the_others():
+    report = identify(stepper_of(ForwardSpring, state="state"))
+    assert report.verdict == NAMED["spring"][1]
+    assert report.section("Faults").lines[0].startswith("h < 0 gives (nan, nan)")
 
 
 def test_attributes_and_functions_do_for_methods():
