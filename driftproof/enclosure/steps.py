@@ -109,12 +109,11 @@ class Expansion:
     def __init__(
         self, f: RightHandSide, t: Fraction, y: Sequence[arb], length: int, decided: Sequence[bool], weights: Weights
     ) -> None:
-        """So many coefficients of p in s, thin, each from those before it; whatever the weights, what is said holds."""
+        """So many coefficients of p in s, thin, some from those before; whatever the weights, what is said holds."""
         self.f, self.t, self.length, self.decided, self.weights = f, t, length, decided, weights
-        self.rows = [[x] for x in y]
-        for k in range(1, length):
-            for row, rate in zip(self.rows, self._on_series(k), strict=True):
-                row.append((_coefficient(rate.value, k - 1) / k).mid())
+        self.rows, slopes, most = [[x] for x in y], list[arb_mat](), _slopes_that_pay(len(y), length)
+        while (known := len(self.rows[0])) < length:
+            slopes = self._extend(min(length, known + min(known, most) + 1), slopes)
 
     def step(self, longest: Fraction, errors: Sequence[arb]) -> EnclosedStep:
         """A step of `longest` at most that holds for every start of the point and its errors.
@@ -174,12 +173,30 @@ class Expansion:
             multiple = arb((2 * multiple.max(tube.growth(step))).upper())
         return None
 
-    def _on_series(self, length: int) -> list[Enclosed]:
+    def _extend(self, length: int, slopes: list[arb_mat]) -> list[arb_mat]:
+        """Make it so many coefficients, of which `length` - k - 1, at most k, are coefficients of ∂f/∂y: these, or new.
+
+        With k coefficients right, e = y - p = O(s^k) has e' = f(p) - p' + ∂f/∂y e + O(s^2k) (Newton's method).
+        """
+        known, wanted = len(self.rows[0]), min(len(self.rows[0]), length - len(self.rows[0]) - 1)
+        rates, partials = self._on_series(length - 1, slopes=len(slopes) < wanted)
+        if len(slopes) < wanted:
+            slopes = [arb_mat([[_coefficient(x, k) for x in row] for row in partials]).mid() for k in range(wanted)]
+        found: list[arb_mat] = []
+        for k in range(known, length):
+            left = arb_mat([[_coefficient(rate, k - 1)] for rate in rates])
+            left = sum((J * e for J, e in zip(slopes, reversed(found), strict=False)), left)
+            found.append((left * (1 / arb(k))).mid())
+        for row, *more in zip(self.rows, *(e.entries() for e in found), strict=True):
+            row += more
+        return slopes
+
+    def _on_series(self, length: int, *, slopes: bool) -> tuple[list[Any], list[list[Any]]]:
         cap, ctx.cap = ctx.cap, length
         try:
             evaluation = Evaluation(self.decided)
-            time = series(evaluation, [enclose(self.t), arb(1)], length)
-            return enclosed_rates(self.f, time, [series(evaluation, row, length) for row in self.rows])
+            time, *state = (series(evaluation, row, length) for row in ([enclose(self.t), arb(1)], *self.rows))
+            return linearised(self.f, time, [x.value for x in state], slopes=slopes)
         finally:
             ctx.cap = cap
 
@@ -238,6 +255,15 @@ def _flow(jacobian: Sequence[Sequence[TaylorModel]], step: arb, tube: Tube) -> a
     if not error < LOOSEST_FLOW * size(found.entries()):
         return None
     return found + arb_mat([[arb(0, error)] * n] * n)
+
+
+def _slopes_that_pay(components: int, length: int) -> int:
+    """How many coefficients of ∂f/∂y to make, so that p needs least runs of f; one with gradients is 1 + n of them.
+
+    With m = 2^i - 1 of them, i runs with gradients lead to 2m + 1 coefficients of p, and each further run to m + 1.
+    """
+    runs = {2**i - 1: i * (1 + components) + (length - 2 ** (i + 1) + 1) / 2**i for i in range(length.bit_length())}
+    return min(runs, key=runs.__getitem__)
 
 
 def _row_sum(m: arb_mat) -> arb:
