@@ -67,8 +67,8 @@ def main(arguments: list[str] | tuple[str, ...] | None = None) -> int:
 def _answer(prog: str, name: str, words: list[str]) -> int:
     """Parse the words of one command, print its answer or one line of complaint."""
     from driftproof.commands.arguments import BAD_INPUT, NO_ANSWER, Help, Refuted
-    from driftproof.reports.progress import working
     from driftproof.support.plain_text import printable
+    from driftproof.support.progress import working
 
     try:
         command = command_named(name)

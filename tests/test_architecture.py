@@ -62,12 +62,12 @@ NOT_ELSEWHERE = "sympy"
 # of `derive` and facts as typed properties; blackbox verdicts that say what was seen, and implicit
 # stages, and its own sampler of steps, 100 lines; texts what docs and help show.
 BUDGETS = {
-    "support": 1103,
+    "support": 1158,
     "methods": 5536,
     "symbolic": 10733,
     "numeric": 3489,
     "blackbox": 16464,
-    "enclosure": 3130,
+    "enclosure": 3159,
     "texts": 7137,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5599

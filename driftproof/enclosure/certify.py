@@ -23,6 +23,7 @@ from driftproof.methods.field_text import field_of_file
 from driftproof.methods.rationals import ExactNumber
 from driftproof.methods.schemes import Method
 from driftproof.support.assertions import AssertedVerdict, tell
+from driftproof.support.progress import working
 
 MOST_DOUBLINGS = 4
 # The radius is small at 2⁻⁴⁰ of the largest error, which leaves twelve digits; or at 2⁻¹⁰⁴ of the solution, which is
@@ -72,6 +73,7 @@ def certify(
     return certificate_of(field_of_file(f) if str(f).endswith(".toml") else f, run, method, h, invariants)
 
 
+@working("certify")
 def certificate_of(
     given: GivenField,
     run: Trajectory,

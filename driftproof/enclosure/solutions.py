@@ -36,8 +36,8 @@ BITS_AT_FIRST = 128
 BITS_PER_COEFFICIENT = 3
 # Some minutes with the bits of the first attempt. A problem that needs more is stiff, or too long.
 MOST_STEPS = 20_000
-# With more than these, a few steps take as long.
-MOST_COMPONENTS = 150
+# With more than these, a few steps take as long. Thirty bodies in space have 180.
+MOST_COMPONENTS = 200
 # Steps after which it is looked at how many there will be, all being as the last; parts of those allowed after which
 # they are too many, all being as those so far, and ten times too many in both ways.
 STEPS_OF_STIFF, PART_OF_LONG, PART_OF_FAR_TOO_LONG = 20, Fraction(1, 20), Fraction(1, 200)

@@ -262,7 +262,8 @@ def _slopes_that_pay(components: int, length: int) -> int:
 
     With m = 2^i - 1 of them, i runs with gradients lead to 2m + 1 coefficients of p, and each further run to m + 1.
     """
-    runs = {2**i - 1: i * (1 + components) + (length - 2 ** (i + 1) + 1) / 2**i for i in range(length.bit_length())}
+    sizes = [(i, 1 << i) for i in range(length.bit_length())]
+    runs = {size - 1: i * (1 + components) + (length - 2 * size + 1) / size for i, size in sizes}
     return min(runs, key=runs.__getitem__)
 
 

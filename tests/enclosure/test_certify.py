@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from itertools import pairwise
 from types import SimpleNamespace
 
@@ -12,6 +14,7 @@ from flint import arb, ctx
 
 from driftproof import Refused, assert_accurate, certify
 from driftproof.enclosure import certify as module
+from driftproof.support import progress
 
 TIMES = np.linspace(0.0, 2.0, 5)
 
@@ -143,7 +146,7 @@ REFUSED = {
     r"f is 1\.5 at t = 1\.0, component 0, and -1\.5 when it is called again": (
         Thermostat(), [0, 1, 2], [[0.5], [1.5], [2.5]]),
     r"f or its derivative is not finite at t = 0": (lambda t, y: -np.arcsin(y), [0, 1], [[1.0], [0.5]]),
-    r"151 components are too many; at most 150 are enclosed": (lambda t, y: -y, [0, 1], np.ones((2, 151))),
+    r"201 components are too many; at most 200 are enclosed": (lambda t, y: -y, [0, 1], np.ones((2, 201))),
     r"math\.floor, which has no enclosure|turns a number into a float": (
         lambda t, y: [np.floor(y[0])], [0, 1], [[1.0], [2.0]]),
 }  # fmt: skip
@@ -154,6 +157,17 @@ def test_what_cannot_be_proved_is_refused_in_one_line(said):
     with pytest.raises(Refused, match=said) as caught:
         certify(*REFUSED[said])
     assert "\n" not in str(caught.value)
+
+
+def test_who_waits_at_a_terminal_is_told_that_something_is_done(monkeypatch):
+    """f does not answer before there is a line: of a large system one step may take many seconds."""
+    outer, inner = os.openpty()
+    monkeypatch.setattr(progress, "SILENCE", 0.01)
+    said = []
+    with os.fdopen(inner, "w") as terminal:
+        monkeypatch.setattr(sys, "stderr", terminal)
+        certify(lambda t, y: -y if said else said.append(os.read(outer, 1000)) or -y, [0.0, 1.0], [[1.0], [0.4]])
+    assert said[0].startswith(b"\rcertify: working, 0 s (Ctrl-C ends it)")
 
 
 def test_tolerance_within_the_ball_of_the_error_is_refused():

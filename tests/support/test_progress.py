@@ -1,0 +1,26 @@
+"""Whoever waits at a terminal is told that something is done, and nobody else."""
+
+import os
+import sys
+
+from driftproof.support import progress
+
+
+def test_silence_on_a_terminal_is_broken_by_a_line_that_goes_again(monkeypatch):
+    """A pseudo-terminal is what is written to; what works within another says nothing of its own."""
+    outer, inner = os.openpty()
+    monkeypatch.setattr(progress, "SILENCE", 0.01)
+    monkeypatch.setattr(progress, "BEAT", 0.01)
+    with os.fdopen(inner, "w") as terminal:
+        monkeypatch.setattr(sys, "stderr", terminal)
+        with progress.working("driftproof verify"), progress.working("certify"):
+            said = os.read(outer, 1000).decode()
+        rest = os.read(outer, 1000).decode()
+    assert said.startswith("\rdriftproof verify: working, 0 s (Ctrl-C ends it)")
+    assert rest.endswith(" \r")
+
+
+def test_nothing_is_said_where_nobody_looks(capfd):
+    with progress.working("driftproof verify"):
+        pass
+    assert capfd.readouterr() == ("", "")
