@@ -66,7 +66,7 @@ BUDGETS = {
     "methods": 5536,
     "symbolic": 10733,
     "numeric": 3489,
-    "blackbox": 16464,
+    "blackbox": 16512,
     "enclosure": 3159,
     "texts": 7137,
 }

@@ -19,7 +19,8 @@ from driftproof.blackbox.stepper.array_adapters import (
     Foreign,
     as_array,
 )
-from driftproof.blackbox.stepper.foreign_stepper import CallLog, ForeignStepper
+from driftproof.blackbox.stepper.foreign_code import CallLog
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 RETURNS_NOTHING = "returns nothing"
 _WHOLE = (3, 1)

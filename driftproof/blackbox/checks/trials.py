@@ -11,7 +11,8 @@ import numpy as np
 
 from driftproof.blackbox.checks.quantisation import narrow_format, quantisation_of
 from driftproof.blackbox.findings import Misbehaviour, NoAnswer, NotANumber, NotFinite, StepRaised, WrongShape
-from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper, call_text
+from driftproof.blackbox.stepper.call_text import call_text
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 
 PhasePoint = tuple[float, float]

@@ -11,7 +11,8 @@ from driftproof.blackbox.probes.marked_stages import MarkedSteps, Setting
 from driftproof.blackbox.probes.scripted_answers import CoefficientRow, NotReadable, Rounding
 from driftproof.blackbox.probes.stage_chains import StageChains, StageTable
 from driftproof.blackbox.stepper.calling_conventions import IMEX, IMPLICIT
-from driftproof.blackbox.stepper.foreign_stepper import FieldFunction, ForeignStepper
+from driftproof.blackbox.stepper.foreign_code import FieldFunction
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.second_functions import SecondFunction, with_functions
 from driftproof.symbolic.rounding.formats import FloatFormat
 

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.judging.sampled_steps import Arguments, Sizes, simplest_step, steps_within
 from driftproof.blackbox.judging.tolerance import Allowance, Judgement, Tolerance
-from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper, call_text
+from driftproof.blackbox.stepper.call_text import call_text
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.algebra.certified import significant
 
 if TYPE_CHECKING:

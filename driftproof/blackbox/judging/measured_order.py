@@ -22,7 +22,8 @@ from driftproof.blackbox.judging.nonlinear_problems import (
 )
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter
 from driftproof.blackbox.stepper.calling_conventions import FIELD
-from driftproof.blackbox.stepper.foreign_stepper import CallLog, ForeignStepper
+from driftproof.blackbox.stepper.foreign_code import CallLog
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 # At h = 2**-8 a method of order 12 errs by some 2**-110: balls of this precision are far narrower.
 _BITS = 256

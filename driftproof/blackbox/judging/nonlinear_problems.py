@@ -12,7 +12,8 @@ from flint import arb
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, StepRaised, WrongShape
 from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE
-from driftproof.blackbox.stepper.foreign_stepper import FieldFunction, ForeignStepper
+from driftproof.blackbox.stepper.foreign_code import FieldFunction
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 _State: TypeAlias = list[AnyNumber]
 # Not 0, so that a clock that stands at 0 or is started again shows. Of the starts, spacings of the bells and strengths

@@ -21,7 +21,8 @@ from driftproof.blackbox.probes.scripted_answers import CoefficientRow, NotReada
 from driftproof.blackbox.probes.stage_chains import StageChains
 from driftproof.blackbox.probes.tableau import is_explicit
 from driftproof.blackbox.stepper.array_adapters import PARTED, SCALARS, AnyNumber
-from driftproof.blackbox.stepper.foreign_stepper import FieldFunction, ForeignStepper
+from driftproof.blackbox.stepper.foreign_code import FieldFunction
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 # How much of what moves the position is in what chains are read from: every stage shows, and none of use cancels.
 _OF_POSITION = 0.625

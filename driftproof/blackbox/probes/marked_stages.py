@@ -9,7 +9,8 @@ from typing import NamedTuple, TypeAlias
 
 from driftproof.blackbox.findings import Misbehaviour, NoAnswer
 from driftproof.blackbox.probes.scripted_answers import Listener, NotReadable, performed
-from driftproof.blackbox.stepper.foreign_stepper import FieldFunction, ForeignStepper
+from driftproof.blackbox.stepper.foreign_code import FieldFunction
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 # A stage: the number of its time, then of what each clock shows there, each in the order of the first call.
 StageLabel: TypeAlias = tuple[int, ...]

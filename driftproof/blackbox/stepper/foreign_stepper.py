@@ -3,26 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import suppress
-from copy import copy
-from dataclasses import dataclass, field, is_dataclass, replace
+from dataclasses import dataclass, replace
 from itertools import permutations
-from math import inf, isfinite
-from typing import Any, TypeAlias
+from math import inf
+from typing import TypeAlias
 
 import numpy as np
 
-from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, StepRaised, UnsupportedCall, WrongShape
-from driftproof.blackbox.stepper.array_adapters import (
-    ARRAYS,
-    LISTS,
-    SCALARS,
-    AnyNumber,
-    ArrayAdapter,
-    Foreign,
-    as_array,
-    type_of,
-)
+from driftproof.blackbox.findings import NotANumber, UnsupportedCall, WrongShape
+from driftproof.blackbox.stepper.array_adapters import ARRAYS, SCALARS, AnyNumber, ArrayAdapter, Foreign
 from driftproof.blackbox.stepper.calling_conventions import (
     BESIDES,
     CARRIED,
@@ -32,70 +21,26 @@ from driftproof.blackbox.stepper.calling_conventions import (
     GRID,
     MAP,
     POSITION,
-    QUATERNION,
     STATE,
     STEP,
     TIME,
     VELOCITY,
-    CallingConvention,
 )
+from driftproof.blackbox.stepper.foreign_code import CallLog, FieldFunction, ForeignCode, size_of
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
-from driftproof.blackbox.stepper.run_states import is_generator, states_of_generator, states_of_run
-from driftproof.blackbox.stepper.state_forms import part_pair
 from driftproof.methods.stepping import oscillator
-from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 
 # A force, or a right-hand side of t and y, of ours: on numbers of the adapter.
 ForceFunction: TypeAlias = Callable[[AnyNumber], AnyNumber]
 # Of t, positions and velocities.
 DraggedForce: TypeAlias = Callable[[AnyNumber, list[AnyNumber], list[AnyNumber]], Sequence[AnyNumber]]
-FieldFunction: TypeAlias = Callable[[AnyNumber, list[AnyNumber]], Sequence[AnyNumber]]
-# Longer answers are cut where a message shows them: a line of 120 characters holds one and what is said of it.
-_MOST_SHOWN = 60
-# What a step moves, position before velocity.
-_MOVED = (POSITION, VELOCITY, STATE, QUATERNION)
 # What is farther than this from a position of 1, a velocity of 3/4 and a time of 0, in a step of 1/4, is none of them.
 _UNLIKE, _MOST_ASKED = 0.3, 4
-# A sum of times in the narrowest format, with 8 bits after the first, is nearer than this to the true one.
-_ABOUT = 2.0**-6
 
 
 @dataclass
-class CallLog:
-    """What was seen besides the answers, over all calls: how many, types returned, arguments changed in place."""
-
-    calls: int = 0
-    types: set[str] = field(default_factory=set)  # of the answers, as the stepper's library calls them
-    changes_its_arguments: bool = False
-    works_in_place: bool = False
-    beside: list[AnyNumber] | None = None  # what the last step returned after y1: its error estimate, or another y1
-    dense: Callable[..., Foreign] | None = None  # its dense output, a function of the time, or of theta
-    carried: Foreign = None  # the slope that the last step hands on
-    layout: str | None = None  # where the end stands in what a run, or a generator, returns
-    asks: tuple[str, ...] = ()  # the roles of what a force was called with first
-    states: Sequence[Sequence[AnyNumber]] = ()  # of the last run, the start among them where all are returned
-
-
-@dataclass
-class ForeignStepper:
-    """Somebody's stepper, called in its own way.
-
-    `step_with` and `step` take and give numbers of the adapter, floats as a rule. Whatever the stepper does instead of
-    answering comes as a `Misbehaviour`. `before` is told each call before it is made, and may refuse it by raising;
-    `after` hears when it is over. `pristine` is the code before its first call, None where it cannot be copied; runs of
-    fewer steps than `shortest` are not made. A `single` one takes one number, and no state of q and v.
-    """
-
-    function: Callable[..., Any]
-    convention: CallingConvention
-    adapter: ArrayAdapter
-    format: FloatFormat = BINARY64
-    log: CallLog = field(default_factory=CallLog)
-    before: Callable[[str], None] = lambda call: None
-    after: Callable[[], None] = lambda: None
-    pristine: Callable[..., Any] | None = None
-    shortest: int = 1
-    single: bool = False
+class ForeignStepper(ForeignCode):
+    """Somebody's stepper: its steps of systems of ours, in numbers of its adapter, floats as a rule."""
 
     def fresh(self, steps: int = 1) -> ForeignStepper:
         """The same, remembering nothing; of a code that makes runs, one that makes runs of so many steps.
@@ -177,28 +122,6 @@ class ForeignStepper:
         answer = self.called(roles, f"t={t!r}, y={list(y)!r}, h={h!r}", y)
         return self.finite(self._read_state(answer, size, t + h), [*y, h])
 
-    def callback(
-        self, rate: FieldFunction, t: AnyNumber, size: int, write: Callable[[Any], Foreign]
-    ) -> Callable[..., Foreign]:
-        """What the code calls for rate(t, y), as it calls it: f(t, y), f(y, t), or f(y), of which t is the time."""
-        order = self.convention.order
-        time_first = TIME not in order or order.index(TIME) < order.index(STATE)
-
-        def called(*arguments: Foreign) -> Foreign:
-            state, time = (-1, 0) if time_first else (0, -1)
-            try:
-                asked = self.adapter.read(arguments[state], size)
-            except WrongShape:  # it calls f(y, t), whichever way it takes them itself
-                state, time = time, state
-                asked = self.adapter.read(arguments[state], size)
-            except NotANumber as refusal:
-                place = str(refusal).replace("it returns", "it asks for its right-hand side at")
-                raise NotANumber(place) from None
-            at = self.adapter.read(arguments[time], 1)[0] if len(arguments) > 1 else t
-            return write(rate(at, asked))
-
-        return self.adapter.function(called)
-
     def step_batch(self, qs: Sequence[float], vs: Sequence[float], h: float) -> list[tuple[float, float]]:
         """One step of several states at once, as arrays; under the force -q where it takes one.
 
@@ -210,7 +133,7 @@ class ForeignStepper:
         factor, asks = self.convention.factor, self.convention.asks
 
         def force(*asked: Foreign) -> Foreign:
-            return -factor * (asked[asks.index(POSITION)] if asks else max(asked, key=_size))  # a time is one number
+            return -factor * (asked[asks.index(POSITION)] if asks else max(asked, key=size_of))  # a time is one number
 
         roles = {POSITION: write(qs), VELOCITY: write(vs), STEP: h, TIME: 0.0, CARRIED: write([-q for q in qs])}
         roles[FUNCTION] = force
@@ -247,7 +170,7 @@ class ForeignStepper:
             self.log.asks = roles
             given = dict(zip(roles if len(roles) <= len(arguments) else (POSITION,), arguments, strict=False))
             position = given[POSITION]
-            size = 1 if _size(position) == 1 else len(q)
+            size = 1 if size_of(position) == 1 else len(q)
             asked = adapter.read(position, size)
             at = adapter.read(given[TIME], 1)[0] if TIME in order and TIME in given else t
             moving = adapter.read(given[VELOCITY], size) if VELOCITY in given else []
@@ -273,7 +196,7 @@ class ForeignStepper:
 
         def off(role: str, asked: Foreign) -> float:
             try:
-                return _UNLIKE if role == BESIDES else float(abs(adapter.read(asked, _size(asked))[0] - starts[role]))
+                return _UNLIKE if role == BESIDES else float(abs(adapter.read(asked, size_of(asked))[0] - starts[role]))
             except (NotANumber, WrongShape):
                 return inf
 
@@ -286,161 +209,3 @@ class ForeignStepper:
         shown = [x[0] if len(x) == 1 else list(x) for x in (q, v)]
         answer = self.called(roles, f"q={shown[0]!r}, v={shown[1]!r}, h={h!r}", [*q, *v])
         return self.finite([x for part in self.two_parts(answer) for x in self.read(part, len(q))], [*q, *v, h])
-
-    def two_parts(self, answer: Foreign) -> tuple[Foreign, Foreign]:
-        """Position and velocity of an answer. Raises WrongShape."""
-        try:
-            position, velocity = part_pair(answer)
-        except (TypeError, ValueError):
-            raise WrongShape(f"it returns {_shown(answer)}, not a pair (q1, v1)") from None
-        return position, velocity
-
-    def called(self, roles: dict[str, Foreign], words: str, start: Sequence[AnyNumber]) -> Foreign:
-        """What the code returns for these arguments, by role; `words` tell them, `start` are the numbers to be moved.
-
-        Raises a Misbehaviour.
-        """
-        self.before(words)
-        self.log.calls += 1
-        values = [roles[role] for role in self.convention.order]
-        named = dict(zip(self.convention.names, values, strict=False))  # all of them, or none
-        arguments = () if named else values
-        kept = {role: _copied(roles[role]) for role in _MOVED if role in roles}
-        try:
-            answer = self._ended(self.function(*arguments, **named, **self.convention.extra), start)
-        except Misbehaviour:
-            raise
-        except (Exception, SystemExit) as error:
-            raise StepRaised(f"step({words}) raises {type(error).__name__}: {' '.join(str(error).split())}") from error
-        finally:
-            self.after()
-        return self._answer(answer, roles, kept)
-
-    def _ended(self, answer: Foreign, start: Sequence[AnyNumber]) -> Foreign:
-        """What stands at the end of the step: of a run its last state, of a generator the one after the start."""
-        if CARRIED in self.convention.order and isinstance(answer, tuple) and len(answer) > 1:
-            self.log.carried, answer = answer[-1], answer[:-1] if len(answer) > 2 else answer[0]
-        steps = self.convention.steps
-        if is_generator(answer):
-            self.log.states, self.log.layout = states_of_generator(answer, start, self.log.layout, steps)
-        elif self.convention.run:
-            self.log.states, self.log.layout = states_of_run(answer, start, self.log.layout, steps)
-        else:
-            return answer
-        end = self.log.states[-1]
-        half = len(start) // 2
-        return (end[:half], end[half:]) if POSITION in self.convention.order else end
-
-    def _answer(self, answer: Foreign, roles: dict[str, Foreign], kept: dict[str, Foreign]) -> Foreign:
-        """What was returned; where that is None, the arguments, if the step was written into them."""
-        changed = any(_differs(roles[role], before) for role, before in kept.items())
-        self.log.changes_its_arguments |= changed
-        if answer is not None or not (changed or self.log.works_in_place):
-            return answer
-        self.log.works_in_place = True
-        parts = tuple(roles[role] for role in kept if role in self.convention.order)
-        return parts if len(parts) > 1 else parts[0]
-
-    def read(self, answer: Foreign, size: int) -> list[AnyNumber]:
-        """The numbers of an answer; its type is kept in the log. Raises WrongShape, NotANumber."""
-        self.log.types.add(type_of(answer))
-        return self.adapter.read(answer, size)
-
-    def _read_state(self, answer: Foreign, size: int, end: AnyNumber) -> list[AnyNumber]:
-        """The state that was returned: y1, (t1, y1), (y1, y1_hat), (y1, error), (t1, y1, error), with more behind.
-
-        What comes after y1, an error as one number, too, or a function, is kept in the log. Of one number, what may be
-        a time is one only if it is about the end of the step.
-        """
-        parts = [part for part in answer if not callable(part)] if isinstance(answer, tuple) else []
-        self.log.dense = next(filter(callable, answer), None) if isinstance(answer, tuple) else None
-        sizes, self.log.beside = [_size(part) for part in parts], None
-        if sizes[:2] == [1, size] and (size > 1 or abs(self.adapter.read(parts[0], 1)[0] - end) <= _ABOUT * abs(end)):
-            parts, sizes = parts[1:], sizes[1:]
-        if sizes[:1] != [size]:
-            return self.read(answer, size)
-        if len(sizes) > 1 and sizes[1] in (1, size):
-            with suppress(NotANumber):
-                self.log.beside = self.adapter.read(parts[1], sizes[1])
-        return self.read(parts[0], size)
-
-    def finite(self, answer: list[AnyNumber], given: Sequence[AnyNumber]) -> list[AnyNumber]:
-        """The answer. Raises NotFinite where what was given is finite, and the answer is not."""
-        if all(map(_is_finite, given)) and not all(map(_is_finite, answer)):
-            seen = f"from {', '.join(map(repr, given))} it returns {', '.join(map(repr, answer))}"
-            raise NotFinite(seen, tuple(answer))
-        return answer
-
-
-def call_text(stepper: ForeignStepper, q: float, v: float, h: float) -> str:
-    """The call of a step as a line of Python, `step` being the stepper."""
-    calls = stepper.convention
-    state_first = {STATE, TIME} <= {*calls.order} and calls.order.index(STATE) < calls.order.index(TIME)
-    rates = f"lambda {'y, t' if state_first else 't, y'}: {_as_written(stepper, '[y[1], -y[0]]')}"
-    names = {POSITION: "q", VELOCITY: "v", TIME: "t"}
-    asked = ", ".join(names.get(role, f"_{place}") for place, role in enumerate(calls.asks or (POSITION,)))
-    force = f"lambda {asked}: {-calls.factor:g} * q" if calls.factor != 1 else f"lambda {asked}: -q"
-    function = {FORCE: force, FIELD: rates}.get(calls.kind, "")
-    slope = (v, -q) if calls.kind == FIELD else (-calls.factor * q,)
-    numbers = {POSITION: (q,), VELOCITY: (v,), STATE: (q, v), CARRIED: slope}
-    texts = {FUNCTION: function, TIME: "0.0", STEP: _literal(h), GRID: f"[0.0, {_literal(h)}]"}
-    arguments = [texts[role] if role in texts else _written(stepper, *numbers[role]) for role in calls.order]
-    named = [f"{name}={text}" for name, text in zip(calls.names, arguments, strict=False)]
-    extra = [f"{name}={value!r}" for name, value in calls.extra.items()]
-    return f"step({', '.join([*(named or arguments), *extra])})"
-
-
-def _literal(x: float) -> str:
-    """x as Python reads it, to the last bit."""
-    return repr(x) if isfinite(x) else f'float("{x!r}")'
-
-
-def _written(stepper: ForeignStepper, *numbers: float) -> str:
-    """The numbers as the stepper takes them, with the name of what makes them."""
-    if stepper.adapter.shown:
-        return _as_shown(stepper.adapter.shown, [*map(_literal, numbers)])
-    texts = ", ".join(map(_literal, numbers))
-    if stepper.adapter is SCALARS:
-        return texts
-    return _as_written(stepper, f"[{texts}]" if np.ndim(stepper.adapter.write(numbers)) else texts)
-
-
-def _as_shown(shown: str, texts: Sequence[str]) -> str:
-    return shown.format(*texts) if shown.count("{}") > 1 else shown.format(", ".join(texts))
-
-
-def _as_written(stepper: ForeignStepper, text: str) -> str:
-    if stepper.adapter.shown:
-        inner = text[1:-1] if text.startswith("[") else text
-        return _as_shown(stepper.adapter.shown, inner.split(", "))
-    makers = {LISTS: "", ARRAYS: "numpy.array"}
-    maker = makers.get(stepper.adapter, stepper.adapter.name)
-    return f"{maker}({text})" if maker else text
-
-
-def _is_finite(x: AnyNumber) -> bool:
-    return not isinstance(x, float) or isfinite(x)
-
-
-def _size(x: Foreign) -> int:
-    try:
-        return as_array(x).size
-    except NotANumber:  # such as the numbers of another arithmetic
-        return 1
-
-
-def _copied(x: Foreign) -> Foreign:
-    copied = getattr(x, "copy", None) or getattr(x, "clone", None)  # arrays and lists; tensors
-    return copied() if copied is not None else copy(x) if is_dataclass(x) else x
-
-
-def _differs(x: Foreign, before: Foreign) -> bool:
-    try:  # NaN differs from itself: bytes are compared, not values
-        return x is not before and as_array(x).tobytes() != as_array(before).tobytes()
-    except NotANumber:  # such as the numbers of another arithmetic, which nobody watches
-        return vars(x) != vars(before) if is_dataclass(x) else isinstance(x, dict) and x != before
-
-
-def _shown(answer: Foreign) -> str:
-    text = repr(answer)
-    return text if len(text) <= _MOST_SHOWN else f"{text[:_MOST_SHOWN]}..."

@@ -41,7 +41,8 @@ from driftproof.blackbox.stepper.calling_conventions import (
     conventions_of,
     signature_text,
 )
-from driftproof.blackbox.stepper.foreign_stepper import CallLog, ForeignStepper
+from driftproof.blackbox.stepper.foreign_code import CallLog
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
 from driftproof.blackbox.stepper.second_functions import with_functions, zeros
 from driftproof.blackbox.stepper.state_forms import COMPLEX, forms_of

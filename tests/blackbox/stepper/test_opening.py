@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.findings import Misbehaviour
-from driftproof.blackbox.stepper.foreign_stepper import call_text
+from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.opening import Target, imported, opened
 from driftproof.blackbox.stepper.wrappers import wrapper_line
 from driftproof.symbolic.rounding.formats import BINARY32

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.findings import StaleSlope
-from driftproof.blackbox.stepper.foreign_stepper import call_text
+from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox.stepper.styles import STYLES, defined, keys_of, namespace
 

@@ -1,0 +1,205 @@
+"""Somebody's code, called once: arguments by role, what comes back in whichever form, and a log of what was seen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from copy import copy
+from dataclasses import dataclass, field, is_dataclass
+from math import isfinite
+from typing import Any, TypeAlias
+
+from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, StepRaised, WrongShape
+from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, as_array, type_of
+from driftproof.blackbox.stepper.calling_conventions import (
+    CARRIED,
+    POSITION,
+    QUATERNION,
+    STATE,
+    TIME,
+    VELOCITY,
+    CallingConvention,
+)
+from driftproof.blackbox.stepper.run_states import is_generator, states_of_generator, states_of_run
+from driftproof.blackbox.stepper.state_forms import part_pair
+from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
+
+FieldFunction: TypeAlias = Callable[[AnyNumber, list[AnyNumber]], Sequence[AnyNumber]]
+# Longer answers are cut where a message shows them: a line of 120 characters holds one and what is said of it.
+_MOST_SHOWN = 60
+# What a step moves, position before velocity.
+_MOVED = (POSITION, VELOCITY, STATE, QUATERNION)
+# A sum of times in the narrowest format, with 8 bits after the first, is nearer than this to the true one.
+_ABOUT = 2.0**-6
+
+
+@dataclass
+class CallLog:
+    """What was seen besides the answers, over all calls: how many, types returned, arguments changed in place."""
+
+    calls: int = 0
+    types: set[str] = field(default_factory=set)  # of the answers, as the stepper's library calls them
+    changes_its_arguments: bool = False
+    works_in_place: bool = False
+    beside: list[AnyNumber] | None = None  # what the last step returned after y1: its error estimate, or another y1
+    dense: Callable[..., Foreign] | None = None  # its dense output, a function of the time, or of theta
+    carried: Foreign = None  # the slope that the last step hands on
+    layout: str | None = None  # where the end stands in what a run, or a generator, returns
+    asks: tuple[str, ...] = ()  # the roles of what a force was called with first
+    states: Sequence[Sequence[AnyNumber]] = ()  # of the last run, the start among them where all are returned
+
+
+@dataclass
+class ForeignCode:
+    """Somebody's code, called in its own way; what it does instead of answering comes as a `Misbehaviour`.
+
+    `before` is told each call before it is made, and may refuse it by raising; `after` hears when it is over.
+    `pristine` is the code before its first call, None where it cannot be copied; runs of fewer steps than `shortest`
+    are not made. A `single` one takes one number, and no state of q and v.
+    """
+
+    function: Callable[..., Any]
+    convention: CallingConvention
+    adapter: ArrayAdapter
+    format: FloatFormat = BINARY64
+    log: CallLog = field(default_factory=CallLog)
+    before: Callable[[str], None] = lambda call: None
+    after: Callable[[], None] = lambda: None
+    pristine: Callable[..., Any] | None = None
+    shortest: int = 1
+    single: bool = False
+
+    def callback(
+        self, rate: FieldFunction, t: AnyNumber, size: int, write: Callable[[Any], Foreign]
+    ) -> Callable[..., Foreign]:
+        """What the code calls for rate(t, y), as it calls it: f(t, y), f(y, t), or f(y), of which t is the time."""
+        order = self.convention.order
+        time_first = TIME not in order or order.index(TIME) < order.index(STATE)
+
+        def called(*arguments: Foreign) -> Foreign:
+            state, time = (-1, 0) if time_first else (0, -1)
+            try:
+                asked = self.adapter.read(arguments[state], size)
+            except WrongShape:  # it calls f(y, t), whichever way it takes them itself
+                state, time = time, state
+                asked = self.adapter.read(arguments[state], size)
+            except NotANumber as refusal:
+                place = str(refusal).replace("it returns", "it asks for its right-hand side at")
+                raise NotANumber(place) from None
+            at = self.adapter.read(arguments[time], 1)[0] if len(arguments) > 1 else t
+            return write(rate(at, asked))
+
+        return self.adapter.function(called)
+
+    def two_parts(self, answer: Foreign) -> tuple[Foreign, Foreign]:
+        """Position and velocity of an answer. Raises WrongShape."""
+        try:
+            position, velocity = part_pair(answer)
+        except (TypeError, ValueError):
+            raise WrongShape(f"it returns {_shown(answer)}, not a pair (q1, v1)") from None
+        return position, velocity
+
+    def called(self, roles: dict[str, Foreign], words: str, start: Sequence[AnyNumber]) -> Foreign:
+        """What the code returns for these arguments, by role; `words` tell them, `start` are the numbers to be moved.
+
+        Raises a Misbehaviour.
+        """
+        self.before(words)
+        self.log.calls += 1
+        values = [roles[role] for role in self.convention.order]
+        named = dict(zip(self.convention.names, values, strict=False))  # all of them, or none
+        arguments = () if named else values
+        kept = {role: _copied(roles[role]) for role in _MOVED if role in roles}
+        try:
+            answer = self._ended(self.function(*arguments, **named, **self.convention.extra), start)
+        except Misbehaviour:
+            raise
+        except (Exception, SystemExit) as error:
+            raise StepRaised(f"step({words}) raises {type(error).__name__}: {' '.join(str(error).split())}") from error
+        finally:
+            self.after()
+        return self._answer(answer, roles, kept)
+
+    def _ended(self, answer: Foreign, start: Sequence[AnyNumber]) -> Foreign:
+        """What stands at the end of the step: of a run its last state, of a generator the one after the start."""
+        if CARRIED in self.convention.order and isinstance(answer, tuple) and len(answer) > 1:
+            self.log.carried, answer = answer[-1], answer[:-1] if len(answer) > 2 else answer[0]
+        steps = self.convention.steps
+        if is_generator(answer):
+            self.log.states, self.log.layout = states_of_generator(answer, start, self.log.layout, steps)
+        elif self.convention.run:
+            self.log.states, self.log.layout = states_of_run(answer, start, self.log.layout, steps)
+        else:
+            return answer
+        end = self.log.states[-1]
+        half = len(start) // 2
+        return (end[:half], end[half:]) if POSITION in self.convention.order else end
+
+    def _answer(self, answer: Foreign, roles: dict[str, Foreign], kept: dict[str, Foreign]) -> Foreign:
+        """What was returned; where that is None, the arguments, if the step was written into them."""
+        changed = any(_differs(roles[role], before) for role, before in kept.items())
+        self.log.changes_its_arguments |= changed
+        if answer is not None or not (changed or self.log.works_in_place):
+            return answer
+        self.log.works_in_place = True
+        parts = tuple(roles[role] for role in kept if role in self.convention.order)
+        return parts if len(parts) > 1 else parts[0]
+
+    def read(self, answer: Foreign, size: int) -> list[AnyNumber]:
+        """The numbers of an answer; its type is kept in the log. Raises WrongShape, NotANumber."""
+        self.log.types.add(type_of(answer))
+        return self.adapter.read(answer, size)
+
+    def _read_state(self, answer: Foreign, size: int, end: AnyNumber) -> list[AnyNumber]:
+        """The state that was returned: y1, (t1, y1), (y1, y1_hat), (y1, error), (t1, y1, error), with more behind.
+
+        What comes after y1, an error as one number, too, or a function, is kept in the log. Of one number, what may be
+        a time is one only if it is about the end of the step.
+        """
+        parts = [part for part in answer if not callable(part)] if isinstance(answer, tuple) else []
+        self.log.dense = next(filter(callable, answer), None) if isinstance(answer, tuple) else None
+        sizes, self.log.beside = [size_of(part) for part in parts], None
+        if sizes[:2] == [1, size] and (size > 1 or abs(self.adapter.read(parts[0], 1)[0] - end) <= _ABOUT * abs(end)):
+            parts, sizes = parts[1:], sizes[1:]
+        if sizes[:1] != [size]:
+            return self.read(answer, size)
+        if len(sizes) > 1 and sizes[1] in (1, size):
+            with suppress(NotANumber):
+                self.log.beside = self.adapter.read(parts[1], sizes[1])
+        return self.read(parts[0], size)
+
+    def finite(self, answer: list[AnyNumber], given: Sequence[AnyNumber]) -> list[AnyNumber]:
+        """The answer. Raises NotFinite where what was given is finite, and the answer is not."""
+        if all(map(_is_finite, given)) and not all(map(_is_finite, answer)):
+            seen = f"from {', '.join(map(repr, given))} it returns {', '.join(map(repr, answer))}"
+            raise NotFinite(seen, tuple(answer))
+        return answer
+
+
+def _is_finite(x: AnyNumber) -> bool:
+    return not isinstance(x, float) or isfinite(x)
+
+
+def size_of(x: Foreign) -> int:
+    """How many numbers it holds."""
+    try:
+        return as_array(x).size
+    except NotANumber:  # such as the numbers of another arithmetic
+        return 1
+
+
+def _copied(x: Foreign) -> Foreign:
+    copied = getattr(x, "copy", None) or getattr(x, "clone", None)  # arrays and lists; tensors
+    return copied() if copied is not None else copy(x) if is_dataclass(x) else x
+
+
+def _differs(x: Foreign, before: Foreign) -> bool:
+    try:  # NaN differs from itself: bytes are compared, not values
+        return x is not before and as_array(x).tobytes() != as_array(before).tobytes()
+    except NotANumber:  # such as the numbers of another arithmetic, which nobody watches
+        return vars(x) != vars(before) if is_dataclass(x) else isinstance(x, dict) and x != before
+
+
+def _shown(answer: Foreign) -> str:
+    text = repr(answer)
+    return text if len(text) <= _MOST_SHOWN else f"{text[:_MOST_SHOWN]}..."

@@ -1,0 +1,144 @@
+"""What somebody's code gives back: in place or not, beside what else, and what it does instead of answering."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.findings import NotANumber, NotFinite, StepRaised, WrongShape
+from driftproof.blackbox.stepper.opening import opened
+from tests.blackbox.stepper.euler_steps import (
+    both,
+    field,
+    list_in_place,
+    map_of_a_state,
+    map_of_numbers,
+    numbers_in_place,
+    state_in_place,
+)
+
+STATE, H = (1.0, 0.75), 0.25
+
+
+@pytest.mark.parametrize("step", [numbers_in_place, state_in_place, list_in_place])
+def test_a_step_in_place_is_seen_by_the_log(step):
+    subject = opened(step)
+    subject.step(*STATE, H)
+    assert subject.log.works_in_place
+    assert subject.log.changes_its_arguments
+
+
+def test_the_log_tells_changed_arguments_from_a_step_in_place():
+    subject = opened(both, array=np.array)
+    subject.step(*STATE, H)
+    assert (subject.log.changes_its_arguments, subject.log.works_in_place) == (True, False)
+    clean = opened(map_of_a_state)
+    clean.step(*STATE, H)
+    assert (clean.log.changes_its_arguments, clean.log.works_in_place) == (False, False)
+    assert (clean.log.calls, clean.log.types) == (1, {"float64"})
+
+
+def test_nan_in_an_argument_is_no_change_of_it():
+    subject = opened(map_of_a_state)
+    assert str(subject.step(float("nan"), 0.75, H)) == "(nan, nan)"
+    assert not subject.log.changes_its_arguments
+
+
+@pytest.mark.parametrize(
+    ("answer", "kind", "seen"),
+    [
+        (None, WrongShape, "it returns None, not a pair (q1, v1)"),
+        (1.0, WrongShape, "it returns 1.0, not a pair (q1, v1)"),
+        (np.array(1.0), WrongShape, "it returns array(1.), not a pair (q1, v1)"),
+        ((1.0, 2.0, 3.0), WrongShape, "it returns (1.0, 2.0, 3.0), not a pair (q1, v1)"),
+        ((1.0, [2.0, 3.0]), WrongShape, "1 number went in, 2 came out"),
+        (np.zeros(100), WrongShape, "..."),
+        ("ab", NotANumber, "it returns str with entries of type <U1, not real numbers"),
+        ((1.0, None), NotANumber, "it returns None"),
+        ((1.0, 2j), NotANumber, "entries of type complex128, not real numbers"),
+        ((1.0, object()), NotANumber, "entries of type object, not real numbers"),
+        ((1.0, float("nan")), NotFinite, "from 1.0, 0.75, 0.25 it returns 1.0, nan"),
+        ((1.0, float("-inf")), NotFinite, "from 1.0, 0.75, 0.25 it returns 1.0, -inf"),
+    ],
+)
+def test_what_is_no_answer_is_named_in_one_line(answer, kind, seen, as_before):
+    with pytest.raises(kind) as caught:
+        opened(lambda q, v, h: answer)
+    assert seen in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 200
+    if "object at" not in str(answer):
+        as_before(caught.value)
+
+
+def test_numbers_that_are_not_finite_come_with_the_finding():
+    with pytest.raises(NotFinite) as caught:
+        opened(lambda q, v, h: (q, float("inf")))
+    assert caught.value.answer == (1.0, float("inf"))
+
+
+# What is returned, of a time, a state and an error, and how many numbers of it are kept beside the state.
+ANSWERS = [
+    (lambda t, y1, error: (y1, error), 2),
+    (lambda t, y1, error: (y1, y1 + error), 2),
+    (lambda t, y1, error: (t, y1, error), 2),
+    (lambda t, y1, error: (y1, error, "accepted"), 2),
+    (lambda t, y1, error: (y1, max(error)), 1),
+    (lambda t, y1, error: (t, y1), 0),
+    (lambda t, y1, error: (y1, "accepted"), 0),
+    (lambda t, y1, error: y1, 0),
+]
+
+
+@pytest.mark.parametrize("case", range(len(ANSWERS)))
+def test_what_is_returned_beside_the_state_is_kept_and_not_taken_for_the_state(case):
+    answer, numbers = ANSWERS[case]
+    subject = opened(lambda f, t, y, h: answer(t + h, y + h * f(t, y), np.array([-0.5, 0.25])))
+    assert subject.step(1.0, 0.75, H) == (1.1875, 0.5)
+    assert len(subject.log.beside or []) == numbers
+
+
+def test_of_one_number_too_the_time_is_told_from_the_state():
+    def with_time(f, t, y, h):
+        return t + h, math.fsum([y, h * f(t, y)])
+
+    assert opened(with_time).step_field(lambda t, y: [-y[0]], 2.0, [1.0], H) == [0.75]
+    subject = replace(opened(with_time), function=lambda f, t, y, h: (y + h * f(t, y), 0.0))
+    assert subject.step_field(lambda t, y: [-y[0]], 2.0, [1.0], H) == [0.75]
+    assert subject.log.beside == [0.0]
+    near = replace(opened(with_time), function=lambda f, t, y, h: (1.02 * (t + h), 0.5))  # a state, beside its error
+    assert near.step_field(lambda t, y: [-y[0]], 2.0, [1.0], H) == [1.02 * (2 + H)]
+
+
+def test_exceptions_of_the_stepper_come_in_one_line():
+    def fails(q, v, h):
+        raise RuntimeError("two\nlines")
+
+    with pytest.raises(StepRaised, match=r"^step\(q=1.0, v=0.75, h=0.25\) raises RuntimeError: two lines$"):
+        opened(fails)
+
+
+def test_each_call_is_told_before_it_is_made():
+    told = []
+    opened(map_of_numbers, before=told.append).step(2.0, 0.0, 0.5)
+    opened(field, before=told.append)
+    opened(map_of_a_state, before=told.append)
+    assert told == [
+        *("q=1.0, v=0.75, h=0.25", "q=2.0, v=0.0, h=0.5"),
+        *("t=0.0, y=[1.0, 0.75], h=0.25", "state=[1.0, 0.75], h=0.25"),
+    ]
+
+
+def test_each_call_is_said_to_be_over_also_where_it_raises():
+    told = []
+
+    def step(q, v, h):
+        if q > 1:
+            raise RuntimeError("large")
+        return map_of_numbers(q, v, h)
+
+    subject = opened(step, before=lambda call: told.append(1), after=lambda: told.append(-1))
+    with pytest.raises(StepRaised):
+        subject.step(2.0, 0.0, H)
+    assert told == [1, -1, 1, -1]
