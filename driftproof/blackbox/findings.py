@@ -37,6 +37,12 @@ class Increment(Misbehaviour):
     kind = "increment"
 
 
+class Exchanged(Misbehaviour):
+    """The answer is (v1, q1) where (q, v) went in."""
+
+    kind = "exchanged"
+
+
 class StaleSlope(Misbehaviour):
     """The slope that a step hands on to the next one is not that at its end."""
 

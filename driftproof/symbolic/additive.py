@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 from driftproof.methods.additive import Additive
 from driftproof.methods.number_field import Exact, total
-from driftproof.symbolic.linear.facts import LinearFacts, fact_names
-from driftproof.symbolic.rosenbrock import MOST_VERTICES, fact_of_twin
+from driftproof.symbolic.linear.facts import FactsOfFamily, LinearFacts, fact_names, fact_of_twin
+from driftproof.symbolic.rosenbrock import MOST_VERTICES
 from driftproof.symbolic.trees.elementary_weights import EXACT, TableauStages
 from driftproof.symbolic.trees.order_conditions import OrderFact, order, order_of, order_to_tolerance
 from driftproof.symbolic.trees.order_conditions import runge_kutta_conditions as conditions_of_one
@@ -31,7 +31,7 @@ class CoupledOrders(NamedTuple):
     embedded_order: int | None
 
 
-class AdditiveFacts:
+class AdditiveFacts(FactsOfFamily[Additive]):
     """The exact facts about an additive method, each derived when it is first asked for.
 
     >>> from driftproof.methods.catalogue import FACTS_ONLY
@@ -40,19 +40,7 @@ class AdditiveFacts:
     (3, 3, 3, True)
     """
 
-    def __init__(self, method: Additive) -> None:
-        """Compute nothing yet."""
-        self.method = method
-
-    @cached_property
-    def family(self) -> str:
-        """The kind of method by which its coefficients are read."""
-        return "additive"
-
-    @cached_property
-    def inconsistencies(self) -> dict[str, Exact]:
-        """What is not zero and should be, as sum(b_explicit) - 1."""
-        return self.method.inconsistencies()
+    kind = "additive"
 
     @cached_property
     def nodes(self) -> tuple[Exact, ...] | None:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from flint import fmpq
 
 from driftproof.methods.number_field import Exact, total
 from driftproof.methods.rosenbrock import Rosenbrock
-from driftproof.symbolic.linear.facts import LinearFacts, fact_names
+from driftproof.symbolic.linear.facts import FactsOfFamily, LinearFacts, fact_names, fact_of_twin
 from driftproof.symbolic.trees.elementary_weights import EXACT, RingElement, StageValues, TableauStages
 from driftproof.symbolic.trees.order_conditions import (
     OrderFact,
@@ -120,17 +120,7 @@ class OrdersWithin(NamedTuple):
     embedded_order: int | None
 
 
-def fact_of_twin(twin: str, name: str) -> cached_property[Any]:
-    """The fact of that name of the Runge-Kutta method whose facts on linear problems are the attribute `twin`."""
-
-    def fact(facts: Any) -> Any:
-        return getattr(getattr(facts, twin), name)
-
-    fact.__doc__ = getattr(LinearFacts, name).__doc__
-    return cached_property(fact)
-
-
-class RosenbrockFacts:
+class RosenbrockFacts(FactsOfFamily[Rosenbrock]):
     """The exact facts about a Rosenbrock method, each derived when it is first asked for; those of R(z) with J = f'.
 
     >>> from driftproof.methods.catalogue import FACTS_ONLY
@@ -139,19 +129,7 @@ class RosenbrockFacts:
     (3, 1, True, False)
     """
 
-    def __init__(self, method: Rosenbrock) -> None:
-        """Compute nothing yet."""
-        self.method = method
-
-    @cached_property
-    def family(self) -> str:
-        """The kind of method by which its coefficients are read."""
-        return "rosenbrock"
-
-    @cached_property
-    def inconsistencies(self) -> dict[str, Exact]:
-        """What is not zero and should be, as sum(b) - 1."""
-        return self.method.inconsistencies()
+    kind = "rosenbrock"
 
     @cached_property
     def diagonal(self) -> Exact | None:

@@ -41,6 +41,8 @@ _LENGTHS, _BACK = (0.1, 0.1, 1 / 30, 0.07), (-0.07, -0.03)
 _REFUSALS = (StepRaised, WrongShape, NotANumber)
 
 
+# The problems of so many numbers, in the orders in which y may hold them.
+_ByNumber: TypeAlias = dict[int, list[NonlinearProblem]]
 # Whether all steps are the method's, in words, and a call that shows it, where one line does.
 Walked: TypeAlias = tuple[bool | None, str, str]
 
@@ -195,7 +197,7 @@ class Walker:
         """How far one of so many numbers of this size may be off."""
         return allowed_off(self.subject, self.method, self.allowance, size, h)
 
-    def why(self, step: _Step, problem: NonlinearProblem) -> str:
+    def why(self, step: _Step, problem: NonlinearProblem, of_numbers: _ByNumber) -> str:
         """What it takes for a step to be wrong, where that is one thing."""
         there = step.place.problem(problem)
         if not step.first:
@@ -205,7 +207,7 @@ class Walker:
                     return "a step that goes on from the one before is another than from the same state at once"
         lengths = _LENGTHS if step.h > 0 else _BACK
         if self.fails(problem, _Place(), lengths):
-            others = [each for n in (1, 2, 3) if n != step.numbers for each in self.problems(n)[:1]]
+            others = [found[0] for n, found in of_numbers.items() if n in (1, 2, 3) and n != step.numbers]
             if others and not any(self.fails(other, _Place(), lengths) for other in others):
                 return f"of {self.counted(step.numbers)} it is another step"
             return ""
@@ -259,7 +261,8 @@ def there_and_back(walker: Walker) -> Walked:
 
 def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> Walked:
     taken, times, refused = list[int](), list[float](), ""
-    for place, problems in islice(_settings(walker), most):
+    of_numbers = {n: problems for n in walker.numbers if (problems := walker.problems(n))}
+    for place, problems in islice(_settings(walker, [*of_numbers.values()]), most):
         found: list[_Step] = []
         for problem in problems:
             try:
@@ -275,7 +278,7 @@ def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> Wa
                 break
             found.append(step)
         else:
-            cause = walker.why(found[0], problems[0])
+            cause = walker.why(found[0], problems[0], of_numbers)
             return False, ": ".join(filter(None, [cause, found[0].words])), ""
     if not taken:
         return None, f"no such step is taken: {refused}" if refused else "the domain is too small for it", ""
@@ -286,9 +289,10 @@ def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> Wa
     return True, f"{words}{when}{also}", ""
 
 
-def _settings(walker: Walker) -> Iterator[tuple[_Place, list[NonlinearProblem]]]:
+def _settings(
+    walker: Walker, sizes: Sequence[list[NonlinearProblem]]
+) -> Iterator[tuple[_Place, list[NonlinearProblem]]]:
     """Places and numbers of numbers side by side, the shorter list over again; then each number at home."""
-    sizes = [problems for n in walker.numbers if (problems := walker.problems(n))]
     places = walker.places
     if sizes and places:
         for i in range(max(len(sizes), len(places))):

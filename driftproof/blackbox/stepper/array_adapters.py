@@ -92,6 +92,7 @@ SCALARS = ArrayAdapter("Python floats", lambda numbers: float(_one(numbers)), fl
 ARRAYS = ArrayAdapter("NumPy arrays", lambda numbers: np.array(numbers, dtype=np.float64), floats_in)
 PARTED = ArrayAdapter("numbers of parts", lambda numbers: np.array(numbers, float).view(_Parted), floats_in)
 LISTS = ArrayAdapter("lists", lambda numbers: [float(x) for x in numbers], floats_in)
+TUPLES = ArrayAdapter("tuples", lambda numbers: tuple(float(x) for x in numbers), floats_in)
 
 
 def adapter_of(make: Callable[[Any], Foreign]) -> ArrayAdapter:

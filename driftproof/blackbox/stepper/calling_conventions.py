@@ -119,7 +119,7 @@ class CallingConvention:
     the number of steps, 1. `names` are those of all others, where they are passed by name, too. What it calls returns
     `factor` times the acceleration: the mass, -1 where it is the gradient of a potential, the mass over the charge. A
     `run` returns the states of so many `steps`, or is a generator of states. `asks` are the roles of what a force is
-    called with.
+    called with. A step of (v, q) may return these in this order: the `velocity_first`.
     """
 
     kind: str
@@ -130,6 +130,7 @@ class CallingConvention:
     run: bool = False
     steps: int = 1
     asks: tuple[str, ...] = ()
+    velocity_first: bool = False
 
     def of_steps(self, steps: int) -> CallingConvention:
         """The same for a run of so many steps."""

@@ -94,10 +94,10 @@ class ForeignCode:
     def two_parts(self, answer: Foreign) -> tuple[Foreign, Foreign]:
         """Position and velocity of an answer. Raises WrongShape."""
         try:
-            position, velocity = part_pair(answer)
+            first, second = part_pair(answer)
         except (TypeError, ValueError):
             raise WrongShape(f"it returns {_shown(answer)}, not a pair (q1, v1)") from None
-        return position, velocity
+        return (second, first) if self.convention.velocity_first else (first, second)
 
     def called(self, roles: dict[str, Foreign], words: str, start: Sequence[AnyNumber]) -> Foreign:
         """What the code returns for these arguments, by role; `words` tell them, `start` are the numbers to be moved.

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from driftproof.blackbox.findings import Increment, Misbehaviour, StaleSlope, WrongShape
+from driftproof.blackbox.findings import Exchanged, Increment, Misbehaviour, StaleSlope, WrongShape
 from driftproof.blackbox.stepper.array_adapters import (
     ARRAYS,
     LISTS,
@@ -27,11 +27,13 @@ from driftproof.blackbox.stepper.array_adapters import (
 from driftproof.blackbox.stepper.calling_conventions import (
     BESIDES,
     FIELD,
+    FORCE,
     IMEX,
     IMPLICIT,
     JACOBIAN,
     MAGNETIC,
     MAP,
+    POSITION,
     ROSENBROCK,
     ROTATION,
     STATE,
@@ -47,7 +49,7 @@ from driftproof.blackbox.stepper.fresh_copies import fresh_copy
 from driftproof.blackbox.stepper.second_functions import with_functions, zeros
 from driftproof.blackbox.stepper.state_forms import COMPLEX, forms_of
 from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quaternion
-from driftproof.blackbox.stepper.wrappers import increment_wrapper, wrapper_line
+from driftproof.blackbox.stepper.wrappers import exchange_wrapper, increment_wrapper, wrapper_line
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
 
 # Where a stepper is tried out: nothing cancels, and every term of a step is of ordinary size.
@@ -167,13 +169,17 @@ def _tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     """The subject after one call, with the format of its answer, and on its log only what it needs to be read.
 
     Raises WrongShape for a complex number that turns the other way, a Misbehaviour for a step that hands on a slope
-    which is not that at its end, and for one that returns the increment.
+    which is not that at its end, for one that returns the increment, and for one that exchanges q and v.
     """
     end = trial(subject, TRIAL_STEP)
     if subject.adapter is COMPLEX and end[0] < TRIAL_STATE[0]:
         raise WrongShape("z moves as q - i v")
     if subject.log.carried is not None:
         _held_to_its_end(subject.log.carried, end, subject.convention)
+    if subject.convention.kind in (MAP, FORCE) and end[0] < end[1] and not subject.convention.velocity_first:
+        ends = trial(subject, _TINY), end  # a longer step moves on
+        if [np.allclose(x, TRIAL_STATE[::-1], rtol=0, atol=4 * _TINY) for x in ends] == [True, False]:
+            return _tried(_of_velocity_first(subject), trial)
     moved = np.max(np.abs(end))
     if 0 < moved < _SUSPICIOUS * TRIAL_STATE[0] and np.max(np.abs(trial(subject, _TINY))) < 4 * _TINY:
         raise Increment(f"as h goes to 0 it returns 0, not the state: an increment{increment_wrapper(subject)}")
@@ -188,6 +194,14 @@ def _tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     # At rest a step written into its arguments changes nothing: that it works in place must be known by then.
     subject.log = CallLog(works_in_place=subject.log.works_in_place, layout=subject.log.layout)
     return subject
+
+
+def _of_velocity_first(subject: ForeignStepper) -> ForeignStepper:
+    """The subject that returns (v1, q1), as it takes v and q. Raises Exchanged where it takes q before v."""
+    order = subject.convention.order
+    if STATE in order or order.index(POSITION) < order.index(VELOCITY):
+        raise Exchanged(f"it returns (v1, q1), the velocity first{exchange_wrapper(subject)}")
+    return replace(subject, convention=replace(subject.convention, velocity_first=True), log=CallLog())
 
 
 def _moves_along(subject: ForeignStepper) -> bool:

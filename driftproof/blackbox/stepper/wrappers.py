@@ -52,6 +52,23 @@ def increment_wrapper(subject: ForeignStepper) -> str:
     return f"; write: def wrapped({head}): dq, dv = {name}({head}); return q + dq, v + dv"
 
 
+def exchange_wrapper(subject: ForeignStepper) -> str:
+    """The wrapper that puts the position first."""
+    name, order = _name(subject.function), subject.convention.order
+    head = ", ".join({**_ARGUMENTS, FUNCTION: "force"}[role] for role in order if role in _ARGUMENTS)
+    return f"; write: def wrapped({head}): v1, q1 = {name}({head}); return q1, v1"
+
+
+def turn_wrapper(subject: ForeignStepper) -> str:
+    """The wrapper that gives the velocity first, and takes it so, of a state in one array."""
+    name, order = _name(subject.function), subject.convention.order
+    head = ", ".join(_ARGUMENTS[role] for role in order if role in _ARGUMENTS)
+    turned = {FUNCTION: "lambda t, y: turn(f(t, turn(y)))", STATE: "turn(y)"}
+    arguments = ", ".join(turned.get(role, _ARGUMENTS[role]) for role in order if role in _ARGUMENTS)
+    turn = "import numpy; turn = lambda x: numpy.roll(x, len(x) // 2)"
+    return f"; write: def wrapped({head}): {turn}; return turn({name}({arguments}))"
+
+
 def _name(step: Callable[..., Any]) -> str:
     name = str(getattr(step, "__qualname__", type(step).__name__)).rpartition("<locals>.")[2]
     return name if all(part.isidentifier() for part in name.split(".")) else "step"

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, ClassVar, Generic, NamedTuple, Protocol, TypeVar
 
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, RungeKutta, demand_method
@@ -23,7 +23,13 @@ from driftproof.symbolic.linear.region import rounded_boundary
 from driftproof.symbolic.linear.stability_function import prothero_robinson
 from driftproof.symbolic.linear.stability_limits import INFINITY, Limit, bounded_limit
 
+
+class _Checkable(Protocol):
+    def inconsistencies(self) -> dict[str, Exact]: ...
+
+
 _T = TypeVar("_T")
+_M = TypeVar("_M", bound=_Checkable)
 
 # Terms of a series: those of a method of order 8, and a few of its error.
 TERMS = 12
@@ -140,6 +146,36 @@ def _of_method(derive: Callable[[Method], _T]) -> cached_property[_T]:
 def _as_fact(fact: Callable[[LinearFacts], _T], says: str | None) -> cached_property[_T]:
     fact.__doc__ = says
     return cached_property(fact)
+
+
+def fact_of_twin(twin: str, name: str) -> cached_property[Any]:
+    """The fact of that name of the Runge-Kutta method whose facts on linear problems are the attribute `twin`."""
+
+    def fact(facts: Any) -> Any:
+        return getattr(getattr(facts, twin), name)
+
+    fact.__doc__ = getattr(LinearFacts, name).__doc__
+    return cached_property(fact)
+
+
+class FactsOfFamily(Generic[_M]):
+    """What the facts of every family of methods begin with; a class of them says which family it is of."""
+
+    kind: ClassVar[str]
+
+    def __init__(self, method: _M) -> None:
+        """Compute nothing yet."""
+        self.method = method
+
+    @cached_property
+    def family(self) -> str:
+        """The kind of method by which its coefficients are read."""
+        return self.kind
+
+    @cached_property
+    def inconsistencies(self) -> dict[str, Exact]:
+        """What is not zero and should be, as sum(b) - 1, or rho(1)."""
+        return self.method.inconsistencies()
 
 
 class LinearFacts:

@@ -39,7 +39,7 @@ from driftproof.symbolic.algebra.real_roots import (
     vanishes_at,
 )
 from driftproof.symbolic.linear.a_stability import Angle, is_hurwitz, negative_point
-from driftproof.symbolic.linear.facts import ExactFunction, Sector, fact_names
+from driftproof.symbolic.linear.facts import ExactFunction, FactsOfFamily, Sector, fact_names
 from driftproof.symbolic.linear.root_condition import (
     RootCondition,
     half_plane_form,
@@ -85,7 +85,7 @@ class PositiveReal(NamedTuple):
     margin: tuple[Exact, ...]
 
 
-class MultistepFacts:
+class MultistepFacts(FactsOfFamily[Multistep]):
     """The exact facts about a linear multistep method, each derived when it is first asked for.
 
     Those of y' = λy, z = hλ, are None of methods for y'' = F(y). Where rho and sigma have a common factor,
@@ -97,14 +97,7 @@ class MultistepFacts:
     (2, True, Fraction(-1, 3))
     """
 
-    def __init__(self, method: Multistep) -> None:
-        """Compute nothing yet."""
-        self.method = method
-
-    @cached_property
-    def family(self) -> str:
-        """The kind of method by which its coefficients are read."""
-        return "multistep"
+    kind = "multistep"
 
     @cached_property
     def rho(self) -> ExactFunction:
@@ -121,11 +114,6 @@ class MultistepFacts:
         """The common factor of rho and sigma; None where the method is irreducible."""
         found = greatest_common_divisor(*self._written)
         return None if found.degree() == 0 else ExactFunction(fraction(found), "zeta")
-
-    @cached_property
-    def inconsistencies(self) -> dict[str, Exact]:
-        """What is not zero and should be, as rho(1)."""
-        return self.method.inconsistencies()
 
     @cached_property
     def order(self) -> int:

@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from driftproof import verify
 from driftproof.blackbox.findings import Increment, Misbehaviour
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.stepper.wrappers import wrapper_line
@@ -26,6 +27,40 @@ def test_an_increment_of_position_and_velocity_is_told_apart_from_a_step_that_is
     with pytest.raises(Increment, match=re.escape("def wrapped(q, v, h): dq, dv =")):
         opened(lambda q, v, h: (h * v, -h * q))
     assert opened(lambda q, v, h: (0.25 * q, 0.25 * v)).step(1.0, 1.0, 0.5) == (0.25, 0.25)
+
+
+def verlet_velocity_first(force, v, q, h):
+    v = v + h / 2 * force(q)
+    q = q + h * v
+    return v + h / 2 * force(q), q
+
+
+def verlet_of_an_array(f, t, y, h):
+    """Of y = (v, q)."""
+    v, q = y
+    v = v + h / 2 * f(t, [v, q])[0]
+    q = q + h * v
+    return [v + h / 2 * f(t + h, [v, q])[0], q]
+
+
+def verlet_of_a_state(state, h):
+    return verlet_of_an_array(lambda t, y: [-y[1], y[0]], 0.0, state, h)
+
+
+def exchanged(force, q, v, h):
+    return verlet_velocity_first(force, v, q, h)
+
+
+def test_a_step_of_velocities_first_is_read_so_where_its_arguments_say_it_and_else_shown_how_to_turn_them():
+    first = verify(verlet_velocity_first, "velocity_verlet", examples=50, isolate=False)
+    assert first.passed
+    assert "and comes back as (v1, q1)" in first.section("State: passed").lines[0]
+    for step in (exchanged, verlet_of_an_array, verlet_of_a_state):
+        report = verify(step, "velocity_verlet", examples=50, isolate=False)
+        assert report.passed is False
+        names = {step.__name__: step}
+        exec("def wrapped(" + report.verdict.partition("write: def wrapped(")[2].partition("; the state is")[0], names)
+        assert verify(names["wrapped"], "velocity_verlet", examples=50, isolate=False).passed
 
 
 def test_a_whole_solver_is_sent_to_its_own_command_and_nothing_is_said_of_the_unknown():

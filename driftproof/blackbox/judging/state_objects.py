@@ -1,0 +1,174 @@
+"""In which objects a step takes its state: arrays, lists or tuples, a copy or the very answer of the step before."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from driftproof.blackbox.findings import Misbehaviour, NotFinite
+from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, ORDINARY_DOMAIN, Domain
+from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
+from driftproof.blackbox.judging.walks import Walked, Walker, walk_on
+from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, SCALARS, TUPLES, ArrayAdapter, Foreign
+from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, POSITION, STATE, VELOCITY, CallingConvention
+from driftproof.blackbox.stepper.foreign_code import CallLog
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.wrappers import turn_wrapper
+from driftproof.methods.schemes import Method
+
+# How a verdict names what is right in another form than the one that was given.
+RIGHT_AS = "it is where the state comes as"
+_FORMS = (ARRAYS, LISTS, TUPLES)
+# Of ordinary size and of both signs, in steps of many bits, each from the end of the one before.
+_START, _STEP, _STEPS = (-0.75, 1.25), 0.1, 3
+_MOVED = (POSITION, VELOCITY, STATE)
+
+
+def state_objects(
+    subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
+) -> Walked:
+    """Whether it is the method's step from the very object that the step before returned, and in other forms of state.
+
+    In words, with the form that was given; None where the step is wrong in that form and in every other one. Where an
+    array, a list and a tuple are all taken, they have to give one answer; whoever names the array is asked for that
+    alone. What a step is given may become its answer, and nothing else.
+    """
+    several = ", several positions as NumPy arrays" * (subject.adapter is SCALARS and subject.convention.kind == FORCE)
+    back = ", and comes back as (v1, q1)" * subject.convention.velocity_first
+    trial, given = _Trial(method, allowance, domain), f"the state is given as {subject.adapter.name}{several}{back}"
+    keeping = _Keeping(subject.function, subject.convention)
+    wrong, own = trial.of(replace(subject, function=keeping, log=CallLog(works_in_place=subject.log.works_in_place)))
+    forms = [form for form in _FORMS if subject.adapter in _FORMS and form is not subject.adapter]
+    if wrong and (from_copies := trial.of(subject)[0]):
+        turned = {_turned(subject.adapter): turn_wrapper(subject)} if STATE in subject.convention.order else {}
+        for form, wrapper in {**dict.fromkeys(forms, ""), **turned}.items():
+            with suppress(Misbehaviour):
+                if not trial.of(_in_form(subject, form))[0]:
+                    return False, f"{RIGHT_AS} {form.name}{wrapper}; {given}: {from_copies}", ""
+        return None, given, ""
+    if wrong:
+        return False, f"from the very object that the step before returned it is no such step: {wrong}", ""
+    if keeping.spoilt:
+        return False, "it spoils its arguments: what it was given is neither what it was nor the answer", ""
+    found: dict[str, list[str]] = {}
+    for form in forms:
+        try:
+            wrong, seen = trial.of(_in_form(subject, form))
+        except Misbehaviour:
+            found.setdefault("are refused", []).append(form.name)
+            continue
+        if wrong:
+            return False, f"{given}; of {form.name} it is another step: {wrong}", ""
+        same = "give the same bits" if seen == own else "give the same but for rounding"
+        found.setdefault(same, []).append(form.name)
+    others = [f"{' and '.join(names)} {words}" for words, names in found.items()]
+    handed = ["steps go on from the very object that the one before returned, as from a copy"] if keeping.handed else []
+    return True, "; ".join([given, *others, *handed]), ""
+
+
+def _in_form(subject: ForeignStepper, form: ArrayAdapter) -> ForeignStepper:
+    return replace(subject, adapter=form, log=CallLog(works_in_place=subject.log.works_in_place))
+
+
+def _turned(adapter: ArrayAdapter) -> ArrayAdapter:
+    """The same with the velocity first."""
+    return replace(
+        adapter,
+        name=f"(v, q) in {adapter.name}",
+        write=lambda numbers: adapter.write([*numbers][::-1]),
+        read=lambda value, size: adapter.read(value, size)[::-1],
+    )
+
+
+class _OfTwo(Walker):
+    """Of two numbers, or two positions, where so many are taken."""
+
+    @property
+    def numbers(self) -> tuple[int, ...]:
+        return (2, 1)
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """A few steps in a row, of q'' = -q, and where the right-hand side is ours of a nonlinear problem, too."""
+
+    method: Method
+    allowance: Allowance
+    domain: Domain
+
+    def of(self, subject: ForeignStepper) -> tuple[str, list[tuple[float, float]]]:
+        """What is wrong, "" for nothing, and the answers on q'' = -q. Raises the Misbehaviour that comes instead."""
+        tolerance, seen = Tolerance(self.method, subject.format, self.allowance), list[tuple[float, float]]()
+        q, v = (self._number(subject, x, self.domain.largest_state / 2) for x in _START)
+        h = self._number(subject, _STEP, self.domain.largest_step)
+        for _ in range(0 if subject.single else _STEPS):
+            answer = subject.step(q, v, h)
+            if not all(component.allowed for component in tolerance.judge(q, v, h, answer)):
+                return f"from q={q!r}, v={v!r} with h={h!r} it goes to {answer}", seen
+            seen.append(answer)
+            q, v = answer
+        if subject.convention.kind not in (FIELD, FORCE):
+            return "", seen
+        try:
+            passed, words, _ = walk_on(_OfTwo(subject, self.method, self.allowance, self.domain), most=1)
+        except NotFinite as failure:
+            return str(failure), seen
+        return (words if passed is False else ""), seen
+
+    @staticmethod
+    def _number(subject: ForeignStepper, x: float, most: float) -> float:
+        return float(subject.format.nearest(Fraction(x * min(1.0, most))))
+
+
+class _Keeping:
+    """A stepper that is handed, for an array or a list of some numbers, the object that it returned with these numbers.
+
+    `handed` is True once one was, `spoilt` once a position, a velocity or a state that it was given is neither what it
+    was nor a part of the answer.
+    """
+
+    def __init__(self, function: Callable[..., Any], convention: CallingConvention) -> None:
+        self.function = function
+        self.order = convention.order
+        self.roles = dict(zip(convention.names, convention.order, strict=False))
+        self.known: list[Foreign] = []
+        self.handed = self.spoilt = False
+
+    def __call__(self, *arguments: Foreign, **named: Foreign) -> Foreign:
+        given = [self._known_as(x) for x in arguments]
+        by_name = {name: self._known_as(x) for name, x in named.items()}
+        roles = [*zip(self.order, given, strict=False), *((self.roles.get(name), x) for name, x in by_name.items())]
+        moved = [x for role, x in roles if role in _MOVED and _can_be_written(x)]
+        before = [_bits(x) for x in moved]
+        answer = self.function(*given, **by_name)
+        for mine, its in zip((*arguments, *named.values()), (*given, *by_name.values()), strict=True):
+            if mine is not its:
+                self.handed = True
+                mine[:] = its  # where a step that returns nothing has its answer
+        parts = [answer, *(answer if isinstance(answer, tuple | list) else ())]
+        ends = b"".join(_bits(part) + b"|" for part in parts)
+        after = [_bits(x) for x in moved]
+        changed = [new for old, new in zip(before, after, strict=True) if new != old]
+        self.spoilt |= answer is not None and any(new + b"|" not in ends for new in changed)
+        self.known = [part for part in (*parts, *moved) if _can_be_written(part)]
+        return answer
+
+    def _known_as(self, x: Foreign) -> Foreign:
+        same = (y for y in self.known if type(y) is type(x) and np.shape(y) == np.shape(x) and _bits(y) == _bits(x))
+        return next(same, x) if _can_be_written(x) else x
+
+
+def _can_be_written(x: Foreign) -> bool:
+    return hasattr(x, "__setitem__") and hasattr(x, "__len__") and not isinstance(x, dict)
+
+
+def _bits(x: Foreign) -> bytes:
+    """The numbers in an object as doubles, to the last bit; nothing of what holds none."""
+    with suppress(Exception):  # ragged lists, tensors that record, and what else there is
+        return np.asarray(x, dtype=np.float64).tobytes()
+    return b""
