@@ -65,7 +65,7 @@ BUDGETS = {
     "support": 1158,
     "methods": 5536,
     "symbolic": 10733,
-    "numeric": 3489,
+    "numeric": 4082,
     "blackbox": 16801,
     "enclosure": 3159,
     "texts": 7137,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -120,18 +120,21 @@ class FieldSource:
         return f"({''.join(f'{name}{suffix}, ' for name in self.components).rstrip()})"
 
 
-def field_source(method: Method, field: VectorField | _ArrayField, *, compensated: bool = False) -> FieldSource:
+def field_source(
+    method: Method, field: VectorField | _ArrayField, *, compensated: bool = False, estimated: bool = False
+) -> FieldSource:
     """The step of an explicit method, by component: of a Runge-Kutta method, or of a second-order system by any other.
 
     Splittings and Nyström methods take the accelerations only, at positions, as `Field.second_order` demands; time
     passes with the drifts. In the order of operations of `step_source`: on q' = v, v' = F(q) the two
-    give the same bits. `compensated` as there. Raises MethodError for an implicit method, and as `second_order`.
+    give the same bits. `compensated` as there; `estimated` also forms y0_off, ..., what the embedded weights of a pair
+    lead away by. Raises MethodError for an implicit method, and as `second_order`.
     """
     if not method.explicit or isinstance(method, Collocation):
         raise MethodError(f"{method.key} is implicit: its stages are equations, so it has no explicit step")
     text = ProgramText(compensated=compensated)
     if isinstance(method, RungeKutta):
-        _runge_kutta(method, field, text)
+        _runge_kutta(method, field, text, method.b_embedded if estimated else None)
     else:
         _second_order(method, field, text)
     _demand_new_names(field, text)
@@ -168,11 +171,13 @@ def array_step(method: Method, f: Callable[..., Any], lift: Callable[[Any], Any]
     return step
 
 
-def _runge_kutta(method: RungeKutta, field: VectorField | _ArrayField, text: ProgramText) -> None:
-    """kᵢ = f(t + cᵢ h, y + h Σ aᵢⱼ kⱼ), then y + h Σ bᵢ kᵢ."""
+def _runge_kutta(
+    method: RungeKutta, field: VectorField | _ArrayField, text: ProgramText, other: Sequence[Exact] | None
+) -> None:
+    """kᵢ = f(t + cᵢ h, y + h Σ aᵢⱼ kⱼ), then y + h Σ bᵢ kᵢ; with other weights b̂, also h Σ (bᵢ - b̂ᵢ) kᵢ."""
     components = field.components
     slopes: dict[str, dict[int, str]] = {name: {} for name in components}
-    for i in used_stages(method.a, [method.b]):
+    for i in used_stages(method.a, [method.b, *([] if other is None else [other])]):
         names = {name: f"{name}_{i + 1}" for name in components}
         for name in components:
             names[name] = text.named(names[name], name, text.sum(" + h *", f"a{i + 1}", method.a[i], slopes[name]))
@@ -183,6 +188,9 @@ def _runge_kutta(method: RungeKutta, field: VectorField | _ArrayField, text: Pro
             text.lines.append(f"{slopes[name][i]} = {rate}")
     for name in components:
         text.advance(name, f"{name}_new", name, text.sum(" + h *", "b", method.b, slopes[name]))
+        if other is not None:
+            differences = [x - y for x, y in zip(method.b, other, strict=True)]
+            text.lines.append(f"{name}_off ={text.sum(' h *', 'd', differences, slopes[name])}")
 
 
 def _second_order(method: Splitting | Nystrom, field: VectorField | _ArrayField, text: ProgramText) -> None:

@@ -35,12 +35,11 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from driftproof.methods.program_text import indented, maker, maker_text
 from driftproof.methods.schemes import Method
-from driftproof.methods.vector_fields import VectorField, jacobian_matrix
+from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import newton
-from driftproof.numeric.engine import OF_FLOATS, compiled_function, lifted
-from driftproof.numeric.newton import Controlled, NumberKind, RateWriter, Steps, StepTable, Tolerances, implicit_steps
+from driftproof.numeric.field_loops import field_writers
+from driftproof.numeric.newton import Steps, StepTable, implicit_steps
 from driftproof.numeric.tableaux import FloatTableau, float_tableau
 
 _Vector: TypeAlias = NDArray[np.float64]
@@ -86,7 +85,7 @@ def implicit_stepper(method: Method, rate: _Rate, jacobian: Jacobian | None = No
     for a Nyström method.
     """
     given = _Given(rate, jacobian)
-    steps, _ = implicit_steps(given.write_rate, given.write_derivatives)
+    steps = implicit_steps(given.write_rate, given.write_derivatives)
     table = _table(method)
 
     def step(t: float, y: Any, h: float) -> ImplicitStep:
@@ -141,7 +140,7 @@ class ImplicitRun:
     """
 
     method: Method
-    loops: tuple[Steps, Controlled]
+    steps: Steps
     table: StepTable
     made: Callable[[Any], Any]
     calls: int = 0
@@ -149,25 +148,10 @@ class ImplicitRun:
     def __call__(self, y: tuple[float, ...], h: float, first: int, last: int) -> tuple[float, ...]:
         """The state after these steps."""
         state, report = self.made(y), self.made(_report())
-        self.loops[0](0.0, state, h, first, last, self.table, report)
+        self.steps(0.0, state, h, first, last, self.table, report)
         self.calls += int(report[newton.EVALUATIONS])
         _demand_done(self.method, report, 0.0, h)
         return tuple(map(float, state))
-
-    def controlled(
-        self, y: tuple[float, ...], end: float, h: float, relative: float, absolute: float
-    ) -> tuple[tuple[float, ...], int]:
-        """The state at t = end > 0 from t = 0, and in how many steps, their sizes chosen from the first h on.
-
-        A step is taken as two halves; what one whole differs from them over 2ᵖ - 1, p being the order that the method
-        claims, is at most `absolute` + `relative` |y| in every component. That is their error where the order shows;
-        on stiff problems, where it is reduced, the error may be larger. Raises StageEquationsUnsolved.
-        """
-        state, report, p = self.made(y), self.made(_report()), self.method.claimed_order
-        self.loops[1](state, end, h, Tolerances(relative, absolute, 2.0**p - 1, p + 1.0), self.table, report)
-        self.calls += int(report[newton.EVALUATIONS])
-        _demand_done(self.method, report, 0.0, h)
-        return tuple(map(float, state)), int(report[newton.STEP])
 
 
 def implicit_runner(method: Method, field: VectorField) -> ImplicitRun:
@@ -187,31 +171,8 @@ def compiled_implicit_runner(method: Method, field: VectorField) -> ImplicitRun:
 
 
 @cache
-def _steps_on(field: VectorField, *, compiled: bool) -> tuple[Steps, Controlled]:
-    rate, jacobian = _writers(field)
-    if not compiled:
-        return implicit_steps(rate, jacobian)
-    made = compiled_function
-    arrays = NumberKind(
-        made,
-        made(lambda n, m: np.zeros((n, m))),
-        made(lambda k, n, m: np.zeros((k, n, m))),
-        made(lambda n: np.arange(n)),
-    )
-    return implicit_steps(made(rate), made(jacobian), arrays)
-
-
-def _writers(field: VectorField) -> list[RateWriter]:
-    """f and its derivatives as functions that write into what they are given, called last, as no parameter may be."""
-    rows = jacobian_matrix(field)
-    bodies = (
-        [f"last[{i}] = {rate}" for i, rate in enumerate(field.rates)],
-        [f"last[{i}][{j}] = {entry}" for i, row in enumerate(rows) for j, entry in enumerate(row)],
-    )
-    state = [f"{name} = y[{i}]" for i, name in enumerate(field.components)]
-    names, values = [name for name, _ in field.parameters], [lifted(c, np.float64) for _, c in field.parameters]
-    texts = (maker_text(names, "run", ["def run(t, y, last):", *indented([*state, *body])]) for body in bodies)
-    return [maker(text, "field", OF_FLOATS)(*values) for text in texts]
+def _steps_on(field: VectorField, *, compiled: bool) -> Steps:
+    return implicit_steps(*field_writers(field, compiled=compiled))
 
 
 @cache
@@ -243,9 +204,6 @@ def _demand_done(method: Method, report: Any, t: float, h: float) -> None:
     if report[newton.STATE] == newton.OVERFLOWS:
         where, reason = f"the step from t = {t + report[newton.STEP] * h:g} by h = {h:g}", "overflows binary64"
         raise StageEquationsUnsolved(f"{method.key}: {where} {reason}", reason)
-    if report[newton.STATE] == newton.TOO_SHORT:
-        reason = f"no step from t = {report[newton.TIME]:g} is within the tolerance"
-        raise StageEquationsUnsolved(f"{method.key}: {reason}", reason)
     if report[newton.STATE] == newton.UNSOLVED:
         left = f"residual {report[newton.LEFT]:.3g}, {report[newton.LEFT_OVER_FLOOR]:.3g} times what rounding explains"
         where = f"{method.key}: the step by h = {h:g} to t = {report[newton.TIME]:g}"

@@ -7,10 +7,12 @@ rows are lists of floats, compiled they are arrays; the operations and their ord
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import exp, isfinite, log
+from math import isfinite
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
+
+from driftproof.numeric.elimination import FULL, PYTHON_FLOATS, Band, NumberKind, elimination
 
 UNIT = float(np.finfo(np.float64).epsneg)  # u = 2⁻⁵³
 ETA = float(np.finfo(np.float64).smallest_subnormal)
@@ -19,20 +21,15 @@ MOST_ITERATIONS = 128
 SHRINKS, HALVES = 0.125, 0.5
 # A correction of which no more than this part is a step forward leads nowhere.
 SHORTEST = 2.0**-20
-# A step is at most so many times as long or as short as the one before; most are SAFETY of what their error allows
-# (hairer-norsett-wanner-1993, II.4). The logarithm is taken of no error below SMALLEST, which makes a step MOST_LONGER.
-MOST_LONGER, MOST_SHORTER, SAFETY, SMALLEST = 5.0, 0.2, 0.9, 1e-10
 
-# rate(t, y, f) writes f(t, y) into f, jacobian(t, y, matrix) the derivatives into rows.
+# rate(t, y, f) writes f(t, y) into f, jacobian(t, y, matrix) the derivatives into the rows of a band.
 RateWriter: TypeAlias = Callable[[float, Any, Any], None]
 # steps(t, y, h, first, last, table, report): y becomes the state after steps first to last - 1, the i-th from t + i h.
 Steps: TypeAlias = Callable[..., None]
-# controlled(y, end, h, tolerances, table, report): y becomes the state at the end, in steps from t = 0, the first of h.
-Controlled: TypeAlias = Callable[..., None]
 # Places in a report, which holds what steps did: counts of all of them, the worst that was left in an equation, and
 # of a step that fails the state, its number, and of its attempt without damping the iterations, what is left, the time.
 ITERATIONS, EVALUATIONS, RESIDUAL, OVER_FLOOR, STATE, STEP, TRIED, LEFT, LEFT_OVER_FLOOR, TIME = range(10)
-DONE, UNSOLVED, OVERFLOWS, TOO_SHORT = 0.0, 1.0, 2.0, 3.0
+DONE, UNSOLVED, OVERFLOWS = 0.0, 1.0, 2.0
 # How the new state is formed: the last stage, from the moves, or from the slopes.
 LAST, MOVES, SLOPES = 0, 1, 2
 
@@ -47,38 +44,9 @@ class StepTable(NamedTuple):
     way: int
 
 
-class Tolerances(NamedTuple):
-    """An error of a step is right that is at most `absolute` + `relative` |y| in every component.
-
-    `ratio` is the difference between a step and two halves over the error of these, 2ᵖ - 1, and `power` p + 1.
-    """
-
-    relative: float
-    absolute: float
-    ratio: float
-    power: float
-
-
-class NumberKind(NamedTuple):
-    """What makes numbers of one kind: `rows(n, m)` and `blocks(k, n, m)` of zeros, whole numbers 0 to n - 1."""
-
-    compiled: Callable[[Any], Any]
-    rows: Callable[[int, int], Any]
-    blocks: Callable[[int, int, int], Any]
-    numbers: Callable[[int], Any]
-
-
-PYTHON_FLOATS = NumberKind(
-    lambda function: function,
-    lambda n, m: [[0.0] * m for _ in range(n)],
-    lambda k, n, m: [[[0.0] * m for _ in range(n)] for _ in range(k)],
-    lambda n: list(range(n)),
-)
-
-
-def residual_of(rate: RateWriter, kind: NumberKind = PYTHON_FLOATS) -> Callable[..., float]:
+def residual_of(rate: RateWriter, band: Band = FULL, kind: NumberKind = PYTHON_FLOATS) -> Callable[..., float]:
     """The function that writes what is left in the equations of one group, and says how much that is."""
-    compiled, rows, _, _ = kind
+    (compiled, rows, _, _), (lower, upper) = kind, band
 
     @compiled
     def residual(t: float, y: Any, h: float, a: Any, c: Any, moves: Any, known: Any, jacobians: Any, g: Any) -> float:
@@ -91,9 +59,9 @@ def residual_of(rate: RateWriter, kind: NumberKind = PYTHON_FLOATS) -> Callable[
                 place[k] = y[k] + moves[j][k]
             rate(t + c[j] * h, place, slopes[j])
             for k in range(n):
-                row = jacobians[j][k]
-                for i in range(n):
-                    entry = abs(row[i])
+                row, first = jacobians[j][k], max(0, k - lower)
+                for i in range(first, min(n, k + upper + 1)):
+                    entry = abs(row[i - first])
                     at_place[j][k] += entry * abs(place[i])
                     at_move[j][k] += entry * abs(moves[j][i])
                     whole[j][k] += entry
@@ -122,53 +90,24 @@ def residual_of(rate: RateWriter, kind: NumberKind = PYTHON_FLOATS) -> Callable[
 
 
 def implicit_steps(
-    rate: RateWriter, jacobian: RateWriter, kind: NumberKind = PYTHON_FLOATS
-) -> tuple[Steps, Controlled]:
-    """The loops over steps for a problem, given and controlled; the method comes with each call, as a `StepTable`."""
-    compiled, rows, blocks, numbers = kind
-    residual = residual_of(rate, kind)
+    rate: RateWriter, jacobian: RateWriter, band: Band = FULL, kind: NumberKind = PYTHON_FLOATS
+) -> Steps:
+    """The loop over steps for a problem; the method comes with each call, as a `StepTable`."""
+    (compiled, rows, blocks, numbers), (lower, upper) = kind, band
+    residual = residual_of(rate, band, kind)
+    factored, solve = elimination(kind)
 
     @compiled
-    def factored(m: Any, order: Any) -> bool:
-        """M = LU in place, with rows in this order, by the largest entry of a column; False for a zero pivot."""
-        n = len(order)
-        for k in range(n):
-            order[k] = k
-        for k in range(n):
-            best = k
-            for i in range(k + 1, n):
-                if abs(m[order[i]][k]) > abs(m[order[best]][k]):
-                    best = i
-            order[k], order[best] = order[best], order[k]
-            row = m[order[k]]
-            if row[k] == 0:
-                return False
-            for i in range(k + 1, n):
-                other = m[order[i]]
-                if other[k] != 0:
-                    other[k] = factor = other[k] / row[k]
-                    for j in range(k + 1, n):
-                        other[j] -= factor * row[j]
-        return True
-
-    @compiled
-    def corrected(m: Any, order: Any, g: Any, x: Any) -> float:
+    def corrected(m: Any, order: Any, g: Any, x: Any, wide: Any) -> float:
         """x = M⁻¹ g, and its square."""
-        n, width = len(order), len(g[0])
-        for i in range(n):
-            row = m[order[i]]
-            value = g[order[i] // width][order[i] % width]
-            for j in range(i):
-                value -= row[j] * x[j]
-            x[i] = value
+        stage, component, below, above = wide
+        for i in range(len(g)):
+            for k in range(len(g[0])):
+                x[i * stage + k * component] = g[i][k]
+        solve(m, order, len(x), x, below, above)
         square = 0.0
-        for i in range(n - 1, -1, -1):
-            row = m[order[i]]
-            value = x[i]
-            for j in range(i + 1, n):
-                value -= row[j] * x[j]
-            x[i] = value / row[i]
-            square += x[i] * x[i]
+        for k in range(len(x) - 1, -1, -1):
+            square += x[k] * x[k]
         return square
 
     @compiled
@@ -181,18 +120,21 @@ def implicit_steps(
             jacobian(t + c[i] * h, place, found[i])
 
     @compiled
-    def newton_matrix(h: float, a: Any, jacobians: Any, m: Any) -> None:
+    def newton_matrix(h: float, a: Any, jacobians: Any, m: Any, wide: Any) -> None:
         """M = I - h (aᵢⱼ Jⱼ)."""
-        n = len(jacobians[0])
+        n, (stage, component, below, _) = len(jacobians[0]), wide
+        for row in m:
+            for k in range(len(row)):
+                row[k] = 0.0
         for i in range(len(a)):
-            for j in range(len(a)):
-                factor = h * a[i][j]
-                for k in range(n):
-                    row = m[i * n + k]
-                    for column in range(n):
-                        row[j * n + column] = -(factor * jacobians[j][k][column])
             for k in range(n):
-                m[i * n + k][i * n + k] += 1.0
+                at, first = i * stage + k * component, max(0, k - lower)
+                row, start = m[at], max(0, at - below)
+                for j in range(len(a)):
+                    factor = h * a[i][j]
+                    for column in range(first, min(n, k + upper + 1)):
+                        row[j * stage + column * component - start] = -(factor * jacobians[j][k][column - first])
+                row[at - start] += 1.0
 
     @compiled
     def largest(g: Any) -> float:
@@ -211,9 +153,16 @@ def implicit_steps(
         Damped, the matrix is always made anew, and a correction taken in part where otherwise the next, by the same
         matrix, would not be shorter: the natural test (hairer-wanner-1996, IV.8).
         """
-        n, stages = len(y), len(a)
-        jacobians, m, order = blocks(stages, n, n), rows(stages * n, stages * n), numbers(stages * n)
-        g, x, next_x = rows(stages, n), rows(1, stages * n)[0], rows(1, stages * n)[0]
+        n, stages, width = len(y), len(a), min(len(y), lower + upper + 1)
+        # Stage by stage, or, for the matrix to be a band, component by component.
+        wide = (n, 1, lower, upper) if lower >= n else (1, stages, stages * (lower + 1) - 1, stages * (upper + 1) - 1)
+        (stage, component, below, above), size = wide, stages * n
+        jacobians, m, order = (
+            blocks(stages, n, width),
+            rows(size, min(size, 2 * below + above + 1)),
+            numbers(1, size)[0],
+        )
+        g, x, next_x = rows(stages, n), rows(1, size)[0], rows(1, size)[0]
         now, trial = rows(stages, n), rows(stages, n)
         for i in range(stages):
             for k in range(n):
@@ -223,24 +172,24 @@ def implicit_steps(
         jacobian(t + c[0] * h, trial[0], jacobians[0])
         for j in range(1, stages):
             for k in range(n):
-                for i in range(n):
+                for i in range(width):
                     jacobians[j][k][i] = jacobians[0][k][i]
-        newton_matrix(h, a, jacobians, m)
-        regular = factored(m, order)
+        newton_matrix(h, a, jacobians, m, wide)
+        regular = factored(m, order, size, below, above)
         ratio = residual(t, y, h, a, c, now, known, jacobians, g)
         best, left, iterations, evaluations = ratio, largest(g), 0, stages
         while regular and iterations < MOST_ITERATIONS and isfinite(ratio):
-            square, part, before = corrected(m, order, g, x), 1.0, ratio
+            square, part, before = corrected(m, order, g, x, wide), 1.0, ratio
             while True:
                 iterations += 1
                 evaluations += stages
                 for i in range(stages):
                     for k in range(n):
-                        trial[i][k] = now[i][k] - part * x[i * n + k]
+                        trial[i][k] = now[i][k] - part * x[i * stage + k * component]
                 ratio = residual(t, y, h, a, c, trial, known, jacobians, g)
                 if not damped or ratio <= 1 or part < SHORTEST:
                     break
-                if isfinite(ratio) and corrected(m, order, g, next_x) <= (1 - part / 4) ** 2 * square:
+                if isfinite(ratio) and corrected(m, order, g, next_x, wide) <= (1 - part / 4) ** 2 * square:
                     break
                 part /= 2
             now, trial = trial, now
@@ -253,8 +202,8 @@ def implicit_steps(
                 break
             if damped or ratio > SHRINKS * before:
                 derivatives(t, y, h, c, now, jacobians)
-                newton_matrix(h, a, jacobians, m)
-                regular = factored(m, order)
+                newton_matrix(h, a, jacobians, m, wide)
+                regular = factored(m, order, size, below, above)
         report[ITERATIONS] += iterations
         report[EVALUATIONS] += evaluations
         if not best <= 1:
@@ -327,35 +276,4 @@ def implicit_steps(
                 report[STEP] = i
                 return
 
-    @compiled
-    def controlled(y: Any, end: float, h: float, given: Tolerances, table: StepTable, report: Any) -> None:
-        """Steps from t = 0 to the end, each twice h/2, of which h tells the error; y becomes the last state."""
-        n, t = len(y), 0.0
-        whole, halves = rows(1, n)[0], rows(1, n)[0]
-        while t < end:
-            last = not t + h < end
-            h = end - t if last else h
-            for k in range(n):
-                whole[k] = halves[k] = y[k]
-            state = step(t, whole, h, table, report)
-            for i in range(2):
-                if state == DONE:
-                    state = step(t + i * (h / 2), halves, h / 2, table, report)
-            error = 0.0 if state == DONE else np.inf
-            for k in range(n):
-                size = given.absolute + given.relative * max(abs(y[k]), abs(halves[k]))
-                if state == DONE and not abs(halves[k] - whole[k]) <= error * size:
-                    error = abs(halves[k] - whole[k]) / size if size > 0 else np.inf
-            if error <= given.ratio:
-                t = end if last else t + h
-                for k in range(n):
-                    y[k] = halves[k]
-                report[STEP] += 1
-            factor = exp(-log(max(error / given.ratio, SMALLEST)) / given.power) if isfinite(error) else 0.0
-            h *= min(MOST_LONGER, max(MOST_SHORTER, SAFETY * factor))
-            if t < end and not t + h > t:
-                report[STATE], report[TIME] = TOO_SHORT, t
-                return
-        report[STATE] = DONE
-
-    return steps, controlled
+    return steps  # type: ignore[no-any-return]

@@ -28,9 +28,9 @@ from typing import Any, NamedTuple, TypeAlias
 
 from driftproof import __version__
 from driftproof.methods.tableau_file import method_of
-from driftproof.numeric.problem_run import run_scene
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.run import Readouts
+from driftproof.numeric.scene_run import run_scene
 from driftproof.numeric.scenes import TRAJECTORY, Scene
 from driftproof.support.files import atomic_write, naming, require_file, sole_writer
 

@@ -8,9 +8,9 @@ from typing import Any
 
 from driftproof.methods.schemes import MethodError
 from driftproof.methods.tableau_file import method_of
-from driftproof.numeric.problem_run import run_scene
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.run import Counter, Readouts, RunEnded
+from driftproof.numeric.scene_run import run_scene
 from driftproof.numeric.scenes import TABLE, Scene
 from driftproof.numeric.sweep import strings
 from driftproof.support.plain_text import LARGEST_PLAIN, short, table, with_digits

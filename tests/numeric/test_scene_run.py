@@ -8,8 +8,8 @@ from math import hypot
 import pytest
 
 from driftproof import PROBLEMS, Scene
-from driftproof.numeric.problem_run import run_scene
 from driftproof.numeric.run import RunEnded, run_method
+from driftproof.numeric.scene_run import run_scene
 from driftproof.numeric.scenes import PRESETS, READOUTS
 
 KEPLER = PROBLEMS["kepler"]

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from itertools import islice
 from math import isfinite
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -23,6 +25,9 @@ from driftproof.numeric.run import (
 )
 from driftproof.numeric.scenes import TRAJECTORY, Scene
 
+# Steps are taken in one call, more each time, until a call lasts so many seconds, for which progress may wait.
+UNSEEN = 0.05
+
 
 def run_scene(scene: Scene, key: str, counter: Counter = range) -> Readouts:
     """The scene's readouts for the method `key`, in binary64; nothing else is computed or kept.
@@ -38,6 +43,7 @@ def run_scene(scene: Scene, key: str, counter: Counter = range) -> Readouts:
 
 def _run_problem(scene: Scene, problem: Problem, key: str, counter: Counter) -> Readouts:
     from driftproof.numeric.advance import (
+        State,
         advance,
         error_summary,
         evaluations_of,
@@ -48,17 +54,31 @@ def _run_problem(scene: Scene, problem: Problem, key: str, counter: Counter) -> 
 
     method = method_of(key)
     run, (h, _) = advance(method, problem), step_times(scene.t, scene.steps)
-    y = float_start(problem)
-    path = [y]
-    for i in counter(scene.steps):
+    y, done = float_start(problem), 0
+    path, ticks = [y], iter(counter(scene.steps))
+
+    def advanced(y: State, first: int, last: int) -> State:
+        """Steps first to last - 1 in one call; where they do not come to their end, one by one."""
         try:
-            y = run(y, h, i, i + 1)
+            after = run(y, h, first, last)
         except (ArithmeticError, ValueError) as error:
-            raise RunEnded(f"the run ends at step {i + 1}: {error_summary(error)}") from None
-        if not all(map(isfinite, y)):
-            raise NonFiniteState(i + 1, y)
-        if TRAJECTORY in scene.readouts:
-            path.append(y)
+            if last - first == 1:
+                raise RunEnded(f"the run ends at step {last}: {error_summary(error)}") from None
+        else:
+            if all(map(isfinite, after)):
+                return after
+            if last - first == 1:
+                raise NonFiniteState(last, after)
+        for i in range(first, last):
+            y = advanced(y, i, i + 1)
+        return y
+
+    together, keep = 1, TRAJECTORY in scene.readouts
+    while taken := sum(1 for _ in islice(ticks, together)):
+        before = perf_counter()
+        y, done = advanced(y, done, done + taken), done + taken
+        path += [y] if keep else []
+        together *= 1 if keep or perf_counter() - before > UNSEEN else 2
     digits = problem.reference.states[problem.reference.times.index(scene.t)]
     energy = partial(decimal_energy, problem)
     read: dict[str, Callable[[], Any]] = {

@@ -1,0 +1,117 @@
+"""Whole runs in steps of controlled size, compiled or in Python: explicit pairs, Gauss's and Radau IIA methods."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cache, partial
+from math import inf
+from typing import Any
+
+import numpy as np
+
+from driftproof.methods.program_text import indented, maker, maker_text, used_stages
+from driftproof.methods.schemes import Method, RungeKutta
+from driftproof.methods.vector_fields import FieldSource, VectorField, field_source
+from driftproof.numeric import step_control
+from driftproof.numeric.elimination import NumberKind
+from driftproof.numeric.engine import OF_FLOATS, lifted
+from driftproof.numeric.field_loops import FieldWriters, field_writers
+from driftproof.numeric.simplified_newton import CollocationTable, collocation_attempts, collocation_table, work_for
+from driftproof.numeric.step_control import Controlled, Tolerances, controlled_steps, pair_attempts
+
+# Steps that would grow by no more stay, and with them the matrices of an implicit method (hairer-wanner-1996, IV.8).
+STEADY = 1.2
+
+
+@dataclass
+class ControlledRun:
+    """run(y, end, relative, absolute) -> y at t = end > 0, from t = 0, in steps with errors within the tolerances.
+
+    `steps`, `rejected` ones and `calls` of f are those of the last run. Raises ArithmeticError where there is no such
+    step, and where more than `most` calls were not enough.
+    """
+
+    method: Method
+    loop: Controlled
+    power: float
+    steady: float
+    table: Any
+    work: Callable[[int], Any]
+    made: Callable[[Any], Any]
+    steps: int = 0
+    rejected: int = 0
+    calls: int = 0
+
+    def __call__(
+        self, y: tuple[float, ...], end: float, relative: float, absolute: float, most: float = inf
+    ) -> tuple[float, ...]:
+        """The state at the end."""
+        state, report = self.made(y), self.made([0.0] * 5)
+        given = Tolerances(relative, absolute, self.power, self.steady, most)
+        self.loop(state, end, given, self.table, self.work(len(y)), report)
+        self.calls, self.steps, self.rejected = (int(report[i]) for i in range(step_control.STATE))
+        if report[step_control.STATE] != step_control.DONE:
+            short = report[step_control.STATE] == step_control.TOO_SHORT
+            why = "no step is within the tolerance" if short else f"given up after {most:.2g} evaluations"
+            raise ArithmeticError(f"{self.method.key}: {why} from t = {report[step_control.TIME]:g}")
+        return tuple(map(float, state))
+
+
+def controlled_runner(method: Method, field: VectorField, *, compiled: bool = False) -> ControlledRun:
+    """The run of an explicit pair, or of a collocation method without the node 0, in floats or compiled by numba.
+
+    The first call of a compiled one compiles. Raises MethodError for methods that do not tell their error.
+    """
+    made: Callable[[Any], Any] = (lambda x: np.array(x, np.float64)) if compiled else list
+    if isinstance(method, RungeKutta) and method.explicit and method.b_embedded is not None:
+        stages = used_stages(method.a, [method.b, method.b_embedded])
+        power = min(method.claimed_order, method.embedded_order or 0) + 1.0
+        loop, kind = _pair_loop(method, field, compiled=compiled)
+        table = (len(stages) - 1, _keeps_last(method))
+        return ControlledRun(method, loop, power, 1.0, table, lambda n: tuple(kind.rows(3, n)), made)
+    known = collocation_table(method)
+    arrays = CollocationTable(*map(np.array, known)) if compiled else known
+    loop, writers = _collocation_loop(field, compiled=compiled)
+    work = partial(work_for, table=known, band=writers.band, kind=writers.kind)
+    return ControlledRun(method, loop, len(known.c) + 1.0, STEADY, arrays, work, made)
+
+
+def _keeps_last(method: RungeKutta) -> bool:
+    """True where the last stage is f at the new state, and so the first of the next step."""
+    return method.a[-1] == method.b and method.c[-1] == 1
+
+
+@cache
+def _collocation_loop(field: VectorField, *, compiled: bool) -> tuple[Controlled, FieldWriters]:
+    writers = field_writers(field, compiled=compiled)
+    return controlled_steps(writers.rate, collocation_attempts(*writers), writers.kind), writers
+
+
+@cache
+def _pair_loop(method: RungeKutta, field: VectorField, *, compiled: bool) -> tuple[Controlled, NumberKind]:
+    writers = field_writers(field, compiled=compiled)
+    step = writers.kind.compiled(_pair_step(method, field))
+    return controlled_steps(writers.rate, pair_attempts(writers.rate, step, writers.kind), writers.kind), writers.kind
+
+
+def _pair_step(method: RungeKutta, field: VectorField) -> Callable[..., None]:
+    """step(t, y, h, first, last, begin_, end_): f at the state, then f of the last stage, state and error."""
+    source = field_source(method, field, estimated=True)
+    lines = [line for line in source.lines if not line.startswith("k1_")]
+    given = [f"{x} = {row}[{i}]" for row, of in (("y", "{}"), ("first", "k1_{}")) for i, x in _numbered(source, of)]
+    told = [
+        ("begin_", "{}_new"),
+        ("end_", "{}_off"),
+        *([("last", f"k{len(method.b)}_{{}}")] if _keeps_last(method) else []),
+    ]
+    ends = [f"{row}[{i}] = {x}" for row, of in told for i, x in _numbered(source, of)]
+    head = "def run(t, y, h, first, last, begin_, end_):"
+    text = maker_text(dict(source.coefficients), "run", [head, *indented([*given, *lines, *ends])])
+    numbers = [lifted(c, np.float64) for _, c in source.coefficients]
+    step: Callable[..., None] = maker(text, method.key, OF_FLOATS)(*numbers)
+    return step
+
+
+def _numbered(source: FieldSource, names: str) -> Iterable[tuple[int, str]]:
+    return enumerate(names.format(x) for x in source.components)

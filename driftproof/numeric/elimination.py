@@ -1,0 +1,91 @@
+"""Linear systems by elimination, full or banded, rows exchanged: loops that Python runs and numba compiles.
+
+In Python rows are lists of floats, compiled they are arrays; the operations and their order are the same, and so are
+the bits. Of a matrix whose entries are zero but in a band, row i holds its columns from max(0, i - lower) on; a full
+one is a band that is wide enough, and its rows are whole.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple, TypeAlias
+
+
+class Band(NamedTuple):
+    """Entries lie at most so many columns left and right of the diagonal."""
+
+    lower: int
+    upper: int
+
+
+# As wide as any matrix.
+FULL = Band(2**40, 2**40)
+
+
+class NumberKind(NamedTuple):
+    """What makes numbers of one kind, all 0: `rows(n, m)`, `blocks(k, n, m)`, and `numbers(k, n)`, which are whole."""
+
+    compiled: Callable[[Any], Any]
+    rows: Callable[[int, int], Any]
+    blocks: Callable[[int, int, int], Any]
+    numbers: Callable[[int, int], Any]
+
+
+PYTHON_FLOATS = NumberKind(
+    lambda function: function,
+    lambda n, m: [[0.0] * m for _ in range(n)],
+    lambda k, n, m: [[[0.0] * m for _ in range(n)] for _ in range(k)],
+    lambda k, n: [[0] * n for _ in range(k)],
+)
+# factored(m, exchanged, n, lower, upper) and solve(m, exchanged, n, x, lower, upper), of the first n rows.
+Elimination: TypeAlias = tuple[Callable[..., bool], Callable[..., None]]
+
+
+def elimination(kind: NumberKind = PYTHON_FLOATS) -> Elimination:
+    """The function that factors a matrix, and the one that solves with it: both in place."""
+    compiled = kind.compiled
+
+    @compiled
+    def factored(m: Any, exchanged: Any, n: int, lower: int, upper: int) -> bool:
+        """M = LU, at step k with the row `exchanged[k]` of the largest entry in its column; False for a zero pivot.
+
+        Exchanges fill in: a row is to hold `lower` zeros more, as far as there are columns.
+        """
+        for k in range(n):
+            row, first, end = m[k], max(0, k - lower), min(n, k + lower + upper + 1)
+            best, largest = k, abs(row[k - first])
+            for i in range(k + 1, min(n, k + lower + 1)):
+                size = abs(m[i][k - max(0, i - lower)])
+                if size > largest:
+                    best, largest = i, size
+            exchanged[k] = best
+            if best != k:
+                other, start = m[best], max(0, best - lower)
+                for j in range(k, end):
+                    row[j - first], other[j - start] = other[j - start], row[j - first]
+            pivot = row[k - first]
+            if pivot == 0:
+                return False
+            for i in range(k + 1, min(n, k + lower + 1)):
+                other, start = m[i], max(0, i - lower)
+                if other[k - start] != 0:
+                    other[k - start] = factor = other[k - start] / pivot
+                    for j in range(k + 1, end):
+                        other[j - start] -= factor * row[j - first]
+        return True
+
+    @compiled
+    def solve(m: Any, exchanged: Any, n: int, x: Any, lower: int, upper: int) -> None:
+        """x becomes M⁻¹ x."""
+        for k in range(n):
+            best = exchanged[k]
+            x[k], x[best] = x[best], x[k]
+            for i in range(k + 1, min(n, k + lower + 1)):
+                x[i] -= m[i][k - max(0, i - lower)] * x[k]
+        for k in range(n - 1, -1, -1):
+            row, first, value = m[k], max(0, k - lower), x[k]
+            for j in range(k + 1, min(n, k + lower + upper + 1)):
+                value -= row[j - first] * x[j]
+            x[k] = value / row[k - first]
+
+    return factored, solve

@@ -1,0 +1,322 @@
+"""Attempts of collocation methods at a step, solved to a tolerance: one matrix for all stages, kept while it converges.
+
+The stages' moves solve Z = h A F(y + Z), and with J = f' at one point a simplified iteration corrects them by
+(A⁻¹/h - J)⁻¹ (F - A⁻¹ Z / h). T⁻¹ A⁻¹ T is diagonal, but for 2 x 2 blocks of complex eigenvalues, and so there are
+systems of n and 2n equations to solve, and none of s n (hairer-wanner-1996, IV.8). T and the eigenvalues are in the
+corrections only: they are rounded to binary32, so that they do not depend on who found them.
+
+The iteration starts on the polynomial of the step before. It is done where the next corrections, a geometric series,
+are within a part of the tolerance, and given up where they will not be; then J, unless it is that of y, is made anew.
+The error of a step is estimated by (1 - h J/γ)⁻¹ h (f(t, y) + Σ eᵢ Zᵢ / h) / γ, the difference from a formula of order
+s that has the weight 1/γ at f(t, y), filtered as the stiff part of it demands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from functools import cache
+from math import exp, inf, log
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from driftproof.methods.number_field import Exact, total
+from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta
+from driftproof.numeric.elimination import FULL, PYTHON_FLOATS, Band, NumberKind, elimination
+from driftproof.numeric.step_control import EVALUATIONS, StepAttempt, Tolerances, error_size
+from driftproof.numeric.tableaux import NODE_BITS
+
+# How much of the tolerance may be left in the moves, and of |y|, where that is more: some roundings.
+PART, ROUNDINGS = 0.01, 2.0**-49
+# Iterations with one matrix; J is kept for the next step when two were enough, or when each leaves SLOW at most.
+MOST_ITERATIONS, SLOW = 7, 1e-3
+# Places in what is remembered between attempts.
+FACTORED, TRIED, BEFORE, CURRENT, WANTED, LEFT = range(6)
+
+
+class CollocationTable(NamedTuple):
+    """A collocation method as the loop reads it, s rows each."""
+
+    c: Any
+    inverse: Any  # A⁻¹
+    weights: Any  # d = A⁻ᵀ b: the step is y + Σ dᵢ Zᵢ
+    estimate: Any  # e
+    powers: Any  # of the polynomial Σ pₖ xᵏ⁺¹ that is Zᵢ at cᵢ, p = `powers` Z
+    to_blocks: Any  # T⁻¹
+    from_blocks: Any  # T
+    blocks: Any  # (first, number of rows) of each, the first with γ, maybe for no row
+    eigenvalues: Any  # (real part, imaginary part) of each
+
+
+class Work(NamedTuple):
+    """What attempts keep, and room for numbers."""
+
+    memory: Any
+    jacobian: Any
+    matrices: Any
+    exchanged: Any
+    moves: Any
+    slopes: Any
+    corrections: Any
+    polynomial: Any
+    vectors: Any
+
+
+def work_for(n: int, table: CollocationTable, band: Band, kind: NumberKind = PYTHON_FLOATS) -> Work:
+    """Of n equations."""
+    stages, count = len(table.c), len(table.blocks)
+    width, wide = min(n, band.lower + band.upper + 1), min(2 * n, 4 * band.lower + 2 * band.upper + 4)
+    _, rows, blocks, numbers = kind
+    moves, slopes, corrections, polynomial = (rows(stages, n) for _ in range(4))
+    matrices, exchanged, vectors = blocks(count, 2 * n, wide), numbers(count, 2 * n), rows(4, max(2 * n, stages))
+    made = Work(*(rows(1, 6)[0], rows(n, width), matrices, exchanged, moves, slopes, corrections, polynomial, vectors))
+    made.memory[WANTED] = made.memory[LEFT] = 1.0
+    return made
+
+
+def collocation_attempts(
+    rate: Callable[..., None], jacobian: Callable[..., None], band: Band = FULL, kind: NumberKind = PYTHON_FLOATS
+) -> StepAttempt:
+    """attempt(t, y, h, moved, new, given, table, work, report), see `numeric.step_control`."""
+    compiled, (lower, upper) = kind.compiled, band
+    size, (factored, solve) = error_size(kind), elimination(kind)
+
+    @compiled
+    def factor_blocks(n: int, h: float, table: CollocationTable, work: Work) -> bool:
+        """The matrices [[α/h - J, β/h], [-β/h, α/h - J]], component by component, so that bands remain."""
+        regular = True
+        for b in range(len(table.blocks)):
+            two = max(1, table.blocks[b][1])
+            below, above, m = two * (lower + 1) - 1, two * (upper + 1) - 1, work.matrices[b]
+            real, imaginary = table.eigenvalues[b][0] / h, table.eigenvalues[b][1] / h
+            for k in range(n):
+                derivatives, first = work.jacobian[k], max(0, k - lower)
+                for i in range(two):
+                    row, start = m[two * k + i], max(0, two * k + i - below)
+                    for j in range(len(row)):
+                        row[j] = 0.0
+                    for j in range(first, min(n, k + upper + 1)):
+                        row[two * j + i - start] = -derivatives[j - first]
+                    row[two * k + i - start] += real
+                    if two == 2:
+                        row[two * k + 1 - i - start] = imaginary if i == 0 else -imaginary
+            regular = factored(m, work.exchanged[b], two * n, below, above) and regular
+        return regular
+
+    @compiled
+    def correct(n: int, table: CollocationTable, work: Work) -> None:
+        """Corrections become T (blocks)⁻¹ T⁻¹ of themselves."""
+        stages, changes, x = len(table.c), work.corrections, work.vectors[0]
+        for k in range(n):
+            for i in range(stages):
+                total = 0.0
+                for j in range(stages):
+                    total += table.to_blocks[i][j] * changes[j][k]
+                x[i] = total
+            for i in range(stages):
+                changes[i][k] = x[i]
+        for b in range(len(table.blocks)):
+            first, two = table.blocks[b][0], table.blocks[b][1]
+            if two > 0:
+                for k in range(n):
+                    for i in range(two):
+                        x[two * k + i] = changes[first + i][k]
+                below, above = two * (lower + 1) - 1, two * (upper + 1) - 1
+                solve(work.matrices[b], work.exchanged[b], two * n, x, below, above)
+                for k in range(n):
+                    for i in range(two):
+                        changes[first + i][k] = x[two * k + i]
+        for k in range(n):
+            for i in range(stages):
+                total = 0.0
+                for j in range(stages):
+                    total += table.from_blocks[i][j] * changes[j][k]
+                x[i] = total
+            for i in range(stages):
+                changes[i][k] = x[i]
+
+    @compiled
+    def solved_stages(
+        t: float, y: Any, h: float, given: Tolerances, table: CollocationTable, work: Work, report: Any
+    ) -> bool:
+        """True when the moves are within a part of the tolerance; what they were before is where it starts."""
+        part = max(PART, ROUNDINGS / given.relative) if given.relative > 0 else PART
+        n, stages, memory, changes = len(y), len(table.c), work.memory, work.corrections
+        moves, slopes, place, before, rate_of_change = work.moves, work.slopes, work.vectors[0], 0.0, 0.0
+        # A series whose quotient is not known yet is taken to be that of the step before, a little worse.
+        left = exp(0.8 * log(max(memory[LEFT], 1e-16)))
+        for iteration in range(MOST_ITERATIONS):
+            for i in range(stages):
+                for k in range(n):
+                    place[k] = y[k] + moves[i][k]
+                rate(t + table.c[i] * h, place, slopes[i])
+            report[EVALUATIONS] += stages
+            for k in range(n):
+                for i in range(stages):
+                    total = 0.0
+                    for j in range(stages):
+                        total += table.inverse[i][j] * moves[j][k]
+                    changes[i][k] = slopes[i][k] - total / h
+            correct(n, table, work)
+            largest = 0.0
+            for i in range(stages):
+                for k in range(n):
+                    moves[i][k] += changes[i][k]
+                largest = max(largest, size(changes[i], y, y, given))
+            if not largest < inf:
+                return False
+            if iteration > 0:
+                rate_of_change = largest / before
+                if not rate_of_change < 1:
+                    return False
+                left = rate_of_change / (1 - rate_of_change)
+                expected = left * largest
+                for _ in range(iteration + 1, MOST_ITERATIONS):
+                    expected *= rate_of_change
+                if expected > part:
+                    return False
+            before = largest
+            if left * largest <= part:
+                memory[LEFT] = left
+                memory[WANTED] = 0.0 if iteration < 2 or rate_of_change <= SLOW else 1.0
+                return True
+        return False
+
+    @compiled
+    def start(n: int, h: float, table: CollocationTable, work: Work) -> None:
+        """The moves by which the polynomial of the step before goes on, or none."""
+        ratio, polynomial = h / work.memory[BEFORE] if work.memory[BEFORE] > 0 else 0.0, work.polynomial
+        for i in range(len(table.c)):
+            x = 1 + ratio * table.c[i]
+            for k in range(n):
+                value = at_end = 0.0
+                for j in range(len(table.c) - 1, -1, -1):
+                    value = (value + polynomial[j][k]) * x
+                    at_end += polynomial[j][k]
+                work.moves[i][k] = value - at_end if ratio > 0 else 0.0
+
+    @compiled
+    def estimated(n: int, h: float, slope: Any, table: CollocationTable, work: Work, off: Any) -> None:
+        """(γ/h - J)⁻¹ (the slope + Σ eᵢ Zᵢ / h), by the first block."""
+        x = work.vectors[0]
+        for k in range(n):
+            total = 0.0
+            for i in range(len(table.c)):
+                total += table.estimate[i] * work.moves[i][k]
+            x[k] = slope[k] + total / h
+        solve(work.matrices[0], work.exchanged[0], n, x, lower, upper)
+        for k in range(n):
+            off[k] = x[k]
+
+    @compiled
+    def attempt(
+        t: float, y: Any, h: float, moved: bool, new: Any, given: Tolerances, table: Any, work: Any, report: Any
+    ) -> float:
+        n, stages, memory = len(y), len(table.c), work.memory
+        slope, off, place = work.vectors[1], work.vectors[2], work.vectors[3]
+        if moved:
+            memory[BEFORE], memory[CURRENT] = memory[TRIED], 0.0
+            rate(t, y, slope)
+            report[EVALUATIONS] += 1
+            for i in range(stages):
+                for k in range(n):
+                    total = 0.0
+                    for j in range(stages):
+                        total += table.powers[i][j] * work.moves[j][k]
+                    work.polynomial[i][k] = total
+        memory[TRIED] = h
+        while True:
+            if memory[WANTED] > 0 and memory[CURRENT] == 0:
+                jacobian(t, y, work.jacobian)
+                memory[CURRENT], memory[FACTORED] = 1.0, 0.0
+            if memory[FACTORED] != h:
+                memory[FACTORED] = h
+                if not factor_blocks(n, h, table, work):
+                    return inf
+            start(n, h, table, work)
+            if solved_stages(t, y, h, given, table, work, report):
+                break
+            memory[LEFT] = 1.0
+            if memory[CURRENT] > 0:
+                return inf
+            memory[WANTED] = 1.0
+        for k in range(n):
+            total = 0.0
+            for i in range(stages):
+                total += table.weights[i] * work.moves[i][k]
+            new[k] = y[k] + total
+        estimated(n, h, slope, table, work, off)
+        error = size(off, y, new, given)
+        if error > 1:
+            for k in range(n):
+                place[k] = y[k] + off[k]
+            rate(t, place, work.slopes[0])
+            report[EVALUATIONS] += 1
+            estimated(n, h, work.slopes[0], table, work, off)
+            error = size(off, y, new, given)
+        return error
+
+    return attempt  # type: ignore[no-any-return]
+
+
+@cache
+def collocation_table(method: Method) -> CollocationTable:
+    """The table of a collocation method without the node 0, such as Gauss's and Radau IIA; or MethodError.
+
+    With Lagrange's polynomials through 0, Σ pₖᵢ xᵏ⁺¹ is 1 at cᵢ, A⁻¹ holds their slopes at the nodes, d their values
+    at 1. Their slopes at 0, turned round, are e: h f of the polynomial of the stages there, beside that of the state.
+    """
+    c = method.tableau(NODE_BITS)[2] if isinstance(method, Collocation) else _nodes(method)
+    if not c or 0 in c:
+        raise MethodError(f"{method.key} has no estimate of its error here: it neither is a pair nor collocates")
+    powers = [list(row) for row in zip(*[_through(x, c) for x in c], strict=True)]
+    columns = list(zip(*powers, strict=True))
+    inverse = [[total((k + 1) * x * node**k for k, x in enumerate(column)) for column in columns] for node in c]
+    given = inverse, [[-x for x in powers[0]], list(map(total, columns)), c], powers
+    slopes, (estimate, weights, nodes), polynomials = ([[float(x) for x in row] for row in matrix] for matrix in given)
+    vectors, blocks, eigenvalues = _blocks(slopes)
+    back = _rounded(np.linalg.inv(vectors))
+    return CollocationTable(nodes, slopes, weights, estimate, polynomials, back, vectors.tolist(), blocks, eigenvalues)
+
+
+def _nodes(method: Method) -> Sequence[Exact]:
+    """c of a Runge-Kutta method that has Σⱼ aᵢⱼ cⱼᵏ⁻¹ = cᵢᵏ/k, and 1/k with b, for k up to s, at nodes that differ."""
+    if not isinstance(method, RungeKutta) or any(x == y for i, x in enumerate(method.c) for y in method.c[:i]):
+        return ()
+    c = method.c
+    rows = zip((*method.a, method.b), (*c, Fraction(1)), strict=True)
+    moments = [
+        (total(x * y ** (k - 1) for x, y in zip(row, c, strict=True)), end**k / k)
+        for row, end in rows
+        for k in range(1, len(c) + 1)
+    ]
+    return c if all(x == y for x, y in moments) else ()
+
+
+def _through(node: Exact, c: Sequence[Exact]) -> list[Exact]:
+    """The polynomial without a constant term that is 1 at this node and 0 at the others, lowest power first."""
+    found: list[Exact] = [1 / node]
+    for other in c:
+        if other != node:
+            shifted = zip([Fraction(0), *found], [*found, Fraction(0)], strict=True)
+            found = [(low - other * high) / (node - other) for low, high in shifted]
+    return found
+
+
+def _blocks(inverse: list[list[float]]) -> tuple[Any, list[list[int]], list[list[float]]]:
+    """T, its blocks and their eigenvalues, the real one first, or, where there is none, one that no row has."""
+    values, vectors = np.linalg.eig(inverse)
+    columns, blocks, eigenvalues = list[Any](), list[list[int]](), list[list[float]]()
+    for i in sorted(np.flatnonzero(values.imag >= 0), key=lambda i: values.imag[i]):
+        scaled, real = vectors[:, i] / vectors[-1, i], values.imag[i] == 0
+        if not real and not blocks:
+            blocks, eigenvalues = [[0, 0]], [_rounded([abs(values[i]), 0.0])]
+        blocks.append([len(columns), 1 if real else 2])
+        eigenvalues.append(_rounded([values[i].real, values[i].imag]))
+        columns += [scaled.real] if real else [scaled.real, scaled.imag]
+    return np.array(_rounded(columns)).T, blocks, eigenvalues
+
+
+def _rounded(values: Any) -> Any:
+    return np.asarray(values, np.float32).astype(np.float64).tolist()

@@ -1,0 +1,104 @@
+"""Controlled runs: nearer for smaller tolerances, their calls counted, given up in one line, the same bits compiled."""
+
+from __future__ import annotations
+
+from math import exp
+
+import pytest
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import MethodError
+from driftproof.methods.vector_fields import VectorField
+from driftproof.numeric.advance import float_start
+from driftproof.numeric.controlled import _pair_step, controlled_runner
+from driftproof.numeric.field_loops import field_writers
+from driftproof.numeric.problems.catalogue import PROBLEMS
+from driftproof.numeric.reference_errors import distance_from_digits
+from driftproof.numeric.simplified_newton import collocation_attempts
+from driftproof.numeric.step_control import controlled_steps
+
+EXPONENTIAL = VectorField(("y0",))
+
+
+@pytest.mark.parametrize("key", ["radau_iia3", "gauss2", "radau_iia4", "dormand_prince54", "bogacki_shampine32"])
+def test_a_smaller_tolerance_takes_more_steps_and_errs_less(key):
+    """The oscillator neither magnifies nor damps errors of steps, and so of two components they add up at most."""
+    problem, last = PROBLEMS["harmonic_oscillator"], 0
+    run = controlled_runner(METHODS[key], problem.field)
+    for tolerance in (1e-3, 1e-5, 1e-7):
+        found = run(float_start(problem), float(problem.t), 0.0, tolerance)
+        assert distance_from_digits(found, problem.reference.states[-1]) < 2 * run.steps * tolerance
+        assert last < run.steps < 2000
+        last = run.steps
+
+
+@pytest.mark.parametrize("key", ["robertson", "hires", "van_der_pol_1e3"])
+def test_stiff_problems_are_followed_with_few_matrices(key):
+    """To t = 10¹¹, say, in some hundred steps; J is made anew in a part of them."""
+    problem, made = PROBLEMS[key], []
+    run = controlled_runner(METHODS["radau_iia3"], problem.field)
+    rate, jacobian, band, kind = field_writers(problem.field, compiled=False)
+    attempts = collocation_attempts(rate, lambda *place: made.append(place[0]) or jacobian(*place), band, kind)
+    run.loop = controlled_steps(rate, attempts, kind)
+    found = run(float_start(problem), float(problem.t), 1e-6, 1e-10)
+    assert distance_from_digits(found, problem.reference.states[-1]) < 2e-8
+    assert len(made) < run.steps < 1000
+
+
+def test_calls_are_those_that_are_made():
+    """Of a pair, f of the state when it has moved, but where the last stage is that; two for the first step."""
+    start = float_start(PROBLEMS["kepler"])
+    for key, others, keeps in (("dormand_prince54", 6, True), ("merson45", 4, False)):
+        run = controlled_runner(METHODS[key], PROBLEMS["kepler"].field)
+        run(start, 1.0, 1e-6, 1e-6)
+        assert run.calls == 2 + others * (run.steps + run.rejected) + (1 if keeps else run.steps)
+    calls, (rate, jacobian, band, kind) = [], field_writers(PROBLEMS["kepler"].field, compiled=False)
+    counting = lambda t, y, f: calls.append(t) or rate(t, y, f)
+    run = controlled_runner(METHODS["radau_iia3"], PROBLEMS["kepler"].field)
+    run.loop = controlled_steps(counting, collocation_attempts(counting, jacobian, band, kind), kind)
+    run(start, 1.0, 1e-6, 1e-6)
+    assert run.calls == len(calls) > 4 * run.steps
+
+
+def test_a_step_of_a_pair_is_that_of_its_weights_and_its_error_their_difference():
+    """Heun and Euler on y' = y: a step from y by h leads to y (1 + h + h²/2), Euler h²/2 y beside it."""
+    new, off = [0.0], [0.0]
+    _pair_step(METHODS["heun_euler21"], EXPONENTIAL)(0.0, [8.0], 0.25, [8.0], [0.0], new, off)
+    assert (new, off) == ([10.25], [0.25])
+
+
+def test_a_solution_that_ends_is_refused_near_its_end_and_a_long_run_after_its_calls():
+    """y' = y², y = 1/(1 - t): steps get shorter until there are none."""
+    for key in ("backward_euler", "fehlberg45"):
+        run = controlled_runner(METHODS[key], VectorField(("y0 * y0",)))
+        with pytest.raises(ArithmeticError, match=rf"{key}: no step is within the tolerance from t = (0\.9|1)"):
+            run((1.0,), 2.0, 1e-2, 0.0)
+        with pytest.raises(ArithmeticError, match=rf"{key}: given up after 20 evaluations from t = 0\.\d+$"):
+            run((1.0,), 2.0, 1e-6, 0.0, 20)
+
+
+def test_methods_without_an_estimate_are_refused():
+    for key in ("rk4", "velocity_verlet", "trapezoid"):
+        with pytest.raises(MethodError, match="no estimate of its error"):
+            controlled_runner(METHODS[key], EXPONENTIAL)
+
+
+def test_time_is_read_where_the_field_reads_it():
+    """y' = -2ty, y = exp(-t²)."""
+    for key in ("dormand_prince54", "gauss3"):
+        (found,) = controlled_runner(METHODS[key], VectorField(("-2 * t * y0",)))((1.0,), 1.5, 0.0, 1e-9)
+        assert found == pytest.approx(exp(-2.25), abs=1e-8)
+
+
+@pytest.mark.long  # compiling takes ten seconds a field
+@pytest.mark.parametrize("key", ["radau_iia3", "gauss2", "dormand_prince54", "merson45"])
+def test_compiled_runs_have_the_same_bits_and_take_the_same_steps(key):
+    pytest.importorskip("numba")
+    problem = PROBLEMS["oregonator"]
+    plain, compiled = (controlled_runner(METHODS[key], problem.field, compiled=fast) for fast in (False, True))
+    for tolerance in (1e-4, 1e-7):
+        assert plain(float_start(problem), 2.0, tolerance, tolerance) == compiled(
+            float_start(problem), 2.0, tolerance, tolerance
+        )
+        assert (plain.steps, plain.rejected, plain.calls) == (compiled.steps, compiled.rejected, compiled.calls)
+    assert plain.steps > 20

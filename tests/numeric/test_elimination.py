@@ -1,0 +1,59 @@
+"""Elimination beside exact fractions: full and banded, rows exchanged, and a matrix that has no inverse."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+from random import Random
+
+import pytest
+
+from driftproof.numeric.elimination import FULL, Band, elimination
+from driftproof.numeric.tableaux import solved
+
+FACTORED, SOLVE = elimination()
+
+
+def banded(matrix: list[list[float]], band: Band) -> list[list[float]]:
+    """Its rows from max(0, i - lower) on, with room for what exchanges fill in."""
+    n, (lower, upper) = len(matrix), band
+    return [(row[max(0, i - lower) :] + [0.0] * n)[: min(n, 2 * lower + upper + 1)] for i, row in enumerate(matrix)]
+
+
+@pytest.mark.parametrize("band", [FULL, Band(1, 1), Band(2, 1), Band(1, 3), Band(0, 2), Band(3, 0)])
+@pytest.mark.parametrize("size", [1, 2, 7, 12])
+def test_solutions_are_those_of_fractions(band: Band, size: int) -> None:
+    """Entries are small whole numbers, of which few bits are lost."""
+    random, tried = Random(size), 0
+    for _ in range(20):
+        inside = lambda i, j: -band.lower <= j - i <= band.upper
+        matrix = [
+            [float(random.randint(-3, 3) or 1) if inside(i, j) else 0.0 for j in range(size)] for i in range(size)
+        ]
+        right = [float(random.randint(-9, 9)) for _ in range(size)]
+        exact = solved([[Q(x) for x in row] for row in matrix], [Q(x) for x in right])
+        rows, exchanged, x = banded(matrix, band), [0] * size, list(right)
+        if exact is None:
+            continue
+        assert FACTORED(rows, exchanged, size, *band)
+        SOLVE(rows, exchanged, size, x, *band)
+        assert x == pytest.approx([float(y) for y in exact], abs=1e-9 * (1 + max(map(abs, exact))))
+        tried += 1
+    assert tried > 14
+
+
+def test_a_band_gives_the_bits_of_the_full_matrix() -> None:
+    random, n, band = Random(5), 9, Band(2, 1)
+    matrix = [[random.random() if -2 <= j - i <= 1 else 0.0 for j in range(n)] for i in range(n)]
+    found = []
+    for rows, wide in (([list(row) for row in matrix], FULL), (banded(matrix, band), band)):
+        exchanged, x = [0] * n, [float(i) for i in range(n)]
+        assert FACTORED(rows, exchanged, n, *wide)
+        SOLVE(rows, exchanged, n, x, *wide)
+        found.append((exchanged, x))
+    assert found[0] == found[1]
+    assert found[0][0] != list(range(n))  # rows were exchanged
+
+
+def test_a_matrix_without_an_inverse_has_a_zero_pivot() -> None:
+    assert not FACTORED([[1.0, 2.0], [2.0, 4.0]], [0, 0], 2, *FULL)
+    assert not FACTORED([[0.0, 2.0], [0.0, 4.0]], [0, 0], 2, *FULL)

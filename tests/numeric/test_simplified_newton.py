@@ -1,0 +1,87 @@
+"""Tables of collocation methods beside printed ones and by their definition; attempts that know their error."""
+
+from __future__ import annotations
+
+from math import inf, sqrt
+
+import numpy as np
+import pytest
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import MethodError
+from driftproof.numeric.elimination import FULL
+from driftproof.numeric.simplified_newton import collocation_attempts, collocation_table, work_for
+from driftproof.numeric.step_control import Tolerances
+from driftproof.numeric.tableaux import float_tableau
+
+TABLES = [
+    key for key in METHODS if key.startswith(("gauss", "radau_iia")) or key in ("backward_euler", "implicit_midpoint")
+]
+
+
+def test_radau_iia3_has_the_numbers_of_hairer_and_wanner():
+    """IV.8: (8.5) and (8.20), to the binary32 of eigenvalues."""
+    table, r = collocation_table(METHODS["radau_iia3"]), sqrt(6)
+    assert table.estimate == pytest.approx([(-13 - 7 * r) / 3, (-13 + 7 * r) / 3, -1 / 3], rel=1e-14)
+    assert table.blocks == [[0, 1], [1, 2]]
+    assert [x for pair in table.eigenvalues for x in pair] == pytest.approx(
+        [3.6378342527444957, 0, 2.6810828736277521, 3.0504301992474105], rel=2**-23
+    )
+
+
+@pytest.mark.parametrize("key", TABLES)
+def test_a_table_is_what_its_names_say(key):
+    table, method = collocation_table(METHODS[key]), float_tableau(METHODS[key])
+    stages, inverse = method.stages, np.linalg.inv(method.a)
+    size = np.abs(inverse).max() * 2**-40
+    assert table.inverse == pytest.approx(inverse, abs=size)
+    assert np.array(table.weights) @ method.a == pytest.approx(method.b, abs=1e-9)
+    nodes = np.array(table.c)[:, None] ** np.arange(1, stages + 1)
+    assert nodes @ table.powers == pytest.approx(np.eye(stages), abs=1e-3 if stages > 8 else 1e-6)
+    diagonal, rows = np.zeros((stages, stages)), 0
+    for (first, count), (real, imaginary) in zip(table.blocks, table.eigenvalues, strict=True):
+        block = [[real, imaginary], [-imaginary, real]]
+        diagonal[first : first + count, first : first + count] = np.array(block)[:count, :count]
+        rows += count
+    assert rows == stages
+    found = np.array(table.from_blocks) @ diagonal @ table.to_blocks
+    # Entries are rounded to 24 bits, and the columns of T are up to 10⁵ times nearer to each other than they are long.
+    assert found == pytest.approx(inverse, abs=np.abs(inverse).max() * 2**-22 * np.linalg.cond(table.from_blocks))
+
+
+@pytest.mark.parametrize("key", ["rk4", "trapezoid", "lobatto_iiia4", "radau_ia2", "sdirk2", "radau_i3", "yoshida4"])
+def test_methods_that_tell_no_error_here_are_refused(key):
+    with pytest.raises(MethodError, match=f"{key} has no estimate of its error here"):
+        collocation_table(METHODS[key])
+
+
+@pytest.mark.parametrize("key", ["backward_euler", "radau_iia2", "radau_iia3", "gauss2", "gauss4"])
+def test_estimates_see_powers_of_t_from_their_order_on_and_no_earlier(key):
+    """y' = tᵏ, J = 0: the estimate is the difference from a formula that is exact for k < s."""
+    table = collocation_table(METHODS[key])
+    for k in range(len(table.c) + 1):
+
+        def rate(t, y, f, k=k):
+            f[0] = t**k
+
+        attempt = collocation_attempts(rate, lambda t, y, matrix: matrix.__setitem__(0, [0.0]))
+        new, work = [0.0], work_for(1, table, FULL)
+        error = attempt(0.0, [0.0], 1.0, True, new, Tolerances(0.0, 1.0, 1.0), table, work, [0.0] * 5)
+        # J is right, and so one iteration is exact but for T, which is rounded to 24 bits.
+        method = float_tableau(METHODS[key])
+        assert new[0] == pytest.approx(method.b @ method.c**k, abs=1e-5)
+        assert (error < 1e-5) == (k < len(table.c))
+
+
+def test_an_attempt_without_stages_is_infinitely_wrong():
+    """y' = 10 y², y = 1, h = 1: complex roots only."""
+
+    def rate(t, y, f):
+        f[0] = 10 * y[0] * y[0]
+
+    table, seen = collocation_table(METHODS["backward_euler"]), []
+    attempt = collocation_attempts(rate, lambda t, y, m: seen.append(t) or m.__setitem__(0, [20 * y[0]]))
+    work = work_for(1, table, FULL)
+    assert attempt(0.0, [1.0], 1.0, True, [0.0], Tolerances(0.0, 1e-3, 2.0), table, work, [0.0] * 5) == inf
+    assert attempt(0.0, [1.0], 1e-3, False, [0.0], Tolerances(0.0, 1e-3, 2.0), table, work, [0.0] * 5) < 1
+    assert seen == [0.0]  # the state has not moved

@@ -1,0 +1,78 @@
+"""The controller alone, over attempts that say what their error is: repeated, lengthened, kept, and given up."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import inf
+
+import pytest
+
+from driftproof.numeric.step_control import (
+    DONE,
+    GIVEN_UP,
+    MOST_LONGER,
+    MOST_SHORTER,
+    REJECTED,
+    STATE,
+    STEPS,
+    TOO_SHORT,
+    Tolerances,
+    controlled_steps,
+    error_size,
+)
+
+HUNDREDTH = Tolerances(0.0, 1e-2, 2.0)
+
+
+def run_of(error, end=1.0, given=HUNDREDTH):
+    """The attempts (t, h, moved) of a run of y' = 1 whose step from t by h has the error that is told; the report."""
+    seen, report, y = [], [0.0] * 5, [0.0]
+
+    def attempt(t, y, h, moved, new, given, table, work, report):
+        seen.append((t, h, moved))
+        report[0] += 1
+        new[0] = y[0] + h
+        return error(t, h)
+
+    def rate(t, y, f):
+        f[0] = 1.0
+
+    controlled_steps(rate, attempt)(y, end, given, None, None, report)
+    assert report[STATE] != DONE or y[0] == pytest.approx(end, rel=1e-15)
+    assert report[STEPS] + report[REJECTED] == len(seen)
+    return seen, report
+
+
+def test_a_step_is_repeated_shorter_until_its_error_is_right_and_the_last_ends_at_the_end():
+    seen, report = run_of(lambda t, h: (h / 0.3) ** 2)
+    assert report[STATE] == DONE
+    for (t, h, _), (after, _, moved) in pairwise(seen):
+        assert moved == (h <= 0.3)
+        assert after == (t + h if moved else t)
+    assert seen[-1][0] + seen[-1][1] == 1.0
+    assert max(h for t, h, _ in seen if t > 0) == pytest.approx(0.27, rel=1e-14)  # SAFETY of what is right
+
+
+def test_steps_change_by_no_more_than_the_limits_and_small_changes_may_be_kept():
+    sizes = [h for _, h, _ in run_of(lambda t, h: 0.0)[0]]
+    assert sizes[1] == MOST_LONGER * sizes[0]
+    wrong, report = run_of(lambda t, h: inf)
+    assert wrong[1][1] == MOST_SHORTER * wrong[0][1]
+    assert (report[STATE], report[STEPS]) == (TOO_SHORT, 0)
+    kept = [h for _, h, _ in run_of(lambda t, h: 0.7, given=Tolerances(0.0, 1e-2, 2.0, steady=1.2))[0]]
+    assert len(set(kept[:-1])) == 1  # 0.9/sqrt(0.7) = 1.08
+    other = [h for _, h, _ in run_of(lambda t, h: 0.7)[0]]
+    assert other[1] == pytest.approx(1.0757 * other[0], rel=1e-4)
+
+
+def test_a_run_is_given_up_after_so_many_evaluations_and_where_no_step_is_right():
+    assert run_of(lambda t, h: (h / 0.01) ** 2, given=Tolerances(0.0, 1e-2, 2.0, most=30))[1][STATE] == GIVEN_UP
+    assert run_of(lambda t, h: 0.0 if t < 0.1 else inf)[1][STATE] == TOO_SHORT
+
+
+def test_the_size_of_an_error_is_its_largest_part_of_what_is_right():
+    size, given = error_size(), Tolerances(0.5, 1.0, 1.0)
+    assert size([3.0, -4.0], [2.0, 0.0], [-4.0, 2.0], given) == 2.0
+    assert size([0.0, 0.0], [0.0, 1.0], [0.0, 1.0], Tolerances(1.0, 0.0, 1.0)) == 0
+    assert size([1e-300], [0.0], [0.0], Tolerances(1.0, 0.0, 1.0)) == inf
+    assert size([0.0], [0.0], [inf], given) == size([float("nan")], [0.0], [0.0], given) == inf
