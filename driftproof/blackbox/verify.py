@@ -22,6 +22,7 @@ from driftproof.blackbox.criteria import (
     Question,
     questions_of,
 )
+from driftproof.blackbox.families.magnetic import BORIS_NAMES, Boris
 from driftproof.blackbox.families.reports import turns, verify_family
 from driftproof.blackbox.findings import Outcome, UnsupportedCall, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, Examined, IsolatedRunner
@@ -59,10 +60,11 @@ def verify(
 ) -> Report:
     """Whether a float stepper is `method`: on q'' = -q to the definition's any-order rounding bound, and elsewhere.
 
-    `step` is a callable or "package.module:name", `method` a catalogue key, a .toml file or a method. It is tried at
-    `examples` floats of the `domain`, with what `allowance` adds to the bound. Where it takes a force or a right-hand
-    side, its coefficients are read, it is held to the method's own step on a nonlinear problem with t, and its order is
-    measured there; where its system is built in, its step of q'' = -q is all that is seen, and all that is said.
+    `step` is a callable or "package.module:name", `method` a catalogue key, a .toml file or a method, or "boris" of a
+    step in a magnetic field. It is tried at `examples` floats of the `domain`, with what `allowance` adds to the bound.
+    Where it takes a force or a right-hand side, its coefficients are read, it is held to the method's own step on a
+    nonlinear problem with t, and its order is measured there; where its system is built in, its step of q'' = -q is all
+    that is seen, and all that is said.
 
     The report's `passed` is True, False, or None: undecided, because neither the coefficients nor the nonlinear steps
     were seen. If it is False, the report says what the stepper is instead; if it is None, what would decide it. `calls`
@@ -77,7 +79,8 @@ def verify(
     >>> verify(step, "forward_euler", examples=50, isolate=False).passed
     True
     """
-    if isinstance(found := subject_of(method), FactsOnly):
+    found = Boris() if isinstance(method, str) and method.lower() in BORIS_NAMES else subject_of(method)
+    if isinstance(found, FactsOnly | Boris):
         with IsolatedRunner(Target(step, calls, array), time_limit, isolate) as runner:
             return verify_family(runner, found)
     asked = method_of(found)  # which refuses a family

@@ -76,7 +76,7 @@ def identify_command(options: Namespace) -> str:
     return _told(report, report.answered, options)
 
 
-@cli.command(*TARGET, HELD_TO("a key that `driftproof methods` lists, or a .toml file", required=True))
+@cli.command(*TARGET, HELD_TO("a key that `driftproof methods` lists, boris, or a .toml file", required=True))
 def verify_command(options: Namespace) -> str:
     """Hold a stepper to a method: its coefficients, its rounding errors against a derived bound, its order.
     The bound holds for the definition's sums and products in any order, fused or not. Of a step(q, v, h) that has its

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 
-from driftproof.blackbox.families.rotations import TURN_ANGLES, Turn, turn_of
+from driftproof.blackbox.families.rotations import TURN_ANGLES, Turn, factors_of, turn_of
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.probes.coefficients import coefficient_text
 from driftproof.blackbox.probes.scripted_answers import NotReadable, Rounding
 from driftproof.blackbox.report import Criterion
-from driftproof.blackbox.stepper.calling_conventions import ELECTRIC, POSITION
+from driftproof.blackbox.stepper.calling_conventions import ELECTRIC
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.turning import Push, Pushed, step_in_fields
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.support.plain_text import Json
 
 # Oblique axes of B with numbers that are exact, so that the length of B counts, and not its components.
@@ -25,8 +27,24 @@ _AXES = ((0.0, 0.0, 1.0), (1.0, 2.0, 2.0), (-6.0, 2.0, 3.0))
 _STEPS = (1.0, 0.25)
 # Both parts of a drift, or of a kick: before the rotation, or with the old velocity; and after it.
 _Halves = tuple[float, float]
+_ALL = "x' = v, v' = E + v x B"
 _WHOLE = "the electric field enters as in one method for the whole of v' = E + v x B"
-_LEAPFROG, _BOTH_HALVES = (0.0, 1.0), (0.5, 0.5)
+_LEAPFROG, _BOTH_HALVES, _AHEAD = (0.0, 1.0), (0.5, 0.5), (1.0, 0.0)
+# Where leapfrogs ask for the fields, in units of h v from x, by their drift; and at which times v and x are.
+_TIMES: Mapping[_Halves, tuple[float, str]] = {
+    _LEAPFROG: (0.0, "v stands half a step behind x"),
+    _BOTH_HALVES: (0.5, "half a drift on either side of the push: x and v are at one time"),
+    _AHEAD: (1.0, "v stands half a step ahead of x"),
+}
+# What a user may call it.
+BORIS_NAMES = ("boris", "boris push", "boris pusher", "boris step")
+
+
+@dataclass(frozen=True)
+class Boris:
+    """Boris' step, to which a stepper is held: half kicks about a rotation by 2 atan(h B/2), and a leapfrog's drift."""
+
+    key: str = "boris"
 
 
 @dataclass(frozen=True)
@@ -34,10 +52,11 @@ class MagneticReading:
     """v1 = R v + h (k R + l) E, and x1 = x + h (m v + n v1): R a rotation about B, by the name of `turn`.
 
     `kick` is (k, l), None where there is no E, or another law; `affine` is true where the kick is (R - 1)/z, as of one
-    method for the whole of v' = E + v x B, `electric` where there is an E, `moves` where there is an x. `push` is what
-    a step without B gives, as part of h E. `drift` is (m, n), None where there is no x, or another law. `asked` is c
-    where E or B is called at x + c h v. `uneven` tells a rotation that depends on more than h B, `at_rest` what goes
-    wrong where B is 0; `kept` is by how much |v| was seen to change without E.
+    method for the whole of v' = E + v x B, `electric` where there is an E. `push` is what a step without B gives, as
+    part of h E. `drift` is (m, n), None where there is no x, or another law; of a step with an x, `moved` is what v and
+    what E move it by, as factors of h v and h² E at TURN_ANGLES. `asked` is c where E or B is called at x + c h v.
+    `uneven` tells a rotation that depends on more than h B, `at_rest` what goes wrong where B is 0; `kept` is by how
+    much |v| was seen to change without E.
     """
 
     turn: Turn
@@ -46,7 +65,7 @@ class MagneticReading:
     push: float
     drift: _Halves | None
     electric: bool
-    moves: bool
+    moved: tuple[Sequence[complex], Sequence[complex]] | None
     asked: float | None
     uneven: str
     at_rest: str
@@ -73,7 +92,32 @@ class MagneticReading:
             found.append(f"without fields the position moves by {self._text(sum(self.drift))} h v")
         elif self._is(self.drift, (1.0, 0.0)) and not self.asked and (self.boris or not self.affine):
             found.append("the position moves with the old velocity: no leapfrog, with fields at the old position")
+        elif self.boris and self.asked is not None and self._leapfrog and not self._near(self.asked, self._leapfrog[0]):
+            found.append(
+                f"the fields are asked at {self._place(self.asked)}, not at {self._place(self._leapfrog[0])}: order 1"
+            )
+        elif self.affine and self.moved and not self._staggered and not self._of_one_method(self.turn.factors):
+            found.append(f"the position moves otherwise than in one method for the whole of {_ALL}")
         return found
+
+    @property
+    def _leapfrog(self) -> tuple[float, str] | None:
+        """Where the fields belong, and the times of v and x, of a drift of the leapfrogs."""
+        return next((times for said, times in _TIMES.items() if self._is(self.drift, said)), None)
+
+    @property
+    def _staggered(self) -> bool:
+        """Whether x and v are half a step apart."""
+        return self._is(self.drift, _LEAPFROG) or (self._is(self.drift, _AHEAD) and bool(self.asked))
+
+    def _of_one_method(self, factors: Sequence[complex], pulled: Sequence[complex] | None = None) -> bool:
+        """Whether x moves by (R - 1)/z h v with the R given, and by what is `pulled` of h² E, or ((R - 1)/z - 1)/z."""
+        assert self.moved is not None
+        said = [(r - 1) / (1j * x) for x, r in zip(TURN_ANGLES, factors, strict=True)]
+        pulled = pulled or [(d - 1) / (1j * x) for x, d in zip(TURN_ANGLES, said, strict=True)]
+        allowed = [self.rounding.of(8.0 * (1 + abs(d))) / x**2 for x, d in zip(TURN_ANGLES, said, strict=True)]
+        rows = [(self.moved[0], said), *([(self.moved[1], pulled)] if self.electric else [])]
+        return all(abs(m - d) <= a for mine, its in rows for m, d, a in zip(mine, its, allowed, strict=True))
 
     @property
     def boris(self) -> bool:
@@ -82,13 +126,13 @@ class MagneticReading:
 
     @property
     def key(self) -> str | None:
-        """The method of the catalogue that it is: none holds a step with a magnetic field."""
-        return None
+        """What it can be held to as it stands."""
+        return "boris" if self.boris and not self.faults else None
 
     @property
     def verdict(self) -> str:
         """What it is, in one line."""
-        staggered = "v stands half a step behind x" if self._is(self.drift, _LEAPFROG) else ""
+        staggered = self._leapfrog[1] if self._leapfrog and self._staggered else ""
         if self.uneven:
             name = "no step that is known here"
         elif self.boris:
@@ -102,7 +146,7 @@ class MagneticReading:
             name = f"{'the rotation of boris' if known else f'a rotation by {self.turn.name}'}{self._kicks}"
         else:
             name = "no step that is known here"
-        unknown = "the position moves by another law" if self.moves and not self.drift and not self.affine else ""
+        unknown = "the position moves by another law" if self.moved and not self.drift and not self.affine else ""
         return "; ".join([f"it is {name}", *filter(None, [staggered, unknown]), *self.faults])
 
     @property
@@ -125,10 +169,10 @@ class MagneticReading:
             kicks.append("order 1 where both fields act: a half kick on either side of the rotation has order 2")
         if self.affine and not self.boris:
             kicks = [_WHOLE]
-        moved = [] if drift is None else [f"x1 = x + h ({self._text(drift[0])} v + {self._text(drift[1])} v1)"]
-        staggered = "v stands half a step behind x: as a step from x and v at one time it has order 1"
-        moved += [staggered] if self._is(drift, _LEAPFROG) else []
-        moved += [] if self.asked is None else [f"the fields are asked at x + {self._text(self.asked)} h v"]
+        moved = [] if drift is None else [f"x1 = x + {self._drift}"]
+        if self._leapfrog and self._staggered:
+            moved.append(f"{self._leapfrog[1]}: as a step from x and v at one time it has order 1")
+        moved += [] if self.asked is None else [f"the fields are asked at {self._place(self.asked)}"]
         return [
             ("Rotation", [f"{where}{self.turn.name}: {turn[0]}", kept, *area]),
             ("Kicks", kicks),
@@ -148,23 +192,56 @@ class MagneticReading:
         }
 
     def criteria(self, method: object) -> list[Criterion]:
-        """In constant fields: its rotation, and whether E enters as in one method for the whole of v' = E + v x B."""
-        whole = (self.affine or not self.electric) and not self.faults
-        other = "E enters otherwise than in one method for the whole of v' = E + v x B"
-        words = _WHOLE if self.affine else other if self.electric else "it takes no electric field"
-        checks = [self.turn.held_to(method), Criterion("Electric field", whole, tuple(self.faults) or (words,), {})]
-        if self.moves:
-            line = "how the position moves is not held to a method"
-            checks.append(Criterion("Position", None, (line,), {}, "a step of the velocity alone, step(v, E, B, h)"))
-        return checks
+        """In constant fields: its rotation, how E enters, how x moves; and where the fields are asked for."""
+        if isinstance(method, Boris):
+            halves = self._is(self.kick, _BOTH_HALVES)
+            words = (
+                ("half a kick of E on either side of the rotation",) if halves else ("E does not enter by half kicks",)
+            )
+            place, moved = self._leapfrog or (0.0, "the position moves by no drift of a leapfrog")
+            drift = (self._staggered or self._is(self.drift, _BOTH_HALVES)) and self._near(
+                place if self.asked is None else self.asked, place
+            )
+            rotation = self.turn.held_to(METHODS["implicit_midpoint"])
+        else:
+            whole = "E enters otherwise than in one method for the whole of v' = E + v x B"
+            halves, words = self.affine, (_WHOLE if self.affine else whole,)
+            drift, moved = self._moved_as(method)
+            rotation = self.turn.held_to(method)
+        kicks = (halves or not self.electric) and not self.faults
+        lines = tuple(self.faults) or (words if self.electric else ("it takes no electric field",))
+        checks = [rotation, Criterion("Electric field", kicks, lines, {})]
+        return [*checks, Criterion("Position", drift if self.moved else None, (moved,), {})]
+
+    def _moved_as(self, method: object) -> tuple[bool, str]:
+        """Whether the position moves as in a Runge-Kutta method for the whole, and in words."""
+        if self.moved is None or not isinstance(method, RungeKutta | Collocation):
+            return False, "it moves no position"
+        factors, pulled = zip(*(factors_of(method, 1j * x) for x in TURN_ANGLES), strict=True)
+        same = self._of_one_method(factors, pulled)
+        law = "by another law" if self.drift is None else f"by {self._drift}"
+        said = f"as in {method.key} for the whole of {_ALL}"
+        return same, f"the position moves {said}" if same else f"the position moves {law}, not {said}"
+
+    @property
+    def _drift(self) -> str:
+        """The position's part of the step."""
+        parts = [
+            f"{self._text(x)} {v}".removeprefix("1 ") for x, v in zip(self.drift or (), ("v", "v1"), strict=False) if x
+        ]
+        return f"h ({' + '.join(parts)})" if len(parts) > 1 else f"h {''.join(parts)}"
 
     def _text(self, x: float) -> str:
         return coefficient_text(x, self.rounding.format, self.rounding.of(4.0))
 
+    def _place(self, node: float) -> str:
+        return f"x + {self._text(node)} h v".replace(" 1 h", " h") if node else "x"
+
+    def _near(self, x: float, y: float) -> bool:
+        return abs(x - y) <= self.rounding.of(4.0)
+
     def _is(self, halves: _Halves | None, *said: _Halves) -> bool:
-        allowed = self.rounding.of(4.0)
-        pairs = [zip(halves or (), each, strict=False) for each in said]
-        return halves is not None and any(all(abs(x - y) <= allowed for x, y in pair) for pair in pairs)
+        return halves is not None and any(all(map(self._near, halves, each)) for each in said)
 
 
 def read_magnetic(subject: ForeignStepper) -> MagneticReading:
@@ -183,7 +260,7 @@ class _Probe:
         self.subject = subject
         self.rounding = Rounding(subject.format, 8)  # some 40 operations
         self.frames: list[Array] = [_frame(np.array(axis)) for axis in axes] if axes else [np.eye(2)]
-        self.electric, self.moves = (role in subject.convention.order for role in (ELECTRIC, POSITION))
+        self.electric = ELECTRIC in subject.convention.order
         self.step(1.0, self.frames[0][0])
 
     def step(
@@ -207,19 +284,26 @@ class _Probe:
         self._demand_linear(one)
         runs = [self.step(x, one) for x in TURN_ANGLES]
         factors = [self._across(run.v) for run in runs]
-        kicks, kick, drift = [1.0 + 0j] * len(factors), None, None
+        kicks, kick, drift, uneven = [1.0 + 0j] * len(factors), None, None, ""
+        pulls, still = [self.step(x, e=one) for x in TURN_ANGLES if self.electric], self.step(2.0**-60, e=one)
         if self.electric:
-            kicks = [self._across(self.step(x, e=one).v) for x in TURN_ANGLES]
+            kicks = [self._across(pull.v) for pull in pulls]
             kick = self._halves(factors, kicks)
             gains = [abs(x * k - (r - 1) / 1j) for x, r, k in zip(TURN_ANGLES, factors, kicks, strict=True)]
-            affine, push = max(gains) <= self.rounding.of(8.0), self._across(self.step(2.0**-60, e=one).v).real
-        if self.moves:
-            moved = self._halves(factors, [self._across(run.x or ()) for run in runs])
-            drift = None if moved is None else moved[::-1]
+            affine, push = max(gains) <= self.rounding.of(8.0), self._across(still.v).real
+        moved, lifted = ([self._across(run.x) for run in each if run.x is not None] for each in (runs, pulls))
+        if moved:
+            law = self._halves(factors, moved)
+            drift = None if law is None else law[::-1]
             places = runs[0].places
             asked = float(np.dot(places[0], one)) if places else None
-        uneven = self._uneven(factors) or self._other_elsewhere(factors[1], kicks[1], push, drift)
-        kept, flags = max(abs(abs(r) - 1) for r in factors), (self.electric, self.moves)
+        rise = self._across(still.x).real if self.electric and still.x is not None else 0.0
+        by_field = zip(kicks, lifted, strict=False) if drift else ()
+        if drift and any(abs(drift[1] * k - x) > self.rounding.of(8.0 * (1 + abs(k))) for k, x in by_field):
+            drift, uneven = None, "with both fields, the position moves in another way than without E"
+        seen = (moved[1] if moved else 0j, lifted[1] if lifted else 0j, rise)
+        uneven = uneven or self._uneven(factors) or self._other_elsewhere(factors[1], kicks[1], push, seen)
+        kept, flags = max(abs(abs(r) - 1) for r in factors), (self.electric, (moved, lifted) if moved else None)
         turn = turn_of(factors, self.rounding)
         at_rest = self._at_rest(one)
         return MagneticReading(turn, kick, affine, push, drift, *flags, asked, uneven, at_rest, kept, self.rounding)
@@ -277,7 +361,7 @@ class _Probe:
                     return f"the rotation depends on the direction of B: {many}"
         return ""
 
-    def _other_elsewhere(self, r: complex, kick: complex, push: float, drift: _Halves | None) -> str:
+    def _other_elsewhere(self, r: complex, kick: complex, push: float, moved: tuple[complex, complex, float]) -> str:
         """What shows that a step from any x, with both fields in any direction, is not made of what was read."""
         axis, h, angle = len(self.frames) - 1, 0.5, TURN_ANGLES[1]
         frame = self.frames[axis]
@@ -288,10 +372,11 @@ class _Probe:
         said = said + along * float(along @ (v + h * push * e))
         if np.max(np.abs(said - seen.v)) > self.rounding.of(32.0):
             return "with both fields, and elsewhere, the step is not made of these kicks and this rotation"
-        if drift is not None and seen.x is not None:
-            there = x + h * (drift[0] * v + drift[1] * said)
+        if seen.x is not None:
+            across = h * moved[0] * self._across(v, axis) + h**2 * moved[1] * self._across(e, axis)
+            there = x + self._vector(across, axis) + along * float(along @ (h * v + h**2 * moved[2] * e))
             if np.max(np.abs(there - seen.x)) > self.rounding.of(32.0):
-                return "with both fields, and elsewhere, the position moves in another way than without E"
+                return "with both fields, and elsewhere, the position moves in another way"
         return ""
 
 

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any, Protocol
 
 from driftproof.blackbox.families.imex import read_imex
-from driftproof.blackbox.families.magnetic import read_magnetic
+from driftproof.blackbox.families.magnetic import Boris, read_magnetic
 from driftproof.blackbox.families.multistep import read_multistep
 from driftproof.blackbox.families.multistep_recurrence import NoRecurrence
 from driftproof.blackbox.families.multistep_runs import remembers
@@ -31,6 +31,7 @@ from driftproof.support.plain_text import Json
 _NEEDED: dict[type, str] = {
     Multistep: "a stepper that takes a right-hand side or a force, and a copy of which remembers nothing",
     Rosenbrock: "a stepper that takes a Jacobian, step(f, jac, t, y, h)",
+    Boris: "a stepper that takes a magnetic field, step(x, v, E, B, h) or step(v, E, B, h)",
     Additive: "a stepper that takes two right-hand sides, step(f_explicit, f_implicit, t, y, h)",
 }
 _TURNING_NEEDED = "a stepper that remembers nothing, and is linear in what it turns"
@@ -67,12 +68,14 @@ class FamilyReading(Protocol):
 
 
 def read_family(
-    subject: ForeignStepper, asked: Method | FactsOnly | None = None, *, runs_only: bool = False
+    subject: ForeignStepper, asked: Method | FactsOnly | Boris | None = None, *, runs_only: bool = False
 ) -> FamilyReading | None:
     """What the stepper is among the families, if its steps remember; None where they do not.
 
     With `runs_only`, nothing is asked of single steps. Raises NotReadable, UnsupportedCall, Misbehaviour.
     """
+    if isinstance(asked, Boris):
+        return read_magnetic(subject)
     if isinstance(asked, Multistep):
         return read_multistep(subject, asked)
     if isinstance(asked, Rosenbrock) or (asked is None and subject.convention.kind == ROSENBROCK):
@@ -114,7 +117,7 @@ def turns(subject: ForeignStepper) -> bool:
     return subject.convention.kind in _TURNING
 
 
-def verify_family(runner: IsolatedRunner, method: Method | FactsOnly) -> Report:
+def verify_family(runner: IsolatedRunner, method: Method | FactsOnly | Boris) -> Report:
     """The report of `verify` for a method of a family. Raises ValueError where the stepper cannot be imported."""
     outcome = runner.run([partial(read_family, asked=method)])[0]
     if outcome.kind == "bad_input":
@@ -143,7 +146,7 @@ def verify_family(runner: IsolatedRunner, method: Method | FactsOnly) -> Report:
     return Report(name, verdict, passed, sections(*parts), data)
 
 
-def _not_read(name: str, outcome: Outcome, method: Method | FactsOnly) -> Report:
+def _not_read(name: str, outcome: Outcome, method: Method | FactsOnly | Boris) -> Report:
     """What comes of a stepper that no reading was made of: it gives no answer, or it is undecided, and why."""
     if outcome.kind == NoRecurrence.kind:
         return Report(name, f"is not {method.key}: {outcome.seen}", False, (), {"not_answered": outcome.seen})

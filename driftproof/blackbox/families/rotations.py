@@ -79,12 +79,10 @@ class Turn:
         if not isinstance(method, RungeKutta | Collocation):
             words = "a splitting or a Nyström method turns no vector"
             return Criterion("Rotation", False, (words,), {})
-        a, b, _ = (np.array(part, dtype=np.float64) for part in exact_tableau(method))
-        one = np.ones(len(b))
-        said = [1 + 1j * x * (b @ np.linalg.solve(np.eye(len(b)) - 1j * x * a, one)) for x in TURN_ANGLES]
+        said = [factors_of(method, 1j * x)[0] for x in TURN_ANGLES]
         off = [abs(r - s) / (1 + abs(s)) for r, s in zip(self.factors, said, strict=True)]
         worst = int(np.argmax(off))
-        same = bool(off[worst] <= Rounding(self.rounding.format, len(b) + self.rounding.calls).of(4.0))
+        same = bool(off[worst] <= Rounding(self.rounding.format, method.stages + self.rounding.calls).of(4.0))
         words = f"{method.key}'s factor at all of {len(TURN_ANGLES)} angles, off by {off[worst]:.1e} at most"
         other = f"{self.name}: off the factor of {method.key} by {off[worst]:.2g} at the angle {TURN_ANGLES[worst]:g}"
         return Criterion("Rotation", same, (words if same else other,), {})
@@ -100,6 +98,13 @@ class Turn:
             turns = f"it turns by {named}{angle}{more}"
         size = f"multiplied by 1{_term(angle, self.growth)}" if self.growth else "kept to rounding"
         return [turns, f"its size is {size}"]
+
+
+def factors_of(method: RungeKutta | Collocation, z: complex) -> tuple[complex, complex]:
+    """R(z) = 1 + z b (1 - zA)⁻¹ 1, and b A (1 - zA)⁻¹ 1: what a constant slope adds to the integral."""
+    a, b, _ = (np.array(part, dtype=np.float64) for part in exact_tableau(method))
+    stages = np.linalg.solve(np.eye(len(b)) - z * a, np.ones(len(b)))
+    return complex(1 + z * (b @ stages)), complex(b @ a @ stages)
 
 
 def turn_of(factors: Sequence[complex], rounding: Rounding) -> Turn:

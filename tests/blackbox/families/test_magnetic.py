@@ -7,6 +7,7 @@ import pytest
 
 from driftproof import identify, verify
 from driftproof.blackbox.families.magnetic import read_magnetic
+from driftproof.blackbox.judging.agreement import NO_ALLOWANCE
 from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.stepper.opening import opened
@@ -47,15 +48,39 @@ def test_where_fields_are_asked_is_read_where_they_are_functions():
     assert read_magnetic(opened(codes.boris())).asked is None
 
 
-def test_a_velocity_in_constant_fields_is_held_to_a_method_and_a_position_is_not_decided():
-    found = verify(codes.kinetic, "implicit_midpoint", isolate=False, allowance=SOLVED)
-    assert found.passed
-    assert verify(codes.kinetic, "rk4", isolate=False).passed is False
-    assert verify(codes.mass_squared, "implicit_midpoint", isolate=False, allowance=SOLVED).passed is False
-    moved = verify(codes.boris(), "implicit_midpoint", isolate=False, allowance=SOLVED)
-    assert moved.passed is None
-    assert "how the position moves is not held to a method" in moved.verdict
-    assert verify(codes.boris(), "velocity_verlet", isolate=False).passed is False
+# With the method, whether it is that, and what the verdict says.
+HELD = [
+    (codes.kinetic, "implicit_midpoint", True, "is implicit_midpoint"),
+    (codes.kinetic, "rk4", False, "it is boris"),
+    (codes.mass_squared, "implicit_midpoint", False, "gives h E times 1/2"),
+    (codes.boris(), "implicit_midpoint", False, "by h v1, not as in implicit_midpoint for the whole"),
+    (codes.boris(drift=(0.5, 0.5)), "implicit_midpoint", True, "is implicit_midpoint"),
+    (codes.runge_kutta("rk4"), "rk4", True, "is rk4 of v' = E + v x B"),
+    (codes.runge_kutta("kutta3"), "rk4", False, "it is kutta3 of"),
+    (codes.rk4_with_eulers_position, "rk4", False, "moves otherwise than in one method for the whole of x' = v"),
+    (codes.boris(), "velocity_verlet", False, "it is boris"),
+    (codes.boris(), "boris", True, "is boris; v stands half a step behind x"),
+    (codes.boris(), "Boris pusher", True, "is boris"),
+    *((step, "boris", True, "is boris") for step in (codes.kinetic, codes.by_ratio, codes.drifting, codes.in_plane)),
+    (codes.without_field, "boris", True, "is boris"),
+    (codes.asked_at(0.0, 0.0, 1.0), "boris", True, "is boris; v stands half a step behind x"),
+    (codes.asked_at(1.0, 1.0, 0.0), "boris", True, "is boris"),
+    (codes.asked_at(1.0, 0.0, 1.0), "boris", False, "the fields are asked at x + h v, not at x: order 1"),
+    (codes.asked_at(0.0, 0.5, 0.5), "boris", False, "the fields are asked at x, not at x + 1/2 h v: order 1"),
+    (codes.boris(codes.tangent), "boris", False, "boris but for its rotation, which is exact"),
+    (codes.runge_kutta("rk4"), "boris", False, "is not boris; it is rk4"),
+    *((step, "boris", False, "is not boris") for step, _ in codes.WRONG_PUSHES),
+    (codes.moved_by_field, "boris", False, "the position moves in another way than without E"),
+    (lambda f, t, y, h: y + h * f(t, y), "boris", None, "it takes no magnetic field"),
+    (codes.quaternion("rk4"), "boris", None, "it takes no magnetic field"),
+]
+
+
+@pytest.mark.parametrize(("step", "key", "passed", "words"), HELD, ids=range(len(HELD)))
+def test_a_push_is_held_to_boris_step_or_to_a_method_for_the_whole(step, key, passed, words):
+    found = verify(step, key, isolate=False, allowance=SOLVED if key == "implicit_midpoint" else NO_ALLOWANCE)
+    assert found.passed is passed
+    assert words in found.verdict
 
 
 def test_what_is_not_linear_or_remembers_is_refused():

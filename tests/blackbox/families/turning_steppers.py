@@ -126,6 +126,21 @@ def runge_kutta(key: str):
     return step
 
 
+def rk4_with_eulers_position(x, v, E, B, dt):
+    """RK4 of the velocity, and a position that moves with the old one."""
+    return x + dt * v, runge_kutta("rk4")(x, v, lambda y: E, lambda y: B, dt)[1]
+
+
+def asked_at(place: float, before: float, after: float):
+    """Boris' step with fields of the position asked at x + place h v, and this drift."""
+
+    def step(x, v, E, B, dt):
+        at = x + place * dt * v
+        return boris(drift=(before, after))(x, v, E(at), B(at), dt)
+
+    return step
+
+
 def tangent(b: Any, h: float):
     """t that makes Boris' rotation exact."""
     size = np.linalg.norm(b)
@@ -188,6 +203,8 @@ WRONG_PUSHES = [
     (boris(lambda b, h: np.tan(h / 2 * np.sqrt(b @ b)) * b / np.sqrt(b @ b)), "with B = 0, from "),
     (flat, "with both fields, and elsewhere, the step is not made of these kicks and this rotation"),
     (moved_by_field, "the position moves in another way than without E"),
+    (rk4_with_eulers_position, "the position moves otherwise than in one method for the whole of x' = v"),
+    (asked_at(1.0, 0.0, 1.0), "the fields are asked at x + h v, not at x: order 1"),
 ]  # fmt: skip
 
 
