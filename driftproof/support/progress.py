@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from threading import Event, Lock, Thread
-from time import monotonic
+from time import monotonic, time
 
 # Seconds of silence after which who waits is told that something is done, and between two tellings.
 SILENCE, BEAT = 2.0, 1.0
@@ -22,7 +22,7 @@ def on_terminal() -> bool:
 
 @contextmanager
 def working(name: str) -> Iterator[None]:
-    """While the block lasts, a line of `name` and its seconds on a terminal, from SILENCE on and where no bar is.
+    """While the block lasts, a line of `name` and its seconds on a terminal, from SILENCE on and where no bar moves.
 
     Of blocks within each other the outermost tells.
     """
@@ -45,10 +45,12 @@ def _tell(name: str, done: Event, place: int) -> None:
     start, told, pause = monotonic(), 0, SILENCE
     while not done.wait(pause):
         pause = BEAT
-        bars = getattr(getattr(sys.modules.get("tqdm"), "tqdm", None), "_instances", ())
-        line = "" if bars else f"{name}: working, {monotonic() - start:.0f} s (Ctrl-C ends it)"
+        bars = list(getattr(getattr(sys.modules.get("tqdm"), "tqdm", None), "_instances", ()))
+        moving = any(time() - bar.last_print_t < SILENCE for bar in bars)
+        line = "" if moving else f"{name}: working, {monotonic() - start:.0f} s (Ctrl-C ends it)"
         with suppress(OSError):
-            os.write(place, f"\r{line.ljust(told)}".encode() if line else b"")
+            covered = os.get_terminal_size(place).columns - 1 if bars else told  # a bar that stands still
+            os.write(place, f"\r{line.ljust(covered)}".encode() if line else b"")
         told = len(line)
     if told:
         with suppress(OSError):

@@ -3,6 +3,8 @@
 import os
 import sys
 
+from tqdm import tqdm
+
 from driftproof.support import progress
 
 
@@ -18,6 +20,17 @@ def test_silence_on_a_terminal_is_broken_by_a_line_that_goes_again(monkeypatch):
         rest = os.read(outer, 1000).decode()
     assert said.startswith("\rdriftproof verify: working, 0 s (Ctrl-C ends it)")
     assert rest.endswith(" \r")
+
+
+def test_a_bar_that_stands_still_is_silence(monkeypatch):
+    outer, inner = os.openpty()
+    monkeypatch.setattr(tqdm, "monitor_interval", 0)  # no thread that outlives the test
+    monkeypatch.setattr(progress, "SILENCE", 0.01)
+    with os.fdopen(inner, "w") as terminal:
+        monkeypatch.setattr(sys, "stderr", terminal)
+        with tqdm(total=4, unit="point", leave=False), progress.working("driftproof sweep"):
+            while "driftproof sweep: working" not in (said := os.read(outer, 1000).decode()):
+                assert "point" in said
 
 
 def test_nothing_is_said_where_nobody_looks(capfd):
