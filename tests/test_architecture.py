@@ -64,11 +64,11 @@ NOT_ELSEWHERE = "sympy"
 BUDGETS = {
     "support": 1160,
     "methods": 5558,
-    "symbolic": 10733,
+    "symbolic": 10734,
     "numeric": 4082,
     "blackbox": 16801,
     "enclosure": 3159,
-    "texts": 7137,
+    "texts": 7297,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5599
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

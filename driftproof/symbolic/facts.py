@@ -213,6 +213,7 @@ _FACTS_ONLY: Mapping[type, tuple[Callable[[Any], Any], tuple[str, ...], tuple[st
     Rosenbrock: (RosenbrockFacts, ROSENBROCK_FACTS, ()),
     Additive: (AdditiveFacts, ADDITIVE_FACTS, ()),
 }
+OTHER_FACTS = tuple(dict.fromkeys(name for _, *known in _FACTS_ONLY.values() for names in known for name in names))
 
 
 def facts_only(method: FactsOnly, names: Sequence[str] = (), tolerance: Fraction | None = None) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from driftproof.texts.questions.answer import Answer, as_printed
 from driftproof.texts.questions.errors import QuestionError, refused_at
 from driftproof.texts.questions.parser import Node, Query, parse_question
 from driftproof.texts.questions.query_context import QueryContext
-from driftproof.texts.questions.wording import AMBIGUOUS_FACTS
+from driftproof.texts.questions.wording import AMBIGUOUS_FACTS, COEFFICIENT
 
 if TYPE_CHECKING:
     from driftproof.methods.schemes import Method
@@ -102,17 +102,24 @@ def _call(node: CallNode, question: str) -> Answer:
 def _step(context: QueryContext) -> Answer:
     """Answers `step METHOD [problem=NAME | rates=(-y0) | lambda=-2] h=1/2 [N=3] [from q,v] : READOUT [UNIT]`."""
     context.demand_only("h", "N", "lambda", start=True, readout=True, unit=True, problem=True)
-    h = context.setting("h", "h=1/2")
+    counted = context.query.readout is not None and context.query.readout.text == "evaluations"
+    h = Fraction(1) if counted and "h" not in context.query.settings else context.setting("h", "h=1/2")
     return _of_run(context, h, h * (_whole_number(context) if "N" in context.query.settings else 1))
 
 
 def _run(context: QueryContext) -> Answer:
     """Answers `run METHOD [problem=NAME | rates=(-y0) | lambda=-2] h=1/4 t=10 [from q,v] : READOUT [UNIT]`.
 
-    Two of h, t and N are given.
+    Two of h, t and N are given; of the oscillator error in place of h, what is reached with the fewest steps.
     """
-    context.demand_only("h", "t", "N", "lambda", start=True, readout=True, unit=True, problem=True)
+    context.demand_only("h", "t", "N", "error", "lambda", start=True, readout=True, unit=True, problem=True)
     given = {name: number.value for name, number in context.query.settings.items() if name != "lambda"}
+    if "error" in given and "t" in given and not (context.about_problem or "lambda" in context.query.settings):
+        from driftproof.texts.questions.runs import steps_to_error
+
+        method, t = context.method(), given["t"]
+        with context.refused():
+            given = {"t": t, "h": t / steps_to_error(method, t, context.start, given["error"])}
     if len(given) != 2:
         raise context.error(None, "run needs two of h, t and N, as in h=1/4 t=10")
     h = given["h"] if "h" in given else given["t"] / _whole_number(context)
@@ -204,10 +211,12 @@ def _roundoff(context: QueryContext) -> Answer:
 
 
 def _fact(context: QueryContext) -> Answer:
-    from driftproof.texts.questions.facts import FACT_NAMES, fact
+    from driftproof.texts.questions.facts import FACT_NAMES, coefficient, fact
 
     if context.head in AMBIGUOUS_FACTS:
         raise context.error(None, f"{context.head} may mean {AMBIGUOUS_FACTS[context.head]}: say which")
+    if COEFFICIENT.fullmatch(context.head):
+        return coefficient(context)
     if context.head not in FACT_NAMES:
         hint = f"{did_you_mean(context.head, [*_QUERY_KINDS, *FACT_NAMES])} (`driftproof value --list` shows what can)"
         raise context.error(None, f"{context.head[:40]!r} is nothing that can be asked{hint}")

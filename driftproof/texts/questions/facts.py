@@ -6,14 +6,16 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
+from driftproof.methods.catalogue import FactsOnly
 from driftproof.methods.expressions import parse_number
 from driftproof.methods.families import Family
 from driftproof.methods.number_field import Algebraic
+from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.algebra.polynomials import Polynomial, coefficients, evaluate, exact, polynomial, scalar
 from driftproof.symbolic.algebra.radicals import radical_form
 from driftproof.symbolic.algebra.rational_functions import fraction, polynomial_text, sum_text
 from driftproof.symbolic.algebra.real_roots import RealRoot
-from driftproof.symbolic.facts import FACTS, ON_REQUEST, WHY_NONE, Facts
+from driftproof.symbolic.facts import FACTS, ON_REQUEST, OTHER_FACTS, WHY_NONE, Facts, facts_only
 from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
 from driftproof.symbolic.linear.a_stability import Angle, EnclosedTangent
 from driftproof.symbolic.linear.facts import ExactFunction, Formula, Sector, TruncatedSeries, facts_by_name
@@ -22,10 +24,11 @@ from driftproof.symbolic.linear.phase import LeadingTerm
 from driftproof.symbolic.linear.stability_limits import Infinity
 from driftproof.texts.questions.answer import CERTIFIED, COUNTED, PROVED, STATED, Answer
 from driftproof.texts.questions.query_context import QueryContext
+from driftproof.texts.questions.wording import COEFFICIENT
 from driftproof.texts.writing.facts import fact_tex, fact_text
 from driftproof.texts.writing.records import parts
 
-FACT_NAMES = tuple(dict.fromkeys((*FACTS, *ON_REQUEST, *FAMILY_FACTS)))
+FACT_NAMES = tuple(dict.fromkeys((*FACTS, *ON_REQUEST, *FAMILY_FACTS, *OTHER_FACTS)))
 # Facts that were counted, and those that are only what the source says: the others are derived.
 _EVIDENCE = {"stages": COUNTED} | dict.fromkeys(("method", "title", "family", "source", "claimed_order"), STATED)
 # Leading terms that are written with their power of h; of others the coefficient is asked for.
@@ -38,6 +41,8 @@ def fact(context: QueryContext) -> Answer:
     with context.refused():
         if isinstance(subject, Family):
             found = facts_by_name(FamilyFacts(subject), (name,), FAMILY_FACTS)[name]
+        elif isinstance(subject, FactsOnly):
+            found = facts_only(subject, (name,))[name]
         else:
             found = facts_by_name(Facts(subject), (name,), (*FACTS, *ON_REQUEST))[name]
         if found is None:
@@ -46,6 +51,23 @@ def fact(context: QueryContext) -> Answer:
         if isinstance(found, QuadraticForm) and context.query.readout is None:
             return _quadratic(context, found)
         return _answer(context, *_part(context, found, subject.key))
+
+
+def coefficient(context: QueryContext) -> Answer:
+    """Answers `a21 METHOD`, `b1 METHOD`, `bhat1 METHOD` and `c2 METHOD`: an entry of a tableau."""
+    context.demand_only()
+    method, named = context.method(), COEFFICIENT.fullmatch(context.head)
+    assert named is not None
+    with context.refused():
+        if not isinstance(method, RungeKutta):
+            raise ValueError(f"{method.key} has no tableau of numbers; Runge-Kutta methods have")
+        row: Any = method.a if named["a"] else {"b": method.b, "c": method.c, "bhat": method.b_embedded}[named["row"]]
+        numbers = [int(digits) for digits in named.groups()[1:] if digits and digits.isdigit()]
+        if row is None or max(numbers) > method.stages:
+            raise ValueError(f"{method.key} has no {context.head}")
+        for number in numbers:
+            row = row[number - 1]
+        return of_number(row) or Answer("", None)
 
 
 def _part(context: QueryContext, found: Any, key: str) -> tuple[str, Any]:

@@ -19,7 +19,9 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import takewhile
 from typing import Any, TypeAlias
+from unicodedata import normalize
 
 from driftproof.methods.catalogue import keys_of_name
 from driftproof.methods.expression_tree import (
@@ -32,19 +34,23 @@ from driftproof.methods.expression_tree import (
     NumberNode,
     Token,
 )
+from driftproof.support.plain_text import did_you_mean
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.wording import (
-    AMBIGUOUS_FACTS,
+    ASKING,
     FACT_WORDS,
     LOCAL,
     OTHER_SETTINGS,
+    PER_STEP,
     READOUT_WORDS,
     SAY_NOTHING,
+    longest_name,
+    names_that_ask,
 )
 
 # Words that may stand alone between head and readout.
 WORDS = ("sharp",)
-SETTINGS = ("h", "t", "N", "steps", "z", "lambda")
+SETTINGS = ("h", "t", "N", "steps", "error", "z", "lambda")
 PROBLEM, RATES = ("problem", "rates")
 _HEADS = ("step", "run", "exact", "roundoff")
 # (17/16)**1000 is a growth that texts have; what is too long to write out is enclosed.
@@ -77,8 +83,9 @@ Node: TypeAlias = ExpressionNode | Query
 
 
 def parse_question(question: str) -> Node:
-    """The tree of the question. Raises QuestionError."""
-    node: Node = _QuestionParser(question, largest_power=LARGEST_POWER_ASKED).tree()
+    """The tree of the question, whose letters may have accents. Raises QuestionError."""
+    plain = "".join(normalize("NFKD", c)[0] if c.isalpha() else c for c in question)
+    node: Node = _QuestionParser(plain.removesuffix("?"), largest_power=LARGEST_POWER_ASKED).tree()
     return node
 
 
@@ -96,20 +103,32 @@ class _QuestionParser(ExpressionParser):
 
     def named(self, name: Token) -> Node:
         """A published value by its id, or a query from after its head on."""
+        while name.text.lower() in ASKING and self.next.kind == NAME and not self.in_rate:
+            name = self.take()
         of_somebody = self.next.text == "'" and self._after(self.at).text == "s"
-        if self.in_rate or not (self.next.kind == NAME or self.next.text == ":" or of_somebody):
+        hyphened = self.next.text == "-" and self.next.column == name.end and self._has_hyphen(name)
+        if self.in_rate or not (self.next.kind == NAME or self.next.text == ":" or of_somebody or hyphened):
             return NameNode(name.column, "pi" if name.text == "π" else name.text)
         parts: dict[str, Any] = {"settings": {}, "words": {}, "rates": {}, "start": {}}
         return self.query(name, self.head(name, parts), parts)
+
+    def _has_hyphen(self, name: Token) -> bool:
+        """Whether the name of a fact or of a method that begins here has one, as Crank-Nicolson: it is no minus."""
+        start = self.at
+        self.method_name(name)
+        longer, self.at = self.at > start, start
+        return longer or longest_name(self.tokens[start - 1 :])[1] > 1
 
     def _call(self, name: Token) -> Any:
         """A function from after its bracket on, of which R is that of a method: R(-2) of rk4."""
         if name.text != "R":
             return super()._call(name)
-        settings = {} if self.accept("z") else {"z": NumberNode(self.next.column, self.literal("z"))}
+        parts: dict[str, Any] = {"settings": {}, "words": {}, "rates": {}, "start": {}}
+        head = "limit_at_infinity" if self.accept("oo", "infinity") else FACT_WORDS["r"]
+        if head == FACT_WORDS["r"] and not self.accept("z"):
+            parts["settings"]["z"] = NumberNode(self.next.column, self.literal("z"))
         self.expect(")", "the bracket of R is not closed")
-        parts = {"settings": settings, "words": {}, "rates": {}, "start": {}}
-        return self.query(name, name._replace(text=FACT_WORDS["R"]), parts)
+        return self.query(name, name._replace(text=head), parts)
 
     def query(self, name: Token, head: Token, parts: dict[str, Any]) -> Query:
         """The query that begins with this name, from after its head on."""
@@ -119,27 +138,39 @@ class _QuestionParser(ExpressionParser):
             parts["readout"] = self.readout()
             if self.next.kind == NAME:
                 parts["unit"] = self.take()
-        elif head.text in READOUT_WORDS:
-            parts["readout"] = head._replace(text=READOUT_WORDS[head.text])
-            head = head._replace(text="step" if head.text in LOCAL else "run")
+        elif (readout := head.text.removesuffix(PER_STEP)) in READOUT_WORDS:
+            parts["readout"] = head._replace(text=READOUT_WORDS[readout])
+            head = head._replace(text="step" if readout in LOCAL or readout != head.text else "run")
+        elif ":" in head.text:
+            parts["readout"] = head._replace(text=head.text.partition(":")[2])
+        head = head._replace(text=head.text.partition(":")[0])
         return Query(head, **self.with_unknowns(name, parts))
 
     def head(self, name: Token, parts: dict[str, Any]) -> Token:
-        """The head that begins with this name, of several words: "real limit of"; before a method's name, run."""
+        """The head that begins with this name, of several words: "real limit of RK4", or "RK4 real limit", or run."""
         if name.text in _HEADS or self.next.text == ":":
             return name._replace(text=FACT_WORDS.get(name.text, name.text))
-        from driftproof.symbolic.facts import FACTS, ON_REQUEST
-        from driftproof.symbolic.family_facts import FAMILY_FACTS
+        start, (text, count) = self.at, longest_name(self.tokens[self.at - 1 :])
+        method = self.method_name(name)
+        if self.at - start >= count and (keys_of_name(method.text) or method.text.endswith(".toml")):
+            parts["subject"] = method
+            text, count = longest_name(self.tokens[self.at :])
+            if self.tokens[self.at + count].text == "=":  # steps = 10
+                text, count = "", 0
+            self.at += count
+        elif text:
+            self.at = start + count - 1
+        else:
+            self.at = start
+            raise self.error(name, self._nothing(name))
+        return name._replace(text=FACT_WORDS.get(text, text or "run"))
 
-        known = {*FACTS, *ON_REQUEST, *FAMILY_FACTS, *FACT_WORDS, *AMBIGUOUS_FACTS, *READOUT_WORDS}
-        words = [name.text, *(token.text for token in self.tokens[self.at : self.at + 2])]
-        while len(words) > 1 and "_".join(words) not in known:
-            words.pop()
-        self.at += len(words) - 1
-        text = "_".join(words)
-        if text not in known and keys_of_name((method := self.method_name(name)).text):
-            parts["subject"], text = method, "run"
-        return name._replace(text=FACT_WORDS.get(text, text))
+    def _nothing(self, name: Token) -> str:
+        """That what stands before a method, or a word such as "of", cannot be asked."""
+        after = takewhile(lambda token: token.kind == NAME and token.text not in SAY_NOTHING, self.tokens[self.at :])
+        words = [name.text, *(token.text for token in after if not keys_of_name(token.text))]
+        hint = did_you_mean("_".join(words), (*_HEADS, *sorted(names_that_ask())))
+        return f"{' '.join(words)[:40]!r} is nothing that can be asked{hint} (`driftproof value --list` shows what can)"
 
     def _another_part(self) -> bool:
         """Whether a part comes next. A comma before an equation or a setting, where no list goes on, is used up."""
@@ -326,6 +357,8 @@ class _QuestionParser(ExpressionParser):
         first = self.next
         sign = self.accept("-", "+")
         token = self.take()
+        if token.kind == NUMBER and self.next.text in ("i", "j"):
+            raise self.error(first, f"{what} is real here; |R(iy)|^2 is energy_multiplier METHOD h=y")
         if token.kind != NUMBER:
             raise self.error(token, f"{what}: a number like 1/4 or 0.25 stands here, not {token.shown}")
         text = (sign.text if sign else "") + token.text

@@ -13,6 +13,7 @@ from driftproof.texts.questions.errors import QuestionError, refused_at
 from driftproof.texts.questions.parser import Query
 
 if TYPE_CHECKING:
+    from driftproof.methods.catalogue import FactsOnly
     from driftproof.methods.families import Family
     from driftproof.methods.schemes import Method
 
@@ -53,33 +54,32 @@ class QueryContext:
     def method(self) -> Method:
         """The one method that is asked about."""
         from driftproof.methods.families import Family
+        from driftproof.methods.tableau_file import method_of
 
         subject = self.subject()
         if isinstance(subject, Family):
             reason = f"{subject.key} is a family; choose a method with at, a value of {subject.parameter}"
             raise self.error(self.query.subject, reason)
-        return subject
+        with self.refused(self.query.subject):
+            return method_of(subject)  # which refuses what has facts only
 
-    def subject(self) -> Method | Family:
-        """The method, or the family where no value of its parameter is given."""
+    def subject(self) -> Method | Family | FactsOnly:
+        """What facts are asked of: a family where no value of its parameter is given."""
         from driftproof.methods.expressions import parse_number
-        from driftproof.methods.families import FAMILIES
-        from driftproof.methods.tableau_file import method_of
+        from driftproof.methods.families import Family
+        from driftproof.methods.tableau_file import subject_of
 
         token, at = self.query.subject, self.query.at
         if token is None:
             raise self.error(None, f"{self.head} is about a method, as in {self.head} rk4")
-        family = FAMILIES.get(token.text)
-        if family is None:
-            with self.refused(token):
-                method = method_of(token.text)
-            if at is not None:
-                raise self.error(at, f"{method.key} has no parameter; families such as sdirk_order_2 have")
-            return method
+        with self.refused(token):
+            found = subject_of(token.text)
         if at is None:
-            return family
+            return found
+        if not isinstance(found, Family):
+            raise self.error(at, f"{found.key} has no parameter; families such as sdirk_order_2 have")
         with self.refused(at):
-            return family.member(parse_number(at.text, family.parameter))
+            return found.member(parse_number(at.text, found.parameter))
 
     def demand_only(
         self,

@@ -11,7 +11,7 @@ from flint import arb
 
 from driftproof.methods.number_field import Exact as Coefficient
 from driftproof.methods.schemes import Method, RungeKutta
-from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
+from driftproof.symbolic.algebra.certified import CertifiableReal, certified_sign, enclose
 from driftproof.symbolic.algebra.polynomials import polynomial
 from driftproof.symbolic.algebra.rational_functions import polynomial_text, sum_text
 from driftproof.symbolic.runs import OscillatorRun, exact_flow
@@ -127,6 +127,30 @@ def in_unit(angle: Answer, unit: str) -> Answer:
 
 # As an author writes it -> as it is called.
 UNITS = {"deg": DEGREES, DEGREES: DEGREES, "rad": RADIANS, RADIANS: RADIANS, TURNS: TURNS}
+
+
+def steps_to_error(method: Method, t: Fraction, start: _State, error: Fraction) -> int:
+    """The N with a state error of at most `error` at t after N steps, and a larger one after N - 1.
+
+    The steps are doubled until it is reached, and then bisected. Raises ValueError where that takes too many.
+    """
+
+    def reached(steps: int) -> bool:
+        off = run_of(method, t / steps, t, start).state_error
+        return certified_sign(lambda: enclose(off) - enclose(error)) <= 0
+
+    if error <= 0:
+        raise ValueError("an error to be reached is above 0")
+    steps = 1
+    while not reached(steps):
+        steps *= 2
+        if steps > LARGEST_STEP_COUNT:
+            raise ValueError(f"{method.key} reaches no such error with {LARGEST_STEP_COUNT} steps")
+    low = steps // 2
+    while steps - low > 1:
+        middle = (low + steps) // 2
+        low, steps = (low, middle) if reached(middle) else (middle, steps)
+    return steps
 
 
 def run_of(method: Method, h: Fraction, t: Fraction, start: _State) -> OscillatorRun:

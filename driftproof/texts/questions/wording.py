@@ -1,15 +1,24 @@
-"""What people call readouts, facts and settings in a question, beside the names that they have; as data.
+"""What people call readouts, facts and settings in a question, beside the names that they have.
 
-A head or a readout of several words is one name, with "_" between: "phase error" is phase_error.
+A head or a readout of several words is one name, with "_" between: "phase error" is phase_error, "A-stable" a_stable.
 """
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
+from functools import cache
+
+from driftproof.methods.expression_tree import NAME, Token
+
 # A local error is that of one step: as the head of a question it asks for a step, the others for a run.
-LOCAL = ("local_error",)
-_ERRORS = ("error", "global_error", *LOCAL)
+LOCAL = ("local_error", "local_truncation_error", "one_step_error")
+PER_STEP = "_per_step"
+_ERRORS = ("error", "errors", "global_error", *LOCAL)
 _LARGEST = ("max_error", "maximum_error", "maximal_error")
 _NAMES = (
+    "q",
+    "v",
     "state_error",
     "phase_error",
     "largest_error",
@@ -26,30 +35,93 @@ READOUT_WORDS = {
     **dict.fromkeys(_ERRORS, "state_error"),
     **dict.fromkeys(_LARGEST, "largest_error"),
     **dict.fromkeys(("energy_error", "energy_drift"), "energy_change"),
-    "function_evaluations": "evaluations",
+    **dict.fromkeys(("function_evaluations", "number_of_evaluations"), "evaluations"),
+    "number_of_steps": "steps",
     "position": "q",
     "velocity": "v",
     "exact.position": "exact.q",
     "exact.velocity": "exact.v",
 }
 
-# Other name of a fact -> its name.
+# Other name of a fact -> its name, and the part of it that is meant.
 FACT_WORDS = {
-    **dict.fromkeys(("amplification_factor", "growth_factor", "stability_polynomial", "R"), "stability_function"),
-    "real_stability_limit": "real_limit",
-    "imaginary_stability_limit": "imaginary_limit",
+    **dict.fromkeys(("amplification_factor", "growth_factor", "stability_polynomial", "r"), "stability_function"),
+    **{
+        f"{of}_{what}": f"{of}_limit"
+        for of in ("real", "imaginary")
+        for what in (
+            "stability_limit",
+            "stability_interval",
+            "stability_boundary",
+            "interval_of_stability",
+            "stability",
+        )
+    },
+    **dict.fromkeys(("r_at_infinity", "stability_function_at_infinity", "damping_at_infinity"), "limit_at_infinity"),
     "energy_factor": "energy_multiplier",
     **dict.fromkeys(("order_of_convergence", "convergence_order", "order_of_accuracy"), "order"),
+    **dict.fromkeys(("order_of_error_estimate", "order_of_estimate", "error_estimate_order"), "estimate:order"),
+    **dict.fromkeys(("order_of_embedded_method", "order_of_embedded_formula"), "embedded_order"),
+    **dict.fromkeys(("local_error_constant", "truncation_error_constant"), "error_constant"),
+    **dict.fromkeys(("number_of_stages", "stage_number"), "stages"),
+    **dict.fromkeys(("dispersion_error", "phase_lag"), "dispersion"),
+    "dissipation_error": "dissipation",
+    "dispersion_order": "dispersion:power",
+    "dissipation_order": "dissipation:power",
+    **dict.fromkeys(("angle", "alpha", "stability_angle", "angle_of_stability"), "sector:degrees"),
+    **dict.fromkeys(("ssp_constant", "radius_of_absolute_monotonicity"), "ssp_coefficient"),
+    **dict.fromkeys(("modified_energy", "shadow_hamiltonian", "shadow_energy"), "modified_hamiltonian"),
+    **dict.fromkeys(("algebraic_stability", "algebraically_stability"), "algebraically_stable"),
 }
 
 # Word -> the facts that it may mean.
+_LIMITS = "real_limit (y' = -λy, hλ at most) or imaginary_limit (y' = iωy, hω at most)"
+_DAMPING = "energy_multiplier (of the oscillator's energy, in h) or dissipation (of its amplitude, the leading term)"
 AMBIGUOUS_FACTS = {
-    "stability_limit": "real_limit (y' = -λy, hλ at most) or imaginary_limit (y' = iωy, hω at most)",
-    "limit": "real_limit (y' = -λy, hλ at most) or imaginary_limit (y' = iωy, hω at most)",
+    **dict.fromkeys(("limit", "stability_limit", "stability_interval", "absolute_stability_interval"), _LIMITS),
+    **dict.fromkeys(("interval_of_stability", "interval_of_absolute_stability", "largest_step", "cfl"), _LIMITS),
+    **dict.fromkeys(("cfl_number", "cfl_limit", "cfl_condition"), _LIMITS),
+    **dict.fromkeys(("damping", "damping_ratio", "damping_factor", "growth", "growth_per_step"), _DAMPING),
+    **dict.fromkeys(
+        ("b_stable", "b_stability"), "algebraically_stable, which is the same where no stage is superfluous"
+    ),
+    "principal_error_norm": "sqrt(principal_error METHOD : squared_norm)",
 }
 
 # Other name of a setting -> its name.
-OTHER_SETTINGS = {"steps": "N", "n": "N", "dt": "h", "T": "t", "λ": "lambda"}
+OTHER_SETTINGS = {"steps": "N", "n": "N", "dt": "h", "T": "t", "λ": "lambda", "tol": "error", "tolerance": "error"}
 
 # Words that may stand between the parts of a question, and say nothing there.
 SAY_NOTHING = {"of", "with", "on", "after", "to", "for", "and", "until", "by", "using"}
+# And before a question.
+ASKING = {"what", "is", "the", "a"}
+_LONGEST_NAME = 6
+# Coefficients of a tableau: a21, or a_10_2 with two digits, b1, the second row bhat1, c3.
+COEFFICIENT = re.compile(r"(?P<a>a)(?:_?([1-9])([1-9])|_([1-9][0-9]?)_([1-9][0-9]?))|(?P<row>bhat|b|c)_?([1-9][0-9]?)")
+
+
+@cache
+def names_that_ask() -> frozenset[str]:
+    """Every name that a question may begin with, but for step, run, exact and roundoff."""
+    from driftproof.symbolic.facts import FACTS, ON_REQUEST, OTHER_FACTS
+    from driftproof.symbolic.family_facts import FAMILY_FACTS
+
+    per_step = (f"{name}{PER_STEP}" for name in READOUT_WORDS)
+    facts = (*FACTS, *ON_REQUEST, *FAMILY_FACTS, *OTHER_FACTS)
+    return frozenset((*facts, *FACT_WORDS, *AMBIGUOUS_FACTS, *READOUT_WORDS, *per_step))
+
+
+def longest_name(tokens: Sequence[Token]) -> tuple[str, int]:
+    """The longest of these names that the tokens begin with, and of how many it is; ("", 0) where there is none.
+
+    Its words are parted by spaces or hyphens; case counts for nothing, nor does "the".
+    """
+    found, words = ("", 0), list[str]()
+    for i, token in enumerate(tokens[: 2 * _LONGEST_NAME]):
+        if token.kind == NAME:
+            words += [token.text.lower()] if token.text not in ASKING else []
+            if (name := "_".join(words)) in names_that_ask() or COEFFICIENT.fullmatch(name):
+                found = name, i + 1
+        elif token.text != "-" or not i or tokens[i - 1].end != token.column or tokens[i + 1].column != token.end:
+            break
+    return found

@@ -83,7 +83,7 @@ REFUSED = [
     ("step :", 7, "the name of a readout, such as q, comes after the colon"),
     ("step rk4 h=1/2 h=1/4 : q", 16, "'h' is given twice"),
     ("step rk4 N=2 steps=2 h=1 : q", 14, "'steps' is given twice"),
-    ("step rk4 k=1/2 : q", 10, "'k' is no setting; there are h, t, N, steps, z, lambda, problem"),
+    ("step rk4 k=1/2 : q", 10, "'k' is no setting; there are h, t, N, steps, error, z, lambda, problem"),
     ("step rk4 h=1/2/3 : q", 15, "'/' has no place in a number"),
     ("step rk4 h=1/2x : q", 15, "'x' has no place in a number"),
     ("step rk4 h=0,1 : q", 13, "a decimal has a point: 0.1"),

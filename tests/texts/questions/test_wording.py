@@ -28,6 +28,26 @@ SAME = {
     "run velocity Verlet n=10 dt=1/4 : position": "run velocity_verlet N=10 h=1/4 : q",
     "amplification factor of RK4 at z=-2": "stability_function rk4 z=-2",
     "R(z) of RK4": "stability_function rk4",
+    "R(oo) of Radau IIA 3": "limit_at_infinity radau_iia2",
+    "What is the order of RK4?": "order rk4",
+    "RK4 error constant": "error_constant rk4",
+    "is Crank-Nicolson A-stable?": "a_stable trapezoid",
+    "Crank-Nicolson A-stable": "a_stable trapezoid",
+    "position Verlet h=0.1 t=1 : v": "run position_verlet h=0.1 t=1 : v",
+    "RK4 steps=10 t=1 : q": "run rk4 N=10 t=1 : q",
+    "real stability interval of RK4": "real_limit rk4",
+    "SSP coefficient of SSPRK3": "ssp_coefficient ssprk33",
+    "order of the error estimate of Dormand-Prince": "estimate dormand_prince54 : order",
+    "angle of BDF3": "sector bdf3 : degrees",
+    "error constant of BDF2": "-1/3",
+    "W order of ROS2": "2",
+    "zero-stable BDF6": "zero_stable bdf6",
+    "phase error per step of velocity Verlet h=1/10": "step velocity_verlet h=1/10 : phase_error",
+    "function evaluations per step of RK4": "4",
+    "a21 of RK4 + a_4_3 of RK4 + b2 of RK4 + c4 of RK4": "1/2 + 1 + 1/3 + 1",
+    "bhat1 of Dormand-Prince": "5179/57600",
+    "a12 of gauss2": "1/4 - sqrt(3)/6",
+    "stages RK4-order RK4": "0",
     "stability function of Crank-Nicolson": "stability_function trapezoid",
     "real limit RK4": "real_limit rk4",
     "imaginary_limit velocity Verlet": "imaginary_limit velocity_verlet",
@@ -69,8 +89,17 @@ REFUSED = [
     ("run rk4 y'=-2y y(0)=1 h=1 t=1 : y", 14, "a product has its sign: 2*y"),
     ("run rk4 y'=-y y(1)=1 h=1 t=1 : y", 17, "time begins at 0: y(0) = ... is the start"),
     ("relative error of RK4 h=1/4 t=10 from 0,0", 1, "the exact state is the origin"),
-    ("RK4 order", 5, "as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"),
+    ("order rk4 rk4", 11, "as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"),
     ("period of pendulum", 1, "'period' is nothing that can be asked"),
+    ("frequency error of velocity Verlet h=0.1", 1, "'frequency error' is nothing that can be asked; did you mean"),
+    ("CFL number of RK4", 1, "cfl_number may mean real_limit (y' = -λy, hλ at most) or imaginary_limit"),
+    ("R(2i) of RK4", 3, "z is real here; |R(iy)|^2 is energy_multiplier METHOD h=y"),
+    ("bhat1 of RK4", 1, "rk4 has no bhat1"),
+    ("c5 of RK4", 1, "rk4 has no c5"),
+    ("b1 of velocity Verlet", 1, "velocity_verlet has no tableau of numbers"),
+    ("ssp_coefficient bdf2", 1, "unknown fact 'ssp_coefficient'"),
+    ("steps of RK4 t=10 error=0", 1, "an error to be reached is above 0"),
+    ("steps of symplectic Euler t=10 error=1e-40", 1, "reaches no such error with 1000000000000000000 steps"),
     ("y' = 2", 2, '"\'" has no place here'),
 ]
 
@@ -83,5 +112,14 @@ def test_what_is_said_of_a_question_that_lacks_something(question, column, reaso
 def test_other_words_lead_to_names_that_there_are_and_hide_none():
     readouts = {*RUN_READOUTS, "largest_error"}
     assert [name for name in some(READOUT_WORDS.values()) if name not in readouts] == []
-    assert [name for name in some(FACT_WORDS.values()) if name not in FACTS] == []
+    assert [name for name in some(FACT_WORDS.values()) if name.partition(":")[0] not in FACTS] == []
     assert [name for name in some([*FACT_WORDS, *AMBIGUOUS_FACTS, *READOUT_WORDS]) if name in FACTS] == []
+
+
+@pytest.mark.parametrize(("method", "error"), [("rk4", "1e-6"), ("forward_euler", "1e-2"), ("velocity_verlet", "3")])
+def test_number_of_steps_to_an_error_is_one_with_which_it_is_reached_and_with_one_less_it_is_not(method, error):
+    n = value(f"steps of {method} to t=10 with error={error}").exact
+    off = [float(value(f"run {method} t=10 N={k} : state_error")) for k in (n, max(n - 1, 1))]
+    assert off[0] <= float(error)
+    assert off[1] > float(error) or n == 1
+    assert value(f"run {method} to t=10 with tol={error} : h").exact * n == 10
