@@ -13,8 +13,12 @@ from driftproof.methods.rationals import (
     LONGEST_SHOWN,
     LONGEST_TEXT,
     brief,
+    exact_number,
+    exact_numbers,
     parse_rational,
+    state_of,
     step_count,
+    step_of,
     steps_of,
 )
 from driftproof.strategies import finite_floats, rational_steps, rationals
@@ -188,3 +192,33 @@ def test_no_time_takes_no_steps_and_time_may_run_backwards() -> None:
     assert step_count(Q(0), Q(1, 4)) == 0
     assert step_count(Q(0), Q(-1, 4)) == 0
     assert step_count(Q(-10), Q(-1, 4)) == 40
+
+
+def test_number_that_is_given_is_taken_exactly() -> None:
+    for number, value in ((0.25, Q(1, 4)), (-1048576.0, Q(-(2**20))), (7, Q(7)), (Q(1, 3), Q(1, 3)), ("0.1", Q(1, 10))):
+        assert exact_number(number) == value
+        assert type(exact_number(number)) is Q
+    assert exact_numbers("1/4, 0.5", "h") == exact_numbers(["1/4", 0.5], "h") == [Q(1, 4), Q(1, 2)]
+    assert steps_of(2) == exact_numbers(Q(2), "h") == [Q(2)]
+    assert state_of("1, -1/2") == state_of((1, Q(-1, 2))) == (1, Q(-1, 2))
+
+
+@pytest.mark.parametrize(
+    ("read", "wrong", "reason"),
+    [
+        (exact_number, 0.1, '^number: the double 0.1 is not 0.1 exactly; write "0.1" for the decimal'),
+        (exact_number, True, "^number is 'True'; give a Fraction, an int, or text"),
+        (exact_number, float("nan"), "^number is 'nan'; give"),
+        (exact_number, 0.5j, "^number is '0.5j'; give"),
+        (step_of, "0", "^a step of size 0 goes nowhere"),
+        (steps_of, "1/4,0.0", "^a step of size 0 goes nowhere"),
+        (steps_of, "1/4,x", "^h: 'x' is not"),
+        (state_of, "1", "^'1' is not a state; write position,velocity like 1,0"),
+        (state_of, (1, 0, 0), "is not a state"),
+        (state_of, "x,0", "^q: 'x'"),
+        (state_of, "0,x", "^v: 'x'"),
+    ],
+)
+def test_number_that_is_not_plainly_meant_is_refused(read, wrong, reason) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(ValueError, match=reason):
+        read(wrong)

@@ -11,10 +11,11 @@ from typing import Any
 import pytest
 
 from driftproof.methods import tableau_file
-from driftproof.methods.catalogue import METHODS
+from driftproof.methods.additive import Additive
+from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.number_field import cube_root
 from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
-from driftproof.methods.tableau_file import names_of, read_method
+from driftproof.methods.tableau_file import method_of, methods_of, names_of, read_method
 from tests.methods.tables.entries import entry
 
 Write = Callable[[str], Path]
@@ -158,7 +159,7 @@ WRONG: list[tuple[str | bytes, str]] = [
     (HEAD + f"A = [['{DEEP}']]\nb = [1]", "it is nested deeper than 40 levels"),
     (HEAD + f"A = [['{'-' * 41}1']]\nb = [1]", "it is nested deeper than 40 levels"),
     (HEAD + f"A = [['{'1+' * 1000}1']]\nb = [1]", "column 2001: an expression has at most 2000 characters, not 2001"),
-    (HEAD + "A = [['(((9**64)**64)**64)**64']]\nb = [1]", "its numbers are too large"),
+    (HEAD + "A = [['(9**64)**64*(9**64)**64']]\nb = [1]", "its numbers are too large"),
     (HEAD + "A = [[1e999999999]]\nb = [1]", "A[0][0]: '1e999999999', column 1: number: '1e999999999' is too long"),
     (HEAD + "A = [[nan]]\nb = [1]", "A[0][0]: 'nan', column 1: 'nan' is an unknown root"),
     (HEAD + "A = [[-inf]]\nb = [1]", "A[0][0]: '-inf', column 2: 'inf' is an unknown root"),
@@ -256,6 +257,25 @@ def test_scene_names_a_method_by_its_key_or_its_file_and_by_nothing_else() -> No
     assert names_of("rk4, heun2") == [*names_of(METHODS["rk4"]), *names_of(Path("heun2"))]
     with pytest.raises(ValueError, match="scenes name methods by keys and"):
         names_of(replace(METHODS["rk4"], source="mine"))
+
+
+def test_methods_are_named_in_one_text_or_one_by_one() -> None:
+    rk4, heun2 = METHODS["rk4"], METHODS["heun2"]
+    for given in ("rk4, heun2", ["rk4", heun2], (rk4, "heun2")):
+        assert methods_of(given) == [rk4, heun2]
+    assert methods_of(rk4) == [rk4]
+    for wrong, reason in (("sdirk_order_2", "a family of methods, with"), (4, "^'4' is no method: give a key, the")):
+        with pytest.raises(ValueError, match=reason):
+            method_of(wrong)  # type: ignore[arg-type]
+
+
+def test_additive_method_is_read_from_its_two_tables(write: Write) -> None:
+    tables = "A_explicit = [[0, 0], [1, 0]]\nA_implicit = [[0, 0], [0, 1]]\nb_explicit = [1, 0]\nb_implicit = [0, 1]"
+    read, known = read_method(write(f'family = "additive"\n{tables}')), FACTS_ONLY["ars111"]
+    assert isinstance(read, Additive)
+    assert (
+        replace(read, **{name: getattr(known, name) for name in ("key", "title", "claimed_order", "source")}) == known
+    )
 
 
 def test_rows_may_end_at_the_diagonal(write: Write) -> None:

@@ -136,7 +136,12 @@ def test_a_parameter_with_a_name_of_the_text_is_refused(name):
 
 @pytest.mark.parametrize(
     ("rate", "derivative"),
-    [("y0 * y1", "y1"), ("y1 * y0", "y1"), ("y1 - y0", "-1"), ("sin(y1) * 2", "0"), ("exp(y0)", "exp(y0)")],
+    [
+        *(("y0 * y1", "y1"), ("y1 * y0", "y1"), ("y1 - y0", "-1"), ("sin(y1) * 2", "0"), ("exp(y0)", "exp(y0)")),
+        *(("y0 + y1", "1"), ("t + y0", "1"), ("y0 - t", "1"), ("-y0", "-1"), ("-t", "0"), ("y0 * y0", "y0 + y0")),
+        *(("sin(y0)", "cos(y0)"), ("cos(y0)", "-sin(y0)"), ("log(y0)", "1 / y0"), ("sqrt(y0)", "1 / (2 * sqrt(y0))")),
+        *(("y0 / y1", "1 / y1"), ("y1 / y0", "-(y1 / y0 * (1 / y0))"), ("exp(-y0)", "exp(-y0) * -1"), ("y1 / t", "0")),
+    ],
 )
 def test_derivatives_are_written_without_ones_and_zeros(rate, derivative):
     assert partial_derivative(rate, "y0") == derivative

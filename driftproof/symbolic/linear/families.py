@@ -217,7 +217,7 @@ def critical_values(r: FamilyStability, margin: Bivariate, *pairs: tuple[Bivaria
     """
     merging = [merging_values(p, q) for p, q in ((r.num, r.den), *pairs, (margin, margin.derivative(0)))]
     ends = [p for f in (r.num, r.den, margin) if f != 0 for p in (rows_in_x(f)[0], rows_in_x(f)[-1])]
-    return [p for p in (*ends, *merging) if p is not None and p != 0]
+    return [p for p in (*ends, *merging) if p is not None]
 
 
 def _real_roots(polynomials: list[Polynomial]) -> list[RealRoot]:

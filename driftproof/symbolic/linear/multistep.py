@@ -260,8 +260,8 @@ class MultistepFacts(FactsOfFamily[Multistep]):
         points = positive_roots([p for p in (m, top, slope, common) if p != 0])
         below = [sign(m(x)) < 0 for x in samples(points)]
         at_ends = (
-            below[0] and 2 * valuation(bottom) < 2 * valuation(top) + 1,
-            below[-1] and 2 * bottom.degree() > 2 * top.degree() + 1,
+            below[0] and valuation(bottom) <= valuation(top),
+            below[-1] and bottom.degree() > top.degree(),
         )
         if top == 0 or any(at_ends):
             return ZERO_ROOT
