@@ -325,6 +325,9 @@ HEADLINES = {
     verlet_of_a_field(left=1): "is not velocity_verlet: its coefficients are, but on a nonlinear q'' = F(t, q) of 2 ",
     verlet_of_a_field(last=0.0): "is not velocity_verlet; it is velocity_verlet called at wrong times: in a step of 1 ",
     lambda q, v, h: (q + h * v, v - q): "is not forward_euler; it is forward_euler with one mistake: in the v, h is ",
+    codes.tableau([[], [0.5], [0.5], [0.0, 0.0, 1.0]], [1 / 6, 1 / 3, 1 / 3, 1 / 6], [0.0, 0.5, 0.5, 1.0]): (
+        "is not rk4; it is rk4 with one mistake: Y[2] = y + h * (a[2][1] * k[0]) in place of Y[2] = "
+    ),
     codes.composed([("kick", 1.001), ("drift", 1)]): "is not symplectic_euler; it is symplectic_euler but for kick 0: ",
     Stale().step: "is not forward_euler; it is no method that is known here: the same step of 1 call taken twice",
 }

@@ -60,9 +60,10 @@ a sign or a statement dropped, two arguments are swapped. It is killed where a t
 it, among the test file that mirrors the module, those that import the module, those beside it, and the catalogue's.
 Nothing is planted in what declares an intent and changes no answer of a right program: `strict` of `zip`, `frozen` and
 `slots` of dataclasses, what an `assert` would say. The score leaves out what no test could notice, each with its
-reason: `tests/campaigns/equivalent.toml`. What the time limit ended, and what failed without the mutant too, is tried
-once more; what is undecided then counts as not killed. Survivors that were met have got tests since: only a seed that
-nobody has tried says what share of new errors would be noticed.
+reason: `tests/campaigns/equivalent.toml`; there stand, too, the lines of numbers that were chosen, states, steps, bits
+of balls, where others do as well: what survives in one of them is equivalent. What the time limit ended, and what
+failed without the mutant too, is tried once more; what is undecided then counts as not killed. Survivors that were met
+have got tests since: only a seed that nobody has tried says what share of new errors would be noticed.
 
 | room | mutants | killed | survived | equivalent | undecided | score |
 |---|---|---|---|---|---|---|"""
@@ -83,7 +84,12 @@ class Mutant(NamedTuple):
     def name(self) -> str:
         """What it is called in the page and in equivalent.toml, lines that move or not; `nth` counts its namesakes."""
         again = f" ({self.nth})" if self.nth > 1 else ""
-        return f"{self.place} | {self.line} | {self.old} -> {self.new}{again}"
+        return f"{self.where} | {self.old} -> {self.new}{again}"
+
+    @property
+    def where(self) -> str:
+        """Its file and line, as equivalent.toml names those of chosen numbers."""
+        return f"{self.place} | {self.line}"
 
 
 def variants(node: ast.AST, digits: bool) -> Iterator[str]:
@@ -244,6 +250,12 @@ def judged() -> dict[str, str]:
     return {entry["mutant"]: entry["because"] for entry in tomllib.loads(JUDGED.read_text(encoding="utf-8"))["judged"]}
 
 
+def chosen() -> dict[str, str]:
+    """The lines of numbers that were chosen, where others do as well, each with the reason."""
+    groups = tomllib.loads(JUDGED.read_text(encoding="utf-8"))["chosen"]
+    return {line: group["because"] for group in groups for line in group["lines"]}
+
+
 def campaign(mutants: list[Mutant], minutes: float, workers: int) -> dict[Mutant, str]:
     """Every mutant's outcome, as far as the time allows."""
     found: dict[Mutant, str] = {m: EQUIVALENT for m in mutants if m.name in judged()}
@@ -271,6 +283,7 @@ def campaign(mutants: list[Mutant], minutes: float, workers: int) -> dict[Mutant
             list(pool.map(look, [m for m in mutants if m not in found]))
         shop = shops.get()  # once more and alone: on a busy machine time ends what is right, too
         found |= {m: shop.outcome(m) for m, outcome in found.items() if outcome == UNDECIDED}
+    found |= {m: EQUIVALENT for m, outcome in found.items() if outcome == SURVIVED and m.where in chosen()}
     return {m: found[m] for m in mutants if m in found}
 
 
@@ -282,12 +295,13 @@ def page(found: dict[Mutant, str], command: str) -> str:
         against = count.total() - count[EQUIVALENT]
         score = f"{100 * count[KILLED] / against:.0f} %" if against else "-"
         lines.append(f"| {room} | {count.total()} | {' | '.join(str(count[x]) for x in OUTCOMES)} | {score} |")
-    reasons = judged()
+    reasons = {**chosen(), **judged()}
     for title, wanted in (("Survivors", SURVIVED), ("Undecided", UNDECIDED), ("Equivalent", EQUIVALENT)):
         listed = [m for m, outcome in found.items() if outcome == wanted]
         lines += ["", f"## {title}", ""] if listed else []
         for m in listed:
-            because = f": {reasons[m.name]}" if m.name in reasons else ""
+            reason = reasons.get(m.name, reasons.get(m.where)) if wanted == EQUIVALENT else None
+            because = f": {reason}" if reason else ""
             line, old, new = (shorten(text, 100) for text in (m.line, m.old, m.new))
             lines.append(f"- `{m.place}`, `{line}`: `{old}` becomes `{new}`{because}")
     return "\n".join(lines) + "\n"

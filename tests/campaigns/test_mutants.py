@@ -6,7 +6,19 @@ from pathlib import Path
 
 import pytest
 
-from tests.campaigns.mutants import EQUIVALENT, KILLED, ROOT, SURVIVED, Workshop, checks_of, judged, mutants_of, page
+from tests.campaigns.mutants import (
+    EQUIVALENT,
+    KILLED,
+    ROOT,
+    SURVIVED,
+    Workshop,
+    checks_of,
+    chosen,
+    judged,
+    mutants_of,
+    page,
+)
+from tests.looping import some
 
 SOURCE = '''"""A docstring 1 + 1."""
 LIMIT: int = 3
@@ -60,4 +72,6 @@ def test_page_leaves_out_of_the_score_what_is_equivalent() -> None:
 def test_every_judgement_names_a_mutant_and_says_why() -> None:
     planted = {name.partition(" | ")[0] for name in judged()}
     assert set(judged()) <= {m.name for place in planted for m in mutants_of(ROOT, place)}
-    assert all(reason.endswith(".") for reason in judged().values())
+    for place, line in some((where.split(" | ") for where in chosen()), 40):
+        assert line in (ROOT / place).read_text(encoding="utf-8").splitlines()
+    assert all(reason.endswith(".") for reason in (*judged().values(), *chosen().values()))

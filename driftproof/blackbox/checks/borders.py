@@ -148,8 +148,6 @@ def edge(
         if short is not None:
             low, high = (low, short) if changed(short) else (short, high)
             middle = runner.beside(short, low if short == high else high)  # if the threshold is here, that ends it
-            if not inside(middle):
-                continue
         low, high = (low, middle) if changed(middle) else (middle, high)
     return low, high
 

@@ -118,8 +118,8 @@ class Tolerance:
         Raises ValueError.
         """
         with ctx.workprec(_BITS):
-            sizes = arb(max(state, 1.0)), arb(max(state, 1.0))
-            reached = max(float(_at(size, arb(h), sizes).log().mid()) for size in self._size)
+            largest = arb(max(state, 1.0))
+            reached = max(float(_at(size, arb(h), (largest, largest)).log().mid()) for size in self._size)
             room = float(enclose(self.format.largest / 2).log().mid())
         if not reached < room:
             raise ValueError(

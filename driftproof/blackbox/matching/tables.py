@@ -78,7 +78,7 @@ def stages(a: Sequence[TableRow], weights: Sequence[TableRow], c: TableRow) -> S
 def timed_stages(tableau: LiftedTableau, timed: bool) -> StageCoefficients:
     """A Runge-Kutta table as `symbolic.linear.reduced_tableau` reads it: where b stands twice, c counts, too."""
     a, b, c = tableau
-    return stages(a, (b, b), c) if timed else stages(a, (b,), [x * 0 for x in b])
+    return stages(a, (b, b) if timed else (b,), c)
 
 
 def tableau_of(

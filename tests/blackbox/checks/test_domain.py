@@ -84,6 +84,10 @@ def test_rules_are_told_in_binary32_as_in_binary64(step, key, words):
     assert_fault(step, key, words, array=np.float32)
 
 
+def test_a_strong_force_that_is_felt_far_out_is_no_rule():
+    assert result(code("return q + h * v, v - 1e8 * h * q"), "position_range").holds
+
+
 BORDERS = [
     (SPEED_CAPPED, "velocity_range", 1, 100.0),
     (CAR_IN_A_VALLEY, "position_range", 0, 0.6),

@@ -10,7 +10,9 @@ from tests.blackbox.checks.habits import (
     SINGLE_INSIDE,
     SIX_DECIMALS,
     assert_fault,
+    code,
     identified,
+    result,
 )
 
 ROUNDED = [
@@ -26,3 +28,8 @@ ROUNDED = [
 @pytest.mark.parametrize(("step", "words"), ROUNDED, ids=identified)
 def test_a_rule_that_rounds_is_told(step, words):
     assert_fault(step, "full_precision", words)
+
+
+def test_errors_of_other_parts_at_other_sizes_are_a_rule_about_sizes_and_no_rounding():
+    step = code("return q + h * v * (1 + 1e-7 * (abs(q) > 1e-9) + 1e-10 * (abs(q) > 1e-18)), v - h * q")
+    assert result(step, "full_precision").holds

@@ -25,6 +25,11 @@ FAULTS = [
     (FIXED_STEP, "zero_step", "h = 0 moves the state: (1.0, 0.75) becomes (1.0122222222222221, 0.73333333333"),
     (ABSOLUTE_STEP, "negative_step", "h < 0 acts as |h|"),
     (code("return plain(q, v, max(h, 0.0))"), "negative_step", "h < 0 does nothing: the state comes back"),
+    (
+        code("if abs(h) < 0.01: raise ValueError('too short')\nreturn plain(q, v, h) if h > 0 else (q + h * h, v)"),
+        "negative_step",
+        "h < 0 does something else than step back",
+    ),
     (REPAIRS_NAN, "not_a_number", 'step(float("nan"), 0.75, 0.25) -> (0.0, 0.0)'),
     (REPAIRS_NAN, "not_a_number_step", "h = NaN goes in and ordinary numbers come out"),
     (

@@ -5,7 +5,7 @@ import pytest
 
 from driftproof.blackbox.checks.step_size import sub_steps
 from driftproof.blackbox.stepper.opening import opened
-from tests.blackbox.checks.habits import CAPPED_STEP, FIXED_STEP, SUB_STEPS, assert_fault, code, identified
+from tests.blackbox.checks.habits import CAPPED_STEP, FIXED_STEP, SUB_STEPS, assert_fault, code, identified, result
 
 FAULTS = [
     (FIXED_STEP, "step_size", "h is ignored: the step by which (0, 1) moves by 1/60 is always taken"),
@@ -16,6 +16,7 @@ FAULTS = [
     ),
     (CAPPED_STEP, "step_size", "h is capped at 0.1"),
     (code("return plain(q, v, max(h, 1e-4) if h > 0 else h)"), "step_size", "h is raised to 0.0001"),
+    (code("return plain(q, v, max(h, 0.3))"), "step_size", "h is raised to 0.3"),
     (
         code("for _ in range(int(h / 0.01)): q, v = plain(q, v, 0.01)\nreturn q, v"),
         "step_size",
@@ -37,6 +38,10 @@ FAULTS = [
 @pytest.mark.parametrize(("step", "key", "words"), FAULTS, ids=identified)
 def test_another_step_than_h_is_told(step, key, words):
     assert_fault(step, key, words)
+
+
+def test_long_steps_that_are_refused_are_not_made_of_shorter_ones():
+    assert result(code("if h > 4: raise ValueError('too long')\nreturn plain(q, v, h)"), "sub_steps").holds
 
 
 def gauss2(f, t, y, h):

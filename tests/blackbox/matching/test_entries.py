@@ -7,8 +7,9 @@ from fractions import Fraction as Q
 
 import pytest
 
-from driftproof.blackbox.matching.entries import mended, rational_method, side_by_side
+from driftproof.blackbox.matching.entries import mended, other_velocities, rational_method, side_by_side
 from driftproof.blackbox.matching.tables import exact_tableau
+from driftproof.blackbox.probes.questions import read_coefficients
 from driftproof.blackbox.probes.tableau import TableauReading, read_tableau
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.verify import verify
@@ -16,6 +17,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.symbolic.rounding.formats import BINARY64
 from driftproof.symbolic.trees.order_conditions import order
 from tests.blackbox import handwritten_steppers as codes
+from tests.blackbox.dragged_steppers import of_stages
 
 RK4 = METHODS["rk4"]
 
@@ -61,6 +63,14 @@ def test_a_row_whose_sum_is_not_its_time_is_told():
     reading = read_tableau(opened(codes.tableau(rows, weights, [0.0, 0.25, 0.5, 1.0])))
     assert side_by_side(reading, RK4)[-1] == "row 1 of A sums to 1/2, its time c is 1/4"
     assert rational_method(reading, "read").b == RK4.b
+
+
+def test_the_velocities_that_are_off_are_told_and_no_others():
+    late = read_coefficients(opened(of_stages("rk4", lambda i, stage, v: v if i == 3 else stage)))
+    assert other_velocities(RK4, late) == ["the velocity of call 3 holds F[2]: 0 instead of 1"]
+    assert other_velocities(METHODS["heun2"], late) == [
+        "the velocities that its force is given are not those of the stages of heun2"
+    ]
 
 
 def shifted(method, by, *, timed=True, every=1):

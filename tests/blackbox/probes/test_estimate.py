@@ -65,6 +65,7 @@ def test_what_is_no_estimate_in_itself_is_told_from_one():
         (lambda y1, error, h, y: (y1, error + 1.0), "with all slopes 0, from y = 5, what it returns beside y1 is 1"),
         (lambda y1, error, h, y: (y1, error[::-1]), "the slope of one number of y moves the estimate of another one"),
         (lambda y1, error, h, y: (y1, np.minimum(error, 0.01)), "what it returns beside y1 is 0.01 where"),
+        (lambda y1, error, h, y: (y1, error) if np.all(y < 4) else y1, "something beside y1 at some steps only"),
     ],
 )
 def test_what_is_not_read_says_what_was_seen(answer, seen):
