@@ -73,5 +73,5 @@ def test_every_judgement_names_a_mutant_and_says_why() -> None:
     planted = {name.partition(" | ")[0] for name in judged()}
     assert set(judged()) <= {m.name for place in planted for m in mutants_of(ROOT, place)}
     for place, line in some((where.split(" | ") for where in chosen()), 40):
-        assert line in (ROOT / place).read_text(encoding="utf-8").splitlines()
+        assert line in map(str.strip, (ROOT / place).read_text(encoding="utf-8").splitlines())
     assert all(reason.endswith(".") for reason in (*judged().values(), *chosen().values()))

@@ -162,7 +162,7 @@ def _attempts(run: Solution, steps: SolverSteps) -> Iterator[Attempt]:
             position += len(nodes)
             lengths.append(length)
             last = start + length
-            while position < len(run.calls) and abs(run.calls[position].t - last) <= _SAME * lengths[-1]:
+            while position < len(run.calls) and abs(run.calls[position].t - last) <= _SAME * length:
                 position += 1
         found += [*((start, length, False) for length in lengths[:-1]), (start, end - start, True)]
     # What would pass the end is cut to it; the last steps may be stretched, so that they land there.

@@ -54,7 +54,7 @@ def test_the_row_comes_out_as_it_went_in(key, name, as_before):
 
 def test_what_is_no_estimate_in_itself_is_told_from_one():
     per_step = read(pair_step("fehlberg45", lambda y1, error, h, y: (y1, error / h)))
-    assert (per_step.power, per_step.relative) == (0, False)
+    assert (per_step.power, per_step.relative, per_step.fault) == (0, False, "")
     assert read(pair_step("fehlberg45", relative)).relative
     assert not any(exactly(6, read(pair_step("fehlberg45", lambda y1, error, h, y: (y1, 0 * y))).row))
 
