@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from math import ldexp
+from math import ldexp, nan
 
 from driftproof.blackbox.checks.borders import (
     COMPONENT_NAMES,
@@ -43,7 +43,7 @@ class Rule:
     kind: str
     component: int
     border: Border
-    value: float = 0.0
+    value: float = nan
     more: str = ""
 
     @property
