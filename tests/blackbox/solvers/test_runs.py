@@ -216,10 +216,10 @@ SAID = [
     (CLOCK, ending_at(1.794), "one step too few: it ends 0.006 before"),
     (CLOCK, ending_at(1.798), "the last step ends -0.002 from the end"),
     (CLOCK, ending_at(1.79), "the last step ends -0.01 from the end"),
-    (CLOCK, ending_at(1.8 + 2.0**-42), "the last step ends 2.27374e-13 from the end"),
-    (CLOCK, ending_at(1.8 + 2.0**-46), "rounding errors of 100 steps"),
+    (CLOCK, ending_at(1.8 + 2.0**-44), "the last step ends 5.68434e-14 from the end"),
+    (CLOCK, ending_at(1.8 + 2.0**-45), "rounding errors of 100 steps"),
     (CLOCK, ending(by=1.8e-13), "drift apart by 1.8"),  # the bound is 4 u 200 calls of numbers up to 1.8
-    (CLOCK, asking_beyond(1e-9), "f is called up to 1e-09 beyond the end"),
+    (CLOCK, asking_beyond(2e-15), "f is called up to 2e-15 beyond the end"),
     (CLOCK, in_hundredths, "time is accumulated, t += h in binary64"),
     (CLOCK, endless, "clock: does_not_end: after 30000 calls of f it is at t = 0.1 of"),
     (JUMP, endless, "at a jump of f it does not end: after 30000 calls"),
@@ -237,6 +237,7 @@ SAID = [
 NOT_SAID = [
     (CONSTANT, ending(by=3e-4), "u' = 0 ends at"),
     (CLOCK, ending_at(1.8 - 1e-15), "f is called up to"),
+    (CLOCK, asking_beyond(1.2e-15), "f is called up to"),
     (CLOCK, ending(by=1.4e-13), "drift apart"),
     (BACKWARD, ending(shift=1e-4, by=0.05), "backward in time, from"),
     (CIRCLE, erring(1e-3, 0.9e-4), LITTLE_BOUGHT),
