@@ -92,9 +92,9 @@ def _clock(subject: ForeignSolver) -> tuple[list[str], list[str]]:
         lines.append("the last step ends at the end, to the last bit")
     elif abs(off) <= steps * 2.0**-52 * abs(end):
         lines.append(f"the last step ends {off:.2g} from the end: rounding errors of {steps} steps{accumulated}")
-    elif off > 0 and 0.2 < off / last <= 1.0 + _TINY:
+    elif 0.2 * last < off <= (1.0 + _TINY) * last:
         faults.append(f"one step too many, or a last one that is not cut: it ends {off:.6g} beyond the end")
-    elif off < 0 and 0.2 < -off / last <= 1.0 + _TINY:
+    elif 0.2 * last < -off <= (1.0 + _TINY) * last:
         faults.append(f"one step too few: it ends {-off:.6g} before the end")
     else:
         faults.append(f"the last step ends {off:.6g} from the end")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
-from math import sin, tanh
+from math import cos, sin, tanh
 
 import numpy as np
 import pytest
@@ -101,6 +101,20 @@ def test_gravity_without_rest_at_zero_is_reported():
     found = fit(lambda q, v, h: (q + h * (v - 9.81 * h), v - 9.81 * h))
     assert found.kind == NOT_AT_REST
     assert found.best is None
+
+
+@pytest.mark.parametrize("first", [0, 1], ids=["position first", "velocity first"])
+def test_rates_are_read_to_more_than_the_length_of_the_steps_that_are_taken(first):
+    def step(q, v, h):
+        if 0 < abs(h) < 2.0**-15:
+            raise ValueError("too short")
+        both = (q * cos(h) + v * sin(h), v * cos(h) - q * sin(h))
+        return both[first] * (1 - h / 2), both[1 - first] * (1 - h / 2)
+
+    found = read_linear_steps(opened(step))
+    qq, qv, vq, vv = (x / found.tiny for x in found.at_zero)
+    assert found.tiny == 2.0**-12
+    assert ((qq, vv) if first else (qv, vq)) == pytest.approx((-1, 1) if first else (1, -1), rel=1e-8)
 
 
 def test_steps_backwards_may_raise():
