@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -83,7 +84,9 @@ def read_start(runs: MarkedRuns, reading: RecurrenceReading) -> StartReading:
     problem = force_problem(trial) if subject.convention.kind == FORCE else field_problem(trial)
     noise = CLEARANCE * float(subject.format.u)
     firsts = [_error(subject, problem, 2.0**-k, max(length, 1)) for k in _FIRST]
-    ends = [_error(subject, problem, 2.0**-k, round(_LENGTH * 2**k)) for k in _WHOLE]
+    ends: list[float] = []
+    with suppress(Misbehaviour):  # whose runs have a number of steps of their own makes no longer ones
+        ends += (_error(subject, problem, 2.0**-k, round(_LENGTH * 2**k)) for k in _WHOLE)
     power, slopes = power_of_errors(firsts, [noise] * len(firsts))
     order, order_slopes = power_of_errors(ends, [noise] * len(ends))
     return StartReading(_methods(runs, length), power, slopes, order, order_slopes, problem.words)
@@ -91,6 +94,8 @@ def read_start(runs: MarkedRuns, reading: RecurrenceReading) -> StartReading:
 
 def _methods(runs: MarkedRuns, length: int) -> tuple[str, ...]:
     """The method of each of the first steps: one of the first kept on, or a multistep method of fewer steps."""
+    if not length:
+        return ()
     first, steps = _one_step(runs.subject), runs.run(max(length + 1, runs.subject.shortest), bent=not runs.by_place)
     problem, found = runs.problem(1.0, 0.0, bent=not runs.by_place), [first]
     for n in range(1, length):

@@ -33,6 +33,7 @@ _SAME = 1e-8
 # So many attempts before the end may be made for the end.
 _LANDING = 3
 _LEAST_REMEMBERED = 1e-3
+_NO_TOLERANCE = "it takes no tolerance: its steps are of one length"
 # Denominators of exponents as controllers in use have them: 1/5, 7/50, 17/100, ...
 _MOST_DENOMINATOR = 120
 
@@ -110,6 +111,8 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
         constant = f"the step size does not depend on the error: every step is {factors[0]:.6g} times the one before"
         fixed = ("the steps are all of one length, whatever the error",)
         if abs(factors[0] - 1) <= _CLOSE:
+            if not subject.adaptive:
+                return ControllerReading(None, len(attempts), rejected, (_NO_TOLERANCE,), traces)
             return ControllerReading(None, len(attempts), rejected, fixed, (*fixed, *traces))
         return ControllerReading(None, len(attempts), rejected, (constant,), (constant, *traces))
     if len(factors) < 8:

@@ -1,4 +1,4 @@
-"""Somebody's solver, solve(f, t_span, y0, rtol, atol), called with a right-hand side that keeps what it is asked."""
+"""Somebody's solver, solve(f, t_span, y0, ...), called with a right-hand side that keeps what it is asked."""
 
 from __future__ import annotations
 
@@ -11,11 +11,16 @@ import numpy as np
 
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, StepRaised, WrongShape
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, ArrayAdapter, as_array, type_of
+from driftproof.blackbox.stepper.calling_conventions import COUNTS, ROLES, STEP, parameters_of
 from driftproof.blackbox.stepper.opening import imported
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat
 
 # More calls than a solver of these short problems makes: it does not end.
 MOST_CALLS_OF_A_RUN = 30_000
+# What a solver takes after f, t_span and y0: rtol and atol, one tolerance, how long its steps are, how many, nothing.
+TOLERANCES, TOLERANCE, LENGTH, COUNT, NOTHING = "tolerances", "tolerance", "length", "count", "nothing"
+# So many steps are asked for where nobody needs another number of them.
+_USUAL = 128
 # Under these names an answer has its times, its states, its dense output, and whether it is one.
 _TIMES, _STATES, _DENSE = (
     ("t", "ts", "times", "time"),
@@ -61,8 +66,14 @@ class ForeignSolver:
 
     function: Callable[..., Any]
     adapter: ArrayAdapter = ARRAYS
+    takes: str = TOLERANCES
     before: Callable[[str], None] = lambda call: None
     after: Callable[[], None] = lambda: None
+
+    @property
+    def adaptive(self) -> bool:
+        """Whether it takes tolerances, so that its steps are to follow the error."""
+        return self.takes in (TOLERANCES, TOLERANCE)
 
     def solve(
         self,
@@ -71,8 +82,12 @@ class ForeignSolver:
         y0: Sequence[float],
         rtol: float = 1e-6,
         atol: float = 1e-9,
+        steps: int = _USUAL,
     ) -> Solution:
-        """One run. Raises the `Misbehaviour` that comes instead of an answer."""
+        """One run, of so many `steps` where it takes their length or number, else to the tolerances, if it takes them.
+
+        Raises the `Misbehaviour` that comes instead of an answer.
+        """
         calls: list[Call] = []
 
         def slopes(t: Any, y: Any, *_: Any) -> Any:
@@ -82,10 +97,17 @@ class ForeignSolver:
             calls.append(asked)
             return self.adapter.write(rate(len(calls) - 1, *asked))
 
-        words = f"f, t_span={t_span!r}, y0={list(y0)!r}, rtol={rtol!r}, atol={atol!r}"
+        settings: dict[str, tuple[float, ...]] = {
+            TOLERANCES: (rtol, atol),
+            TOLERANCE: (rtol,),
+            LENGTH: ((t_span[1] - t_span[0]) / steps,),
+            COUNT: (steps,),
+            NOTHING: (),
+        }
+        words = ", ".join([f"f, t_span={t_span!r}, y0={list(y0)!r}", *map(repr, settings[self.takes])])
         self.before(words)
         try:
-            answer = self.function(slopes, t_span, self.adapter.write(y0), rtol, atol)
+            answer = self.function(slopes, t_span, self.adapter.write(y0), *settings[self.takes])
         except Misbehaviour:
             raise
         except (Exception, SystemExit) as error:
@@ -94,6 +116,23 @@ class ForeignSolver:
         finally:
             self.after()
         return _solution(answer, tuple(y0), tuple(calls))
+
+
+def taken_by(solve: Callable[..., Any]) -> str:
+    """What a solver takes after f, t_span and y0, by the names of its parameters.
+
+    >>> taken_by(lambda f, t_span, y0, h: None), taken_by(lambda f, t_span, y0, rtol=1e-6, atol=1e-9: None)
+    ('length', 'tolerances')
+    """
+    parameters = parameters_of(solve)
+    if parameters is None or any(p.kind is p.VAR_POSITIONAL for p in parameters.values()):
+        return TOLERANCES
+    further = [name.lower().strip("_") for name, p in parameters.items() if p.kind is not p.VAR_KEYWORD][3:]
+    if not further:
+        return NOTHING
+    if further[0] in (*ROLES[STEP], *COUNTS):
+        return COUNT if further[0] in COUNTS else LENGTH
+    return TOLERANCES if len(further) > 1 else TOLERANCE
 
 
 def _solution(answer: Any, y0: tuple[float, ...], calls: tuple[Call, ...]) -> Solution:
@@ -165,8 +204,9 @@ class SolverTarget:
     ) -> ForeignSolver:
         """The solver after a first run, of y' = 0, on arrays or on lists. Raises ValueError or a `Misbehaviour`."""
         failures: list[Misbehaviour] = []
+        solve = imported(self.solver)
         for adapter in (ARRAYS, LISTS):
-            subject = ForeignSolver(imported(self.solver), adapter, before, after)
+            subject = ForeignSolver(solve, adapter, taken_by(solve), before, after)
             try:
                 found = subject.solve(lambda n, t, y: [0.0 * x for x in y], (0.0, 1.0), (1.0, 0.5))
             except Misbehaviour as failure:

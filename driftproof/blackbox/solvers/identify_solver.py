@@ -7,20 +7,24 @@ from typing import Any
 
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
+from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Report, each_once, sections
 from driftproof.blackbox.solvers.controller import ControllerReading, read_controller
 from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, SolverTarget
+from driftproof.blackbox.solvers.multistep import SolverMemory, read_memory
 from driftproof.blackbox.solvers.runs import RunsReading, read_runs
 from driftproof.blackbox.solvers.steps import SolverSteps, read_steps
 
 
 def identify_solver(solve: Callable[..., Any] | str, *, time_limit: float = TIME_LIMIT, isolate: bool = True) -> Report:
-    """Which pair a whole solver advances, the law of its step sizes, and whether its clock and its tolerances hold.
+    """Which method a whole solver advances, the law of its step sizes, and whether its clock and its tolerances hold.
 
     `solve(f, t_span, y0, rtol, atol)`, a callable or "package.module:name", returns (t, y), or an object with t and y,
-    at the steps that it makes; f(t, y) is of ours. The tableau of its steps is read through marked answers, to the few
-    roundings of quotients; the step size control, and all runs whose solution is known, are measured, and the report
-    says so. Raises ValueError where the solver cannot be imported or does not solve y' = 0.
+    at the steps that it makes; f(t, y) is of ours. In place of rtol and atol it may take one tolerance, the length of
+    its steps as h or dt, their number as n or steps, or nothing. The tableau of its steps is read through marked
+    answers, to the few roundings of quotients; of steps that remember, the recurrence and the start. The step size
+    control, and all runs whose solution is known, are measured, and the report says so. Raises ValueError where the
+    solver cannot be imported or does not solve y' = 0.
 
     >>> from driftproof import identify_solver
     >>> def solve(f, t_span, y0, rtol, atol):
@@ -34,22 +38,39 @@ def identify_solver(solve: Callable[..., Any] | str, *, time_limit: float = TIME
     it advances forward_euler, of order 1
     """
     runner = IsolatedRunner(SolverTarget(solve), time_limit, isolate)
-    steps, controller, runs = runner.run([read_steps, _controlled, read_runs])
+    steps, controller, runs = runner.run([_steps, _controlled, read_runs])
     if steps.kind == "bad_input":
         raise ValueError(steps.seen)
+    if isinstance(steps.result, SolverMemory):  # a law in the estimate of a pair is not looked for
+        controller = Outcome()
     return Report(
         runner.target.name,
         _verdict(steps, controller, runs),
         None,
         _sections(steps, controller, runs),
         {
-            "steps": None if steps.failed else {"name": steps.result.name, "order": steps.result.order.order},
-            "controller": None if controller.failed else list(controller.result.lines),
+            "steps": None if steps.failed else {"name": steps.result.name, "order": _order(steps.result)},
+            "controller": None if controller.result is None else list(controller.result.lines),
             "runs": None if runs.failed else {title: list(lines) for title, lines in runs.result.seen.items()},
             "faults": list(_faults(steps, controller, runs)),
             "not_answered": [{"kind": o.kind, "seen": o.seen} for o in (steps, controller, runs) if o.failed],
         },
     )
+
+
+def _steps(subject: ForeignSolver) -> SolverSteps | SolverMemory:
+    """What its steps are: stages, or else what is made of more than the state before. Raises NotReadable of both."""
+    try:
+        return read_steps(subject)
+    except NotReadable as refusal:
+        try:
+            return read_memory(subject)
+        except NotReadable as other:
+            raise NotReadable(f"{refusal}; {other}") from None
+
+
+def _order(steps: SolverSteps | SolverMemory) -> int | None:
+    return steps.order if isinstance(steps, SolverMemory) else steps.order.order
 
 
 def _controlled(subject: ForeignSolver) -> ControllerReading:
@@ -58,7 +79,7 @@ def _controlled(subject: ForeignSolver) -> ControllerReading:
 
 
 def _faults(steps: Outcome, controller: Outcome, runs: Outcome) -> tuple[str, ...]:
-    found = [outcome.result for outcome in (steps, controller, runs) if not outcome.failed]
+    found = [outcome.result for outcome in (steps, controller, runs) if outcome.result is not None]
     dense = None if steps.failed else steps.result.dense
     return tuple(fault for each in (*filter(None, [dense]), *found) for fault in each.faults)
 
@@ -67,12 +88,12 @@ def _verdict(steps: Outcome, controller: Outcome, runs: Outcome) -> str:
     if steps.failed and runs.failed:
         word = UNDECIDED if steps.kind in NO_EVIDENCE else NO_ANSWER
         return f"{word}: {steps.seen}"
-    found: SolverSteps | None = steps.result
-    name = (
-        f"its steps are not read: {steps.seen}{_implicit(runs)}"
-        if found is None
-        else f"it advances {found.name}, of order {found.order.order}"
-    )
+    found: SolverSteps | SolverMemory | None = steps.result
+    if found is None:
+        name = f"its steps are not read: {steps.seen}{_implicit(runs)}"
+    else:
+        order = _order(found)
+        name = f"it advances {found.name}{_implicit(runs) if order is None else f', of order {order}'}"
     control: ControllerReading | None = controller.result
     measured = ""
     if control is not None and not control.faults:
@@ -95,7 +116,7 @@ def _sections(steps: Outcome, controller: Outcome, runs: Outcome) -> Any:
     return sections(
         ("Steps", [] if steps.failed else steps.result.lines),
         ("Dense output", () if steps.failed or steps.result.dense is None else steps.result.dense.lines),
-        ("Step size control", [] if controller.failed else controller.result.lines),
+        ("Step size control", [] if controller.result is None else controller.result.lines),
         *found,
         ("Faults", _faults(steps, controller, runs)),
         ("Not answered", each_once(unanswered)),

@@ -5,17 +5,33 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import cos, e, hypot, isfinite, nan, sin
+from math import cos, e, hypot, isfinite, log, log2, nan, sin
+from typing import Any
 
 import numpy as np
+from flint import arb
 
 from driftproof.blackbox.findings import Misbehaviour
-from driftproof.blackbox.solvers.foreign_solver import DoesNotEnd, ForeignSolver, Solution, in_binary32
+from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem, walls
+from driftproof.blackbox.solvers.foreign_solver import (
+    NOTHING,
+    TOLERANCES,
+    DoesNotEnd,
+    ForeignSolver,
+    Solution,
+    in_binary32,
+)
 
 # Neither end, nor the length, is a number of few bits.
 _SPAN = (0.1, 0.1 + 1.7)
 _RTOL, _ATOL = 1e-6, 1e-9
 _TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6)
+# Of these pairs of rtol and atol only the one that is named matters.
+_ONE_AT_A_TIME = {"rtol": ((1e-3, 1e-12), (1e-6, 1e-12)), "atol": ((1e-12, 1e-3), (1e-12, 1e-6))}
+_OSCILLATOR = NonlinearProblem("q'' = -q", lambda t, y: [y[1], -y[0]], lambda t: [t.cos(), -t.sin()])
+_KNOWN = (("q'' = -q to t = 6", _OSCILLATOR, (0.0, 6.0)), ("q'' = exp(-2 q) to t = 3", walls(1), (-2.0, 3.0)))
+# Errors of 10^4 steps, each of the tolerance, may add up; who is farther off does something else.
+_FAR = 1e5
 # A jump costs an error of about the slope's change times a step, which the estimate is to bound by the tolerance.
 _OF_A_JUMP = 1e3
 # What a clock of 24 bits may cost in some thousand steps is no error of the method.
@@ -180,29 +196,82 @@ def _jump(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     lines = [f"across a jump of f: {len(run.t) - 1} steps, {len(run.calls)} calls, off by {off:.2g}"]
     if run.complaint:
         return [*lines, f"it says: {run.complaint}"], []
-    if off > _OF_A_JUMP * _RTOL:
+    if off > _OF_A_JUMP * _RTOL and subject.adaptive:
         return lines, [f"across a jump of f it is off by {off:.3g} at rtol = {_RTOL:g}: the jump is stepped over"]
     return lines, []
 
 
 def _tolerance(subject: ForeignSolver) -> tuple[list[str], list[str]]:
-    """The error of q'' = -q after a period or so, for smaller and smaller tolerances: each should buy some digits."""
-    runs: list[tuple[float, Solution]] = []
-    for rtol in _TOLERANCES:
-        runs.append((rtol, subject.solve(lambda n, t, y: [y[1], -y[0]], (0.0, 6.0), (1.0, 0.0), rtol, rtol * 1e-3)))
-    errors = [hypot(run.y[-1][0] - cos(run.t[-1]), run.y[-1][1] + sin(run.t[-1])) for _, run in runs]
-    pairs = zip(_TOLERANCES, errors, runs, strict=True)
+    """What smaller tolerances, or shorter steps, buy on two problems whose solution is known, enclosed in balls."""
+    lines: list[str] = []
+    for words, problem, span in _KNOWN:
+        seen, faults = (_requested if subject.adaptive else _shortened)(subject, problem, span)
+        lines += [f"{words}: {line}" for line in seen]
+        if faults:
+            return lines, faults if any("is ignored" in fault for fault in faults) else [*faults, *_deaf(subject)]
+    return lines, _deaf(subject)
+
+
+def _requested(
+    subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float, float]
+) -> tuple[list[str], list[str]]:
+    """The largest error over each rtol, beside it, and the power of rtol that errors fall with."""
+    runs = [_solved(subject, problem, span, rtol=rtol, atol=rtol * 1e-3) for rtol in _TOLERANCES]
+    errors = [_error(run, problem) for run in runs]
     lines = [
-        f"at rtol = {rtol:g}: error {error:.2g} at t = 6, {len(run.calls)} calls" for rtol, error, (_, run) in pairs
+        f"at rtol = {rtol:g}: error {error:.2g}, {error / rtol:.2g} of it, {len(run.calls)} calls"
+        for rtol, error, run in zip(_TOLERANCES, errors, runs, strict=True)
     ]
-    if len({run.t for _, run in runs}) == 1:
+    if len({run.t for run in runs}) == 1:
         return lines, ["rtol is ignored: the steps are the same at every tolerance"]
     # Rounding of a few hundred steps may hide what the last tolerance buys.
-    floor = max(float(run.format.u) for _, run in runs) * 1e3
+    floor = max(float(run.format.u) for run in runs) * 1e3
     if max(errors[-1], floor) > errors[0] / 10 and errors[0] > 10 * floor:
         return lines, ["a tolerance 1000 times smaller does not make the error 10 times smaller"]
-    worst = max((error / rtol for rtol, error in zip(_TOLERANCES, errors, strict=True) if error > floor), default=0.0)
-    return [*lines, f"the largest error over rtol is {worst:.3g}"], []
+    clear = [(rtol, error) for rtol, error in zip(_TOLERANCES, errors, strict=True) if error > floor]
+    if len(clear) > 1:
+        (first, most), (last, least) = clear[0], clear[-1]
+        lines.append(f"errors fall like rtol^{log(most / least) / log(first / last):.2f}")
+    worst = max((error / rtol for rtol, error in clear), default=0.0)
+    far = [f"errors are {worst:.2g} times the tolerance: rtol does not mean what it says"] if worst > _FAR else []
+    return lines, far
+
+
+def _shortened(
+    subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float, float]
+) -> tuple[list[str], list[str]]:
+    """The errors with more and more steps of one length, where their number can be asked for."""
+    lines, before = [], 0.0
+    for steps in (64, 128, 256) if subject.takes != NOTHING else (64,):
+        run = _solved(subject, problem, span, steps=steps)
+        error = _error(run, problem)
+        order = f", order {log2(before / error):.2f}" if before > error > 0 else ""
+        lines.append(f"with {len(run.t) - 1} steps: error {error:.2g}{order}")
+        before = error
+    return lines, []
+
+
+def _deaf(subject: ForeignSolver) -> list[str]:
+    """Which of two tolerances is not listened to: one changes, the other does not, and is too small to matter."""
+    if subject.takes != TOLERANCES:
+        return []
+    _, problem, span = _KNOWN[0]
+    found = []
+    for name, pairs in _ONE_AT_A_TIME.items():
+        steps = {_solved(subject, problem, span, rtol=rtol, atol=atol).t for rtol, atol in pairs}
+        found += [f"{name} is ignored: the steps are the same whatever it is"] if len(steps) == 1 else []
+    return found
+
+
+def _solved(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float, float], **settings: Any) -> Solution:
+    y0 = [float(x.mid()) for x in problem.solution(arb(span[0]))]
+    return subject.solve(lambda n, t, y: [float(x) for x in problem.rate(t, list(y))], span, y0, **settings)
+
+
+def _error(run: Solution, problem: NonlinearProblem) -> float:
+    """The distance of the last state from the solution, whose enclosure is narrower by far than what is shown."""
+    true = problem.solution(arb(run.t[-1]))
+    return hypot(*(float((arb(x) - y).mid()) for x, y in zip(run.y[-1], true, strict=True)))
 
 
 def _stiffness(subject: ForeignSolver) -> tuple[list[str], list[str]]:

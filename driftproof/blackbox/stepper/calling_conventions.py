@@ -103,8 +103,8 @@ ROLES: dict[str, tuple[str, ...]] = {
 }
 # Further parameters of a built-in oscillator, set to what makes it q'' = -q.
 UNIT_PARAMETERS = ("m", "mass", "k", "stiffness", "omega", "omega0", "w", "w0")
-# Of a run, how many steps it makes: one.
-_COUNTS = ("n", "steps", "n_steps", "nsteps", "num_steps", "number_of_steps", "nt", "n_iter", "iterations")
+# How many steps a run makes.
+COUNTS = ("n", "steps", "n_steps", "nsteps", "num_steps", "number_of_steps", "nt", "n_iter", "iterations")
 # A mass that is not 1 shows whether the force is divided by it, a power of two exactly so.
 _MASSES, _MASS = ("m", "mass", "masses"), 2.0
 # A charge likewise, or one over the mass: fields are given so much smaller.
@@ -134,7 +134,7 @@ class CallingConvention:
 
     def of_steps(self, steps: int) -> CallingConvention:
         """The same for a run of so many steps."""
-        counts = {name: steps for name in self.extra if _word(name) in _COUNTS}
+        counts = {name: steps for name in self.extra if _word(name) in COUNTS}
         return replace(self, extra={**self.extra, **counts}, steps=steps)
 
 
@@ -175,13 +175,13 @@ def signature_text(step: Callable[..., Any]) -> str:
 
 def required_names(step: Callable[..., Any]) -> list[str] | None:
     """The parameters that have no default; None where they cannot be told."""
-    parameters = _parameters(step)
+    parameters = parameters_of(step)
     if parameters is None or any(p.kind is p.VAR_POSITIONAL for p in parameters.values()):
         return None
     return [p.name for p in parameters.values() if p.default is p.empty and p.kind is not p.VAR_KEYWORD]
 
 
-def _parameters(step: Callable[..., Any]) -> Mapping[str, inspect.Parameter] | None:
+def parameters_of(step: Callable[..., Any]) -> Mapping[str, inspect.Parameter] | None:
     """By name; those of a torch module are its forward's."""
     try:
         return inspect.signature(getattr(step, "forward", step)).parameters
@@ -191,7 +191,7 @@ def _parameters(step: Callable[..., Any]) -> Mapping[str, inspect.Parameter] | N
 
 def _by_name(found: CallingConvention, step: Callable[..., Any], names: Sequence[str]) -> CallingConvention:
     """The convention with the names of its arguments, where an order does not tell which is which."""
-    parameters = _parameters(step) or {}
+    parameters = parameters_of(step) or {}
     if found.extra or any(parameters[name].kind is inspect.Parameter.KEYWORD_ONLY for name in names):
         return replace(found, names=tuple(name for name in names if name not in found.extra))
     return found
@@ -216,7 +216,7 @@ def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingCon
             extra[name] = 1.0
         elif kind == FORCE and word in _MASSES:
             extra[name], factor = _MASS, factor * _MASS
-        elif word in _COUNTS:
+        elif word in COUNTS:
             extra[name], run = 1, True
         else:
             return None

@@ -1,4 +1,4 @@
-"""Linear multistep methods: Adams, BDF, Nyström, Milne-Simpson; Störmer and Cowell for y'' = F(y)."""
+"""Linear multistep methods: Adams, BDF, NDF, Nyström, Milne-Simpson; Störmer and Cowell for y'' = F(y)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from driftproof.methods.tables.notation import row
 
 # Key | title | order | rho | sigma: both from the oldest value to the new one, over a common denominator as "/12: ...".
 # One step of BDF is backward_euler, of Adams-Bashforth forward_euler, of Adams-Moulton `trapezoid`. Adams-Moulton
-# methods are numbered by steps, k of them having order k + 1; other people number them by order.
+# methods are numbered by steps, k of them having order k + 1; other people number them by order. NDF of order k is
+# BDF of k steps less kappa (1 + ... + 1/k) times the backward difference of order k + 1, with kappa = -0.185, -1/9,
+# -0.0823, -0.0415.
 _FIRST_ORDER = """
 adams_bashforth2   | Adams-Bashforth, 2 steps | 2 | 0 -1 1         | /2: -1 3 0
 adams_bashforth3   | Adams-Bashforth, 3 steps | 3 | 0 0 -1 1       | /12: 5 -16 23 0
@@ -24,6 +26,10 @@ bdf3               | BDF, 3 steps             | 3 | /6: -2 9 -18 11            |
 bdf4               | BDF, 4 steps             | 4 | /12: 3 -16 36 -48 25       | 0 0 0 0 1
 bdf5               | BDF, 5 steps             | 5 | /60: -12 75 -200 300 -300 137         | 0 0 0 0 0 1
 bdf6               | BDF, 6 steps             | 6 | /60: 10 -72 225 -400 450 -360 147     | 0 0 0 0 0 0 1
+ndf1               | NDF of order 1           | 1 | /200: 37 -274 237 | 0 0 1
+ndf2               | NDF of order 2           | 2 | /6: -1 6 -15 10   | 0 0 0 1
+ndf3               | NDF of order 3           | 3 | /60000: 9053 -56212 144318 -216212 119053 | 0 0 0 0 1
+ndf4               | NDF of order 4           | 4 | /960: -83 655 -2110 3710 -4255 2083       | 0 0 0 0 0 1
 two_step_leapfrog  | Leapfrog of two steps    | 2 | -1 0 1         | 0 2 0
 nystrom_multistep3 | Nyström's multistep method, 3 steps | 3 | 0 -1 0 1   | /3: 1 -2 7 0
 nystrom_multistep4 | Nyström's multistep method, 4 steps | 4 | 0 0 -1 0 1 | /3: -1 4 -5 8 0
@@ -48,6 +54,7 @@ def _entry(line: str, derivative: int) -> Multistep:
         common = int(over.removeprefix("/") or 1)
         read.append(tuple(x / common for x in row(numerators)))
     source = f"hairer-norsett-wanner-1993, {'III.1' if derivative == 1 else 'III.10'}"
+    source = "shampine-reichelt-1997, (4) and Table 1" if key.startswith("ndf") else source
     return Multistep(key, title, int(order), source, read[0], read[1], derivative)
 
 

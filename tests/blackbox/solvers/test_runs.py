@@ -52,6 +52,15 @@ WRONG = {
     "endless at NaN": (adaptive(on_nan="retry"), "where f is NaN it does not end"),
     "over a jump": (adaptive(estimate=lambda e: [0.0] * 4), "the jump is stepped over"),
     "deaf": (adaptive(tolerances=lambda rtol, atol: (1e-5, 1e-8)), "rtol is ignored"),
+    "deaf to one": (
+        adaptive(tolerances=lambda rtol, atol: (1e-6, atol)),
+        "rtol is ignored: the steps are the same",
+    ),
+    "deaf to the other": (adaptive(tolerances=lambda rtol, atol: (rtol, 1e-9)), "atol is ignored"),
+    "of other units": (
+        adaptive(tolerances=lambda rtol, atol: (1e6 * rtol, 1e6 * atol)),
+        "errors are 9.1e+05 times the tolerance: rtol does not mean what it says",
+    ),
     "hard of hearing": (
         adaptive(tolerances=lambda rtol, atol: (1e-4 + rtol / 1e3, 1e-7)),
         "a tolerance 1000 times smaller does not make the error 10 times smaller",
@@ -230,7 +239,7 @@ SAID = [
     (BACKWARD, ending(shift=1e-3), "and does not say so"),
     (CIRCLE, erring(1e-3, 1.1e-4), LITTLE_BOUGHT),
     (CIRCLE, erring(2e-12, 2e-12), LITTLE_BOUGHT),
-    (CIRCLE, erring(1e-3, 5e-5), "the largest error over rtol is 50"),
+    (CIRCLE, erring(1e-3, 5e-5), "at rtol = 1e-06: error 5e-05, 50 of it"),
     (STIFF, following(15), "it solves for its steps"),
     (STIFF, following(15, off=0.05), "it solves for its steps"),
 ]

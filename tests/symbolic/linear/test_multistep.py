@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from fractions import Fraction as Q
-from math import log2, radians, tan
+from math import comb, log2, radians, tan
 
 import numpy as np
 import pytest
@@ -28,6 +28,8 @@ CONSTANTS = {
 }  # fmt: skip
 # hairer-wanner-1996, V.2 Table 2.1.
 ANGLES = {"bdf2": "90", "bdf3": "86.03", "bdf4": "73.35", "bdf5": "51.84", "bdf6": "17.84"}
+# shampine-reichelt-1997, Table 1: kappa, and the angle of A(alpha) in degrees.
+NDF = {1: (Q(-37, 200), "90"), 2: (Q(-1, 9), "90"), 3: (Q(-823, 10000), "80"), 4: (Q(-415, 10000), "66")}
 # (-x, 0) and (0, iy) of Adams and others, known from many books; None: all.
 LIMITS = {
     "adams_bashforth2": ("1", "0"), "adams_bashforth3": ("6/11", "12*sqrt(11)/55"), "adams_bashforth4": ("3/10", None),
@@ -117,6 +119,16 @@ def test_bdf_has_the_printed_angles_and_seven_steps_are_not_zero_stable():
         facts = MultistepFacts(bdf(k))
         assert (facts.order, facts.zero_stable, facts.convergent) == (k, False, False)
         assert max(abs(roots(bdf(k), 0))) > 1.02
+
+
+def test_ndf_is_bdf_less_a_difference_and_has_the_printed_angles():
+    for k, (kappa, printed) in exactly(4, NDF.items()):
+        difference = [
+            (-1) ** (k + 1 - j) * comb(k + 1, j) * kappa * sum(Q(1, m) for m in range(1, k + 1)) for j in range(k + 2)
+        ]
+        rho = [x - y for x, y in zip((0, *bdf(k).rho), difference, strict=True)]
+        assert FACTS_ONLY[f"ndf{k}"].rho == tuple(rho)
+        assert significant(of(f"ndf{k}").sector.degrees.exact, 2) == printed
 
 
 def test_limits_are_those_in_the_books():

@@ -1,0 +1,133 @@
+"""Solvers that remember are named with their start, whichever way they choose their steps; wrong ones are caught."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from driftproof import identify_solver
+from driftproof.blackbox.probes.scripted_answers import NotReadable
+from driftproof.blackbox.solvers.foreign_solver import SolverTarget
+from driftproof.blackbox.solvers.multistep import read_memory
+from tests.blackbox.families import remembering_steppers as planted
+from tests.blackbox.families.remembering_steppers import Corrected, Remembering, euler, rk4_step
+from tests.blackbox.solvers.planted_solvers import adaptive
+from tests.looping import exactly, some
+
+BASHFORTH4 = [55 / 24, -59 / 24, 37 / 24, -9 / 24]
+
+
+def run(make, f, t_span, y0, steps):
+    """Steps of one length of a stepper that is made for this run."""
+    step, h, states = make(), (t_span[1] - t_span[0]) / steps, [np.array(y0)]
+    times = [t_span[0] + n * h for n in range(steps + 1)]
+    for t in times[:-1]:
+        states.append(step(f, t, states[-1], h))
+    return times, states
+
+
+def by_number(make):
+    """A solver that is told how many steps to make."""
+    return lambda f, t_span, y0, n: run(make, f, t_span, y0, n)
+
+
+def by_length(make):
+    """A solver that is told how long its steps are."""
+    return lambda f, t_span, y0, dt: run(make, f, t_span, y0, round((t_span[1] - t_span[0]) / dt))
+
+
+def of_its_own_number(make):
+    """A solver of 100 steps, deaf to its tolerances."""
+    return lambda f, t_span, y0, rtol, atol: run(make, f, t_span, y0, 100)
+
+
+def of_its_own_length(make):
+    """A solver whose steps are of 1/100, as long as they do not pass the end by one."""
+
+    def solve(f, t_span, y0):
+        t, states, times, step = t_span[0], [np.array(y0)], [t_span[0]], make()
+        while t < t_span[1]:
+            states.append(step(f, t, states[-1], 0.01))
+            times.append(t := t + 0.01)
+        return times, states
+
+    return solve
+
+
+def adams_bashforth2():
+    return Remembering("adams_bashforth2", euler).step
+
+
+STARTED = "adams_bashforth2, started by forward_euler"
+RIGHT = {
+    STARTED: [kind(adams_bashforth2) for kind in (by_number, by_length, of_its_own_number, of_its_own_length)],
+    "adams_bashforth4, started by rk4": [by_length(lambda: Remembering("adams_bashforth4", rk4_step).step)],
+    "two_step_leapfrog, started by forward_euler": [by_number(lambda: Remembering("two_step_leapfrog", euler).step)],
+    "bdf2, started by backward_euler": [by_number(lambda: Remembering("bdf2", planted.implicit_euler).step)],
+    "bdf4, started by rk4": [by_number(lambda: Remembering("bdf4", rk4_step).step)],
+    "adams_moulton3, corrected once from what adams_bashforth4 predicts (PECE), started by rk4": [
+        by_number(lambda: Corrected("adams_moulton3", rk4_step, BASHFORTH4).step)
+    ],
+    "backward_euler": [by_number(lambda: planted.implicit_euler)],
+}
+
+
+@pytest.mark.parametrize("name", RIGHT)
+def test_a_right_one_is_named_without_alarm(name):
+    for solve in some(RIGHT[name]):
+        memory = read_memory(SolverTarget(solve).open())
+        assert (memory.name, memory.faults) == (name, ())
+
+
+WRONG = {
+    "its start is not good enough: first values are off like h^2, and whole runs have order 2, not 4": (
+        lambda: Remembering("adams_bashforth4", euler).step
+    ),
+    "adams_bashforth2 but for sigma[0]: -1/3 instead of -1/2": (
+        lambda: Remembering("adams_bashforth2", euler, sigma=[-1 / 3, 3 / 2, 0.0]).step
+    ),
+    "it is not consistent: rho'(1) - sigma(1) = 1/6": (
+        lambda: Remembering("adams_bashforth2", euler, sigma=[-2 / 3, 3 / 2, 0.0]).step
+    ),
+}
+
+
+@pytest.mark.parametrize("words", WRONG)
+def test_a_wrong_one_is_caught_with_its_cause(words):
+    for kind in exactly(2, (by_number, of_its_own_length)):
+        assert words in identify_solver(kind(WRONG[words]), isolate=False).verdict
+
+
+def test_the_report_is_of_the_recurrence_and_finds_no_fault_in_a_solver_without_tolerances():
+    report = identify_solver(by_number(adams_bashforth2), isolate=False)
+    assert report.verdict == f"it advances {STARTED}, of order 2"
+    assert report.data["steps"] == {"name": STARTED, "order": 2}
+    assert report.section("Not answered") is None
+    assert "q'' = -q to t = 6: with 128 steps: error 0.0056, order 2.01" in report.section("Tolerance, measured").lines
+
+
+VARYING = {"BDF": {"ndf1", "ndf2", "ndf3", "ndf4", "bdf5"}, "LSODA": {"adams_moulton2", "adams_moulton5"}}
+
+
+@pytest.mark.parametrize("method", VARYING)
+def test_the_methods_of_a_solver_of_several_orders_are_told_where_its_steps_are_of_one_length(method):
+    from scipy.integrate import solve_ivp
+
+    def solve(f, t_span, y0, rtol, atol):
+        return solve_ivp(f, t_span, y0, method, rtol=rtol, atol=atol)
+
+    memory = read_memory(SolverTarget(solve).open())
+    assert memory.name.endswith("where its steps are of one length")
+    assert VARYING[method] <= set(memory.name.replace(",", "").split())
+    assert memory.order is None
+
+
+def test_a_solver_of_stages_keeps_no_recurrence_by_chance():
+    with pytest.raises(NotReadable, match="none that follows others of its length keeps a recurrence known here"):
+        read_memory(SolverTarget(adaptive("dormand_prince54", exponent=0.2)).open())
+
+
+def test_too_few_steps_of_its_own_are_said():
+    few = lambda f, t_span, y0: run(adams_bashforth2, f, t_span, y0, 10)
+    with pytest.raises(NotReadable, match="it returns 11 states in a run of 40 steps"):
+        read_memory(SolverTarget(few).open())
