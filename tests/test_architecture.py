@@ -65,12 +65,12 @@ BUDGETS = {
     "support": 1160,
     "methods": 5566,
     "symbolic": 10734,
-    "numeric": 4105,
+    "numeric": 4110,
     "blackbox": 16801,
     "enclosure": 3159,
     "texts": 7297,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5599
+BUDGET_OF_REPORTS_AND_FRONT = 5603
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 

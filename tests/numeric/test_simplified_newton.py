@@ -13,6 +13,7 @@ from driftproof.numeric.elimination import FULL
 from driftproof.numeric.simplified_newton import collocation_attempts, collocation_table, work_for
 from driftproof.numeric.step_control import Tolerances
 from driftproof.numeric.tableaux import float_tableau
+from tests.looping import some
 
 TABLES = [
     key for key in METHODS if key.startswith(("gauss", "radau_iia")) or key in ("backward_euler", "implicit_midpoint")
@@ -59,7 +60,7 @@ def test_methods_that_tell_no_error_here_are_refused(key):
 def test_estimates_see_powers_of_t_from_their_order_on_and_no_earlier(key):
     """y' = tᵏ, J = 0: the estimate is the difference from a formula that is exact for k < s."""
     table = collocation_table(METHODS[key])
-    for k in range(len(table.c) + 1):
+    for k in some(range(len(table.c) + 1)):
 
         def rate(t, y, f, k=k):
             f[0] = t**k

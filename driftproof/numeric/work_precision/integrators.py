@@ -53,6 +53,11 @@ def has_numba() -> bool:
     return find_spec("numba") is not None
 
 
+def kinds_of_trajectories() -> tuple[str, ...]:
+    """What is timed of one trajectory here, the fastest last."""
+    return (PYTHON, COMPILED) if has_numba() else (PYTHON,)
+
+
 def integrator(method: Method, problem: Problem, *, compiled: bool = False) -> Integrator:
     """The method as it runs on the problem; `compiled` also prepares what numba compiles, and takes errors from that.
 

@@ -1,7 +1,7 @@
-"""Other people's integrators on our problems, one small adapter each; each is imported only when it is asked for.
+"""Solvers on our problems, one small adapter each: our own, and other people's, imported only when they are asked for.
 
-Every one gets the problem's rates as functions of its own numbers, the start in binary64, and one tolerance, absolute
-and relative; it chooses its steps itself. What it has to compile, it compiles in its first call, which is not timed.
+Every one of these gets the problem's rates as functions of its own numbers, the start in binary64, and one tolerance,
+absolute and relative; it chooses its steps itself. What is to be compiled, the first call compiles, which is not timed.
 """
 
 from __future__ import annotations
@@ -14,8 +14,10 @@ from importlib.util import find_spec
 from math import inf
 from typing import Any
 
+from driftproof.methods.schemes import Method
 from driftproof.methods.vector_fields import FUNCTIONS
 from driftproof.numeric.advance import Rate, State, field_rate, float_start
+from driftproof.numeric.controlled import controlled_runner
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.work_precision.integrators import COMPILED, PYTHON
 from driftproof.support.environment import how_to_install
@@ -31,6 +33,8 @@ class Solver:
     """A solver of a peer on a problem. Both methods raise ArithmeticError with its words where it does not arrive."""
 
     rate: Rate
+    # So many evaluations a run may take for each second that is given: as many as Python makes in ten.
+    once = 10**6
 
     def solve(self, tolerance: float, t: float) -> State:
         """The state at t, from the start."""
@@ -78,6 +82,26 @@ def peers_named(names: Iterable[str]) -> list[Peer]:
             raise ValueError(f"unknown peer {name[:60]!r}{did_you_mean(name, PEERS) or others}")
         found.append(PEERS[name])
     return found
+
+
+class ControlledSolver(Solver):
+    """Our own method in controlled steps, with the bits of Python also where it is compiled."""
+
+    once = 10**7
+
+    def __init__(self, method: Method, problem: Problem, *, compiled: bool) -> None:
+        """Nothing is compiled yet. Raises MethodError for a method that does not tell its error."""
+        self.run = controlled_runner(method, problem.field, compiled=compiled)
+        self.start = float_start(problem)
+
+    def solve(self, tolerance: float, t: float) -> State:
+        """The state at t."""
+        return self.run(self.start, t, tolerance, tolerance)
+
+    def counted(self, tolerance: float, t: float, most: float = inf) -> int | None:
+        """The calls of the run."""
+        self.run(self.start, t, tolerance, tolerance, most)
+        return self.run.calls
 
 
 class Scipy(Solver):

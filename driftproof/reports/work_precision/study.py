@@ -20,15 +20,22 @@ from driftproof.numeric.advance import State
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import Size, distance_from_digits, doubt, errors, largest_state_size
 from driftproof.numeric.work_precision.curves import Curve, Point, curve_of, speed
-from driftproof.numeric.work_precision.integrators import ENSEMBLE, KINDS, MEMBERS, integrator
+from driftproof.numeric.work_precision.integrators import (
+    COMPILED,
+    ENSEMBLE,
+    KINDS,
+    MEMBERS,
+    integrator,
+    kinds_of_trajectories,
+)
 from driftproof.numeric.work_precision.timing import ROUNDS, SEED, Timing, interleave, needs_more_samples, started
-from driftproof.reports.work_precision.peers import TOLERANCES, Peer, Solver
+from driftproof.reports.work_precision.peers import TOLERANCES, ControlledSolver, Peer, Solver
 from driftproof.support.environment import machine_description, versions_of
 from driftproof.support.files import atomic_write
 
 # A run for its error, which is made once, may take so many evaluations for each second that a point may be timed for:
-# ten times as many as are made in a second, by compiled code, and by the solvers of peers, which call Python.
-ONCE, ONCE_OF_PEERS = 10**8, 10**6
+# ten times as many as compiled code makes in a second. For solvers see `peers.Solver`.
+ONCE = 10**8
 EVALUATIONS = "evaluations"
 Say: TypeAlias = Callable[[str], object]
 # Told how many more points are expected, and how many are done, for a progress bar.
@@ -158,7 +165,7 @@ _Calls: TypeAlias = Mapping[str, _CallAt]
 
 @dataclass(frozen=True)
 class _Contestant:
-    """A method or a solver of a peer: how its curve is made, and by kind what is timed, or why nothing is."""
+    """A method, in given or in its own steps, or a solver of a peer: its curve, what is timed by kind, or why not."""
 
     key: str
     curve: Callable[[], Curve]
@@ -168,20 +175,29 @@ class _Contestant:
 def _contestants(study: Study) -> list[_Contestant]:
     """All whose curves are made, in the order in which they are shown."""
     problem, once = study.problem, ONCE * study.limit
-    found = [
-        _Contestant(
-            method.key,
-            partial(curve_of, method, problem, compiled=True, most=once),
-            partial(_calls_of_method, method, problem),
-        )
-        for method in study.methods
-    ]
+    found = list[_Contestant]()
+    for method in study.methods:
+        curve = partial(curve_of, method, problem, compiled=True, most=once)
+        found.append(_Contestant(method.key, curve, partial(_calls_of_method, method, problem)))
+        with suppress(MethodError):  # of a method that does not tell its error
+            found.append(_controlled(method, study))
     for peer in (peer for peer in study.peers if peer.installed):
         for name in peer.solvers:
             key, solver = f"{peer.name} {name}", cache(partial(peer.on, problem, name))  # made when it is first used
-            calls = partial(_calls_of_peer, peer.kind, solver, float(problem.t))
-            found.append(_Contestant(key, partial(_peer_curve, key, solver, study), calls))
+            calls = partial(_calls_of_solvers, {peer.kind: solver}, float(problem.t))
+            found.append(_Contestant(key, partial(_solver_curve, key, solver, study), calls))
     return found
+
+
+def _controlled(method: Method, study: Study) -> _Contestant:
+    """The method in steps of its own choice. Raises MethodError."""
+    solvers: dict[str, Callable[[], Solver]] = {
+        kind: partial(lambda solver: solver, ControlledSolver(method, study.problem, compiled=kind == COMPILED))
+        for kind in kinds_of_trajectories()
+    }
+    key, best = f"{method.key} controlled", list(solvers.values())[-1]
+    calls = partial(_calls_of_solvers, solvers, float(study.problem.t))
+    return _Contestant(key, partial(_solver_curve, key, best, study), calls)
 
 
 def _calls_of_method(method: Method, problem: Problem) -> tuple[_Calls, Mapping[str, str]]:
@@ -192,25 +208,28 @@ def _calls_of_method(method: Method, problem: Problem) -> tuple[_Calls, Mapping[
     return {kind: lambda point, call=call: call(point.steps or 0) for kind, call in runs.calls.items()}, runs.absent
 
 
-def _calls_of_peer(kind: str, solver: Callable[[], Solver], t: float) -> tuple[_Calls, Mapping[str, str]]:
-    return {kind: lambda point: partial(solver().solve, float(point.setting), t)}, {}
+def _calls_of_solvers(solvers: Mapping[str, Callable[[], Solver]], t: float) -> tuple[_Calls, Mapping[str, str]]:
+    return {
+        kind: lambda point, solver=solver: partial(solver().solve, float(point.setting), t)
+        for kind, solver in solvers.items()
+    }, {}
 
 
-def _peer_curve(key: str, solver: Callable[[], Solver], study: Study) -> Curve:
-    """The points of a peer's solver at TOLERANCES, until it fails or takes too long."""
+def _solver_curve(key: str, solver: Callable[[], Solver], study: Study) -> Curve:
+    """The points of a solver at TOLERANCES, until it fails or takes too long."""
     points: list[Point] = []
     for tolerance in TOLERANCES:
-        points.append(peer_point(solver(), tolerance, study))
+        points.append(solver_point(solver(), tolerance, study))
         if points[-1].remark:
             break
     return Curve(key, key, 0, points)
 
 
-def peer_point(solver: Solver, tolerance: float, study: Study) -> Point:
+def solver_point(solver: Solver, tolerance: float, study: Study) -> Point:
     """Errors and evaluations of one solve; where it does not arrive, the solver's own words."""
     problem, setting = study.problem, f"{tolerance:.0e}"
     try:
-        evaluations = solver.counted(tolerance, float(problem.t), ONCE_OF_PEERS * study.limit)
+        evaluations = solver.counted(tolerance, float(problem.t), solver.once * study.limit)
         states: Mapping[Fraction, Sequence[float]] = {
             t: solver.solve(tolerance, float(t)) for t in problem.reference.times
         }
@@ -250,7 +269,7 @@ def _begin_timings(study: Study, measured: Measured, curve: Curve, made: _Calls)
     """The calls of the points that have errors, each with a timing begun; those not to be timed have a remark."""
     calls: dict[str, Callable[[], object]] = {}
     points = [point for point in curve.points if isfinite(point.error)]
-    for kind, call_at in made.items():
+    for kind, call_at in (made if points else {}).items():
         names = [timing_name(curve.key, kind, point.setting) for point in points]
         known = [measured.timings.get(name) for name in names]
         if all(timing and not needs_more_samples(timing, ROUNDS, study.limit) for timing in known):

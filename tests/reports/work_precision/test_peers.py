@@ -7,12 +7,14 @@ import pytest
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.reports.work_precision.peers import PEERS, Peer, peers_named
 from driftproof.reports.work_precision.report import study_text, times_json
-from driftproof.reports.work_precision.study import measure, peer_point
+from driftproof.reports.work_precision.study import measure, solver_point
 from tests.looping import some
 from tests.reports.studies import study, unheard
 
 
 class FakeSolver:
+    once = 10**6
+
     """Exact at every tolerance but the last, where it fails; counts three evaluations."""
 
     def __init__(self, problem: object, solver: str) -> None:
@@ -54,6 +56,6 @@ def test_peers_that_are_installed_solve_the_oscillator_and_refuse_what_they_cann
     peer = PEERS[name]
     for key in some(peer.solvers):
         solver = peer.on(HARMONIC, key)
-        point = peer_point(solver, 1e-6, study(limit=1))
+        point = solver_point(solver, 1e-6, study(limit=1))
         assert point.error < 1e-2
         assert point.evaluations is None if name == "heyoka" else 20 < (point.evaluations or 0) < 2000

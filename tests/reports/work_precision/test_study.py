@@ -37,7 +37,7 @@ def test_what_is_measured_is_not_measured_again(tmp_path: Path, monkeypatch: pyt
         monkeypatch.setattr(work_precision, name, lambda *_, **__: pytest.fail("measured again"))
     again = measure(asked, tmp_path, unheard)
     assert (again.timings, errors_json(asked, again)) == (before.timings, errors_json(asked, before))
-    assert list(again.curves) == ["rk4", "gauss2"]
+    assert list(again.curves) == ["rk4", "gauss2", "gauss2 controlled"]
     assert (tmp_path / "points.json").read_bytes() == kept
 
 
@@ -141,3 +141,13 @@ def test_points_over_the_limit_are_marked_and_not_timed() -> None:
     assert found.timings
     assert all("limit 0.0001 s" in timing.remark and not timing.samples for timing in found.timings.values())
     assert "not timed: gauss2, Python, at 8" in study_text(asked, found)
+
+
+def test_methods_that_tell_their_error_also_choose_their_steps() -> None:
+    """Pairs, Gauss's methods and Radau IIA, at the tolerances of peers; nobody else."""
+    found = measure(study("rk4", "heun_euler21", "radau_iia2", limit=0.01), None, unheard).curves
+    assert list(found) == ["rk4", "heun_euler21", "heun_euler21 controlled", "radau_iia2", "radau_iia2 controlled"]
+    for key in ("heun_euler21 controlled", "radau_iia2 controlled"):
+        loose, *_, tight = (point for point in found[key].points if point.errors)
+        assert 1e-4 > loose.error * 1e-2 > tight.error
+        assert 20 < (loose.evaluations or 0) < (tight.evaluations or 0)
