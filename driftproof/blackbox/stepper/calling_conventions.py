@@ -106,7 +106,7 @@ UNIT_PARAMETERS = ("m", "mass", "k", "stiffness", "omega", "omega0", "w", "w0")
 # How many steps a run makes.
 COUNTS = ("n", "steps", "n_steps", "nsteps", "num_steps", "number_of_steps", "nt", "n_iter", "iterations")
 # A mass that is not 1 shows whether the force is divided by it, a power of two exactly so.
-_MASSES, _MASS = ("m", "mass", "masses"), 2.0
+MASSES, _MASS = ("m", "mass", "masses"), 2.0
 # A charge likewise, or one over the mass: fields are given so much smaller.
 _CHARGES, _CHARGE = ("q", "charge", "qm", "q_m", "q_over_m", "qom", "charge_to_mass", "z"), 8.0
 
@@ -203,8 +203,8 @@ def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingCon
     factor, run = 1.0, GRID in roles
     for name in names:
         word = _word(name)
-        if kind == MAGNETIC and word in (*_CHARGES, *_MASSES):
-            extra[name] = _MASS if word in _MASSES else _CHARGE
+        if kind == MAGNETIC and word in (*_CHARGES, *MASSES):
+            extra[name] = _MASS if word in MASSES else _CHARGE
             factor *= 1 / _CHARGE if word in _CHARGES else _MASS
             continue
         role = next((role for role in open_roles if word in ROLES[role]), None)
@@ -214,7 +214,7 @@ def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingCon
             factor = -factor if role == FUNCTION and word in _GRADIENTS else factor
         elif kind == MAP and word in UNIT_PARAMETERS:
             extra[name] = 1.0
-        elif kind == FORCE and word in _MASSES:
+        elif kind == FORCE and word in MASSES:
             extra[name], factor = _MASS, factor * _MASS
         elif word in COUNTS:
             extra[name], run = 1, True

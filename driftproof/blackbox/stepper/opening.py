@@ -46,6 +46,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
+from driftproof.blackbox.stepper.plain_forms import plain_forms
 from driftproof.blackbox.stepper.second_functions import with_functions, zeros
 from driftproof.blackbox.stepper.state_forms import COMPLEX, forms_of
 from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quaternion
@@ -78,12 +79,14 @@ def opened(
     Raises ValueError if no calling convention fits, and the `Misbehaviour` of the most natural adapter if none
     gets an answer.
     """
+    failures: list[Misbehaviour] = []
     try:
         conventions = conventions_of(step, calls)
     except ValueError as error:
+        if calls is None and (found := _opened_as_plain(step, array, before, after, failures)) is not None:
+            return found
         line = wrapper_line(step)
         raise ValueError(f"{_unfitting(step)}{line}" if line and calls is None else f"{error}{line}") from None
-    failures: list[Misbehaviour] = []
     pristine = fresh_copy(step)
     for convention in conventions:
         trials = _TRIALS.get(convention.kind, (_one_step,))
@@ -100,7 +103,25 @@ def opened(
                         return replace(longer, convention=convention, shortest=_LONGER)
     if inspect.isclass(step) and (line := wrapper_line(step)):
         raise ValueError(f"{_unfitting(step)}{line}")
+    if calls is None and (found := _opened_as_plain(step, array, before, after, failures)) is not None:
+        return found
     raise failures[0]
+
+
+def _opened_as_plain(
+    step: Callable[..., Any],
+    array: Callable[[Any], Any] | None,
+    before: Callable[[str], None],
+    after: Callable[[], None],
+    failures: list[Misbehaviour],
+) -> ForeignStepper | None:
+    """The first of its plain forms that answers; why others do not is added to the failures. None where none does."""
+    for plain in plain_forms(step):
+        try:
+            return opened(plain, None, array, before, after)
+        except Misbehaviour as failure:
+            failures.append(failure)
+    return None
 
 
 def _unfitting(step: Callable[..., Any]) -> str:

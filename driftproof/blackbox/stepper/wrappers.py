@@ -23,6 +23,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     required_names,
 )
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.plain_forms import BODY_LISTS
 
 _ARGUMENTS = {FUNCTION: "f", TIME: "t", STATE: "y", POSITION: "q", VELOCITY: "v", STEP: "h"}
 # How a wrapper is called, of each kind.
@@ -182,7 +183,11 @@ def _of_maker(step: Callable[..., Any], names: Sequence[str], name: str) -> str:
 
 def _call(name: str, names: Sequence[str], given: dict[Any, str], kind: str) -> str:
     arguments = ", ".join(given.get(each, each.upper()) for each in names)
-    return f"def wrapped({_HEADS[kind]}): return {name}({arguments})"
+    left = [each for each in names if each not in given]
+    said = f"  # write values for {', '.join(map(str.upper, left))}" if left else ""
+    if kind == MAP and any(each.lower().strip("_") in BODY_LISTS for each in left):
+        said = "  # what moves its bodies is built in: let their force be an argument, which can then be given"
+    return f"def wrapped({_HEADS[kind]}): return {name}({arguments}){said}"
 
 
 def _by_role(names: Sequence[str], kind: str) -> dict[str, str]:

@@ -1,0 +1,229 @@
+"""Steppers that write into arrays they are given, or move objects in a list, as plain functions of the state."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+
+from driftproof.blackbox.stepper.array_adapters import Foreign
+from driftproof.blackbox.stepper.calling_conventions import (
+    CARRIED,
+    FUNCTION,
+    MASSES,
+    POSITION,
+    ROLES,
+    STATE,
+    STEP,
+    TIME,
+    VELOCITY,
+    required_names,
+)
+
+# What such a stepper takes besides: how many numbers, an array for what comes out, masses, and objects in a list.
+_SIZE, _OUT, _MASS, _BODIES = "size", "out", "mass", "bodies"
+BODY_LISTS = ("bodies", "particles", "planets", "stars", "atoms", "objects", "points")
+_NAMES: Mapping[str, Sequence[str]] = {
+    _SIZE: ("n", "neq", "nvar", "dim", "ndim", "size", "d", "n_bodies", "nbodies", "num_bodies", "n_particles", "nn"),
+    _MASS: MASSES,
+    _BODIES: BODY_LISTS,
+    STEP: ROLES[STEP],
+    FUNCTION: (*ROLES[FUNCTION], "accelerations", "derivatives"),
+    CARRIED: (*ROLES[CARRIED], "dydx", "dydt", "dy", "ydot"),
+    TIME: ROLES[TIME],
+    VELOCITY: ROLES[VELOCITY],
+    STATE: ("y", "state", "z", "u", "s"),
+    POSITION: ROLES[POSITION],
+}
+_VERBS = r"^(get|compute|calc|calculate|eval|update)_|_(fn|func|function)$"
+# What an array that is written into is called: out, yout, y_out, out_q, result, y_new, y1.
+_INTO = re.compile(r"^(out|result|res|dest)_?|_?(out|new|next|1)$")
+# A step that moves back what a spring pulls, whatever the method.
+_SHORT = 2.0**-10
+# A mass that is not 1 shows whether a force is divided by it.
+_HEAVY = 2.0
+
+
+def plain_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
+    """The step(force, q, v, h), step(f, t, y, h), step(q, v, h) or step(y, h) that such a stepper may be.
+
+    Numbers come in new arrays, their size where it is asked for, and an array is there for each that is written into.
+    Of objects in a list, each number or row of q is one, with the names for its position, its velocity and its mass by
+    which it is asked; a force is told whose it is by the object, and sees all of them as they stand at that moment.
+
+    >>> def euler(y, n, h, out):
+    ...     out[0], out[1] = y[0] + h * y[1], y[1] - h * y[0]
+    >>> step = next(plain_forms(euler))
+    >>> step([1.0, 0.5], 0.5).tolist()
+    [1.25, 0.0]
+    """
+    names = required_names(step) or []
+    for functions in (True, False):  # an a among them may be a function, or a slope that is handed on
+        roles = _roles(names, functions)
+        held = {*roles.values()} if roles else set()
+        if roles is None or not {_SIZE, _OUT, _BODIES, _MASS} & held or STEP not in held:
+            continue
+        call, of_force = _Call(step, names, roles), FUNCTION in held
+        if _BODIES in held or {POSITION, VELOCITY} <= held:
+            if of_force:
+                yield lambda force, q, v, h, call=call: call.moved(force, q, v, h)
+            elif _pulls_back(call):
+                yield lambda q, v, h, call=call: call.moved(None, q, v, h)
+        elif STATE in held and of_force:
+            yield lambda f, t, y, h, call=call: call.solved(f, t, y, h)
+        elif STATE in held:
+            yield lambda y, h, call=call: call.solved(None, 0.0, y, h)
+
+
+def _pulls_back(call: _Call) -> bool:
+    """Whether what is built in is a spring, as far as one number tells: bodies that attract each other do nothing."""
+    with suppress(Exception):
+        return bool(call.moved(None, 1.0, 0.0, _SHORT)[1] < 0)
+    return False
+
+
+def _roles(names: Sequence[str], functions: bool) -> dict[str, str] | None:
+    """The role of each name; arrays that are written into are _OUT. None where one has none."""
+    words = {name: name.lower().strip("_") for name in names}
+    found: dict[str, str] = {}
+    bare = {name: re.sub(_VERBS, "", word) for name, word in words.items()}
+    called = [name for name in names if bare[name] in _NAMES[FUNCTION] and functions]
+    # Of two that may be functions, the other one is a slope that is handed on: acc beside compute_acc.
+    for name in sorted(called, key=lambda name: (words[name] in _NAMES[CARRIED], bare[name] == words[name]))[:1]:
+        found[name] = FUNCTION
+    for name, word in words.items():
+        if name in found:
+            continue
+        taken = {*found.values()}
+        role = next((r for r, known in _NAMES.items() if word in known and r not in taken and r != FUNCTION), None)
+        if role in (POSITION, STATE) and VELOCITY not in taken and _stem(word):
+            role = None
+        found[name] = role or (_OUT if _INTO.search(word) else "")
+    held = {*found.values()}
+    if STATE in held and POSITION in held and VELOCITY not in held:  # f(x, y): x is the time
+        found = {name: TIME if role == POSITION else role for name, role in found.items()}
+    elif STATE not in held and POSITION in held and VELOCITY not in held:
+        found = {name: STATE if role == POSITION else role for name, role in found.items()}
+    elif STATE in held and VELOCITY in held and POSITION not in held:
+        found = {name: POSITION if role == STATE else role for name, role in found.items()}
+    return None if "" in found.values() else found
+
+
+def _stem(word: str) -> str:
+    """What is left of the name of an array that is written into; nothing of another one."""
+    return "" if not _INTO.search(word) else _INTO.sub("", word) or "y"
+
+
+class _Call:
+    """Calls of one stepper, its arguments made of a plain state."""
+
+    def __init__(self, step: Callable[..., Any], names: Sequence[str], roles: Mapping[str, str]) -> None:
+        self.step, self.names, self.roles = step, names, roles
+        function = next((name for name, role in roles.items() if role == FUNCTION), "")
+        self.of_force = "force" in function.lower()
+
+    def solved(self, f: Callable[..., Any] | None, t: float, y: Foreign, h: float) -> Foreign:
+        """A step of y' = f(t, y), or of a system that is built in."""
+        state = np.array(y, dtype=float)
+
+        def rate(*asked: Foreign) -> Foreign:
+            arrays, times = _sorted(asked, state.size)
+            assert f is not None
+            # Whoever writes f(slopes, y, t) hands over what is not yet known first: only the state is where it was.
+            slopes, at = np.asarray(f(times[0] if times else t, arrays[0]), float), arrays[1:]
+            for out in at:
+                out[:] = slopes
+            return slopes
+
+        given = {STATE: state, TIME: t, STEP: h, FUNCTION: rate}
+        if CARRIED in self.roles.values() and f is not None:
+            given[CARRIED] = np.asarray(f(t, state), float)
+        answer, outs = self._made(given, state)
+        return answer if answer is not None else outs[0] if outs else state
+
+    def moved(self, force: Callable[..., Any] | None, q: Foreign, v: Foreign, h: float) -> Foreign:
+        """A step of q'' = force(q), or of a system that is built in."""
+        places, speeds = (np.array(x, dtype=float, ndmin=1) for x in (q, v))
+        shape, mass = np.shape(q), _HEAVY if self.of_force else 1.0
+
+        def pushes(at: Any) -> Any:
+            """The forces at these places, in their shape, times the mass where they are no accelerations."""
+            pushed = -at if force is None else np.asarray(force(at.reshape(shape) if at.size == places.size else at))
+            return mass * np.asarray(pushed, float).reshape(np.shape(at))
+
+        bodies = _bodies(places, speeds, mass) if _BODIES in self.roles.values() else []
+
+        def asked(*arguments: Foreign) -> Foreign:
+            if bodies:
+                return _answer_of_bodies(pushes, arguments, bodies)
+            arrays = [x for x in _sorted(arguments, places.size)[0] if x is not masses]
+            found = pushes(np.asarray(arrays[0], float))
+            for out in arrays[1:]:
+                if out is not speeds:
+                    out[:] = found
+            return found
+
+        masses = np.full(len(places), mass)
+        given: dict[str, Foreign] = {POSITION: places, VELOCITY: speeds, STEP: h, FUNCTION: asked, _MASS: masses}
+        given |= {_BODIES: bodies, TIME: 0.0, CARRIED: pushes(places) if CARRIED in self.roles.values() else None}
+        answer, outs = self._made(given, places)
+        if bodies:
+            moved = answer if isinstance(answer, list | tuple) and len(answer) == len(bodies) else bodies
+            return tuple(np.array([getattr(b, role) for b in moved]).reshape(shape) for role in ("pos", "vel"))
+        pair = answer if answer is not None else outs if len(outs) == 2 else (places, speeds)
+        return tuple(np.reshape(x, shape) for x in pair[:2])
+
+    def _made(self, given: Mapping[str, Foreign], state: Any) -> tuple[Foreign, list[Foreign]]:
+        """What is returned, and what was written into, the position before the velocity."""
+        outs = {name: np.zeros_like(state) for name, role in self.roles.items() if role == _OUT}
+        known = {**given, _SIZE: len(state)}
+        answer = self.step(*[outs[name] if name in outs else known[self.roles[name]] for name in self.names])
+        ordered = sorted(outs, key=lambda name: _stem(name.lower().strip("_")) in _NAMES[VELOCITY])
+        return answer, [outs[name] for name in ordered]
+
+
+def _sorted(asked: Sequence[Foreign], size: int) -> tuple[list[Foreign], list[Foreign]]:
+    """Arrays, and numbers that are no size."""
+    arrays = [x for x in asked if np.ndim(x)]
+    return arrays, [x for x in asked if not np.ndim(x) and not (isinstance(x, int) and x == size)]
+
+
+class _Body:
+    """An object with a position, a velocity and a mass, under whichever names these are asked for."""
+
+    def __init__(self, pos: Any, vel: Any, mass: float) -> None:
+        self.pos, self.vel, self.mass = pos, vel, mass
+
+    def __getattr__(self, name: str) -> Any:
+        """By another name."""
+        known = _attribute(name)
+        if name.startswith("__") or known == name:
+            raise AttributeError(name)
+        return getattr(self, known)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """By another name."""
+        self.__dict__[_attribute(name)] = value
+
+
+def _attribute(name: str) -> str:
+    kinds = {"pos": _NAMES[POSITION], "vel": _NAMES[VELOCITY], "mass": _NAMES[_MASS]}
+    return next((kind for kind, names in kinds.items() if name.lower() in names), name)
+
+
+def _bodies(places: Any, speeds: Any, mass: float) -> list[_Body]:
+    one: Callable[[Any], Any] = lambda x: x.copy() if np.ndim(x) else float(x)
+    return [_Body(one(q), one(v), mass) for q, v in zip(places, speeds, strict=True)]
+
+
+def _answer_of_bodies(pushes: Callable[[Any], Any], asked: Sequence[Foreign], bodies: Sequence[_Body]) -> Foreign:
+    """The force on an object alone, on one among all of a list, on all of these, or at a place."""
+    first = asked[0]
+    among = next((x for x in asked if isinstance(x, list | tuple) and len(x) == len(bodies)), None)
+    if among is None:  # of one alone, a force knows nothing of the others
+        return pushes(np.asarray(first.pos if isinstance(first, _Body) else first, float))
+    found = pushes(np.array([body.pos for body in among], float))
+    return found if first is among else found[next(i for i, body in enumerate(among) if body is first)]

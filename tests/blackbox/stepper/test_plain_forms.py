@@ -1,0 +1,169 @@
+"""Steppers that write into arrays, as C is written, or move objects in a list: opened as they stand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from driftproof import verify
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.blackbox.stepper.plain_forms import plain_forms
+
+
+def springs(bodies, dt):
+    for b in bodies:
+        b.vel = b.vel - dt * b.pos
+        b.pos = b.pos + dt * b.vel
+
+
+def of_one_body(bodies, force, dt):
+    for b in bodies:
+        b.vel = b.vel + dt / 2 * force(b) / b.mass
+        b.pos = b.pos + dt * b.vel
+    for b in bodies:
+        b.vel = b.vel + dt / 2 * force(b) / b.mass
+
+
+def of_all_bodies(bodies, accelerations, dt):
+    for b, a in zip(bodies, accelerations(bodies), strict=True):
+        b.vel = b.vel + dt * a
+    for b in bodies:
+        b.pos = b.pos + dt * b.vel
+    return bodies
+
+
+def among_bodies(bodies, force, dt):
+    for b in bodies:
+        b.v += dt * force(b, bodies) / b.m
+    for b in bodies:
+        b.x += dt * b.v
+
+
+def one_after_the_other(bodies, force, dt):
+    """Wrong: the force on a body sees those before it where they have moved to."""
+    for b in bodies:
+        b.v += dt * force(b, bodies) / b.m
+        b.x += dt * b.v
+
+
+def mass_forgotten(bodies, force, dt):
+    for b in bodies:
+        b.vel = b.vel + dt * force(b)
+    for b in bodies:
+        b.pos = b.pos + dt * b.vel
+
+
+def in_space(particles, dt, force):
+    for p in particles:
+        assert p.r.shape == (3,)
+        p.v += dt * force(p.r) / p.mass
+        p.r += dt * p.v
+
+
+def halves_of_y(y, n, h, out):
+    for i in range(n // 2):
+        out[n // 2 + i] = y[n // 2 + i] - h * y[i]
+        out[i] = y[i] + h * out[n // 2 + i]
+
+
+def carried(N, x, v, a, dt):
+    for i in range(N):
+        v[i] += 0.5 * dt * a[i]
+        x[i] += dt * v[i]
+    for i in range(N):
+        a[i] = -x[i]
+        v[i] += 0.5 * dt * a[i]
+
+
+def recipe(y, dydx, n, x, h, yout, derivs):
+    """Heun's third order method with the slope at the start given, and slopes written into an array."""
+    place, slope = [0.0] * n, [0.0] * n
+    for i in range(n):
+        place[i] = y[i] + h / 3 * dydx[i]
+    derivs(x + h / 3, place, slope)
+    for i in range(n):
+        place[i] = y[i] + 2 * h / 3 * slope[i]
+    derivs(x + 2 * h / 3, place, slope)
+    for i in range(n):
+        yout[i] = y[i] + h / 4 * (dydx[i] + 3 * slope[i])
+
+
+def pushes_written(n, x, v, acc, dt, compute_acc):
+    for i in range(n):
+        v[i] += dt / 2 * acc[i]
+        x[i] += dt * v[i]
+    compute_acc(n, x, acc)
+    for i in range(n):
+        v[i] += dt / 2 * acc[i]
+
+
+def stale_pushes(n, x, v, acc, dt, compute_acc):
+    """Wrong: the second kick is made with the first force."""
+    for i in range(n):
+        x[i] += dt * (v[i] + dt / 2 * acc[i])
+        v[i] += dt * acc[i]
+    compute_acc(n, x, acc)
+
+
+def two_arrays(q, p, h, q_out, p_out):
+    for i in range(len(q)):
+        p_out[i] = p[i] - h * q[i]
+        q_out[i] = q[i] + h * p_out[i]
+
+
+def with_masses(pos, vel, mass, dt, N, get_acc):
+    acc = get_acc(pos, mass)
+    for i in range(N):
+        vel[i] += 0.5 * dt * acc[i]
+        pos[i] += dt * vel[i]
+    acc = get_acc(pos, mass)
+    for i in range(N):
+        vel[i] += 0.5 * dt * acc[i]
+    return pos, vel
+
+
+HELD = [
+    (springs, "symplectic_euler", ""),
+    (of_one_body, "velocity_verlet", ""),
+    (of_all_bodies, "symplectic_euler", ""),
+    (among_bodies, "symplectic_euler", ""),
+    (in_space, "symplectic_euler", ""),
+    (halves_of_y, "symplectic_euler", ""),
+    (carried, "velocity_verlet", ""),
+    (recipe, "heun3", ""),
+    (pushes_written, "velocity_verlet", ""),
+    (lambda out, y, f, t, h: out.__setitem__(slice(None), y + h * f(t, y)), "forward_euler", ""),
+    (two_arrays, "symplectic_euler", ""),
+    (with_masses, "velocity_verlet", ""),
+    (one_after_the_other, "symplectic_euler", "its coefficients are, but on a nonlinear q'' = F(q) of 3 positions"),
+    (mass_forgotten, "symplectic_euler", "kick 0: 2 instead of 1"),
+    (stale_pushes, "velocity_verlet", "is not velocity_verlet"),
+]
+
+
+@pytest.mark.parametrize(("step", "key", "wrong"), HELD, ids=range(len(HELD)))
+def test_a_step_is_opened_as_it_is_written_and_a_wrong_one_is_caught(step, key, wrong):
+    found = verify(step, key, examples=30, isolate=False)
+    assert found.passed is not bool(wrong)
+    assert wrong in found.verdict
+
+
+def gravity(bodies, dt):
+    for a in bodies:
+        for b in bodies:
+            if a is not b:
+                a.vel = a.vel + dt * b.mass * (b.pos - a.pos) / np.linalg.norm(b.pos - a.pos) ** 3
+    for a in bodies:
+        a.pos = a.pos + dt * a.vel
+
+
+def unknown(y, n, h, out, alpha):
+    out[:] = y
+
+
+def test_what_cannot_be_opened_so_is_refused_with_what_to_write_for_each_word():
+    assert [*plain_forms(lambda q, v, h: (q, v))] == [*plain_forms(gravity)] == [*plain_forms(unknown)] == []
+    with pytest.raises(ValueError, match=r"\(BODIES, h\)  # what moves its bodies is built in: let their force be"):
+        opened(gravity)
+    with pytest.raises(ValueError, match="# write values for N, OUT, ALPHA"):
+        opened(unknown)
