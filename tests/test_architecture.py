@@ -63,7 +63,7 @@ NOT_ELSEWHERE = "sympy"
 # stages, its own sampler of steps, 100 lines, and in which objects a state comes, 250; texts what docs and help show.
 BUDGETS = {
     "support": 1160,
-    "methods": 5566,
+    "methods": 5573,
     "symbolic": 10734,
     "numeric": 4110,
     "blackbox": 17153,

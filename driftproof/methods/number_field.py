@@ -102,10 +102,11 @@ class ScalarExtension:
 
     def __init__(self, field: NumberField, parts: Sequence[Any]) -> None:
         """Reduce the powers of α from the field's degree d on, at most α**(2d - 2), by its minimal polynomial."""
-        d = field.degree
-        low = [*parts[:d], *(self.part(0) for _ in range(d - len(parts)))]
-        for high, row in zip(parts[d:], field.reductions, strict=False):
-            low = [p + high * c for p, c in zip(low, row, strict=True)]
+        d, low = field.degree, parts
+        if len(parts) != d:
+            low = [*parts[:d], *(self.part(0) for _ in range(d - len(parts)))]
+            for high, row in zip(parts[d:], field.reductions, strict=False):
+                low = [p + high * c for p, c in zip(low, row, strict=True)]
         self.field = field
         self.parts: tuple[Any, ...] = tuple(low)
 
@@ -120,13 +121,13 @@ class ScalarExtension:
 
     def __add__(self, other: object) -> Self:
         """The sum."""
-        return type(self)(self.field, [p + q for p, q in zip(self.parts, self._parts(other), strict=True)])
+        return self._made([p + q for p, q in zip(self.parts, self._parts(other), strict=True)])
 
     __radd__ = __add__
 
     def __sub__(self, other: object) -> Self:
         """The difference."""
-        return type(self)(self.field, [p - q for p, q in zip(self.parts, self._parts(other), strict=True)])
+        return self._made([p - q for p, q in zip(self.parts, self._parts(other), strict=True)])
 
     def __rsub__(self, other: object) -> Self:
         """The difference."""
@@ -141,7 +142,7 @@ class ScalarExtension:
         for i, p in enumerate(self.parts):
             for j, q in enumerate(factors):
                 products[i + j] = products[i + j] + p * q
-        return type(self)(self.field, products)
+        return self._made(products)
 
     __rmul__ = __mul__
 
@@ -167,7 +168,13 @@ class ScalarExtension:
         return any(p != 0 for p in self.parts)
 
     def _map(self, change: Callable[[Any], Any]) -> Self:
-        return type(self)(self.field, [change(p) for p in self.parts])
+        return self._made([change(p) for p in self.parts])
+
+    def _made(self, parts: Sequence[Any]) -> Self:
+        """An element of the same field; the parts are of R already."""
+        made = object.__new__(type(self))
+        ScalarExtension.__init__(made, self.field, parts)
+        return made
 
     def _parts(self, other: object) -> Sequence[Any]:
         if not isinstance(other, type(self)):
@@ -361,12 +368,12 @@ def _roots_between(field: NumberField, bits: int) -> list[arb]:
 
 def as_fmpq(x: object) -> fmpq:
     """An integer, Fraction or fmpq as FLINT's rational. Raises TypeError for anything else."""
-    from flint import fmpq
+    import flint  # faster than `from flint import fmpq`, a hundred thousand times
 
-    if isinstance(x, fmpq):
+    if isinstance(x, flint.fmpq):
         return x
     if isinstance(x, int | Fraction) and not isinstance(x, bool):
-        return fmpq(x.numerator, x.denominator)
+        return flint.fmpq(x.numerator, x.denominator)
     raise TypeError(f"{x!r} ({type(x).__name__}) is no rational; exact arithmetic takes int or Fraction")
 
 

@@ -16,7 +16,7 @@ from driftproof.symbolic.algebra.real_roots import RealRoot, rational_root
 from driftproof.symbolic.linear.facts import ExactFunction
 from driftproof.symbolic.linear.stability_function import stability_function
 from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity
-from driftproof.symbolic.trees.elementary_weights import EXACT, tableau_stages
+from driftproof.symbolic.trees.elementary_weights import EXACT, RingElement, tableau_stages
 from driftproof.symbolic.trees.order_conditions import RungeKuttaConditions, order, residuals
 from driftproof.symbolic.trees.rooted_trees import tree_table
 
@@ -109,25 +109,25 @@ def facts_of_extension(extension: ContinuousExtension) -> ExtensionFacts:
         extension.degree,
         extension.claimed_order,
         next(n for n in count(1) if any(of_order(n))) - 1,
-        max(_size(x) for n in range(1, extension.claimed_order + 1) for x in of_order(n)),
+        EXACT.exact(max(_size(x) for n in range(1, extension.claimed_order + 1) for x in of_order(n))),
         max(_size(x - y) for x, y in zip(at_one, own, strict=True)),
         _slope_residual(extension, own),
     )
 
 
-def _theta_residuals(extension: ContinuousExtension) -> Callable[[int], Sequence[Exact]]:
+def _theta_residuals(extension: ContinuousExtension) -> Callable[[int], Sequence[RingElement]]:
     """Σ bᵢ(θ) Φᵢ(t) = θⁿ/γ(t) for each tree of n vertices, as what is left in each coefficient of a power of θ."""
     constant, *others = tableau_stages(extension.a, *extension.columns)
     stages = RungeKuttaConditions(constant)
     powers = [stages, *map(stages.weighed_by, others)]
 
     @cache
-    def of_order(n: int) -> Sequence[Exact]:
+    def of_order(n: int) -> Sequence[RingElement]:
         found = (
             [x for _, x in conditions.residuals(n)] if power == n else conditions.of_order(n)
             for power, conditions in enumerate(powers)
         )
-        return [EXACT.exact(x) for row in found for x in row]
+        return [x for row in found for x in row]
 
     return of_order
 
@@ -143,8 +143,9 @@ def _slope_residual(extension: ContinuousExtension, own: Sequence[Exact]) -> Exa
         for weight in ((*weight, Fraction(0)) for weight in extension.weights)
     ]
     ends = (_size(start - (i == 0)) for i, (start, _) in enumerate(slopes))
-    return max(*ends, *(_size(end - (i == last)) for i, (_, end) in enumerate(slopes)))
+    largest: Exact = max(*ends, *(_size(end - (i == last)) for i, (_, end) in enumerate(slopes)))
+    return largest
 
 
-def _size(x: Exact) -> Exact:
+def _size(x: RingElement) -> RingElement:
     return x if x >= 0 else -x

@@ -41,8 +41,8 @@ class RealRoot:
     index: int
 
     def ball(self) -> arb:
-        """A ball around the number, at Arb's current precision."""
-        return real_root_balls(self.minimal, ctx.prec)[self.index]
+        """A ball around the number, at Arb's current precision or that of isolation, which is at hand."""
+        return real_root_balls(self.minimal, max(ctx.prec, ISOLATING_BITS))[self.index]
 
     @property
     def polynomial(self) -> Polynomial:

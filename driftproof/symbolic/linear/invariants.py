@@ -18,7 +18,7 @@ from driftproof.symbolic.algebra.rational_functions import RationalFunction, fra
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, positive_roots, vanishes_at
 from driftproof.symbolic.linear.oscillator import area_factor as area_factor
 from driftproof.symbolic.linear.oscillator import matrix_trace
-from driftproof.symbolic.linear.stability_limits import INFINITY, Limit, smallest
+from driftproof.symbolic.linear.stability_limits import INFINITY, Limit
 
 _NIL = fraction(ONE * 0)
 _UNIT = fraction(ONE)
@@ -54,7 +54,7 @@ def quadratic_invariants(m: StepMatrix) -> list[QuadraticForm]:
 def definite_limit(form: QuadraticForm) -> Limit:
     """The largest H such that the form is positive definite for every h in (0, H): a > 0 and 4ac - b² > 0."""
     a, b, c = form.coefficients
-    return smallest([_positive_limit(a), _positive_limit(4 * a * c - b * b)])
+    return _positive_limit(a, c if b == 0 else 4 * a * c - b * b)
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ def modified_hamiltonian(m: StepMatrix) -> ModifiedHamiltonian | None:
         return None
     (qq, qv), (vq, vv) = m
     cosine = matrix_trace(m) * fraction(ONE / 2)
-    limit = _positive_limit((_UNIT - cosine * cosine).num)
+    limit = _positive_limit((_UNIT - cosine).num, (_UNIT + cosine).num)
     if limit == ZERO_ROOT:
         return None
     half_over_step = fraction(ONE / 2, X)
@@ -104,9 +104,10 @@ def _form(*vector: RationalFunction) -> QuadraticForm:
     return QuadraticForm((a, b, c))
 
 
-def _positive_limit(p: Polynomial) -> Limit:
-    """The largest H with p > 0 on (0, H): the first positive root, if p is positive before it."""
-    lowest = next((c for c in p.coeffs() if c != 0), None)
-    if lowest is None or sign(lowest) < 0:
+def _positive_limit(*polynomials: Polynomial) -> Limit:
+    """The largest H with all p > 0 on (0, H): the first positive root of any, if all are positive before it."""
+    lowest = [next(filter(bool, p.coeffs()), None) for p in polynomials]
+    if any(c is None or sign(c) < 0 for c in lowest):
         return ZERO_ROOT
-    return next((root for root in positive_roots([p]) if vanishes_at(p, root)), INFINITY)
+    roots = positive_roots(polynomials)
+    return next((root for root in roots if any(vanishes_at(p, root) for p in polynomials)), INFINITY)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import groupby
+from functools import lru_cache
+from itertools import combinations_with_replacement, groupby
 from typing import NamedTuple, TypeAlias
 
 from driftproof.methods.number_field import Exact, total
@@ -33,6 +34,7 @@ def stages_of(method: RungeKutta | Nystrom) -> StageCoefficients:
     return StageCoefficients(method.a, (method.b,), method.c)
 
 
+@lru_cache(maxsize=64)
 def reduced(stages: StageCoefficients) -> StageCoefficients:
     """The same method without stages that do not count, and with stages merged that are equal on every problem.
 
@@ -131,20 +133,18 @@ def is_symplectic(method: Method) -> bool:
         return True
     if isinstance(method, Collocation):
         return bool(polynomial(method.node_polynomial) == _gauss_polynomial(method.stages))
-    return not symplectic_residuals(reduced(stages_of(method)))
+    return not any(symplectic_residuals(reduced(stages_of(method))))
 
 
-def symplectic_residuals(stages: StageCoefficients) -> dict[str, Exact]:
-    """The residuals, where not zero, of the conditions of `is_symplectic` for the coefficients as they stand."""
-    a, b = stages.a, stages.b
-    pairs = [(i, j) for i in range(len(b)) for j in range(i, len(b))]
+def symplectic_residuals(stages: StageCoefficients) -> Iterator[Exact]:
+    """The residuals of the conditions of `is_symplectic` for the coefficients as they stand."""
+    a, b, pairs = stages.a, stages.b, combinations_with_replacement(range(len(stages.a)), 2)
     if len(stages.weights) == 1:
-        found = {f"{i + 1},{j + 1}": b[i] * a[i][j] + b[j] * a[j][i] - b[i] * b[j] for i, j in pairs}
+        yield from (b[i] * a[i][j] + b[j] * a[j][i] - b[i] * b[j] for i, j in pairs)
     else:
         outer = stages.weights[0]
-        found = {f"{i + 1}": outer[i] - b[i] + b[i] * c for i, c in enumerate(stages.c)}
-        found |= {f"{i + 1},{j + 1}": b[i] * (outer[j] - a[i][j]) - b[j] * (outer[i] - a[j][i]) for i, j in pairs}
-    return {place: residual for place, residual in found.items() if residual != 0}
+        yield from (outer[i] - b[i] + b[i] * c for i, c in enumerate(stages.c))
+        yield from (b[i] * (outer[j] - a[i][j]) - b[j] * (outer[i] - a[j][i]) for i, j in pairs)
 
 
 def is_symmetric(method: Method) -> bool:

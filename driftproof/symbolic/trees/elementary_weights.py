@@ -176,7 +176,7 @@ def tableau_stages(a: Sequence[Sequence[Exact]], *weights: Sequence[Exact]) -> l
     if any(isinstance(x, Algebraic) for x in numbers):
         return [TableauStages(a, row) for row in weights]
     unit = lcm(*(x.denominator for x in numbers))  # type: ignore[union-attr]
-    rows = [[int(x * unit) for x in row] for row in (*a, *weights)]  # type: ignore[arg-type]
+    rows = [[x.numerator * (unit // x.denominator) for x in row] for row in (*a, *weights)]  # type: ignore[union-attr]
     return [TableauStages(rows[: len(a)], row, IntegerScalars(unit)) for row in rows[len(a) :]]
 
 
@@ -207,6 +207,11 @@ class ElementaryWeights:
         table = self.table(vertices)
         weights = zip(table.ids(vertices), self.of_order(vertices), strict=True)
         return [(t, weight - fmpq(1, table.density[t])) for t, weight in weights]
+
+    def symmetries(self, vertices: int) -> Sequence[int]:
+        """σ of each tree with so many vertices; only automorphisms that keep the colours count."""
+        table = self.table(vertices)
+        return table.symmetry[table.first[vertices] :]
 
     def weighed_by(self, algebra: StageAlgebra) -> Self:
         """The same of ordinary trees with another b, and the same A: the stages of each tree are made once for both."""

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from itertools import count
 from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
@@ -73,8 +74,8 @@ class Conditions(Protocol[TreeTypeOut]):
     def tree(self, vertices: int, label: TreeLabel) -> TreeTypeOut:
         """The tree with this label, among those with so many vertices."""
 
-    def symmetry(self, vertices: int, label: TreeLabel) -> int:
-        """Its σ."""
+    def symmetries(self, vertices: int) -> Sequence[int]:
+        """σ of each tree with so many vertices, in the order of the residuals."""
 
 
 @dataclass(frozen=True)
@@ -93,12 +94,20 @@ class OrderFact(Generic[TreeType]):
 class PrincipalError(Generic[TreeType]):
     """The coefficients τ(t) = (Φ(t) - 1/γ(t))/σ(t) of the leading error term h^vertices Σ τ(t) F(t), all exact.
 
-    `squared_norm` is Σ τ(t)², whose root is the usual measure of a method (hairer-norsett-wanner-1993, II.3).
+    `squared_norm` is Σ τ(t)², whose root is the usual measure of a method (hairer-norsett-wanner-1993, II.3); `errors`
+    has τ by the labels that `conditions` give to trees.
     """
 
     vertices: int
-    coefficients: tuple[tuple[TreeType, Exact], ...]
     squared_norm: Exact
+    errors: Sequence[tuple[TreeLabel, RingElement]]
+    conditions: Conditions[TreeType] = field(compare=False, repr=False)
+
+    @cached_property
+    def coefficients(self) -> tuple[tuple[TreeType, Exact], ...]:
+        """Each tree with its τ, zeros included."""
+        tree, exact = self.conditions.tree, self.conditions.scalars.exact
+        return tuple((tree(self.vertices, label), exact(x)) for label, x in self.errors)
 
 
 class RungeKuttaConditions(ElementaryWeights):
@@ -115,10 +124,6 @@ class RungeKuttaConditions(ElementaryWeights):
     def tree(self, vertices: int, label: TreeLabel) -> Tree:
         """The tree with this number."""
         return shapes(vertices)[label]
-
-    def symmetry(self, vertices: int, label: TreeLabel) -> int:
-        """σ of the tree with this number."""
-        return tree_table(vertices).symmetry[label]
 
 
 def order(method: TreeMethod) -> OrderFact[Tree]:
@@ -190,9 +195,9 @@ def principal_error(conditions: Conditions[TreeType], order: int = 0) -> Princip
     """
     found = ((n, conditions.residuals(n)) for n in count(order + 1))
     n, left = next((n, left) for n, left in found if any(x for _, x in left))
-    errors = [(label, x * fmpq(1, conditions.symmetry(n, label))) for label, x in left]
-    exact, squared = conditions.scalars.exact, sum((x * x for _, x in errors), fmpq(0))
-    return PrincipalError(n, tuple((conditions.tree(n, label), exact(x)) for label, x in errors), exact(squared))
+    errors = [(label, x * fmpq(1, sigma)) for (label, x), sigma in zip(left, conditions.symmetries(n), strict=True)]
+    squared = sum((x * x for _, x in errors), fmpq(0))
+    return PrincipalError(n, conditions.scalars.exact(squared), errors, conditions)
 
 
 def elementary_weight(method: TreeMethod, tree: Tree) -> Exact:

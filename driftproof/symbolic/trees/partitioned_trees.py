@@ -129,10 +129,10 @@ class AlternatingConditions:
         number, colour = label
         return alternately_coloured(shapes(vertices)[number], colour, OTHER_COLOUR[colour])
 
-    def symmetry(self, vertices: int, label: TreeLabel) -> int:
+    def symmetries(self, vertices: int) -> Sequence[int]:
         """σ, which is that of the uncoloured tree, as the root's colour settles all others."""
-        number: int = label[0]
-        return tree_table(vertices).symmetry[number]
+        symmetry = tree_table(vertices).symmetry
+        return [symmetry[t] for colour in (V, Q) for t in self._numbers(vertices, colour)]
 
     def _extended(self, vertices: int) -> Iterator[tuple[TreeLabel, RingElement]]:
         table = tree_table(vertices)
@@ -215,10 +215,6 @@ class ColouredConditions(ElementaryWeights):
     def tree(self, vertices: int, label: TreeLabel) -> ColouredTree:
         """The tree with this number."""
         return coloured_shapes(vertices, self._names, self.internal)[label]
-
-    def symmetry(self, vertices: int, label: TreeLabel) -> int:
-        """σ of the tree with this number: only automorphisms that keep the colours count."""
-        return self.table(vertices).symmetry[label]
 
 
 def conditions_with_nodes(method: Table, scalars: Scalars = EXACT) -> ColouredConditions:

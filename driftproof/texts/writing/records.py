@@ -182,8 +182,8 @@ _PARTS: dict[type, Callable[[Any], dict[str, Any]]] = {
         "vertices": x.vertices,
         "squared_norm": x.squared_norm,
         "coefficients": {to_brackets(tree): c for tree, c in x.coefficients}
-        if len(x.coefficients) <= MOST_TREES_READ
-        else f"of {len(x.coefficients)} trees, too many to list; Facts(method).principal_error has them",
+        if len(x.errors) <= MOST_TREES_READ
+        else f"of {len(x.errors)} trees, too many to list; Facts(method).principal_error has them",
     },
     Simplifying: lambda x: {name: INFINITY if n is None else n for name, n in zip("BCD", (x.b, x.c, x.d), strict=True)},
     QuadraticForm: _of_quadratic,

@@ -86,7 +86,7 @@ def test_what_holds_for_every_problem_holds_for_the_oscillator(name: str) -> Non
 
 def test_trapezoid_looks_symplectic_on_the_oscillator_and_is_not() -> None:
     assert oscillator_matrix(TRAPEZOID) == oscillator_matrix(MIDPOINT)
-    assert symplectic_residuals(stages_of(TRAPEZOID)) == {"1,1": Q(-1, 4), "2,2": Q(1, 4)}
+    assert [*symplectic_residuals(stages_of(TRAPEZOID))] == [Q(-1, 4), 0, Q(1, 4)]
 
 
 def test_a_coefficient_off_by_ten_to_the_minus_thirty_is_noticed() -> None:
@@ -103,7 +103,7 @@ def test_irreducible_form_of_a_method_in_disguise() -> None:
     assert reduced(stages_of(LOBATTO_IIIB_2)).weights == ((Q(1),),)
     assert reduced(stages_of(GAUSS_2)) == stages_of(GAUSS_2)
     assert len(reduced(stages_of(runge_kutta(((0, 0), (1, 0)), (0, 0)))).a) == 1
-    assert symplectic_residuals(stages_of(LOBATTO_IIIB_2))  # as it stands it does not satisfy the condition
+    assert any(symplectic_residuals(stages_of(LOBATTO_IIIB_2)))  # as it stands it does not satisfy the condition
 
 
 def without_idle_stages(method: RungeKutta) -> RungeKutta:
