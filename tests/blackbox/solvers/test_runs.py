@@ -90,6 +90,12 @@ def test_what_solves_for_its_steps_is_told_from_what_does_not(method):
     assert "it solves for its steps" in identify_solver(solve, isolate=False).verdict
 
 
+def test_the_stages_of_an_explicit_pair_at_the_end_of_its_step_are_no_differences_for_a_jacobian():
+    solve_ivp = pytest.importorskip("scipy.integrate").solve_ivp
+    found = read(lambda f, t_span, y0, rtol, atol: solve_ivp(f, t_span, y0, rtol=1e-6, atol=1e-9))
+    assert [line.split(" its longest")[0] for line in found.seen["Stiffness"]] == ["on y' = -1000 (y - cos t) - sin t"]
+
+
 def test_a_clock_that_accumulates_is_told_and_is_no_fault():
     found = read(fixed())
     assert found.seen["Clock"][0].endswith("time is accumulated, t += h in binary64, which gives these times exactly")
