@@ -61,9 +61,10 @@ it, among the test file that mirrors the module, those that import the module, t
 Nothing is planted in what declares an intent and changes no answer of a right program: `strict` of `zip`, `frozen` and
 `slots` of dataclasses, what an `assert` would say. The score leaves out what no test could notice, each with its
 reason: `tests/campaigns/equivalent.toml`; there stand, too, the lines of numbers that were chosen, states, steps, bits
-of balls, where others do as well: what survives in one of them is equivalent. What the time limit ended, and what
-failed without the mutant too, is tried once more; what is undecided then counts as not killed. Survivors that were met
-have got tests since: only a seed that nobody has tried says what share of new errors would be noticed.
+of balls, where others do as well: what survives in one of them is equivalent, and so is the very edge of a bound on
+rounding errors. What the time limit ended, and what failed without the mutant too, is tried once more; what is
+undecided then counts as not killed. Survivors that were met have got tests since: only a seed that nobody has tried
+says what share of new errors would be noticed.
 
 | room | mutants | killed | survived | equivalent | undecided | score |
 |---|---|---|---|---|---|---|"""
@@ -256,6 +257,15 @@ def chosen() -> dict[str, str]:
     return {line: group["because"] for group in groups for line in group["lines"]}
 
 
+def reason(mutant: Mutant) -> str:
+    """Why no test could notice it, "" where one could."""
+    if re.search(r"\.of\(|\b(allowed|rounding)\b", mutant.old) and re.search(r"[<>]", mutant.new):
+        bounds = (re.sub(r"([<>])=", r"\1", ast.unparse(ast.parse(x))) for x in (mutant.old, mutant.new))
+        if next(bounds) == next(bounds):
+            return "Whether a bound on rounding errors is itself allowed: no error meets it."
+    return judged().get(mutant.name) or chosen().get(mutant.where, "")
+
+
 def campaign(mutants: list[Mutant], minutes: float, workers: int) -> dict[Mutant, str]:
     """Every mutant's outcome, as far as the time allows."""
     found: dict[Mutant, str] = {m: EQUIVALENT for m in mutants if m.name in judged()}
@@ -283,7 +293,7 @@ def campaign(mutants: list[Mutant], minutes: float, workers: int) -> dict[Mutant
             list(pool.map(look, [m for m in mutants if m not in found]))
         shop = shops.get()  # once more and alone: on a busy machine time ends what is right, too
         found |= {m: shop.outcome(m) for m, outcome in found.items() if outcome == UNDECIDED}
-    found |= {m: EQUIVALENT for m, outcome in found.items() if outcome == SURVIVED and m.where in chosen()}
+    found |= {m: EQUIVALENT for m, outcome in found.items() if outcome == SURVIVED and reason(m)}
     return {m: found[m] for m in mutants if m in found}
 
 
@@ -295,13 +305,11 @@ def page(found: dict[Mutant, str], command: str) -> str:
         against = count.total() - count[EQUIVALENT]
         score = f"{100 * count[KILLED] / against:.0f} %" if against else "-"
         lines.append(f"| {room} | {count.total()} | {' | '.join(str(count[x]) for x in OUTCOMES)} | {score} |")
-    reasons = {**chosen(), **judged()}
     for title, wanted in (("Survivors", SURVIVED), ("Undecided", UNDECIDED), ("Equivalent", EQUIVALENT)):
         listed = [m for m, outcome in found.items() if outcome == wanted]
         lines += ["", f"## {title}", ""] if listed else []
         for m in listed:
-            reason = reasons.get(m.name, reasons.get(m.where)) if wanted == EQUIVALENT else None
-            because = f": {reason}" if reason else ""
+            because = f": {reason(m)}" if wanted == EQUIVALENT else ""
             line, old, new = (shorten(text, 100) for text in (m.line, m.old, m.new))
             lines.append(f"- `{m.place}`, `{line}`: `{old}` becomes `{new}`{because}")
     return "\n".join(lines) + "\n"

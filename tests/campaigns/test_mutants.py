@@ -17,6 +17,7 @@ from tests.campaigns.mutants import (
     judged,
     mutants_of,
     page,
+    reason,
 )
 from tests.looping import some
 
@@ -67,6 +68,14 @@ def test_page_leaves_out_of_the_score_what_is_equivalent() -> None:
     text = page({killed: KILLED, survived: SURVIVED, equivalent: EQUIVALENT}, "python")
     assert "| methods | 3 | 1 | 1 | 1 | 0 | 50 % |" in text
     assert text.count(f"`{survived.new}`") >= 1
+
+
+def test_the_edge_of_a_bound_on_rounding_is_equivalent_and_another_side_is_not(tmp_path: Path) -> None:
+    place = "driftproof/methods/a.py"
+    (tmp_path / place).parent.mkdir(parents=True)
+    (tmp_path / place).write_text("x = abs(a - b) <= rounding.of(c)\ny = a <= b\n", encoding="utf-8")
+    edges = [m.new for m in mutants_of(tmp_path, place) if reason(m)]
+    assert edges == ["(abs(a - b) < rounding.of(c))"]
 
 
 def test_every_judgement_names_a_mutant_and_says_why() -> None:

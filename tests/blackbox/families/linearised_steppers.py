@@ -22,6 +22,8 @@ def rosenbrock(key, *, time_slope="function", reuse=False, stored=False, at_end=
     def slopes_at(f, dfdt, t, y):
         if time_slope == "differences":
             return (f(t + 1e-8, y) - f(t, y)) / 1e-8
+        if time_slope == "twice":
+            return (f(t + 1e-8, y) - f(t, y)) / 5e-9
         return dfdt(t, y) if time_slope == "function" else 0 * y
 
     def stages(f, t, y, h):

@@ -39,6 +39,7 @@ def test_a_paper_s_own_form_is_the_same_method():
             "it is grk4t but for gamma[3][2]: -139/1250 instead of -0.111208333333",
         ),
         ("grk4t", {"time_slope": "none"}, "df/dt is left out: order 1 is seen where f depends on t, not 4"),
+        ("ros3p", {"time_slope": "twice"}, "df/dt enters with other weights than the row sums of gamma"),
         ("ros3p", {"at_end": True}, "the Jacobian is asked for at t + 1 h, and 0 from y, not at the start"),
     ],
 )

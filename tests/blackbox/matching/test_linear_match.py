@@ -151,10 +151,15 @@ def forwards_only(force, q, v, h):
     return q + h * v, v
 
 
-def test_a_step_that_does_nothing_backwards_is_its_method_forwards():
-    found = linear_fit(opened(forwards_only))
+def shortly_forwards(force, q, v, h):
+    return forwards_only(force, q, v, h) if h <= 1 else (q, v)
+
+
+@pytest.mark.parametrize(("step", "where"), [(forwards_only, "h > 0"), (shortly_forwards, "0 < h <= 1")])
+def test_a_step_that_does_nothing_backwards_is_its_method_forwards(step, where):
+    found = linear_fit(opened(step))
     assert found.best.methods == ("symplectic_euler",)
-    assert found.best.restriction == "but only at h > 0"
+    assert found.best.restriction == f"but only at {where}"
     assert found.amplitude == 1.0
 
 
