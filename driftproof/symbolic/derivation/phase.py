@@ -49,11 +49,11 @@ def phase_error_series(m: DomainMatrix, terms: int) -> StepPolynomial:
 
 
 def _series(f: MatrixEntry, terms: int) -> StepPolynomial:
-    """`f` itself if it is a polynomial, else its series modulo h**terms. Raises ValueError for a pole at h = 0."""
+    """The series of `f` modulo h**terms. Raises ValueError for a pole at h = 0."""
     top, bottom = numerator_and_denominator(f)
     if bottom.evaluate(H, 0) == 0:
         raise ValueError("the one-step matrix has a pole at h = 0")
-    return top if bottom == 1 else rs_mul(top, rs_series_inversion(bottom, H, terms), H, terms)
+    return rs_mul(top, rs_series_inversion(bottom, H, terms), H, terms)
 
 
 def leading_term(series: StepPolynomial) -> tuple[int, Any] | None:

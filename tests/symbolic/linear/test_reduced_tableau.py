@@ -190,6 +190,17 @@ def test_adjoint_of_a_nystrom_method_inverts_its_matrix() -> None:
     assert forward * backward == fmpq_mat([[1, 0], [0, 1]])
 
 
+def test_symplectic_conditions_of_a_nystrom_method_count_entries_on_both_sides_of_the_diagonal() -> None:
+    """Gauss's two stages as those of a Nyström method, A² and bA; then each entry off alone."""
+    a, b, two = GAUSS_2.a, GAUSS_2.b, range(2)
+    squared = [[a[i][0] * a[0][j] + a[i][1] * a[1][j] for j in two] for i in two]
+    weights = (tuple(b[0] * a[0][j] + b[1] * a[1][j] for j in two), b)
+    for i, j, off in ((0, 0, 0), (0, 0, 1), (0, 1, 1), (1, 0, 1), (1, 1, 1)):
+        moved = tuple(tuple(x + Q(off * ((k, m) == (i, j)), 7) for m, x in enumerate(squared[k])) for k in two)
+        wrong = symplectic_residuals(StageCoefficients(moved, weights, GAUSS_2.c))
+        assert bool(wrong) == (off * (i - j) != 0)  # b (b - a) - b (b - a) of a stage and itself is 0
+
+
 def test_nystrom_stages_at_two_nodes_are_not_merged() -> None:
     """Their rows of A agree, their c do not; for a Runge-Kutta method c would be the same and the stages equal."""
     rows = ((Q(0), Q(0)), (Q(0), Q(0)))

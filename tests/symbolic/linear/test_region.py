@@ -11,7 +11,7 @@ from driftproof.symbolic.algebra.polynomials import coefficients, polynomial
 from driftproof.symbolic.algebra.rational_functions import fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
 from driftproof.symbolic.linear.oscillator import stability_function_of
-from driftproof.symbolic.linear.region import boundary_points, points_at
+from driftproof.symbolic.linear.region import boundary_points, points_at, rounded_boundary
 from driftproof.symbolic.linear.stability_limits import INFINITY
 from tests.nine import NINE
 from tests.symbolic.linear.linear_examples import GAUSS_2, RADAU_IIA_2, ROOT_3, SDIRK, Z, chebyshev, value
@@ -39,6 +39,17 @@ def test_boundary_on_the_axes_is_where_the_limits_are() -> None:
     limit = RealRoot((-24, 12, -4, 1), 0)
     assert any((-z.real).overlaps(limit.ball()) for z in real)
     assert points_at(fraction(fmpq_poly([1])), Q(1, 2)) == []
+
+
+def test_boundary_in_decimals_goes_from_one_to_minus_one() -> None:
+    """Of forward Euler, R = 1 + z: a circle about -1, at t = k/3 and its mirror images."""
+    r = stability_function_of(NINE["forward_euler"])
+    assert r is not None
+    assert rounded_boundary(r, 2, 3) == [
+        *(("1", "0.000", "0.000"), ("3/5", "-0.400", "0.800"), ("0", "-1.000", "1.000")),
+        *(("-3/5", "-1.600", "0.800"), ("-1", "-2.000", "0.000")),
+    ]
+    assert rounded_boundary(r, 3, 30)[1][2] == "0.600000000000000000000000000000"
 
 
 def test_multiple_boundary_points_are_found_once() -> None:

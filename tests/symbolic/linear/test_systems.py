@@ -190,6 +190,7 @@ JORDAN = {
     ("backward_euler", "0 1; 0 0"): ("0", None),
     ("rk4", "0 1; -1 0"): ("2*sqrt(2)", True),
     ("velocity_verlet", "0 1; -1 0"): ("2", False),
+    ("velocity_verlet", "0 0 1 0; 0 0 0 1; 1 1 0 0; 0 1 0 0"): ("0", None),
     ("chebyshev10_1", "-1 1; 0 -1"): ("200", False),
     ("forward_euler", "-1 -1 1 0; 1 -1 0 1; 0 0 -1 -1; 0 0 1 -1"): ("1", False),
     ("heun2", "-1 -1 1 0; 1 -1 0 1; 0 0 -1 -1; 0 0 1 -1"): ("x**3 - 2*x**2 + 2*x - 2", False),
