@@ -332,7 +332,10 @@ def _what_to_do(name: str, seen: Seen) -> list[str]:
         key, wrong = near[0].key, "; ".join(near[0].differences)
         lines.append(f"if it should be {key}, this is to mend: {wrong}; then {held} {key}")
     elif seen.key is not None:
-        lines.append(f"if it should be {seen.key}, hold it there: {held} {seen.key}, or assert_verified in a test")
+        solved = "" if seen.key not in METHODS or METHODS[seen.key].explicit else " --solver-tolerance 1e-10"
+        lines.append(
+            f"if it should be {seen.key}, hold it there: {held} {seen.key}{solved}, or assert_verified in a test"
+        )
     else:
         lines.append(f"say what it should be: {held} METHOD, or your own tableau, a .toml file")
     if seen.coefficients.kind == "unsupported_call":

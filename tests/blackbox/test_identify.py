@@ -160,6 +160,7 @@ def test_an_iteration_to_a_loose_tolerance_is_named_with_what_it_leaves():
 
     report = identify(midpoint)
     assert report.verdict.startswith("it is implicit_midpoint")
+    assert "--method implicit_midpoint --solver-tolerance 1e-10, or" in report.section("What to do").lines[-1]
     assert re.search(r"its stages are solved to \d.\de-0[78]", "".join(report.section("Coefficients").lines))
 
 

@@ -41,7 +41,7 @@ def derived_matrix(method: Method) -> tuple[DomainMatrix, list[ProofStep]]:
     if method.field is not None:
         raise ValueError(
             f"{method.key} has coefficients in Q({method.field.name}); derivations take rational ones only, "
-            f"`driftproof facts {method.key}` has the facts"
+            "`driftproof facts` has what is true of it"
         )
     derive = {RungeKutta: _runge_kutta, Splitting: _splitting, Nystrom: _nystrom, Collocation: _collocation}
     m, steps = derive[type(method)](method)  # type: ignore[operator]

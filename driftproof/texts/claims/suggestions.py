@@ -13,7 +13,7 @@ from math import prod
 
 from flint import arb, ctx
 
-from driftproof.methods.catalogue import METHODS
+from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.names import also_known_as
 from driftproof.symbolic.algebra.certified import Uncertified, enclose
 from driftproof.texts.claims.contradictions import contradicted
@@ -28,9 +28,9 @@ _USUAL_METHODS = ("forward_euler", "symplectic_euler", "velocity_verlet", "rk4")
 _USUAL_STEPS = ("1/4", "1/2", "1/10")
 _RUN_READOUTS = ("state_error", "energy", "energy_change", "phase_error", "q", "v", "steps", "evaluations")
 _STEP_READOUTS = ("q", "v", "energy")
-_USUAL_FACTS = ("imaginary_limit", "real_limit", "order", "error_constant")
+_USUAL_FACTS = ("imaginary_limit", "real_limit", "order", "error_constant", "stages", "limit_at_infinity", "angle")
 # A few hundred questions, which take a second or two; runs of more steps are not cheap.
-_MOST_METHODS, _MOST_SIZES, _MOST_TIMES = 6, 4, 2
+_MOST_METHODS, _MOST_RUN, _MOST_SIZES, _MOST_TIMES = 12, 6, 4, 2
 _LONGEST_RUN = 10_000
 # Of so many numbers with these digits one at most, drawn at random, would look like a value whose names stand as near.
 _ODDS = 100
@@ -222,9 +222,9 @@ class Suggestions:
 
     def _questions(self) -> Iterator[str]:
         sizes, times = _given(_H, self.text, _USUAL_STEPS)[:_MOST_SIZES], _given(_T, self.text, ("10",))[:_MOST_TIMES]
-        for method in _methods_in(self.text):
+        for i, method in enumerate(_methods_in(self.text)):
             yield from (f"{fact} {method}" for fact in _USUAL_FACTS)
-            for h in sizes:
+            for h in sizes if method in METHODS and i < _MOST_RUN else ():
                 yield from (f"step {method} h={h} : {readout}" for readout in _STEP_READOUTS)
                 for t in times:
                     if (n := Fraction(t) / Fraction(h)).denominator == 1 and n <= _LONGEST_RUN:
@@ -249,11 +249,12 @@ def _of_few_bits(answer: Answer) -> Answer:
 def _methods_in(text: str) -> list[str]:
     """The methods whose keys, titles or other names stand in the text, or else the usual ones."""
     flat = text.lower().replace("\n", " ").replace("-", " ")
-    called = {key: (key, method.title, *also_known_as(key)) for key, method in METHODS.items()}
+    entries = (*METHODS.items(), *FACTS_ONLY.items())
+    called = {key: (key, method.title, *also_known_as(key)) for key, method in entries}
     spoken = {
         key: "|".join(re.escape(name.lower().replace("-", " ")) for name in names) for key, names in called.items()
     }
-    named = [key for key, names in spoken.items() if re.search(rf"\b(?:{names})\b", flat)]
+    named = [key for key, names in spoken.items() if re.search(rf"\b(?:{names})(?![\w(])", flat)]
     usual = [key for key in _USUAL_METHODS if key in named or key.replace("_", " ") in flat]
     return (list(dict.fromkeys([*usual, *named])) or list(_USUAL_METHODS))[:_MOST_METHODS]
 

@@ -136,11 +136,12 @@ def _whole_number(context: QueryContext) -> int:
 def _of_run(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
     from driftproof.texts.questions.runs import ANGLES, RUN_READOUTS, UNITS, in_unit, run_of, stage_slope
 
-    method, readout, unit = context.method(), context.query.readout, context.query.unit
+    readout, unit = context.query.readout, context.query.unit
     if h == 0:
         raise context.error(None, "a step of size 0 goes nowhere; give a nonzero h")
     if context.about_problem is not None or "lambda" in context.query.settings:
-        return _of_problem(context, method, h, t)
+        return _of_problem(context, context.method() if context.about_problem is not None else None, h, t)
+    method = context.method()
     if unit is not None and (readout is None or readout.text not in ANGLES):
         raise context.error(unit, f"{unit.shown} has no place; only angles have units to choose")
     if unit is not None and unit.text not in UNITS:
