@@ -60,7 +60,7 @@ NOT_ELSEWHERE = "sympy"
 # support holds the one runner of isolated processes, its messages and the one reader of TOML, which stood thrice;
 # methods the one grammar of expressions, the one number field and fields with several roots; symbolic the front door
 # of `derive` and facts as typed properties; blackbox verdicts that say what was seen, and implicit
-# stages, its own sampler of steps, 100 lines, and in which objects a state comes, 250; texts what docs and help show.
+# stages, its own sampler of steps, 100 lines, and in which objects a state comes, 300; texts what docs and help show.
 BUDGETS = {
     "support": 1160,
     "methods": 5573,

@@ -91,7 +91,7 @@ def identified(runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Out
     checks, arithmetic = checks_of(answers), arithmetic_of([read, order, dense, *outcomes])
     damping = runner.run([read_damping])[0] if read.failed and not introduced.failed else Outcome()
     known = isinstance(read.result, TableauReading) or getattr(read.result, "implicit", False)
-    best = None if fit.failed or known else fit.result.best
+    best = None if fit.failed or known else fit.result.nearly or fit.result.best
     implicit = [key for key in (best.methods if best is not None else ()) if not METHODS[key].explicit]
     twins = runner.run([partial(nonlinear_twins, keys=implicit)])[0] if implicit else Outcome()
     seen = Seen(introduced, read, fit, order, estimate, dense, damping, twins, tuple(checks), arithmetic)
@@ -183,9 +183,12 @@ class Seen:
             return f"it is {name} called at wrong times: order {order} where the right-hand side depends on t"
         if self.read is not None and self._implicit:
             return f"it is {self._unknown_stages(self.read)}{self._solved}"
+        alike = f"; its nonlinear steps are those of {', '.join(self.twins.result)}" if self.twins.result else ""
         if self.fit is not None and self.fit.best is not None:
-            alike = f"; its nonlinear steps are those of {', '.join(self.twins.result)}" if self.twins.result else ""
             return f"it is, as far as linear steps tell, {_in_words(self.fit, self.fit.best)}{alike}"
+        if self.fit is not None and (nearly := self.fit.nearly):
+            off = f"to {nearly.off:.1e} at states of size 1"
+            return f"it is, as far as linear steps tell, nearly {' or '.join(nearly.methods)}, {off}{alike}"
         if self.read is not None and self.read.identity.near:
             return f"it is {self.read.identity.near[0].name}"
         open_questions = [o for o in (self.coefficients, self.linear) if o.kind in NO_EVIDENCE]
@@ -273,10 +276,11 @@ def _in_words(fit: LinearFit, best: LinearCandidate) -> str:
     """The candidate, with its keys where it is a method as it stands, and at which states if not at all of them."""
     others = [key for key in best.methods if key != best.words]
     keys = f" ({', '.join(others)})" if others and best.extras == 0 else ""
-    if fit.nearest is None:
+    nearest = fit.nearly or fit.nearest
+    if nearest is None:
         return f"{best.words}{keys}{_at(fit.amplitude) if fit.kind == LINEAR else ''}"
-    key, off = fit.nearest.methods[0], fit.nearest.off
-    near = f"nearly {key} at states of size 1, to {off:.1e}" if off else f"{key} at h = {fit.nearest.h:g} and size 1"
+    key, off = nearest.methods[0], nearest.off
+    near = f"nearly {key} at states of size 1, to {off:.1e}" if off else f"{key} at h = {nearest.h:g} and size 1"
     return f"{near}; at states of size {fit.amplitude:.1e}, {best.words}{keys}"
 
 

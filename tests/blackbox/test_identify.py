@@ -209,5 +209,36 @@ def test_a_step_that_varies_by_more_is_not_named():
     assert not any("ulp" in line for line in _faults(report))
 
 
+def solved_by_iteration(theta, tolerance, *, relative):
+    """q₁ = q + h ((1 - θ) v + θ v₁), and v₁ alike, iterated until a change is small."""
+
+    def step(q, v, h):
+        end = q, v
+        for _ in range(100):
+            x, w = ((1 - theta) * z + theta * z1 for z, z1 in zip((q, v), end, strict=True))
+            before, end = end, (q + h * w, v - h * x)
+            change = max(abs(a - b) for a, b in zip(before, end, strict=True))
+            if change <= tolerance * (max(map(abs, end)) if relative else 1):
+                break
+        return end
+
+    return step
+
+
+@pytest.mark.parametrize(
+    ("theta", "tolerance", "relative", "nearly"),
+    [
+        (0.5, 1e-6, False, "nearly implicit_midpoint or trapezoid or lobatto_iiib2, to 1.2e-07 at states of size 1"),
+        (0.5, 1e-6, True, "nearly implicit_midpoint or trapezoid or lobatto_iiib2, to "),
+        (1.0, 1e-8, False, "nearly backward_euler at states of size 1, to 3.0e-09; at states of size 8.7e-19, forwa"),
+        (1.0, 1e-5, True, "nearly backward_euler, to "),
+    ],
+)
+def test_a_solver_that_stops_early_leaves_the_method_that_it_nearly_is(theta, tolerance, relative, nearly):
+    step = solved_by_iteration(theta, tolerance, relative=relative)
+    assert f"it is, as far as linear steps tell, {nearly}" in identify(step, isolate=False).verdict
+    assert identify(lambda q, v, h: (q + h * v, v - h * 1.001 * q), isolate=False).verdict.find("nearly") == -1
+
+
 def _faults(report):
     return report.section("Faults").lines

@@ -42,6 +42,7 @@ from driftproof.blackbox.probes.linear_steps import (
     LINEAR,
     LINEARISED,
     NOT_LINEAR,
+    ORDINARY_STEPS,
     LinearReading,
     MatrixEntries,
     read_linear_steps,
@@ -55,6 +56,8 @@ UNDETERMINED = "undetermined"
 OTHER_SIZES = (2.0**-5, 2.0**-10, 2.0**20)
 # Steps from those sizes, and from 2**-60 of them, need so many powers of two below 1: binary16, with 14, has not.
 OWN_RANGE = 100
+# Solvers in use stop at 1e-4 or below; and no other method of the catalogue is then as near, by far.
+NEARLY, AS_NEAR = 1e-4, 16
 # A longer text, or list, is left to programs: so much a reader takes in.
 LONGEST_LINE, MOST_COMPARED, MOST_DIFFERENCES = 160, 8, 4
 
@@ -77,7 +80,8 @@ class LinearFit:
     the one in which it computes. `position`, `stiffness` and `damping` are a, k, g of the system q' = a v,
     v' = -k q - g v that small steps follow, None where there is none. `candidates` are what explains it, the simplest
     first; where there are none, `nearest` is what comes closest. `facts` are those of the exact matrix, where that is
-    known. `remarks` are for people.
+    known. `nearly` is the one method whose steps it takes at states of size 1, as far as an iterative solver that stops
+    early lets one see. `remarks` are for people.
     """
 
     kind: str
@@ -89,6 +93,7 @@ class LinearFit:
     candidates: tuple[LinearCandidate, ...] = ()
     nearest: Nearest | None = None
     facts: MatrixFacts | None = None
+    nearly: Nearest | None = None
     remarks: tuple[str, ...] = ()
 
     @property
@@ -140,6 +145,7 @@ def fitted(reading: LinearReading, *, known: bool) -> LinearFit:
         return start
     position, stiffness = rates_of(reading)
     rates = (1.0, 1.0) if known else (float(position), float(stiffness))
+    start = replace(start, nearly=_nearly(reading, rates))
     if not reading.identifiable:
         return replace(start, nearest=_nearest(tried_steps(reading), rates))
     if all((m[0], *m[2:]) == (1, 0, 1) for _, m in reading.steps):
@@ -147,12 +153,15 @@ def fitted(reading: LinearReading, *, known: bool) -> LinearFit:
     if reading.starts_at_identity:
         start = replace(start, position=position, stiffness=stiffness)
     if known and reading.ordinary:
-        (off, each), *_ = _by_distance(*reading.ordinary, rates)
-        start = replace(start, nearest=Nearest(each.keys, reading.ordinary[0], off, ()))
+        h, m = reading.ordinary[0]
+        (off, each), *_ = _by_distance(h, m, rates)
+        start = replace(start, nearest=Nearest(each.keys, h, off, ()))
     found = linear_candidates(reading, known=known) if position and stiffness else []
     several = len(found) > 1 and all(each.restriction for each in found)
     if (several or not found) and (nearly := nearly_exact(reading, known=known)):
         return replace(start, candidates=(nearly,), position=nearly.position, stiffness=nearly.stiffness)
+    if found and start.kind == LINEAR:
+        return _explained(replace(start, nearly=None), found)
     return _explained(start, found) if found else _unexplained(start, reading, known=known)
 
 
@@ -187,6 +196,20 @@ def _nearest(steps: Sequence[tuple[float, MatrixEntries]], rates: tuple[float, f
         if off > 0:
             return Nearest(each.keys, h, off, ())
     return None
+
+
+def _nearly(reading: LinearReading, rates: tuple[float, float]) -> Nearest | None:
+    """The class that is near at states of size 1, and far nearer than any other, of a step that is all but linear."""
+    dyadic = [(h, m) for h, m in reading.steps if h / reading.unit in ORDINARY_STEPS]
+    steps = reading.ordinary or (dyadic if reading.kind == LINEAR and reading.amplitude == 1 else [])
+    if not steps or reading.loose > NEARLY:
+        return None
+    off: dict[tuple[str, ...], float] = {}
+    for h, m in steps:
+        for distance, each in _by_distance(h, m, rates):
+            off[each.keys] = max(distance, off.get(each.keys, 0.0))
+    (best, distance), (_, second), *_ = sorted(off.items(), key=lambda pair: pair[1])
+    return Nearest(best, steps[0][0], distance, ()) if distance <= NEARLY and AS_NEAR * distance < second else None
 
 
 def _least_different(
@@ -224,6 +247,8 @@ def _lines(fit: LinearFit) -> Iterator[str]:
 
 
 def _identity(fit: LinearFit) -> Iterator[str]:
+    if fit.nearly:
+        yield f"nearly {fit.nearly.methods[0]} at states of size 1, to {fit.nearly.off:.1e}"
     if fit.best:
         yield f"{fit.best.words}{'' if fit.best.error.in_bounds > 1 else f', to rounding in {fit.format}'}"
         if fit.best.methods[1:]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import isfinite, ldexp, log2, sqrt
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
@@ -19,6 +19,8 @@ NOT_REPEATABLE, NOT_AT_REST = "not repeatable", "not at rest in (0, 0)"
 FAR_OUT = "not linear far out"
 # A generic state and step: their products and sums fill the significands of any format.
 STATE, STEP = (1 / 3, 0.7), 0.3
+# At states of size 1, in units of that time.
+ORDINARY_STEPS = (0.25, 0.5, 0.125)
 # Steps in units of the system's own time, as dyadic numbers: both ways in time, and far beyond its time scale.
 DYADIC = ("1/256", "1/16", "1/8", "1/4", "1/2", "1", "-1/16", "-1/8", "-1/4", "-1/2", "-1")
 NOT_DYADIC = ("1/10", "3/10", "7/10", "-3/10")
@@ -42,7 +44,8 @@ class LinearReading:
     `kind` is LINEAR, LINEARISED (then read at states of size `amplitude`), or what stands in the way. `at_zero` is
     M(0) + h A at the step `tiny`, A being known to O(h²) in the entries where M(0) is zero; it is None where tiny steps
     show noise only. `unit` is a power of two near the system's own time. `ordinary`
-    is (h, M(h)) read at states of size 1, where the rest was not. `remarks` are for people.
+    are pairs (h, M(h)) read at states of size 1 where it is linear to no more than `loose` there. `remarks` are for
+    people.
     """
 
     format: FloatFormat
@@ -52,7 +55,8 @@ class LinearReading:
     tiny: float = 0.0
     at_zero: MatrixEntries | None = None
     steps: tuple[tuple[float, MatrixEntries], ...] = ()
-    ordinary: tuple[float, MatrixEntries] | None = None
+    ordinary: tuple[tuple[float, MatrixEntries], ...] = ()
+    loose: float = 0.0
     remarks: tuple[str, ...] = ()
 
     @property
@@ -86,10 +90,11 @@ def read_linear_steps(subject: ForeignStepper, amplitude: float = 1.0) -> Linear
         return _with_steps(subject, replace(reading, remarks=_far_out(subject, reading)))
     tiny = _linearised(subject, fmt, reading.starts_at_identity)
     if tiny is not None:
-        remark = f"not linear at ordinary size: {seen}"
-        h = _in_format(fmt, tiny.unit / 4)
-        return _with_steps(subject, replace(tiny, ordinary=(h, _matrix(subject, h, 1.0)), remarks=(remark,)))
-    return _with_steps(subject, replace(reading, kind=NOT_LINEAR, remarks=(seen,)))
+        steps = [_in_format(fmt, tiny.unit * share) for share in ORDINARY_STEPS]
+        ordinary = tuple((h, _matrix(subject, h, 1.0)) for h in steps)
+        remark = f"not linear at ordinary size: {seen.words}"
+        return _with_steps(subject, replace(tiny, ordinary=ordinary, loose=seen.off, remarks=(remark,)))
+    return _with_steps(subject, replace(reading, kind=NOT_LINEAR, remarks=(seen.words,)))
 
 
 def _linearised(subject: ForeignStepper, fmt: FloatFormat, at_identity: bool) -> LinearReading | None:
@@ -208,7 +213,14 @@ def _unit(m: MatrixEntries, tiny: float) -> float:
     return ldexp(1.0, -round(log2(frequency))) if isfinite(frequency) and frequency else 1.0
 
 
-def _nonlinearity(subject: ForeignStepper, reading: LinearReading, size: float) -> str | None:
+class _Nonlinearity(NamedTuple):
+    """A step that is not the sum of its parts, and how far it is off, of their size."""
+
+    words: str
+    off: float
+
+
+def _nonlinearity(subject: ForeignStepper, reading: LinearReading, size: float) -> _Nonlinearity | None:
     """What was seen of M(z + w) ≠ M(z) + M(w) at states of a size, times the amplitude; None if nothing was."""
     h = _in_format(reading.format, reading.unit * float(LINEARITY_STEP))
     (qq, qv, vq, vv), scale = _matrix(subject, h, reading.amplitude), size * reading.amplitude
@@ -219,7 +231,8 @@ def _nonlinearity(subject: ForeignStepper, reading: LinearReading, size: float) 
             off = abs(x / scale - (a + b))
             if not off <= allowed:
                 start = f"({scale * q:g}, {scale * v:g})"
-                return f"a step of {h:g} from {start} is off the sum of its parts by {off:.1e} of their size"
+                words = f"a step of {h:g} from {start} is off the sum of its parts by {off:.1e} of their size"
+                return _Nonlinearity(words, off)
     return None
 
 
@@ -234,7 +247,8 @@ def _is_linearisation(subject: ForeignStepper, tiny: LinearReading) -> bool:
 def _far_out(subject: ForeignStepper, reading: LinearReading) -> tuple[str, ...]:
     """What is seen of a limit on the size of states, as a remark."""
     try:
-        seen = _nonlinearity(subject, reading, 2.0 ** min(FAR_BITS, reading.format.emax // 2))
+        found = _nonlinearity(subject, reading, 2.0 ** min(FAR_BITS, reading.format.emax // 2))
+        seen = found.words if found else ""
     except Misbehaviour as failure:
         seen = str(failure)
     return (f"{FAR_OUT}: {seen}",) if seen else ()

@@ -23,6 +23,11 @@ _QUANTITIES = {
     "steps": ("steps?", "calls?|evaluations?"),
     "evaluations": ("calls?|evaluations?", "steps?"),
 }
+# What is counted, in so small numbers that many a count is the same: the word next to the number says which it is.
+_COUNTED = {
+    **{"order": "orders?", "stages": "stages?", "steps": "steps?"},
+    **dict.fromkeys(("evaluations", "evaluations_per_step"), "calls?|evaluations?"),
+}
 # Right before a number, which component it is.
 _COMPONENT = re.compile(r"(?:(?<![a-z])([qxvp])|(position)|(velocity))(?: is| of| to)?\s*[=≈:]?\s*\Z")
 _ENDS = re.compile(r"[.;?!]\s|\n")
@@ -50,6 +55,8 @@ def contradicted(question: str, text: str, start: int, end: int) -> bool:
     own, other = _QUANTITIES.get(quantity, ("", ""))
     if own and _denied(_words(own, before), _words(other, before), before, _words(other, after), _words(own, after)):
         return True
+    if quantity in _COUNTED and _next_to(before, after) not in ("", _COUNTED[quantity]):
+        return True
     found = _COMPONENT.search(before) if quantity in ("q", "v") else None
     if found and (quantity == "q") != (found[1] in ("q", "x") or bool(found[2])):
         return True
@@ -70,6 +77,19 @@ def _denied(
     if not own:
         return bool(other) and not own_after
     return bool(other) and other[-1] > own[-1] and bool(re.search("[0-9]", _without_names(before[own[-1] : other[-1]])))
+
+
+def _next_to(before: str, after: str) -> str:
+    """The kind of count whose word stands nearest to the number, "" for none."""
+    gaps = [
+        (gap, kind)
+        for kind in _COUNTED.values()
+        for gap in (
+            *(len(before) - match.end() for match in re.finditer(rf"\b(?:{kind})\b", before)),
+            *_words(kind, after),
+        )
+    ]
+    return min(gaps)[1] if gaps else ""
 
 
 def _without_names(text: str) -> str:

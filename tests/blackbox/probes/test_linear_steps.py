@@ -212,4 +212,6 @@ def test_what_is_read_of_linear_steps_is_what_it_was(step, array, size, as_befor
         return
     rates = [f"{x:.9g}" for x in found.at_zero or ()]
     shown = found.kind, found.amplitude, found.unit, found.tiny, found.identifiable, found.starts_at_identity
-    as_before(*shown, rates, found.ordinary, len(found.steps), *found.steps[::6], *found.remarks, asked)
+    as_before(
+        *shown, rates, next(iter(found.ordinary), None), len(found.steps), *found.steps[::6], *found.remarks, asked
+    )

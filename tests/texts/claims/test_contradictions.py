@@ -22,6 +22,9 @@ DENIED = [
     ("The phase error of forward Euler with h = 1/4 is {2.390}", ERROR),
     ("At t = 10, with h = 1/8, forward Euler is off by {2.390}", ERROR),
     ("At t = 5, forward Euler is off by {2.390}", "run forward_euler h=1/4 t=10 : state_error"),
+    ("RK4 has order {4} and takes 4 evaluations per step", "rk4.evaluations_per_step"),
+    ("RK4 has order 4 and takes {4} evaluations per step", "order rk4"),
+    ("RK4 of order {4}: 4 stages", "stages rk4"),
 ]
 MEANT = [
     ("RK4's real and imaginary limits are {2.785294} and 2.828427", REAL),
@@ -34,6 +37,9 @@ MEANT = [
     ("{0.877604} is RK4's, 0.875 velocity Verlet's", Q),
     ("without any word: {0.877604}", Q),
     ("h = 1/0 is none: {0.877604}", Q),
+    ("RK4 has order {4} and takes 4 evaluations per step", "order rk4"),
+    ("RK4 has order 4 and takes {4} evaluations per step", "rk4.evaluations_per_step"),
+    ("RK4 counts {4}", "order rk4"),
 ]
 
 
