@@ -11,16 +11,21 @@ from driftproof.blackbox.families.multistep_start import StartReading, read_star
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.report import Criterion
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.handed_slopes import HandedSlopes
 from driftproof.methods.multistep import Multistep
 from driftproof.support.plain_text import Json
 
 
 @dataclass(frozen=True)
 class MultistepReading:
-    """The recurrence of a stepper's steps, and its start where that could be run."""
+    """The recurrence of a stepper's steps, and its start where that could be run.
+
+    Where it is `handed` the slopes before its first step, its start is none of its own.
+    """
 
     recurrence: RecurrenceReading
     start: StartReading | None
+    handed: bool = False
 
     @property
     def faults(self) -> list[str]:
@@ -42,6 +47,10 @@ class MultistepReading:
         if self.start is None or facts is None or facts.order < 1:
             return ""
         return self.start.fault(facts.order, self.recurrence.recurrence.derivative)
+
+    @property
+    def _unseen(self) -> str:
+        return _HANDED if self.handed else _NO_START
 
     @property
     def verdict(self) -> str:
@@ -66,7 +75,7 @@ class MultistepReading:
         return [
             ("Recurrence", self.recurrence.lines),
             ("Order", orders),
-            ("Start", [_NO_START] if self.start is None else self.start.lines),
+            ("Start", [self._unseen] if self.start is None else self.start.lines),
         ]
 
     @property
@@ -95,6 +104,8 @@ class MultistepReading:
             checks.append(Criterion("Right-hand side", not found.asked, (at,), {}))
         if not same:
             return checks
+        if self.handed:
+            return [*checks, Criterion("Start", True, (_HANDED,), {})]
         if start is None:
             return [*checks, Criterion("Start", None, (_NO_START,), {}, _WITH_START)]
         fault, order, needed = self._start_fault, method.claimed_order, "smaller rounding"
@@ -108,6 +119,7 @@ class MultistepReading:
 
 # What is said where copies share what they remember, so that none begins anew.
 _NO_START = "its start was not seen: what it remembers outlives a copy of it, as in a module, or it cannot begin anew"
+_HANDED = "its start is whose calls it: it is handed earlier slopes from the first step on"
 _WITH_START = "a stepper that keeps what it remembers in an object of its own"
 
 
@@ -115,7 +127,7 @@ def read_multistep(subject: ForeignStepper, asked: Multistep | None = None) -> M
     """The recurrence and the start of a stepper. Raises NotReadable, UnsupportedCall, Misbehaviour."""
     runs = MarkedRuns.of(subject)
     recurrence = read_recurrence(runs, asked)
-    start = None
+    start, handed = None, isinstance(subject.function, HandedSlopes) and subject.function.handed
     with suppress(Misbehaviour):
-        start = read_start(runs, recurrence) if runs.begins_anew() else None
-    return MultistepReading(recurrence, start)
+        start = read_start(runs, recurrence) if not handed and runs.begins_anew() else None
+    return MultistepReading(recurrence, start, handed)

@@ -97,17 +97,19 @@ class ForeignSolver:
             calls.append(asked)
             return self.adapter.write(rate(len(calls) - 1, *asked))
 
-        settings: dict[str, tuple[float, ...]] = {
-            TOLERANCES: (rtol, atol),
-            TOLERANCE: (rtol,),
-            LENGTH: ((t_span[1] - t_span[0]) / steps,),
-            COUNT: (steps,),
-            NOTHING: (),
+        length = (t_span[1] - t_span[0]) / steps
+        settings: dict[str, dict[str, float]] = {
+            TOLERANCES: {"rtol": rtol, "atol": atol},
+            TOLERANCE: {"tol": rtol},
+            LENGTH: {"h": length},
+            COUNT: {"n": steps},
+            NOTHING: {},
         }
-        words = ", ".join([f"f, t_span={t_span!r}, y0={list(y0)!r}", *map(repr, settings[self.takes])])
+        given = settings[self.takes]
+        words = ", ".join([f"f, t_span={t_span!r}, y0={list(y0)!r}", *(f"{name}={x!r}" for name, x in given.items())])
         self.before(words)
         try:
-            answer = self.function(slopes, t_span, self.adapter.write(y0), *settings[self.takes])
+            answer = self.function(slopes, t_span, self.adapter.write(y0), *given.values())
         except Misbehaviour:
             raise
         except (Exception, SystemExit) as error:

@@ -46,6 +46,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
+from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
 from driftproof.blackbox.stepper.plain_forms import plain_forms
 from driftproof.blackbox.stepper.second_functions import with_functions, zeros
 from driftproof.blackbox.stepper.state_forms import COMPLEX, forms_of
@@ -80,6 +81,7 @@ def opened(
     gets an answer.
     """
     failures: list[Misbehaviour] = []
+    step = with_slopes_kept(step)
     try:
         conventions = conventions_of(step, calls)
     except ValueError as error:

@@ -1,0 +1,125 @@
+"""Steps that are handed earlier slopes, step(f, t, y, h, f_prev), or a history of them: as steps that remember."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from driftproof.blackbox.stepper.array_adapters import Foreign
+from driftproof.blackbox.stepper.calling_conventions import (
+    FUNCTION,
+    ROLES,
+    STATE,
+    STEP,
+    TIME,
+    parameters_of,
+    required_names,
+)
+
+# Under these names a step is handed the slope of the step before; with a number, that of so many steps before.
+_PREVIOUS = re.compile(
+    r"(f|fn|fy|rhs|slope|dydt|dydx|k)_?(prev|previous|old|last|before|nm|n_minus|minus|m)_?(\d*)"
+    r"|(prev|previous|old|last)_(f|rhs|slope|dydt|k)(\d*)"
+)
+# Under these, all of them, the newest last.
+_HISTORIES = (
+    *("history", "hist", "f_history", "f_hist", "fhist", "history_f", "slopes", "past", "past_f", "past_slopes"),
+    *("previous", "memory", "fs", "f_list", "f_past", "rhs_history", "derivatives_history", "buffer"),
+)
+# As many slopes as a step may ask for that does not begin without any.
+_AT_FIRST = 8
+# Two slopes are one if they differ by less.
+_ALIKE = 2.0**-20
+
+
+class HandedSlopes:
+    """The step without its earlier slopes, which are kept here: f where each step began, or what the step hands on.
+
+    A step that returns (y1, f1) hands on f1, one that returns (y1, history) its history; one that changes the history
+    keeps it by itself. Where f1 is the slope at its end, it is handed that at its start, and remembers nothing.
+    `handed` says that nothing of its start is its own: it was given f at its first state.
+    """
+
+    def __init__(self, step: Callable[..., Any], names: Sequence[str], slots: Sequence[str], history: str) -> None:
+        """Names of all its arguments in order, of those that are earlier slopes, and of their history, "" for none."""
+        self.step, self.slots, self.history = step, slots, history
+        self.kept: Any = []
+        self.handed = bool(slots)
+        self.of_end: bool | None = None
+        self.rest = [name for name in names if name not in (*slots, history)]
+        self.roles = {
+            role: next((name for name in self.rest if name.lower().strip("_") in ROLES[role]), "")
+            for role in (FUNCTION, STATE, TIME, STEP)
+        }
+        kind = inspect.Parameter.POSITIONAL_OR_KEYWORD
+        self.__signature__ = inspect.Signature([inspect.Parameter(name, kind) for name in self.rest])
+        self.__qualname__, self.__module__ = getattr(step, "__qualname__", type(step).__name__), step.__module__
+
+    def __call__(self, *arguments: Foreign, **named: Foreign) -> Foreign:
+        """One step, after which what it hands on, or else the slope where it began, is kept."""
+        given = {**dict(zip(self.rest, arguments, strict=False)), **named}
+        slope = self._slope(given)
+        if self.history:
+            return self._with_history(given, slope)
+        for back, name in enumerate(self.slots, 1):
+            given[name] = self.kept[-back] if back <= len(self.kept) else slope
+        answer = self.step(**given)
+        if isinstance(answer, tuple) and len(answer) > 1 and np.shape(answer[-1]) == np.shape(slope):
+            end, answer = answer[-1], answer[0] if len(answer) == 2 else answer[:-1]
+            if self.of_end is None:
+                y1 = answer[-1] if isinstance(answer, tuple) else answer
+                at_end = self._slope({**given, self.roles[STATE]: y1}, given[self.roles[STEP]])
+                self.of_end = np.allclose(end, at_end, _ALIKE) and not np.allclose(end, slope, _ALIKE)
+            slope = end
+        if self.of_end:
+            return answer
+        self.kept = [*self.kept, np.copy(slope) if isinstance(slope, np.ndarray) else slope][-_AT_FIRST:]
+        return answer
+
+    def _with_history(self, given: dict[str, Foreign], slope: Foreign) -> Foreign:
+        """One step, after which the history is what the step made of it, what it returned, or longer by the slope."""
+        before = list(self.kept)
+        try:
+            answer = self.step(**given, **{self.history: self.kept})
+        except IndexError:
+            if before:
+                raise
+            self.handed, before, self.kept = True, [slope] * _AT_FIRST, [slope] * _AT_FIRST
+            answer = self.step(**given, **{self.history: self.kept})
+        last = answer[-1] if isinstance(answer, tuple) and len(answer) > 1 else None
+        if last is not None and (last is self.kept or np.ndim(last) > np.ndim(slope)):
+            self.kept, answer = last, answer[0] if len(answer) == 2 else answer[:-1]
+        elif len(self.kept) == len(before) and all(x is y for x, y in zip(self.kept, before, strict=True)):
+            self.kept = [*before, slope][-_AT_FIRST:]
+        return answer
+
+    def _slope(self, given: Mapping[str, Foreign], later: Any = 0.0) -> Foreign:
+        """f at this state, so much later than the step begins, asked for as the step asks."""
+        f, state, time = (given.get(self.roles[role]) for role in (FUNCTION, STATE, TIME))
+        assert f is not None
+        if time is None:
+            return f(state)
+        order = [self.rest.index(self.roles[role]) for role in (TIME, STATE)]
+        return f(time + later, state) if order[0] < order[1] else f(state, time + later)
+
+
+def with_slopes_kept(step: Callable[..., Any]) -> Callable[..., Any]:
+    """The step as one that remembers, if the names of its parameters say that it is handed earlier slopes; else itself.
+
+    >>> def step(f, t, y, h, f_prev):
+    ...     return y + h * (1.5 * f(t, y) - 0.5 * f_prev)
+    >>> kept = with_slopes_kept(step)
+    >>> kept(lambda t, y: t, 0.0, 0.0, 1.0), kept(lambda t, y: t, 1.0, 0.0, 1.0)
+    (0.0, 1.5)
+    """
+    names = list(parameters_of(step) or {})
+    words = {name: name.lower().strip("_") for name in names}
+    slots = [name for name in names if _PREVIOUS.fullmatch(words[name])]
+    history = next((name for name in names if words[name] in _HISTORIES), "")
+    if not slots and not history:
+        return step
+    return HandedSlopes(step, [name for name in required_names(step) or () if name in names], slots, history)

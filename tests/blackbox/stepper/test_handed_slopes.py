@@ -1,0 +1,107 @@
+"""Steps that are handed earlier slopes, one by one or as a history, are read as the multistep methods that they are."""
+
+from __future__ import annotations
+
+import pytest
+
+from driftproof.blackbox.identify import identify
+from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
+from driftproof.blackbox.verify import verify
+
+
+def bashforth2(f, t, y, h, f_prev):
+    return y + h * (1.5 * f(t, y) - 0.5 * f_prev)
+
+
+def returned(f, t, y, h, f_prev):
+    slope = f(t, y)
+    return t + h, y + h * (1.5 * slope - 0.5 * f_prev), slope
+
+
+def untimed(y, rhs, dt, rhs_old):
+    return y + dt * (1.5 * rhs(y) - 0.5 * rhs_old)
+
+
+def bashforth3(y, t, f, h, f_nm1, f_nm2):
+    return y + h / 12 * (23 * f(y, t) - 16 * f_nm1 + 5 * f_nm2)
+
+
+def corrected(f, t, y, h, f_prev):
+    slope = f(t, y)
+    predicted = y + h * (1.5 * slope - 0.5 * f_prev)
+    return y + h / 12 * (5 * f(t + h, predicted) + 8 * slope - f_prev)
+
+
+def appended(f, t, y, h, history):
+    slope = f(t, y)
+    moved = h * (1.5 * slope - 0.5 * history[-1] if history else slope)
+    history.append(slope)
+    return y + moved
+
+
+def history_returned(f, t, y, h, past):
+    slope = f(t, y)
+    return y + h * (1.5 * slope - 0.5 * past[0] if past else slope), [slope, *past]
+
+
+def bashforth4(f, t, y, dt, history):
+    return y + dt / 24 * (55 * f(t, y) - 59 * history[-1] + 37 * history[-2] - 9 * history[-3])
+
+
+def of_the_end(f, t, y, h, f_prev):
+    after = y + h / 2 * (f_prev + f(t + h, y + h * f_prev))
+    return after, f(t + h, after)
+
+
+def stale(f, t, y, h, f_prev):
+    return y + h * (1.5 * f(t, y) - 0.5 * f_prev), f_prev
+
+
+def exchanged(f, t, y, h, f_prev):
+    return y + h * (1.5 * f_prev - 0.5 * f(t, y))
+
+
+def of_the_wrong_end(f, t, y, h, f_prev):
+    after = y + h * (1.5 * f(t, y) - 0.5 * f_prev)
+    return after, f(t + h, after)
+
+
+SAID = {
+    bashforth2: "it is adams_bashforth2",
+    returned: "it is adams_bashforth2",
+    untimed: "it is adams_bashforth2",
+    bashforth3: "it is adams_bashforth3",
+    corrected: "it is adams_moulton2, corrected once from what adams_bashforth2 predicts (PECE)",
+    appended: "it is adams_bashforth2, started by forward_euler",
+    history_returned: "it is adams_bashforth2, started by forward_euler",
+    bashforth4: "it is adams_bashforth4",
+    of_the_end: "it is heun2, the same step as ssprk22, heun_euler21",
+    stale: "it is a multistep method of 2 steps that is not known here; it is not zero-stable",
+    exchanged: "adams_bashforth2 but for sigma[0]: 3/2 instead of -1/2; sigma[1]: -1/2 instead of 3/2",
+    of_the_wrong_end: "it is forward_euler",
+}
+
+
+@pytest.mark.parametrize("step", SAID, ids=lambda step: step.__name__)
+def test_a_step_is_named_by_what_it_makes_of_the_slopes(step):
+    assert SAID[step] in identify(step, isolate=False).verdict
+
+
+def test_a_right_one_passes_and_its_start_is_whose_calls_it():
+    report = verify(bashforth4, "adams_bashforth4", isolate=False)
+    assert (report.passed, report.verdict) == (True, "is adams_bashforth4")
+    assert "its start is whose calls it" in report.text(everything=True)
+    assert verify(exchanged, "adams_bashforth2", isolate=False).passed is False
+    assert verify(of_the_wrong_end, "adams_bashforth2", isolate=False).passed is False
+
+
+def test_a_step_of_no_earlier_slopes_is_left_alone():
+    assert with_slopes_kept(of_plain := lambda f, t, y, h: y + h * f(t, y)) is of_plain
+
+
+def test_a_history_that_is_too_short_for_good_is_no_start():
+    def deep(f, t, y, h, history):
+        return y + h * history[-20]
+
+    with pytest.raises(IndexError):
+        with_slopes_kept(deep)(lambda t, y: y, 0.0, 1.0, 0.5)
