@@ -16,7 +16,7 @@ from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta,
 from driftproof.symbolic.additive import ADDITIVE_FACTS, AdditiveFacts
 from driftproof.symbolic.linear.facts import LinearFacts, fact_names, facts_by_name
 from driftproof.symbolic.linear.multistep import MULTISTEP_FACTS, MULTISTEP_ON_REQUEST, MultistepFacts
-from driftproof.symbolic.linear.reduced_tableau import reduced, stages_of
+from driftproof.symbolic.linear.reduced_tableau import reduced_stages_of
 from driftproof.symbolic.pairs import EstimateFacts, ExtensionFacts, estimate_facts, extension_facts
 from driftproof.symbolic.rosenbrock import ROSENBROCK_FACTS, RosenbrockFacts
 from driftproof.symbolic.trees import order_conditions, partitioned_trees
@@ -86,7 +86,7 @@ class Facts(LinearFacts):
         """Which facts are of the table as written, and which of the irreducible method, where that has fewer stages."""
         if not isinstance(self.method, RungeKutta | Nystrom):
             return None
-        stages = len(reduced(stages_of(self.method)).b)
+        stages = len(reduced_stages_of(self.method).b)
         return None if stages == self.stages else Reduction(stages, OF_THE_TABLE, OF_THE_IRREDUCIBLE_METHOD)
 
     @cached_property

@@ -26,7 +26,7 @@ from driftproof.symbolic.algebra.polynomials import (
     sign,
 )
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT as ZERO_LIMIT
-from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced, stages_of
+from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced_stages_of
 from driftproof.symbolic.linear.stability_limits import Limit, first_failure, smallest
 
 
@@ -40,7 +40,7 @@ def ssp_coefficient(method: RungeKutta | Collocation) -> Limit:
     if isinstance(method, Collocation):
         found = _tableau(method)
         return ZERO_LIMIT if found is None else ssp_coefficient(found)
-    stages = reduced(stages_of(method))
+    stages = reduced_stages_of(method)
     if any(x < 0 for row in (*stages.a, *stages.weights) for x in row):
         return ZERO_LIMIT
     return smallest([_nonnegative_limit(p) for p in monotonicity_conditions(stages)])

@@ -34,7 +34,6 @@ def stages_of(method: RungeKutta | Nystrom) -> StageCoefficients:
     return StageCoefficients(method.a, (method.b,), method.c)
 
 
-@lru_cache(maxsize=64)
 def reduced(stages: StageCoefficients) -> StageCoefficients:
     """The same method without stages that do not count, and with stages merged that are equal on every problem.
 
@@ -47,6 +46,12 @@ def reduced(stages: StageCoefficients) -> StageCoefficients:
         if len(smaller.a) == len(stages.a):
             return stages
         stages = smaller
+
+
+@lru_cache(maxsize=64)
+def reduced_stages_of(method: RungeKutta | Nystrom) -> StageCoefficients:
+    """The coefficients of `method`, reduced: a table that several facts ask for."""
+    return reduced(stages_of(method))
 
 
 def matchings(
@@ -133,7 +138,7 @@ def is_symplectic(method: Method) -> bool:
         return True
     if isinstance(method, Collocation):
         return bool(polynomial(method.node_polynomial) == _gauss_polynomial(method.stages))
-    return not any(symplectic_residuals(reduced(stages_of(method))))
+    return not any(symplectic_residuals(reduced_stages_of(method)))
 
 
 def symplectic_residuals(stages: StageCoefficients) -> Iterator[Exact]:
@@ -160,7 +165,7 @@ def is_symmetric(method: Method) -> bool:
     if isinstance(method, Collocation):
         nodes = polynomial(method.node_polynomial)
         return bool(nodes(ONE - X) * (-1) ** method.stages == nodes)
-    stages = reduced(stages_of(method))
+    stages = reduced_stages_of(method)
     return next(matchings(stages, adjoint(stages)), None) is not None
 
 
