@@ -65,7 +65,7 @@ BUDGETS = {
     "support": 1160,
     "methods": 5573,
     "symbolic": 10734,
-    "numeric": 4110,
+    "numeric": 4243,
     "blackbox": 17615,
     "enclosure": 3159,
     "texts": 7297,

@@ -55,6 +55,11 @@ class VectorField:
         """True when no rate reads t."""
         return all("t" not in _names(_parsed(rate, i)) for i, rate in enumerate(self.rates))
 
+    def dependence(self) -> list[set[int]]:
+        """Of each rate, the numbers of the components that it reads."""
+        number = {name: i for i, name in enumerate(self.components)}
+        return [{number[name] for name in _names(_parsed(r, i)) & number.keys()} for i, r in enumerate(self.rates)]
+
     def second_order(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """The positions and the velocities: the names of the first and of the second half of the components.
 
@@ -242,14 +247,6 @@ def _out_of_place(tree: ast.Expression, known: Collection[str]) -> Iterator[str]
         allowed = FUNCTIONS if node in called else known
         if not isinstance(node, _ALLOWED) or (isinstance(node, ast.Name) and node.id not in allowed):
             yield repr(ast.unparse(node) or type(node).__name__)
-
-
-JacobianRows = tuple[tuple[str, ...], ...]
-
-
-def jacobian_matrix(field: VectorField) -> JacobianRows:
-    """df_i/dy_j of y' = f(t, y), row i and column j: texts in t, y0, y1, ... and the names of the parameters."""
-    return tuple(tuple(partial_derivative(rate, name) for name in field.components) for rate in field.rates)
 
 
 def partial_derivative(expression: str, name: str) -> str:

@@ -117,21 +117,30 @@ def compiled_field_ensemble_runner(method: Method, field: VectorField, *, thread
     source = field_source(method, field)
 
     def run_blocks(y: FloatArray, h: float, first: int, last: int) -> None:
-        rows = len(source.components)
-        if y.ndim != 2 or len(y) != rows or y.dtype != np.float64 or not y.flags.c_contiguous:
-            raise ValueError(f"y is {y.dtype}{list(y.shape)}; an ensemble is {rows} rows of float64, one after another")
-        run, members = _compiled_field_blocks(source), y.shape[1]
-        part = BLOCK * max(1, -(-members // (BLOCK * threads)))
-        if part >= members:
-            run(y, h, first, last, 0, members)
-            return
-        from concurrent.futures import ThreadPoolExecutor
-
-        with ThreadPoolExecutor(threads) as pool:
-            starts = range(0, members, part)
-            list(pool.map(lambda start: run(y, h, first, last, start, min(start + part, members)), starts))
+        demand_ensemble(y, len(source.components))
+        run = _compiled_field_blocks(source)
+        in_threads(lambda start, stop: run(y, h, first, last, start, stop), y.shape[1], threads)
 
     return run_blocks
+
+
+def in_threads(run: Callable[[int, int], None], members: int, threads: int, block: int = BLOCK) -> None:
+    """run(start, stop) over all members, in as many parts of whole blocks as there are threads; in this one alone."""
+    part = block * max(1, -(-members // (block * threads)))
+    starts = range(0, members, part)
+    if len(starts) < 2:
+        run(0, members)
+        return
+    from concurrent.futures import ThreadPoolExecutor
+
+    with ThreadPoolExecutor(threads) as pool:
+        list(pool.map(lambda start: run(start, min(start + part, members)), starts))
+
+
+def demand_ensemble(y: FloatArray, rows: int) -> None:
+    """Raises ValueError for what is not so many rows of float64, one after another."""
+    if y.ndim != 2 or len(y) != rows or y.dtype != np.float64 or not y.flags.c_contiguous:
+        raise ValueError(f"y is {y.dtype}{list(y.shape)}; an ensemble is {rows} rows of float64, one after another")
 
 
 def array_field_runner(method: Method, field: VectorField, library: Any) -> FieldRun:

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Collection, Iterator, Sequence
+from math import prod
 from typing import NamedTuple
 
 import numpy as np
 
 from driftproof.methods.program_text import indented, maker, maker_text
-from driftproof.methods.vector_fields import VectorField, jacobian_matrix
+from driftproof.methods.vector_fields import VectorField, partial_derivative
 from driftproof.numeric.elimination import FULL, PYTHON_FLOATS, Band, NumberKind
 from driftproof.numeric.engine import OF_FLOATS, compiled_function, lifted
 from driftproof.numeric.newton import RateWriter
+
+# Systems of so many components are written in loops; a period is of at most so many.
+LOOPED, LONGEST_PERIOD = 24, 4
 
 
 class FieldWriters(NamedTuple):
@@ -35,21 +41,74 @@ def number_kind(*, compiled: bool) -> NumberKind:
 
 
 def field_writers(field: VectorField, *, compiled: bool) -> FieldWriters:
-    """f and its derivatives, by exact formulas, as functions that write into what they are given."""
-    kind = number_kind(compiled=compiled)
-    rows = jacobian_matrix(field)
-    bodies = (
-        [f"last[{i}] = {rate}" for i, rate in enumerate(field.rates)],
-        [f"last[{i}][{j}] = {entry}" for i, row in enumerate(rows) for j, entry in enumerate(row)],
-    )
-    rate, jacobian = (kind.compiled(_writer(field, body)) for body in bodies)
-    return FieldWriters(rate, jacobian, FULL, kind)
+    """f and its derivatives, by exact formulas, as functions that write into what they are given.
+
+    Rows of derivatives are a band where the text shows one that is worth it.
+    """
+    kind, reads = number_kind(compiled=compiled), field.dependence()
+    band = band_of(reads)
+    rates = [[f"last[{{i}}] = {rate}"] for rate in field.rates]
+    derivatives = [
+        [f"last[{{i}}][{_column(i, j, band)}] = {partial_derivative(rate, f'y{j}')}" for j in sorted(read)]
+        for i, (rate, read) in enumerate(zip(field.rates, reads, strict=True))
+    ]
+    rate, jacobian = (kind.compiled(_writer(field, lines)) for lines in (rates, derivatives))
+    return FieldWriters(rate, jacobian, band, kind)
 
 
-def _writer(field: VectorField, body: list[str]) -> RateWriter:
-    """The function of this body, whose names of its own are those that no parameter may have."""
-    state = [f"{name} = y[{i}]" for i, name in enumerate(field.components)]
+def _column(i: int, j: int, band: Band) -> str:
+    """The place of column j in row i, {i} being its number."""
+    return f"{{i}}{j - i:+d}" if band == FULL else str(j - max(0, i - band.lower))
+
+
+def band_of(reads: Sequence[Collection[int]]) -> Band:
+    """The band of a matrix whose row i has entries in the columns `reads[i]`; FULL unless that is much less to do.
+
+    Elimination in a band costs some (lower + upper)² n, and without one n³/3.
+    """
+    lower, upper = (max((0, *(sign * (i - j) for i, row in enumerate(reads) for j in row))) for sign in (1, -1))
+    return Band(lower, upper) if 2 * (2 * lower + upper + 1) <= len(reads) else FULL
+
+
+def _writer(field: VectorField, rows: Sequence[Sequence[str]]) -> RateWriter:
+    """The function whose lines `rows` holds by component, {i} being its number.
+
+    Its names of its own are those that no parameter may have. Rows that are repeated, the neighbours that they read
+    shifted by as much, become loops: a thousand of them would take a compiler minutes.
+    """
     names, values = [name for name, _ in field.parameters], [lifted(c, np.float64) for _, c in field.parameters]
-    text = maker_text(names, "run", ["def run(t, y, last):", *indented([*state, *body])])
+    if len(rows) < LOOPED or any(re.fullmatch(r"y\d+", name) for name in names):
+        body = [f"{name} = y[{i}]" for i, name in enumerate(field.components)]
+        body += [line.format(i=i) for i, lines in enumerate(rows) for line in lines]
+    else:
+        body = list(_looped(rows))
+    text = maker_text(names, "run", ["def run(t, y, last):", *indented(body or ["pass"])])
     made: RateWriter = maker(text, "field", OF_FLOATS)(*values)
     return made
+
+
+def _looped(rows: Sequence[Sequence[str]]) -> Iterator[str]:
+    """The lines of all components, as loops over periods of up to LONGEST_PERIOD of them."""
+    relative = [[_shifted(line, i, 0) for line in lines] for i, lines in enumerate(rows)]
+    at = 0
+    while at < len(rows):
+        period, times = max(((p, _repeated(relative, at, p)) for p in range(1, LONGEST_PERIOD + 1)), key=prod)
+        period = period if times > 1 else 1
+        yield f"for i in range({at}, {at + period * times}, {period}):"
+        lines = [_shifted(line, at + k, k) for k in range(period) for line in rows[at + k]]
+        yield from indented(lines or ["pass"])
+        at += period * times
+
+
+def _repeated(relative: Sequence[Sequence[str]], at: int, period: int) -> int:
+    """How often the rows from `at` on are repeated with that period, the first time included."""
+    end = at + period
+    while end < len(relative) and relative[end] == relative[end - period]:
+        end += 1
+    return (end - at) // period
+
+
+def _shifted(line: str, component: int, place: int) -> str:
+    """The line of a component with i for its number less its place in the period."""
+    near = re.sub(r"\by(\d+)\b", lambda found: f"y[i{int(found[1]) - component + place:+d}]", line)
+    return near.replace("{i}", f"i + {place}" if place else "i")

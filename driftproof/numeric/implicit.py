@@ -38,7 +38,8 @@ from numpy.typing import NDArray
 from driftproof.methods.schemes import Method
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import newton
-from driftproof.numeric.field_loops import field_writers
+from driftproof.numeric.engine import FieldEnsembleRun, FloatArray, demand_ensemble, in_threads
+from driftproof.numeric.field_loops import field_writers, number_kind
 from driftproof.numeric.newton import Steps, StepTable, implicit_steps
 from driftproof.numeric.tableaux import FloatTableau, float_tableau
 
@@ -170,6 +171,32 @@ def compiled_implicit_runner(method: Method, field: VectorField) -> ImplicitRun:
     return ImplicitRun(method, _steps_on(field, compiled=True), arrays, lambda x: np.array(x, np.float64))
 
 
+def compiled_implicit_ensemble_runner(method: Method, field: VectorField, *, threads: int = 1) -> FieldEnsembleRun:
+    """run(y, h, first, last) on many systems, as `engine.compiled_field_ensemble_runner`: those of an implicit method.
+
+    Each system has its own matrices and iterations. Raises StageEquationsUnsolved, which names a system that fails;
+    others are then anywhere.
+    """
+    arrays, loop = compiled_implicit_runner(method, field).table, _ensemble_on(field)
+
+    def run_systems(y: FloatArray, h: float, first: int, last: int) -> None:
+        demand_ensemble(y, len(field.rates))
+
+        def run_part(start: int, stop: int) -> None:
+            report = np.array(_report())
+            loop(y, h, first, last, arrays, report, start, stop)
+            _demand_done(method, report, 0.0, h, f"system {int(report[newton.SYSTEM])}: ")
+
+        in_threads(run_part, y.shape[1], threads, 1)
+
+    return run_systems
+
+
+@cache
+def _ensemble_on(field: VectorField) -> Callable[..., None]:
+    return newton.ensemble_steps(_steps_on(field, compiled=True), number_kind(compiled=True))
+
+
 @cache
 def _steps_on(field: VectorField, *, compiled: bool) -> Steps:
     return implicit_steps(*field_writers(field, compiled=compiled))
@@ -196,16 +223,17 @@ def _groups(table: FloatTableau) -> tuple[tuple[int, int], ...]:
 
 
 def _report() -> list[float]:
-    return [0.0] * (newton.TIME + 1)
+    return [0.0] * (newton.SYSTEM + 1)
 
 
-def _demand_done(method: Method, report: Any, t: float, h: float) -> None:
+def _demand_done(method: Method, report: Any, t: float, h: float, whose: str = "") -> None:
     """Raise the error of a step that failed, in one line."""
+    name = f"{method.key}: {whose}"
     if report[newton.STATE] == newton.OVERFLOWS:
         where, reason = f"the step from t = {t + report[newton.STEP] * h:g} by h = {h:g}", "overflows binary64"
-        raise StageEquationsUnsolved(f"{method.key}: {where} {reason}", reason)
+        raise StageEquationsUnsolved(f"{name}{where} {reason}", reason)
     if report[newton.STATE] == newton.UNSOLVED:
         left = f"residual {report[newton.LEFT]:.3g}, {report[newton.LEFT_OVER_FLOOR]:.3g} times what rounding explains"
-        where = f"{method.key}: the step by h = {h:g} to t = {report[newton.TIME]:g}"
+        where = f"{name}the step by h = {h:g} to t = {report[newton.TIME]:g}"
         reason = f"not solved after {int(report[newton.TRIED])} iterations"
         raise StageEquationsUnsolved(f"{where} is {reason}: {left}", reason)

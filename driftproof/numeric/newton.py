@@ -28,7 +28,7 @@ RateWriter: TypeAlias = Callable[[float, Any, Any], None]
 Steps: TypeAlias = Callable[..., None]
 # Places in a report, which holds what steps did: counts of all of them, the worst that was left in an equation, and
 # of a step that fails the state, its number, and of its attempt without damping the iterations, what is left, the time.
-ITERATIONS, EVALUATIONS, RESIDUAL, OVER_FLOOR, STATE, STEP, TRIED, LEFT, LEFT_OVER_FLOOR, TIME = range(10)
+ITERATIONS, EVALUATIONS, RESIDUAL, OVER_FLOOR, STATE, STEP, TRIED, LEFT, LEFT_OVER_FLOOR, TIME, SYSTEM = range(11)
 DONE, UNSOLVED, OVERFLOWS = 0.0, 1.0, 2.0
 # How the new state is formed: the last stage, from the moves, or from the slopes.
 LAST, MOVES, SLOPES = 0, 1, 2
@@ -277,3 +277,23 @@ def implicit_steps(
                 return
 
     return steps  # type: ignore[no-any-return]
+
+
+def ensemble_steps(steps: Steps, kind: NumberKind) -> Callable[..., None]:
+    """The loop over the columns of y from `begin` to before `end`, each of which takes these steps."""
+    compiled, rows, _, _ = kind
+
+    @compiled
+    def run(y: Any, h: float, first: int, last: int, table: StepTable, report: Any, begin: int, end: int) -> None:
+        state = rows(1, len(y))[0]
+        for system in range(begin, end):
+            for k in range(len(y)):
+                state[k] = y[k][system]
+            steps(0.0, state, h, first, last, table, report)
+            if report[STATE] != DONE:
+                report[SYSTEM] = system
+                return
+            for k in range(len(y)):
+                y[k][system] = state[k]
+
+    return run  # type: ignore[no-any-return]

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import pytest
 
 from driftproof.methods.vector_fields import VectorField
+from driftproof.numeric import field_loops
 from driftproof.numeric.advance import field_rate, float_start
-from driftproof.numeric.field_loops import field_writers
+from driftproof.numeric.elimination import FULL, Band
+from driftproof.numeric.field_loops import _looped, band_of, field_writers
 from driftproof.numeric.problems.catalogue import PROBLEMS
 
 COUPLED = VectorField(("sin(y1) * t", "y0 * y2", "y1 - y2 / y0"))
@@ -40,3 +44,45 @@ def test_compiled_they_are_the_same_bits() -> None:
         derive(0.0, np.array(start), matrix)
         found.append((list(f), [list(row) for row in matrix]))
     assert found[0] == found[1]
+
+
+def line_of(n: int) -> VectorField:
+    """Two numbers at each of n places, coupled to their neighbours, with other ends."""
+    y = lambda i: f"y{i}" if 0 <= i < 2 * n else "a"
+    rates = [
+        (f"{y(i - 2)} - 2 * y{i} * {y(i + 1)} + {y(i + 2)}", f"y{i} * y{i - 1} + t - {y(i + 2)}")[i % 2]
+        for i in range(2 * n)
+    ]
+    return VectorField(tuple(rates), (("a", Fraction(3, 2)),))
+
+
+CORNERED = VectorField((*line_of(20).rates, "y0 * y40"), line_of(20).parameters)
+
+
+@pytest.mark.parametrize("field", [line_of(20), CORNERED])
+def test_loops_write_what_stands_in_the_rates(field: VectorField, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The second field has a corner, and so no band; both are the bits of the lines one by one."""
+    n, found = len(field.rates), []
+    y = [1 + i / 64 for i in range(n)]
+    for looped in (2, 10**6):
+        monkeypatch.setattr(field_loops, "LOOPED", looped)
+        write, derive, band, _ = field_writers(field, compiled=False)
+        f, matrix = [0.0] * n, [[0.0] * min(n, band.lower + band.upper + 1) for _ in range(n)]
+        write(0.5, y, f)
+        derive(0.5, y, matrix)
+        found.append((band, f, matrix))
+    assert found[0] == found[1]
+    assert found[0][0] == (Band(2, 2) if n == 40 else FULL)
+    assert found[0][1] == field_rate(field)(0.5, y)
+
+
+def test_many_alike_rates_are_few_lines() -> None:
+    rows = [[f"last[{{i}}] = {rate}"] for rate in line_of(500).rates]
+    assert len(list(_looped(rows))) < 12
+
+
+def test_a_band_is_what_rows_reach_and_taken_where_it_is_less_to_do() -> None:
+    near = [{max(0, i - 1), i, min(39, i + 3)} for i in range(40)]
+    assert band_of(near) == Band(1, 3)
+    assert band_of(near[:11]) == FULL
+    assert band_of([set()] * 9) == Band(0, 0)

@@ -7,9 +7,12 @@ import pytest
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.vector_fields import VectorField
+from driftproof.numeric import field_loops, implicit
 from driftproof.numeric.advance import field_rate, float_start
+from driftproof.numeric.elimination import FULL
 from driftproof.numeric.implicit import (
     StageEquationsUnsolved,
+    compiled_implicit_ensemble_runner,
     compiled_implicit_runner,
     implicit_runner,
     implicit_stepper,
@@ -34,6 +37,38 @@ def test_compiled_steps_have_the_same_bits_and_count_the_same_evaluations():
             make(METHODS["radau_iia3"], problem.field)(start, 45.0, 0, 8)
         errors.append(str(caught.value))
     assert errors[0] == errors[1]
+
+
+@pytest.mark.long  # compiling takes ten seconds
+def test_each_system_of_an_ensemble_takes_the_steps_that_it_takes_alone():
+    """In one thread and in three; and the system that fails is named."""
+    pytest.importorskip("numba")
+    method, field = METHODS["radau_iia2"], VectorField(("y1", "y0 * y0 * y0 - y1"))
+    starts = np.array([[0.5, 0.25], [-1.0, 0.5], [0.125, 2.0], [0.75, 0.0], [-0.5, 0.5]]).T.copy()
+    alone = [implicit_runner(method, field)(tuple(start), 0.125, 2, 9) for start in starts.T.tolist()]
+    for threads in (1, 3):
+        y = starts.copy()
+        compiled_implicit_ensemble_runner(method, field, threads=threads)(y, 0.125, 2, 9)
+        assert y.T.tolist() == list(map(list, alone))
+    starts[0, 3] = 1e200
+    with pytest.raises(StageEquationsUnsolved, match=r"radau_iia2: system 3: the step "):
+        compiled_implicit_ensemble_runner(method, field)(starts, 0.125, 2, 9)
+    with pytest.raises(ValueError, match="an ensemble is 2 rows of float64"):
+        compiled_implicit_ensemble_runner(method, field)(starts[:1], 0.125, 2, 9)
+
+
+@pytest.mark.parametrize("key", ["radau_iia3", "sdirk2", "trapezoid"])
+def test_in_a_band_stages_are_those_of_full_matrices_up_to_rounding(key, monkeypatch):
+    """A line of 30 numbers that diffuse and react, each with its neighbours."""
+    y = lambda i: f"y{i}" if 0 <= i < 30 else "1"
+    field = VectorField(tuple(f"900 * ({y(i - 1)} - 2 * {y(i)} + {y(i + 1)}) - y{i} * y{i}" for i in range(30)))
+    start, runs = tuple(i / 32 for i in range(30)), []
+    for band in (field_loops.band_of, lambda reads: FULL):
+        monkeypatch.setattr(field_loops, "band_of", band)
+        implicit._steps_on.cache_clear()
+        runs.append(implicit_runner(METHODS[key], field)(start, 0.01, 0, 3))
+    assert runs[0] != start
+    assert runs[0] == pytest.approx(runs[1], rel=1e-13)
 
 
 def test_evaluations_are_the_calls_of_the_rate():

@@ -14,7 +14,15 @@ import numpy as np
 
 from driftproof.methods.schemes import Method
 from driftproof.numeric.advance import Advance, State, advance, evaluations_of, float_start, step_times
-from driftproof.numeric.engine import BLOCK, array_field_runner, compiled_field_ensemble_runner
+from driftproof.numeric.engine import (
+    BLOCK,
+    FieldEnsembleRun,
+    FieldRun,
+    FloatArray,
+    array_field_runner,
+    compiled_field_ensemble_runner,
+)
+from driftproof.numeric.implicit import compiled_implicit_ensemble_runner
 from driftproof.numeric.problems.problem import Problem
 
 # What is timed: one trajectory, compiled and in plain Python, and a state of an ensemble of MEMBERS.
@@ -99,23 +107,32 @@ def landed(problem: Problem, steps: int) -> list[tuple[Fraction, int]]:
 
 def _ensemble(method: Method, problem: Problem, *, fast: bool) -> TimedCall | str:
     """The call for MEMBERS states, or why there is none."""
-    if not method.explicit:
-        return "implicit: one system at a time"
     start = np.array(float_start(problem))[:, None]
-    run = compiled_field_ensemble_runner(method, problem.field) if fast else None
-    by_array = array_field_runner(method, problem.field, np)
+    run: FieldEnsembleRun
+    if fast:
+        compiled = compiled_field_ensemble_runner if method.explicit else compiled_implicit_ensemble_runner
+        run = compiled(method, problem.field)
+    elif method.explicit:
+        run = _on_arrays(array_field_runner(method, problem.field, np))
+    else:
+        return "implicit: only compiled, by numba"
 
     def call(steps: int) -> Callable[[], State]:
         y, h = np.empty((len(start), MEMBERS)), step_times(problem.t, steps).h
 
         def integrate() -> State:
             y[:] = start
-            if run is not None:
-                run(y, h, 0, steps)
-                return tuple(map(float, y.max(axis=1)))  # all are alike
-            with np.errstate(all="ignore"):
-                return tuple(float(np.max(x)) for x in by_array(tuple(y), h, 0, steps))
+            run(y, h, 0, steps)
+            return tuple(map(float, y.max(axis=1)))  # all are alike
 
         return integrate
 
     return call
+
+
+def _on_arrays(step: FieldRun) -> FieldEnsembleRun:
+    def run(y: FloatArray, h: float, first: int, last: int) -> None:
+        with np.errstate(all="ignore"):
+            y[:] = step(tuple(y), h, first, last)
+
+    return run

@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import Any
 
 from driftproof.methods.program_text import indented, maker, maker_text
-from driftproof.methods.vector_fields import VectorField, jacobian_matrix
+from driftproof.methods.vector_fields import VectorField, partial_derivative
 
 Numbers = Sequence[Any]
 
@@ -23,8 +23,9 @@ def derivative(
     field: VectorField, lift: Callable[[Fraction], Any], functions: Mapping[str, Callable[..., Any]] | None = None
 ) -> Callable[[Any, Numbers], list[list[Any]]]:
     """The matrix of derivatives at (t, y), row by row. An entry that is a whole number stays an int."""
-    rows = ", ".join(f"[{', '.join(row)}]" for row in jacobian_matrix(field))
-    return _made(field, f"[{rows}]", lift, functions)
+    rows = [[partial_derivative(rate, name) for name in field.components] for rate in field.rates]
+    answer = ", ".join(f"[{', '.join(row)}]" for row in rows)
+    return _made(field, f"[{answer}]", lift, functions)
 
 
 def _made(field: VectorField, answer: str, lift: Callable[[Fraction], Any], functions: Any) -> Any:
