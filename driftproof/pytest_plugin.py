@@ -90,16 +90,19 @@ class _Reports:
                 self._write(f"{name}.json", as_json(self._of_test(item.nodeid)))
 
     def pytest_sessionfinish(self) -> None:
-        """Write the summary of all files in the folder."""
+        """Write the summary of all files in the folder: a line for each verdict, what did not pass first."""
         if self.is_worker:
             return
         import json
 
-        parts = []
-        for path in sorted(self.folder.glob("*.json")):
-            told = json.loads(path.read_text(encoding="utf-8"))
-            parts += [f"### `{told['test']}`", *(f"```\n{one['report']}\n```" for one in told["verdicts"])]
-        self._write(SUMMARY, "\n\n".join(parts or ["no verdict"]) + "\n")
+        told = [json.loads(path.read_text(encoding="utf-8")) for path in sorted(self.folder.glob("*.json"))]
+        found = [(each["test"], one) for each in told for one in each["verdicts"]]
+        found.sort(key=lambda pair: pair[1]["passed"] is True)
+        words = {True: "passed", False: "FAILED", None: "undecided"}
+        rows = [f"| {words[one['passed']]} | `{name}` | {one['subject']} {one['verdict']} |" for name, one in found]
+        parts = ["| | test | verdict |\n| --- | --- | --- |\n" + "\n".join(rows)] if rows else ["no verdict"]
+        parts += [f"### `{name}`\n\n```\n{one['report']}\n```" for name, one in found]
+        self._write(SUMMARY, "\n\n".join(parts) + "\n")
 
     def _write(self, name: str, text: str) -> None:
         with atomic_write(self.folder / name) as draft:

@@ -32,6 +32,9 @@ def test_slow():
 
 def test_plain():
     assert 1 + 1 == 3
+
+def test_asked_without_sense():
+    assert_verified(euler, "backward_euler")
 """
 
 
@@ -58,6 +61,12 @@ def test_the_short_summary_begins_with_the_verdict(run):
     assert "FAILED test_steps.py::test_plain - assert (1 + 1) == 3" in run[0].stdout
 
 
+def test_a_question_without_sense_shows_the_line_that_asks_and_nothing_of_ours(run):
+    shown = run[0].stdout.partition("_ test_asked_without_sense _")[2].partition("short test summary")[0]
+    assert "allowance=Allowance(solver_tolerance=1e-10)" in shown
+    assert "tolerance.py" not in shown.partition("E  ")[0]
+
+
 def test_the_marker_is_the_time_limit_of_the_test(run):
     assert re.search(r"(?m)^FAILED test_steps.py::test_slow - \S*hangs undecided .*no answer within", run[0].stdout)
 
@@ -68,6 +77,7 @@ def test_the_folder_has_a_file_for_each_test_that_found_something_and_a_summary(
     assert passed == {"test_right": True, "test_wrong": False, "test_slow": None}
     summary = (run[1] / "summary.md").read_text()
     assert summary.count("### `test_steps.py::test_") == 3
+    assert [line.split()[1] for line in summary.splitlines()[2:5]] == ["undecided", "FAILED", "passed"]
     assert "is not rk4" in summary
 
 

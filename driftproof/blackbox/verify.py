@@ -144,17 +144,20 @@ def assert_verified(
     >>> assert_verified(step, method="forward_euler", examples=50, isolate=False)
     """
     __tracebackhide__ = True
-    report = verify(
-        step,
-        method,
-        calls=calls,
-        array=array,
-        examples=examples,
-        domain=domain,
-        allowance=allowance,
-        time_limit=time_limit or time_limit_of_test.get() or TIME_LIMIT,
-        isolate=isolate,
-    )
+    try:
+        report = verify(
+            step,
+            method,
+            calls=calls,
+            array=array,
+            examples=examples,
+            domain=domain,
+            allowance=allowance,
+            time_limit=time_limit or time_limit_of_test.get() or TIME_LIMIT,
+            isolate=isolate,
+        )
+    except ValueError as error:  # pytest shows the user's line, and the message
+        raise ValueError(str(error)) from None
     found = AssertedVerdict(report.target, report.verdict, report.passed, report.text(), report.data)
     demand(found, holds=report.passed is True or (report.passed is None and allow_undecided))
 

@@ -83,7 +83,7 @@ class Tolerance:
         if not self.method.explicit and not given:
             raise ValueError(
                 f"{self.method.key} is implicit: how well its stages are solved is not its definition's; "
-                "say so, e.g. --solver-tolerance 1e-10, in Python solver_tolerance=1e-10"
+                "say so, --solver-tolerance 1e-10, in Python allowance=Allowance(solver_tolerance=1e-10)"
             )
 
     def exact(self, q: float, v: float, h: float) -> tuple[arb, arb]:
