@@ -68,7 +68,7 @@ BUDGETS = {
     "numeric": 4243,
     "blackbox": 17615,
     "enclosure": 3159,
-    "texts": 7297,
+    "texts": 7299,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5603
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
