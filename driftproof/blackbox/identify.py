@@ -156,7 +156,7 @@ class Seen:
             if self._implicit:
                 return next(iter(keys), None)
         else:
-            best = None if self.fit is None else self.fit.best
+            best = None if self.fit is None or self._besides_one_number else self.fit.best
             keys = best.methods if best is not None and best.extras == 0 and best.rates_are_right else ()
         return next((key for key in keys if METHODS[key].explicit), None)
 
@@ -183,6 +183,8 @@ class Seen:
             return f"it is {name} called at wrong times: order {order} where the right-hand side depends on t"
         if self.read is not None and self._implicit:
             return f"it is {self._unknown_stages(self.read)}{self._solved}"
+        if self._besides_one_number:
+            return self._unknown
         alike = f"; its nonlinear steps are those of {', '.join(self.twins.result)}" if self.twins.result else ""
         if self.fit is not None and self.fit.best is not None:
             return f"it is, as far as linear steps tell, {_in_words(self.fit, self.fit.best)}{alike}"
@@ -193,6 +195,12 @@ class Seen:
             return f"it is {self.read.identity.near[0].name}"
         open_questions = [o for o in (self.coefficients, self.linear) if o.kind in NO_EVIDENCE]
         return f"{UNDECIDED}: {open_questions[0].seen}" if open_questions else self._unknown
+
+    @property
+    def _besides_one_number(self) -> bool:
+        """Whether it does to vectors what linear steps of one number do not show."""
+        found: Damping | None = self.damping.result
+        return found is not None and len(found.at_once) > 1
 
     @property
     def _unknown(self) -> str:

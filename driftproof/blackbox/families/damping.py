@@ -1,30 +1,34 @@
-"""A step that loses velocity of its own: by which law of h, and whether for each time, or for each step."""
+"""A step that loses or turns velocity of its own: by which law of h, and whether for each time, or for each step."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import exp, log, sqrt
+from math import exp, sqrt
+from typing import Any
 
+import numpy as np
 from flint import arb
 
 from driftproof.blackbox.findings import UnsupportedCall
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_on
 from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem, walls
+from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.probes.coefficients import coefficient_text
 from driftproof.blackbox.probes.scripted_answers import NotReadable, Rounding
 from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import FORCE, MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.state_forms import TOGETHER
 from driftproof.support.plain_text import Json
 
 # Steps in which a loss is compared; and one in which a loss for each time is as good as linear in h, in binary64.
 _STEPS, _SHORT = (1.0, 0.5, 0.25, 2.0**-5, 2.0**-9), 2.0**-20
-# As far as a limit of short steps is known.
-_DIGITS = 9
-# What a velocity is multiplied by in a step, with the rate c, as text and as the rate that a factor D shows.
-_LAWS: Mapping[str, Callable[[float, float], float]] = {
-    "exp(-{c} h)": lambda d, h: -log(d) / h,
+# As far as a limit of short steps is known; what part of a rate is none, and eigenvectors that tell nothing of it.
+_DIGITS, _LITTLE, _WORST = 9, 2.0**-10, 2.0**10
+# What v is multiplied by in a step, by the rate c, as text and as the rate that the eigenvalues D of a step show.
+_LAWS: Mapping[str, Callable[[Any, float], Any]] = {
+    "exp(-{c} h)": lambda d, h: -np.log(d) / h,
     "1 - {c} h": lambda d, h: (1 - d) / h,
     "1/(1 + {c} h)": lambda d, h: (1 / d - 1) / h,
     "(1 - {c} h/2)/(1 + {c} h/2)": lambda d, h: 2 * (1 - d) / (1 + d) / h,
@@ -35,26 +39,33 @@ _LAWS: Mapping[str, Callable[[float, float], float]] = {
 class Damping:
     """In a step without a force v is multiplied by the `law` of h, to first order 1 - `rate` h; a step loses `at_once`.
 
-    Where the system is built in, it is the area in phase space that is multiplied so. `order` is the one measured with
-    the drag -c v beside the force, None where it was not.
+    Of one number all are numbers; of vectors, the rate is a matrix and `at_once` what multiplies v in no time. Where
+    the system is built in, it is the area in phase space that is multiplied so. `order` is the one measured with the
+    drag -c v beside the force, None where it was not.
     """
 
     law: str
-    rate: float
-    at_once: float
+    rate: Array
+    at_once: Array
     built_in: bool
     order: MeasuredOrder | None = None
 
     @property
     def faults(self) -> list[str]:
         """A loss in each step, however short: how much is lost in a time then depends on h."""
-        if self.at_once == 1:
+        if (self.at_once == np.eye(len(self.at_once))).all():
             return []
         what = "the area in phase space" if self.built_in else "the velocity"
+        noun, verb = ("turn", "turns") if _is_turn(self.at_once) else ("damping", "damps")
         return [
-            f"{what} is multiplied by {self.at_once:.6g} in each step, however short: a damping for each step, none "
-            "for each time; with half of h it damps twice as much"
+            f"{what} is multiplied by {_shown(self.at_once)} in each step, however short: a {noun} for each step, none "
+            f"for each time; with half of h it {verb} twice as much"
         ]
+
+    @property
+    def turns(self) -> bool:
+        """Whether v is turned, as by Coriolis' force: C is antisymmetric."""
+        return bool(np.abs(self.rate + self.rate.T).max() < _LITTLE * np.abs(self.rate).max())
 
     @property
     def verdict(self) -> str:
@@ -62,19 +73,24 @@ class Damping:
         if self.faults:
             return f"it is no method that is known here: {self.faults[0]}"
         seen = "" if self.order is None or self.order.order is None else f", of order {self.order.order} as measured"
-        return f"it is a step of {'the oscillator' if self.built_in else 'a force'} with a drag{seen}: {self.lines[0]}"
+        of, force = "the oscillator" if self.built_in else "a force", "a force that turns v" if self.turns else "a drag"
+        return f"it is a step of {of} with {force}{seen}: {self.lines[0]}"
 
     @property
     def lines(self) -> list[str]:
         """The law."""
         law = self.law or f"a law of h that is none of {', '.join(text.format(c='c') for text in _LAWS)}"
         what = "areas in phase space are" if self.built_in else "without a force, v is"
-        return [f"{what} multiplied by {law}, as by a drag of {self.rate:.6g} v"]
+        return [f"{what} multiplied by {law}, as by {'the force -C v with C =' * self.turns or 'a drag of'} {self._c}"]
+
+    @property
+    def _c(self) -> str:
+        return _shown(self.rate) if self.turns else f"{_shown(self.rate)} v"
 
     @property
     def data(self) -> dict[str, Json]:
         """The same for programs."""
-        return {"law": self.law or None, "rate": f"{self.rate:.6g}", "faults": list(self.faults)}
+        return {"law": self.law or None, "rate": _shown(self.rate), "faults": list(self.faults)}
 
 
 def read_damping(subject: ForeignStepper) -> Damping:
@@ -86,20 +102,27 @@ def read_damping(subject: ForeignStepper) -> Damping:
     rounding, longer = Rounding(subject.format, 1), _short(subject)
     shorter = longer / 2
     seen = {h: factor(subject, h) for h in (*_STEPS, longer, shorter)}
-    lost = [1 - seen[h] for h in (longer, shorter)]
+    one = np.eye(len(seen[shorter]))
+    lost = [one - seen[h] for h in (longer, shorter)]
+    sizes = [float(np.abs(part).max()) for part in lost]
     # Of a loss O(h²), as of a method that keeps no areas, half a step has a quarter.
-    if abs(lost[1]) <= max(8 * rounding.of(4.0), 0.375 * abs(lost[0])):
+    if sizes[1] <= max(8 * rounding.of(4.0), 0.375 * sizes[0]):
         raise UnsupportedCall("it takes nothing from v")
-    if abs(lost[1]) > 0.75 * abs(lost[0]):  # where half a step loses no less, not half as much
-        at_once = seen[shorter] if len({*seen.values()}) == 1 else round(1 - 2 * lost[1] + lost[0], _DIGITS)
-        if not 0 <= at_once < 1:
-            raise NotReadable(f"a step of h = 0 multiplies by {at_once:.6g}: no damping")
-        return Damping("", 0.0, at_once, built_in)
+    if sizes[1] > 0.75 * sizes[0]:  # where half a step loses no less, not half as much
+        same = all((each == seen[shorter]).all() for each in seen.values())
+        at_once = seen[shorter] if same else np.round(one - 2 * lost[1] + lost[0], _DIGITS)
+        values = np.linalg.eigvals(at_once)
+        if np.abs(values).max() > 1 + _LITTLE or values.real.min() < 0:
+            raise NotReadable(f"a step of h = 0 multiplies by {_shown(at_once)}: no damping")
+        return Damping("", 0 * one, at_once, built_in)
     rate = lost[1] / shorter
-    if rate < 0 or (built_in and not _follows_drag(subject, rate)):
-        raise NotReadable(f"areas grow as 1 + {-rate:.6g} h: no drag" if rate < 0 else "small steps follow no drag")
+    grown = -float(np.trace(rate))
+    if grown > _LITTLE * float(np.abs(rate).max()):
+        raise NotReadable(f"areas grow as 1 + {grown:.6g} h: no drag")
+    if built_in and not _follows_drag(subject, -grown):
+        raise NotReadable("small steps follow no drag")
     laws = (_told(text, rate_of, seen, rounding) for text, rate_of in _LAWS.items())
-    found = Damping(next(filter(None, laws), ""), rate, 1.0, built_in)
+    found = Damping(next(filter(None, laws), ""), rate, one, built_in)
     return found if built_in else replace(found, order=measured_on(subject, _with_drag(rate)))
 
 
@@ -108,35 +131,58 @@ def _short(subject: ForeignStepper) -> float:
     return max(_SHORT, 4 * sqrt(float(subject.format.u)))
 
 
-def _told(text: str, rate_of: Callable[[float, float], float], seen: Mapping[float, float], rounding: Rounding) -> str:
-    """The law with its rate, if all steps show the same one."""
-    if min(seen.values()) <= 0:
+def _shown(matrix: Array, text: Callable[[float], str] = "{:.6g}".format, slack: float = 0.0) -> str:
+    """The matrix in rows, as one number where it is that times 1, in which numbers below a slack are 0."""
+    slack = max(slack, 2.0**-20 * float(np.abs(matrix).max()))
+    if np.abs(matrix - matrix[0, 0] * np.eye(len(matrix))).max() <= slack:
+        return text(float(matrix[0, 0]))
+    rows = (", ".join(text(float(x)) if abs(x) > slack else "0" for x in row) for row in matrix)
+    return f"[[{'], ['.join(rows)}]]"
+
+
+def _is_turn(matrix: Array) -> bool:
+    """Whether lengths are kept."""
+    return len(matrix) > 1 and float(np.abs(matrix @ matrix.T - np.eye(len(matrix))).max()) < _LITTLE
+
+
+def _told(text: str, rate_of: Callable[[Any, float], Any], seen: Mapping[float, Array], rounding: Rounding) -> str:
+    """The law with its rate, a matrix of the same eigenvectors as the step, if all steps show the same one."""
+    rates, slack = [], []
+    for h in _STEPS:
+        values, vectors = np.linalg.eig(seen[h].astype(complex))
+        grown = float(np.linalg.cond(vectors))
+        if not grown < _WORST or any(abs(x) == 0 or (x.imag == 0 and x.real < 0) for x in values):
+            return ""
+        rates.append(vectors @ np.diag(rate_of(values, h)) @ np.linalg.inv(vectors))
+        slack.append(rounding.of(4.0 / h) * grown)
+    if any(np.abs(rate - rates[0]).max() > slack[0] + more for rate, more in zip(rates, slack, strict=True)):
         return ""
-    (first, most), *others = [(rate_of(seen[h], h), rounding.of(4.0 / h)) for h in _STEPS]
-    if any(abs(rate - first) > most + slack for rate, slack in others):
-        return ""
-    return text.format(c=coefficient_text(first, rounding.format, most))
+    return text.format(c=_shown(rates[0].real, lambda x: coefficient_text(x, rounding.format, slack[0]), slack[0]))
 
 
-def _velocity_factor(subject: ForeignStepper, h: float) -> float:
-    """v1/v without a force. Raises NotReadable where it is not the same for all v."""
+def _velocity_factor(subject: ForeignStepper, h: float) -> Array:
+    """The matrix of v1 = D v without a force. Raises NotReadable where it is not the same for all v."""
+    n = TOGETHER.get(subject.adapter.name, 1)
 
-    def stepped(v: float) -> float:
-        return float(subject.step_with(lambda q: 0 * q, 0.0, v, h)[1])
+    def stepped(v: Array) -> Array:
+        end = subject.step_forced(lambda t, q: [0.0 * x for x in q], 0.0, [0.0] * n, v.tolist(), h)
+        return np.array(end[n:])
 
-    one, two, rest = stepped(1.0), stepped(-2.0), stepped(0.0)
-    if rest or abs(two + 2 * one) > Rounding(subject.format, 1).of(4.0):
+    found = np.array([stepped(unit) for unit in np.eye(n)]).T
+    other = np.array([-2.0, 0.5, 1.0][:n])
+    off = max(np.abs(stepped(0 * other)).max(), np.abs(stepped(other) - found @ other).max())
+    if off > Rounding(subject.format, n).of(4.0):
         raise NotReadable("without a force, the new velocity is no multiple of the old one")
-    return one
+    return found
 
 
-def _area_factor(subject: ForeignStepper, h: float) -> float:
+def _area_factor(subject: ForeignStepper, h: float) -> Array:
     """The determinant of a step that is linear."""
     (a, c), (b, d), (x, y) = (subject.step(q, v, h) for q, v in ((1.0, 0.0), (0.0, 1.0), (-2.0, 3.0)))
     size = 8 * sum(map(abs, (a, b, c, d)))
     if max(abs(x + 2 * a - 3 * b), abs(y + 2 * c - 3 * d)) > Rounding(subject.format, 4).of(size):
         raise NotReadable("the step is not linear")
-    return float(a * d - b * c)
+    return np.array([[a * d - b * c]], dtype=float)
 
 
 def _follows_drag(subject: ForeignStepper, rate: float) -> bool:
@@ -148,13 +194,15 @@ def _follows_drag(subject: ForeignStepper, rate: float) -> bool:
     return c < 0 and all(abs(x / h - y) <= allowed for x, y in slopes)
 
 
-def _with_drag(rate: float) -> NonlinearProblem:
-    """q'' = F(q) - c v with F = exp(-2q) + c sqrt(1 - exp(-2q)), which makes good the drag: solved by log cosh t."""
-    still = walls(1)
+def _with_drag(rate: Array) -> NonlinearProblem:
+    """q'' = F(q) - C v with F = exp(-2q) + C sqrt(1 - exp(-2q)), which makes good the drag: solved by log cosh."""
+    still = walls(len(rate))
 
     def pushed(t: AnyNumber, y: Sequence[AnyNumber]) -> list[AnyNumber]:
-        wall = (-2 * y[0]).exp() if isinstance(y[0], arb) else exp(-2 * max(y[0], 0.0))
-        left = 1 - wall
-        return [y[1], wall + rate * (left.sqrt() if isinstance(left, arb) else sqrt(left))]
+        n = len(rate)
+        near = [(-2 * q).exp() if isinstance(q, arb) else exp(-2 * max(q, 0.0)) for q in y[:n]]
+        speeds = [(1 - x).sqrt() if isinstance(x, arb) else sqrt(1 - x) for x in near]
+        drags = (sum((float(c) * v for c, v in zip(row, speeds, strict=True)), 0 * speeds[0]) for row in rate)
+        return [*y[n:], *(x + drag for x, drag in zip(near, drags, strict=True))]
 
-    return replace(still, words=f"q'' = F(q) - {rate:.6g} v, the drag being the step's own", rate=pushed)
+    return replace(still, words=f"q'' = F(q) - {_shown(rate)} v, the drag being the step's own", rate=pushed)

@@ -121,30 +121,31 @@ def force_problem(subject: ForeignStepper) -> NonlinearProblem:
     return pushed(1, timed=True) if gives_force_times(subject) else walls(1)
 
 
-def dragged_problem(subject: ForeignStepper) -> NonlinearProblem:
-    """Of one position: q'' = F(t, q, v) where times are handed on, else q'' = exp(-2q) (exp(-2q) + v²).
+def dragged_problem(subject: ForeignStepper, positions: int = 1) -> NonlinearProblem:
+    """q'' = F(t, q, v) where times are handed on, else qᵢ'' = exp(-2qᵢ) (exp(-2qⱼ) + vⱼ²) with the j after i.
 
-    Solved by 1/(1 + t²), and by log cosh t.
+    Solved by bells, and by log cosh.
     """
-    if not gives_force_times(subject):
-        still = walls(1)
-
-        def drag(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
-            wall = _exp(-2 * y[0])
-            return [y[1], wall * (wall + y[1] * y[1])]
-
-        return replace(still, words="a nonlinear q'' = F(q, v)", rate=drag, dragged=True)
-    pushing = pushed(1, timed=True)
+    timed = gives_force_times(subject)
+    still = pushed(positions, timed=True) if timed else walls(positions)
 
     def pull(q: AnyNumber, v: AnyNumber) -> AnyNumber:
-        return (1 + v) * (1 + v) / (1 + q * q)
+        return (1 + v) * (1 + v) / (1 + q * q) if timed else _exp(-2 * q) + v * v
 
     def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
-        x, bell = _bell(0, t)
-        own = 8 * x * x * bell**3 - 2 * bell * bell
-        return [y[1], own + pull(y[0], y[1]) - pull(bell, -2 * x * bell * bell)]
+        if len(y) != 2 * positions:
+            raise WrongShape(f"the force is asked for {len(y) // 2} of {positions} positions")
+        q, v = y[:positions], y[positions:]
+        pulls = [pull(q[(i + 1) % positions], v[(i + 1) % positions]) for i in range(positions)]
+        if not timed:
+            return [*v, *(_exp(-2 * x) * p for x, p in zip(q, pulls, strict=True))]
+        bells = [_bell(i, t) for i in range(positions)]
+        own = [8 * x * x * bell**3 - 2 * bell * bell for x, bell in bells]
+        known = [pull(bell, -2 * x * bell * bell) for x, bell in [*bells[1:], bells[0]]]
+        return [*v, *(a + p - k for a, p, k in zip(own, pulls, known, strict=True))]
 
-    return replace(pushing, words="a nonlinear q'' = F(t, q, v)", rate=rate, dragged=True)
+    several = "" if positions == 1 else f" of {positions} positions"
+    return replace(still, words=f"a nonlinear q'' = F({'t, ' * timed}q, v){several}", rate=rate, dragged=True)
 
 
 def force_problems(subject: ForeignStepper) -> list[NonlinearProblem]:

@@ -143,11 +143,13 @@ class Walker:
             with suppress(*_REFUSALS):
                 return [driven(numbers, timed=hands_on_time(self.subject, numbers))]
             return []
-        if self.subject.gives_velocities and not isinstance(self.method, Splitting | Nystrom):
-            return [dragged_problem(self.subject)] if numbers == 1 else []
         timed = gives_force_times(self.subject)
-        found = [pushed(numbers, timed=timed)] if timed or numbers > 1 else []
-        for problem in [*found, *([] if timed or self.subject.convention.kind == FIELD else [walls(numbers)])]:
+        if self.subject.gives_velocities and not isinstance(self.method, Splitting | Nystrom):
+            found = [dragged_problem(self.subject, numbers)]
+        else:
+            found = [pushed(numbers, timed=timed)] if timed or numbers > 1 else []
+            found += [] if timed or self.subject.convention.kind == FIELD else [walls(numbers)]
+        for problem in found:
             with suppress(*_REFUSALS):
                 problem.stepped(self.subject, START, _start(problem, START), 2.0**-5)
                 orders = (False, True) if self.subject.convention.kind == FIELD and numbers > 1 else (False,)

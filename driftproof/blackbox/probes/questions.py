@@ -10,10 +10,11 @@ from driftproof.blackbox.findings import Misbehaviour, NoAnswer
 from driftproof.blackbox.probes.force import ForceReading, read_forces
 from driftproof.blackbox.probes.implicit_forces import read_implicit_forces
 from driftproof.blackbox.probes.implicit_tableau import read_implicit_tableau
-from driftproof.blackbox.probes.scripted_answers import NotReadable
+from driftproof.blackbox.probes.scripted_answers import NotReadable, Rounding, unit
 from driftproof.blackbox.probes.tableau import TableauReading, read_tableau
-from driftproof.blackbox.stepper.calling_conventions import FIELD, TIME
+from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, TIME
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.state_forms import TOGETHER
 
 CoefficientReading: TypeAlias = TableauReading | ForceReading
 
@@ -50,6 +51,7 @@ def read_coefficients(subject: ForeignStepper) -> CoefficientReading:
             raise
         except (NotReadable, Misbehaviour) as refusal:
             return _otherwise(subject, refusal)
+    _demand_inertia(subject)
     try:
         reading = read_forces(subject)
     except NoAnswer:
@@ -72,6 +74,18 @@ def _as_tableau(reading: ForceReading, *, timed: bool) -> TableauReading | None:
             return None
     c, solved = reading.c if timed else None, (reading.stage_error, reading.solved)
     return TableauReading(a, b, c, reading.format, reading.remarks, reading.amplitude, *solved)
+
+
+def _demand_inertia(subject: ForeignStepper) -> None:
+    """Raises NotReadable where numbers that belong together do not all keep their velocity: a force of one sees one."""
+    numbers = TOGETHER.get(subject.adapter.name, 1)
+    allowed = Rounding(subject.format, numbers).of(1.0)
+    for i in range(numbers if numbers > 1 and subject.convention.kind == FORCE else 0):
+        v = unit(numbers, i)
+        end = subject.step_forced(lambda t, q: [0.0 * x for x in q], 0.0, [0.0] * numbers, v, 1.0)[numbers:]
+        if any(abs(x - y) > allowed for x, y in zip(end, v, strict=True)):
+            became = " becomes ".join(f"({', '.join(f'{x:.6g}' for x in numbers)})" for numbers in (v, end))
+            raise NotReadable(f"with h = 1 and without a force, the velocity {became}")
 
 
 def _implicit_forces(subject: ForeignStepper, refusal: NotReadable) -> ForceReading:

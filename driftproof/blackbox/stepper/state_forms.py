@@ -11,6 +11,7 @@ from typing import Any, get_type_hints
 
 import numpy as np
 
+from driftproof.blackbox.findings import WrongShape
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, as_array, floats_in
 from driftproof.blackbox.stepper.calling_conventions import (
     FIELD,
@@ -36,7 +37,7 @@ def forms_of(step: Callable[..., Any], convention: CallingConvention) -> Iterato
     elif convention.kind == FIELD:
         yield BATCH
     else:
-        yield from (BODIES, BATCH)
+        yield from (BODIES, BATCH, *VECTORS)
     if "torch" in sys.modules:
         yield from _tensors(sys.modules["torch"])
     if "jax" in sys.modules and convention.kind != MAP:
@@ -79,6 +80,28 @@ def _out_of_space(value: Foreign, size: int) -> list[AnyNumber]:
 BODIES = ArrayAdapter(
     "NumPy arrays of bodies in space", _in_space, _out_of_space, shown="numpy.array([[{}, 0.0, 0.0]])"
 )
+
+
+def _vector(size: int) -> ArrayAdapter:
+    """One vector, each number a coordinate; what is missing is 0."""
+
+    def write(numbers: Sequence[AnyNumber]) -> Foreign:
+        if len(numbers) > size:
+            raise WrongShape(f"a vector of {size} numbers holds no {len(numbers)}")
+        return np.array([*numbers, *[0.0] * (size - len(numbers))])
+
+    def read(value: Foreign, count: int) -> list[AnyNumber]:
+        array = as_array(value)
+        return floats_in(array.ravel()[:count] if array.size == size else array, count)
+
+    rest = ", 0.0" * (size - 1)
+    return ArrayAdapter(f"NumPy vectors of {size}", write, read, shown=f"numpy.array([{{}}{rest}])")
+
+
+# For steps that multiply by a matrix of their own, or take a vector product.
+VECTORS = (_vector(2), _vector(3))
+# How many numbers belong together in what an adapter makes.
+TOGETHER = {BODIES.name: _DIMENSIONS} | {vectors.name: size for size, vectors in zip((2, 3), VECTORS, strict=True)}
 
 
 def _tensors(torch: Any) -> Iterator[ArrayAdapter]:

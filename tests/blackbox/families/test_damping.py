@@ -111,3 +111,89 @@ def test_what_takes_nothing_from_v_or_no_multiple_of_it_is_refused():
     with pytest.raises(NotReadable, match="multiplies by 2: no damping"):
         read_damping(opened(damped(lambda h: 2.0)))
     assert identify(damped(lambda h: exp(0)), isolate=False).data["damping"] is None
+
+
+C = np.array([[0.25, 0.125], [0.0, 0.5]])
+
+
+def of_vectors(factor: Callable[[float], np.ndarray]):
+    """Symplectic Euler of vectors, the velocity multiplied by a matrix in each step."""
+
+    def step(force, x, v, dt):
+        v = factor(dt) @ v + dt * force(x)
+        return x + dt * v, v
+
+    return step
+
+
+def turned(angle: float):
+    return np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+
+
+def coriolis(force, x, v, dt):
+    v = v + dt * (force(x) - 2 * np.cross([0.0, 0.0, 0.25], v))
+    return x + dt * v, v
+
+
+def strang(force, x, v, dt):
+    half = (np.eye(2) - dt / 4 * C) @ np.linalg.inv(np.eye(2) + dt / 4 * C)
+    v = half @ v + dt / 2 * force(x)
+    x = x + dt * v
+    return x, half @ (v + dt / 2 * force(x))
+
+
+DRAG, ONCE = "with a drag, of order", "a damping for each step"
+OF_VECTORS = [
+    (of_vectors(lambda h: np.eye(2) - h * C), DRAG, "h, as by a drag of [[0.25, 0.125], [0, 0.5]]"),
+    (of_vectors(lambda h: np.linalg.inv(np.eye(2) + h * C)), DRAG, "1/(1 + [[1/4, 1/8], [0, 1/2]] h)"),
+    (of_vectors(lambda h: np.diag([np.exp(-h / 4), np.exp(-h / 2)])), DRAG, "exp(-[[1/4, 0], [0, 1/2]] h)"),
+    (of_vectors(lambda h: np.exp(-h / 4) * np.eye(3)), DRAG, "multiplied by exp(-1/4 h), as by a drag of 0.25 v"),
+    (of_vectors(lambda h: np.diag([0.99, 1.0])), ONCE, "by [[0.99, 0], [0, 1]] in each step, however short"),
+    (of_vectors(lambda h: turned(h / 2)), "a force that turns v, of order 1", "-C v with C = [[0, -0.5], [0.5, 0]]"),
+    (of_vectors(lambda h: turned(0.1)), "a turn for each step", "with half of h it turns twice as much"),
+    (coriolis, "a force that turns v, of order 1", "by 1 - [[0, -1/2, 0], [1/2, 0, 0], [0, 0, 0]] h"),
+    (strang, "with a drag, of order 2 as measured", "multiplied by a law of h that is none of"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("step", "kind", "law"), OF_VECTORS, ids=range(len(OF_VECTORS)))
+def test_a_matrix_of_drag_or_of_turning_is_told_and_is_no_method_of_one_number(step, kind, law):
+    report = identify(step, isolate=False)
+    assert kind in report.verdict
+    assert law in report.verdict
+    assert report.data["method"] is None
+    assert verify(step, "symplectic_euler", examples=20, isolate=False).passed is False
+
+
+def test_vectors_without_a_drag_take_nothing_from_v():
+    step = of_vectors(lambda h: np.eye(2))
+    assert identify(step, isolate=False).verdict == "it is symplectic_euler"
+    assert verify(step, "symplectic_euler", examples=20, isolate=False).passed is True
+    with pytest.raises(UnsupportedCall, match="takes nothing from v"):
+        read_damping(opened(step))
+
+
+def of_velocities(ahead: Callable[[np.ndarray, np.ndarray], np.ndarray]):
+    """The midpoint rule of vectors whose force is given this velocity, of the start and of the middle."""
+
+    def step(force, x, v, dt):
+        assert x.shape in ((2,), (3,))
+        middle = v + dt / 2 * force(x, v)
+        return x + dt * middle, v + dt * force(x + dt / 2 * v, ahead(v, middle))
+
+    return step
+
+
+VELOCITIES = [
+    (lambda v, middle: middle, True, "is midpoint2"),
+    (lambda v, middle: v, False, "the velocity of call 1 holds F[0]: 0 instead of 1/2"),
+    (lambda v, middle: np.array([middle[0], *v[1:]]), False, "of 2 positions it is another step"),
+    (lambda v, middle: middle[::-1].copy(), False, "is not midpoint2"),
+]
+
+
+@pytest.mark.parametrize(("ahead", "passed", "words"), VELOCITIES, ids=range(len(VELOCITIES)))
+def test_a_force_that_is_given_another_velocity_is_seen_in_every_number(ahead, passed, words):
+    found = verify(of_velocities(ahead), "midpoint2", examples=20, isolate=False)
+    assert found.passed is passed
+    assert words in found.verdict
