@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import exp, sqrt
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from flint import arb
@@ -35,6 +35,9 @@ _LAWS: Mapping[str, Callable[[Any, float], Any]] = {
 }
 
 
+_Rows: TypeAlias = tuple[tuple[float, ...], ...]
+
+
 @dataclass(frozen=True)
 class Damping:
     """In a step without a force v is multiplied by the `law` of h, to first order 1 - `rate` h; a step loses `at_once`.
@@ -45,27 +48,29 @@ class Damping:
     """
 
     law: str
-    rate: Array
-    at_once: Array
+    rate: _Rows
+    at_once: _Rows
     built_in: bool
     order: MeasuredOrder | None = None
 
     @property
     def faults(self) -> list[str]:
         """A loss in each step, however short: how much is lost in a time then depends on h."""
-        if (self.at_once == np.eye(len(self.at_once))).all():
+        if (np.array(self.at_once) == np.eye(len(self.at_once))).all():
             return []
         what = "the area in phase space" if self.built_in else "the velocity"
-        noun, verb = ("turn", "turns") if _is_turn(self.at_once) else ("damping", "damps")
+        factor = np.array(self.at_once)
+        noun, verb = ("turn", "turns") if _is_turn(factor) else ("damping", "damps")
         return [
-            f"{what} is multiplied by {_shown(self.at_once)} in each step, however short: a {noun} for each step, none "
+            f"{what} is multiplied by {_shown(factor)} in each step, however short: a {noun} for each step, none "
             f"for each time; with half of h it {verb} twice as much"
         ]
 
     @property
     def turns(self) -> bool:
         """Whether v is turned, as by Coriolis' force: C is antisymmetric."""
-        return bool(np.abs(self.rate + self.rate.T).max() < _LITTLE * np.abs(self.rate).max())
+        rate = np.array(self.rate)
+        return bool(np.abs(rate + rate.T).max() < _LITTLE * np.abs(rate).max())
 
     @property
     def verdict(self) -> str:
@@ -85,12 +90,12 @@ class Damping:
 
     @property
     def _c(self) -> str:
-        return _shown(self.rate) if self.turns else f"{_shown(self.rate)} v"
+        return _shown(np.array(self.rate)) if self.turns else f"{_shown(np.array(self.rate))} v"
 
     @property
     def data(self) -> dict[str, Json]:
         """The same for programs."""
-        return {"law": self.law or None, "rate": _shown(self.rate), "faults": list(self.faults)}
+        return {"law": self.law or None, "rate": _shown(np.array(self.rate)), "faults": list(self.faults)}
 
 
 def read_damping(subject: ForeignStepper) -> Damping:
@@ -114,7 +119,7 @@ def read_damping(subject: ForeignStepper) -> Damping:
         values = np.linalg.eigvals(at_once)
         if np.abs(values).max() > 1 + _LITTLE or values.real.min() < 0:
             raise NotReadable(f"a step of h = 0 multiplies by {_shown(at_once)}: no damping")
-        return Damping("", 0 * one, at_once, built_in)
+        return Damping("", _rows(0 * one), _rows(at_once), built_in)
     rate = lost[1] / shorter
     grown = -float(np.trace(rate))
     if grown > _LITTLE * float(np.abs(rate).max()):
@@ -122,7 +127,7 @@ def read_damping(subject: ForeignStepper) -> Damping:
     if built_in and not _follows_drag(subject, -grown):
         raise NotReadable("small steps follow no drag")
     laws = (_told(text, rate_of, seen, rounding) for text, rate_of in _LAWS.items())
-    found = Damping(next(filter(None, laws), ""), rate, one, built_in)
+    found = Damping(next(filter(None, laws), ""), _rows(rate), _rows(one), built_in)
     return found if built_in else replace(found, order=measured_on(subject, _with_drag(rate)))
 
 
@@ -138,6 +143,10 @@ def _shown(matrix: Array, text: Callable[[float], str] = "{:.6g}".format, slack:
         return text(float(matrix[0, 0]))
     rows = (", ".join(text(float(x)) if abs(x) > slack else "0" for x in row) for row in matrix)
     return f"[[{'], ['.join(rows)}]]"
+
+
+def _rows(matrix: Array) -> _Rows:
+    return tuple(tuple(float(x) for x in row) for row in matrix)
 
 
 def _is_turn(matrix: Array) -> bool:

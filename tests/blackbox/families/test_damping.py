@@ -168,6 +168,7 @@ def test_a_matrix_of_drag_or_of_turning_is_told_and_is_no_method_of_one_number(s
 def test_vectors_without_a_drag_take_nothing_from_v():
     step = of_vectors(lambda h: np.eye(2))
     assert identify(step, isolate=False).verdict == "it is symplectic_euler"
+    assert "a drag" in identify(strang).verdict  # from another process
     assert verify(step, "symplectic_euler", examples=20, isolate=False).passed is True
     with pytest.raises(UnsupportedCall, match="takes nothing from v"):
         read_damping(opened(step))
