@@ -70,7 +70,8 @@ $(PEERS): requirements.lock benchmarks/peers.txt
 clean:
 	rm -rf .venv build dist .hypothesis .mypy_cache .ruff_cache
 
-# Identifies steppers of some forty other packages, which want an environment of their own, and writes docs/gallery.md.
+# Identifies steppers of some forty other packages, which want an environment of their own, and writes docs/gallery.md,
+# and docs/gallery_solvers.md of whole solvers.
 GALLERY := build/gallery
 
 .PHONY: gallery
@@ -78,6 +79,7 @@ GALLERY := build/gallery
 gallery: $(GALLERY)
 	$(GALLERY)/bin/python examples/gallery/convergence.py > examples/gallery/findings.md
 	$(GALLERY)/bin/python -m examples.gallery.run
+	$(GALLERY)/bin/python -m examples.gallery.run --solvers
 
 $(GALLERY): examples/gallery/requirements.txt
 	$(PYTHON) -m venv $(GALLERY)

@@ -1,6 +1,7 @@
 """Identify the targets of the gallery whose packages are installed, and write the table docs/gallery.md.
 
-Run it at the root of the checkout: `python -m examples.gallery.run [PART OF A NAME ...]`.
+Run it at the root of the checkout: `python -m examples.gallery.run [PART OF A NAME ...]`; with `--solvers` first, it
+asks the whole solvers of `whole_solvers.py`, and writes docs/gallery_solvers.md.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ import json
 import os
 import re
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
@@ -109,21 +110,28 @@ def main(parts: Sequence[str]) -> None:
     Each answer is kept as it comes, so that a run that was broken off goes on where it stopped; a package of another
     version is asked again.
     """
+    if parts[:1] == ["--solvers"]:
+        import_module("examples.gallery.solver_table").main(parts[1:])
+        return
     entries = {name: entry for name, entry in targets().items() if installed(entry)}
-    rows = {name: line for name, line in kept().items() if name in entries and line[1] == installed(entries[name])}
-    chosen = [name for name in entries if (any(part in name for part in parts) if parts else name not in rows)]
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for line in pool.map(row, chosen, map(entries.__getitem__, chosen)):
-            print("  ".join(line), flush=True)
-            rows[line[0]] = line
-            KEPT.parent.mkdir(exist_ok=True)
-            KEPT.write_text(json.dumps(rows), encoding="utf-8")
+    versions = {name: installed(entry) for name, entry in entries.items()}
+    rows = asked(lambda name: row(name, entries[name]), versions, parts, KEPT)
     TABLE.write_text(written([rows[name] for name in entries if name in rows], missing(rows)), encoding="utf-8")
 
 
-def kept() -> dict[str, Sequence[str]]:
-    """The answers of earlier runs."""
-    rows: dict[str, Sequence[str]] = json.loads(KEPT.read_text(encoding="utf-8")) if KEPT.exists() else {}
+def asked(
+    row: Callable[[str], Sequence[str]], versions: Mapping[str, str | None], parts: Sequence[str], place: Path
+) -> dict[str, Sequence[str]]:
+    """The rows of all names, those kept at the place among them, of the version that is installed now."""
+    kept: dict[str, Sequence[str]] = json.loads(place.read_text(encoding="utf-8")) if place.exists() else {}
+    rows = {name: line for name, line in kept.items() if name in versions and line[1] == versions[name]}
+    chosen = [name for name in versions if (any(part in name for part in parts) if parts else name not in rows)]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        for line in pool.map(row, chosen):
+            print("  ".join(line), flush=True)
+            rows[line[0]] = line
+            place.parent.mkdir(exist_ok=True)
+            place.write_text(json.dumps(rows), encoding="utf-8")
     return rows
 
 
@@ -137,9 +145,14 @@ def written(rows: Sequence[Sequence[str]], missing: Sequence[str]) -> str:
     findings = FINDINGS.read_text(encoding="utf-8").strip()
     lines = ["# Steppers of other packages, identified from outside", "", HEADLINE, "", findings, ""]
     lines += ["## Every stepper", "", INTRODUCTION, ""]
-    for cells in (HEAD, ["---"] * len(HEAD), *rows):
-        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    lines += markdown(HEAD, rows)
     return "\n".join([*lines, "", f"Not asked: {', '.join(missing)}." if missing else "", ""]).rstrip() + "\n"
+
+
+def markdown(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    """The lines of a table."""
+    table = (head, ["---"] * len(head), *rows)
+    return ["| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |" for cells in table]
 
 
 if __name__ == "__main__":

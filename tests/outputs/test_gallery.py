@@ -15,7 +15,7 @@ from driftproof.blackbox.isolation import IsolatedRunner
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS
 from driftproof.symbolic.runs import exact_matrix_at
-from examples.gallery import run, trial
+from examples.gallery import run, solver_table, trial
 from tests.looping import exactly, some
 from tests.outputs.gallery_expected import EXPECTED, FIELDS, FORCES, MAPS, Expected
 
@@ -125,3 +125,13 @@ def _flow(problem: str) -> tuple[Callable[[float], list[mpmath.mpf]], float]:
     start = trial.TIME if problem == trial.DRIVEN else 0.0
     flow: Callable[[float], list[mpmath.mpf]] = mpmath.odefun(rate, start, list(trial.START))
     return flow, start
+
+
+def test_whole_solvers_stand_in_their_table_as_they_are_found() -> None:
+    cells = solver_table.row("scipy RK45")
+    assert cells[2:5] == ("5", "dormand_prince54", "5")
+    assert cells[5:] == ("h_next/h = 0.9 r^(-1/5), at least 0.2, at most 10 (not PI)", "")
+    page = solver_table.PAGE.read_text(encoding="utf-8")
+    rows = [line.strip("| ").split(" | ")[0] for line in page.splitlines() if line.startswith("| ")][2:]
+    assert set(some(rows, 100)) <= set(solver_table.solvers())
+    assert not hasattr(solver_table.PACKAGES["scipy"], "NoSuchMethod")

@@ -15,6 +15,7 @@ from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.solvers.foreign_solver import DoesNotEnd, ForeignSolver, Solution
 from driftproof.blackbox.solvers.steps import SolverSteps
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import RungeKutta
 
 # The error of a step of length h whose slopes are k: of the stages, the last of which is the slope at its end.
@@ -107,6 +108,8 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
     rejected = sum(not each.accepted for each in attempts)
     traces = _traces(run, steps, attempts)
     factors = [each.factor for each in attempts if each.factor is not None]
+    if silent := [pair.key for pair in steps.pairs if _is_silent(pair)]:
+        raise NotReadable(f"the estimate of {silent[0]} is 0 wherever slopes depend on t alone: no law shows")
     if len(factors) >= 2 and max(factors) - min(factors) <= _CLOSE:
         constant = f"the step size does not depend on the error: every step is {factors[0]:.6g} times the one before"
         fixed = ("the steps are all of one length, whatever the error",)
@@ -194,6 +197,16 @@ def _estimates(steps: SolverSteps) -> Iterator[tuple[str, _Estimate]]:
 def _row(pair: RungeKutta, steps: SolverSteps) -> list[float]:
     assert pair.b_embedded is not None
     return [float(x) - float(y) for x, y in zip(pair.b, pair.b_embedded, strict=True)]
+
+
+def _is_silent(pair: RungeKutta) -> bool:
+    """Whether the weights of its estimate cancel at every node, as those of Fehlberg's pair 7(8) do."""
+    assert pair.b_embedded is not None
+    weights = zip(pair.c, pair.b, pair.b_embedded, strict=True)
+    by_node: dict[Exact, Exact] = {}
+    for c, x, y in weights:
+        by_node[c] = by_node.get(c, Fraction(0)) + x - y
+    return not any(by_node.values())
 
 
 class _Point(NamedTuple):

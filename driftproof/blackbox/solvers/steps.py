@@ -54,7 +54,8 @@ class SolverSteps:
 
     The numbers are quotients by the length of the step: within a few roundings of the code's own. `nodes` are the
     places of all calls that an attempt makes after its start, in turn, without those at its end that follow all others.
-    `dense` is the dense output of that step, where one is returned; `faults` tell where steps are others than these.
+    `dense` is the dense output of that step, where one is returned; `faults` tell where steps are others than these. A
+    solver that is not `adaptive` has no use for the other row of a pair.
     """
 
     reading: TableauReading
@@ -63,12 +64,15 @@ class SolverSteps:
     nodes: tuple[float, ...]
     dense: JudgedDense | None = None
     faults: tuple[str, ...] = ()
+    adaptive: bool = True
 
     @property
     def pairs(self) -> tuple[RungeKutta, ...]:
-        """The pairs of the catalogue whose stages and whose propagated row these are."""
-        methods = [METHODS[key] for key in self.identity.keys]
-        return tuple(m for m in methods if isinstance(m, RungeKutta) and m.b_embedded is not None)
+        """The pairs of the catalogue whose propagated row is that of these stages, and all of whose calls are made."""
+        methods = [METHODS[key] for key in self.identity.keys] if self.adaptive else []
+        inner = sum(0 < c < 1 for c in self.nodes)
+        pairs = (m for m in methods if isinstance(m, RungeKutta) and m.b_embedded is not None)
+        return tuple(m for m in pairs if sum(bool(0 < c < 1) for c in m.c) <= inner)
 
     @property
     def name(self) -> str:
@@ -97,7 +101,9 @@ def read_steps(subject: ForeignSolver) -> SolverSteps:
     order = read_order(reading, next(iter(identity.matches), None))
     dense = marked.dense()
     judged = None if dense is None else judged_reading(dense)
-    return SolverSteps(reading, identity, order, marked.nodes, judged, tuple(_elsewhere(subject, reading)))
+    return SolverSteps(
+        reading, identity, order, marked.nodes, judged, tuple(_elsewhere(subject, reading)), subject.adaptive
+    )
 
 
 def _elsewhere(subject: ForeignSolver, reading: TableauReading) -> Iterator[str]:
@@ -161,7 +167,9 @@ class _Marked:
         self.h = self.end - self.start
         if not self.h > 0:
             raise NotReadable(f"its times do not increase: {self.start!r} is followed by {self.end!r}")
-        calls = self.silent.calls
+        # Who asks at the float before the end of a step means its end.
+        calls = tuple(call._replace(t=self.start) if self._is_start(call.t) else call for call in self.silent.calls)
+        self.silent = self.silent._replace(calls=calls)
         # Calls for the first step size are made before those of the steps, and may lie in this one.
         since = max((n for n, call in enumerate(calls) if call.t < self.start), default=-1)
         # The slope at the start may be asked for before what the dense output of the step before asks for.
@@ -175,6 +183,9 @@ class _Marked:
             raise NotReadable(f"with all slopes 0, from y = 0, it asks at y = {at:.3g}: the differences of a Jacobian")
         if len(self.near) > MOST_CALLS:
             raise NotReadable(f"{len(self.near)} calls fall in one step: an iteration, or it does not return its steps")
+
+    def _is_start(self, t: float) -> bool:
+        return abs(t - self.start) <= 2 * float(self.format.u) * abs(self.start)
 
     @property
     def nodes(self) -> tuple[float, ...]:

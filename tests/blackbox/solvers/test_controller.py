@@ -148,3 +148,9 @@ def test_all_that_is_read_of_step_sizes_is_what_it_was(name, as_before):
         as_before(*found.lines, *found.faults, found.rejected, found.law, asked)
     except NotReadable as refusal:
         as_before(refusal, asked)
+
+
+def test_an_estimate_that_is_0_on_slopes_of_t_alone_shows_no_law_and_is_no_fault():
+    subject = ForeignSolver(adaptive("fehlberg78", exponent=1 / 8))
+    with pytest.raises(NotReadable, match="the estimate of fehlberg78 is 0 wherever slopes depend on t alone"):
+        read_controller(subject, read_steps(subject))

@@ -19,6 +19,13 @@ def read(solve):
     return read_runs(ForeignSolver(solve))
 
 
+def gives_up(f, t_span, y0, rtol, atol):
+    """At once, on any problem of q'' = F(q) but the oscillator, and says so."""
+    if len(y0) == 2 and y0[0] not in (0.0, 1.0):
+        return Answer(np.array(t_span[:1]), np.array([y0]), False, "no step is small enough")
+    return adaptive()(f, t_span, y0, rtol, atol)
+
+
 QUESTIONS = ["Constant slopes", "Clock", "Backward", "Numbers", "NaN", "A jump", "Tolerance", "Stiffness"]
 
 
@@ -66,6 +73,14 @@ WRONG = {
         "a tolerance 1000 times smaller does not make the error 10 times smaller",
     ),
 }
+
+
+def test_who_says_that_it_fails_is_not_taken_for_deaf():
+    found = read(gives_up)
+    assert not found.faults
+    assert (
+        found.seen["Tolerance"][-1] == "q'' = exp(-2 q) to t = 3: it ends at t = -2 and says: no step is small enough"
+    )
 
 
 @pytest.mark.parametrize("name", WRONG)
