@@ -68,9 +68,9 @@ BUDGETS = {
     "numeric": 4243,
     "blackbox": 17690,
     "enclosure": 3159,
-    "texts": 7299,
+    "texts": 7313,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5603
+BUDGET_OF_REPORTS_AND_FRONT = 5606
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from functools import cache
 
-from driftproof.methods.catalogue import METHODS
+from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.names import also_known_as
 from driftproof.texts.values.published import published_values
 
@@ -20,6 +20,7 @@ _QUANTITIES = {
     "phase_error": ("phase|angle", "state|distance|energy"),
     "energy": ("energy", "phase|imaginary|error"),
     "energy_change": ("energy", "phase|imaginary|error"),
+    "order": ("orders?", "stable|stability|limit|axis"),
     "steps": ("steps?", "calls?|evaluations?"),
     "evaluations": ("calls?|evaluations?", "steps?"),
 }
@@ -55,12 +56,13 @@ def contradicted(question: str, text: str, start: int, end: int) -> bool:
     own, other = _QUANTITIES.get(quantity, ("", ""))
     if own and _denied(_words(own, before), _words(other, before), before, _words(other, after), _words(own, after)):
         return True
-    if quantity in _COUNTED and _next_to(before, after) not in ("", _COUNTED[quantity]):
+    in_formula = re.search(r"[+*/^]\s?\Z", before) or re.match(r"\s?[+*/^]", after)
+    if quantity in _COUNTED and (in_formula or _next_to(before, after) not in ("", _COUNTED[quantity])):
         return True
     found = _COMPONENT.search(before) if quantity in ("q", "v") else None
     if found and (quantity == "q") != (found[1] in ("q", "x") or bool(found[2])):
         return True
-    key = next((word for word in re.split(r"[ .]", head) if word in METHODS), "")
+    key = next((word for word in re.split(r"[ .]", head) if word in METHODS or word in FACTS_ONLY), "")
     if key:
         (own_before, other_before), (own_after, other_after) = (_methods(part, key) for part in (before, after))
         if _denied(own_before, other_before, before, other_after, own_after):
@@ -109,6 +111,15 @@ def _methods(text: str, key: str) -> tuple[list[int], list[int]]:
     return own, other
 
 
+def methods_named(text: str) -> set[str]:
+    """The keys of the methods whose keys, titles or other names stand in the text, in lower case.
+
+    >>> sorted(methods_named("bdf2 and dormand-prince"))
+    ['bdf2', 'dormand_prince54']
+    """
+    return {key for match in _spoken_names().finditer(_flat(text)) for key in _names()[match[0]]}
+
+
 def _flat(text: str) -> str:
     return text.replace("-", " ").replace("\n", " ")
 
@@ -117,7 +128,7 @@ def _flat(text: str) -> str:
 def _names() -> dict[str, set[str]]:
     """The methods of each name."""
     found: dict[str, set[str]] = {}
-    for key, method in METHODS.items():
+    for key, method in (*METHODS.items(), *FACTS_ONLY.items()):
         for name in (key, key.replace("_", " "), method.title, *also_known_as(key)):
             found.setdefault(_flat(name.lower()), set()).add(key)
     return found

@@ -14,9 +14,8 @@ from math import prod
 from flint import arb, ctx
 
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS
-from driftproof.methods.names import also_known_as
 from driftproof.symbolic.algebra.certified import Uncertified, enclose
-from driftproof.texts.claims.contradictions import contradicted
+from driftproof.texts.claims.contradictions import contradicted, methods_named
 from driftproof.texts.claims.phrases import NumberForm
 from driftproof.texts.questions.answer import GIVEN, Answer
 from driftproof.texts.questions.evaluate import value
@@ -28,7 +27,7 @@ _USUAL_METHODS = ("forward_euler", "symplectic_euler", "velocity_verlet", "rk4")
 _USUAL_STEPS = ("1/4", "1/2", "1/10")
 _RUN_READOUTS = ("state_error", "energy", "energy_change", "phase_error", "q", "v", "steps", "evaluations")
 _STEP_READOUTS = ("q", "v", "energy")
-_USUAL_FACTS = ("imaginary_limit", "real_limit", "order", "error_constant", "stages", "limit_at_infinity", "angle")
+_USUAL_FACTS = ("imaginary_limit", "real_limit", "order", "error_constant", "limit_at_infinity", "angle")
 # A few hundred questions, which take a second or two; runs of more steps are not cheap.
 _MOST_METHODS, _MOST_RUN, _MOST_SIZES, _MOST_TIMES = 12, 6, 4, 2
 _LONGEST_RUN = 10_000
@@ -248,15 +247,9 @@ def _of_few_bits(answer: Answer) -> Answer:
 
 def _methods_in(text: str) -> list[str]:
     """The methods whose keys, titles or other names stand in the text, or else the usual ones."""
-    flat = text.lower().replace("\n", " ").replace("-", " ")
-    entries = (*METHODS.items(), *FACTS_ONLY.items())
-    called = {key: (key, method.title, *also_known_as(key)) for key, method in entries}
-    spoken = {
-        key: "|".join(re.escape(name.lower().replace("-", " ")) for name in names) for key, names in called.items()
-    }
-    named = [key for key, names in spoken.items() if re.search(rf"\b(?:{names})(?![\w(])", flat)]
-    usual = [key for key in _USUAL_METHODS if key in named or key.replace("_", " ") in flat]
-    return (list(dict.fromkeys([*usual, *named])) or list(_USUAL_METHODS))[:_MOST_METHODS]
+    spoken = methods_named(text.lower())
+    named = [key for key in (*_USUAL_METHODS, *METHODS, *FACTS_ONLY) if key in spoken]
+    return (list(dict.fromkeys(named)) or list(_USUAL_METHODS))[:_MOST_METHODS]
 
 
 def _given(pattern: re.Pattern[str], text: str, default: Iterable[str]) -> list[str]:

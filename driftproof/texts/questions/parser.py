@@ -17,6 +17,7 @@ and a setting, and words such as "with" between any parts; "error of rk4 ..." as
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import takewhile
@@ -198,30 +199,31 @@ class _QuestionParser(ExpressionParser):
         after = self._after(self.at)
         key = {"at": "at", "from": "start"}.get(token.text, "subject")
         if token.kind == NUMBER:
-            self.put(parts["settings"], self.take(), "N", NumberNode(token.column, self.rational(token.text, token)))
+            count = NumberNode(token.column, self.rational(token.text, token))
+            self.put(parts["settings"], self.take(), "N", lambda: count)
         elif token.text in SAY_NOTHING or (key == "at" and self.next.kind == NAME and after.text in "='"):
             pass
         elif self.next.text == "'" and after.text in ("=", "(", "'"):
-            self.put(self._equations(token, parts, "rates"), token, token.text, self.rate())
+            self.put(parts["rates"], token, token.text, self.rate)
         elif token.text[:1] == "d" and (self.next.text, after.text) == ("/", "dt"):
             self.take()
-            self.put(self._equations(token, parts, "rates"), token, token.text[1:], self.rate())
+            self.put(parts["rates"], token, token.text[1:], self.rate)
         elif key == "subject" and self.next.text == "(" and after.kind == NUMBER:
             if after.text != "0":
                 raise self.error(after, f"time begins at 0: {token.text}(0) = ... is the start")
             self.take(), self.take(), self.expect(")", "a bracket is not closed")
             self.expect("=", f"{token.text}(0) is a number, as in {token.text}(0)=1")
-            self.put(self._equations(token, parts, "start"), token, token.text, self.literal("start"))
+            self.put(parts["start"], token, token.text, lambda: self.literal("start"))
         elif token.text == PROBLEM and self.accept("="):
-            self.put(parts, token, PROBLEM, self.adjacent(self.take()))
+            self.put(parts, token, PROBLEM, lambda: self.adjacent(self.take()))
         elif token.text == RATES and self.accept("="):
-            parts[RATES] = self._once(token, parts[RATES], self.rates)
+            self.put(parts, token, RATES, self.rates)
         elif key != "at" and self.next.text == "=":
             self.setting(token, parts["settings"])
         elif token.text in WORDS:
             parts["words"][token.text] = token
         elif key == "start":
-            parts[key] = self._once(token, parts[key], self.start)
+            self.put(parts, token, key, self.start)
         elif key in parts:
             raise self.error(token, f"{token.shown} has no place here; a colon and a readout may follow{self._hint()}")
         else:
@@ -230,18 +232,6 @@ class _QuestionParser(ExpressionParser):
     def _hint(self) -> str:
         """What a question looks like, for whoever wrote a sentence."""
         return "" if ":" in self.text else ", as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"
-
-    def _equations(self, token: Token, parts: dict[str, Any], which: str) -> dict[str, Any]:
-        """The rates or the starts by their unknowns. Refuses them beside rates= and from."""
-        found = parts[which]
-        if not isinstance(found, dict):
-            raise self.error(token, f"{token.shown} is given twice")
-        return found
-
-    def _once(self, token: Token, before: Any, read: Any) -> Any:
-        if before != {}:
-            raise self.error(token, f"{token.shown} is given twice")
-        return read()
 
     def rate(self) -> Token:
         """The text after y' = or y'(t) = or dy/dt =, from the prime or dt on; in it a name is no query."""
@@ -296,16 +286,16 @@ class _QuestionParser(ExpressionParser):
         key = OTHER_SETTINGS.get(name.text, name.text)
         if key not in SETTINGS:
             raise self.error(name, f"{name.shown} is no setting; there are {', '.join((*SETTINGS, PROBLEM, RATES))}")
-        self.put(settings, name, key, NumberNode(name.column, self.literal(name.text)))
+        self.put(settings, name, key, lambda: NumberNode(name.column, self.literal(name.text)))
         before, after = self.tokens[self.at - 1], self._after(self.at)
         if (self.next.text, self.next.column, after.kind, after.column) == (",", before.end, NUMBER, self.next.end):
             raise self.error(self.next, f"a decimal has a point: {before.text}.{after.text}")
 
-    def put(self, settings: dict[str, Any], name: Token, key: str, given: Any) -> None:
-        """A setting, once."""
-        if key in settings:
+    def put(self, found: Any, name: Token, key: str, read: Callable[[], Any]) -> None:
+        """What is read, by its key, once; equations stand beside neither rates= nor from."""
+        if not isinstance(found, dict) or found.get(key, {}) != {}:
             raise self.error(name, f"{name.shown} is given twice")
-        settings[key] = given
+        found[key] = read()
 
     def start(self) -> tuple[Fraction, ...]:
         """A state: of the oscillator position,velocity."""

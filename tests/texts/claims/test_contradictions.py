@@ -25,6 +25,9 @@ DENIED = [
     ("RK4 has order {4} and takes 4 evaluations per step", "rk4.evaluations_per_step"),
     ("RK4 has order 4 and takes {4} evaluations per step", "order rk4"),
     ("RK4 of order {4}: 4 stages", "stages rk4"),
+    ("The trapezoid of order 2 has R(z) = (1+z/{2})/(1-z/2)", "order trapezoid"),
+    ("BDF4 is of order {3}", "order bdf3"),
+    ("Velocity Verlet has order 2 and is stable for h < {2}", "order velocity_verlet"),
 ]
 MEANT = [
     ("RK4's real and imaginary limits are {2.785294} and 2.828427", REAL),
