@@ -24,6 +24,7 @@ from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
 from driftproof.blackbox.matching.entries import mended, other_velocities, rational_method, side_by_side
 from driftproof.blackbox.matching.estimates import JudgedEstimate, judged_estimate
 from driftproof.blackbox.matching.match import Identity, match_method
+from driftproof.blackbox.probes.dense import NotAlike
 from driftproof.blackbox.probes.force import NO_TABLEAU, ForceReading
 from driftproof.blackbox.probes.questions import CoefficientReading, read_coefficients
 from driftproof.blackbox.probes.tableau import TableauReading
@@ -34,6 +35,7 @@ from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta,
 UNDECIDING = {
     "unsupported_call": "a stepper that takes a force, step(force, q, v, h), or a right-hand side, step(f, t, y, h)",
     "not_readable": "a step without what refused the reading",
+    NotAlike.kind: "a dense output that is a sum of slopes, alike in all numbers, as the step is",
     **{kind: "a longer time limit" if kind == "time_limit" else "a report to us" for kind in NO_EVIDENCE},
 }
 # The titles of what a verdict speaks of by name.
@@ -178,7 +180,7 @@ def _check_dense(method: Method, outcome: Outcome) -> Criterion:
 
 def _beside_unanswered(title: str, outcome: Outcome) -> Criterion:
     """Of what may be returned beside y1, and need not be readable: who returns nothing is not told so."""
-    if outcome.kind in (*NO_EVIDENCE, "crashes"):
+    if outcome.kind in (*NO_EVIDENCE, NotAlike.kind, "crashes"):
         return _unanswered(title, outcome)
     return Criterion(title, None, () if outcome.kind == UnsupportedCall.kind else (outcome.seen,), {})
 

@@ -188,11 +188,11 @@ class Seen:
         alike = f"; its nonlinear steps are those of {', '.join(self.twins.result)}" if self.twins.result else ""
         if self.fit is not None and self.fit.best is not None:
             return f"it is, as far as linear steps tell, {_in_words(self.fit, self.fit.best)}{alike}"
-        if self.fit is not None and (nearly := self.fit.nearly):
-            off = f"to {nearly.off:.1e} at states of size 1"
-            return f"it is, as far as linear steps tell, nearly {' or '.join(nearly.methods)}, {off}{alike}"
         if self.read is not None and self.read.identity.near:
             return f"it is {self.read.identity.near[0].name}"
+        if self.fit is not None and self.read is None and (nearly := self.fit.nearly):
+            off = f"to {nearly.off:.1e} at states of size 1"
+            return f"it is, as far as linear steps tell, nearly {' or '.join(nearly.methods)}, {off}{alike}"
         open_questions = [o for o in (self.coefficients, self.linear) if o.kind in NO_EVIDENCE]
         return f"{UNDECIDED}: {open_questions[0].seen}" if open_questions else self._unknown
 

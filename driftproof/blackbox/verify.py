@@ -202,7 +202,8 @@ def _how_near(method: Method) -> str:
 
 def _not_decided(method: Method, checks: Mapping[str, Criterion]) -> str:
     unseen = next(check for check in _open(checks) if check.mark == "undecided")
-    return f"{UNDECIDED} whether it is {method.key}: {unseen.lines[-1]}"
+    what = "" if unseen.title in OF_ONE_STEP else f"{unseen.title.lower()}: "
+    return f"{UNDECIDED} whether it is {method.key}: {what}{unseen.lines[-1]}"
 
 
 def _refuted(
@@ -221,7 +222,7 @@ def _refuted(
     stages = coefficients.data.get("stages")
     if stages and False in (coefficients.passed, nonlinear.passed):
         return f"is not {method.key} {_how_near(method)}: its coefficients are, but {stages}"
-    wrong_beside = [str(check.data["faults"][0]) for check in beside if check.passed is False]
+    wrong_beside = [str(check.data.get("faults", check.lines)[0]) for check in beside if check.passed is False]
     if wrong_beside and coefficients.passed:
         return f"is {method.key}, but {'; '.join(wrong_beside)}"
     for title, _, _, only in questions if of_step else ():

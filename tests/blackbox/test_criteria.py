@@ -35,7 +35,7 @@ def forwards_only(f, t, y, h):
             "is rk4, but not everywhere: crashes: the process ended (exit status 3) ",
             "FAILED",
         ),
-        (slow_far_from_home, None, "undecided whether it is rk4: step(t=1004.1, ", "undecided"),
+        (slow_far_from_home, None, "undecided whether it is rk4: steps elsewhere: step(t=1004.1, ", "undecided"),
         (forwards_only, True, "is rk4 to roundoff: 50 steps", "not asked"),
     ],
 )

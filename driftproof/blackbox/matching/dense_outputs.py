@@ -60,9 +60,11 @@ def judged_reading(reading: DenseReading) -> JudgedDense:
             f"{key}: {EXTENSIONS[key].title if key in EXTENSIONS else 'the cubic through both ends with their slopes'}"
         )
     shape = f"of degree {degree}" if degree is not None else f"no polynomial of degree {_HIGHEST_DEGREE} or less"
-    between = f"order {order} between the steps, whose order is {step}"
+    places = f"at all sixteenths{f' and {len(reading.between)} places more' if reading.between else ''}"
+    between = f"order {order} between the steps, looked at {places}; the order of the steps is {step}"
     lines = [named, f"a function of {reading.argument}, {shape} in theta", between]
     faults = [] if polynomials is None else [*polynomials.misfits(reading)]
+    faults += [] if polynomials is None else [*polynomials.elsewhere(reading)]
     if polynomials is not None and not faults:
         lines.append(polynomials.smoothness(reading))
     if key is None and order < step - 1:
@@ -138,6 +140,17 @@ class _Polynomials:
             worst = max(range(len(off)), key=lambda j: abs(off[j]))
             if abs(off[worst]) > self.allowed:
                 yield f"the dense output is not {place}: the weight of call {worst} is off by {off[worst]:.3g}"
+
+    def elsewhere(self, reading: DenseReading) -> Iterator[str]:
+        """Where it leaves its polynomial between the sixteenths, a time there being rounded, too."""
+        for theta, row in reading.between:
+            off = [abs(float(_at(weight, theta)) - seen) for weight, seen in zip(self.weights, row, strict=True)]
+            slope = max(float(sum(abs(c) for c in _derived(weight))) for weight in self.weights)
+            worst = max(range(len(off)), key=lambda j: off[j])
+            if off[worst] > self.allowed * (1 + slope):
+                place = f"at theta = {float(theta):.3g}, though not at the sixteenths"
+                yield f"the dense output is another one {place}: the weight of call {worst} is off by {off[worst]:.3g}"
+                return
 
     def smoothness(self, reading: DenseReading) -> str:
         """Whether the slopes at both ends are f(t, y) and f(t + h, y1), to what the polynomials are known to."""

@@ -16,6 +16,8 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 # Sixteenths are exact in every format, and enough of them for polynomials of degree 15, of which one is seen to be one.
 THETAS = tuple(Fraction(k, 16) for k in range(17))
+# Between them: the golden section, and two more that are no fractions of small numbers.
+BETWEEN = tuple(map(Fraction, (0.0857864376269049, 0.3819660112501052, 0.7320508075688772)))
 # What a dense output is a function of, from the start t of the step, its length h and theta.
 _ARGUMENTS: dict[str, Callable[[float, float, float], float]] = {
     "the time": lambda t, h, theta: t + theta * h,
@@ -24,18 +26,26 @@ _ARGUMENTS: dict[str, Callable[[float, float, float], float]] = {
 }
 
 
+class NotAlike(NotReadable):
+    """The step is a sum of slopes, alike in all numbers, and its dense output is not."""
+
+    kind = "not_alike"
+
+
 @dataclass(frozen=True)
 class DenseReading:
     """y(t + θh) ≈ y + h Σ bⱼ(θ) kⱼ: `rows` are the b(θ) of the THETAS, `step` is the table with b(1).
 
-    kⱼ is the answer to call j, those among them that are made for the dense output alone; `argument` says what it is
-    a function of. `own` are the weights of y₁ itself, 0 for such calls. The step's remarks are those not of y₁.
+    `between` are pairs (θ, b(θ)) of other θ. kⱼ is the answer to call j, those among them that are made for the dense
+    output alone; `argument` says what it is a function of. `own` are the weights of y₁ itself, 0 for such calls. The
+    step's remarks are those not of y₁.
     """
 
     argument: str
     step: TableauReading
     rows: tuple[CoefficientRow, ...]
     own: CoefficientRow
+    between: tuple[tuple[Fraction, CoefficientRow], ...] = ()
 
     def step_to(self, theta: Fraction) -> TableauReading:
         """The step of length θh that ends there, in floats: A/θ, b(θ)/θ and c/θ. θ is one of THETAS, not 0."""
@@ -49,20 +59,27 @@ def read_dense(subject: ForeignStepper) -> DenseReading:
     """The dense output of a step (f, t, y, h) that returns (y1, dense) with a function `dense` of t, of theta or of t
     since the start: read as a step to each of 17 thetas, with all that `read_tableau` controls.
 
-    Raises NotReadable, UnsupportedCall where no function is returned.
+    Raises NotReadable, UnsupportedCall where no function is returned, NotAlike where the step is read and this is not.
     """
     subject.step_field(lambda t, y: [0.0 * x for x in y], 0.0, _trial_state(subject), 0.5)
     if subject.log.dense is None:
         raise UnsupportedCall("the stepper returns no dense output beside y1")
     argument = _argument(subject)
-    readings = [read_tableau(_stepper_to(subject, float(theta), argument)) for theta in THETAS]
     own = read_tableau(subject)
+    try:
+        readings, between = (
+            [read_tableau(_stepper_to(subject, float(theta), argument)) for theta in thetas]
+            for thetas in (THETAS, BETWEEN)
+        )
+    except NotReadable as refusal:
+        raise NotAlike(str(refusal)) from None
     if len({reading.calls for reading in readings}) > 1 or own.calls > readings[-1].calls:
         raise NotReadable("how many calls the dense output makes depends on theta")
     weights = (*own.b, *[0.0] * (readings[-1].calls - own.calls))
     remarks = () if own.remarks else next((reading.remarks for reading in readings if reading.remarks), ())
     step = replace(readings[-1], remarks=remarks)
-    return DenseReading(argument, step, tuple(reading.b for reading in readings), weights)
+    rows, further = (tuple(reading.b for reading in each) for each in (readings, between))
+    return DenseReading(argument, step, rows, weights, tuple(zip(BETWEEN, further, strict=True)))
 
 
 def _trial_state(subject: ForeignStepper) -> list[float]:
@@ -92,7 +109,7 @@ def _argument(subject: ForeignStepper) -> str:
                 continue
             if abs(found[0] - right) <= 2.0**-6:
                 return argument
-    raise NotReadable("with the slope 1, the dense output is right neither half-way nor at the end of a step")
+    raise NotAlike("with the slope 1, the dense output is right neither half-way nor at the end of a step")
 
 
 def _stepper_to(subject: ForeignStepper, theta: float, argument: str) -> ForeignStepper:

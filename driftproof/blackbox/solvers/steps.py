@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from itertools import pairwise
 from math import fsum, inf
 from typing import Any
@@ -16,7 +17,7 @@ from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_readi
 from driftproof.blackbox.matching.match import Identity, match_tableau
 from driftproof.blackbox.matching.read_order import ReadOrder, read_order
 from driftproof.blackbox.probes.coefficients import coefficient_text
-from driftproof.blackbox.probes.dense import THETAS, DenseReading
+from driftproof.blackbox.probes.dense import BETWEEN, THETAS, DenseReading
 from driftproof.blackbox.probes.scripted_answers import MOST_CALLS, NotReadable, Rounding, varied
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.solvers.foreign_solver import Call, ForeignSolver, Solution, in_binary32
@@ -226,11 +227,12 @@ class _Marked:
     def dense(self) -> DenseReading | None:
         """The dense output within the step, after `reading`: as a function of the time; None where there is none."""
         rows: dict[int, list[float]] = {}
+        times = [self.start + float(theta) * self.h for theta in (*THETAS, *BETWEEN)]
         for n in self.weights:
             found = self.runs[n].dense
             if found is None:
                 return None
-            values = [as_array(found(self.start + float(theta) * self.h)).ravel()[0] for theta in THETAS]
+            values = [as_array(found(time)).ravel()[0] for time in times]
             rows[n] = [float(x) / _MARK / self.h for x in values]
         calls, used = self.silent.calls, {n for n, row in rows.items() if any(row) or self.weights[n]}
         while not used >= (further := {m for n in used for m in self.entries[n]}):
@@ -238,9 +240,12 @@ class _Marked:
         stages = sorted(used)
         a = tuple(tuple(self.entries[n].get(m, 0.0) if m < n else 0.0 for m in stages) for n in stages)
         c = tuple((calls[n].t - self.start) / self.h for n in stages)
-        columns = tuple(tuple(rows[n][k] for n in stages) for k in range(len(THETAS)))
-        step = TableauReading(a, columns[-1], c, self.format)
-        return DenseReading("the time", step, columns, tuple(self.weights[n] for n in stages))
+        columns = tuple(tuple(rows[n][k] for n in stages) for k in range(len(times)))
+        sixteenths, others = columns[: len(THETAS)], columns[len(THETAS) :]
+        step = TableauReading(a, sixteenths[-1], c, self.format)
+        as_rounded = ((Fraction(time) - Fraction(self.start)) / Fraction(self.h) for time in times[len(THETAS) :])
+        between = tuple(zip(as_rounded, others, strict=True))
+        return DenseReading("the time", step, sixteenths, tuple(self.weights[n] for n in stages), between)
 
     def _demand_no_memory(self, runs: Sequence[Solution]) -> None:
         """Raises NotReadable if an answer that moves the start of the step moves its end by another amount."""

@@ -72,9 +72,28 @@ def test_a_dense_output_that_is_another_somewhere_is_at_fault():
     assert "the dense output has order 1 only at theta = 15/16, the steps have order 5" in late.faults
     back = judged(shampine(lambda theta, h, right, straight: straight if h < 0 else right))
     assert back.faults[0].startswith("the dense output is not the same everywhere: with h = -1, the result is ")
-    limited = shampine(lambda theta, h, right, straight: np.minimum(right, 1e-3))
-    report = verify(limited, "dormand_prince54", examples=20, isolate=False)
-    assert "; the dense output is not judged: " in report.verdict
+    between = judged(shampine(lambda theta, h, right, straight: right if theta % 0.0625 == 0 else straight))
+    (fault,) = between.faults
+    assert fault.startswith(
+        "the dense output is another one at theta = 0.0858, though not at the sixteenths: the weight"
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda theta, h, right, straight: np.minimum(right, 1e-3), "is right neither half-way nor at the end"),
+        (
+            lambda theta, h, right, straight: np.array([*right[:-1], *straight[-1:]]) if len(right) > 2 else right,
+            "the numbers of y are not stepped alike",
+        ),
+    ],
+)
+def test_a_dense_output_that_is_no_sum_of_slopes_alike_in_all_numbers_leaves_it_undecided(change, words):
+    report = verify(shampine(change), "dormand_prince54", examples=20, isolate=False)
+    assert report.passed is None
+    assert words in report.section("Dense output: undecided").lines[0]
+    assert report.section("What would decide it").lines[0].startswith("dense output: a dense output that is a sum of ")
 
 
 def test_a_kink_is_said_and_is_no_fault():
