@@ -78,6 +78,7 @@ GALLERY := build/gallery
 
 gallery: $(GALLERY)
 	$(GALLERY)/bin/python examples/gallery/convergence.py > examples/gallery/findings.md
+	$(GALLERY)/bin/python examples/gallery/convergence.py --solvers > examples/gallery/solver_findings.md
 	$(GALLERY)/bin/python -m examples.gallery.run
 	$(GALLERY)/bin/python -m examples.gallery.run --solvers
 

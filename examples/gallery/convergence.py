@@ -1,13 +1,16 @@
 """The findings at the head of docs/gallery.md, seen once more by plain convergence runs without driftproof.
 
     python examples/gallery/convergence.py > examples/gallery/findings.md
+    python examples/gallery/convergence.py --solvers > examples/gallery/solver_findings.md
 
-wants desolver, ode-explorer, nodepy, mici, gala and blackjax, in the versions of requirements.txt beside it. Each
-solver runs a problem whose solution is known, with ever more steps; the slope of the last errors is the order seen.
+the second those of whole solvers, for docs/gallery_solvers.md. It wants desolver, ode-explorer, nodepy, mici, gala,
+blackjax and pathsim, in the versions of requirements.txt beside it. Each solver runs a problem whose solution is known,
+with ever more steps; the slope of the last errors is the order seen.
 """
 
 from __future__ import annotations
 
+import sys
 import warnings
 from collections.abc import Callable
 from importlib.metadata import PackageNotFoundError, version
@@ -117,6 +120,22 @@ def blackjax_yoshida(acceleration, q, v, h):
     return stepped.position, stepped.momentum
 
 
+def pathsim(name: str) -> Run:
+    """A whole run of y' = y cos t by a solver of PathSim, with steps of 1/n and Newton's equations solved to 1e-14."""
+
+    def error(n: int) -> float:
+        from pathsim import solvers
+
+        t, y = getattr(solvers, name)(np.array([1.0])).integrate(
+            lambda y, t: y * np.cos(t), lambda y, t: np.array([[np.cos(t)]]), time_end=1.0, dt=1 / n, adaptive=False,
+            tolerance_fpi=1e-14, max_iterations=200,
+        )  # fmt: skip
+        at = int(np.argmin(np.abs(np.array(t) - 1.0)))
+        return abs(float(y[at][0]) - exp(sin(t[at])))
+
+    return error
+
+
 class Finding(NamedTuple):
     """`promised` is the order that the package's own words give it; `target` is its step, for `driftproof identify`."""
 
@@ -205,6 +224,20 @@ FINDINGS = [
 ]
 
 
+# Of whole solvers: `target` is what stands after `whole_solvers:`.
+SOLVERS = [
+    Finding(
+        "pathsim",
+        name,
+        f"pathsim_fixed.{name}",
+        order,
+        "its start, of order 4, is not good enough",
+        lambda name=name: pathsim(name),  # type: ignore[misc]
+    )
+    for name, order in (("BDF6", 6), ("BDF5", 5))
+]
+
+
 def seen(run: Run) -> tuple[float, list[float]]:
     """The slope between the last two errors above rounding, and the errors at 4, 8, 16, ... steps."""
     errors = [run(4)]
@@ -216,17 +249,19 @@ def seen(run: Run) -> tuple[float, list[float]]:
 
 def main() -> None:
     """Print the table, a line for each finding whose package is installed."""
+    whole = sys.argv[1:] == ["--solvers"]
     warnings.simplefilter("ignore")
     print("| package | solver | promised | seen | what it is | errors at t = 1 with 4, 8, 16, ... steps | to see it |")
     print("| --- | --- | --- | --- | --- | --- | --- |")
-    for one in FINDINGS:
+    for one in SOLVERS if whole else FINDINGS:
         try:
             at = version(one.package)
         except PackageNotFoundError:
             continue
         slope, errors = seen(one.run())
         shown = ", ".join(f"{x:.1e}" for x in errors)
-        asked = f"`driftproof identify examples.gallery.on_{one.target}`"
+        named = f"whole_solvers:{one.target} --solver" if whole else f"on_{one.target}"
+        asked = f"`driftproof identify examples.gallery.{named}`"
         cells = (f"{one.package} {at}", one.name, one.promised, f"{slope:.1f}", one.what, shown, asked)
         print(f"| {' | '.join(map(str, cells))} |", flush=True)
 

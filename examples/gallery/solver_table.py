@@ -12,6 +12,7 @@ from examples.gallery.run import HERE, KEPT, asked, markdown
 from examples.gallery.whole_solvers import PACKAGES
 
 PAGE = HERE.parents[1] / "docs" / "gallery_solvers.md"
+FINDINGS = HERE / "solver_findings.md"
 ANSWERS = KEPT.with_name("gallery_solvers.json")
 HEAD = ("solver", "version", "claimed order", "its steps", "order", "its step sizes", "what else")
 TIME_LIMIT = 120.0
@@ -21,7 +22,11 @@ wrapper in `examples/gallery/whole_solvers.py` that hands over the steps it make
 steps, the law of their sizes where that is one law in the pair's own estimate, and what nobody expects. Where the steps
 are not read, the reason stands in their place: implicit stages of solvers that choose their steps, as a rule.
 A solver is called as its package calls it; those with `_fixed` are told how many steps to make, or how long ones.
-What stands in the last column is seen in these questions alone; the page of steppers opens with what was seen twice."""
+What stands in the last column is seen in these questions alone, and may be the doing of how its loop is meant to be
+used: PathSim's `integrate`, for its own tests, goes on after the end."""
+SEEN_TWICE = """\
+Seen once more by plain convergence runs without driftproof, `examples/gallery/convergence.py --solvers`: `promised` is
+the order by the package's own words, `seen` the slope of the last errors."""
 
 
 def solvers() -> dict[str, tuple[str, str, int | None]]:
@@ -72,7 +77,9 @@ def written(rows: Sequence[Sequence[str]]) -> str:
         f"{len(pairs)} advance a pair of the catalogue, and of {len(laws)} of these the step size control is a law."
     )
     title = "# Whole solvers of other packages, identified from outside"
-    return "\n".join([title, "", count, "", INTRODUCTION, "", *markdown(HEAD, rows)]) + "\n"
+    twice = FINDINGS.read_text(encoding="utf-8").strip()
+    lines = [title, "", count, "", SEEN_TWICE, "", twice, "", "## Every solver", "", INTRODUCTION, ""]
+    return "\n".join([*lines, *markdown(HEAD, rows)]) + "\n"
 
 
 def main(parts: Sequence[str]) -> None:

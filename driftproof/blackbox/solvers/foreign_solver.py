@@ -100,7 +100,7 @@ class ForeignSolver:
         length = (t_span[1] - t_span[0]) / steps
         settings: dict[str, dict[str, float]] = {
             TOLERANCES: {"rtol": rtol, "atol": atol},
-            TOLERANCE: {"tol": rtol},
+            TOLERANCE: {"tol": max(rtol, atol)},  # of errors of numbers of size 1
             LENGTH: {"h": length},
             COUNT: {"n": steps},
             NOTHING: {},
@@ -170,11 +170,11 @@ def _rows(y: np.ndarray[Any, Any], times: int, y0: tuple[float, ...]) -> tuple[t
 
 def _complaint(answer: Any) -> str:
     """What an answer says of its failure: a success that is false, a status below 0, with its message."""
-    success, status = getattr(answer, "success", None), getattr(answer, "status", None)
+    success, status, message = (_part(answer, (name,)) for name in ("success", "status", "message"))
     failed = success is not None and not success
     if not failed and (success is not None or not isinstance(status, int) or status >= 0):
         return ""
-    return str(getattr(answer, "message", "")) or f"status {status}"
+    return str(message or "") or ("no success" if status is None else f"status {status}")
 
 
 def in_binary32(times: Sequence[float]) -> bool:

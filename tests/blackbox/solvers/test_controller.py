@@ -8,7 +8,7 @@ import pytest
 
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.solvers.controller import bumps, read_controller
-from driftproof.blackbox.solvers.foreign_solver import ForeignSolver
+from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, SolverTarget
 from driftproof.blackbox.solvers.steps import read_steps
 from tests.blackbox.solvers.planted_solvers import adaptive, fixed
 from tests.blackbox.transcripts import Asked
@@ -154,3 +154,10 @@ def test_an_estimate_that_is_0_on_slopes_of_t_alone_shows_no_law_and_is_no_fault
     subject = ForeignSolver(adaptive("fehlberg78", exponent=1 / 8))
     with pytest.raises(NotReadable, match="the estimate of fehlberg78 is 0 wherever slopes depend on t alone"):
         read_controller(subject, read_steps(subject))
+
+
+def test_the_law_of_a_solver_of_one_tolerance_is_read():
+    both = adaptive("cash_karp54", exponent=1 / 5)
+    subject = SolverTarget(lambda f, t_span, y0, tol: both(f, t_span, y0, 0.0, tol)).open()
+    law = read_controller(subject, read_steps(subject)).law
+    assert (law.estimate, law.exponent) == ("cash_karp54", Fraction(1, 5))
