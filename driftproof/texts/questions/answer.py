@@ -34,7 +34,8 @@ class Answer(Printable):
     `evidence`: GIVEN for what a text chose, PROVED for what is exact, COUNTED for what was counted, CERTIFIED for what
     is enclosed, STATED for what the catalogue says of a method and nobody proves, as its title. `form` is the exact
     form in SymPy's syntax where `exact` does not say it, and `words` the TeX of a `form` that is no formula. `is_bound`
-    marks a bound, which is rounded away from zero where the style names no policy.
+    marks a bound, which is rounded away from zero where the style names no policy. `remark` is what a reader has to
+    know beside the evidence.
     """
 
     question: str
@@ -44,6 +45,7 @@ class Answer(Printable):
     form: str | None = None
     is_bound: bool = False
     words: str | None = None
+    remark: str | None = None
 
     def written(self, form: str) -> str:
         """As "text", "json", "tex", "mathml" or "md". Raises what `tex` raises."""
@@ -194,7 +196,8 @@ def _as_text(answer: Answer, options: OutputOptions) -> str:
         shown = options.decimal(answer)
     unit = f" {answer.unit}" if answer.unit else ""
     exactly = f", exactly {exact}" if exact and len(exact) <= markup.LONGEST_IN_TEXT else ""
-    return f"{shown}{unit}{exactly}  ({answer.evidence})"
+    remark = f"; {answer.remark}" if answer.remark else ""
+    return f"{shown}{unit}{exactly}  ({answer.evidence}{remark})"
 
 
 def _as_json(answer: Answer, options: OutputOptions) -> str:

@@ -31,6 +31,8 @@ from driftproof.texts.writing.records import parts
 FACT_NAMES = tuple(dict.fromkeys((*FACTS, *ON_REQUEST, *FAMILY_FACTS, *OTHER_FACTS)))
 # Facts that were counted, and those that are only what the source says: the others are derived.
 _EVIDENCE = {"stages": COUNTED} | dict.fromkeys(("method", "title", "family", "source", "claimed_order"), STATED)
+_ORDERS = ("order", "embedded_order")
+_AS_ROUNDED = "as its rounded coefficients stand; order_but_for_rounding looks past that"
 # Leading terms that are written with their power of h; of others the coefficient is asked for.
 WITH_POWER = ("dispersion", "dissipation")
 
@@ -50,7 +52,9 @@ def fact(context: QueryContext) -> Answer:
             raise ValueError(f"{subject.key} has no {name}{why}")
         if isinstance(found, QuadraticForm) and context.query.readout is None:
             return _quadratic(context, found)
-        return _answer(context, *_part(context, found, subject.key))
+        answer = _answer(context, *_part(context, found, subject.key))
+        rounded = name in _ORDERS and not isinstance(subject, Family) and subject.decimal
+        return replace(answer, remark=_AS_ROUNDED) if rounded else answer
 
 
 def coefficient(context: QueryContext) -> Answer:

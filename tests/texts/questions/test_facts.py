@@ -19,6 +19,11 @@ def test_energy_multiplier_is_what_a_step_does_to_the_energy() -> None:
     assert not value("energy_multiplier rk4").is_number
 
 
+def test_an_order_of_rounded_coefficients_is_said_to_be_that() -> None:
+    for method, rounded in (("tsitouras54", True), ("KenCarp4", True), ("rk4", False), ("bdf2", False)):
+        assert ("as its rounded coefficients stand" in str(value(f"order of {method}"))) is rounded
+
+
 def test_leading_term_with_a_root_is_exact() -> None:
     """C = 1/6 - gamma + gamma**2/2 times -1 for two stages (hairer-wanner-1996, IV.6), gamma = 1 - sqrt(1/2)."""
     found = value("error_constant sdirk2")
