@@ -1,6 +1,7 @@
 """What is asked, and not answered: a death fails, a time limit leaves it undecided, a refusal is no one's fault."""
 
 import os
+import signal
 import time
 
 import pytest
@@ -20,6 +21,14 @@ def slow_far_from_home(f, t, y, h):
     return codes.rk4(f, t, y, h)
 
 
+def stopped_once(f, t, y, h, calls=[]):  # noqa: B006
+    """As one that a busy machine, or somebody at a terminal, has stopped."""
+    calls.append(t)
+    if len(calls) == 60:
+        os.kill(os.getpid(), signal.SIGSTOP)
+    return codes.rk4(f, t, y, h)
+
+
 def forwards_only(f, t, y, h):
     if h < 0:
         raise ValueError("h has to be positive")
@@ -36,6 +45,7 @@ def forwards_only(f, t, y, h):
             "FAILED",
         ),
         (slow_far_from_home, None, "undecided whether it is rk4: steps elsewhere: step(t=1004.1, ", "undecided"),
+        (stopped_once, None, "undecided whether it is rk4: ", "passed"),
         (forwards_only, True, "is rk4 to roundoff: 50 steps", "not asked"),
     ],
 )

@@ -160,6 +160,16 @@ def test_a_method_of_a_file_that_claims_no_order_is_held_to_the_order_that_is_de
     assert "mine has order 2" in str(verify(ralston, str(tableau), examples=FEW))
 
 
+def test_a_method_of_ones_own_is_not_called_by_the_name_of_another(tmp_path):
+    tableau = tmp_path / "rk4.toml"
+    tableau.write_text('family = "runge_kutta"\nA = [[0]]\nb = [1]\n', encoding="utf-8")
+    euler = verify(lambda f, t, y, h: y + h * f(t, y), tableau, examples=FEW, isolate=False)
+    assert euler.passed
+    assert euler.verdict.startswith("is own_rk4 to roundoff")
+    named = verify(rk4_in_a_field, tableau, examples=FEW, isolate=False).verdict
+    assert named.startswith("is not own_rk4; it is rk4")
+
+
 def test_what_has_the_same_matrix_but_other_coefficients_fails():
     report = verify(rk38, "rk4", examples=FEW)
     assert not report.passed
