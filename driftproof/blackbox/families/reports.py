@@ -7,7 +7,8 @@ from functools import partial
 from typing import Any, Protocol
 
 from driftproof.blackbox.families.imex import read_imex
-from driftproof.blackbox.families.magnetic import Boris, read_magnetic
+from driftproof.blackbox.families.magnetic import Boris
+from driftproof.blackbox.families.magnetic_step import read_magnetic
 from driftproof.blackbox.families.multistep import read_multistep
 from driftproof.blackbox.families.multistep_recurrence import NoRecurrence
 from driftproof.blackbox.families.multistep_runs import remembers

@@ -39,7 +39,7 @@ class Push:
 
 @dataclass(frozen=True)
 class Pushed:
-    """The new x, None where a step has none, and v; and the places at which it called E or B, if it did."""
+    """The new x, None where a step has none, and v; and where it called E last, and B, if it did."""
 
     x: list[float] | None
     v: list[float]
@@ -51,17 +51,19 @@ def step_in_fields(subject: ForeignStepper, push: Push) -> Pushed:
     if subject.convention.kind != MAGNETIC:
         raise UnsupportedCall("it takes no magnetic field")
     order, factor, write, size = subject.convention.order, subject.convention.factor, subject.adapter.write, len(push.v)
-    asked: list[list[float]] = []
+    fields: list[_Field] = []
     roles: dict[str, Foreign] = {POSITION: write(push.x), VELOCITY: write(push.v), STEP: push.h, TIME: push.t}
     for role, numbers in ((ELECTRIC, push.electric), (MAGNETIC_FIELD, push.magnetic)):
         scaled = np.multiply(factor, numbers)
         made = _Field(as_array(write(scaled.tolist())) if len(numbers) > 1 else scaled[0])
-        made.asked, made.size_of_place = asked, size
+        made.asked, made.size_of_place = [], size
         roles[role] = made
+        fields.append(made)
     words = (
         f"x={list(push.x)!r}, v={list(push.v)!r}, E={list(push.electric)!r}, B={list(push.magnetic)!r}, h={push.h!r}"
     )
     answer = subject.called(roles, words, [*push.x, *push.v])
+    asked = [made.asked[-1] for made in fields if made.asked]
     if POSITION not in order:
         return Pushed(None, subject.finite(subject.read(answer, size), push.v), asked)
     if getattr(answer, "size", 0) == 2 * size and len(answer) > 2:  # one state, the position before the velocity

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from driftproof import identify, verify
-from driftproof.blackbox.families.magnetic import read_magnetic
+from driftproof.blackbox.families.magnetic_step import read_magnetic
 from driftproof.blackbox.judging.agreement import NO_ALLOWANCE
 from driftproof.blackbox.judging.tolerance import Allowance
-from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox.families import turning_steppers as codes
 
@@ -44,12 +43,6 @@ def test_the_angle_of_boris_step_is_2_atan_of_half_h_b_and_it_keeps_the_size_of_
     assert found.data["method"] == "boris"
 
 
-def test_where_fields_are_asked_is_read_where_they_are_functions():
-    assert read_magnetic(opened(codes.drifting)).asked == 0.5
-    assert read_magnetic(opened(codes.runge_kutta("rk4"))).asked == 0.0
-    assert read_magnetic(opened(codes.boris())).asked is None
-
-
 # With the method, whether it is that, and what the verdict says.
 HELD = [
     (codes.kinetic, "implicit_midpoint", True, "is implicit_midpoint"),
@@ -69,6 +62,7 @@ HELD = [
     (codes.asked_at(1.0, 1.0, 0.0), "boris", True, "is boris"),
     (codes.asked_at(1.0, 0.0, 1.0), "boris", False, "the fields are asked at x + h v, not at x: order 1"),
     (codes.asked_at(0.0, 0.5, 0.5), "boris", False, "the fields are asked at x, not at x + 1/2 h v: order 1"),
+    (codes.iterated, "implicit_midpoint", True, "is implicit_midpoint"),
     (codes.boris(codes.tangent), "boris", False, "boris but for its rotation, which is exact"),
     (codes.runge_kutta("rk4"), "boris", False, "is not boris; it is rk4"),
     *((step, "boris", False, "is not boris") for step, _ in codes.WRONG_PUSHES),
@@ -83,22 +77,3 @@ def test_a_push_is_held_to_boris_step_or_to_a_method_for_the_whole(step, key, pa
     found = verify(step, key, isolate=False, allowance=SOLVED if key == "implicit_midpoint" else NO_ALLOWANCE)
     assert found.passed is passed
     assert words in found.verdict
-
-
-def test_what_is_not_linear_or_remembers_is_refused():
-    with pytest.raises(NotReadable, match="relativistic"):
-        read_magnetic(opened(codes.relativistic))
-    with pytest.raises(NotReadable, match="does not stay"):
-        read_magnetic(opened(lambda x, v, B, dt: (x + dt * v, v + dt * np.cross(v, B) + dt)))
-    seen = []
-
-    def remembering(v, B, dt):
-        seen.append(v)
-        return v + dt * len(seen) * np.cross(v, B)
-
-    with pytest.raises(NotReadable, match="taken twice"):
-        read_magnetic(opened(remembering))
-    with np.errstate(all="ignore"):
-        undone = identify(codes.boris(lambda b, h: b / 0.0), isolate=False)
-    assert undone.verdict.startswith("gives no answer: from ")
-    assert identify(codes.relativistic, isolate=False).verdict.startswith("it is no method that is known here: twice")

@@ -141,6 +141,21 @@ def asked_at(place: float, before: float, after: float):
     return step
 
 
+def iterated(x, v, E, B, dt):
+    """The implicit midpoint rule of the whole, iterated for its position from x."""
+    x1, v1 = x, v
+    for _ in range(60):
+        at = (x + x1) / 2
+        v1 = boris()(x, v, E(at), B(at), dt)[1]
+        x1 = x + dt / 2 * (v + v1)
+    return x1, v1
+
+
+def fields_apart(x, v, E, B, dt):
+    """Boris' step with E where it belongs, and B at the end."""
+    return boris()(x, v, E(x), B(x + dt * v), dt)
+
+
 def tangent(b: Any, h: float):
     """t that makes Boris' rotation exact."""
     size = np.linalg.norm(b)
@@ -204,6 +219,7 @@ WRONG_PUSHES = [
     (flat, "with both fields, and elsewhere, the step is not made of these kicks and this rotation"),
     (moved_by_field, "the position moves in another way than without E"),
     (rk4_with_eulers_position, "the position moves otherwise than in one method for the whole of x' = v"),
+    (fields_apart, "the fields are asked at x + h v, not at x: order 1"),
     (asked_at(1.0, 0.0, 1.0), "the fields are asked at x + h v, not at x: order 1"),
 ]  # fmt: skip
 

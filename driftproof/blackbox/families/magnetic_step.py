@@ -1,0 +1,169 @@
+"""Steps of a velocity in fields of ours: what is read of one that turns, kicks and drifts, with controls elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+
+import numpy as np
+
+from driftproof.blackbox.families.magnetic import Halves, MagneticReading
+from driftproof.blackbox.families.rotations import TURN_ANGLES, turn_of
+from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.matching.tables import Array
+from driftproof.blackbox.probes.scripted_answers import NotReadable, Rounding
+from driftproof.blackbox.stepper.calling_conventions import ELECTRIC
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.turning import Push, Pushed, step_in_fields
+
+# Oblique axes of B with numbers that are exact, so that the length of B counts, and not its components.
+_AXES = ((0.0, 0.0, 1.0), (1.0, 2.0, 2.0), (-6.0, 2.0, 3.0))
+# Two factors of h at one h B, and times at which nothing may change.
+_STEPS = (1.0, 0.25)
+# An angle that does nothing.
+_STILL = 2.0**-60
+
+
+def read_magnetic(subject: ForeignStepper) -> MagneticReading:
+    """What a step in an electric and a magnetic field is, in space or else in the plane. Raises NotReadable."""
+    try:
+        probe = _Probe(subject, _AXES)
+    except Misbehaviour:
+        probe = _Probe(subject, None)
+    return probe.reading()
+
+
+class _Probe:
+    """Steps in fields of ours; without axes in the plane, across which B points."""
+
+    def __init__(self, subject: ForeignStepper, axes: Sequence[Sequence[float]] | None) -> None:
+        self.subject = subject
+        self.rounding = Rounding(subject.format, 8)  # some 40 operations
+        self.frames: list[Array] = [_frame(np.array(axis)) for axis in axes] if axes else [np.eye(2)]
+        self.electric = ELECTRIC in subject.convention.order
+        self.step(1.0, self.frames[0][0])
+
+    def step(
+        self,
+        angle: float,
+        v: Array | None = None,
+        e: Array | None = None,
+        x: Array | None = None,
+        axis: int = 0,
+        h: float = 1.0,
+    ) -> Pushed:
+        """One step with h B of this size along an axis; what is not given is 0."""
+        frame, b = self.frames[axis], angle / h
+        place, velocity, electric = ([0.0] * len(frame) if part is None else part.tolist() for part in (x, v, e))
+        magnetic = (b * frame[2]).tolist() if len(frame) > 2 else [b]
+        return step_in_fields(self.subject, Push(place, velocity, electric, magnetic, h))
+
+    def reading(self) -> MagneticReading:
+        """Rotation, kicks and drift, controlled."""
+        one, affine, push = self.frames[0][0], False, 1.0
+        self._demand_linear(one)
+        runs = [self.step(x, one) for x in TURN_ANGLES]
+        factors = [self._across(run.v) for run in runs]
+        kicks, kick, drift, uneven = [1.0 + 0j] * len(factors), None, None, ""
+        pulls = [self.step(x, e=one) for x in TURN_ANGLES if self.electric]
+        straight, still = self.step(_STILL, one), self.step(_STILL, e=one)
+        if self.electric:
+            kicks = [self._across(pull.v) for pull in pulls]
+            kick = self._halves(factors, kicks)
+            gains = [abs(x * k - (r - 1) / 1j) for x, r, k in zip(TURN_ANGLES, factors, kicks, strict=True)]
+            affine, push = max(gains) <= self.rounding.of(8.0), self._across(still.v).real
+        moved, lifted = ([self._across(run.x) for run in each if run.x is not None] for each in (runs, pulls))
+        if moved:
+            law = self._halves(factors, moved)
+            drift = None if law is None else law[::-1]
+        by_field = zip(kicks, lifted, strict=False) if drift else ()
+        if drift and any(abs(drift[1] * k - x) > self.rounding.of(8.0 * (1 + abs(k))) for k, x in by_field):
+            drift, uneven = None, "with both fields, the position moves in another way than without E"
+        along = [0.0 if run.x is None else self._across(run.x).real for run in (straight, still)]
+        seen = ((moved or kicks)[1], (lifted or kicks)[1], along[0], along[1] * self.electric)
+        uneven = uneven or self._uneven(factors) or self._other_elsewhere(factors[1], kicks[1], push, seen)
+        kept, flags = max(abs(abs(r) - 1) for r in factors), (self.electric, (moved, lifted) if moved else None)
+        turn, asked = turn_of(factors, self.rounding), tuple(float(np.dot(place, one)) for place in straight.places)
+        at_rest = self._at_rest(one)
+        return MagneticReading(turn, kick, affine, push, drift, *flags, asked, uneven, at_rest, kept, self.rounding)
+
+    def _at_rest(self, one: Array) -> str:
+        """What a step without fields does to v where it does not leave it as it is."""
+        with np.errstate(all="ignore"):
+            try:
+                seen = self.step(0.0, one).v
+            except Misbehaviour as failure:
+                return f"with B = 0, {failure}"
+        moved = not np.max(np.abs(np.array(seen) - one)) <= self.rounding.of(4.0)
+        return f"with B = 0, the velocity 1 becomes {self._across(seen).real:g}" if moved else ""
+
+    def _across(self, v: Sequence[float], axis: int = 0) -> complex:
+        """The part across B, as a number of which v x B is i times, with B = 1."""
+        one, other = self.frames[axis][:2]
+        return complex(float(one @ np.array(v)), -float(other @ np.array(v)))
+
+    def _vector(self, z: complex, axis: int) -> Array:
+        one, other = self.frames[axis][:2]
+        return np.array(z.real * one - z.imag * other)
+
+    def _halves(self, factors: Sequence[complex], seen: Sequence[complex]) -> Halves | None:
+        """(k, l) where what was seen is k R + l at every angle."""
+        (r, s), allowed = (factors[1], seen[1]), self.rounding.of(16.0)
+        k = s.imag / r.imag if abs(r.imag) > allowed else 0.0
+        last = s.real - k * r.real
+        pairs = zip(factors, seen, strict=True)
+        return (k, last) if all(abs(k * r + last - s) <= allowed * (1 + abs(s)) for r, s in pairs) else None
+
+    def _demand_linear(self, one: Array) -> None:
+        """Raises NotReadable if it remembers, or is not linear in v, as a relativistic one."""
+        first, second, again, rest = (self.step(0.5, k * one) for k in (1.0, -2.0, 1.0, 0.0))
+        if max(map(abs, [*rest.v, *(rest.x or ())])) > 0:
+            raise NotReadable("at rest at 0 and without an electric field, the step does not stay")
+        if first.v != again.v:
+            raise NotReadable("the same step taken twice is not the same")
+        if max(abs(y + 2 * x) for x, y in zip(first.v, second.v, strict=True)) > self.rounding.of(8.0):
+            raise NotReadable("twice the velocity does not become twice the new velocity: relativistic, or limited")
+
+    def _uneven(self, factors: Sequence[complex]) -> str:
+        """What shows that it is no rotation about B by an angle that depends on h |B| alone."""
+        for axis, h in product(range(len(self.frames)), _STEPS):
+            for x, r in zip(TURN_ANGLES[1:4], factors[1:4], strict=True):
+                turned = [self._vector(r, axis), self._vector(-1j * r, axis), *self.frames[axis][2:]]
+                for unit, said in zip(self.frames[axis], turned, strict=True):
+                    seen = np.array(self.step(x, unit, axis=axis, h=h).v)
+                    if np.max(np.abs(seen - said)) <= self.rounding.of(8.0 * (1 + abs(r))):
+                        continue
+                    if h != _STEPS[0]:
+                        return f"the rotation is not one by h B: with h B = {x:g} it is another for h = {h:g} and h = 1"
+                    b, size = ", ".join(f"{y:g}" for y in _AXES[axis]), float(np.linalg.norm(seen))
+                    many = f"for B along ({b}) and h B = {x:g}, |v| is multiplied by {size:.6g}"
+                    return f"the rotation depends on the direction of B: {many}"
+        return ""
+
+    def _other_elsewhere(
+        self, r: complex, kick: complex, push: float, moved: tuple[complex, complex, float, float]
+    ) -> str:
+        """What shows that a step from any x, with both fields in any direction, is not made of what was read."""
+        axis, h, angle = len(self.frames) - 1, 0.5, TURN_ANGLES[1]
+        frame = self.frames[axis]
+        along = frame[2:].sum(axis=0)
+        x, v, e = frame[0] - 3 * along, frame[0] - 2 * frame[1] + along, (frame[1] - 2 * along) * self.electric
+        seen = self.step(angle, v, e, x, axis, h)
+        said = self._vector(r * self._across(v, axis) + h * kick * self._across(e, axis), axis)
+        said = said + along * float(along @ (v + h * push * e))
+        if np.max(np.abs(said - seen.v)) > self.rounding.of(32.0):
+            return "with both fields, and elsewhere, the step is not made of these kicks and this rotation"
+        if seen.x is not None:
+            across = h * moved[0] * self._across(v, axis) + h**2 * moved[1] * self._across(e, axis)
+            there = x + self._vector(across, axis) + along * float(along @ (h * moved[2] * v + h**2 * moved[3] * e))
+            if np.max(np.abs(there - seen.x)) > self.rounding.of(32.0):
+                return "with both fields, and elsewhere, the position moves in another way"
+        return ""
+
+
+def _frame(axis: Array) -> Array:
+    """Two unit vectors across an axis and the one along it, right-handed: e1 x e2 = axis."""
+    along = axis / np.linalg.norm(axis)
+    one = np.cross(np.eye(3)[int(np.argmin(np.abs(along)))], along)
+    one = one / np.linalg.norm(one)
+    return np.array([one, np.cross(along, one), along])
