@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from driftproof import identify, verify
+from driftproof import verify
 from driftproof.blackbox.families.magnetic_step import read_magnetic
 from driftproof.blackbox.judging.agreement import NO_ALLOWANCE
 from driftproof.blackbox.judging.tolerance import Allowance
@@ -13,22 +13,6 @@ from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox.families import turning_steppers as codes
 
 SOLVED = Allowance(solver_tolerance=1e-10)
-
-
-@pytest.mark.parametrize(("step", "verdict"), codes.RIGHT_PUSHES, ids=range(len(codes.RIGHT_PUSHES)))
-def test_a_right_push_is_named_and_raises_no_alarm(step, verdict):
-    report = identify(step, isolate=False)
-    assert report.verdict == verdict
-    assert report.section("Faults") is None
-
-
-@pytest.mark.parametrize(("step", "words"), codes.WRONG_PUSHES, ids=range(len(codes.WRONG_PUSHES)))
-def test_a_wrong_push_is_told_by_its_mistake(step, words):
-    report = identify(step, isolate=False)
-    lines = report.section("Faults").lines
-    assert len(lines) == 1 + (words == "gives h E times 1/2")  # which is one of half the angle, too
-    assert words in lines[-1]
-    assert lines[-1] in report.verdict
 
 
 def test_the_angle_of_boris_step_is_2_atan_of_half_h_b_and_it_keeps_the_size_of_v():

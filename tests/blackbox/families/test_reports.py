@@ -9,6 +9,7 @@ from driftproof.blackbox.identify import identify
 from driftproof.blackbox.solvers.identify_solver import identify_solver
 from driftproof.blackbox.verify import verify
 from tests.blackbox import broken_steppers
+from tests.blackbox.families import turning_steppers as codes
 from tests.blackbox.families.remembering_steppers import Remembering, euler
 from tests.blackbox.stepper.styles import PAGE, defined
 from tests.looping import exactly
@@ -57,3 +58,19 @@ def test_each_example_of_the_page_gets_the_verdict_that_stands_below_it():
     for code, verdict in exactly(10, examples):
         ask = identify_solver if code.startswith("def solve(") else identify
         assert ask(defined(code), isolate=False).verdict == verdict
+
+
+@pytest.mark.parametrize(("step", "verdict"), codes.RIGHT, ids=range(len(codes.RIGHT)))
+def test_a_right_step_that_turns_is_named_and_raises_no_alarm(step, verdict):
+    report = identify(step, isolate=False)
+    assert report.verdict == verdict
+    assert report.section("Faults") is None
+
+
+@pytest.mark.parametrize(("step", "words"), codes.WRONG, ids=range(len(codes.WRONG)))
+def test_a_wrong_step_that_turns_is_told_by_its_mistake_alone(step, words):
+    report = identify(step, isolate=False)
+    lines = report.section("Faults").lines
+    assert len(lines) == 1 + (words == "gives h E times 1/2")  # which is one of half the angle, too
+    assert words in lines[-1]
+    assert lines[-1] in report.verdict

@@ -332,3 +332,4 @@ WRONG_QUATERNIONS = [
     (axis_by_axis, "is no rotation about omega"),
     (turned_by(lambda x: x * x), "it turns 0 times as fast as omega"),
 ]  # fmt: skip
+RIGHT, WRONG = [*RIGHT_PUSHES, *RIGHT_QUATERNIONS], [*WRONG_PUSHES, *WRONG_QUATERNIONS]
