@@ -132,11 +132,7 @@ class _Call:
         def rate(*asked: Foreign) -> Foreign:
             arrays, times = _sorted(asked, state.size)
             assert f is not None
-            # Whoever writes f(slopes, y, t) hands over what is not yet known first: only the state is where it was.
-            slopes, at = np.asarray(f(times[0] if times else t, arrays[0]), float), arrays[1:]
-            for out in at:
-                out[:] = slopes
-            return slopes
+            return _written(np.asarray(f(times[0] if times else t, arrays[0]), float), arrays[1:])
 
         given = {STATE: state, TIME: t, STEP: h, FUNCTION: rate}
         if CARRIED in self.roles.values() and f is not None:
@@ -160,11 +156,7 @@ class _Call:
             if bodies:
                 return _answer_of_bodies(pushes, arguments, bodies)
             arrays = [x for x in _sorted(arguments, places.size)[0] if x is not masses]
-            found = pushes(np.asarray(arrays[0], float))
-            for out in arrays[1:]:
-                if out is not speeds:
-                    out[:] = found
-            return found
+            return _written(pushes(np.asarray(arrays[0], float)), [x for x in arrays[1:] if x is not speeds])
 
         masses = np.full(len(places), mass)
         given: dict[str, Foreign] = {POSITION: places, VELOCITY: speeds, STEP: h, FUNCTION: asked, _MASS: masses}
@@ -189,6 +181,13 @@ def _sorted(asked: Sequence[Foreign], size: int) -> tuple[list[Foreign], list[Fo
     """Arrays, and numbers that are no size."""
     arrays = [x for x in asked if np.ndim(x)]
     return arrays, [x for x in asked if not np.ndim(x) and not (isinstance(x, int) and x == size)]
+
+
+def _written(slopes: Any, arrays: Sequence[Foreign]) -> Any:
+    """The slopes, which are also written into the last of the arrays that were handed over, if it holds as many."""
+    if arrays and len(arrays[-1]) == len(slopes):
+        arrays[-1][:] = slopes
+    return slopes
 
 
 class _Body:
