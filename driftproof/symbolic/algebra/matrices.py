@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypeAlias
 
+from flint import fmpq, fmpq_mat
+
 from driftproof.symbolic.algebra.polynomials import ZERO, Polynomial, Scalar, descend, dot
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 
@@ -15,7 +17,10 @@ StepMatrix: TypeAlias = tuple[tuple[RationalFunction, ...], ...]
 
 
 def matrix_product(a: MatrixRows, b: MatrixRows) -> list[list[Scalar]]:
-    """The matrix product."""
+    """The matrix product; over Q by FLINT's matrices."""
+    if all(isinstance(x, fmpq) for rows in (a, b) for row in rows for x in row):
+        product: list[list[Scalar]] = (fmpq_mat([list(row) for row in a]) * fmpq_mat([list(row) for row in b])).tolist()
+        return product
     columns = list(zip(*b, strict=True))
     return [[dot(row, column) for column in columns] for row in a]
 

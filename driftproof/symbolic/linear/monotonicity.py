@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from flint import fmpq, fmpq_mat
+from flint import fmpq_poly
 
+from driftproof.methods.number_field import as_fmpq, dyadic
 from driftproof.methods.schemes import Collocation, RungeKutta
-from driftproof.symbolic.algebra.matrices import (
-    MatrixRows,
-    characteristic_and_adjugate,
-    matrix_determinant,
-    matrix_product,
-)
+from driftproof.symbolic.algebra.matrices import MatrixRows, matrix_product
 from driftproof.symbolic.algebra.polynomials import (
     ONE,
     Polynomial,
+    Scalar,
     X,
     coefficients,
     descend,
@@ -24,10 +21,11 @@ from driftproof.symbolic.algebra.polynomials import (
     from_scalars,
     scalar,
     sign,
+    sign_changes,
 )
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT as ZERO_LIMIT
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced_stages_of
-from driftproof.symbolic.linear.stability_limits import Limit, first_failure, smallest
+from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity, Limit, first_failure, smallest
 
 
 def ssp_coefficient(method: RungeKutta | Collocation) -> Limit:
@@ -43,7 +41,20 @@ def ssp_coefficient(method: RungeKutta | Collocation) -> Limit:
     stages = reduced_stages_of(method)
     if any(x < 0 for row in (*stages.a, *stages.weights) for x in row):
         return ZERO_LIMIT
-    return smallest([_nonnegative_limit(p) for p in monotonicity_conditions(stages)])
+    limit: Limit = INFINITY
+    for p in monotonicity_conditions(stages):
+        if not _is_positive_to(p, limit):
+            limit = smallest([limit, _nonnegative_limit(p)])
+    return limit
+
+
+def _is_positive_to(p: Polynomial, limit: Limit) -> bool:
+    """True only if p > 0 on (0, limit): by Descartes' rule, as (1 + x)ⁿ p(limit/(1 + x)) has no change of sign."""
+    if isinstance(limit, Infinity) or limit == ZERO_LIMIT or not isinstance(p, fmpq_poly):
+        return limit == ZERO_LIMIT  # nothing is less
+    end = as_fmpq(dyadic(limit.ball().upper()))
+    moved = fmpq_poly(p(fmpq_poly([0, end])).coeffs()[::-1])(fmpq_poly([1, 1]))
+    return bool(moved.leading_coefficient() > 0) and not sign_changes(moved)
 
 
 def _tableau(method: Collocation) -> RungeKutta | None:
@@ -69,36 +80,27 @@ def monotonicity_conditions(stages: StageCoefficients) -> list[Polynomial]:
     """What must be >= 0: det(I + rA), and times it the entries of K(I + rK)⁻¹ and of e - rK(I + rK)⁻¹e, in Q[r]."""
     a = [[scalar(x) for x in row] for row in stages.a]
     rows = [*a, [scalar(x) for x in stages.weights[0]]]
-    if any(x != 0 for i, row in enumerate(a) for x in row[i:]):
-        common, inverse = _scaled_inverse(a)
-        entries = matrix_product([[ONE * x for x in row] for row in rows], inverse)
-    else:
-        common, entries = ONE, _series_of_nilpotent(rows, a)
+    common, entries = _times_scaled_inverse(rows)
     slack = [common - (X * dot(row, [ONE] * len(row))) for row in entries]
     distinct = {coefficients(p): descend(p) for p in (common, *(p for row in entries for p in row), *slack) if p != 0}
     return list(distinct.values())
 
 
-def _scaled_inverse(a: MatrixRows) -> tuple[Polynomial, list[list[Polynomial]]]:
-    """(det(I + rA), adj(I + rA))."""
-    shifted = [[X * x + int(i == j) for j, x in enumerate(row)] for i, row in enumerate(a)]
-    return matrix_determinant(shifted), characteristic_and_adjugate(shifted)[1]
+def _times_scaled_inverse(rows: MatrixRows) -> tuple[Polynomial, list[list[Polynomial]]]:
+    """det(I + rA) = Σ cₖrᵏ and K adj(I + rA) = Σ KMₖ₊₁rᵏ, K being A with further rows.
 
-
-def _series_of_nilpotent(rows: MatrixRows, a: MatrixRows) -> list[list[Polynomial]]:
-    """K(I + rA)⁻¹ = Σ K(-rA)ᵏ, k < s, for strictly lower triangular A; over Q by FLINT's matrices."""
-    if all(isinstance(x, fmpq) for row in rows for x in row):
-        current, step = fmpq_mat([list(row) for row in rows]), -fmpq_mat([list(row) for row in a])
-        powers = [current.tolist()]
-        for _ in range(len(a) - 1):
-            current = current * step
-            powers.append(current.tolist())
-    else:
-        negative = [[-x for x in row] for row in a]
-        powers = [[list(row) for row in rows]]
-        for _ in range(len(a) - 1):
-            powers.append(matrix_product(powers[-1], negative))
-    return [[from_scalars([p[i][j] for p in powers]) for j in range(len(a))] for i in range(len(rows))]
+    M₁ = I, cₖ = tr(A Mₖ)/k, Mₖ₊₁ = cₖI - A Mₖ (Faddeev and LeVerrier), which is (-A)ᵏ if A is strictly triangular.
+    """
+    size, zero = len(rows[0]), rows[0][0] * 0
+    current = [[zero + int(i == j) for j in range(size)] for i in range(size)]
+    common, terms = [zero + 1], list[list[list[Scalar]]]()
+    for k in range(1, size + 1):
+        terms.append(matrix_product(rows, current))
+        moved = terms[-1][:size]
+        common.append(sum((moved[i][i] for i in range(size)), zero) / k)
+        current = [[common[-1] - x if i == j else -x for j, x in enumerate(row)] for i, row in enumerate(moved)]
+    entries = [[from_scalars([term[i][j] for term in terms]) for j in range(size)] for i in range(len(rows))]
+    return from_scalars(common), entries
 
 
 def _nonnegative_limit(p: Polynomial) -> Limit:
