@@ -1,4 +1,4 @@
-"""Every benchmark, beside every peer that is installed: python -m benchmarks (about a quarter of an hour)
+"""Every benchmark, beside every peer that is installed: python -m benchmarks (about twenty minutes)
 
 Writes docs/benchmarks.md, and docs/peers.json, from which docs/differences.md takes what peers answer; `make bench`
 runs it in an environment that has the peers. `python -m benchmarks NAME ...` prints what some of them find instead.
@@ -21,6 +21,7 @@ from benchmarks import (
     enclosure,
     engine,
     exact_facts,
+    growth,
     import_time,
     long_runs,
     peers,
@@ -37,7 +38,18 @@ ROOT = Path(__file__).parents[1]
 # In the order of the page; each is asked for so many rounds, and yields its tables as they are finished.
 BENCHMARKS: dict[str, Callable[[int], Iterator[Section]]] = {
     module.__name__.rpartition(".")[2]: module.sections
-    for module in (exact_facts, import_time, commands, roundoff, engine, stiff, enclosure, peers_time, long_runs)
+    for module in (
+        exact_facts,
+        import_time,
+        commands,
+        roundoff,
+        engine,
+        stiff,
+        enclosure,
+        peers_time,
+        long_runs,
+        growth,
+    )
 }
 HOW = f"""\
 Imports, commands and enclosures are in processor seconds, everything else in seconds of the clock.

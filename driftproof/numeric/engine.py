@@ -146,8 +146,9 @@ def demand_ensemble(y: FloatArray, rows: int) -> None:
 def array_field_runner(method: Method, field: VectorField, library: Any) -> FieldRun:
     """run(y, h, first, last) with a tuple of arrays of any library that has the functions of the array API standard.
 
-    The text of `field_runner`, an operation at a time on whole arrays, of binary64 or whatever they hold; where the
-    library fuses products into sums its bits are others, within the bound that is derived for the step.
+    The text of `field_runner`, an operation at a time on whole arrays, of binary64 or whatever they hold. NumPy, torch
+    and JAX then have its bits; where something fuses products into sums, as `jax.jit` does of this, bits are others,
+    within the bound that is derived for any order of operations.
     """
     source = field_source(method, field)
     functions = {name: getattr(library, name) for name in FUNCTIONS}

@@ -27,6 +27,8 @@ from driftproof.numeric.engine import (
     runner,
 )
 from driftproof.numeric.problems.catalogue import problem_named
+from driftproof.symbolic.rounding.any_evaluation_order import any_evaluation_order_bound
+from driftproof.symbolic.runs import exact_matrix_at
 from tests.float_bits import bits
 from tests.looping import exactly, some
 from tests.numeric.engine_runs import ensemble, step_by_step
@@ -163,6 +165,43 @@ def test_an_ensemble_of_systems_has_the_bits_of_each_system():
         assert tuple(found[:, member]) == alone(tuple(map(float, start[:, member])), 0.01, 3, 23)
     arrays = array_field_runner(METHODS["rk4"], KEPLER, np)(tuple(np.ones((4, 9)) / 3), 0.01, 0, 20)
     assert tuple(x[4] for x in arrays) == field_runner(METHODS["rk4"], KEPLER)((1 / 3,) * 4, 0.01, 0, 20)
+
+
+def library_named(name):
+    """The functions of a library, an array of doubles in it, and what compiles a function of arrays."""
+    module = pytest.importorskip(name)
+    if name == "jax":
+        module.config.update("jax_enable_x64", True)
+        return module.numpy, module.numpy.asarray, module.jit
+    if name == "torch":
+        return module, lambda x: module.tensor(x, dtype=module.float64), lambda f: f
+    return module, module.asarray, lambda f: f
+
+
+def fuses(array, compiled):
+    """Whether x y - z is rounded once: of x² = 1 + 2⁻²⁹ + 2⁻⁶⁰ a product of doubles keeps z = 1 + 2⁻²⁹."""
+    x, z = array([1 + 2.0**-30] * BLOCK), array([1 + 2.0**-29] * BLOCK)
+    return float(compiled(lambda x, z: x * x - z)(x, z)[0]) != 0
+
+
+@pytest.mark.parametrize("as_is", [True, False], ids=["as it is", "compiled"])
+@pytest.mark.parametrize("name", ["numpy", "torch", "jax", "cupy"])
+def test_an_ensemble_on_arrays_of_any_library_is_within_the_derived_bound(name, as_is):
+    """The bound holds in any order of operations, fused or not; where nothing is fused, there are NumPy's bits."""
+    library, array, compiled = library_named(name)
+    keep, h = (lambda f: f) if as_is else compiled, 0.1
+    start = np.random.default_rng(1).uniform(-1, 1, (2, BLOCK))
+    field, method = VectorField(("y1", "-y0")), METHODS["rk4"]
+    run = array_field_runner(method, field, library)
+    found = np.array([[float(x) for x in row] for row in keep(lambda *y: run(y, h, 0, 1))(*map(array, start))])
+    qq, qv, vq, vv = exact_matrix_at(method, Q(h))
+    bound = any_evaluation_order_bound(method)
+    for q, v, q_found, v_found in np.vstack([start, found])[:, :20].T.tolist():
+        dq, dv = bound.error_of(Q(h), Q(q), Q(v))
+        assert abs(Q(q_found) - qq * Q(q) - qv * Q(v)) <= dq
+        assert abs(Q(v_found) - vq * Q(q) - vv * Q(v)) <= dv
+    plain = np.array(array_field_runner(method, field, np)(tuple(start), h, 0, 1))
+    assert (found == plain).all() or fuses(array, keep), f"{name} rounds otherwise, and fuses nothing"
 
 
 def test_an_ensemble_of_systems_is_rows_of_doubles():

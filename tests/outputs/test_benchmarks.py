@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks import __main__ as benchmarks
-from benchmarks import answers, engine, exact_facts, harness, import_time, peers_time, roundoff
+from benchmarks import answers, engine, exact_facts, growth, harness, import_time, peers_time, roundoff
 from benchmarks.harness import Contestant, Goal, Row, Section, Subject, forget, measure, timed
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.engine import field_runner, runner
@@ -145,6 +145,20 @@ def test_benchmark_of_rounding_searches_and_counts_violations(monkeypatch: pytes
         "RK4 as it is is caught",
         "a weight of RK4 wrong by 1e-13 is caught",
     ]
+
+
+@pytest.mark.parametrize(("exponent", "met"), [(3, True), (2, False)])
+def test_growth_is_the_slope_of_the_last_sizes(monkeypatch: pytest.MonkeyPatch, exponent: int, met: bool) -> None:
+    monkeypatch.setattr(growth, "seconds", lambda task: task())
+    law = growth.Law("cubes", lambda n: lambda: float(max(n, 5) ** 3), (1, 2, 8, 16, 32), exponent, "it is so")
+    shown = growth.laws_section([law])
+    assert (shown.goals[0].found, shown.goals[0].met) == ("3.00", met)
+    assert shown.rows[-1][-3:] == [str(exponent), "3.00", "it is so"]
+
+
+@pytest.mark.parametrize("law", growth.LAWS, ids=lambda law: law.name)
+def test_what_grows_is_done_at_its_smallest_size(law: growth.Law) -> None:
+    assert law.task(law.sizes[0])()
 
 
 def test_loops_by_hand_have_the_bits_of_ours() -> None:
