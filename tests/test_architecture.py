@@ -68,7 +68,7 @@ BUDGETS = {
     "numeric": 4243,
     "blackbox": 17853,
     "enclosure": 3159,
-    "texts": 7320,
+    "texts": 7322,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5606
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

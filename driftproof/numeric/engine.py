@@ -146,9 +146,8 @@ def demand_ensemble(y: FloatArray, rows: int) -> None:
 def array_field_runner(method: Method, field: VectorField, library: Any) -> FieldRun:
     """run(y, h, first, last) with a tuple of arrays of any library that has the functions of the array API standard.
 
-    The text of `field_runner`, an operation at a time on whole arrays, of binary64 or whatever they hold. NumPy, torch
-    and JAX then have its bits; where something fuses products into sums, as `jax.jit` does of this, bits are others,
-    within the bound that is derived for any order of operations.
+    The text of `field_runner`, an operation at a time on whole arrays, of binary64 or whatever they hold: the same bits
+    of + - * / in NumPy, torch and JAX, and others, within the derived bound, where `jax.jit` fuses products into sums.
     """
     source = field_source(method, field)
     functions = {name: getattr(library, name) for name in FUNCTIONS}

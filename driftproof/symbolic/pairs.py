@@ -143,8 +143,7 @@ def _slope_residual(extension: ContinuousExtension, own: Sequence[Exact]) -> Exa
         for weight in ((*weight, Fraction(0)) for weight in extension.weights)
     ]
     ends = (_size(start - (i == 0)) for i, (start, _) in enumerate(slopes))
-    largest: Exact = max(*ends, *(_size(end - (i == last)) for i, (_, end) in enumerate(slopes)))
-    return largest
+    return EXACT.exact(max(*ends, *(_size(end - (i == last)) for i, (_, end) in enumerate(slopes))))
 
 
 def _size(x: RingElement) -> RingElement:

@@ -19,8 +19,7 @@ StepMatrix: TypeAlias = tuple[tuple[RationalFunction, ...], ...]
 def matrix_product(a: MatrixRows, b: MatrixRows) -> list[list[Scalar]]:
     """The matrix product; over Q by FLINT's matrices."""
     if all(isinstance(x, fmpq) for rows in (a, b) for row in rows for x in row):
-        product: list[list[Scalar]] = (fmpq_mat([list(row) for row in a]) * fmpq_mat([list(row) for row in b])).tolist()
-        return product
+        return list((fmpq_mat([*map(list, a)]) * fmpq_mat([*map(list, b)])).tolist())
     columns = list(zip(*b, strict=True))
     return [[dot(row, column) for column in columns] for row in a]
 

@@ -28,7 +28,6 @@ from driftproof.symbolic.algebra.polynomials import (
     Polynomial,
     descend,
     exact,
-    greatest_common_divisor,
     reflected,
 )
 from driftproof.symbolic.algebra.polynomials import quotient as polynomial_quotient
@@ -37,6 +36,7 @@ from driftproof.symbolic.algebra.rational_functions import RationalFunction, exp
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT as ORIGIN
 from driftproof.symbolic.algebra.real_roots import RealRoot, positive_roots, root_as_number, samples, vanishes_at
 from driftproof.symbolic.linear.stability_function import stability_function
+from driftproof.symbolic.linear.stability_limits import common_denominator
 
 _NIL = fraction(ZERO)
 # Digits of an end without a radical form, in text; the records have them all.
@@ -78,10 +78,7 @@ class FamilyStability:
 
 def poles(family: Family) -> Polynomial:
     """The least common multiple of the denominators of all entries: it vanishes where the method is not defined."""
-    common: Polynomial = ONE
-    for entry in (*(f for row in family.a for f in row), *family.b, *family.c):
-        common = common * polynomial_quotient(entry.den, greatest_common_divisor(common, entry.den))
-    return common
+    return common_denominator([*family.a, family.b, family.c])
 
 
 def cleared(entries: Sequence[ParameterFunction], common: Polynomial) -> list[Polynomial]:

@@ -18,7 +18,7 @@ from driftproof.symbolic.algebra.rational_functions import RationalFunction, fra
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, positive_roots, vanishes_at
 from driftproof.symbolic.linear.oscillator import area_factor as area_factor
 from driftproof.symbolic.linear.oscillator import matrix_trace
-from driftproof.symbolic.linear.stability_limits import INFINITY, Limit
+from driftproof.symbolic.linear.stability_limits import INFINITY, Limit, common_denominator
 
 _NIL = fraction(ONE * 0)
 _UNIT = fraction(ONE)
@@ -91,9 +91,7 @@ def modified_hamiltonian(m: StepMatrix) -> ModifiedHamiltonian | None:
 
 def _form(*vector: RationalFunction) -> QuadraticForm:
     """The form in this direction, polynomial and without a common factor; its first nonzero value at h = 0 is 1/2."""
-    common: Polynomial = ONE
-    for x in vector:
-        common = common * quotient(x.den, greatest_common_divisor(common, x.den))
+    common = common_denominator([vector])
     entries = [descend(x.num * quotient(common, x.den)) for x in vector]
     content = entries[0] * 0
     for entry in entries:

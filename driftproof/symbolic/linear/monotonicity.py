@@ -43,8 +43,7 @@ def ssp_coefficient(method: RungeKutta | Collocation) -> Limit:
         return ZERO_LIMIT
     limit: Limit = INFINITY
     for p in monotonicity_conditions(stages):
-        if not _is_positive_to(p, limit):
-            limit = smallest([limit, _nonnegative_limit(p)])
+        limit = limit if _is_positive_to(p, limit) else smallest([limit, _nonnegative_limit(p)])
     return limit
 
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from enum import Enum
 from fractions import Fraction
 from functools import partial
+from itertools import chain
 from math import isqrt
 from typing import NamedTuple, TypeAlias
 
 from flint import fmpq
 
+from driftproof.methods.families import ParameterFunction
 from driftproof.methods.number_field import Algebraic
 from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
 from driftproof.symbolic.algebra.matrices import StepMatrix
@@ -158,12 +160,11 @@ def _sign_at_rational(p: Polynomial, x: Scalar) -> int:
     return sign(evaluate(p, x))
 
 
-def common_denominator(m: StepMatrix) -> Polynomial:
+def common_denominator(rows: Iterable[Iterable[RationalFunction | ParameterFunction]]) -> Polynomial:
     """The least common multiple of the entries' denominators."""
     common: Polynomial = ONE
-    for row in m:
-        for entry in row:
-            common = common * quotient(entry.den, greatest_common_divisor(common, entry.den))
+    for entry in chain.from_iterable(rows):
+        common = common * quotient(entry.den, greatest_common_divisor(common, entry.den))
     return descend(common)
 
 

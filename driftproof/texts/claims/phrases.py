@@ -237,9 +237,8 @@ class Phrase:
             begins = _NUMBER_BEGINS
         if not last or last[-1].isdigit():
             ends = _NUMBER_ENDS
-        pattern = begins + "".join(parts) + ends
-        # What begins with letters is searched for ten times as fast: they come first, and then what is not before them.
-        pattern = re.sub(r"\A\(\?<!\\w\)([A-Za-z]+)", r"\1(?<!\\w\1)", pattern)
+        # Letters first, then what is not before them: re finds what begins with letters ten times as fast.
+        pattern = re.sub(r"\A\(\?<!\\w\)([A-Za-z]+)", r"\1(?<!\\w\1)", begins + "".join(parts) + ends)
         return re.compile(pattern, re.IGNORECASE if ignore_case else 0)
 
 
