@@ -55,7 +55,7 @@ def render_command(options: Namespace) -> str:
 
 @cli.command(
     cli.option(
-        "texts",
+        "text",
         "a text: .txt, .md, .html, .tex, .ipynb, another is read as plain text; or a folder of texts with claims",
         nargs="+",
         type=Path,
@@ -135,12 +135,12 @@ def check_command(options: Namespace) -> str:
 
     if options.init and (options.run or options.coverage or options.format != "text"):
         raise ValueError("--init drafts claims; --run, --coverage and --format need --claims")
-    if len(options.texts) > 1 and (options.init or options.claims):
+    if len(options.text) > 1 and (options.init or options.claims):
         raise ValueError("--init and --claims are for one text; several have their claims beside them")
     if options.init:
-        return str(check(options.texts[0], init=True, ask=options.ask))
+        return str(check(options.text[0], init=True, ask=options.ask))
     how = {name: getattr(options, name) for name in ("ask", "coverage", "run", "time_limit")}
-    texts = options.texts if options.claims else [text for given in options.texts for text in texts_with_claims(given)]
+    texts = options.text if options.claims else [text for given in options.text for text in texts_with_claims(given)]
     reports: list[TextReport] = [check(text, options.claims, **how) for text in with_progress(texts, "text")]
     shown = "\n".join(report.written(options.format) for report in reports)
     if options.format == "json" and len(reports) > 1:

@@ -133,7 +133,7 @@ REFUSED = {
     "roundoff('rk4', float='single')": "unknown number format 'single'; choose from binary",
     "facts('rk4', only=['ordre']).json()": "unknown fact 'ordre'",
     "facts('rk4', at=1)": "rk4 has no parameter",
-    "check('text.md')": "--init drafts claims",
+    "check('text.md')": "draft them with: driftproof check text.md --init",
 }
 MEANT = {
     "Facts('rk4')": "'rk4' is a string, and a method is needed: METHODS[...], or read_method(...) of a .toml file",

@@ -119,7 +119,7 @@ def test_bound_is_of_the_number_format_asked_for(found):
 
 RK4 = ("rk4", "--h", "1/2")
 REFUSED = {
-    ("step", "rk5", "--h", "1/2"): "unknown method 'rk5'; did you mean rk4 or rk38?",
+    ("step", "rk5", "--h", "1/2"): "unknown method 'rk5'; did you mean rk4 or ",
     ("step", "rk4"): "required: --h",
     ("step", *RK4, "--stage", "2"): "unrecognized arguments: --stage 2 (`driftproof step --help`",
     ("step", *RK4, "--rounding", "up"): "invalid choice: 'up'",

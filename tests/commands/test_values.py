@@ -83,7 +83,7 @@ REFUSED = {
     ("value", "energy_multiplier rk4", "--digits", "3", "--format", "json"): "is no number and has no decimals",
     ("value", "run rk4 h=1/4 t=10 : state_error", "--format", "tex"): "has no exact form; ask for digits",
     ("value", "step rk5 h=1/2 : q"): "'step rk5 h=1/2 : q', column 6: unknown method 'rk5'",
-    ("value", "two\nlines rk4"): "'two lines rk4', column 11: 'rk4' has no place here",
+    ("value", "two\nlines rk4"): "'two lines rk4', column 1: 'two lines' is nothing that can be asked",
     ("value", "rk4.first_step.q", "--only", "*"): "--only is for published values; leave out the question",
     ("value", "1", "--format", "csv"): "--format csv is for the published values of --only PATTERN",
     ("value", "--only", "*", "--format", "mathml"): "--format mathml is for one value; of several there are json",

@@ -79,7 +79,7 @@ BAD_FILES = {
     'selected = "rk4"\nh = 1\n' + ASKED: "'t' is missing",
     'selected = "rk4"\nh = 1\nt = 1\n': "scene 'mine' asks for nothing; name readouts, certified or panels",
     MINIMAL + "colour = 1": "a scene has no key 'colour'; there are name, selected, h, t, start",
-    'selected = "rk5"\nh = 1\nt = 1\n' + ASKED: "scene 'mine': unknown method 'rk5'; did you mean rk4 or rk38?",
+    'selected = "rk5"\nh = 1\nt = 1\n' + ASKED: "scene 'mine': unknown method 'rk5'; did you mean rk4 or ",
     MINIMAL + 'methods = ["rk4", "oiler"]': "unknown method 'oiler'; did you mean",
     MINIMAL + "methods = 5": "methods is 5; write a list",
     MINIMAL + 'methods = "rk4"': "methods is 'rk4'; write a list",
