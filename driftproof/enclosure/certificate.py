@@ -18,7 +18,7 @@ from driftproof.support.results import Printable
 BallRows: TypeAlias = tuple[tuple[arb, ...], ...]
 # Digits of balls in JSON: more than any double's error has proved, rounding included.
 _DIGITS = 25
-# Rows of the table that a notebook shows.
+# Rows of the table that a notebook shows, and constants that the words name: a dense system has thousands.
 _MOST_SHOWN = 12
 # Digits of a point that is right to the last bit.
 ALL_DIGITS = 17
@@ -101,7 +101,9 @@ class Certificate(Printable):
             f"{self.digits} digits right at every point; the enclosure's steps: {self.steps}, bits: {self.bits}"
         )
         if self.doubles:
-            lines.append(f"f's constants are these doubles, exactly: {', '.join(map(repr, self.doubles))}")
+            shown, more = self.doubles[:_MOST_SHOWN], len(self.doubles) - _MOST_SHOWN
+            said = ", ".join(map(repr, shown)) + (f" and {more} more" if more > 0 else "")
+            lines.append(f"f's constants are these doubles, exactly: {said}")
         return "\n".join(lines)
 
     def _split_lines(self, split: Split) -> list[str]:

@@ -46,6 +46,12 @@ def test_words_say_where_and_what():
     ]
 
 
+def test_words_name_a_few_of_thousands_of_constants():
+    found = replace(WHOLE, doubles=tuple(k + 0.1 for k in range(10_000)))
+    assert found.text().endswith("10.1, 11.1 and 9988 more")
+    assert len(found.record()["doubles"]) == 10_000
+
+
 def test_json_holds_every_ball():
     record = json.loads(WHOLE.json())
     for rows, balls in ((record["errors"], ROWS), (record["split"]["truncation"], HALVES)):
