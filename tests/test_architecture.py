@@ -67,7 +67,7 @@ BUDGETS = {
     "symbolic": 10737,
     "numeric": 4243,
     "blackbox": 17861,
-    "enclosure": 3161,
+    "enclosure": 3162,
     "texts": 7322,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5606

@@ -159,6 +159,8 @@ def assert_accurate(
 ) -> None:
     """No component of the solution of y' = f(t, y) is off by more than the tolerance at any of its points.
 
+    The solution is the one through the first point, which is taken as it stands: what was lost before it, as where
+    SciPy's `t_eval` leaves the start out, is not seen.
     Raises AssertionError with the worst point and its proved error, and Refused where nothing can be proved. `solution`
     is what `certify` takes, or a pair (t, y). The `rtol` and `atol` that the solver was called with stand in the
     message, if they are given: what they promise is the error of a step, and no more.
@@ -174,7 +176,8 @@ def assert_accurate(
     __tracebackhide__ = True  # pytest shows the user's line, and the message
     found = certify(f, *solution) if isinstance(solution, tuple | list) else certify(f, solution)
     if within(found, tolerance):
-        tell(AssertedVerdict("the solution", f"is within {tolerance} (proved)", True, found.text()))
+        words = f"is within {tolerance} of that through its first point, t = {found.t[0]:g} (proved)"
+        tell(AssertedVerdict("the solution", words, True, found.text()))
         return
     said = f"off by {decimal(found.largest_error)}, more than {tolerance}: {found.place()} (proved)"
     if rtol is not None:
