@@ -21,7 +21,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     CallingConvention,
 )
 from driftproof.blackbox.stepper.run_states import is_generator, states_of_generator, states_of_run
-from driftproof.blackbox.stepper.state_forms import part_pair
+from driftproof.blackbox.stepper.state_forms import TOGETHER, part_pair
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 
 FieldFunction: TypeAlias = Callable[[AnyNumber, list[AnyNumber]], Sequence[AnyNumber]]
@@ -148,6 +148,8 @@ class ForeignCode:
     def read(self, answer: Foreign, size: int) -> list[AnyNumber]:
         """The numbers of an answer; its type is kept in the log. Raises WrongShape, NotANumber."""
         self.log.types.add(type_of(answer))
+        if size_of(answer) % TOGETHER.get(self.adapter.name, 1):
+            raise WrongShape(f"{size_of(answer)} numbers of a vector came out")
         return self.adapter.read(answer, size)
 
     def _read_state(self, answer: Foreign, size: int, end: AnyNumber) -> list[AnyNumber]:
