@@ -20,9 +20,11 @@ from benchmarks import (
     commands,
     enclosure,
     engine,
+    ensembles,
     exact_facts,
     growth,
     import_time,
+    lines,
     long_runs,
     peers,
     peers_time,
@@ -44,7 +46,9 @@ BENCHMARKS: dict[str, Callable[[int], Iterator[Section]]] = {
         commands,
         roundoff,
         engine,
+        ensembles,
         stiff,
+        lines,
         enclosure,
         peers_time,
         long_runs,
@@ -52,7 +56,8 @@ BENCHMARKS: dict[str, Callable[[int], Iterator[Section]]] = {
     )
 }
 HOW = f"""\
-Imports, commands and enclosures are in processor seconds, everything else in seconds of the clock.
+Imports, commands, enclosures, ensembles to an error, stiff problems and lines are in processor seconds, of all threads,
+everything else in seconds of the clock.
 `ours` starts with every cache emptied, before each call; `ours, warm` with what the calls before have left. In a round
 every contestant has one turn, in which a short task is repeated for {1000 * TURN:.0f} ms, so that a busy moment of the
 machine meets all of them; one that has spent {LIMIT:g} s gets no further turn, so that a slow one may have a single

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from time import perf_counter
 from typing import Any
 
-from driftproof.numeric.work_precision.timing import Timing, collector_off
+from driftproof.numeric.work_precision.timing import TimeSource, Timing, collector_off
 
 # How long one turn repeats a short task, and after how long a contestant gets no further turn, in seconds.
 TURN, LIMIT = 0.02, 3.0
@@ -117,42 +117,49 @@ def spread_shown(times: Timing) -> list[str]:
     return [milliseconds(1000 * times.best), milliseconds(1000 * times.median), spread, str(len(times.samples))]
 
 
-def timed(title: str, subjects: Iterable[Subject], rounds: int) -> Section:
+def timed(title: str, subjects: Iterable[Subject], rounds: int, clock: TimeSource | None = None) -> Section:
     """The subjects, measured: who took how long, who was how many times slower than ours, who answers otherwise."""
-    rows = measure(list(subjects), rounds)
+    rows = measure(list(subjects), rounds, clock=clock)
     header = ["", "", "minimum", "median", "spread", "samples", "over ours", "answer"]
     return Section(
         title, [header, *(line for row in rows for line in row.lines())], [g for r in rows for g in r.goals()]
     )
 
 
-def measure(subjects: Sequence[Subject], rounds: int, turn: float = TURN, limit: float = LIMIT) -> list[Row]:
+def measure(
+    subjects: Sequence[Subject],
+    rounds: int,
+    turn: float = TURN,
+    limit: float = LIMIT,
+    clock: TimeSource | None = None,
+) -> list[Row]:
     """Every contestant has one turn a round, in which a short task is repeated for about `turn` seconds.
 
     A busy moment of the machine meets all of them, because the turns interleave. A contestant that has spent `limit`
-    seconds gets no further turn, so that one call of a slow one is enough.
+    seconds gets no further turn, so that one call of a slow one is enough. Seconds are the clock's, or of another
+    `clock`, such as `time.process_time`.
     """
     rows = [Row(subject, {who: Timing() for who in subject.contestants}, dict[str, str]()) for subject in subjects]
     for _ in range(rounds):
         for row in rows:
             for who, contestant in row.subject.contestants.items():
                 if sum(row.times[who].samples) < limit:
-                    taken, answer = _one_turn(contestant, turn)
+                    taken, answer = _one_turn(contestant, turn, clock or perf_counter)
                     row.times[who].samples.extend(taken)
                     row.answers[who] = answer  # type: ignore[index]
     return rows
 
 
-def _one_turn(contestant: Contestant, turn: float) -> tuple[list[float], str]:
+def _one_turn(contestant: Contestant, turn: float, clock: TimeSource) -> tuple[list[float], str]:
     """At least one time in seconds, and the answer."""
     taken, spent = list[float](), 0.0
     gc.collect()
     with quiet(), collector_off():
         while not taken or spent < turn:
             contestant.before()
-            start = perf_counter()
+            start = clock()
             result = contestant.task()
-            taken.append(perf_counter() - start)
+            taken.append(clock() - start)
             spent += taken[-1]
         return taken, contestant.read(result)
 

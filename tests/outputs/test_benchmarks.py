@@ -9,12 +9,15 @@ from collections.abc import Callable
 from math import cos, sin
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from benchmarks import __main__ as benchmarks
-from benchmarks import answers, engine, exact_facts, growth, harness, import_time, peers_time, roundoff
+from benchmarks import answers, engine, exact_facts, growth, harness, import_time, lines, peers_time, roundoff
 from benchmarks.harness import Contestant, Goal, Row, Section, Subject, forget, measure, timed
 from driftproof.methods.catalogue import METHODS
+from driftproof.numeric import field_loops
+from driftproof.numeric.advance import field_rate
 from driftproof.numeric.engine import field_runner, runner
 from driftproof.numeric.steppers import rk4
 from driftproof.numeric.work_precision.timing import Timing
@@ -279,3 +282,11 @@ def test_a_question_that_takes_too_long_has_no_answer(monkeypatch: pytest.Monkey
     monkeypatch.setattr(answers, "PATIENCE", 0.01)
     assert answers.answered(lambda: time.sleep(1)) == (None, "no answer within 0.01 s")
     assert answers.answered(lambda: 1) == (1, "")
+
+
+def test_lines_of_neighbours_are_the_same_rates_for_everybody() -> None:
+    """Those of the text and those on arrays, rounded a dozen times each."""
+    start = lines.start(12)
+    alone = field_rate(lines.brusselator(12))(0.0, start)
+    assert list(lines.rate_on_arrays(12)(0.0, np.array(start))) == pytest.approx(alone, rel=1e-12, abs=1e-12)
+    assert field_loops.field_writers(lines.brusselator(12), compiled=False).band == (2, 2)
