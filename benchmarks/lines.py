@@ -30,8 +30,6 @@ PLACES = (50, 500)
 # Beyond, a full matrix takes minutes.
 FULL_PLACES = 50
 TOLERANCES = tuple(10 ** (-k / 2) for k in range(9, 19))
-# The most that our time may be of SciPy's Radau's.
-SHARE = 1 / 20
 
 
 def brusselator(places: int) -> VectorField:
@@ -135,8 +133,6 @@ def subjects() -> Iterator[Subject]:
         yield Subject(
             f"Brusselator, {places} places, error {ERROR:.0e}".replace("e-0", "e-"),
             {who: at_its_best(places, solver) for who, solver in solvers.items()},
-            None,
-            {("ours", "scipy, Radau"): SHARE},
         )
 
 

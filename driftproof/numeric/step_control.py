@@ -17,6 +17,8 @@ from driftproof.numeric.elimination import PYTHON_FLOATS, NumberKind
 MOST_LONGER, MOST_SHORTER, SAFETY = 5.0, 0.2, 0.9
 # The logarithm is taken of no error below this, which makes a step MOST_LONGER.
 SMALLEST = 1e-10
+# No problem needs a step that is so much shorter than the run; from t = 0 they would get shorter for ever.
+SHORTEST = 1e-30
 # Places in a report, and how a run has ended.
 EVALUATIONS, STEPS, REJECTED, STATE, TIME = range(5)
 DONE, TOO_SHORT, GIVEN_UP = 0.0, 1.0, 2.0
@@ -73,7 +75,7 @@ def controlled_steps(rate: Callable[..., None], attempt: StepAttempt, kind: Numb
         place, slope, other = rows(3, n)
         rate(0.0, y, slope)
         moving, resting = size(slope, y, y, given), size(y, y, y, given)
-        h = min(0.01 * resting / moving if min(moving, resting) > 1e-5 else 1e-6, end)
+        h = min(0.01 * resting / moving if resting > 1e-5 and 1e-5 < moving < inf else 1e-6, end)
         for k in range(n):
             place[k] = y[k] + h * slope[k]
         rate(h, place, other)
@@ -100,8 +102,9 @@ def controlled_steps(rate: Callable[..., None], attempt: StepAttempt, kind: Numb
             factor = SAFETY * exp(-log(max(error, SMALLEST)) / given.power) if isfinite(error) else 0.0
             if not 1 <= factor <= given.steady:
                 h *= min(MOST_LONGER, max(MOST_SHORTER, factor))
-            if t < end and (not t + h > t or report[EVALUATIONS] > given.most):
-                report[STATE], report[TIME] = TOO_SHORT if not t + h > t else GIVEN_UP, t
+            short = not t + h > t or h < SHORTEST * end
+            if t < end and (short or report[EVALUATIONS] > given.most):
+                report[STATE], report[TIME] = TOO_SHORT if short else GIVEN_UP, t
                 return
 
     return run  # type: ignore[no-any-return]
@@ -112,7 +115,8 @@ def pair_attempts(
 ) -> StepAttempt:
     """The attempts of an explicit pair, whose step(t, y, h, first, last, new, off) gets f(t, y) and tells the last f.
 
-    `table` is (calls of f in a step but the first, whether the last is at the new state); `work` two rows for the two.
+    `table` is (calls of f in a step but the first, whether the last is at the new state); `work` a row for each of
+    both, and one for the error.
     """
     size = error_size(kind)
 

@@ -192,9 +192,11 @@ def _contestants(study: Study) -> list[_Contestant]:
 def _controlled(method: Method, study: Study) -> _Contestant:
     """The method in steps of its own choice. Raises MethodError."""
     solvers: dict[str, Callable[[], Solver]] = {
-        kind: partial(lambda solver: solver, ControlledSolver(method, study.problem, compiled=kind == COMPILED))
+        kind: cache(partial(ControlledSolver, method, study.problem, compiled=kind == COMPILED))
         for kind in kinds_of_trajectories()
     }
+    for solver in solvers.values():
+        solver()
     key, best = f"{method.key} controlled", list(solvers.values())[-1]
     calls = partial(_calls_of_solvers, solvers, float(study.problem.t))
     return _Contestant(key, partial(_solver_curve, key, best, study), calls)
@@ -234,7 +236,7 @@ def solver_point(solver: Solver, tolerance: float, study: Study) -> Point:
             t: solver.solve(tolerance, float(t)) for t in problem.reference.times
         }
         sizes = errors(problem, states)
-    except ArithmeticError as error:
+    except (ArithmeticError, ValueError) as error:  # math.log of a negative number is a ValueError
         return Point(setting, None, remark=" ".join(str(error).split()))
     return Point(setting, evaluations, sizes, doubt(problem, 0, speed(problem)), largest_state_size(problem))
 
