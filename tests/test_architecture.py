@@ -65,7 +65,7 @@ BUDGETS = {
     "support": 1160,
     "methods": 5580,
     "symbolic": 10737,
-    "numeric": 4243,
+    "numeric": 4247,
     "blackbox": 17863,
     "enclosure": 3162,
     "texts": 7322,

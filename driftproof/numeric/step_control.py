@@ -18,7 +18,7 @@ MOST_LONGER, MOST_SHORTER, SAFETY = 5.0, 0.2, 0.9
 # The logarithm is taken of no error below this, which makes a step MOST_LONGER.
 SMALLEST = 1e-10
 # No problem needs a step that is so much shorter than the run; from t = 0 they would get shorter for ever.
-SHORTEST = 1e-30
+LEAST_STEP = 1e-30
 # Places in a report, and how a run has ended.
 EVALUATIONS, STEPS, REJECTED, STATE, TIME = range(5)
 DONE, TOO_SHORT, GIVEN_UP = 0.0, 1.0, 2.0
@@ -102,7 +102,7 @@ def controlled_steps(rate: Callable[..., None], attempt: StepAttempt, kind: Numb
             factor = SAFETY * exp(-log(max(error, SMALLEST)) / given.power) if isfinite(error) else 0.0
             if not 1 <= factor <= given.steady:
                 h *= min(MOST_LONGER, max(MOST_SHORTER, factor))
-            short = not t + h > t or h < SHORTEST * end
+            short = not t + h > t or h < LEAST_STEP * end
             if t < end and (short or report[EVALUATIONS] > given.most):
                 report[STATE], report[TIME] = TOO_SHORT if short else GIVEN_UP, t
                 return
