@@ -66,7 +66,7 @@ def _compiled(method: str) -> Callable[..., Any]:
         if code.startswith("dop"):
             solver.set_solout(lambda t, y: (times.append(t), states.append(y.copy()))[0])
             solver.set_initial_value(y0, t_span[0]).integrate(t_span[1])
-            return times, states
+            return {"t": times, "y": states, "success": solver.successful(), "message": f"{code} reports failure"}
         solver.set_initial_value(y0, t_span[0])
         times, states = [t_span[0]], [y0]
         onward = 1.0 if t_span[1] > t_span[0] else -1.0

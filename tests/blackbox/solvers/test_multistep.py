@@ -127,6 +127,23 @@ def test_a_solver_of_stages_keeps_no_recurrence_by_chance():
         read_memory(SolverTarget(adaptive("dormand_prince54", exponent=0.2)).open())
 
 
+def test_weights_alone_are_no_name():
+    """Heun's slopes are the trapezoid's where they depend on t alone."""
+
+    def solve(f, t_span, y0, rtol, atol):
+        t, y, times, states = t_span[0], np.array(y0), [t_span[0]], [np.array(y0)]
+        while t < t_span[1]:
+            h = min(t_span[1] - t, 0.5 * rtol ** (1 / 3) * (1.0 if t < t_span[1] / 2 else 1.5))
+            slope = f(t, y)
+            t, y = t + h, y + h / 2 * (slope + f(t + h, y + h * slope))
+            times.append(t)
+            states.append(y)
+        return times, states
+
+    with pytest.raises(NotReadable, match="its steps are those of trapezoid, as are those of every method with these"):
+        read_memory(SolverTarget(solve).open())
+
+
 def test_too_few_steps_of_its_own_are_said():
     few = lambda f, t_span, y0: run(adams_bashforth2, f, t_span, y0, 10)
     with pytest.raises(NotReadable, match="it returns 11 states in a run of 40 steps"):
