@@ -160,7 +160,7 @@ class IsolatedRunner:
     def _answer(self, session: Session, index: int, log: _CallLog, *, opening: bool) -> Outcome:
         """The outcome of one probe. Raises ProcessEnded, with the cause "time" when its time is over."""
         start, call, since = monotonic(), "", monotonic()
-        limit = (self.time_limit - self.spent) * _SHARE_OF_PROBE
+        limit = max(0.0, self.time_limit - self.spent) * _SHARE_OF_PROBE
         patience = max(LEAST_LIMIT, PATIENCE * self._longest)
         a_call = limit * _SHARE_OF_FIRST_CALL if opening else min(patience, self.time_limit * _SHARE_OF_CALL)
         ask: Callable[[float], str] = partial(session.ask, index)
