@@ -331,5 +331,9 @@ WRONG_QUATERNIONS = [
     (turned_by(lambda x: x, guarded=False), "with omega = 0, from 0.5, 0.5, 0.5, 0.5 it returns nan, nan, nan, nan"),
     (axis_by_axis, "is no rotation about omega"),
     (turned_by(lambda x: x * x), "it turns 0 times as fast as omega"),
+    (lambda q, omega, dt: np.array([1.0, 0, 0, 0]) if not any(omega) else quaternion("rk4")(q, omega, dt),
+     "with omega = 0, (0.5, 0.5, 0.5, 0.5) becomes (1, 0, 0, 0)"),
+    (lambda q, omega, dt: quaternion("rk4")(q, np.array(omega) * (1 + dt / 8), dt),
+     "its angle depends on more than h |omega|: on the step or on the direction"),
 ]  # fmt: skip
 RIGHT, WRONG = [*RIGHT_PUSHES, *RIGHT_QUATERNIONS], [*WRONG_PUSHES, *WRONG_QUATERNIONS]

@@ -233,9 +233,10 @@ def test_contact_on_the_negative_axis_leaves_no_sector() -> None:
     assert sector_tangent(r) == ZERO_ROOT
 
 
-def test_sector_that_ends_at_the_origin() -> None:
+@pytest.mark.parametrize("r", [fraction(fmpq_poly([1]), 1 + Z**2), fraction(1 - Z**3 / 10, (1 + Z**2 / 2) ** 2)])
+def test_sector_that_ends_at_the_origin(r: RationalFunction) -> None:
     """R = 1 - z² + ...: near 0, |R| <= 1 up to 45 degrees and no further."""
-    tangent = sector_tangent(fraction(fmpq_poly([1]), 1 + Z**2))
+    tangent = sector_tangent(r)
     assert record(tangent)["exact"] == "1"
     assert significant(Angle(tangent).exact, 6) == "45.0000"
 
