@@ -13,7 +13,7 @@ import sympy
 from hypothesis import given
 
 from driftproof import strategies
-from driftproof.methods.schemes import Collocation, MethodError, RungeKutta, Splitting
+from driftproof.methods.schemes import Collocation, MethodError, Nystrom, RungeKutta, Splitting
 from driftproof.methods.stepping import stepper
 from tests.looping import some
 
@@ -114,6 +114,8 @@ def test_inconsistency_is_reported_with_its_residual_and_not_refused() -> None:
     assert runge_kutta(c=(0, 1 - tiny)).inconsistencies() == {"c[1] - sum(a[1])": -tiny}
     assert splitting((("kick", Q(1, 2)), ("drift", 1))).inconsistencies() == {"sum(kicks) - 1": Q(-1, 2)}
     assert splitting((("kick", 1),)).inconsistencies() == {"sum(drifts) - 1": Q(-1)}
+    nystrom = Nystrom("m", "m", 0, "", (Q(0), Q(1, 2)), ((0, 0), (tiny, 0)), (Q(1, 2), 0), (0, 1))
+    assert nystrom.inconsistencies() == {"sum(a[1]) - c[1]**2/2": tiny - Q(1, 8)}
     # Collocation integrates constants exactly whatever its nodes: as its own tableau, it has rows that sum to c and 1.
     at = Collocation(**NAMED, node_polynomial=(Q(1, 8), Q(-3, 4), 1))
     a, b, c = at.tableau(64)

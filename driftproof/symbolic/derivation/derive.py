@@ -148,13 +148,13 @@ class Derivation(Printable):
         """The two roots of the characteristic polynomial."""
         inside = expression(discriminant(self._m))
         value = sympy.Tuple(*multipliers(self._m))
+        halves = ("Half the trace, plus half a square root of the discriminant:", "And minus half of it:")
         steps = [
             ProofStep(
                 "The discriminant; where it is negative, the roots are complex conjugates.",
                 _chain(DISCRIMINANT, TRACE**2 - 4 * DET, inside, sympy.factor(inside)),
             ),
-            ProofStep("Half the trace, plus half a square root of the discriminant:", (ROOTS[0], value[0])),
-            ProofStep("And minus half of it:", (ROOTS[1], value[1])),
+            *map(ProofStep, halves, zip(ROOTS, value, strict=True)),
         ]
         return Derived("roots", sympy.Tuple(*ROOTS), value, tuple(steps))
 

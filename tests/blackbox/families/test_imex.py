@@ -49,6 +49,7 @@ def test_tables_that_do_not_fit_are_of_lower_order_together():
 def test_another_step_is_not_known_and_has_its_order(step):
     report = identify(step, isolate=False)
     assert "it is an IMEX method of" in report.verdict
+    assert report.data["measured_order"] == 1
     assert "of order 1 on f + g" in report.verdict
     assert verify(step, "ars111", isolate=False).passed is False
 
