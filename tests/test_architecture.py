@@ -67,7 +67,7 @@ BUDGETS = {
     "symbolic": 10737,
     "numeric": 4247,
     "blackbox": 17863,
-    "enclosure": 3162,
+    "enclosure": 3164,
     "texts": 7322,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5608
