@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome
@@ -64,9 +65,10 @@ def _steps(subject: ForeignSolver) -> SolverSteps | SolverMemory:
         return read_steps(subject)
     except NotReadable as refusal:
         try:
-            return read_memory(subject)
+            memory = read_memory(subject)
         except NotReadable as other:
             raise NotReadable(f"{refusal}; {other}") from None
+        return memory if memory.settled else replace(memory, faults=(*memory.faults, str(refusal)))
 
 
 def _order(steps: SolverSteps | SolverMemory) -> int | None:

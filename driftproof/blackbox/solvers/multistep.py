@@ -41,12 +41,14 @@ class SolverMemory:
     """What the steps of a solver are that are made of more than the state before: by name, of which order, in words.
 
     The order is None where several methods take turns, or none is known; `faults` are of that method and its start.
+    `settled` is False where f is asked neither at the states that the solver returns nor at predicted ones.
     """
 
     name: str
     order: int | None
     lines: tuple[str, ...]
     faults: tuple[str, ...] = ()
+    settled: bool = True
     dense: None = None
 
 
@@ -65,7 +67,8 @@ def read_memory(subject: ForeignSolver) -> SolverMemory:
     order = None if reading.recurrence.facts is None else reading.recurrence.facts.order
     begun = f", started by {reading.start.name}" if reading.start is not None and reading.start.name else ""
     lines = [line for _, part in reading.parts for line in part]
-    return SolverMemory(reading.recurrence.name + begun, order, tuple(lines), tuple(reading.faults))
+    settled = not reading.recurrence.asked or reading.recurrence.predictor is not None
+    return SolverMemory(reading.recurrence.name + begun, order, tuple(lines), tuple(reading.faults), settled)
 
 
 @dataclass(frozen=True)
