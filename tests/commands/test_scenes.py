@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from fractions import Fraction as Q
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -91,7 +92,11 @@ def test_interrupt_of_a_sweep_is_one_line_and_leaves_the_answers_and_no_process(
     scene.write_text('selected = "rk4"\nh = 1\nt = 40\nreadouts = ["final_state"]\n', encoding="utf-8")
     words = ("sweep", str(scene), "--h", "1/4,1/1048576,1/2097152", "--workers", "2", "-o", str(path))
     command, pipe = (sys.executable, "-m", "driftproof", *words), subprocess.PIPE
-    with subprocess.Popen(command, cwd=ROOT, stdout=pipe, stderr=pipe, text=True, start_new_session=True) as running:
+    # What a shell starts with & is deaf to SIGINT, and so are its children.
+    listening = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+    with subprocess.Popen(
+        command, cwd=ROOT, stdout=pipe, stderr=pipe, text=True, start_new_session=True, preexec_fn=listening
+    ) as running:
         while not path.exists() or path.read_bytes().count(b"\n") < lines:
             time.sleep(0.01)
         time.sleep(0.2)  # by now the processes are being started
