@@ -44,7 +44,7 @@ Batch: TypeAlias = list[tuple[int, Found]]
 AXES = ("selected", "h", "t", "start")
 # Seconds that a batch should take at least, so that sending it is a small part, and at which it stops and hands the
 # rest back, so that no worker sits on many slow points.
-SHORTEST, LONGEST = 0.05, 1.0
+SHORTEST, LONGEST = 0.2, 1.0
 # Batches under way at a time: enough for as many workers.
 WAITING = 64
 

@@ -117,8 +117,7 @@ def test_a_worker_hands_back_what_it_has_no_time_for(monkeypatch):
 @pytest.mark.parametrize(
     ("seconds", "batches"),
     [
-        (0.01, [1, 1, 2, 2, 4, 4, 8, 8, 8, 2]),  # 4 take less than 0.05 s, and 8 take more
-        (0.0625, [1] * 40),
+        (0.03125, [1, 1, 2, 2, 4, 4, 8, 8, 8, 2]),  # 4 take less than 0.2 s, and 8 take more
         (0.25, [1] * 40),
     ],
 )

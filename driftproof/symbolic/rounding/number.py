@@ -179,13 +179,14 @@ def constant(exact: Exact | int, fmt: FloatFormat) -> Rounded:
 
 def _shortened(bound: ErrorPolynomial, fmt: FloatFormat) -> ErrorPolynomial:
     """A bound nowhere below `bound` without the highest powers, since d <= 1/2, and eta <= 1 in all but toy formats."""
-    if fmt.eta > 1 or not any(in_d > MOST_D or in_eta > MOST_ETA for in_d, in_eta, *_ in bound.monoms()):
+    beyond = [powers for powers in bound.monoms() if powers[0] > MOST_D or powers[1] > MOST_ETA]
+    if fmt.eta > 1 or not beyond:
         return bound
-    short: dict[tuple[int, ...], Any] = {}
-    for (in_d, in_eta, *powers), c in bound.terms():
+    left, short = {powers: bound[powers] for powers in beyond}, dict[tuple[int, ...], Any]()
+    for (in_d, in_eta, *powers), c in left.items():
         kept = (min(in_d, MOST_D), min(in_eta, MOST_ETA), *powers)
         short[kept] = short.get(kept, 0) + c / 2 ** max(in_d - MOST_D, 0)
-    return BOUNDS.from_dict(short)
+    return bound - BOUNDS.from_dict(left) + BOUNDS.from_dict(short)
 
 
 def _sum(x: Rounded, y: Rounded, sign: int) -> Rounded:
