@@ -79,9 +79,9 @@ tolerance.""",
     "Stiff problems": """\
 Compiled Radau IIA of order 5 in controlled steps, solved to a hundredth of the tolerance with one matrix while it
 converges, as SciPy's is in Python. numbalsoda is not here: there is no wheel of it, and its build asks for a Fortran
-compiler. A first step of Radau IIA or Gauss on Robertson's problem by 10^9 is still refused: followed from h = 0, the
-solution of the stage equations was lost between 5 10^4 and 10^6, which is evidence, and no proof, that there is none
-for damping to lead to; controlled steps solve the problem.""",
+compiler. A first step of Radau IIA or Gauss on Robertson's problem by 10^9 is refused, and no damping can help: soon
+y' = -k y^2 with k = 4.8e-4 is left of the problem, and for h k large the stages w / sqrt(h k) have A w^2 = 1, while
+A^-1 1 has negative entries (2, -2 for Radau IIA of two stages): none is real. Controlled steps solve the problem.""",
     "Lines of neighbours": """\
 The Brusselator with diffusion, two numbers at a place, in processor seconds: the band of the Jacobian is found in the
 text. SciPy's rates are whole arrays of NumPy, and its LSODA is Fortran, told the band.""",
