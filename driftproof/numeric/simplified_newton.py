@@ -105,17 +105,22 @@ def collocation_attempts(
         return regular
 
     @compiled
+    def multiply(matrix: Any, rows: Any, n: int, x: Any) -> None:
+        """The rows, of n numbers each, become the matrix times them; x has room for a number of each row."""
+        for k in range(n):
+            for i in range(len(matrix)):
+                total = 0.0
+                for j in range(len(matrix)):
+                    total += matrix[i][j] * rows[j][k]
+                x[i] = total
+            for i in range(len(matrix)):
+                rows[i][k] = x[i]
+
+    @compiled
     def correct(n: int, table: CollocationTable, work: Work) -> None:
         """Corrections become T (blocks)⁻¹ T⁻¹ of themselves."""
-        stages, changes, x = len(table.c), work.corrections, work.vectors[0]
-        for k in range(n):
-            for i in range(stages):
-                total = 0.0
-                for j in range(stages):
-                    total += table.to_blocks[i][j] * changes[j][k]
-                x[i] = total
-            for i in range(stages):
-                changes[i][k] = x[i]
+        changes, x = work.corrections, work.vectors[0]
+        multiply(table.to_blocks, changes, n, x)
         for b in range(len(table.blocks)):
             first, two = table.blocks[b][0], table.blocks[b][1]
             if two > 0:
@@ -127,14 +132,7 @@ def collocation_attempts(
                 for k in range(n):
                     for i in range(two):
                         changes[first + i][k] = x[two * k + i]
-        for k in range(n):
-            for i in range(stages):
-                total = 0.0
-                for j in range(stages):
-                    total += table.from_blocks[i][j] * changes[j][k]
-                x[i] = total
-            for i in range(stages):
-                changes[i][k] = x[i]
+        multiply(table.from_blocks, changes, n, x)
 
     @compiled
     def solved_stages(
