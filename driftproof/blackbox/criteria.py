@@ -36,7 +36,7 @@ UNDECIDING = {
     "unsupported_call": "a stepper that takes a force, step(force, q, v, h), or a right-hand side, step(f, t, y, h)",
     "not_readable": "a step without what refused the reading",
     NotAlike.kind: "a dense output that is a sum of slopes, alike in all numbers, as the step is",
-    **{kind: "a longer time limit" if kind == "time_limit" else "a report to us" for kind in NO_EVIDENCE},
+    **dict(zip(NO_EVIDENCE, ("a longer time limit", "a run that nobody ends", "a report to us"), strict=True)),
 }
 # The titles of what a verdict speaks of by name.
 ROUNDING, COEFFICIENTS, NONLINEAR_STEP, ORDER = "Rounding", "Coefficients", "Nonlinear step", "Order"

@@ -66,14 +66,18 @@ class NoAnswer(Misbehaviour):
     kind = "time_limit"
 
 
+# What a code itself does instead of answering. That a call hangs is none of it.
+REFUSALS = (StepRaised, WrongShape, NotANumber, NotFinite)
+
+
 class UnsupportedCall(ValueError):
     """The stepper takes no force, or no right-hand side, so that this question cannot be put to it."""
 
     kind = "unsupported_call"
 
 
-# What says nothing of a stepper: a time limit that was reached, an instrument of ours that failed.
-NO_EVIDENCE = ("time_limit", "instrument_failed")
+# What says nothing of a stepper: a time limit that was reached, an end from outside, an instrument of ours that failed.
+NO_EVIDENCE = ("time_limit", "killed", "instrument_failed")
 
 
 @dataclass(frozen=True)

@@ -210,11 +210,15 @@ def _packed(plain: object) -> str:
     return base64.b64encode(pickle.dumps(plain)).decode()
 
 
+# What an end without an answer is; any other is the stepper's own.
+_ENDS = {"time": "time_limit", "killed": "killed", "raised": "instrument_failed"}
+
+
 def _of_end(ended: ProcessEnded, log: _CallLog) -> Outcome:
     """What came of a probe whose process gave no answer."""
     text = log.call
     call = f" in step({text})" if text else " while the stepper was imported"
-    return Outcome(kind="time_limit" if ended.cause == "time" else "crashes", seen=f"{ended}{call}")
+    return Outcome(kind=_ENDS.get(ended.cause, "crashes"), seen=f"{ended}{call}")
 
 
 def _not_again(call: str) -> str:
@@ -292,7 +296,7 @@ class Serving:
         self._calls, self._call = self._calls + 1, call
         for one in self.hung:
             if call == one or call.endswith(f", {one}"):
-                raise NoAnswer(f"step({call}) is not made: it did not come back before")
+                raise NoAnswer(f"step({call}) did not come back in its time")
         self._note(_CALLING)
         self._environment.enter()
 

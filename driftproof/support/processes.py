@@ -48,7 +48,7 @@ class Limits:
 
 
 class ProcessEnded(Exception):
-    """There is no answer; `cause` is one of time, processor, memory, exit, signal, raised and answer.
+    """There is no answer; `cause` is one of time, processor, memory, exit, signal, killed, raised and answer.
 
     The message says the same with its numbers: "no answer within 10 s", "the process ended (signal 11, SIGSEGV)".
     """
@@ -215,7 +215,7 @@ class Session:
     def _cause(self) -> ProcessEnded:
         """How the worker ended of itself."""
         if not self._status:
-            return ProcessEnded("signal", "the process ended (its supervisor is gone)")
+            return ProcessEnded("killed", "the process ended (its supervisor is gone)")
         code, peak, limits = self._status["code"], self._status["peak"], self.limits
         if code == -signal.SIGXCPU:
             return ProcessEnded("processor", f"more than {limits.processor_seconds:.3g} s of processor time")
@@ -223,7 +223,8 @@ class Session:
             return ProcessEnded("memory", self._memory_words())
         if code >= 0:
             return ProcessEnded("exit", f"the process ended (exit status {code})")
-        return ProcessEnded("signal", f"the process ended (signal {-code}, {signal.Signals(-code).name})")
+        cause = "killed" if -code in (signal.SIGKILL, signal.SIGTERM) else "signal"  # by others: no program's own fault
+        return ProcessEnded(cause, f"the process ended (signal {-code}, {signal.Signals(-code).name})")
 
     def _memory_words(self) -> str:
         return f"more than {self.limits.memory or 0:.3g} bytes of memory"

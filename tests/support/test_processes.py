@@ -45,9 +45,9 @@ def test_a_session_answers_one_request_after_another(way):
         ("answers_no_json", "raised", "TypeError: Object of type set is not JSON serializable"),
         ("exits", "exit", "the process ended (exit status 3)"),
         ("leaves", "exit", "the process ended (exit status 1)"),
-        ("is_killed", "signal", "the process ended (signal 9, SIGKILL)"),
+        ("is_killed", "killed", "the process ended (signal 9, SIGKILL)"),
         ("aborts", "signal", "the process ended (signal 6, SIGABRT)"),
-        ("kills_its_supervisor", "signal", "the process ended (its supervisor is gone)"),
+        ("kills_its_supervisor", "killed", "the process ended (its supervisor is gone)"),
     ],
 )
 def test_the_cause_of_a_death_is_told(name, cause, words, way):

@@ -6,6 +6,7 @@ Whatever a step changes that is too short to move anything is no dynamics but a 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from math import copysign, inf, pi, sqrt
@@ -13,6 +14,7 @@ from math import copysign, inf, pi, sqrt
 import numpy as np
 
 from driftproof.blackbox.checks.trials import PhasePoint, Trial, TrialRunner
+from driftproof.blackbox.findings import NoAnswer
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, power_of_two
 
 Neighbours = tuple[float, float]
@@ -73,8 +75,9 @@ def negligible_step(runner: TrialRunner) -> NegligibleStep | None:
         states = list(map(runner.scaled, _STATES))
         for slack in (0.0, _SLACK * float(runner.format.u) + runner.grain):
             found = NegligibleStep(runner, h, states[0], slack)
-            if all(found.keeps(runner.trial(*z, h)) for z in states):
-                return found
+            with suppress(NoAnswer):
+                if all(found.keeps(runner.trial(*z, h)) for z in states):
+                    return found
     return None
 
 

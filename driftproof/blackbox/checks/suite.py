@@ -28,21 +28,8 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 CHECKS: Mapping[str, Callable[[ForeignStepper], tuple[CheckResult, ...]]] = {
     check.__name__: check
     for check in (
-        *(
-            repeats,
-            arguments,
-            types,
-            several_states,
-            digits,
-            zero_step,
-            negative_step,
-            step_size,
-            sub_steps,
-            time_argument,
-            reversal,
-            area,
-        ),
-        *(domain, homogeneity, not_a_number, infinity, not_a_number_step),
+        *(repeats, arguments, types, several_states, digits, zero_step, negative_step, step_size, sub_steps),
+        *(time_argument, reversal, area, domain, homogeneity, not_a_number, infinity, not_a_number_step),
     )
 }
 # These compare answers bit by bit: where the same call gives other bits again, they tell nothing.
@@ -62,20 +49,19 @@ def checks_of(outcomes: Sequence[Outcome]) -> tuple[CheckResult, ...]:
     found: list[CheckResult] = []
     for key, outcome in zip(CHECKS, outcomes, strict=True):
         if outcome.kind != Unsteady.kind:
-            found += (_unanswered(key, outcome),) if outcome.failed else outcome.result
+            found += _unanswered(key, outcome) if outcome.failed else outcome.result
     if any(check.key == SAME and check.holds is False for check in found):
         found = [check for check in found if check.key not in _BITWISE]
-    unsteady = next((outcome for outcome in outcomes if outcome.kind == Unsteady.kind), None)
-    return (
-        (*found, CheckResult(Unsteady.kind, None, f"nothing else was asked: {unsteady.seen}"))
-        if unsteady
-        else (*found,)
-    )
+    unsteady = {outcome.seen for outcome in outcomes if outcome.kind == Unsteady.kind}
+    return (*found, *(CheckResult(Unsteady.kind, None, f"nothing else was asked: {seen}") for seen in unsteady))
 
 
-def _unanswered(key: str, outcome: Outcome) -> CheckResult:
-    """A crash is a fault, whatever was asked; any other failure, and a lapse of time, leaves the question open."""
+def _unanswered(key: str, outcome: Outcome) -> tuple[CheckResult, ...]:
+    """The question is open, whatever kept it from its answer; that a call crashes is a fault beside it."""
     title = key.replace("_", " ")
+    if outcome.kind in NO_EVIDENCE:
+        return (CheckResult(key, None, f"{title}: undecided: {outcome.seen}"),)
     if outcome.kind == "crashes":
-        return CheckResult(key, False, f"{title}: the stepper crashes, {outcome.seen}")
-    return CheckResult(key, None, f"{title}: not asked: {outcome.seen}")
+        crash = CheckResult("comes_back", False, f"{title}: the stepper crashes, {outcome.seen}")
+        return crash, CheckResult(key, None, f"{title}: undecided: the stepper crashes")
+    return (CheckResult(key, None, f"{title}: not asked: {outcome.seen}"),)

@@ -8,7 +8,8 @@ import pytest
 
 from driftproof.blackbox.checks.suite import CHECKS, checks_of
 from driftproof.blackbox.checks.trials import CheckResult
-from driftproof.blackbox.findings import Outcome
+from driftproof.blackbox.findings import NO_EVIDENCE, Outcome
+from driftproof.blackbox.isolation import Serving
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.steppers import float_stepper
@@ -145,15 +146,50 @@ def test_outcomes_without_result_are_clauses_of_their_own():
     shape, unsteady = Outcome(kind="wrong_shape", seen="3 came out"), Outcome(kind="unsteady", seen="not twice")
     outcomes = [good, crash, shape, unsteady] + [good] * (len(CHECKS) - 4)
     first, second, third, *rest = checks_of(outcomes)
+    assert (second.is_fault, second.words) == (True, "arguments: the stepper crashes, exit status 3")
     assert first.key == "zero_step"
-    assert (second.key, second.holds, second.words) == (
-        "arguments",
-        False,
-        "arguments: the stepper crashes, exit status 3",
-    )
-    assert (third.key, third.holds, third.words) == ("types", None, "types: not asked: 3 came out")
+    assert (third.key, third.holds, third.words) == ("arguments", None, "arguments: undecided: the stepper crashes")
+    assert rest[0].words == "types: not asked: 3 came out"
     assert rest[-1].words == "nothing else was asked: not twice"
-    assert [check.key for check in checks_of([crash] * len(CHECKS))] == ["answers"]
+    assert [(check.key, check.holds) for check in checks_of([crash] * len(CHECKS))] == [("answers", False)]
+
+
+# A call, or the end of calls, that does not come back; the questions that it leaves open, by the check that asks them.
+HANGING = {
+    "q=0.7390851332151607, v=0.5671432904097838, h=0.2": set(CHECKS) - {"time_argument"},
+    "q=[1.0, -0.625, 0.1], v=[0.75, 0.25, -1.3], h=0.2": {"several_states"},
+    "q=3, v=1, h=0.25": {"types"},
+    "q=3.0, v=1.0, h=0.25": {"types"},
+    f"q={1000 * 0.7390851332151607!r}, v={10 * 0.5671432904097838!r}, h=0.2": {"digits"},
+    "h=0.0": {"zero_step"},
+    "h=-0.25": {"negative_step", "reversal"},
+    "h=-1.0": {"reversal"},
+    "h=16.0": {"step_size"},
+    "q=0.7390851332151607, v=0.5671432904097838, h=8.0": {"sub_steps"},
+    "h=5e-324": set(),
+    "q=0.625, v=0.375, h=5e-324": {"domain"},
+    "q=0.0, v=0.0, h=0.25": {"area", "homogeneity"},
+    "q=nan, v=0.75, h=0.25": {"not_a_number"},
+    "q=-inf, v=0.75, h=0.25": {"infinity"},
+    "h=nan": {"not_a_number_step"},
+}
+
+
+@pytest.mark.parametrize("hung", HANGING)
+def test_a_call_that_hangs_leaves_its_question_open_and_is_nobodys_refusal(hung):
+    serving = Serving(Target(plain), list(CHECKS.values()), hung=[hung])
+    outcomes = [serving.outcome(index) for index in range(len(CHECKS))]
+    kinds = {key: outcome.kind for key, outcome in zip(CHECKS, outcomes, strict=True) if outcome.failed}
+    assert kinds == dict.fromkeys(HANGING[hung], "time_limit")
+    assert [check.words for check in checks_of(outcomes) if check.is_fault or "refused" in check.words] == []
+
+
+@pytest.mark.parametrize("kind", NO_EVIDENCE)
+def test_a_limit_an_end_from_outside_and_a_mistake_of_ours_leave_a_question_open(kind):
+    silent, good = Outcome(kind=kind, seen="why"), Outcome((CheckResult("zero_step", True, "yes"),))
+    (found, *_) = checks_of([silent] + [good] * (len(CHECKS) - 1))
+    assert (found.key, found.holds, found.words) == ("repeats", None, "repeats: undecided: why")
+    assert [(check.key, check.holds) for check in checks_of([silent] * len(CHECKS))] == [("answers", None)]
 
 
 def said_of(step, **how):
