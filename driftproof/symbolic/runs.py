@@ -93,12 +93,7 @@ def _length(x: Fraction) -> int:
 
 def multiply(a: Entries, b: Entries) -> Entries:
     """The 2x2 matrix product a b."""
-    return (
-        a[0] * b[0] + a[1] * b[2],
-        a[0] * b[1] + a[1] * b[3],
-        a[2] * b[0] + a[3] * b[2],
-        a[2] * b[1] + a[3] * b[3],
-    )
+    return (a[0] * b[0] + a[1] * b[2], a[0] * b[1] + a[1] * b[3], a[2] * b[0] + a[3] * b[2], a[2] * b[1] + a[3] * b[3])
 
 
 def apply(matrix: Entries, q: Any, v: Any) -> tuple[Any, Any]:

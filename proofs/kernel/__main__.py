@@ -11,14 +11,7 @@ from pathlib import Path
 
 from proofs.claims import EVIDENCE
 from proofs.kernel.certificates import IN_PART, all_theorems, certificates, definitions
-from proofs.kernel.compiling import (
-    PACKAGES,
-    Refused,
-    accepted_mutants,
-    compile_all,
-    foreign_axioms,
-    missing_programs,
-)
+from proofs.kernel.compiling import PACKAGES, Refused, accepted_mutants, compile_all, foreign_axioms, missing_programs
 from proofs.kernel.mutants import mutants
 
 START = time.perf_counter()

@@ -117,8 +117,7 @@ class Derivation(Printable):
         steps = [
             ProofStep("The area between $z$ and its image is a quadratic form.", (AREA_FORM, area_form)),
             ProofStep(
-                r"A step multiplies it by $\det M$, as it does every area.",
-                (DET, expression(determinant(self._m))),
+                r"A step multiplies it by $\det M$, as it does every area.", (DET, expression(determinant(self._m)))
             ),
         ]
         try:

@@ -22,14 +22,7 @@ from driftproof.symbolic.algebra.bivariate import (
     without_root_zero,
 )
 from driftproof.symbolic.algebra.matrices import characteristic_and_adjugate
-from driftproof.symbolic.algebra.polynomials import (
-    ONE,
-    ZERO,
-    Polynomial,
-    descend,
-    exact,
-    reflected,
-)
+from driftproof.symbolic.algebra.polynomials import ONE, ZERO, Polynomial, descend, exact, reflected
 from driftproof.symbolic.algebra.polynomials import quotient as polynomial_quotient
 from driftproof.symbolic.algebra.radicals import radical_form, root_decimal
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, exponential_series, fraction

@@ -5,15 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from driftproof.symbolic.algebra.matrices import StepMatrix
-from driftproof.symbolic.algebra.polynomials import (
-    ONE,
-    Polynomial,
-    X,
-    descend,
-    greatest_common_divisor,
-    quotient,
-    sign,
-)
+from driftproof.symbolic.algebra.polynomials import ONE, Polynomial, X, descend, greatest_common_divisor, quotient, sign
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, positive_roots, vanishes_at
 from driftproof.symbolic.linear.oscillator import area_factor as area_factor

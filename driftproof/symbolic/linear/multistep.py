@@ -259,10 +259,7 @@ class MultistepFacts(FactsOfFamily[Multistep]):
         slope = (top + 2 * X * top.derivative()) * bottom - 2 * X * top * bottom.derivative()
         points = positive_roots([p for p in (m, top, slope, common) if p != 0])
         below = [sign(m(x)) < 0 for x in samples(points)]
-        at_ends = (
-            below[0] and valuation(bottom) <= valuation(top),
-            below[-1] and bottom.degree() > top.degree(),
-        )
+        at_ends = (below[0] and valuation(bottom) <= valuation(top), below[-1] and bottom.degree() > top.degree())
         if top == 0 or any(at_ends):
             return ZERO_ROOT
         near = [x for x, left, right in zip(points, below, below[1:], strict=False) if left or right]

@@ -23,16 +23,7 @@ from driftproof.methods.number_field import Exact
 from driftproof.methods.stepping import Force, oscillator
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 from driftproof.symbolic.rounding.number import Rounded
-from driftproof.symbolic.rounding.polynomials import (
-    ETA,
-    ONE,
-    ZERO,
-    D,
-    ErrorPolynomial,
-    majorant,
-    near_rational,
-    terms,
-)
+from driftproof.symbolic.rounding.polynomials import ETA, ONE, ZERO, D, ErrorPolynomial, majorant, near_rational, terms
 from driftproof.symbolic.rounding.step_bound import (
     COLUMNS,
     LinearBound,

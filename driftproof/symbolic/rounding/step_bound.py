@@ -23,15 +23,7 @@ from driftproof.symbolic.algebra.polynomials import coefficients
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 from driftproof.symbolic.rounding.number import RefusedOperation, Rounded, constant, rational_value
-from driftproof.symbolic.rounding.polynomials import (
-    ErrorPolynomial,
-    H,
-    Q,
-    V,
-    from_terms,
-    majorant,
-    terms,
-)
+from driftproof.symbolic.rounding.polynomials import ErrorPolynomial, H, Q, V, from_terms, majorant, terms
 
 # What a bound can be asked about: a method of the catalogue, or anybody's step function.
 StepOrMethod: TypeAlias = Method | Step

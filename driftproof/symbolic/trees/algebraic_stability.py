@@ -11,12 +11,7 @@ from flint import fmpq_poly
 
 from driftproof.methods.number_field import Exact, total
 from driftproof.methods.schemes import Collocation
-from driftproof.symbolic.trees.elementary_weights import (
-    EXACT,
-    NodeStages,
-    RingElement,
-    TreeMethod,
-)
+from driftproof.symbolic.trees.elementary_weights import EXACT, NodeStages, RingElement, TreeMethod
 
 _Vector: TypeAlias = tuple[Exact, ...]
 _Matrix: TypeAlias = tuple[_Vector, ...]

@@ -26,13 +26,7 @@ from driftproof.symbolic.derivation.one_step import (
     rational,
     trace,
 )
-from driftproof.symbolic.derivation.stability import (
-    LAMBDA,
-    AtStep,
-    minimal_polynomial_of,
-    multipliers,
-    stability_limit,
-)
+from driftproof.symbolic.derivation.stability import LAMBDA, AtStep, minimal_polynomial_of, multipliers, stability_limit
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
 from driftproof.symbolic.linear.stability_limits import bounded_limit
 from driftproof.symbolic.runs import apply
