@@ -27,11 +27,11 @@ from driftproof.numeric.engine import (
     runner,
 )
 from driftproof.numeric.problems.catalogue import problem_named
-from driftproof.symbolic.rounding.any_evaluation_order import any_evaluation_order_bound
 from driftproof.symbolic.runs import exact_matrix_at
 from tests.float_bits import bits
 from tests.looping import exactly, some
 from tests.numeric.engine_runs import ensemble, step_by_step
+from tests.witnesses.any_order import any_order
 
 EXPLICIT = [method for method in METHODS.values() if method.explicit]
 # One of each family, and one with irrational coefficients: each takes numba half a second.
@@ -195,7 +195,7 @@ def test_an_ensemble_on_arrays_of_any_library_is_within_the_derived_bound(name, 
     run = array_field_runner(method, field, library)
     found = np.array([[float(x) for x in row] for row in keep(lambda *y: run(y, h, 0, 1))(*map(array, start))])
     qq, qv, vq, vv = exact_matrix_at(method, Q(h))
-    bound = any_evaluation_order_bound(method)
+    bound = any_order(method)
     for q, v, q_found, v_found in np.vstack([start, found])[:, :20].T.tolist():
         dq, dv = bound.error_of(Q(h), Q(q), Q(v))
         assert abs(Q(q_found) - qq * Q(q) - qv * Q(v)) <= dq

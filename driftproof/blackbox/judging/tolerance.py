@@ -15,7 +15,7 @@ from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
 from driftproof.symbolic.algebra.polynomials import coefficients
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
-from driftproof.symbolic.rounding.any_order_in_balls import Columns, any_order_columns, flushed_columns, size_columns
+from driftproof.symbolic.rounding.any_evaluation_order import Columns, any_order_columns, flushed_columns, size_columns
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat, power_of_two
 from driftproof.symbolic.runs import apply, exact_matrix_at
 
@@ -152,7 +152,7 @@ class Tolerance:
 
     @cached_property
     def _derived(self) -> Sequence[Columns]:
-        return any_order_columns(self.method, self.format, _BITS, self.format.eta / 2)
+        return any_order_columns(self.method, self.format, _BITS)
 
     @cached_property
     def _flushed(self) -> Sequence[Columns]:

@@ -7,96 +7,38 @@ k that no order exceeds, and no monomial is cancelled against another. Underflow
 most k products in m, times the factors still to come: together at most ((1+eta/2)^k - 1)(1+d)^k times m with each
 factor that may be below 1 raised (constants to 1, |h| to 1 + |h|, the state to 1 + |q| + |v|).
 Fusing a product into a sum only drops factors.
+
+The sum of c (g^k - 1) m over all monomials c m is that of c g^k m less its value at g = 1. So no monomial is listed,
+which would be thousands for forty stages: the tally runs on polynomials in |h| with balls as coefficients, g among
+them. A difference loses as many bits as g is near to 1, which the precision adds.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
 from fractions import Fraction
-from functools import cached_property
-from typing import Any, ClassVar, Self
+from functools import lru_cache
+from typing import Any, ClassVar, Self, TypeAlias
+
+from flint import arb, arb_poly, ctx
 
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Method
 from driftproof.methods.stepping import oscillator, stepper
-from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat, power_of_two
-from driftproof.symbolic.rounding.polynomials import (
-    D,
-    ErrorPolynomial,
-    H,
-    Q,
-    V,
-    absolute_value,
-    constant_polynomial,
-    rational_above,
-    terms,
-)
-from driftproof.symbolic.rounding.step_bound import Terms, at_state, at_step
+from driftproof.symbolic.algebra.certified import enclose
+from driftproof.symbolic.rounding.formats import FloatFormat, power_of_two
+from driftproof.symbolic.rounding.polynomials import absolute_value, rational_above
 
-
-@dataclass(frozen=True)
-class AnyEvaluationOrderBound:
-    """|fl(step(z)) - M(h) z| <= the sum over the monomials c D^k m of `counted` of c ((1+d)^k - 1)|m|, and underflow.
-
-    `counted` holds them for dq and dv: here the power of D is the count k. `raised` is the same with small factors
-    raised. Holds for every program that associates and commutes the definition's sums and products as it likes, fuses
-    them or not, and rounds each coefficient, if nothing overflows.
-    """
-
-    format: FloatFormat
-    counted: tuple[ErrorPolynomial, ErrorPolynomial]
-    raised: tuple[ErrorPolynomial, ErrorPolynomial]
-
-    @property
-    def roundings(self) -> int:
-        """The most roundings that a monomial passes, in any order."""
-        return max(int(p.degrees()[0]) for p in self.counted)
-
-    def error_of(self, h: Fraction, q: Fraction, v: Fraction) -> tuple[Fraction, Fraction]:
-        """The bounds on |dq| and |dv| of one step from (q, v)."""
-        dq, dv = (at_state(at_step(found, abs(h)), abs(q), abs(v)) for found in self.error_terms)
-        return dq, dv
-
-    @cached_property
-    def error_terms(self) -> tuple[Terms, Terms]:
-        """The bounds on |dq| and |dv| as polynomials in |h|, |q|, |v| in this format."""
-        growth, loss = 1 + self.format.relative_error, 1 + self.format.eta / 2
-        found: tuple[Terms, Terms] = ({}, {})
-        for total, counted, raised in zip(found, self.counted, self.raised, strict=True):
-            weighted = [(powers, c * (growth**k - 1)) for (k, _, *powers), c in terms(counted)]
-            weighted += [(powers, c * (loss**k - 1) * growth**k) for (k, _, *powers), c in terms(raised)]
-            for powers, c in weighted:
-                total[tuple(powers)] = total.get(tuple(powers), Fraction(0)) + c
-        return found
-
-
-def any_evaluation_order_bound(
-    method: Method, fmt: FloatFormat = BINARY64, *, multiplied_out: bool = False
-) -> AnyEvaluationOrderBound:
-    """The rounding bound of a definition, whatever the order of evaluation.
-
-    With `multiplied_out` also of programs that multiply out its brackets: where z + h (w₁k₁ + w₂k₂) may be computed as
-    z + hw₁k₁ + hw₂k₂, z is a term of the longer sum, and any of its terms may be the one that passes every addition.
-    The force is called with one number, so no bracket reaches through it. Raises MethodError for an implicit method,
-    ValueError for a coefficient in the format's underflow range.
-    """
-    tally = _MultipliedOutPolynomialTally if multiplied_out else _PolynomialTally
-
-    def sizes(q: Any, v: Any, h: Any, least: Fraction) -> tuple[ErrorPolynomial, ErrorPolynomial]:
-        step = stepper(method, lambda exact: tally.of_coefficient(exact, fmt, least))
-        q1, v1 = step(oscillator, tally(q), tally(v), tally(h))
-        return q1.finished, v1.finished
-
-    state = 1 + Q + V
-    return AnyEvaluationOrderBound(fmt, sizes(Q, V, H, Fraction(0)), sizes(state, state, 1 + H, Fraction(1)))
+# What is linear in the state: a polynomial in h, in balls, for |q|, one for |v|, one for 1.
+Columns: TypeAlias = Sequence[arb_poly]
 
 
 class ErrorTally:
     """A sum of |monomials| whose roundings are counted, over any type of sizes with +, * and truth (False for zero).
 
     A subclass names the `rounding` of its type: the size by which another is multiplied to count one rounding more.
-    For polynomials that is D, whose power is the count, monomial by monomial; for pairs (size, count) with
-    (a, k) + (b, l) = (a + b, max(k, l)) and (a, k)(b, l) = (ab, k + l) it is (1, 1): only the largest count is kept.
+    For numbers that is 1 + d; for pairs (size, count) with (a, k) + (b, l) = (a + b, max(k, l)) and
+    (a, k)(b, l) = (ab, k + l) it is (1, 1): only the largest count is kept.
     Still to be counted are the `additions` of the sum that ends here: any term may be the one that passes them all.
     `factor` is the number itself where it is a known constant: a product with 1 or -1 is none.
     """
@@ -136,25 +78,12 @@ class ErrorTally:
         return type(self)(self.rounding * self.finished * other.finished)
 
 
-class _PolynomialTally(ErrorTally):
-    """The tally in polynomials in D, |h|, |q|, |v|."""
-
-    rounding = D
-    __slots__ = ()
-
-    @classmethod
-    def of_coefficient(cls, exact: Exact, fmt: FloatFormat, least: Fraction) -> Self:
-        """A coefficient, `least` if that is more: one that this format holds may be another program's rounded one.
-
-        Raises ValueError.
-        """
-        size = size_of_coefficient(exact, fmt)
-        counted = constant_polynomial(max(size, least))
-        return cls(counted if size == 1 else D * counted, factor=exact)
-
-
 class MultipliedOutTally(ErrorTally):
-    """The tally where brackets may be multiplied out, but not through the force, which is called with one number."""
+    """The tally where brackets may be multiplied out, but not through the force, which is called with one number.
+
+    Where z + h (w₁k₁ + w₂k₂) may be computed as z + hw₁k₁ + hw₂k₂, z is a term of the longer sum, and any of its terms
+    may be the one that passes every addition.
+    """
 
     __slots__ = ()
 
@@ -168,10 +97,98 @@ class MultipliedOutTally(ErrorTally):
         return type(self)(self.rounding * self.size * other.size, self.additions + other.additions)
 
 
-class _MultipliedOutPolynomialTally(MultipliedOutTally, _PolynomialTally):
-    """The same in polynomials."""
+class LinearSizes:
+    """A size that is linear in |q| and |v|, its coefficients polynomials in |h|. Of two factors one is free of both."""
 
-    __slots__ = ()
+    __slots__ = ("columns",)
+
+    def __init__(self, q: arb_poly, v: arb_poly, one: arb_poly) -> None:
+        """The coefficients."""
+        self.columns = (q, v, one)
+
+    @classmethod
+    def constant(cls, x: arb) -> Self:
+        """A number."""
+        return cls(arb_poly([]), arb_poly([]), arb_poly([x]))
+
+    def __bool__(self) -> bool:
+        """False for zero."""
+        return any(column.length() for column in self.columns)
+
+    def __add__(self, other: LinearSizes) -> LinearSizes:
+        """The sum."""
+        return LinearSizes(*(x + y for x, y in zip(self.columns, other.columns, strict=True)))
+
+    def __mul__(self, other: LinearSizes) -> LinearSizes:
+        """The product. Raises ValueError for one that is quadratic in the state."""
+        free, linear = sorted((self, other), key=lambda each: any(column.length() for column in each.columns[:2]))
+        if any(column.length() for column in free.columns[:2]):
+            raise ValueError("a product of two sizes that depend on the state")
+        return LinearSizes(*(free.columns[2] * column for column in linear.columns))
+
+    def __pow__(self, n: int) -> LinearSizes:
+        """The power of a number."""
+        return LinearSizes(arb_poly([]), arb_poly([]), self.columns[2] ** n)
+
+
+def _sizes(method: Method, fmt: FloatFormat, growth: arb, factor: arb | None = None) -> tuple[Columns, Columns]:
+    """The tally with g = `growth`. With a factor small sizes are raised, and h, q and v multiplied by it."""
+
+    class Tally(MultipliedOutTally):
+        rounding = LinearSizes.constant(growth)
+        __slots__ = ()
+
+    def number(exact: Exact) -> Tally:
+        size = size_of_coefficient(exact, fmt)
+        counted = LinearSizes.constant(enclose(max(size, Fraction(factor is not None))))
+        return Tally(counted if size == 1 else Tally.rounding * counted, factor=exact)
+
+    nil, raised, times = arb_poly([]), arb_poly([] if factor is None else [1]), arb_poly([factor or 1])
+    q, v, h = LinearSizes(times, nil, raised), LinearSizes(nil, times, raised), raised + times * arb_poly([0, 1])
+    if factor is not None:
+        q = v = LinearSizes(times, times, raised)
+    q1, v1 = stepper(method, number)(oscillator, Tally(q), Tally(v), Tally(LinearSizes(nil, nil, h)))
+    return q1.finished.columns, v1.finished.columns
+
+
+def _differences(more: tuple[Columns, Columns], less: tuple[Columns, Columns]) -> list[Columns]:
+    """Coefficients that do not differ are 0: a count of one or more makes them differ by far more than a radius."""
+    return [
+        [arb_poly([0 if c.contains(0) else c for c in (x - y).coeffs()]) for x, y in zip(*pair, strict=True)]
+        for pair in zip(more, less, strict=True)
+    ]
+
+
+@lru_cache(maxsize=64)
+def any_order_columns(method: Method, fmt: FloatFormat, bits: int) -> list[Columns]:
+    """The bound on |dq| and on |dv|, of programs that multiply out brackets, too, with some `bits` that are right.
+
+    Raises MethodError for an implicit method, ValueError for a coefficient in the format's underflow range.
+    """
+    with ctx.workprec(bits + fmt.precision - 2 * fmt.emin):
+        growth, loss = 1 + enclose(fmt.relative_error), 1 + enclose(fmt.eta / 2)
+        rounded = _differences(_sizes(method, fmt, growth), _sizes(method, fmt, arb(1)))
+        lost = _differences(_sizes(method, fmt, growth * loss, arb(1)), _sizes(method, fmt, growth, arb(1)))
+        return [[x + y for x, y in zip(*pair, strict=True)] for pair in zip(rounded, lost, strict=True)]
+
+
+@lru_cache(maxsize=64)
+def flushed_columns(method: Method, fmt: FloatFormat, bits: int) -> list[Columns]:
+    """What flushing to zero adds: of a monomial with n factors and k roundings, n + k numbers may lose 2**emin each.
+
+    A loss is passed on as an underflow is: times the other factors of the monomial, raised to at least 1, and their
+    roundings.
+    """
+    with ctx.workprec(bits + fmt.precision - 2 * fmt.emin):
+        growth, loss = 1 + enclose(fmt.relative_error), 1 + enclose(power_of_two(fmt.emin))
+        return _differences(_sizes(method, fmt, growth * loss, loss), _sizes(method, fmt, growth, arb(1)))
+
+
+@lru_cache(maxsize=64)
+def size_columns(method: Method, fmt: FloatFormat, bits: int) -> list[Columns]:
+    """The sum of |monomials| of the definition's expressions, before anything cancels."""
+    with ctx.workprec(bits):
+        return list(_sizes(method, fmt, arb(1)))
 
 
 def size_of_coefficient(exact: Exact, fmt: FloatFormat) -> Fraction:

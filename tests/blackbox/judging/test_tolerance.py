@@ -14,10 +14,10 @@ from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import oscillator
 from driftproof.numeric.steppers import float_stepper
-from driftproof.symbolic.rounding.any_evaluation_order import any_evaluation_order_bound
 from driftproof.symbolic.rounding.formats import BINARY32
 from driftproof.symbolic.runs import exact_matrix_at
 from tests.looping import exactly
+from tests.witnesses.any_order import any_order
 
 RK4, EULER, VERLET = METHODS["rk4"], METHODS["forward_euler"], METHODS["velocity_verlet"]
 CASES = [(1.0, 0.0, 0.5), (0.3, -0.7, 0.1), (1e5, 1e-5, 1.75), (-3.0, 3.0, 1e-9)]
@@ -39,7 +39,7 @@ def test_the_exact_step_is_the_matrix_times_the_state(key, q, v, h):
 
 @pytest.mark.parametrize(("q", "v", "h"), CASES)
 def test_the_bound_is_the_any_order_bound(q, v, h):
-    bounds = any_evaluation_order_bound(RK4, multiplied_out=True).error_of(Fraction(h), Fraction(q), Fraction(v))
+    bounds = any_order(RK4, multiplied_out=True).error_of(Fraction(h), Fraction(q), Fraction(v))
     exact = [float(x.mid()) for x in Tolerance(RK4).exact(q, v, h)]
     # An answer off by 10^6 bounds: what its own rounding adds to that is below 10^-5 of the ratio.
     off = [x + 1e6 * float(bound) for x, bound in zip(exact, bounds, strict=True)]

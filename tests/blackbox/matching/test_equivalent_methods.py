@@ -22,10 +22,10 @@ from driftproof.blackbox.matching.equivalent_methods import (
 from driftproof.blackbox.probes.linear_steps import LINEARITY_ROUNDINGS, LINEARITY_STEP
 from driftproof.methods.catalogue import METHODS
 from driftproof.symbolic.linear.reduced_tableau import is_symmetric
-from driftproof.symbolic.rounding.any_evaluation_order import any_evaluation_order_bound
 from driftproof.symbolic.rounding.formats import BINARY64
 from tests.blackbox.matching.readings import EXPLICIT
 from tests.looping import exactly, some
+from tests.witnesses.any_order import any_order
 
 MAPS = (*equivalent_methods(), *adjoint_methods(), ExactFlowMap())
 
@@ -34,7 +34,7 @@ MAPS = (*equivalent_methods(), *adjoint_methods(), ExactFlowMap())
 @pytest.mark.parametrize("h", [0.25, 2.0])
 def test_the_bound_of_a_method_is_nowhere_below_its_any_order_bound(key, h):
     each = next(each for each in equivalent_methods() if key in each.keys)
-    bound = any_evaluation_order_bound(METHODS[key])
+    bound = any_order(METHODS[key])
     columns = bound.error_of(Q(h), Q(1), Q(0)), bound.error_of(Q(h), Q(0), Q(1))
     its = columns[0][0], columns[1][0], columns[0][1], columns[1][1]
     allowed = each.allowances(Rates(h, 1.0, 1.0), BINARY64)

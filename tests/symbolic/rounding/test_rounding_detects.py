@@ -11,11 +11,11 @@ import pytest
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import oscillator, stepper
 from driftproof.numeric.steppers import HAND_WRITTEN, forward_euler, rk4, symplectic_euler
-from driftproof.symbolic.rounding.any_evaluation_order import any_evaluation_order_bound
 from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
 from driftproof.symbolic.rounding.step_bound import step_bound
-from tests.symbolic.rounding.programs import all_within, covers
+from tests.symbolic.rounding.programs import all_within, rk4_reassociated
+from tests.witnesses.any_order import any_order
 from tests.witnesses.soft_float import soft_lift
 
 TOLERANCE = 1e-12
@@ -116,16 +116,7 @@ def test_fused_multiply_adds_pass(key):
     assert changed > 5
 
 
-def test_a_reassociated_product_stays_inside_the_definition_s_any_order_bound():
-    def reassociated(force, q, v, h):
-        k2q, k2v = v + (h / 2) * force(q), force(q + (h / 2) * v)
-        k3q, k3v = v + (h / 2) * k2v, force(q + (h / 2) * k2q)
-        k4q, k4v = v + h * k3v, force(q + h * k3q)
-        total_q, total_v = v + (2 * (k2q + k3q) + k4q), force(q) + (2 * (k2v + k3v) + k4v)
-        return q + (h / 6) * total_q, v + (h / 6) * total_v
-
-    definition = any_evaluation_order_bound(METHODS["rk4"])
-    assert covers(definition, step_bound(reassociated))
-    points, allowed = random_checks(7, 60), cache(definition.error_of)
-    assert caught(reassociated, "rk4", allowed, *points) == 0
+def test_a_reassociated_step_stays_inside_the_definition_s_any_order_bound():
+    points, allowed = random_checks(7, 60), cache(any_order(METHODS["rk4"]).error_of)
+    assert caught(rk4_reassociated, "rk4", allowed, *points) == 0
     assert caught(rk4_weight_off_by(1e-13), "rk4", allowed, *points) > 0.9
