@@ -9,11 +9,7 @@ from typing import Any, NamedTuple
 from driftproof.blackbox.families.multistep_runs import later_steps
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall
 from driftproof.blackbox.isolation import Probe
-from driftproof.blackbox.judging.agreement import (
-    Agreement,
-    Domain,
-    rows_together,
-)
+from driftproof.blackbox.judging.agreement import Agreement, Domain, rows_together
 from driftproof.blackbox.judging.habits import explained
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE, NonlinearAgreement, nonlinear_agreement
@@ -36,7 +32,8 @@ UNDECIDING = {
     "unsupported_call": "a stepper that takes a force, step(force, q, v, h), or a right-hand side, step(f, t, y, h)",
     "not_readable": "a step without what refused the reading",
     NotAlike.kind: "a dense output that is a sum of slopes, alike in all numbers, as the step is",
-    **dict(zip(NO_EVIDENCE, ("a longer time limit", "a run that nobody ends", "a report to us"), strict=True)),
+    "crashes": "a step that does not end its process",
+    **NO_EVIDENCE,
 }
 # The titles of what a verdict speaks of by name.
 ROUNDING, COEFFICIENTS, NONLINEAR_STEP, ORDER = "Rounding", "Coefficients", "Nonlinear step", "Order"

@@ -60,8 +60,11 @@ class NotFinite(Misbehaviour):
         self.answer = answer
 
 
-class NoAnswer(Misbehaviour):
-    """A call that had not come back when its time was over, and is not made again: evidence of nothing."""
+class NoAnswer(BaseException):
+    """A call that had not come back when its time was over, and is not made again: evidence of nothing.
+
+    It is no `Exception`, so that nobody who looks for what a code refuses or raises takes it for that.
+    """
 
     kind = "time_limit"
 
@@ -76,8 +79,12 @@ class UnsupportedCall(ValueError):
     kind = "unsupported_call"
 
 
-# What says nothing of a stepper: a time limit that was reached, an end from outside, an instrument of ours that failed.
-NO_EVIDENCE = ("time_limit", "killed", "instrument_failed")
+# What says nothing of a stepper, and what would: a time limit, an end from outside, an instrument of ours that failed.
+NO_EVIDENCE = {
+    "time_limit": "a longer time limit",
+    "killed": "a run that nobody ends",
+    "instrument_failed": "a report to us",
+}
 
 
 @dataclass(frozen=True)

@@ -285,7 +285,7 @@ class Serving:
                 try:
                     self._environment.enter()
                     self._opened = self.target.open(self._before, self._after)
-                except (Misbehaviour, ValueError) as error:
+                except (Misbehaviour, NoAnswer, ValueError) as error:
                     self._opened = _failure(error)
             found = self._opened if isinstance(self._opened, Outcome) else _outcome(self.probes[index], self._opened)
             return replace(found, arithmetic=self._environment.change)
@@ -323,7 +323,7 @@ def answer_probe(request: str | int) -> str | None:
 def _outcome(probe: Probe, subject: Any) -> Outcome:
     try:
         return Outcome(probe(subject))
-    except (Misbehaviour, ValueError) as error:
+    except (Misbehaviour, NoAnswer, ValueError) as error:
         return _failure(error)
     except Exception as error:  # ours: the stepper's own exceptions come as Misbehaviour
         place = traceback.extract_tb(error.__traceback__)[-1]
@@ -331,7 +331,7 @@ def _outcome(probe: Probe, subject: Any) -> Outcome:
         return Outcome(kind="instrument_failed", seen=f"{type(error).__name__} in {where}: {error}; please report this")
 
 
-def _failure(error: Exception) -> Outcome:
+def _failure(error: BaseException) -> Outcome:
     limit = f"(an isolated process is given {MEMORY_LIMIT / 2**30:g} GiB)"
     seen = f"{error}{limit}" if isinstance(error.__cause__, MemoryError) else str(error)
     return Outcome(kind=getattr(error, "kind", "bad_input"), seen=seen)

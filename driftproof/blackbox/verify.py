@@ -27,13 +27,7 @@ from driftproof.blackbox.families.magnetic import BORIS_NAMES, Boris
 from driftproof.blackbox.families.reports import turns, verify_family
 from driftproof.blackbox.findings import Outcome, UnsupportedCall, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, Examined, IsolatedRunner
-from driftproof.blackbox.judging.agreement import (
-    EXAMPLES,
-    NO_ALLOWANCE,
-    ORDINARY_DOMAIN,
-    Agreement,
-    Domain,
-)
+from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY_DOMAIN, Agreement, Domain
 from driftproof.blackbox.judging.habits import ROUNDED
 from driftproof.blackbox.judging.nonlinear_step import NonlinearAgreement
 from driftproof.blackbox.judging.state_objects import RIGHT_AS

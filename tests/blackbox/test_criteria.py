@@ -1,4 +1,4 @@
-"""What is asked, and not answered: a death fails, a time limit leaves it undecided, a refusal is no one's fault."""
+"""What is asked, and not answered: a death or a time limit leaves it undecided, a refusal is no one's fault."""
 
 import os
 import signal
@@ -7,7 +7,14 @@ import time
 import pytest
 
 from driftproof import verify
+from driftproof.blackbox.criteria import questions_of
+from driftproof.blackbox.findings import NoAnswer
+from driftproof.blackbox.isolation import IsolatedRunner
+from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, ORDINARY_DOMAIN
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.methods.catalogue import METHODS
 from tests.blackbox import handwritten_steppers as codes
+from tests.looping import exactly
 
 
 def dying_far_from_home(f, t, y, h):
@@ -40,9 +47,9 @@ def forwards_only(f, t, y, h):
     [
         (
             dying_far_from_home,
-            False,
-            "is rk4, but not everywhere: crashes: the process ended (exit status 3) ",
-            "FAILED",
+            None,
+            "undecided whether it is rk4: steps elsewhere: the process ended ",
+            "undecided",
         ),
         (slow_far_from_home, None, "undecided whether it is rk4: steps elsewhere: step(t=1004.1, ", "undecided"),
         (stopped_once, None, "undecided whether it is rk4: ", "passed"),
@@ -56,3 +63,36 @@ def test_what_a_further_question_comes_to(step, passed, verdict, section):
     marks = [part.title.rpartition(": ")[2] for part in report.sections if part.title.startswith("Steps ")]
     assert section in marks
     assert bool(report.section("What would decide it")) is (passed is None)
+
+
+class HangingOnce:
+    """A stepper one call of which had not come back, and is not made again: the nth after it was opened."""
+
+    name, by_name = "hanging once", False
+
+    def __init__(self, step, nth):
+        self.step, self.left = step, nth
+
+    def open(self, before, after):
+        subject = opened(self.step)
+        subject.before = self.made
+        return subject
+
+    def made(self, call):
+        self.left -= 1
+        if self.left == -1:
+            raise NoAnswer(f"step({call}) is not made: it did not come back before")
+
+
+@pytest.mark.parametrize("nth", [0, 1, 4, 12, 40])
+@pytest.mark.parametrize(("step", "key"), [(codes.rk4, "rk4"), (codes.velocity_verlet, "velocity_verlet")])
+def test_a_call_that_does_not_come_back_refutes_nothing_and_is_no_refusal(step, key, nth):
+    method = METHODS[key]
+    for question in exactly(11, questions_of(method, NO_ALLOWANCE, ORDINARY_DOMAIN, 20)):
+        marks = []
+        for n in (nth, -1):
+            target = HangingOnce(step, n)
+            (outcome,) = IsolatedRunner(target, isolate=False).run([question.ask])
+            marks.append(question.judge(method, outcome).mark)
+        assert marks[0] in ("undecided", marks[1]), question.title
+        assert "FAILED" not in marks

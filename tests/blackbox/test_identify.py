@@ -49,11 +49,7 @@ def backward(force, q, v, h):
 
 
 @pytest.mark.parametrize(
-    ("step", "said"),
-    [
-        (of_average, "those of implicit_midpoint, lobatto_iiib2"),
-        (backward, "those of backward_euler"),
-    ],
+    ("step", "said"), [(of_average, "those of implicit_midpoint, lobatto_iiib2"), (backward, "those of backward_euler")]
 )
 def test_implicit_steps_of_a_force_with_one_linear_step_are_told_apart_by_nonlinear_ones(step, said):
     verdict = identify(step, isolate=False).verdict

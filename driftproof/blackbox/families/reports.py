@@ -154,7 +154,7 @@ def _not_read(name: str, outcome: Outcome, method: Method | FactsOnly | Boris) -
     open_kinds = (NotReadable.kind, UnsupportedCall.kind, *NO_EVIDENCE)
     if outcome.kind not in open_kinds:
         return Report(name, f"{NO_ANSWER}: {outcome.seen}", False, (), {"not_answered": outcome.seen})
-    needed = "a longer time limit" if outcome.kind in NO_EVIDENCE else _NEEDED.get(type(method), _TURNING_NEEDED)
+    needed = NO_EVIDENCE.get(outcome.kind or "") or _NEEDED.get(type(method), _TURNING_NEEDED)
     parts = sections(("Not answered", [f"{outcome.kind}: {outcome.seen}"]), ("What would decide it", [needed]))
     verdict = f"{UNDECIDED} whether it is {method.key}: {outcome.seen}"
     return Report(name, verdict, None, parts, {"not_answered": outcome.seen})

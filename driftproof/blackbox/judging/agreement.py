@@ -9,7 +9,7 @@ from itertools import islice
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from driftproof.blackbox.findings import Misbehaviour, NoAnswer, UnsupportedCall
+from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.judging.sampled_steps import Arguments, Sizes, simplest_step, steps_within
 from driftproof.blackbox.judging.tolerance import Allowance, Judgement, Tolerance
 from driftproof.blackbox.stepper.call_text import call_text
@@ -236,8 +236,6 @@ def rows_together(
     states = [(size * q, size * v) for q, v in _STATES_BACK]
     try:
         answers = subject.step_batch([q for q, _ in states], [v for _, v in states], h)
-    except NoAnswer:
-        raise
     except Misbehaviour as refusal:
         return None, f"one state is taken at a time: {refusal}", ""
     for i, ((q, v), answer) in enumerate(zip(states, answers, strict=True)):
@@ -280,8 +278,6 @@ def _fails(example: Example) -> bool:
 def _example(subject: ForeignStepper, tolerance: Tolerance, q: float, v: float, h: float) -> Example:
     try:
         answer = subject.step(q, v, h)
-    except NoAnswer:  # a call that hung once is no evidence against the step
-        raise
     except Misbehaviour as error:
         return Example(q, v, h, None, misbehaved=str(error))
     judged = tolerance.judge(q, v, h, answer)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from flint import arb, ctx
 
-from driftproof.blackbox.findings import Misbehaviour, NotANumber, WrongShape
+from driftproof.blackbox.findings import Misbehaviour, NoAnswer, NotANumber, WrongShape
 from driftproof.blackbox.judging.nonlinear_problems import (
     START,
     NonlinearProblem,
@@ -79,7 +79,7 @@ def measured_on(subject: ForeignStepper, problem: NonlinearProblem) -> MeasuredO
         for adapter in (BALLS, ARRAYS_OF_BALLS):
             try:
                 errors = _errors(replace(subject, adapter=adapter, log=CallLog()), problem, steps)
-            except Misbehaviour:
+            except (Misbehaviour, NoAnswer):  # no code has to end on balls
                 continue
             return _fitted(errors, [_noise(subject, h) for h in steps], "Arb balls", problem)
         in_floats = _errors(subject, problem, steps)

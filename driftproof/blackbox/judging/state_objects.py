@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.blackbox.findings import Misbehaviour, NoAnswer, NotFinite
+from driftproof.blackbox.findings import Misbehaviour, NotFinite
 from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, ORDINARY_DOMAIN, Domain
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
 from driftproof.blackbox.judging.walks import Walked, Walker, walk_on
@@ -59,8 +59,6 @@ def state_objects(
     for form in forms:
         try:
             wrong, seen = trial.of(_in_form(subject, form))
-        except NoAnswer:
-            raise
         except Misbehaviour:
             found.setdefault("are refused", []).append(form.name)
             continue

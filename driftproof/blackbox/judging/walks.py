@@ -269,8 +269,6 @@ def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> Wa
         for problem in problems:
             try:
                 step = walker.walk(problem, place, lengths)
-            except NoAnswer:
-                raise
             except _REFUSALS as refusal:
                 refused = refused or str(refusal)
                 break
@@ -280,7 +278,9 @@ def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> Wa
                 break
             found.append(step)
         else:
-            cause = walker.why(found[0], problems[0], of_numbers)
+            cause = ""
+            with suppress(NoAnswer):  # on the way to an explanation, it takes nothing from what was found
+                cause = walker.why(found[0], problems[0], of_numbers)
             return False, ": ".join(filter(None, [cause, found[0].words])), ""
     if not taken:
         return None, f"no such step is taken: {refused}" if refused else "the domain is too small for it", ""

@@ -7,7 +7,7 @@ from fractions import Fraction
 from math import isfinite, ldexp, log2, sqrt
 from typing import NamedTuple, TypeAlias
 
-from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.findings import Misbehaviour, NoAnswer
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, FloatFormat
 
@@ -157,7 +157,7 @@ def _rates(subject: ForeignStepper, reading: LinearReading, unit: float) -> tupl
         tiny = unit * ldexp(1.0, -bits)
         try:
             m, finer = (_matrix(subject, h, reading.amplitude) for h in (tiny, tiny / 4))
-        except Misbehaviour:  # some steppers refuse steps that are too small
+        except (Misbehaviour, NoAnswer):  # of steps that are too small some are refused, and some never end
             if bits == min(COARSE_BITS):
                 raise
             continue
@@ -251,6 +251,8 @@ def _far_out(subject: ForeignStepper, reading: LinearReading) -> tuple[str, ...]
         seen = found.words if found else ""
     except Misbehaviour as failure:
         seen = str(failure)
+    except NoAnswer as hang:
+        return (f"not seen far out: {hang}",)
     return (f"{FAR_OUT}: {seen}",) if seen else ()
 
 
@@ -260,7 +262,7 @@ def _with_steps(subject: ForeignStepper, reading: LinearReading) -> LinearReadin
         h = _in_format(reading.format, reading.unit * float(Fraction(text)))
         try:
             found.append((h, _matrix(subject, h, reading.amplitude)))
-        except Misbehaviour as failure:
+        except (Misbehaviour, NoAnswer) as failure:
             if 0 < h <= reading.unit / 2:
                 raise
             failures.append((h, str(failure)))

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from math import fsum, prod
 from typing import NamedTuple, TypeAlias
 
-from driftproof.blackbox.findings import Misbehaviour, NoAnswer
+from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.probes.scripted_answers import Listener, NotReadable, performed
 from driftproof.blackbox.stepper.foreign_code import FieldFunction
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
@@ -173,8 +173,6 @@ class MarkedSteps:
 
         try:
             y1 = performed(lambda: self.step(rate, clock, [start] * (size or self.size), h))
-        except NoAnswer:
-            raise
         except _OtherTime as seen:
             raise NotReadable(str(seen)) from None
         except Misbehaviour as failure:

@@ -6,7 +6,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from driftproof.blackbox.findings import Misbehaviour, NoAnswer
+from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.probes.force import ForceReading, read_forces
 from driftproof.blackbox.probes.implicit_forces import read_implicit_forces
 from driftproof.blackbox.probes.implicit_tableau import read_implicit_tableau
@@ -47,15 +47,11 @@ def read_coefficients(subject: ForeignStepper) -> CoefficientReading:
     if subject.convention.kind == FIELD:
         try:
             return read_tableau(subject)
-        except NoAnswer:
-            raise
         except (NotReadable, Misbehaviour) as refusal:
             return _otherwise(subject, refusal)
     _demand_inertia(subject)
     try:
         reading = read_forces(subject)
-    except NoAnswer:
-        raise
     except NotReadable as refusal:
         reading = _implicit_forces(subject, refusal)
     return _as_tableau(reading, timed=TIME in subject.convention.order and TIME in subject.convention.asks) or reading

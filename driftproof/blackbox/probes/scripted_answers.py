@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
-from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.findings import Misbehaviour, NoAnswer
 from driftproof.symbolic.rounding.formats import FloatFormat
 
 CoefficientRow: TypeAlias = tuple[float, ...]
@@ -84,7 +84,7 @@ def complaints(control: Callable[[], object]) -> tuple[str, ...]:
     """What a control has to say against the reading, if anything, where that is no reason to give it up."""
     try:
         control()
-    except (Misbehaviour, NotReadable) as error:
+    except (Misbehaviour, NoAnswer, NotReadable) as error:
         return (str(error),)
     return ()
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.findings import Misbehaviour, NoAnswer
 from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem, walls
 from driftproof.blackbox.solvers.foreign_solver import (
     NOTHING,
@@ -65,6 +65,8 @@ def read_runs(subject: ForeignSolver) -> RunsReading:
     for title, question in _QUESTIONS.items():
         try:
             lines, wrong = question(subject)
+        except NoAnswer as hang:
+            lines, wrong = [f"not seen: {hang}"], []
         except Misbehaviour as failure:
             lines, wrong = [], [f"{title.lower()}: {failure.kind}: {failure}"]
         seen[title] = tuple(lines)

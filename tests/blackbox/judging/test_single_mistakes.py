@@ -63,11 +63,7 @@ WRONG = {
         "rk4",
         "Y[2] = y + h * (a[2][1] * k[0]) in place of Y[2] = y + h * (a[2][1] * k[1])",
     ),
-    "twice as far": (
-        rk4_with(slope=lambda f, t, y, h, k1, k2: f(t, y + h * k2)),
-        "rk4",
-        "a[2][1]: 1 instead of 1/2",
-    ),
+    "twice as far": (rk4_with(slope=lambda f, t, y, h, k1, k2: f(t, y + h * k2)), "rk4", "a[2][1]: 1 instead of 1/2"),
     "no h": (rk4_with(end=lambda y, h, k: y + k), "rk4", "h is missing in y1 = y + h * (b[0] * k[0] + b[1] * k[1]"),
     "h twice": (rk4_with(end=lambda y, h, k: y + h * h * k), "rk4", "h stands twice in y1 = "),
     "doubled": (rk4_with(end=lambda y, h, k: y + 2 * h * k), "rk4", "all of b times 2"),

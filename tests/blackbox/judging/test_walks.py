@@ -84,10 +84,7 @@ def test_what_is_wrong_elsewhere_alone_is_caught_and_named(step, method, cause):
 @pytest.mark.parametrize("key", ["forward_euler", "rk4", "dormand_prince54", "yoshida6", "nystrom5", "ssprk104"])
 def test_explicit_methods_are_themselves_everywhere_by_their_force(key):
     passed, words, _ = walked(opened(stepper(METHODS[key], float), "force"), METHODS[key])
-    assert (passed, words) == (
-        True,
-        "9 times 4 steps, each from the end of the one before, of 1, 2, 3, 5, 9 positions",
-    )
+    assert (passed, words) == (True, "9 times 4 steps, each from the end of the one before, of 1, 2, 3, 5, 9 positions")
 
 
 @pytest.mark.parametrize(
