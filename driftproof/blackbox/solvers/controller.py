@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import pairwise
-from math import exp, fsum, isfinite, log
+from itertools import accumulate, pairwise
+from math import exp, fsum, log
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -52,10 +52,9 @@ class Attempt(NamedTuple):
 class Law:
     """h_next = h · clip(safety · r^(-exponent) · r_before^(memory) · (h/h_before)^(filtered), smallest, largest).
 
-    r is the error over the tolerance.
-
-    `smallest` and `largest` are None where no factor was cut. `after_rejection` says that a step after a rejected one
-    does not grow. `estimate` is the pair whose estimate r is. `seen` are the steps that the law gives.
+    r is the error over the tolerance, in the estimate of the pair `estimate`; the law was fitted to `seen` steps, none
+    of them cut or after a rejection. `smallest` and `largest` are None where no factor was cut. `after_rejection` says
+    that a step after a rejected one does not grow, `exception` which other steps are not of this law.
     """
 
     estimate: str
@@ -67,6 +66,7 @@ class Law:
     largest: float | None
     after_rejection: bool
     seen: int
+    exception: str
 
     @property
     def words(self) -> str:
@@ -77,7 +77,7 @@ class Law:
         low = "no least factor seen" if self.smallest is None else f"at least {self.smallest:.4g}"
         high = "no largest seen" if self.largest is None else f"at most {self.largest:.4g}"
         kind = "PI" if self.memory or self.filtered else "not PI"
-        return f"h_next/h = {power}{before}, {low}, {high} ({kind})"
+        return f"h_next/h = {power}{before}, {low}, {high} ({kind}){self.exception}"
 
 
 @dataclass(frozen=True)
@@ -85,8 +85,6 @@ class ControllerReading:
     """What was measured of the step size control: the law, or why there is none; `lines` in words, and `faults`."""
 
     law: Law | None
-    attempts: int
-    rejected: int
     lines: tuple[str, ...]
     faults: tuple[str, ...]
 
@@ -105,32 +103,33 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
     """
     run, atol = _run(subject)
     attempts = list(_attempts(run, steps))
-    rejected = sum(not each.accepted for each in attempts)
     traces = _traces(run, steps, attempts)
     factors = [each.factor for each in attempts if each.factor is not None]
     if silent := [pair.key for pair in steps.pairs if _is_silent(pair)]:
         raise NotReadable(f"the estimate of {silent[0]} is 0 wherever slopes depend on t alone: no law shows")
     if len(factors) >= 2 and max(factors) - min(factors) <= _CLOSE:
-        constant = f"the step size does not depend on the error: every step is {factors[0]:.6g} times the one before"
-        fixed = ("the steps are all of one length, whatever the error",)
+        fault = f"the step size does not depend on the error: every step is {factors[0]:.6g} times the one before"
         if abs(factors[0] - 1) <= _CLOSE:
             if not subject.adaptive:
-                return ControllerReading(None, len(attempts), rejected, (_NO_TOLERANCE,), traces)
-            return ControllerReading(None, len(attempts), rejected, fixed, (*fixed, *traces))
-        return ControllerReading(None, len(attempts), rejected, (constant,), (constant, *traces))
+                return ControllerReading(None, (_NO_TOLERANCE,), traces)
+            fault = "the steps are all of one length, whatever the error"
+        return ControllerReading(None, (fault,), (fault, *traces))
     if len(factors) < 8:
         raise NotReadable(f"{len(factors)} step sizes are too few to see a law in")
-    laws = [law for name, estimate in _estimates(steps) if (law := _law(name, estimate, attempts, atol)) is not None]
-    counts = f"{len(attempts)} attempts at steps seen, {rejected} rejected"
+    estimates = list(_estimates(steps))
+    laws = [law for name, estimate in estimates if (law := _law(name, estimate, attempts, atol)) is not None]
+    rejections = [0, *accumulate((not each.accepted for each in attempts), lambda n, more: (n + 1) * more)]
+    in_a_row = f", up to {max(rejections)} in a row" * (max(rejections) > 1)
+    counts = f"{len(attempts)} attempts at steps seen, {sum(map(bool, rejections))} rejected{in_a_row}"
     if not laws:
-        pairs = ", ".join(name for name, _ in _estimates(steps)) or "any pair of the catalogue"
-        return ControllerReading(
-            None, len(attempts), rejected, (f"no law in the estimate of {pairs} gives the step sizes", counts), traces
-        )
+        pairs = ", ".join(name for name, _ in estimates) or "any pair of the catalogue"
+        return ControllerReading(None, (f"no law in the estimate of {pairs} gives the step sizes", counts), traces)
     best = max(laws, key=lambda law: law.seen)
+    if traces:  # slopes that are not those of their times have other errors, too
+        best = replace(best, exception="")
     after = ["a step after a rejected one does not grow"] if best.after_rejection else []
     lines = (f"measured: {best.words}", f"r is the estimate of {best.estimate} over the tolerance", *after, counts)
-    return ControllerReading(best, len(attempts), rejected, lines, (*_of_another_order(best), *traces))
+    return ControllerReading(best, lines, (*_of_another_order(best), *traces))
 
 
 def _of_another_order(law: Law) -> Iterator[str]:
@@ -181,7 +180,7 @@ def _attempts(run: Solution, steps: SolverSteps) -> Iterator[Attempt]:
 def _estimates(steps: SolverSteps) -> Iterator[tuple[str, _Estimate]]:
     """The estimates of the pairs whose tableau was read; DOP853's programs blend those of two."""
     pairs = {pair.key: pair for pair in steps.pairs}
-    rows = {key: _row(pair, steps) for key, pair in pairs.items()}
+    rows = {key: [*map(float, _row(pair))] for key, pair in pairs.items()}
     for key, row in rows.items():
         yield key, lambda k, h, row=row: abs(h * fsum(e * x for e, x in zip(row, k, strict=False)))  # type: ignore[misc]
     if {"dop853", "dop853_third"} <= set(rows):
@@ -194,51 +193,58 @@ def _estimates(steps: SolverSteps) -> Iterator[tuple[str, _Estimate]]:
         yield "dop853 blended with dop853_third", blended
 
 
-def _row(pair: RungeKutta, steps: SolverSteps) -> list[float]:
+def _row(pair: RungeKutta) -> list[Exact]:
     assert pair.b_embedded is not None
-    return [float(x) - float(y) for x, y in zip(pair.b, pair.b_embedded, strict=True)]
+    return [x - y for x, y in zip(pair.b, pair.b_embedded, strict=True)]
 
 
 def _is_silent(pair: RungeKutta) -> bool:
     """Whether the weights of its estimate cancel at every node, as those of Fehlberg's pair 7(8) do."""
-    assert pair.b_embedded is not None
-    weights = zip(pair.c, pair.b, pair.b_embedded, strict=True)
     by_node: dict[Exact, Exact] = {}
-    for c, x, y in weights:
-        by_node[c] = by_node.get(c, Fraction(0)) + x - y
+    for c, e in zip(pair.c, _row(pair), strict=True):
+        by_node[c] = by_node.get(c, Fraction(0)) + e
     return not any(by_node.values())
 
 
 class _Point(NamedTuple):
-    """One attempt beside the step that follows it: logarithms of its error, of that of
-    the last accepted one and of how much longer it is than that; and the factor."""
+    """One attempt beside the step that follows it: logarithms of its error, of that of the last accepted one and of
+    how much longer it is than that; the factor; and how many were rejected in a row, itself among them."""
 
     error: float
     before: float
     growth: float
     factor: float
     accepted: bool
-    follows_rejection: bool
+    rejections: int
+    at_jump: bool
+
+
+def _points(estimate: _Estimate, nodes: Sequence[float], attempts: Sequence[Attempt], atol: float) -> Iterator[_Point]:
+    """The attempts whose error is known, and is not 0, if it is known how long the next step is."""
+    before, length, rejections = 0.0, attempts[0].h, 0
+    for each in attempts:
+        times = [each.start + c * each.h for c in nodes]
+        r = estimate([bumps(t) for t in times], each.h) / atol
+        rejections += not each.accepted
+        if each.factor is not None and r > 0:
+            at_jump = any(abs(t - round(t)) <= _NEAR for t in times)
+            growth = log(each.h / length)
+            yield _Point(log(r), before, growth, each.factor, each.accepted, rejections, at_jump)
+        if each.accepted:
+            rejections = 0
+            before, length = (log(r), each.h) if r > 0 else (before, length)
 
 
 def _law(name: str, estimate: _Estimate, attempts: Sequence[Attempt], atol: float) -> Law | None:
     """The law in this estimate, if there is one: fitted where no limit cuts, then held against every step seen."""
-    key = name.split()[0]
-    method = METHODS[key]
+    method = METHODS[name.split()[0]]
     assert isinstance(method, RungeKutta)
-    nodes = [float(x) for x in method.c]
-    points: list[_Point] = []
-    before, length, last_rejected = 0.0, attempts[0].h, False
-    for each in attempts:
-        r = estimate([bumps(each.start + c * each.h) for c in nodes], each.h) / atol
-        if each.factor is not None and r > 0 and isfinite(log(r)):
-            points.append(_Point(log(r), before, log(each.h / length), each.factor, each.accepted, last_rejected))
-        last_rejected = not each.accepted
-        before, length = (log(r), each.h) if r > 0 and each.accepted else (before, length)
-    factors = [p.factor for p in points]
+    points = list(_points(estimate, [float(x) for x in method.c], attempts, atol))
+    factors = [p.factor for p in points if p.rejections <= 1]
     largest, smallest = _repeated(factors, max(factors)), _repeated(factors, min(factors))
-    uncut = [p for p in points if not any(_is(p.factor, limit) for limit in (largest, smallest, 1.0))]
-    free = [p for p in uncut if p.accepted and not p.follows_rejection]
+    free = [
+        p for p in points if not p.rejections and not any(_is(p.factor, limit) for limit in (largest, smallest, 1.0))
+    ]
     if len(free) < 5:
         return None
     # Without memory, if that suffices; some codes remember no error below 10^-4.
@@ -247,12 +253,38 @@ def _law(name: str, estimate: _Estimate, attempts: Sequence[Attempt], atol: floa
     found = next((fit for fit in fits if fit is not None), None)
     if found is None:
         return None
-    safety, (exponent, memory, filtered) = float(exp(found[0])), [*map(float, found[1:]), 0.0, 0.0][:3]
-    held = [p.factor for p in points if p.follows_rejection and p.accepted]
-    after = bool(held) and max(held) <= 1 + _CLOSE
-    return Law(
-        name, safety, _rational(exponent), _rational(memory), _rational(filtered), smallest, largest, after, len(free)
-    )
+    exponent, memory, filtered = (_rational(x) for x in [*map(float, found[1:]), 0.0, 0.0][:3])
+    held = [p.factor for p in points if p.accepted and p.rejections]
+    safety, after = float(exp(found[0])), bool(held) and max(held) <= 1 + _CLOSE
+    law = Law(name, safety, exponent, memory, filtered, smallest, largest, after, len(free), "")
+    return replace(law, exception=_exception(points, law, min(factors), max(factors)))
+
+
+def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: float) -> str:
+    """Which steps are not of the law, in words, by the rejections in a row before them.
+
+    A step may stay as long as it is, and a law may forget what came before where a step is rejected. Of one that
+    remembers, steps are left out that remember less than is known.
+    """
+    known = [p for p in points if not p.at_jump and (not law.memory or p.before > log(_LEAST_REMEMBERED))]
+    others: list[tuple[_Point, float]] = []
+    for p in known:
+        forgetful = log(law.safety) - law.exponent * p.error
+        said = [
+            min(max(exp(min(x, 1.0 + log(largest))), smallest), largest)
+            for x in (forgetful + law.memory * p.before + law.filtered * p.growth, forgetful)
+        ]
+        # The safety is known to _CLOSE, exponents to a tenth of it.
+        allowed = _CLOSE * (1 + (abs(p.error) + abs(p.before) + abs(p.growth)) / 10)
+        if not any(abs(p.factor - x) <= allowed * x for x in (*said, 1.0)):
+            others.append((p, said[0]))
+    if not others:
+        return ""
+    first, said_first = min(others, key=lambda pair: pair[0].rejections)
+    beside = sum(p.rejections >= first.rejections for p in known)
+    where = f" after {first.rejections} or more rejections in a row" * (first.rejections > 0)
+    times = f"{first.factor:.4g} times as long in place of {said_first:.4g}"
+    return f", but {len(others)} of {beside} steps{where} are others: one is {times}"
 
 
 def _fitted(points: Sequence[_Point], terms: int) -> Any:

@@ -26,6 +26,7 @@ def adaptive(
     on_nan="fail",
     tolerances=lambda rtol, atol: (rtol, atol),
     grows_after_rejection=False,
+    changed=lambda factor, rejections: factor,
     growth_at_zero=None,
     first_step=1e-3,
     stepped=lambda h: h,
@@ -34,7 +35,7 @@ def adaptive(
 
     Wrong: `stale`, k1 after a rejection is the last slope of the rejected attempt; `clock`, another number format of t;
     `ending` "beyond" or "tiny"; `on_nan` "accept", "silent" or "retry"; `growth_at_zero` of an estimate that is 0;
-    `stepped`, the length by which t advances.
+    `stepped`, the length by which t advances; `changed`, the factor after so many rejections in a row.
     """
     pair = METHODS[key]
     a, c = [[float(x) for x in row] for row in pair.a], [float(x) for x in pair.c]
@@ -45,7 +46,7 @@ def adaptive(
         rtol, atol = tolerances(rtol, atol)
         sign = 1.0 if t_span[1] > t_span[0] else -1.0
         t, end, y = clock(t_span[0]), clock(t_span[1]), np.array(y0, dtype=float)
-        times, states, h, before, rejected, failure = [float(t)], [y], sign * first_step, 1.0, False, ""
+        times, states, h, before, rejections, failure = [float(t)], [y], sign * first_step, 1.0, 0, ""
         first = f(float(t), y)
         while sign * (end - t) > 0:
             if sign * (t + h - end) > 0 and ending != "beyond":
@@ -67,15 +68,16 @@ def adaptive(
                 factor = most if growth_at_zero is None else growth_at_zero
             else:
                 factor = min(most, max(least, safety * r**-exponent * before**memory))
+            factor = changed(factor, rejections + (r > 1))
             if r <= 1:
                 t, y, before = clock(t + stepped(h)), y1, max(r, 1e-4)
                 first = k[-1] if c[-1] == 1 and list(a[-1]) == list(b) else f(float(t), y)
-                factor = min(1.0, factor) if rejected and not grows_after_rejection else factor
-                rejected = False
+                factor = min(1.0, factor) if rejections and not grows_after_rejection else factor
+                rejections = 0
                 times.append(float(t))
                 states.append(y)
             else:
-                rejected, first = True, k[-1] if stale else first
+                rejections, first = rejections + 1, k[-1] if stale else first
                 if abs(h) < 1e-13 and on_nan != "retry":
                     failure = "the step size is too small"
                     break
