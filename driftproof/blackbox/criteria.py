@@ -35,6 +35,7 @@ UNDECIDING = {
     "crashes": "a step that does not end its process",
     **NO_EVIDENCE,
 }
+_READABLE_ESTIMATE = "an estimate that is a sum of the slopes of the pair's own stages, or one norm of such a sum"
 # The titles of what a verdict speaks of by name.
 ROUNDING, COEFFICIENTS, NONLINEAR_STEP, ORDER = "Rounding", "Coefficients", "Nonlinear step", "Order"
 ERROR_ESTIMATE, DENSE_OUTPUT, STATE_FORMS = "Error estimate", "Dense output", "State"
@@ -157,14 +158,19 @@ def _check_order(method: Method, outcome: Outcome) -> Criterion:
 
 
 def _check_estimate(method: Method, outcome: Outcome) -> Criterion:
-    """A pair is both of its rows; of another method, what is returned beside y1 is nobody's claim."""
+    """A pair claims both of its rows; of another method, what is returned beside y1 is nobody's claim."""
+    claimed = isinstance(method, RungeKutta) and method.b_embedded is not None
     if outcome.failed:
+        if claimed and outcome.kind == "not_readable":
+            return Criterion(ERROR_ESTIMATE, None, (outcome.seen,), {}, _READABLE_ESTIMATE)
         return _beside_unanswered(ERROR_ESTIMATE, outcome)
     found: JudgedEstimate = outcome.result
-    if not isinstance(method, RungeKutta) or method.b_embedded is None:
+    if not claimed:
         return Criterion(ERROR_ESTIMATE, None, (f"{method.key} has none", *found.lines, *found.faults), found.data)
-    passed = False if found.faults else None if found.pair is None else True
-    return Criterion(ERROR_ESTIMATE, passed, (*found.lines, *found.faults), found.data)
+    if found.faults or found.pair:
+        return Criterion(ERROR_ESTIMATE, not found.faults, (*found.lines, *found.faults), found.data)
+    unheld = f"it is not held to that of {method.key}: its step is not that of the stages of the pair in their order"
+    return Criterion(ERROR_ESTIMATE, None, (*found.lines, unheld), found.data, _READABLE_ESTIMATE)
 
 
 def _check_dense(method: Method, outcome: Outcome) -> Criterion:

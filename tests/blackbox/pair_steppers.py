@@ -7,17 +7,20 @@ import numpy as np
 from driftproof.methods.catalogue import METHODS
 
 
-def pair_step(key, answer=lambda y1, error, h, y: (y1, error), *, estimate=lambda e: e):
-    """The step of the pair `key`, which may be KEY_embedded; `estimate` may spoil its row b - b_hat."""
+def pair_step(key, answer=lambda y1, error, h, y: (y1, error), *, estimate=lambda e: e, order=None):
+    """The step of the pair `key`, which may be KEY_embedded; `estimate` may spoil its row b - b_hat.
+
+    Its stages are called in their order, or in another `order` in which none uses a later one.
+    """
     method = METHODS[key]
     a, c = [[float(x) for x in row] for row in method.a], [float(x) for x in method.c]
     b, row = np.array([*map(float, method.b)]), [x - y for x, y in zip(method.b, method.b_embedded, strict=True)]
     e = np.array(estimate([float(x) for x in row]))
 
     def step(f, t, y, h):
-        k = []
-        for i, node in enumerate(c):
-            k.append(f(t + node * h, y + h * sum((a[i][j] * k[j] for j in range(i)), 0 * y)))
+        k = [0 * y] * len(c)
+        for i in order or range(len(c)):
+            k[i] = f(t + c[i] * h, y + h * sum((a[i][j] * k[j] for j in range(i)), 0 * y))
         return answer(y + h * (b @ np.array(k)), h * (e @ np.array(k)), h, y)
 
     return step

@@ -9,7 +9,7 @@ from math import prod
 
 from driftproof.blackbox.matching.match import match_tableau
 from driftproof.blackbox.matching.read_order import read_order
-from driftproof.blackbox.probes.dense import THETAS, DenseReading, read_dense
+from driftproof.blackbox.probes.dense import BETWEEN, THETAS, DenseReading, read_dense
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.catalogue import EXTENSIONS, METHODS
@@ -60,9 +60,10 @@ def judged_reading(reading: DenseReading) -> JudgedDense:
             f"{key}: {EXTENSIONS[key].title if key in EXTENSIONS else 'the cubic through both ends with their slopes'}"
         )
     shape = f"of degree {degree}" if degree is not None else f"no polynomial of degree {_HIGHEST_DEGREE} or less"
-    places = f"at all sixteenths{f' and {len(reading.between)} places more' if reading.between else ''}"
-    between = f"order {order} between the steps, looked at {places}; the order of the steps is {step}"
-    lines = [named, f"a function of {reading.argument}, {shape} in theta", between]
+    between = f"order {order} between the steps, at the sixteenths; the order of the steps is {step}"
+    others = ", ".join(f"{float(theta):.3g}" for theta in BETWEEN)
+    asked = f"asked at theta = 0, 1/16, ..., 1, and at {others}: what it is elsewhere was not seen"
+    lines = [named, f"a function of {reading.argument}, {shape} in theta", between, asked]
     faults = [] if polynomials is None else [*polynomials.misfits(reading)]
     faults += [] if polynomials is None else [*polynomials.elsewhere(reading)]
     if polynomials is not None and not faults:

@@ -45,7 +45,7 @@ class DenseReading:
     step: TableauReading
     rows: tuple[CoefficientRow, ...]
     own: CoefficientRow
-    between: tuple[tuple[Fraction, CoefficientRow], ...] = ()
+    between: tuple[tuple[Fraction, CoefficientRow], ...]
 
     def step_to(self, theta: Fraction) -> TableauReading:
         """The step of length θh that ends there, in floats: A/θ, b(θ)/θ and c/θ. θ is one of THETAS, not 0."""

@@ -104,13 +104,30 @@ def test_an_estimate_that_is_not_the_same_everywhere_is_at_fault(answer, fault):
     assert fault in words
 
 
-def test_a_time_beside_the_state_is_no_estimate_and_what_is_not_read_is_said_in_the_verdict():
+def test_a_time_beside_the_state_is_no_estimate():
     timed = lambda f, t, y, h: (pair_step("bogacki_shampine32")(f, t, y, h)[0], t + h)
     with pytest.raises(UnsupportedCall):
         judged(timed)
-    bent = pair_step("bogacki_shampine32", lambda y1, error, h, y: (y1, np.minimum(error, 1e-3)))
-    report = verify(bent, "bogacki_shampine32", examples=20, isolate=False)
-    assert "; the error estimate is not judged: " in report.verdict
+
+
+def cut(y1, error, h, y):
+    return y1, np.minimum(error, 1e-3)
+
+
+def test_an_estimate_of_stages_called_in_another_order_is_undecided():
+    step = pair_step("verner65", order=[0, 1, 2, 3, 4, 6, 5, 7])
+    report = verify(step, "verner65", examples=20, isolate=False)
+    assert report.section("Error estimate: undecided").lines[-1].startswith("it is not held to that of verner65")
+
+
+@pytest.mark.parametrize(("key", "passed"), [("bogacki_shampine32", None), ("ralston3", True)])
+def test_an_estimate_that_is_not_read_leaves_a_pair_undecided_and_no_other_method(key, passed):
+    report = verify(pair_step("bogacki_shampine32", cut), key, examples=20, isolate=False)
+    assert report.passed is passed
+    seen = "with other answers, what it returns beside y1 is 0.001 where"
+    assert f"error estimate{' is not judged' * bool(passed)}: {seen}" in report.verdict
+    decides = report.section("What would decide it")
+    assert passed or decides.lines[0].startswith("error estimate: an estimate that is a sum of the slopes")
 
 
 SPOILED = {
