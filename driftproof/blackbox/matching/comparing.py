@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from math import ceil
 from typing import NamedTuple
 
@@ -51,16 +52,15 @@ class Comparison:
 
     def arrangement(self) -> tuple[int, ...] | None:
         """For each stage read the exact stage that it is, all coefficients being the same; None if there is none."""
-        if self.read.drift is not None and not self._same_drift:
-            return None
-        as_it_stands = tuple(range(self.read.calls))
-        if not any(self._differing(as_it_stands)):
-            return as_it_stands
-        return next(self._extended(()), None)
+        return next(self._extended(()), None) if self._same_drift else None
 
     def differences(self) -> list[CoefficientPlace]:
         """The coefficients that are not the same, stages in the order in which they stand."""
-        return list(self._differing(tuple(range(self.read.calls))))
+        read, exact, allowed = self._in_floats
+        rows, columns = np.nonzero(np.abs(read - exact) > allowed)  # most candidates are far off, and there are many
+        wrong = {self._name(i, j) for i, j in zip(rows.tolist(), columns.tolist(), strict=True)}
+        wrong |= set() if self._same_drift else {"drift"}
+        return [place for place in self._places(range(self.read.calls)) if place.name in wrong] if wrong else []
 
     def distance(self, order: tuple[int, ...]) -> Distance:
         """How far the coefficients are apart, the stages in the order of an `arrangement`: 0 if correctly rounded."""
@@ -76,33 +76,16 @@ class Comparison:
         nodes = calls if self.read.nodes is not None else 0
         return calls * (calls - 1) // 2 + above + calls * weights + nodes + (self.read.drift is not None)
 
-    def _differing(self, order: tuple[int, ...]) -> Iterator[CoefficientPlace]:
-        """Found in arrays: most candidates are far off, and there are many."""
-        rows, columns = np.nonzero(self._apart(order))
-        nodes = self._nodes_apart(order)
-        places = list(self._places(order)) if len(rows) or any(nodes) or not self._same_drift else []
-        wrong = {self._name(i, j) for i, j in zip(rows.tolist(), columns.tolist(), strict=True)}
-        wrong |= {f"c[{i}]" for i, apart in enumerate(nodes) if apart}
-        wrong |= set() if self._same_drift else {"drift"}
-        return (place for place in places if place.name in wrong)
-
-    def _apart(self, order: tuple[int, ...]) -> Array:
-        calls = self.read.calls
-        rows = [*order, *range(calls, len(self.exact.entries))]
-        values = self.exact.values[np.ix_(rows, order)]
-        apart: Array = np.abs(self.read.values - values) > self._allowed[list(order)]
-        return apart
-
-    def _nodes_apart(self, order: tuple[int, ...]) -> list[bool]:
-        if self.exact.nodes is None:
-            return []
-        gaps = np.abs(self.read.node_values - self.exact.node_values[list(order)])
-        apart: list[bool] = (gaps > self._most(self.exact.length)).tolist()
-        return apart
-
-    @property
-    def _allowed(self) -> Array:
-        return np.array([self._most(scale) for scale in self.exact.scales])
+    @cached_property
+    def _in_floats(self) -> tuple[Array, Array, Array]:
+        """Both tables, where the nodes count these below, and how far the entries may be apart."""
+        read, exact = self.read.values, self.exact.values
+        columns = [self._most(scale) for scale in self.exact.scales.tolist()]
+        allowed = [columns] * len(exact)
+        if self.exact.nodes is not None:
+            read, exact = np.vstack([read, self.read.node_values]), np.vstack([exact, self.exact.node_values])
+            allowed = [*allowed, [self._most(self.exact.length)] * len(columns)]
+        return read, exact, np.array(allowed)
 
     def _most(self, scale: float) -> float:
         # One more than the program's: the exact numbers are compared as the doubles next to them.
@@ -116,36 +99,30 @@ class Comparison:
         return abs(float(read.value) - float(exact.value)) <= self._most(exact.size)
 
     def _extended(self, chosen: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
-        """The arrangements that begin with these stages, found one stage at a time."""
-        i, calls = len(chosen), self.read.calls
-        if i == calls:
+        """The arrangements that begin with these stages, found one stage at a time, the order that stands first."""
+        if len(chosen) == self.read.calls:
             yield chosen
-            return
-        for k in range(calls):
+        for k in range(self.read.calls):
             if k not in chosen and self._fits((*chosen, k)):
                 yield from self._extended((*chosen, k))
 
     def _fits(self, chosen: tuple[int, ...]) -> bool:
         """The newest stage has its weights, its node, and its entries with the stages chosen before."""
         i, k, calls = len(chosen) - 1, chosen[-1], self.read.calls
-        read, exact, allowed = self.read.values, self.exact.values, self._allowed
-        if (np.abs(read[calls:, i] - exact[calls:, k]) > allowed[k]).any():
+        read, exact, allowed = self._in_floats
+        if (np.abs(read[calls:, i] - exact[calls:, k]) > allowed[calls:, k]).any():
             return False
-        if self.exact.nodes is not None:
-            gap = abs(self.read.node_values[i] - self.exact.node_values[k])
-            if gap > self._most(self.exact.length):
-                return False
         return all(
-            abs(read[i, j] - exact[k, m]) <= allowed[m] and abs(read[j, i] - exact[m, k]) <= allowed[k]
+            abs(read[i, j] - exact[k, m]) <= allowed[k, m] and abs(read[j, i] - exact[m, k]) <= allowed[m, k]
             for j, m in enumerate(chosen)
         )
 
-    def _places(self, order: tuple[int, ...]) -> Iterator[CoefficientPlace]:
+    def _places(self, order: Sequence[int]) -> Iterator[CoefficientPlace]:
         calls, scales = self.read.calls, self.exact.scales.tolist()
-        for i, node in enumerate(self.read.node_values.tolist() if self.exact.nodes is not None else []):
-            assert self.exact.nodes is not None
-            yield CoefficientPlace(f"c[{i}]", node, self.exact.nodes[order[i]], self.exact.length)
         rows = [*order, *range(calls, len(self.exact.entries))]
+        if self.exact.nodes is not None:
+            for i, node in enumerate(self.read.node_values.tolist()):
+                yield CoefficientPlace(self._name(len(rows), i), node, self.exact.nodes[order[i]], self.exact.length)
         for i, row in enumerate(rows):
             for j, seen in enumerate(self.read.values[i].tolist()):
                 yield CoefficientPlace(self._name(i, j), seen, self.exact.entries[row][order[j]], scales[order[j]])
@@ -153,11 +130,9 @@ class Comparison:
             yield CoefficientPlace("drift", float(self.read.drift.value), self.exact.drift, self.exact.drift.size)
 
     def _name(self, row: int, column: int) -> str:
+        names = ("b", "c") if self.read.drift is None else ("b_position", "b_velocity", "c")
         calls = self.read.calls
-        if row < calls:
-            return f"a[{row}][{column}]"
-        names = ("b",) if self.read.drift is None else ("b_position", "b_velocity")
-        return f"{names[row - calls]}[{column}]"
+        return f"a[{row}][{column}]" if row < calls else f"{names[row - calls]}[{column}]"
 
     def _roundings(self, place: CoefficientPlace) -> tuple[int, int]:
         """In units of u times the size of the terms, and of u times the largest number in the column."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from math import factorial
@@ -109,42 +109,25 @@ def mended(method: RungeKutta, claimed: int) -> list[str]:
     if method.stages > _MOST_STAGES or not method.explicit or method.field or order(method).order >= claimed:
         return []
     found = []
-    for name, was, value, changed in _candidates(method, claimed):
-        if value != was and order(changed).order >= claimed:
-            found.append(
-                f"with this one entry changed, order {claimed} is restored: {name} = {value} in place of {was}"
-            )
+    for i, row in enumerate((*method.a, method.b)):
+        for j, was in enumerate(row[:i]):
+            at_zero, at_one = (_tall(_with(method, i, j, Fraction(x))) for x in (0, 1))
+            pairs = enumerate(zip(at_zero[:claimed], at_one, strict=False), 1)
+            solved = ((Fraction(1, factorial(k)) - start) / (end - start) for k, (start, end) in pairs if start != end)
+            value = next(solved, was)
+            if value != was and order(_with(method, i, j, value)).order >= claimed:
+                name = f"a[{i}][{j}]" if i < method.stages else f"b[{j}]"
+                what = f"{name} = {value} in place of {was}"
+                found.append(f"with this one entry changed, order {claimed} is restored: {what}")
     return found
 
 
-def _candidates(method: RungeKutta, claimed: int) -> Iterator[tuple[str, Exact, Exact, RungeKutta]]:
-    places = [(i, j) for i in range(method.stages + 1) for j in range(min(i, method.stages))]
-    for i, j in places:
-        if i == method.stages:
-            was = method.b[j]
-            yield from _solved(method, claimed, f"b[{j}]", was, (None, j))
-        else:
-            yield from _solved(method, claimed, f"a[{i}][{j}]", method.a[i][j], (i, j))
-
-
-def _solved(
-    method: RungeKutta, claimed: int, name: str, was: Exact, place: tuple[int | None, int]
-) -> Iterator[tuple[str, Exact, Exact, RungeKutta]]:
-    at_zero, at_one = (_tall(_with(method, place, Fraction(x))) for x in (0, 1))
-    for k, (start, end) in enumerate(zip(at_zero, at_one, strict=True)):
-        if k < claimed and start != end:
-            value = (Fraction(1, factorial(k + 1)) - start) / (end - start)
-            yield name, was, value, _with(method, place, value)
-            return
-
-
-def _with(method: RungeKutta, place: tuple[int | None, int], value: Exact) -> RungeKutta:
-    i, j = place
-    if i is None:
-        return replace(method, b=(*method.b[:j], value, *method.b[j + 1 :]), b_embedded=None, embedded_order=None)
-    row = (*method.a[i][:j], value, *method.a[i][j + 1 :])
-    a = (*method.a[:i], row, *method.a[i + 1 :])
-    return replace(method, a=a, b_embedded=None, embedded_order=None)
+def _with(method: RungeKutta, i: int, j: int, value: Exact) -> RungeKutta:
+    """The method with another entry in row i of A, or in b, which stands below."""
+    rows = [list(row) for row in (*method.a, method.b)]
+    rows[i][j] = value
+    *a, b = map(tuple, rows)
+    return replace(method, a=tuple(a), b=b, b_embedded=None, embedded_order=None)
 
 
 def _tall(method: RungeKutta) -> list[Exact]:

@@ -21,7 +21,7 @@ from driftproof.blackbox.matching.candidates import (
     on_force,
 )
 from driftproof.blackbox.matching.comparing import Comparison
-from driftproof.blackbox.matching.near_misses import near_misses, typed_in
+from driftproof.blackbox.matching.near_misses import Near, near_misses, typed_in
 from driftproof.blackbox.matching.tables import Fingerprint
 from driftproof.blackbox.probes.coefficients import coefficient_difference, simple_rational
 from driftproof.blackbox.probes.force import ForceReading
@@ -30,7 +30,7 @@ from driftproof.blackbox.probes.scripted_answers import CoefficientRow, Rounding
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.methods import catalogue
 from driftproof.methods.schemes import Collocation, Method, RungeKutta
-from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced
+from driftproof.symbolic.linear.reduced_tableau import reduced
 
 # A coefficient that is a quotient or a root, computed where it is used, takes four operations at most, as does
 # 1/(2 - 2**(1/3)).
@@ -77,19 +77,6 @@ class Match:
 
 
 @dataclass(frozen=True)
-class Near:
-    """A method that has other values in a few places: lines such as "b[2]: -1/3 instead of 1/3"."""
-
-    key: str
-    differences: tuple[str, ...]
-
-    @property
-    def name(self) -> str:
-        """The method, and what it is not."""
-        return f"{self.key} but for {'; '.join(self.differences)}"
-
-
-@dataclass(frozen=True)
 class Identity:
     """What a reading is: every method or variant that it cannot be told from; where there is none, what is nearest."""
 
@@ -124,11 +111,10 @@ def match_tableau(reading: TableauReading) -> Identity:
 
     The times count where the code uses them.
     """
-    timed, rounding, implicit = reading.c is not None, reading.rounding, reading.implicit
-    read = _Read.of(reading.stages, None, rounding)
-    variants = field_variants(timed, read.small.calls, _factor(reading.b, rounding), implicit=implicit)
+    timed, implicit, read = reading.c is not None, reading.implicit, _Read.of(reading)
+    variants = field_variants(timed, read.small.calls, _factor(reading.b, read.rounding), implicit=implicit)
     methods = field_methods(timed, implicit)
-    return _identity(read, methods, variants, _with_decimals(read, methods))
+    return _identity(read, methods, variants, typed_in(read.fingerprint, methods, read.rounding))
 
 
 def match_forces(reading: ForceReading) -> Identity:
@@ -136,13 +122,11 @@ def match_forces(reading: ForceReading) -> Identity:
 
     Every Runge-Kutta method and every splitting has one.
     """
-    drift, rounding = Fraction(reading.drift), reading.rounding
-    read = _Read.of(reading.stages, drift, rounding)
+    read = _Read.of(reading)
     if reading.implicit:
         return _identity(read, force_methods(implicit=True), newmark(read.small), ())
-    variants = force_variants(read.small.calls, _factor((reading.drift,), rounding))
-    near = (Near(found.key, found.differences) for found in near_misses(reading))
-    return _identity(read, force_methods(), variants, near)
+    variants = force_variants(read.small.calls, _factor((reading.drift,), read.rounding))
+    return _identity(read, force_methods(), variants, near_misses(reading))
 
 
 def matched(reading: CoefficientReading) -> Identity:
@@ -155,16 +139,12 @@ def match_method(reading: CoefficientReading, method: Method) -> Identity:
 
     Through a right-hand side no splitting matches, and an implicit method no table without implicit stages.
     """
-    rounding = reading.rounding
+    read, candidates = _Read.of(reading), list[Candidate]()
     if isinstance(reading, ForceReading):
-        read = _Read.of(reading.stages, Fraction(reading.drift), rounding)
-        return _identity(read, [on_force(method)] if method.explicit != reading.implicit else [], [], [])
-    read = _Read.of(reading.stages, None, rounding)
-    timed = reading.c is not None
-    candidates = []
+        return _identity(read, [on_force(method)] if method.explicit != reading.implicit else [], (), ())
     if isinstance(method, RungeKutta | Collocation) and method.explicit != reading.implicit:
-        candidates = [in_field(method, timed)]
-    return _identity(read, candidates, [], _with_decimals(read, candidates))
+        candidates = [in_field(method, reading.c is not None)]
+    return _identity(read, candidates, (), typed_in(read.fingerprint, candidates, read.rounding))
 
 
 class _Read(NamedTuple):
@@ -176,15 +156,11 @@ class _Read(NamedTuple):
     rounding: Rounding
 
     @classmethod
-    def of(cls, stages: StageCoefficients, drift: Fraction | None, rounding: Rounding) -> _Read:
+    def of(cls, reading: CoefficientReading) -> _Read:
         """From the coefficients as exact numbers."""
-        return cls(
-            ExactTable.of(stages, drift), ExactTable.of(reduced(stages), drift), Fingerprint(stages, drift), rounding
-        )
-
-
-def _with_decimals(read: _Read, methods: Iterable[Candidate]) -> Iterator[Near]:
-    return (Near(key, (words,)) for key, words in typed_in(read.fingerprint, methods, read.rounding))
+        stages, drift = reading.stages, Fraction(reading.drift) if isinstance(reading, ForceReading) else None
+        raw, small = (ExactTable.of(each, drift) for each in (stages, reduced(stages)))
+        return cls(raw, small, Fingerprint(stages, drift), reading.rounding)
 
 
 def _identity(

@@ -15,19 +15,32 @@ from driftproof.blackbox.probes.coefficients import coefficient_difference
 from driftproof.blackbox.probes.force import ForceReading, SubSteps
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import RungeKutta, Splitting
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced, reduced_word
 
+# From as many as a source may print, in double precision, down to where other methods are as near.
+_DECIMALS = range(14, 3, -1)
+# Fewer are named one by one, up to `match.FEW_DIFFERENCES`.
+_LEAST_OFF = 4
+# How far numbers may be off, in units of their last decimal: rounded; or worked out by hand, as old tables are.
+_HOW_FAR = {0.5: "coefficients rounded to {} decimals", 2.0: "coefficients of {} decimals, the last up to 2 off"}
+
 
 @dataclass(frozen=True)
-class NearMiss:
-    """The method `key` with other values in a few of its own coefficients, each as "b[2]: -1/3 instead of 1/3"."""
+class Near:
+    """A method that has other values in a few places: lines such as "b[2]: -1/3 instead of 1/3"."""
 
     key: str
     differences: tuple[str, ...]
 
+    @property
+    def name(self) -> str:
+        """The method, and what it is not."""
+        return f"{self.key} but for {'; '.join(self.differences)}"
 
-def near_misses(reading: ForceReading) -> Iterator[NearMiss]:
+
+def near_misses(reading: ForceReading) -> Iterator[Near]:
     """The Runge-Kutta methods that the reading is but for weights and a row of A, the splittings but for sub-steps."""
     parts = reading.parts or ()
     for method in METHODS.values():
@@ -47,25 +60,32 @@ def _used(method: RungeKutta) -> Sequence[int]:
     return kept if len(kept) < method.stages else ()
 
 
-def _as_splitting(reading: ForceReading, seen: SubSteps, method: Splitting) -> Iterator[NearMiss]:
+def _as_splitting(reading: ForceReading, seen: SubSteps, method: Splitting) -> Iterator[Near]:
     word = reduced_word(method)
-    if [kind for kind, _ in word] != [kind for kind, _ in seen]:
-        return
-    allowed = _rounding(reading).of(max(abs(float(x)) for _, x in word))
-    pairs = enumerate(zip(seen, word, strict=True))
-    wrong = [(f"{kind} {i}", x, exact) for i, ((kind, x), (_, exact)) in pairs if abs(x - float(exact)) > allowed]
-    yield NearMiss(method.key, tuple(coefficient_difference(*place, reading.format, allowed) for place in wrong))
+    if [kind for kind, _ in word] == [kind for kind, _ in seen]:
+        allowed = reading.rounding.of(max(abs(float(x)) for _, x in word))
+        pairs = enumerate(zip(seen, word, strict=True))
+        places = [(f"{kind} {i}", x, exact) for i, ((kind, x), (_, exact)) in pairs]
+        yield Near(method.key, _differing(places, reading, allowed, allowed))
 
 
-def _as_tableau(reading: ForceReading, method: RungeKutta, kept: Sequence[int]) -> Iterator[NearMiss]:
+def _differing(
+    places: Iterable[tuple[str, float, Exact]], reading: ForceReading, allowed: float, slack: float = 0.0
+) -> tuple[str, ...]:
+    """The coefficients that are farther off than is allowed, in words."""
+    wrong = (place for place in places if abs(place[1] - float(place[2])) > allowed)
+    return tuple(coefficient_difference(*place, reading.format, slack) for place in wrong)
+
+
+def _as_tableau(reading: ForceReading, method: RungeKutta, kept: Sequence[int]) -> Iterator[Near]:
     """b is read as it is; with it, A is the method's, or the method's but for one row."""
     a = np.array([[float(method.a[i][j]) for j in kept] for i in kept])
-    b, fmt = np.array(reading.b_velocity), reading.format
-    allowed = _rounding(reading).of(2 * max(1.0, float(np.abs(a).max(initial=0.0)), float(np.abs(b).max())))
+    b = np.array(reading.b_velocity)
+    allowed = reading.rounding.of(2 * max(1.0, float(np.abs(a).max(initial=0.0)), float(np.abs(b).max())))
     weights = [(f"b[{j}]", x, method.b[j]) for j, x in zip(kept, b.tolist(), strict=True)]
-    wrong = [coefficient_difference(*place, fmt) for place in weights if abs(place[1] - float(place[2])) > allowed]
+    wrong = _differing(weights, reading, allowed)
     if _induces(a, b, reading):
-        yield NearMiss(method.key, tuple(wrong))
+        yield Near(method.key, wrong)
         return
     for i, row in _other_rows(a, b, reading):
         changed = a.copy()
@@ -74,12 +94,7 @@ def _as_tableau(reading: ForceReading, method: RungeKutta, kept: Sequence[int]) 
             # A row is a quotient by its weight, and as much less certain.
             slack = allowed * max(1.0, 1 / abs(b[i])) if b[i] else allowed
             entries = [(f"a[{kept[i]}][{kept[j]}]", x, method.a[kept[i]][kept[j]]) for j, x in enumerate(row.tolist())]
-            rows = [
-                coefficient_difference(*place, fmt, slack)
-                for place in entries
-                if abs(place[1] - float(place[2])) > slack
-            ]
-            yield NearMiss(method.key, (*wrong, *rows))
+            yield Near(method.key, (*wrong, *_differing(entries, reading, slack, slack)))
 
 
 def _other_rows(a: Array, b: Array, reading: ForceReading) -> Iterator[tuple[int, Array]]:
@@ -95,7 +110,7 @@ def _other_rows(a: Array, b: Array, reading: ForceReading) -> Iterator[tuple[int
 
 def _induces(a: Array, b: Array, reading: ForceReading) -> bool:
     """True when A and b have the reading as their table for q'' = F(q), up to the rounding of both."""
-    rounding, sizes = _rounding(reading), np.abs(a)
+    rounding, sizes = reading.rounding, np.abs(a)
     pairs: Sequence[tuple[Array, object, Array]] = (
         (a @ a, reading.a, sizes @ sizes),
         (b @ a, reading.b_position, np.abs(b) @ sizes),
@@ -107,27 +122,13 @@ def _induces(a: Array, b: Array, reading: ForceReading) -> bool:
     )
 
 
-def _rounding(reading: ForceReading) -> Rounding:
-    return reading.rounding
-
-
-# From as many as a source may print, in double precision, down to where other methods are as near.
-DECIMALS = range(14, 3, -1)
-# Fewer are named one by one, up to `match.FEW_DIFFERENCES`.
-_LEAST_OFF = 4
-# How far numbers may be off, in units of their last decimal: rounded; or worked out by hand, as old tables are.
-BY_HAND = 2.0
-HOW_FAR = {0.5: "coefficients rounded to {} decimals", BY_HAND: "coefficients of {} decimals, the last up to 2 off"}
-
-
-def typed_in(read: Fingerprint, methods: Iterable[Candidate], rounding: Rounding) -> Iterator[tuple[str, str]]:
-    """The methods whose coefficients, to so many decimals, are those read: keys, and in words how they differ."""
+def typed_in(read: Fingerprint, methods: Iterable[Candidate], rounding: Rounding) -> Iterator[Near]:
+    """The methods whose coefficients, to so many decimals, are those read."""
     for candidate in methods:
-        for most, words in HOW_FAR.items():
-            decimals = _decimals(read, candidate.fingerprint, rounding, most)
-            if decimals is not None:
-                yield candidate.key, words.format(decimals)
-                break
+        found = ((words, _decimals(read, candidate.fingerprint, rounding, most)) for most, words in _HOW_FAR.items())
+        told = [words.format(decimals) for words, decimals in found if decimals is not None]
+        if told:
+            yield Near(candidate.key, (told[0],))
 
 
 def _decimals(read: Fingerprint, exact: Fingerprint, rounding: Rounding, most: float) -> int | None:
@@ -137,9 +138,9 @@ def _decimals(read: Fingerprint, exact: Fingerprint, rounding: Rounding, most: f
     seen, true = _numbers(read), _numbers(exact)
     noise = rounding.of(1.0) * np.maximum(1.0, np.abs(true))
     off = np.abs(seen - true)
-    if (off > noise).sum() < _LEAST_OFF or not (off <= most * 10.0 ** -DECIMALS[-1]).all():
+    if (off > noise).sum() < _LEAST_OFF:
         return None
-    for k in DECIMALS:
+    for k in _DECIMALS:
         near = (off <= most * 10.0**-k + noise) & (np.abs(seen - np.round(seen, k)) <= noise)
         if ((off <= noise) | near).all():
             return k

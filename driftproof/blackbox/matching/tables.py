@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache, cached_property
+from functools import cache, cached_property, reduce
+from operator import add
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -128,7 +129,7 @@ def induced_by_tableau(tableau: LiftedTableau) -> Induced:
     a, b, _ = tableau
     terms = [[(k, y) for k, y in enumerate(row) if y] for row in a]
     squared = [_times(row, terms) for row in a]
-    return stages(squared, (_times(b, terms), b), [_sum(row) for row in a]), _sum(b)
+    return stages(squared, (_times(b, terms), b), [reduce(add, row) for row in a]), reduce(add, b)
 
 
 def induced_by_parts(parts: Sequence[tuple[str, Exact]], lift: FromExact) -> Induced:
@@ -186,13 +187,6 @@ def induced_repeated(induced: Induced, times: int) -> Induced:
     ends = [x for j in size for x in since(times - j - 1, zero)]
     nodes = [(drift * i + node) * part for i in size for node in table.c]
     return stages(rows, (ends, [x * part for x in b_velocity] * times), nodes), drift
-
-
-def _sum(terms: TableRow) -> _Number:
-    total = terms[0]
-    for x in terms[1:]:
-        total = total + x
-    return total
 
 
 def _times(row: TableRow, matrix: Sequence[Sequence[tuple[int, _Number]]]) -> list[_Number]:
