@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from math import lcm, prod
+from math import prod
 from typing import Any, TypeAlias
 
 from flint import arb, arb_mat, arb_poly, ctx
@@ -17,7 +17,6 @@ from flint import arb, arb_mat, arb_poly, ctx
 from driftproof.enclosure.fields import RightHandSide
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
 from driftproof.enclosure.steps import linearised, size
-from driftproof.methods.number_field import real_root_balls
 from driftproof.methods.schemes import Collocation, Method, RungeKutta
 from driftproof.symbolic.algebra.certified import enclose
 
@@ -35,8 +34,7 @@ def coefficient_balls(method: RungeKutta | Collocation) -> _Table:
     if isinstance(method, RungeKutta):
         a = [[enclose(x) for x in row] for row in method.a]
         return a, [enclose(x) for x in method.b], [enclose(x) for x in method.c]
-    common = lcm(*(x.denominator for x in method.node_polynomial))
-    nodes = real_root_balls(tuple(int(x * common) for x in method.node_polynomial), ctx.prec)
+    nodes = method.node_balls(ctx.prec)
     integrals = []
     for i, node in enumerate(nodes):
         others = [x for j, x in enumerate(nodes) if j != i]

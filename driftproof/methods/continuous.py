@@ -12,14 +12,14 @@ from fractions import Fraction
 from functools import cached_property
 
 from driftproof.methods.number_field import Exact
-from driftproof.methods.schemes import MethodError, RungeKutta
+from driftproof.methods.schemes import Definition, MethodError, RungeKutta
 
 # A polynomial in theta, constant term first.
 PolynomialInTheta = tuple[Exact, ...]
 
 
 @dataclass(frozen=True)
-class ContinuousExtension:
+class ContinuousExtension(Definition):
     """y(t + θh) ≈ y + h Σ bᵢ(θ) kᵢ for 0 <= θ <= 1: what a code returns between its steps.
 
     `a` and `c` are of all stages, those of `method` first and with them those that the extension adds; `weights` has
@@ -27,10 +27,6 @@ class ContinuousExtension:
     `RungeKutta`. Raises MethodError where the stages of the method are not the first ones, or lengths differ.
     """
 
-    key: str
-    title: str
-    claimed_order: int
-    source: str
     method: RungeKutta
     a: tuple[tuple[Exact, ...], ...]
     c: tuple[Exact, ...]

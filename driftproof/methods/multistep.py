@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import ClassVar
 
 from driftproof.methods.number_field import Exact
-from driftproof.methods.schemes import MethodError, nonzero_residuals
+from driftproof.methods.schemes import Definition, MethodError, nonzero_residuals, rational_row
 
 
 @dataclass(frozen=True)
-class Multistep:
+class Multistep(Definition):
     """Σⱼ ρⱼ yₙ₊ⱼ = hᵈ Σⱼ σⱼ F(yₙ₊ⱼ), j = 0, ..., k, for y' = F(y) where d = `derivative` is 1, for y'' = F(y) where 2.
 
     `rho` and `sigma` hold k + 1 rational numbers each, those of yₙ first; ρₖ is not 0, and neither are both of ρ₀ and
@@ -23,10 +22,6 @@ class Multistep:
     2
     """
 
-    key: str
-    title: str
-    claimed_order: int
-    source: str
     rho: tuple[Fraction, ...]
     sigma: tuple[Fraction, ...]
     derivative: int = 1
@@ -36,7 +31,7 @@ class Multistep:
     def __post_init__(self) -> None:
         """Promote integers; refuse what is inexact, of two lengths, or leaves a number of steps that is not k."""
         for name in ("rho", "sigma"):
-            object.__setattr__(self, name, _rationals(getattr(self, name), f"{self.key}: {name}"))
+            object.__setattr__(self, name, rational_row(getattr(self, name), f"{self.key}: {name}"))
         if len(self.rho) != len(self.sigma) or len(self.rho) < 2:
             sizes = f"rho has {len(self.rho)} entries, sigma {len(self.sigma)}"
             raise MethodError(f"{self.key}: {sizes}; both have one more than there are steps, 2 at least")
@@ -63,19 +58,7 @@ class Multistep:
         rho, zero = list(enumerate(self.rho)), Fraction(0)
         at_one, slope = sum((x for _, x in rho), zero), sum((j * x for j, x in rho), zero)
         bend = sum((j * (j - 1) * x for j, x in rho), zero)
-        total = sum(self.sigma, Fraction(0))
+        total = sum(self.sigma, zero)
         if self.derivative == 1:
             return nonzero_residuals({"rho(1)": at_one, "rho'(1) - sigma(1)": slope - total})
         return nonzero_residuals({"rho(1)": at_one, "rho'(1)": slope, "rho''(1) - 2*sigma(1)": bend - 2 * total})
-
-
-def _rationals(values: Iterable[object], where: str) -> tuple[Fraction, ...]:
-    if isinstance(values, str) or not isinstance(values, Iterable):
-        raise MethodError(f"{where} is {values!r}; write a tuple of rational numbers")
-    found = []
-    for i, x in enumerate(values):
-        if not isinstance(x, int | Fraction) or isinstance(x, bool):
-            kind = type(x).__name__
-            raise MethodError(f"{where}[{i}] is {x!r} ({kind}); coefficients are rational: write an int or a Fraction")
-        found.append(Fraction(x))
-    return tuple(found)

@@ -30,10 +30,19 @@ class MethodError(ValueError):
     """A definition that is not a method: wrong shape, an inexact coefficient, an unknown sub-step."""
 
 
-class _OverOneField:
-    """A method whose coefficients, which `_coefficients` lists, are exact and lie in one number field."""
+@dataclass(frozen=True)
+class Definition:
+    """What a method is called, the order that its source claims for it, 0 where it says nothing, and the source."""
 
     key: str
+    title: str
+    claimed_order: int
+    source: str
+
+
+@dataclass(frozen=True)
+class _OverOneField(Definition):
+    """A method whose coefficients, which `_coefficients` lists, are exact and lie in one number field."""
 
     @cached_property
     def field(self) -> NumberField | None:
@@ -55,16 +64,17 @@ class _OverOneField:
 class Staged(_OverOneField):
     """A method of square matrices, and of rows of coefficients, as many as it has stages and `leading_row` has entries.
 
-    A row may be None where the method has none.
+    `zero_from` says of each matrix how far right of its diagonal the zeros begin that it has to have. A row may be None
+    where the method has none: the embedded ones of a pair, which come with their order.
     """
 
     matrices: ClassVar[tuple[str, ...]] = ("a",)
+    zero_from: ClassVar[tuple[int, ...]] = ()
     rows: ClassVar[tuple[str, ...]]
     leading_row: ClassVar[str]
-    a: tuple[tuple[Exact, ...], ...]
 
     def __post_init__(self) -> None:
-        """Promote integers, then refuse what is not exact, and what has another length than the weights."""
+        """Promote integers, then refuse what is not exact, of another shape, in several fields, and half of a pair."""
         for name in self.matrices:
             rows = getattr(self, name)
             _demand_iterable(rows, f"{self.key}: {name}")
@@ -80,6 +90,13 @@ class Staged(_OverOneField):
                 entries = f"{name} has {length} entries, {self.leading_row} has {self.stages}"
                 raise MethodError(f"{self.key}: {entries}; they must agree")
         self._demand_one_field()
+        for name, first in zip(self.matrices, self.zero_from, strict=False):
+            if any(x != 0 for i, row in enumerate(getattr(self, name)) for x in row[i + first :]):
+                where = "above" if first else "on or above"
+                raise MethodError(f"{self.key}: {name} has an entry {where} its diagonal; stages come in order")
+        pair = [name for name in (*self.rows, "embedded_order") if "embedded" in name]
+        if len({getattr(self, name, None) is None for name in pair}) > 1:
+            raise MethodError(f"{self.key}: {', '.join(pair[:-1])} and {pair[-1]} come together")
 
     @property
     def stages(self) -> int:
@@ -88,15 +105,20 @@ class Staged(_OverOneField):
 
     @property
     def explicit(self) -> bool:
-        """True when no stage depends on itself or on a later one (A strictly lower triangular)."""
-        return is_strictly_lower(self.a)
+        """True when no stage depends on itself or on a later one: the last matrix is strictly lower triangular."""
+        return is_strictly_lower(getattr(self, self.matrices[-1]))
+
+    def inconsistencies(self) -> dict[str, Exact]:
+        """The residuals, where not zero, of Σ = 1 for each row of weights: facts about the data, not errors."""
+        weights = ((name, getattr(self, name)) for name in self.rows if name.startswith("b"))
+        return nonzero_residuals({f"sum({name}) - 1": total(row) - 1 for name, row in weights if row is not None})
 
     def _lengths(self) -> Iterable[tuple[str, int]]:
         for name in self.matrices:
             matrix = getattr(self, name)
             yield name, len(matrix)
             yield from ((f"{name}[{i}]", len(row)) for i, row in enumerate(matrix))
-        yield from ((name, len(getattr(self, name) or ())) for name in self.rows if getattr(self, name) is not None)
+        yield from ((name, len(getattr(self, name))) for name in self.rows if getattr(self, name) is not None)
 
     def _coefficients(self) -> Iterable[Exact]:
         for name in self.matrices:
@@ -126,22 +148,12 @@ class RungeKutta(Staged):
 
     rows: ClassVar[tuple[str, ...]] = ("b", "c", "b_embedded")
     leading_row: ClassVar[str] = "b"
-    key: str
-    title: str
-    claimed_order: int
-    source: str
     a: tuple[tuple[Exact, ...], ...]
     b: tuple[Exact, ...]
     c: tuple[Exact, ...]
     b_embedded: tuple[Exact, ...] | None = None
     embedded_order: int | None = None
     decimal: bool = False
-
-    def __post_init__(self) -> None:
-        """Refuse a tableau that is not square or not exact, and half of a pair."""
-        super().__post_init__()
-        if (self.b_embedded is None) != (self.embedded_order is None):
-            raise MethodError(f"{self.key}: b_embedded and embedded_order come together")
 
     def embedded(self, suffix: str) -> RungeKutta:
         """The method of a pair that propagates the other row of weights; `suffix` is added to the key."""
@@ -160,12 +172,8 @@ class RungeKutta(Staged):
 
     def inconsistencies(self) -> dict[str, Exact]:
         """The residuals, where not zero, of Σb = 1 and of cᵢ = Σⱼ aᵢⱼ: facts about the data, not errors."""
-        residuals = {"sum(b) - 1": total(self.b) - 1}
-        if self.b_embedded is not None:
-            residuals["sum(b_embedded) - 1"] = total(self.b_embedded) - 1
-        for i, row in enumerate(self.a):
-            residuals[f"c[{i}] - sum(a[{i}])"] = self.c[i] - total(row)
-        return nonzero_residuals(residuals)
+        nodes = {f"c[{i}] - sum(a[{i}])": c - total(row) for i, (c, row) in enumerate(zip(self.c, self.a, strict=True))}
+        return super().inconsistencies() | nonzero_residuals(nodes)
 
 
 @dataclass(frozen=True)
@@ -182,10 +190,6 @@ class Splitting(_OverOneField):
     True
     """
 
-    key: str
-    title: str
-    claimed_order: int
-    source: str
     parts: tuple[tuple[str, Exact], ...]
     quadratic_kinetic: bool = False
     decimal: bool = False
@@ -229,10 +233,6 @@ class Nystrom(Staged):
 
     rows: ClassVar[tuple[str, ...]] = ("c", "b_position", "b_velocity")
     leading_row: ClassVar[str] = "b_velocity"
-    key: str
-    title: str
-    claimed_order: int
-    source: str
     c: tuple[Exact, ...]
     a: tuple[tuple[Exact, ...], ...]
     b_position: tuple[Exact, ...]
@@ -248,13 +248,13 @@ class Nystrom(Staged):
             "sum(b_velocity) - 1": total(self.b_velocity) - 1,
             "sum(b_position) - 1/2": total(self.b_position) - Fraction(1, 2),
         }
-        for i, row in enumerate(self.a):
-            residuals[f"sum(a[{i}]) - c[{i}]**2/2"] = total(row) - self.c[i] * self.c[i] * Fraction(1, 2)
+        for i, (c, row) in enumerate(zip(self.c, self.a, strict=True)):
+            residuals[f"sum(a[{i}]) - c[{i}]**2/2"] = total(row) - c * c / 2
         return nonzero_residuals(residuals)
 
 
 @dataclass(frozen=True)
-class Collocation:
+class Collocation(Definition):
     """The s-stage Runge-Kutta method whose nodes c₁ < ... < cₛ are the roots of `node_polynomial`, constant term first.
 
     z₁ = u(h), where u is the polynomial of degree s with u(0) = z and u'(cᵢh) = F(u(cᵢh)) (hairer-lubich-wanner-2006,
@@ -263,25 +263,18 @@ class Collocation:
     `RungeKutta`; not to be confused with one that has these nodes but other weights, such as Radau IA.
     """
 
-    key: str
-    title: str
-    claimed_order: int
-    source: str
     node_polynomial: tuple[Fraction, ...]
     decimal: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         """Make the polynomial monic; refuse one that is constant, inexact, or has a complex or a multiple root."""
-        given = _exact(self.node_polynomial, f"{self.key}: node_polynomial")
+        given = rational_row(self.node_polynomial, f"{self.key}: node_polynomial")
         while given and given[-1] == 0:
             given = given[:-1]
-        rational = [x for x in given if isinstance(x, Fraction)]
-        if len(rational) != len(given):
-            raise MethodError(f"{self.key}: node_polynomial has irrational coefficients; rational ones are needed")
-        if len(rational) < 2:
+        if len(given) < 2:
             raise MethodError(f"{self.key}: node_polynomial is constant; a method has at least one node")
-        object.__setattr__(self, "node_polynomial", tuple(x / rational[-1] for x in rational))
-        if len(self._roots(64)) != self.stages:
+        object.__setattr__(self, "node_polynomial", tuple(x / given[-1] for x in given))
+        if len(self.node_balls(64)) != self.stages:
             raise MethodError(f"{self.key}: node_polynomial has a complex or a multiple root; nodes are real, distinct")
 
     @property
@@ -306,7 +299,7 @@ class Collocation:
         """
         from flint import fmpq_poly
 
-        nodes = [as_fmpq(dyadic(ball.mid())) for ball in self._roots(bits)]
+        nodes = [as_fmpq(dyadic(ball.mid())) for ball in self.node_balls(bits)]
         integrals = []
         for node in nodes:
             factors = [fmpq_poly([-x, 1]) / (node - x) for x in nodes if x != node]
@@ -314,7 +307,8 @@ class Collocation:
         rows = [[as_fraction(integral(node)) for integral in integrals] for node in nodes]
         return rows, [as_fraction(integral(as_fmpq(1))) for integral in integrals], [as_fraction(x) for x in nodes]
 
-    def _roots(self, bits: int) -> tuple[arb, ...]:
+    def node_balls(self, bits: int) -> tuple[arb, ...]:
+        """Balls of so many bits around the nodes, ascending."""
         common = lcm(*(x.denominator for x in self.node_polynomial))
         return real_root_balls(tuple(int(x * common) for x in self.node_polynomial), bits)
 
@@ -337,6 +331,15 @@ def demand_method(given: object, table: str = "METHODS") -> None:
 def is_strictly_lower(a: Sequence[Sequence[object]]) -> bool:
     """True when A has only zeros on and above its diagonal, so that stages can be computed one after the other."""
     return all(x == 0 for i, row in enumerate(a) for x in row[i:])
+
+
+def rational_row(values: Iterable[object], where: str) -> tuple[Fraction, ...]:
+    """The values as fractions. Raises MethodError for what is inexact, and for what is irrational."""
+    exact = _exact(values, where)
+    rational = tuple(x for x in exact if isinstance(x, Fraction))
+    if len(rational) != len(exact):
+        raise MethodError(f"{where} has irrational coefficients; rational ones are needed")
+    return rational
 
 
 def _exact(values: Iterable[object], where: str) -> tuple[Exact, ...]:

@@ -8,10 +8,12 @@ import pytest
 from driftproof import METHODS, facts_of, read_method
 from driftproof.methods.catalogue import FACTS_ONLY, entry_named, method_named
 from driftproof.methods.multistep import Multistep
+from driftproof.methods.number_field import square_root
 from driftproof.methods.schemes import MethodError
 from driftproof.methods.tableau_file import method_of, subject_of
 from tests.looping import exactly
 
+SQRT2 = square_root(2)
 BDF2 = 'family = "multistep"\nrho = ["1/2", -2, "3/2"]\nsigma = [0, 0, 1]\n'
 
 
@@ -23,8 +25,9 @@ BDF2 = 'family = "multistep"\nrho = ["1/2", -2, "3/2"]\nsigma = [0, 0, 1]\n'
         ((-1, 0), (0, 1), "m: the last entry of rho is 0"),
         ((-1, 1), (0, 0), "m: sigma is 0"),
         ((0, -1, 1), (0, 1, 0), "m: rho and sigma both begin with 0; leave these entries out"),
-        ((-1, 1.0), (1, 0), "m: rho[1] is 1.0 (float); coefficients are rational: write an int or a Fraction"),
-        ("-1 1", (1, 0), "m: rho is '-1 1'; write a tuple of rational numbers"),
+        ((-1, 1.0), (1, 0), "m: rho[1] is 1.0 (float); coefficients are exact: write an int or a Fraction"),
+        ("-1 1", (1, 0), "m: rho is '-1 1'; write a tuple of exact coefficients"),
+        ((-SQRT2, SQRT2), (1, 0), "m: rho has irrational coefficients; rational ones are needed"),
     ],
 )
 def test_what_is_no_multistep_method_is_refused(rho, sigma, words):
