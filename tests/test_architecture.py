@@ -63,7 +63,7 @@ NOT_ELSEWHERE = "sympy"
 # stages, its own sampler of steps, 100 lines, and in which objects a state comes, 300; texts what docs and help show.
 BUDGETS = {
     "support": 1160,
-    "methods": 5580,
+    "methods": 5321,
     "symbolic": 10738,
     "numeric": 4247,
     "blackbox": 17850,

@@ -13,16 +13,21 @@ import sympy
 from hypothesis import given
 
 from driftproof import strategies
+from driftproof.methods.number_field import square_root
 from driftproof.methods.schemes import Collocation, MethodError, Nystrom, RungeKutta, Splitting
 from driftproof.methods.stepping import stepper
 from tests.looping import some
 
-HEUN = {"a": ((0, 0), (1, 0)), "b": (Q(1, 2), Q(1, 2)), "c": (0, 1)}
 NAMED = {"key": "mine", "title": "Mine", "claimed_order": 2, "source": "me-2024, 1"}
+ROOT_2, ROOT_3 = square_root(2), square_root(3)
+HEUN = RungeKutta(**NAMED, a=((0, 0), (1, 0)), b=(Q(1, 2), Q(1, 2)), c=(0, 1))
+KICKS = Splitting(**NAMED, parts=(("kick", 1),))
+NYSTROM = Nystrom(**NAMED, c=(0,), a=((0,),), b_position=(1,), b_velocity=(1,))
+GAUSS = Collocation(**NAMED, node_polynomial=(Q(-1, 2), 1))
 
 
 def runge_kutta(**changed: Any) -> RungeKutta:
-    return RungeKutta(**{**NAMED, **HEUN, **changed})
+    return dataclasses.replace(HEUN, **changed)
 
 
 def splitting(parts: Any) -> Splitting:
@@ -52,6 +57,7 @@ INEXACT = [0.5, np.float64(0.5), np.int64(1), sympy.Rational(1, 2), "1/2", True,
         (lambda x: runge_kutta(a=((0, 0), (x, 0))), "mine: a[1][0]"),
         (lambda x: runge_kutta(b=(x, 1)), "mine: b[0]"),
         (lambda x: runge_kutta(c=(0, x)), "mine: c[1]"),
+        (lambda x: runge_kutta(b_embedded=(x, 1), embedded_order=1), "mine: b_embedded[0]"),
         (lambda x: splitting((("kick", 1), ("drift", x))), "mine: parts[1]"),
     ],
 )
@@ -59,27 +65,48 @@ def test_inexact_coefficient_is_refused_with_its_place(build: Callable[[Any], An
     assert refusal(lambda: build(value)).startswith(f"{place} is {value!r} ({type(value).__name__}); coefficients")
 
 
-WRONG: list[tuple[Callable[[], Any], str]] = [
-    (lambda: runge_kutta(b=()), "mine: b is empty; a method has at least one stage"),
-    (lambda: runge_kutta(a=((0, 0),)), "mine: a has 1 entries, b has 2; they must agree"),
-    (lambda: runge_kutta(a=((0, 0), (1,))), "mine: a[1] has 1 entries, b has 2; they must agree"),
-    (lambda: runge_kutta(c=(0, 1, 2)), "mine: c has 3 entries, b has 2; they must agree"),
-    (lambda: runge_kutta(a=5), "mine: a is 5; write a tuple of exact coefficients"),
-    (lambda: runge_kutta(a="00"), "mine: a is '00'; write a tuple of exact coefficients"),
-    (lambda: runge_kutta(a=(0, 1)), "mine: a[0] is 0; write a tuple of exact coefficients"),
-    (lambda: runge_kutta(b="11"), "mine: b is '11'; write a tuple of exact coefficients"),
-    (lambda: splitting(()), "mine: parts is empty; a splitting has at least one kick or drift"),
-    (lambda: splitting(p for p in ()), "mine: parts is empty; a splitting has at least one kick or drift"),
-    (lambda: splitting(5), "mine: parts is 5; write a tuple of exact coefficients"),
-    (lambda: splitting((("kick", 1), ("push", 1))), "mine: parts[1] is ('push', 1); write ('kick', c) or ('drift', c)"),
-    (lambda: splitting((("kick", 1, 1),)), "mine: parts[0] is ('kick', 1, 1); write ('kick', c) or ('drift', c)"),
-    (lambda: splitting(("kick",)), "mine: parts[0] is 'kick'; write ('kick', c) or ('drift', c)"),
-]
+PART, TUPLE, PAIR = "write ('kick', c) or ('drift', c)", "write a tuple of exact coefficients", {"embedded_order": 1}
+FIELDS = "coefficients lie in the fields of sqrt(2) and sqrt(3); write all of them in one field"
+ROOTS = "node_polynomial has a complex or a multiple root; nodes are real, distinct"
 
 
-@pytest.mark.parametrize(("build", "message"), WRONG, ids=range(len(WRONG)))
-def test_malformed_definition_is_refused_in_one_line(build: Callable[[], Any], message: str) -> None:
-    assert refusal(build) == message
+@pytest.mark.parametrize(
+    ("method", "changes", "message"),
+    [
+        (HEUN, {"b": ()}, "b is empty; a method has at least one stage"),
+        (HEUN, {"a": ((0, 0),)}, "a has 1 entries, b has 2; they must agree"),
+        (HEUN, {"a": ((0, 0), (1,))}, "a[1] has 1 entries, b has 2; they must agree"),
+        (HEUN, {"c": (0, 1, 2)}, "c has 3 entries, b has 2; they must agree"),
+        (HEUN, {"a": 5}, f"a is 5; {TUPLE}"),
+        (HEUN, {"a": "00"}, f"a is '00'; {TUPLE}"),
+        (HEUN, {"a": (0, 1)}, f"a[0] is 0; {TUPLE}"),
+        (HEUN, {"b": "11"}, f"b is '11'; {TUPLE}"),
+        (HEUN, {"a": ((0, 0), (ROOT_3, 0)), "b": (1, ROOT_2)}, FIELDS),
+        (HEUN, {"b_embedded": (1, 0)}, "b_embedded and embedded_order come together"),
+        (HEUN, PAIR, "b_embedded and embedded_order come together"),
+        (HEUN, {"b_embedded": (1,), **PAIR}, "b_embedded has 1 entries, b has 2; they must agree"),
+        (KICKS, {"parts": ()}, "parts is empty; a splitting has at least one kick or drift"),
+        (KICKS, {"parts": iter(())}, "parts is empty; a splitting has at least one kick or drift"),
+        (KICKS, {"parts": 5}, f"parts is 5; {TUPLE}"),
+        (KICKS, {"parts": (("kick", 1), ("push", 1))}, f"parts[1] is ('push', 1); {PART}"),
+        (KICKS, {"parts": (("kick", 1, 1),)}, f"parts[0] is ('kick', 1, 1); {PART}"),
+        (KICKS, {"parts": ("kick",)}, f"parts[0] is 'kick'; {PART}"),
+        (KICKS, {"parts": (("kick", ROOT_3), ("drift", ROOT_2))}, FIELDS),
+        (NYSTROM, {"a": ((0, 0),)}, "a[0] has 2 entries, b_velocity has 1; they must agree"),
+        (NYSTROM, {"b_position": (1, 2)}, "b_position has 2 entries, b_velocity has 1; they must agree"),
+        (NYSTROM, {"b_velocity": ()}, "b_velocity is empty; a method has at least one stage"),
+        (GAUSS, {"node_polynomial": (1, 0)}, "node_polynomial is constant; a method has at least one node"),
+        (GAUSS, {"node_polynomial": (1, 0, 1)}, ROOTS),
+        (GAUSS, {"node_polynomial": (1, -2, 1)}, ROOTS),
+        (
+            GAUSS,
+            {"node_polynomial": (ROOT_3, 1)},
+            "node_polynomial has irrational coefficients; rational ones are needed",
+        ),
+    ],
+)
+def test_malformed_definition_is_refused_in_one_line(method: Any, changes: dict[str, Any], message: str) -> None:
+    assert refusal(lambda: dataclasses.replace(method, **changes)) == f"mine: {message}"
 
 
 def refusal(build: Callable[[], Any]) -> str:
@@ -89,7 +116,7 @@ def refusal(build: Callable[[], Any]) -> str:
     return str(caught.value)
 
 
-@pytest.mark.parametrize("method", [runge_kutta(), splitting((("kick", 1),))])
+@pytest.mark.parametrize("method", [HEUN, KICKS])
 def test_definitions_are_frozen(method: RungeKutta | Splitting) -> None:
     for field in some(dataclasses.fields(method), 4):
         with pytest.raises(dataclasses.FrozenInstanceError):
@@ -116,10 +143,29 @@ def test_inconsistency_is_reported_with_its_residual_and_not_refused() -> None:
     assert splitting((("kick", 1),)).inconsistencies() == {"sum(drifts) - 1": Q(-1)}
     nystrom = Nystrom("m", "m", 0, "", (Q(0), Q(1, 2)), ((0, 0), (tiny, 0)), (Q(1, 2), 0), (0, 1))
     assert nystrom.inconsistencies() == {"sum(a[1]) - c[1]**2/2": tiny - Q(1, 8)}
+    assert NYSTROM.inconsistencies() == {"sum(b_position) - 1/2": Q(1, 2)}
     # Collocation integrates constants exactly whatever its nodes: as its own tableau, it has rows that sum to c and 1.
     at = Collocation(**NAMED, node_polynomial=(Q(1, 8), Q(-3, 4), 1))
     a, b, c = at.tableau(64)
     assert (at.inconsistencies(), RungeKutta(**NAMED, a=a, b=b, c=c).inconsistencies()) == ({}, {})
+
+
+def test_rational_element_of_a_field_becomes_a_fraction() -> None:
+    method = RungeKutta(**NAMED, a=((ROOT_3 - ROOT_3,),), b=(ROOT_3 * ROOT_3 / 3,), c=(0,))
+    assert (method.a, method.b, method.field) == (((Q(0),),), (Q(1),), None)
+    assert type(method.a[0][0]) is type(method.b[0]) is Q
+    assert (method.explicit, method.inconsistencies()) == (True, {})
+
+
+def test_residual_of_an_irrational_tableau_is_exact() -> None:
+    method = RungeKutta(**NAMED, a=((ROOT_3,),), b=(ROOT_3,), c=(0,))
+    assert method.inconsistencies() == {"sum(b) - 1": ROOT_3 - 1, "c[0] - sum(a[0])": -ROOT_3}
+
+
+def test_node_polynomial_is_made_monic() -> None:
+    method = Collocation(**NAMED, node_polynomial=(Q(-1), Q(2), Q(0)))
+    assert method.node_polynomial == (Q(-1, 2), Q(1))
+    assert (method.stages, method.explicit, method.decimal, method.field) == (1, False, False, None)
 
 
 @given(strategies.runge_kutta_methods())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction as Q
 
-from driftproof.methods.schemes import Method, RungeKutta
+from driftproof.methods.schemes import Method
 from driftproof.methods.tables.notation import splitting, tableaux
 
 ENTRIES: tuple[Method, ...] = (
@@ -50,20 +50,13 @@ ENTRIES: tuple[Method, ...] = (
     1/2 | 0 1/2
       1 | 0 0 1
         | 1/6 1/3 1/3 1/6
+
+    rk38 | Kutta's 3/8 rule | 4 | hairer-norsett-wanner-1993, II.1 Table 1.2
+      0 |
+    1/3 | 1/3
+    2/3 | -1/3 1
+      1 | 1 -1 1
+        | 1/8 3/8 3/8 1/8
     """
-    ),
-    RungeKutta(
-        key="rk38",
-        title="Kutta's 3/8 rule",
-        claimed_order=4,
-        source="hairer-norsett-wanner-1993, II.1 Table 1.2",
-        a=(
-            (Q(0), Q(0), Q(0), Q(0)),
-            (Q(1, 3), Q(0), Q(0), Q(0)),
-            (Q(-1, 3), Q(1), Q(0), Q(0)),
-            (Q(1), Q(-1), Q(1), Q(0)),
-        ),
-        b=(Q(1, 8), Q(3, 8), Q(3, 8), Q(1, 8)),
-        c=(Q(0), Q(1, 3), Q(2, 3), Q(1)),
     ),
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from driftproof.methods.multistep import Multistep
-from driftproof.methods.tables.notation import row
+from driftproof.methods.tables.notation import named, row
 
 # Key | title | order | rho | sigma: both from the oldest value to the new one, over a common denominator as "/12: ...".
 # One step of BDF is backward_euler, of Adams-Bashforth forward_euler, of Adams-Moulton `trapezoid`. Adams-Moulton
@@ -47,15 +47,15 @@ cowell4  | Cowell, 4 steps  | 5 | 0 0 1 -2 1 | /240: -1 4 14 204 19
 
 
 def _entry(line: str, derivative: int) -> Multistep:
-    key, title, order, *polynomials = (part.strip() for part in line.split(" | "))
+    names, *polynomials = line.rsplit(" | ", 2)
     read = []
     for text in polynomials:
         over, _, numerators = text.rpartition(": ")
         common = int(over.removeprefix("/") or 1)
         read.append(tuple(x / common for x in row(numerators)))
     source = f"hairer-norsett-wanner-1993, {'III.1' if derivative == 1 else 'III.10'}"
-    source = "shampine-reichelt-1997, (4) and Table 1" if key.startswith("ndf") else source
-    return Multistep(key, title, int(order), source, read[0], read[1], derivative)
+    source = "shampine-reichelt-1997, (4) and Table 1" if names.startswith("ndf") else source
+    return Multistep(**named(f"{names} | {source}"), rho=read[0], sigma=read[1], derivative=derivative)
 
 
 ENTRIES: tuple[Multistep, ...] = tuple(

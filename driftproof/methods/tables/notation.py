@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from typing import Any
 
 from driftproof.methods.expressions import parse_number
 from driftproof.methods.number_field import Exact
@@ -30,14 +31,6 @@ def padded(*rows: Sequence[Exact | int]) -> tuple[tuple[Exact, ...], ...]:
     return tuple(numbers(*given, *[0] * (len(rows) - len(given))) for given in rows)
 
 
-def places(stages: int, **entries: str) -> tuple[Fraction, ...]:
-    """The row that is zero but for entries such as k7="1/3", counted from 1."""
-    filled = [Fraction(0)] * stages
-    for name, text in entries.items():
-        filled[int(name.removeprefix("k")) - 1] = Fraction(text)
-    return tuple(filled)
-
-
 def tableaux(text: str, *, decimal: bool = False) -> tuple[RungeKutta, ...]:
     """The methods of a text that a blank line separates: a line of names, then the tableau as books print it.
 
@@ -54,31 +47,26 @@ def tableaux(text: str, *, decimal: bool = False) -> tuple[RungeKutta, ...]:
     return tuple(_tableau(entry.splitlines(), decimal) for entry in "\n".join(lines).strip().split("\n\n"))
 
 
+def named(names: str) -> dict[str, Any]:
+    """What the line "key | title | order | source" says; an order such as 4(3) is that of a pair."""
+    key, title, orders, source = (" ".join(part.split()) for part in names.split(" | "))
+    order, _, embedded = orders.removesuffix(")").partition("(")
+    found = {"key": key, "title": title, "claimed_order": int(order), "source": source}
+    return {**found, "embedded_order": int(embedded)} if embedded else found
+
+
 def splitting(names: str, parts: tuple[tuple[str, Exact], ...], *, quadratic_kinetic: bool = False) -> Splitting:
     """The splitting with these parts, its key, title, order and source in a line as in `tableaux`."""
-    key, title, order, source = names.split(" | ")
-    return Splitting(key, title, int(order), source, parts, quadratic_kinetic)
+    return Splitting(**named(names), parts=parts, quadratic_kinetic=quadratic_kinetic)
 
 
 def _tableau(lines: Sequence[str], decimal: bool) -> RungeKutta:
-    key, title, orders, source = (" ".join(part.split()) for part in lines[0].split(" | "))
-    order, _, embedded = orders.removesuffix(")").partition("(")
-    nodes, rows = zip(*(map(_exact_row, line.split("|")) for line in lines[1:]), strict=True)
-    stages = sum(map(len, nodes))
-    return RungeKutta(
-        key=key,
-        title=title,
-        claimed_order=int(order),
-        source=source,
-        c=tuple(c for node in nodes for c in node),
-        a=padded(*rows[:stages]),
-        b=rows[stages],
-        b_embedded=rows[stages + 1] if embedded else None,
-        embedded_order=int(embedded) if embedded else None,
-        decimal=decimal,
-    )
+    nodes, rows = zip(*(map(exact_row, line.split("|")) for line in lines[1:]), strict=True)
+    c = tuple(c for node in nodes for c in node)
+    a, (b, *embedded) = padded(*rows[: len(c)]), rows[len(c) :]
+    return RungeKutta(**named(lines[0]), c=c, a=a, b=b, b_embedded=embedded[0] if embedded else None, decimal=decimal)
 
 
-def _exact_row(text: str) -> tuple[Exact, ...]:
+def exact_row(text: str) -> tuple[Exact, ...]:
     """A row in which roots may occur, as in "1/2-sqrt(3)/6"."""
     return tuple(parse_number(word, "table") if "(" in word else Fraction(word) for word in text.split())

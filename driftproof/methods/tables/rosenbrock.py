@@ -7,7 +7,7 @@ from fractions import Fraction as Q
 
 from driftproof.methods.number_field import square_root
 from driftproof.methods.rosenbrock import Rosenbrock
-from driftproof.methods.tables.notation import numbers, padded, row, square
+from driftproof.methods.tables.notation import named, numbers, padded, row, square
 
 
 def _product(u: Sequence[Q], rows: Sequence[Sequence[Q]]) -> tuple[Q, ...]:
@@ -19,8 +19,6 @@ def _from_transformed(names: str, gamma: Q, a: str, c: str, m: str, *, decimal: 
 
     So Γ = γ (I - γC)⁻¹, row by row, as C is strictly lower triangular (hairer-wanner-1996, IV.7 (7.25)).
     """
-    key, title, orders, source = names.split(" | ")
-    order, embedded = orders.removesuffix(")").split("(")
     below = [row(line) for line in c.strip().splitlines()]
     size = len(below)
     inverse: list[tuple[Q, ...]] = []
@@ -32,15 +30,11 @@ def _from_transformed(names: str, gamma: Q, a: str, c: str, m: str, *, decimal: 
     stages = [_product((*row(line), *[Q(0)] * (size - len(row(line)))), inverse) for line in a.strip().splitlines()]
     weights = row(m)
     return Rosenbrock(
-        key,
-        title,
-        int(order),
-        source,
+        **named(names),
         alpha=tuple(stages),
         gamma=tuple(inverse),
         b=_product(weights, inverse),
         b_embedded=_product((*weights[:-1], Q(0)), inverse),
-        embedded_order=int(embedded),
         decimal=decimal,
     )
 
@@ -50,32 +44,21 @@ _G2, _G3 = 1 - _SQRT2 / 2, Q(1, 2) + _SQRT3 / 6
 
 ENTRIES: tuple[Rosenbrock, ...] = (
     Rosenbrock(
-        "ros2",
-        "ROS2",
-        2,
-        "verwer-spee-blom-hundsdorfer-1999, 3.1",
+        **named("ros2 | ROS2 | 2(1) | verwer-spee-blom-hundsdorfer-1999, 3.1"),
         alpha=square("0\n 1"),
         gamma=padded((_G2,), (-2 * _G2, _G2)),
         b=row("1/2 1/2"),
         b_embedded=row("1 0"),
-        embedded_order=1,
     ),
     Rosenbrock(
-        "ros3p",
-        "ROS3P",
-        3,
-        "lang-verwer-2001, 4",
+        **named("ros3p | ROS3P | 3(2) | lang-verwer-2001, 4"),
         alpha=square("0\n 1\n 1 0"),
         gamma=padded((_G3,), (-1, _G3), (-_G3, Q(1, 2) - 2 * _G3, _G3)),
         b=row("2/3 0 1/3"),
         b_embedded=numbers(Q(1, 3), Q(1, 3), Q(1, 3)),
-        embedded_order=2,
     ),
     Rosenbrock(
-        "grk4t",
-        "GRK4T",
-        4,
-        "kaps-rentrop-1979, Table 1",
+        **named("grk4t | GRK4T | 4(3) | kaps-rentrop-1979, Table 1"),
         alpha=square("0\n 0.462\n -0.0815668168327 0.961775150166\n -0.0815668168327 0.961775150166"),
         gamma=square(
             "0.231\n -0.270629667752 0.231\n 0.311254483294 0.00852445628482 0.231\n"
@@ -83,7 +66,6 @@ ENTRIES: tuple[Rosenbrock, ...] = (
         ),
         b=row("0.217487371653 0.486229037990 0 0.296283590357"),
         b_embedded=row("-0.717088504499 1.77617912176 -0.0590906172617 0"),
-        embedded_order=3,
         decimal=True,
     ),
     _from_transformed(

@@ -51,32 +51,23 @@ _MCLACHLAN: tuple[Splitting, ...] = (
         "mclachlan_atela2 | McLachlan-Atela optimal method of order 2 | 2 | mclachlan-atela-1992, Table 2, order 2",
         alternating("kick", (1 - _S2 / 2, _S2 / 2, _S2 / 2, 1 - _S2 / 2)),
     ),
-    Splitting(
-        key="mclachlan2",
-        title="McLachlan's optimal symmetric method of order 2, two forces",
-        claimed_order=2,
-        source="mclachlan-1995, the symmetric methods of order 2",
-        parts=alternating("drift", palindrome(numbers(Q(1, 2) - _W, Q(1, 2), 2 * _W))),
+    splitting(
+        "mclachlan2 | McLachlan's optimal symmetric method of order 2, two forces | 2"
+        " | mclachlan-1995, the symmetric methods of order 2",
+        alternating("drift", palindrome(numbers(Q(1, 2) - _W, Q(1, 2), 2 * _W))),
     ),
-    Splitting(
-        key="mclachlan4_four_forces",
-        title="McLachlan's symmetric method of order 4, four forces",
-        claimed_order=4,
-        source="mclachlan-1995, the symmetric methods of order 4, m = 4",
-        parts=alternating(
+    splitting(
+        "mclachlan4_four_forces | McLachlan's symmetric method of order 4, four forces | 4"
+        " | mclachlan-1995, the symmetric methods of order 4, m = 4",
+        alternating(
             "drift", palindrome((_S4_FIRST, Q(6, 11), _S4_SECOND, Q(-1, 22), 1 - 2 * (_S4_FIRST + _S4_SECOND)))
         ),
     ),
-    Splitting(
-        key="mclachlan4",
-        title="McLachlan's symmetric method of order 4, five forces",
-        claimed_order=4,
-        source="mclachlan-1995, Table 2, type S of order 4, m = 5",
-        parts=alternating(
-            "drift",
-            palindrome(
-                (_S5_FIRST, Q(2, 5), _S5_SECOND, Q(-1, 10), Q(1, 2) - _S5_FIRST - _S5_SECOND, Q(2, 5)),
-            ),
+    splitting(
+        "mclachlan4 | McLachlan's symmetric method of order 4, five forces | 4"
+        " | mclachlan-1995, Table 2, type S of order 4, m = 5",
+        alternating(
+            "drift", palindrome((_S5_FIRST, Q(2, 5), _S5_SECOND, Q(-1, 10), Q(1, 2) - _S5_FIRST - _S5_SECOND, Q(2, 5)))
         ),
     ),
 )
@@ -99,12 +90,10 @@ ENTRIES: tuple[Method, ...] = (
         "suzuki4 | Suzuki's fractal of order 4, five steps of velocity Verlet | 4 | hairer-lubich-wanner-2006, II.4",
         verlet_composition("kick", _FRACTAL),
     ),
-    Splitting(
-        key="suzuki4_position_first",
-        title="Suzuki's fractal of order 4, five steps of position Verlet",
-        claimed_order=4,
-        source="hairer-lubich-wanner-2006, II.4",
-        parts=verlet_composition("drift", _FRACTAL),
+    splitting(
+        "suzuki4_position_first | Suzuki's fractal of order 4, five steps of position Verlet | 4"
+        " | hairer-lubich-wanner-2006, II.4",
+        verlet_composition("drift", _FRACTAL),
     ),
     *_MCLACHLAN,
 )

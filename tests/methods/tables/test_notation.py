@@ -8,7 +8,7 @@ import pytest
 
 from driftproof.methods.number_field import square_root
 from driftproof.methods.schemes import MethodError, RungeKutta, Splitting
-from driftproof.methods.tables.notation import numbers, padded, places, row, splitting, square, tableaux
+from driftproof.methods.tables.notation import numbers, padded, row, splitting, square, tableaux
 
 PAIR = """
 # A remark, which is left out.
@@ -58,6 +58,7 @@ def test_splitting_has_its_names_in_a_line() -> None:
 
 def test_rows_are_exact_and_filled_up_with_zeros() -> None:
     assert row("1/6 0.1 2.5e-1") == (Q(1, 6), Q(1, 10), Q(1, 4))
+    assert row(" 1 -2/3 ") == (1, Q(-2, 3))
+    assert padded((), (1,)) == ((0, 0), (1, 0))
     assert square("0\n 1/2") == padded((0,), (Q(1, 2),)) == ((0, 0), (Q(1, 2), 0))
     assert numbers(1, square_root(2)) == (Q(1), square_root(2))
-    assert places(3, k2="1/3") == (0, Q(1, 3), 0)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction as Q
 from pathlib import Path
@@ -13,10 +12,8 @@ import pytest
 
 from driftproof.methods import catalogue
 from driftproof.methods.catalogue import EXTENSIONS, METHODS
-from driftproof.methods.number_field import square_root
-from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
+from driftproof.methods.schemes import Collocation, Method, RungeKutta, Splitting
 from driftproof.methods.stepping import stepper
-from driftproof.methods.tables.notation import numbers, padded, places, row, square
 from driftproof.methods.tables.splittings import alternating, palindrome, verlet_composition
 from tests.methods.tables.entries import FILES, by_key, entry, fingerprint, of_type
 from tests.methods.tables.tables_orders import as_nystrom
@@ -74,94 +71,6 @@ def test_splitting_is_the_nystrom_method_of_its_kicks(key: str) -> None:
     step, same = stepper(method, lambda c: c), stepper(as_nystrom(method), lambda c: c)
     assert step(lambda q: q**2 - 1, *state) == same(lambda q: q**2 - 1, *state)
     assert step(lambda q: q**2 - 1, *state) != same(lambda q: q**2, *state)
-
-
-NAMED = {"key": "mine", "title": "Mine", "claimed_order": 1, "source": "me"}
-ROOT_3, ROOT_2 = square_root(3), square_root(2)
-WRONG: list[tuple[Callable[[], Any], str]] = [
-    (
-        lambda: RungeKutta(**NAMED, a=((ROOT_3,),), b=(ROOT_2,), c=(0,)),
-        "mine: coefficients lie in the fields of sqrt(2) and sqrt(3); write all of them in one field",
-    ),
-    (
-        lambda: Splitting(**NAMED, parts=(("kick", ROOT_3), ("drift", ROOT_2))),
-        "mine: coefficients lie in the fields of sqrt(2) and sqrt(3); write all of them in one field",
-    ),
-    (
-        lambda: RungeKutta(**NAMED, a=((0,),), b=(1,), c=(0,), b_embedded=(1,)),
-        "mine: b_embedded and embedded_order come together",
-    ),
-    (
-        lambda: RungeKutta(**NAMED, a=((0,),), b=(1,), c=(0,), b_embedded=(1, 0), embedded_order=1),
-        "mine: b_embedded has 2 entries, b has 1; they must agree",
-    ),
-    (
-        lambda: RungeKutta(**NAMED, a=((0,),), b=(1,), c=(0,), b_embedded=(0.5,), embedded_order=1),
-        "mine: b_embedded[0] is 0.5 (float); coefficients are exact: write an int or a Fraction",
-    ),
-    (
-        lambda: Nystrom(**NAMED, c=(0,), a=((0, 0),), b_position=(1,), b_velocity=(1,)),
-        "mine: a[0] has 2 entries, b_velocity has 1; they must agree",
-    ),
-    (
-        lambda: Nystrom(**NAMED, c=(0,), a=((0,),), b_position=(1, 2), b_velocity=(1,)),
-        "mine: b_position has 2 entries, b_velocity has 1; they must agree",
-    ),
-    (
-        lambda: Nystrom(**NAMED, c=(), a=(), b_position=(), b_velocity=()),
-        "mine: b_velocity is empty; a method has at least one stage",
-    ),
-    (
-        lambda: Collocation(**NAMED, node_polynomial=(1,)),
-        "mine: node_polynomial is constant; a method has at least one node",
-    ),
-    (
-        lambda: Collocation(**NAMED, node_polynomial=(1, 0, 1)),
-        "mine: node_polynomial has a complex or a multiple root; nodes are real, distinct",
-    ),
-    (
-        lambda: Collocation(**NAMED, node_polynomial=(1, -2, 1)),
-        "mine: node_polynomial has a complex or a multiple root; nodes are real, distinct",
-    ),
-    (
-        lambda: Collocation(**NAMED, node_polynomial=(ROOT_3, 1)),
-        "mine: node_polynomial has irrational coefficients; rational ones are needed",
-    ),
-]
-
-
-@pytest.mark.parametrize(("build", "message"), WRONG, ids=range(len(WRONG)))
-def test_malformed_definition_is_refused_in_one_line(build: Callable[[], Any], message: str) -> None:
-    with pytest.raises(MethodError) as caught:
-        build()
-    assert str(caught.value) == message
-
-
-def test_rational_element_of_a_field_becomes_a_fraction() -> None:
-    method = RungeKutta(**NAMED, a=((ROOT_3 - ROOT_3,),), b=(ROOT_3 * ROOT_3 / 3,), c=(0,))
-    assert (method.a, method.b, method.field) == (((Q(0),),), (Q(1),), None)
-    assert type(method.a[0][0]) is type(method.b[0]) is Q
-    assert method.explicit
-    assert method.inconsistencies() == {}
-
-
-def test_residual_of_an_irrational_tableau_is_exact() -> None:
-    method = RungeKutta(**NAMED, a=((ROOT_3,),), b=(ROOT_3,), c=(0,))
-    assert method.inconsistencies() == {"sum(b) - 1": ROOT_3 - 1, "c[0] - sum(a[0])": -ROOT_3}
-
-
-def test_node_polynomial_is_made_monic() -> None:
-    method = Collocation(**NAMED, node_polynomial=(Q(-1), Q(2), Q(0)))
-    assert method.node_polynomial == (Q(-1, 2), Q(1))
-    assert (method.stages, method.explicit, method.decimal, method.field) == (1, False, False, None)
-
-
-def test_notation_fills_rows_with_zeros() -> None:
-    assert square("1/2\n 1 0.25") == ((Q(1, 2), Q(0)), (Q(1), Q(1, 4)))
-    assert padded((), (1,)) == ((Q(0), Q(0)), (Q(1), Q(0)))
-    assert numbers(1, ROOT_3) == (Q(1), ROOT_3)
-    assert places(3, k2="1e-1") == (Q(0), Q(1, 10), Q(0))
-    assert row(" 1 -2/3 ") == (Q(1), Q(-2, 3))
 
 
 def test_compositions_join_neighbouring_halves() -> None:
