@@ -95,9 +95,6 @@ class IsolatedRunner:
 
     def __exit__(self, *_: object) -> None:
         """End it."""
-        self._end()
-
-    def _end(self) -> None:
         if self._process is not None:
             self._process[0].close()
             self._process = None
@@ -124,9 +121,10 @@ class IsolatedRunner:
     def _some(self, probes: Sequence[Probe]) -> Iterator[Outcome]:
         """The outcomes of the first few, at least of one: of all, or up to a hang or a crash."""
         if not self.isolate or not hasattr(os, "fork"):
-            serving = self._here if self._here is not None and self._kept else Serving(self.target, probes)
-            self._here, serving.probes = serving, probes
-            yield from map(serving.outcome, range(len(probes)))
+            if self._here is None or not self._kept:
+                self._here = Serving(self.target, probes)
+            self._here.probes = probes
+            yield from map(self._here.outcome, range(len(probes)))
             return
         log = self._process[2] if self._process else _CallLog(Path(tempfile.mkdtemp()) / "last_call")
         try:
@@ -135,14 +133,11 @@ class IsolatedRunner:
                 yield self._answer(session, i, log, opening=probe is opens)
         except ProcessEnded as ended:
             outcome = _of_end(ended, log)
-            self._end()
+            self.__exit__()
             yield outcome
-        except MessageError as error:
-            self._end()
-            yield Outcome(kind="crashes", seen=f"{error}: something else wrote into our pipe")
         finally:
             if not self._kept:
-                self._end()
+                self.__exit__()
 
     def _started(self, probes: Sequence[Probe], log: _CallLog) -> Session:
         """The process, told what it will be asked. Raises ProcessEnded."""
@@ -151,10 +146,14 @@ class IsolatedRunner:
             return self._process[1]
         stack = ExitStack()
         stack.callback(shutil.rmtree, log.path.parent, ignore_errors=True)
-        session = stack.enter_context(self._session(probes, log))
+        serving, limits = (
+            Serving(self.target, probes, log.path, self.hung),
+            Limits(self.time_limit, memory=MEMORY_LIMIT),
+        )
+        anew = self.target.by_name and not _is_command_alone()
+        session = stack.enter_context(Session(f"{__name__}:answer_probe" if anew else serving, limits))
         self._process = stack, session, log
-        served = self.target, list(probes), log.path, self.hung
-        session.ask(_packed(served) if self._in_new_interpreter else None, START_UP)
+        session.ask(_packed(serving) if anew else None, START_UP)
         return session
 
     def _answer(self, session: Session, index: int, log: _CallLog, *, opening: bool) -> Outcome:
@@ -168,11 +167,14 @@ class IsolatedRunner:
             while True:
                 try:
                     outcome: Outcome = decode(ask(_LOOK), "driftproof")
+                    self._longest = max(self._longest, monotonic() - start)
                     return outcome
                 except ProcessEnded as ended:
                     now, ask = monotonic(), session.wait
                     if ended.cause != "time":
                         raise
+                except MessageError as error:
+                    raise ProcessEnded("answer", f"{error}: something else wrote into our pipe") from None
                 if (at := log.now()) != call:
                     call, since = at, now
                 if call.startswith(_CALLING) and now - since >= a_call:
@@ -182,18 +184,7 @@ class IsolatedRunner:
                     whole = f"the {self.time_limit:.3g} s of the whole run do not suffice"
                     raise ProcessEnded("time", f"{whole}: stopped after {limit:.3g} s")
         finally:
-            self._longest = max(self._longest, monotonic() - start)
             self.spent += monotonic() - start
-
-    @property
-    def _in_new_interpreter(self) -> bool:
-        return self.target.by_name and not _is_command_alone()
-
-    def _session(self, probes: Sequence[Probe], log: _CallLog) -> Session:
-        limits = Limits(self.time_limit, memory=MEMORY_LIMIT)
-        if not self._in_new_interpreter:
-            return Session(Serving(self.target, probes, log.path, self.hung), limits)
-        return Session(f"{__name__}:answer_probe", limits)
 
 
 def _is_command_alone() -> bool:
@@ -315,7 +306,7 @@ _serving: list[Serving] = []
 def answer_probe(request: str | int) -> str | None:
     """In a fresh interpreter: what is to be served, as `IsolatedRunner` pickled it, then the probes by their number."""
     if not _serving:
-        _serving.append(Serving(*pickle.loads(base64.b64decode(str(request)))))
+        _serving.append(pickle.loads(base64.b64decode(str(request))))
         return None
     return _serving[-1](request)
 

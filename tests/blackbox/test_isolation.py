@@ -5,17 +5,19 @@ from __future__ import annotations
 import subprocess
 import sys
 import threading
+from contextlib import nullcontext
 from functools import partial
-from time import monotonic, sleep
+from time import monotonic
 
 import pytest
 
 from driftproof.blackbox.checks.special_arguments import negative_step, zero_step
-from driftproof.blackbox.checks.suite import CHECKS, all_checks, checks_of
+from driftproof.blackbox.checks.suite import CHECKS, all_checks
 from driftproof.blackbox.checks.trials import steady_runner
 from driftproof.blackbox.findings import NoAnswer, Outcome, StepRaised
-from driftproof.blackbox.isolation import IsolatedRunner, Serving, _CallLog, _not_again, _of_end
+from driftproof.blackbox.isolation import IsolatedRunner, Serving, _CallLog, _not_again
 from driftproof.blackbox.stepper.opening import Target
+from driftproof.support.messages import MessageError, encode
 from driftproof.support.processes import ProcessEnded
 from tests.blackbox import broken_steppers
 
@@ -127,19 +129,6 @@ def test_a_call_that_hung_is_not_made_again_whatever_the_state(monkeypatch):
     assert rogue.spent <= monotonic() - start
 
 
-def dawdle(subject):
-    for n in range(10**6):
-        subject.step(1.0, 0.75, n / 10**6)
-
-
-def test_the_limit_is_that_of_all_questions_together():
-    rogue = IsolatedRunner(Target(broken_steppers.dawdles), 2.0)
-    first_run, second_run = rogue.run([dawdle] * 8), rogue.run([dawdle] * 8)
-    assert {outcome.kind for outcome in (*first_run, *second_run)} == {"time_limit"}
-    assert "the 2 s of the whole run do not suffice: stopped after " in first_run[0].seen
-    assert rogue.spent < 2.0 + 16 * 0.1
-
-
 def test_a_crash_costs_its_own_question_only():
     found = runner(broken_steppers.crashes_backwards).run([answer, partial(answer, h=-0.25), answer, zero_step])
     assert [outcome.kind for outcome in found] == [None, "crashes", None, None]
@@ -197,30 +186,11 @@ def test_outcomes_come_in_the_order_of_the_questions():
     assert "ZeroDivisionError" in found[2].seen
 
 
-def test_no_question_is_no_outcome():
-    assert runner(broken_steppers.noisy).run([]) == []
-
-
 def test_every_experiment_is_picklable_by_name():
     found = runner(broken_steppers.crashes_backwards, "by name").run(list(CHECKS.values()))
     kinds = dict(zip(CHECKS, (outcome.kind for outcome in found), strict=True))
     assert [key for key, kind in kinds.items() if kind] == ["negative_step", "reversal"]
     assert {kinds["negative_step"], kinds["reversal"]} == {"crashes"}
-
-
-def test_a_slow_stepper_is_no_faulty_one():
-    slow, after = IsolatedRunner(Target(broken_steppers.dawdles), 2.0).run([dawdle, answer])
-    assert (slow.kind, after.kind) == ("time_limit", None)
-    of_one = [slow, *[Outcome(result=()) for _ in range(len(CHECKS) - 1)]]
-    assert [check.holds for check in checks_of(of_one)] == [None]
-    assert [check.holds for check in checks_of([slow] * len(CHECKS))] == [None]
-
-
-def test_our_own_slowness_is_not_said_to_be_a_hang_of_the_stepper(monkeypatch):
-    rogue = hanging(monkeypatch, broken_steppers.returns_integers, limit=4.0)
-    (found,) = rogue.run([lambda subject: (subject.step(1.0, 0.75, 0.25), sleep(1.0))[0]])
-    assert found.result == (1, 0)
-    assert rogue.hung == []
 
 
 @pytest.mark.parametrize(("first", "forked"), [("", True), ("import pytest; ", False)], ids=["alone", "with others"])
@@ -287,12 +257,95 @@ def test_the_file_of_calls_says_which_is_made_and_whether_it_is_back(tmp_path):
     log = _CallLog(tmp_path / "last_call")
     assert (log.now(), log.call) == ("", "")
     seen = []
-    serving = Serving(Target(broken_steppers.returns_integers), [lambda subject: seen.append(log.now())], log.path)
+
+    def step(q, v, h):
+        seen.append(log.now())
+        return q + h * v, v - h * q
+
+    serving = Serving(Target(step), [lambda subject: seen.append(log.now())], log.path)
     serving.outcome(0)
-    assert seen == ["back 1: q=1.0, v=0.75, h=0.25"]
+    assert seen == ["calling 1: q=1.0, v=0.75, h=0.25", "back 1: q=1.0, v=0.75, h=0.25"]
     assert log.call == "q=1.0, v=0.75, h=0.25"
-    for cause, kind in (("time", "time_limit"), ("exit", "crashes")):
-        found = _of_end(ProcessEnded(cause, "why"), log)
-        assert (found.kind, found.seen) == (kind, "why in step(q=1.0, v=0.75, h=0.25)")
-    log.path.write_text("", encoding="utf-8")
-    assert _of_end(ProcessEnded("exit", "why"), log).seen == "why while the stepper was imported"
+
+
+LOOK = 0.5  # seconds, so that sums of it are exact
+CALL, BACK = "calling 7: q=1.0, v=0.75, h=0.25", "back 7: q=1.0, v=0.75, h=0.25"
+GOOD = Outcome(result=7)
+
+
+class FarSide:
+    """Stands for processes: at each look the clock goes on, and what comes is the next of the script."""
+
+    def __init__(self, script):
+        self.now, self.script, self.started = 0.0, iter(script), 0
+
+    def __call__(self, serving, limits):
+        self.log, self.started = serving.log, self.started + 1
+        return nullcontext(self)
+
+    def ask(self, request, seconds):
+        return "" if request is None else self.wait(seconds)
+
+    def wait(self, seconds):
+        self.now += seconds
+        seen = next(self.script)
+        if isinstance(seen, str):
+            self.log.write_text(f"{seen}\n", encoding="utf-8")
+            raise ProcessEnded("time", "")
+        if isinstance(seen, Outcome):
+            return encode(seen)
+        raise seen
+
+
+def told(monkeypatch, *script):
+    """The runner, and its outcomes; the far side does each of the script so often."""
+    far = FarSide(each for count, each in script for _ in range(count))
+    for name, fake in (("Session", far), ("monotonic", lambda: far.now), ("_LOOK", LOOK)):
+        monkeypatch.setattr(f"driftproof.blackbox.isolation.{name}", fake)
+    rogue = IsolatedRunner(Target(broken_steppers.noisy), 120.0)
+    outcomes = rogue.run([answer] * 2)
+    assert next(far.script, None) is None
+    return rogue, far, outcomes
+
+
+IN_CALL = " in step(q=1.0, v=0.75, h=0.25)"
+# What the far side does at its looks, with the time and the number of processes that it takes, and what is told of it.
+FAR = {
+    "answers": ([(3, GOOD)], 1.5, 1, [7, 7]),
+    "the first call hangs": ([(91, CALL)], 45.5, 1, [f"no answer within 45 s{IN_CALL}"] * 2),
+    "the first call is over in time": ([(90, CALL), (3, GOOD)], 46.5, 1, [7, 7]),
+    "a call hangs": ([(1, GOOD), (11, CALL), (2, GOOD)], 7.0, 2, [7, 7]),
+    "a call after a long one hangs": ([(4, BACK), (2, GOOD), (21, CALL), (1, GOOD)], 14.0, 2, [7, 7]),
+    "a call after a longer one hangs": ([(12, BACK), (2, GOOD), (41, CALL), (1, GOOD)], 28.0, 2, [7, 7]),
+    "calls hang": ([(1, GOOD), (44, CALL), (1, GOOD)], 23.0, 5, [f"no answer within 5 s{IN_CALL}", 7]),
+    "few hang": ([(1, GOOD), (33, CALL), (1, GOOD), (33, CALL), (1, GOOD)], 34.5, 7, [7, 7]),
+    "calls come back": (
+        [(1, GOOD), *[(10, CALL), (10, "calling 8: ")] * 5, (20, BACK), (1, GOOD)],
+        61.0,
+        2,
+        [f"the 120 s of the whole run do not suffice: stopped after 59.8 s{IN_CALL}", 7],
+    ),
+    "we are slow": ([(1, GOOD), (100, BACK), (2, GOOD)], 51.5, 1, [7, 7]),
+    "cannot be imported": ([(1, ProcessEnded("exit", "why"))], 0.5, 1, ["why while the stepper was imported"] * 2),
+}
+
+
+@pytest.mark.parametrize("name", FAR)
+def test_limits_of_calls_questions_and_runs_are_kept_and_told(name, monkeypatch):
+    script, seconds, processes, expected = FAR[name]
+    rogue, far, outcomes = told(monkeypatch, *script)
+    seen = [outcome.seen if outcome.failed else outcome.result for outcome in outcomes]
+    assert (seen, rogue.spent, far.started) == (expected, seconds, processes)
+
+
+ENDS = {"exit": "crashes", "signal": "crashes", "memory": "crashes", "answer": "crashes", "no message": "crashes"}
+ENDS |= {"killed": "killed", "raised": "instrument_failed"}
+
+
+@pytest.mark.parametrize("cause", ENDS)
+def test_an_end_is_the_stepper_s_own_or_tells_nothing_of_it(cause, monkeypatch):
+    end = MessageError("why") if cause == "no message" else ProcessEnded(cause, "why")
+    _, _, outcomes = told(monkeypatch, (1, GOOD), (1, CALL), (1, end), (1, GOOD))
+    assert [outcome.kind for outcome in outcomes] == [ENDS[cause], None]
+    assert outcomes[0].seen.startswith("why")
+    assert outcomes[0].seen.endswith(IN_CALL)
