@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -39,26 +38,20 @@ def arguments(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     return tuple(a if a.holds else replace(a, words=f"given arrays, {a.words}") for a in arrays)
 
 
-class _Recorder:
-    """A stepper, with its last answer as it came."""
-
-    def __init__(self, function: Callable[..., Any]) -> None:
-        self.function = function
-        self.answer: Foreign = None
-
-    def __call__(self, *arguments: Foreign, **named: Foreign) -> Foreign:
-        self.answer = self.function(*arguments, **named)
-        return self.answer
-
-
 def _keeping(steady: TrialRunner, subject: ForeignStepper) -> tuple[CheckResult, CheckResult]:
-    recorder, log = _Recorder(subject.function), CallLog()
-    runner = TrialRunner(replace(subject, function=recorder, log=log))
+    came: list[Foreign] = []
+
+    def recorded(*arguments: Foreign, **named: Foreign) -> Foreign:
+        came.append(subject.function(*arguments, **named))
+        return came[-1]
+
+    log = CallLog()
+    runner = TrialRunner(replace(subject, function=recorded, log=log))
     runner.step(*steady.ordinary, TYPICAL_STEP)
     trial = runner.trial(*steady.ordinary, TYPICAL_STEP)
-    answer, before = recorder.answer, _numbers(recorder.answer)
+    before = _numbers(came[1])
     runner.step(*steady.another, TYPICAL_STEP)
-    if same(before, _numbers(answer)):
+    if same(before, _numbers(came[1])):
         answers = CheckResult("keeps_answers", True, "earlier answers are left as they are")
     else:
         answers = CheckResult("keeps_answers", False, "an answer is overwritten by the next", (trial,))
@@ -66,13 +59,11 @@ def _keeping(steady: TrialRunner, subject: ForeignStepper) -> tuple[CheckResult,
 
 
 def _arguments_check(log: CallLog, trial: Trial) -> CheckResult:
-    if log.works_in_place:
-        return CheckResult(
-            "keeps_arguments", False, f"it writes its answer into its arguments and {RETURNS_NOTHING}", (trial,)
-        )
-    if log.changes_its_arguments:
-        return CheckResult("keeps_arguments", False, "it changes its arguments, besides returning an answer", (trial,))
-    return CheckResult("keeps_arguments", True, "its arguments are left as they are")
+    if not log.changes_its_arguments:
+        return CheckResult("keeps_arguments", True, "its arguments are left as they are")
+    in_place = f"it writes its answer into its arguments and {RETURNS_NOTHING}"
+    words = in_place if log.works_in_place else "it changes its arguments, besides returning an answer"
+    return CheckResult("keeps_arguments", False, words, (trial,))
 
 
 def _numbers(answer: Foreign) -> list[float]:
@@ -115,9 +106,8 @@ def _integers(runner: TrialRunner) -> tuple[CheckResult, ...]:
             return (CheckResult("takes_integers", None, words, (whole,)),)
         if not same(floats.answer, whole.answer):
             cut = floats.answer and whole.answer == tuple(map(float, map(int, floats.answer)))
-            words = (
-                f"integers {'cut the answer off' if cut else 'give another answer'}: {floats.seen} becomes {whole.seen}"
-            )
+            how = "cut the answer off" if cut else "give another answer"
+            words = f"integers {how}: {floats.seen} becomes {whole.seen}"
             return (CheckResult("takes_integers", False, words, (floats, whole)),)
     return (CheckResult("takes_integers", True, "integers give what the same floats give"),)
 

@@ -100,10 +100,8 @@ def _varies(runner: TrialRunner) -> tuple[CheckResult, ...]:
         return CheckResult(SAME, False, words, example), CheckResult(_MEMORY, False, "it remembers every call", example)
     else:
         why = "noise, or something that it remembers outside"
-    words = f"the same call gives answers {apart}: {why}"
-    return CheckResult(SAME, False, words, example), CheckResult(
-        _MEMORY, None, "not asked: the answers vary by themselves"
-    )
+    varies = CheckResult(SAME, False, f"the same call gives answers {apart}: {why}", example)
+    return varies, CheckResult(_MEMORY, None, "not asked: the answers vary by themselves")
 
 
 def _distance(spread: float, answer: tuple[float, ...], fmt: FloatFormat) -> str:
@@ -116,13 +114,8 @@ def _distance(spread: float, answer: tuple[float, ...], fmt: FloatFormat) -> str
 
 def _repeats_when(runner: TrialRunner, prepared: Callable[[TrialRunner], TrialRunner | None]) -> bool:
     """True when two series of the same calls agree, each begun from the same preparation."""
-    series = []
-    for _ in range(2):
-        ready = prepared(runner)
-        if ready is None:
-            return False
-        series.append([_asked(ready) for _ in range(3)])
-    return all(map(same, *series))
+    series = [[_asked(ready) for _ in range(3)] for _ in range(2) if (ready := prepared(runner)) is not None]
+    return len(series) == 2 and all(map(same, *series))
 
 
 def _draws(runner: TrialRunner) -> bool:
