@@ -144,12 +144,8 @@ def _of_determinant(determinant: Fraction, allowed: float, where: str, trials: t
         return CheckResult(_AREA, True, f"areas are kept, to rounding, {where}", trials)
     turned = " and are turned over" if determinant < 0 else ""
     size = abs(determinant)
-    words = f"areas {'grow' if size > 1 else 'shrink'} by the factor {_factor(size)}{turned} {where}"
+    words = f"areas {'grow' if size > 1 else 'shrink'} by the factor {float(size):.10g}{turned} {where}"
     return CheckResult(_AREA, False, words, trials)
-
-
-def _factor(x: Fraction) -> str:
-    return f"{float(x):.10g}"
 
 
 def _norm(runner: TrialRunner, m: _Columns) -> CheckResult:
@@ -163,7 +159,7 @@ def _norm(runner: TrialRunner, m: _Columns) -> CheckResult:
         return CheckResult(_NORM, False, words, m.trials)
     if abs(mean - 1) <= allowed:
         return CheckResult(_NORM, True, f"q**2 + v**2 is kept, to rounding, {where}", m.trials)
-    words = f"q**2 + v**2 {'grows' if mean > 1 else 'shrinks'} by the factor {_factor(mean)} {where}"
+    words = f"q**2 + v**2 {'grows' if mean > 1 else 'shrinks'} by the factor {float(mean):.10g} {where}"
     return CheckResult(_NORM, False, words, m.trials)
 
 
