@@ -42,7 +42,8 @@ HALF_AWAY = "half-away"
 AWAY = "away"
 ROUNDINGS = (HALF_EVEN, HALF_AWAY, AWAY)
 
-FIRST_BITS = 128
+# To tell the roots of a polynomial apart, and to begin with elsewhere; and to begin with where digits are asked for.
+ISOLATING_BITS, FIRST_BITS = 64, 128
 # A number still undecided at this precision is, for every value this project prints, a tie: see `decide_by_enclosure`.
 LAST_BITS = 1 << 17
 # Binary exponents beyond this are refused rather than written out as fractions of gigabytes.
@@ -69,16 +70,34 @@ def decide_by_enclosure(value: CertifiableReal, read: Callable[[Fraction], T]) -
     """
     if isinstance(value, int | Fraction):
         return read(Fraction(value))
-    bits = FIRST_BITS
-    while bits <= LAST_BITS:
+
+    def at_both_ends() -> T | None:
+        ball = enclose(value)
+        if not ball.is_finite() or _is_vague(ball):
+            return None
+        at_low, at_high = map(read, endpoints(ball))
+        return at_low if at_low == at_high else None
+
+    return settled(at_both_ends, FIRST_BITS)
+
+
+def settled(read: Callable[[], T | None], bits: int = ISOLATING_BITS, last: int = LAST_BITS) -> T:
+    """The first answer of `read`, which is None while balls do not tell; Arb's precision doubles from `bits` to `last`.
+
+    Raises Uncertified where there is none.
+    """
+    while bits <= last:
         with ctx.workprec(bits):
-            ball = enclose(value)
-        if ball.is_finite() and not _is_vague(ball):
-            low, high = endpoints(ball)
-            if (at_low := read(low)) == read(high):
-                return at_low
+            answer = read()
+        if answer is not None:
+            return answer
         bits *= 2
-    raise Uncertified(f"undecided at {LAST_BITS} bits: the number is too close to a rounding boundary, or on it")
+    raise Uncertified(f"undecided at {last} bits: the number is too close to a rounding boundary, or on it")
+
+
+def sign_of_ball(ball: arb) -> int | None:
+    """1 or -1; None where the ball contains 0."""
+    return None if ball.contains(0) else 1 if ball > 0 else -1
 
 
 def _is_vague(ball: arb) -> bool:

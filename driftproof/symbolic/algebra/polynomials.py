@@ -8,7 +8,7 @@ from functools import cache
 from itertools import pairwise
 from typing import Any, TypeAlias
 
-from flint import arb, arb_poly, fmpq, fmpq_mat, fmpq_poly, fmpz, nmod_poly
+from flint import acb, acb_poly, arb, arb_poly, fmpq, fmpq_mat, fmpq_poly, fmpz, nmod_poly
 
 from driftproof.methods.number_field import Algebraic, Exact, ScalarExtension
 
@@ -208,6 +208,11 @@ def evaluate(p: Polynomial, x: Any) -> Any:
 def at_ball(p: Polynomial, x: arb) -> arb:
     """A ball around p(x), at Arb's current precision."""
     return p.at_ball(x) if isinstance(p, FieldPolynomial) else arb_poly(p)(x)
+
+
+def at_complex_ball(p: Polynomial, z: acb) -> acb:
+    """The same at a complex ball z."""
+    return acb_poly([at_ball(ONE * c, arb(0)) for c in p.coeffs()])(z)
 
 
 def sign(x: Scalar) -> int:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from fractions import Fraction
 from math import gcd
 
-from flint import arb, ctx, fmpz
+from flint import arb, fmpz
 
 from driftproof.methods.number_field import Algebraic, Exact, as_fmpq
-from driftproof.symbolic.algebra.certified import significant
-from driftproof.symbolic.algebra.real_roots import ISOLATING_BITS, Minimal, RealRoot
+from driftproof.symbolic.algebra.certified import settled, significant
+from driftproof.symbolic.algebra.real_roots import Minimal, RealRoot
 
 PRINTED_DIGITS = 31
 # Radicands beyond this are neither readable nor quick to split into prime factors.
@@ -77,15 +77,13 @@ def _quadratic(minimal: Minimal, root: RealRoot, power: int) -> str | None:
         return None
     outer, inner = split
     middle, half = Fraction(-b, 2 * a), Fraction(outer, 2 * a)
-    bits = ISOLATING_BITS
-    while True:
-        with ctx.workprec(bits):
-            target, reach = root.ball() ** power, arb(inner).sqrt() * arb(as_fmpq(half))
-            possible = [s for s in (1, -1) if (arb(as_fmpq(middle)) + s * reach).overlaps(target)]
-        if len(possible) == 1:
-            break
-        bits *= 2
-    return f"{middle} {'+' if possible[0] > 0 else '-'} {_times(half, f'sqrt({inner})')}"
+
+    def sign() -> str | None:
+        target, reach = root.ball() ** power, arb(inner).sqrt() * arb(as_fmpq(half))
+        above, below = ((arb(as_fmpq(middle)) + s * reach).overlaps(target) for s in (1, -1))
+        return None if above and below else "+" if above else "-"
+
+    return f"{middle} {settled(sign)} {_times(half, f'sqrt({inner})')}"
 
 
 def perfect_part(n: int, power: int) -> tuple[int, int] | None:

@@ -10,7 +10,8 @@ from typing import TypeAlias
 
 from flint import arb, ctx, fmpq, fmpq_poly
 
-from driftproof.methods.number_field import Algebraic, Exact, NumberField, dyadic, real_root_balls
+from driftproof.methods.number_field import Algebraic, Exact, NumberField, as_fmpq, dyadic, real_root_balls
+from driftproof.symbolic.algebra.certified import ISOLATING_BITS, settled, sign_of_ball
 from driftproof.symbolic.algebra.polynomials import (
     Polynomial,
     X,
@@ -26,8 +27,6 @@ from driftproof.symbolic.algebra.polynomials import (
 
 # Coefficients of a primitive polynomial over Z, constant term first, leading coefficient positive.
 Minimal: TypeAlias = tuple[int, ...]
-
-ISOLATING_BITS = 64
 
 
 @dataclass(frozen=True)
@@ -71,13 +70,13 @@ class RealRoot:
         """
         if self.rational is not None:
             return self.rational, self.rational
-        bits = ISOLATING_BITS
-        while True:
-            with ctx.workprec(bits):  # lower() and upper() round to it
-                ends = [(dyadic(b.lower()), dyadic(b.upper())) for b in real_root_balls(self.minimal, bits)]
-            if all(left[1] < right[0] for left, right in pairwise(ends)):
-                break
-            bits *= 2
+
+        def apart() -> list[tuple[Fraction, Fraction]] | None:
+            # lower() and upper() round to the precision
+            ends = [(dyadic(b.lower()), dyadic(b.upper())) for b in real_root_balls(self.minimal, ctx.prec)]
+            return ends if all(left[1] < right[0] for left, right in pairwise(ends)) else None
+
+        ends = settled(apart)
         low, high = ends[self.index]
         before = max([low - 1, *(end for _, end in ends[: self.index])])
         after = min([high + 1, *(end for end, _ in ends[self.index + 1 :])])
@@ -116,30 +115,28 @@ def positive_roots(polynomials: Iterable[Polynomial]) -> list[RealRoot]:
     Isolation is FLINT's, certified; distinct irreducible polynomials share no root, so precision separates them.
     """
     minimals = {m for p in polynomials if sign_changes(p) for m, _ in irreducible_factors_of(norm(p))}
-    bits = ISOLATING_BITS
-    while True:
-        with ctx.workprec(bits):
-            roots = [RealRoot(m, k) for m in minimals for k, b in enumerate(real_root_balls(m, bits)) if b > 0]
-            roots.sort(key=lambda root: dyadic(root.ball().mid()))
-            if all(left.ball() < right.ball() for left, right in pairwise(roots)):
-                return roots
-        bits *= 2
+
+    def ordered() -> list[RealRoot] | None:
+        roots = [RealRoot(m, k) for m in minimals for k, b in enumerate(real_root_balls(m, ctx.prec)) if b > 0]
+        roots.sort(key=lambda root: dyadic(root.ball().mid()))
+        return roots if all(left.ball() < right.ball() for left, right in pairwise(roots)) else None
+
+    return settled(ordered)
 
 
 def samples(roots: list[RealRoot]) -> list[fmpq]:
     """Rational points, one inside each of the open intervals that the ascending positive roots cut (0, oo) into."""
     if not roots:
         return [fmpq(1)]
-    bits = ISOLATING_BITS
-    while True:
-        with ctx.workprec(bits):
-            ends = [(dyadic(r.ball().lower()), dyadic(r.ball().upper())) for r in roots]
+
+    def inner() -> list[Fraction] | None:
+        ends = [(dyadic(r.ball().lower()), dyadic(r.ball().upper())) for r in roots]
         gaps = [(Fraction(0), ends[0][0]), *((a[1], b[0]) for a, b in pairwise(ends))]
-        if all(low < high for low, high in gaps):
-            inner = [simplest_between(low, high) for low, high in gaps]
-            inner.append(Fraction(ends[-1][1] // 1 + 1))
-            return [fmpq(x.numerator, x.denominator) for x in inner]
-        bits *= 2
+        if any(low >= high for low, high in gaps):
+            return None
+        return [*(simplest_between(low, high) for low, high in gaps), Fraction(ends[-1][1] // 1 + 1)]
+
+    return [as_fmpq(x) for x in settled(inner)]
 
 
 def simplest_between(low: Fraction, high: Fraction) -> Fraction:
@@ -165,26 +162,17 @@ def vanishes_at(p: Polynomial, root: RealRoot) -> bool:
     if common.degree() in (0, minimal.degree()):
         return bool(common.degree() > 0)
     rest = quotient(minimal, common)
-    bits = ISOLATING_BITS
-    while True:
-        with ctx.workprec(bits):
-            at_common, at_rest = at_ball(common, root.ball()), at_ball(rest, root.ball())
-        if not (at_common.contains(0) and at_rest.contains(0)):
-            return bool(at_common.contains(0))
-        bits *= 2
+
+    def is_of_common() -> bool | None:
+        at_common, at_rest = (bool(at_ball(q, root.ball()).contains(0)) for q in (common, rest))
+        return None if at_common and at_rest else at_common
+
+    return settled(is_of_common)
 
 
 def sign_at(p: Polynomial, root: RealRoot) -> int:
     """The sign of p(root): -1, 0 or 1, exact."""
-    if vanishes_at(p, root):
-        return 0
-    bits = ISOLATING_BITS
-    while True:
-        with ctx.workprec(bits):
-            ball = at_ball(p, root.ball())
-        if not ball.contains(0):
-            return 1 if ball > 0 else -1
-        bits *= 2
+    return 0 if vanishes_at(p, root) else settled(lambda: sign_of_ball(at_ball(p, root.ball())))
 
 
 def irreducible_factors_of(p: Polynomial) -> list[tuple[Minimal, int]]:
@@ -225,11 +213,12 @@ def root_ratio(x: RealRoot, y: RealRoot) -> RealRoot:
 
 def the_one(candidates: Iterable[RealRoot], fits: Callable[[RealRoot], bool]) -> RealRoot:
     """The only candidate that fits however small the balls are. Raises ValueError where none does."""
-    found, bits = list(candidates), ISOLATING_BITS
-    while len(found) > 1 or bits == ISOLATING_BITS:
-        with ctx.workprec(bits):
-            found = [root for root in found if fits(root)]
-        bits *= 2
-    if not found:
+    left = list(candidates)
+
+    def fitting() -> list[RealRoot] | None:
+        left[:] = [root for root in left if fits(root)]
+        return None if len(left) > 1 else left
+
+    if not (found := settled(fitting)):
         raise ValueError("none of the roots is the number")
     return found[0]

@@ -13,8 +13,7 @@ from sympy import QQ
 from sympy.polys.matrices import DomainMatrix
 
 from driftproof.methods.number_field import real_root_balls
-from driftproof.symbolic.algebra.certified import certified_sign, endpoints
-from driftproof.symbolic.algebra.real_roots import ISOLATING_BITS
+from driftproof.symbolic.algebra.certified import ISOLATING_BITS, certified_sign, endpoints
 from driftproof.symbolic.derivation.expression_balls import enclose_expression, integer_coefficients
 from driftproof.symbolic.derivation.one_step import (
     RING,

@@ -11,6 +11,7 @@ from flint import acb, acb_poly, arb, arb_poly, ctx, fmpq
 
 from driftproof.methods.number_field import as_fmpq, as_fraction, dyadic
 from driftproof.symbolic.algebra.bivariate import ParametricPair, critical_polynomial
+from driftproof.symbolic.algebra.certified import settled
 from driftproof.symbolic.algebra.polynomials import (
     ONE,
     ZERO,
@@ -171,15 +172,14 @@ class EnclosedTangent:
 
     def _has_pole_inside(self, square: Fraction) -> bool:
         """Some pole has Re < 0 and Im² <= square Re²; no pole has equality, as the margin would be negative there."""
-        bits = FIRST_SECTOR_BITS
-        while True:
-            if bits not in self._poles:
-                self._poles[bits] = complex_roots(self.r.den, bits)
-            with ctx.workprec(bits):
-                verdicts = [_is_inside(z, square) for z in self._poles[bits]]
-            if None not in verdicts:
-                return any(verdicts)
-            bits *= 2
+
+        def read() -> bool | None:
+            if ctx.prec not in self._poles:
+                self._poles[ctx.prec] = complex_roots(self.r.den, ctx.prec)
+            verdicts = [_is_inside(z, square) for z in self._poles[ctx.prec]]
+            return None if None in verdicts else any(verdicts)
+
+        return settled(read)
 
 
 def positive_in_balls(balls: list[arb]) -> bool | None:

@@ -11,7 +11,8 @@ from typing import TypeAlias
 from flint import acb, ctx, fmpq, fmpq_mat, fmpz_poly
 
 from driftproof.methods.number_field import dyadic
-from driftproof.symbolic.algebra.real_roots import ISOLATING_BITS, Minimal, RealRoot, irreducible_factors_of
+from driftproof.symbolic.algebra.certified import ISOLATING_BITS, settled
+from driftproof.symbolic.algebra.real_roots import Minimal, RealRoot, irreducible_factors_of
 
 _Rows: TypeAlias = Sequence[Sequence[Fraction]]
 
@@ -97,18 +98,16 @@ def _on_imaginary_axis(minimal: Minimal) -> list[RealRoot]:
 def _upper_balls(minimal: Minimal, bits: int) -> tuple[acb, ...]:
     """Balls around the roots above the real axis and not on the imaginary one, always in the same order."""
     on_axis = len(_on_imaginary_axis(minimal))
-    precision = bits
-    while True:
-        with ctx.workprec(precision):
-            roots = [root for root, _ in fmpz_poly(list(minimal)).complex_roots() if root.imag > 0]
-            apart = [root for root in roots if not root.real.contains(0)]
-        if len(roots) - len(apart) == on_axis:
-            break
-        precision *= 2
-    if bits == ISOLATING_BITS:
-        return tuple(sorted(apart, key=lambda root: (dyadic(root.real.mid()), dyadic(root.imag.mid()))))
-    first = _upper_balls(minimal, ISOLATING_BITS)
-    matches = [[root for root in apart if root.overlaps(ball)] for ball in first]
-    if all(len(found) == 1 for found in matches):
-        return tuple(found[0] for found in matches)
-    return _upper_balls(minimal, 2 * bits)
+    first = () if bits == ISOLATING_BITS else _upper_balls(minimal, ISOLATING_BITS)
+
+    def in_order() -> tuple[acb, ...] | None:
+        roots = [root for root, _ in fmpz_poly(list(minimal)).complex_roots() if root.imag > 0]
+        apart = [root for root in roots if not root.real.contains(0)]
+        if len(roots) - len(apart) != on_axis:
+            return None
+        if not first:
+            return tuple(sorted(apart, key=lambda root: (dyadic(root.real.mid()), dyadic(root.imag.mid()))))
+        matches = [[root for root in apart if root.overlaps(ball)] for ball in first]
+        return tuple(match[0] for match in matches) if all(len(match) == 1 for match in matches) else None
+
+    return settled(in_order, bits)

@@ -8,8 +8,7 @@ from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import ONE, Polynomial, X, descend, greatest_common_divisor, quotient, sign
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, positive_roots, vanishes_at
-from driftproof.symbolic.linear.oscillator import area_factor as area_factor
-from driftproof.symbolic.linear.oscillator import matrix_trace
+from driftproof.symbolic.linear.oscillator import area_factor, matrix_trace
 from driftproof.symbolic.linear.stability_limits import INFINITY, Limit, common_denominator
 
 _NIL = fraction(ONE * 0)

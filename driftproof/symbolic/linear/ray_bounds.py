@@ -9,15 +9,15 @@ from math import comb
 from operator import add
 from typing import Any, NamedTuple, TypeAlias
 
-from flint import acb_poly, arb, ctx, fmpq, fmpq_mat
+from flint import fmpq, fmpq_mat
 
 from driftproof.methods.number_field import Exact, NumberField
+from driftproof.symbolic.algebra.certified import Uncertified, settled, sign_of_ball
 from driftproof.symbolic.algebra.polynomials import (
-    ONE,
     FieldPolynomial,
     Polynomial,
     Scalar,
-    at_ball,
+    at_complex_ball,
     coefficients,
     evaluate,
     from_scalars,
@@ -27,7 +27,6 @@ from driftproof.symbolic.algebra.polynomials import (
 )
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
 from driftproof.symbolic.algebra.real_roots import (
-    ISOLATING_BITS,
     ZERO_ROOT,
     Minimal,
     RealRoot,
@@ -84,31 +83,21 @@ def at_rest(r: RationalFunction, block: int) -> Bound:
 
 
 def modulus_squared_along(p: Polynomial, total: Scalar, product: Scalar) -> Polynomial:
-    """|p(xλ)|² as a polynomial in x, for λ + λ̄ = `total` and λλ̄ = `product`, p with real coefficients.
-
-    Σ cⱼ cₖ xʲ⁺ᵏ λʲ λ̄ᵏ, where λⁿ + λ̄ⁿ follows the recurrence of x² - total x + product.
-    """
-    coefficients = p.coeffs()
-    if not coefficients:
-        return p
-    one = product * 0 + 1
-    sums = [2 * one, total]
-    while len(sums) < len(coefficients):
-        sums.append(total * sums[-1] - product * sums[-2])
-    square = [coefficients[0] * 0] * (2 * len(coefficients) - 1)
-    for j, c in enumerate(coefficients):
-        square[2 * j] = square[2 * j] + c * c * product**j
-        for k in range(j + 1, len(coefficients)):
-            square[j + k] = square[j + k] + c * coefficients[k] * (product**j * sums[k - j])
+    """|p(xλ)|² = Σ cⱼ cₖ xʲ⁺ᵏ λʲ λ̄ᵏ, as a polynomial in x, for λ + λ̄ = `total` and λλ̄ = `product`, p real."""
+    scalars = p.coeffs()
+    square = [p[0] * 0] * max(2 * len(scalars) - 1, 0)
+    for j, k, power in _symmetric_powers(total, product, len(scalars)):
+        square[j + k] = square[j + k] + scalars[j] * scalars[k] * power
     return from_scalars(square)
 
 
 def _derivatives(p: Polynomial, count: int) -> list[Polynomial]:
     """p, p', ..., so many of them."""
-    found = [p]
-    while len(found) < count:
-        found.append(found[-1].derivative())
-    return found[:count]
+    found = []
+    for _ in range(count):
+        found.append(p)
+        p = p.derivative()
+    return found
 
 
 # Of the polynomial in h; beyond, its factors take minutes.
@@ -129,7 +118,7 @@ def pair_bound(r: RationalFunction, place: Complex) -> Bound:
 
     Between positive roots of `pair_polynomial` the sign of |Q(hλ)|² - |P(hλ)|² is constant and not zero, so a ball at
     one rational h decides it. Raises UndecidedLimitError where the polynomial is zero, or of degree above
-    LARGEST_DEGREE.
+    LARGEST_PAIR_DEGREE.
     """
     roots = _critical_steps(coefficients(r.num), coefficients(r.den), place.minimal)
     for start, inner in zip([ZERO_ROOT, *roots], samples(roots), strict=True):
@@ -150,19 +139,18 @@ def _critical_steps(num: _Coefficients, den: _Coefficients, minimal: Minimal) ->
 def margin_sign(r: RationalFunction, place: Complex, h: fmpq) -> int:
     """The sign of |Q(hλ)|² - |P(hλ)|² where it is not zero, by balls that shrink until they exclude zero.
 
-    Raises UndecidedLimitError where LAST_BITS do not.
+    Raises UndecidedLimitError where LAST_MARGIN_BITS do not.
     """
-    bits = ISOLATING_BITS
-    while bits <= LAST_MARGIN_BITS:
-        with ctx.workprec(bits):
-            num, den = (
-                acb_poly([at_ball(ONE * c, arb(0)) for c in p.coeffs()])(place.ball() * h) for p in (r.num, r.den)
-            )
-            margin = abs(den) - abs(num)
-            if not margin.contains(0):
-                return 1 if margin > 0 else -1
-        bits *= 2
-    raise UndecidedLimitError(f"whether |R(hλ)| is 1 at h = {h} is not decided with {LAST_MARGIN_BITS} bits")
+
+    def read() -> int | None:
+        num, den = (abs(at_complex_ball(p, place.ball() * h)) for p in (r.num, r.den))
+        return sign_of_ball(den - num)
+
+    try:
+        return settled(read, last=LAST_MARGIN_BITS)
+    except Uncertified:
+        bits = LAST_MARGIN_BITS
+        raise UndecidedLimitError(f"whether |R(hλ)| is 1 at h = {h} is not decided with {bits} bits") from None
 
 
 def pair_polynomial(r: RationalFunction, minimal: Minimal) -> Polynomial:
@@ -179,10 +167,10 @@ def pair_polynomial(r: RationalFunction, minimal: Minimal) -> Polynomial:
             f"a complex eigenvalue whose polynomial in h has degree {degree} > {LARGEST_PAIR_DEGREE}"
         )
     companion = _companion(minimal)
-    one = _identity(companion.nrows())
+    one = companion**0
     total, product = _on_pairs(companion, one) + _on_pairs(one, companion), _on_pairs(companion, companion)
     idle = _projection_on_kernel(total)
-    kept = _identity(total.nrows()) - idle
+    kept = total**0 - idle
     terms = _margin_terms(r, total, product, len(generator))
     values = []
     for h in range(degree + 1):
@@ -206,17 +194,17 @@ def _margin_terms(r: RationalFunction, total: _Matrix, product: _Matrix, width: 
     return terms
 
 
-def _symmetric_powers(total: _Matrix, product: _Matrix, count: int) -> Iterator[tuple[int, int, _Matrix]]:
-    """(j, j, λʲμʲ) and (j, k, λʲμᵏ + λᵏμʲ) for j < k < count, as polynomials in λ + μ and λμ."""
-    power = _identity(total.nrows())
-    sums = [power * 2, total]
+def _symmetric_powers(total: Any, product: Any, count: int) -> Iterator[tuple[int, int, Any]]:
+    """(j, j, λʲμʲ) and (j, k, λʲμᵏ + λᵏμʲ) for j < k < count, in `total` = λ + μ and `product` = λμ: λⁿ + μⁿ follows
+    the recurrence of x² - total x + product.
+    """
+    sums = [product**0 * 2, total]
     while len(sums) < count:
         sums.append(total * sums[-1] - product * sums[-2])
     for j in range(count):
-        yield j, j, power
+        yield j, j, product**j
         for k in range(j + 1, count):
-            yield j, k, power * sums[k - j]
-        power = power * product
+            yield j, k, product**j * sums[k - j]
 
 
 def _companion(minimal: Minimal) -> _Matrix:
@@ -237,12 +225,8 @@ def _projection_on_kernel(s: _Matrix) -> _Matrix:
     lowest = next(c for c in coefficients if c != 0)
     value = s * 0
     for c in reversed(coefficients[coefficients.index(lowest) :]):
-        value = value * s + _identity(s.nrows()) * (c / lowest)
+        value = value * s + s**0 * (c / lowest)
     return value
-
-
-def _identity(size: int) -> _Matrix:
-    return fmpq_mat([[fmpq(int(i == j)) for j in range(size)] for i in range(size)])
 
 
 def _kronecker(a: _Matrix, b: _Matrix) -> _Matrix:
@@ -256,11 +240,8 @@ def _field(r: RationalFunction) -> NumberField | None:
 
 def _powers_of_generator(field: NumberField | None) -> list[_Matrix]:
     """1, α, α², ... below the degree, as matrices of multiplication; 1 over Q."""
-    alpha = _companion(field.minimal) if field else _identity(1)
-    powers = [_identity(alpha.nrows())]
-    while len(powers) < alpha.nrows():
-        powers.append(powers[-1] * alpha)
-    return powers
+    alpha = _companion(field.minimal) if field else fmpq_mat([[1]])
+    return [alpha**k for k in range(alpha.nrows())]
 
 
 def _coordinates(x: Scalar) -> list[fmpq]:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from flint import acb, acb_poly, arb, ctx
 
-from driftproof.symbolic.algebra.certified import endpoints, fixed
+from driftproof.symbolic.algebra.certified import endpoints, fixed, settled
 from driftproof.symbolic.algebra.polynomials import FieldPolynomial, Polynomial, scalar, squarefree
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
 
@@ -44,14 +44,15 @@ def rounded_boundary(r: RationalFunction, count: int = COUNT, places: int = PLAC
 
     Each part of z is rounded, an error of 1/2 unit of the last place, from a ball of radius below 1/8 unit.
     """
-    bits = 64
-    while True:
-        points = [point for point in boundary_points(r, count, bits) if not point.z.imag < 0]
+
+    def middles() -> list[tuple[Fraction, ...]] | None:
+        points = [point for point in boundary_points(r, count, ctx.prec) if not point.z.imag < 0]
         parts = [tuple(endpoints(part) for part in (point.z.real, point.z.imag)) for point in points]
-        if all(8 * (high - low) * 10**places < 2 for pair in parts for low, high in pair):
-            break
-        bits *= 2
-    found = [(p.cosine, *((low + high) / 2 for low, high in pair)) for p, pair in zip(points, parts, strict=True)]
+        if not all(8 * (high - low) * 10**places < 2 for pair in parts for low, high in pair):
+            return None
+        return [(p.cosine, *((low + high) / 2 for low, high in pair)) for p, pair in zip(points, parts, strict=True)]
+
+    found = settled(middles)
     return [(str(c), fixed(x, places), fixed(y, places)) for c, x, y in sorted(found, key=lambda p: (-p[0], *p[1:]))]
 
 
@@ -71,12 +72,12 @@ def complex_roots(p: Polynomial, bits: int) -> list[acb]:
     if not isinstance(p, FieldPolynomial):
         with ctx.workprec(bits):
             return [root for root, _ in p.numer().complex_roots()]
-    simple, work = squarefree(p), 2 * bits
-    while True:
-        with ctx.workprec(work):
-            try:
-                found: list[acb] = acb_poly([c.element().ball() for c in simple.coeffs()]).roots(tol=arb(2) ** -bits)
-            except ValueError:  # the balls of the coefficients are too wide
-                work *= 2
-            else:
-                return found
+    simple = squarefree(p)
+
+    def isolated() -> list[acb] | None:
+        try:
+            return list(acb_poly([c.element().ball() for c in simple.coeffs()]).roots(tol=arb(2) ** -bits))
+        except ValueError:  # the balls of the coefficients are too wide
+            return None
+
+    return settled(isolated, 2 * bits)

@@ -7,18 +7,23 @@ from fractions import Fraction
 from functools import cached_property, partial
 from typing import Any, NamedTuple
 
-from flint import acb, acb_poly, arb, fmpq
+from flint import acb, arb, fmpq
 
+from driftproof.methods.number_field import as_fmpq
 from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import CertifiableReal
 from driftproof.symbolic.algebra.matrices import StepMatrix, matrix_determinant
-from driftproof.symbolic.algebra.polynomials import ONE, Polynomial, Scalar, at_ball, descend, exact, quotient, scalar
+from driftproof.symbolic.algebra.polynomials import ONE, at_ball, at_complex_ball, descend, exact, quotient, scalar
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root, root_ratio, sign_at
 from driftproof.symbolic.linear.eigenvalues import Complex, Eigenvalue, Imaginary, RootPlace, eigenvalues
 from driftproof.symbolic.linear.facts import demand_known
-from driftproof.symbolic.linear.oscillator import area_factor as area_factor
-from driftproof.symbolic.linear.oscillator import linear_step_matrix, oscillator_matrix, stability_function_of
+from driftproof.symbolic.linear.oscillator import (
+    area_factor,
+    linear_step_matrix,
+    oscillator_matrix,
+    stability_function_of,
+)
 from driftproof.symbolic.linear.ray_bounds import (
     ALWAYS,
     NEVER,
@@ -82,19 +87,15 @@ class SystemFacts:
     @cached_property
     def step_limit(self) -> Bound:
         """The largest H such that the powers of M(h) are bounded for every h in (0, H). Raises UndecidedLimitError."""
-        bounds = [bound for _, bound in self.bounds]
-        if NEVER in bounds:
+        decided = [bound for _, bound in self.bounds if isinstance(bound, Bound)]
+        undecided = [bound for _, bound in self.bounds if isinstance(bound, UndecidedLimitError)]
+        if NEVER in decided:
             return NEVER
-        decided = [bound for bound in bounds if isinstance(bound, Bound)]
-        undecided = [bound for bound in bounds if isinstance(bound, UndecidedLimitError)]
         if undecided:
             raise undecided[0]
         limit = smallest([bound.limit for bound in decided])
-        return (
-            ALWAYS
-            if isinstance(limit, Infinity)
-            else Bound(limit, all(b.attained for b in decided if b.limit == limit))
-        )
+        attained = all(b.attained for b in decided if b.limit == limit)
+        return ALWAYS if isinstance(limit, Infinity) else Bound(limit, attained)
 
     def _bound(self, eigenvalue: Eigenvalue) -> Bound | UndecidedLimitError:
         r = stability_function_of(self.method)
@@ -108,18 +109,34 @@ class SystemFacts:
 
 def runge_kutta_bound(r: RationalFunction, place: RootPlace, block: int) -> Bound:
     """The bound for powers of R(hJ), J a Jordan block of the eigenvalue, or a pair. Raises UndecidedLimitError."""
-    if isinstance(place, Imaginary):
-        return _per(ray_bound(r, fmpq(0), fmpq(1), block), place.size)
-    if isinstance(place, Complex):
-        if place.degree == 2:
-            return ray_bound(r, *place.sum_and_product(), block)
-        if block > 1:
-            raise UndecidedLimitError("a complex eigenvalue of degree 3 or more with a Jordan block is not decided")
-        return pair_bound(r, place)
     if place == ZERO_ROOT:
         return at_rest(r, block)
-    ahead = place.ball() > 0
-    return _per(ray_bound(r, fmpq(2 if ahead else -2), fmpq(1), block), place if ahead else place.negated())
+    if isinstance(place, Complex) and place.degree > 2:
+        _demand_simple(block)
+        return pair_bound(r, place)
+    total, product, size = _ray(place)
+    return _per(ray_bound(r, total, product, block), size)
+
+
+def _demand_simple(block: int) -> None:
+    if block > 1:
+        raise UndecidedLimitError("a complex eigenvalue of degree 3 or more with a Jordan block is not decided")
+
+
+def _ray(place: RootPlace) -> tuple[fmpq, fmpq, RealRoot]:
+    """e + ē, eē and x > 0 of an eigenvalue xe, not 0: e is ±1 or i, or itself of degree 2, then for x = 1."""
+    if isinstance(place, Complex):
+        return *place.sum_and_product(), rational_root(Fraction(1))
+    if isinstance(place, Imaginary):
+        return fmpq(0), fmpq(1), place.size
+    return fmpq(2 if place.ball() > 0 else -2), fmpq(1), _size(place)
+
+
+def _size(place: RealRoot | Imaginary) -> RealRoot:
+    """|λ|."""
+    if isinstance(place, Imaginary):
+        return place.size
+    return place if place.ball() > 0 else place.negated()
 
 
 def partitioned_bound(method: Method, place: RootPlace, block: int) -> Bound:
@@ -142,9 +159,9 @@ def partitioned_bound(method: Method, place: RootPlace, block: int) -> Bound:
         # The eigenvalues lie on the circle and turn with ω: dθ/dω is not 0 but for single h.
         return NEVER
     if isinstance(place, RealRoot) and place != ZERO_ROOT:
-        bound = power_bound(linear_step_matrix(method, [[0, 1], [1, 0]]))
+        bound = power_bound(_block(method, place))
         if block == 1 or bound == NEVER:
-            return _per(bound, place if place.ball() > 0 else place.negated())
+            return _per(bound, _size(place))
     raise UndecidedLimitError("not decided for this method: a Jordan block, or a step without a kick or a drift")
 
 
@@ -206,22 +223,14 @@ def part_is_bounded(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> 
     if r is None:
         return _partitioned(found, eigenvalue, h)
     place, block = eigenvalue.place, eigenvalue.block
-    if isinstance(place, Imaginary):
-        return _on_ray(r, fmpq(0), fmpq(1), block, times(place.size, h))
-    if isinstance(place, Complex):
-        if place.degree == 2:
-            return _on_ray(r, *place.sum_and_product(), block, rational_root(h))
-        if block > 1:
-            raise UndecidedLimitError("a complex eigenvalue of degree 3 or more with a Jordan block is not decided")
-        return margin_sign(r, place, fmpq(h.numerator, h.denominator)) > 0
     if place == ZERO_ROOT:
         return at_rest(r, block) == ALWAYS
-    ahead = place.ball() > 0
-    return _on_ray(r, fmpq(2 if ahead else -2), fmpq(1), block, times(place if ahead else place.negated(), h))
-
-
-def _on_ray(r: RationalFunction, total: Scalar, product: Scalar, block: int, x: RealRoot) -> bool:
+    if isinstance(place, Complex) and place.degree > 2:
+        _demand_simple(block)
+        return margin_sign(r, place, as_fmpq(h)) > 0
+    total, product, size = _ray(place)
     margin, obstacles = ray_conditions(r, total, product, block)
+    x = _times(size, h)
     inside = sign_at(margin, x)
     return inside > 0 or (inside == 0 and all(sign_at(p, x) == 0 for p in obstacles))
 
@@ -231,15 +240,10 @@ def _partitioned(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> boo
     place = eigenvalue.place
     if eigenvalue.block > 1 or isinstance(place, Complex) or place == ZERO_ROOT:
         raise UndecidedLimitError("a method that is not Runge-Kutta: only simple real and imaginary eigenvalues")
-    if isinstance(place, Imaginary):
-        matrix, size = oscillator_matrix(found.method), place.size
-    else:
-        matrix = linear_step_matrix(found.method, [[0, 1], [1, 0]])
-        size = place if place.ball() > 0 else place.negated()
-    return is_bounded(boundary_of(matrix), partial(sign_at, root=times(size, h)))
+    return is_bounded(boundary_of(_block(found.method, place)), partial(sign_at, root=_times(_size(place), h)))
 
 
-def times(size: RealRoot, h: Fraction) -> RealRoot:
+def _times(size: RealRoot, h: Fraction) -> RealRoot:
     """h times a positive number, h > 0."""
     return root_ratio(size, rational_root(1 / h))
 
@@ -255,11 +259,9 @@ def factor_at(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> Certif
     A Fraction where it is found to be rational: there no ball would tell a size of 1, or of 0.
     """
     r = stability_function_of(found.method)
-    return (
-        _size_of_function(r, eigenvalue, h)
-        if r is not None
-        else _radius(_block(found.method, eigenvalue), eigenvalue, h)
-    )
+    if r is None:
+        return _radius(_block(found.method, eigenvalue.place), eigenvalue, h)
+    return _size_of_function(r, eigenvalue, h)
 
 
 def _size_of_function(r: RationalFunction, eigenvalue: Eigenvalue, h: Fraction) -> CertifiableReal:
@@ -270,16 +272,15 @@ def _size_of_function(r: RationalFunction, eigenvalue: Eigenvalue, h: Fraction) 
             return abs(value)
 
     def ball() -> arb:
-        z = _ball(eigenvalue) * fmpq(h.numerator, h.denominator)
-        return abs(_at(r.num, z) / _at(r.den, z))
+        z = _ball(eigenvalue) * as_fmpq(h)
+        return abs(at_complex_ball(r.num, z) / at_complex_ball(r.den, z))
 
     return ball
 
 
-def _block(method: Method, eigenvalue: Eigenvalue) -> StepMatrix:
+def _block(method: Method, place: RootPlace) -> StepMatrix:
     """The step on q' = v, v' = -q, or v' = q where λ is real."""
-    real = isinstance(eigenvalue.place, RealRoot)
-    return linear_step_matrix(method, [[0, 1], [1, 0]]) if real else oscillator_matrix(method)
+    return linear_step_matrix(method, [[0, 1], [1, 0]]) if isinstance(place, RealRoot) else oscillator_matrix(method)
 
 
 def _radius(matrix: StepMatrix, eigenvalue: Eigenvalue, h: Fraction) -> CertifiableReal:
@@ -290,7 +291,7 @@ def _radius(matrix: StepMatrix, eigenvalue: Eigenvalue, h: Fraction) -> Certifia
         return spectral_radius([exact(entry(x)) for row in matrix for entry in row])
 
     def ball() -> arb:
-        y = abs(_ball(eigenvalue)) * fmpq(h.numerator, h.denominator)
+        y = abs(_ball(eigenvalue)) * as_fmpq(h)
         (a, b), (c, d) = ([at_ball(e.num, y) / at_ball(e.den, y) for e in row] for row in matrix)
         half, root = acb(a + d) / 2, acb((a - d) * (a - d) + 4 * b * c).sqrt() / 2
         return abs(half + root).max(abs(half - root))
@@ -301,7 +302,3 @@ def _radius(matrix: StepMatrix, eigenvalue: Eigenvalue, h: Fraction) -> Certifia
 def _ball(eigenvalue: Eigenvalue) -> acb:
     place = eigenvalue.place
     return acb(0, place.size.ball()) if isinstance(place, Imaginary) else acb(place.ball())
-
-
-def _at(p: Polynomial, z: acb) -> acb:
-    return acb_poly([at_ball(ONE * c, arb(0)) for c in p.coeffs()])(z)

@@ -19,7 +19,7 @@ from typing import NamedTuple, TypeAlias
 from flint import arb, ctx
 
 from driftproof.methods.stepping import Force, oscillator
-from driftproof.symbolic.algebra.certified import Uncertified, enclose, endpoints, scientific
+from driftproof.symbolic.algebra.certified import enclose, endpoints, scientific, settled
 from driftproof.symbolic.rounding.adapted_norm import AdaptedNorm, NoAdaptedNorm, adapted_norm
 from driftproof.symbolic.rounding.fixed_step_bound import FixedStepBound, fixed_step_bound
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
@@ -38,7 +38,6 @@ _State: TypeAlias = tuple[Fraction, Fraction]
 # Upper bounds are rounded up from enclosures of at least this relative accuracy.
 _SETTLED_BITS = 40
 _FIRST_BITS = 256
-_LAST_BITS = 1 << 16
 # A magnitude beyond this power of two is shown as one.
 _LARGEST_WRITTEN_OUT = 4096
 
@@ -196,11 +195,10 @@ def _demand_safe(run: _Run, safe: Fraction, fmt: FloatFormat) -> None:
 
 def _above(ball: Callable[[], arb]) -> Fraction:
     """An upper bound of a positive number, within a relative 2**-_SETTLED_BITS of it."""
-    bits = _FIRST_BITS
-    while bits <= _LAST_BITS:
-        with ctx.workprec(bits):
-            value = ball()
-            if value.is_exact() or value.rel_accuracy_bits() >= _SETTLED_BITS:
-                return endpoints(value)[1]
-        bits *= 2
-    raise Uncertified(f"no enclosure within {_LAST_BITS} bits")
+
+    def above() -> Fraction | None:
+        value = ball()
+        accurate = value.is_exact() or value.rel_accuracy_bits() >= _SETTLED_BITS
+        return endpoints(value)[1] if accurate else None
+
+    return settled(above, _FIRST_BITS)
