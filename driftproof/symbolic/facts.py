@@ -24,6 +24,7 @@ from driftproof.symbolic.trees.algebraic_stability import algebraic_stability
 from driftproof.symbolic.trees.modified_equation import modified_equation
 from driftproof.symbolic.trees.order_conditions import Conditions, OrderFact
 from driftproof.symbolic.trees.order_in_balls import RoundedOrder, order_but_for_rounding
+from driftproof.symbolic.trees.partitioned_trees import general_conditions
 from driftproof.symbolic.trees.rooted_trees import TooManyTrees, Tree
 
 FAMILY_NAMES = {RungeKutta: "runge_kutta", Splitting: "splitting", Nystrom: "nystrom", Collocation: "collocation"}
@@ -35,17 +36,9 @@ TOLERANCE_ORDER = 12
 
 # The other facts are the same of both.
 OF_THE_TABLE = (
-    *(
-        "stages",
-        "explicit",
-        "field",
-        "inconsistencies",
-        "embedded_order",
-        "estimate",
-        "stage_order",
-        "simplifying_assumptions",
-    ),
-    *("algebraically_stable", "order_reduction", "stiffly_accurate", "first_same_as_last", "stability_within_digits"),
+    *("stages", "explicit", "field", "inconsistencies", "embedded_order", "estimate", "stage_order"),
+    *("simplifying_assumptions", "algebraically_stable", "order_reduction"),
+    *("stiffly_accurate", "first_same_as_last", "stability_within_digits"),
 )
 OF_THE_IRREDUCIBLE_METHOD = ("symplectic", "symmetric", "ssp_coefficient")
 
@@ -241,12 +234,10 @@ class OrderWithin(NamedTuple):
 
 
 def general_order(method: Method) -> OrderFact[Any]:
-    """The order on the widest class of problems that the family is for: any y' = f(y) for Runge-Kutta and collocation,
-    separable Hamiltonians for splittings, q'' = F(q) for Nyström methods. Never the order on linear problems alone.
-    """
-    if isinstance(method, Splitting):
-        return partitioned_trees.separable_order(method)
-    return partitioned_trees.nystrom_order(method) if isinstance(method, Nystrom) else order_conditions.order(method)
+    """The order by `general_conditions`, never that on linear problems alone."""
+    if isinstance(method, Collocation):
+        return order_conditions.order(method)  # by its quadrature formula
+    return order_conditions.order_of(general_conditions(method))
 
 
 def order_within(method: Method, tolerance: Fraction) -> OrderWithin:
@@ -269,17 +260,10 @@ def order_within(method: Method, tolerance: Fraction) -> OrderWithin:
             return order
         return order_conditions.order_to_tolerance(conditions, tolerance, TOLERANCE_ORDER)
 
-    conditions: Conditions[Any]
-    if isinstance(method, Splitting):
-        conditions = partitioned_trees.separable_conditions(method)
-    elif isinstance(method, Nystrom):
-        conditions = partitioned_trees.nystrom_conditions(method)
-    else:
-        conditions = order_conditions.runge_kutta_conditions(method)
     second = order_conditions.embedded_conditions(method) if isinstance(method, RungeKutta) else None
     return OrderWithin(
         tolerance,
-        within(conditions, general_order(method).order),
+        within(general_conditions(method), general_order(method).order),
         within(partitioned_trees.nystrom_conditions(method)) if isinstance(method, Splitting) else None,
         None if second is None else within(second),
     )

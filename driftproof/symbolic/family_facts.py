@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
-from itertools import count
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from flint import fmpq, fmpq_poly
@@ -224,7 +223,8 @@ def family_order(family: Family) -> tuple[int, FailingTree, list[OrderSet]]:
     failing: tuple[int, FailingTree] | None = None
     shared: Polynomial = ZERO  # vanishes exactly where all conditions so far hold
     sets: list[OrderSet] = []
-    for n in count(1):
+    while True:
+        n = len(sets) + 1
         for tree, residual in family_residuals(family, n):
             if residual.num != 0:
                 failing = failing or (n - 1, FailingTree(tree, ExactFunction(residual, family.parameter).as_formula()))
@@ -232,7 +232,6 @@ def family_order(family: Family) -> tuple[int, FailingTree, list[OrderSet]]:
         sets.append(OrderSet(n, _vanishing(family, shared)))
         if failing and not sets[-1].values.intervals:
             return (*failing, sets)
-    raise AssertionError("unreachable: count has no end")
 
 
 def _vanishing(family: Family, p: Polynomial) -> ParameterSet:

@@ -104,10 +104,6 @@ class FieldPolynomial(ScalarExtension):
             raise ValueError("only an element of the field has an inverse")
         return field_element(Algebraic(self.field, self.field.inverse([p[0] for p in self.parts])))
 
-    def __call__(self, x: fmpq) -> FieldPolynomial:
-        """The value at a rational x, in K."""
-        return self._map(lambda p: fmpq_poly([p(x)]))
-
     def __repr__(self) -> str:
         """The coefficients, constant term first."""
         return f"{type(self).__name__}({', '.join(str(c.element()) for c in self.coeffs())})"

@@ -9,6 +9,7 @@ from flint import arb, fmpz
 
 from driftproof.methods.number_field import Algebraic, Exact, as_fmpq
 from driftproof.symbolic.algebra.certified import settled, significant
+from driftproof.symbolic.algebra.rational_functions import monomial_text, sum_text
 from driftproof.symbolic.algebra.real_roots import Minimal, RealRoot
 
 PRINTED_DIGITS = 31
@@ -36,15 +37,7 @@ def radical_form(root: RealRoot) -> str | None:
 
 def integer_polynomial_text(coefficients: Minimal, name: str = "x") -> str:
     """The polynomial in SymPy's syntax, highest power first, e.g. "x**2 - 8"."""
-    text = ""
-    for power in reversed(range(len(coefficients))):
-        if (c := coefficients[power]) == 0:
-            continue
-        monomial = "" if power == 0 else name if power == 1 else f"{name}**{power}"
-        size = str(fmpz(abs(c)))
-        body = monomial if monomial and abs(c) == 1 else f"{size}*{monomial}" if monomial else size
-        text += (f" {'-' if c < 0 else '+'} " if text else "-" if c < 0 else "") + body
-    return text or "0"
+    return sum_text(monomial_text(Fraction(c), k, name) for k, c in reversed([*enumerate(coefficients)]) if c)
 
 
 def is_readable(x: Exact) -> bool:
@@ -66,7 +59,7 @@ def _rational_power(x: Fraction, power: int) -> str | None:
         return None
     outer, inner = split
     surd = f"sqrt({inner})" if power == 2 else f"{inner}**(1/{power})"
-    return _times(Fraction(outer, x.denominator), surd if inner > 1 else "")
+    return _times(Fraction(outer, x.denominator), surd)
 
 
 def _quadratic(minimal: Minimal, root: RealRoot, power: int) -> str | None:
@@ -99,7 +92,5 @@ def perfect_part(n: int, power: int) -> tuple[int, int] | None:
 
 def _times(factor: Fraction, surd: str) -> str:
     """factor*surd for a positive factor, in SymPy's order: "2*sqrt(6)/3"."""
-    if not surd:
-        return str(factor)
     over = f"/{factor.denominator}" if factor.denominator > 1 else ""
     return f"{surd}{over}" if factor.numerator == 1 else f"{factor.numerator}*{surd}{over}"

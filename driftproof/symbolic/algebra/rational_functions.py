@@ -156,7 +156,7 @@ def exact_text(x: Exact) -> str:
 
 def polynomial_text(p: Polynomial, name: str) -> str:
     """The polynomial, constant term first, e.g. "1/2 - h**2/8" or "(2 - sqrt(2))*h"."""
-    return sum_text(_term(c, power, name) for power, c in enumerate(coefficients(p)) if c != 0)
+    return sum_text(monomial_text(c, power, name) for power, c in enumerate(coefficients(p)) if c != 0)
 
 
 def sum_text(terms: Iterable[str]) -> str:
@@ -177,7 +177,7 @@ def rational_function_text(f: RationalFunction, name: str) -> str:
     return f"{top}/{den}" if den.replace("**", "").isidentifier() else f"{top}/({den})"
 
 
-def _term(c: Exact, power: int, name: str) -> str:
+def monomial_text(c: Exact, power: int, name: str) -> str:
     """c*name**power, with the sign in front."""
     monomial = "" if power == 0 else name if power == 1 else f"{name}**{power}"
     if not isinstance(c, Fraction):

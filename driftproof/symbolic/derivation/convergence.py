@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import sympy
 from sympy.polys.matrices import DomainMatrix
 
-from driftproof.symbolic.derivation.one_step import RING, H, StepPolynomial, entries, matrix
+from driftproof.symbolic.derivation.one_step import RING, H, entries, matrix
 from driftproof.symbolic.derivation.phase import cosine_series, leading_term, sine_series
 
 J = sympy.ImmutableMatrix([[0, 1], [-1, 0]])
@@ -41,18 +40,15 @@ class LocalError:
 
 
 def local_error(m: DomainMatrix) -> LocalError:
-    """The leading term of the error of one step that starts on the exact solution.
-
-    Raises ValueError for a matrix that agrees with the exact flow to more powers of h than its own degree, which no
-    polynomial step can.
+    """The leading term of the error of one step that starts on the exact solution, by powers of h up to one beyond M's
+    degree, at which exp(hJ) has an entry and M has none.
     """
     terms = 3 + max(polynomial.degree() for polynomial in entries(m))
     difference = entries(m - exact_flow_series(terms))
     powers = [leading[0] for polynomial in difference if (leading := leading_term(polynomial))]
-    if not powers or min(powers) >= terms:
-        raise ValueError("no error term found: the step agrees with the exact flow")
     power = min(powers)
-    return LocalError(power, sympy.ImmutableMatrix(2, 2, [_coefficient(p, power) for p in difference]))
+    coefficients = [RING.domain.to_sympy(polynomial.coeff(H**power)) for polynomial in difference]
+    return LocalError(power, sympy.ImmutableMatrix(2, 2, coefficients))
 
 
 def global_error_coefficient(local: LocalError) -> sympy.ImmutableMatrix:
@@ -65,7 +61,3 @@ def global_error_coefficient(local: LocalError) -> sympy.ImmutableMatrix:
     conjugated = J * c * J  # = -c on the commuting part, +c on the anticommuting part
     commuting, anticommuting = (c - conjugated) / 2, (c + conjugated) / 2
     return sympy.ImmutableMatrix(FINAL_TIME * rotation(FINAL_TIME) * commuting + sympy.sin(FINAL_TIME) * anticommuting)
-
-
-def _coefficient(polynomial: StepPolynomial, power: int) -> Any:
-    return RING.domain.to_sympy(polynomial.coeff(H**power))

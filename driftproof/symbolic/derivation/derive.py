@@ -57,8 +57,8 @@ from driftproof.symbolic.derivation.stability import (
 )
 from driftproof.symbolic.derivation.stages import derived_matrix
 
-# The first terms of the phase error; where they are all zero, twice as many, up to the last.
-FIRST_TERMS, LAST_TERMS = 8, 64
+# The first terms of the phase error; where they are all zero, twice as many: cos θ is algebraic in h, and cos h is not.
+FIRST_TERMS = 8
 MONOMIALS = (POSITION**2, POSITION * VELOCITY, VELOCITY**2)
 
 
@@ -175,18 +175,12 @@ class Derivation(Printable):
         factor, rest = square_root_of_discriminant(self._m)
         because = "The tangent is a series in $h$, and so is the arc tangent of it."
         tangent = ProofStep(because, (TANGENT, factor * sympy.sqrt(-rest) / 2 / half_trace))
-        leading, terms = None, FIRST_TERMS // 2
+        terms = FIRST_TERMS
         try:
-            while leading is None and terms < LAST_TERMS:
+            while (leading := leading_term(series := phase_error_series(self._m, terms))) is None:
                 terms *= 2
-                series = phase_error_series(self._m, terms)
-                leading = leading_term(series)
         except ValueError as error:
             return Derived("phase_error", symbol, None, (), str(error))
-        if leading is None:
-            return Derived(
-                "phase_error", symbol, None, (tangent,), f"no term below $h^{{{LAST_TERMS}}}$ differs from 0"
-            )
         value = expression(series) + sympy.Order(STEP_SIZE**terms)
         first = ProofStep("The first one decides for small $h$.", (leading[1] * STEP_SIZE ** leading[0],))
         return Derived("phase_error", symbol, value, (tangent, ProofStep("The first terms:", (symbol, value)), first))

@@ -256,9 +256,7 @@ def sector_tangent(r: RationalFunction) -> Limit | EnclosedTangent:
 
 
 def sector_tangent_by_rays(margin: list[Polynomial]) -> Limit:
-    """tan α from the margin on the rays; also where R is A-stable."""
-    if not margin:
-        return INFINITY
+    """tan α from the margin on the rays; also where R is A-stable, and no constant."""
     limit = first_failure(_critical(margin), lambda square: negative_point(_at(margin, square)) is None)
     return limit.square_root() if isinstance(limit, RealRoot) else limit
 

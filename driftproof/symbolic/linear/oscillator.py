@@ -130,17 +130,15 @@ def inflated(p: Polynomial) -> Polynomial:
 
 def _implicit_nystrom_matrix(method: Nystrom) -> StepMatrix:
     """k = -(I + h²A)⁻¹ (1 q + hc v): every entry is a resolvent bᵀ(I - zA)⁻¹v at z = -h²."""
-    values = [[scalar(x) for x in row] for row in method.a]
+    a = tuple(tuple(scalar(x) for x in row) for row in method.a)
     nodes, weights, rates = (tuple(scalar(x) for x in row) for row in (method.c, method.b_position, method.b_velocity))
-    data = ScalarTableau(tuple(map(tuple, values)), weights, nodes, method.field)
 
     def response(b: tuple[Scalar, ...], v: tuple[Scalar, ...]) -> RationalFunction:
-        found = resolvent(data.weighted(b), v)
+        found = resolvent(ScalarTableau(a, b, nodes, method.field), v)
         return fraction(_at_minus_square(found.num), _at_minus_square(found.den))
 
     step, square = fraction(X), fraction(X * X)
-    one = fraction(ONE)
-    ones = data.power(0)
+    one, ones = fraction(ONE), (ONE[0],) * len(nodes)
     return (
         (one - square * response(weights, ones), step - step * square * response(weights, nodes)),
         (-(step * response(rates, ones)), one - square * response(rates, nodes)),

@@ -61,7 +61,6 @@ def matchings(
     i = len(chosen)
     if i == len(stages.a):
         yield chosen
-        return
     for k in range(len(stages.a)):
         if k not in chosen and _fits(stages, other, (*chosen, k)):
             yield from matchings(stages, other, (*chosen, k))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from math import factorial
 from typing import Any, TypeAlias
@@ -63,21 +63,9 @@ class ScalarTableau:
             found.append(self._element(self._weights * vector))
         return found
 
-    def weighted(self, weights: Sequence[Scalar]) -> ScalarTableau:
-        """The same A and c with other weights."""
-        return replace(self, b=tuple(weights))
-
     def power(self, k: int) -> tuple[Scalar, ...]:
         """The vector of the cᵢᵏ; for k = 0 the vector of ones."""
         return tuple(c**k for c in self.c)
-
-    def applied(self, vector: Sequence[Scalar]) -> tuple[Scalar, ...]:
-        """A v."""
-        return tuple(dot(row, vector) for row in self.a)
-
-    def weighed(self, vector: Sequence[Scalar]) -> Scalar:
-        """bᵀv."""
-        return dot(self.b, vector)
 
     @cached_property
     def denominator(self) -> Polynomial:
@@ -143,7 +131,8 @@ class NodeTableau(ScalarTableau):
 
     def power(self, k: int) -> tuple[Scalar, ...]:
         """The class of xᵏ."""
-        return self._class(fmpq_poly([0] * k + [1]))
+        rest = fmpq_poly([0] * k + [1]) % self.nodes
+        return tuple(rest[i] for i in range(self.stages))
 
     @classmethod
     def of(cls, nodes: Polynomial) -> NodeTableau:
@@ -153,10 +142,6 @@ class NodeTableau(ScalarTableau):
         rows = tuple(tuple(image[i] for image in images) for i in range(size))
         weights = tuple(fmpq(1, j + 1) for j in range(size))
         return cls(rows, weights, (), None, nodes)
-
-    def _class(self, p: Polynomial) -> tuple[Scalar, ...]:
-        rest = p % self.nodes
-        return tuple(rest[i] for i in range(self.stages))
 
 
 def scalar_tableau(method: RungeKutta | Collocation) -> ScalarTableau:
@@ -222,17 +207,13 @@ def stability_function_of_collocation(node_polynomial: Sequence[Exact | int]) ->
     for _ in range(nodes.degree()):
         derivatives.append(derivatives[-1].derivative())
     derivatives.reverse()
-    at_one, at_zero = (from_scalars([_value(p, x) for p in derivatives]) for x in (1, 0))
+    at_one, at_zero = (from_scalars([evaluate(p, fmpq(x)) for p in derivatives]) for x in (1, 0))
     return fraction(at_one, at_zero)
 
 
 def resolvent(data: ScalarTableau, start: Sequence[Scalar]) -> RationalFunction:
     """bᵀ(I - zA)⁻¹v for v = start, in lowest terms."""
     return data.times_denominator(data.moments(start, data.stages))
-
-
-def _value(p: Polynomial, x: int) -> Scalar:
-    return evaluate(p, p[0] * 0 + x) if p != 0 else ONE[0] * 0
 
 
 def _reversed_characteristic(data: ScalarTableau, rows: Sequence[Sequence[Scalar]]) -> Polynomial:
@@ -252,7 +233,7 @@ def prothero_robinson(method: RungeKutta | Collocation, power: int) -> RationalF
         raise ValueError(f"power = {power}; the functions are numbered from 1")
     data = scalar_tableau(method)
     nodes = data.power(power - 1)
-    defects = [x / power - y for x, y in zip(data.power(power), data.applied(nodes), strict=True)]
-    quadrature = fraction(ONE * (fmpq(1, power) - data.weighed(nodes)))
+    defects = [x / power - dot(row, nodes) for x, row in zip(data.power(power), data.a, strict=True)]
+    quadrature = fraction(ONE * (fmpq(1, power) - dot(data.b, nodes)))
     total = quadrature + fraction(X) * resolvent(data, defects) if any(defects) else quadrature
     return total * fraction(ONE / factorial(power - 1))

@@ -92,8 +92,7 @@ class MultipliedOutTally(ErrorTally):
         return self if self.factor is not None else type(self)(self.finished)
 
     def _times(self, other: Self) -> Self:
-        if 0 not in (self.additions, other.additions):
-            return super()._times(other)
+        # One of the factors of a step, a coefficient or h, is no sum.
         return type(self)(self.rounding * self.size * other.size, self.additions + other.additions)
 
 

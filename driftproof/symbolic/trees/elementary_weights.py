@@ -60,10 +60,8 @@ class IntegerScalars(ExactScalars):
 
 EXACT: Scalars = ExactScalars()
 
-
 # The values of something at all stages of a method. Its type is the stage algebra's own.
 StageValues: TypeAlias = Any
-
 
 # A method whose order is that of its trees.
 TreeMethod: TypeAlias = RungeKutta | Collocation

@@ -19,6 +19,7 @@ from driftproof.symbolic.trees.elementary_weights import (
     RingElement,
     Scalars,
     StageAlgebra,
+    TableauStages,
     TreeMethod,
     distinct_nodes,
     stage_algebra,
@@ -144,9 +145,11 @@ def embedded_order(method: TreeMethod) -> OrderFact[Tree] | None:
     return None if conditions is None else order_of(conditions)
 
 
-def runge_kutta_conditions(method: TreeMethod) -> RungeKuttaConditions:
-    """The conditions of a method that is given by its tableau, or by its nodes' polynomial."""
-    return RungeKuttaConditions(stage_algebra(method))
+def runge_kutta_conditions(method: TreeMethod, scalars: Scalars = EXACT) -> RungeKuttaConditions:
+    """The conditions of a method that is given by its tableau, or by its nodes' polynomial, then in exact numbers."""
+    if scalars is EXACT or isinstance(method, Collocation):
+        return RungeKuttaConditions(stage_algebra(method))
+    return RungeKuttaConditions(TableauStages(method.a, method.b, scalars))
 
 
 def embedded_conditions(method: TreeMethod) -> RungeKuttaConditions | None:

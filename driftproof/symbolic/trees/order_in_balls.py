@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from math import factorial
@@ -21,8 +21,7 @@ from driftproof.symbolic.trees.partitioned_trees import (
     Q,
     V,
     conditions_with_nodes,
-    nystrom_conditions,
-    separable_conditions,
+    general_conditions,
 )
 from driftproof.symbolic.trees.rooted_trees import AnyTree, Tree, tree_table
 
@@ -120,21 +119,17 @@ def ball_order(method: BallTableau | BallNystrom, limit: int, *, timed: bool = F
 def linear_ball_order(method: BallTableau | BallNystrom, limit: int) -> int:
     """The same on linear problems, y' = My or q'' = Mq: there, only the trees without a fork matter."""
     with ctx.workprec(BALL_BITS):
-        chains = _nystrom_chains(method) if isinstance(method, BallNystrom) else [_chain(method)]
+        if isinstance(method, BallNystrom):
+            chains = [_nystrom_chain(_Drifting(method), leaf) for leaf in (V, Q)]
+        else:
+            chains = [_chain(method)]
         return min(_first_wrong(chain, limit) for chain in chains)
 
 
 def order_but_for_rounding(method: RungeKutta | Splitting | Nystrom, limit: int) -> RoundedOrder | None:
     """`rounded_order` on the problems of the family; the coefficients are rational."""
-    conditions: Conditions[Any]
     with ctx.workprec(BALL_BITS):
-        if isinstance(method, RungeKutta):
-            conditions = RungeKuttaConditions(TableauStages(method.a, method.b, Balls()))
-        elif isinstance(method, Splitting):
-            conditions = separable_conditions(method, Balls())
-        else:
-            conditions = nystrom_conditions(method, Balls())
-        return rounded_order(conditions, limit)
+        return rounded_order(general_conditions(method, Balls()), limit)
 
 
 def rounded_order(conditions: Conditions[Any], limit: int) -> RoundedOrder | None:
@@ -148,17 +143,14 @@ def rounded_order(conditions: Conditions[Any], limit: int) -> RoundedOrder | Non
         largest, n = arb(0), 0
         while JUMP * largest < 1 and n <= min(limit, conditions.bound):  # weights, and so residuals, are about 1
             n += 1
-            sizes = [x.abs_upper() for _, x in _in_balls(conditions.residuals(n)) if not x.contains(0)]
+            balls = (arb(x) for _, x in conditions.residuals(n))
+            sizes = [x.abs_upper() for x in balls if not x.contains(0)]
             found = max(sizes, default=arb(0))
             if largest > 0 and JUMP * largest < found:
                 most = scientific(endpoints(largest)[1], RESIDUAL_DIGITS, AWAY)
                 return RoundedOrder(n - 1, most, scientific(endpoints(found)[1], RESIDUAL_DIGITS))
             largest = max(largest, found)
     return None
-
-
-def _in_balls(residuals: Sequence[tuple[Any, RingElement]]) -> Iterator[tuple[Any, arb]]:
-    return ((label, x if isinstance(x, arb) else arb(x)) for label, x in residuals)
 
 
 def vanishing_order(method: BallTableau, limit: int) -> ProvableFailure[Tree]:
@@ -168,16 +160,16 @@ def vanishing_order(method: BallTableau, limit: int) -> ProvableFailure[Tree]:
     """
     with ctx.workprec(BALL_BITS):
         conditions = RungeKuttaConditions(TableauStages(method.a, method.b, Balls()))
-        for n in range(1, limit + 1):
-            for label, weight in zip(tree_table(n).ids(n), conditions.of_order(n), strict=True):
-                if not weight.contains(0):
-                    return ProvableFailure(n - 1, conditions.tree(n, label), endpoints(weight))
-    return ProvableFailure(limit, None, None)
+        weights = lambda n: zip(tree_table(n).ids(n), conditions.of_order(n), strict=True)
+        return _first_failure(conditions, limit, weights)
 
 
-def _first_failure(conditions: Conditions[TreeType], limit: int) -> ProvableFailure[TreeType]:
+def _first_failure(
+    conditions: Conditions[TreeType], limit: int, of_order: Callable[[int], Iterable[tuple[Any, arb]]] | None = None
+) -> ProvableFailure[TreeType]:
+    """The first that is not 0 of the residuals, or of what else is given for each tree of n vertices."""
     for n in range(1, limit + 1):
-        for label, residual in conditions.residuals(n):
+        for label, residual in (of_order or conditions.residuals)(n):
             if not residual.contains(0):
                 return ProvableFailure(n - 1, conditions.tree(n, label), endpoints(residual))
     return ProvableFailure(limit, None, None)
@@ -197,10 +189,6 @@ def _chain(method: BallTableau) -> Iterator[RingElement]:
     while True:
         yield stages.weigh(values)
         values = stages.inner(values)
-
-
-def _nystrom_chains(method: BallNystrom) -> list[Iterator[RingElement]]:
-    return [_nystrom_chain(_Drifting(method), leaf) for leaf in (V, Q)]
 
 
 def _nystrom_chain(stages: NystromStages, colour: str) -> Iterator[RingElement]:

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from flint import fmpq
 
-from driftproof.methods.schemes import Nystrom, Splitting
+from driftproof.methods.schemes import Method, Nystrom, Splitting
 from driftproof.symbolic.trees.elementary_weights import (
     EXACT,
     ElementaryWeights,
@@ -19,7 +19,13 @@ from driftproof.symbolic.trees.elementary_weights import (
     Table,
     TableauStages,
 )
-from driftproof.symbolic.trees.order_conditions import OrderFact, TreeLabel, order_of
+from driftproof.symbolic.trees.order_conditions import (
+    Conditions,
+    OrderFact,
+    TreeLabel,
+    order_of,
+    runge_kutta_conditions,
+)
 from driftproof.symbolic.trees.rooted_trees import (
     ColouredTree,
     alternately_coloured,
@@ -169,6 +175,17 @@ def nystrom_conditions(method: Splitting | Nystrom, scalars: Scalars = EXACT) ->
     if isinstance(method, Splitting):
         return AlternatingConditions(SplittingStages(method, scalars), linear_drift=True)
     return AlternatingConditions(NystromStages(method, scalars), linear_drift=True)
+
+
+def general_conditions(method: Method, scalars: Scalars = EXACT) -> Conditions[Any]:
+    """The conditions on the widest class of problems that the family is for: any y' = f(y) for Runge-Kutta and
+    collocation, separable Hamiltonians for splittings, q'' = F(q) for Nyström methods.
+    """
+    if isinstance(method, Splitting):
+        return separable_conditions(method, scalars)
+    if isinstance(method, Nystrom):
+        return nystrom_conditions(method, scalars)
+    return runge_kutta_conditions(method, scalars)
 
 
 def separable_order(method: Splitting) -> OrderFact[ColouredTree]:
