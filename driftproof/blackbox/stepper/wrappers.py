@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -40,7 +40,7 @@ _SPANS = ("t_span", "tspan", "interval", "t_bound", "t_end", "tf", "t_final")
 
 def wrapper_line(step: Callable[..., Any]) -> str:
     """What to write, as the end of a refusal; nothing where nothing is known to fit."""
-    line = _of_object(step) or _of_names(step)
+    line = _of_object(step) or ("" if inspect.isclass(step) else _of_names(step))
     return f": {line}" if line else ""
 
 
@@ -76,7 +76,7 @@ def _name(step: Callable[..., Any]) -> str:
 
 
 def _of_object(step: Callable[..., Any]) -> str:
-    """Of a class, or of the method of an object, that takes the step size alone: `stepper_of`."""
+    """Of a class, or of the method of an object, that takes the step size alone: `stepper_of`, where its state is."""
     names = required_names(step)
     if inspect.isclass(step) and (line := _of_class(step)):
         return line
@@ -84,44 +84,126 @@ def _of_object(step: Callable[..., Any]) -> str:
     if owner is None or (not inspect.isclass(step) and (names is None or [*map(_role, names)] not in ([STEP], []))):
         return ""
     made, cls = owner, owner if inspect.isclass(owner) else type(owner)
+    makes = required_names(cls) or []
     if inspect.isclass(owner):
         with suppress(Exception):
-            made = cls(*[lambda *x: 0.0 for _ in required_names(cls) or []])
+            made = cls(*[lambda *x: 0.0 for _ in makes])
     advance = next((each for each in _ADVANCES if hasattr(cls, each)), "step")
     if not inspect.isclass(step):
         advance = getattr(step, "__name__", advance)
-    attributes = [name for name in (vars(made) if hasattr(made, "__dict__") else {}) if not name.startswith("_")]
-    places = [next((name for name in attributes if _is(role, name)), "") for role in (POSITION, VELOCITY)]
-    make = cls.__name__ if len(required_names(cls) or []) < 2 else f"lambda: {cls.__name__}(...)"
-    state = next((name for name in attributes if _is(STATE, name)), "state")
-    where = f'position="{places[0]}", velocity="{places[1]}"' if all(places) else f'state="{state}"'
-    return f'from driftproof import stepper_of; wrapped = stepper_of({make}, {where}, advance="{advance}")'
+    q, v, state, time = (_attribute(made, role) for role in (POSITION, VELOCITY, STATE, TIME))
+    if not state and not (q and v):
+        return ""
+    make = cls.__name__ if len(makes) < 2 else f"lambda: {cls.__name__}(...)"
+    where, maker = f'position="{q}", velocity="{v}"' if q and v else f'state="{state}"', "stepper_of"
+    if [*map(_role, makes)] == [FUNCTION] and not (q and v):
+        where, maker = f'{where}, time="{time}"' if time else where, "field_stepper_of"
+    return f'from driftproof import {maker}; wrapped = {maker}({make}, {where}, advance="{advance}")'
+
+
+def _attribute(made: Any, role: str) -> str:
+    """The public attribute of an object whose name is one of the role's; "" if there is none."""
+    named = vars(made) if hasattr(made, "__dict__") and not inspect.isclass(made) else {}
+    return next((name for name in named if not name.startswith("_") and _is(role, name)), "")
 
 
 def _of_class(cls: type) -> str:
     """Of a class that is made of f: its method takes the state and gives it back, or the object keeps the state."""
     names = required_names(cls) or []
-    advance = next((each for each in _ADVANCES if hasattr(cls, each)), None)
-    taken = required_names(getattr(cls, advance)) if advance else None
-    given = _by_role(names, FIELD)
-    if not taken or len(given) < len(names) or not {"f", *_ARGUMENTS.values()}.issuperset(given.values()):
+    own = next((each for each in (*_ADVANCES, "__call__") if any(each in vars(base) for base in cls.__mro__)), None)
+    taken = required_names(getattr(cls, own)) if own else None
+    if not taken:
         return ""
-    of_step = _by_role(taken[1:], FIELD)
-    if "f" not in given.values() or len(of_step) < len(taken) - 1:
+    kind = FORCE if {POSITION, VELOCITY} <= {_role(each) for each in (*names, *taken)} else FIELD
+    method = "" if own == "__call__" else f".{own}"
+    made = _Made(kind, cls.__name__, _by_role(names, kind), _by_role(taken[1:], kind), method)
+    if len(made.arguments) < len(names) or len(made.call) < len(taken) - 1:
         return ""
-    arguments = ", ".join(given[each] for each in names)
-    call = f"{advance}({', '.join(of_step[each] for each in taken[1:])})"
-    if "y" in of_step.values():
-        return f"def wrapped(f, t, y, h): return {cls.__name__}({arguments}).{call}"
-    if "y" not in given.values():
+    if _function(kind) not in made.arguments.values():
+        return ""
+    if made.state <= {*made.call.values()}:
+        return made.line(cls)
+    if not made.state <= {*made.arguments.values()}:
         return ""
     with suppress(Exception):
-        values = {"f": lambda *x: 0 * x[-1], "t": 0.0, "y": np.array([1.0, 0.5]), "h": 0.25}
-        kept = [*vars(cls(*[values[given[each]] for each in names]))]
-        state = next(name for name in kept if _is(STATE, name))
-        time = next((f"made.{name} = t; " for name in kept if _is(TIME, name) and "t" not in given.values()), "")
-        return f"def wrapped(f, t, y, h): made = {cls.__name__}({arguments}); {time}made.{call}; return made.{state}"
+        kept = made.new(cls, _START[kind], 0.0)
+        places = [_attribute(kept, role) for role in ((POSITION, VELOCITY) if kind == FORCE else (STATE,))]
+        time = _attribute(kept, TIME) if "t" not in made.arguments.values() else ""
+        return made._replace(kept=places, time=time).line(cls) if all(places) else ""
     return ""
+
+
+_START = {FIELD: (np.array([1.0, 0.5]),), FORCE: (1.0, 0.5), MAP: (1.0, 0.5)}
+# Steps in which a multistep method shows that it remembers, however it starts: more than any in use remembers.
+_TRIED = 12
+
+
+class _Made(NamedTuple):
+    """A stepper that is made first: of which kind, of what, and what it is called with, each by the wrapper's names.
+
+    `kept` are the attributes with its state where it keeps that, and `time` the one with its time.
+    """
+
+    kind: str
+    maker: str
+    arguments: dict[str, str]
+    call: dict[str, str]
+    method: str = ""
+    kept: Sequence[str] = ()
+    time: str = ""
+
+    @property
+    def state(self) -> set[str]:
+        """The names of its state."""
+        return {"y"} if self.kind == FIELD else {"q", "v"}
+
+    def line(self, make: Callable[..., Any]) -> str:
+        """The wrapper of one step; of what is seen to remember, that of n steps, which do not begin anew."""
+        timed = self.kind != FIELD or self.time or "t" in (*self.arguments.values(), *self.call.values())
+        head = _HEADS[self.kind] if timed else "f, y, h"
+        made, call = f"{self.maker}({', '.join(self.arguments.values())})", ", ".join(self.call.values())
+        begin = f"made = {made}; {f'made.{self.time} = t; ' if self.time else ''}"
+        left, once = ", ".join(f"made.{each}" for each in self.kept), f"made{self.method}({call})"
+        if not self._remembers(make):
+            return f"def wrapped({head}): " + (f"{begin}{once}; return {left}" if left else f"return {made}{once[4:]}")
+        state = "y" if self.kind == FIELD else "(q, v)"
+        if left:
+            copied = f"[*{left}]" if self.kind == FIELD else f"({left})"
+            return f"def wrapped({head}, n): {begin}return [{state}] + [({once}, {copied})[1] for _ in range(n)]"
+        of_last = {"t": "t + i * h", "q": "z[0]", "v": "z[1]", "y": "z", "[q, v]": "z"}
+        later = f"made{self.method}({', '.join(of_last.get(each, each) for each in self.call.values())})"
+        return f"def wrapped({head}, n): {begin}z = {state}; return [z] + [z := {later} for i in range(n)]"
+
+    def new(self, make: Callable[..., Any], state: Sequence[Any], t: float) -> Any:
+        """One that begins with this state."""
+        made = make(*self._values(self.arguments, state, t))
+        if self.time:
+            setattr(made, self.time, t)
+        return made
+
+    def _values(self, names: dict[str, str], state: Sequence[Any], t: float) -> list[Any]:
+        known = {"t": t, "h": 0.25, **dict.fromkeys(("f", "force"), lambda *x: -0.5 * x[-1]), "[q, v]": np.array(state)}
+        known |= dict(zip("y" if self.kind == FIELD else "qv", state, strict=True))
+        return [known[name] for name in names.values()]
+
+    def _remembers(self, make: Callable[..., Any]) -> bool:
+        """Whether one of some steps is another than a new one makes of the same state; False where none can be made."""
+
+        def stepped(made: Any, t: float) -> tuple[Any, ...]:
+            step = getattr(made, self.method[1:]) if self.method else made
+            found = step(*self._values(self.call, state, t))
+            found = [getattr(made, each) for each in self.kept] if self.kept else found
+            return (found[0] if self.kept else found,) if self.kind == FIELD else tuple(found)
+
+        with suppress(Exception):
+            state = _START[self.kind]
+            made = self.new(make, state, 0.0)
+            for i in range(_TRIED):
+                found, anew = stepped(made, i / 4), stepped(self.new(make, state, i / 4), i / 4)
+                if not np.array_equal(np.array(found), np.array(anew)):
+                    return True
+                state = found
+        return False
 
 
 def _of_names(step: Callable[..., Any]) -> str:
@@ -175,10 +257,9 @@ def _of_maker(step: Callable[..., Any], names: Sequence[str], name: str) -> str:
         return ""
     positions = {POSITION, VELOCITY} <= {_role(each) for each in inner}
     kind = MAP if FUNCTION not in map(_role, names) else FORCE if positions else FIELD
-    outer = ", ".join("h" if _role(each) == STEP else _function(kind) for each in names)
-    given = _by_role(inner, kind)
-    head = _HEADS[kind] if kind != FIELD or "t" in given.values() else "f, y, h"
-    return f"def wrapped({head}): return {name}({outer})({', '.join(given.get(each, each.upper()) for each in inner)})"
+    arguments = {each: "h" if _role(each) == STEP else _function(kind) for each in names}
+    given = {each: each.upper() for each in inner} | _by_role(inner, kind)
+    return _Made(kind, name, arguments, given).line(step)
 
 
 def _call(name: str, names: Sequence[str], given: dict[Any, str], kind: str) -> str:

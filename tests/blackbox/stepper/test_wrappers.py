@@ -5,6 +5,7 @@ import re
 import pytest
 
 from driftproof import verify
+from driftproof.blackbox.families.reports import read_family
 from driftproof.blackbox.findings import Increment, Misbehaviour
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.stepper.wrappers import wrapper_line
@@ -89,6 +90,49 @@ class Kept:
         self.y = self.y + self.dt / 2 * (k + self.f(self.t + self.dt, self.y + self.dt * k))
         self.t += self.dt
 
+class Called:
+    def __call__(self, t, y):
+        k = self.f(t, y)
+        k, self.last = (k if self.last is None else 1.5 * k - 0.5 * self.last), k
+        return y + self.h * k
+
+class AB2(Called):
+    def __init__(self, f, h):
+        self.f, self.h, self.last = f, h, None
+
+class KeptAB2:
+    def __init__(self, f, y0, h):
+        self.inner, self.y, self.t = AB2(f, h), np.array(y0, float), 0.0
+    def step(self):
+        self.y, self.t = self.inner(self.t, self.y), self.t + self.inner.h
+
+class TimedAB2:
+    def __init__(self, f):
+        self.inner, self.y, self.t = AB2(f, 0.0), None, 0.0
+    def step(self, h):
+        self.inner.h = h
+        self.y, self.t = self.inner(self.t, self.y), self.t + h
+
+def make_ab2(f, h):
+    inner = AB2(f, h)
+    return lambda t, y: inner(t, y)
+
+class Stormer:
+    def __init__(self, force, h):
+        self.force, self.h, self.before = force, h, None
+    def step(self, q, v):
+        first, last = q + self.h * v + self.h**2 / 2 * self.force(q), self.before
+        q1, self.before = (first if last is None else 2 * q - last + self.h**2 * self.force(q)), q
+        return q1, (q1 - q) / self.h
+
+class KeptVerlet:
+    def __init__(self, acc, x0, v0, dt):
+        self.acc, self.x, self.v, self.dt = acc, x0, v0, dt
+    def step(self):
+        self.v += self.dt / 2 * self.acc(self.x)
+        self.x += self.dt * self.v
+        self.v += self.dt / 2 * self.acc(self.x)
+
 def pairs(f, y0, t0, t1, n):
     y, t, h = np.array(y0, float), t0, (t1 - t0) / n
     found = [y]
@@ -104,15 +148,38 @@ def states(f, y0, t0, t1, n):
 WRAPPED = {
     "Heun": "def wrapped(f, t, y, h): return Heun(f, h).step(t, y)",
     "Kept": "def wrapped(f, t, y, h): made = Kept(f, y, h); made.t = t; made.advance(); return made.y",
+    "KeptVerlet": "def wrapped(force, q, v, h): made = KeptVerlet(force, q, v, h); made.step(); return made.x, made.v",
+    "AB2": "def wrapped(f, t, y, h, n): made = AB2(f, h); z = y; "
+    "return [z] + [z := made(t + i * h, z) for i in range(n)]",
+    "KeptAB2": "def wrapped(f, t, y, h, n): made = KeptAB2(f, y, h); made.t = t; "
+    "return [y] + [(made.step(), [*made.y])[1] for _ in range(n)]",
+    "TimedAB2": "from driftproof import field_stepper_of; "
+    'wrapped = field_stepper_of(TimedAB2, state="y", time="t", advance="step")',
+    "make_ab2": "def wrapped(f, t, y, h, n): made = make_ab2(f, h); z = y; "
+    "return [z] + [z := made(t + i * h, z) for i in range(n)]",
+    "Stormer": "def wrapped(force, q, v, h, n): made = Stormer(force, h); z = (q, v); "
+    "return [z] + [z := made.step(z[0], z[1]) for i in range(n)]",
     "pairs": "def wrapped(f, t, y, h): return pairs(f, y, t, t + h, 1)[1][-1]",
     "states": "def wrapped(f, t, y, h): return states(f, y, t, t + h, 1)[-1]",
 }
 
 
+REMEMBERING = {**dict.fromkeys(("AB2", "KeptAB2", "TimedAB2", "make_ab2"), "adams_bashforth2"), "Stormer": "stormer2"}
+
+
 @pytest.mark.parametrize("name", WRAPPED)
-def test_a_class_and_a_solver_of_n_steps_are_refused_with_a_wrapper_first_that_works(name):
+def test_a_class_a_maker_and_a_solver_of_n_steps_are_refused_with_a_wrapper_that_works_and_forgets_nothing(name):
     names = namespace(CLASSES)
     with pytest.raises(ValueError, match=re.escape(f"`driftproof verify --help`; write: {WRAPPED[name]}")):
         opened(names[name])
     exec(WRAPPED[name], names)
-    assert keys_of(names["wrapped"])[0] == "heun2"
+    if name in REMEMBERING:
+        assert read_family(opened(names["wrapped"])).key == REMEMBERING[name]
+    else:
+        assert keys_of(names["wrapped"])[0] == ("velocity_verlet" if name == "KeptVerlet" else "heun2")
+
+
+@pytest.mark.parametrize("parameters", ["", ", f, omega2, mode", ", force, h", ", force, q0, v0, h"])
+def test_of_a_class_whose_names_do_not_tell_where_its_state_is_nothing_is_shown(parameters):
+    names = namespace(f"class Opaque:\n    def __init__(self{parameters}): self.a = 0.0\n    def step(self): pass\n")
+    assert wrapper_line(names["Opaque"]) == ""
