@@ -173,7 +173,7 @@ def _middle(low: float, high: float, runner: TrialRunner) -> float:
     return runner.number(copysign(middle, high))
 
 
-def named(x: float) -> str:
+def short_name(x: float) -> str:
     """x as a reader writes it: 100, 0.01, -2 pi, 0.1 in binary32; to the last bit where it has no short name."""
     for part, name in ((pi, "pi"), (2 * pi, "2 pi"), (pi / 2, "pi/2")):
         if abs(x) == part:
@@ -188,4 +188,4 @@ def named(x: float) -> str:
 
 def rounder(first: float, second: float) -> float:
     """The one that is named in fewer characters; the first of equals."""
-    return min((first, second), key=lambda x: len(named(x)))
+    return min((first, second), key=lambda x: len(short_name(x)))

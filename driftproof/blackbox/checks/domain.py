@@ -12,9 +12,9 @@ from driftproof.blackbox.checks.borders import (
     Border,
     NegligibleStep,
     border,
-    named,
     negligible_step,
     rounder,
+    short_name,
 )
 from driftproof.blackbox.checks.trials import CheckResult, Trial, TrialRunner, pair_text, steady_runner
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
@@ -126,7 +126,7 @@ def _in_words(name: str, rules: Sequence[Rule]) -> str:
     if len(rules) == 2 and rules[0].kind == rules[1].kind and rules[0].limit == -rules[1].limit:
         above, below = rules
         if above.kind == CAPPED and above.value == -below.value and above.value in above.ends:
-            return f"|{name}| is capped at {named(above.value)}"
+            return f"|{name}| is capped at {short_name(above.value)}"
         if above.kind == CHANGED or (above.kind != CAPPED and above.more == below.more):
             rules, name = [above], f"|{name}|"
     return "; ".join(_one_side(name, rule) for rule in rules)
@@ -135,12 +135,12 @@ def _in_words(name: str, rules: Sequence[Rule]) -> str:
 def _one_side(name: str, rule: Rule) -> str:
     """q beyond 2.4, from 2.4 on, below -2.4, from -2.4 down: the border, on its side, and what happens there."""
     inner, outer = rule.ends
-    above, limit = outer > inner, named(rule.limit)
+    above, limit = outer > inner, short_name(rule.limit)
     where = f"from {limit} {'on' if above else 'down'}"
     if rule.limit != outer:
         where = f"{'beyond' if above else 'below'} {limit}"
     if rule.kind == CAPPED:
-        return f"{name} {where} becomes {named(rule.value)}"
+        return f"{name} {where} becomes {short_name(rule.value)}"
     return f"{name} {where} is refused: {rule.more}" if rule.kind == REFUSED else f"with {name} {where} {rule.more}"
 
 
@@ -183,7 +183,8 @@ def _asleep(short: NegligibleStep, component: int, seen: Border) -> str:
     answers = (trial.answer or (None, None) for trial in (first, short.along(component, -given)))
     after, mirrored = (answer[component] for answer in answers)
     limit = rounder(kept, given)
-    where = f"{f'|{name}|' if after == mirrored == 0 else name} {'up to' if limit == given else 'below'} {named(limit)}"
+    name = f"|{name}|" if after == mirrored == 0 else name
+    where = f"{name} {'up to' if limit == given else 'below'} {short_name(limit)}"
     return f"{where} becomes 0" if after == 0 else f"with {where} the state is changed at once: {_becomes(first)}"
 
 

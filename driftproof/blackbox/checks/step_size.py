@@ -8,7 +8,7 @@ from fractions import Fraction
 from itertools import pairwise
 from math import ulp
 
-from driftproof.blackbox.checks.borders import edge, named, rounder
+from driftproof.blackbox.checks.borders import edge, rounder, short_name
 from driftproof.blackbox.checks.trials import (
     TYPICAL_STEP,
     CheckResult,
@@ -83,7 +83,7 @@ def _ignored(taken: _Taken) -> CheckResult:
     else:
         length, words = subject.step_with(lambda q: 0.0 * q, 0.0, 1.0, TYPICAL_STEP)[0], "a step of"
     simple = Fraction(length).limit_denominator(_DENOMINATORS)
-    name = str(simple) if runner.number(float(simple)) == length else named(length)
+    name = str(simple) if runner.number(float(simple)) == length else short_name(length)
     words = f"h is ignored: {words} {name} is always taken"
     return CheckResult(_KEY, False, words, (taken.trial(TYPICAL_STEP), taken.trial(1.0)))
 
@@ -94,7 +94,7 @@ def _capped(taken: _Taken) -> _Found | None:
         return None
     unlike = next(h for h in (4.0, 1.0, TYPICAL_STEP, 2.0**-10, _SHORTEST) if not taken.alike(h, _LONGEST))
     cap = taken.bound(_LONGEST, unlike)
-    return f"h is capped at {named(cap)}", (taken.trial(cap), taken.trial(_LONGEST))
+    return f"h is capped at {short_name(cap)}", (taken.trial(cap), taken.trial(_LONGEST))
 
 
 def _raised(taken: _Taken) -> _Found | None:
@@ -105,11 +105,11 @@ def _raised(taken: _Taken) -> _Found | None:
     shortest = taken.trial(_SHORTEST)
     if not same(shortest.answer, shortest.given[:2]):
         least = taken.bound(_SHORTEST, unlike)
-        return f"h is raised to {named(least)}", (taken.trial(_SHORTEST), taken.trial(least))
+        return f"h is raised to {short_name(least)}", (taken.trial(_SHORTEST), taken.trial(least))
     ends = taken.edge_of(_SHORTEST, unlike)
     limit = rounder(*ends)
     where = "below" if limit == ends[0] else "up to"
-    return f"h {where} {named(limit)} does nothing", (taken.trial(ends[1]), taken.trial(ends[0]))
+    return f"h {where} {short_name(limit)} does nothing", (taken.trial(ends[1]), taken.trial(ends[0]))
 
 
 def _in_whole_steps(taken: _Taken) -> _Found | None:
@@ -220,5 +220,5 @@ def _made_of_shorter(runner: TrialRunner, ends: tuple[float, float], more: str) 
     limit = rounder(*ends)
     where = "above" if limit == ends[0] else "from"
     example: tuple[Trial, ...] = tuple(runner.trial(*runner.ordinary, h) for h in ends)
-    words = f"{where} h = {named(limit)}{'' if where == 'above' else ' on'} it takes sub-steps{more}"
+    words = f"{where} h = {short_name(limit)}{'' if where == 'above' else ' on'} it takes sub-steps{more}"
     return CheckResult(_SUB_STEPS, False, words, example)

@@ -50,9 +50,8 @@ def stepper_of(
     >>> stepper_of(Body, position="x", velocity="v", advance="update")(lambda q: -q, 1.0, 0.0, 0.5)
     (0.75, -0.5)
     """
-    places = (_Accessor.of(position), _Accessor.of(velocity)) if state is None else (_Accessor.of(state, 2),)
-    held = _Held(make, anew, advance, push)
-    return (ForcedObject if held.takes_function or push is not None else FreeObject)(held, places)
+    held = _Held(make, anew, advance, (position, velocity) if state is None else (state,), push)
+    return (ForcedObject if held.takes_function or push is not None else FreeObject)(held)
 
 
 def field_stepper_of(
@@ -82,77 +81,78 @@ def field_stepper_of(
     >>> float(step(lambda t, y: -y, 0.0, [1.0], 0.5)[0])
     0.5
     """
-    held = _Held(make, anew, advance)
-    beside = _Beside(error, dense)
-    return UntimedSolver(held, state, beside) if time is None else TimedSolver(held, state, beside, _Accessor.of(time))
+    places = (state,) if time is None else (state, time)
+    held = _Held(make, anew, advance, places, error=error, dense=dense)
+    return (UntimedSolver if time is None else TimedSolver)(held)
 
 
 @dataclass
-class FreeObject:
-    """The step (q, v, h) of an object; a copy of it has an object of its own."""
+class _OfObject:
+    """A step of an object, which has the names of its arguments; a copy of it has an object of its own."""
 
     held: _Held
-    places: tuple[_Accessor, ...]
+
+
+class FreeObject(_OfObject):
+    """The step (q, v, h)."""
 
     def __call__(self, q: float, v: float, h: float) -> tuple[float, float]:
         """One step."""
-        return self.held.moved(None, self.places, q, v, h)
+        return self.held.moved(None, q, v, h)
 
 
-@dataclass
-class ForcedObject:
-    """The step (force, q, v, h) of an object; a copy of it has an object of its own."""
-
-    held: _Held
-    places: tuple[_Accessor, ...]
+class ForcedObject(_OfObject):
+    """The step (force, q, v, h)."""
 
     def __call__(self, force: Callable[[float], float], q: float, v: float, h: float) -> tuple[float, float]:
         """One step."""
-        return self.held.moved(force, self.places, q, v, h)
+        return self.held.moved(force, q, v, h)
 
 
-@dataclass
-class UntimedSolver:
-    """The step (f, y, h) of an object; a copy of it has an object of its own."""
-
-    held: _Held
-    state: Location
-    beside: _Beside
+class UntimedSolver(_OfObject):
+    """The step (f, y, h)."""
 
     def __call__(self, f: Callable[..., Any], y: Sequence[float], h: float) -> Any:
         """One step."""
-        return self.held.solved(f, [], self.state, self.beside, y, h)
+        return self.held.solved(f, [], y, h)
 
 
-@dataclass
-class TimedSolver:
-    """The step (f, t, y, h) of an object; a copy of it has an object of its own."""
-
-    held: _Held
-    state: Location
-    beside: _Beside
-    time: _Accessor
+class TimedSolver(_OfObject):
+    """The step (f, t, y, h)."""
 
     def __call__(self, f: Callable[..., Any], t: float, y: Sequence[float], h: float) -> Any:
         """One step."""
-        return self.held.solved(f, [(self.time, [t])], self.state, self.beside, y, h)
+        return self.held.solved(f, [t], y, h)
 
 
+@dataclass
 class _Held:
-    """The object, made when it is first needed, how it is moved, and the function that it calls at present."""
+    """The object, made when it is first needed, how it is moved, and the function that it calls at present.
 
-    def __init__(self, make: Callable[..., Object], anew: bool, advance: Act, push: Act | None = None) -> None:
-        self.make, self.anew, self.advance, self.push = make, anew, advance, push
-        self.takes_function = _takes_function(make)
-        self.made: Object = None
-        self.function: Callable[..., Any] | None = None
+    `places` are those of q and v, or of the state; then of the time, if it has one. `error` is where the object keeps
+    its error estimate, `dense` the name of its dense output or of what makes it.
+    """
 
-    def moved(
-        self, force: Callable[[float], float] | None, places: Sequence[_Accessor], q: float, v: float, h: float
-    ) -> tuple[float, float]:
+    make: Callable[..., Object]
+    anew: bool
+    advance: Act
+    places: Sequence[Location]
+    push: Act | None = None
+    error: Location | None = None
+    dense: str | None = None
+    made: Object = None
+    function: Callable[..., Any] | None = None
+
+    def __post_init__(self) -> None:
+        """Look at what makes it. Raises TypeError."""
+        self.takes_function = _takes_function(self.make)
+
+    def moved(self, force: Callable[[float], float] | None, q: float, v: float, h: float) -> tuple[float, float]:
         """Put position and velocity in their two places or in one, advance, and read them."""
         body = self._ready(force)
-        for place, numbers in zip(places, ([q], [v]) if len(places) == 2 else ([q, v],), strict=True):
+        apart = len(self.places) == 2
+        places = [_Accessor.of(place, None if apart else 2) for place in self.places]
+        for place, numbers in zip(places, ([q], [v]) if apart else ([q, v],), strict=True):
             place.write(body, numbers)
         if self.push is not None and force is not None:
             _act(body, self.push, force(q))
@@ -160,22 +160,19 @@ class _Held:
         q1, v1 = self._left([x for place in places for x in place.read(body)])
         return q1, v1
 
-    def solved(
-        self,
-        f: Callable[..., Any],
-        given: Sequence[tuple[_Accessor, Sequence[Any]]],
-        place: Location,
-        beside: _Beside,
-        y: Sequence[float],
-        h: float,
-    ) -> Any:
-        """Put what is given and the state where they belong, advance, and read the state, and what is beside it."""
-        solver, state = self._ready(f), _Accessor.of(place, len(y))
-        for accessor, numbers in (*given, (state, y)):
-            accessor.write(solver, numbers)
+    def solved(self, f: Callable[..., Any], times: Sequence[float], y: Sequence[float], h: float) -> Any:
+        """Put the state and the time where they belong, advance, and read the state, and what is beside it."""
+        solver, state = self._ready(f), _Accessor.of(self.places[0], len(y))
+        for place in self.places[1:]:
+            _Accessor.of(place).write(solver, times)
+        state.write(solver, y)
         _act(solver, self.advance, h)
-        y1, others = np.array(self._left(state.read(solver))), beside.read(solver)
-        return (y1, *others) if others else y1
+        y1 = np.array(self._left(state.read(solver)))
+        beside = [] if self.error is None else [as_array(_Accessor.of(self.error).get(solver))]
+        if self.dense is not None:
+            dense = attrgetter(self.dense)(solver)
+            beside.append(dense if inspect.signature(dense).parameters else dense())
+        return (y1, *beside) if beside else y1
 
     def _ready(self, function: Callable[..., Any] | None) -> Object:
         """The object; what it calls from now on is `function`."""
@@ -195,29 +192,12 @@ class _Held:
         return self.function(*arguments)
 
 
-@dataclass(frozen=True)
-class _Beside:
-    """Where an object keeps its error estimate, and the name of its dense output or of what makes it."""
-
-    error: Location | None
-    dense: str | None
-
-    def read(self, solver: Object) -> list[Any]:
-        """Those that there are, the error as an array."""
-        found = [] if self.error is None else [as_array(_Accessor.of(self.error).get(solver))]
-        if self.dense is None:
-            return found
-        dense = attrgetter(self.dense)(solver)
-        return [*found, dense if inspect.signature(dense).parameters else dense()]
-
-
 def _takes_function(make: Callable[..., Object]) -> bool:
     parameters = inspect.signature(make).parameters.values()
-    required = [
-        p for p in parameters if p.default is p.empty and p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)
-    ]
+    by_place = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    required = [p.name for p in parameters if p.default is p.empty and p.kind in by_place]
     if len(required) > 1:
-        names = ", ".join(p.name for p in required)
+        names = ", ".join(required)
         raise TypeError(f"make({names}) has to take the function that the object calls, or nothing; bind the others")
     return bool(required)
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftproof.blackbox.checks.borders import edge, named, negligible_step, rounder
+from driftproof.blackbox.checks.borders import edge, negligible_step, rounder, short_name
 from driftproof.blackbox.checks.trials import Trial, TrialRunner, steady_runner
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32
@@ -95,7 +95,7 @@ def test_hints_are_tried_first_and_left_if_they_are_wrong():
     ],
 )
 def test_numbers_go_by_their_shortest_name(x, name):
-    assert named(x) == name
+    assert short_name(x) == name
 
 
 def test_of_two_neighbours_the_one_with_the_shorter_name_is_the_border():
@@ -134,4 +134,4 @@ def test_names_edges_and_short_steps_are_what_they_were(as_before):
     limits = [(0.3, 1e-8, 1e8), (7.25, 1.0, 1e3), (1 / 3, 1e-3, 2.0), (6.02e23, 1.0, 1e30), (2.0**-1060, 5e-324, 1.0)]
     found = [(count, len(tried), ends) for count, ends, tried in (tries_and_edge(*each) for each in limits)]
     short = [negligible_step(steady_runner(opened(step))) for step in (plain, CAR_IN_A_VALLEY, WRAPPED, DIVIDES_BY_H)]
-    as_before(*map(named, numbers), *found, *((each.h, each.state, each.slack) for each in short))
+    as_before(*map(short_name, numbers), *found, *((each.h, each.state, each.slack) for each in short))
