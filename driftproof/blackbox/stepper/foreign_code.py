@@ -6,8 +6,11 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, field, is_dataclass
+from itertools import islice
 from math import isfinite
 from typing import Any, TypeAlias
+
+import numpy as np
 
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, StepRaised, WrongShape
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, as_array, type_of
@@ -20,7 +23,6 @@ from driftproof.blackbox.stepper.calling_conventions import (
     VELOCITY,
     CallingConvention,
 )
-from driftproof.blackbox.stepper.run_states import is_generator, states_of_generator, states_of_run
 from driftproof.blackbox.stepper.state_forms import TOGETHER, part_pair
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 
@@ -31,6 +33,10 @@ _MOST_SHOWN = 60
 _MOVED = (POSITION, VELOCITY, STATE, QUATERNION)
 # A sum of times in the narrowest format, with 8 bits after the first, is nearer than this to the true one.
 _ABOUT = 2.0**-6
+# Where the states of a run stand in what it returns.
+_ROWS, _COLUMNS, _END = "rows", "columns", "end"
+# The start comes back rounded to the format of the run, at worst that of 11 bits.
+_SAME = 2.0**-10
 
 
 @dataclass
@@ -125,10 +131,10 @@ class ForeignCode:
         if CARRIED in self.convention.order and isinstance(answer, tuple) and len(answer) > 1:
             self.log.carried, answer = answer[-1], answer[:-1] if len(answer) > 2 else answer[0]
         steps = self.convention.steps
-        if is_generator(answer):
-            self.log.states, self.log.layout = states_of_generator(answer, start, self.log.layout, steps)
+        if hasattr(answer, "__next__"):
+            self.log.states, self.log.layout = _states_of_generator(answer, start, self.log.layout, steps)
         elif self.convention.run:
-            self.log.states, self.log.layout = states_of_run(answer, start, self.log.layout, steps)
+            self.log.states, self.log.layout = _states_of_run(answer, start, self.log.layout, steps)
         else:
             return answer
         end = self.log.states[-1]
@@ -205,3 +211,54 @@ def _differs(x: Foreign, before: Foreign) -> bool:
 def _shown(answer: Foreign) -> str:
     text = repr(answer)
     return text if len(text) <= _MOST_SHOWN else f"{text[:_MOST_SHOWN]}..."
+
+
+def _states_of_run(answer: Any, start: Sequence[Any], layout: str | None, steps: int) -> tuple[Any, str]:
+    """The states of a run, the start among them, and where they stand; told where that is not yet known.
+
+    The states are rows, or columns, the first of them the start; or the last one comes alone. Raises WrongShape.
+    """
+    size, table = len(start), _table(answer, len(start))
+    if table.size == size:
+        return [table.ravel()], _END
+    if table.shape == (steps + 1, size) and (layout == _ROWS or (layout is None and _is(start, table[0]))):
+        return table, _ROWS
+    if table.shape == (size, steps + 1) and (layout == _COLUMNS or _is(start, table[:, 0])):
+        return table.T, _COLUMNS
+    made = "one step" if steps == 1 else f"{steps} steps"
+    wanted = "two" if steps == 1 else steps + 1
+    raise WrongShape(f"of {made} from {list(start)!r} it returns an array of shape {table.shape}, not {wanted} states")
+
+
+def _states_of_generator(
+    generator: Any, start: Sequence[Any], layout: str | None, steps: int
+) -> tuple[Sequence[Any], str]:
+    """The states that a generator yields, the start first, if it yields that.
+
+    Raises NotANumber where there is none.
+    """
+    states = [_numbers_of(state)[-len(start) :] for state in islice(generator, steps + 1)]
+    if not states:
+        raise NotANumber("the generator ends before it yields a state")
+    if len(states) == len(start) and all(state.size == 1 for state in states):  # one state, number by number
+        return [np.concatenate(states)], _END
+    found = layout or (_ROWS if _is(start, states[0]) else _END)
+    return (states if found == _ROWS else [np.array(start), *states[:steps]]), found
+
+
+def _numbers_of(state: Any) -> np.ndarray[Any, Any]:
+    """All numbers of a state, in which parts it may come: of (t, y) and (q, v) those of the state are the last."""
+    parts = state if isinstance(state, tuple) else (state,)
+    return np.concatenate([as_array(part).ravel() for part in parts])
+
+
+def _is(start: Sequence[Any], state: np.ndarray[Any, Any]) -> bool:
+    return state.shape == (len(start),) and bool(np.allclose(state, start, rtol=_SAME))
+
+
+def _table(answer: Any, size: int) -> np.ndarray[Any, Any]:
+    """The states as one array, without the times that stand before them: (ts, ys), (ts, qs, vs), (qs, vs)."""
+    parts = list(answer) if isinstance(answer, tuple) else []
+    if len(parts) > 1 and np.ndim(parts[0]) == 1 and (len(parts) == size + 1 or np.ndim(parts[1]) == 2):
+        answer = parts[1:] if len(parts) > 2 else parts[1]
+    return as_array(answer)

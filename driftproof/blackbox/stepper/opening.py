@@ -82,10 +82,20 @@ def opened(
     """
     failures: list[Misbehaviour] = []
     step = with_slopes_kept(step)
+
+    def as_plain() -> ForeignStepper | None:
+        """The first of its plain forms that answers; why others do not is added to the failures."""
+        for plain in plain_forms(step) if calls is None else ():
+            try:
+                return opened(plain, None, array, before, after)
+            except Misbehaviour as failure:
+                failures.append(failure)
+        return None
+
     try:
         conventions = conventions_of(step, calls)
     except ValueError as error:
-        if calls is None and (found := _opened_as_plain(step, array, before, after, failures)) is not None:
+        if found := as_plain():
             return found
         line = wrapper_line(step)
         raise ValueError(f"{_unfitting(step)}{line}" if line and calls is None else f"{error}{line}") from None
@@ -105,25 +115,9 @@ def opened(
                         return replace(longer, convention=convention, shortest=_LONGER)
     if inspect.isclass(step) and (line := wrapper_line(step)):
         raise ValueError(f"{_unfitting(step)}{line}")
-    if calls is None and (found := _opened_as_plain(step, array, before, after, failures)) is not None:
+    if found := as_plain():
         return found
     raise failures[0]
-
-
-def _opened_as_plain(
-    step: Callable[..., Any],
-    array: Callable[[Any], Any] | None,
-    before: Callable[[str], None],
-    after: Callable[[], None],
-    failures: list[Misbehaviour],
-) -> ForeignStepper | None:
-    """The first of its plain forms that answers; why others do not is added to the failures. None where none does."""
-    for plain in plain_forms(step):
-        try:
-            return opened(plain, None, array, before, after)
-        except Misbehaviour as failure:
-            failures.append(failure)
-    return None
 
 
 def _unfitting(step: Callable[..., Any]) -> str:
@@ -206,14 +200,13 @@ def _tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     moved = np.max(np.abs(end))
     if 0 < moved < _SUSPICIOUS * TRIAL_STATE[0] and np.max(np.abs(trial(subject, _TINY))) < 4 * _TINY:
         raise Increment(f"as h goes to 0 it returns 0, not the state: an increment{increment_wrapper(subject)}")
-    types = subject.log.types
+    types, asks = subject.log.types, subject.log.asks
     subject.format = next((fmt for name, fmt in _FORMATS.items() if any(t.endswith(name) for t in types)), BINARY64)
     run = subject.convention.run or subject.log.layout is not None  # a generator goes on
-    subject.convention = replace(subject.convention, run=run, asks=subject.log.asks)
+    subject.convention = replace(subject.convention, run=run, asks=asks)
     if subject.gives_velocities and not _moves_along(subject):
-        subject.convention = replace(
-            subject.convention, asks=tuple(BESIDES if role == VELOCITY else role for role in subject.log.asks)
-        )
+        asks = tuple(BESIDES if role == VELOCITY else role for role in asks)
+        subject.convention = replace(subject.convention, asks=asks)
     # At rest a step written into its arguments changes nothing: that it works in place must be known by then.
     subject.log = CallLog(works_in_place=subject.log.works_in_place, layout=subject.log.layout)
     return subject

@@ -1,6 +1,8 @@
 """Thirty-seven correct steppers in different styles, those of docs/steppers.md: opened, and named."""
 
 import re
+import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ import pytest
 from driftproof.blackbox.findings import StaleSlope
 from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.opening import opened
+from driftproof.blackbox.stepper.state_forms import CompiledCallback
 from tests.blackbox.stepper.styles import STYLES, defined, keys_of, namespace
 
 
@@ -67,3 +70,23 @@ def test_a_complex_number_is_read_the_way_it_turns():
 )
 def test_what_is_returned_is_read_by_its_names_or_in_its_order(answer):
     assert opened(lambda q, v, h: answer(q + h * v, v - h * q)).step(1.0, 0.75, 0.25) == (1.1875, 0.5)
+
+
+@pytest.fixture
+def numpy_for_jax(monkeypatch):
+    """JAX with NumPy's arrays, which calls back at once."""
+    fake = SimpleNamespace(numpy=np, ShapeDtypeStruct=lambda shape, dtype: SimpleNamespace(shape=shape, dtype=dtype))
+    called = SimpleNamespace(io_callback=lambda function, shape, *given, ordered: function(*given))
+    monkeypatch.setitem(sys.modules, "jax", fake)
+    monkeypatch.setitem(sys.modules, "jax.experimental", called)
+
+
+@pytest.mark.usefixtures("numpy_for_jax")
+def test_it_answers_in_the_shape_and_type_of_the_state_wherever_that_stands():
+    callback = CompiledCallback()
+    field = callback.calling(lambda *given: [2 * x for x in max(given, key=np.size)])
+    assert field is callback
+    for arguments in ((0.5, np.array([1.0, 2.0])), (np.array([1.0, 2.0]), 0.5)):
+        assert field(*arguments).tolist() == [2.0, 4.0]
+    assert field(np.array([1.0], np.float32)).dtype == np.float32
+    assert callback.calling(lambda t, y: [y])(0.5, 3.0).shape == ()
