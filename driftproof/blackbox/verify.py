@@ -91,7 +91,7 @@ def verify(
             raise ValueError(rounding.seen)
         if rounding.kind == UnsupportedCall.kind and runner.run([turns])[0].result:
             return verify_family(runner, asked)
-        checks = {question.title: question.judge(asked, outcomes[question.title]) for question in questions}
+        checks = {question.title: question.criterion(asked, outcomes[question.title]) for question in questions}
         if checks[ROUNDING].passed is False or checks[ROUNDING].missing:
             checks = {question.title: checks[question.title] for question in questions if not question.only}
         passed, arithmetic = _decided(checks), arithmetic_of([*answers, remarks])

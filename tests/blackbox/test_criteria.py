@@ -93,6 +93,6 @@ def test_a_call_that_does_not_come_back_refutes_nothing_and_is_no_refusal(step, 
         for n in (nth, -1):
             target = HangingOnce(step, n)
             (outcome,) = IsolatedRunner(target, isolate=False).run([question.ask])
-            marks.append(question.judge(method, outcome).mark)
+            marks.append(question.criterion(method, outcome).mark)
         assert marks[0] in ("undecided", marks[1]), question.title
         assert "FAILED" not in marks
