@@ -124,12 +124,8 @@ def _judge_coefficients(method: Method, reading: CoefficientReading, allowance: 
     # much as on the nonlinear problem, numbers being of size 1.
     early = solved.power and solved.curved > BEYOND_TOLERANCE * float(allowance.solver_tolerance or 0)
     passed = False if early else None if solved.power else True
-    return (
-        passed,
-        [*lines, solved.words],
-        {"stages": solved.words},
-        "a solver that looks at what is left of its equations",
-    )
+    better = "a solver that looks at what is left of its equations"
+    return passed, [*lines, solved.words], {"stages": solved.words}, better
 
 
 def _other_coefficients(method: Method, reading: CoefficientReading, identity: Identity) -> Judged:

@@ -1,0 +1,201 @@
+"""Which method a stepper is, in one line: from what came of each question, the surest first."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+from driftproof.blackbox.checks.trials import CheckResult
+from driftproof.blackbox.families.damping import Damping
+from driftproof.blackbox.findings import NO_EVIDENCE, Outcome
+from driftproof.blackbox.judging.measured_order import MeasuredOrder
+from driftproof.blackbox.matching.candidates import EMBEDDED
+from driftproof.blackbox.matching.linear_candidates import LinearCandidate
+from driftproof.blackbox.matching.linear_match import LinearFit
+from driftproof.blackbox.matching.match import Identity, match_tableau, matched
+from driftproof.blackbox.matching.read_order import ReadOrder, read_order
+from driftproof.blackbox.probes.force import ForceReading
+from driftproof.blackbox.probes.linear_steps import LINEAR
+from driftproof.blackbox.probes.questions import CoefficientReading
+from driftproof.blackbox.probes.tableau import TableauReading
+from driftproof.blackbox.report import NO_ANSWER, UNDECIDED
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import RungeKutta
+
+# Solvers in use stop at 1e-6 or below of numbers of size 1.
+_SOLVED = 1e-6
+
+
+class Recognised(NamedTuple):
+    """Coefficients, the methods that have them, and the order that they give; `untimed` are those but for the times."""
+
+    reading: CoefficientReading
+    identity: Identity
+    order: ReadOrder
+    untimed: Identity | None = None
+
+    @property
+    def row(self) -> str:
+        """Of a pair whose embedded weights are propagated, which order that is."""
+        match = self.identity.matches[0]
+        pair = METHODS[match.key] if match.relation == EMBEDDED else None
+        if not isinstance(pair, RungeKutta):
+            return ""
+        return f": the row of order {pair.embedded_order}, not that of order {pair.claimed_order}"
+
+    @property
+    def solved(self) -> str:
+        """How well its implicit stages are solved, where that is not as well as solvers do by default."""
+        solved = self.reading.solved
+        return f", but {solved.words}" if solved is not None and solved.curved > _SOLVED else ""
+
+    def beyond_plain_forces(self, measured: Sequence[MeasuredOrder]) -> str:
+        """Of coefficients that a force showed, what it is not beyond q'' = F(q): its tableau, times or velocities."""
+        reading = self.reading
+        if not isinstance(reading, ForceReading):
+            return ""
+        if reading.refused and isinstance(METHODS[self.identity.matches[0].key], RungeKutta):
+            return f" on q'' = F(q), but not on y' = f(t, y): {reading.refused}"
+        if reading.wrong_time:
+            return f" called at wrong times: {reading.wrong_time}"
+        order = 1 if reading.velocities_limit_order else next((found.order for found in measured), None)
+        if reading.a_velocity is None or order is None or order >= self.order.order:
+            return ""
+        first, *rest = reading.stale_velocities or [""]
+        why = f": {first}" + (f", and {len(rest)} more" if rest else "") if first else ""
+        lost = f"order {order} where the force depends on the velocity, not {self.order.order}"
+        return f" on q'' = F(q), but of {lost}{why}"
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What came of each question; `damping` and `twins` are asked only of what is no tableau."""
+
+    introduction: Outcome
+    coefficients: Outcome
+    linear: Outcome
+    order: Outcome
+    estimate: Outcome
+    dense: Outcome
+    damping: Outcome
+    twins: Outcome
+    checks: tuple[CheckResult, ...]
+    arithmetic: str = ""  # who changed the rounding mode, or what becomes of subnormal numbers
+
+    @cached_property
+    def read(self) -> Recognised | None:
+        """The coefficients, where its calls let them be read and there are any, and what they are."""
+        reading: CoefficientReading | None = self.coefficients.result
+        if reading is None:
+            return None
+        identity = matched(reading)
+        order = read_order(reading, next(iter(identity.matches), None))
+        if isinstance(reading, TableauReading) and order.untimed_order > order.order:
+            return Recognised(reading, identity, order, match_tableau(replace(reading, c=None)))
+        return Recognised(reading, identity, order)
+
+    @property
+    def fit(self) -> LinearFit | None:
+        """The linear fit, where the stepper answered."""
+        fit: LinearFit | None = self.linear.result
+        return fit
+
+    @property
+    def key(self) -> str | None:
+        """The one method of the catalogue that it is, as it stands and on the plain oscillator, if it is one.
+
+        An implicit one only by its coefficients. Where several have the same ones, or the same matrix, the first:
+        they have one rounding bound here.
+        """
+        if self.read is not None:
+            keys: Sequence[str] = self.read.identity.keys
+            if self.read.reading.implicit:
+                return next(iter(keys), None)
+        else:
+            best = None if self.fit is None or self._besides_one_number else self.fit.best
+            keys = best.methods if best is not None and best.extras == 0 and best.rates_are_right else ()
+        return next((key for key in keys if METHODS[key].explicit), None)
+
+    @property
+    def size(self) -> float:
+        """The size of the states at which it is that method, where larger ones meet a limit; else 1."""
+        read = 1.0 if self.read is None else self.read.reading.amplitude
+        return min(read, self.fit.amplitude) if self.fit is not None and self.fit.kind == LINEAR else read
+
+    @property
+    def verdict(self) -> str:
+        """Which method it is, in one line."""
+        if self.introduction.kind in NO_EVIDENCE:
+            return f"{UNDECIDED}: {self.introduction.seen}"
+        if self.introduction.failed:
+            return f"{NO_ANSWER}: {self.introduction.seen}"
+        read, fit = self.read, self.fit
+        if read is not None and read.identity.matches:
+            first, *others = [match.name for match in read.identity.matches]
+            name = f"it is {first}" + (f", the same step as {', '.join(others)}" if others else "") + _at(self.size)
+            judged = filter(None, (self.estimate.result, self.dense.result))
+            faults = "".join(f"; {fault}" for each in judged for fault in each.faults)
+            return name + read.row + read.solved + read.beyond_plain_forces(self.measured) + faults
+        if read is not None and read.untimed is not None and read.untimed.matches:
+            late = f"order {read.order.order} where the right-hand side depends on t"
+            return f"it is {read.untimed.matches[0].name} called at wrong times: {late}"
+        if read is not None and read.reading.implicit:
+            return f"it is {self._unknown_stages(read)}{read.solved}"
+        if self._besides_one_number:
+            return self._unknown
+        alike = f"; its nonlinear steps are those of {', '.join(self.twins.result)}" if self.twins.result else ""
+        if fit is not None and fit.best is not None:
+            return f"it is, as far as linear steps tell, {_in_words(fit, fit.best)}{alike}"
+        if read is not None and read.identity.near:
+            return f"it is {read.identity.near[0].name}"
+        if fit is not None and read is None and (nearly := fit.nearly):
+            off = f"to {nearly.off:.1e} at states of size 1"
+            return f"it is, as far as linear steps tell, nearly {' or '.join(nearly.methods)}, {off}{alike}"
+        open_questions = [o for o in (self.coefficients, self.linear) if o.kind in NO_EVIDENCE]
+        return f"{UNDECIDED}: {open_questions[0].seen}" if open_questions else self._unknown
+
+    @property
+    def _besides_one_number(self) -> bool:
+        """Whether it does to vectors what linear steps of one number do not show."""
+        found: Damping | None = self.damping.result
+        return found is not None and len(found.at_once) > 1
+
+    @property
+    def _unknown(self) -> str:
+        """No method of the catalogue; or what it takes from v, which a method does not."""
+        found: Damping | None = self.damping.result
+        return "it is no method that is known here" if found is None else found.verdict
+
+    def _unknown_stages(self, read: Recognised) -> str:
+        """What is near to implicit stages of no method known here; or how many they are, and what they are linearly."""
+        if read.identity.near:
+            return read.identity.near[0].name
+        stages = f"{read.reading.calls} implicit stage{'s' * (read.reading.calls > 1)}"
+        best = None if self.fit is None or self.fit.best is None else _in_words(self.fit, self.fit.best)
+        linear = f", though on linear problems {best}" if best is not None else ""
+        return f"no method that is known here, but one of {stages} and order {read.order.order}{linear}"
+
+    @property
+    def measured(self) -> tuple[MeasuredOrder, ...]:
+        """The orders measured, if there are any, first the one on problems of the kind that it is read on."""
+        orders: tuple[MeasuredOrder, ...] = self.order.result or ()
+        partitioned = self.read is not None and isinstance(self.read.reading, ForceReading)
+        return orders[::-1] if partitioned else orders
+
+
+def _in_words(fit: LinearFit, best: LinearCandidate) -> str:
+    """The candidate, with its keys where it is a method as it stands, and at which states if not at all of them."""
+    others = [key for key in best.methods if key != best.words]
+    keys = f" ({', '.join(others)})" if others and best.extras == 0 else ""
+    nearest = fit.nearly or fit.nearest
+    if nearest is None:
+        return f"{best.words}{keys}{_at(fit.amplitude) if fit.kind == LINEAR else ''}"
+    key, off = nearest.methods[0], nearest.off
+    near = f"nearly {key} at states of size 1, to {off:.1e}" if off else f"{key} at h = {nearest.h:g} and size 1"
+    return f"{near}; at states of size {fit.amplitude:.1e}, {best.words}{keys}"
+
+
+def _at(size: float) -> str:
+    return "" if size == 1 else f", at states of size {size:.1e}, not of all sizes"

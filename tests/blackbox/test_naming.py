@@ -1,0 +1,73 @@
+"""A stepper is named by the surest that was seen: coefficients, nonlinear steps, linear steps, or nearly these."""
+
+import pytest
+
+from driftproof.blackbox.identify import identify
+from tests.blackbox.handwritten_steppers import rk4
+
+
+def of_average(force, q, v, h):
+    """The implicit midpoint rule, iterated for its one force."""
+    a = force(q)
+    for _ in range(60):
+        a = force(q + h / 2 * v + h * h / 4 * a)
+    return q + h * v + h * h / 2 * a, v + h * a
+
+
+def backward(force, q, v, h):
+    """Backward Euler, iterated so that it stands at once where the force is -q."""
+    a = force(q)
+    for _ in range(100):
+        before, a = a, a + (force(q + h * v + h * h * a) - a) / (1 + h * h)
+        if before == a:
+            break
+    return q + h * v + h * h * a, v + h * a
+
+
+@pytest.mark.parametrize(
+    ("step", "said"), [(of_average, "those of implicit_midpoint, lobatto_iiib2"), (backward, "those of backward_euler")]
+)
+def test_implicit_steps_of_a_force_with_one_linear_step_are_told_apart_by_nonlinear_ones(step, said):
+    verdict = identify(step, isolate=False).verdict
+    assert verdict.startswith("it is, as far as linear steps tell, ")
+    assert verdict.endswith(f"; its nonlinear steps are {said}")
+
+
+def test_a_right_tableau_called_at_wrong_times_is_named_with_its_order():
+    def late(f, t, y, h):
+        return rk4(lambda s, z: f(s + h, z), t, y, h)
+
+    report = identify(late)
+    assert report.verdict.startswith("it is rk4 called at wrong times: order 1 where")
+    assert report.data["order"] == 1
+
+
+def solved_by_iteration(theta, tolerance, *, relative):
+    """q₁ = q + h ((1 - θ) v + θ v₁), and v₁ alike, iterated until a change is small."""
+
+    def step(q, v, h):
+        end = q, v
+        for _ in range(100):
+            x, w = ((1 - theta) * z + theta * z1 for z, z1 in zip((q, v), end, strict=True))
+            before, end = end, (q + h * w, v - h * x)
+            change = max(abs(a - b) for a, b in zip(before, end, strict=True))
+            if change <= tolerance * (max(map(abs, end)) if relative else 1):
+                break
+        return end
+
+    return step
+
+
+@pytest.mark.parametrize(
+    ("theta", "tolerance", "relative", "nearly"),
+    [
+        (0.5, 1e-6, False, "nearly implicit_midpoint or trapezoid or lobatto_iiib2, to 1.2e-07 at states of size 1"),
+        (0.5, 1e-6, True, "nearly implicit_midpoint or trapezoid or lobatto_iiib2, to "),
+        (1.0, 1e-8, False, "nearly backward_euler at states of size 1, to 3.0e-09; at states of size 8.7e-19, forwa"),
+        (1.0, 1e-5, True, "nearly backward_euler, to "),
+    ],
+)
+def test_a_solver_that_stops_early_leaves_the_method_that_it_nearly_is(theta, tolerance, relative, nearly):
+    step = solved_by_iteration(theta, tolerance, relative=relative)
+    assert f"it is, as far as linear steps tell, {nearly}" in identify(step, isolate=False).verdict
+    assert identify(lambda q, v, h: (q + h * v, v - h * 1.001 * q), isolate=False).verdict.find("nearly") == -1
