@@ -81,7 +81,7 @@ def questions_of(method: Method, allowance: Allowance, domain: Domain, examples:
     within, estimate = {**of_method, "domain": domain}, _READABLE_ESTIMATE * _is_pair(method)
     return [
         Question(ROUNDING, partial(explained, **within, examples=examples), _judge_rounding),
-        Question(COEFFICIENTS, read_coefficients, partial(_judge_coefficients, allowance=allowance), readable=_READABLE),
+        Question(COEFFICIENTS, read_coefficients, partial(_judge_coefficients, allowance=allowance), "", _READABLE),
         Question(NONLINEAR_STEP, partial(nonlinear_agreement, **of_method), _judge_nonlinear_step),
         Question(ORDER, measured_orders, _judge_order),
         Question(ERROR_ESTIMATE, partial(judged_estimate, method=method), _judge_estimate, "", estimate),

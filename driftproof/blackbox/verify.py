@@ -222,9 +222,10 @@ def _refuted(
     wrong_beside = [str(check.data.get("faults", check.lines)[0]) for check in beside if check.passed is False]
     if wrong_beside and coefficients.passed:
         return f"is {method.key}, but {'; '.join(wrong_beside)}"
-    for title, _, _, only in questions if of_step else ():
-        if only and title in checks and checks[title].passed is False:
-            return f"is {method.key}{only}: {checks[title].lines[0]}"
+    for question in questions if of_step else ():
+        check = checks.get(question.title)
+        if question.only and check and check.passed is False:
+            return f"is {method.key}{question.only}: {check.lines[0]}"
     form = _right_form(outcomes)
     if form and not instead.data["method"]:
         return f"is not {method.key}; {form}"
