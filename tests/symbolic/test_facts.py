@@ -15,30 +15,14 @@ from driftproof.symbolic.linear.facts import facts_by_name
 from driftproof.symbolic.trees.rooted_trees import to_brackets
 
 # The keys that the output format promises for every method.
-SCHEMA = {
-    "method",
-    "family",
-    "stages",
-    "explicit",
-    "order",
-    "stability_function",
-    "one_step_matrix",
-    "determinant",
-    "energy_multiplier",
-    "invariant",
-    "imaginary_limit",
-    "real_limit",
-    "a_stable",
-    "l_stable",
-    "symplectic",
-    "error_constant",
-    "dispersion",
-    "dissipation",
-}
+SCHEMA = (
+    "method family stages explicit order stability_function one_step_matrix determinant energy_multiplier invariant "
+    "imaginary_limit real_limit a_stable l_stable symplectic error_constant dispersion dissipation"
+)
 
 
 def test_every_key_that_is_promised_is_a_fact_and_has_a_sentence() -> None:
-    assert set(FACTS) >= SCHEMA
+    assert set(FACTS) >= set(SCHEMA.split())
     assert set(WHY_NONE) <= {*FACTS, *ON_REQUEST}
     of_facts = [getattr(Facts, name) for name in (*FACTS, *ON_REQUEST) if hasattr(Facts, name)]
     assert len(of_facts) > 35

@@ -196,12 +196,6 @@ def test_endpoints_bracket_a_ball_exactly() -> None:
     assert endpoints(arb(0.75)) == (Q(3, 4), Q(3, 4))
 
 
-@given(rationals(max_denominator=10**20))
-def test_enclosure_of_a_rational_contains_it(x: Q) -> None:
-    low, high = endpoints(enclose(x))
-    assert low <= x <= high
-
-
 def test_reading_the_middle_of_a_ball_would_print_digits_that_are_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
     def wide() -> arb:
         return arb(0.52, 0.1)

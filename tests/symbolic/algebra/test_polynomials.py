@@ -31,14 +31,8 @@ from driftproof.symbolic.algebra.polynomials import (
 )
 
 ROOT_3, ROOT_2, CUBE_2 = square_root(3), square_root(2), cube_root(2)
-
-
 GAMMA = NumberField("gamma", (-1, 9, -18, 6), Q(2, 5), Q(1, 2)).generator
-
-
 X = fmpq_poly([0, 1])
-
-
 RATIONAL = st.fractions(-5, 5, max_denominator=12)
 
 
@@ -48,8 +42,6 @@ def elements(generator: Algebraic) -> st.SearchStrategy[Any]:
 
 
 ELEMENT = st.one_of(elements(ROOT_3), elements(CUBE_2), elements(GAMMA))
-
-
 PAIR = st.sampled_from([ROOT_3, CUBE_2, GAMMA]).flatmap(lambda g: st.tuples(elements(g), elements(g)))
 
 

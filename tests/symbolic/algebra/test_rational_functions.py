@@ -22,8 +22,6 @@ from driftproof.symbolic.algebra.rational_functions import (
 )
 
 ROOT_2, ROOT_3 = square_root(2), square_root(3)
-
-
 X = fmpq_poly([0, 1])
 
 

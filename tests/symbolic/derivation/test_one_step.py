@@ -11,7 +11,6 @@ import sympy
 from hypothesis import given
 
 from driftproof import strategies
-from driftproof.methods.schemes import Splitting
 from driftproof.methods.stepping import oscillator, stepper
 from driftproof.symbolic.derivation.one_step import (
     RING,
@@ -28,7 +27,6 @@ from driftproof.symbolic.derivation.one_step import (
     trace,
 )
 from driftproof.symbolic.runs import apply
-from tests.looping import exactly
 from tests.nine import NINE
 
 
@@ -44,14 +42,11 @@ def test_the_ring_itself_would_guess_a_float_back() -> None:
     assert at_rational(H, Q(0.1)) != Q(1, 10)
 
 
-@given(strategies.splittings(), strategies.rational_steps(), strategies.rational_states())
-def test_matrix_times_state_is_the_step_of_a_splitting(method: Splitting, h: Q, state: tuple[Q, Q]) -> None:
-    step = stepper(method, lambda c: c)
-    assert apply(matrix_at(one_step_matrix(method), h), *state) == step(oscillator, *state, h)
+METHODS = strategies.runge_kutta_methods() | strategies.splittings()
 
 
-@given(strategies.runge_kutta_methods(), strategies.rational_steps(), strategies.rational_states())
-def test_matrix_times_state_is_the_step_of_a_runge_kutta_method(method: Any, h: Q, state: tuple[Q, Q]) -> None:
+@given(METHODS, strategies.rational_steps(), strategies.rational_states())
+def test_matrix_times_state_is_the_step_of_a_method(method: Any, h: Q, state: tuple[Q, Q]) -> None:
     step = stepper(method, lambda c: c)
     assert apply(matrix_at(one_step_matrix(method), h), *state) == step(oscillator, *state, h)
 
@@ -77,9 +72,3 @@ def test_entries_trace_and_determinant_are_read_in_order() -> None:
     assert expression(H**2 / 2) == sympy.Symbol("h") ** 2 / 2
     with pytest.raises(TypeError, match="exact"):
         at_rational(H, 0.5)  # type: ignore[arg-type]
-
-
-def test_number_field_is_not_left_by_any_catalogue_step() -> None:
-    for method in exactly(9, NINE.values()):
-        for polynomial in exactly(4, entries(one_step_matrix(method))):
-            assert polynomial.ring == RING

@@ -16,7 +16,6 @@ from driftproof.symbolic.algebra.polynomials import (
     from_scalars,
     modulus_squared_on_imaginary_axis,
     polynomial,
-    reflected,
     scalar,
 )
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
@@ -183,13 +182,6 @@ def test_witness_of_instability_is_a_point_where_r_is_too_large(c: list[int]) ->
         assert found.witness is not None
         at = scalar(found.witness)
         assert modulus_squared_on_imaginary_axis(r.num)(at) > modulus_squared_on_imaginary_axis(r.den)(at)
-
-
-def test_pade_0_6_is_i_stable_and_has_poles_in_the_left_half_plane() -> None:
-    r = pade(0, 6)
-    assert [bool(decide(r)) for decide in (i_stability, a_stability)] == [True, False]
-    assert sum(root.real < 0 for root, _ in r.den.numer().complex_roots()) == 2
-    assert not is_hurwitz(reflected(r.den))
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
-from math import isqrt
 from typing import Any
 
 import pytest
@@ -176,11 +175,6 @@ def test_modified_hamiltonian_of_symplectic_euler_as_text() -> None:
     assert found["valid_limit"]["exact"] == "2"
 
 
-def test_splittings_without_r_have_the_same_keys() -> None:
-    assert isinstance(METHODS["velocity_verlet"], Splitting)
-    assert len(oscillator_matrix(METHODS["velocity_verlet"])) == 2
-
-
 # --- monotonicity of collocation
 
 
@@ -286,11 +280,3 @@ def test_rounded_points_lie_on_the_boundary_and_moved_ones_do_not(key: str) -> N
     moved = [(c, str(Q(re) + Q(1, 10**9)), im) for c, re, im in points]
     assert not all(on_boundary(r, point, 15) for point in moved)
     assert all(Q(im) >= 0 for _, _, im in points)
-
-
-def test_root_of_ten_is_drawn_out_of_ninety() -> None:
-    """σ² = 10/9: the reference is the integer square root."""
-    rate = leading_frequency(oscillator_matrix(splitting(Q(10, 9), Q(1))))
-    low, high = rate.enclosure(200) if isinstance(rate, Algebraic) else (rate, rate)
-    root = Q(isqrt(10 * 10**100 // 9), 10**50)
-    assert low - Q(1, 10**49) < root < high + Q(1, 10**49)

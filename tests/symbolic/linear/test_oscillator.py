@@ -12,10 +12,8 @@ from hypothesis import strategies as st
 
 from driftproof import strategies
 from driftproof.methods.schemes import Nystrom, Splitting
-from driftproof.symbolic.algebra.matrices import matrix_product
 from driftproof.symbolic.algebra.polynomials import evaluate, exact, from_scalars, polynomial, scalar
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
-from driftproof.symbolic.linear.invariants import definite_limit, quadratic_invariants
 from driftproof.symbolic.linear.oscillator import (
     area_factor,
     energy_factor,
@@ -25,7 +23,6 @@ from driftproof.symbolic.linear.oscillator import (
     oscillator_matrix,
     stability_function_of,
 )
-from driftproof.symbolic.linear.stability_limits import INFINITY
 from tests.catalogue.conformance import ARITHMETICS
 from tests.nine import NINE
 from tests.symbolic.linear.linear_examples import BACKWARD, EVERY, MIDPOINT, MIDPOINT_NYSTROM, NYSTROM_4, ONE, ROOT_3, Z
@@ -138,5 +135,3 @@ def test_evaluation_of_a_rational_function(x: Q, y: Q) -> None:
     total = f + fraction(Z)
     assert exact(total(scalar(y))) == (1 + 2 * y) / (3 + y * y) + y
     assert exact(evaluate(polynomial([1, 2]), scalar(ROOT_3))) == 1 + 2 * ROOT_3
-    assert matrix_product([[fmpq(1), fmpq(2)]], [[fmpq(3)], [fmpq(4)]]) == [[11]]
-    assert definite_limit(quadratic_invariants(oscillator_matrix(MIDPOINT))[0]) is INFINITY

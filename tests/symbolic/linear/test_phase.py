@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from fractions import Fraction as Q
-
 import pytest
 from flint import acb, acb_poly, arb, ctx
 
-from driftproof.methods.schemes import Splitting
-from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import exact
 from driftproof.symbolic.linear.oscillator import (
     area_factor,
@@ -110,18 +106,3 @@ def test_modified_rate_exponentiates_to_r(key: str) -> None:
         total = sum((ball(c) * z**k for k, c in enumerate(rate)), arb(0))
         value = acb_poly([ball(c) for c in r.num.coeffs()])(z) / acb_poly([ball(c) for c in r.den.coeffs()])(z)
         assert abs(value - total.exp()) < z**19
-
-
-def test_an_inconsistent_splitting_has_its_rate_in_a_quadratic_field() -> None:
-    """σ² is the sum of the kicks times that of the drifts: 10/9 · 9/10 is consistent, 10/9 needs sqrt(10)."""
-
-    def split(kick: Q, drift: Q) -> StepMatrix:
-        parts = (("kick", kick / 2), ("drift", drift), ("kick", kick / 2))
-        return oscillator_matrix(Splitting("s", "S", 0, "x", parts))
-
-    assert angle_error(split(Q(10, 9), Q(9, 10))).power == 3
-    found = angle_error(split(Q(10, 9), Q(1)))
-    assert (found.power, str(found.coefficient)) == (1, "-1 + 1/3*sqrt(10)")
-    assert angle_error(split(Q(4, 9), Q(1))).coefficient == Q(-1, 3)
-    with pytest.raises(ValueError, match="no positive rational"):
-        angle_error(split(Q(-1), Q(1)))

@@ -141,10 +141,6 @@ def test_limits_over_a_number_field() -> None:
     assert imaginary_limit(unstable) == ZERO_ROOT
 
 
-def test_a_step_that_changes_nothing_is_bounded_for_ever() -> None:
-    assert (real_limit(fraction(polynomial([1]))), imaginary_limit(fraction(polynomial([1])))) == (INFINITY, INFINITY)
-
-
 def test_limit_over_a_number_field_is_not_one_of_a_conjugate() -> None:
     """1 - x + a x²/2 with a = √3 - 1 reaches 1 at 2/a = 1 + √3; the conjugate a = -√3 - 1 takes it to -1 before 1."""
     r = fraction(polynomial([1, 1, (ROOT_3 - 1) / 2]))

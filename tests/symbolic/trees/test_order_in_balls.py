@@ -35,21 +35,15 @@ def balls(method, unit):
 
 
 @pytest.mark.parametrize("key", RATIONAL[::3])
-def test_without_uncertainty_the_order_is_the_exact_one(key):
-    exact, found = order(METHODS[key]), ball_order(balls(METHODS[key], 0), 12)
+@pytest.mark.parametrize(("unit", "width"), [(0, Q(1, 2**200)), (U, Q(1, 2**40))])
+def test_numbers_and_doubles_within_a_rounding_have_the_order_of_the_method_and_a_residual_around_its_own(
+    key, unit, width
+):
+    exact, found = order(METHODS[key]), ball_order(balls(METHODS[key], unit), 12)
     assert (found.order, found.failing_tree) == (exact.order, exact.failing_tree)
     low, high = found.residual
     assert low <= exact.residual <= high
-    assert high - low < Q(1, 2**200)
-
-
-@pytest.mark.parametrize("key", RATIONAL[::3])
-def test_doubles_within_a_rounding_have_the_order_of_the_method_and_a_residual_around_its_own(key):
-    exact, found = order(METHODS[key]), ball_order(balls(METHODS[key], U), 12)
-    assert (found.order, found.failing_tree) == (exact.order, exact.failing_tree)
-    low, high = found.residual
-    assert low <= exact.residual <= high
-    assert high - low < Q(1, 2**40)
+    assert high - low < width
 
 
 def test_doubles_taken_for_exact_numbers_fail_by_their_rounding():

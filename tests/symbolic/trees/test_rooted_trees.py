@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from fractions import Fraction as Q
 from itertools import product
-from math import factorial, prod
+from math import factorial
 
 import pytest
 from hypothesis import given
@@ -16,7 +16,6 @@ from driftproof.symbolic.trees.rooted_trees import (
     TooManyTrees,
     Tree,
     alternately_coloured,
-    bush,
     canonical_tree,
     coloured_shapes,
     density,
@@ -28,7 +27,7 @@ from driftproof.symbolic.trees.rooted_trees import (
     vertices,
 )
 from tests.looping import some
-from tests.witnesses.trees import sorted_tree, symmetry, tall
+from tests.witnesses.trees import sorted_tree, symmetry
 
 # hairer-norsett-wanner-1993, II.2: the numbers of rooted trees, there to order 10.
 COUNTS = [1, 1, 2, 4, 9, 20, 48, 115, 286, 719, 1842, 4766]
@@ -71,15 +70,6 @@ def test_labellings_of_all_trees_add_up(n: int) -> None:
     table = tree_table(n)
     assert sum(Q(factorial(n), table.symmetry[t]) for t in table.ids(n)) == n ** (n - 1)
     assert sum(Q(factorial(n), table.symmetry[t] * table.density[t]) for t in table.ids(n)) == factorial(n - 1)
-
-
-def test_density_and_symmetry_of_the_bush_and_the_tall_tree() -> None:
-    for n in range(1, 10):
-        assert (density(bush(n)), symmetry(bush(n))) == (n, factorial(n - 1))
-        assert (density(tall(n)), symmetry(tall(n))) == (factorial(n), 1)
-        assert (rooted_trees(n)[0], rooted_trees(n)[-1]) == (bush(n), tall(n))
-    assert density(bush(40)) == 40
-    assert symmetry(((), ((),), ((),))) == 2
 
 
 def test_columns_agree_with_the_trees_they_are_about() -> None:
@@ -171,9 +161,3 @@ def test_an_order_without_end_is_refused(monkeypatch: pytest.MonkeyPatch) -> Non
     assert len(tree_table(10).ids(10)) == 719
     with pytest.raises(TooManyTrees, match="more than 1000 trees of order 11"):
         tree_table(11)
-
-
-def test_density_is_not_the_product_over_branches_only() -> None:
-    """The products of r(t) with its branches' r agree with γ to order 3, and no further."""
-    wrong = [vertices(tree) * prod(map(vertices, tree)) for tree in shapes(4)]
-    assert [x == y for x, y in zip(wrong, tree_table(4).density, strict=True)] == [True] * 7 + [False]
