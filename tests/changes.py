@@ -74,27 +74,6 @@ def compensated(method: Method, by: Q) -> Iterator[tuple[tuple[Place, Place], Me
             yield (first, second), off
 
 
-def notable_changes(method: Method, by: Q) -> list[Method]:
-    """Changes that conditions notice: of numbers that count, and against one another where sums are kept.
-
-    An entry of A in a row with a weight moves Σ bᵢ aᵢⱼ, the condition of order 2, a weight Σ bᵢ, the one of order 1;
-    two kicks, a drift apart, are noticed at order 2, too. No more is claimed of the changed method.
-    """
-    places: list[Place] = [first_weight(method)]
-    if isinstance(method, RungeKutta):
-        fullest = max((i for i, x in enumerate(method.b) if x), key=lambda i: sum(map(bool, method.a[i])))
-        places += [("a", fullest, 0)] if method.claimed_order > 1 else []
-    if isinstance(method, Nystrom):
-        places += [("a", method.stages - 1, method.stages - 2)]
-        places += [(name, next(i for i, x in enumerate(getattr(method, name)) if x)) for name in ROWS[Nystrom]]
-    found = [moved(method, place, by) for place in places]
-    if isinstance(method, Splitting) and method.claimed_order > 1:
-        found += [off for (first, _), off in compensated(method, by) if first == rows(method)[0][0]]
-    if isinstance(method, RungeKutta | Splitting):
-        found = [replace(off, claimed_order=min(2, method.claimed_order)) for off in found]
-    return found
-
-
 def is_the_same_in_disguise(one: Any, other: Any) -> bool:
     """Some stages are equal on every problem, and only how their weights are shared has changed."""
     return reduced(stages_of(one)) == reduced(stages_of(other)) != stages_of(other)

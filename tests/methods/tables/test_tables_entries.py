@@ -13,10 +13,8 @@ import pytest
 from driftproof.methods import catalogue
 from driftproof.methods.catalogue import EXTENSIONS, METHODS
 from driftproof.methods.schemes import Collocation, Method, RungeKutta, Splitting
-from driftproof.methods.stepping import stepper
 from driftproof.methods.tables.splittings import alternating, palindrome, verlet_composition
 from tests.methods.tables.entries import FILES, by_key, entry, fingerprint, of_type
-from tests.methods.tables.tables_orders import as_nystrom
 
 
 def test_every_file_of_tables_is_in_the_catalogue_in_the_order_of_its_entries() -> None:
@@ -62,15 +60,6 @@ def test_family_of_tableau_is_as_its_file_says(method: RungeKutta) -> None:
     assert method.explicit is not implicit
     diagonal = all(x == 0 for i, given in enumerate(method.a) for x in given[i + 1 :])
     assert diagonal or method not in FILES["diagonally_implicit"]
-
-
-@pytest.mark.parametrize("key", ["ruth3", "pefrl", "mclachlan_atela4", "yoshida4", "blanes_moan_rkn4"])
-def test_splitting_is_the_nystrom_method_of_its_kicks(key: str) -> None:
-    method, state = entry(key), (Q(1, 3), Q(-2, 5), Q(1, 7))
-    assert isinstance(method, Splitting)
-    step, same = stepper(method, lambda c: c), stepper(as_nystrom(method), lambda c: c)
-    assert step(lambda q: q**2 - 1, *state) == same(lambda q: q**2 - 1, *state)
-    assert step(lambda q: q**2 - 1, *state) != same(lambda q: q**2, *state)
 
 
 def test_compositions_join_neighbouring_halves() -> None:
