@@ -19,6 +19,7 @@ from fractions import Fraction
 from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 from driftproof.methods.rationals import parse_rational
+from driftproof.support.plain_text import shortened
 
 LONGEST_EXPRESSION = 2000
 # An exact form of ours is never computed with, only written, and may be longer.
@@ -45,8 +46,8 @@ class ExpressionError(ValueError):
     def __init__(self, text: str, column: int, reason: str) -> None:
         """The line is "TEXT, column N: REASON"."""
         self.text, self.column = text, column
-        self.reason = _cut(" ".join(reason.split()), _MOST_SAID)
-        super().__init__(f"{_cut(' '.join(text.split()), _MOST_QUOTED)!r}, column {column}: {self.reason}")
+        self.reason = shortened(" ".join(reason.split()), _MOST_SAID)
+        super().__init__(f"{shortened(' '.join(text.split()), _MOST_QUOTED)!r}, column {column}: {self.reason}")
 
 
 class Token(NamedTuple):
@@ -64,7 +65,7 @@ class Token(NamedTuple):
     @property
     def shown(self) -> str:
         """How a refusal names it."""
-        return "the end" if self.kind == END else repr(_cut(self.text, 40))
+        return "the end" if self.kind == END else repr(shortened(self.text, 40))
 
 
 @dataclass(frozen=True)
@@ -293,7 +294,3 @@ def parse_form(form: str) -> ExpressionNode:
     """The tree of an exact form, whose names are variables. Raises ExpressionError where it is none, or too long."""
     node: ExpressionNode = _FormParser(form, LONGEST_FORM, LARGEST_POWER_OF_FORM).tree()
     return node
-
-
-def _cut(text: str, longest: int) -> str:
-    return text if len(text) <= longest else f"{text[: longest - 3]}..."

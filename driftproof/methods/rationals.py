@@ -9,6 +9,8 @@ from math import ceil, floor, isfinite
 from numbers import Rational
 from typing import TypeAlias
 
+from driftproof.support.plain_text import shortened
+
 # A number that is meant exactly, as Python has it: a float only where it is the decimal that it prints as.
 ExactNumber: TypeAlias = Fraction | int | float | str
 # Position and velocity as Python has them, or as the command line does: "1,0".
@@ -36,7 +38,7 @@ def parse_rational(text: str, what: str = "number") -> Fraction:
     allowed = "write an integer, a fraction like 1/4 or a decimal like 0.25"
     text = text.strip().replace("\N{MINUS SIGN}", "-")
     exponent = _EXPONENT.search(text)
-    shown = text if len(text) <= LONGEST_SHOWN else text[: LONGEST_SHOWN - 3] + "..."
+    shown = shortened(text, LONGEST_SHOWN)
     if len(text) > LONGEST_TEXT or (exponent and abs(int(exponent[1].replace("_", ""))) > LARGEST_EXPONENT):
         raise ValueError(
             f"{what}: {shown!r} is too long; at most {LONGEST_TEXT} characters, exponent {LARGEST_EXPONENT}"
@@ -139,5 +141,4 @@ def step_count(t: Fraction, h: Fraction) -> int:
 
 def brief(x: Fraction | int) -> str:
     """The number for a message: cut off where it is too long to be read."""
-    text = str(x)
-    return text if len(text) <= LONGEST_SHOWN else text[: LONGEST_SHOWN - 3] + "..."
+    return shortened(str(x), LONGEST_SHOWN)

@@ -26,6 +26,11 @@ def printable(text: str) -> str:
     return _UNPRINTABLE.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
 
 
+def shortened(text: str, longest: int) -> str:
+    """The text, cut off where it is too long to be read."""
+    return text if len(text) <= longest else f"{text[: longest - 3]}..."
+
+
 def as_json(answer: Any) -> str:
     """Canonical JSON: keys sorted, one line per value, byte-stable from run to run."""
     import json

@@ -11,6 +11,8 @@ from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
+from driftproof.support.plain_text import shortened
+
 TomlTable: TypeAlias = dict[str, Any]
 _T = TypeVar("_T")
 
@@ -62,12 +64,11 @@ _BARE_FRACTION = re.compile(rb"[\[,=]\s*-?\d+\s*/\s*\d")
 
 
 def quoted(value: object) -> str:
-    """The value as a refusal shows it, cut off where it is too long to be read."""
+    """The value as a refusal shows it."""
     try:
-        text = repr(value)
+        return shortened(repr(value), LONGEST_QUOTED)
     except ValueError:  # an integer of more digits than Python will print
         return "a huge number"
-    return text if len(text) <= LONGEST_QUOTED else text[: LONGEST_QUOTED - 3] + "..."
 
 
 def demand_keys(table: TomlTable, allowed: Collection[str], what: str, more: str = "") -> None:

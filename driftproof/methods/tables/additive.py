@@ -6,7 +6,7 @@ from fractions import Fraction
 
 from driftproof.methods.additive import Additive
 from driftproof.methods.tables.diagonally_implicit import ALEXANDER_GAMMA
-from driftproof.methods.tables.notation import exact_row, named, numbers, padded, square
+from driftproof.methods.tables.notation import exact_row, heading, numbers, padded, square
 
 
 def _imex(text: str) -> tuple[Additive, ...]:
@@ -20,7 +20,7 @@ def _imex(text: str) -> tuple[Additive, ...]:
         explicit, implicit = zip(*(map(exact_row, line.split("|")) for line in lines), strict=True)
         found.append(
             Additive(
-                **named(names),
+                **heading(names),
                 a_explicit=padded(*explicit[:-1]),
                 a_implicit=padded(*implicit[:-1]),
                 b_explicit=explicit[-1],
@@ -34,7 +34,7 @@ def _ark(names: str, explicit: str, implicit: str) -> Additive:
     """A pair with the same weights in both parts: the last row of the implicit one, below which the embedded row is."""
     *rows, b, embedded = (exact_row(line) for line in implicit.splitlines())
     return Additive(
-        **named(names),
+        **heading(names),
         a_explicit=square(explicit),
         a_implicit=padded(*rows, b),
         b_explicit=b,
@@ -89,7 +89,7 @@ ENTRIES: tuple[Additive, ...] = (
     """
     ),
     Additive(
-        **named("ars343 | ARS(3,4,3) | 3 | ascher-ruuth-spiteri-1997, 2.7"),
+        **heading("ars343 | ARS(3,4,3) | 3 | ascher-ruuth-spiteri-1997, 2.7"),
         a_explicit=padded((), (_G4,), ((1 + _G4) / 2 - _LAST, _LAST), (1 - 2 * _FREE, _FREE, _FREE)),
         a_implicit=padded((), (0, _G4), (0, (1 - _G4) / 2, _G4), _ALEXANDER),
         b_explicit=_ALEXANDER,

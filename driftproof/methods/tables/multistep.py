@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from driftproof.methods.multistep import Multistep
-from driftproof.methods.tables.notation import named, row
+from driftproof.methods.tables.notation import heading, row
 
 # Key | title | order | rho | sigma: both from the oldest value to the new one, over a common denominator as "/12: ...".
 # One step of BDF is backward_euler, of Adams-Bashforth forward_euler, of Adams-Moulton `trapezoid`. Adams-Moulton
@@ -55,7 +55,7 @@ def _entry(line: str, derivative: int) -> Multistep:
         read.append(tuple(x / common for x in row(numerators)))
     source = f"hairer-norsett-wanner-1993, {'III.1' if derivative == 1 else 'III.10'}"
     source = "shampine-reichelt-1997, (4) and Table 1" if names.startswith("ndf") else source
-    return Multistep(**named(f"{names} | {source}"), rho=read[0], sigma=read[1], derivative=derivative)
+    return Multistep(**heading(f"{names} | {source}"), rho=read[0], sigma=read[1], derivative=derivative)
 
 
 ENTRIES: tuple[Multistep, ...] = tuple(

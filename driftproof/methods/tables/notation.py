@@ -47,7 +47,7 @@ def tableaux(text: str, *, decimal: bool = False) -> tuple[RungeKutta, ...]:
     return tuple(_tableau(entry.splitlines(), decimal) for entry in "\n".join(lines).strip().split("\n\n"))
 
 
-def named(names: str) -> dict[str, Any]:
+def heading(names: str) -> dict[str, Any]:
     """What the line "key | title | order | source" says; an order such as 4(3) is that of a pair."""
     key, title, orders, source = (" ".join(part.split()) for part in names.split(" | "))
     order, _, embedded = orders.removesuffix(")").partition("(")
@@ -57,14 +57,14 @@ def named(names: str) -> dict[str, Any]:
 
 def splitting(names: str, parts: tuple[tuple[str, Exact], ...], *, quadratic_kinetic: bool = False) -> Splitting:
     """The splitting with these parts, its key, title, order and source in a line as in `tableaux`."""
-    return Splitting(**named(names), parts=parts, quadratic_kinetic=quadratic_kinetic)
+    return Splitting(**heading(names), parts=parts, quadratic_kinetic=quadratic_kinetic)
 
 
 def _tableau(lines: Sequence[str], decimal: bool) -> RungeKutta:
     nodes, rows = zip(*(map(exact_row, line.split("|")) for line in lines[1:]), strict=True)
     c = tuple(c for node in nodes for c in node)
     a, (b, *embedded) = padded(*rows[: len(c)]), rows[len(c) :]
-    return RungeKutta(**named(lines[0]), c=c, a=a, b=b, b_embedded=embedded[0] if embedded else None, decimal=decimal)
+    return RungeKutta(**heading(lines[0]), c=c, a=a, b=b, b_embedded=embedded[0] if embedded else None, decimal=decimal)
 
 
 def exact_row(text: str) -> tuple[Exact, ...]:

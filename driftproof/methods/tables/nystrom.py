@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from driftproof.methods.schemes import Method, Nystrom
-from driftproof.methods.tables.notation import named, row, square
+from driftproof.methods.tables.notation import heading, row, square
 
 ENTRIES: tuple[Method, ...] = (
     Nystrom(
-        **named("nystrom4 | Nyström's method of order 4 | 4 | hairer-norsett-wanner-1993, II.14"),
+        **heading("nystrom4 | Nyström's method of order 4 | 4 | hairer-norsett-wanner-1993, II.14"),
         c=row("0 1/2 1"),
         a=square("0\n 1/8\n 0 1/2"),
         b_position=row("1/6 1/3 0"),
@@ -15,7 +15,7 @@ ENTRIES: tuple[Method, ...] = (
     ),
     # Not `kutta_nystrom5`, which is a Runge-Kutta method.
     Nystrom(
-        **named("nystrom5 | Nyström's method of order 5 | 5 | hairer-norsett-wanner-1993, II.14"),
+        **heading("nystrom5 | Nyström's method of order 5 | 5 | hairer-norsett-wanner-1993, II.14"),
         c=row("0 1/5 2/3 1"),
         a=square("0\n 1/50\n -1/27 7/27\n 3/10 -2/35 9/35"),
         b_position=row("1/24 25/84 9/56 0"),
@@ -23,7 +23,7 @@ ENTRIES: tuple[Method, ...] = (
     ),
     # The higher-order half of the pair RKN4(3)4FM.
     Nystrom(
-        **named(
+        **heading(
             "dormand_elmikkawy_prince4 | Dormand-El-Mikkawy-Prince Nyström method of order 4 | 4"
             " | dormand-elmikkawy-prince-1987, Table 3, RKN4(3)4FM"
         ),

@@ -7,7 +7,7 @@ from fractions import Fraction as Q
 
 from driftproof.methods.number_field import square_root
 from driftproof.methods.rosenbrock import Rosenbrock
-from driftproof.methods.tables.notation import named, numbers, padded, row, square
+from driftproof.methods.tables.notation import heading, numbers, padded, row, square
 
 
 def _product(u: Sequence[Q], rows: Sequence[Sequence[Q]]) -> tuple[Q, ...]:
@@ -30,7 +30,7 @@ def _from_transformed(names: str, gamma: Q, a: str, c: str, m: str, *, decimal: 
     stages = [_product((*row(line), *[Q(0)] * (size - len(row(line)))), inverse) for line in a.strip().splitlines()]
     weights = row(m)
     return Rosenbrock(
-        **named(names),
+        **heading(names),
         alpha=tuple(stages),
         gamma=tuple(inverse),
         b=_product(weights, inverse),
@@ -44,21 +44,21 @@ _G2, _G3 = 1 - _SQRT2 / 2, Q(1, 2) + _SQRT3 / 6
 
 ENTRIES: tuple[Rosenbrock, ...] = (
     Rosenbrock(
-        **named("ros2 | ROS2 | 2(1) | verwer-spee-blom-hundsdorfer-1999, 3.1"),
+        **heading("ros2 | ROS2 | 2(1) | verwer-spee-blom-hundsdorfer-1999, 3.1"),
         alpha=square("0\n 1"),
         gamma=padded((_G2,), (-2 * _G2, _G2)),
         b=row("1/2 1/2"),
         b_embedded=row("1 0"),
     ),
     Rosenbrock(
-        **named("ros3p | ROS3P | 3(2) | lang-verwer-2001, 4"),
+        **heading("ros3p | ROS3P | 3(2) | lang-verwer-2001, 4"),
         alpha=square("0\n 1\n 1 0"),
         gamma=padded((_G3,), (-1, _G3), (-_G3, Q(1, 2) - 2 * _G3, _G3)),
         b=row("2/3 0 1/3"),
         b_embedded=numbers(Q(1, 3), Q(1, 3), Q(1, 3)),
     ),
     Rosenbrock(
-        **named("grk4t | GRK4T | 4(3) | kaps-rentrop-1979, Table 1"),
+        **heading("grk4t | GRK4T | 4(3) | kaps-rentrop-1979, Table 1"),
         alpha=square("0\n 0.462\n -0.0815668168327 0.961775150166\n -0.0815668168327 0.961775150166"),
         gamma=square(
             "0.231\n -0.270629667752 0.231\n 0.311254483294 0.00852445628482 0.231\n"
