@@ -98,10 +98,8 @@ def _value(plain: Plain, package: str) -> Plain:
             return Fraction(int(numerator, 16), int(denominator, 16))
         case "tuple":
             return tuple(_value(content, package))
-        case "set":
-            return set(_value(content, package))
-        case "frozenset":
-            return frozenset(_value(content, package))
+        case "set" | "frozenset":
+            return {"set": set, "frozenset": frozenset}[kind](_value(content, package))
         case "dict":
             return {_value(key, package): _value(x, package) for key, x in content}
         case "record":

@@ -11,7 +11,6 @@ Json: TypeAlias = Any
 # A float of this size or more is shown with an exponent.
 LARGEST_PLAIN = 1e9
 
-
 # What a terminal obeys instead of showing it: controls but for tab and end of line, directions of writing, separators
 # of lines. Halves of pairs, too, as in names of files that are no UTF-8: no output takes them.
 _UNPRINTABLE = re.compile("[\0-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
@@ -54,9 +53,7 @@ def with_digits(x: float, digits: int) -> str:
 
 
 def short(x: float) -> str:
-    """Three decimals as the lesson's table shows them; two significant digits with an exponent below 1e-3, and beyond
-    LARGEST_PLAIN.
-    """
+    """Three decimals as the lesson's table has them; two digits and an exponent below 1e-3, beyond LARGEST_PLAIN."""
     if x == 0 or 1e-3 <= abs(x) < LARGEST_PLAIN:
         return f"{x:.3f}"
     mantissa, exponent = f"{x:.1e}".split("e")

@@ -129,32 +129,28 @@ def _work(theirs: Ends, handler: Handler | None) -> None:
         answering = _imported(json.loads(requests.readline())) if handler is None else handler
         limits = json.loads(requests.readline())
         _limit(limits["memory"], limits["file"])
-        _tell(answers, {"answer": None})
+        _tell(answers, json.dumps({"answer": None}))
     except Exception as error:
         _tell(answers, _raised(error))
         return
     for line in requests:
         _limit_processor(limits["processor"])
         try:
-            message = {"answer": answering(json.loads(line))}
-            text = json.dumps(message)
+            text = json.dumps({"answer": answering(json.loads(line))})
         except Exception as error:
-            text = json.dumps(_raised(error))
+            text = _raised(error)
         _tell(answers, text)
 
 
-def _tell(answers: int, message: _Json) -> None:
-    text = message if isinstance(message, str) else json.dumps(message)
+def _tell(answers: int, text: str) -> None:
     rest = memoryview(f"{text}\n".encode())
     while rest:
         rest = rest[os.write(answers, rest) :]
 
 
-def _raised(error: Exception) -> dict[str, _Json]:
-    return {
-        "raised": f"{type(error).__name__}: {' '.join(str(error).split())}"[:2000],
-        "memory": isinstance(error, MemoryError),
-    }
+def _raised(error: Exception) -> str:
+    said = f"{type(error).__name__}: {' '.join(str(error).split())}"[:2000]
+    return json.dumps({"raised": said, "memory": isinstance(error, MemoryError)})
 
 
 def _imported(order: dict[str, Any]) -> Handler:

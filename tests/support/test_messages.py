@@ -28,6 +28,7 @@ VALUES = st.recursive(
         | st.lists(inner).map(tuple)
         | st.dictionaries(ATOMS, inner)
         | st.frozensets(st.integers() | st.text())
+        | st.sets(st.integers())
     ),
     max_leaves=8,
 )
