@@ -10,12 +10,14 @@ from math import prod
 from driftproof.blackbox.matching.match import match_tableau
 from driftproof.blackbox.matching.read_order import read_order
 from driftproof.blackbox.probes.dense import BETWEEN, THETAS, DenseReading, read_dense
-from driftproof.blackbox.probes.scripted_answers import Rounding
+from driftproof.blackbox.probes.scripted_answers import CoefficientRow
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.catalogue import EXTENSIONS, METHODS
 from driftproof.methods.continuous import ContinuousExtension, hermite
-from driftproof.methods.schemes import MethodError, RungeKutta
+from driftproof.methods.number_field import total
+from driftproof.methods.schemes import RungeKutta
 from driftproof.support.plain_text import Json
+from driftproof.symbolic.algebra.polynomials import ONE, Polynomial, Scalar, X, scalar
 
 _HIGHEST_DEGREE = 12
 
@@ -56,16 +58,14 @@ def judged_reading(reading: DenseReading) -> JudgedDense:
     degree = None if polynomials is None else polynomials.degree
     named = "no continuous extension of the catalogue"
     if key is not None:
-        named = (
-            f"{key}: {EXTENSIONS[key].title if key in EXTENSIONS else 'the cubic through both ends with their slopes'}"
-        )
+        cubic = "the cubic through both ends with their slopes"
+        named = f"{key}: {EXTENSIONS[key].title if key in EXTENSIONS else cubic}"
     shape = f"of degree {degree}" if degree is not None else f"no polynomial of degree {_HIGHEST_DEGREE} or less"
     between = f"order {order} between the steps, at the sixteenths; the order of the steps is {step}"
     others = ", ".join(f"{float(theta):.3g}" for theta in BETWEEN)
     asked = f"asked at theta = 0, 1/16, ..., 1, and at {others}: what it is elsewhere was not seen"
     lines = [named, f"a function of {reading.argument}, {shape} in theta", between, asked]
-    faults = [] if polynomials is None else [*polynomials.misfits(reading)]
-    faults += [] if polynomials is None else [*polynomials.elsewhere(reading)]
+    faults = [] if polynomials is None else [*polynomials.misfits(reading), *polynomials.elsewhere(reading)]
     if polynomials is not None and not faults:
         lines.append(polynomials.smoothness(reading))
     if key is None and order < step - 1:
@@ -79,28 +79,22 @@ def _candidates(reading: DenseReading) -> Iterator[ContinuousExtension]:
     yield from EXTENSIONS.values()
     for match in match_tableau(reading.step).matches:
         method = METHODS[match.key]
-        if not match.relation and isinstance(method, RungeKutta):
-            try:
-                yield hermite(method)
-            except MethodError:
-                continue
+        if not match.relation and isinstance(method, RungeKutta) and not any(method.a[0]):  # which is f(t, y)
+            yield hermite(method)
 
 
 def _is(reading: DenseReading, extension: ContinuousExtension) -> bool:
     """The stages in their order, and every weight at every theta, to what rounding may do to sums of its terms."""
-    if len(extension.a) > reading.step.calls:
+    count, rounding = len(extension.a), reading.step.rounding
+    if count > reading.step.calls or any(any(row[count:]) for row in reading.rows):
         return False
-    rounding = Rounding(reading.step.format, reading.step.calls)
     largest = max(abs(float(x)) for row in extension.a for x in row)
-    for exact, seen in zip(extension.a, reading.step.a, strict=False):
-        if any(abs(float(x) - y) > rounding.of(1 + largest) for x, y in zip(exact, seen, strict=False)):
-            return False
+    rows = [(exact, seen, [largest] * count) for exact, seen in zip(extension.a, reading.step.a, strict=False)]
     sizes = [sum(abs(float(x)) for x in weight) for weight in extension.weights]
-    for theta, row in zip(THETAS, reading.rows, strict=True):
-        values = [float(sum(c * theta**k for k, c in enumerate(weight))) for weight in extension.weights]
-        if any(abs(x - y) > rounding.of(1 + size) for x, y, size in zip(values, row, sizes, strict=False)):
-            return False
-    return not any(any(row[len(sizes) :]) for row in reading.rows)
+    for theta, seen in zip(THETAS, reading.rows, strict=True):
+        rows.append((tuple(total(c * theta**k for k, c in enumerate(w)) for w in extension.weights), seen, sizes))
+    triples = (triple for row in rows for triple in zip(*row, strict=False))
+    return all(abs(float(x) - y) <= rounding.of(1 + size) for x, y, size in triples)
 
 
 @dataclass(frozen=True)
@@ -108,31 +102,32 @@ class _Polynomials:
     """The weights as polynomials of one degree, through their values at as many thetas, and how far off they may be."""
 
     degree: int
-    nodes: tuple[Fraction, ...]
-    weights: tuple[tuple[Fraction, ...], ...]  # of each stage, constant term first
+    basis: tuple[Polynomial, ...]  # each of them 1 at one of these thetas, 0 at the others
+    weights: tuple[Polynomial, ...]  # of each stage
     allowed: float
 
     @classmethod
     def of(cls, reading: DenseReading) -> _Polynomials | None:
         """Of the least degree whose polynomials pass through all other values, too; None for none."""
-        rounding = Rounding(reading.step.format, reading.step.calls)
-        columns = list(zip(*reading.rows, strict=True))
         for degree in range(1, _HIGHEST_DEGREE + 1):
-            nodes = tuple(THETAS[k * 16 // degree] for k in range(degree + 1))
-            basis = [_lagrange(nodes, k) for k in range(degree + 1)]
-            weights = tuple(_combined(basis, [column[THETAS.index(x)] for x in nodes]) for column in columns)
-            size = max(float(sum(map(abs, weight))) for weight in weights)
-            # A value off by e moves the polynomial by at most e times the Lebesgue function.
-            spread = max(float(sum(abs(_at(part, theta)) for part in basis)) for theta in THETAS)
-            allowed = rounding.of(1 + size) * (1 + spread)
-            through = all(
-                abs(float(_at(weight, theta)) - seen) <= allowed
-                for weight, column in zip(weights, columns, strict=True)
-                for theta, seen in zip(THETAS, column, strict=True)
+            places = [k * 16 // degree for k in range(degree + 1)]
+            basis = _lagrange([scalar(THETAS[k]) for k in places])
+            columns = zip(*(reading.rows[k] for k in places), strict=True)
+            weights = tuple(
+                sum(part * scalar(Fraction(value)) for part, value in zip(basis, column, strict=True))
+                for column in columns
             )
-            if through:
-                return cls(degree, nodes, weights, allowed)
+            size = max(map(_size, weights))
+            # A value off by e moves the polynomial by at most e times the Lebesgue function.
+            spread = max(float(sum(abs(part(scalar(theta))) for part in basis)) for theta in THETAS)
+            found = cls(degree, basis, weights, reading.step.rounding.of(1 + size) * (1 + spread))
+            pairs = zip(THETAS, reading.rows, strict=True)
+            if all(off <= found.allowed for theta, row in pairs for off in found._off(theta, row)):
+                return found
         return None
+
+    def _off(self, theta: Fraction, row: CoefficientRow) -> list[float]:
+        return [abs(float(weight(scalar(theta))) - seen) for weight, seen in zip(self.weights, row, strict=True)]
 
     def misfits(self, reading: DenseReading) -> Iterator[str]:
         """What is wrong at theta = 0 and at theta = 1, where it should be y and y1."""
@@ -143,10 +138,10 @@ class _Polynomials:
                 yield f"the dense output is not {place}: the weight of call {worst} is off by {off[worst]:.3g}"
 
     def elsewhere(self, reading: DenseReading) -> Iterator[str]:
-        """Where it leaves its polynomial between the sixteenths, a time there being rounded, too."""
+        """Where it first leaves its polynomial between the sixteenths, a time there being rounded, too."""
+        slope = max(_size(weight.derivative()) for weight in self.weights)
         for theta, row in reading.between:
-            off = [abs(float(_at(weight, theta)) - seen) for weight, seen in zip(self.weights, row, strict=True)]
-            slope = max(float(sum(abs(c) for c in _derived(weight))) for weight in self.weights)
+            off = self._off(theta, row)
             worst = max(range(len(off)), key=lambda j: off[j])
             if off[worst] > self.allowed * (1 + slope):
                 place = f"at theta = {float(theta):.3g}, though not at the sixteenths"
@@ -155,49 +150,28 @@ class _Polynomials:
 
     def smoothness(self, reading: DenseReading) -> str:
         """Whether the slopes at both ends are f(t, y) and f(t + h, y1), to what the polynomials are known to."""
-        basis = [_lagrange(self.nodes, k) for k in range(self.degree + 1)]
-        spread = max(float(sum(abs(_at(_derived(part), Fraction(end))) for part in basis)) for end in (0, 1))
-        allowed = self.allowed * (1 + spread)
+        derived = [part.derivative() for part in self.basis]
+        allowed = self.allowed * (1 + max(float(sum(abs(part(end)) for part in derived)) for end in (0, 1)))
         last = [
             i
-            for i, row in enumerate(reading.step.a)
-            if reading.step.c is not None and abs(reading.step.c[i] - 1) <= self.allowed
+            for i, (row, c) in enumerate(zip(reading.step.a, reading.step.c or (), strict=False))
+            if abs(c - 1) <= self.allowed
             if max(abs(x - y) for x, y in zip(row, reading.own, strict=True)) <= self.allowed
         ]
 
         def is_slope(end: int, call: int) -> bool:
-            values = [float(_at(_derived(weight), Fraction(end))) for weight in self.weights]
+            values = [float(weight.derivative()(end)) for weight in self.weights]
             return all(abs(value - (j == call)) <= allowed for j, value in enumerate(values))
 
         ends = ["f(t, y)"] * is_slope(0, 0) + ["f(t + h, y1)"] * any(is_slope(1, i) for i in last)
-        slopes = (
-            f"the slope there is {' and '.join(ends)}" if ends else "the slope at neither end is that of the solution"
-        )
-        return f"continuous: it is y at theta = 0 and y1 at theta = 1; {slopes}"
+        slopes = f"is {' and '.join(ends)}" if ends else "at neither end is that of the solution"
+        return f"continuous: it is y at theta = 0 and y1 at theta = 1; the slope {'there ' * bool(ends)}{slopes}"
 
 
-def _lagrange(nodes: Sequence[Fraction], k: int) -> tuple[Fraction, ...]:
-    """The polynomial that is 1 at node k and 0 at the others."""
-    others = [x for x in nodes if x != nodes[k]]
-    polynomial = [1 / prod((nodes[k] - x for x in others), start=Fraction(1))]
-    for x in others:
-        pairs = zip([Fraction(0), *polynomial], [*polynomial, Fraction(0)], strict=True)
-        polynomial = [high - x * low for high, low in pairs]
-    return tuple(polynomial)
+def _lagrange(nodes: Sequence[Scalar]) -> tuple[Polynomial, ...]:
+    """The polynomials that are 1 at one node and 0 at the others."""
+    return tuple(prod(((X - x) / (node - x) for x in nodes if x != node), start=ONE) for node in nodes)
 
 
-def _combined(basis: Sequence[Sequence[Fraction]], values: Sequence[float]) -> tuple[Fraction, ...]:
-    exact = [Fraction(value) for value in values]
-    columns = zip(*basis, strict=True)
-    return tuple(sum((v * c for v, c in zip(exact, column, strict=True)), Fraction(0)) for column in columns)
-
-
-def _at(polynomial: Sequence[Fraction], theta: Fraction) -> Fraction:
-    total = Fraction(0)
-    for c in reversed(polynomial):
-        total = total * theta + c
-    return total
-
-
-def _derived(polynomial: Sequence[Fraction]) -> tuple[Fraction, ...]:
-    return tuple(k * c for k, c in enumerate(polynomial) if k)
+def _size(p: Polynomial) -> float:
+    return float(sum(map(abs, p.coeffs())))

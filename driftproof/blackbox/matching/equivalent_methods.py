@@ -18,7 +18,7 @@ from fractions import Fraction
 from functools import cache, cached_property
 from itertools import chain
 from math import exp, expm1, inf, log1p
-from typing import Protocol, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from flint import arb, arb_poly, ctx
@@ -30,8 +30,8 @@ from driftproof.methods.schemes import Method, Splitting
 from driftproof.methods.stepping import stepper
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.algebra.matrices import StepMatrix
-from driftproof.symbolic.algebra.polynomials import coefficients, deflate, odd_part, polynomial, reflected
-from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
+from driftproof.symbolic.algebra.polynomials import coefficients, deflate, odd_part, reflected
+from driftproof.symbolic.algebra.rational_functions import fraction
 from driftproof.symbolic.linear.oscillator import (
     area_factor,
     is_matrix_symmetric,
@@ -67,16 +67,6 @@ class Rates:
     def moves(self) -> tuple[float, float]:
         """|a h| and |k h|."""
         return abs(self.position * self.h), abs(self.stiffness * self.h)
-
-
-class LinearMap(Protocol):
-    """A one-step map of q' = a v, v' = -k q that a stepper may be."""
-
-    def matrix_at(self, h: Fraction, position: Fraction, stiffness: Fraction) -> list[arb]:
-        """M(h) in balls."""
-
-    def allowances(self, rates: Rates, fmt: FloatFormat) -> Four:
-        """What any program of it may err by, entry by entry."""
 
 
 @dataclass(frozen=True)
@@ -126,8 +116,6 @@ def tallies_of(method: Method) -> tuple[CountedSizes, ...]:
 
     def number(c: object) -> FloatTally:
         size = abs(float(c))  # type: ignore[arg-type]
-        if size == 1:
-            return one
         return FloatTally(CountedSizes(np.array([size]), _COEFFICIENT_ROUNDINGS))
 
     def force(q: FloatTally) -> FloatTally:
@@ -210,16 +198,13 @@ class LinearlyEquivalentMethods:
         absolute values throughout.
         """
         num, den = self._stability
-        (in_position, in_velocity), s = rates.moves, rates.position * rates.stiffness * rates.h**2
-        sizes = []
-        for p in (num, den):
-            even, odd = _even_and_odd([abs(c) for c in p], abs(s))
-            sizes.append(np.array([[even, in_position * odd], [in_velocity * odd, even]]))
-        even, odd = _even_and_odd(den, -s)
+        s = rates.position * rates.stiffness * rates.h**2
+        above, below = (_at_hl([abs(c) for c in p], abs(s), rates) for p in (num, den))
+        q = _at_hl(den, -s, rates)
         with np.errstate(all="ignore"):
-            back = np.abs(np.array([[even, in_position * odd], [in_velocity * odd, even]]) / (even**2 + s * odd**2))
+            inverse = np.abs(q / (q[0, 0] ** 2 + np.sign(s) * q[0, 1] * q[1, 0]))
             matrix = np.abs(all_matrices((self,), rates)).reshape(2, 2)
-            size = (back @ (sizes[0] + sizes[1] @ matrix)).ravel().tolist()
+            size = (inverse @ (above + below @ matrix)).ravel().tolist()
         count = _COEFFICIENT_ROUNDINGS + (_PER_POWER + _FORCE_ROUNDINGS + 3) * (len(num) + len(den))
         return [_allowance(x, count, fmt) for x in size]
 
@@ -255,6 +240,10 @@ class ExactFlowMap:
         size = (1 + turn) ** 3 * (1.0 if rates.position * rates.stiffness > 0 else exp(turn))
         count = 3 * (_COEFFICIENT_ROUNDINGS + _FORCE_ROUNDINGS)
         return [_allowance(size * x, count, fmt) for x in (1.0, in_position, in_velocity, 1.0)]
+
+
+# A one-step map of q' = a v, v' = -k q that a stepper may be.
+LinearMap: TypeAlias = LinearlyEquivalentMethods | ExactFlowMap
 
 
 @cache
@@ -316,10 +305,11 @@ def _float_parts(classes: tuple[LinearlyEquivalentMethods, ...]) -> NDArray[np.f
     return found
 
 
-def _even_and_odd(p: Sequence[float], square: float) -> tuple[float, float]:
-    """The p_e and p_o of p(z) = p_e(z²) + z p_o(z²), at z² = `square`."""
+def _at_hl(p: Sequence[float], square: float, rates: Rates) -> NDArray[np.float64]:
+    """The entries of p(hL) = p_e(z²) + hL p_o(z²) but for the signs of a and k, at z² = `square`."""
     even, odd = (np.polynomial.polynomial.polyval(square, part) if part else 0.0 for part in (p[::2], p[1::2]))
-    return float(even), float(odd)
+    in_position, in_velocity = rates.moves
+    return np.array([[even, in_position * odd], [in_velocity * odd, even]])
 
 
 def _allowance(size: float, count: int, fmt: FloatFormat) -> float:
@@ -334,18 +324,3 @@ def _largest(entries: Iterable[CountedSizes]) -> CountedSizes:
     longest = max(len(p.sizes) for p in tallies)
     padded = [np.pad(p.sizes, (0, longest - len(p.sizes))) for p in tallies]
     return CountedSizes(np.max(padded, axis=0), max(p.count for p in tallies))
-
-
-def scaled_matrix(matrix: StepMatrix, position: Fraction, stiffness: Fraction) -> StepMatrix:
-    """That of q' = a v, v' = -k q, from that of the oscillator."""
-    product = position * stiffness
-
-    def scaled(f: RationalFunction, factor: Fraction) -> RationalFunction:
-        num, den = (
-            polynomial([c * product ** (i // 2) for i, c in enumerate(coefficients(p))]) for p in (f.num, f.den)
-        )
-        return fraction(num * polynomial([factor]), den)
-
-    (qq, qv), (vq, vv) = matrix
-    one = Fraction(1)
-    return (scaled(qq, one), scaled(qv, position)), (scaled(vq, stiffness), scaled(vv, one))

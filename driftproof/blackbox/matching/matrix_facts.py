@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from flint import arb, arb_series, ctx
 
-from driftproof.blackbox.matching.equivalent_methods import CERTIFYING_BITS, LinearlyEquivalentMethods, scaled_matrix
+from driftproof.blackbox.matching.equivalent_methods import CERTIFYING_BITS, LinearlyEquivalentMethods
 from driftproof.blackbox.matching.matrix_recovery import Recovered
 from driftproof.methods.number_field import Exact
 from driftproof.methods.stepping import stepper
@@ -116,6 +116,21 @@ def _energy_multiplier(matrix: StepMatrix, stiffness: Fraction) -> RationalFunct
     gained = qq * qq + inverse * vq * vq
     lost = gained != k * qv * qv + vv * vv or (k * qq * qv + vq * vv).num != 0
     return None if lost else gained
+
+
+def scaled_matrix(matrix: StepMatrix, position: Fraction, stiffness: Fraction) -> StepMatrix:
+    """That of q' = a v, v' = -k q, from that of the oscillator."""
+    product = position * stiffness
+
+    def scaled(f: RationalFunction, factor: Fraction) -> RationalFunction:
+        num, den = (
+            polynomial([c * product ** (i // 2) for i, c in enumerate(coefficients(p))]) for p in (f.num, f.den)
+        )
+        return fraction(num * polynomial([factor]), den)
+
+    (qq, qv), (vq, vv) = matrix
+    one = Fraction(1)
+    return (scaled(qq, one), scaled(qv, position)), (scaled(vq, stiffness), scaled(vv, one))
 
 
 def text_of(f: RationalFunction) -> str:
