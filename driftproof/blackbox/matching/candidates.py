@@ -37,6 +37,8 @@ from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduce
 
 # A table, without a drift where a right-hand side shows it: over the numbers that it is asked for.
 Recipe: TypeAlias = Callable[[FromExact], tuple[StageCoefficients, Any]]
+# The same table with another step, or so many times.
+_Change: TypeAlias = Callable[[Any, Any], Any]
 # More steps of a method in one are not looked for: codes take two halves, as extrapolation does, or three or four
 # sub-steps; each more costs a table for every method.
 MOST_REPEATED = 4
@@ -126,7 +128,7 @@ class Candidate:
 @cache
 def field_methods(timed: bool, implicit: bool = False) -> tuple[Candidate, ...]:
     """The explicit Runge-Kutta methods of the catalogue, or the implicit ones, with their times or without."""
-    return tuple(in_field(method, timed) for method in (_implicit() if implicit else _explicit()))
+    return tuple(in_field(method, timed) for method in _runge_kutta(implicit))
 
 
 def in_field(method: RungeKutta | Collocation, timed: bool) -> Candidate:
@@ -138,7 +140,7 @@ def in_field(method: RungeKutta | Collocation, timed: bool) -> Candidate:
 def force_methods(implicit: bool = False) -> tuple[Candidate, ...]:
     """The explicit methods of the catalogue, of every family; or the implicit ones."""
     if implicit:
-        return tuple(map(on_force, _implicit()))
+        return tuple(map(on_force, _runge_kutta(implicit)))
     families = (RungeKutta, Splitting, Nystrom)
     ranked = sorted((m for m in METHODS.values() if m.explicit), key=lambda m: families.index(type(m)))
     return tuple(on_force(method) for method in ranked)
@@ -177,35 +179,42 @@ def _told(x: Any) -> Fraction:
 
 def field_variants(timed: bool, calls: int, factor: Fraction, *, implicit: bool = False) -> Iterator[Candidate]:
     """Variants of the catalogue's methods with so many stages that count; `factor` is the step in units of h."""
-    for method, candidate in zip(_implicit() if implicit else _explicit(), field_methods(timed, implicit), strict=True):
-        key, stages, make = method.key, candidate.fingerprint.used, partial(tableau_of, method)
+    for method, candidate in zip(_runge_kutta(implicit), field_methods(timed, implicit), strict=True):
+        make = partial(tableau_of, method)
         if isinstance(method, RungeKutta) and method.b_embedded is not None and calls <= method.stages:
-            yield Candidate(key, EMBEDDED, _in_field(partial(make, weights=method.b_embedded), timed))
-        if factor not in (0, 1) and stages == calls:
-            yield Candidate(key, _scaling(factor), _in_field(_then(make, tableau_scaled, factor), timed))
-        for times in _repetitions(stages, calls):
-            yield Candidate(key, _repeating(times), _in_field(_then(make, tableau_repeated, times), timed))
+            yield Candidate(method.key, EMBEDDED, _in_field(partial(make, weights=method.b_embedded), timed))
+        for relation, change, by in _resized(candidate, calls, factor, tableau_scaled, tableau_repeated):
+            yield Candidate(method.key, relation, _in_field(_then(make, change, by), timed))
     for key, relation, iterated in _iterations(calls) if not implicit else ():
         yield Candidate(key, relation, _in_field(iterated, timed))
 
 
 def force_variants(calls: int, factor: Fraction) -> Iterator[Candidate]:
     """Variants as a force shows them; of splittings, also the adjoint, and kicks and drifts exchanged."""
-    for method in _explicit():
-        if method.b_embedded is not None and calls <= method.stages:
+    for method in METHODS.values():
+        if isinstance(method, RungeKutta) and method.explicit and method.b_embedded and calls <= method.stages:
             embedded = partial(tableau_of, method, weights=method.b_embedded)
             yield Candidate(method.key, EMBEDDED, _on_force(embedded))
     for splitting in METHODS.values():
         if isinstance(splitting, Splitting):
             yield from _rearranged(splitting, calls)
     for candidate in force_methods():
-        key, stages = candidate.key, candidate.fingerprint.used
-        if factor not in (0, 1) and stages == calls:
-            yield Candidate(key, _scaling(factor), _then(candidate.recipe, induced_scaled, factor))
-        for times in _repetitions(stages, calls):
-            yield Candidate(key, _repeating(times), _then(candidate.recipe, induced_repeated, times))
+        for relation, change, by in _resized(candidate, calls, factor, induced_scaled, induced_repeated):
+            yield Candidate(candidate.key, relation, _then(candidate.recipe, change, by))
     for key, relation, iterated in _iterations(calls):
         yield Candidate(key, relation, _on_force(iterated))
+
+
+def _resized(
+    candidate: Candidate, calls: int, factor: Fraction, scaled: _Change, repeated: _Change
+) -> Iterator[tuple[str, _Change, Fraction | int]]:
+    """With another step; or several steps in one, where the last stage of one may be the first of the next."""
+    stages = candidate.fingerprint.used
+    if factor not in (0, 1) and stages == calls:
+        yield f"with the step {factor} h in place of h", scaled, factor
+    for times in range(2, MOST_REPEATED + 1):
+        if times * (stages - 1) < calls <= times * stages:
+            yield f"{times} steps of h/{times}", repeated, times
 
 
 def _rearranged(method: Splitting, calls: int) -> Iterator[Candidate]:
@@ -225,9 +234,7 @@ def _on_force(make: Callable[[FromExact], LiftedTableau]) -> Recipe:
     return lambda lift: induced_by_tableau(make(lift))
 
 
-def _then(
-    make: Callable[[FromExact], Any], change: Callable[[Any, Any], Any], by: Fraction | int
-) -> Callable[[FromExact], Any]:
+def _then(make: Callable[[FromExact], Any], change: _Change, by: Fraction | int) -> Callable[[FromExact], Any]:
     return lambda lift: change(make(lift), by)
 
 
@@ -237,29 +244,11 @@ def _iterations(calls: int) -> Iterator[tuple[str, str, Callable[[FromExact], Li
         if isinstance(method, RungeKutta) and not method.explicit and calls > 1:
             times, rest = divmod(calls - 1, sum(any(row) for row in method.a))
             if not rest:
-                yield method.key, _iterating(times), _then(partial(tableau_of, method), tableau_iterated, times)
+                iterated = _then(partial(tableau_of, method), tableau_iterated, times)
+                count = f"{times} fixed-point iteration{'s' * (times > 1)}"
+                yield method.key, f"with {count} from the slope at the start: explicit", iterated
 
 
-def _scaling(factor: Fraction) -> str:
-    return f"with the step {factor} h in place of h"
-
-
-def _repeating(times: int) -> str:
-    return f"{times} steps of h/{times}"
-
-
-def _iterating(times: int) -> str:
-    return f"with {times} fixed-point iteration{'s' * (times > 1)} from the slope at the start: explicit"
-
-
-def _implicit() -> list[RungeKutta | Collocation]:
-    return [m for m in METHODS.values() if isinstance(m, RungeKutta | Collocation) and not m.explicit]
-
-
-def _explicit() -> list[RungeKutta]:
-    return [m for m in METHODS.values() if isinstance(m, RungeKutta) and m.explicit]
-
-
-def _repetitions(stages: int, calls: int) -> Iterator[int]:
-    """How often so many stages may be repeated in so many calls: the last one of a step may be the next one's first."""
-    yield from (n for n in range(2, MOST_REPEATED + 1) if n * (stages - 1) < calls <= n * stages)
+def _runge_kutta(implicit: bool) -> list[RungeKutta | Collocation]:
+    """The catalogue's, in its order."""
+    return [m for m in METHODS.values() if isinstance(m, RungeKutta | Collocation) and m.explicit != implicit]

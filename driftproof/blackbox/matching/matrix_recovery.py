@@ -11,23 +11,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TypeVar
 
-from flint import fmpq, fmpq_mat
+from flint import fmpq_mat
 
 from driftproof.blackbox.probes.coefficients import simple_rational
 from driftproof.blackbox.probes.linear_steps import LinearReading
-from driftproof.symbolic.algebra.polynomials import polynomial
+from driftproof.symbolic.algebra.polynomials import polynomial, scalar
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 
-_Number = TypeVar("_Number", float, Fraction)
 # About twice what a power of h costs: a coefficient worked out, a force, a product or two, a sum or two.
 _ROUNDINGS = 18
 # Steps that determine coefficients, in units of the reading's own time; the others check them.
 NODES = tuple(Fraction(x) for x in ("1/8", "1/4", "1/2", "1", "2", "4", "16"))
 BOTH_WAYS = tuple(sign * x for x in NODES[:-1] for sign in (1, -1))
-# Of binary16, the narrowest format that is read, all digits; of others fewer than half: a first look only.
-HALF_THE_DIGITS = 2.0**-10
 # A denominator with more coefficients needs more steps than are read.
 MOST_IN_DENOMINATOR = 4
 
@@ -44,6 +40,9 @@ class Coefficient:
         if self.error == 0:
             return str(self.value)
         return f"{float(self.value):.15g} (up to {float(self.error):.1g})"
+
+
+_ZERO, _ONE = Coefficient(Fraction(0), Fraction(0)), Coefficient(Fraction(1), Fraction(0))
 
 
 @dataclass(frozen=True)
@@ -127,45 +126,25 @@ def _solved(
 ) -> Recovered | None:
     """The function of a shape through the values at the nodes: Σ nᵢ xⁱ - y Σ dⱼ xʲ = y, with |L| e for each."""
     rows = [[*(x**i for i in shape.num), *(-values[x] * x**j for j in shape.den)] for x in nodes]
-    matrix = fmpq_mat([[fmpq(c.numerator, c.denominator) for c in row] for row in rows])
+    matrix = fmpq_mat([[scalar(c) for c in row] for row in rows])
     if matrix.det() == 0:
         return None
     inverse = matrix.inv()
-    column = inverse * fmpq_mat(shape.size, 1, [fmpq(values[x].numerator, values[x].denominator) for x in nodes])
+    column = inverse * fmpq_mat(shape.size, 1, [scalar(values[x]) for x in nodes])
     solution = [Fraction(int(c.p), int(c.q)) for c in column.entries()]
     first = _entry(shape, [Coefficient(c, Fraction(0)) for c in solution])
-    if not _is_near(first, values):
-        return None
     errors = [_allowed(first, x, values[x], u) for x in nodes]
     table = [[abs(Fraction(int(c.p), int(c.q))) for c in row] for row in inverse.table()]
     spread = [sum((b * e for b, e in zip(row, errors, strict=True)), Fraction(0)) for row in table]
-    return _entry(shape, [_read(x, e) for x, e in zip(solution, spread, strict=True)])
-
-
-def _is_near(entry: Recovered, values: dict[Fraction, Fraction]) -> bool:
-    """A quick look in floats, to half the digits, before errors are worked out."""
-    num, den = ([float(c.value) for c in part] for part in (entry.num, entry.den))
-    return all(_near_at(num, den, float(x), float(y)) for x, y in values.items())
-
-
-def _near_at(num: Sequence[float], den: Sequence[float], x: float, y: float) -> bool:
-    top, bottom = _horner(num, x), _horner(den, x)
-    sizes = _horner([abs(c) for c in num], abs(x)) + abs(y) * _horner([abs(c) for c in den], abs(x))
-    return bool(abs(top - y * bottom) <= HALF_THE_DIGITS * sizes)
+    simple = [simple_rational(x, e) for x, e in zip(solution, spread, strict=True)]
+    triples = zip(simple, solution, spread, strict=True)
+    return _entry(shape, [Coefficient(x, e) if s is None else Coefficient(s, Fraction(0)) for s, x, e in triples])
 
 
 def _entry(shape: _Shape, coefficients: Sequence[Coefficient]) -> Recovered:
     num = dict(zip(shape.num, coefficients, strict=False))
     den = dict(zip(shape.den, coefficients[len(shape.num) :], strict=True)) | {0: _ONE}
     return Recovered(*(tuple(p.get(i, _ZERO) for i in range(max(p) + 1)) for p in (num, den)))
-
-
-def _read(x: Fraction, error: Fraction) -> Coefficient:
-    simple = simple_rational(x, error)
-    return Coefficient(x, error) if simple is None else Coefficient(simple, Fraction(0))
-
-
-_ZERO, _ONE = Coefficient(Fraction(0), Fraction(0)), Coefficient(Fraction(1), Fraction(0))
 
 
 def _meets(entry: Recovered, values: dict[Fraction, Fraction], u: Fraction) -> bool:
@@ -184,7 +163,7 @@ def _allowed(entry: Recovered, x: Fraction, y: Fraction, u: Fraction) -> Fractio
     return k * u * (above + (abs(y) * below if len(entry.den) > 1 else 0))
 
 
-def _horner(coefficients: Sequence[_Number], x: _Number) -> _Number:
+def _horner(coefficients: Sequence[Fraction], x: Fraction) -> Fraction:
     """The polynomial with these coefficients, constant term first, at x."""
     total = coefficients[-1]
     for c in coefficients[-2::-1]:

@@ -18,7 +18,7 @@ from driftproof.blackbox.matching.match import Identity, match_tableau
 from driftproof.blackbox.matching.read_order import ReadOrder, read_order
 from driftproof.blackbox.probes.coefficients import coefficient_text
 from driftproof.blackbox.probes.dense import BETWEEN, THETAS, DenseReading
-from driftproof.blackbox.probes.scripted_answers import MOST_CALLS, NotReadable, Rounding, varied
+from driftproof.blackbox.probes.scripted_answers import MOST_CALLS, CoefficientRow, NotReadable, Rounding, varied
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.solvers.foreign_solver import Call, ForeignSolver, Solution, in_binary32
 from driftproof.blackbox.stepper.array_adapters import as_array
@@ -202,21 +202,13 @@ class _Marked:
         self._demand_no_memory([*(self._run({n: 1.0}) for n in self.earlier), *runs.values()])
         weights = {n: run.y[self.place + 1][0] / self.h for n, run in runs.items() if not run.y[self.place][0]}
         entries = {
-            n: {m: runs[m].calls[n].y[0] / self.h for m in weights if m != n and runs[m].calls[n].y[0]} for n in weights
+            n: {m: runs[m].calls[n].y[0] / self.h for m in weights if m < n and runs[m].calls[n].y[0]} for n in weights
         }
-        used = {n for n, x in weights.items() if x}
-        while not used >= (further := {m for n in used for m in entries[n]}):
-            used |= further
-        stages = sorted(used)
+        self.weights, self.entries = weights, entries
+        stages, a, c = self._stages({n for n, x in weights.items() if x})
         if not stages:
             raise NotReadable("no call moves the step in which it is made")
-        self.weights, self.entries = weights, entries
-        calls = self.silent.calls
-        self.first = next((n for n in stages if calls[n].t > self.start), self.near[-1])
-        a = tuple(tuple(entries[n].get(m, 0.0) if m < n else 0.0 for m in stages) for n in stages)
-        if any(m > n for n in stages for m in entries[n]):
-            raise NotReadable("a call depends on the answer to a later one: the step iterates")
-        c = tuple((calls[n].t - self.start) / self.h for n in stages)
+        self.first = next((n for n in stages if self.silent.calls[n].t > self.start), self.near[-1])
         if len(c) > _AT_ONE_TIME and len({*c[-_AT_ONE_TIME:]}) == 1:
             raise NotReadable(f"{len(c)} calls in one step, the last {_AT_ONE_TIME} at one time: it iterates")
         reading = TableauReading(a, tuple(weights[n] for n in stages), c, self.format)
@@ -234,18 +226,21 @@ class _Marked:
                 return None
             values = [as_array(found(time)).ravel()[0] for time in times]
             rows[n] = [float(x) / _MARK / self.h for x in values]
-        calls, used = self.silent.calls, {n for n, row in rows.items() if any(row) or self.weights[n]}
-        while not used >= (further := {m for n in used for m in self.entries[n]}):
-            used |= further
-        stages = sorted(used)
-        a = tuple(tuple(self.entries[n].get(m, 0.0) if m < n else 0.0 for m in stages) for n in stages)
-        c = tuple((calls[n].t - self.start) / self.h for n in stages)
+        stages, a, c = self._stages({n for n, row in rows.items() if any(row) or self.weights[n]})
         columns = tuple(tuple(rows[n][k] for n in stages) for k in range(len(times)))
         sixteenths, others = columns[: len(THETAS)], columns[len(THETAS) :]
         step = TableauReading(a, sixteenths[-1], c, self.format)
         as_rounded = ((Fraction(time) - Fraction(self.start)) / Fraction(self.h) for time in times[len(THETAS) :])
         between = tuple(zip(as_rounded, others, strict=True))
         return DenseReading("the time", step, sixteenths, tuple(self.weights[n] for n in stages), between)
+
+    def _stages(self, used: set[int]) -> tuple[list[int], tuple[CoefficientRow, ...], CoefficientRow]:
+        """These calls and all that they depend on, in turn, with their A and c."""
+        while not used >= (further := {m for n in used for m in self.entries[n]}):
+            used = used | further
+        stages = sorted(used)
+        a = tuple(tuple(self.entries[n].get(m, 0.0) for m in stages) for n in stages)
+        return stages, a, tuple((self.silent.calls[n].t - self.start) / self.h for n in stages)
 
     def _demand_no_memory(self, runs: Sequence[Solution]) -> None:
         """Raises NotReadable if an answer that moves the start of the step moves its end by another amount."""
