@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction as Q
 from itertools import product
-from time import sleep
 
 import pytest
 
@@ -44,10 +43,6 @@ def test_a_tableau_of_eight_decimals_is_named_with_them():
 def test_a_tableau_of_many_wrong_digits_is_not_said_to_be_rounded():
     changed = tuple(b + 3e-7 * (-1) ** i for i, b in enumerate(WEIGHTS))
     assert matched(read_tableau(opened(ralston(*RALSTON, changed)))).near == ()
-
-
-def second(subject):
-    sleep(0.4)
 
 
 def changed_tableaux(method):

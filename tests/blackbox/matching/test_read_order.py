@@ -11,15 +11,13 @@ from driftproof.blackbox.probes.force import read_forces
 from driftproof.blackbox.probes.tableau import read_tableau
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.schemes import RungeKutta, Splitting
+from driftproof.methods.schemes import RungeKutta
 from driftproof.methods.stepping import stepper
 from driftproof.symbolic.trees.order_conditions import order
 from driftproof.symbolic.trees.partitioned_trees import nystrom_order
 from driftproof.symbolic.trees.rooted_trees import to_brackets
 from tests.blackbox import handwritten_steppers as codes
-
-EXPLICIT = [key for key, method in METHODS.items() if method.explicit]
-TABLEAUX = [key for key in EXPLICIT if isinstance(METHODS[key], RungeKutta)]
+from tests.blackbox.matching.readings import EXPLICIT, SPLITTINGS, TABLEAUX
 
 
 def in_field(step):
@@ -119,7 +117,7 @@ def test_a_position_that_moves_by_half_has_order_0():
     assert on_force(codes.velocity_verlet).order == on_force(codes.position_verlet_calling_twice).order == 2
 
 
-@pytest.mark.parametrize("key", [key for key in EXPLICIT if isinstance(METHODS[key], Splitting)][::4])
+@pytest.mark.parametrize("key", SPLITTINGS[::4])
 def test_a_splitting_with_a_wrong_sub_step_loses_its_order(key, as_before):
     parts = [(kind, float(x)) for kind, x in METHODS[key].parts]
     parts[1] = (parts[1][0], parts[1][1] + 1e-9)
@@ -128,20 +126,14 @@ def test_a_splitting_with_a_wrong_sub_step_loses_its_order(key, as_before):
     as_before(*found.lines, found.linear_order)
 
 
-def a_third_of_fifteen_digits():
+def with_a_third(x):
     rows, weights, nodes = codes.floats(METHODS["rk38"])
-    rows[1][0] = nodes[1] = 0.333333333333333
+    rows[1][0] = nodes[1] = x
     return codes.tableau(rows, weights, nodes)
 
 
-def a_third_of_thirteen_digits(f, t, y, h):
-    rows, weights, nodes = codes.floats(METHODS["rk38"])
-    rows[1][0] = nodes[1] = 0.3333333333333
-    return codes.tableau(rows, weights, nodes)(f, t, y, h)
-
-
-AS_SUMS = [a_third_of_fifteen_digits(), codes.ssprk104_in_two_registers, codes.ssprk33_in_convex_combinations]
-AS_SUMS += [codes.dopri5, a_third_of_thirteen_digits, codes.jameson, codes.rk4_on_a_stopped_clock]
+AS_SUMS = [with_a_third(0.333333333333333), codes.ssprk104_in_two_registers, codes.ssprk33_in_convex_combinations]
+AS_SUMS += [codes.dopri5, with_a_third(0.3333333333333), codes.jameson, codes.rk4_on_a_stopped_clock]
 
 
 @pytest.mark.parametrize("place", range(len(AS_SUMS)))
