@@ -5,21 +5,23 @@ Loaded by pytest wherever driftproof is installed; it imports nothing else of th
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Generator
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from driftproof.support.assertions import AssertedVerdict, VerdictError, listeners, time_limit_of_test
-from driftproof.support.files import atomic_write
+from driftproof.support.files import atomic_write, require_folder
 from driftproof.support.plain_text import as_json
 
 MARKER = "driftproof(time_limit): seconds that assert_verified may take in this test"
 SUMMARY = "summary.md"
-# Of a name of a file, which on most systems has 255 bytes.
-_LONGEST_NAME = 200
+# Of the part of a file's name that is the test's: on most systems a name has 255 bytes.
+_LONGEST_NAME = 180
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -36,7 +38,13 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", MARKER)
     folder = config.getoption("--driftproof-report")
     if folder is not None:
-        config.pluginmanager.register(_Reports(Path(folder), is_worker=hasattr(config, "workerinput")))
+        try:
+            require_folder(Path(folder))
+            Path(folder).mkdir(parents=True, exist_ok=True)
+        except (OSError, ValueError) as error:
+            raise pytest.UsageError(f"--driftproof-report: {error}") from None
+        # Absolute: a test may go to another folder, and stay there.
+        config.pluginmanager.register(_Reports(Path(folder).absolute(), is_worker=hasattr(config, "workerinput")))
 
 
 @pytest.hookimpl(wrapper=True)
@@ -64,7 +72,7 @@ def pytest_runtest_makereport(call: pytest.CallInfo[Any]) -> Generator[None, Any
 
 def _time_limit(item: pytest.Item, marker: pytest.Mark) -> float:
     given = marker.kwargs.get("time_limit", *marker.args[:1])
-    if isinstance(given, int | float) and given > 0:
+    if isinstance(given, int | float) and not isinstance(given, bool) and given > 0:
         return given
     raise pytest.UsageError(f"{item.nodeid}: mark it driftproof(time_limit=SECONDS), a positive number, not {given!r}")
 
@@ -75,37 +83,47 @@ class _Reports:
     def __init__(self, folder: Path, *, is_worker: bool) -> None:
         """`is_worker`: of pytest-xdist, whose controller writes the summary."""
         self.folder, self.is_worker, self.found = folder, is_worker, list[AssertedVerdict]()
+        self.tests: set[str] = set()
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_protocol(self, item: pytest.Item) -> Generator[None, Any, Any]:
-        """Listen while the test runs, and write down what it found."""
+        """Listen while the test runs, and write down what it found, in the place of what it found another time."""
         self.found.clear()
+        self._file_of(item.nodeid).unlink(missing_ok=True)
         listeners.append(self.found.append)
         try:
             return (yield)
         finally:
             listeners.remove(self.found.append)
             if self.found:
-                name = re.sub(r"[^\w.-]+", "_", item.nodeid)[-_LONGEST_NAME:]
-                self._write(f"{name}.json", as_json(self._of_test(item.nodeid)))
+                self._write(self._file_of(item.nodeid), as_json(self._of_test(item.nodeid)))
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        """Keep which tests ran, in whatever process."""
+        self.tests.add(report.nodeid)
 
     def pytest_sessionfinish(self) -> None:
-        """Write the summary of all files in the folder: a line for each verdict, what did not pass first."""
+        """Write the summary of the tests that ran: a line for each verdict, what did not pass first."""
         if self.is_worker:
             return
-        import json
-
-        told = [json.loads(path.read_text(encoding="utf-8")) for path in sorted(self.folder.glob("*.json"))]
+        paths = filter(Path.exists, map(self._file_of, sorted(self.tests)))
+        told = [json.loads(path.read_text(encoding="utf-8")) for path in paths]
         found = [(each["test"], one) for each in told for one in each["verdicts"]]
         found.sort(key=lambda pair: pair[1]["passed"] is True)
         words = {True: "passed", False: "FAILED", None: "undecided"}
-        rows = [f"| {words[one['passed']]} | `{name}` | {one['subject']} {one['verdict']} |" for name, one in found]
+        cells = [(words[one["passed"]], f"`{name}`", f"{one['subject']} {one['verdict']}") for name, one in found]
+        rows = [f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |" for row in cells]
         parts = ["| | test | verdict |\n| --- | --- | --- |\n" + "\n".join(rows)] if rows else ["no verdict"]
         parts += [f"### `{name}`\n\n```\n{one['report']}\n```" for name, one in found]
-        self._write(SUMMARY, "\n\n".join(parts) + "\n")
+        self._write(self.folder / SUMMARY, "\n\n".join(parts) + "\n")
 
-    def _write(self, name: str, text: str) -> None:
-        with atomic_write(self.folder / name) as draft:
+    def _file_of(self, test: str) -> Path:
+        """Named after the test, and by a digest, as names of tests may have characters that those of files have not."""
+        named = re.sub(r"[^\w.-]+", "_", test)[-_LONGEST_NAME:]
+        return self.folder / f"{named}-{sha256(test.encode()).hexdigest()[:8]}.json"
+
+    def _write(self, path: Path, text: str) -> None:
+        with atomic_write(path) as draft:
             Path(draft).write_text(text, encoding="utf-8")
 
     def _of_test(self, name: str) -> dict[str, Any]:

@@ -83,11 +83,39 @@ def test_the_folder_has_a_file_for_each_test_that_found_something_and_a_summary(
 
 def test_workers_write_the_same_folder(run, tmp_path):
     pytest_in(tmp_path, "-p", "xdist", "-n", "2", "--driftproof-report=found")
-    for path in ("summary.md", "test_steps.py_test_wrong.json"):
+    paths = [path.name for path in run[1].iterdir()]
+    assert len(paths) == 4
+    for path in paths:
         assert (tmp_path / "found" / path).read_text() == (run[1] / path).read_text()
 
 
-@pytest.mark.parametrize("limit", ["", "time_limit=0", "time_limit='long'"])
+ALIKE = f"""
+import os
+{PROJECT.partition("def hangs")[0]}
+@pytest.mark.parametrize("method", ["forward_euler", "rk4"], ids=["a|b", "a b"])
+def test_named_alike(method, tmp_path):
+    os.chdir(tmp_path)
+    assert_verified(euler, method, examples=20)
+"""
+
+
+def test_names_that_files_cannot_have_lose_nothing_and_a_verdict_of_another_time_is_none(tmp_path):
+    pytest_in(tmp_path, "--driftproof-report=found", project=ALIKE)
+    rows = (tmp_path / "found" / "summary.md").read_text().splitlines()[2:4]
+    assert [row.split()[1] for row in rows] == ["FAILED", "passed"]
+    assert r"`test_steps.py::test_named_alike[a\|b]`" in rows[1]
+    pytest_in(tmp_path, "--driftproof-report=found", "-k", "test_it", project=f"{ALIKE}\ndef test_it():\n    pass\n")
+    assert (tmp_path / "found" / "summary.md").read_text() == "no verdict\n"
+    pytest_in(tmp_path, "--driftproof-report=found", project=ALIKE.replace("os.chdir(tmp_path)", "raise OSError"))
+    assert [path.name for path in (tmp_path / "found").iterdir()] == ["summary.md"]
+
+
+def test_a_folder_that_is_none_is_refused_in_a_line(tmp_path):
+    done = pytest_in(tmp_path, "--driftproof-report=test_steps.py")
+    assert done.stderr == "ERROR: --driftproof-report: test_steps.py is a file; name a folder\n\n"
+
+
+@pytest.mark.parametrize("limit", ["", "time_limit=0", "time_limit=True", "time_limit='long'"])
 def test_a_mark_without_seconds_is_refused(tmp_path, limit):
     project = f"import pytest\n\n@pytest.mark.driftproof({limit})\ndef test_it():\n    pass\n"
     done = pytest_in(tmp_path, project=project)

@@ -28,7 +28,6 @@ from typing import Any, NamedTuple, TypeAlias
 
 from driftproof import __version__
 from driftproof.methods.tableau_file import method_of
-from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.run import Readouts
 from driftproof.numeric.scene_run import run_scene
 from driftproof.numeric.scenes import TRAJECTORY, Scene
@@ -177,7 +176,8 @@ def _answered(scene: Scene, points: list[Values], left: deque[int], executor: Ex
                 left.extendleft(reversed(batch[len(found) :]))
                 yield list(zip(batch, found, strict=False))
     except BrokenExecutor:
-        raise ChildProcessError("a process of the sweep ended before it answered; was its memory used up?") from None
+        why = 'was its memory used up? In a script it has to be called below if __name__ == "__main__":'
+        raise ChildProcessError(f"a process of the sweep ended before it answered; {why}") from None
     finally:
         if running and isinstance(executor, Workers):
             executor.stop()
@@ -227,7 +227,7 @@ class Checkpoint:
                 "sweep": scene.name,
                 "driftproof": __version__,
                 **{name: strings(getattr(scene, name)) for name in ("selected", "h", "t", "start", "readouts")},
-                **({} if scene.problem is None else {"problem": strings(_equations(scene.problem))}),
+                "definition": digest((scene.problem, [*map(method_of, grid.get("selected", [scene.selected]))])),
                 "grid": [[name, strings(values)] for name, values in grid.items()],
             }
         )
@@ -279,15 +279,16 @@ class Checkpoint:
             if found is None:
                 found = {name: _read_out(entry["readouts"][name]) for name in self.readouts}
             right = i not in self.found and self._of_point(i, found) == line
-        except (ValueError, LookupError, TypeError, AttributeError):
+        except (ValueError, LookupError, TypeError, AttributeError, RecursionError):
             right = False
         if not right:
             raise ValueError(f"{self.path}, line {number}: not an answer of this sweep, or one for the second time")
         self.found[i] = found
 
 
-def _equations(problem: Problem) -> list[Any]:
-    return [problem.key, problem.field.rates, [(name, str(x)) for name, x in problem.field.parameters], problem.start]
+def digest(data: object) -> str:
+    """What tells problems and methods apart of which only the names are kept, such as a file's."""
+    return sha256(repr(data).encode()).hexdigest()[:16]
 
 
 def _line(entry: dict[str, Any]) -> bytes:

@@ -71,6 +71,21 @@ def test_page_and_text_show_it(folder, capsys):
     assert "1 claim" in said(capsys, "check", "text.md", "--claims", "claims.toml")
 
 
+EDITED = {"mine.toml": ("1/6", "1/7"), "problem.toml": ("y0^2/2", "y0^2")}
+
+
+@pytest.mark.parametrize("edited", EDITED)
+def test_a_sweep_goes_on_only_with_the_same_table_and_problem_in_the_files_that_it_names(edited, folder, capsys):
+    (folder / "problem.toml").write_text('rates = ["y1", "-y0"]\nstart = [1, 0]\nend = 1\nenergy = "y1^2/2 + y0^2/2"\n')
+    scene = SCENE.partition("panels")[0].replace('["final_state", "evaluations"]', '["energy_change"]')
+    (folder / "scene.toml").write_text(f'{scene}problem = "problem.toml"\n')
+    asked = ["sweep", "scene.toml", "--h", "1/2", "-o", "kept.jsonl"]
+    assert said(capsys, *asked) == said(capsys, *asked)
+    (folder / edited).write_text((folder / edited).read_text().replace(*EDITED[edited]))
+    assert main(asked) == 2
+    assert "kept.jsonl is no file of this sweep; name another, or delete it" in capsys.readouterr().err
+
+
 def test_python_takes_it():
     method = read_method("mine.toml")
     assert OscillatorRun(method, Fraction(1, 2), Fraction(1, 2)).final_state[0] == Fraction(7, 8)

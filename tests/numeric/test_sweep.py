@@ -207,9 +207,10 @@ def test_a_file_says_what_it_is_of_and_has_every_line_on_the_disk_before_the_nex
     monkeypatch.setattr(sweeping, "os", SimpleNamespace(fsync=synchronise))
     run_grid(replace(SCENE, name="é", readouts=("steps",)), {"h": [Q(1, 2)]}, Inline(), path)
     head, line = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    definition = sweeping.digest((None, [METHODS["rk4"]]))
     assert head == (
         f'{{"sweep": "é", "driftproof": "{__version__}", "selected": "rk4", "h": "1/4", "t": "2", '
-        '"start": ["1", "0"], "readouts": ["steps"], "grid": [["h", ["1/2"]]]}\n'
+        f'"start": ["1", "0"], "readouts": ["steps"], "definition": "{definition}", "grid": [["h", ["1/2"]]]}}\n'
     )
     assert re.fullmatch(r'\{"point": 0, "h": "1/2", "readouts": \{"steps": 4\}, "checksum": "[0-9a-f]{16}"\}\n', line)
     assert sizes[:2] == [len(head.encode()), len((head + line).encode())]
@@ -272,6 +273,7 @@ def damaged(text: bytes) -> Iterator[tuple[bytes, str]]:
     yield head + first.replace(b'"point": 0', b'"point": 99'), "line 2: not an answer"
     yield head + first.replace(b'"point": 0', b'"point": 1'), "line 2: not an answer"
     yield head + first.replace(b"evaluations", b"calls"), "line 2: not an answer"
+    yield head + b"[" * 10**5 + b"\n" + first, "line 2: not an answer"
     yield head + b'{"point": 0, "message": 3}\n', "line 2: not an answer"
 
 

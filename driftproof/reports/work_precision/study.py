@@ -19,6 +19,7 @@ from driftproof.methods.schemes import Method, MethodError
 from driftproof.numeric.advance import State
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import Size, distance_from_digits, doubt, errors, largest_state_size
+from driftproof.numeric.sweep import digest
 from driftproof.numeric.work_precision.curves import Curve, Point, curve_of, speed
 from driftproof.numeric.work_precision.integrators import (
     COMPILED,
@@ -97,18 +98,14 @@ class Study:
         packages = ("numpy", "numba", *(peer.name for peer in self.peers))
         return {
             "problem": self.problem.key,
-            "definition": _digest(self.problem),
-            "methods": {method.key: _digest(method) for method in self.methods},
+            "definition": digest(self.problem),
+            "methods": {method.key: digest(method) for method in self.methods},
             "peers": [peer.name for peer in self.peers],
             "time_limit": repr(self.limit),
             "rounds": str(ROUNDS),
             "machine": machine_description(),
             "versions": {"driftproof": __version__, **versions_of(packages)},
         }
-
-
-def _digest(data: object) -> str:
-    return hashlib.sha256(repr(data).encode()).hexdigest()[:16]
 
 
 class ResultStore:
