@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import sys
+from contextlib import suppress
 from typing import Any
 
 _SMALLEST, _SMALLEST_NORMAL = 5e-324, sys.float_info.min
@@ -65,11 +66,7 @@ class FloatEnvironment:
 
 
 def _library() -> Any:
-    """The C library's mathematics, where its default environment is known."""
-    if not sys.platform.startswith("linux"):
-        return None
-    try:
-        library = ctypes.CDLL("libm.so.6")
-        return library if hasattr(library, "fesetenv") and hasattr(library, "fegetenv") else None
-    except OSError:
-        return None
+    """The mathematics of glibc, whose default environment is known; None elsewhere."""
+    with suppress(OSError):
+        return ctypes.CDLL("libm.so.6")
+    return None

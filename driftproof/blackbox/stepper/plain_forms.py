@@ -87,8 +87,7 @@ def _pulls_back(call: _Call) -> bool:
 
 def _roles(names: Sequence[str], functions: bool) -> dict[str, str] | None:
     """The role of each name; arrays that are written into are _OUT. None where one has none."""
-    words = {name: name.lower().strip("_") for name in names}
-    found: dict[str, str] = {}
+    found, words = dict[str, str](), {name: name.lower().strip("_") for name in names}
     bare = {name: re.sub(_VERBS, "", word) for name, word in words.items()}
     called = [name for name in names if bare[name] in _NAMES[FUNCTION] and functions]
     # Of two that may be functions, the other one is a slope that is handed on: acc beside compute_acc.
@@ -99,17 +98,13 @@ def _roles(names: Sequence[str], functions: bool) -> dict[str, str] | None:
             continue
         taken = {*found.values()}
         role = next((r for r, known in _NAMES.items() if word in known and r not in taken and r != FUNCTION), None)
-        if role in (POSITION, STATE) and VELOCITY not in taken and _stem(word):
-            role = None
         found[name] = role or (_OUT if _INTO.search(word) else "")
-    held = {*found.values()}
-    if STATE in held and POSITION in held and VELOCITY not in held:  # f(x, y): x is the time
-        found = {name: TIME if role == POSITION else role for name, role in found.items()}
-    elif STATE not in held and POSITION in held and VELOCITY not in held:
-        found = {name: STATE if role == POSITION else role for name, role in found.items()}
-    elif STATE in held and VELOCITY in held and POSITION not in held:
-        found = {name: POSITION if role == STATE else role for name, role in found.items()}
-    return None if "" in found.values() else found
+    held, meant = {*found.values()}, dict[str, str]()
+    if VELOCITY not in held:  # of f(x, y), x is the time
+        meant = {POSITION: TIME if STATE in held else STATE}
+    elif POSITION not in held:
+        meant = {STATE: POSITION}
+    return None if "" in held else {name: meant.get(role, role) for name, role in found.items()}
 
 
 def _stem(word: str) -> str:

@@ -147,6 +147,21 @@ class WithoutAttributes:
         return None
 
 
+class OfRates:
+    """Its state is its own: nothing says where it comes from."""
+
+    def __init__(self, f, dt):
+        self.f, self.dt, self.y = f, dt, [0.0, 0.0]
+
+    def step(self):
+        self.y = self.f(self.y)
+
+
+class Refusing(OfRates):
+    def __init__(self, f, y0, dt):
+        raise ValueError("no licence")
+
+
 class WithArguments:
     def step(self, a, b, c):
         return None
@@ -188,6 +203,14 @@ def maker_that_fails(rhs, dt):
 
 def solver_with_a_step(f, t_span, y0, dt, mode, other):
     return None
+
+
+def solver_of_one_state(f, y0, t0, t1, n):
+    return y0
+
+
+def of_keyed_without_keys(state: Keyed, dt):
+    return state["q"] + dt * state["p"], state["p"] - dt * state["q"]
 
 
 def state_twice(state, y, dt):

@@ -66,6 +66,8 @@ def test_a_call_that_is_not_offered_is_refused():
         opened(map_of_numbers).step_field(lambda t, y: y, 0.0, STATE, H)
     with pytest.raises(UnsupportedCall):
         opened(map_of_numbers).step_with(lambda q: -q, *STATE, H)
+    with pytest.raises(UnsupportedCall, match="no velocity"):
+        opened(force_of_numbers).step_dragged(lambda t, q, v: [0.0], 0.0, [1.0], [0.75], H)
 
 
 def test_a_field_answers_a_force_and_both_another_than_the_oscillator():

@@ -103,5 +103,12 @@ def test_a_history_that_is_too_short_for_good_is_no_start():
     def deep(f, t, y, h, history):
         return y + h * history[-20]
 
+    def later(f, t, y, h, history):
+        return y + h * history[-2] if history else y
+
     with pytest.raises(IndexError):
         with_slopes_kept(deep)(lambda t, y: y, 0.0, 1.0, 0.5)
+    step = with_slopes_kept(later)
+    assert step(lambda t, y: y, 0.0, 1.0, 0.5) == 1.0
+    with pytest.raises(IndexError):
+        step(lambda t, y: y, 0.0, 1.0, 0.5)

@@ -26,7 +26,7 @@ def of_one_body(bodies, force, dt):
 
 def of_all_bodies(bodies, accelerations, dt):
     for b, a in zip(bodies, accelerations(bodies), strict=True):
-        b.vel = b.vel + dt * a
+        b.vel = b.vel + dt * a if not hasattr(b, "charge") else 0.0
     for b in bodies:
         b.pos = b.pos + dt * b.vel
     return bodies
@@ -87,11 +87,11 @@ def recipe(y, dydx, n, x, h, yout, derivs):
         yout[i] = y[i] + h / 4 * (dydx[i] + 3 * slope[i])
 
 
-def pushes_written(n, x, v, acc, dt, compute_acc):
+def pushes_written(n, y, v, acc, dt, compute_acc):
     for i in range(n):
         v[i] += dt / 2 * acc[i]
-        x[i] += dt * v[i]
-    compute_acc(n, x, acc)
+        y[i] += dt * v[i]
+    compute_acc(n, y, acc)
     for i in range(n):
         v[i] += dt / 2 * acc[i]
 
