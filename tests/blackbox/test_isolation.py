@@ -12,7 +12,7 @@ from time import monotonic
 import pytest
 
 from driftproof.blackbox.checks.special_arguments import negative_step, zero_step
-from driftproof.blackbox.checks.suite import CHECKS, all_checks
+from driftproof.blackbox.checks.suite import CHECKS
 from driftproof.blackbox.checks.trials import steady_runner
 from driftproof.blackbox.findings import NoAnswer, Outcome, StepRaised
 from driftproof.blackbox.isolation import IsolatedRunner, Serving, _CallLog, _not_again
@@ -20,6 +20,7 @@ from driftproof.blackbox.stepper.opening import Target
 from driftproof.support.messages import MessageError, encode
 from driftproof.support.processes import ProcessEnded
 from tests.blackbox import broken_steppers
+from tests.blackbox.checks.habits import all_checks
 
 # A hang is waited for; everything else is over long before its limit.
 SHORT, LONG = 1.0, 60.0

@@ -45,17 +45,13 @@ def homogeneity(subject: ForeignStepper) -> tuple[CheckResult, ...]:
         return rest, CheckResult(LINEAR, False, "not proportional to the state, since (0, 0) moves", (origin,))
     if runner.is_coarse:
         return (CheckResult(LINEAR, None, "not asked: answers are too coarse to tell whether the step is linear"),)
-    rays = [Ray(runner, direction) for direction in _directions()]
+    q, v = ORDINARY_STATE
+    rays = [Ray(runner, direction) for direction in ((q, 0.0), (-q, 0.0), (0.0, v), (0.0, -v))]
     return (
         CheckResult(_REST, True, "(0, 0) stays at rest", (origin,)),
         *_linear(runner, rays),
         *_subnormals(runner, rays[::2]),
     )
-
-
-def _directions() -> tuple[PhasePoint, ...]:
-    q, v = ORDINARY_STATE
-    return (q, 0.0), (-q, 0.0), (0.0, v), (0.0, -v)
 
 
 def _linear(runner: TrialRunner, rays: Sequence[Ray]) -> tuple[CheckResult, ...]:
@@ -107,10 +103,8 @@ def _subnormals(runner: TrialRunner, rays: Sequence[Ray]) -> tuple[CheckResult, 
     asked = [ray for ray in rays if apart(ray.over(ordinary), ray.over(16 * ordinary)) <= runner.rounding]
     for ray in asked:
         c, base, seen = ray.component, ray.over(ordinary), ray.trial(tiny)
-        if base is not None and seen.answer is not None:
-            lost = abs(seen.answer[c] - base[c] * tiny) > _SUMS * float(runner.format.eta)
-            if lost:
-                return (_lost(ray, ordinary, tiny),)
+        if base and seen.answer and abs(seen.answer[c] - base[c] * tiny) > _SUMS * float(runner.format.eta):
+            return (_lost(ray, ordinary, tiny),)
     if not asked:
         return (CheckResult(_SUBNORMALS, None, "not asked of subnormal numbers: small steps are not linear"),)
     return (CheckResult(_SUBNORMALS, True, "subnormal numbers are kept"),)
@@ -121,8 +115,7 @@ def _lost(ray: Ray, ordinary: float, tiny: float) -> CheckResult:
     name, size = COMPONENT_NAMES[ray.component], abs(ray.z[ray.component])
 
     def vanishes(s: float) -> bool:
-        answer = ray.trial(s).answer
-        return answer is None or answer[ray.component] == 0
+        return (ray.trial(s).answer or (0.0, 0.0))[ray.component] == 0
 
     if not vanishes(tiny):
         return CheckResult(_SUBNORMALS, False, f"{name} near {size * tiny:.2g} has another answer", (ray.trial(tiny),))
@@ -174,16 +167,15 @@ def _departing(broken: Sequence[tuple[Ray, float, float]]) -> CheckResult:
         if s <= low * _NEXT or _departure(ray, low, _SOON * s) <= min(_SHARP * ray.runner.rounding, _PLAIN):
             at = max(1.0, low * _SOON)
             where = f"at {name} = {at * ray.z[ray.component]:.3g}"
-            words = f"nonlinear: {where} it departs from proportionality by {_departure(ray, low, at):.2g}"
-            return CheckResult(LINEAR, False, words, (ray.trial(low), ray.trial(at)))
+            bent = f"nonlinear: {where} it departs from proportionality by {_departure(ray, low, at):.2g}"
+            return CheckResult(LINEAR, False, bent, (ray.trial(low), ray.trial(at)))
         digits = round(-log10(ray.runner.rounding)) - 2  # so many show the border, not the rounding
-        words = f"linear up to {name} = {s * ray.z[ray.component]:.{digits}g} and no further"
-        borders.append((words, (ray.trial(s), ray.trial(_SOON * s))))
+        border = f"linear up to {name} = {s * ray.z[ray.component]:.{digits}g} and no further"
+        borders.append((border, (ray.trial(s), ray.trial(_SOON * s))))
     if not borders:
         return CheckResult(LINEAR, True, "linear within its domain, to rounding")
-    return CheckResult(
-        LINEAR, False, "; ".join(words for words, _ in borders), tuple(t for _, ts in borders for t in ts)
-    )
+    words, examples = zip(*borders, strict=True)
+    return CheckResult(LINEAR, False, "; ".join(words), tuple(trial for example in examples for trial in example))
 
 
 def _beginning(ray: Ray, low: float, high: float) -> float:

@@ -26,23 +26,20 @@ def zero_step(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     """Whether h = 0 gives the state back."""
     runner = steady_runner(subject)
     trials = [runner.trial(q, v, 0.0) for q, v in (runner.scaled((1.0, 0.75)), runner.ordinary)]
-    for trial in trials:
-        if trial.answer != trial.given[:2]:
-            return (_not_the_state(runner, trial),)
-    return (CheckResult(_ZERO, True, "h = 0 gives the state back", (trials[0],)),)
-
-
-def _not_the_state(runner: TrialRunner, trial: Trial) -> CheckResult:
+    trial = next((trial for trial in trials if trial.answer != trial.given[:2]), None)
+    if trial is None:
+        return (CheckResult(_ZERO, True, "h = 0 gives the state back", (trials[0],)),)
     if "ZeroDivisionError" in trial.failure:
-        return CheckResult(_ZERO, False, "h = 0 is divided by: it raises ZeroDivisionError", (trial,))
-    if trial.answer is None:
-        return CheckResult(_ZERO, None, f"h = 0 is refused: {trial.refusal}", (trial,))
-    if not trial.finite:
-        return CheckResult(_ZERO, False, f"h = 0 is divided by: {trial.seen} comes back", (trial,))
-    moved = max(abs(after - before) for after, before in zip(trial.answer, trial.given, strict=False))
-    if moved <= runner.rounding:
-        return CheckResult(_ZERO, True, f"h = 0 gives the state back but for rounding by {moved:.1g}", (trial,))
-    return CheckResult(_ZERO, False, f"h = 0 moves the state: {trial.given[:2]} becomes {trial.seen}", (trial,))
+        holds, words = False, "h = 0 is divided by: it raises ZeroDivisionError"
+    elif trial.answer is None:
+        return (CheckResult(_ZERO, None, f"h = 0 is refused: {trial.refusal}", (trial,)),)
+    elif not trial.finite:
+        holds, words = False, f"h = 0 is divided by: {trial.seen} comes back"
+    else:
+        moved = max(abs(after - before) for after, before in zip(trial.answer, trial.given, strict=False))
+        holds, words = moved <= runner.rounding, f"h = 0 gives the state back but for rounding by {moved:.1g}"
+        words = words if holds else f"h = 0 moves the state: {trial.given[:2]} becomes {trial.seen}"
+    return (CheckResult(_ZERO, holds, words, (trial,)),)
 
 
 def negative_step(subject: ForeignStepper) -> tuple[CheckResult, ...]:
@@ -93,13 +90,11 @@ def _noticed(
 ) -> CheckResult:
     runner = steady_runner(subject)
     trials = [runner.trial(*z, h) for z in states]
-    for trial in trials:
-        if trial.finite:
-            words = f"{name} goes in and ordinary numbers come out: {trial.line}"
-            return CheckResult(key, False, words, (trial,))
-    for trial in trials:
-        if trial.answer is None:
-            return CheckResult(key, None, f"{name} is refused: {trial.refusal}", (trial,))
+    finite, silent = [each for each in trials if each.finite], [each for each in trials if each.answer is None]
+    if finite:
+        return CheckResult(key, False, f"{name} goes in and ordinary numbers come out: {finite[0].line}", (finite[0],))
+    if silent:
+        return CheckResult(key, None, f"{name} is refused: {silent[0].refusal}", (silent[0],))
     return CheckResult(key, True, f"{name} is handed on", (trials[0],))
 
 
@@ -118,11 +113,8 @@ def time_argument(subject: ForeignStepper) -> tuple[CheckResult, ...]:
         if not same(later.answer, start):
             words = f"the answer depends on t: from the same state, t = 0 gives {start}, t = {t} gives {later.seen}"
             return (CheckResult(_KEY, False, words),)
-    return (
-        _told(subject)
-        if subject.convention.kind == FIELD
-        else CheckResult(_KEY, True, "the answer does not depend on t"),
-    )
+    independent = CheckResult(_KEY, True, "the answer does not depend on t")
+    return (_told(subject) if subject.convention.kind == FIELD else independent,)
 
 
 def _at(subject: ForeignStepper, t: float) -> ForeignStepper:

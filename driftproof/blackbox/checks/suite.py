@@ -21,7 +21,6 @@ from driftproof.blackbox.checks.special_arguments import (
 from driftproof.blackbox.checks.step_size import step_size, sub_steps
 from driftproof.blackbox.checks.trials import CheckResult, Unsteady
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome
-from driftproof.blackbox.isolation import IsolatedRunner
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 # By the key of the check that stands for a check without result.
@@ -34,11 +33,6 @@ CHECKS: Mapping[str, Callable[[ForeignStepper], tuple[CheckResult, ...]]] = {
 }
 # These compare answers bit by bit: where the same call gives other bits again, they tell nothing.
 _BITWISE = frozenset(("time", "batches", "takes_integers"))
-
-
-def all_checks(runner: IsolatedRunner) -> tuple[CheckResult, ...]:
-    """What all checks find, manners first and what it does to areas and sizes last."""
-    return checks_of(runner.run(list(CHECKS.values())))
 
 
 def checks_of(outcomes: Sequence[Outcome]) -> tuple[CheckResult, ...]:

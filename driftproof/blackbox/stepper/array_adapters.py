@@ -95,11 +95,7 @@ LISTS = ArrayAdapter("lists", lambda numbers: [float(x) for x in numbers], float
 TUPLES = ArrayAdapter("tuples", lambda numbers: tuple(float(x) for x in numbers), floats_in)
 
 
-def adapter_of(make: Callable[[Any], Foreign]) -> ArrayAdapter:
-    """The adapter whose numbers `make` makes, of a list of floats: torch.tensor, jax.numpy.asarray, ..."""
-    return ArrayAdapter(f"{getattr(make, '__module__', '')}.{getattr(make, '__name__', 'array')}", make, floats_in)
-
-
-def scalar_adapter_of(make: Callable[[Any], Foreign]) -> ArrayAdapter:
-    """The adapter whose numbers `make` makes, of one float: numpy.float32, ..."""
-    return ArrayAdapter(adapter_of(make).name, lambda numbers: make(_one(numbers)), floats_in)
+def adapters_of(make: Callable[[Any], Foreign]) -> tuple[ArrayAdapter, ArrayAdapter]:
+    """The adapters whose numbers `make` makes, of a list of floats (torch.tensor) or of one float (numpy.float32)."""
+    name = f"{getattr(make, '__module__', '')}.{getattr(make, '__name__', 'array')}"
+    return ArrayAdapter(name, make, floats_in), ArrayAdapter(name, lambda numbers: make(_one(numbers)), floats_in)

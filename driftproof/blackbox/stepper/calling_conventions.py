@@ -138,18 +138,11 @@ class CallingConvention:
         return replace(self, extra={**self.extra, **counts}, steps=steps)
 
 
-def convention_of(step: Callable[..., Any], kind: str | None = None) -> CallingConvention:
-    """The calling convention of a stepper, from the names of its parameters; with `kind`, that one.
-
-    Raises ValueError, saying what is allowed, if the names do not tell, or for an unknown kind.
-    """
-    return conventions_of(step, kind)[0]
-
-
 def conventions_of(step: Callable[..., Any], kind: str | None = None) -> list[CallingConvention]:
-    """All that the names may mean, the most usual first: of x, v, a, dt, a is a force, or a number that is handed on.
+    """All that the names of its parameters may mean, the most usual first; with `kind`, of that calling convention.
 
-    Raises ValueError as `convention_of`, with the function of one line to write instead.
+    Of x, v, a, dt, a is a force, or a number that is handed on. Raises ValueError, saying what is allowed, if the names
+    do not tell, or for an unknown kind.
     """
     if kind is not None and kind not in SIGNATURES:
         raise ValueError(f"unknown calling convention {kind!r}; choose from {', '.join(SIGNATURES)}")

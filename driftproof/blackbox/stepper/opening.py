@@ -20,9 +20,8 @@ from driftproof.blackbox.stepper.array_adapters import (
     LISTS,
     SCALARS,
     ArrayAdapter,
-    adapter_of,
+    adapters_of,
     as_array,
-    scalar_adapter_of,
 )
 from driftproof.blackbox.stepper.calling_conventions import (
     BESIDES,
@@ -130,7 +129,7 @@ def _adapters(
 ) -> Iterator[Iterable[ArrayAdapter]]:
     """The usual ones; then, if none of them gets an answer, other forms of a state."""
     if array is not None:
-        yield adapter_of(array), scalar_adapter_of(array)
+        yield adapters_of(array)
         return
     vectors = convention.kind in _TRIALS or (convention.kind == MAP and STATE in convention.order)
     yield (ARRAYS, LISTS, SCALARS) if vectors else (SCALARS, ARRAYS)

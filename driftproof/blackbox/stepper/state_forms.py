@@ -7,6 +7,7 @@ import inspect
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from importlib import import_module
 from typing import Any, get_type_hints
 
@@ -71,14 +72,17 @@ def _in_space(numbers: Sequence[AnyNumber]) -> Foreign:
     return filled
 
 
-def _out_of_space(value: Foreign, size: int) -> list[AnyNumber]:
+def _first_of(filled: int, value: Foreign, size: int) -> list[AnyNumber]:
+    """The numbers of what was filled up to so many."""
     array = as_array(value)
-    wanted = -(-size // _DIMENSIONS) * _DIMENSIONS
-    return floats_in(array.ravel()[:size] if array.size == wanted else array, size)
+    return floats_in(array.ravel()[:size] if array.size == filled else array, size)
 
 
 BODIES = ArrayAdapter(
-    "NumPy arrays of bodies in space", _in_space, _out_of_space, shown="numpy.array([[{}, 0.0, 0.0]])"
+    "NumPy arrays of bodies in space",
+    _in_space,
+    lambda value, size: _first_of(-(-size // _DIMENSIONS) * _DIMENSIONS, value, size),
+    shown="numpy.array([[{}, 0.0, 0.0]])",
 )
 
 
@@ -90,12 +94,8 @@ def _vector(size: int) -> ArrayAdapter:
             raise WrongShape(f"a vector of {size} numbers holds no {len(numbers)}")
         return np.array([*numbers, *[0.0] * (size - len(numbers))])
 
-    def read(value: Foreign, count: int) -> list[AnyNumber]:
-        array = as_array(value)
-        return floats_in(array.ravel()[:count] if array.size == size else array, count)
-
-    rest = ", 0.0" * (size - 1)
-    return ArrayAdapter(f"NumPy vectors of {size}", write, read, shown=f"numpy.array([{{}}{rest}])")
+    shown = f"numpy.array([{{}}{', 0.0' * (size - 1)}])"
+    return ArrayAdapter(f"NumPy vectors of {size}", write, partial(_first_of, size), shown=shown)
 
 
 # For steps that multiply by a matrix of their own, or take a vector product.

@@ -7,7 +7,7 @@ import random
 
 import numpy as np
 
-from driftproof.blackbox.checks.suite import all_checks
+from driftproof.blackbox.checks.suite import CHECKS, checks_of
 from driftproof.blackbox.isolation import IsolatedRunner
 from driftproof.blackbox.stepper.opening import Target
 
@@ -38,6 +38,10 @@ def code(body, arguments="q, v, h"):
 def then(rule):
     """Symplectic Euler, and then the rule: assignments to q and v."""
     return code(f"q, v = plain(q, v, h)\n{rule}\nreturn q, v")
+
+
+def all_checks(runner):
+    return checks_of(runner.run([*CHECKS.values()]))
 
 
 def results_of(step, **how):

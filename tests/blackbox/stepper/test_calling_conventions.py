@@ -12,7 +12,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     SIGNATURES,
     STANDARD_ORDER,
     CallingConvention,
-    convention_of,
+    conventions_of,
 )
 from driftproof.blackbox.stepper.opening import opened
 
@@ -45,6 +45,11 @@ WILD = [
     ("deriv, y, t, dt, args=()", FIELD, "function state time step"),
     ("f, t, y, h, *, atol=1e-8, **options", FIELD, "function time state step"),
 ]
+
+
+def convention_of(step, kind=None):
+    """The most usual one."""
+    return conventions_of(step, kind)[0]
 
 
 def parameters_of(step):
