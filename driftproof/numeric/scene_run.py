@@ -42,14 +42,7 @@ def run_scene(scene: Scene, key: str, counter: Counter = range) -> Readouts:
 
 
 def _run_problem(scene: Scene, problem: Problem, key: str, counter: Counter) -> Readouts:
-    from driftproof.numeric.advance import (
-        State,
-        advance,
-        error_summary,
-        evaluations_of,
-        float_start,
-        step_times,
-    )
+    from driftproof.numeric.advance import State, advance, error_summary, evaluations_of, float_start, step_times
     from driftproof.numeric.reference_errors import decimal_energy, distance_from_digits
 
     method = method_of(key)

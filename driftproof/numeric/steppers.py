@@ -38,11 +38,7 @@ def rk4(force: Force, q: Number, v: Number, h: Number) -> tuple[Number, Number]:
     return q1, v1
 
 
-HAND_WRITTEN: dict[str, Step] = {
-    "forward_euler": forward_euler,
-    "symplectic_euler": symplectic_euler,
-    "rk4": rk4,
-}
+HAND_WRITTEN: dict[str, Step] = {"forward_euler": forward_euler, "symplectic_euler": symplectic_euler, "rk4": rk4}
 
 
 def hand_written(method: Method) -> Step | None:

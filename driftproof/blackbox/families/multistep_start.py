@@ -9,12 +9,7 @@ from typing import Any
 
 from flint import arb
 
-from driftproof.blackbox.families.multistep_recurrence import (
-    Recurrence,
-    RecurrenceReading,
-    candidates,
-    tolerance_of,
-)
+from driftproof.blackbox.families.multistep_recurrence import Recurrence, RecurrenceReading, candidates, tolerance_of
 from driftproof.blackbox.families.multistep_runs import MarkedRuns, course
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.judging.measured_order import CLEARANCE, power_of_errors

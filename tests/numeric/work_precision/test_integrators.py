@@ -13,15 +13,8 @@ from driftproof.numeric.advance import counted_evaluations, field_rate
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.work_precision import integrators
-from driftproof.numeric.work_precision.curves import (
-    curves,
-)
-from driftproof.numeric.work_precision.integrators import (
-    COMPILED,
-    KINDS,
-    PYTHON,
-    integrator,
-)
+from driftproof.numeric.work_precision.curves import curves
+from driftproof.numeric.work_precision.integrators import COMPILED, KINDS, PYTHON, integrator
 
 T = Q(10)
 
