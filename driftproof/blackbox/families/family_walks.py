@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from math import inf
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from flint import arb, arb_mat, ctx
 
-from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem
+from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_in_floats
+from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem, field_problem
 from driftproof.blackbox.judging.walks import Walker
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.stepper.array_adapters import AnyNumber
@@ -36,21 +37,29 @@ def derivatives(problem: NonlinearProblem, t: AnyNumber, y: Any) -> tuple[list[l
         def slope(moved: Sequence[AnyNumber]) -> list[float]:
             return [float(((x - z) / _STEP).mid()) for x, z in zip(moved, here, strict=True)]
 
-        columns = []
-        for j in range(len(state)):
-            columns.append(slope(problem.rate(at, [x + _STEP * (i == j) for i, x in enumerate(state)])))
+        shifted = ([x + _STEP * (i == j) for i, x in enumerate(state)] for j in range(len(state)))
+        columns = [slope(problem.rate(at, place)) for place in shifted]
         return [list(row) for row in zip(*columns, strict=True)], slope(problem.rate(at + _STEP, state))
 
 
-class _WithJacobian(NonlinearProblem):
+class WithJacobian(NonlinearProblem):
     """The same for a step that takes f' and df/dt."""
 
+    share = 1.0
+
     def stepped(self, subject: ForeignStepper, t: float, y: Sequence[AnyNumber], h: float) -> list[AnyNumber]:
+        """One step, which is given this share of f'."""
         functions: dict[str, SecondFunction] = {
-            JACOBIAN: lambda t, y: derivatives(self, t, y)[0],
+            JACOBIAN: lambda t, y: (self.share * np.array(derivatives(self, t, y)[0])).tolist(),
             TIME_SLOPE: lambda t, y: derivatives(self, t, y)[1],
         }
         return super().stepped(with_functions(subject, functions), t, y, h)
+
+
+class WithHalfJacobian(WithJacobian):
+    """The same for a step that is given half of f'."""
+
+    share = 0.5
 
 
 class _InTwoParts(NonlinearProblem):
@@ -66,12 +75,33 @@ class _InTwoParts(NonlinearProblem):
         return split.step_field(lambda at, z: self.part(at, z, False), t, y, h)
 
 
-def _made(kind: type[NonlinearProblem], problem: NonlinearProblem) -> NonlinearProblem:
-    return kind(**{field.name: getattr(problem, field.name) for field in fields(problem)})
+class WithDamping(_InTwoParts):
+    """The same for a step of f + g, g damping each number by what the next one is."""
+
+    def part(self, t: AnyNumber, y: Sequence[AnyNumber], implicit: bool) -> list[AnyNumber]:
+        """The slopes of g, or those of f."""
+        damping = [-x * (1 + z * z) for x, z in zip(y, [*y[1:], y[0]], strict=True)]
+        return damping if implicit else [k - g for k, g in zip(self.rate(t, [*y]), damping, strict=True)]
+
+
+def _alone(subject: ForeignStepper) -> ForeignStepper:
+    """The subject as a step(f, t, y, h), its other functions being 0."""
+    still = {JACOBIAN: lambda t, y: [zeros(t, y)] * len(y), TIME_SLOPE: zeros, IMPLICIT: zeros}
+    return with_functions(subject, still)
+
+
+def measured_of_two(
+    subject: ForeignStepper, kind: type[NonlinearProblem], halvings: Sequence[int], slack: float = 0.0
+) -> MeasuredOrder:
+    """The order of steps h = 2⁻ᵏ of a stepper of two functions, whose problem is of this kind; as the one of floats."""
+    problem = kind(**vars(field_problem(_alone(subject))))
+    return measured_in_floats(subject, problem, [2.0**-k for k in halvings], slack)
 
 
 class _OfTwoFunctions(Walker):
     """Held to y' = f(t, y), of few and of many numbers."""
+
+    kind: ClassVar[type[NonlinearProblem]]
 
     @property
     def partitioned(self) -> bool:
@@ -81,19 +111,19 @@ class _OfTwoFunctions(Walker):
     def numbers(self) -> tuple[int, ...]:
         return (1, 2, 3, 5, 9)
 
+    def problems(self, numbers: int) -> list[NonlinearProblem]:
+        """With the functions that there are beside f."""
+        alone = Walker(_alone(self.subject), self.method)
+        return [self.kind(**vars(problem)) for problem in alone.problems(numbers)]
+
 
 @dataclass(frozen=True)
 class RosenbrockWalker(_OfTwoFunctions):
     """Beside a Rosenbrock method; df/dt is off by the slack where it is had by differences, or left out."""
 
+    kind = WithJacobian
     slack: float = 0.0
     autonomous: bool = False
-
-    def problems(self, numbers: int) -> list[NonlinearProblem]:
-        """With a Jacobian."""
-        functions: dict[str, Any] = {JACOBIAN: lambda t, y: np.zeros((len(y), len(y))), TIME_SLOPE: zeros}
-        alone = Walker(with_functions(self.subject, functions), self.method)
-        return [_made(_WithJacobian, problem) for problem in alone.problems(numbers)]
 
     def allowed(self, size: float, numbers: int, h: float) -> float:
         """Systems of so many numbers are solved, whose rounding grows with these."""
@@ -114,7 +144,7 @@ class RosenbrockWalker(_OfTwoFunctions):
         def moved(weights: Sequence[arb]) -> arb_mat:
             return sum((w * k for w, k in zip(weights, stages, strict=False)), arb_mat(n, 1))
 
-        for a, g, i in zip(alpha, gamma, range(n * len(alpha)), strict=False):
+        for i, (a, g) in enumerate(zip(alpha, gamma, strict=True)):
             place = arb_mat([[arb(x)] for x in y]) + h * moved(a)
             asked = problem.rate(arb(t) + h * sum(a, arb(0)), [place[m, 0] for m in range(n)])
             right = arb_mat([[k] for k in asked]) + h * (jacobian * moved(g)) + h * sum(g, arb(0)) * time_slope
@@ -127,12 +157,8 @@ class RosenbrockWalker(_OfTwoFunctions):
 class ImexWalker(_OfTwoFunctions):
     """Beside an IMEX method, whose stages are solved to this."""
 
+    kind = _InTwoParts
     solved: float = inf
-
-    def problems(self, numbers: int) -> list[NonlinearProblem]:
-        """Split in two."""
-        alone = Walker(with_functions(self.subject, {IMPLICIT: zeros}), self.method)
-        return [_made(_InTwoParts, problem) for problem in alone.problems(numbers)]
 
     def allowed(self, size: float, numbers: int, h: float) -> float:
         """What its solver leaves, and the rounding."""

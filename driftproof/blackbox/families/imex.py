@@ -6,20 +6,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from flint import arb
-
-from driftproof.blackbox.families.family_walks import ImexWalker
+from driftproof.blackbox.families.family_walks import ImexWalker, WithDamping, measured_of_two
 from driftproof.blackbox.families.imex_step import IMEX_PARTS, ImexReading, read_imex_step
-from driftproof.blackbox.judging.measured_order import CLEARANCE, power_of_errors
-from driftproof.blackbox.judging.nonlinear_problems import START, field_problem
+from driftproof.blackbox.judging.measured_order import MeasuredOrder, listed, order_seen
 from driftproof.blackbox.judging.walks import Walked, there_and_back
 from driftproof.blackbox.probes.coefficients import coefficient_difference, coefficient_text
 from driftproof.blackbox.probes.scripted_answers import CoefficientRow
 from driftproof.blackbox.report import Criterion
-from driftproof.blackbox.stepper.array_adapters import AnyNumber
-from driftproof.blackbox.stepper.calling_conventions import IMPLICIT
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.second_functions import with_functions, zeros
 from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import FACTS_ONLY
 from driftproof.methods.number_field import Exact
@@ -44,13 +38,11 @@ _Entry = tuple[str, Exact]
 
 @dataclass(frozen=True)
 class ImexIdentity:
-    """Both tables of a step, the method of the catalogue that has them, "" for none, and the order measured."""
+    """Both tables of a step, the method of the catalogue that has them, None for none, and the order measured."""
 
     reading: ImexReading
-    known: str
-    order: int | None
-    slopes: tuple[float, ...]
-    problem: str
+    known: Additive | None
+    measured: MeasuredOrder
     walked: Walked | None = None
 
     @property
@@ -84,20 +76,20 @@ class ImexIdentity:
     @property
     def key(self) -> str | None:
         """The key of the method that it is without a fault."""
-        return self.known if self.known and not self.faults else None
+        return self.known.key if self.known and not self.faults else None
 
     @property
     def verdict(self) -> str:
         """What it is, in one line."""
         unknown = f"an IMEX method of {self.reading.stages} stages that is not known here"
-        name = self.known or self.near or unknown
+        name = self.known.key if self.known else self.near or unknown
         solved = f", its stages solved to {self.reading.curved:.1e}" if self.reading.curved > _WELL_SOLVED else ""
         return "; ".join([f"it is {name}" + (solved if self.known else f", {self._orders[0]}"), *self.faults])
 
     @property
     def parts(self) -> list[tuple[str, list[str]]]:
         """The evidence, by title."""
-        return [("Coefficients", self._coefficients(self.known)), ("Order", self._orders)]
+        return [("Coefficients", self._coefficients(self.known.key if self.known else "")), ("Order", self._orders)]
 
     def _coefficients(self, key: str) -> list[str]:
         """Both tables, which are those of this method, if it is one."""
@@ -121,18 +113,12 @@ class ImexIdentity:
     @property
     def _orders(self) -> list[str]:
         """Of the method, or of the floats read: of both tables together, then of each."""
-        facts = AdditiveFacts(_method(self.known) if self.known else _as_read(self.reading))
-        if self.known and not facts.method.decimal:
-            orders = (facts.order, facts.explicit_order, facts.implicit_order)
-        else:
-            found = facts.orders_within(_READ)
-            orders = (found.order, found.explicit_order, found.implicit_order)
-        words = f"of order {orders[0]} on f + g, its tables alone of order {orders[1]} and {orders[2]}"
-        if not self.known or facts.method.decimal:
-            words += ", as its digits tell"
-        seen = "no order is seen" if self.order is None else f"order {self.order} is seen"
-        slopes = ", ".join(f"{x:.2f}" for x in self.slopes)
-        return [words, f"{seen} on {self.problem}, split in two (slopes of the local error: {slopes})"]
+        facts, measured = AdditiveFacts(self.known or _as_read(self.reading)), self.measured
+        found = facts.orders_within(_READ) if facts.method.decimal else facts
+        alone = f"its tables alone of order {found.explicit_order} and {found.implicit_order}"
+        words = f"of order {found.order} on f + g, {alone}{', as its digits tell' * facts.method.decimal}"
+        slopes = f"(slopes of the local error: {listed(measured.slopes)})"
+        return [words, f"{order_seen(measured.order)} on {measured.problem}, split in two {slopes}"]
 
     @property
     def data(self) -> dict[str, Json]:
@@ -140,7 +126,7 @@ class ImexIdentity:
         reading, tables = self.reading, dict[str, Json]()
         for part, a, b in zip(IMEX_PARTS, reading.a, reading.b, strict=True):
             tables |= {f"a_{part}": [[repr(x) for x in row] for row in a], f"b_{part}": [repr(x) for x in b]}
-        return {"method": self.key, **tables, "measured_order": self.order}
+        return {"method": self.key, **tables, "measured_order": self.measured.order}
 
     def criteria(self, method: Additive) -> list[Criterion]:
         """How it holds to a method: both tables, the times, the order."""
@@ -153,11 +139,12 @@ class ImexIdentity:
         if found is None:
             shown.append(f"{method.key} has {len(_used(method))} stages that count, this one {self.reading.stages}")
         data: dict[str, Json] = {"differences": list(found or [])}
-        reached = None if self.order is None else self.order >= method.claimed_order
+        order = self.measured.order
+        reached = None if order is None else order >= method.claimed_order
         return [
             Criterion("Coefficients", found == [], tuple(shown), data),
             Criterion("Times", not self.faults, tuple(self.faults or ["those of its stages"]), {}),
-            Criterion("Order", reached, tuple(self._orders), {"measured": self.order}),
+            Criterion("Order", reached, tuple(self._orders), {"measured": order}),
             *self._steps(found == []),
         ]
 
@@ -172,21 +159,14 @@ class ImexIdentity:
 def read_imex(subject: ForeignStepper, asked: Additive | None = None) -> ImexIdentity:
     """What a step of two right-hand sides is. Raises NotReadable, UnsupportedCall, and a Misbehaviour of its own."""
     reading = _in_order(read_imex_step(subject))
-    known = next((m.key for m in _methods() if _differences(m, reading) == []), "")
-    method, walked = asked or FACTS_ONLY.get(known), None
-    if isinstance(method, Additive) and _differences(method, reading) == []:
+    known, walked = next((m for m in _methods() if _differences(m, reading) == []), None), None
+    if (method := asked or known) and _differences(method, reading) == []:
         walked = there_and_back(ImexWalker(subject, method, solved=max(_SOLVER * reading.curved, _WELL_SOLVED)))
-    return ImexIdentity(reading, known, *_measured(subject), walked)
+    return ImexIdentity(reading, known, measured_of_two(subject, WithDamping, _HALVINGS), walked)
 
 
 def _methods() -> Iterator[Additive]:
     return (m for m in FACTS_ONLY.values() if isinstance(m, Additive))
-
-
-def _method(key: str) -> Additive:
-    found = FACTS_ONLY[key]
-    assert isinstance(found, Additive)
-    return found
 
 
 def _used(method: Additive) -> list[int]:
@@ -245,22 +225,3 @@ def _as_read(reading: ImexReading) -> Additive:
     tables = [tuple(map(tuple, rows)) for rows in exact]
     weights = [tuple(map(Fraction, row)) for row in (b, b_implicit)]
     return Additive("read", "read", 0, "", tables[0], tables[1], weights[0], weights[1], decimal=True)
-
-
-def _measured(subject: ForeignStepper) -> tuple[int | None, tuple[float, ...], str]:
-    """The order from errors of steps on a problem whose solution is known, a damping of each number being g."""
-    problem = field_problem(with_functions(subject, {IMPLICIT: zeros}))
-
-    def damping(t: AnyNumber, y: Sequence[AnyNumber]) -> list[AnyNumber]:
-        return [-x * (1 + z * z) for x, z in zip(y, [*y[1:], y[0]], strict=True)]
-
-    def rest(t: AnyNumber, y: Sequence[AnyNumber]) -> list[AnyNumber]:
-        return [a - b for a, b in zip(problem.rate(t, list(y)), damping(t, y), strict=True)]
-
-    split, errors = with_functions(subject, {IMPLICIT: damping}, START), []
-    start = [float(x.mid()) for x in problem.solution(arb(START))]
-    for k in _HALVINGS:
-        end, exact = split.step_field(rest, START, start, 2.0**-k), problem.solution(arb(START) + 2.0**-k)
-        errors.append(max(abs(float(x) - float(y.mid())) for x, y in zip(end, exact, strict=True)))
-    power, slopes = power_of_errors(errors, [CLEARANCE * float(subject.format.u)] * len(errors))
-    return (None if power is None else power - 1), slopes, problem.words

@@ -12,7 +12,7 @@ from flint import arb
 from driftproof.blackbox.families.multistep_recurrence import Recurrence, RecurrenceReading, candidates, tolerance_of
 from driftproof.blackbox.families.multistep_runs import MarkedRuns, course
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
-from driftproof.blackbox.judging.measured_order import CLEARANCE, power_of_errors
+from driftproof.blackbox.judging.measured_order import CLEARANCE, listed, order_seen, power_of_errors
 from driftproof.blackbox.judging.nonlinear_problems import START, NonlinearProblem, field_problem, force_problem
 from driftproof.blackbox.matching.match import match_tableau, matched
 from driftproof.blackbox.probes.questions import read_coefficients
@@ -53,11 +53,11 @@ class StartReading:
         """In words."""
         steps = [f"step {i} is {name or 'of no method that is known here'}" for i, name in enumerate(self.methods, 1)]
         power = "no power of h" if self.power is None else f"like h^{self.power}"
-        order = "no order is seen" if self.order is None else f"order {self.order} is seen"
         return [
             *steps,
-            f"the errors of its first values fall {power} (slopes: {_listed(self.slopes)})",
-            f"{order} in whole runs, the start included, on {self.problem} (slopes: {_listed(self.order_slopes)})",
+            f"the errors of its first values fall {power} (slopes: {listed(self.slopes)})",
+            f"{order_seen(self.order)} in whole runs, the start included, on {self.problem} "
+            f"(slopes: {listed(self.order_slopes)})",
         ]
 
     def fault(self, order: int, derivative: int) -> str:
@@ -150,7 +150,3 @@ def _error(subject: ForeignStepper, problem: NonlinearProblem, h: float, steps: 
     exact = problem.solution(arb(START) + h * steps)
     numbers = problem.positions or len(exact)
     return max(abs(float(x) - float(y.mid())) for x, y in list(zip(end, exact, strict=True))[:numbers])
-
-
-def _listed(slopes: Sequence[float]) -> str:
-    return ", ".join(f"{slope:.2f}" for slope in slopes) or "none above the noise"

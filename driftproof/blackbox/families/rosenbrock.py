@@ -6,23 +6,24 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from flint import arb, ctx
 
-from driftproof.blackbox.families.family_walks import DIFFERENCES, RosenbrockWalker, derivatives
+from driftproof.blackbox.families.family_walks import (
+    DIFFERENCES,
+    RosenbrockWalker,
+    WithHalfJacobian,
+    WithJacobian,
+    measured_of_two,
+)
 from driftproof.blackbox.families.rosenbrock_step import RosenbrockReading, read_rosenbrock_step
-from driftproof.blackbox.judging.measured_order import CLEARANCE, power_of_errors
-from driftproof.blackbox.judging.nonlinear_problems import START, field_problem
+from driftproof.blackbox.judging.measured_order import MeasuredOrder, listed, order_seen
 from driftproof.blackbox.judging.walks import Walked, there_and_back
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.probes.coefficients import coefficient_text, exact_shown
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.report import Criterion
-from driftproof.blackbox.stepper.calling_conventions import JACOBIAN, TIME_SLOPE
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.second_functions import with_functions
 from driftproof.methods.catalogue import FACTS_ONLY
 from driftproof.methods.number_field import Exact
 from driftproof.methods.rosenbrock import Rosenbrock
@@ -31,10 +32,10 @@ from driftproof.symbolic.rosenbrock import RosenbrockFacts
 
 # Lengths of the steps whose errors are measured: h = 2**-k.
 _HALVINGS = range(1, 9)
-# Derivatives by differences in balls of so many bits are right to a third of them.
-_BITS = 256
 # Of decimals, as the orders of a printed table are told: digits that are printed leave less.
 _PRINTED = Fraction(1, 10**9)
+# Differences that a reader takes in.
+_MOST_SHOWN = 6
 
 
 class _Products:
@@ -149,25 +150,21 @@ def _entry(method: Rosenbrock, which: int, place: tuple[int, ...]) -> Exact:
 class RosenbrockIdentity:
     """The products of a step, the method that has them, and the orders measured with f' and with half of it as J.
 
-    `known` is its key in the catalogue, "" where it has none; `near` is a method that has them but for one entry, in
-    words; `own` is a method of somebody's that has them.
+    `method` is of the catalogue, or somebody's own, None where none has them; `near` is one that has them but for one
+    entry, in words.
     """
 
     reading: RosenbrockReading
-    known: str
+    method: Rosenbrock | None
     near: str
-    order: int | None
-    slopes: tuple[float, ...]
+    measured: MeasuredOrder
     w_order: int | None
-    problem: str
-    own: Rosenbrock | None = None
     walked: Walked | None = None
 
     @property
-    def method(self) -> Rosenbrock | None:
-        """The method that has them, if there is one."""
-        found = FACTS_ONLY[self.known] if self.known else self.own
-        return found if isinstance(found, Rosenbrock) else None
+    def order(self) -> int | None:
+        """The one that is measured with f'."""
+        return self.measured.order
 
     @cached_property
     def _products(self) -> _Products | None:
@@ -234,15 +231,12 @@ class RosenbrockIdentity:
         lines = []
         if self.method is not None:
             facts = RosenbrockFacts(self.method)
-            if self.method.decimal:
-                orders = facts.orders_within(_PRINTED)
-                lines.append(f"order {orders.order} with J = f', {orders.w_order} with any matrix, as its digits tell")
-            else:
-                lines.append(f"order {facts.order} with J = f', {facts.w_order} with any matrix")
+            told = facts.orders_within(_PRINTED) if self.method.decimal else facts
+            digits = ", as its digits tell" * self.method.decimal
+            lines.append(f"order {told.order} with J = f', {told.w_order} with any matrix{digits}")
         for order, with_what in ((self.order, "J = f'"), (self.w_order, "half of f' as J")):
-            seen = "no order is seen" if order is None else f"order {order} is seen"
-            slopes = f" (slopes of the local error: {', '.join(f'{x:.2f}' for x in self.slopes)})"
-            lines.append(f"{seen} with {with_what} on {self.problem}{slopes if with_what[0] == 'J' else ''}")
+            lines.append(f"{order_seen(order)} with {with_what} on {self.measured.problem}")
+        lines[-2] += f" (slopes of the local error: {listed(self.measured.slopes)})"
         return lines
 
     @property
@@ -264,7 +258,7 @@ class RosenbrockIdentity:
             asked = f"{method.key} asks f at {len(products.nodes)} places, this one at {self.reading.calls}"
             return [Criterion("Coefficients", False, (asked,), {})]
         if not differences and self.method is None:
-            return replace(self, own=method).criteria(method)
+            return replace(self, method=method).criteria(method)
         same = not differences
         shown = self._coefficients if same else [f"not those of {method.key}", *differences[:_MOST_SHOWN]]
         if self.near.startswith(f"{method.key} but for "):
@@ -284,48 +278,18 @@ class RosenbrockIdentity:
         return checks
 
 
-# Differences that a reader takes in.
-_MOST_SHOWN = 6
-
-
 def read_rosenbrock(subject: ForeignStepper, asked: Rosenbrock | None = None) -> RosenbrockIdentity:
     """What a step with a Jacobian is. Raises NotReadable, and the Misbehaviour that comes instead of a step."""
     reading = read_rosenbrock_step(subject)
-    known = [*_methods(), *([asked] if asked is not None else [])]
-    key = next((m.key for m in _methods() if _Products.of(m, len(reading.weights)).differences(reading) == []), "")
-    near = "" if key else next((f"{m.key} but for {x}" for m in known for x in _near(reading, m)), "")
-    by_differences = float(reading.format.u) ** 0.5 if reading.by == "differences" else 0.0
-    order, slopes, problem = _measured(subject, 1.0, by_differences)
-    w_order, _, _ = _measured(subject, 0.5, by_differences)
-    method, walked = asked or FACTS_ONLY.get(key), None
-    if isinstance(method, Rosenbrock):
-        slack = float(reading.format.u) ** 0.5 if reading.by == "differences" else 0.0
+    catalogued = [m for m in FACTS_ONLY.values() if isinstance(m, Rosenbrock)]
+    found = next((m for m in catalogued if _Products.of(m, len(reading.weights)).differences(reading) == []), None)
+    others = [] if found else [*catalogued, *([asked] if asked else [])]
+    near = next((f"{m.key} but for {x}" for m in others for x in _near(reading, m)), "")
+    slack = float(reading.format.u) ** 0.5 if reading.by == "differences" else 0.0
+    measured, with_half = (
+        measured_of_two(subject, kind, _HALVINGS, DIFFERENCES * slack) for kind in (WithJacobian, WithHalfJacobian)
+    )
+    walked = None
+    if method := asked or found:
         walked = there_and_back(RosenbrockWalker(subject, method, slack=slack, autonomous=not reading.by))
-    return RosenbrockIdentity(reading, key, near, order, slopes, w_order, problem, walked=walked)
-
-
-def _methods() -> Iterator[Rosenbrock]:
-    return (m for m in FACTS_ONLY.values() if isinstance(m, Rosenbrock))
-
-
-def _measured(subject: ForeignStepper, factor: float, slack: float) -> tuple[int | None, tuple[float, ...], str]:
-    """The order of a step with so much of f' as J, from its errors on a problem whose solution is known.
-
-    The noise is that of rounding, and of h² df/dt that is off by `slack`.
-    """
-    zero: dict[str, Any] = {JACOBIAN: lambda t, y: np.zeros((len(y), len(y))), TIME_SLOPE: lambda t, y: [0.0] * len(y)}
-    problem = field_problem(with_functions(subject, zero))
-    functions: dict[str, Any] = {
-        JACOBIAN: lambda t, y: factor * np.array(derivatives(problem, t, y)[0]),
-        TIME_SLOPE: lambda t, y: derivatives(problem, t, y)[1],
-    }
-    errors, steps = [], [2.0**-k for k in _HALVINGS]
-    with ctx.workprec(_BITS):
-        start = [float(x.mid()) for x in problem.solution(arb(START))]
-        for h in steps:
-            end = problem.stepped(with_functions(subject, functions), START, start, h)
-            exact = problem.solution(arb(START) + h)
-            errors.append(max(abs(float(x) - float(y.mid())) for x, y in zip(end, exact, strict=True)))
-    noise = CLEARANCE * float(subject.format.u)
-    power, slopes = power_of_errors(errors, [noise + DIFFERENCES * slack * h * h for h in steps])
-    return (None if power is None else power - 1), slopes, problem.words
+    return RosenbrockIdentity(reading, found, near, measured, with_half.order, walked)

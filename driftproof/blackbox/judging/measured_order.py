@@ -50,9 +50,18 @@ class MeasuredOrder:
     @property
     def words(self) -> str:
         """The finding in one line."""
-        slopes = ", ".join(f"{slope:.2f}" for slope in self.slopes) or "none above the noise"
-        shown = "no order is seen" if self.order is None else f"order {self.order} is seen"
-        return f"{shown} on {self.problem} (slopes of the local error: {slopes}; in {self.arithmetic})"
+        slopes = listed(self.slopes)
+        return f"{order_seen(self.order)} on {self.problem} (slopes of the local error: {slopes}; in {self.arithmetic})"
+
+
+def order_seen(order: int | None) -> str:
+    """In words."""
+    return "no order is seen" if order is None else f"order {order} is seen"
+
+
+def listed(slopes: Sequence[float]) -> str:
+    """The slopes of errors, as text."""
+    return ", ".join(f"{slope:.2f}" for slope in slopes) or "none above the noise"
 
 
 def measured_orders(subject: ForeignStepper) -> tuple[MeasuredOrder, ...]:
@@ -82,8 +91,16 @@ def measured_on(subject: ForeignStepper, problem: NonlinearProblem) -> MeasuredO
             except (Misbehaviour, NoAnswer):  # no code has to end on balls
                 continue
             return _fitted(errors, [_noise(subject, h) for h in steps], "Arb balls", problem)
-        in_floats = _errors(subject, problem, steps)
-        return _fitted(in_floats, [_noise(subject, 1.0) for _ in steps], subject.format.name, problem)
+    return measured_in_floats(subject, problem, steps)
+
+
+def measured_in_floats(
+    subject: ForeignStepper, problem: NonlinearProblem, steps: Sequence[float], slack: float = 0.0
+) -> MeasuredOrder:
+    """The order that steps of these lengths show, in the stepper's own floats; they may be off by h² times a slack."""
+    with ctx.workprec(_BITS):
+        errors = _errors(subject, problem, steps)
+    return _fitted(errors, [_noise(subject, 1.0) + slack * h * h for h in steps], subject.format.name, problem)
 
 
 def _noise(subject: ForeignStepper, size: float) -> float:
