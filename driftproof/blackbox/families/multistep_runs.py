@@ -70,22 +70,21 @@ class MarkedRuns:
 
     @classmethod
     def of(cls, subject: ForeignStepper) -> MarkedRuns:
-        """Of as many numbers as the subject takes. Raises UnsupportedCall, or the Misbehaviour of all sizes."""
+        """Of as many numbers as the subject takes. Raises UnsupportedCall, or the Misbehaviour of one number."""
         if subject.convention.kind == FORCE:
             timed = gives_force_times(subject.fresh(subject.shortest))
             return cls(subject, 1, clock=False, by_place=not timed)
         if subject.convention.kind != FIELD:
             raise UnsupportedCall("its system is built in: no right-hand side of ours marks its steps")
-        failures: list[Misbehaviour] = []
         for size in _SIZES:
             try:
                 timed = hands_on_time(subject.fresh(subject.shortest), size)
-            except Misbehaviour as failure:
-                failures.append(failure)
-                continue
-            clock = not timed and size > 1
-            return cls(subject, size - clock, clock, by_place=not timed and not clock)
-        raise failures[0]
+                break
+            except Misbehaviour:
+                if size == _SIZES[-1]:
+                    raise
+        clock = not timed and size > 1
+        return cls(subject, size - clock, clock, by_place=not timed and not clock)
 
     @property
     def derivative(self) -> int:

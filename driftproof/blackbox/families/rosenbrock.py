@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
@@ -150,8 +150,8 @@ def _entry(method: Rosenbrock, which: int, place: tuple[int, ...]) -> Exact:
 class RosenbrockIdentity:
     """The products of a step, the method that has them, and the orders measured with f' and with half of it as J.
 
-    `method` is of the catalogue, or somebody's own, None where none has them; `near` is one that has them but for one
-    entry, in words.
+    `method` is of the catalogue, or the one asked for, None where none has them; `near` is one that has them but for
+    one entry, in words.
     """
 
     reading: RosenbrockReading
@@ -257,8 +257,6 @@ class RosenbrockIdentity:
         if differences is None:
             asked = f"{method.key} asks f at {len(products.nodes)} places, this one at {self.reading.calls}"
             return [Criterion("Coefficients", False, (asked,), {})]
-        if not differences and self.method is None:
-            return replace(self, method=method).criteria(method)
         same = not differences
         shown = self._coefficients if same else [f"not those of {method.key}", *differences[:_MOST_SHOWN]]
         if self.near.startswith(f"{method.key} but for "):
@@ -281,10 +279,9 @@ class RosenbrockIdentity:
 def read_rosenbrock(subject: ForeignStepper, asked: Rosenbrock | None = None) -> RosenbrockIdentity:
     """What a step with a Jacobian is. Raises NotReadable, and the Misbehaviour that comes instead of a step."""
     reading = read_rosenbrock_step(subject)
-    catalogued = [m for m in FACTS_ONLY.values() if isinstance(m, Rosenbrock)]
-    found = next((m for m in catalogued if _Products.of(m, len(reading.weights)).differences(reading) == []), None)
-    others = [] if found else [*catalogued, *([asked] if asked else [])]
-    near = next((f"{m.key} but for {x}" for m in others for x in _near(reading, m)), "")
+    known = [*(m for m in FACTS_ONLY.values() if isinstance(m, Rosenbrock)), *([asked] if asked else [])]
+    found = next((m for m in known if _Products.of(m, len(reading.weights)).differences(reading) == []), None)
+    near = "" if found else next((f"{m.key} but for {x}" for m in known for x in _near(reading, m)), "")
     slack = float(reading.format.u) ** 0.5 if reading.by == "differences" else 0.0
     measured, with_half = (
         measured_of_two(subject, kind, _HALVINGS, DIFFERENCES * slack) for kind in (WithJacobian, WithHalfJacobian)

@@ -50,8 +50,6 @@ class RosenbrockReading:
     def table(self) -> tuple[Array, Array, Array] | None:
         """α, Γ and b by least squares, where each stage has a call of its own and shows; else None."""
         levels = [np.array(level) for level in self.weights]
-        if len(levels) < 2:
-            return None
         seen, moved = np.vstack(levels[:-1]), np.vstack(levels[1:])
         gamma, _, rank, _ = np.linalg.lstsq(seen, moved, rcond=_SAME)
         if rank < self.calls or np.abs(seen @ gamma - moved).max() > _SAME:
@@ -101,15 +99,13 @@ class _Probe:
     def __init__(self, subject: ForeignStepper) -> None:
         """A first step on so many numbers as it takes, which tells its calls apart."""
         self.subject = subject
-        failures: list[Misbehaviour] = []
         for self.size in _SIZES:
             try:
                 self.first = self._generic()
                 break
-            except Misbehaviour as failure:
-                failures.append(failure)
-        else:
-            raise failures[0]
+            except Misbehaviour:
+                if self.size == _SIZES[-1]:
+                    raise
         if not self.first.places or not self.first.jacobian_at:
             raise NotReadable("it never asks for its right-hand side, or for its Jacobian")
         self.calls = len(self.first.places)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import cmath
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import product
 from math import log2
-from typing import TypeAlias
 
 import numpy as np
 
@@ -15,11 +15,10 @@ from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.report import Criterion
 from driftproof.methods.schemes import Collocation, RungeKutta
 
-# R as a function of z, which is i θ in steps of z' = iz.
-_Factor: TypeAlias = Callable[[complex], complex]
 # Angles that a factor is compared at; the short ones show leading powers, with an error O(θ²).
 TURN_ANGLES = (2.0, 1.0, 0.5, 0.25, 2.0**-3, 2.0**-4, 2.0**-5, 2.0**-6, 2.0**-7)
-_METHODS: dict[str, _Factor] = {
+# R as a function of z, which is i θ in steps of z' = iz.
+_METHODS: dict[str, Callable[[complex], complex]] = {
     "exact": cmath.exp,
     "implicit_midpoint": lambda z: (1 + z / 2) / (1 - z / 2),
     "forward_euler": lambda z: 1 + z,
@@ -42,10 +41,10 @@ class Turn:
     itself, at TURN_ANGLES.
     """
 
-    method: str
     times: float
     parts: int
     normalised: bool
+    method: str
     scale: float
     angle: tuple[int, float] | None
     growth: tuple[int, float] | None
@@ -108,17 +107,12 @@ def factors_of(method: RungeKutta | Collocation, z: complex) -> tuple[complex, c
 
 
 def turn_of(factors: Sequence[complex], rounding: Rounding) -> Turn:
-    """What the factors at TURN_ANGLES are: the first candidate that fits at all of them."""
-    allowed = rounding.of(4.0)
-    found = next(
-        (
-            (method, times, parts, normalised)
-            for method, times, parts, normalised, made in _candidates()
-            if all(abs(made(1j * x) - r) <= allowed * (1 + abs(r)) for x, r in zip(TURN_ANGLES, factors, strict=True))
-        ),
-        ("", 1.0, 1, False),
-    )
-    turns = [cmath.phase(r) / x for x, r in zip(TURN_ANGLES, factors, strict=True)]
+    """What the factors at TURN_ANGLES are: the first method that fits at all of them, as it is or changed."""
+    allowed, pairs = rounding.of(4.0), list(zip(TURN_ANGLES, factors, strict=True))
+    candidates = product(_TIMES, (1, 2), (False, True), _METHODS)
+    fits = (made for made in candidates if all(abs(_factor(*made, x) - r) <= allowed * (1 + abs(r)) for x, r in pairs))
+    found = next(fits, (1.0, 1, False, ""))
+    turns = [cmath.phase(r) / x for x, r in pairs]
     near = round(2 * turns[-1]) / 2
     scale = near if abs(turns[-1] - near) < TURN_ANGLES[-1] else turns[-1]
     angle = _leading([x / (scale or 1.0) - 1 for x in turns], [allowed / x for x in TURN_ANGLES])
@@ -126,20 +120,10 @@ def turn_of(factors: Sequence[complex], rounding: Rounding) -> Turn:
     return Turn(*found, scale, angle, growth, tuple(factors), rounding)
 
 
-def _candidates() -> Iterator[tuple[str, float, int, bool, _Factor]]:
-    """The methods; then with their size made 1; in two equal parts; and each at another angle."""
-    for times in _TIMES:
-        for parts in (1, 2):
-            for normalised in (False, True):
-                for key, factor in _METHODS.items():
-
-                    def made(z: complex, factor: _Factor = factor, k: float = times / parts, n: int = parts) -> complex:
-                        return factor(k * z) ** n
-
-                    def of_length_one(z: complex, made: _Factor = made) -> complex:
-                        return made(z) / abs(made(z))
-
-                    yield key, times, parts, normalised, of_length_one if normalised else made
+def _factor(times: float, parts: int, normalised: bool, method: str, angle: float) -> complex:
+    """R of a method at so many times the angle, in equal parts, and its size made 1."""
+    made = _METHODS[method](times / parts * 1j * angle) ** parts
+    return made / abs(made) if normalised else made
 
 
 def _leading(errors: Sequence[float], noise: Sequence[float]) -> tuple[int, float] | None:
