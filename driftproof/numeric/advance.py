@@ -7,12 +7,10 @@ from fractions import Fraction
 from functools import cache
 from typing import Any, NamedTuple, TypeAlias
 
-import numpy as np
-
-from driftproof.methods.program_text import indented, maker, maker_text
+from driftproof.methods.program_text import indented, maker_text
 from driftproof.methods.schemes import Method
 from driftproof.methods.vector_fields import VectorField, field_source
-from driftproof.numeric.engine import OF_FLOATS, compiled_field_runner, field_runner, lifted
+from driftproof.numeric.engine import OF_FLOATS, compiled_field_runner, field_runner, program_function
 from driftproof.numeric.implicit import ImplicitRun, compiled_implicit_runner, implicit_runner
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.run import nearest_double
@@ -79,9 +77,7 @@ def field_rate(field: VectorField, functions: Mapping[str, Any] | None = None) -
     numbers = "map(float, y)" if functions is None else "y"
     lines = [f"{''.join(f'{y}, ' for y in field.components)}= {numbers}", f"return [{', '.join(field.at({}))}]"]
     text = maker_text(names, "run", ["def run(t, y):", *indented(lines)])  # called run, as no parameter may be
-    known = OF_FLOATS if functions is None else dict(functions)
-    rate: Rate = maker(text, "run", known)(*[lifted(c, np.float64) for _, c in field.parameters])
-    return rate
+    return program_function(text, "run", field.parameters, OF_FLOATS if functions is None else functions)
 
 
 def counted_evaluations(method: Method, problem: Problem, steps: int) -> int:
@@ -105,6 +101,6 @@ def _calls_of_a_step(method: Method, components: int, second_order: bool) -> int
         calls += 1
         return x
 
-    run = maker(source.run(), method.key, {"sin": counting})(*[lifted(c, np.float64) for _, c in source.coefficients])
+    run = program_function(source.run(), method.key, source.coefficients, {"sin": counting})
     run((0.0,) * components, 0.0, 0, 1)
     return calls

@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.methods.program_text import indented, maker, maker_text, used_stages
+from driftproof.methods.program_text import indented, maker_text, used_stages
 from driftproof.methods.schemes import Method, RungeKutta
 from driftproof.methods.vector_fields import FieldSource, VectorField, field_source
 from driftproof.numeric import step_control
 from driftproof.numeric.elimination import NumberKind
-from driftproof.numeric.engine import OF_FLOATS, lifted
+from driftproof.numeric.engine import program_function
 from driftproof.numeric.field_loops import FieldWriters, field_writers
 from driftproof.numeric.simplified_newton import CollocationTable, collocation_attempts, collocation_table, work_for
 from driftproof.numeric.step_control import Controlled, Tolerances, controlled_steps, pair_attempts
@@ -100,17 +100,11 @@ def _pair_step(method: RungeKutta, field: VectorField) -> Callable[..., None]:
     source = field_source(method, field, estimated=True)
     lines = [line for line in source.lines if not line.startswith("k1_")]
     given = [f"{x} = {row}[{i}]" for row, of in (("y", "{}"), ("first", "k1_{}")) for i, x in _numbered(source, of)]
-    told = [
-        ("begin_", "{}_new"),
-        ("end_", "{}_off"),
-        *([("last", f"k{len(method.b)}_{{}}")] if _keeps_last(method) else []),
-    ]
+    told = [("begin_", "{}_new"), ("end_", "{}_off"), *([("last", f"k{len(method.b)}_{{}}")] * _keeps_last(method))]
     ends = [f"{row}[{i}] = {x}" for row, of in told for i, x in _numbered(source, of)]
     head = "def run(t, y, h, first, last, begin_, end_):"
     text = maker_text(dict(source.coefficients), "run", [head, *indented([*given, *lines, *ends])])
-    numbers = [lifted(c, np.float64) for _, c in source.coefficients]
-    step: Callable[..., None] = maker(text, method.key, OF_FLOATS)(*numbers)
-    return step
+    return program_function(text, method.key, source.coefficients)
 
 
 def _numbered(source: FieldSource, names: str) -> Iterable[tuple[int, str]]:

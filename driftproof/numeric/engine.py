@@ -57,8 +57,7 @@ def runner(method: Method, force: str = OSCILLATOR, *, compensated: bool = False
     `tests/witnesses/compensated.py`). A negative h runs back in time. Raises MethodError for an implicit method.
     """
     source = step_source(method, force, compensated=compensated)
-    run: Run = maker(source.run(), method.key, OF_FLOATS)(*_lifted(source.coefficients, np.float64))
-    return run
+    return program_function(source.run(), method.key, source.coefficients)
 
 
 @cache
@@ -151,8 +150,7 @@ def array_field_runner(method: Method, field: VectorField, library: Any) -> Fiel
     """
     source = field_source(method, field)
     functions = {name: getattr(library, name) for name in FUNCTIONS}
-    run: FieldRun = maker(source.run(), method.key, functions)(*_lifted(source.coefficients, np.float64))
-    return run
+    return program_function(source.run(), method.key, source.coefficients, functions)
 
 
 @cache
@@ -165,8 +163,7 @@ def field_runner(method: Method, field: VectorField, *, compensated: bool = Fals
     between. Raises MethodError as `field_source`.
     """
     source = field_source(method, field, compensated=compensated)
-    run: FieldRun = maker(source.run(), method.key, OF_FLOATS)(*_lifted(source.coefficients, np.float64))
-    return run
+    return program_function(source.run(), method.key, source.coefficients)
 
 
 @cache
@@ -187,8 +184,16 @@ def lifted(c: Exact, number: Format) -> Any:
     return number(nearest) + number(float(c - Fraction(nearest)))
 
 
-def _lifted(coefficients: Iterable[tuple[str, Exact]], number: Format) -> list[Any]:
-    return [lifted(c, number) for _, c in coefficients]
+def program_function(
+    text: str,
+    key: str,
+    coefficients: Iterable[tuple[str, Exact]],
+    functions: Mapping[str, Any] = OF_FLOATS,
+    number: Format = np.float64,
+) -> Callable[..., Any]:
+    """The function that a program text makes of its coefficients in a format; see `maker`."""
+    made: Callable[..., Any] = maker(text, key, functions)(*[lifted(c, number) for _, c in coefficients])
+    return made
 
 
 def _format_of(q: FloatArray, v: FloatArray) -> Format:
@@ -202,12 +207,13 @@ def _format_of(q: FloatArray, v: FloatArray) -> Format:
 @cache
 def _array_run(source: Source, number: Format) -> tuple[Callable[..., None], int]:
     text, buffers = array_run(source)
-    return maker(text, "ensemble", _OF_ARRAYS)(*_lifted(source.coefficients, number)), buffers
+    return program_function(text, "ensemble", source.coefficients, _OF_ARRAYS, number), buffers
 
 
 @cache
 def _compiled_blocks(source: Source, number: Format) -> Callable[..., Any]:
-    return compiled_function(maker(_blocks_text(source), "ensemble", OF_FLOATS)(*_lifted(source.coefficients, number)))
+    text = _blocks_text(source)
+    return compiled_function(program_function(text, "ensemble", source.coefficients, number=number))
 
 
 def _blocks_text(source: Source) -> str:
@@ -228,7 +234,7 @@ def _compiled_field_blocks(source: FieldSource) -> Callable[..., Any]:
     lines = _blocks_lines(arrays, ["for i in range(first, last):", *indented(["t = i * h"])], source.lines)
     names = [name for name, _ in source.coefficients]
     text = maker_text(names, "run", ["def run(y, h, first, last, begin_, end_):", *indented(lines)])
-    return compiled_function(maker(text, "ensemble", OF_FLOATS)(*_lifted(source.coefficients, np.float64)))
+    return compiled_function(program_function(text, "ensemble", source.coefficients))
 
 
 def _blocks_lines(arrays: Mapping[str, tuple[str, str]], steps: Sequence[str], lines: Iterable[str]) -> list[str]:

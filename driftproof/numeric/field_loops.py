@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from driftproof.methods.program_text import indented, maker, maker_text
+from driftproof.methods.program_text import indented, maker_text
 from driftproof.methods.vector_fields import VectorField, partial_derivative
 from driftproof.numeric.elimination import FULL, PYTHON_FLOATS, Band, NumberKind
-from driftproof.numeric.engine import OF_FLOATS, compiled_function, lifted
+from driftproof.numeric.engine import compiled_function, program_function
 from driftproof.numeric.newton import RateWriter
 
 # Systems of so many components are written in loops; a period is of at most so many.
@@ -76,15 +76,14 @@ def _writer(field: VectorField, rows: Sequence[Sequence[str]]) -> RateWriter:
     Its names of its own are those that no parameter may have. Rows that are repeated, the neighbours that they read
     shifted by as much, become loops: a thousand of them would take a compiler minutes.
     """
-    names, values = [name for name, _ in field.parameters], [lifted(c, np.float64) for _, c in field.parameters]
+    names = [name for name, _ in field.parameters]
     if len(rows) < LOOPED or any(re.fullmatch(r"y\d+", name) for name in names):
         body = [f"{name} = y[{i}]" for i, name in enumerate(field.components)]
         body += [line.format(i=i) for i, lines in enumerate(rows) for line in lines]
     else:
         body = list(_looped(rows))
     text = maker_text(names, "run", ["def run(t, y, last):", *indented(body or ["pass"])])
-    made: RateWriter = maker(text, "field", OF_FLOATS)(*values)
-    return made
+    return program_function(text, "field", field.parameters)
 
 
 def _looped(rows: Sequence[Sequence[str]]) -> Iterator[str]:

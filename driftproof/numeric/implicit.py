@@ -28,7 +28,7 @@ u² are left out: they are 10⁻¹³ of these.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, NamedTuple, TypeAlias
 
@@ -106,7 +106,7 @@ class _Given:
 
     rate: _Rate
     jacobian: Jacobian | None
-    h: float = 0.0
+    h: float = field(init=False)
 
     def write_rate(self, t: float, y: list[float], f: list[float]) -> None:
         f[:] = self._slope(t, np.array(y)).tolist()
@@ -166,8 +166,7 @@ def compiled_implicit_runner(method: Method, field: VectorField) -> ImplicitRun:
     The first call of the first method on a field compiles, which takes some ten seconds; other methods need no more.
     """
     table = _table(method)
-    a, weights, c, groups = map(np.array, table[:4])
-    arrays = StepTable(a, weights, c, groups, table.way)
+    arrays = StepTable._make((*map(np.array, table[:4]), table.way))
     return ImplicitRun(method, _steps_on(field, compiled=True), arrays, lambda x: np.array(x, np.float64))
 
 

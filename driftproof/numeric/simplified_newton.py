@@ -105,14 +105,19 @@ def collocation_attempts(
         return regular
 
     @compiled
+    def combined(weights: Any, rows: Any, k: int) -> float:
+        """Σ wᵢ times the k-th number of row i."""
+        total = 0.0
+        for i in range(len(weights)):
+            total += weights[i] * rows[i][k]
+        return total
+
+    @compiled
     def multiply(matrix: Any, rows: Any, n: int, x: Any) -> None:
         """The rows, of n numbers each, become the matrix times them; x has room for a number of each row."""
         for k in range(n):
             for i in range(len(matrix)):
-                total = 0.0
-                for j in range(len(matrix)):
-                    total += matrix[i][j] * rows[j][k]
-                x[i] = total
+                x[i] = combined(matrix[i], rows, k)
             for i in range(len(matrix)):
                 rows[i][k] = x[i]
 
@@ -152,10 +157,7 @@ def collocation_attempts(
             report[EVALUATIONS] += stages
             for k in range(n):
                 for i in range(stages):
-                    total = 0.0
-                    for j in range(stages):
-                        total += table.inverse[i][j] * moves[j][k]
-                    changes[i][k] = slopes[i][k] - total / h
+                    changes[i][k] = slopes[i][k] - combined(table.inverse[i], moves, k) / h
             correct(n, table, work)
             largest = 0.0
             for i in range(stages):
@@ -199,10 +201,7 @@ def collocation_attempts(
         """(γ/h - J)⁻¹ (the slope + Σ eᵢ Zᵢ / h), by the first block."""
         x = work.vectors[0]
         for k in range(n):
-            total = 0.0
-            for i in range(len(table.c)):
-                total += table.estimate[i] * work.moves[i][k]
-            x[k] = slope[k] + total / h
+            x[k] = slope[k] + combined(table.estimate, work.moves, k) / h
         solve(work.matrices[0], work.exchanged[0], n, x, lower, upper)
         for k in range(n):
             off[k] = x[k]
@@ -219,10 +218,7 @@ def collocation_attempts(
             report[EVALUATIONS] += 1
             for i in range(stages):
                 for k in range(n):
-                    total = 0.0
-                    for j in range(stages):
-                        total += table.powers[i][j] * work.moves[j][k]
-                    work.polynomial[i][k] = total
+                    work.polynomial[i][k] = combined(table.powers[i], work.moves, k)
         memory[TRIED] = h
         while True:
             if memory[WANTED] > 0 and memory[CURRENT] == 0:
@@ -240,10 +236,7 @@ def collocation_attempts(
                 return inf
             memory[WANTED] = 1.0
         for k in range(n):
-            total = 0.0
-            for i in range(stages):
-                total += table.weights[i] * work.moves[i][k]
-            new[k] = y[k] + total
+            new[k] = y[k] + combined(table.weights, work.moves, k)
         estimated(n, h, slope, table, work, off)
         error = size(off, y, new, given)
         if error > 1:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from math import hypot, inf, lcm, log2
 from statistics import median
 
@@ -77,7 +78,7 @@ class Curve:
         """The measured order; None without two neighbours that count."""
         slopes = [
             log2(coarse.error / fine.error) / log2(fine.steps / coarse.steps)
-            for coarse, fine in zip(self.points, self.points[1:], strict=False)
+            for coarse, fine in pairwise(self.points)
             if coarse.steps and fine.steps and counts(coarse) and counts(fine)
         ][-SLOPES:]
         return Order(median(slopes), min(slopes), max(slopes), len(slopes)) if slopes else None
