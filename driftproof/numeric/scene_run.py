@@ -51,20 +51,17 @@ def _run_problem(scene: Scene, problem: Problem, key: str, counter: Counter) -> 
     path, ticks = [y], iter(counter(scene.steps))
 
     def advanced(y: State, first: int, last: int) -> State:
-        """Steps first to last - 1 in one call; where they do not come to their end, one by one."""
+        """Steps first to last - 1 in one call; where they do not come to their end, that of the first to fail."""
         try:
             after = run(y, h, first, last)
-        except (ArithmeticError, ValueError) as error:
-            if last - first == 1:
-                raise RunEnded(f"the run ends at step {last}: {error_summary(error)}") from None
-        else:
             if all(map(isfinite, after)):
                 return after
-            if last - first == 1:
-                raise NonFiniteState(last, after)
-        for i in range(first, last):
+            ended: RunEnded = NonFiniteState(last, after)
+        except (ArithmeticError, ValueError) as error:
+            ended = RunEnded(f"the run ends at step {last}: {error_summary(error)}")
+        for i in range(first, last) if last > first + 1 else ():
             y = advanced(y, i, i + 1)
-        return y
+        raise ended
 
     together, keep = 1, TRAJECTORY in scene.readouts
     while taken := sum(1 for _ in islice(ticks, together)):

@@ -15,7 +15,7 @@ from driftproof.numeric.field_loops import field_writers
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.reference_errors import distance_from_digits
 from driftproof.numeric.simplified_newton import collocation_attempts
-from driftproof.numeric.step_control import controlled_steps
+from driftproof.numeric.step_control import Tolerances, controlled_steps
 
 EXPONENTIAL = VectorField(("y0",))
 
@@ -30,6 +30,24 @@ def test_a_smaller_tolerance_takes_more_steps_and_errs_less(key):
         assert distance_from_digits(found, problem.reference.states[-1]) < 2 * run.steps * tolerance
         assert last < run.steps < 2000
         last = run.steps
+
+
+POWERS = [
+    ("dormand_prince54", 5, 1),
+    ("merson45", 4, 1),
+    ("heun_euler21", 2, 1),
+    ("radau_iia3", 4, 1.2),
+    ("gauss2", 3, 1.2),
+]
+
+
+@pytest.mark.parametrize(("key", "power", "steady"), POWERS)
+def test_the_controller_is_told_the_power_of_h_and_which_growths_to_leave(key, power, steady):
+    """Of a pair every growth is taken; the matrices of an implicit method are worth a fifth."""
+    run, seen = controlled_runner(METHODS[key], EXPONENTIAL), []
+    run.loop = lambda y, end, given, *rest: seen.append((end, given))
+    assert run((1.0,), 2.0, 1e-3, 1e-4, 50) == (1.0,)
+    assert seen == [(2.0, Tolerances(1e-3, 1e-4, power, steady, 50))]
 
 
 @pytest.mark.parametrize("key", ["robertson", "hires", "van_der_pol_1e3"])

@@ -23,6 +23,7 @@ from driftproof.numeric.engine import (
     compiled_runner,
     ensemble_runner,
     field_runner,
+    in_threads,
     lifted,
     runner,
 )
@@ -202,6 +203,13 @@ def test_an_ensemble_on_arrays_of_any_library_is_within_the_derived_bound(name, 
         assert abs(Q(v_found) - vq * Q(q) - vv * Q(v)) <= dv
     plain = np.array(array_field_runner(method, field, np)(tuple(start), h, 0, 1))
     assert (found == plain).all() or fuses(array, keep), f"{name} rounds otherwise, and fuses nothing"
+
+
+@pytest.mark.parametrize(("members", "threads", "size"), [(0, 2, 0), (BLOCK, 4, BLOCK), (9 * BLOCK + 1, 4, 3 * BLOCK)])
+def test_threads_take_parts_of_whole_blocks(members, threads, size):
+    parts = []
+    in_threads(lambda *part: parts.append(part), members, threads)
+    assert sorted(parts) == [(i, min(i + size, members)) for i in range(0, members, size or 1)] or parts == [(0, 0)]
 
 
 def test_an_ensemble_of_systems_is_rows_of_doubles():

@@ -57,6 +57,27 @@ def test_each_system_of_an_ensemble_takes_the_steps_that_it_takes_alone():
         compiled_implicit_ensemble_runner(method, field)(starts[:1], 0.125, 2, 9)
 
 
+def test_what_is_compiled_has_the_same_bits_on_arrays_before_that(monkeypatch):
+    """One system and an ensemble, its failing system named; the field is of this test alone, as is what is kept."""
+    monkeypatch.setattr(field_loops, "compiled_function", lambda function: function)
+    method, field = METHODS["radau_iia2"], VectorField(("y1 + 0 * t", "y0 * y0 * y0 - y1"))
+    starts, run = np.array([[0.5, 0.25], [-1.0, 0.5], [0.125, 2.0]]).T.copy(), implicit_runner(method, field)
+    alone = [run(tuple(start), 0.125, 2, 9) for start in starts.T.tolist()]
+    run, on_arrays = implicit_runner(method, field), compiled_implicit_runner(method, field)
+    assert run((0.5, 0.25), 0.125, 2, 9) == alone[0]
+    assert on_arrays((0.5, 0.25), 0.125, 2, 9) == alone[0]
+    assert run.calls == on_arrays.calls > 2 * 7
+    found, run_systems = starts.copy(), compiled_implicit_ensemble_runner(method, field)
+    run_systems(found, 0.125, 2, 9)
+    assert found.T.tolist() == list(map(list, alone))
+    starts[0, 1] = 1e200
+    with pytest.raises(StageEquationsUnsolved, match=r"radau_iia2: system 1: the step "), np.errstate(all="ignore"):
+        run_systems(starts, 0.125, 2, 9)
+    assert starts.T.tolist()[0] == list(alone[0])
+    with pytest.raises(ValueError, match="an ensemble is 2 rows of float64"):
+        run_systems(starts[:1], 0.125, 2, 9)
+
+
 @pytest.mark.parametrize("key", ["radau_iia3", "sdirk2", "trapezoid"])
 def test_in_a_band_stages_are_those_of_full_matrices_up_to_rounding(key, monkeypatch):
     """A line of 30 numbers that diffuse and react, each with its neighbours."""

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction as Q
-from math import hypot
+from math import hypot, isfinite
 
 import pytest
 
 from driftproof import PROBLEMS, Scene
-from driftproof.numeric.run import RunEnded, run_method
+from driftproof.methods.catalogue import METHODS
+from driftproof.numeric.advance import advance, float_start
+from driftproof.numeric.run import NonFiniteState, RunEnded, run_method
 from driftproof.numeric.scene_run import run_scene
 from driftproof.numeric.scenes import PRESETS, READOUTS
 
@@ -60,15 +63,33 @@ def test_only_what_is_asked_for_is_answered_and_implicit_stages_are_counted() ->
     assert found["evaluations"] > 4 * 1000
 
 
+@pytest.mark.parametrize("readouts", [("final_state",), ("final_state", "trajectory")])
+def test_steps_know_their_time_whether_or_not_they_are_taken_together(readouts: tuple[str, ...]) -> None:
+    timed = PROBLEMS["prothero_robinson"]
+    scene = Scene("mine", "radau_iia2", Q(1, 4), Q(10), readouts=readouts, problem=timed)
+    alone = advance(METHODS["radau_iia2"], timed)(float_start(timed), 0.25, 0, 40)
+    assert run_scene(scene, "radau_iia2")["final_state"] == alone
+
+
 def test_without_a_problem_it_is_the_oscillator() -> None:
     assert run_scene(PRESETS["compare"], "rk4") == run_method(PRESETS["compare"], "rk4")
 
 
 def test_a_run_that_ends_early_says_at_which_step_and_why() -> None:
-    stiff = PROBLEMS["robertson"]
+    """Overflow that is infinite, after as many steps as by hand; that raises; and stages that there are none of."""
+    stiff, count = PROBLEMS["robertson"], 0
     scene = Scene("far", "forward_euler", stiff.t / 100, stiff.t, readouts=("state_error",), problem=stiff)
-    with pytest.raises(RunEnded, match=r"step \d+"):
+    run, y = advance(METHODS["forward_euler"], stiff), float_start(stiff)
+    while all(map(isfinite, y)):
+        y, count = run(y, 1e9, count, count + 1), count + 1
+    with pytest.raises(NonFiniteState, match=f"no longer finite after step {count}$") as ended:
         run_scene(scene, "forward_euler")
+    assert ended.value.step == count > 3
+    falling = replace(stiff, field=replace(stiff.field, rates=("log(30000000000 - t)", "0 * y0", "0 * y0")))
+    with pytest.raises(RunEnded, match=r"^the run ends at step 31: "):
+        run_scene(replace(scene, problem=falling), "forward_euler")
+    with pytest.raises(RunEnded, match=r"^the run ends at step 1: not solved after 128 iterations$"):
+        run_scene(replace(scene, selected="gauss2"), "gauss2")
     with pytest.raises(ValueError, match="a second-order system"):
         run_scene(scene, "velocity_verlet")
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
+from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.scenes import (
     LARGEST_LESSON_H,
     LONGEST_FILE,
@@ -58,6 +59,11 @@ def test_full_file_is_read_as_written(tmp_path: Path) -> None:
     scene = scene_named(str(written(tmp_path, text)))
     assert (scene.name, scene.start) == ("all of it", (Q(1, 10), Q(-1, 3)))
     assert (scene.methods, scene.certified, scene.panels) == (("rk4", "heun2"), ("phase_error",), ("table", "position"))
+
+
+def test_a_file_that_names_a_problem_is_of_that_to_its_end(tmp_path: Path) -> None:
+    text = MINIMAL.replace("t = 10", 'problem = "kepler"')
+    assert (read_scene(path := written(tmp_path, text)).problem, scene_named(path).t) == (PROBLEMS["kepler"], Q(20))
 
 
 @given(h=rationals(max_denominator=10**6).filter(bool))

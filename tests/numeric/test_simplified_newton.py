@@ -10,8 +10,8 @@ import pytest
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import MethodError
 from driftproof.numeric.elimination import FULL
-from driftproof.numeric.simplified_newton import collocation_attempts, collocation_table, work_for
-from driftproof.numeric.step_control import Tolerances
+from driftproof.numeric.simplified_newton import WANTED, collocation_attempts, collocation_table, work_for
+from driftproof.numeric.step_control import EVALUATIONS, Tolerances
 from driftproof.numeric.tableaux import float_tableau
 from tests.looping import some
 
@@ -25,6 +25,8 @@ def test_radau_iia3_has_the_numbers_of_hairer_and_wanner():
     table, r = collocation_table(METHODS["radau_iia3"]), sqrt(6)
     assert table.estimate == pytest.approx([(-13 - 7 * r) / 3, (-13 + 7 * r) / 3, -1 / 3], rel=1e-14)
     assert table.blocks == [[0, 1], [1, 2]]
+    unreal = collocation_table(METHODS["gauss2"])  # 3 +- i sqrt(3), and their size for the estimate
+    assert (unreal.blocks, unreal.eigenvalues[0]) == ([[0, 0], [0, 2]], [float(np.float32(sqrt(12))), 0])
     assert [x for pair in table.eigenvalues for x in pair] == pytest.approx(
         [3.6378342527444957, 0, 2.6810828736277521, 3.0504301992474105], rel=2**-23
     )
@@ -72,6 +74,41 @@ def test_estimates_see_powers_of_t_from_their_order_on_and_no_earlier(key):
         method = float_tableau(METHODS[key])
         assert new[0] == pytest.approx(method.b @ method.c**k, abs=1e-5)
         assert (error < 1e-5) == (k < len(table.c))
+
+
+# y' = -y by backward Euler with h = 1, J such that iterations leave a part `left`: the first moves by (1 - left)/2, and
+# after n more left^n (1 - left)/2 / tolerance times left/(1 - left), at most 0.01, is left; J is wanted anew if slow.
+ITERATIONS = [
+    (5e-4, 1e-8, 3, 0.0),
+    (0.1, 10.0, 2, 0.0),
+    (0.1, 1.0, 2, 0.0),
+    (0.1, 1e-2, 4, 1.0),
+    (0.3, 0.02, 7, 1.0),
+    (0.5, 1.0, 6, 1.0),
+    *((0.3, 0.01, 2, None), (0.5, 0.1, 2, None), (0.9, 1.0, 2, None), (1.5, 1.0, 2, None)),
+]
+
+
+@pytest.mark.parametrize(("left", "absolute", "iterations", "wanted"), ITERATIONS)
+def test_iterations_go_on_while_they_lead_within_the_tolerance(left, absolute, iterations, wanted):
+    table, report = collocation_table(METHODS["backward_euler"]), [0.0] * 5
+    jacobian = lambda t, y, m: m.__setitem__(0, [1 - 2 / (1 - left)])
+    attempt = collocation_attempts(lambda t, y, f: f.__setitem__(0, -y[0]), jacobian)
+    work, given = work_for(1, table, FULL), Tolerances(0.0, absolute, 2.0)
+    error = attempt(0.0, [1.0], 1.0, True, [0.0], given, table, work, report)
+    assert (error < inf) is (wanted is not None)
+    assert report[EVALUATIONS] == 1 + iterations + (1 < error < inf)  # of the slope, and again for a large error
+    assert wanted in (None, work.memory[WANTED])
+
+
+@pytest.mark.parametrize(("slope", "derivative"), [(lambda y: y, 1.0), (lambda y: inf, 0.0)])
+def test_a_singular_matrix_and_a_slope_that_is_infinite_are_infinitely_wrong(slope, derivative):
+    table = collocation_table(METHODS["backward_euler"])
+    jacobian = lambda t, y, m: m.__setitem__(0, [derivative])
+    attempt = collocation_attempts(lambda t, y, f: f.__setitem__(0, slope(y[0])), jacobian)
+    given, report = Tolerances(0.0, 1.0, 2.0), [0.0] * 5
+    assert attempt(0.0, [1.0], 1.0, True, [0.0], given, table, work_for(1, table, FULL), report) == inf
+    assert report[EVALUATIONS] == (1 if derivative else 2)
 
 
 def test_an_attempt_without_stages_is_infinitely_wrong():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from math import inf
+from math import inf, sqrt
 
 import pytest
 
@@ -24,9 +24,9 @@ from driftproof.numeric.step_control import (
 HUNDREDTH = Tolerances(0.0, 1e-2, 2.0)
 
 
-def run_of(error, end=1.0, given=HUNDREDTH):
-    """The attempts (t, h, moved) of a run of y' = 1 whose step from t by h has the error that is told; the report."""
-    seen, report, y = [], [0.0] * 5, [0.0]
+def run_of(error, end=1.0, given=HUNDREDTH, slope=lambda y: 1.0, start=0.0):
+    """The attempts (t, h, moved) of a run of y' = f whose step from t by h has the error that is told; the report."""
+    seen, report, y = [], [0.0] * 5, [start]
 
     def attempt(t, y, h, moved, new, given, table, work, report):
         seen.append((t, h, moved))
@@ -35,10 +35,10 @@ def run_of(error, end=1.0, given=HUNDREDTH):
         return error(t, h)
 
     def rate(t, y, f):
-        f[0] = 1.0
+        f[0] = slope(y[0])
 
     controlled_steps(rate, attempt)(y, end, given, None, None, report)
-    assert report[STATE] != DONE or y[0] == pytest.approx(end, rel=1e-15)
+    assert report[STATE] != DONE or y[0] == pytest.approx(start + end, rel=1e-15)
     assert report[STEPS] + report[REJECTED] == len(seen)
     return seen, report
 
@@ -63,6 +63,24 @@ def test_steps_change_by_no_more_than_the_limits_and_small_changes_may_be_kept()
     assert len(set(kept[:-1])) == 1  # 0.9/sqrt(0.7) = 1.08
     other = [h for _, h, _ in run_of(lambda t, h: 0.7)[0]]
     assert other[1] == pytest.approx(1.0757 * other[0], rel=1e-4)
+
+
+# With |y|/0.01, |f|/0.01 and (f(y + h0 f) - f)/(0.01 h0), h0 = 0.01 |y|/|f|, or 1e-6 where that tells nothing.
+FIRST = [
+    (1.0, lambda y: y * y, 1.0, sqrt(0.01 / 201)),  # h0 = 0.01: 100, 100 and 201
+    (1.0, lambda y: -3 * y, 1.0, sqrt(0.01 / 900)),
+    (1.0, lambda y: y * y, 0.005, 0.005),
+    (2.0, lambda y: 0.001, 40.0, sqrt(0.1)),  # h0 = 20: 200, 0.1 and 0
+    (0.0, lambda y: 1 + y, 1.0, 1e-4),  # 100 h0
+    (0.0, lambda y: 0.0, 1.0, 1e-4),
+    (1.0, lambda y: 0.0, 1.0, 1e-4),
+]
+
+
+@pytest.mark.parametrize(("start", "slope", "end", "first"), FIRST, ids=range(len(FIRST)))
+def test_the_first_step_is_that_of_hairer_norsett_and_wanner(start, slope, end, first):
+    """II.4, with h^2 for the error: 0.01 = h^2 max(|f|, |f'|)."""
+    assert run_of(lambda t, h: 0.5, end, slope=slope, start=start)[0][0][1] == pytest.approx(first, rel=1e-9)
 
 
 def test_a_run_is_given_up_after_so_many_evaluations_and_where_no_step_is_right():
