@@ -65,7 +65,7 @@ BUDGETS = {
     "support": 1161,
     "methods": 5580,
     "symbolic": 10738,
-    "numeric": 4247,
+    "numeric": 4219,
     "blackbox": 17880,
     "enclosure": 3164,
     "texts": 7322,
