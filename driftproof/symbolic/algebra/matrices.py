@@ -24,28 +24,27 @@ def matrix_product(a: MatrixRows, b: MatrixRows) -> list[list[Scalar]]:
     return [[dot(row, column) for column in columns] for row in a]
 
 
-def characteristic_and_adjugate(rows: MatrixRows) -> tuple[list[Scalar], list[list[Scalar]]]:
-    """(the coefficients of det(λI - A), highest power first; adj A), by the recurrence of Faddeev and LeVerrier.
+def faddeev_leverrier(rows: MatrixRows) -> tuple[list[Scalar], list[list[list[Scalar]]]]:
+    """(1, c₁, ..., cₙ; M₁, ..., Mₙ) with det(λI - A) = Σ cₖ λⁿ⁻ᵏ and adj(λI - A) = Σ Mₖ λⁿ⁻ᵏ.
 
-    M₁ = I, cₖ = -tr(A Mₖ)/k, Mₖ₊₁ = A Mₖ + cₖ I; adj A = (-1)ⁿ⁻¹ Mₙ. It divides by integers only.
+    M₁ = I, cₖ = -tr(A Mₖ)/k, Mₖ₊₁ = A Mₖ + cₖ I: it divides by integers only.
     """
     size = len(rows)
     zero = rows[0][0] * 0
     current = [[zero + int(i == j) for j in range(size)] for i in range(size)]
-    found = [zero + 1]
+    found, matrices = [zero + 1], []
     for k in range(1, size + 1):
+        matrices.append(current)
         moved = matrix_product(rows, current)
         c = -sum((moved[i][i] for i in range(size)), zero) / k
         found.append(c)
-        if k < size:
-            current = [[x + c if i == j else x for j, x in enumerate(row)] for i, row in enumerate(moved)]
-    return found, [[-x for x in row] for row in current] if size % 2 == 0 else current
+        current = [[x + c if i == j else x for j, x in enumerate(row)] for i, row in enumerate(moved)]
+    return found, matrices
 
 
 def matrix_determinant(rows: MatrixRows) -> Scalar:
     """det A."""
-    last = characteristic_and_adjugate(rows)[0][-1]
-    return -last if len(rows) % 2 else last
+    return faddeev_leverrier(rows)[0][-1] * (-1) ** len(rows)
 
 
 def of_matrix(r: RationalFunction, rows: MatrixRows) -> StepMatrix:
@@ -53,9 +52,10 @@ def of_matrix(r: RationalFunction, rows: MatrixRows) -> StepMatrix:
     num, den = _at_matrix(r.num, rows), _at_matrix(r.den, rows)
     if r.den.degree() <= 0:
         return tuple(tuple(fraction(x, r.den) for x in row) for row in num)
-    _, adjugate = characteristic_and_adjugate(den)
-    common = matrix_determinant(den)
-    return tuple(tuple(fraction(descend(x), common) for x in row) for row in matrix_product(num, adjugate))
+    coefficients, matrices = faddeev_leverrier(den)  # the inverse is -Mₙ/cₙ
+    return tuple(
+        tuple(fraction(descend(-x), coefficients[-1]) for x in row) for row in matrix_product(num, matrices[-1])
+    )
 
 
 def _at_matrix(p: Polynomial, rows: MatrixRows) -> list[list[Polynomial]]:

@@ -56,6 +56,7 @@ from driftproof.symbolic.derivation.stability import (
     stability_limit,
 )
 from driftproof.symbolic.derivation.stages import derived_matrix
+from driftproof.symbolic.linear.facts import fact_names
 
 # The first terms of the phase error; where they are all zero, twice as many: cos θ is algebraic in h, and cos h is not.
 FIRST_TERMS = 8
@@ -230,17 +231,7 @@ class Derivation(Printable):
 
 
 # In the order in which a reader wants them.
-DERIVED = (
-    "one_step_matrix",
-    "determinant",
-    "energy_multiplier",
-    "invariant",
-    "characteristic_polynomial",
-    "roots",
-    "phase",
-    "phase_error",
-    "stability_limit",
-)
+DERIVED = fact_names(Derivation)
 
 
 def derive(method: str | Path | Method, *, only: Sequence[str] = ()) -> Derivation:

@@ -83,7 +83,10 @@ class TruncatedSeries(NamedTuple):
 
 
 class AStability(NamedTuple):
-    """Whether |R(z)| <= 1 for Re z <= 0, why, where not, and |Q(iy)|² - |P(iy)|² as a polynomial in y²."""
+    """Whether |R(z)| <= 1 for Re z <= 0, why, where not, and |Q(iy)|² - |P(iy)|² as a polynomial in y².
+
+    Of a multistep method, Re(ρ/σ) on the unit circle, times a positive number, in tan²(arg ζ/2) stands for the latter.
+    """
 
     holds: bool
     reason: str

@@ -21,7 +21,7 @@ from driftproof.symbolic.algebra.bivariate import (
     rows_in_x,
     without_root_zero,
 )
-from driftproof.symbolic.algebra.matrices import characteristic_and_adjugate
+from driftproof.symbolic.algebra.matrices import faddeev_leverrier
 from driftproof.symbolic.algebra.polynomials import ONE, ZERO, Polynomial, descend, exact, reflected
 from driftproof.symbolic.algebra.polynomials import quotient as polynomial_quotient
 from driftproof.symbolic.algebra.radicals import radical_form, root_decimal
@@ -91,7 +91,7 @@ def family_stability(family: Family) -> FamilyStability:
 
 def _determinant(rows: Sequence[Sequence[Polynomial]], common: Polynomial) -> Bivariate:
     """det(I - zA) times commonˢ, for A = rows/common: coefficient k is that of `rows` times common**(s - k)."""
-    found = [descend(c) for c in characteristic_and_adjugate(rows)[0]]
+    found = [descend(c) for c in faddeev_leverrier(rows)[0]]
     return from_rows([c * common ** (len(rows) - k) for k, c in enumerate(found)])
 
 

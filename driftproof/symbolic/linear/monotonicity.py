@@ -8,11 +8,10 @@ from flint import fmpq_poly
 
 from driftproof.methods.number_field import as_fmpq, dyadic
 from driftproof.methods.schemes import Collocation, RungeKutta
-from driftproof.symbolic.algebra.matrices import MatrixRows, matrix_product
+from driftproof.symbolic.algebra.matrices import faddeev_leverrier, matrix_product
 from driftproof.symbolic.algebra.polynomials import (
     ONE,
     Polynomial,
-    Scalar,
     X,
     coefficients,
     descend,
@@ -78,28 +77,13 @@ def _tableau(method: Collocation) -> RungeKutta | None:
 def monotonicity_conditions(stages: StageCoefficients) -> list[Polynomial]:
     """What must be >= 0: det(I + rA), and times it the entries of K(I + rK)⁻¹ and of e - rK(I + rK)⁻¹e, in Q[r]."""
     a = [[scalar(x) for x in row] for row in stages.a]
-    rows = [*a, [scalar(x) for x in stages.weights[0]]]
-    common, entries = _times_scaled_inverse(rows)
+    rows, size = [*a, [scalar(x) for x in stages.weights[0]]], range(len(a))
+    found, matrices = faddeev_leverrier([[-x for x in row] for row in a])  # det(I + rA) and adj(I + rA), by powers of r
+    common, terms = from_scalars(found), [matrix_product(rows, m) for m in matrices]
+    entries = [[from_scalars([term[i][j] for term in terms]) for j in size] for i in range(len(rows))]
     slack = [common - (X * dot(row, [ONE] * len(row))) for row in entries]
     distinct = {coefficients(p): descend(p) for p in (common, *(p for row in entries for p in row), *slack) if p != 0}
     return list(distinct.values())
-
-
-def _times_scaled_inverse(rows: MatrixRows) -> tuple[Polynomial, list[list[Polynomial]]]:
-    """det(I + rA) = Σ cₖrᵏ and K adj(I + rA) = Σ KMₖ₊₁rᵏ, K being A with further rows.
-
-    M₁ = I, cₖ = tr(A Mₖ)/k, Mₖ₊₁ = cₖI - A Mₖ (Faddeev and LeVerrier), which is (-A)ᵏ if A is strictly triangular.
-    """
-    size, zero = len(rows[0]), rows[0][0] * 0
-    current = [[zero + int(i == j) for j in range(size)] for i in range(size)]
-    common, terms = [zero + 1], list[list[list[Scalar]]]()
-    for k in range(1, size + 1):
-        terms.append(matrix_product(rows, current))
-        moved = terms[-1][:size]
-        common.append(sum((moved[i][i] for i in range(size)), zero) / k)
-        current = [[common[-1] - x if i == j else -x for j, x in enumerate(row)] for i, row in enumerate(moved)]
-    entries = [[from_scalars([term[i][j] for term in terms]) for j in range(size)] for i in range(len(rows))]
-    return from_scalars(common), entries
 
 
 def _nonnegative_limit(p: Polynomial) -> Limit:

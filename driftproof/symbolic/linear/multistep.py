@@ -12,7 +12,7 @@ from math import factorial
 from typing import NamedTuple
 
 from driftproof.methods.multistep import Multistep
-from driftproof.methods.number_field import Exact, as_fmpq, as_fraction
+from driftproof.methods.number_field import as_fmpq, as_fraction
 from driftproof.symbolic.algebra.polynomials import (
     Polynomial,
     X,
@@ -39,7 +39,7 @@ from driftproof.symbolic.algebra.real_roots import (
     vanishes_at,
 )
 from driftproof.symbolic.linear.a_stability import Angle, is_hurwitz, negative_point
-from driftproof.symbolic.linear.facts import ExactFunction, FactsOfFamily, Sector, fact_names
+from driftproof.symbolic.linear.facts import AStability, ExactFunction, FactsOfFamily, Sector, fact_names
 from driftproof.symbolic.linear.root_condition import (
     RootCondition,
     half_plane_form,
@@ -74,15 +74,6 @@ class LocusPoint(NamedTuple):
     sine: Fraction
     re: Fraction
     im: Fraction
-
-
-class PositiveReal(NamedTuple):
-    """Whether it is A-stable, why, where not, and Re(ρ/σ) on the circle, times a positive number, in tan²(arg ζ/2)."""
-
-    holds: bool
-    reason: str
-    witness: Fraction | None
-    margin: tuple[Exact, ...]
 
 
 class MultistepFacts(FactsOfFamily[Multistep]):
@@ -166,7 +157,7 @@ class MultistepFacts(FactsOfFamily[Multistep]):
         return None if self.a_stability is None else self.a_stability.holds
 
     @cached_property
-    def a_stability(self) -> PositiveReal | None:
+    def a_stability(self) -> AStability | None:
         """A-stability with its reason; where it fails on the locus, `witness` is the tan²(arg ζ/2) of such a point.
 
         Exactly if ρ/σ is positive real outside the disc: Re(ρ/σ) >= 0 on the circle, no root of ρ + σ outside or on it.
@@ -178,7 +169,7 @@ class MultistepFacts(FactsOfFamily[Multistep]):
         constant = self.error_constant or Fraction(0)
         if holds and (self.method.explicit or self.order > 2 or (self.order == 2 and constant > Fraction(-1, 12))):
             raise AssertionError(f"{self.method.key}: A-stable against Dahlquist's second barrier")
-        return PositiveReal(holds, reason, witness, coefficients(self._on_circle[0]))
+        return AStability(holds, reason, witness, coefficients(self._on_circle[0]))
 
     @cached_property
     def sector(self) -> Sector | None:

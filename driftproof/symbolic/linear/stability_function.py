@@ -12,7 +12,7 @@ from flint import fmpq, fmpq_mat, fmpq_poly
 
 from driftproof.methods.number_field import Exact, NumberField
 from driftproof.methods.schemes import Collocation, RungeKutta, is_strictly_lower
-from driftproof.symbolic.algebra.matrices import characteristic_and_adjugate
+from driftproof.symbolic.algebra.matrices import faddeev_leverrier
 from driftproof.symbolic.algebra.polynomials import (
     ONE,
     FieldPolynomial,
@@ -219,7 +219,7 @@ def resolvent(data: ScalarTableau, start: Sequence[Scalar]) -> RationalFunction:
 def _reversed_characteristic(data: ScalarTableau, rows: Sequence[Sequence[Scalar]]) -> Polynomial:
     """det(I - zA) for the matrix with these rows: its characteristic polynomial, coefficients reversed."""
     if data.field:
-        return from_scalars([x + ONE[0] * 0 for x in characteristic_and_adjugate(rows)[0]])
+        return from_scalars([x + ONE[0] * 0 for x in faddeev_leverrier(rows)[0]])
     return fmpq_poly(fmpq_mat([list(row) for row in rows]).charpoly().coeffs()[::-1])
 
 

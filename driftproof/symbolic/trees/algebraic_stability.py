@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
@@ -11,7 +11,15 @@ from flint import fmpq_poly
 
 from driftproof.methods.number_field import Exact, total
 from driftproof.methods.schemes import Collocation
-from driftproof.symbolic.trees.elementary_weights import EXACT, NodeStages, RingElement, TreeMethod
+from driftproof.symbolic.trees.elementary_weights import (
+    EXACT,
+    NodeStages,
+    RingElement,
+    StageAlgebra,
+    StageValues,
+    TableauStages,
+    TreeMethod,
+)
 
 _Vector: TypeAlias = tuple[Exact, ...]
 _Matrix: TypeAlias = tuple[_Vector, ...]
@@ -95,10 +103,11 @@ def quadratic_matrix(method: TreeMethod) -> _Matrix:
 
     For collocation given by its nodes' polynomial: Vᵀ M V, V the Vandermonde matrix of the nodes, which is rational.
     """
-    if isinstance(method, Collocation):
-        return _collocation_matrix(NodeStages(method.node_polynomial))
-    b, a = [EXACT.lift(x) for x in method.b], [[EXACT.lift(x) for x in row] for row in method.a]
-    return _symmetric(lambda i, j: b[i] * a[i][j] + b[j] * a[j][i] - b[i] * b[j], len(b))
+    stages, basis = _basis(method)
+    totals = [stages.weigh(u) for u in basis]
+    mixed = _gram(stages, basis, [stages.inner(u) for u in basis])
+    size = range(len(basis))
+    return tuple(tuple(EXACT.exact(mixed[i][j] + mixed[j][i] - totals[i] * totals[j]) for j in size) for i in size)
 
 
 def algebraic_stability(method: TreeMethod) -> AlgebraicStability:
@@ -106,34 +115,20 @@ def algebraic_stability(method: TreeMethod) -> AlgebraicStability:
 
     The weights' one is the diagonal matrix of the bᵢ; for a nodes' polynomial with real roots, Vᵀ diag(b) V.
     """
-    if isinstance(method, Collocation):
-        weights = _weight_matrix(NodeStages(method.node_polynomial))
-    else:
-        zero = Fraction(0)
-        weights = tuple(tuple(x if i == j else zero for j in range(len(method.b))) for i, x in enumerate(method.b))
+    stages, basis = _basis(method)
+    weights = tuple(tuple(map(EXACT.exact, row)) for row in _gram(stages, basis, basis))
     return AlgebraicStability(semidefinite(weights), semidefinite(quadratic_matrix(method)))
 
 
-def _collocation_matrix(stages: NodeStages) -> _Matrix:
-    powers = _powers(stages)
-    integrals = [stages.inner(x) for x in powers]
-    totals = [stages.weigh(x) for x in powers]
-
-    def entry(i: int, j: int) -> RingElement:
-        one, other = (stages.weigh(stages.times(powers[k], integrals[m])) for k, m in ((i, j), (j, i)))
-        return one + other - totals[i] * totals[j]
-
-    return _symmetric(entry, len(powers))
+def _basis(method: TreeMethod) -> tuple[StageAlgebra, list[StageValues]]:
+    """The stages, and what spans their values: one stage after another; for a nodes' polynomial, powers of x."""
+    if isinstance(method, Collocation):
+        nodes = NodeStages(method.node_polynomial)
+        return nodes, [fmpq_poly([0] * k + [1]) for k in range(nodes.modulus.degree())]
+    size = range(len(method.b))
+    return TableauStages(method.a, method.b), [[EXACT.lift(int(i == j)) for j in size] for i in size]
 
 
-def _weight_matrix(stages: NodeStages) -> _Matrix:
-    powers = _powers(stages)
-    return _symmetric(lambda i, j: stages.weigh(stages.times(powers[i], powers[j])), len(powers))
-
-
-def _powers(stages: NodeStages) -> list[fmpq_poly]:
-    return [fmpq_poly([0] * k + [1]) for k in range(stages.modulus.degree())]
-
-
-def _symmetric(entry: Callable[[int, int], RingElement], size: int) -> _Matrix:
-    return tuple(tuple(EXACT.exact(entry(i, j)) for j in range(size)) for i in range(size))
+def _gram(stages: StageAlgebra, left: list[StageValues], right: list[StageValues]) -> list[list[RingElement]]:
+    """b · uᵢvⱼ."""
+    return [[stages.weigh(stages.times(u, v)) for v in right] for u in left]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from math import factorial
 
 from flint import fmpq
 
@@ -15,7 +16,7 @@ from driftproof.symbolic.trees.elementary_weights import (
     TreeMethod,
     stage_algebra,
 )
-from driftproof.symbolic.trees.rooted_trees import Tree, TreeTable, shapes, tree_number, tree_table, vertices
+from driftproof.symbolic.trees.rooted_trees import Tree, shapes, tree_number, tree_table, vertices
 
 
 @dataclass(frozen=True)
@@ -54,46 +55,24 @@ def modified_equation(method: TreeMethod, order: int) -> BSeries:
     the j-th Lie derivative of a tree needs b on smaller trees only, so b(t) = a(t) - Σ_{j>1} follows tree by tree
     (hairer-lubich-wanner-2006, IX.9.1).
     """
-    series, derivatives, found = method_series(method, order), _LieDerivatives(tree_table(order)), []
-    for t, a in enumerate(series.coefficients):
-        higher = derivatives.higher(t)
-        found.append(a - _exponential_sum(higher))
-        derivatives.append(found[-1], higher)
-    return BSeries(order, tuple(found))
+    rows: list[list[RingElement]] = []  # of each tree, ∂_bʲ⁻¹ b for j = 1, 2, ... up to its number of vertices
+    for a, cuts in zip(method_series(method, order).coefficients, tree_table(order).cuts, strict=True):
+        higher = _higher_derivatives(cuts, rows)
+        rows.append([a - sum((x * fmpq(1, factorial(j)) for j, x in enumerate(higher, start=2)), fmpq(0)), *higher])
+    return BSeries(order, tuple(row[0] for row in rows))
 
 
-class _LieDerivatives:
-    """∂_bʲ⁻¹ b of one tree after another, j = 1, 2, ..., for a vector field b that is known as far as it is needed."""
+def _higher_derivatives(cuts: Sequence[tuple[int, int, int]], rows: list[list[RingElement]]) -> list[RingElement]:
+    """∂_bʲ⁻¹ b of the next tree for j = 2, 3, ..., from those of smaller trees.
 
-    def __init__(self, table: TreeTable) -> None:
-        self._cuts = table.cuts
-        self._rows: list[list[RingElement]] = []  # of each tree, for j = 1, 2, ... up to its number of vertices
-
-    def higher(self, t: int) -> list[RingElement]:
-        """The derivatives j = 2, 3, ... of the next tree, which need b on smaller trees only.
-
-        (∂_b a)(t) = Σ a(remaining) b(fallen) over the edges of t, since the derivative of F(s) in the direction of
-        F(u) joins u to one vertex of s after another.
-        """
-        found: list[RingElement] = []
-        for remaining, fallen, times in self._cuts[t]:
-            row = self._rows[remaining]
-            factor = times * self._rows[fallen][0]
-            found += [fmpq(0)] * (len(row) - len(found))
-            if factor:
-                for j, x in enumerate(row):
-                    found[j] += x * factor
-        return found
-
-    def append(self, b: RingElement, higher: list[RingElement]) -> None:
-        """Record the next tree."""
-        self._rows.append([b, *higher])
-
-
-def _exponential_sum(higher: list[RingElement]) -> RingElement:
-    """Σ xⱼ / j! over j = 2, 3, ..."""
-    total, factorial = fmpq(0), 1
-    for j, x in enumerate(higher, start=2):
-        factorial *= j
-        total += x * fmpq(1, factorial)
-    return total
+    (∂_b a)(t) = Σ a(remaining) b(fallen) over the edges of t, since the derivative of F(s) in the direction of F(u)
+    joins u to one vertex of s after another.
+    """
+    found: list[RingElement] = []
+    for remaining, fallen, times in cuts:
+        row, factor = rows[remaining], times * rows[fallen][0]
+        found += [fmpq(0)] * (len(row) - len(found))
+        if factor:
+            for j, x in enumerate(row):
+                found[j] += x * factor
+    return found

@@ -210,11 +210,6 @@ def elementary_weight(method: TreeMethod, tree: Tree) -> Exact:
     return algebra.scalars.exact(ElementaryWeights(algebra).of_order(size)[position])
 
 
-def failing_condition(method: TreeMethod, vertices: int) -> tuple[Tree, Exact] | None:
-    """The first tree with so many vertices whose Φ(t) - 1/γ(t) is not zero, with that residual; None if all hold."""
-    return next(((tree, x) for tree, x in residuals(runge_kutta_conditions(method), vertices) if x), None)
-
-
 # The residuals of the k-th condition of a family, one number for each equation in it.
 Condition = Callable[[int], list[RingElement]]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import cache
-from typing import Any, Protocol
+from typing import Any
 
 from flint import fmpq
 
@@ -39,19 +39,6 @@ Q, V = "q", "v"
 OTHER_COLOUR = {Q: V, V: Q}
 
 
-class AlternatingStages(Protocol):
-    """A method for q' = f(v), v' = g(q): each colour of vertex is evaluated at stages of its own."""
-
-    scalars: Scalars
-    bound: int  # an order that no method with so many stages exceeds
-
-    def ones(self, colour: str) -> StageValues:
-        """The empty product at the stages at which vertices of this colour are evaluated."""
-
-    def integrals(self, colour: str, u: StageValues) -> tuple[StageValues, RingElement]:
-        """Of `u`, given at the stages of `colour`: the integrals up to the stages of the other, and over the step."""
-
-
 class SplittingStages:
     """The stages of a splitting: v-vertices are evaluated at its kicks, q-vertices at its drifts.
 
@@ -66,11 +53,13 @@ class SplittingStages:
         self._parts = [(V if kind == "kick" else Q, self.scalars.lift(c)) for kind, c in method.parts]
 
     def ones(self, colour: str) -> StageValues:
-        """One for every sub-step of the colour."""
+        """The empty product at the stages at which vertices of this colour are evaluated: one for every sub-step."""
         return [self.scalars.lift(1) for part, _ in self._parts if part == colour]
 
     def integrals(self, colour: str, u: StageValues) -> tuple[StageValues, RingElement]:
-        """The running sum of c u over the sub-steps of the colour, as it stands at each of the others and last."""
+        """Of `u`, given at the stages of `colour`, the integrals up to the stages of the other, and over the step: the
+        running sum of c u over the sub-steps of the colour, as it stands at each of the others and last.
+        """
         total, at_others, values = self.scalars.lift(0), [], iter(u)
         for part, c in self._parts:
             if part == colour:
@@ -115,11 +104,11 @@ class AlternatingConditions:
     is labelled by its number and the colour of its root.
     """
 
-    def __init__(self, stages: AlternatingStages, *, linear_drift: bool) -> None:
+    def __init__(self, stages: SplittingStages | NystromStages, *, linear_drift: bool) -> None:
         """Nothing is computed until an order is asked for."""
         self.scalars, self.bound = stages.scalars, stages.bound
         self._stages = stages
-        self._numbers = _nystrom_numbers if linear_drift else _all_numbers
+        self._numbers = _nystrom_numbers if linear_drift else lambda vertices, _: tree_table(vertices).ids(vertices)
         self._products: dict[tuple[int, str], StageValues] = {}
         self._integrals: dict[tuple[int, str], StageValues] = {}
         self._found: list[list[tuple[TreeLabel, RingElement]]] = []
@@ -188,19 +177,9 @@ def general_conditions(method: Method, scalars: Scalars = EXACT) -> Conditions[A
     return runge_kutta_conditions(method, scalars)
 
 
-def separable_order(method: Splitting) -> OrderFact[ColouredTree]:
-    """The order of a splitting on every q' = f(v), v' = g(q), with the first tree of alternating colours that fails."""
-    return order_of(separable_conditions(method))
-
-
 def nystrom_order(method: Splitting | Nystrom) -> OrderFact[ColouredTree]:
     """The order on every q'' = F(q): of a splitting at least its order on separable problems, and sometimes higher."""
     return order_of(nystrom_conditions(method))
-
-
-def _all_numbers(vertices: int, colour: str) -> Sequence[int]:
-    del colour
-    return tree_table(vertices).ids(vertices)
 
 
 def _nystrom_numbers(vertices: int, colour: str) -> Sequence[int]:

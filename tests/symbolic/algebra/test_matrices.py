@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from driftproof.methods.number_field import square_root
 from driftproof.symbolic.algebra.matrices import (
-    characteristic_and_adjugate,
+    faddeev_leverrier,
     matrix_determinant,
     matrix_product,
     of_matrix,
@@ -31,11 +31,11 @@ def rows_of(m: Any) -> list[list[fmpq]]:
 @given(MATRICES)
 def test_determinant_and_adjugate_are_flints(entries: list[list[int]]) -> None:
     rows, m = [[fmpq(x) for x in row] for row in entries], fmpq_mat(entries)
-    characteristic, adjugate = characteristic_and_adjugate(rows)
+    characteristic, matrices = faddeev_leverrier(rows)
     assert matrix_determinant(rows) == m.det()
     assert characteristic[::-1] == m.charpoly().coeffs()
     identity = fmpq_mat([[int(i == j) for j in range(len(rows))] for i in range(len(rows))])
-    assert matrix_product(rows, adjugate) == rows_of(identity * m.det())
+    assert matrix_product(rows, matrices[-1]) == rows_of(-identity * characteristic[-1])
 
 
 @given(MATRICES, st.fractions(-1, 1, max_denominator=7))

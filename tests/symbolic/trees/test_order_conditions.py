@@ -19,7 +19,6 @@ from driftproof.symbolic.derivation.one_step import one_step_matrix
 from driftproof.symbolic.trees.order_conditions import (
     elementary_weight,
     embedded_order,
-    failing_condition,
     order,
     order_of,
     order_to_tolerance,
@@ -119,13 +118,6 @@ def test_order_uses_stages_alone_and_conditions_are_asked_in_any_order() -> None
     assert residuals(conditions, 3) == tuple((tree, 0) for tree in rooted_trees(3))
     assert late == residuals(runge_kutta_conditions(RK4), 5)
     assert order_of(conditions) == order(RK4)
-
-
-def test_failing_condition_names_the_tree_and_the_residual() -> None:
-    euler = entry("backward_euler")
-    assert failing_condition(euler, 1) is None
-    assert failing_condition(euler, 2) == (((),), Q(1, 2))
-    assert {elementary_weight(euler, tree) for n in range(1, 7) for tree in rooted_trees(n)} == {1}
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ import pytest
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Nystrom, RungeKutta, Splitting
+from driftproof.symbolic.facts import general_order
 from driftproof.symbolic.trees.elementary_weights import EXACT, TableauStages
 from driftproof.symbolic.trees.order_conditions import (
     order,
@@ -25,7 +26,6 @@ from driftproof.symbolic.trees.partitioned_trees import (
     nystrom_conditions,
     nystrom_order,
     separable_conditions,
-    separable_order,
 )
 from driftproof.symbolic.trees.rooted_trees import ColouredTree, Tree, canonical_tree, to_brackets, vertices
 from tests.looping import some
@@ -85,17 +85,17 @@ def changed_in_one_place(method: Splitting, amount: Q) -> Iterator[Splitting]:
 def test_order_of_a_splitting_notices_every_coefficient_changed(key: str, amount: Q) -> None:
     method = entry(key)
     for changed in some(changed_in_one_place(method, amount)):
-        assert separable_order(changed).order == nystrom_order(changed).order == 0
+        assert general_order(changed).order == nystrom_order(changed).order == 0
 
 
 def test_failing_tree_of_a_splitting_says_what_fails() -> None:
     """The kick of symplectic Euler sees the old position: v has -h²/2 F'(q)v too little."""
-    first = separable_order(entry("symplectic_euler"))
+    first = general_order(entry("symplectic_euler"))
     assert (first.order, to_brackets(first.failing_tree), first.residual) == (1, "[τ_q]_v", Q(-1, 2))
-    second = separable_order(entry("symplectic_euler_position_first"))
+    second = general_order(entry("symplectic_euler_position_first"))
     assert (second.order, to_brackets(second.failing_tree), second.residual) == (1, "[τ_q]_v", Q(1, 2))
     idle = Splitting("idle", "Idle", 0, "test", (("drift", Q(1)),))
-    assert (separable_order(idle).order, to_brackets(separable_order(idle).failing_tree)) == (0, "τ_v")
+    assert (general_order(idle).order, to_brackets(general_order(idle).failing_tree)) == (0, "τ_v")
 
 
 def test_principal_error_of_verlet_is_the_printed_one() -> None:
