@@ -136,10 +136,7 @@ def _split(plan: StepPlan, run: Trajectory, true: Mapping[Fraction, Row]) -> Spl
             reason, bits = f": {refusal}", 2 * bits
             continue
         with ctx.workprec(bits):
-            truncation = tuple(
-                tuple(z - x for z, x in zip(row, true[t], strict=True))
-                for row, t in zip(rows, plan.starts, strict=True)
-            )
+            truncation = _differences(rows, [true[t] for t in plan.starts])
             shifted = [
                 [x - y for x, y in zip(true[a], true[b], strict=True)] if a != b else [arb(0)] * len(true[a])
                 for a, b in zip(plan.starts, run.exact_times, strict=True)
@@ -239,10 +236,11 @@ def _rates_in_floats(f: RightHandSide, t: float, y: list[float]) -> list[float]:
 def _errors(run: Trajectory, enclosed: Enclosure) -> BallRows:
     true = dict(zip(enclosed.times, enclosed.states, strict=True))
     with ctx.workprec(enclosed.bits):
-        return tuple(
-            tuple(arb(x) - ball for x, ball in zip(row, true[t], strict=True))
-            for row, t in zip(run.states, run.exact_times, strict=True)
-        )
+        return _differences(run.states, [true[t] for t in run.exact_times])
+
+
+def _differences(rows: Sequence[Sequence[float | arb]], others: Sequence[Row]) -> BallRows:
+    return tuple(tuple(arb(x) - y for x, y in zip(*pair, strict=True)) for pair in zip(rows, others, strict=True))
 
 
 def _is_small(errors: Sequence[Row], solution: Sequence[Row]) -> bool:

@@ -31,22 +31,34 @@ _DEEPEST_CALLS = 50
 
 def enclosed_rates(f: RightHandSide, t: Enclosed, y: Sequence[Enclosed]) -> list[Enclosed]:
     """f(t, y) in the arithmetic of its arguments, one number a component. Raises Refused where f cannot be run so."""
+    rates = enclosed_values("f", partial(f, t), y, t.evaluation)
+    if len(rates) != len(y):
+        raise Refused(f"f returns {len(rates)} rates for {len(y)} components")
+    return rates
+
+
+def enclosed_values(
+    name: str, function: Callable[[Any], Any], y: Sequence[Enclosed], evaluation: Evaluation
+) -> list[Enclosed]:
+    """What a user's function of an array makes of these numbers. Raises Refused, with its name, where it cannot be run.
+
+    As many numbers as it returns, in the arithmetic of y.
+    """
     state = np.empty(len(y), dtype=object)
     state[:] = y
     refusals = Refused.made
     try:
-        rates = np.asarray(f(t, state), dtype=object).ravel()
+        values = np.asarray(function(state), dtype=object).ravel()
     except Refused:
         raise
     except Exception as error:  # a user's function raises what it likes
-        if function := re.match(r"ufunc '(\w+)' not supported", str(error)):
-            raise Refused(f"f uses {function[1]}, which has no enclosure") from None
-        raise Refused(f"f fails on enclosed numbers: {type(error).__name__}: {' '.join(str(error).split())}") from None
-    if Refused.made > refusals:  # what f does instead need not be what it does in floats
-        raise Refused("f catches the exception that refuses what it computes; let it pass")
-    if len(rates) != len(y):
-        raise Refused(f"f returns {len(rates)} rates for {len(y)} components")
-    return [_lifted(rate, t.evaluation) for rate in rates]
+        if ufunc := re.match(r"ufunc '(\w+)' not supported", str(error)):
+            raise Refused(f"{name} uses {ufunc[1]}, which has no enclosure") from None
+        said = f"{type(error).__name__}: {' '.join(str(error).split())}"
+        raise Refused(f"{name} fails on enclosed numbers: {said}") from None
+    if Refused.made > refusals:  # what it does instead need not be what it does in floats
+        raise Refused(f"{name} catches the exception that refuses what it computes; let it pass")
+    return [_lifted(value, evaluation) for value in values]
 
 
 def _lifted(rate: object, evaluation: Evaluation) -> Enclosed:

@@ -10,7 +10,7 @@ import numpy as np
 from flint import arb
 
 from driftproof.enclosure.certificate import Drift, decimal
-from driftproof.enclosure.fields import rebound
+from driftproof.enclosure.fields import enclosed_values, rebound
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
 from driftproof.enclosure.text_fields import GivenField, field_function
 from driftproof.methods.field_text import rate_of_text
@@ -91,15 +91,11 @@ def _function(name: str, invariant: Invariant, field: VectorField) -> Callable[[
 def _value(invariant: Callable[[Any], Any], row: Sequence[arb], name: str) -> arb:
     """I(y) in balls. Raises Refused where it cannot be run so."""
     evaluation = Evaluation()
-    state = np.empty(len(row), dtype=object)
-    state[:] = [Enclosed(evaluation, x) for x in row]
-    try:
-        found = np.asarray(invariant(state), dtype=object).ravel()
-    except (TypeError, AttributeError, ZeroDivisionError, IndexError, ValueError) as error:
-        raise Refused(f"first integral {name} fails: {type(error).__name__}: {error}") from None
+    state = [Enclosed(evaluation, x) for x in row]
+    found = enclosed_values(f"first integral {name}", invariant, state, evaluation)
     if len(found) != 1:
         raise Refused(f"first integral {name} returns {len(found)} numbers; one is needed")
-    value: arb = found[0].value if isinstance(found[0], Enclosed) else evaluation.constant(found[0])
+    value: arb = found[0].value
     if not value.is_finite():
         raise Refused(f"first integral {name} is not finite on the trajectory")
     return value

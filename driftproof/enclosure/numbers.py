@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import wraps
 from numbers import Rational
 from typing import Any, ClassVar, TypeAlias
 
@@ -91,6 +92,19 @@ class Evaluation:
         raise Refused(f"f uses {type(x).__name__} as a number")
 
 
+def _with_a_number(operation: Callable[[Enclosed, Enclosed], Any]) -> Callable[[Enclosed, object], Any]:
+    """The operation for whatever is a number, lifted; NotImplemented for an array, which then asks each entry."""
+
+    @wraps(operation)
+    def lifting(x: Enclosed, other: object) -> Any:
+        if isinstance(other, np.ndarray):
+            return NotImplemented
+        lifted = other if isinstance(other, Enclosed) else Enclosed(x.evaluation, x.evaluation.constant(other))
+        return operation(x, lifted)
+
+    return lifting
+
+
 class Enclosed:
     """A number of an `Evaluation`: a value, and its partial derivatives where they are carried."""
 
@@ -100,13 +114,6 @@ class Enclosed:
     def __init__(self, evaluation: Evaluation, value: Value, partials: tuple[Value, ...] | None = None) -> None:
         """Take value and derivatives as they are."""
         self.evaluation, self.value, self.partials = evaluation, value, partials
-
-    def _lifted(self, other: object) -> Enclosed | None:
-        if isinstance(other, Enclosed):
-            return other
-        if isinstance(other, np.ndarray):
-            return None
-        return Enclosed(self.evaluation, self.evaluation.constant(other))
 
     def _made(self, value: Value, *rules: tuple[Enclosed, Callable[[], Value]]) -> Enclosed:
         """The value with derivatives by the chain rule: for each argument, the derivative with respect to it."""
@@ -118,10 +125,9 @@ class Enclosed:
                 partials = terms if partials is None else tuple(a + b for a, b in zip(partials, terms, strict=True))
         return Enclosed(self.evaluation, value, partials)
 
-    def __add__(self, other: object) -> Any:
+    @_with_a_number
+    def __add__(self, o: Enclosed) -> Enclosed:
         """The sum."""
-        if (o := self._lifted(other)) is None:
-            return NotImplemented
         if self.partials is None or o.partials is None:
             return Enclosed(self.evaluation, self.value + o.value, self.partials or o.partials)
         partials = tuple(a + b for a, b in zip(self.partials, o.partials, strict=True))
@@ -137,36 +143,34 @@ class Enclosed:
         """The number itself."""
         return self
 
-    def __sub__(self, other: object) -> Any:
+    @_with_a_number
+    def __sub__(self, o: Enclosed) -> Any:
         """The difference."""
-        o = self._lifted(other)
-        return NotImplemented if o is None else self + -o
+        return self + -o
 
-    def __rsub__(self, other: object) -> Any:
+    @_with_a_number
+    def __rsub__(self, o: Enclosed) -> Any:
         """The difference, the other way round."""
-        o = self._lifted(other)
-        return NotImplemented if o is None else o + -self
+        return o + -self
 
-    def __mul__(self, other: object) -> Any:
+    @_with_a_number
+    def __mul__(self, o: Enclosed) -> Enclosed:
         """The product."""
-        if (o := self._lifted(other)) is None:
-            return NotImplemented
         return self._made(self.value * o.value, (self, lambda: o.value), (o, lambda: self.value))
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: object) -> Any:
+    @_with_a_number
+    def __truediv__(self, o: Enclosed) -> Enclosed:
         """The quotient."""
-        if (o := self._lifted(other)) is None:
-            return NotImplemented
         inverse = _inverse(o.value)
         value = self.value * inverse
         return self._made(value, (self, lambda: inverse), (o, lambda: -value * inverse))
 
-    def __rtruediv__(self, other: object) -> Any:
+    @_with_a_number
+    def __rtruediv__(self, o: Enclosed) -> Any:
         """The quotient, the other way round."""
-        o = self._lifted(other)
-        return NotImplemented if o is None else o / self
+        return o / self
 
     def __pow__(self, other: object) -> Any:
         """The power; for an exponent that is not whole exp(y log x), so that x has to be positive."""
@@ -176,13 +180,12 @@ class Enclosed:
             return self._whole_power(int(other))
         if isinstance(other, float) and (2 * other).is_integer():
             return self.sqrt()._whole_power(int(2 * other))
-        o = self._lifted(other)
-        return NotImplemented if o is None else (o * self.log()).exp()
+        return NotImplemented if isinstance(other, np.ndarray) else (other * self.log()).exp()
 
-    def __rpow__(self, other: object) -> Any:
+    @_with_a_number
+    def __rpow__(self, o: Enclosed) -> Any:
         """The power of a constant."""
-        o = self._lifted(other)
-        return NotImplemented if o is None else (self * o.log()).exp()
+        return (self * o.log()).exp()
 
     def _whole_power(self, n: int) -> Any:
         if n < 0:
@@ -192,24 +195,22 @@ class Enclosed:
         before = _power(self.value, n - 1)
         return self._made(before * self.value, (self, lambda: n * before))
 
-    def __gt__(self, other: object) -> Any:
+    @_with_a_number
+    def __gt__(self, o: Enclosed) -> bool:
         """Decided on a box that contains the solution; refused where it is not."""
-        o = self._lifted(other)
-        return NotImplemented if o is None else self.evaluation.decide(self.value - o.value)
+        return self.evaluation.decide(self.value - o.value)
 
-    def __lt__(self, other: object) -> Any:
+    @_with_a_number
+    def __lt__(self, o: Enclosed) -> bool:
         """As `>`."""
-        o = self._lifted(other)
-        return NotImplemented if o is None else self.evaluation.decide(o.value - self.value)
+        return self.evaluation.decide(o.value - self.value)
 
     __ge__ = __gt__
     __le__ = __lt__
 
-    def __eq__(self, other: object) -> bool:
+    @_with_a_number
+    def __eq__(self, o: Enclosed) -> bool:
         """False where the two differ; that they are equal is never known of balls, and refused."""
-        o = self._lifted(other)
-        if o is None:
-            return NotImplemented
         self.evaluation.decide(self.value - o.value)
         return False
 
@@ -306,18 +307,14 @@ class Enclosed:
         """The cube root, of a number whose sign is known."""
         return (self.log() / 3).exp() if self > 0 else -(((-self).log() / 3).exp())
 
-    def hypot(self, other: object) -> Any:
+    @_with_a_number
+    def hypot(self, o: Enclosed) -> Any:
         """sqrt(x² + y²)."""
-        o = self._lifted(other)
-        if o is None:
-            raise Refused("f takes the hypotenuse of a number and an array")
         return (self * self + o * o).sqrt()
 
-    def arctan2(self, other: object) -> Any:
-        """The angle of (other, self), where the signs of both, or of the first, are known."""
-        x = self._lifted(other)
-        if x is None:
-            raise Refused("f takes the angle of a number and an array")
+    @_with_a_number
+    def arctan2(self, x: Enclosed) -> Any:
+        """The angle of (x, self), where the signs of both, or of the first, are known."""
         if x > 0:
             return (self / x).arctan()
         half_turn = Enclosed(self.evaluation, arb.pi())

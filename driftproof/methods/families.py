@@ -11,11 +11,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
+from functools import cache, reduce
 from typing import TYPE_CHECKING, TypeAlias
 
 from driftproof.methods.expressions import evaluate_expression
-from driftproof.methods.number_field import Algebraic, Exact, as_fmpq, as_fraction
+from driftproof.methods.number_field import Exact, as_fmpq, as_fraction
 from driftproof.methods.schemes import MethodError, RungeKutta
 
 if TYPE_CHECKING:
@@ -41,22 +41,12 @@ class ParameterFunction:
 
     def __call__(self, value: Exact) -> Exact:
         """The value at a value of the parameter. Raises ZeroDivisionError at a pole."""
-        x = value if isinstance(value, Algebraic) else as_fmpq(value)
-        num, den = 0 * x, 0 * x
-        for c in reversed(self.num.coeffs()):
-            num = num * x + c
-        for c in reversed(self.den.coeffs()):
-            den = den * x + c
-        found = num / den
-        return found if isinstance(found, Algebraic) else as_fraction(found)
-
-    def __eq__(self, other: object) -> bool:
-        """The same function of the parameter."""
-        return isinstance(other, ParameterFunction) and bool(self.num == other.num and self.den == other.den)
-
-    def __hash__(self) -> int:
-        """By the coefficients."""
-        return hash((*self.coefficients,))
+        if isinstance(value, Fraction):
+            return as_fraction(self.num(as_fmpq(value)) / self.den(as_fmpq(value)))
+        num, den = (
+            reduce(lambda found, c: found * value + c, reversed(p.coeffs()), 0 * value) for p in (self.num, self.den)
+        )
+        return num / den
 
     def __bool__(self) -> bool:
         """False for the function that is zero everywhere."""

@@ -20,7 +20,7 @@ from driftproof.methods.expression_tree import (
     PowerNode,
 )
 from driftproof.methods.expressions import parse_number
-from driftproof.methods.number_field import Exact
+from driftproof.methods.number_field import Exact, dyadic
 from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import FUNCTIONS, VectorField
 from driftproof.support.toml_tables import (
@@ -56,13 +56,12 @@ class _Pi:
         return "pi"
 
     def enclosure(self, bits: int) -> tuple[Fraction, Fraction]:
-        """Two rationals around it, less than 2^(3 - bits) apart."""
+        """Two rationals around it, the nearer to each other the more bits."""
         from flint import ctx
 
         with ctx.workprec(bits):
-            mantissa, exponent = self().mid().man_exp()
-        middle, radius = Fraction(int(mantissa)) * Fraction(2) ** int(exponent), Fraction(4, 2**bits)
-        return middle - radius, middle + radius
+            ball = self()
+        return dyadic(ball.mid()) - dyadic(ball.rad()), dyadic(ball.mid()) + dyadic(ball.rad())
 
 
 # No element of a number field, and yet exact: fields take it where they take those.
@@ -179,10 +178,11 @@ class _Writer(ExpressionParser):
 
     def written(self) -> str:
         """The whole expression."""
-        tree = self.tree()
-        if isinstance(tree, ChainNode):
-            return self._chain_text(tree)
-        return self._text(tree)
+        return self._bare_text(self.tree())
+
+    def _bare_text(self, node: Any) -> str:
+        """Without brackets around a chain."""
+        return self._chain_text(node) if isinstance(node, ChainNode) else self._text(node)
 
     def _chain_text(self, node: ChainNode) -> str:
         parts = [self._text(node.first), *(f" {sign.text} {self._text(part)}" for sign, part in node.rest)]
@@ -199,15 +199,11 @@ class _Writer(ExpressionParser):
             case ChainNode():
                 return f"({self._chain_text(node)})"
             case CallNode(function=name, arguments=(argument,)) if name in FUNCTIONS:
-                inner = self._chain_text(argument) if isinstance(argument, ChainNode) else self._text(argument)
-                return f"{name}({inner})"
-            case CallNode():
-                raise ExpressionError(
-                    self.text, node.column, f"there are the functions {', '.join(FUNCTIONS)}, of one number"
-                )
+                return f"{name}({self._bare_text(argument)})"
             case PowerNode():
                 return self._power_text(node)
-        raise AssertionError(node)
+        known = ", ".join(FUNCTIONS)
+        raise ExpressionError(self.text, node.column, f"there are the functions {known}, of one number")
 
     def _power_text(self, node: PowerNode) -> str:
         whole, rest = divmod(abs(node.exponent), 1)

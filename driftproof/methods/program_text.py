@@ -41,7 +41,9 @@ class ProgramText:
         return f"{times} {f'({text})' if ' ' in text or '-' in text else text}" if text else ""
 
     def step(self, name: str, c: Exact) -> str:
-        """The text + (c h), or - h."""
+        """The text + (c h), or - h; nothing where c = 0."""
+        if c == 0:
+            return ""
         sign, factor = self._factor(name, c)
         return f" {sign} ({factor}h)" if factor else f" {sign} h"
 
@@ -155,7 +157,8 @@ class SecondOrder:
             node = method.c[i]
             names = {"t": self._time(text, i + 1, f"c{i + 1}", node)}
             for q, v in pairs:
-                moved = f"{text.step(f'c{i + 1}', node)} * {v}" if node != 0 else ""
+                drift = text.step(f"c{i + 1}", node)
+                moved = f"{drift} * {v}" if drift else ""
                 moved += text.sum(" + h * h *", f"a{i + 1}", method.a[i], forces[q])
                 names[q] = text.named(f"{q}_{i + 1}", q, moved)
             for (q, v), force in zip(pairs, self.accelerations(names), strict=True):
@@ -169,6 +172,4 @@ class SecondOrder:
 
     def _time(self, text: ProgramText, i: int, name: str, node: Exact) -> str:
         """The name of t + c h, which is written where F reads it."""
-        if not self.timed or node == 0:
-            return "t"
-        return text.named(f"t_{i}", "t", text.step(name, node))
+        return text.named(f"t_{i}", "t", text.step(name, node)) if self.timed else "t"

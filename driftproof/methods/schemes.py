@@ -54,11 +54,9 @@ class _OverOneField(Definition):
 
     def _demand_one_field(self) -> None:
         for x in self._coefficients():
-            if isinstance(x, Algebraic) and x.field != self.field:
-                names = f"{x.field.name} and {self.field.name if self.field else ''}"
-                raise MethodError(
-                    f"{self.key}: coefficients lie in the fields of {names}; write all of them in one field"
-                )
+            if isinstance(x, Algebraic) and self.field and x.field != self.field:
+                names = f"{x.field.name} and {self.field.name}"
+                raise MethodError(f"{self.key}: coefficients lie in the fields of {names}; write them in one field")
 
 
 class Staged(_OverOneField):

@@ -186,7 +186,7 @@ def _runge_kutta(
         names = {name: f"{name}_{i + 1}" for name in components}
         for name in components:
             names[name] = text.named(names[name], name, text.sum(" + h *", f"a{i + 1}", method.a[i], slopes[name]))
-        if not field.autonomous and method.c[i] != 0:
+        if not field.autonomous:
             names["t"] = text.named(f"t_{i + 1}", "t", text.step(f"c{i + 1}", method.c[i]))
         for name, rate in zip(components, field.at(names), strict=True):
             slopes[name][i] = f"k{i + 1}_{name}"

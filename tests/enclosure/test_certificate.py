@@ -15,13 +15,7 @@ from tests.looping import exactly
 
 ROWS = ((arb(0), arb(0)), (arb(0.25, 2**-60), arb(-0.75)), (arb(0.5), arb(1) / 3))
 PLAIN = Certificate(
-    t=(0.0, 0.5, 1.0),
-    y=((1.0, 1.0),) * 3,
-    errors=ROWS,
-    digits_at=(17, 0, 1),
-    bits=128,
-    steps=7,
-    doubles=(0.1, -3.7),
+    t=(0.0, 0.5, 1.0), y=((1.0, 1.0),) * 3, errors=ROWS, digits_at=(17, 0, 1), bits=128, steps=7, doubles=(0.1, -3.7)
 )
 HALVES = tuple(tuple(x / 2 for x in row) for row in ROWS)
 WHOLE = replace(

@@ -116,6 +116,8 @@ FIELDS = [
     lambda t, y: np.array([np.dot(y, y), np.linalg.norm(y)]),
     lambda t, y: np.where(y > 0.5, y**2, -y),
     lambda t, y: np.concatenate([y[1:], y[:1]]) * np.exp(-np.sum(y)),
+    lambda t, y: np.array([2 ** y[0], 1.5 ** y[1]]) + np.hypot(y[0], y) - np.arctan2(y, y[1]),
+    lambda t, y: (y[0] > 0.7 * y) * 1.0 + (y[1] * y - y[0]) / y + (2 + y[1] - y) ** y[0],
     lambda t, y: np.maximum(y, 0.1) + np.empty_like(y).size,
     lambda t, y: [y[1] if t < 1 else y[0], 0],
     # As strangers write them.
@@ -165,8 +167,7 @@ def into_a_buffer(t, y):
         (lambda t, y: {}["k"], "f fails on enclosed numbers: KeyError"),
         (lambda t, y: [f"{y[0]:.3f}", 0], "f fails on enclosed numbers: TypeError: unsupported format string"),
         (lambda t, y: [np.add.outer(y[0], 1.0), 0], "f uses numpy.add in a way that has no enclosure"),
-        (lambda t, y: [y[0].hypot(y), 0], "f takes the hypotenuse of a number and an array"),
-        (lambda t, y: [y[0].arctan2(y), 0], "f takes the angle of a number and an array"),
+        (lambda t, y: [y[0].hypot(y), 0], "f uses NotImplementedType as a number"),
         (catching, "f catches the exception that refuses what it computes; let it pass"),
         (lambda t, y: np.array([y[1], 0], dtype=int), "f makes an array of int64, which has no enclosure"),
         (lambda t, y: np.asarray(y, dtype="f4"), "f makes an array of float32, which has no enclosure"),

@@ -157,7 +157,7 @@ WRONG = {
     r"unknown first integral 'energy'; did you mean .*\(there are oscillator_energy": "energy",
     r"first integral e: '.*' has no place": {"e": "y7"},
     r"first integral e: 'tan\(y0\)', column 1: there are": {"e": "tan(y0)"},
-    r"first integral e fails: IndexError": {"e": lambda y: y[7]},
+    r"first integral e fails on enclosed numbers: IndexError": {"e": lambda y: y[7]},
     r"first integral e returns 2 numbers; one is needed": {"e": lambda y: y},
     r"first integral e is not finite": {"e": "1/y1"},
     r"f turns a number into a float": {"e": lambda y: float(y[0])},

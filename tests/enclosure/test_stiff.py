@@ -51,21 +51,13 @@ def test_a_thousand_random_stiff_problems_lie_within():
 
 
 def robertson(t, y):
-    return [
-        -0.04 * y[0] + 1e4 * y[1] * y[2],
-        0.04 * y[0] - 1e4 * y[1] * y[2] - 3e7 * y[1] ** 2,
-        3e7 * y[1] ** 2,
-    ]
+    return [-0.04 * y[0] + 1e4 * y[1] * y[2], 0.04 * y[0] - 1e4 * y[1] * y[2] - 3e7 * y[1] ** 2, 3e7 * y[1] ** 2]
 
 
 def test_certificate_of_a_stiff_trajectory_from_anywhere():
     """Stored points: SciPy 1.17.1, Radau, rtol 1e-6, atol 1e-10; at 0.4 and 4 the digits in print are as good."""
     t = [0.0, 0.4, 4.0]
-    y = [
-        [1.0, 0.0, 0.0],
-        [0.98517211, 3.3863954e-05, 0.014794022],
-        [0.90551868, 2.2404757e-05, 0.094458917],
-    ]
+    y = [[1.0, 0.0, 0.0], [0.98517211, 3.3863954e-05, 0.014794022], [0.90551868, 2.2404757e-05, 0.094458917]]
     found = certify(robertson, t, y)
     assert 1e-9 < found.largest_error < 1e-7
     assert max(float(x.rad()) for row in found.errors for x in row) < 1e-20

@@ -18,8 +18,7 @@ ROOTS.append(NumberField("gamma", (-1, 9, -18, 6), Q(2, 5), Q(1, 2)).generator)
 
 
 @pytest.mark.parametrize(
-    ("chosen", "degree"),
-    [((0, 1), 4), ((0, 2), 6), ((0, 3), 2), ((0, 1, 4), 8), ((1, 2), 6), ((0, 5), 6), ((5, 0), 6)],
+    ("chosen", "degree"), [((0, 1), 4), ((0, 2), 6), ((0, 3), 2), ((0, 1, 4), 8), ((1, 2), 6), ((0, 5), 6), ((5, 0), 6)]
 )
 def test_roots_of_several_fields_keep_their_values_and_their_equations(chosen: tuple[int, ...], degree: int) -> None:
     values = [ROOTS[k] for k in chosen]

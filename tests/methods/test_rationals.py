@@ -64,23 +64,7 @@ def test_every_fraction_is_read_back(x: Q) -> None:
 
 
 CODE = ["__import__('os')", "1+1", "2**3", "h", "[1]", "1;1", "1 2", "lambda: 1", "0x10", "1j", "Fraction(1)"]
-MALFORMED = [
-    "",
-    "  ",
-    "abc",
-    "1/",
-    "/2",
-    "1//2",
-    "1/2/3",
-    "1/2.5",
-    "nan",
-    "inf",
-    "-inf",
-    "1e",
-    "1e_5",
-    "--1",
-    "½",
-]
+MALFORMED = ["", "  ", "abc", "1/", "/2", "1//2", "1/2/3", "1/2.5", "nan", "inf", "-inf", "1e", "1e_5", "--1", "½"]
 
 
 @pytest.mark.parametrize("text", CODE + MALFORMED)

@@ -66,7 +66,7 @@ def test_inexact_coefficient_is_refused_with_its_place(build: Callable[[Any], An
 
 
 PART, TUPLE, PAIR = "write ('kick', c) or ('drift', c)", "write a tuple of exact coefficients", {"embedded_order": 1}
-FIELDS = "coefficients lie in the fields of sqrt(2) and sqrt(3); write all of them in one field"
+FIELDS = "coefficients lie in the fields of sqrt(2) and sqrt(3); write them in one field"
 ROOTS = "node_polynomial has a complex or a multiple root; nodes are real, distinct"
 
 

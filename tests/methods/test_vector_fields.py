@@ -11,7 +11,7 @@ import pytest
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import MethodError, RungeKutta
-from driftproof.methods.vector_fields import VectorField, array_step, partial_derivative
+from driftproof.methods.vector_fields import VectorField, array_step, field_source, partial_derivative
 from driftproof.numeric.engine import compiled_field_runner, field_runner, runner
 from tests.float_bits import bits
 
@@ -78,6 +78,13 @@ def test_step_of_arrays_has_the_bits_of_a_run_by_components(method):
     y = [np.array(part) for part in ((start[:2], start[2:]) if second_order else (start,))]
     made = [float(x) for part in step(y, 0.0, 0.01) for x in part]
     assert bits(*made) == bits(*field_runner(method, field)(start, 0.01, 0, 1))
+
+
+@pytest.mark.parametrize(("key", "times"), [("rk4", ["t_2", "t_3", "t_4"]), ("nystrom4", ["t_2", "t_3"])])
+def test_a_time_is_written_where_it_is_another_one_and_read(key, times):
+    for rate, wanted in (("-y0 + t", times), ("-y0", [])):
+        lines = field_source(METHODS[key], VectorField(("y1", rate))).lines
+        assert [name for name in (line.partition(" = ")[0] for line in lines) if name.startswith("t_")] == wanted
 
 
 def test_a_compiled_run_of_a_system_has_the_same_bits():

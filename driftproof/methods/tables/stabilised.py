@@ -50,10 +50,7 @@ def chebyshev_first_order(stages: int) -> RungeKutta:
     )
 
 
-_SSPRK104_ROWS = (
-    *(i * (Q(1, 6),) for i in range(5)),
-    *((*5 * (Q(1, 15),), *i * (Q(1, 6),)) for i in range(5)),
-)
+_SSPRK104_ROWS = (*(i * (Q(1, 6),) for i in range(5)), *((*5 * (Q(1, 15),), *i * (Q(1, 6),)) for i in range(5)))
 
 ENTRIES: tuple[Method, ...] = (
     ssprk_second_order(2),
