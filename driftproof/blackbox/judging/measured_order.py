@@ -83,14 +83,12 @@ def measured_orders(subject: ForeignStepper) -> tuple[MeasuredOrder, ...]:
 
 def measured_on(subject: ForeignStepper, problem: NonlinearProblem) -> MeasuredOrder:
     """The order on a problem. Raises a Misbehaviour, and UnsupportedCall where the problem cannot be given."""
-    steps = [2.0**-k for k in HALVINGS]
+    steps, least = [2.0**-k for k in HALVINGS], CLEARANCE * float(subject.format.u)
     with ctx.workprec(_BITS):
         for adapter in (BALLS, ARRAYS_OF_BALLS):
-            try:
+            with suppress(Misbehaviour, NoAnswer):  # no code has to run, or to end, on balls
                 errors = _errors(replace(subject, adapter=adapter, log=CallLog()), problem, steps)
-            except (Misbehaviour, NoAnswer):  # no code has to end on balls
-                continue
-            return _fitted(errors, [_noise(subject, h) for h in steps], "Arb balls", problem)
+                return _fitted(errors, [least * h for h in steps], "Arb balls", problem)
     return measured_in_floats(subject, problem, steps)
 
 
@@ -100,11 +98,8 @@ def measured_in_floats(
     """The order that steps of these lengths show, in the stepper's own floats; they may be off by h² times a slack."""
     with ctx.workprec(_BITS):
         errors = _errors(subject, problem, steps)
-    return _fitted(errors, [_noise(subject, 1.0) + slack * h * h for h in steps], subject.format.name, problem)
-
-
-def _noise(subject: ForeignStepper, size: float) -> float:
-    return CLEARANCE * float(subject.format.u) * size
+    least = CLEARANCE * float(subject.format.u)
+    return _fitted(errors, [least + slack * h * h for h in steps], subject.format.name, problem)
 
 
 def _errors(subject: ForeignStepper, problem: NonlinearProblem, steps: Sequence[float]) -> list[float]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import exp, prod
 from typing import TypeAlias
@@ -95,15 +96,13 @@ def field_problem(subject: ForeignStepper) -> NonlinearProblem:
 
     Raises the Misbehaviour of the first size if it takes none, UnsupportedCall where there is no right-hand side.
     """
-    failure: Misbehaviour | None = None
+    failures: list[Misbehaviour] = []
     for size in _SIZES:
         try:
-            timed = hands_on_time(subject, size)
-        except Misbehaviour as found:
-            failure = failure or found
-            continue
-        return driven(size, timed=timed)
-    raise failure if failure is not None else ValueError("no size of problem is tried")
+            return driven(size, timed=hands_on_time(subject, size))
+        except Misbehaviour as failure:
+            failures.append(failure)
+    raise failures[0]
 
 
 def driven(size: int, *, timed: bool) -> NonlinearProblem:
@@ -133,9 +132,7 @@ def dragged_problem(subject: ForeignStepper, positions: int = 1) -> NonlinearPro
         return (1 + v) * (1 + v) / (1 + q * q) if timed else _exp(-2 * q) + v * v
 
     def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
-        if len(y) != 2 * positions:
-            raise WrongShape(f"the force is asked for {len(y) // 2} of {positions} positions")
-        q, v = y[:positions], y[positions:]
+        q, v = _halves(y, positions)
         pulls = [pull(q[(i + 1) % positions], v[(i + 1) % positions]) for i in range(positions)]
         if not timed:
             return [*v, *(_exp(-2 * x) * p for x, p in zip(q, pulls, strict=True))]
@@ -152,46 +149,51 @@ def force_problems(subject: ForeignStepper) -> list[NonlinearProblem]:
     """q'' = F(t, q) of as many positions as the stepper takes, once in each order in which y may hold them.
 
     Where no time is handed on, the last of coupled positions is the clock; a force that is asked for one position at a
-    time is given walls. Raises the Misbehaviour of one position.
+    time is given walls.
     """
-    for problem in _by_size(subject, timed=gives_force_times(subject)):
-        try:
+    timed = gives_force_times(subject)
+    found = [pushed(n, timed=timed) for n in ((2,) if timed else (3, 2))]
+    found += [walls(2)] if subject.convention.kind == FORCE else []
+    return in_each_order(subject, found) or [force_problem(subject)]
+
+
+def in_each_order(subject: ForeignStepper, problems: Sequence[NonlinearProblem]) -> list[NonlinearProblem]:
+    """The first of the problems that the stepper takes, in the orders in which y may hold it; none if it takes none."""
+    for problem in problems:
+        with suppress(StepRaised, WrongShape, NotANumber):
             problem.stepped(subject, START, [float(x.mid()) for x in problem.solution(arb(START))], _SHORT)
-        except (StepRaised, WrongShape, NotANumber):
-            continue
-        orders = (False, True) if subject.convention.kind == FIELD and problem.positions > 1 else (False,)
-        return [replace(problem, interleaved=interleaved) for interleaved in orders]
-    return [force_problem(subject)]
-
-
-def _by_size(subject: ForeignStepper, *, timed: bool) -> Iterator[NonlinearProblem]:
-    yield from (pushed(n, timed=timed) for n in ((2,) if timed else (3, 2)))
-    if subject.convention.kind == FORCE:
-        yield walls(2)
+            orders = (False, True) if subject.convention.kind == FIELD and problem.positions > 1 else (False,)
+            return [replace(problem, interleaved=interleaved) for interleaved in orders]
+    return []
 
 
 def gives_force_times(subject: ForeignStepper) -> bool:
     """True where a time is given with the position. Raises UnsupportedCall where there is no force to give."""
-    clock, given = float(START), []
-
-    def force(t: AnyNumber, q: Sequence[AnyNumber]) -> _State:
-        given.append(t is not clock)
-        return [0.0 * x for x in q]
-
-    subject.step_forced(force, clock, [1.0], [2.0], _SHORT)
-    return any(given)
+    return _is_given_times(lambda force, t: subject.step_forced(force, t, [1.0], [2.0], _SHORT))
 
 
 def hands_on_time(subject: ForeignStepper, size: int) -> bool:
-    """True where the right-hand side is given a time; without one, it gets the very object that we made."""
+    """True where the right-hand side is given a time."""
+    return _is_given_times(lambda rate, t: subject.step_field(rate, t, [float(k) for k in range(1, size + 1)], 0.25))
+
+
+def _is_given_times(step: Callable[[FieldFunction, float], object]) -> bool:
+    """True where a step gives times to its function; where it has none, that gets the very object that we made."""
     clock, given = float(START), []
 
-    def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
+    def slopes(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
         given.append(t is not clock)
         return [0.0 * x for x in y]
 
-    subject.step_field(rate, clock, [float(k) for k in range(1, size + 1)], 0.25)
+    step(slopes, clock)
     return any(given)
+
+
+def _halves(y: Sequence[AnyNumber], positions: int) -> tuple[Sequence[AnyNumber], Sequence[AnyNumber]]:
+    """Positions and velocities. Raises WrongShape where these are not so many."""
+    if len(y) != 2 * positions:
+        raise WrongShape(f"the force is asked for {len(y) // 2} of {positions} positions")
+    return y[:positions], y[positions:]
 
 
 def _bell(i: int, t: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
@@ -239,9 +241,7 @@ def pushed(positions: int, *, timed: bool) -> NonlinearProblem:
     bells = positions if timed else positions - 1
 
     def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
-        if len(y) != 2 * positions:
-            raise WrongShape(f"the force is asked for {len(y) // 2} of {positions} positions")
-        q, v = y[:positions], y[positions:]
+        q, v = _halves(y, positions)
         at = t if timed else q[-1]
         pairs = [_bell(i, at) for i in range(bells)]
         pulls = zip(pairs, _product_of_others(q[:bells]), _product_of_others([bell for _, bell in pairs]), strict=True)

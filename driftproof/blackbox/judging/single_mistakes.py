@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import chain, islice
 from math import exp, isfinite
@@ -105,11 +104,10 @@ def _near(
     seen: Sequence[float],
     rounding: Rounding,
 ) -> bool:
-    with suppress(OverflowError), np.errstate(all="ignore"):
+    with np.errstate(all="ignore"):
         made = program.step(force, *at)
-        allowed = _INSIDE * rounding.of(1 + max(map(abs, (*seen, *made))))
-        return all(abs(x - y) <= allowed for x, y in zip(made, seen, strict=True))
-    return False
+    allowed = _INSIDE * rounding.of(1 + max(map(abs, (*seen, *made))))
+    return all(abs(x - y) <= allowed for x, y in zip(made, seen, strict=True))
 
 
 def program_of(method: Method) -> Program:
@@ -290,7 +288,7 @@ def _solved(
         return one.at(x).step(force, *_STEPS[0])[m] - seen[m]
 
     start = 1.0 if one.scaled else one.row[one.chosen[0]]
-    with suppress(OverflowError), np.errstate(all="ignore"):
+    with np.errstate(all="ignore"):
         for m in (1, 0):
             x, before = start, start + _ASIDE
             off, off_before = gap(x, m), gap(before, m)

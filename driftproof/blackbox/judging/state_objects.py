@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from driftproof.blackbox.findings import Misbehaviour, NotFinite
+from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, ORDINARY_DOMAIN, Domain
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
 from driftproof.blackbox.judging.walks import Walked, Walker, walk_on
@@ -40,15 +41,16 @@ def state_objects(
     """
     several = ", several positions as NumPy arrays" * (subject.adapter is SCALARS and subject.convention.kind == FORCE)
     back = ", and comes back as (v1, q1)" * subject.convention.velocity_first
-    trial, given = _Trial(method, allowance, domain), f"the state is given as {subject.adapter.name}{several}{back}"
+    trial = partial(_tried, method=method, allowance=allowance, domain=domain)
+    given = f"the state is given as {subject.adapter.name}{several}{back}"
     keeping = _Keeping(subject.function, subject.convention)
-    wrong, own = trial.of(replace(subject, function=keeping, log=CallLog(works_in_place=subject.log.works_in_place)))
+    wrong, own = trial(replace(subject, function=keeping, log=CallLog(works_in_place=subject.log.works_in_place)))
     forms = [form for form in _FORMS if subject.adapter in _FORMS and form is not subject.adapter]
-    if wrong and (from_copies := trial.of(subject)[0]):
+    if wrong and (from_copies := trial(subject)[0]):
         turned = {_turned(subject.adapter): turn_wrapper(subject)} if STATE in subject.convention.order else {}
         for form, wrapper in {**dict.fromkeys(forms, ""), **turned}.items():
             with suppress(Misbehaviour):
-                if not trial.of(_in_form(subject, form))[0]:
+                if not trial(_in_form(subject, form))[0]:
                     return False, f"{RIGHT_AS} {form.name}{wrapper}; {given}: {from_copies}", ""
         return None, given, ""
     if wrong:
@@ -58,7 +60,7 @@ def state_objects(
     found: dict[str, list[str]] = {}
     for form in forms:
         try:
-            wrong, seen = trial.of(_in_form(subject, form))
+            wrong, seen = trial(_in_form(subject, form))
         except Misbehaviour:
             found.setdefault("are refused", []).append(form.name)
             continue
@@ -93,36 +95,29 @@ class _OfTwo(Walker):
         return (2, 1)
 
 
-@dataclass(frozen=True)
-class _Trial:
-    """A few steps in a row, of q'' = -q, and where the right-hand side is ours of a nonlinear problem, too."""
+def _tried(
+    subject: ForeignStepper, method: Method, allowance: Allowance, domain: Domain
+) -> tuple[str, list[tuple[float, float]]]:
+    """What is wrong, "" for nothing, in a few steps in a row, and the answers on q'' = -q.
 
-    method: Method
-    allowance: Allowance
-    domain: Domain
+    Where the right-hand side is ours, they are of a nonlinear problem, too. Raises the Misbehaviour that comes instead.
+    """
+    tolerance, seen = Tolerance(method, subject.format, allowance), list[tuple[float, float]]()
 
-    def of(self, subject: ForeignStepper) -> tuple[str, list[tuple[float, float]]]:
-        """What is wrong, "" for nothing, and the answers on q'' = -q. Raises the Misbehaviour that comes instead."""
-        tolerance, seen = Tolerance(self.method, subject.format, self.allowance), list[tuple[float, float]]()
-        q, v = (self._number(subject, x, self.domain.largest_state / 2) for x in _START)
-        h = self._number(subject, _STEP, self.domain.largest_step)
-        for _ in range(0 if subject.single else _STEPS):
-            answer = subject.step(q, v, h)
-            if not all(component.allowed for component in tolerance.judge(q, v, h, answer)):
-                return f"from q={q!r}, v={v!r} with h={h!r} it goes to {answer}", seen
-            seen.append(answer)
-            q, v = answer
-        if subject.convention.kind not in (FIELD, FORCE):
-            return "", seen
-        try:
-            passed, words, _ = walk_on(_OfTwo(subject, self.method, self.allowance, self.domain), most=1)
-        except NotFinite as failure:
-            return str(failure), seen
-        return (words if passed is False else ""), seen
-
-    @staticmethod
-    def _number(subject: ForeignStepper, x: float, most: float) -> float:
+    def number(x: float, most: float) -> float:
         return float(subject.format.nearest(Fraction(x * min(1.0, most))))
+
+    (q, v), h = (number(x, domain.largest_state / 2) for x in _START), number(_STEP, domain.largest_step)
+    for _ in range(0 if subject.single else _STEPS):
+        answer = subject.step(q, v, h)
+        if not all(component.allowed for component in tolerance.judge(q, v, h, answer)):
+            return f"from q={q!r}, v={v!r} with h={h!r} it goes to {answer}", seen
+        seen.append(answer)
+        q, v = answer
+    if subject.convention.kind not in (FIELD, FORCE):
+        return "", seen
+    passed, words, _ = walk_on(_OfTwo(subject, method, allowance, domain), most=1)
+    return (words if passed is False else ""), seen
 
 
 class _Keeping:

@@ -21,6 +21,7 @@ from driftproof.blackbox.judging.nonlinear_problems import (
     driven,
     gives_force_times,
     hands_on_time,
+    in_each_order,
     moved,
     pushed,
     walls,
@@ -149,12 +150,7 @@ class Walker:
         else:
             found = [pushed(numbers, timed=timed)] if timed or numbers > 1 else []
             found += [] if timed or self.subject.convention.kind == FIELD else [walls(numbers)]
-        for problem in found:
-            with suppress(*_REFUSALS):
-                problem.stepped(self.subject, START, _start(problem, START), 2.0**-5)
-                orders = (False, True) if self.subject.convention.kind == FIELD and numbers > 1 else (False,)
-                return [replace(problem, interleaved=each) for each in orders]
-        return []
+        return in_each_order(self.subject, found)
 
     def walk(self, problem: NonlinearProblem, place: _Place, lengths: Sequence[float]) -> _Step | None:
         """The first step that is not the method's; None if all are. Raises the Misbehaviour that comes instead."""
@@ -200,17 +196,16 @@ class Walker:
         return allowed_off(self.subject, self.method, self.allowance, size, h)
 
     def why(self, step: _Step, problem: NonlinearProblem, of_numbers: _ByNumber) -> str:
-        """What it takes for a step to be wrong, where that is one thing."""
+        """What it takes for a step to be wrong, where that is one thing. Raises what comes of other steps."""
         there = step.place.problem(problem)
         if not step.first:
-            with suppress(Misbehaviour):
-                there.stepped(self.subject, step.t + 1, [x / 2 for x in step.y], step.h)
-                if not self.compared(there, step.place, step.t, step.y, step.h)[0]:
-                    return "a step that goes on from the one before is another than from the same state at once"
+            there.stepped(self.subject, step.t + 1, [x / 2 for x in step.y], step.h)
+            if not self.compared(there, step.place, step.t, step.y, step.h)[0]:
+                return "a step that goes on from the one before is another than from the same state at once"
         lengths = _LENGTHS if step.h > 0 else _BACK
-        if self.fails(problem, _Place(), lengths):
+        if self.walk(problem, _Place(), lengths):
             others = [found[0] for n, found in of_numbers.items() if n in (1, 2, 3) and n != step.numbers]
-            if others and not any(self.fails(other, _Place(), lengths) for other in others):
+            if others and not any(self.walk(other, _Place(), lengths) for other in others):
                 return f"of {self.counted(step.numbers)} it is another step"
             return ""
         alone = {
@@ -218,14 +213,7 @@ class Walker:
             f"with h = {step.h:.6g} it is another step": _Place(pace=step.place.pace),
             "with numbers of other sizes it is another step": _Place(sizes=step.place.sizes),
         }
-        return next((words for words, place in alone.items() if self.fails(problem, place, lengths)), "")
-
-    def fails(self, problem: NonlinearProblem, place: _Place, lengths: Sequence[float]) -> bool:
-        """Whether a step of that walk is not the method's."""
-        try:
-            return self.walk(problem, place, lengths) is not None
-        except _REFUSALS:
-            return False
+        return next((words for words, place in alone.items() if self.walk(problem, place, lengths)), "")
 
 
 def walked(
@@ -279,7 +267,7 @@ def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> Wa
             found.append(step)
         else:
             cause = ""
-            with suppress(NoAnswer):  # on the way to an explanation, it takes nothing from what was found
+            with suppress(Misbehaviour, NoAnswer):  # on the way to an explanation they take nothing from what was found
                 cause = walker.why(found[0], problems[0], of_numbers)
             return False, ": ".join(filter(None, [cause, found[0].words])), ""
     if not taken:

@@ -29,7 +29,6 @@ from driftproof.blackbox.probes.coefficients import short_rational, simple_ratio
 from driftproof.blackbox.probes.linear_steps import (
     LinearReading,
     MatrixEntries,
-    growing,
 )
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat
 
@@ -60,7 +59,7 @@ def rates_of(reading: LinearReading) -> tuple[Fraction, Fraction]:
     """The a and k of q' = a v, v' = -k q read at the tiny step, as simple rationals where they are some."""
     assert reading.at_zero is not None
     slack = max(_RATE_ROUNDINGS * float(reading.format.u), 8 * (reading.tiny / reading.unit) ** 2)
-    in_position, in_velocity = growing(reading.at_zero)
+    in_position, in_velocity = reading.at_zero[1:3]
     rates = in_position / reading.tiny, -in_velocity / reading.tiny
     simple = [simple_rational(x, abs(x) * slack) for x in rates]
     a, k = (Fraction(x) if found is None else found for x, found in zip(rates, simple, strict=True))

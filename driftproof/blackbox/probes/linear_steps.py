@@ -170,11 +170,11 @@ def _rates(subject: ForeignStepper, reading: LinearReading, unit: float) -> tupl
 
 def _asleep(subject: ForeignStepper, reading: LinearReading, unit: float, m: MatrixEntries) -> bool:
     """True when nothing grows in a tiny step though it does in a longer one: small numbers are put to rest, or lost."""
-    if all(growing(m)):
+    if all(m[1:3]):
         return False
     h = unit * ldexp(1.0, -min(COARSE_BITS))
-    longer = growing(_matrix(subject, h, reading.amplitude))
-    return any(x == 0 and abs(y) > h / 2**RATE_BITS for x, y in zip(growing(m), longer, strict=True))
+    longer = _matrix(subject, h, reading.amplitude)
+    return any(x == 0 and abs(y) > h / 2**RATE_BITS for x, y in zip(m[1:3], longer[1:3], strict=True))
 
 
 def _same_rates(m: MatrixEntries, finer: MatrixEntries) -> bool:
@@ -182,34 +182,23 @@ def _same_rates(m: MatrixEntries, finer: MatrixEntries) -> bool:
 
     Smaller it is without a rate, where the entries are O(h²); noise is as large at a fourth of the step.
     """
-    pairs = [(x, 4 * y) for x, y in zip(growing(m), growing(finer), strict=True)]
+    pairs = [(x, 4 * y) for x, y in zip(m[1:3], finer[1:3], strict=True)]
     return all(abs(y) <= abs(x) / 2 or abs(x - y) * 2**RATE_BITS <= abs(x) + abs(y) for x, y in pairs)
 
 
 def _extrapolated(m: MatrixEntries, finer: MatrixEntries) -> MatrixEntries:
     """M with entries c h for those that are zero in M(0), c to O(h²) from both steps; c = 0 where they are O(h²)."""
     found = list(m)
-    for i in (0, 3) if swapped(m) else (1, 2):
+    for i in (1, 2):
         x, y = m[i], 4 * finer[i]
         found[i] = 0.0 if abs(y) <= abs(x) / 2 else (4 * y - x) / 3
     qq, qv, vq, vv = found
     return qq, qv, vq, vv
 
 
-def swapped(m: MatrixEntries) -> bool:
-    """True when M(0) exchanges position and velocity, for M read at a tiny step."""
-    return abs(m[0]) + abs(m[3]) < abs(m[1]) + abs(m[2])
-
-
-def growing(m: MatrixEntries) -> tuple[float, float]:
-    """The two entries of M, read at a tiny step, that are zero in M(0)."""
-    return (m[0], m[3]) if swapped(m) else (m[1], m[2])
-
-
 def _unit(m: MatrixEntries, tiny: float) -> float:
     """The power of two nearest to 1/sqrt|ak|, for the rates a and k; 1 where there are none."""
-    position, velocity = growing(m)
-    frequency = sqrt(abs(position / tiny)) * sqrt(abs(velocity / tiny))
+    frequency = sqrt(abs(m[1] / tiny)) * sqrt(abs(m[2] / tiny))
     return ldexp(1.0, -round(log2(frequency))) if isfinite(frequency) and frequency else 1.0
 
 
@@ -240,8 +229,9 @@ def _is_linearisation(subject: ForeignStepper, tiny: LinearReading) -> bool:
     """True when states of a fourth of the size have the same rates: those of a cubic force are a sixteenth."""
     if tiny.at_zero is None:
         return False
-    less = growing(_matrix(subject, tiny.tiny, tiny.amplitude / 4))
-    return all(abs(x - y) * 2**RATE_BITS <= abs(x) + abs(y) for x, y in zip(growing(tiny.at_zero), less, strict=True))
+    less = _matrix(subject, tiny.tiny, tiny.amplitude / 4)
+    pairs = zip(tiny.at_zero[1:3], less[1:3], strict=True)
+    return all(abs(x - y) * 2**RATE_BITS <= abs(x) + abs(y) for x, y in pairs)
 
 
 def _far_out(subject: ForeignStepper, reading: LinearReading) -> tuple[str, ...]:
