@@ -244,23 +244,21 @@ def _refuted(
         return f"is not {method.key}: its coefficients are, but on {seen.problem}, {wrong}"
     if instead.verdict.startswith(NO_ANSWER):
         return instead.verdict
+    vague = re.search(rf"\b{method.key}\b|it is no method|, but |\bnearly |with a drag", instead.verdict)
     linear = coefficients.passed is False and "as far as linear steps tell" in instead.verdict
-    vague = linear or re.search(rf"\b{method.key}\b|it is no method|, but |\bnearly |with a drag", instead.verdict)
     read = outcomes[COEFFICIENTS]
     reading = read.result
     if coefficients.passed is None and isinstance(reading, ForceReading) and reading.refused:
         return f"is not {method.key}: it is on q'' = F(q), but not on y' = f(t, y): {reading.refused}"
     differences = coefficients.data.get("differences", ())
     one_entry = len(differences) == 1 and instead.verdict.startswith(f"it is {method.key} but for ")
-    if mistakes and not one_entry and (vague or not instead.verdict.startswith("it is")):
+    if mistakes and not one_entry and (vague or linear or not instead.verdict.startswith("it is")):
         link = "but for" if " instead of " in mistakes[0] else "with one mistake:"
         return f"is not {method.key}; it is {method.key} {link} {mistakes[0]}"
     if instead.section("Coefficients") is None and re.search(rf"\b{method.key}\b", instead.verdict):
         failed = next(check for check in checks.values() if check.passed is False)
         return f"is not {method.key}: {failed.lines[0 if failed is rounding else -1]}"
     wrong = "; ".join(differences)
-    if linear and wrong:
-        return f"is not {method.key}: {wrong}"
     if re.fullmatch(rf"it is {method.key}(, the same step as [\w, ]*)?", instead.verdict):
         failed = next(check for check in checks.values() if check.passed is False)
         return f"is {method.key}, but not everywhere: {failed.lines[0]}"
