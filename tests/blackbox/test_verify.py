@@ -391,7 +391,7 @@ EARLY = {
     ),
     "two": (
         partial(newton, most=2),
-        "power 3 of the nonlinearity, as after two iterations of Newton's method or 3 with",
+        "power 3 of the nonlinearity, as after two iterations of Newton's method or",
     ),
     "a kept Jacobian": (partial(simplified, most=2), "power 2 of the nonlinearity, as after 2 with one Jacobian"),
 }
