@@ -17,6 +17,8 @@ from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # How a number is accounted for: worked out here, given, printed by a listing that was run, part of a name, or not.
 WORKED_OUT, GIVEN, RUN, LABEL, UNCOVERED = ACCOUNTS = ("value", "given", "run", "label", "uncovered")
+# Of a number in the code of a listing, which says what is run: why it is a label where nobody claims anything of it.
+IN_PROGRAM = "what a program is given"
 # What is shown of the text where a phrase begins as it should and then goes on differently.
 _SHOWN = 60
 # Places of a text that have the shape of one phrase: of more, the first are compared.
@@ -179,8 +181,9 @@ def coverage(
     """Every number of the text; `ran` are the spans of what listings print and were seen to print.
 
     A number counts for the value it stands in, else as a label by rule, else for what it stands in first: the phrase of
-    a claim, which gives it, that of a label, or what was run. A word for a number or for growth that stands in a phrase
-    is held only where it is a value, or the claim says why its numbers are given: nobody worked it out otherwise.
+    a claim, which gives it, that of a label, or what was run; and else, in the code of a listing, as a label. A word
+    for a number or for growth that stands in a phrase is held only where it is a value, or the claim says why its
+    numbers are given: nobody worked it out otherwise.
     Raises ValueError for a label that stands nowhere.
     """
     text = document.text.text
@@ -200,6 +203,7 @@ def coverage(
             raise ValueError(f"the label for {label.why!r} stands nowhere in the text")
         holders += [(*span, LABEL, label.why) for span in found]
     holders += [(*span, RUN, "running the listing") for span in ran]
+    holders += [(*span, LABEL, IN_PROGRAM) for span in document.code]
     numbers = [number for span, how in values.items() for number in _of_value(text, span, *how)]
     numbers += _of_rest(_masked(text, values), holders)
     held = set[int]()
@@ -227,7 +231,7 @@ def _masked(text: str, spans: Iterable[Span]) -> str:
 
 def _of_rest(text: str, holders: list[tuple[int, int, str, str]]) -> Iterator[Accounted]:
     held: list[tuple[int, str, str] | None] = [None] * len(text)  # of each character, by what, and where that ends
-    for start, end, kind, by in sorted(holders, key=lambda holder: holder[0], reverse=True):
+    for start, end, kind, by in sorted(holders, key=lambda holder: (holder[3] == IN_PROGRAM, holder[0]), reverse=True):
         held[start:end] = [(end, kind, by)] * (end - start)
     for number in numbers_in(text):
         holder = held[number.start]

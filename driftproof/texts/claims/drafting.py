@@ -78,11 +78,11 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     """
     text = document.text.text
     suggestions, search = Suggestions(text, asked), _Search(text)
-    members = [
-        _Member(number, suggestions.of(number), _setting_before(text, number))
-        for number in search.numbers
-        if number.label is None
-    ]
+    numbers = (number for number in search.numbers if number.label is None)
+    members = [_Member(number, suggestions.of(number), _setting_before(text, number)) for number in numbers]
+    code = {at for span in document.code for at in range(*span)}
+    left_out = sum(member.number.start in code and not member.strong for member in members)
+    members = [member for member in members if member.number.start not in code or member.strong]
     drafted, covered, named = [_HEADER.format(name=" ".join(name.split()))], set[int](), Counter[str]()
     groups = [*_groups(text, members)]
     ends = [0, *(group[-1].number.end for group in groups)]
@@ -115,6 +115,9 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
             drafted.append("".join([*remarks, *(f"{line}\n" for line in lines)]))
     nowhere = [f"#   {question}, {answer.digits(_SHOWN_DIGITS)}\n" for question, answer in suggestions.nowhere()]
     drafted += ["# Asked for, and no number of the text:\n" + "".join(nowhere)] * bool(nowhere)
+    drafted += [f"# What programs are given claims nothing, and is left out: {left_out} of the numbers.\n"] * bool(
+        left_out
+    )
     return "\n".join(drafted).rstrip("\n")
 
 

@@ -23,11 +23,10 @@ from typing import Any
 from driftproof.support.processes import Limits, ProcessEnded, Session
 from driftproof.texts.claims.checking import Finding, Span
 from driftproof.texts.readers.document import Document
-from driftproof.texts.readers.source_text import LISTING, OUTPUT, PROSE, Block, SourceText, joined
+from driftproof.texts.readers.source_text import LISTING, OF_OUTPUT, OUTPUT, PROSE, Block, SourceText, joined
 
 _PYTHON = {"python", "py", "python3", "ipython", "ipython3"}
-# What the block that follows a listing is called where it shows what the listing prints.
-_OF_OUTPUT = {"", "text", "txt", "output", "console", "stdout", "none", "plaintext", "default"}
+
 # A block with more prose before it belongs to something else.
 _MOST_PROSE = 300
 _MOST_LISTINGS = 200
@@ -87,7 +86,7 @@ def _with_output(program: SourceText, following: Sequence[Block]) -> Listing:
     room, printed = _MOST_PROSE, None
     for block in following:
         if block.kind == LISTING:
-            printed = block.text if block.language in _OF_OUTPUT else None
+            printed = block.text if block.language in OF_OUTPUT else None
             break
         room -= len(block.text.text)
         if room < 0:
@@ -131,8 +130,7 @@ def run_listings(document: Document, time_limit: float = 10.0) -> Ran:
         wrong = _compared(document, f"listing {number}", listing, outcome)
         findings += [wrong] if wrong else []
         if not wrong and listing.printed is not None:
-            ends = listing.printed.origin(0), listing.printed.origin(len(listing.printed.text))
-            spans.append((document.text.index(ends[0]), document.text.index(ends[1])))
+            spans.append(document.span(listing.printed))
     return Ran(tuple(findings), len(found), tuple(spans))
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
+import re
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -30,6 +31,7 @@ _ENDINGS = {
     **dict.fromkeys((".tex", ".ltx", ".latex"), "tex"),
     ".ipynb": "notebook",
 }
+_CODE = re.compile(r"^[^\n#]*[^\s#]", re.MULTILINE)
 # A long book has 2 MB of text; the patterns of the readers take seconds for twice as much.
 LARGEST_DOCUMENT = 4 * 2**20
 
@@ -51,6 +53,33 @@ class Document:
     source: str
     text: SourceText
     blocks: tuple[Block, ...]
+    starts: tuple[int, ...]  # of the blocks that are not empty, in the text
+
+    @cached_property
+    def _ranges(self) -> list[tuple[int, int, int]]:
+        """Where each block begins in the file, and its ends in the text; in notebooks outputs may precede code."""
+        ends = (*self.starts[1:], len(self.text.text))
+        return sorted((self.text.origin(start), start, end) for start, end in zip(self.starts, ends, strict=True))
+
+    def span(self, piece: SourceText) -> tuple[int, int]:
+        """From where to where a piece of the blocks stands in the text."""
+        start, end = (self._index(piece.origin(at)) for at in (0, len(piece.text)))
+        return start, end
+
+    def _index(self, origin: int) -> int:
+        at = max(bisect_right(self._ranges, (origin, len(self.text.text), 0)) - 1, 0)
+        return bisect_left(self.text.origins, origin, *self._ranges[at][1:])
+
+    @cached_property
+    def code(self) -> tuple[tuple[int, int], ...]:
+        """Where the lines of programs stand in the text, without their comments: what they are given claims nothing."""
+        lines = (
+            block.text[slice(*m.span())]
+            for block in self.blocks
+            if block.is_program
+            for m in _CODE.finditer(block.text.text)
+        )
+        return tuple(map(self.span, lines))
 
     @cached_property
     def _line_starts(self) -> list[int]:
@@ -72,11 +101,14 @@ def document_of(source: str, form: str = "plain") -> Document:
         raise ValueError(f"format: {form!r} is unknown; choose one of {', '.join(READERS)}")
     blocks = tuple(READERS[form](SourceText.of(source)))
     pieces: list[SourceText | Insertion] = []
+    starts, end = list[int](), 0
     for block in blocks:
         text = canonical_spelling(block.text).stripped()
         if text.text:
             pieces += [Insertion("\n", text.origin(0)), text] if pieces else [text]
-    return Document(source, joined(pieces), blocks)
+            starts.append(end)
+            end += len(text.text) + 1  # and the end of a line
+    return Document(source, joined(pieces), blocks, tuple(starts))
 
 
 def read_document(path: str | Path, form: str | None = None) -> Document:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from array import array
-from bisect import bisect_left
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
 PROSE, LISTING, OUTPUT = "prose", "listing", "output"
+# What a listing is called where it shows what a program prints.
+OF_OUTPUT = {"", "text", "txt", "output", "console", "stdout", "none", "plaintext", "default"}
 
 
 class Insertion(NamedTuple):
@@ -40,10 +41,6 @@ class SourceText:
         if index < len(self.text):
             return self.origins[index]
         return self.origins[-1] + 1 if self.text else 0
-
-    def index(self, origin: int) -> int:
-        """The first character that came from `origin` or a later place, in a text whose order is the file's."""
-        return bisect_left(self.origins, origin)
 
     def __getitem__(self, span: slice) -> SourceText:
         """The characters of a span, with their places."""
@@ -97,3 +94,8 @@ class Block:
     kind: str
     text: SourceText
     language: str = ""
+
+    @property
+    def is_program(self) -> bool:
+        """Whether it is a listing in a language of programs, and no session with what it printed."""
+        return self.kind == LISTING and self.language not in OF_OUTPUT and ">>>" not in self.text.text

@@ -135,6 +135,14 @@ def test_every_number_is_accounted_for() -> None:
     assert coverage(document, [], CLAIMS.labels).counts[UNCOVERED] == 6
 
 
+def test_numbers_of_programs_are_labels_where_nobody_claims_them() -> None:
+    document = document_of("```python\nx = 0.33 + 7  # 8\nerror = 5\n```\n", "markdown")
+    outcomes = check_claims(document, [claim("error = 5", "given = true")])
+    accounts = [f"{one.number.text}:{one.kind}:{one.by}" for one in coverage(document, outcomes).numbers]
+    program = "label:what a program is given"
+    assert accounts == [f"0.33:{program}", f"7:{program}", "8:label:a reference", "5:given:a"]
+
+
 def test_numbers_that_run_together_are_counted_one_by_one() -> None:
     text = '[[claim]]\nid="a"\nphrase="RK4{a}{b}{c}"\nvalues={a="1/4", b="-1/8", c="16"}'
     document = document_of("RK40.25-0.12516")

@@ -117,6 +117,19 @@ def test_an_id_has_150_characters_at_most_and_what_is_nowhere_8_digits() -> None
     assert draft(document_of("7"), "a", ["1/3"]).endswith("#   1/3, 0.33333333")
 
 
+def test_numbers_of_programs_are_left_out_and_counted_but_for_those_that_are_values() -> None:
+    program = "```python\nx = 3.75\nq = rk4(1, h=0.5)\nassert q == 337/384  # rk4, one step, or 4.5\n```\n"
+    document = document_of(f"{program}\nis 3.75\n", "markdown")
+    text = draft(document, "a")
+    assert text.endswith("# What programs are given claims nothing, and is left out: 3 of the numbers.")
+    assert [claim["value"] for claim in tomllib.loads(text)["claim"]] == ["rk4.first_step.q"]
+    assert [line for line in text.splitlines() if line.startswith("# phrase")] == [
+        '# phrase = "one step, or 4.5"',
+        '# phrase = "is 3.75"',
+    ]
+    assert held(document, text) == {"value": 1, "given": 0, "run": 0, "label": 5, "uncovered": 2}
+
+
 def test_name_of_the_text_cannot_break_the_draft() -> None:
     assert tomllib.loads(draft(document_of("7"), 'a\nb = 1\n"')) == {}
 

@@ -18,6 +18,19 @@ def test_number_stands_where_the_file_has_it() -> None:
     assert standing("plain", "one\r\ntwo  \u221242.5 and ½", "42.5").startswith("42.5")
 
 
+def test_piece_of_a_block_has_its_span_also_where_a_notebook_has_outputs_before_the_code() -> None:
+    cell = '{"cell_type": "code", "outputs": [{"text": ["2 ½\\n"]}], "source": ["y = 2  # 3\\n", "y * 1"]}'
+    document = document_of(f'{{"cells": [{cell}, {cell}]}}', "notebook")
+    spans = [document.span(block.text) for block in document.blocks]
+    assert [document.text.text[slice(*span)].strip() for span in spans] == ["y = 2 # 3\ny * 1", "2 1/2"] * 2
+    assert [document.text.text[slice(*span)].strip() for span in document.code] == ["y = 2", "y * 1"] * 2
+
+
+@pytest.mark.parametrize(("fence", "code"), [("python", 1), ("julia", 1), ("", 0), ("text", 0), ("python\n>>> 1", 0)])
+def test_code_is_a_listing_in_a_language_and_no_session(fence: str, code: int) -> None:
+    assert len(document_of(f"```{fence}\n\nx = 1\n# 2\n```\n", "markdown").code) == code
+
+
 def test_reader_is_chosen_by_the_ending(tmp_path: Path) -> None:
     for name, text in (("a.md", "*b*"), ("a.html", "<i>b</i>"), ("a.TEX", "\\emph{b}"), ("a.txt", "b"), ("a", "b")):
         (tmp_path / name).write_text(text, encoding="utf-8")
