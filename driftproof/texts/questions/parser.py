@@ -20,7 +20,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import takewhile
+from itertools import pairwise, takewhile
 from typing import Any, TypeAlias
 from unicodedata import normalize
 
@@ -45,6 +45,7 @@ from driftproof.texts.questions.wording import (
     PER_STEP,
     READOUT_WORDS,
     SAY_NOTHING,
+    SLOPE,
     longest_name,
     names_that_ask,
 )
@@ -53,6 +54,7 @@ from driftproof.texts.questions.wording import (
 WORDS = ("sharp",)
 SETTINGS = ("h", "t", "N", "steps", "error", "z", "lambda")
 PROBLEM, RATES = ("problem", "rates")
+_WITHOUT_SIGN = {*SETTINGS, *OTHER_SETTINGS}
 _HEADS = ("step", "run", "exact", "roundoff")
 # (17/16)**1000 is a growth that texts have; what is too long to write out is enclosed.
 LARGEST_POWER_ASKED = 10**6
@@ -104,14 +106,18 @@ class _QuestionParser(ExpressionParser):
 
     def named(self, name: Token) -> Node:
         """A published value by its id, or a query from after its head on."""
-        while name.text.lower() in ASKING and self.next.kind == NAME and not self.in_rate:
+        while name.text.lower() in ASKING | SAY_NOTHING and self.next.kind == NAME and not self.in_rate:
             name = self.take()
         of_somebody = self.next.text == "'" and self._after(self.at).text == "s"
         hyphened = self.next.text == "-" and self.next.column == name.end and self._has_hyphen(name)
         if self.in_rate or not (self.next.kind == NAME or self.next.text == ":" or of_somebody or hyphened):
             return NameNode(name.column, "pi" if name.text == "π" else name.text)
-        parts: dict[str, Any] = {"settings": {}, "words": {}, "rates": {}, "start": {}}
+        parts = self._no_parts()
         return self.query(name, self.head(name, parts), parts)
+
+    @staticmethod
+    def _no_parts() -> dict[str, Any]:
+        return {"settings": {}, "words": {}, "rates": {}, "start": {}}
 
     def _has_hyphen(self, name: Token) -> bool:
         """Whether the name of a fact or of a method that begins here has one, as Crank-Nicolson: it is no minus."""
@@ -121,10 +127,15 @@ class _QuestionParser(ExpressionParser):
         return longer or longest_name(self.tokens[start - 1 :])[1] > 1
 
     def _call(self, name: Token) -> Any:
-        """A function from after its bracket on, of which R is that of a method: R(-2) of rk4."""
+        """A function from after its bracket on; of a method is R(-2) of rk4, and of a run y(1) of rk4 y'=-y y(0)=1."""
+        parts, after = self._no_parts(), [token.kind for token in self.tokens[self.at : self.at + 3]]
+        if name.text != "R" and after[::2] == [NUMBER, NAME] and not self.in_rate:
+            parts["settings"]["t"] = NumberNode(self.next.column, self.literal("t"))
+            self.expect(")", "a bracket is not closed")
+            parts["readout"] = name._replace(text=READOUT_WORDS.get(name.text, name.text))
+            return self.query(name, name._replace(text="run"), parts)
         if name.text != "R":
             return super()._call(name)
-        parts: dict[str, Any] = {"settings": {}, "words": {}, "rates": {}, "start": {}}
         head = "limit_at_infinity" if self.accept("oo", "infinity") else FACT_WORDS["r"]
         if head == FACT_WORDS["r"] and not self.accept("z"):
             parts["settings"]["z"] = NumberNode(self.next.column, self.literal("z"))
@@ -142,6 +153,8 @@ class _QuestionParser(ExpressionParser):
         elif (readout := head.text.removesuffix(PER_STEP)) in READOUT_WORDS:
             parts["readout"] = head._replace(text=READOUT_WORDS[readout])
             head = head._replace(text="step" if readout in LOCAL or readout != head.text else "run")
+        elif SLOPE.fullmatch(head.text):
+            parts["readout"], head = head, head._replace(text="step")
         elif ":" in head.text:
             parts["readout"] = head._replace(text=head.text.partition(":")[2])
         head = head._replace(text=head.text.partition(":")[0])
@@ -149,9 +162,9 @@ class _QuestionParser(ExpressionParser):
 
     def head(self, name: Token, parts: dict[str, Any]) -> Token:
         """The head that begins with this name, of several words: "real limit of RK4", or "RK4 real limit", or run."""
-        if name.text in _HEADS or self.next.text == ":":
-            return name._replace(text=FACT_WORDS.get(name.text, name.text))
         start, (text, count) = self.at, longest_name(self.tokens[self.at - 1 :])
+        if (name.text in _HEADS and not text) or self.next.text == ":":
+            return name._replace(text=FACT_WORDS.get(name.text, name.text))
         method = self.method_name(name)
         if self.at - start >= count and (keys_of_name(method.text) or method.text.endswith(".toml")):
             parts["subject"] = method
@@ -163,7 +176,9 @@ class _QuestionParser(ExpressionParser):
             self.at = start + count - 1
         else:
             self.at = start
-            raise self.error(name, self._nothing(name))
+            if not any(a.text == name.text and b.text == "'" for a, b in pairwise(self.tokens)):
+                raise self.error(name, self._nothing(name))
+            parts["readout"] = name  # an unknown: y at t=1 of rk4 on y'=-y
         return name._replace(text=FACT_WORDS.get(text, text or "run"))
 
     def _nothing(self, name: Token) -> str:
@@ -218,20 +233,17 @@ class _QuestionParser(ExpressionParser):
             self.put(parts, token, PROBLEM, lambda: self.adjacent(self.take()))
         elif token.text == RATES and self.accept("="):
             self.put(parts, token, RATES, self.rates)
-        elif key != "at" and self.next.text == "=":
+        elif key != "at" and (self.next.text == "=" or (self.next.kind == NUMBER and token.text in _WITHOUT_SIGN)):
             self.setting(token, parts["settings"])
         elif token.text in WORDS:
             parts["words"][token.text] = token
         elif key == "start":
             self.put(parts, token, key, self.start)
         elif key in parts:
-            raise self.error(token, f"{token.shown} has no place here; a colon and a readout may follow{self._hint()}")
+            hint = "" if ":" in self.text else ", as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"
+            raise self.error(token, f"{token.shown} has no place here; a colon and a readout may follow{hint}")
         else:
             parts[key] = self.method_name(token) if key == "subject" else self.value()
-
-    def _hint(self) -> str:
-        """What a question looks like, for whoever wrote a sentence."""
-        return "" if ":" in self.text else ", as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"
 
     def rate(self) -> Token:
         """The text after y' = or y'(t) = or dy/dt =, from the prime or dt on; in it a name is no query."""
@@ -281,8 +293,8 @@ class _QuestionParser(ExpressionParser):
         return first
 
     def setting(self, name: Token, settings: dict[str, NumberNode]) -> None:
-        """NAME=LITERAL, from the equals sign on; steps is another word for N."""
-        self.take()
+        """NAME=LITERAL, from the equals sign on, which may be left out; steps is another word for N."""
+        self.accept("=")
         key = OTHER_SETTINGS.get(name.text, name.text)
         if key not in SETTINGS:
             raise self.error(name, f"{name.shown} is no setting; there are {', '.join((*SETTINGS, PROBLEM, RATES))}")

@@ -117,6 +117,8 @@ class QueryContext:
     def readout(self, table: Mapping[str, _Entry], more: str = "") -> _Entry:
         """The entry of the table that the readout names."""
         token = self.query.readout
+        if token is None and len(table) == 1:
+            return next(iter(table.values()))
         names = f"there are {', '.join(table)}{more}"
         if token is None:
             raise self.error(None, f"{self.head} needs a readout after a colon; {names}")

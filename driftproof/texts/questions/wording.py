@@ -17,26 +17,19 @@ PER_STEP = "_per_step"
 _ERRORS = ("error", "errors", "global_error", *LOCAL)
 _LARGEST = ("max_error", "maximum_error", "maximal_error")
 _NAMES = (
-    "q",
-    "v",
-    "state_error",
-    "phase_error",
-    "largest_error",
-    "relative_error",
-    "energy",
-    "energy_change",
-    "steps",
-    "evaluations",
+    *("q", "v", "h", "state_error", "phase_error", "largest_error", "relative_error"),
+    *("energy", "energy_change", "steps", "evaluations"),
 )
 
 # Name or other name of a readout -> its name. Before "of METHOD" it is what a run is asked for.
 READOUT_WORDS = {
-    **{name: name for name in _NAMES},
+    **dict(zip(_NAMES, _NAMES, strict=True)),
     **dict.fromkeys(_ERRORS, "state_error"),
     **dict.fromkeys(_LARGEST, "largest_error"),
     **dict.fromkeys(("energy_error", "energy_drift"), "energy_change"),
     **dict.fromkeys(("function_evaluations", "number_of_evaluations"), "evaluations"),
     "number_of_steps": "steps",
+    "step_size": "h",
     "position": "q",
     "velocity": "v",
     "exact.position": "exact.q",
@@ -59,7 +52,7 @@ FACT_WORDS = {
     },
     **dict.fromkeys(("r_at_infinity", "stability_function_at_infinity", "damping_at_infinity"), "limit_at_infinity"),
     "energy_factor": "energy_multiplier",
-    **dict.fromkeys(("order_of_convergence", "convergence_order", "order_of_accuracy"), "order"),
+    **dict.fromkeys(("order_of_convergence", "convergence_order", "convergence_rate", "order_of_accuracy"), "order"),
     **dict.fromkeys(("order_of_error_estimate", "order_of_estimate", "error_estimate_order"), "estimate:order"),
     **dict.fromkeys(("order_of_embedded_method", "order_of_embedded_formula"), "embedded_order"),
     **dict.fromkeys(("local_error_constant", "truncation_error_constant"), "error_constant"),
@@ -72,15 +65,24 @@ FACT_WORDS = {
     **dict.fromkeys(("ssp_constant", "radius_of_absolute_monotonicity"), "ssp_coefficient"),
     **dict.fromkeys(("modified_energy", "shadow_hamiltonian", "shadow_energy"), "modified_hamiltonian"),
     **dict.fromkeys(("algebraic_stability", "algebraically_stability"), "algebraically_stable"),
+    "stiff_decay": "l_stable",
+    **dict.fromkeys(("rounding_error", "roundoff_error"), "roundoff"),
 }
 
 # Word -> the facts that it may mean.
 _LIMITS = "real_limit (y' = -λy, hλ at most) or imaginary_limit (y' = iωy, hω at most)"
 _DAMPING = "energy_multiplier (of the oscillator's energy, in h) or dissipation (of its amplitude, the leading term)"
+_KEPT = (
+    "energy_multiplier (1 where each step keeps the oscillator's), invariant (what is kept near it) or energy_change"
+)
+_TABLEAU = "one of its entries, as a21, b1, bhat1 or c2; `driftproof facts METHOD --all` has the whole of it"
 AMBIGUOUS_FACTS = {
     **dict.fromkeys(("limit", "stability_limit", "stability_interval", "absolute_stability_interval"), _LIMITS),
-    **dict.fromkeys(("interval_of_stability", "interval_of_absolute_stability", "largest_step", "cfl"), _LIMITS),
-    **dict.fromkeys(("cfl_number", "cfl_limit", "cfl_condition"), _LIMITS),
+    **dict.fromkeys(("interval_of_stability", "interval_of_absolute_stability", "cfl", "cfl_number"), _LIMITS),
+    **dict.fromkeys(("cfl_limit", "cfl_condition", "largest_step", "largest_stable_step", "maximum_step"), _LIMITS),
+    **dict.fromkeys(("conserve_energy", "preserve_energy", "energy_conservation"), _KEPT),
+    **dict.fromkeys(("butcher_tableau", "tableau", "coefficients", "b_coefficients", "weights", "nodes"), _TABLEAU),
+    "first_step": "step METHOD h=1/2 : q, or v, energy, k1.q; with y'=-y y(0)=1 on a problem",
     **dict.fromkeys(("damping", "damping_ratio", "damping_factor", "growth", "growth_per_step"), _DAMPING),
     **dict.fromkeys(
         ("b_stable", "b_stability"), "algebraically_stable, which is the same where no stage is superfluous"
@@ -93,11 +95,13 @@ OTHER_SETTINGS = {"steps": "N", "n": "N", "dt": "h", "T": "t", "λ": "lambda", "
 
 # Words that may stand between the parts of a question, and say nothing there.
 SAY_NOTHING = {"of", "with", "on", "after", "to", "for", "and", "until", "by", "using"}
-# And before a question.
-ASKING = {"what", "is", "the", "a"}
+SAY_NOTHING |= {"does", "do", "have", "need", "take", "reach"}
+# And before a question, or within a name.
+ASKING = {"what", "is", "the", "a", "how", "many", "does", "do", "are", "has", "have", "value"}
 _LONGEST_NAME = 6
-# Coefficients of a tableau: a21, or a_10_2 with two digits, b1, the second row bhat1, c3.
+# Coefficients of a tableau: a21, or a_10_2 with two digits, b1, the second row bhat1, c3. A slope of the first step.
 COEFFICIENT = re.compile(r"(?P<a>a)(?:_?([1-9])([1-9])|_([1-9][0-9]?)_([1-9][0-9]?))|(?P<row>bhat|b|c)_?([1-9][0-9]?)")
+SLOPE = re.compile(r"k[1-9][0-9]{0,2}(?:\.[A-Za-z][A-Za-z0-9]*)?")
 
 
 @cache
@@ -120,7 +124,7 @@ def longest_name(tokens: Sequence[Token]) -> tuple[str, int]:
     for i, token in enumerate(tokens[: 2 * _LONGEST_NAME]):
         if token.kind == NAME:
             words += [token.text.lower()] if token.text not in ASKING else []
-            if (name := "_".join(words)) in names_that_ask() or COEFFICIENT.fullmatch(name):
+            if (name := "_".join(words)) in names_that_ask() or COEFFICIENT.fullmatch(name) or SLOPE.fullmatch(name):
                 found = name, i + 1
         elif token.text != "-" or not i or tokens[i - 1].end != token.column or tokens[i + 1].column != token.end:
             break
