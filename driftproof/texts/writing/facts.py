@@ -133,8 +133,8 @@ class _Text:
         return self.about(place, found["decimal"])
 
     def radicals(self, exact: str, digits: str) -> str:
-        """A number with its exact form."""
-        return exact if exact == digits else f"{exact} = {digits}"
+        """A number with its exact form, which of a whole number says all."""
+        return exact if _says_all(exact, digits) else f"{exact} = {digits}"
 
     def about(self, place: str, real: str, imaginary: str = "") -> str:
         """A number without an exact form, where it lies, with its digits."""
@@ -233,8 +233,8 @@ class _Tex(_Text):
         return rf"$\begin{{pmatrix}}{rows}\end{{pmatrix}}$"
 
     def radicals(self, exact: str, digits: str) -> str:
-        short = exact in (digits, digits.rstrip("0").rstrip("."))
-        return self.form(exact) if short else rf"${formula(exact, TEX)} \approx {_cut(digits)}$"
+        approximately = rf"${formula(exact, TEX)} \approx {_cut(digits)}$"
+        return self.form(exact) if _says_all(exact, digits) else approximately
 
     def about(self, place: str, real: str, imaginary: str = "") -> str:
         digits = f"{_cut(real)} + {_cut(imaginary)} I" if imaginary else _cut(real)
@@ -312,6 +312,11 @@ def _coefficients(values: Sequence[Any]) -> list[str]:
 def _in_tex(text: str) -> str:
     """Powers and exponents of a polynomial with decimal coefficients as TeX has them."""
     return re.sub(r"e(-?\d+)", r" \\cdot 10^{\1}", re.sub(r"\^(\d+)", r"^{\1}", text)).replace("...", r"\ldots ")
+
+
+def _says_all(exact: str, digits: str) -> bool:
+    """Whether the digits add nothing to the exact form: it is a whole number, or they are the same."""
+    return exact in (digits, digits.rstrip("0").rstrip("."))
 
 
 def _cut(digits: str) -> str:
