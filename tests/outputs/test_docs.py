@@ -26,7 +26,7 @@ def test_page_is_what_its_generator_writes() -> None:
     ("shown", "planted"),
     [
         ("\n3.69e-18\n", "\n3.68e-18\n"),
-        ("real limit       78 =", "real limit       60 ="),
+        ("real limit       78\n", "real limit       60\n"),
         ("| `tsitouras54` | 5 | 0 |", "| `tsitouras54` | 5 | 5 |"),
         ("-1/8; 1/4*sqrt(2)", "1/8; 1/4*sqrt(2)"),
     ],
