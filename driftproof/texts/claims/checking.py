@@ -66,18 +66,13 @@ def check_claims(document: Document, claims: Iterable[Claim]) -> list[CheckedCla
 
 def check_claim(document: Document, claim: Claim, spellings: Spellings) -> CheckedClaim:
     """The claim, whose values are spelled so, held to the text."""
-    found = occurrences_of(document, claim, spellings)
-    wrong = _surplus if len(found) > claim.count else _missing
-    findings = () if len(found) == claim.count else tuple(wrong(document, claim, spellings, found))
-    return CheckedClaim(claim, found, findings)
-
-
-def occurrences_of(document: Document, claim: Claim, spellings: Spellings) -> tuple[Occurrence, ...]:
-    """Everywhere that the phrase stands with its values, spelled so."""
-    return tuple(
+    found = tuple(
         Occurrence(*match.span(), tuple(match.span(name) for name in claim.phrase.names))
         for match in claim.phrase.exact(spellings, claim.ignore_case).finditer(document.text.text)
     )
+    wrong = _surplus if len(found) > claim.count else _missing
+    findings = () if len(found) == claim.count else tuple(wrong(document, claim, spellings, found))
+    return CheckedClaim(claim, found, findings)
 
 
 def _times(count: int) -> str:
@@ -123,12 +118,9 @@ def _missing(
 
 def _difference(document: Document, claim: Claim, expected: list[str], match: re.Match[str]) -> Finding:
     """The first number that is not as it should be."""
-    for i, (right, found) in enumerate(zip(expected, match.groups(), strict=True), 1):
-        if right != found:
-            place = document.position(match.start(i))
-            return Finding(claim.id, *place, right, found, f"expected {right}, found {found}")
-    message = f"{match[0]!r} is part of something longer here, or is spelled in another way"
-    return Finding(claim.id, *document.position(match.start()), match[0], match[0], message)
+    pairs = zip(expected, match.groups(), strict=True)
+    i, right, found = next((i, right, found) for i, (right, found) in enumerate(pairs, 1) if right != found)
+    return Finding(claim.id, *document.position(match.start(i)), right, found, f"expected {right}, found {found}")
 
 
 def _beginning(document: Document, written: str) -> tuple[Position, str]:
@@ -205,7 +197,10 @@ def coverage(
     holders += [(*span, RUN, "running the listing") for span in ran]
     holders += [(*span, LABEL, IN_PROGRAM) for span in document.code]
     numbers = [number for span, how in values.items() for number in _of_value(text, span, *how)]
-    numbers += _of_rest(_masked(text, values), holders)
+    rest = list(text)
+    for start, end in values:  # where these stand, signs of no number and no word, from Unicode's private use
+        rest[start:end] = "\uf8ff" * (end - start)
+    numbers += _of_rest("".join(rest), holders)
     held = set[int]()
     for start, end in {(start, end) for start, end, *_ in holders}.difference(unheld) | values.keys():
         held.update(range(start, end))
@@ -219,14 +214,6 @@ def _of_value(text: str, span: Span, kind: str, by: str) -> Iterator[Accounted]:
     for number in numbers_in(text[start:end]):
         if number.label is None:
             yield Accounted(replace(number, start=start + number.start, end=start + number.end), kind, by)
-
-
-def _masked(text: str, spans: Iterable[Span]) -> str:
-    """The text with signs of no number and no word, from Unicode's private use, where the values stand."""
-    characters = list(text)
-    for start, end in spans:
-        characters[start:end] = "\uf8ff" * (end - start)
-    return "".join(characters)
 
 
 def _of_rest(text: str, holders: list[tuple[int, int, str, str]]) -> Iterator[Accounted]:

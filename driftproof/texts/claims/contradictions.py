@@ -34,9 +34,7 @@ _COMPONENT = re.compile(r"(?:(?<![a-z])([qxvp])|(position)|(velocity))(?: is| of
 _ENDS = re.compile(r"[.;?!]\s|\n")
 # Longer than a sentence is not looked at.
 _LONGEST = 400
-_GIVEN = {
-    letter: re.compile(rf"(?<![a-z]){letter}\s?=\s?([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?![\w/])") for letter in "ht"
-}
+_GIVEN = {x: re.compile(rf"(?<![a-z]){x}\s?=\s?([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?![\w/])") for x in "ht"}
 
 
 def contradicted(question: str, text: str, start: int, end: int) -> bool:
@@ -74,29 +72,21 @@ def _denied(
     own: Sequence[int], other: Sequence[int], before: str, other_after: Sequence[int], own_after: Sequence[int]
 ) -> bool:
     """Where words of the value's own stand, and of others; those behind the number count where none stand before."""
-    if not own and not other:
-        return bool(other_after) and not own_after
     if not own:
-        return bool(other) and not own_after
-    return bool(other) and other[-1] > own[-1] and bool(re.search("[0-9]", _without_names(before[own[-1] : other[-1]])))
+        return bool(other or other_after) and not own_after
+    if not other or other[-1] < own[-1]:
+        return False
+    between = re.sub(r"[a-z]+[0-9]+", "", before[own[-1] : other[-1]])  # without numbers of names: RK4, k1, 3/8 rule
+    return bool(re.search("[0-9]", _spoken_names().sub("", between)))
 
 
 def _next_to(before: str, after: str) -> str:
     """The kind of count whose word stands nearest to the number, "" for none."""
-    gaps = [
-        (gap, kind)
-        for kind in _COUNTED.values()
-        for gap in (
-            *(len(before) - match.end() for match in re.finditer(rf"\b(?:{kind})\b", before)),
-            *_words(kind, after),
-        )
-    ]
-    return min(gaps)[1] if gaps else ""
-
-
-def _without_names(text: str) -> str:
-    """The text without the numbers that belong to names: RK4, k1, 3/8 rule."""
-    return _spoken_names().sub("", re.sub(r"[a-z]+[0-9]+", "", text))
+    gaps: list[tuple[int, str]] = []
+    for kind in _COUNTED.values():
+        gaps += [(len(before) - match.end(), kind) for match in re.finditer(rf"\b(?:{kind})\b", before)]
+        gaps += [(gap, kind) for gap in _words(kind, after)]
+    return min(gaps, default=(0, ""))[1]
 
 
 def _words(pattern: str, text: str) -> list[int]:
@@ -144,15 +134,7 @@ def _of_another(letter: str, head: str, before: str, after: str) -> bool:
     """Whether the sentence gives h, or t, another value than the question has."""
     said = _GIVEN[letter].findall(before)[-1:] or _GIVEN[letter].findall(after)[:1]
     asked = re.search(rf"(?<![a-z]){letter}=(\S+)", head)
-    own = asked[1] if asked else _of_id(letter, head)
-    try:
-        return bool(said and own) and Fraction(said[0]) != Fraction(own)
-    except ValueError:
-        return False
-
-
-def _of_id(letter: str, head: str) -> str:
-    """The h with which a published value is run, which is published, too; "" for none."""
     run = head.split(".")[-2:-1] if letter == "h" else []
-    known = published_values()
-    return str(known[f"{run[0]}.h"]["exact"]) if run and f"{run[0]}.h" in known else ""
+    published = published_values().get(f"{run[0]}.h") if run else None  # with which a published value is run
+    own = asked[1] if asked else str(published["exact"]) if published else ""
+    return bool(said and own) and Fraction(said[0]) != Fraction(own)

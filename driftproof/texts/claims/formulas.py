@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from itertools import product
 from math import prod
-from typing import NamedTuple
+from typing import Any
 
 from driftproof.methods.expression_tree import (
     CallNode,
@@ -33,13 +33,6 @@ _SIDE_BY_SIDE = re.compile(
 )
 
 
-class _Quotient(NamedTuple):
-    """A numerator over a denominator; neither is ever divided out. Of degrees it is the same with max and +."""
-
-    num: Fraction
-    den: Fraction
-
-
 def same_formula(a: str, b: str) -> bool:
     """Whether the two are one rational function of their names, exactly: n₁d₂ - n₂d₁ is the polynomial 0.
 
@@ -53,17 +46,18 @@ def same_formula(a: str, b: str) -> bool:
     names = sorted(_names(first) | _names(second))
     ranges = []
     for name in names:
-        one, other = _degrees(first, name), _degrees(second, name)
-        ranges.append(range(max(one[0] + other[1], other[0] + one[1]) + 1))
+        degrees = {each: _Degree(each == name) for each in names}
+        (n, d), (m, e) = (_at(formula, degrees, lambda _: _Degree(0)) for formula in (first, second))
+        ranges.append(range(int(n * e + m * d) + 1))
     if (count := prod(map(len, ranges))) > _MOST_POINTS:
         raise ValueError(f"the formulas are too long to compare: {count} points")
     defined = [False, False]
     for point in product(*ranges):
         values = dict(zip(names, map(Fraction, point), strict=True))
-        one_is, other_is = _at(first, values), _at(second, values)
-        if one_is.num * other_is.den != other_is.num * one_is.den:
+        (n, d), (m, e) = _at(first, values, Fraction), _at(second, values, Fraction)
+        if n * e != m * d:
             return False
-        defined = [defined[0] or one_is.den != 0, defined[1] or other_is.den != 0]
+        defined = [defined[0] or d != 0, defined[1] or e != 0]
     return all(defined)
 
 
@@ -88,51 +82,47 @@ def _names(node: ExpressionNode) -> set[str]:
     return set()
 
 
-def _degrees(node: ExpressionNode, name: str) -> tuple[int, int]:
-    """Bounds of the degrees of numerator and denominator in the name, as `_at` forms them."""
-    match node:
-        case NameNode(name=this):
-            return int(this == name), 0
-        case NegatedNode(node=inner):
-            return _degrees(inner, name)
-        case PowerNode(base=base, exponent=exponent):
-            num, den = _degrees(base, name)
-            n = abs(int(exponent))
-            return (num * n, den * n) if exponent >= 0 else (den * n, num * n)
-        case ChainNode(first=first, rest=rest):
-            num, den = _degrees(first, name)
-            for sign, part in rest:
-                a, b = _degrees(part, name)
-                if sign.text in "+-":
-                    num, den = max(num + b, a + den), den + b
-                else:
-                    num, den = (num + a, den + b) if sign.text == "*" else (num + b, den + a)
-            return num, den
-    return 0, 0
+class _Degree(int):
+    """A bound of the degree of what `_at` forms: that of a sum is the larger one, that of a product the sum."""
+
+    def __add__(self, other: int) -> _Degree:
+        return _Degree(max(self, other))
+
+    __sub__ = __add__
+
+    def __mul__(self, other: int) -> _Degree:
+        return _Degree(int(self) + int(other))
+
+    def __pow__(self, n: int) -> _Degree:  # type: ignore[override]
+        return _Degree(int(self) * n)
 
 
-def _at(node: ExpressionNode, values: Mapping[str, Fraction]) -> _Quotient:
-    """The value there; of no function, which `_names` has refused."""
+def _at(node: ExpressionNode, values: Mapping[str, Any], number: Callable[[Fraction], Any]) -> tuple[Any, Any]:
+    """Numerator and denominator there, neither ever divided out; numbers and degrees are formed alike.
+
+    Of no function, which `_names` has refused. Raises ValueError for a root.
+    """
     match node:
+        case NumberNode(value=value):
+            return number(value), number(Fraction(1))
         case NameNode(name=name):
-            return _Quotient(values[name], Fraction(1))
+            return values[name], number(Fraction(1))
         case NegatedNode(node=inner):
-            found = _at(inner, values)
-            return _Quotient(-found.num, found.den)
+            num, den = _at(inner, values, number)
+            return number(Fraction(-1)) * num, den
         case PowerNode(base=base, exponent=exponent):
             if exponent.denominator > 1:
                 raise ValueError("a root stands in it; only rational functions are compared")
-            num, den = _at(base, values)
+            num, den = _at(base, values, number)
             n = abs(int(exponent))
-            return _Quotient(num**n, den**n) if exponent >= 0 else _Quotient(den**n, num**n)
+            return (num**n, den**n) if exponent >= 0 else (den**n, num**n)
         case ChainNode(first=first, rest=rest):
-            num, den = _at(first, values)
+            num, den = _at(first, values, number)
             for sign, part in rest:
-                a, b = _at(part, values)
+                a, b = _at(part, values, number)
                 if sign.text in "+-":
-                    num, den = num * b + (a * den if sign.text == "+" else -a * den), den * b
+                    num, den = num * b + a * den if sign.text == "+" else num * b - a * den, den * b
                 else:
                     num, den = (num * a, den * b) if sign.text == "*" else (num * b, den * a)
-            return _Quotient(num, den)
-    assert isinstance(node, NumberNode)
-    return _Quotient(node.value, Fraction(1))
+            return num, den
+    raise AssertionError(node)

@@ -124,31 +124,24 @@ class Suggestions:
         except (ValueError, ZeroDivisionError):
             return []
         fits = self._fits(number)
-        digits = _telling_digits(re.split(r"[eE]| ?[×·]", number.text)[0])
+        digits = _digits(number.text, telling=True)
         spelled = re.sub(r" ?[×·] ?10\^\{?(-?[0-9]+)\}?", r"e\1", number.text.replace(",", "").lstrip("+"))
         spelled = re.sub(r"^(-?)\.", r"\g<1>0.", re.sub(r"[eE](-?)\+?0*(?=[0-9])", r"e\1", spelled))
         form, found = form_of(number), []
         for known in self._written(form).get(spelled, ()):
             fit, asked = fits[known.question], known.chosen is not None
             rivals = sum(fits[other.question] >= fit for other in self._known if (other.chosen is not None) >= asked)
-            strong = rivals * (_ODDS_OF_ASKED if asked else _ODDS) <= 9 * 10 ** (digits - 1) if digits else False
-            named = fit == len(known.names) + len(known.numbers)
-            strong = strong or (known.answer.exact == x and named and fit > (digits < 2 or not asked))
-            strong = strong and known.answer.evidence != GIVEN  # what a text of ours chose, another may choose, too
+            odds = _ODDS_OF_ASKED if asked else _ODDS
+            likely = digits > 0 and rivals * odds <= 9 * 10 ** (digits - 1)
+            named = fit == len(known.names) + len(known.numbers) and fit > (digits < 2 or not asked)
             # Roots of small numbers are no random digits; and what the sentence denies is not meant, however it looks.
-            strong = strong and (asked or fit > 0 or isinstance(known.answer.exact, Fraction))
+            near = asked or fit > 0 or isinstance(known.answer.exact, Fraction)
             denied = not asked and contradicted(known.question, self._lower, number.start, number.end)
-            strong = strong and not denied
-            order = (
-                not asked,
-                denied,
-                -fit,
-                known.answer.exact != x,
-                not known.published,
-                len(known.question),
-                known.question,
-            )
-            found.append((order, LookAlike(known.question, form, strong)))
+            # What a text of ours chose, another may choose, too.
+            chosen = known.answer.evidence == GIVEN
+            strong = (likely or (known.answer.exact == x and named)) and near and not (denied or chosen)
+            last = known.answer.exact != x, not known.published, len(known.question), known.question
+            found.append(((not asked, denied, -fit, *last), LookAlike(known.question, form, strong)))
         return [alike for _, alike in sorted(found, key=lambda pair: pair[0])]
 
     def nowhere(self) -> list[tuple[str, Answer]]:
@@ -164,12 +157,10 @@ class Suggestions:
     def _fits(self, number: TextNumber) -> dict[str, int]:
         """Of every value, how many of its names stand near the number, and of its numbers on the number's line."""
         near = self.text[max(0, number.start - _NEIGHBOURHOOD) : number.end + _NEIGHBOURHOOD].lower()
-        stand = {name for name in self._all_names if re.search(rf"(?<![a-z]){name}", near)}
+        stand = {name: bool(re.search(rf"(?<![a-z]){name}", near)) for known in self._known for name in known.names}
         line = self._beside(number) if self.asked else set()
-        return {
-            known.question: sum(name in stand for name in known.names) + sum(x in line for x in known.numbers)
-            for known in self._known
-        }
+        fit = lambda known: sum(stand[name] for name in known.names) + sum(x in line for x in known.numbers)
+        return {known.question: fit(known) for known in self._known}
 
     def _beside(self, number: TextNumber) -> set[Fraction]:
         """The other numbers of the line."""
@@ -186,10 +177,6 @@ class Suggestions:
                     lines[-1].append((at + number.start, number.value))
             at += len(line) + 1
         return lines
-
-    @cached_property
-    def _all_names(self) -> set[str]:
-        return {name for known in self._known for name in known.names}
 
     def _written(self, form: NumberForm) -> dict[str, list[_Known]]:
         """The values by their spellings in this form; one that cannot be written so, as a tie, is left out."""
@@ -211,13 +198,8 @@ class Suggestions:
         for question in (ids := published_values()) | dict.fromkeys(self._questions()):
             with suppress(ValueError):  # of a question that a method has no answer to
                 found.append(_Known(question, question in ids, value(question)))
-        return [
-            *found,
-            *(
-                _Known(question, False, _of_few_bits(value(question)), chosen)
-                for question, chosen in self.asked.items()
-            ),
-        ]
+        asked = self.asked.items()
+        return [*found, *(_Known(question, False, _of_few_bits(value(question)), chosen) for question, chosen in asked)]
 
     def _questions(self) -> Iterator[str]:
         sizes, times = _given(_H, self.text, _USUAL_STEPS)[:_MOST_SIZES], _given(_T, self.text, ("10",))[:_MOST_TIMES]
@@ -263,15 +245,15 @@ def form_of(number: TextNumber) -> NumberForm:
     if "/" in number.text:
         return NumberForm(exact=True)
     if number.places is None:
-        return NumberForm(digits=max(1, _digits(re.split(r"[eE]| ?[×·]", number.text)[0])))
+        return NumberForm(digits=max(1, _digits(number.text)))
     return NumberForm(places=number.places or None)
 
 
-def _digits(text: str) -> int:
-    """How many digits it has from the first that is not 0."""
-    return len(re.sub(r"[^0-9]", "", text).lstrip("0"))
+def _digits(text: str, telling: bool = False) -> int:
+    """How many digits it has from the first that is not 0, without those of an exponent.
 
-
-def _telling_digits(text: str) -> int:
-    """How many of them tell a number drawn at random: 4.000 is a round number, which is likelier than one in 9000."""
-    return _digits(re.sub(r"(?<=\.)0$|00+$", "", text) if "." in text else text)
+    With `telling` those that tell a number drawn at random: 4.000 is a round number, which is likelier than 1 in 9000.
+    """
+    mantissa = re.split(r"[eE]| ?[×·]", text)[0]
+    mantissa = re.sub(r"(?<=\.)0$|00+$", "", mantissa) if telling and "." in mantissa else mantissa
+    return len(re.sub(r"[^0-9]", "", mantissa).lstrip("0"))

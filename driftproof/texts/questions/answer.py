@@ -55,9 +55,12 @@ class Answer(Printable):
         """The double nearest to the number. Raises QuestionError for what is no number."""
         from driftproof.symbolic.algebra.certified import decide_by_enclosure
 
+        return decide_by_enclosure(self._number(), float)
+
+    def _number(self) -> CertifiableReal:
         if self.exact is None:
-            raise QuestionError(self.question, 1, f"{self.exact_text} is no number")
-        return decide_by_enclosure(self.exact, float)
+            raise QuestionError(self.question, 1, f"{self.exact_text} is no number and has no decimals")
+        return self.exact
 
     @property
     def is_number(self) -> bool:
@@ -115,12 +118,11 @@ class Answer(Printable):
         return markup.formula(text, write)
 
     def _decimal(self, write: Callable[[CertifiableReal, int, Style, str | None], str], n: int, style: Style) -> str:
-        if self.exact is None:
-            raise QuestionError(self.question, 1, f"{self.exact_text} is no number and has no decimals")
+        x = self._number()
         if n > LONGEST_DECIMAL:
             raise QuestionError(self.question, 1, f"{n} digits are asked for; at most {LONGEST_DECIMAL}")
         try:
-            return write(self.exact, n, style, AWAY if self.is_bound else None)
+            return write(x, n, style, AWAY if self.is_bound else None)
         except Tie as tie:
             raise AmbiguousRounding(self.question, 1, str(tie)) from None
         except (ValueError, ArithmeticError) as error:
@@ -178,7 +180,9 @@ class OutputOptions:
 def format_answer(answer: Answer, options: OutputOptions, form: str) -> str:
     """The answer as text, json, tex, mathml or md. Raises what the methods of Answer raise."""
     if form == "json":
-        return _as_json(answer, options)
+        decimal = options.decimal(answer) if answer.is_number or options.names_a_length else None
+        said = {"question": answer.question, "exact": answer.exact_text, "decimal": decimal}
+        return as_json({**said, "rounding": options.rounding(answer), "unit": answer.unit, "evidence": answer.evidence})
     if form in ("tex", "mathml"):
         write = answer.tex if form == "tex" else answer.mathml
         return write(digits=options.digits, places=options.places, style=options.style)
@@ -198,16 +202,3 @@ def _as_text(answer: Answer, options: OutputOptions) -> str:
     exactly = f", exactly {exact}" if exact and len(exact) <= markup.LONGEST_IN_TEXT else ""
     remark = f"; {answer.remark}" if answer.remark else ""
     return f"{shown}{unit}{exactly}  ({answer.evidence}{remark})"
-
-
-def _as_json(answer: Answer, options: OutputOptions) -> str:
-    return as_json(
-        {
-            "question": answer.question,
-            "exact": answer.exact_text,
-            "decimal": options.decimal(answer) if answer.is_number or options.names_a_length else None,
-            "rounding": options.rounding(answer),
-            "unit": answer.unit,
-            "evidence": answer.evidence,
-        }
-    )

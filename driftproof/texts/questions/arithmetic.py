@@ -99,11 +99,13 @@ def _root(a: Answer, degree: int) -> Answer:
     return _enclosed(a, arb.sqrt if degree == 2 else lambda ball: ball ** (arb(1) / degree))
 
 
-def _logarithm(a: Answer, base: int) -> Answer:
-    """The logarithm to the base 2 or 10, rational where a is a power of it. Raises ValueError unless a > 0."""
+def _logarithm(a: Answer, base: int = 0) -> Answer:
+    """The logarithm to the base 2 or 10, rational where a is a power of it, or to e. Raises ValueError for a <= 0."""
     x = _pure(a)
     if certified_sign(x) <= 0:
         raise ValueError("only a number above zero has a logarithm")
+    if not base:
+        return Answer("", Fraction(0), a.evidence) if x == 1 else _enclosed(a, arb.log, "log")
     if isinstance(x, Fraction) and 1 in (x.numerator, x.denominator):
         size = max(x.numerator, x.denominator)
         # log10(2) = 0.30103: off by less than 1 for every number that is not refused as too long.
@@ -114,24 +116,9 @@ def _logarithm(a: Answer, base: int) -> Answer:
     return _enclosed(a, lambda ball: ball.log() / arb(base).log())
 
 
-def _trigonometric(a: Answer, name: str) -> Answer:
-    """cos a or sin a, a in radians."""
-    if _pure(a) == 0:
-        return Answer("", Fraction(1), a.evidence) if name == "cos" else a
-    return _enclosed(a, arb.cos if name == "cos" else arb.sin, name)
-
-
-def _exponential(a: Answer) -> Answer:
-    """e**a."""
-    return Answer("", Fraction(1), a.evidence) if _pure(a) == 0 else _enclosed(a, arb.exp, "exp")
-
-
-def _natural_logarithm(a: Answer) -> Answer:
-    """The logarithm to the base e. Raises ValueError unless a > 0."""
-    x = _pure(a)
-    if certified_sign(x) <= 0:
-        raise ValueError("only a number above zero has a logarithm")
-    return Answer("", Fraction(0), a.evidence) if x == 1 else _enclosed(a, arb.log, "log")
+def _entire(a: Answer, name: str, at_zero: int) -> Answer:
+    """exp a, cos a or sin a, a in radians, which is rational at 0 alone."""
+    return Answer("", Fraction(at_zero), a.evidence) if _pure(a) == 0 else _enclosed(a, getattr(arb, name), name)
 
 
 def _percent(a: Answer, b: Answer) -> Answer:
@@ -146,13 +133,13 @@ def _percent(a: Answer, b: Answer) -> Answer:
 NUMBER_FUNCTIONS: dict[str, tuple[Callable[..., Answer], int]] = {
     "abs": (_absolute, 1),
     "sqrt": (lambda a: _root(a, 2), 1),
-    "exp": (_exponential, 1),
-    "ln": (_natural_logarithm, 1),
-    "log": (_natural_logarithm, 1),
+    "exp": (lambda a: _entire(a, "exp", 1), 1),
+    "ln": (_logarithm, 1),
+    "log": (_logarithm, 1),
     "log2": (lambda a: _logarithm(a, 2), 1),
     "log10": (lambda a: _logarithm(a, 10), 1),
-    "cos": (lambda a: _trigonometric(a, "cos"), 1),
-    "sin": (lambda a: _trigonometric(a, "sin"), 1),
+    "cos": (lambda a: _entire(a, "cos", 1), 1),
+    "sin": (lambda a: _entire(a, "sin", 0), 1),
     "ratio": (lambda a, b: _divide(_absolute(a), _absolute(b)), 2),
     "percent": (_percent, 2),
 }

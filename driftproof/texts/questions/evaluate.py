@@ -206,9 +206,9 @@ def _exact(context: QueryContext) -> Answer:
 
 
 def _roundoff(context: QueryContext) -> Answer:
-    from driftproof.texts.questions.bounds import bound
+    from driftproof.texts.questions.runs import rounding_bound
 
-    return bound(context)
+    return rounding_bound(context)
 
 
 def _fact(context: QueryContext) -> Answer:
@@ -232,10 +232,9 @@ def vocabulary() -> str:
     """Every name that a question may use: readouts, facts, functions, families and ids, a line or more for each."""
     from driftproof.methods.families import FAMILIES
     from driftproof.texts.questions.arithmetic import CONSTANTS, NUMBER_FUNCTIONS
-    from driftproof.texts.questions.bounds import BOUND_ENTRIES, GROWTH, OF_STATE
     from driftproof.texts.questions.facts import FACT_NAMES
     from driftproof.texts.questions.problems import PROBLEM_READOUTS
-    from driftproof.texts.questions.runs import EXACT_READOUTS, RUN_READOUTS, UNITS
+    from driftproof.texts.questions.runs import BOUND_ENTRIES, EXACT_READOUTS, RUN_READOUTS, UNITS
     from driftproof.texts.values.published import published_values
 
     parts = {
@@ -243,7 +242,7 @@ def vocabulary() -> str:
         "readouts of exact": [*EXACT_READOUTS],
         "readouts on a problem": [*PROBLEM_READOUTS],
         "readouts with lambda": ["y", "exact.y", "state_error", "relative_error", "steps"],
-        "readouts of roundoff": [*OF_STATE, *BOUND_ENTRIES, GROWTH],
+        "readouts of roundoff": [*"qv", *BOUND_ENTRIES, "c"],
         "units of phase_error": [*UNITS],
         "facts": [*FACT_NAMES],
         "functions and constants": [*NUMBER_FUNCTIONS, *CONSTANTS],

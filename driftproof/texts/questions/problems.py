@@ -260,8 +260,6 @@ def problem_of_name(name: str) -> FieldAndStart:
             raise ValueError('function is Python code, which no question runs; write its rates, as in rates = ["-y0"]')
         rates = field_of_table(table)
         start = tuple(parse_rational(str(x), f"start[{i}]") for i, x in enumerate(start_of_table(table)))
-        if len(start) != len(rates.rates):
-            raise ValueError(f"start has {len(start)} entries, {len(rates.rates)} are needed")
         return rates, start, tuple(table["rates"]) if isinstance(table["rates"], dict) else ()
 
     return read_toml(name, LONGEST_PROBLEM, read)

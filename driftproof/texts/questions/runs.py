@@ -1,4 +1,4 @@
-"""Answers about steps, runs and the exact flow of the oscillator: what may be read out of them, by name."""
+"""Answers about steps, runs, rounding and the exact flow of the oscillator: what may be read out of them, by name."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from driftproof.symbolic.algebra.rational_functions import polynomial_text, sum_
 from driftproof.symbolic.runs import OscillatorRun, exact_flow
 from driftproof.texts.questions.answer import CERTIFIED, COUNTED, PROVED, Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
+from driftproof.texts.questions.query_context import START_AT_REST, QueryContext
 
 _State = tuple[Fraction, Fraction]
 
@@ -105,15 +106,12 @@ def stage_slope(run: OscillatorRun, readout: str) -> Answer | None:
         raise ValueError(f"{method.key} has no slopes k1, k2, ...; explicit Runge-Kutta methods have")
     if number > method.stages:
         raise ValueError(f"{method.key} has the slopes k1 to k{method.stages}")
-    return _of(_slopes(method, run.h, run.start, number)[number - 1]["qv".index(named[2])])
-
-
-def _slopes(method: RungeKutta, h: Fraction, start: _State, number: int) -> list[tuple[Coefficient, Coefficient]]:
     slopes: list[tuple[Coefficient, Coefficient]] = []
     for row in method.a[:number]:
-        q, v = (start[i] + h * sum((a * k[i] for a, k in zip(row, slopes, strict=False)), Fraction(0)) for i in (0, 1))
+        sums = (sum((a * k[i] for a, k in zip(row, slopes, strict=False)), Fraction(0)) for i in (0, 1))
+        q, v = (x + run.h * total for x, total in zip(run.start, sums, strict=True))
         slopes.append((v, -q))
-    return slopes
+    return _of(slopes[-1]["qv".index(named[2])])
 
 
 def in_unit(angle: Answer, unit: str) -> Answer:
@@ -160,3 +158,50 @@ def run_of(method: Method, h: Fraction, t: Fraction, start: _State) -> Oscillato
         raise ValueError("more than 10**18 steps are asked for; at most that many are taken")
     _ = run.final_state  # a pole is refused here, and not where digits are asked for
     return run
+
+
+# What a rounding bound is of: the entries of E(h) by row and column, the components of a state, the growth of a step.
+BOUND_ENTRIES = {"qq": (0, 0), "qv": (0, 1), "vq": (1, 0), "vv": (1, 1)}
+BOUND_READOUTS = (*BOUND_ENTRIES, "q", "v", "c")
+
+
+def rounding_bound(context: QueryContext) -> Answer:
+    """Answers `roundoff METHOD h=1/4 [sharp] [from q,v] : READOUT` with a number that bounds a rounding error, over u.
+
+    qq, qv, vq and vv are the entries of E(h) in |dz| <= E(h)|z| + r(h); q and v are |dq| and |dv| from the start, r
+    included; c is the growth per step in the step's own norm. h and the start are rounded to the nearest doubles. All
+    of it holds for states from which nothing in the step overflows; a start that may overflow is refused.
+    """
+    from driftproof.numeric.steppers import hand_written
+    from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound
+    from driftproof.symbolic.rounding.formats import BINARY64
+    from driftproof.symbolic.rounding.n_steps_bound import largest_safe_state, run_bound, safe_state_text
+    from driftproof.symbolic.rounding.step_bound import step_bound
+
+    context.demand_only("h", start=True, words=("sharp",), readout=True)
+    h, method = context.setting("h", "h=1/4"), context.method()
+    readout = context.readout(dict(zip(BOUND_READOUTS, BOUND_READOUTS, strict=True)))
+    with context.refused():
+        h = BINARY64.nearest(h)
+        if h == 0:
+            raise ValueError("a step of size 0 goes nowhere; give a nonzero h")
+        subject = hand_written(method) or method
+        start = BINARY64.nearest(context.start[0]), BINARY64.nearest(context.start[1])
+        if max(map(abs, start)) > (safe := largest_safe_state(subject, h)):
+            raise ValueError(
+                f"the step may overflow from q = {float(start[0])!r}, v = {float(start[1])!r}, where no bound holds; "
+                f"nothing overflows for |q|, |v| <= {safe_state_text(safe)}"
+            )
+        sharp = "sharp" in context.query.words
+        if readout == "c":
+            found = run_bound(subject, h, 1, START_AT_REST, BINARY64).growth
+        elif readout in BOUND_ENTRIES:
+            row, column = BOUND_ENTRIES[readout]
+            bound = fixed_step_bound(subject, h).linear if sharp else step_bound(subject).at(h)
+            found = bound.error[row][column]
+        else:
+            of_state = (
+                fixed_step_bound(subject, h).error_of(*start) if sharp else step_bound(subject).error_of(h, *start)
+            )
+            found = of_state["qv".index(readout)]
+        return Answer("", found / BINARY64.u, unit="u", is_bound=True)
