@@ -117,7 +117,6 @@ def _missing(
 
 
 def _difference(document: Document, claim: Claim, expected: list[str], match: re.Match[str]) -> Finding:
-    """The first number that is not as it should be."""
     pairs = zip(expected, match.groups(), strict=True)
     i, right, found = next((i, right, found) for i, (right, found) in enumerate(pairs, 1) if right != found)
     return Finding(claim.id, *document.position(match.start(i)), right, found, f"expected {right}, found {found}")

@@ -116,7 +116,10 @@ def _claims(table: TomlTable) -> Claims:
         raise ValueError(f"claim {twice!r} stands in it twice")
     labels = tuple(_label(entry, i) for i, entry in enumerate(_entries(table, "label"), 1))
     form = toml.as_choice(text["format"], "format of text", READERS) if "format" in text else None
-    return Claims(claims, labels, form, _share(text.get("coverage", "0%")))
+    share = re.fullmatch(r"([0-9]{1,3}(?:\.[0-9]{1,3})?) ?%", str(text.get("coverage", "0%")))
+    if share is None or Fraction(share[1]) > 100:
+        raise ValueError('coverage of text is a percentage, like "95%"')
+    return Claims(claims, labels, form, Fraction(share[1]) / 100)
 
 
 def _entries(table: TomlTable, name: str) -> list[TomlTable]:
@@ -126,19 +129,12 @@ def _entries(table: TomlTable, name: str) -> list[TomlTable]:
     return found
 
 
-def _share(found: object) -> Fraction:
-    match = re.fullmatch(r"([0-9]{1,3}(?:\.[0-9]{1,3})?) ?%", found) if isinstance(found, str) else None
-    if match is None or Fraction(match[1]) > 100:
-        raise ValueError('coverage of text is a percentage, like "95%"')
-    return Fraction(match[1]) / 100
-
-
 def _claim(entry: TomlTable, number: int) -> Claim:
     key = toml.as_line(entry.get("id"), f"id of claim {number}", _LONGEST_NAME)
     with _refused_in(f"claim {key!r}"):
         toml.demand_keys(entry, ("id", "phrase", "value", "values", "count", "given", "ignore_case", *_FORM), "a claim")
         phrase, given = _phrase(entry), entry.get("given")
-        if not (given is None or given is True or (isinstance(given, str) and 0 < len(given) <= _LONGEST_NAME)):
+        if not (given is None or given is True or _is_text(given, _LONGEST_NAME)):
             raise ValueError("given is true, or says in a few words why the numbers of the phrase are")
         values = _values(entry, phrase)
         if phrase.free_numbers and given is None:
@@ -154,10 +150,13 @@ def _claim(entry: TomlTable, number: int) -> Claim:
 def _label(entry: TomlTable, number: int) -> NumberLabel:
     with _refused_in(f"label {number}"):
         toml.demand_keys(entry, ("phrase", "why"), "a label")
-        why = entry.get("why")
-        if not isinstance(why, str) or not 0 < len(why) <= _LONGEST_NAME:
+        if not _is_text(entry.get("why"), _LONGEST_NAME):
             raise ValueError("why says in a few words what its numbers are")
-        return NumberLabel(_phrase(entry), why)
+        return NumberLabel(_phrase(entry), entry["why"])
+
+
+def _is_text(found: object, longest: int) -> bool:
+    return isinstance(found, str) and 0 < len(found) <= longest
 
 
 def _phrase(entry: TomlTable) -> Phrase:
@@ -189,7 +188,7 @@ def _expected(value: Any, default: TomlTable) -> Expected:
     toml.demand_keys(entry, ("ask", "given", "written", *_FORM), "a value")
     question, given = entry.get("ask"), entry.get("given")
     if "given" in entry:
-        spelled = canonical_text(given.strip()) if isinstance(given, str) and len(given) <= _LONGEST_NAME else ""
+        spelled = canonical_text(given.strip()) if _is_text(given, _LONGEST_NAME) else ""
         if len(entry) > 1 or [number.text for number in numbers_in(spelled)] != [spelled]:
             raise ValueError("given is one number as a text, as it stands in the phrase, and has no form")
         return Expected(None, spelled, NumberForm())
@@ -197,7 +196,7 @@ def _expected(value: Any, default: TomlTable) -> Expected:
         raise ValueError("a question is a text")
     written = entry.get("written")
     if written is not None:
-        if not (isinstance(written, str) and 0 < len(written) <= LONGEST_PHRASE):
+        if not _is_text(written, LONGEST_PHRASE):
             raise ValueError("written is a formula as it stands in the text")
         return Expected(question, None, NumberForm(exact=True), canonical_text(written.strip()))
     return Expected(question, None, _form(entry if set(entry) & {*_FORM} - {"rounding"} else {**default, **entry}))

@@ -116,7 +116,6 @@ def _flat(text: str) -> str:
 
 @cache
 def _names() -> dict[str, set[str]]:
-    """The methods of each name."""
     found: dict[str, set[str]] = {}
     for key, method in (*METHODS.items(), *FACTS_ONLY.items()):
         for name in (key, key.replace("_", " "), method.title, *also_known_as(key)):

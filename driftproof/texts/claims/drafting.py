@@ -48,6 +48,12 @@ class _Member:
     alike: list[LookAlike]
     setting: int | None
 
+    @classmethod
+    def of(cls, number: TextNumber, suggestions: Suggestions, text: str) -> _Member:
+        start = max(0, number.start - _LONGEST_SETTING)
+        found = _SETTING.search(text[start : number.start].replace("\n", " "))
+        return cls(number, suggestions.of(number), start + found.start() if found else None)
+
     @property
     def strong(self) -> bool:
         return bool(self.alike) and self.alike[0].strong
@@ -78,8 +84,7 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     """
     text = document.text.text
     suggestions, search = Suggestions(text, asked), _Search(text)
-    numbers = (number for number in search.numbers if number.label is None)
-    members = [_Member(number, suggestions.of(number), _setting_before(text, number)) for number in numbers]
+    members = [_Member.of(number, suggestions, text) for number in search.numbers if number.label is None]
     code = {at for span in document.code for at in range(*span)}
     left_out = sum(member.number.start in code and not member.strong for member in members)
     members = [member for member in members if member.number.start not in code or member.strong]
@@ -103,14 +108,14 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
                 place = asked or phrase
                 named[place] += 1
                 place += f" ({named[place]})" if named[place] > 1 else ""
-            lines = [f"id = {_quoted(place)}", f"phrase = {_quoted(phrase)}"]
+            lines = ["[[claim]]", f"id = {_quoted(place)}", f"phrase = {_quoted(phrase)}"]
             lines += [f"count = {len(stands)}"] if len(stands) > 1 else []
             if part[0].chosen:
-                lines = ["[[claim]]", *lines, 'given = "the text chooses it"']
+                lines += ['given = "the text chooses it"']
             elif part[0].strong:
-                lines = ["[[claim]]", *lines, *_values(part)]
+                lines += _values(part)
             else:
-                lines = [f"# {line}" for line in ("TODO", "[[claim]]", *lines, 'given = "TODO: why"')]
+                lines = [f"# {line}" for line in ("TODO", *lines, 'given = "TODO: why"')]
             remarks = dict.fromkeys(member.remark() for member in part)
             drafted.append("".join([*remarks, *(f"{line}\n" for line in lines)]))
     nowhere = [f"#   {question}, {answer.digits(_SHOWN_DIGITS)}\n" for question, answer in suggestions.nowhere()]
@@ -216,13 +221,6 @@ class _Search:
         return self._alike[shape]
 
 
-def _setting_before(text: str, number: TextNumber) -> int | None:
-    """Where the setting begins that the number is given to."""
-    start = max(0, number.start - _LONGEST_SETTING)
-    found = _SETTING.search(text[start : number.start].replace("\n", " "))
-    return start + found.start() if found else None
-
-
 def _names(group: _Group) -> list[str]:
     return ["value"] if len(group) == 1 else [chr(ord("a") + i) for i in range(len(group))]
 
@@ -246,5 +244,4 @@ def _form(form: NumberForm) -> list[str]:
 
 
 def _quoted(text: str) -> str:
-    """A TOML string."""
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -83,32 +83,22 @@ def _with_output(program: SourceText, following: Sequence[Block]) -> Listing:
     outputs = [block.text for block in takewhile(lambda block: block.kind == OUTPUT, following)]
     if outputs:
         return Listing(program.text, program.origin(0), joined(outputs), shows=True)
-    room, printed = _MOST_PROSE, None
-    for block in following:
-        if block.kind == LISTING:
-            printed = block.text if block.language in OF_OUTPUT else None
-            break
-        room -= len(block.text.text)
-        if room < 0:
-            break
-    return Listing(program.text, program.origin(0), printed)
+    prose = [block.text.text for block in takewhile(lambda block: block.kind != LISTING, following)]
+    next_one = following[len(prose)] if len(prose) < len(following) else None
+    shows = next_one and next_one.language in OF_OUTPUT and sum(map(len, prose)) <= _MOST_PROSE
+    return Listing(program.text, program.origin(0), next_one.text if next_one and shows else None)
 
 
 def _under_headings(text: SourceText) -> Iterator[Listing]:
     done = 0
     for heading in _HEADING.finditer(text.text):
-        start = _listing_start(text.text, done, heading.start())
+        starts = [match.start() for match in _FIRST_LINE.finditer(text.text, done, heading.start())][-_MOST_TRIES:]
+        start = next((at for at in starts if _is_python(text.text[at : heading.start()])), None)
         body = re.compile(r"\n*(?P<lines>(?:[^\n]*\S[^\n]*(?:\n|\Z))+)").match(text.text, heading.end())
         if start is not None and body:
             done = body.end()
             printed = text[slice(*body.span("lines"))]
             yield Listing(text.text[start : heading.start()], text.origin(start), printed)
-
-
-def _listing_start(text: str, first: int, end: int) -> int | None:
-    """The start of the longest Python program between `first` and `end` that ends there, None if there is none."""
-    starts = [match.start() for match in _FIRST_LINE.finditer(text, first, end)][-_MOST_TRIES:]
-    return next((at for at in starts if _is_python(text[at:end])), None)
 
 
 def _is_python(text: str) -> bool:
@@ -124,14 +114,12 @@ def run_listings(document: Document, time_limit: float = 10.0) -> Ran:
     """Every Python listing of the text run, in order, in one process, within `time_limit` seconds together."""
     found = listings_in(document)
     outcomes = _outcomes(found, time_limit) if found else []
-    findings: list[Finding] = []
-    spans: list[Span] = []
-    for number, (listing, outcome) in enumerate(zip(found, outcomes, strict=True), 1):
-        wrong = _compared(document, f"listing {number}", listing, outcome)
-        findings += [wrong] if wrong else []
-        if not wrong and listing.printed is not None:
-            spans.append(document.span(listing.printed))
-    return Ran(tuple(findings), len(found), tuple(spans))
+    compared = [
+        (listing, _compared(document, f"listing {number}", listing, outcome))
+        for number, (listing, outcome) in enumerate(zip(found, outcomes, strict=True), 1)
+    ]
+    spans = (document.span(one.printed) for one, wrong in compared if one.printed is not None and not wrong)
+    return Ran(tuple(wrong for _, wrong in compared if wrong), len(found), tuple(spans))
 
 
 def _outcomes(found: Sequence[Listing], time_limit: float) -> list[dict[str, Any]]:

@@ -17,6 +17,7 @@ from driftproof.texts.claims.drafting import draft
 from driftproof.texts.claims.listings import Ran, run_listings
 from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.readers.document import Document, read_document
+from driftproof.texts.readers.number_words import TextWord
 from driftproof.texts.readers.numbers import TextNumber
 
 # Characters of the text that are shown on each side of a number, and the values that are named of those it looks like.
@@ -86,17 +87,19 @@ class TextReport(Printable):
             "findings": [vars(finding) for finding in self.findings],
             "listings": self.ran.count if self.ran else None,
             "coverage": {**self.coverage.counts, "share": _percent(self.coverage.share)},
-            "numbers": [self._number_as_dict(accounted) for accounted in self.coverage.numbers],
-            "words": [{"text": w.text, **self.document.position(w.start)._asdict()} for w in self.coverage.unread],
+            "numbers": [self._accounted(one) for one in self.coverage.numbers],
+            "words": [self._placed(word) for word in self.coverage.unread],
         }
 
-    def _number_as_dict(self, accounted: Accounted) -> dict[str, Any]:
-        number, kind = accounted.number, accounted.kind
-        entry = {"text": number.text, "kind": kind, **self.document.position(number.start)._asdict()}
-        if accounted.by:
-            return {**entry, "by": accounted.by}
-        alike = {"looks_like": [one.question for one in self.suggestions.of(number)]} if self.suggestions else {}
-        return {**entry, "context": self._context(number), **alike}
+    def _placed(self, found: TextNumber | TextWord) -> dict[str, Any]:
+        return {"text": found.text, **self.document.position(found.start)._asdict()}
+
+    def _accounted(self, one: Accounted) -> dict[str, Any]:
+        entry = {**self._placed(one.number), "kind": one.kind}
+        if one.by:
+            return {**entry, "by": one.by}
+        alike = {"looks_like": [each.question for each in self.suggestions.of(one.number)]} if self.suggestions else {}
+        return {**entry, "context": self._context(one.number), **alike}
 
     def _lines(self) -> Iterator[str]:
         for finding in self.findings:
@@ -126,8 +129,9 @@ class TextReport(Printable):
 
     def _suggested(self) -> Iterator[tuple[TextNumber, str]]:
         """Every number that no claim covers, where suggestions are asked for, and what it looks like."""
-        for number in self.coverage.uncovered if self.suggestions else ():
-            assert self.suggestions is not None
+        if self.suggestions is None:
+            return
+        for number in self.coverage.uncovered:
             alike = [one.question for one in self.suggestions.of(number)]
             more = f" and {len(alike) - _MOST_NAMED} more" if len(alike) > _MOST_NAMED else ""
             yield number, f"; looks like {', '.join(alike[:_MOST_NAMED])}{more}" if alike else ""
@@ -189,10 +193,8 @@ def claims_beside(text: str | Path) -> Path:
     """Where the claims of a text are, unless another file is named. Raises ValueError where none are."""
     path = Path(f"{text}.claims.toml")
     if not path.is_file():
-        draft = f"draft them with: driftproof check {text} --init > {path}"
-        raise ValueError(
-            f"a text is held to its claims, --claims FILE or {path.name}; where there are none yet, {draft}"
-        )
+        draft = f"where there are none yet, draft them with: driftproof check {text} --init > {path}"
+        raise ValueError(f"a text is held to its claims, --claims FILE or {path.name}; {draft}")
     return path
 
 

@@ -163,7 +163,6 @@ class Suggestions:
         return {known.question: fit(known) for known in self._known}
 
     def _beside(self, number: TextNumber) -> set[Fraction]:
-        """The other numbers of the line."""
         return {x for start, x in self._lines[self.text.count("\n", 0, number.start)] if start != number.start}
 
     @cached_property

@@ -80,7 +80,6 @@ def _number(a: Answer) -> CertifiableReal:
 
 
 def _absolute(a: Answer) -> Answer:
-    """|a|."""
     return negate(a) if certified_sign(_number(a)) < 0 else a
 
 

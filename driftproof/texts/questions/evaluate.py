@@ -84,7 +84,6 @@ def _published(node: NameNode, question: str) -> Answer:
 
 
 def _call(node: CallNode, question: str) -> Answer:
-    """A function of numbers."""
     from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
 
     name = node.function

@@ -182,7 +182,6 @@ class _QuestionParser(ExpressionParser):
         return name._replace(text=FACT_WORDS.get(text, text or "run"))
 
     def _nothing(self, name: Token) -> str:
-        """That what stands before a method, or a word such as "of", cannot be asked."""
         after = takewhile(lambda token: token.kind == NAME and token.text not in SAY_NOTHING, self.tokens[self.at :])
         words = [name.text, *(token.text for token in after if not keys_of_name(token.text))]
         hint = did_you_mean("_".join(words), (*_HEADS, *sorted(names_that_ask())))
@@ -210,7 +209,6 @@ class _QuestionParser(ExpressionParser):
         return {**parts, "rates": rates, "start": start or None, "unknowns": names}
 
     def part(self, token: Token, parts: dict[str, Any]) -> None:
-        """One part between head and readout."""
         after = self._after(self.at)
         key = {"at": "at", "from": "start"}.get(token.text, "subject")
         if token.kind == NUMBER:
@@ -310,7 +308,6 @@ class _QuestionParser(ExpressionParser):
         found[key] = read()
 
     def start(self) -> tuple[Fraction, ...]:
-        """A state: of the oscillator position,velocity."""
         found = [self.literal("start")]
         while self.accept(","):
             found.append(self.literal("start"))

@@ -69,7 +69,6 @@ class _Page:
     first_cell: bool = True
 
     def blocks(self) -> list[Block]:
-        """Its prose and its preformatted text, in order."""
         done = 0
         for match in _TOKEN.finditer(self.source.text):
             self.keep(done, match.start())
@@ -83,22 +82,18 @@ class _Page:
         return self.done
 
     def keep(self, start: int, stop: int) -> None:
-        """Text between two tags."""
         if not self.hidden and start < stop:
             self.pieces.append(self.source[start:stop])
 
     def write(self, text: str, index: int) -> None:
-        """Text that a tag stands for."""
         if not self.hidden and text:
             self.pieces.append(Insertion(text, self.source.origin(index)))
 
     def finish(self) -> None:
-        """End the present block."""
         self.done.append(Block(LISTING if self.listing else PROSE, joined(self.pieces), self.language * self.listing))
         self.pieces = []
 
     def tag(self, name: str, attributes: str, ends: bool, index: int) -> None:
-        """A tag is met."""
         if self.hidden:
             self.hidden_depth += 0 if name != self.hidden or attributes.endswith("/") else -1 if ends else 1
             self.hidden = self.hidden if self.hidden_depth else ""
@@ -108,7 +103,6 @@ class _Page:
             self.opened(name, attributes, index)
 
     def opened(self, name: str, attributes: str, index: int) -> None:
-        """A start tag."""
         found = _CLASS.search(attributes)
         classes = next((group for group in found.groups() if group), "") if found else ""
         if name in _HIDDEN or any(repeating in classes for repeating in _REPEATING):
@@ -133,7 +127,6 @@ class _Page:
             self.bracket("(", name, index)
 
     def closed(self, name: str, index: int) -> None:
-        """An end tag."""
         if name == "pre" and self.listing:
             self.finish()
             self.listing, self.language = False, ""

@@ -147,7 +147,6 @@ def _code_and_mathematics_shielded(text: SourceText) -> SourceText:
 
 
 def _inside(match: re.Match[str]) -> Iterable[Piece]:
-    """What stands between the marks."""
     return [match.span("b" if match["a"] is None else "a")]
 
 

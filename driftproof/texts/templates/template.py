@@ -49,7 +49,6 @@ class Template:
             raise self._problem(error) from None
 
     def _problem(self, error: Exception) -> TemplateProblem:
-        """The error at its place in the template, where it has one."""
         place = self._place(error)
         if place is None:
             return TemplateProblem(f"{self.loader.template}: {_in_words(error)}")

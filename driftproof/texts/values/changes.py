@@ -223,7 +223,6 @@ def _shown(leaf: Any) -> str | None:
 
 
 def _cut(text: str | None) -> str:
-    """The text in one line, both ends of it where it is long."""
     shown = "nothing" if text is None else " ".join(text.split()) or '""'
     parts = (part if len(part) <= _LONGEST_TEXT else f"{part[:18]}...{part[-18:]}" for part in shown.split(" = "))
     return " = ".join(parts)

@@ -73,7 +73,6 @@ class _Text:
     """Facts in plain text; `_Tex` writes forms, decimals, functions, intervals and matrices in another way."""
 
     def of(self, value: Any) -> str:
-        """A fact, or what facts consist of."""
         for kinds, method in _BY_TYPE:
             if isinstance(value, kinds):
                 return str(getattr(self, method)(value))
@@ -88,7 +87,6 @@ class _Text:
         return ", ".join(shown) + _more(found) or "none"
 
     def words(self, text: str) -> str:
-        """What is no formula."""
         return text
 
     def form(self, value: Any) -> str:
@@ -107,7 +105,6 @@ class _Text:
         return self.radicals(exact, digits)
 
     def math(self, text: str) -> str:
-        """What is mathematics and written already."""
         return text
 
     def items(self, values: Sequence[Any]) -> str:
@@ -141,7 +138,6 @@ class _Text:
         return f"{place} = {real} + {imaginary}*I" if imaginary else f"{place} = {real}"
 
     def complex_number(self, value: Imaginary | Complex) -> str:
-        """An eigenvalue off the real axis."""
         found = record(value)
         if found["exact"]:
             return self.form(found["exact"])
@@ -163,20 +159,16 @@ class _Text:
         return f"{known} + O({_power(value.variable, len(value.coefficients))})"
 
     def term(self, value: LeadingTerm | FamilyTerm) -> str:
-        """A leading term."""
         coefficient, power = self.of((parts(value) or {})["coefficient"]), _power("h", value.power)
         return f"({coefficient}) {power}" if " " in coefficient else f"{coefficient} {power}"
 
     def interval(self, value: Interval | ParameterSet) -> str:
-        """An interval, or a union of some."""
         return str(value)
 
     def order_set(self, value: OrderSet) -> str:
-        """Where the order is at least so high."""
         return f"{value.order} on {self.of(value.values)}" if value.values.intervals else f"{value.order} nowhere"
 
     def piece(self, value: LimitPiece) -> str:
-        """A limit on an interval of the parameter."""
         found = self.of(value.limit)
         if value.curve is not None:
             found = f"positive root {value.root} of {self.form(value.curve)}"
@@ -201,13 +193,11 @@ class _Text:
         return f"h {'<=' if attained else '<'}"
 
     def boundary(self, value: RegionBoundary) -> str:
-        """The first points of the upper half-plane."""
         points = [f"{re} + {im}*I" for _, re, im in value.points[:MOST_ITEMS_SHOWN]]
         error = f"|error| < {record(value)['radius']}"
         return f"{', '.join(points)}{_more(value.points)}; {error}, and the conjugates"
 
     def undecided(self, value: Exception) -> str:
-        """Why there is no answer."""
         return self.words(f"not decided: {value}")
 
 

@@ -119,7 +119,6 @@ class _Formula:
         self.write = write
 
     def of(self, node: ExpressionNode) -> str:
-        """A node as a sum that needs no brackets."""
         write = self.write
         match node:
             case NumberNode():
@@ -141,7 +140,6 @@ class _Formula:
         return self.write.bracket(self.of(node)) if _is_sum(node) or _is_negative(node) else self.of(node)
 
     def sum(self, node: ChainNode) -> str:
-        """Terms with their signs."""
         parts = [self.of(node.first)]
         for sign, term in node.rest:
             parts += [self.write.operator(sign.text), self.factor(term)]
