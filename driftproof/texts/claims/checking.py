@@ -66,13 +66,18 @@ def check_claims(document: Document, claims: Iterable[Claim]) -> list[CheckedCla
 
 def check_claim(document: Document, claim: Claim, spellings: Spellings) -> CheckedClaim:
     """The claim, whose values are spelled so, held to the text."""
-    found = tuple(
-        Occurrence(*match.span(), tuple(match.span(name) for name in claim.phrase.names))
-        for match in claim.phrase.exact(spellings, claim.ignore_case).finditer(document.text.text)
-    )
+    found = occurrences_of(document, claim, spellings)
     wrong = _surplus if len(found) > claim.count else _missing
     findings = () if len(found) == claim.count else tuple(wrong(document, claim, spellings, found))
     return CheckedClaim(claim, found, findings)
+
+
+def occurrences_of(document: Document, claim: Claim, spellings: Spellings) -> tuple[Occurrence, ...]:
+    """Everywhere that the phrase stands with its values, spelled so."""
+    return tuple(
+        Occurrence(*match.span(), tuple(match.span(name) for name in claim.phrase.names))
+        for match in claim.phrase.exact(spellings, claim.ignore_case).finditer(document.text.text)
+    )
 
 
 def _times(count: int) -> str:

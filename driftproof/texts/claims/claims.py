@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 from driftproof.support import toml_tables as toml
 from driftproof.support.toml_tables import TomlTable
@@ -155,7 +155,7 @@ def _label(entry: TomlTable, number: int) -> NumberLabel:
         return NumberLabel(_phrase(entry), entry["why"])
 
 
-def _is_text(found: object, longest: int) -> bool:
+def _is_text(found: object, longest: int) -> TypeGuard[str]:
     return isinstance(found, str) and 0 < len(found) <= longest
 
 

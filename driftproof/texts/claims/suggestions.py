@@ -159,8 +159,10 @@ class Suggestions:
         near = self.text[max(0, number.start - _NEIGHBOURHOOD) : number.end + _NEIGHBOURHOOD].lower()
         stand = {name: bool(re.search(rf"(?<![a-z]){name}", near)) for known in self._known for name in known.names}
         line = self._beside(number) if self.asked else set()
-        fit = lambda known: sum(stand[name] for name in known.names) + sum(x in line for x in known.numbers)
-        return {known.question: fit(known) for known in self._known}
+        return {
+            known.question: sum(stand[name] for name in known.names) + sum(x in line for x in known.numbers)
+            for known in self._known
+        }
 
     def _beside(self, number: TextNumber) -> set[Fraction]:
         return {x for start, x in self._lines[self.text.count("\n", 0, number.start)] if start != number.start}
