@@ -245,8 +245,6 @@ def _law(name: str, estimate: _Estimate, attempts: Sequence[Attempt], atol: floa
     free = [
         p for p in points if not p.rejections and not any(_is(p.factor, limit) for limit in (largest, smallest, 1.0))
     ]
-    if len(free) < 5:
-        return None
     # Without memory, if that suffices; some codes remember no error below 10^-4.
     remembered = [p for p in free if p.before > log(_LEAST_REMEMBERED)]
     fits = (_fitted(free, 2), _fitted(free, 3), _fitted(remembered, 3), _fitted(free, 4))
@@ -289,7 +287,7 @@ def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: flo
 
 def _fitted(points: Sequence[_Point], terms: int) -> Any:
     """log of safety, exponent and, further terms, memory, that give all the factors; None if there are none."""
-    if len(points) < terms + 2:
+    if len(points) < terms + 3:
         return None
     matrix = np.array([[1.0, -p.error, p.before, p.growth] for p in points])[:, :terms]
     logarithms = np.log([p.factor for p in points])
