@@ -48,6 +48,7 @@ def test_the_law_comes_out_as_it_went_in(name, as_before):
 
 RULES = {
     "right": (lambda factor, rejections: factor, ""),
+    "lazy": (lambda factor, rejections: 1.0 if 1 < factor < 1.2 else factor, ""),
     "late": (lambda factor, rejections: 0.9 if rejections == 3 else factor, "after 3 or more rejections in a row are"),
     "at the second": (lambda factor, rejections: factor / 2 if rejections == 2 else factor, "after 2 or more"),
     "at every rejection": (lambda factor, rejections: 0.5 if rejections else factor, "after 1 or more"),

@@ -148,3 +148,26 @@ def test_too_few_steps_of_its_own_are_said():
     few = lambda f, t_span, y0: run(adams_bashforth2, f, t_span, y0, 10)
     with pytest.raises(NotReadable, match="it returns 11 states in a run of 40 steps"):
         read_memory(SolverTarget(few).open())
+
+
+def stuck(f, t_span, y0, rtol, atol):
+    """Adaptive, and never at the end of a long span."""
+    while t_span[1] > 20:
+        f(t_span[0], y0)
+    return adaptive()(f, t_span, y0, rtol, atol)
+
+
+@pytest.mark.parametrize(
+    ("solve", "words"),
+    [
+        (
+            by_number(lambda: lambda f, t, y, h: y + h * (0.3 * f(t, y) + 0.7 * f(t + h, y + h * f(t, y)))),
+            "each step is made of the state before alone",
+        ),
+        (stuck, "after 30000 calls of f"),
+    ],
+    ids=["of one step", "stuck"],
+)
+def test_what_is_no_memory_says_what_was_seen(solve, words):
+    with pytest.raises(NotReadable, match=words):
+        read_memory(SolverTarget(solve).open())
