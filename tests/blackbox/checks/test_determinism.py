@@ -12,22 +12,8 @@ from tests.blackbox.checks.habits import (
     Counter,
     Multistep,
     SharedMultistep,
-    assert_fault,
-    identified,
     results_of,
 )
-
-FAULTS = [
-    (Multistep().step, "no_memory", "the answer depends on the call before"),
-    (SharedMultistep().step, "own_memory", "a second object shares the memory"),
-    (Counter().step, "same_answer_twice", "every call changes something that it remembers"),
-    (UNREPEATABLE, "same_answer_twice", "noise, or something that it remembers outside"),
-]
-
-
-@pytest.mark.parametrize(("step", "key", "words"), FAULTS, ids=identified)
-def test_a_fault_is_told_in_words(step, key, words):
-    assert_fault(step, key, words)
 
 
 class Slip:

@@ -1,13 +1,8 @@
 """A step is told to be linear, linear up to a border, or bent; and what becomes of the smallest numbers."""
 
-import numpy as np
 import pytest
 
 from tests.blackbox.checks.habits import (
-    FALLS,
-    FORCE_LIMITED,
-    PENDULUM,
-    SPEED_CAPPED,
     assert_fault,
     code,
     identified,
@@ -43,20 +38,12 @@ def test_what_becomes_of_small_states_is_told(step, key, words):
     assert_fault(step, key, words)
 
 
-def test_a_system_that_falls_does_not_rest():
-    seen = result(FALLS, "rest")
-    assert (seen.holds, seen.words) == (None, "(0, 0) does not stay at rest, it goes to (0.0, -2.4525)")
-
-
 NONLINEAR = [
-    (PENDULUM, "nonlinear: at q = 0.739 it departs from proportionality by 0.024"),
     (WRAPPED_PENDULUM, "nonlinear: at q = 2.96 it departs from proportionality by 0.23"),
-    (FORCE_LIMITED, "linear up to q = 10 and no further; linear up to q = -10 and no further"),
     (
         code("q, v = plain(q, v, 1 / 60)\nreturn q, bounded(v, -100.0, 100.0)"),
         "linear up to v = 100 and no further; linear up to v = -100 and no further",
     ),
-    (FALLS, "not proportional to the state, since (0, 0) moves"),
     (code("v = v - h * max(q, 0.0); return q + h * v, v"), "not linear: S(-z) is not -S(z)"),
     (
         code("return q + h * v, v - h * (q + 0.1 * math.sqrt(abs(q * v)))"),
@@ -70,15 +57,3 @@ def test_a_nonlinear_step_is_told_from_one_that_is_cut_off(step, words):
     seen = result(step, "linear")
     assert (seen.holds, seen.is_fault) == (False, False)
     assert words in seen.words
-
-
-@pytest.mark.parametrize(
-    ("step", "words"), [NONLINEAR[0], (FORCE_LIMITED, "linear up to q = 10 and no further")], ids=identified
-)
-def test_it_is_told_in_binary32_as_in_binary64(step, words):
-    assert words in result(step, "linear", array=np.float32).words
-
-
-def test_a_linear_step_with_a_domain_is_linear_in_it():
-    seen = result(SPEED_CAPPED, "linear")
-    assert (seen.holds, seen.words) == (True, "linear within its domain, to rounding")

@@ -5,16 +5,14 @@ import pytest
 
 from driftproof.blackbox.checks.step_size import sub_steps
 from driftproof.blackbox.stepper.opening import opened
-from tests.blackbox.checks.habits import CAPPED_STEP, FIXED_STEP, SUB_STEPS, assert_fault, code, identified, result
+from tests.blackbox.checks.habits import assert_fault, code, identified, result
 
 FAULTS = [
-    (FIXED_STEP, "step_size", "h is ignored: the step by which (0, 1) moves by 1/60 is always taken"),
     (
         code("v = v + force(q) / 240; return q + v / 240, v", "force, q, v, h"),
         "step_size",
         "h is ignored: a step of 1/240 is always taken",
     ),
-    (CAPPED_STEP, "step_size", "h is capped at 0.1"),
     (code("return plain(q, v, max(h, 1e-4) if h > 0 else h)"), "step_size", "h is raised to 0.0001"),
     (code("return plain(q, v, max(h, 0.3))"), "step_size", "h is raised to 0.3"),
     (
@@ -22,7 +20,6 @@ FAULTS = [
         "step_size",
         "h below 0.01 does nothing; h is taken in whole steps: every h from 0.25 to 0.26",
     ),
-    (SUB_STEPS, "sub_steps", "above h = 0.05 it takes sub-steps"),
     (
         code(
             "n = max(1, math.ceil(abs(h) / 0.05))\n"

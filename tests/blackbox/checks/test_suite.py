@@ -69,12 +69,6 @@ def test_a_planted_fault_is_told_and_no_other(step, keys):
     assert {seen.key for seen in results_of(step) if seen.is_fault} == keys
 
 
-def test_an_iteration_leaves_open_whether_it_takes_sub_steps():
-    seen = result(ITERATES, "sub_steps")
-    assert seen.holds is None
-    assert "it iterates, or adapts a step of its own" in seen.words
-
-
 CLEAN = {key: float_stepper(key) for key in ("forward_euler", "symplectic_euler", "rk4", "velocity_verlet", "yoshida8")}
 CLEAN |= {"called as a map": plain, "called with a field": TOLD_THE_TIME}
 
@@ -206,7 +200,8 @@ HABITS |= {f"the {name} of others": vars(codes)[name] for name in ("rk4", "veloc
 UNREPEATABLE = HABITS.pop("UNREPEATABLE")
 
 
-IN_BINARY32 = ("plain", "SPEED_CAPPED", "WRAPPED", "FORCE_LIMITED", "SUB_STEPS", "ITERATES", "the rk4 of others")
+IN_BINARY32 = ("plain", "SPEED_CAPPED", "SLOW_SPEEDS_REST", "EPISODE", "WRAPPED", "FORCE_LIMITED", "PENDULUM")
+IN_BINARY32 += ("SUB_STEPS", "ITERATES", "the rk4 of others")
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from math import nan
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -168,8 +167,3 @@ def test_a_maker_of_other_arguments_is_refused_in_one_line():
 def test_an_attribute_that_is_not_there_is_a_finding_in_its_own_words():
     report = identify(stepper_of(Body, position="where", velocity="v", advance="leap"))
     assert "has no attribute 'leap'" in report.verdict
-
-
-def test_the_help_shows_it(capsys):
-    text = (Path(__file__).parents[3] / "driftproof/commands/steppers.py").read_text(encoding="utf-8")
-    assert "stepper_of(lambda force: Body(acceleration=force)" in text
