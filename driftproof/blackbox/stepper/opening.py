@@ -15,14 +15,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from driftproof.blackbox.findings import Exchanged, Increment, Misbehaviour, StaleSlope, WrongShape
-from driftproof.blackbox.stepper.array_adapters import (
-    ARRAYS,
-    LISTS,
-    SCALARS,
-    ArrayAdapter,
-    adapters_of,
-    as_array,
-)
+from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, SCALARS, ArrayAdapter, adapters_of, as_array
 from driftproof.blackbox.stepper.calling_conventions import (
     BESIDES,
     FIELD,

@@ -7,13 +7,7 @@ import pytest
 
 from driftproof.blackbox.checks.determinism import repeats, several_states
 from driftproof.blackbox.stepper.opening import opened
-from tests.blackbox.checks.habits import (
-    UNREPEATABLE,
-    Counter,
-    Multistep,
-    SharedMultistep,
-    results_of,
-)
+from tests.blackbox.checks.habits import UNREPEATABLE, Counter, Multistep, SharedMultistep, results_of
 
 
 class Slip:

@@ -4,16 +4,7 @@ import random
 
 import pytest
 
-from tests.blackbox.checks.habits import (
-    assert_fault,
-    bounded,
-    code,
-    identified,
-    plain,
-    result,
-    results_of,
-    then,
-)
+from tests.blackbox.checks.habits import assert_fault, bounded, code, identified, plain, result, results_of, then
 
 WRAPPED_ONCE = then("q = q - 2 * math.pi if q > math.pi else q + 2 * math.pi if q < -math.pi else q")
 SQUARES = code(

@@ -2,13 +2,7 @@
 
 import pytest
 
-from tests.blackbox.checks.habits import (
-    assert_fault,
-    code,
-    identified,
-    result,
-    then,
-)
+from tests.blackbox.checks.habits import assert_fault, code, identified, result, then
 
 WRAPPED_PENDULUM = code(
     "q, v = plain(q, v - h * (math.sin(q) - q), h)\nreturn (q + math.pi) % (2 * math.pi) - math.pi, v"

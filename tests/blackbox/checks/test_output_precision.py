@@ -2,10 +2,7 @@
 
 import pytest
 
-from tests.blackbox.checks.habits import (
-    code,
-    result,
-)
+from tests.blackbox.checks.habits import code, result
 
 
 @pytest.mark.parametrize(("times", "holds"), [(48, False), (100, True)])

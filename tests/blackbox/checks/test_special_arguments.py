@@ -2,12 +2,7 @@
 
 import pytest
 
-from tests.blackbox.checks.habits import (
-    DIVIDES_BY_H,
-    assert_fault,
-    code,
-    identified,
-)
+from tests.blackbox.checks.habits import DIVIDES_BY_H, assert_fault, code, identified
 
 FAULTS = [
     (DIVIDES_BY_H, "zero_step", "h = 0 is divided by: it raises ZeroDivisionError"),

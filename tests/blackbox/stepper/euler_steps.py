@@ -54,8 +54,7 @@ class Tensor:
         return self.data.shape
 
 
-def map_of_numbers(q, v, h):
-    return q + h * v, v - h * q
+map_of_numbers = lambda q, v, h: (q + h * v, v - h * q)
 
 
 def map_of_a_state(state, dt):
@@ -68,12 +67,8 @@ def map_of_a_list(state, dt):
     return [state[0] + dt * state[1], state[1] - dt * state[0]]
 
 
-def map_with_the_time(t, y, h):
-    return t + h, np.array([y[0] + h * y[1], y[1] - h * y[0]])
-
-
-def force_of_numbers(force, q, v, h):
-    return q + h * v, v + h * force(q)
+map_with_the_time = lambda t, y, h: (t + h, np.array([y[0] + h * y[1], y[1] - h * y[0]]))
+force_of_numbers = lambda force, q, v, h: (q + h * v, v + h * force(q))
 
 
 def force_of_arrays(x, v, acceleration, dt):
@@ -82,32 +77,13 @@ def force_of_arrays(x, v, acceleration, dt):
     return np.stack([x + dt * v, v + dt * a])
 
 
-def force_and_time(force, t, q, v, h):
-    return q + h * v, v + h * force(q, v, t)
-
-
-def field(f, t, y, h):
-    return y + h * f(t, y)
-
-
-def field_of_lists(f, t, y, h):
-    return [a + h * b for a, b in zip(y, f(t, y), strict=True)] if y != 0 else []
-
-
-def field_with_the_time_back(f, t, y, h):
-    return t + h, y + h * f(t, y)
-
-
-def field_state_first(f, y, t, h):
-    return y + h * f(y, t)
-
-
-def field_that_calls_the_other_way(f, t, y, h):
-    return y + h * f(y, t)
-
-
-def field_without_time(f, y, dt):
-    return y + dt * f(y)
+force_and_time = lambda force, t, q, v, h: (q + h * v, v + h * force(q, v, t))
+field = lambda f, t, y, h: y + h * f(t, y)
+field_of_lists = lambda f, t, y, h: [a + h * b for a, b in zip(y, f(t, y), strict=True)] if y != 0 else []
+field_with_the_time_back = lambda f, t, y, h: (t + h, y + h * f(t, y))
+field_state_first = lambda f, y, t, h: y + h * f(y, t)
+field_that_calls_the_other_way = lambda f, t, y, h: y + h * f(y, t)
+field_without_time = lambda f, y, dt: y + dt * f(y)
 
 
 def numbers_in_place(x, v, dt):
@@ -131,12 +107,7 @@ def both(q, v, h):
     return q, v
 
 
-def generator(q, v, h):
-    return (x for x in map_of_numbers(q, v, h))
-
-
-ALL = [
-    *(map_of_numbers, map_of_a_state, map_of_a_list, map_with_the_time, force_of_numbers, force_of_arrays),
-    *(force_and_time, field, field_of_lists, field_with_the_time_back, field_state_first, field_without_time),
-    *(field_that_calls_the_other_way, numbers_in_place, state_in_place, list_in_place, both, generator),
-]
+generator = lambda q, v, h: (x for x in map_of_numbers(q, v, h))
+ALL = {
+    name: step for name, step in vars().items() if getattr(step, "__module__", "") == __name__ and step is not Tensor
+}

@@ -24,23 +24,18 @@ from tests.blackbox.transcripts import Asked
 STATE, H = (1.0, 0.75), 0.25
 
 
-@pytest.mark.parametrize("step", ALL)
+@pytest.mark.parametrize("step", ALL.values(), ids=ALL)
 def test_every_way_to_write_forward_euler_is_forward_euler(step, as_before):
     asked = Asked(step)
     subject = opened(asked.code)
-    as_before(
-        subject.adapter.name,
-        subject.convention.kind,
-        subject.convention.order,
-        call_text(subject, 1.0, 0.75, 0.25),
-        asked,
-    )
+    shown = call_text(subject, 1.0, 0.75, 0.25)
+    as_before(subject.adapter.name, subject.convention.kind, subject.convention.order, shown, asked)
     assert subject.step(*STATE, H) == EULER
     assert all(type(x) is float for x in subject.step(*STATE, H))
     assert subject.format is BINARY64
 
 
-@pytest.mark.parametrize("step", ALL)
+@pytest.mark.parametrize("step", ALL.values(), ids=ALL)
 def test_h_of_0_and_rest_are_answered_however_the_step_is_written(step):
     subject = opened(step)
     assert subject.step(*STATE, 0.0) == STATE
