@@ -15,84 +15,59 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.steppers import float_stepper
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.checks import habits
-from tests.blackbox.checks.habits import (
-    ABSOLUTE_STEP,
-    ADDS_INTO_ITS_ARGUMENTS,
-    CAPPED_STEP,
-    CAR_IN_A_VALLEY,
-    DIVIDES_BY_H,
-    FALLS,
-    ITERATES,
-    PENDULUM,
-    POSITIVE_STEPS_ONLY,
-    REPAIRS_NAN,
-    SINGLE,
-    SIX_DECIMALS,
-    SLOW_SPEEDS_REST,
-    SPEED_CAPPED,
-    SUB_STEPS,
-    TOLD_THE_TIME,
-    WRAPPED,
-    identified,
-    own_buffer,
-    plain,
-    result,
-    results_of,
-    then,
-)
 from tests.blackbox.transcripts import Asked
 from tests.looping import some
 
 ALL_FAULTS = [
-    (CAR_IN_A_VALLEY, {"position_range", "velocity_range", "not_a_number", "not_a_number_step", "infinity"}),
-    (SPEED_CAPPED, {"velocity_range"}),
-    (SLOW_SPEEDS_REST, {"small_states"}),
-    (CAPPED_STEP, {"step_size"}),
-    (SUB_STEPS, {"sub_steps"}),
-    (DIVIDES_BY_H, {"zero_step"}),
-    (ABSOLUTE_STEP, {"negative_step"}),
-    (SINGLE, {"full_precision"}),
-    (SIX_DECIMALS, {"full_precision", "small_digits"}),
-    (ADDS_INTO_ITS_ARGUMENTS, {"keeps_arguments"}),
-    (own_buffer, {"keeps_answers"}),
-    (then("q = max(q, 0.0)"), {"position_range"}),
-    (WRAPPED, {"position_range", "small_digits"}),
-    (PENDULUM, set()),
-    (FALLS, set()),
-    (ITERATES, set()),
-    (POSITIVE_STEPS_ONLY, set()),
+    (habits.CAR_IN_A_VALLEY, {"position_range", "velocity_range", "not_a_number", "not_a_number_step", "infinity"}),
+    (habits.SPEED_CAPPED, {"velocity_range"}),
+    (habits.SLOW_SPEEDS_REST, {"small_states"}),
+    (habits.CAPPED_STEP, {"step_size"}),
+    (habits.SUB_STEPS, {"sub_steps"}),
+    (habits.DIVIDES_BY_H, {"zero_step"}),
+    (habits.ABSOLUTE_STEP, {"negative_step"}),
+    (habits.SINGLE, {"full_precision"}),
+    (habits.SIX_DECIMALS, {"full_precision", "small_digits"}),
+    (habits.ADDS_INTO_ITS_ARGUMENTS, {"keeps_arguments"}),
+    (habits.own_buffer, {"keeps_answers"}),
+    (habits.then("q = max(q, 0.0)"), {"position_range"}),
+    (habits.WRAPPED, {"position_range", "small_digits"}),
+    (habits.PENDULUM, set()),
+    (habits.FALLS, set()),
+    (habits.ITERATES, set()),
+    (habits.POSITIVE_STEPS_ONLY, set()),
 ]
 
 
-@pytest.mark.parametrize(("step", "keys"), ALL_FAULTS, ids=identified)
+@pytest.mark.parametrize(("step", "keys"), ALL_FAULTS, ids=habits.identified)
 def test_a_planted_fault_is_told_and_no_other(step, keys):
-    assert {seen.key for seen in results_of(step) if seen.is_fault} == keys
+    assert {seen.key for seen in habits.results_of(step) if seen.is_fault} == keys
 
 
 CLEAN = {key: float_stepper(key) for key in ("forward_euler", "symplectic_euler", "rk4", "velocity_verlet", "yoshida8")}
-CLEAN |= {"called as a map": plain, "called with a field": TOLD_THE_TIME}
+CLEAN |= {"called as a map": habits.plain, "called with a field": habits.TOLD_THE_TIME}
 
 
 @pytest.mark.parametrize("step", CLEAN.values(), ids=CLEAN)
 def test_a_clean_stepper_has_no_fault_and_leaves_no_question_open(step):
     traits = {"symmetric", "reversible", "area_preserving", "norm_preserving"}
-    found = results_of(step)
+    found = habits.results_of(step)
     assert [seen.words for seen in found if not seen.holds and seen.key not in traits] == []
     assert len({seen.key for seen in found}) == len(found) >= len(CHECKS)
 
 
 def test_no_explicit_method_of_the_catalogue_has_a_fault():
     explicit = some([key for key, method in METHODS.items() if method.explicit][::3], 27)
-    assert [key for key in explicit for seen in some(results_of(float_stepper(key))) if seen.is_fault] == []
+    assert [key for key in explicit for seen in some(habits.results_of(float_stepper(key))) if seen.is_fault] == []
 
 
 def test_the_same_clauses_hold_in_binary32_with_arrays_of_that_type():
-    found = results_of(plain, array=np.float32)
+    found = habits.results_of(habits.plain, array=np.float32)
     assert [seen.words for seen in found if seen.is_fault] == []
     assert "returns float32" in [seen.words for seen in found]
 
 
-@pytest.mark.parametrize("step", [*CLEAN.values(), PENDULUM, SPEED_CAPPED], ids=[*CLEAN, "bent", "cap"])
+@pytest.mark.parametrize("step", [*CLEAN.values(), habits.PENDULUM, habits.SPEED_CAPPED], ids=[*CLEAN, "bent", "cap"])
 def test_all_checks_take_a_few_hundred_calls(step):
     calls = []
     with warnings.catch_warnings(action="ignore"):
@@ -103,19 +78,19 @@ def test_all_checks_take_a_few_hundred_calls(step):
 
 
 REPEATED = [
-    (SPEED_CAPPED, "velocity_range"),
-    (WRAPPED, "position_range"),
-    (CAPPED_STEP, "step_size"),
-    (REPAIRS_NAN, "not_a_number"),
+    (habits.SPEED_CAPPED, "velocity_range"),
+    (habits.WRAPPED, "position_range"),
+    (habits.CAPPED_STEP, "step_size"),
+    (habits.REPAIRS_NAN, "not_a_number"),
     (CLEAN["rk4"], "symmetric"),
     (CLEAN["rk4"], "large_states"),
-    (TOLD_THE_TIME, "area_preserving"),
+    (habits.TOLD_THE_TIME, "area_preserving"),
 ]
 
 
-@pytest.mark.parametrize(("step", "key"), REPEATED, ids=identified)
+@pytest.mark.parametrize(("step", "key"), REPEATED, ids=habits.identified)
 def test_the_call_of_an_example_made_again_has_the_same_answer(step, key):
-    example = result(step, key).example
+    example = habits.result(step, key).example
     assert example
     for trial in example:
         again = eval(trial.call, {"step": step, "numpy": np})
@@ -123,7 +98,7 @@ def test_the_call_of_an_example_made_again_has_the_same_answer(step, key):
 
 
 def test_clauses_are_json_with_numbers_as_strings():
-    seen = result(SPEED_CAPPED, "velocity_range").as_dict()
+    seen = habits.result(habits.SPEED_CAPPED, "velocity_range").as_dict()
     assert json.loads(json.dumps(seen, allow_nan=False)) == seen
     assert seen["example"][0] == {
         "call": "step(0.3125, 100.0, 5e-324)",
@@ -131,7 +106,7 @@ def test_clauses_are_json_with_numbers_as_strings():
         "answer": ["0.3125", "100.0"],
         "failure": None,
     }
-    nan = result(REPAIRS_NAN, "not_a_number").as_dict()
+    nan = habits.result(habits.REPAIRS_NAN, "not_a_number").as_dict()
     assert nan["example"][0]["given"]["q"] == "nan"
 
 
@@ -171,7 +146,7 @@ HANGING = {
 
 @pytest.mark.parametrize("hung", HANGING)
 def test_a_call_that_hangs_leaves_its_question_open_and_is_nobodys_refusal(hung):
-    serving = Serving(Target(plain), list(CHECKS.values()), hung=[hung])
+    serving = Serving(Target(habits.plain), list(CHECKS.values()), hung=[hung])
     outcomes = [serving.outcome(index) for index in range(len(CHECKS))]
     kinds = {key: outcome.kind for key, outcome in zip(CHECKS, outcomes, strict=True) if outcome.failed}
     assert kinds == dict.fromkeys(HANGING[hung], "time_limit")
@@ -189,13 +164,15 @@ def test_a_limit_an_end_from_outside_and_a_mistake_of_ours_leave_a_question_open
 def said_of(step, **how):
     return [
         line
-        for seen in results_of(step, **how)
+        for seen in habits.results_of(step, **how)
         for line in (f"{seen.key} {seen.holds}: {seen.words}", *(f"    {trial.line}" for trial in seen.example))
     ]
 
 
-ORDINARY = set(said_of(plain))
-HABITS = {name: step for name, step in vars(habits).items() if name.isupper() and callable(step)} | {"plain": plain}
+ORDINARY = set(said_of(habits.plain))
+HABITS = {name: step for name, step in vars(habits).items() if name.isupper() and callable(step)} | {
+    "plain": habits.plain
+}
 HABITS |= {f"the {name} of others": vars(codes)[name] for name in ("rk4", "velocity_verlet", "rk4_in_lists")}
 UNREPEATABLE = HABITS.pop("UNREPEATABLE")
 

@@ -7,29 +7,19 @@ import pytest
 from driftproof.blackbox.checks.trials import CheckResult, Trial, Unsteady, same, steady_runner
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
-from tests.blackbox.checks.habits import (
-    CAR_IN_A_VALLEY,
-    FIXED_POINT,
-    INTEGERS,
-    ROUNDED_TO_SINGLE,
-    SINGLE,
-    SIX_DECIMALS,
-    UNREPEATABLE,
-    Multistep,
-    plain,
-)
+from tests.blackbox.checks import habits
 
 
 @pytest.mark.parametrize(
     ("step", "fmt", "grain"),
     [
-        (plain, BINARY64, 0.0),
-        (SINGLE, BINARY32, 0.0),
-        (ROUNDED_TO_SINGLE, BINARY32, 0.0),
-        (SIX_DECIMALS, BINARY64, 1e-6),
-        (FIXED_POINT, BINARY64, 2.0**-16),
-        (INTEGERS, BINARY64, 1.0),
-        (CAR_IN_A_VALLEY, BINARY64, 0.0),
+        (habits.plain, BINARY64, 0.0),
+        (habits.SINGLE, BINARY32, 0.0),
+        (habits.ROUNDED_TO_SINGLE, BINARY32, 0.0),
+        (habits.SIX_DECIMALS, BINARY64, 1e-6),
+        (habits.FIXED_POINT, BINARY64, 2.0**-16),
+        (habits.INTEGERS, BINARY64, 1.0),
+        (habits.CAR_IN_A_VALLEY, BINARY64, 0.0),
     ],
 )
 def test_the_arithmetic_of_a_stepper_is_seen(step, fmt, grain):
@@ -43,18 +33,18 @@ def test_states_are_small_enough_for_a_limit_that_only_a_step_of_zero_shows():
             raise ValueError("the step is too short")
         return max(-0.3, min(0.3, q + h * v)), v - h * q
 
-    assert (steady_runner(opened(limited)).size, steady_runner(opened(plain)).size) == (2.0**-3, 1.0)
+    assert (steady_runner(opened(limited)).size, steady_runner(opened(habits.plain)).size) == (2.0**-3, 1.0)
 
 
 def test_no_trials_are_made_of_answers_that_vary():
     with pytest.raises(Unsteady, match="the same call does not give the same answer again"):
-        steady_runner(opened(UNREPEATABLE))
+        steady_runner(opened(habits.UNREPEATABLE))
     with pytest.raises(Unsteady):
-        steady_runner(opened(Multistep().step))
+        steady_runner(opened(habits.Multistep().step))
 
 
 def test_a_trial_is_made_once():
-    subject = opened(plain)
+    subject = opened(habits.plain)
     runner = steady_runner(subject)
     calls = subject.log.calls
     assert runner.trial(1.0, 2.0, 0.5) is runner.trial(1.0, 2.0, 0.5)

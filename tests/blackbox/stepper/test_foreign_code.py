@@ -8,20 +8,12 @@ import pytest
 
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, StepRaised, WrongShape
 from driftproof.blackbox.stepper.opening import opened
-from tests.blackbox.stepper.euler_steps import (
-    both,
-    field,
-    list_in_place,
-    map_of_a_state,
-    map_of_numbers,
-    numbers_in_place,
-    state_in_place,
-)
+from tests.blackbox.stepper import euler_steps
 
 STATE, H = (1.0, 0.75), 0.25
 
 
-@pytest.mark.parametrize("step", [numbers_in_place, state_in_place, list_in_place])
+@pytest.mark.parametrize("step", [euler_steps.numbers_in_place, euler_steps.state_in_place, euler_steps.list_in_place])
 def test_a_step_in_place_is_seen_by_the_log(step):
     subject = opened(step)
     subject.step(*STATE, H)
@@ -30,17 +22,17 @@ def test_a_step_in_place_is_seen_by_the_log(step):
 
 
 def test_the_log_tells_changed_arguments_from_a_step_in_place():
-    subject = opened(both, array=np.array)
+    subject = opened(euler_steps.both, array=np.array)
     subject.step(*STATE, H)
     assert (subject.log.changes_its_arguments, subject.log.works_in_place) == (True, False)
-    clean = opened(map_of_a_state)
+    clean = opened(euler_steps.map_of_a_state)
     clean.step(*STATE, H)
     assert (clean.log.changes_its_arguments, clean.log.works_in_place) == (False, False)
     assert (clean.log.calls, clean.log.types) == (1, {"float64"})
 
 
 def test_nan_in_an_argument_is_no_change_of_it():
-    subject = opened(map_of_a_state)
+    subject = opened(euler_steps.map_of_a_state)
     assert str(subject.step(float("nan"), 0.75, H)) == "(nan, nan)"
     assert not subject.log.changes_its_arguments
 
@@ -121,9 +113,9 @@ def test_exceptions_of_the_stepper_come_in_one_line():
 
 def test_each_call_is_told_before_it_is_made():
     told = []
-    opened(map_of_numbers, before=told.append).step(2.0, 0.0, 0.5)
-    opened(field, before=told.append)
-    opened(map_of_a_state, before=told.append)
+    opened(euler_steps.map_of_numbers, before=told.append).step(2.0, 0.0, 0.5)
+    opened(euler_steps.field, before=told.append)
+    opened(euler_steps.map_of_a_state, before=told.append)
     assert told == [
         *("q=1.0, v=0.75, h=0.25", "q=2.0, v=0.0, h=0.5"),
         *("t=0.0, y=[1.0, 0.75], h=0.25", "state=[1.0, 0.75], h=0.25"),
@@ -136,7 +128,7 @@ def test_each_call_is_said_to_be_over_also_where_it_raises():
     def step(q, v, h):
         if q > 1:
             raise RuntimeError("large")
-        return map_of_numbers(q, v, h)
+        return euler_steps.map_of_numbers(q, v, h)
 
     subject = opened(step, before=lambda call: told.append(1), after=lambda: told.append(-1))
     with pytest.raises(StepRaised):

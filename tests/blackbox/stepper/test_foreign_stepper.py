@@ -9,33 +9,24 @@ from driftproof.blackbox.findings import UnsupportedCall, WrongShape
 from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.symbolic.rounding.formats import BINARY64
-from tests.blackbox.stepper.euler_steps import (
-    ALL,
-    EULER,
-    field,
-    field_of_lists,
-    field_state_first,
-    field_with_the_time_back,
-    force_of_numbers,
-    map_of_numbers,
-)
+from tests.blackbox.stepper import euler_steps
 from tests.blackbox.transcripts import Asked
 
 STATE, H = (1.0, 0.75), 0.25
 
 
-@pytest.mark.parametrize("step", ALL.values(), ids=ALL)
+@pytest.mark.parametrize("step", euler_steps.ALL.values(), ids=euler_steps.ALL)
 def test_every_way_to_write_forward_euler_is_forward_euler(step, as_before):
     asked = Asked(step)
     subject = opened(asked.code)
     shown = call_text(subject, 1.0, 0.75, 0.25)
     as_before(subject.adapter.name, subject.convention.kind, subject.convention.order, shown, asked)
-    assert subject.step(*STATE, H) == EULER
+    assert subject.step(*STATE, H) == euler_steps.EULER
     assert all(type(x) is float for x in subject.step(*STATE, H))
     assert subject.format is BINARY64
 
 
-@pytest.mark.parametrize("step", ALL.values(), ids=ALL)
+@pytest.mark.parametrize("step", euler_steps.ALL.values(), ids=euler_steps.ALL)
 def test_h_of_0_and_rest_are_answered_however_the_step_is_written(step):
     subject = opened(step)
     assert subject.step(*STATE, 0.0) == STATE
@@ -50,7 +41,12 @@ def test_a_right_hand_side_of_one_number_may_be_all_it_takes():
 
 
 def test_the_right_hand_side_is_told_the_time():
-    for step in (field, field_state_first, field_with_the_time_back, field_of_lists):
+    for step in (
+        euler_steps.field,
+        euler_steps.field_state_first,
+        euler_steps.field_with_the_time_back,
+        euler_steps.field_of_lists,
+    ):
         asked = []
         opened(step).step_field(lambda t, y, asked=asked: (asked.append(t), [0.0, 0.0])[1], 8.0, STATE, H)
         assert asked == [8.0]
@@ -58,15 +54,15 @@ def test_the_right_hand_side_is_told_the_time():
 
 def test_a_call_that_is_not_offered_is_refused():
     with pytest.raises(UnsupportedCall, match="'map', which takes no right-hand side"):
-        opened(map_of_numbers).step_field(lambda t, y: y, 0.0, STATE, H)
+        opened(euler_steps.map_of_numbers).step_field(lambda t, y: y, 0.0, STATE, H)
     with pytest.raises(UnsupportedCall):
-        opened(map_of_numbers).step_with(lambda q: -q, *STATE, H)
+        opened(euler_steps.map_of_numbers).step_with(lambda q: -q, *STATE, H)
     with pytest.raises(UnsupportedCall, match="no velocity"):
-        opened(force_of_numbers).step_dragged(lambda t, q, v: [0.0], 0.0, [1.0], [0.75], H)
+        opened(euler_steps.force_of_numbers).step_dragged(lambda t, q, v: [0.0], 0.0, [1.0], [0.75], H)
 
 
 def test_a_field_answers_a_force_and_both_another_than_the_oscillator():
-    for step in (force_of_numbers, field):
+    for step in (euler_steps.force_of_numbers, euler_steps.field):
         assert opened(step).step_with(lambda q: -4 * q, *STATE, H) == (1.1875, -0.25)
 
 
@@ -94,7 +90,7 @@ def test_several_states_are_stepped_at_once_where_position_and_velocity_are_apar
     ends = [(1.1875, 0.5), (2.125, 0.0)]
     assert opened(step).step_batch([1.0, 2.0], [0.75, 0.5], H) == ends
     with pytest.raises(UnsupportedCall, match="one array, which is one state"):
-        opened(field).step_batch([1.0, 2.0], [0.75, 0.5], H)
+        opened(euler_steps.field).step_batch([1.0, 2.0], [0.75, 0.5], H)
 
 
 def test_a_copy_remembers_nothing_and_what_cannot_be_copied_is_refused():
@@ -107,6 +103,6 @@ def test_a_copy_remembers_nothing_and_what_cannot_be_copied_is_refused():
 
     subject = opened(Accelerating())
     first = subject.fresh().step(*STATE, H)
-    assert first == subject.fresh().step(*STATE, H) == EULER != subject.step(*STATE, H)
+    assert first == subject.fresh().step(*STATE, H) == euler_steps.EULER != subject.step(*STATE, H)
     with pytest.raises(UnsupportedCall, match="no copy"):
         replace(subject, pristine=None).fresh()
